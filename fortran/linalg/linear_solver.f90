@@ -1,0 +1,94 @@
+!> What every direct solver can do: analyse a pattern once, factorise values, solve, and give
+!> the exact condensation onto the equations that were ordered last.
+!>
+!> To add one: a file `solver_<name>.f90` that extends this type, and a `case` in the factory.
+module lopin_linear_solver
+   use lopin_kinds, only : wp, lk
+   use lopin_error, only : error_type
+   use lopin_csc, only : csc_type
+   implicit none
+   private
+   public :: linear_solver_type, matrix_class
+
+   !> What is known of a matrix; a solver refuses by name what it cannot take.
+   type :: matrix_classes
+      integer :: positive_definite = 1, symmetric_indefinite = 2, general = 3
+   end type matrix_classes
+   type(matrix_classes), parameter :: matrix_class = matrix_classes()
+
+   type, abstract :: linear_solver_type
+      integer :: n = 0                    !! equations
+      integer :: nlast = 0                !! equations kept last
+      integer(lk) :: factor_entries = 0   !! numbers stored in the factor
+      real(wp) :: flops = 0.0_wp          !! of the last factorisation; 0 if unknown
+   contains
+      procedure(name_if), deferred :: name
+      procedure(accepts_if), deferred :: accepts
+      procedure(analyse_if), deferred :: analyse
+      procedure(factorise_if), deferred :: factorise
+      procedure(solve_if), deferred :: solve
+      procedure(trailing_if), deferred :: trailing_factor
+      procedure(pass_if), deferred :: forward
+      procedure(pass_if), deferred :: backward
+   end type linear_solver_type
+
+   abstract interface
+      !> The word that selects it: skyline, cholmod, umfpack, dense.
+      function name_if(self) result(name)
+         import :: linear_solver_type
+         class(linear_solver_type), intent(in) :: self
+         character(len=:), allocatable :: name
+      end function name_if
+
+      !> Empty if matrices of this class (matrix_class%...) are accepted, else the reason in a sentence.
+      function accepts_if(self, class_of) result(reason)
+         import :: linear_solver_type
+         class(linear_solver_type), intent(in) :: self
+         integer, intent(in) :: class_of
+         character(len=:), allocatable :: reason
+      end function accepts_if
+
+      !> Order and analyse the pattern of `a`; equations `last` (1-based) come last, in this order.
+      subroutine analyse_if(self, a, class_of, last, error)
+         import :: linear_solver_type, csc_type, error_type
+         class(linear_solver_type), intent(inout) :: self
+         type(csc_type), intent(in) :: a
+         integer, intent(in) :: class_of
+         integer, intent(in) :: last(:)
+         type(error_type), allocatable, intent(out) :: error
+      end subroutine analyse_if
+
+      !> Factorise the values of `a`. Errors: singular, with the equation (1-based) in `bad`; else bad = 0.
+      subroutine factorise_if(self, a, bad, error)
+         import :: linear_solver_type, csc_type, error_type
+         class(linear_solver_type), intent(inout) :: self
+         type(csc_type), intent(in) :: a
+         integer, intent(out) :: bad
+         type(error_type), allocatable, intent(out) :: error
+      end subroutine factorise_if
+
+      !> x <- A^-1 x for all columns.
+      subroutine solve_if(self, x)
+         import :: linear_solver_type, wp
+         class(linear_solver_type), intent(inout) :: self
+         real(wp), contiguous, intent(inout) :: x(:, :)   !! (n, nrhs)
+      end subroutine solve_if
+
+      !> Dense lower L with L L^T = Schur complement on the equations kept last, in their order.
+      subroutine trailing_if(self, l, error)
+         import :: linear_solver_type, wp, error_type
+         class(linear_solver_type), intent(inout) :: self
+         real(wp), intent(out) :: l(:, :)                 !! (nlast, nlast), zero above the diagonal
+         type(error_type), allocatable, intent(out) :: error
+      end subroutine trailing_if
+
+      !> One half of a solve, A = (P^T L)(L^T P). forward: y = L^-1 P b; backward: x = P^T L^-T y.
+      !> The last nlast entries of y belong to the equations kept last, in their order.
+      subroutine pass_if(self, b, y)
+         import :: linear_solver_type, wp
+         class(linear_solver_type), intent(inout) :: self
+         real(wp), contiguous, intent(in) :: b(:)         !! (n)
+         real(wp), contiguous, intent(out) :: y(:)        !! (n)
+      end subroutine pass_if
+   end interface
+end module lopin_linear_solver
