@@ -1,0 +1,78 @@
+!> What an analysis tells the outside: once before the first step, after each accepted increment, at the end.
+!>
+!> Recorders never change the run: what they are given is read only, and a recorder that fails
+!> returns an error which ends the run with the files complete up to the last increment.
+module lopin_recorder
+   use lopin_error, only : error_type
+   use lopin_model, only : model_type
+   use lopin_state, only : frame_type, summary_type
+   implicit none
+   private
+   public :: recorder_type, recorder_holder_type, wants_type
+
+   !> What some recorder will read of a frame; the rest is not computed.
+   type :: wants_type
+      logical :: stress = .false., strain = .false., nodal_stress = .false.
+   end type wants_type
+
+   type, abstract :: recorder_type
+   contains
+      procedure(begin_if), deferred :: begin
+      procedure(increment_if), deferred :: increment
+      procedure(finish_if), deferred :: finish
+      procedure :: line => no_line
+      procedure :: wants => wants_nothing
+   end type recorder_type
+
+   type :: recorder_holder_type
+      class(recorder_type), allocatable :: recorder
+   end type recorder_holder_type
+
+   abstract interface
+      subroutine begin_if(self, model, error)
+         import :: recorder_type, model_type, error_type
+         class(recorder_type), intent(inout) :: self
+         type(model_type), intent(in) :: model
+         type(error_type), allocatable, intent(out) :: error
+      end subroutine begin_if
+
+      subroutine increment_if(self, model, frame, error)
+         import :: recorder_type, model_type, frame_type, error_type
+         class(recorder_type), intent(inout) :: self
+         type(model_type), intent(in) :: model
+         type(frame_type), intent(in) :: frame
+         type(error_type), allocatable, intent(out) :: error
+      end subroutine increment_if
+
+      !> Called once, also after a failure: `failure` then holds what went wrong.
+      subroutine finish_if(self, model, summary, failure, error)
+         import :: recorder_type, model_type, summary_type, error_type
+         class(recorder_type), intent(inout) :: self
+         type(model_type), intent(in) :: model
+         type(summary_type), intent(in) :: summary
+         type(error_type), allocatable, intent(in) :: failure
+         type(error_type), allocatable, intent(out) :: error
+      end subroutine finish_if
+   end interface
+
+contains
+
+   !> One line of the run's log (plan, iteration, warning): ignored unless a recorder overrides it.
+   subroutine no_line(self, text)
+      class(recorder_type), intent(inout) :: self
+      character(len=*), intent(in) :: text
+      associate (unused => self, also => text)
+      end associate
+   end subroutine no_line
+
+   !> What this recorder reads in the increment to come.
+   function wants_nothing(self, model, step, increment) result(wants)
+      class(recorder_type), intent(in) :: self
+      type(model_type), intent(in) :: model
+      integer, intent(in) :: step, increment
+      type(wants_type) :: wants
+      associate (unused => self, also => model, too => step + increment)
+         wants = wants_type()
+      end associate
+   end function wants_nothing
+end module lopin_recorder

@@ -1,0 +1,250 @@
+!> Everything the deck said, resolved to indices and checked. Never changes after `new_model`.
+!>
+!> Indices point into the lists of this type; 0 means "none". Locations point into the deck, so that an
+!> error found while solving still shows the user's line. Physical dofs of a node are numbered as in
+!> Abaqus: 1..3 translations, 4..6 rotations (2D: 1, 2 and 6; axisymmetric: 1 = r, 2 = z).
+module lopin_model
+   use lopin_kinds, only : wp
+   use lopin_error, only : location_type, log_type
+   use lopin_mesh, only : mesh_type
+   use lopin_tool, only : tool_type
+   implicit none
+   private
+   public :: model_type, material_type, section_type, surface_data_type, rigid_body_type
+   public :: interaction_type, pair_type, amplitude_type, equation_type, transform_type
+   public :: step_type, prescribed_type, point_load_type, face_load_type, body_load_type, output_type
+   public :: control_type, tool_holder_type
+   public :: kind_of, method_of, overclosure_of, surface_of, output_of, initial_of, amplitude_value
+
+   !> What the whole scene is; every section of a scene has the same number of dimensions.
+   type :: kinds_of
+      integer :: plane_strain = 1, plane_stress = 2, axisymmetric = 3, solid = 4, rigid = 5
+   end type kinds_of
+   type(kinds_of), parameter :: kind_of = kinds_of()
+
+   !> Enforcement: the four methods of seed J.
+   type :: methods_of
+      integer :: lagrange = 1, penalty = 2, perturbed = 3, augmented = 4
+   end type methods_of
+   type(methods_of), parameter :: method_of = methods_of()
+
+   type :: overclosures_of
+      integer :: hard = 1, linear = 2, exponential = 3, tabular = 4, tied = 5
+   end type overclosures_of
+   type(overclosures_of), parameter :: overclosure_of = overclosures_of()
+
+   type :: surfaces_of
+      integer :: faces = 1, nodes = 2, tool = 3
+   end type surfaces_of
+   type(surfaces_of), parameter :: surface_of = surfaces_of()
+
+   type :: outputs_of
+      integer :: node_print = 1, element_print = 2, contact_print = 3
+      integer :: node_file = 4, element_file = 5, contact_file = 6
+      integer :: field = 7, history = 8      !! *OUTPUT, FIELD / HISTORY
+   end type outputs_of
+   type(outputs_of), parameter :: output_of = outputs_of()
+
+   !> What to do with an initial overclosure of a pair (`*CONTACT CONTROLS, INITIAL=`).
+   type :: initials_of
+      integer :: automatic = 1, error = 2, interference = 3, adjust = 4
+   end type initials_of
+   type(initials_of), parameter :: initial_of = initials_of()
+
+   type :: material_type
+      character(len=:), allocatable :: name
+      type(location_type) :: at
+      logical :: has_elastic = .false.
+      real(wp) :: young = 0.0_wp      !! [stress]
+      real(wp) :: poisson = 0.0_wp    !! [-]
+      real(wp) :: density = 0.0_wp    !! [mass/length^3]
+   end type material_type
+
+   type :: section_type
+      type(location_type) :: at
+      integer :: material = 0
+      real(wp) :: thickness = 1.0_wp                    !! plane kinds [length]
+      character(len=4) :: formulation = ''              !! '' (default), 'FULL'
+   end type section_type
+
+   !> A named surface: faces of elements, nodes with areas, or a rigid analytic tool.
+   type :: surface_data_type
+      character(len=:), allocatable :: name
+      type(location_type) :: at
+      integer :: kind = 1                               !! surface_of%...
+      integer, allocatable :: element(:), face(:)       !! faces: element index, Abaqus face number
+      integer, allocatable :: node(:)                   !! nodes: node indices
+      real(wp), allocatable :: area(:)                  !! nodes: area of each; 0: none, pressure is a force
+      integer :: tool = 0                               !! tool: index into model%tool
+   end type surface_data_type
+
+   type :: tool_holder_type
+      character(len=:), allocatable :: name
+      class(tool_type), allocatable :: shape            !! geometry at time zero
+      integer :: rigid_body = 0                         !! the body that moves it; 0: fixed in space
+   end type tool_holder_type
+
+   !> A rigid body: an analytic surface, or nodes/elements that follow a reference node.
+   type :: rigid_body_type
+      character(len=:), allocatable :: name             !! for messages
+      type(location_type) :: at
+      integer :: reference = 0                          !! reference node index
+      integer :: rotation = 0                           !! node whose dofs 1..3 are the rotations (ROT NODE); 0: dofs 4..6
+      integer :: tool = 0                               !! analytic surface, or 0
+      integer, allocatable :: node(:)                   !! nodes that follow (without the reference node)
+   end type rigid_body_type
+
+   type :: interaction_type
+      character(len=:), allocatable :: name
+      type(location_type) :: at
+      integer :: method = 1                             !! method_of%...
+      integer :: overclosure = 1                        !! overclosure_of%...
+      logical :: no_separation = .false.
+      real(wp) :: slope = 0.0_wp                        !! pressure per penetration [stress/length]; 0: automatic
+      real(wp) :: clearance = 0.0_wp                    !! gap at which pressure starts [length]
+      real(wp) :: scale = 1.0_wp                        !! factor on the slope
+      real(wp), allocatable :: table(:, :)              !! (2, n) pressure, overclosure; exponential: (p0, c0)
+      real(wp) :: friction = 0.0_wp                     !! read, must be 0 in this version
+   end type interaction_type
+
+   type :: control_type
+      integer :: max_augmentations = 50
+      real(wp) :: relative_penetration = 0.0_wp         !! 0: not given [-]
+      real(wp) :: absolute_penetration = 0.0_wp         !! 0: not given [length]
+      integer :: initial = 1                            !! initial_of%...
+   end type control_type
+
+   type :: pair_type
+      type(location_type) :: at
+      integer :: slave = 0, master = 0                  !! surfaces
+      integer :: interaction = 0
+      logical :: surface_to_surface = .false.           !! as the deck says; the note says what is done
+      logical :: small_sliding = .false.
+      logical :: tied = .false.
+      real(wp) :: adjust = -1.0_wp                      !! ADJUST=tolerance; <0: none; YES: 0
+      integer, allocatable :: adjust_node(:)            !! ADJUST=nset
+      logical :: has_clearance = .false.
+      real(wp) :: clearance = 0.0_wp                    !! *CLEARANCE, VALUE=: replaces every initial gap
+      real(wp) :: extension = 0.1_wp                    !! EXTENSION ZONE, fraction of a facet
+      type(control_type) :: control
+   end type pair_type
+
+   type :: amplitude_type
+      character(len=:), allocatable :: name
+      real(wp), allocatable :: time(:), value(:)
+      logical :: total_time = .false.
+   end type amplitude_type
+
+   !> sum coefficient * u(dof of node) = 0; the first term is eliminated.
+   type :: equation_type
+      type(location_type) :: at
+      integer, allocatable :: node(:), dof(:)
+      real(wp), allocatable :: coefficient(:)
+   end type equation_type
+
+   !> Local axes of the nodes that have one; rows of `axes` are the local directions.
+   type :: transform_type
+      integer, allocatable :: node(:)
+      real(wp), allocatable :: axes(:, :, :)            !! (3, 3, node)
+   end type transform_type
+
+   type :: prescribed_type
+      type(location_type) :: at
+      integer :: node = 0, dof = 0
+      real(wp) :: value = 0.0_wp                        !! at the end of the step (times amplitude) [length] or [rad]
+      integer :: amplitude = 0
+   end type prescribed_type
+
+   type :: point_load_type
+      type(location_type) :: at
+      integer :: node = 0, dof = 0
+      real(wp) :: value = 0.0_wp                        !! [force]; full circumference if axisymmetric
+      integer :: amplitude = 0
+   end type point_load_type
+
+   type :: face_load_type
+      type(location_type) :: at
+      integer :: element = 0, face = 0
+      real(wp) :: pressure = 0.0_wp                     !! > 0 pushes into the element [stress]
+      real(wp) :: traction(3) = 0.0_wp                  !! added to the pressure [stress]
+      integer :: amplitude = 0
+   end type face_load_type
+
+   type :: body_load_type
+      type(location_type) :: at
+      integer :: element = 0
+      real(wp) :: force(3) = 0.0_wp                     !! per unit volume; gravity already times density [force/length^3]
+      integer :: amplitude = 0
+   end type body_load_type
+
+   type :: output_type
+      type(location_type) :: at
+      integer :: kind = 0                               !! output_of%...
+      integer :: set = 0                                !! node or element set index; 0: everything
+      character(len=8), allocatable :: variable(:)      !! as written, upper case: U, RF, S, E, CDIS ...
+      integer :: frequency = 1
+      logical :: totals = .false., totals_only = .false.
+      integer :: slave = 0, master = 0                  !! surfaces of *CONTACT PRINT
+   end type output_type
+
+   !> One step; prescribed values and loads are the complete lists in force (OP= is resolved).
+   type :: step_type
+      type(location_type) :: at
+      character(len=:), allocatable :: heading
+      logical :: ramp = .true.                          !! .false.: AMPLITUDE=STEP
+      logical :: direct = .false.                       !! fixed increments
+      real(wp) :: initial = 1.0_wp, period = 1.0_wp, smallest = 0.0_wp, largest = 0.0_wp
+      integer :: max_increments = 100
+      type(prescribed_type), allocatable :: prescribed(:)
+      type(point_load_type), allocatable :: point_load(:)
+      type(face_load_type), allocatable :: face_load(:)
+      type(body_load_type), allocatable :: body_load(:)
+      type(output_type), allocatable :: output(:)
+   end type step_type
+
+   !> All lists are allocated, possibly with size 0.
+   type :: model_type
+      character(len=:), allocatable :: heading
+      integer :: kind = 0                               !! kind_of%... of the scene (plane strain if mixed with stress)
+      type(mesh_type) :: mesh
+      character(len=8), allocatable :: element_word(:)  !! what mesh%etype points to, e.g. CPE4
+      type(material_type), allocatable :: material(:)
+      type(section_type), allocatable :: section(:)
+      type(surface_data_type), allocatable :: surface(:)
+      type(tool_holder_type), allocatable :: tool(:)
+      type(rigid_body_type), allocatable :: rigid_body(:)
+      type(interaction_type), allocatable :: interaction(:)
+      type(pair_type), allocatable :: pair(:)
+      type(amplitude_type), allocatable :: amplitude(:)
+      type(equation_type), allocatable :: equation(:)
+      type(transform_type) :: transform
+      type(step_type), allocatable :: step(:)
+      ! *LOPIN
+      character(len=:), allocatable :: path             !! AUTO, CONDENSED, NEWTON
+      character(len=:), allocatable :: solver           !! AUTO or a solver's word
+      real(wp) :: target_error = 0.01_wp                !! relative pressure error that the automatic penalty aims at [-]
+      integer :: continuation = 1                       !! number of penalties of the sequence of problems (seed J.1)
+      type(log_type) :: log                             !! notes and warnings met while building
+   end type model_type
+
+contains
+
+   !> Value of an amplitude at a time; linear between points, constant outside.
+   pure real(wp) function amplitude_value(self, time) result(value)
+      type(amplitude_type), intent(in) :: self
+      real(wp), intent(in) :: time
+      integer :: i, n
+
+      n = size(self%time)
+      value = self%value(n)
+      if (time >= self%time(n)) return
+      value = self%value(1)
+      do i = 2, n
+         if (time > self%time(i)) cycle
+         if (time <= self%time(i - 1)) return
+         value = self%value(i - 1) + (self%value(i) - self%value(i - 1)) &
+            & *(time - self%time(i - 1))/(self%time(i) - self%time(i - 1))
+         return
+      end do
+   end function amplitude_value
+end module lopin_model
