@@ -1,0 +1,245 @@
+!> Element words of the deck: which cell, which kind, which formulation, tabulated at its Gauss points.
+!>
+!> A word is prefix (CPE, CPS, CAX, C3D), number of nodes and letters (R, H, I, M). Variants that Lopin does
+!> not have are read as the nearest formulation, and `note` says so.
+module lopin_element_type
+   use lopin_kinds, only : wp
+   use lopin_cells, only : cell_type, new_cell, new_sided_cell, new_cell_of, shape_functions
+   use lopin_quadrature, only : rule_type, new_rule
+   implicit none
+   private
+   public :: element_type, element_kind, element_formulation, element_words, new_element_type
+
+   type :: kinds
+      integer :: plane_strain = 1, plane_stress = 2, axisymmetric = 3, solid = 4, rigid = 5
+   end type kinds
+   type(kinds), parameter :: element_kind = kinds()
+
+   !> bbar: mean dilatation; full: no change; reduced: quadratic with the points of the linear cell.
+   type :: formulations
+      integer :: bbar = 1, full = 2, reduced = 3
+   end type formulations
+   type(formulations), parameter :: element_formulation = formulations()
+
+   character(len=*), parameter :: element_words(66) = [character(len=7) :: &
+      & 'CPE3', 'CPE3H', 'CPE4', 'CPE4R', 'CPE4H', 'CPE4I', 'CPE4RH', 'CPE4IH', 'CPE6', 'CPE6H', 'CPE6M', &
+      & 'CPE6MH', 'CPE8', 'CPE8R', 'CPE8H', 'CPE8RH', 'CPS3', 'CPS4', 'CPS4R', 'CPS4I', 'CPS6', 'CPS6M', &
+      & 'CPS8', 'CPS8R', 'CAX3', 'CAX3H', 'CAX4', 'CAX4R', 'CAX4H', 'CAX4I', 'CAX4RH', 'CAX4IH', 'CAX6', &
+      & 'CAX6H', 'CAX6M', 'CAX6MH', 'CAX8', 'CAX8R', 'CAX8H', 'CAX8RH', 'C3D4', 'C3D4H', 'C3D6', 'C3D6H', &
+      & 'C3D8', 'C3D8R', 'C3D8H', 'C3D8I', 'C3D8RH', 'C3D8IH', 'C3D10', 'C3D10H', 'C3D10M', 'C3D10MH', &
+      & 'C3D10I', 'C3D15', 'C3D15H', 'C3D20', 'C3D20R', 'C3D20H', 'C3D20RH', 'R2D2', 'RAX2', 'R3D3', 'R3D4', &
+      & 'C3D6R']
+
+   !> Everything that is the same for all elements of a word.
+   type :: element_type
+      character(len=7) :: word = ''
+      character(len=:), allocatable :: note   !! what the user must know of the reading; '' if nothing
+      type(cell_type) :: cell
+      integer :: kind = 0                     !! one of element_kind
+      integer :: formulation = 0              !! one of element_formulation
+      logical :: axisymmetric = .false.       !! also of the rigid RAX2
+      integer :: ndim = 0                     !! displacement components of a node, 2 or 3
+      integer :: nnode = 0
+      integer :: ndof = 0                     !! ndim*nnode; 0 if rigid
+      integer :: nstress = 0                  !! 4 in 2D, 6 in 3D; 0 if rigid
+      integer :: ngauss = 0
+      real(wp), allocatable :: xi(:, :)             !! (ndim, ngauss) Gauss points
+      real(wp), allocatable :: weight(:)            !! (ngauss) parametric weights
+      real(wp), allocatable :: n(:, :)              !! (nnode, ngauss) shape functions
+      real(wp), allocatable :: dn(:, :, :)          !! (ndim, nnode, ngauss) parametric slopes
+      real(wp), allocatable :: extrapolation(:, :)  !! (nnode, ngauss) values at Gauss points -> at nodes
+   end type element_type
+
+contains
+
+   !> The element of a deck word.
+   subroutine new_element_type(self, word, formulation, found)
+      type(element_type), intent(out) :: self
+      character(len=*), intent(in) :: word          !! upper case, e.g. 'CAX4R'
+      character(len=*), intent(in) :: formulation   !! '' or 'FULL': no mean dilatation, no reduced rule
+      logical, intent(out) :: found
+      integer :: last
+
+      self%note = ''
+      found = any(element_words == word)
+      if (.not. found) return
+      self%word = word
+      if (word(1:1) == 'R') then
+         call set_rigid(self)
+         return
+      end if
+      last = scan(word, '0123456789', back=.true.)
+      call set_solid_cell(self, word(:3), word(4:last))
+      call set_formulation(self, word(last + 1:), formulation)
+      call tabulate(self)
+   end subroutine new_element_type
+
+   subroutine set_rigid(self)
+      type(element_type), intent(inout) :: self
+      logical :: found
+
+      self%kind = element_kind%rigid
+      self%formulation = element_formulation%full
+      self%axisymmetric = self%word == 'RAX2'
+      select case (self%word)
+      case ('R3D3')
+         call new_sided_cell(self%cell, 'triangle', found)
+      case ('R3D4')
+         call new_sided_cell(self%cell, 'quad', found)
+      case default
+         call new_sided_cell(self%cell, 'line2', found)
+      end select
+      self%ndim = self%cell%ndim + 1
+      self%nnode = self%cell%nnode
+   end subroutine set_rigid
+
+   subroutine set_solid_cell(self, prefix, nodes)
+      type(element_type), intent(inout) :: self
+      character(len=*), intent(in) :: prefix, nodes
+      character(len=*), parameter :: plane(4) = [character(len=9) :: 'triangle', 'quad', 'triangle6', 'quad8']
+      character(len=*), parameter :: plane_nodes(4) = ['3', '4', '6', '8']
+      character(len=*), parameter :: space(6) = [character(len=12) :: 'tetra', 'wedge', 'hexahedron', &
+         & 'tetra10', 'wedge15', 'hexahedron20']
+      character(len=*), parameter :: space_nodes(6) = [character(len=2) :: '4', '6', '8', '10', '15', '20']
+      logical :: found
+
+      if (prefix == 'C3D') then
+         call new_cell(self%cell, trim(space(findloc(space_nodes, nodes, dim=1))), found)
+      else
+         call new_cell(self%cell, trim(plane(findloc(plane_nodes, nodes, dim=1))), found)
+      end if
+      select case (prefix)
+      case ('CPE')
+         self%kind = element_kind%plane_strain
+      case ('CPS')
+         self%kind = element_kind%plane_stress
+      case ('CAX')
+         self%kind = element_kind%axisymmetric
+      case ('C3D')
+         self%kind = element_kind%solid
+      end select
+      self%axisymmetric = self%kind == element_kind%axisymmetric
+      self%ndim = self%cell%ndim
+      self%nnode = self%cell%nnode
+      self%ndof = self%ndim*self%nnode
+      self%nstress = merge(6, 4, self%ndim == 3)
+   end subroutine set_solid_cell
+
+   subroutine set_formulation(self, letters, wish)
+      type(element_type), intent(inout) :: self
+      character(len=*), intent(in) :: letters   !! what follows the number of nodes
+      character(len=*), intent(in) :: wish      !! '' or 'FULL'
+      logical :: product, reduced, averaged
+      character(len=:), allocatable :: name
+
+      product = self%cell%name == 'quad' .or. self%cell%name == 'hexahedron'
+      reduced = index(letters, 'R') > 0 .and. self%cell%quadratic
+      averaged = product .and. self%kind /= element_kind%plane_stress
+      name = trim(self%word)
+      self%formulation = element_formulation%full
+      if (wish == 'FULL') then
+         if (index(letters, 'R') > 0) self%note = name//' is integrated fully, as FORMULATION=FULL asks'
+         return
+      end if
+      if (averaged) self%formulation = element_formulation%bbar
+      if (reduced) self%formulation = element_formulation%reduced
+      if (index(letters, 'R') > 0 .and. .not. reduced) then
+         self%note = name//' is integrated fully'
+         if (averaged) self%note = self%note//' with mean dilatation (B-bar)'
+         self%note = self%note//', so it has no hourglass modes'
+      else if (index(letters, 'I') > 0) then
+         self%note = name//' is read without incompatible modes'
+         if (averaged) self%note = self%note//', with mean dilatation (B-bar)'
+         if (product) self%note = self%note//': it is stiffer in bending'
+      else if (index(letters, 'M') > 0) then
+         self%note = name//' is read as the standard quadratic element'
+      end if
+      if (index(letters, 'H') > 0) then
+         if (len(self%note) > 0) self%note = self%note//'; '
+         if (len(self%note) == 0) self%note = name//' is read as a displacement element: '
+         self%note = self%note//'pressure is not an unknown, keep Poisson''s ratio below 0.5'
+      end if
+   end subroutine set_formulation
+
+   subroutine tabulate(self)
+      type(element_type), intent(inout) :: self
+      type(rule_type) :: rule
+      integer :: k
+
+      call choose_rule(self, rule)
+      self%ngauss = rule%npoint
+      self%xi = rule%xi
+      self%weight = rule%weight
+      allocate (self%n(self%nnode, self%ngauss), self%dn(self%ndim, self%nnode, self%ngauss))
+      do k = 1, self%ngauss
+         call shape_functions(self%cell, self%xi(:, k), self%n(:, k), self%dn(:, :, k))
+      end do
+      call set_extrapolation(self)
+   end subroutine tabulate
+
+   !> Degrees that pass the patch test on straight-sided cells; one point more for the axisymmetric triangle.
+   subroutine choose_rule(self, rule)
+      type(element_type), intent(in) :: self
+      type(rule_type), intent(out) :: rule
+      integer :: degree
+
+      select case (self%cell%name)
+      case ('triangle', 'tetra')
+         degree = merge(2, 1, self%axisymmetric)
+         call new_rule(rule, self%cell%family, degree)
+      case ('triangle6', 'tetra10')
+         call new_rule(rule, self%cell%family, 2)
+      case ('wedge')
+         call new_rule(rule, self%cell%family, 2, through=3)
+      case ('wedge15')
+         call new_rule(rule, self%cell%family, 2, through=5)
+      case ('quad', 'hexahedron')
+         call new_rule(rule, self%cell%family, 3)
+      case default
+         degree = merge(3, 5, self%formulation == element_formulation%reduced)
+         call new_rule(rule, self%cell%family, degree)
+      end select
+   end subroutine choose_rule
+
+   !> Least squares by the functions of the linear cell, evaluated at the nodes.
+   subroutine set_extrapolation(self)
+      type(element_type), intent(inout) :: self
+      type(cell_type) :: linear
+      real(wp) :: slopes(3, 8)
+      real(wp), allocatable :: at_gauss(:, :), at_node(:, :), normal(:, :), fit(:, :)
+      integer :: k, m
+
+      allocate (self%extrapolation(self%nnode, self%ngauss))
+      self%extrapolation = 1.0_wp/real(self%ngauss, wp)
+      m = self%cell%ncorner
+      if (self%ngauss < m) return
+      call new_cell_of(linear, 2*self%cell%family - 1)
+      allocate (at_gauss(m, self%ngauss), at_node(m, self%nnode))
+      do k = 1, self%ngauss
+         call shape_functions(linear, self%xi(:, k), at_gauss(:, k), slopes(:self%ndim, :m))
+      end do
+      do k = 1, self%nnode
+         call shape_functions(linear, self%cell%xi(:self%ndim, k), at_node(:, k), slopes(:self%ndim, :m))
+      end do
+      normal = matmul(at_gauss, transpose(at_gauss))
+      fit = at_gauss
+      call solve_in_place(normal, fit)
+      self%extrapolation = matmul(transpose(at_node), fit)
+   end subroutine set_extrapolation
+
+   !> Elimination without pivoting: a is symmetric positive definite, at most 8 x 8.
+   pure subroutine solve_in_place(a, b)
+      real(wp), intent(inout) :: a(:, :), b(:, :)
+      integer :: i, k
+
+      do k = 1, size(a, 1)
+         b(k, :) = b(k, :)/a(k, k)
+         a(k, :) = a(k, :)/a(k, k)
+         do i = 1, size(a, 1)
+            if (i == k) cycle
+            b(i, :) = b(i, :) - a(i, k)*b(k, :)
+            a(i, :) = a(i, :) - a(i, k)*a(k, :)
+         end do
+      end do
+   end subroutine solve_in_place
+end module lopin_element_type
