@@ -1,0 +1,288 @@
+!> Reads decks: the grammar of Abaqus keyword files, from a file or from memory, with its *INCLUDE files.
+!>
+!> Reading goes on after an error, so that one run shows what is wrong everywhere; the first twenty
+!> errors come back together. The keyword table (`lopin_keywords`) then judges every block.
+module lopin_deck
+   use lopin_block, only : source_type, parameter_type, data_line_type, field_type, block_type, &
+      & deck_type, split_fields, count_fields, field_real, field_integer, get_parameter, &
+      & has_parameter, complain, line_text, line_place
+   use lopin_error, only : error_type, log_type, location_type, error_code, severity, raise, raise_all
+   use lopin_keyword_line, only : begin_block, more_parameters
+   use lopin_source, only : new_source_from_file, new_source, folder_of, find_include, include_chain
+   use lopin_text, only : upper, quoted
+   use lopin_validate, only : validate_deck
+   implicit none
+   private
+   public :: read_deck, read_deck_text
+   public :: source_type, parameter_type, data_line_type, field_type, block_type, deck_type
+   public :: split_fields, count_fields, field_real, field_integer, get_parameter, has_parameter
+   public :: complain, line_text, line_place
+
+   integer, parameter :: deepest = 32   !! files included one in another
+   character(len=*), parameter :: blanks = ' '//achar(9)
+
+contains
+
+   !> Read a file and everything that it includes.
+   subroutine read_deck(deck, path, log, error)
+      type(deck_type), intent(out) :: deck
+      character(len=*), intent(in) :: path
+      type(log_type), intent(inout) :: log
+      type(error_type), allocatable, intent(out) :: error
+      type(source_type) :: source
+      logical :: found
+
+      call new_source_from_file(source, path, found)
+      if (.not. found) then
+         call start(deck)
+         call raise(error, error_code%resource, 'E0100', 'cannot read '//quoted(path), &
+            & help='give the path of a deck, for example: lopin run deck.inp')
+         return
+      end if
+      call read_source(deck, source, log, error)
+   end subroutine read_deck
+
+   !> Read a deck that a caller holds in memory.
+   subroutine read_deck_text(deck, text, name, folder, log, error)
+      type(deck_type), intent(out) :: deck
+      character(len=*), intent(in) :: text
+      character(len=*), intent(in) :: name     !! shown in messages instead of a path
+      character(len=*), intent(in) :: folder   !! where its *INCLUDE files are looked for; '' is the current folder
+      type(log_type), intent(inout) :: log
+      type(error_type), allocatable, intent(out) :: error
+      type(source_type) :: source
+
+      call new_source(source, name, folder_of(trim(folder)//'/'), text)
+      if (len_trim(folder) == 0) source%folder = ''
+      call read_source(deck, source, log, error)
+   end subroutine read_deck_text
+
+   subroutine read_source(deck, source, log, error)
+      type(deck_type), intent(inout) :: deck
+      type(source_type), intent(in) :: source
+      type(log_type), intent(inout) :: log
+      type(error_type), allocatable, intent(out) :: error
+      logical :: lost
+
+      call start(deck)
+      call add_source(deck, source)
+      lost = .false.
+      call walk(deck, 1, lost, log)
+      call validate_deck(deck, log)
+      call raise_all(error, error_code%deck, log)
+   end subroutine read_source
+
+   subroutine start(deck)
+      type(deck_type), intent(inout) :: deck
+      allocate (deck%source(0), deck%block(64))
+      deck%nblock = 0
+   end subroutine start
+
+   !> Go through the lines of one source; an include is walked where it stands.
+   recursive subroutine walk(deck, file, lost, log)
+      type(deck_type), intent(inout) :: deck
+      integer, intent(in) :: file
+      logical, intent(inout) :: lost          !! data before any keyword were met and reported
+      type(log_type), intent(inout) :: log
+      type(block_type) :: block
+      integer :: line, first, last
+      logical :: continued
+
+      continued = .false.
+      do line = 1, deck%source(file)%nline
+         call line_span(deck%source(file), line, first, last)
+         associate (text => deck%source(file)%text(first:last))
+            if (is_comment_or_empty(text)) cycle
+            if (continued .and. text(verify(text, blanks):verify(text, blanks)) == '*') then
+               continued = .false.
+               call end_keyword(deck, block, lost, log)
+            end if
+         end associate
+         if (continued) then
+            call more_parameters(block, deck%source(file)%text(first:last), file, line, continued, log)
+            if (.not. continued) call end_keyword(deck, block, lost, log)
+         else if (starts_with_star(deck%source(file)%text(first:last))) then
+            call begin_block(block, deck%source(file)%text(first:last), file, line, continued, log)
+            if (.not. continued) call end_keyword(deck, block, lost, log)
+         else
+            call add_line(deck, deck%source(file)%text(first:last), file, line, lost, log)
+         end if
+      end do
+      if (continued) call end_keyword(deck, block, lost, log)
+   end subroutine walk
+
+   !> A keyword line is complete: open its block, or read the file that it includes.
+   recursive subroutine end_keyword(deck, block, lost, log)
+      type(deck_type), intent(inout) :: deck
+      type(block_type), intent(inout) :: block
+      logical, intent(inout) :: lost
+      type(log_type), intent(inout) :: log
+
+      if (block%keyword == 'INCLUDE') then
+         call include(deck, block, lost, log)
+      else
+         call add_block(deck, block)
+      end if
+   end subroutine end_keyword
+
+   recursive subroutine include(deck, block, lost, log)
+      type(deck_type), intent(inout) :: deck
+      type(block_type), intent(in) :: block
+      logical, intent(inout) :: lost
+      type(log_type), intent(inout) :: log
+      type(source_type) :: source
+      type(location_type) :: at
+      character(len=:), allocatable :: name, path, tried
+      logical :: found
+
+      call get_parameter(block, 'INPUT', name, at, found)
+      if (len(name) == 0) then
+         call complain(log, 'E0105', '*INCLUDE names no file', at, help='write *INCLUDE, INPUT=file.inp')
+         return
+      end if
+      call find_include(deck%source, block%at%file, name, path, tried)
+      if (len(path) == 0) then
+         call complain(log, 'E0105', 'cannot read the included file '//quoted(name), at, &
+            & label='not found', note='tried: '//tried//include_chain(deck%source, block%at%file))
+      else if (is_open(deck%source, block%at%file, path)) then
+         call complain(log, 'E0105', 'the file '//quoted(path)//' includes itself', at, &
+            & label='include loop', note=include_chain(deck%source, block%at%file)//' includes '//path)
+      else
+         call new_source_from_file(source, path, found)
+         source%included_from = block%at
+         call add_source(deck, source)
+         call walk(deck, size(deck%source), lost, log)
+      end if
+   end subroutine include
+
+   !> Whether a file is being read now: it is the given one or one of those that led to it.
+   logical function is_open(source, file, path)
+      type(source_type), intent(in) :: source(:)
+      integer, intent(in) :: file
+      character(len=*), intent(in) :: path
+      integer :: k, depth
+
+      is_open = .true.
+      k = file
+      do depth = 1, deepest
+         if (source(k)%name == path) return
+         k = source(k)%included_from%file
+         if (k == 0) then
+            is_open = .false.
+            return
+         end if
+      end do
+   end function is_open
+
+   !> Append a data line to the last block.
+   subroutine add_line(deck, text, file, line, lost, log)
+      type(deck_type), intent(inout) :: deck
+      character(len=*), intent(in) :: text
+      integer, intent(in) :: file, line
+      logical, intent(inout) :: lost
+      type(log_type), intent(inout) :: log
+      type(data_line_type) :: data
+
+      if (deck%nblock == 0) then
+         data = data_line_type(file, line, text)
+         if (.not. lost) call complain(log, 'E0110', 'data before any keyword', line_place(data), &
+            & label='which keyword does this line belong to?', &
+            & help='a deck begins with a keyword line, for example *HEADING or *NODE')
+         lost = .true.
+         return
+      end if
+      associate (block => deck%block(deck%nblock))
+         if (block%nline == size(block%line)) call grow_lines(block%line)
+         block%nline = block%nline + 1
+         block%line(block%nline)%file = file
+         block%line(block%nline)%line = line
+         block%line(block%nline)%text = text
+      end associate
+   end subroutine add_line
+
+   subroutine grow_lines(line)
+      type(data_line_type), allocatable, intent(inout) :: line(:)
+      type(data_line_type), allocatable :: grown(:)
+      integer :: i
+
+      allocate (grown(max(8, 4*size(line))))
+      do i = 1, size(line)
+         grown(i)%file = line(i)%file
+         grown(i)%line = line(i)%line
+         call move_alloc(line(i)%text, grown(i)%text)
+      end do
+      call move_alloc(grown, line)
+   end subroutine grow_lines
+
+   subroutine add_block(deck, block)
+      type(deck_type), intent(inout) :: deck
+      type(block_type), intent(inout) :: block   !! emptied
+      type(block_type), allocatable :: grown(:)
+      integer :: i
+
+      if (deck%nblock == size(deck%block)) then
+         allocate (grown(2*deck%nblock))
+         do i = 1, deck%nblock
+            call move_block(deck%block(i), grown(i))
+         end do
+         call move_alloc(grown, deck%block)
+      end if
+      deck%nblock = deck%nblock + 1
+      call move_block(block, deck%block(deck%nblock))
+   end subroutine add_block
+
+   subroutine move_block(from, to)
+      type(block_type), intent(inout) :: from, to
+
+      call move_alloc(from%keyword, to%keyword)
+      call move_alloc(from%parameter, to%parameter)
+      call move_alloc(from%line, to%line)
+      to%at = from%at
+      to%nline = from%nline
+   end subroutine move_block
+
+   subroutine add_source(deck, source)
+      type(deck_type), intent(inout) :: deck
+      type(source_type), intent(in) :: source
+      type(source_type), allocatable :: grown(:)
+
+      allocate (grown(size(deck%source) + 1))
+      grown(:size(deck%source)) = deck%source
+      grown(size(grown)) = source
+      call move_alloc(grown, deck%source)
+   end subroutine add_source
+
+   !> First and last character of a line within the text of its source, without its end.
+   pure subroutine line_span(source, line, first, last)
+      type(source_type), intent(in) :: source
+      integer, intent(in) :: line
+      integer, intent(out) :: first, last
+
+      first = source%line_start(line)
+      last = source%line_start(line + 1) - 1
+      if (last >= first) then
+         if (source%text(last:last) == achar(10)) last = last - 1
+      end if
+      if (last >= first) then
+         if (source%text(last:last) == achar(13)) last = last - 1
+      end if
+   end subroutine line_span
+
+   pure logical function is_comment_or_empty(text) result(skip)
+      character(len=*), intent(in) :: text
+      integer :: first
+
+      first = verify(text, blanks)
+      skip = first == 0
+      if (skip .or. first >= len(text)) return
+      skip = text(first:first + 1) == '**'
+   end function is_comment_or_empty
+
+   pure logical function starts_with_star(text)
+      character(len=*), intent(in) :: text
+      integer :: first
+
+      first = verify(text, blanks)
+      starts_with_star = text(first:first) == '*'
+   end function starts_with_star
+end module lopin_deck

@@ -1,0 +1,124 @@
+!> The files of a deck: reading one whole, cutting it into lines, finding what it includes.
+module lopin_source
+   use lopin_block, only : source_type
+   use lopin_text, only : to_text
+   implicit none
+   private
+   public :: new_source, new_source_from_file, folder_of, find_include, include_chain
+
+   character(len=*), parameter :: byte_order_mark = char(239)//char(187)//char(191)
+
+contains
+
+   !> Read a whole file; `found` is false when it cannot be read.
+   subroutine new_source_from_file(self, path, found)
+      type(source_type), intent(out) :: self
+      character(len=*), intent(in) :: path
+      logical, intent(out) :: found
+      character(len=:), allocatable :: text
+      integer :: unit, length, status
+
+      found = .false.
+      open (newunit=unit, file=path, access='stream', form='unformatted', action='read', status='old', &
+         & iostat=status)
+      if (status /= 0) return
+      inquire (unit=unit, size=length)
+      allocate (character(len=max(0, length)) :: text)
+      if (length > 0) read (unit, iostat=status) text
+      close (unit)
+      if (status /= 0 .or. length < 0) return
+      found = .true.
+      call new_source(self, path, folder_of(path), text)
+   end subroutine new_source_from_file
+
+   subroutine new_source(self, name, folder, text)
+      type(source_type), intent(out) :: self
+      character(len=*), intent(in) :: name
+      character(len=*), intent(in) :: folder   !! with a trailing slash, or ''
+      character(len=*), intent(in) :: text
+      integer :: first, i, k
+
+      first = 1
+      if (index(text, byte_order_mark) == 1) first = 4
+      self%name = name
+      self%folder = folder
+      self%text = text(first:)
+      associate (whole => self%text)
+         self%nline = 0
+         do i = 1, len(whole)
+            if (whole(i:i) == achar(10)) self%nline = self%nline + 1
+         end do
+         if (len(whole) > 0) then
+            if (whole(len(whole):) /= achar(10)) self%nline = self%nline + 1
+         end if
+         allocate (self%line_start(self%nline + 1))
+         self%line_start(1) = 1
+         k = 1
+         do i = 1, len(whole)
+            if (whole(i:i) /= achar(10)) cycle
+            k = k + 1
+            self%line_start(k) = i + 1
+         end do
+         self%line_start(self%nline + 1) = len(whole) + 1
+      end associate
+   end subroutine new_source
+
+   !> `a/b/c.inp` lies in `a/b/`; `c.inp` lies in ''.
+   pure function folder_of(path) result(folder)
+      character(len=*), intent(in) :: path
+      character(len=:), allocatable :: folder
+      folder = path(:scan(path, '/\', back=.true.))
+   end function folder_of
+
+   !> Where an included file is: beside the file that names it, else beside the deck.
+   subroutine find_include(source, file, name, path, tried)
+      type(source_type), intent(in) :: source(:)
+      integer, intent(in) :: file                          !! the source with the *INCLUDE line
+      character(len=*), intent(in) :: name
+      character(len=:), allocatable, intent(out) :: path   !! '' when it is nowhere
+      character(len=:), allocatable, intent(out) :: tried  !! the paths looked at
+
+      path = name
+      tried = name
+      if (name(1:1) /= '/') then
+         path = source(file)%folder//name
+         tried = path
+      end if
+      if (readable(path)) return
+      path = source(1)%folder//name
+      if (name(1:1) /= '/' .and. path /= tried) then
+         tried = tried//', '//path
+         if (readable(path)) return
+      end if
+      path = ''
+   end subroutine find_include
+
+   logical function readable(path)
+      character(len=*), intent(in) :: path
+      integer :: unit, status
+
+      open (newunit=unit, file=path, access='stream', form='unformatted', action='read', status='old', &
+         & iostat=status)
+      readable = status == 0
+      if (readable) close (unit)
+   end function readable
+
+   !> `; included from b.inp:3, included from a.inp:12`, or '' for the deck itself.
+   pure function include_chain(source, file) result(text)
+      type(source_type), intent(in) :: source(:)
+      integer, intent(in) :: file
+      character(len=:), allocatable :: text
+      integer :: k
+
+      text = ''
+      k = file
+      do
+         associate (from => source(k)%included_from)
+            if (from%file == 0) return
+            text = text//'; '//source(k)%name//' is included at '//source(from%file)%name//':' &
+               & //to_text(from%line)
+            k = from%file
+         end associate
+      end do
+   end function include_chain
+end module lopin_source
