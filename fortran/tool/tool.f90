@@ -1,9 +1,133 @@
-!> A rigid tool: a surface without mesh and without dofs but those of its reference node.
+!> The contract of a rigid tool: where is the closest point of its surface, and on which side.
+!>
+!> The geometry stands in the tool frame, which is the global frame at time 0. The normal points out of
+!> the tool, towards the body that may touch it; the gap g = n.(x - foot) is positive when open.
 module lopin_tool
+   use lopin_kinds, only : wp
+   use lopin_rigid_motion, only : rigid_motion_type
    implicit none
    private
-   public :: tool_type
+   public :: tool_type, foot_type, coincidence, project_moved, project_all_moved, outer_product
+
+   !> Lengths below `coincidence` times the size of the tool are rounding, not geometry.
+   real(wp), parameter :: coincidence = 1.0e-9_wp
+
+   !> The closest point of a surface and what a contact kernel needs of it.
+   type :: foot_type
+      logical :: found = .false.            !! false only when the surface has no point to offer
+      real(wp) :: point(3) = 0.0_wp         !! closest point of the surface [length]
+      real(wp) :: normal(3) = 0.0_wp        !! unit outward normal = gradient of the gap
+      real(wp) :: gap = 0.0_wp              !! >= 0 open, < 0 penetrating [length]
+      real(wp) :: hessian(3, 3) = 0.0_wp    !! second gradient of the gap = d normal/d x [1/length]
+      real(wp) :: overhang = 0.0_wp         !! > 0: x lies that far beyond an open end [length]
+      integer :: segment = 0                !! segment of a profile, else 1
+      logical :: corner = .false.           !! the foot is a sharp corner
+   end type foot_type
 
    type, abstract :: tool_type
+      integer :: ndim = 3
+      character(len=:), allocatable :: name
+      real(wp) :: size = 1.0_wp !! a length of the geometry; scale of its tolerances [length]
+   contains
+      procedure(project_if), deferred :: project
+      procedure(tessellate_if), deferred :: tessellate
+      procedure(describe_if), deferred :: describe
+      procedure :: project_all
    end type tool_type
+
+   abstract interface
+      !> Closest point among all parts of the surface, by distance, never by the least signed gap.
+      !>
+      !> A sharp convex corner owns the wedge of points nearest to it: the normal is the direction
+      !> from the corner. Beyond an open end (`overhang` > 0) the foot is the end, and gap and normal
+      !> continue the tangent there: the caller decides how far to believe them.
+      pure subroutine project_if(self, x, foot)
+         import :: tool_type, foot_type, wp
+         class(tool_type), intent(in) :: self
+         real(wp), intent(in) :: x(:)           !! (ndim) point in the tool frame [length]
+         type(foot_type), intent(out) :: foot
+      end subroutine project_if
+
+      !> Lines (2D), triangles and quads (3D) of the part of the surface near a box, for drawing.
+      pure subroutine tessellate_if(self, box, points, cells)
+         import :: tool_type, wp
+         class(tool_type), intent(in) :: self
+         real(wp), intent(in) :: box(:, &
+            & :)                  !! (ndim, 2) least and greatest corner [length]
+         real(wp), allocatable, intent(out) :: points(:, &
+            & :) !! (ndim, npoint) in the tool frame [length]
+         integer, allocatable, intent(out) :: cells(:, :)   !! (2 or 4, ncell); triangle: last is 0
+      end subroutine tessellate_if
+
+      !> One phrase for the echo of the model, such as "sphere, radius 10".
+      function describe_if(self) result(text)
+         import :: tool_type
+         class(tool_type), intent(in) :: self
+         character(len=:), allocatable :: text
+      end function describe_if
+   end interface
+
+contains
+
+   !> Every constraint that the tool puts on a point: two near a concave corner, else one.
+   pure subroutine project_all(self, x, reach, feet, nfeet)
+      class(tool_type), intent(in) :: self
+      real(wp), intent(in) :: x(:)              !! (ndim) point in the tool frame [length]
+      real(wp), intent(in) :: reach             !! a concave corner nearer than this counts [length]
+      type(foot_type), intent(out) :: feet(2)   !! the least gap first
+      integer, intent(out) :: nfeet             !! 0, 1 or 2
+
+      nfeet = 0
+      if (reach < 0.0_wp) return
+      call self%project(x, feet(1))
+      if (feet(1)%found) nfeet = 1
+   end subroutine project_all
+
+   !> Project a point of the present on a tool that has moved; the foot is in the present too.
+   pure subroutine project_moved(tool, motion, x, foot)
+      class(tool_type), intent(in) :: tool
+      type(rigid_motion_type), intent(in) :: motion
+      real(wp), intent(in) :: x(:)              !! (ndim) [length]
+      type(foot_type), intent(out) :: foot
+
+      call tool%project(motion%to_tool(x), foot)
+      call move_foot(motion, tool%ndim, foot)
+   end subroutine project_moved
+
+   !> As `project_all`, on a tool that has moved.
+   pure subroutine project_all_moved(tool, motion, x, reach, feet, nfeet)
+      class(tool_type), intent(in) :: tool
+      type(rigid_motion_type), intent(in) :: motion
+      real(wp), intent(in) :: x(:)              !! (ndim) [length]
+      real(wp), intent(in) :: reach             !! as in `project_all` [length]
+      type(foot_type), intent(out) :: feet(2)
+      integer, intent(out) :: nfeet
+      integer :: i
+
+      call tool%project_all(motion%to_tool(x), reach, feet, nfeet)
+      do i = 1, nfeet
+         call move_foot(motion, tool%ndim, feet(i))
+      end do
+   end subroutine project_all_moved
+
+   pure subroutine move_foot(motion, ndim, foot)
+      type(rigid_motion_type), intent(in) :: motion
+      integer, intent(in) :: ndim
+      type(foot_type), intent(inout) :: foot
+
+      foot%point(:ndim) = motion%to_global(foot%point(:ndim))
+      foot%normal(:ndim) = motion%turn(foot%normal(:ndim))
+      foot%hessian(:ndim, :ndim) = matmul(motion%rotation(:ndim, :ndim), &
+         & matmul(foot%hessian(:ndim, :ndim), transpose(motion%rotation(:ndim, :ndim))))
+   end subroutine move_foot
+
+   pure function outer_product(a, b) result(c)
+      real(wp), intent(in) :: a(:), b(:)
+      real(wp) :: c(size(a), size(b))
+      integer :: j
+
+      do j = 1, size(b)
+         c(:, j) = a*b(j)
+      end do
+   end function outer_product
 end module lopin_tool

@@ -1,0 +1,164 @@
+!> Deck words to rigid tools: the data lines of *SURFACE, TYPE=SEGMENTS, CYLINDER and REVOLUTION.
+module lopin_tool_factory
+   use lopin_kinds, only : wp
+   use lopin_error, only : error_type, error_code, raise, location_type
+   use lopin_tool, only : tool_type
+   use lopin_profile, only : profile_type, segment_card_type, new_profile
+   use lopin_tool_plane, only : plane_type, new_plane
+   use lopin_tool_sphere, only : sphere_type, new_sphere
+   use lopin_tool_cylinder, only : cylinder_type, new_cylinder
+   use lopin_tool_profile, only : profile_tool_type, extruded_type, revolved_type
+   implicit none
+   private
+   public :: new_tool_from_segments, new_tool_plane, new_tool_sphere, new_tool_cylinder, tool_kinds
+
+   !> Words after TYPE= that make a rigid tool.
+   character(len=*), parameter :: tool_kinds(3) = [character(len=10) :: 'SEGMENTS', 'CYLINDER', &
+      & 'REVOLUTION']
+
+   !> 1: point c of TYPE=CYLINDER lies on the positive local z; the local y is then z cross x.
+   real(wp), parameter :: generator_side = 1.0_wp
+
+contains
+
+   !> A tool from a profile.
+   !>
+   !> `frame` holds the points of the data lines before START, one a column: none for SEGMENTS;
+   !> a, b, c for CYLINDER (default: the global frame); a, b for REVOLUTION (default: the y axis).
+   subroutine new_tool_from_segments(tool, kind, frame, cards, fillet, at, error)
+      class(tool_type), allocatable, intent(out) :: tool
+      character(len=*), intent(in) :: kind               !! one of `tool_kinds`
+      real(wp), intent(in) :: frame(:, :)                !! (3, 0), (3, 2) or (3, 3) [length]
+      type(segment_card_type), intent(in) :: cards(:)    !! START first
+      real(wp), intent(in) :: fillet                     !! radius, 0: none [length]
+      type(location_type), intent(in) :: at              !! of the keyword
+      type(error_type), allocatable, intent(out) :: error
+      type(profile_type) :: profile
+
+      call new_profile(profile, cards, fillet, error)
+      if (allocated(error)) return
+      select case (kind)
+      case ('SEGMENTS')
+         allocate (profile_tool_type :: tool)
+         tool%ndim = 2
+         tool%name = 'profile'
+      case ('CYLINDER')
+         allocate (extruded_type :: tool)
+         tool%name = 'extruded profile'
+      case ('REVOLUTION')
+         allocate (revolved_type :: tool)
+         tool%name = 'revolved profile'
+      case default
+         call raise(error, error_code%deck, 'E0314', "TYPE="//kind//' does not make a rigid tool', &
+            & at, &
+            & help='types are SEGMENTS, CYLINDER and REVOLUTION')
+         return
+      end select
+      tool%size = profile%size
+      select type (tool)
+      type is (extruded_type)
+         tool%profile = profile
+         call set_extrusion(tool, frame, at, error)
+      type is (revolved_type)
+         tool%profile = profile
+         call set_revolution(tool, frame, at, error)
+      type is (profile_tool_type)
+         tool%profile = profile
+      end select
+   end subroutine new_tool_from_segments
+
+   subroutine set_extrusion(tool, frame, at, error)
+      type(extruded_type), intent(inout) :: tool
+      real(wp), intent(in) :: frame(:, :)
+      type(location_type), intent(in) :: at
+      type(error_type), allocatable, intent(out) :: error
+      real(wp) :: x(3), y(3), z(3)
+
+      x = [1.0_wp, 0.0_wp, 0.0_wp]
+      z = [0.0_wp, 0.0_wp, 1.0_wp]
+      if (size(frame, 2) >= 3) then
+         tool%origin = frame(:, 1)
+         x = frame(:, 2) - frame(:, 1)
+         z = generator_side*(frame(:, 3) - frame(:, 1))
+      end if
+      y = [z(2)*x(3) - z(3)*x(2), z(3)*x(1) - z(1)*x(3), z(1)*x(2) - z(2)*x(1)]
+      if (.not. norm2(y) > 1.0e-9_wp*norm2(x)*norm2(z)) then
+         call raise(error, error_code%deck, 'E0314', &
+            & 'points a, b and c of TYPE=CYLINDER lie on one line', at)
+         return
+      end if
+      ! A generator that is not quite across x keeps its direction; x gives way.
+      tool%frame(:, 3) = z/norm2(z)
+      tool%frame(:, 2) = y/norm2(y)
+      y = tool%frame(:, 2)
+      z = tool%frame(:, 3)
+      tool%frame(:, 1) = [y(2)*z(3) - y(3)*z(2), y(3)*z(1) - y(1)*z(3), y(1)*z(2) - y(2)*z(1)]
+   end subroutine set_extrusion
+
+   subroutine set_revolution(tool, frame, at, error)
+      type(revolved_type), intent(inout) :: tool
+      real(wp), intent(in) :: frame(:, :)
+      type(location_type), intent(in) :: at
+      type(error_type), allocatable, intent(out) :: error
+      integer :: i
+      real(wp) :: least
+
+      tool%axis = [0.0_wp, 1.0_wp, 0.0_wp]
+      if (size(frame, 2) >= 2) then
+         tool%origin = frame(:, 1)
+         tool%axis = frame(:, 2) - frame(:, 1)
+      end if
+      if (.not. norm2(tool%axis) > 0.0_wp) then
+         call raise(error, error_code%deck, 'E0314', &
+            & 'points a and b of TYPE=REVOLUTION are the same', at)
+         return
+      end if
+      tool%axis = tool%axis/norm2(tool%axis)
+      least = huge(1.0_wp)
+      do i = 1, size(tool%profile%segment)
+         least = min(least, tool%profile%segment(i)%a(1), tool%profile%segment(i)%b(1))
+      end do
+      if (least < -1.0e-9_wp*tool%size) then
+         call raise(error, error_code%deck, 'E0314', &
+            & 'a profile of revolution has a negative radius', at)
+      end if
+   end subroutine set_revolution
+
+   subroutine new_tool_plane(tool, origin, normal, error)
+      class(tool_type), allocatable, intent(out) :: tool
+      real(wp), intent(in) :: origin(:), normal(:)   !! (ndim) [length], any
+      type(error_type), allocatable, intent(out) :: error
+      type(plane_type), allocatable :: plane
+
+      allocate (plane)
+      call new_plane(plane, origin, normal, error)
+      call move_alloc(plane, tool)
+   end subroutine new_tool_plane
+
+   subroutine new_tool_sphere(tool, centre, radius, cavity, error)
+      class(tool_type), allocatable, intent(out) :: tool
+      real(wp), intent(in) :: centre(:)              !! (ndim): 2 makes a circle [length]
+      real(wp), intent(in) :: radius                 !! > 0 [length]
+      logical, intent(in) :: cavity                  !! the body is inside
+      type(error_type), allocatable, intent(out) :: error
+      type(sphere_type), allocatable :: sphere
+
+      allocate (sphere)
+      call new_sphere(sphere, centre, radius, error, cavity)
+      call move_alloc(sphere, tool)
+   end subroutine new_tool_sphere
+
+   subroutine new_tool_cylinder(tool, origin, axis, radius, length, bore, error)
+      class(tool_type), allocatable, intent(out) :: tool
+      real(wp), intent(in) :: origin(3), axis(3)     !! a point, a direction [length], any
+      real(wp), intent(in) :: radius                 !! > 0 [length]
+      real(wp), intent(in) :: length                 !! 0: infinite [length]
+      logical, intent(in) :: bore                    !! the body is inside
+      type(error_type), allocatable, intent(out) :: error
+      type(cylinder_type), allocatable :: cylinder
+
+      allocate (cylinder)
+      call new_cylinder(cylinder, origin, axis, radius, error, length, bore)
+      call move_alloc(cylinder, tool)
+   end subroutine new_tool_cylinder
+end module lopin_tool_factory

@@ -1,0 +1,357 @@
+!> Tools made of a plane profile: the profile itself (2D, axisymmetric), extruded, or revolved (3D).
+module lopin_tool_profile
+   use lopin_kinds, only : wp
+   use lopin_tool, only : tool_type, foot_type, outer_product
+   use lopin_profile, only : profile_type, segment_type, segment_kind, parabola_point
+   use lopin_profile_projection, only : foot_2d_type, project_profile, project_profile_all
+   implicit none
+   private
+   public :: profile_tool_type, extruded_type, revolved_type
+
+   integer, parameter :: ring = 72   !! quads on a full turn when drawn; lines per turn of an arc
+
+   !> The profile in the plane of the model: (x, y), or (r, z) if axisymmetric.
+   type, extends(tool_type) :: profile_tool_type
+      type(profile_type) :: profile
+   contains
+      procedure :: project => project_plane
+      procedure :: project_all => project_all_plane
+      procedure :: tessellate => tessellate_plane
+      procedure :: describe
+   end type profile_tool_type
+
+   !> The profile in the local (x, y) plane, infinite along the local z.
+   type, extends(profile_tool_type) :: extruded_type
+      real(wp) :: origin(3) = 0.0_wp    !! [length]
+      real(wp) :: frame(3, 3) = 0.0_wp  !! columns: local x, y, z
+   contains
+      procedure :: project => project_extruded
+      procedure :: project_all => project_all_extruded
+      procedure :: tessellate => tessellate_extruded
+   end type extruded_type
+
+   !> The profile in the local (r, z) half-plane, turned about the local z.
+   type, extends(profile_tool_type) :: revolved_type
+      real(wp) :: origin(3) = 0.0_wp    !! a point of the axis [length]
+      real(wp) :: axis(3) = 0.0_wp      !! unit
+   contains
+      procedure :: project => project_revolved
+      procedure :: project_all => project_all_revolved
+      procedure :: tessellate => tessellate_revolved
+   end type revolved_type
+
+contains
+
+   pure subroutine project_plane(self, x, foot)
+      class(profile_tool_type), intent(in) :: self
+      real(wp), intent(in) :: x(:)
+      type(foot_type), intent(out) :: foot
+      type(foot_2d_type) :: flat
+
+      call project_profile(self%profile, x, flat)
+      call lift_plane(flat, foot)
+   end subroutine project_plane
+
+   pure subroutine project_all_plane(self, x, reach, feet, nfeet)
+      class(profile_tool_type), intent(in) :: self
+      real(wp), intent(in) :: x(:)
+      real(wp), intent(in) :: reach
+      type(foot_type), intent(out) :: feet(2)
+      integer, intent(out) :: nfeet
+      type(foot_2d_type) :: flat(2)
+      integer :: i
+
+      call project_profile_all(self%profile, x, reach, flat, nfeet)
+      do i = 1, nfeet
+         call lift_plane(flat(i), feet(i))
+      end do
+   end subroutine project_all_plane
+
+   pure subroutine lift_plane(flat, foot)
+      type(foot_2d_type), intent(in) :: flat
+      type(foot_type), intent(out) :: foot
+      real(wp) :: t(2)
+
+      call copy_scalars(flat, foot)
+      t = [-flat%normal(2), flat%normal(1)]
+      foot%point(:2) = flat%point
+      foot%normal(:2) = flat%normal
+      foot%hessian(:2, :2) = flat%bend*outer_product(t, t)
+   end subroutine lift_plane
+
+   pure subroutine copy_scalars(flat, foot)
+      type(foot_2d_type), intent(in) :: flat
+      type(foot_type), intent(inout) :: foot
+
+      foot%found = .true.
+      foot%gap = flat%gap
+      foot%overhang = flat%overhang
+      foot%segment = flat%segment
+      foot%corner = flat%corner
+   end subroutine copy_scalars
+
+   pure subroutine project_extruded(self, x, foot)
+      class(extruded_type), intent(in) :: self
+      real(wp), intent(in) :: x(:)
+      type(foot_type), intent(out) :: foot
+      type(foot_2d_type) :: flat
+      real(wp) :: local(3)
+
+      local = to_local(self, x)
+      call project_profile(self%profile, local(:2), flat)
+      call lift_extruded(self, local(3), flat, foot)
+   end subroutine project_extruded
+
+   pure function to_local(self, x) result(local)
+      class(extruded_type), intent(in) :: self
+      real(wp), intent(in) :: x(3)
+      real(wp) :: local(3), arm(3)
+      integer :: i
+
+      arm = x - self%origin
+      do i = 1, 3
+         local(i) = dot_product(arm, self%frame(:, i))
+      end do
+   end function to_local
+
+   pure subroutine project_all_extruded(self, x, reach, feet, nfeet)
+      class(extruded_type), intent(in) :: self
+      real(wp), intent(in) :: x(:)
+      real(wp), intent(in) :: reach
+      type(foot_type), intent(out) :: feet(2)
+      integer, intent(out) :: nfeet
+      type(foot_2d_type) :: flat(2)
+      real(wp) :: local(3)
+      integer :: i
+
+      local = to_local(self, x)
+      call project_profile_all(self%profile, local(:2), reach, flat, nfeet)
+      do i = 1, nfeet
+         call lift_extruded(self, local(3), flat(i), feet(i))
+      end do
+   end subroutine project_all_extruded
+
+   pure subroutine lift_extruded(self, z, flat, foot)
+      class(extruded_type), intent(in) :: self
+      real(wp), intent(in) :: z
+      type(foot_2d_type), intent(in) :: flat
+      type(foot_type), intent(out) :: foot
+      real(wp) :: t(3)
+
+      call copy_scalars(flat, foot)
+      foot%point = self%origin + matmul(self%frame, [flat%point(1), flat%point(2), z])
+      foot%normal = matmul(self%frame(:, :2), flat%normal)
+      t = matmul(self%frame(:, :2), [-flat%normal(2), flat%normal(1)])
+      foot%hessian = flat%bend*outer_product(t, t)
+   end subroutine lift_extruded
+
+   pure subroutine project_revolved(self, x, foot)
+      class(revolved_type), intent(in) :: self
+      real(wp), intent(in) :: x(:)
+      type(foot_type), intent(out) :: foot
+      type(foot_2d_type) :: flat
+      real(wp) :: radial(3), r, z
+
+      call half_plane(self, x, radial, r, z)
+      call project_profile(self%profile, [r, z], flat)
+      call lift_revolved(self, radial, r, flat, foot)
+   end subroutine project_revolved
+
+   pure subroutine project_all_revolved(self, x, reach, feet, nfeet)
+      class(revolved_type), intent(in) :: self
+      real(wp), intent(in) :: x(:)
+      real(wp), intent(in) :: reach
+      type(foot_type), intent(out) :: feet(2)
+      integer, intent(out) :: nfeet
+      type(foot_2d_type) :: flat(2)
+      real(wp) :: radial(3), r, z
+      integer :: i
+
+      call half_plane(self, x, radial, r, z)
+      call project_profile_all(self%profile, [r, z], reach, flat, nfeet)
+      do i = 1, nfeet
+         call lift_revolved(self, radial, r, flat(i), feet(i))
+      end do
+   end subroutine project_all_revolved
+
+   !> Cylindrical coordinates of a point; on the axis any radial direction will do.
+   pure subroutine half_plane(self, x, radial, r, z)
+      class(revolved_type), intent(in) :: self
+      real(wp), intent(in) :: x(:)
+      real(wp), intent(out) :: radial(3)   !! unit
+      real(wp), intent(out) :: r, z
+
+      radial = x - self%origin
+      z = dot_product(radial, self%axis)
+      radial = radial - z*self%axis
+      r = norm2(radial)
+      if (r > 1.0e-14_wp*self%profile%size) then
+         radial = radial/r
+      else
+         radial = across(self%axis)
+         r = 0.0_wp
+      end if
+   end subroutine half_plane
+
+   !> The hoop part of the hessian is n_r/r; on the axis it equals the radial part of the plane one.
+   pure subroutine lift_revolved(self, radial, r, flat, foot)
+      class(revolved_type), intent(in) :: self
+      real(wp), intent(in) :: radial(3), r
+      type(foot_2d_type), intent(in) :: flat
+      type(foot_type), intent(out) :: foot
+      real(wp) :: t(3), hoop(3), hoop_bend
+
+      call copy_scalars(flat, foot)
+      foot%point = self%origin + flat%point(1)*radial + flat%point(2)*self%axis
+      foot%normal = flat%normal(1)*radial + flat%normal(2)*self%axis
+      t = flat%normal(1)*self%axis - flat%normal(2)*radial
+      hoop = cross(self%axis, radial)
+      hoop_bend = flat%bend*flat%normal(2)**2
+      if (r > 1.0e-9_wp*self%profile%size) hoop_bend = flat%normal(1)/r
+      foot%hessian = flat%bend*outer_product(t, t) + hoop_bend*outer_product(hoop, hoop)
+   end subroutine lift_revolved
+
+   !> Points along the profile: ends, and what an arc or a parabola needs to look round.
+   pure subroutine draw_profile(profile, points)
+      type(profile_type), intent(in) :: profile
+      real(wp), allocatable, intent(out) :: points(:, :)   !! (2, npoint) in the order of travel
+      real(wp), parameter :: pi = acos(-1.0_wp)
+      integer :: i, j, k, total
+      integer :: pieces(size(profile%segment))
+
+      do i = 1, size(profile%segment)
+         associate (segment => profile%segment(i))
+            pieces(i) = 1
+            if (segment%kind == segment_kind%parabola) pieces(i) = ring/2
+            if (segment%kind == segment_kind%arc) pieces(i) = &
+               & max(2, ceiling(ring/(2.0_wp*pi)*acos(min(1.0_wp, max(-1.0_wp, &
+               & dot_product(segment%ta, segment%tb))))))
+         end associate
+      end do
+      total = 1 + sum(pieces)
+      allocate (points(2, total))
+      points(:, 1) = profile%segment(1)%a
+      k = 1
+      do i = 1, size(profile%segment)
+         do j = 1, pieces(i)
+            k = k + 1
+            points(:, k) = point_along(profile%segment(i), real(j, wp)/real(pieces(i), wp))
+         end do
+      end do
+   end subroutine draw_profile
+
+   pure function point_along(segment, s) result(p)
+      type(segment_type), intent(in) :: segment
+      real(wp), intent(in) :: s   !! in [0, 1]
+      real(wp) :: p(2), angle, from(2)
+
+      select case (segment%kind)
+      case (segment_kind%line)
+         p = segment%a + s*(segment%b - segment%a)
+      case (segment_kind%arc)
+         angle = s*segment%turn*acos(min(1.0_wp, max(-1.0_wp, dot_product(segment%ta, segment%tb))))
+         from = segment%a - segment%c
+         p = segment%c + cos(angle)*from + sin(angle)*[-from(2), from(1)]
+      case default
+         p = parabola_point(segment, 2.0_wp*s - 1.0_wp)
+      end select
+   end function point_along
+
+   pure subroutine tessellate_plane(self, box, points, cells)
+      class(profile_tool_type), intent(in) :: self
+      real(wp), intent(in) :: box(:, :)
+      real(wp), allocatable, intent(out) :: points(:, :)
+      integer, allocatable, intent(out) :: cells(:, :)
+      integer :: i
+
+      call draw_profile(self%profile, points)
+      allocate (cells(size(box, 1), size(points, 2) - 1))
+      do i = 1, size(cells, 2)
+         cells(:, i) = [i, i + 1]
+      end do
+   end subroutine tessellate_plane
+
+   !> The extrusion is drawn over the length that the box has along the generator.
+   pure subroutine tessellate_extruded(self, box, points, cells)
+      class(extruded_type), intent(in) :: self
+      real(wp), intent(in) :: box(:, :)
+      real(wp), allocatable, intent(out) :: points(:, :)
+      integer, allocatable, intent(out) :: cells(:, :)
+      real(wp), allocatable :: line(:, :)
+      real(wp) :: half(3), middle, reach
+      integer :: i, n
+
+      call draw_profile(self%profile, line)
+      n = size(line, 2)
+      half = 0.5_wp*(box(:, 2) - box(:, 1))
+      middle = dot_product(box(:, 1) + half - self%origin, self%frame(:, 3))
+      reach = dot_product(half, abs(self%frame(:, 3)))
+      allocate (points(3, 2*n), cells(4, n - 1))
+      do i = 1, n
+         points(:, i) = self%origin + matmul(self%frame, [line(1, i), line(2, i), middle - reach])
+         points(:, n + i) = points(:, i) + 2.0_wp*reach*self%frame(:, 3)
+      end do
+      do i = 1, n - 1
+         cells(:, i) = [i, i + 1, n + i + 1, n + i]
+      end do
+   end subroutine tessellate_extruded
+
+   pure subroutine tessellate_revolved(self, box, points, cells)
+      class(revolved_type), intent(in) :: self
+      real(wp), intent(in) :: box(:, :)
+      real(wp), allocatable, intent(out) :: points(:, :)
+      integer, allocatable, intent(out) :: cells(:, :)
+      real(wp), parameter :: pi = acos(-1.0_wp)
+      real(wp), allocatable :: line(:, :)
+      real(wp) :: t1(3), t2(3), a
+      integer :: i, j, k, n, m
+
+      call draw_profile(self%profile, line)
+      n = size(line, 2)
+      t1 = across(self%axis)
+      t2 = cross(self%axis, t1)
+      allocate (points(size(box, 1), n*ring), cells(4, (n - 1)*ring))
+      do j = 1, ring
+         a = 2.0_wp*pi*real(j - 1, wp)/real(ring, wp)
+         do i = 1, n
+            points(:, (j - 1)*n + i) = self%origin + line(1, i)*(cos(a)*t1 + sin(a)*t2) + line(2, &
+               & i)*self%axis
+         end do
+      end do
+      m = 0
+      do j = 1, ring
+         k = mod(j, ring)
+         do i = 1, n - 1
+            m = m + 1
+            cells(:, m) = [(j - 1)*n + i, (j - 1)*n + i + 1, k*n + i + 1, k*n + i]
+         end do
+      end do
+   end subroutine tessellate_revolved
+
+   function describe(self) result(text)
+      class(profile_tool_type), intent(in) :: self
+      character(len=:), allocatable :: text
+      character(len=20) :: buffer
+
+      write (buffer, '(i0)') size(self%profile%segment)
+      text = self%name//' of '//trim(buffer)//' segments'
+      if (self%profile%closed) text = text//', closed'
+   end function describe
+
+   pure function cross(a, b) result(c)
+      real(wp), intent(in) :: a(3), b(3)
+      real(wp) :: c(3)
+      c = [a(2)*b(3) - a(3)*b(2), a(3)*b(1) - a(1)*b(3), a(1)*b(2) - a(2)*b(1)]
+   end function cross
+
+   !> A unit vector across a unit axis.
+   pure function across(axis) result(t)
+      real(wp), intent(in) :: axis(3)
+      real(wp) :: t(3)
+
+      t = 0.0_wp
+      t(minloc(abs(axis), dim=1)) = 1.0_wp
+      t = t - dot_product(t, axis)*axis
+      t = t/norm2(t)
+   end function across
+end module lopin_tool_profile
