@@ -4,11 +4,12 @@
 !> To add one: a file `solver_<name>.f90` that extends this type, and a `case` in the factory.
 module lopin_linear_solver
    use lopin_kinds, only : wp, lk
-   use lopin_error, only : error_type
+   use lopin_error, only : error_type, error_code, raise
    use lopin_csc, only : csc_type
    implicit none
    private
-   public :: linear_solver_type, matrix_class
+   public :: linear_solver_type, matrix_class, class_name
+   public :: pivot_tolerance, raise_singular, raise_refused
 
    !> What is known of a matrix; a solver refuses by name what it cannot take.
    type :: matrix_classes
@@ -21,9 +22,12 @@ module lopin_linear_solver
       integer :: nlast = 0                !! equations kept last
       integer(lk) :: factor_entries = 0   !! numbers stored in the factor
       real(wp) :: flops = 0.0_wp          !! of the last factorisation; 0 if unknown
+      integer :: negative = -1            !! negative pivots of the last factorisation; -1 if unknown
+      real(wp) :: pivot_ratio = 0.0_wp    !! smallest pivot over the terms that formed it; 0 if unknown
    contains
       procedure(name_if), deferred :: name
       procedure(accepts_if), deferred :: accepts
+      procedure(can_condense_if), deferred :: can_condense
       procedure(analyse_if), deferred :: analyse
       procedure(factorise_if), deferred :: factorise
       procedure(solve_if), deferred :: solve
@@ -47,6 +51,13 @@ module lopin_linear_solver
          integer, intent(in) :: class_of
          character(len=:), allocatable :: reason
       end function accepts_if
+
+      !> True if trailing_factor, forward and backward work for matrices of this class.
+      pure logical function can_condense_if(self, class_of)
+         import :: linear_solver_type
+         class(linear_solver_type), intent(in) :: self
+         integer, intent(in) :: class_of
+      end function can_condense_if
 
       !> Order and analyse the pattern of `a`; equations `last` (1-based) come last, in this order.
       subroutine analyse_if(self, a, class_of, last, error)
@@ -91,4 +102,53 @@ module lopin_linear_solver
          real(wp), contiguous, intent(out) :: y(:)        !! (n)
       end subroutine pass_if
    end interface
+
+contains
+
+   !> What a matrix class is called in a message.
+   pure function class_name(class_of) result(name)
+      integer, intent(in) :: class_of
+      character(len=:), allocatable :: name
+
+      select case (class_of)
+      case (matrix_class%positive_definite)
+         name = 'positive definite'
+      case (matrix_class%symmetric_indefinite)
+         name = 'symmetric indefinite'
+      case default
+         name = 'unsymmetric'
+      end select
+   end function class_name
+
+   !> A pivot smaller than this times the terms that cancelled in it is zero but for rounding.
+   !>
+   !> Rounding errors of the n eliminations add like a random walk: sqrt(n) times the unit roundoff.
+   pure real(wp) function pivot_tolerance(n)
+      integer, intent(in) :: n
+      pivot_tolerance = 4.0_wp*epsilon(1.0_wp)*sqrt(real(max(n, 1), wp))
+   end function pivot_tolerance
+
+   !> The error of a matrix without a usable pivot at an equation.
+   subroutine raise_singular(error, solver, equation, ratio, what)
+      type(error_type), allocatable, intent(out) :: error
+      character(len=*), intent(in) :: solver
+      integer, intent(in) :: equation        !! 1-based; 0 if unknown
+      real(wp), intent(in) :: ratio          !! pivot over the terms that formed it
+      character(len=*), intent(in) :: what   !! e.g. 'singular', 'not positive definite'
+      character(len=12) :: number, value
+
+      write (number, '(i0)') equation
+      write (value, '(es9.2)') ratio
+      call raise(error, error_code%singular, 'E0310', 'the matrix is '//what//' at equation '// &
+         & trim(number)//' (relative pivot '//trim(adjustl(value))//', solver '//solver//')', &
+         & help='look for a part that can move freely, or for a constraint stated twice')
+   end subroutine raise_singular
+
+   !> The error of a solver asked for what it cannot do.
+   subroutine raise_refused(error, solver, reason)
+      type(error_type), allocatable, intent(out) :: error
+      character(len=*), intent(in) :: solver, reason
+
+      call raise(error, error_code%internal, 'E0701', 'solver '//solver//': '//reason)
+   end subroutine raise_refused
 end module lopin_linear_solver
