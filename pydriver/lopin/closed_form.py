@@ -1,0 +1,43 @@
+"""Closed-form solutions to compare with: functions of the scene's parameters.
+
+Half-spaces are in `closed_hertz`, bodies and structures in `closed_solids`; all are named here.
+"""
+from .closed_hertz import (
+    RIGID,
+    ConeContact,
+    HertzLine,
+    HertzPoint,
+    boussinesq_disc,
+    boussinesq_point,
+    cone_punch,
+    contact_modulus,
+    first_yield_line,
+    first_yield_point,
+    flat_punch_2d,
+    flat_punch_axisymmetric,
+    flat_punch_axisymmetric_pressure,
+    hertz_line,
+    hertz_line_approach,
+    hertz_point,
+    hertz_point_approach,
+    hertz_sphere_plane,
+    relative_radius,
+)
+from .closed_solids import (
+    LiftedBeam,
+    OneContact,
+    PlaneField,
+    Tube,
+    bar_with_gap,
+    bar_with_gap_augmented,
+    lifted_beam,
+    nested_rings,
+    penalty_error,
+    penalty_slope,
+    signorini_singular,
+    signorini_smooth,
+    thick_tube,
+    two_springs,
+)
+
+__all__ = [name for name in dir() if not name.startswith("_")]
