@@ -1,0 +1,361 @@
+!> Which points touch: the primal-dual active set on the condensed contact problem.
+!>
+!> Each pass solves on a set and changes every row that is in the wrong state. Where that stops making
+!> progress, one row at a time (the last) is changed, which ends for every positive definite compliance
+!> (Judice and Pires, Computers Ops Res 21, 1994). Bodies that only contact holds are treated exactly;
+!> where no set on the way holds them, proximal steps on their motions find the set or the motion that escapes.
+module lopin_active_set
+   use lopin_kinds, only : wp
+   use lopin_condensed, only : condensed_type, springs_type, response_type, form_compliance, rows_times, &
+      & solve_set, is_spring, row_compliance
+   use lopin_dense, only : cholesky_solve
+   implicit none
+   private
+   public :: contact_result_type, solve_contact, outcome, set_tolerance
+
+   !> A gap or a force this small beside what it is made of is zero.
+   real(wp), parameter :: set_tolerance = 1.0e-12_wp
+
+   type :: outcomes
+      integer :: solved = 0, not_held = 1, cycling = 2, not_augmented = 3, broken = 4
+   end type outcomes
+   type(outcomes), parameter :: outcome = outcomes()
+
+   !> The answer; `active` and `multiplier` may hold the last answer as a start.
+   type :: contact_result_type
+      integer :: outcome = 0
+      integer :: iterations = 0, augmentations = 0, single_pivots = 0, dependent = 0
+      real(wp), allocatable :: force(:), gap(:)   !! (nrow)
+      real(wp), allocatable :: q(:)               !! (nq); if not held: the motion that escapes
+      logical, allocatable :: active(:)           !! (nrow)
+      real(wp), allocatable :: multiplier(:)      !! (nrow)
+      real(wp) :: rate = 0.0_wp                   !! last contraction of the augmentations
+   end type contact_result_type
+
+   !> What one call carries around.
+   type :: work_type
+      logical, allocatable :: spring(:)
+      real(wp), allocatable :: compliance(:)
+      real(wp) :: gap_scale = 0.0_wp
+      type(springs_type) :: springs
+      type(response_type) :: answer
+   end type work_type
+
+contains
+
+   !> Solve for gaps without displacement, condensed loads and loads on the floating motions.
+   subroutine solve_contact(self, gap0, load, moving, result)
+      type(condensed_type), intent(inout) :: self
+      real(wp), intent(in) :: gap0(:)      !! (nrow) [length]
+      real(wp), intent(in) :: load(:)      !! (n) [force]
+      real(wp), intent(in) :: moving(:)    !! (nq) [force]
+      type(contact_result_type), intent(inout) :: result
+      type(work_type) :: work
+      real(wp) :: moved, last
+      integer :: pass
+
+      call prepare(self, gap0, load, moving, work, result)
+      last = 0.0_wp
+      do pass = 1, max(1, maxval(self%max_augmentations))
+         call settle(self, work, result)
+         if (result%outcome /= outcome%solved) return
+         call update_multipliers(self, result, moved)
+         if (.not. moved > 0.0_wp) return
+         result%augmentations = pass
+         if (augmented_enough(self, result, moved, last)) return
+         last = moved
+      end do
+      result%outcome = outcome%not_augmented
+   end subroutine solve_contact
+
+   subroutine prepare(self, gap0, load, moving, work, result)
+      type(condensed_type), intent(inout) :: self
+      real(wp), intent(in) :: gap0(:), load(:), moving(:)
+      type(work_type), intent(out) :: work
+      type(contact_result_type), intent(inout) :: result
+      real(wp), allocatable :: u(:)
+      logical :: warm
+
+      work%spring = is_spring(self)
+      work%compliance = row_compliance(self)
+      if (.not. all(work%spring)) call form_compliance(self)
+      u = load
+      call cholesky_solve(self%l, u)
+      work%answer%gap0 = gap0
+      work%answer%load = load
+      work%answer%moving = moving
+      work%answer%free_gap = gap0 + rows_times(self, u)
+      allocate (work%answer%force(self%nrow), work%answer%q(self%nq), source=0.0_wp)
+      work%answer%gap = work%answer%free_gap
+      work%gap_scale = largest(gap0) + largest(work%answer%free_gap - gap0)
+      allocate (work%springs%offset(self%nrow), work%springs%stiffness(self%nrow), source=0.0_wp)
+      warm = allocated(result%active)
+      if (warm) warm = size(result%active) == self%nrow
+      if (.not. warm) then
+         result%active = work%answer%free_gap < 0.0_wp .or. self%nq > 0
+         result%multiplier = spread(0.0_wp, 1, self%nrow)
+      end if
+      result%active = result%active .or. self%bilateral
+      result%outcome = outcome%solved
+      result%iterations = 0
+      result%augmentations = 0
+      result%single_pivots = 0
+   end subroutine prepare
+
+   !> Settle the sets, with the proximal steps where the bodies are not held on the way.
+   subroutine settle(self, work, result)
+      type(condensed_type), intent(inout) :: self
+      type(work_type), intent(inout) :: work
+      type(contact_result_type), intent(inout) :: result
+      logical :: stuck
+
+      call iterate_sets(self, work, result, stuck)
+      if (stuck) then
+         if (self%nq > 0) then
+            call hold_bodies(self, work, result)
+         else
+            result%outcome = outcome%cycling
+         end if
+      end if
+      result%force = work%answer%force
+      result%gap = work%answer%gap
+      if (result%outcome == outcome%solved) result%q = work%answer%q
+      result%dependent = work%answer%dependent
+   end subroutine settle
+
+   !> Solve, change the wrong rows, repeat; `stuck` if no progress is possible this way.
+   subroutine iterate_sets(self, work, result, stuck)
+      type(condensed_type), intent(in) :: self
+      type(work_type), intent(inout) :: work
+      type(contact_result_type), intent(inout) :: result
+      logical, intent(out) :: stuck
+      logical :: wrong(self%nrow)
+      integer :: pass, best, patience, nwrong, last_wrong, status
+
+      best = self%nrow + 1
+      patience = 5
+      stuck = .false.
+      call linearise(self, work, result, by_set=.true.)
+      do pass = 1, 60 + 10*self%nrow
+         result%iterations = result%iterations + 1
+         call solve_set(self, result%active, work%spring, work%compliance, work%springs, work%answer, status)
+         if (status /= 0) exit
+         call find_wrong(self, work, result, wrong)
+         nwrong = count(wrong)
+         if (nwrong == 0) then
+            if (laws_met(self, work, result)) return
+            call linearise(self, work, result, by_set=.false.)
+            cycle
+         end if
+         patience = merge(5, patience - 1, nwrong < best)
+         best = min(best, nwrong)
+         if (patience <= 0) then
+            if (self%nq > 0) exit
+            last_wrong = findloc(wrong, .true., 1, back=.true.)
+            wrong = .false.
+            wrong(last_wrong) = .true.
+            result%single_pivots = result%single_pivots + 1
+         end if
+         result%active = result%active .neqv. wrong
+         call linearise(self, work, result, by_set=.true.)
+      end do
+      stuck = .true.
+   end subroutine iterate_sets
+
+   !> Rows in the wrong state: pressing rows that pull, open rows that penetrate.
+   subroutine find_wrong(self, work, result, wrong)
+      type(condensed_type), intent(in) :: self
+      type(work_type), intent(in) :: work
+      type(contact_result_type), intent(in) :: result
+      logical, intent(out) :: wrong(:)
+      real(wp) :: small_force, small_gap, force
+      integer :: row, group
+      logical :: linear
+
+      small_force = set_tolerance*largest(work%answer%force)
+      small_gap = set_tolerance*max(work%gap_scale, largest(work%answer%gap))
+      do group = 1, self%ngroup
+         linear = self%group(group)%method%piecewise_linear()
+         do row = self%group_first(group), self%group_first(group + 1) - 1
+            wrong(row) = .false.
+            if (self%bilateral(row)) cycle
+            if (.not. work%spring(row)) then
+               wrong(row) = merge(work%answer%force(row) < -small_force, work%answer%gap(row) < -small_gap, &
+                  & result%active(row))
+            else if (linear) then
+               force = result%multiplier(row) - self%alpha(row)*work%answer%gap(row)
+               wrong(row) = merge(force < -small_force, &
+                  & force > max(small_force, self%alpha(row)*small_gap), result%active(row))
+            end if
+         end do
+      end do
+   end subroutine find_wrong
+
+   !> Springs about the current gaps; those that are linear while closed follow the set.
+   subroutine linearise(self, work, result, by_set)
+      type(condensed_type), intent(in) :: self
+      type(work_type), intent(inout) :: work
+      type(contact_result_type), intent(in) :: result
+      logical, intent(in) :: by_set
+      real(wp) :: force(self%nrow)
+      integer :: group, from, to
+
+      if (.not. any(work%spring)) return
+      do group = 1, self%ngroup
+         from = self%group_first(group)
+         to = self%group_first(group + 1) - 1
+         if (to < from) cycle
+         if (.not. work%spring(from)) cycle
+         if (self%group(group)%method%piecewise_linear()) then
+            work%springs%stiffness(from:to) = merge(self%alpha(from:to), 0.0_wp, result%active(from:to))
+            work%springs%offset(from:to) = merge(result%multiplier(from:to), 0.0_wp, result%active(from:to))
+         else if (.not. by_set .or. result%iterations == 0) then
+            call self%group(group)%method%forces(work%answer%gap(from:to), self%alpha(from:to), &
+               & result%multiplier(from:to), self%bilateral(from:to), force(from:to), &
+               & work%springs%stiffness(from:to))
+            work%springs%offset(from:to) = force(from:to) &
+               & + work%springs%stiffness(from:to)*work%answer%gap(from:to)
+         end if
+      end do
+   end subroutine linearise
+
+   !> The forces found are those of the laws at the gaps found.
+   logical function laws_met(self, work, result)
+      type(condensed_type), intent(in) :: self
+      type(work_type), intent(in) :: work
+      type(contact_result_type), intent(in) :: result
+      real(wp) :: force(self%nrow), stiffness(self%nrow), off
+      integer :: group, from, to
+
+      laws_met = .true.
+      do group = 1, self%ngroup
+         from = self%group_first(group)
+         to = self%group_first(group + 1) - 1
+         if (self%group(group)%method%piecewise_linear() .or. to < from) cycle
+         call self%group(group)%method%forces(work%answer%gap(from:to), self%alpha(from:to), &
+            & result%multiplier(from:to), self%bilateral(from:to), force(from:to), stiffness(from:to))
+         off = largest(force(from:to) - work%answer%force(from:to))
+         laws_met = laws_met .and. off <= 1.0e-11_wp*largest(force(from:to))
+      end do
+   end function laws_met
+
+   subroutine update_multipliers(self, result, moved)
+      type(condensed_type), intent(in) :: self
+      type(contact_result_type), intent(inout) :: result
+      real(wp), intent(out) :: moved
+      real(wp) :: change(self%nrow)
+      integer :: group, from, to
+
+      do group = 1, self%ngroup
+         from = self%group_first(group)
+         to = self%group_first(group + 1) - 1
+         call self%group(group)%method%update(result%force(from:to), result%multiplier(from:to), change(from:to))
+      end do
+      moved = largest(change)
+   end subroutine update_multipliers
+
+   !> The multipliers' error, estimated from their contraction, is below round-off's reach, or every
+   !> group accepts its penetration.
+   logical function augmented_enough(self, result, moved, last) result(enough)
+      type(condensed_type), intent(in) :: self
+      type(contact_result_type), intent(inout) :: result
+      real(wp), intent(in) :: moved, last
+      integer :: group
+      logical :: accepted
+
+      enough = .false.
+      if (last > 0.0_wp) then
+         result%rate = min(moved/last, 0.999_wp)
+         enough = moved*result%rate <= 1.0e-10_wp*(1.0_wp - result%rate)*largest(result%force)
+      end if
+      accepted = .true.
+      do group = 1, self%ngroup
+         if (self%max_augmentations(group) == 0) cycle
+         associate (from => self%group_first(group), to => self%group_first(group + 1) - 1)
+            accepted = accepted .and. self%penetration(group) > 0.0_wp &
+               & .and. .not. any(-result%gap(from:to) > self%penetration(group))
+         end associate
+      end do
+      enough = enough .or. accepted
+   end function augmented_enough
+
+   !> Proximal steps: each gives the floating motions a soft ground that follows them. The sets found
+   !> that way are tried without ground; if the forces never balance, the bodies are not held.
+   subroutine hold_bodies(self, work, result)
+      type(condensed_type), intent(inout) :: self
+      type(work_type), intent(inout) :: work
+      type(contact_result_type), intent(inout) :: result
+      type(condensed_type) :: grounded
+      type(work_type) :: soft
+      type(contact_result_type) :: trial
+      real(wp) :: ground(self%nq), q(self%nq), drift(self%nq)
+      integer :: pass, status
+      logical :: stuck, wrong(self%nrow)
+
+      call put_on_ground(self, grounded, ground)
+      q = 0.0_wp
+      drift = 0.0_wp
+      trial = result
+      trial%active = .true.
+      do pass = 1, 60
+         call prepare(grounded, work%answer%gap0, [work%answer%load, work%answer%moving + ground*q], &
+            & [real(wp) ::], soft, trial)
+         call iterate_sets(grounded, soft, trial, stuck)
+         result%iterations = result%iterations + trial%iterations
+         if (stuck) exit
+         result%active = trial%active
+         call linearise(self, work, result, by_set=.true.)
+         call solve_set(self, result%active, work%spring, work%compliance, work%springs, work%answer, status)
+         if (status == 0) then
+            call find_wrong(self, work, result, wrong)
+            if (.not. any(wrong)) return
+         end if
+         drift = (work%answer%moving + matmul(soft%answer%force, self%c))/ground
+         q = q + drift
+      end do
+      result%q = drift
+      result%outcome = outcome%not_held
+   end subroutine hold_bodies
+
+   !> The same problem with the floating motions among the equations, each on a spring `ground`.
+   subroutine put_on_ground(self, grounded, ground)
+      type(condensed_type), intent(inout) :: self
+      type(condensed_type), intent(out) :: grounded
+      real(wp), intent(out) :: ground(:)
+      real(wp) :: mean
+      integer :: i, row, n
+
+      call form_compliance(self)
+      mean = 0.0_wp
+      do row = 1, self%nrow
+         mean = mean + self%s(row, row)
+      end do
+      n = self%n
+      grounded = self
+      deallocate (grounded%l, grounded%s, grounded%c, grounded%first, grounded%column, grounded%value)
+      grounded%n = n + self%nq
+      grounded%nq = 0
+      allocate (grounded%l(n + self%nq, n + self%nq), grounded%c(self%nrow, 0), source=0.0_wp)
+      if (n > 0) grounded%l(:n, :n) = self%l
+      do i = 1, self%nq
+         ground(i) = sum(self%c(:, i)**2)/(1.0e2_wp*mean)
+         if (.not. ground(i) > 0.0_wp .or. ground(i) > huge(1.0_wp)) ground(i) = 1.0_wp
+         grounded%l(n + i, n + i) = sqrt(ground(i))
+      end do
+      allocate (grounded%first(self%nrow + 1), grounded%column(0), grounded%value(0))
+      grounded%first(1) = 1
+      do row = 1, self%nrow
+         associate (from => self%first(row), to => self%first(row + 1) - 1)
+            grounded%column = [grounded%column, self%column(from:to), [(n + i, i=1, self%nq)]]
+            grounded%value = [grounded%value, self%value(from:to), self%c(row, :)]
+         end associate
+         grounded%first(row + 1) = size(grounded%column) + 1
+      end do
+   end subroutine put_on_ground
+
+   pure real(wp) function largest(x)
+      real(wp), intent(in) :: x(:)
+      largest = 0.0_wp
+      if (size(x) > 0) largest = maxval(abs(x))
+   end function largest
+end module lopin_active_set

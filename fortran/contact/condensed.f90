@@ -1,0 +1,272 @@
+!> The contact problem on the equations that contact touches: dense and exact.
+!>
+!> Given K_c = L L^T (the condensation of everything else), gaps g = gap0 + B u + C q and the
+!> equilibrium of floating bodies, C^T lambda = -moving, find the forces lambda:
+!>
+!>    K_c u = load + B^T lambda,   each row by its method (lopin_enforcement).
+!>
+!> `q` are the motions of bodies that nothing but contact holds. Rows whose method solves for the force
+!> use the compliance S = B K_c^-1 B^T; rows with springs stiffen K_c itself, as the penalty system does.
+module lopin_condensed
+   use lopin_kinds, only : wp
+   use lopin_enforcement_factory, only : enforcement_holder_type
+   use lopin_dense, only : cholesky, cholesky_solve, lower_solve, bordered_solve
+   implicit none
+   private
+   public :: condensed_type, springs_type, response_type, form_compliance, rows_times, columns_times
+   public :: solve_set, is_spring, row_compliance
+
+   interface
+      subroutine dsyrk(uplo, trans, n, k, alpha, a, lda, beta, c, ldc)
+         import :: wp
+         character, intent(in) :: uplo, trans
+         integer, intent(in) :: n, k, lda, ldc
+         real(wp), intent(in) :: alpha, beta, a(lda, *)
+         real(wp), intent(inout) :: c(ldc, *)
+      end subroutine dsyrk
+   end interface
+
+   !> Problem data. Rows come in groups of one method each (one group a pair).
+   type :: condensed_type
+      integer :: n = 0, nq = 0, nrow = 0, ngroup = 0
+      real(wp), allocatable :: l(:, :)             !! (n, n) lower Cholesky factor of K_c
+      integer, allocatable :: first(:), column(:)  !! rows of B by (nrow+1) pointers
+      real(wp), allocatable :: value(:)
+      real(wp), allocatable :: c(:, :)             !! (nrow, nq)
+      real(wp), allocatable :: s(:, :)             !! (nrow, nrow) compliance; unallocated until it is needed
+      logical, allocatable :: bilateral(:)         !! (nrow)
+      real(wp), allocatable :: alpha(:)            !! (nrow) nodal stiffness [force/length]; weight for a pressure law
+      integer, allocatable :: group_first(:)       !! (ngroup+1) first row of each group
+      type(enforcement_holder_type), allocatable :: group(:)
+      integer, allocatable :: max_augmentations(:) !! (ngroup) 0: the method has none
+      real(wp), allocatable :: penetration(:)      !! (ngroup) accepted by the augmented method [length]; 0: exact
+   end type condensed_type
+
+   !> The springs of one linear solve, force = offset - stiffness*gap, and the factor that holds them.
+   type :: springs_type
+      real(wp), allocatable :: offset(:), stiffness(:)   !! (nrow)
+      real(wp), allocatable :: k(:, :)                   !! K_c
+      real(wp), allocatable :: factor(:, :)              !! of K_c + sum of the springs in `inside`
+      real(wp), allocatable :: inside(:)
+   end type springs_type
+
+   !> What the loads do alone, and the answer on one set.
+   type :: response_type
+      real(wp), allocatable :: gap0(:), load(:), moving(:)
+      real(wp), allocatable :: free_gap(:)   !! (nrow) gaps without contact forces
+      real(wp), allocatable :: force(:), gap(:), q(:)
+      integer :: dependent = 0
+   end type response_type
+
+contains
+
+   !> S = (L^-1 B^T)^T (L^-1 B^T), once.
+   subroutine form_compliance(self)
+      type(condensed_type), intent(inout) :: self
+      real(wp), allocatable :: w(:, :)
+      integer :: row, k, j
+
+      if (allocated(self%s)) return
+      allocate (w(self%n, self%nrow), source=0.0_wp)
+      do row = 1, self%nrow
+         do k = self%first(row), self%first(row + 1) - 1
+            w(self%column(k), row) = w(self%column(k), row) + self%value(k)
+         end do
+      end do
+      call lower_solve(self%l, w)
+      allocate (self%s(self%nrow, self%nrow), source=0.0_wp)
+      if (self%n > 0 .and. self%nrow > 0) then
+         call dsyrk('L', 'T', self%nrow, self%n, 1.0_wp, w, self%n, 0.0_wp, self%s, self%nrow)
+      end if
+      do j = 1, self%nrow
+         self%s(j, j + 1:) = self%s(j + 1:, j)
+      end do
+   end subroutine form_compliance
+
+   !> B u.
+   pure function rows_times(self, u) result(g)
+      type(condensed_type), intent(in) :: self
+      real(wp), intent(in) :: u(:)
+      real(wp) :: g(self%nrow)
+      integer :: row, k
+
+      do row = 1, self%nrow
+         g(row) = 0.0_wp
+         do k = self%first(row), self%first(row + 1) - 1
+            g(row) = g(row) + self%value(k)*u(self%column(k))
+         end do
+      end do
+   end function rows_times
+
+   !> B^T force.
+   pure function columns_times(self, force) result(u)
+      type(condensed_type), intent(in) :: self
+      real(wp), intent(in) :: force(:)
+      real(wp) :: u(self%n)
+      integer :: row, k
+
+      u = 0.0_wp
+      do row = 1, self%nrow
+         do k = self%first(row), self%first(row + 1) - 1
+            u(self%column(k)) = u(self%column(k)) + self%value(k)*force(row)
+         end do
+      end do
+   end function columns_times
+
+   !> Rows whose force is a spring's.
+   function is_spring(self) result(spring)
+      type(condensed_type), intent(in) :: self
+      logical :: spring(self%nrow)
+      integer :: group
+
+      do group = 1, self%ngroup
+         spring(self%group_first(group):self%group_first(group + 1) - 1) = &
+            & .not. self%group(group)%method%solves_for_multiplier()
+      end do
+   end function is_spring
+
+   !> Compliance that the methods add to the diagonal of S [length/force].
+   function row_compliance(self) result(compliance)
+      type(condensed_type), intent(in) :: self
+      real(wp) :: compliance(self%nrow)
+      integer :: group, from, to
+
+      do group = 1, self%ngroup
+         from = self%group_first(group)
+         to = self%group_first(group + 1) - 1
+         compliance(from:to) = self%group(group)%method%compliance(self%alpha(from:to))
+      end do
+   end function row_compliance
+
+   !> Forces, gaps and floating motions on a set; status /= 0: the set does not hold the bodies.
+   subroutine solve_set(self, active, spring, compliance, springs, answer, status)
+      type(condensed_type), intent(in) :: self
+      logical, intent(in) :: active(:), spring(:)
+      real(wp), intent(in) :: compliance(:)
+      type(springs_type), intent(inout) :: springs
+      type(response_type), intent(inout) :: answer
+      integer, intent(out) :: status
+      integer, allocatable :: set(:)
+      integer :: i
+
+      set = pack([(i, i=1, self%nrow)], active .and. .not. spring)
+      if (any(spring)) then
+         call solve_with_springs(self, set, spring, compliance, springs, answer, status)
+      else
+         call solve_unknowns(self, set, compliance, answer, status)
+      end if
+   end subroutine solve_set
+
+   !> All rows solve for their force: only S is needed.
+   subroutine solve_unknowns(self, set, compliance, answer, status)
+      type(condensed_type), intent(in) :: self
+      integer, intent(in) :: set(:)
+      real(wp), intent(in) :: compliance(:)
+      type(response_type), intent(inout) :: answer
+      integer, intent(out) :: status
+      real(wp), allocatable :: a(:, :), force(:)
+      integer :: i
+
+      allocate (a(size(set), size(set)), force(size(set)))
+      a(:, :) = self%s(set, set)
+      do i = 1, size(set)
+         a(i, i) = a(i, i) + compliance(set(i))
+      end do
+      call bordered_solve(a, self%c(set, :), -answer%free_gap(set), -answer%moving, force, answer%q, &
+         & answer%dependent, status)
+      if (status /= 0) return
+      answer%force = 0.0_wp
+      answer%force(set) = force
+      answer%gap = answer%free_gap
+      do i = 1, size(set)
+         answer%gap = answer%gap + self%s(:, set(i))*force(i)
+      end do
+      if (self%nq > 0) answer%gap = answer%gap + matmul(self%c, answer%q)
+   end subroutine solve_unknowns
+
+   !> Some rows are springs: they stiffen K_c, and hold the floating motions with the unknown forces.
+   subroutine solve_with_springs(self, set, spring, compliance, springs, answer, status)
+      type(condensed_type), intent(in) :: self
+      integer, intent(in) :: set(:)
+      logical, intent(in) :: spring(:)
+      real(wp), intent(in) :: compliance(:)
+      type(springs_type), intent(inout) :: springs
+      type(response_type), intent(inout) :: answer
+      integer, intent(out) :: status
+      real(wp), allocatable :: u(:), pull(:), stiffness(:), right(:, :), a(:, :), held(:, :), force(:), balance(:)
+      integer :: i, k, m
+
+      call stiffen(self, spring, springs, status)
+      if (status /= 0) return
+      m = size(set)
+      stiffness = merge(springs%stiffness, 0.0_wp, spring)
+      pull = merge(springs%offset - springs%stiffness*answer%gap0, 0.0_wp, spring)
+      u = answer%load + columns_times(self, pull)
+      call cholesky_solve(springs%factor, u)
+      answer%gap = answer%gap0 + rows_times(self, u)
+      ! Response of all gaps to a unit of each unknown force, then of each floating motion.
+      allocate (right(self%n, m + self%nq), source=0.0_wp)
+      do i = 1, m
+         do k = self%first(set(i)), self%first(set(i) + 1) - 1
+            right(self%column(k), i) = right(self%column(k), i) + self%value(k)
+         end do
+      end do
+      do i = 1, self%nq
+         right(:, m + i) = -columns_times(self, stiffness*self%c(:, i))
+      end do
+      call cholesky_solve(springs%factor, right)
+      allocate (a(self%nrow, m + self%nq), held(self%nq, self%nq), force(m))
+      do i = 1, m + self%nq
+         a(:, i) = rows_times(self, right(:, i))
+         if (i > m) a(:, i) = a(:, i) + self%c(:, i - m)
+      end do
+      do i = 1, self%nq
+         held(:, i) = matmul(stiffness*a(:, m + i), self%c)
+      end do
+      balance = answer%moving + matmul(merge(springs%offset - stiffness*answer%gap, 0.0_wp, spring), self%c)
+      block
+         real(wp) :: s(m, m)
+         s = a(set, :m)
+         do i = 1, m
+            s(i, i) = s(i, i) + compliance(set(i))
+         end do
+         call bordered_solve(s, a(set, m + 1:), -answer%gap(set), -balance, force, answer%q, &
+            & answer%dependent, status, held)
+      end block
+      if (status /= 0) return
+      if (m + self%nq > 0) answer%gap = answer%gap + matmul(a, [force, answer%q])
+      answer%force = merge(springs%offset - springs%stiffness*answer%gap, 0.0_wp, spring)
+      answer%force(set) = force
+   end subroutine solve_with_springs
+
+   !> Factor of K_c + sum of the springs; kept while the springs stay the same.
+   subroutine stiffen(self, spring, springs, status)
+      type(condensed_type), intent(in) :: self
+      logical, intent(in) :: spring(:)
+      type(springs_type), intent(inout) :: springs
+      integer, intent(out) :: status
+      integer :: row, i, j
+
+      status = 0
+      if (allocated(springs%inside)) then
+         if (all(springs%inside == springs%stiffness)) return
+      end if
+      springs%inside = springs%stiffness
+      if (.not. allocated(springs%k)) then
+         allocate (springs%k(self%n, self%n), source=0.0_wp)
+         if (self%n > 0) call dsyrk('L', 'N', self%n, self%n, 1.0_wp, self%l, self%n, 0.0_wp, springs%k, self%n)
+      end if
+      springs%factor = springs%k
+      do row = 1, self%nrow
+         if (.not. spring(row) .or. springs%stiffness(row) == 0.0_wp) cycle
+         do i = self%first(row), self%first(row + 1) - 1
+            do j = self%first(row), self%first(row + 1) - 1
+               if (self%column(j) > self%column(i)) cycle
+               springs%factor(self%column(i), self%column(j)) = springs%factor(self%column(i), self%column(j)) &
+                  & + springs%stiffness(row)*self%value(i)*self%value(j)
+            end do
+         end do
+      end do
+      call cholesky(springs%factor, status)
+   end subroutine stiffen
+end module lopin_condensed

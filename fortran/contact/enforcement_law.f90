@@ -1,0 +1,107 @@
+!> A pressure-overclosure law (EXPONENTIAL, TABULAR): a spring whose force is weight * pressure(overclosure).
+module lopin_enforcement_law
+   use lopin_kinds, only : wp
+   use lopin_enforcement, only : enforcement_type
+   implicit none
+   private
+   public :: law_type, pressure_law, new_exponential, new_tabular
+
+   type, extends(enforcement_type) :: law_type
+      logical :: exponential = .true.
+      real(wp) :: p0 = 0.0_wp, c0 = 1.0_wp                     !! pressure at zero gap, gap where it starts
+      real(wp), allocatable :: pressure(:), overclosure(:)     !! table, both increasing
+   contains
+      procedure :: word
+      procedure :: solves_for_multiplier
+      procedure :: piecewise_linear
+      procedure :: forces
+   end type law_type
+
+contains
+
+   subroutine new_exponential(self, p0, c0)
+      type(law_type), intent(out) :: self
+      real(wp), intent(in) :: p0   !! pressure at zero clearance [stress]
+      real(wp), intent(in) :: c0   !! clearance at zero pressure [length]
+
+      self%exponential = .true.
+      self%p0 = p0
+      self%c0 = c0
+      allocate (self%pressure(0), self%overclosure(0))
+   end subroutine new_exponential
+
+   subroutine new_tabular(self, pressure, overclosure)
+      type(law_type), intent(out) :: self
+      real(wp), intent(in) :: pressure(:), overclosure(:)
+
+      self%exponential = .false.
+      self%pressure = pressure
+      self%overclosure = overclosure
+   end subroutine new_tabular
+
+   function word(self)
+      class(law_type), intent(in) :: self
+      character(len=:), allocatable :: word
+      word = 'tabular'
+      if (self%exponential) word = 'exponential'
+   end function word
+
+   pure logical function solves_for_multiplier(self)
+      class(law_type), intent(in) :: self
+      associate (unused => self)
+         solves_for_multiplier = .false.
+      end associate
+   end function solves_for_multiplier
+
+   pure logical function piecewise_linear(self)
+      class(law_type), intent(in) :: self
+      associate (unused => self)
+         piecewise_linear = .false.
+      end associate
+   end function piecewise_linear
+
+   !> Here alpha is the weight of the point: pressure times alpha is force.
+   elemental subroutine forces(self, gap, alpha, multiplier, bilateral, force, stiffness)
+      class(law_type), intent(in) :: self
+      real(wp), intent(in) :: gap, alpha, multiplier
+      logical, intent(in) :: bilateral
+      real(wp), intent(out) :: force, stiffness
+
+      associate (unused => multiplier, also => bilateral)
+         call pressure_law(self, -gap, force, stiffness)
+      end associate
+      force = force*alpha
+      stiffness = stiffness*alpha
+   end subroutine forces
+
+   !> Pressure and its slope. Exponential: p = p0/(e-1) t (e^t - 1), t = overclosure/c0 + 1 (Abaqus);
+   !> beyond t = 6 it goes on along its tangent, so that no trial overclosure overflows.
+   elemental subroutine pressure_law(self, overclosure, pressure, slope)
+      type(law_type), intent(in) :: self
+      real(wp), intent(in) :: overclosure     !! penetration [length]
+      real(wp), intent(out) :: pressure       !! [stress]
+      real(wp), intent(out) :: slope          !! [stress/length]
+      real(wp) :: t, far
+      integer :: i, n
+
+      pressure = 0.0_wp
+      slope = 0.0_wp
+      if (self%exponential) then
+         t = overclosure/self%c0 + 1.0_wp
+         if (t <= 0.0_wp) return
+         far = max(t - 6.0_wp, 0.0_wp)
+         t = min(t, 6.0_wp)
+         slope = self%p0/((exp(1.0_wp) - 1.0_wp)*self%c0)*(exp(t) - 1.0_wp + t*exp(t))
+         pressure = self%p0/(exp(1.0_wp) - 1.0_wp)*t*(exp(t) - 1.0_wp) + slope*far*self%c0
+         return
+      end if
+      n = size(self%pressure)
+      if (overclosure <= self%overclosure(1)) return
+      do i = 2, n
+         if (overclosure > self%overclosure(i) .and. i < n) cycle
+         slope = (self%pressure(i) - self%pressure(i - 1))/(self%overclosure(i) - self%overclosure(i - 1))
+         pressure = self%pressure(i - 1) + slope*(overclosure - self%overclosure(i - 1))
+         return
+      end do
+   end subroutine pressure_law
+end module lopin_enforcement_law

@@ -1,0 +1,196 @@
+!> Small dense solves on LAPACK: definite, semi-definite, and bordered by equilibrium conditions.
+module lopin_dense
+   use lopin_kinds, only : wp
+   implicit none
+   private
+   public :: cholesky, cholesky_solve, lower_solve, bordered_solve, symmetric_eigen
+
+   interface
+      subroutine dpotrf(uplo, n, a, lda, info)
+         import :: wp
+         character, intent(in) :: uplo
+         integer, intent(in) :: n, lda
+         real(wp), intent(inout) :: a(lda, *)
+         integer, intent(out) :: info
+      end subroutine dpotrf
+      subroutine dpotrs(uplo, n, nrhs, a, lda, b, ldb, info)
+         import :: wp
+         character, intent(in) :: uplo
+         integer, intent(in) :: n, nrhs, lda, ldb
+         real(wp), intent(in) :: a(lda, *)
+         real(wp), intent(inout) :: b(ldb, *)
+         integer, intent(out) :: info
+      end subroutine dpotrs
+      subroutine dtrsm(side, uplo, trans, diag, m, n, alpha, a, lda, b, ldb)
+         import :: wp
+         character, intent(in) :: side, uplo, trans, diag
+         integer, intent(in) :: m, n, lda, ldb
+         real(wp), intent(in) :: alpha, a(lda, *)
+         real(wp), intent(inout) :: b(ldb, *)
+      end subroutine dtrsm
+      subroutine dsyev(jobz, uplo, n, a, lda, w, work, lwork, info)
+         import :: wp
+         character, intent(in) :: jobz, uplo
+         integer, intent(in) :: n, lda, lwork
+         real(wp), intent(inout) :: a(lda, *)
+         real(wp), intent(out) :: w(*), work(*)
+         integer, intent(out) :: info
+      end subroutine dsyev
+   end interface
+
+   interface cholesky_solve
+      module procedure cholesky_solve_one, cholesky_solve_many
+   end interface cholesky_solve
+
+   !> Eigenvalues below this share of the largest count as zero.
+   real(wp), parameter :: rank_tolerance = 1.0e-13_wp
+
+contains
+
+   !> a <- lower Cholesky factor; status > 0 if `a` is not positive definite.
+   subroutine cholesky(a, status)
+      real(wp), contiguous, intent(inout) :: a(:, :)
+      integer, intent(out) :: status
+
+      status = 0
+      if (size(a, 1) > 0) call dpotrf('L', size(a, 1), a, size(a, 1), status)
+   end subroutine cholesky
+
+   !> x <- (L L^T)^-1 x.
+   subroutine cholesky_solve_one(l, x)
+      real(wp), contiguous, intent(in) :: l(:, :)
+      real(wp), contiguous, intent(inout) :: x(:)
+      integer :: status
+
+      if (size(x) > 0) call dpotrs('L', size(x), 1, l, size(x), x, size(x), status)
+   end subroutine cholesky_solve_one
+
+   subroutine cholesky_solve_many(l, x)
+      real(wp), contiguous, intent(in) :: l(:, :)
+      real(wp), contiguous, intent(inout) :: x(:, :)
+      integer :: n, status
+
+      n = size(x, 1)
+      if (size(x) > 0) call dpotrs('L', n, size(x, 2), l, n, x, n, status)
+   end subroutine cholesky_solve_many
+
+   !> x <- L^-1 x.
+   subroutine lower_solve(l, x)
+      real(wp), contiguous, intent(in) :: l(:, :)
+      real(wp), contiguous, intent(inout) :: x(:, :)
+
+      if (size(x) > 0) call dtrsm('L', 'L', 'N', 'N', size(x, 1), size(x, 2), 1.0_wp, l, size(l, 1), x, size(x, 1))
+   end subroutine lower_solve
+
+   !> a <- eigenvectors of symmetric `a`, ascending eigenvalues.
+   subroutine symmetric_eigen(a, value, status)
+      real(wp), contiguous, intent(inout) :: a(:, :)
+      real(wp), intent(out) :: value(:)
+      integer, intent(out) :: status
+      real(wp), allocatable :: work(:)
+      integer :: n
+
+      n = size(a, 1)
+      status = 0
+      if (n == 0) return
+      allocate (work(max(1, 34*n)))
+      call dsyev('V', 'L', n, a, n, value, work, size(work), status)
+   end subroutine symmetric_eigen
+
+   !> Solve  S x + C q = f,  C^T x - H q = h  with S symmetric, semi-definite, and H >= 0 (absent: 0).
+   !>
+   !> Without q this is Cholesky, or, where rows depend on each other, the solution of least norm.
+   !> status /= 0: some combination of q is not determined (a body is not held by these rows).
+   subroutine bordered_solve(s, c, f, h, x, q, dependent, status, held)
+      real(wp), contiguous, intent(in) :: s(:, :)   !! (m, m)
+      real(wp), intent(in) :: c(:, :)               !! (m, nq)
+      real(wp), intent(in) :: f(:), h(:)
+      real(wp), intent(out) :: x(:), q(:)
+      integer, intent(inout) :: dependent           !! rows found to depend on others: largest count so far
+      integer, intent(out) :: status
+      real(wp), intent(in), optional :: held(:, :)  !! (nq, nq)
+      real(wp), allocatable :: a(:, :), right(:), scale(:), value(:)
+      integer :: m, nq, i, nzero
+
+      m = size(f)
+      nq = size(h)
+      status = 0
+      if (m + nq == 0) return
+      if (nq == 0) then
+         a = s
+         call cholesky(a, status)
+         if (status == 0 .and. well_pivoted(a, s)) then
+            x = f
+            call cholesky_solve(a, x)
+            return
+         end if
+      end if
+      allocate (a(m + nq, m + nq), right(m + nq), scale(m + nq), value(m + nq))
+      a(:m, :m) = s
+      a(:m, m + 1:) = c
+      a(m + 1:, :m) = transpose(c)
+      a(m + 1:, m + 1:) = 0.0_wp
+      if (present(held)) a(m + 1:, m + 1:) = -held
+      right = [f, h]
+      call equilibrate(a, m, scale)
+      right = right*scale
+      call symmetric_eigen(a, value, status)
+      if (status /= 0) return
+      nzero = 0
+      right = matmul(right, a)
+      do i = 1, m + nq
+         if (abs(value(i)) > rank_tolerance*maxval(abs(value))) then
+            right(i) = right(i)/value(i)
+         else
+            right(i) = 0.0_wp
+            nzero = nzero + 1
+            if (nq > 0) then
+               if (maxval(abs(a(m + 1:, i))) > 1.0e-6_wp) status = 1
+            end if
+         end if
+      end do
+      dependent = max(dependent, nzero)
+      right = matmul(a, right)*scale
+      x = right(:m)
+      q = right(m + 1:)
+   end subroutine bordered_solve
+
+   !> No pivot of the factor lost all its digits to the rows before it.
+   pure logical function well_pivoted(l, s)
+      real(wp), intent(in) :: l(:, :), s(:, :)
+      integer :: i
+
+      well_pivoted = .true.
+      do i = 1, size(s, 1)
+         if (l(i, i)**2 <= rank_tolerance*s(i, i)) well_pivoted = .false.
+      end do
+   end function well_pivoted
+
+   !> Scale a bordered matrix symmetrically: unit diagonal of S, then columns of C of unit length.
+   pure subroutine equilibrate(a, m, scale)
+      real(wp), intent(inout) :: a(:, :)
+      integer, intent(in) :: m
+      real(wp), intent(out) :: scale(:)
+      real(wp) :: largest, length
+      integer :: i
+
+      largest = 0.0_wp
+      do i = 1, m
+         largest = max(largest, a(i, i))
+      end do
+      scale = 1.0_wp
+      if (largest > 0.0_wp) then
+         do i = 1, m
+            scale(i) = 1.0_wp/sqrt(max(a(i, i), 1.0e-3_wp*largest))
+         end do
+      end if
+      do i = m + 1, size(a, 1)
+         length = sqrt(sum((a(:m, i)*scale(:m))**2))
+         if (length <= 0.0_wp) length = sqrt(max(abs(a(i, i)), tiny(1.0_wp)))
+         scale(i) = 1.0_wp/length
+      end do
+      do i = 1, size(a, 1)
+         a(:, i) = a(:, i)*scale*scale(i)
+      end do
+   end subroutine equilibrate
+end module lopin_dense

@@ -1,0 +1,204 @@
+program test_active_set
+   use lopin_kinds, only : wp
+   use lopin_condensed, only : condensed_type
+   use lopin_active_set, only : contact_result_type, solve_contact, outcome
+   use lopin_enforcement_factory, only : new_enforcement, method_names
+   use check, only : test, close_to, is_true, finish
+   implicit none
+
+   call bar_with_a_gap()
+   call two_springs_and_masses()
+   call cycling_matrix()
+   call floating_mass_is_held_by_contact()
+   call floating_mass_that_flies_is_named()
+   call random_problems()
+   call finish()
+
+contains
+
+   !> Benchmark A1: k = 21000, gap 0.1, F = 10000.
+   subroutine bar_with_a_gap()
+      real(wp), parameter :: k = 21.0e3_wp, f = 1.0e4_wp, g0 = 0.1_wp
+      real(wp) :: alpha, expected
+      type(contact_result_type) :: result
+      integer :: method
+
+      do method = 1, size(method_names)
+         call test('bar with a gap by '//trim(method_names(method)))
+         alpha = 10.0_wp*k
+         expected = f - k*g0
+         if (method == 2 .or. method == 3) expected = alpha*(f - k*g0)/(k + alpha)
+         call one_spring(method, k, g0, f, alpha, result)
+         call close_to('force', result%force(1), expected, 1.0e-10_wp)
+         if (method == 4) call is_true('10 augmentations', result%augmentations == 10)
+         call one_spring(method, k, g0, 2000.0_wp, alpha, result)
+         call close_to('open', result%force(1), 0.0_wp, 1.0e-14_wp)
+         call one_spring(method, k, g0, k*g0, alpha, result)
+         call close_to('grazing', result%force(1), 0.0_wp, 1.0e-8_wp)
+         call is_true('grazing settles at once', result%iterations <= 2)
+      end do
+      call one_spring(4, k, g0, f, k, result)
+      call is_true('34 augmentations at alpha = k', result%augmentations == 34)
+   end subroutine bar_with_a_gap
+
+   subroutine one_spring(method, k, g0, f, alpha, result)
+      integer, intent(in) :: method
+      real(wp), intent(in) :: k, g0, f, alpha
+      type(contact_result_type), intent(out) :: result
+      type(condensed_type) :: problem
+
+      call new_problem(problem, reshape([sqrt(k)], [1, 1]), reshape([-1.0_wp], [1, 1]), method, alpha)
+      call solve_contact(problem, [g0], [f], [real(wp) ::], result)
+   end subroutine one_spring
+
+   !> A dense problem from L and B (rows in order).
+   subroutine new_problem(problem, l, b, method, alpha)
+      type(condensed_type), intent(out) :: problem
+      real(wp), intent(in) :: l(:, :), b(:, :), alpha
+      integer, intent(in) :: method
+      integer :: row, i
+
+      problem%n = size(l, 1)
+      problem%nrow = size(b, 1)
+      problem%ngroup = 1
+      problem%l = l
+      problem%first = [(1 + (row - 1)*problem%n, row=1, problem%nrow + 1)]
+      problem%column = [((i, i=1, problem%n), row=1, problem%nrow)]
+      problem%value = reshape(transpose(b), [size(b)])
+      allocate (problem%c(problem%nrow, 0))
+      problem%bilateral = spread(.false., 1, problem%nrow)
+      problem%alpha = spread(alpha, 1, problem%nrow)
+      problem%group_first = [1, problem%nrow + 1]
+      problem%max_augmentations = [merge(60, 0, method == 4)]
+      problem%penetration = [0.0_wp]
+      allocate (problem%group(1))
+      call new_enforcement(problem%group(1)%method, method)
+   end subroutine new_problem
+
+   !> Benchmark A2: springs 1000 and 500, gap 0.2, F = 800.
+   subroutine two_springs_and_masses()
+      type(condensed_type) :: problem
+      type(contact_result_type) :: result
+      real(wp) :: l(2, 2)
+
+      call test('two springs and masses')
+      l = reshape([sqrt(1000.0_wp), 0.0_wp, 0.0_wp, sqrt(500.0_wp)], [2, 2])
+      call new_problem(problem, l, reshape([-1.0_wp, 1.0_wp], [1, 2]), 1, 0.0_wp)
+      call solve_contact(problem, [0.2_wp], [800.0_wp, 0.0_wp], [real(wp) ::], result)
+      call close_to('Lagrange', result%force(1), 200.0_wp, 1.0e-12_wp)
+      call new_problem(problem, l, reshape([-1.0_wp, 1.0_wp], [1, 2]), 2, 1.0e4_wp)
+      call solve_contact(problem, [0.2_wp], [800.0_wp, 0.0_wp], [real(wp) ::], result)
+      call close_to('penalty', result%force(1), 193.54838709677419_wp, 1.0e-12_wp)
+   end subroutine two_springs_and_masses
+
+   !> Benchmark F5: a definite matrix on which the plain active set cycles.
+   subroutine cycling_matrix()
+      type(condensed_type) :: problem
+      type(contact_result_type) :: result
+      real(wp), parameter :: m(3, 3) = reshape([9.0_wp, -13.0_wp, -16.0_wp, -13.0_wp, 22.0_wp, 28.0_wp, &
+         & -16.0_wp, 28.0_wp, 36.0_wp], [3, 3])
+      real(wp) :: l(3, 3), unit(3, 3)
+
+      call test('the active set that cycles')
+      l = 0.0_wp
+      l(1, 1) = 1.0_wp
+      l(2, 2) = 1.0_wp
+      l(3, 3) = 1.0_wp
+      unit = l
+      call new_problem(problem, l, unit, 1, 0.0_wp)
+      problem%s = m
+      result%active = [.true., .false., .false.]
+      result%multiplier = [0.0_wp, 0.0_wp, 0.0_wp]
+      call solve_contact(problem, [-9.0_wp, 9.0_wp, 2.0_wp], [0.0_wp, 0.0_wp, 0.0_wp], [real(wp) ::], result)
+      call is_true('solved', result%outcome == outcome%solved)
+      call is_true('one at a time', result%single_pivots > 0)
+      call close_to('force', result%force, [4.2941176470588234_wp, 0.0_wp, 1.8529411764705883_wp], 1.0e-10_wp)
+   end subroutine cycling_matrix
+
+   !> A rigid mass between two walls, pushed against one: K_c has no part in it.
+   subroutine floating_mass_is_held_by_contact()
+      type(contact_result_type) :: result
+      integer :: method
+
+      do method = 1, size(method_names)
+         call test('a floating mass is held by contact, '//trim(method_names(method)))
+         call floating(method, 3.0_wp, result)
+         call is_true('solved', result%outcome == outcome%solved)
+         call close_to('force', result%force, [3.0_wp, 0.0_wp], 1.0e-10_wp)
+      end do
+   end subroutine floating_mass_is_held_by_contact
+
+   subroutine floating_mass_that_flies_is_named()
+      type(contact_result_type) :: result
+      integer :: method
+
+      do method = 1, size(method_names)
+         call test('a mass pushed away from its only wall is not held, '//trim(method_names(method)))
+         call floating(method, -3.0_wp, result, walls=1)
+         call is_true('not held', result%outcome == outcome%not_held)
+      end do
+   end subroutine floating_mass_that_flies_is_named
+
+   !> Gaps: wall 1 ahead, on a spring of stiffness 50; wall 2 behind, stiff.
+   subroutine floating(method, push, result, walls)
+      integer, intent(in) :: method
+      real(wp), intent(in) :: push
+      type(contact_result_type), intent(out) :: result
+      integer, intent(in), optional :: walls
+      type(condensed_type) :: problem
+      real(wp) :: b(2, 2), l(2, 2)
+      real(wp), parameter :: gaps(2) = [0.1_wp, 0.2_wp]
+      integer :: n
+
+      n = 2
+      if (present(walls)) n = walls
+      l = reshape([sqrt(50.0_wp), 0.0_wp, 0.0_wp, sqrt(80.0_wp)], [2, 2])
+      b = reshape([1.0_wp, 0.0_wp, 0.0_wp, 1.0_wp], [2, 2])
+      call new_problem(problem, l, b(:n, :), method, 1000.0_wp)
+      problem%nq = 1
+      deallocate (problem%c)
+      allocate (problem%c(n, 1))
+      problem%c(1, 1) = -1.0_wp
+      if (n == 2) problem%c(2, 1) = 1.0_wp
+      call solve_contact(problem, gaps(:n), [0.0_wp, 0.0_wp], [push], result)
+   end subroutine floating
+
+   !> 200 random definite problems: complementarity to round-off, all methods that are exact agree.
+   subroutine random_problems()
+      integer, parameter :: n = 12
+      integer :: trial, j, i
+      real(wp) :: l(n, n), b(n, n), gap(n), force(n), worst
+      type(condensed_type) :: problem
+      type(contact_result_type) :: result, softer
+
+      call test('random problems')
+      worst = 0.0_wp
+      do trial = 1, 200
+         call random_number(l)
+         do j = 1, n
+            do i = 1, j - 1
+               l(i, j) = 0.0_wp
+            end do
+            l(j, j) = 1.0_wp + l(j, j)
+         end do
+         call random_number(b)
+         b = b - 0.5_wp
+         call random_number(gap)
+         call random_number(force)
+         gap = gap - 0.5_wp
+         call new_problem(problem, l, b, 1, 0.0_wp)
+         result = contact_result_type()
+         call solve_contact(problem, gap, 5.0_wp*(force - 0.5_wp), [real(wp) ::], result)
+         call is_true('solved', result%outcome == outcome%solved)
+         worst = max(worst, maxval(abs(min(result%force, result%gap)))/maxval(abs(result%force) + 1.0_wp))
+         call new_problem(problem, l, b, 2, 1.0e3_wp)
+         result = contact_result_type()
+         call solve_contact(problem, gap, force, [real(wp) ::], result)
+         call new_problem(problem, l, b, 3, 1.0e3_wp)
+         softer = contact_result_type()
+         call solve_contact(problem, gap, force, [real(wp) ::], softer)
+         call close_to('penalty = perturbed', softer%force, result%force, 1.0e-9_wp)
+      end do
+      call close_to('complementarity', worst, 0.0_wp, 1.0e-9_wp)
+   end subroutine random_problems
+end program test_active_set
