@@ -11,7 +11,7 @@ module lopin_constraints
    use lopin_dofs, only : dofs_type
    implicit none
    private
-   public :: constraints_type, new_constraints, expand, reduce, prescribed_part, rule_type, raw_rules, follower_rule
+   public :: constraints_type, new_constraints, expand, reduce, prescribed_part, rule_type, follower_rule
 
    !> How one raw variable (a dof in the axes of its node) is determined.
    type :: rule_type
@@ -34,6 +34,7 @@ module lopin_constraints
       integer, allocatable :: entry_of_prescribed(:)          !! (nprescribed) index into step%prescribed
       real(wp), allocatable :: axes(:, :, :)                  !! (3, 3, nlocal) local axes of transformed nodes
       integer, allocatable :: axes_of(:)                      !! (nnode) index into axes; 0: global
+      type(rule_type), allocatable :: rule(:)                 !! (ndof) how each raw variable is determined
    end type constraints_type
 
 contains
@@ -53,6 +54,7 @@ contains
       if (allocated(error)) return
       call number_variables(self, rule)
       call resolve(self, rule, dofs, error)
+      call move_alloc(rule, self%rule)
    end subroutine new_constraints
 
    subroutine local_axes(self, model)
@@ -74,7 +76,7 @@ contains
 
    !> The rule of every raw variable: prescribed, rigid follower, first term of an equation, or free.
    subroutine raw_rules(rule, self, model, dofs, step, error)
-      type(rule_type), allocatable, intent(out) :: rule(:)
+      type(rule_type), allocatable, intent(inout) :: rule(:)
       type(constraints_type), intent(inout) :: self
       type(model_type), intent(in) :: model
       type(dofs_type), intent(in) :: dofs

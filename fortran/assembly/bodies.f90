@@ -1,0 +1,339 @@
+!> Bodies and the motions that nothing holds: found before solving, from supports and constraints alone.
+!>
+!> Every connected body has rigid motions, every rigid tool the motions of its reference node. What is
+!> left of them under all constraints are the floating motions R. They are treated exactly: as many
+!> artificial supports as motions make the stiffness definite, the amplitudes q are unknowns of the contact
+!> problem, and at its solution the artificial supports carry nothing.
+module lopin_bodies
+   use lopin_kinds, only : wp
+   use lopin_model, only : model_type, kind_of
+   use lopin_dofs, only : dofs_type
+   use lopin_constraints, only : constraints_type
+   use lopin_dense, only : symmetric_eigen
+   implicit none
+   private
+   public :: bodies_type, new_bodies, describe_motion
+
+   !> Squared share of a motion that constraints must leave free for it to count as floating.
+   real(wp), parameter :: floating_tolerance = 1.0e-12_wp
+
+   type :: bodies_type
+      integer :: nbody = 0                    !! connected deformable bodies
+      integer :: nq = 0                       !! floating motions
+      integer, allocatable :: body(:)         !! (nnode) deformable body of a node; 0: none
+      real(wp), allocatable :: motion(:, :)   !! (neq, nq) R on the free equations
+      real(wp), allocatable :: amplitude(:, :) !! (ncolumn, nq) the same in motions of bodies and tools
+      integer, allocatable :: support(:)      !! (nq) equations supported artificially
+      real(wp), allocatable :: centre(:, :)   !! (3, nbody) [length]
+      real(wp) :: length = 1.0_wp             !! of the scene, scales rotations [length]
+      integer :: nmode = 0                    !! rigid motions of a deformable body
+      integer, allocatable :: column(:, :)    !! (6, nrigid) column of each reference dof; 0: none
+   end type bodies_type
+
+contains
+
+   subroutine new_bodies(self, model, dofs, constraints)
+      type(bodies_type), intent(out) :: self
+      type(model_type), intent(in) :: model
+      type(dofs_type), intent(in) :: dofs
+      type(constraints_type), intent(in) :: constraints
+      integer :: ncolumn
+
+      call connect(self, model)
+      call number_columns(self, model, dofs, ncolumn)
+      call find_floating(self, model, dofs, constraints, ncolumn)
+      call choose_supports(self)
+   end subroutine new_bodies
+
+   !> Connected bodies by shared nodes.
+   subroutine connect(self, model)
+      type(bodies_type), intent(inout) :: self
+      type(model_type), intent(in) :: model
+      integer, allocatable :: parent(:), number(:), members(:)
+      integer :: e, k, node, root, other
+
+      associate (mesh => model%mesh)
+         allocate (parent(mesh%nnode), self%body(mesh%nnode), number(mesh%nnode), source=0)
+         parent(:) = [(node, node=1, mesh%nnode)]
+         do e = 1, mesh%nelement
+            if (mesh%section(e) == 0) cycle
+            call find_root(parent, mesh%conn(1, e), root)
+            do k = 1, size(mesh%conn, 1)
+               node = mesh%conn(k, e)
+               if (node == 0) exit
+               self%body(node) = -1
+               call find_root(parent, node, other)
+               parent(max(root, other)) = min(root, other)
+               root = min(root, other)
+            end do
+         end do
+         do node = 1, mesh%nnode
+            if (self%body(node) == 0) cycle
+            call find_root(parent, node, root)
+            if (number(root) == 0) then
+               self%nbody = self%nbody + 1
+               number(root) = self%nbody
+            end if
+            self%body(node) = number(root)
+         end do
+         allocate (self%centre(3, self%nbody), members(self%nbody))
+         self%centre = 0.0_wp
+         members = 0
+         do node = 1, mesh%nnode
+            if (self%body(node) == 0) cycle
+            associate (c => self%centre(:mesh%ndim, self%body(node)))
+               c = c + mesh%x(:, node)
+            end associate
+            members(self%body(node)) = members(self%body(node)) + 1
+         end do
+         do k = 1, self%nbody
+            self%centre(:, k) = self%centre(:, k)/members(k)
+         end do
+         self%length = 0.0_wp
+         do node = 1, mesh%nnode
+            if (self%body(node) == 0) cycle
+            self%length = max(self%length, &
+               & norm2(mesh%x(:, node) - self%centre(:mesh%ndim, self%body(node))))
+         end do
+         if (.not. self%length > 0.0_wp) self%length = 1.0_wp
+      end associate
+   end subroutine connect
+
+   !> Root of a node in the forest, halving the way to it.
+   subroutine find_root(parent, start, root)
+      integer, intent(inout) :: parent(:)
+      integer, intent(in) :: start
+      integer, intent(out) :: root
+
+      root = start
+      do while (parent(root) /= root)
+         parent(root) = parent(parent(root))
+         root = parent(root)
+      end do
+   end subroutine find_root
+
+   subroutine number_columns(self, model, dofs, ncolumn)
+      type(bodies_type), intent(inout) :: self
+      type(model_type), intent(in) :: model
+      type(dofs_type), intent(in) :: dofs
+      integer, intent(out) :: ncolumn
+      integer :: i, k
+
+      select case (model%kind)
+      case (kind_of%axisymmetric)
+         self%nmode = 1
+      case (kind_of%solid)
+         self%nmode = 6
+      case default
+         self%nmode = 3
+      end select
+      ncolumn = self%nmode*self%nbody
+      allocate (self%column(6, size(model%rigid_body)), source=0)
+      do i = 1, size(model%rigid_body)
+         do k = 1, 6
+            if (dofs%id(k, model%rigid_body(i)%reference) == 0) cycle
+            ncolumn = ncolumn + 1
+            self%column(k, i) = ncolumn
+         end do
+      end do
+   end subroutine number_columns
+
+   !> Value of a raw variable per amplitude of each column that moves it; rotations are times `length`.
+   subroutine raw_row(self, model, dofs, constraints, raw, column, value, n)
+      type(bodies_type), intent(in) :: self
+      type(model_type), intent(in) :: model
+      type(dofs_type), intent(in) :: dofs
+      type(constraints_type), intent(in) :: constraints
+      integer, intent(in) :: raw
+      integer, intent(out) :: column(6), n
+      real(wp), intent(out) :: value(6)
+      integer :: node, dof, i, k
+      real(wp) :: axis(3), arm(3)
+
+      n = 0
+      node = dofs%node(raw)
+      dof = dofs%dof(raw)
+      do i = 1, size(self%column, 2)
+         if (model%rigid_body(i)%reference /= node) cycle
+         n = 1
+         column(1) = self%column(dof, i)
+         value(1) = merge(1.0_wp, 1.0_wp/self%length, dof <= 3)
+         return
+      end do
+      if (self%body(node) == 0 .or. dof > 3) return
+      axis = 0.0_wp
+      axis(dof) = 1.0_wp
+      if (constraints%axes_of(node) > 0) axis = constraints%axes(dof, :, constraints%axes_of(node))
+      arm = 0.0_wp
+      arm(:model%mesh%ndim) = model%mesh%x(:, node)
+      arm = (arm - self%centre(:, self%body(node)))/self%length
+      n = self%nmode
+      column(:n) = [(self%nmode*(self%body(node) - 1) + k, k=1, n)]
+      select case (self%nmode)
+      case (1)
+         value(1) = axis(2)
+      case (3)
+         value(:3) = [axis(1), axis(2), axis(2)*arm(1) - axis(1)*arm(2)]
+      case (6)
+         value(:3) = axis
+         value(4:) = [axis(3)*arm(2) - axis(2)*arm(3), axis(1)*arm(3) - axis(3)*arm(1), &
+            & axis(2)*arm(1) - axis(1)*arm(2)]
+      end select
+   end subroutine raw_row
+
+   !> Null space of all constraints on the motions of bodies and tools.
+   subroutine find_floating(self, model, dofs, constraints, ncolumn)
+      type(bodies_type), intent(inout) :: self
+      type(model_type), intent(in) :: model
+      type(dofs_type), intent(in) :: dofs
+      type(constraints_type), intent(in) :: constraints
+      integer, intent(in) :: ncolumn
+      real(wp), allocatable :: gram(:, :), eigenvalue(:), row(:)
+      integer :: raw, i, k, n, column(6), status
+      real(wp) :: value(6)
+      integer, allocatable :: touched(:)
+
+      allocate (gram(ncolumn, ncolumn), eigenvalue(ncolumn), row(ncolumn), source=0.0_wp)
+      do raw = 1, dofs%n
+         associate (rule => constraints%rule(raw))
+            if (rule%prescribed == 0 .and. .not. rule%dependent) cycle
+            call raw_row(self, model, dofs, constraints, raw, column, value, n)
+            if (n == 0) cycle
+            row(column(:n)) = value(:n)
+            touched = column(:n)
+            if (rule%dependent) then
+               do k = 1, size(rule%raw)
+                  call raw_row(self, model, dofs, constraints, rule%raw(k), column, value, n)
+                  do i = 1, n
+                     row(column(i)) = row(column(i)) - rule%coefficient(k)*value(i)
+                  end do
+                  touched = [touched, column(:n)]
+               end do
+            end if
+            do k = 1, size(touched)
+               if (any(touched(:k - 1) == touched(k))) cycle
+               gram(:, touched(k)) = gram(:, touched(k)) + row*row(touched(k))
+            end do
+            row(touched) = 0.0_wp
+         end associate
+      end do
+      call symmetric_eigen(gram, eigenvalue, status)
+      self%nq = count(eigenvalue <= floating_tolerance*max(1.0_wp, maxval([0.0_wp, eigenvalue])))
+      self%amplitude = gram(:, :self%nq)
+      allocate (self%motion(constraints%neq, self%nq), source=0.0_wp)
+      if (self%nq == 0) return
+      do i = 1, constraints%neq
+         call raw_row(self, model, dofs, constraints, constraints%dof_of_equation(i), column, value, n)
+         self%motion(i, :) = matmul(value(:n), self%amplitude(column(:n), :))
+      end do
+   end subroutine find_floating
+
+   !> Equations whose support stops every floating motion: the largest pivots, so that they stop it well.
+   subroutine choose_supports(self)
+      type(bodies_type), intent(inout) :: self
+      real(wp), allocatable :: left(:, :), direction(:)
+      integer :: i, k
+
+      allocate (self%support(self%nq))
+      left = self%motion
+      do i = 1, self%nq
+         self%support(i) = maxloc(sum(left**2, dim=2), dim=1)
+         direction = left(self%support(i), :)/norm2(left(self%support(i), :))
+         do k = 1, size(left, 1)
+            left(k, :) = left(k, :) - dot_product(left(k, :), direction)*direction
+         end do
+      end do
+   end subroutine choose_supports
+
+   !> A motion in words: which body or tool, along or about which axis.
+   function describe_motion(self, model, q) result(text)
+      type(bodies_type), intent(in) :: self
+      type(model_type), intent(in) :: model
+      real(wp), intent(in) :: q(:)             !! (nq)
+      character(len=:), allocatable :: text
+      real(wp), allocatable :: a(:)
+      real(wp) :: part(6)
+      integer :: body, best, i, k
+
+      a = matmul(self%amplitude, q)
+      best = 0
+      part = 0.0_wp
+      do body = 1, self%nbody
+         associate (mine => a(self%nmode*(body - 1) + 1:self%nmode*body))
+            if (maxval(abs(mine)) <= maxval(abs(part))*(1.0_wp + 1.0e-6_wp)) cycle
+            best = body
+            part = 0.0_wp
+            select case (self%nmode)
+            case (1)
+               part(2) = mine(1)
+            case (3)
+               part([1, 2, 6]) = mine
+            case (6)
+               part = mine
+            end select
+         end associate
+      end do
+      text = body_name(self, model, best)
+      do i = 1, size(self%column, 2)
+         do k = 1, 6
+            if (self%column(k, i) == 0) cycle
+            if (abs(a(self%column(k, i))) <= maxval(abs(part))*(1.0_wp + 1.0e-6_wp)) cycle
+            part = 0.0_wp
+            part(k) = a(self%column(k, i))
+            text = 'rigid body '//model%rigid_body(i)%name
+         end do
+      end do
+      text = text//' can '//motion_words(part, model%kind == kind_of%axisymmetric)
+   end function describe_motion
+
+   !> The smallest element set that holds the body, or its first element.
+   function body_name(self, model, body) result(text)
+      type(bodies_type), intent(in) :: self
+      type(model_type), intent(in) :: model
+      integer, intent(in) :: body
+      character(len=:), allocatable :: text
+      character(len=12) :: digits
+      integer :: i, e, members, best
+
+      text = 'the body'
+      if (body == 0) return
+      members = 0
+      do e = 1, model%mesh%nelement
+         if (self%body(model%mesh%conn(1, e)) /= body .or. model%mesh%section(e) == 0) cycle
+         if (members == 0) then
+            write (digits, '(i0)') model%mesh%element_label(e)
+            text = 'the body of element '//trim(digits)
+         end if
+         members = members + 1
+      end do
+      best = huge(1)
+      do i = 1, size(model%mesh%elset)
+         associate (set => model%mesh%elset(i)%member)
+            if (size(set) < members .or. size(set) >= best) cycle
+            if (count(self%body(model%mesh%conn(1, set)) == body) < members) cycle
+            best = size(set)
+            text = 'body '//model%mesh%elset(i)%name
+         end associate
+      end do
+   end function body_name
+
+   function motion_words(part, axisymmetric) result(text)
+      real(wp), intent(in) :: part(6)
+      logical, intent(in) :: axisymmetric
+      character(len=:), allocatable :: text
+      character(len=*), parameter :: axis = 'xyz'
+      integer :: k
+
+      text = ''
+      do k = 1, 6
+         if (abs(part(k)) < 0.1_wp*maxval(abs(part))) cycle
+         if (len(text) > 0) text = text//' and '
+         if (k <= 3) then
+            text = text//'move along '//axis(k:k)
+            if (axisymmetric) text = 'move along the axis (z)'
+         else
+            text = text//'turn about '//axis(k - 3:k - 3)
+         end if
+      end do
+   end function motion_words
+end module lopin_bodies
