@@ -145,12 +145,12 @@ contains
             free((facets%node(info, k) - 1)*mesh%ndim + 1:facets%node(info, k)*mesh%ndim) = .false.
          end do
       end do
-      inner = pack([(k, k=1, size(u))], free)
-      outer = pack([(k, k=1, size(u))], .not. free)
+      allocate (inner, source=pack([(k, k=1, size(u))], free))
+      allocate (outer, source=pack([(k, k=1, size(u))], .not. free))
       call is_true('something is free', size(inner) > 0)
-      full = dense()
-      flat = reshape(u, [size(u)])
-      k11 = full(inner, inner)
+      allocate (full, source=dense())
+      allocate (flat, source=reshape(u, [size(u)]))
+      allocate (k11, source=full(inner, inner))
       allocate (rhs(size(inner), 1))
       rhs(:, 1) = -matmul(full(inner, outer), flat(outer))
       call dposv('L', size(inner), 1, k11, size(inner), rhs, size(inner), info)
@@ -204,7 +204,8 @@ contains
          call test('one and two threads give the same bits: '//words(w))
          call omp_set_num_threads(1)
          call make(trim(words(w)), [5, 4, 3], 0.2_wp, '')
-         one = matrix%value
+         if (allocated(one)) deallocate (one)
+         allocate (one, source=matrix%value)
          call omp_set_num_threads(2)
          call make(trim(words(w)), [5, 4, 3], 0.2_wp, '')
          call is_true('bits', all(transfer(one, [1]) == transfer(matrix%value, [1])))
@@ -290,7 +291,7 @@ contains
       call is_true('serial', solids%last_is_serial .and. size(solids%order) == n)
       call omp_set_num_threads(1)
       call assemble_stiffness(solids, mesh, matrix, error)
-      one = matrix%value
+      allocate (one, source=matrix%value)
       call omp_set_num_threads(2)
       call assemble_stiffness(solids, mesh, matrix, error)
       call is_true('bits', all(transfer(one, [1]) == transfer(matrix%value, [1])))
