@@ -21,6 +21,7 @@ module lopin_block
       character(len=:), allocatable :: text        !! without a byte-order mark
       integer, allocatable :: line_start(:)        !! (nline + 1) first character of each line, then one past the end
       integer :: nline = 0
+      logical :: is_ascii = .true.                 !! no byte above 127
       type(location_type) :: included_from         !! the *INCLUDE line; file = 0 for the deck itself
    end type source_type
 

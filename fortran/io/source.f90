@@ -47,6 +47,7 @@ contains
          self%nline = 0
          do i = 1, len(whole)
             if (whole(i:i) == achar(10)) self%nline = self%nline + 1
+            if (iachar(whole(i:i)) > 127) self%is_ascii = .false.
          end do
          if (len(whole) > 0) then
             if (whole(len(whole):) /= achar(10)) self%nline = self%nline + 1

@@ -1,0 +1,164 @@
+!> Rows of the keyword table that only have a name: read past with a note, or refused until they exist.
+module lopin_keyword_rows_other
+   use lopin_keyword_table, only : keyword_table_type, key, flag, later_flag, ignored_flag, free_text, status_of
+   implicit none
+   private
+   public :: add_other_rows
+
+contains
+
+   subroutine add_other_rows(table)
+      type(keyword_table_type), intent(inout) :: table
+
+      call add_ignored(table)
+      call add_later_materials(table)
+      call add_later_mechanics(table)
+      call add_later_procedures(table)
+   end subroutine add_other_rows
+
+   !> Nothing in the answer depends on these.
+   subroutine add_ignored(table)
+      type(keyword_table_type), intent(inout) :: table
+
+      call past(table, 'PREPRINT', 'M', 'Echo of the input in Abaqus.')
+      call past(table, 'PHYSICAL CONSTANTS', 'M', 'Absolute zero and the Stefan-Boltzmann constant.')
+      call past(table, 'EXPANSION', 'M', 'Thermal expansion; a deck without temperatures does not expand.')
+      call past(table, 'CONDUCTIVITY', 'M', 'Heat conduction; there is none in a static step.')
+      call past(table, 'SPECIFIC HEAT', 'M', 'Heat capacity; there is none in a static step.')
+      call past(table, 'CONTROLS', 'MS', 'Tolerances of another code''s iterations; Lopin has its own.')
+      call past(table, 'MONITOR', 'S', 'A dof to watch in Abaqus.')
+      call past(table, 'FILE FORMAT', 'MS', 'Format of the Abaqus result file.')
+      call past(table, 'ENERGY OUTPUT', 'S', 'Energies; the history file always holds them.')
+      call past(table, 'ENERGY PRINT', 'S', 'Energies; the history file always holds them.')
+      call past(table, 'ENERGY FILE', 'S', 'Energies; the history file always holds them.')
+      call past(table, 'USER OUTPUT VARIABLES', 'M', 'Variables of user subroutines.')
+      call past(table, 'SOLVER CONTROLS', 'S', 'Controls of the iterative solver of Abaqus.')
+      call past(table, 'DIAGNOSTICS', 'S', 'Messages of Abaqus.')
+      call past(table, 'PRINT', 'S', 'Messages of Abaqus.')
+
+      call key(table, 'RESTART', 'MS', 'both', 'WRITE is read past; READ is refused.', status_of%ignored)
+      call free_text(table)
+      call ignored_flag(table, 'WRITE', 'Checkpoints of other codes.')
+      call ignored_flag(table, 'FREQUENCY', 'Every so many increments.')
+      call ignored_flag(table, 'NUMBER INTERVAL', 'Number of checkpoints.')
+      call ignored_flag(table, 'TIME MARKS', 'Times of checkpoints.')
+      call ignored_flag(table, 'OVERLAY', 'Keep the last checkpoint only.')
+      call later_flag(table, 'READ', 'Going on from the checkpoint of another run.')
+      call later_flag(table, 'STEP', 'Going on from the checkpoint of another run.')
+      call later_flag(table, 'INC', 'Going on from the checkpoint of another run.')
+   end subroutine add_ignored
+
+   subroutine past(table, name, levels, sentence)
+      type(keyword_table_type), intent(inout) :: table
+      character(len=*), intent(in) :: name, levels, sentence
+
+      call key(table, name, levels, 'both', sentence, status_of%ignored)
+      call free_text(table)
+   end subroutine past
+
+   subroutine add_later_materials(table)
+      type(keyword_table_type), intent(inout) :: table
+
+      call later(table, 'PLASTIC', 'plasticity')
+      call later(table, 'VISCOPLASTIC', 'viscoplasticity')
+      call later(table, 'RATE DEPENDENT', 'rate dependent yielding')
+      call later(table, 'CREEP', 'creep')
+      call later(table, 'HYPERELASTIC', 'hyperelasticity')
+      call later(table, 'HYPERFOAM', 'hyperelastic foam')
+      call later(table, 'VISCOELASTIC', 'viscoelasticity')
+      call later(table, 'CYCLIC HARDENING', 'cyclic hardening')
+      call later(table, 'POTENTIAL', 'anisotropic yielding')
+      call later(table, 'DEFORMATION PLASTICITY', 'deformation plasticity')
+      call later(table, 'USER MATERIAL', 'user materials')
+      call later(table, 'DEPVAR', 'user materials')
+      call later(table, 'DAMAGE INITIATION', 'damage')
+      call later(table, 'DAMAGE EVOLUTION', 'damage')
+      call later(table, 'DAMPING', 'damping')
+      call later(table, 'ORIENTATION', 'material axes')
+      call later(table, 'DISTRIBUTION', 'distributions of properties')
+      call later(table, 'SHELL SECTION', 'shells')
+      call later(table, 'SHELL GENERAL SECTION', 'shells')
+      call later(table, 'MEMBRANE SECTION', 'membranes')
+      call later(table, 'BEAM SECTION', 'beams')
+      call later(table, 'BEAM GENERAL SECTION', 'beams')
+      call later(table, 'COHESIVE SECTION', 'cohesive elements')
+      call later(table, 'NODAL THICKNESS', 'shells')
+      call later(table, 'HOURGLASS STIFFNESS', 'hourglass control')
+   end subroutine add_later_materials
+
+   subroutine add_later_mechanics(table)
+      type(keyword_table_type), intent(inout) :: table
+
+      call later(table, 'TIE', 'tied surfaces (*CONTACT PAIR, TIED exists)')
+      call later(table, 'SELF CONTACT', 'self-contact')
+      call later(table, 'CONTACT', 'general contact (*CONTACT PAIR exists)')
+      call later(table, 'CONTACT INCLUSIONS', 'general contact (*CONTACT PAIR exists)')
+      call later(table, 'CONTACT PROPERTY ASSIGNMENT', 'general contact (*CONTACT PAIR exists)')
+      call later(table, 'CHANGE FRICTION', 'friction')
+      call later(table, 'CONTACT INTERFERENCE', 'shrink fits given in a step')
+      call later(table, 'MODEL CHANGE', 'removing and adding parts of a model')
+      call later(table, 'CONTACT DAMPING', 'contact damping')
+      call later(table, 'GAP CONDUCTANCE', 'heat conduction')
+      call later(table, 'GAP HEAT GENERATION', 'heat conduction')
+      call later(table, 'COHESIVE BEHAVIOR', 'cohesive surfaces')
+      call later(table, 'MPC', 'multi-point constraints (*EQUATION exists)')
+      call later(table, 'COUPLING', 'couplings (*RIGID BODY exists)')
+      call later(table, 'KINEMATIC', 'couplings (*RIGID BODY exists)')
+      call later(table, 'KINEMATIC COUPLING', 'couplings (*RIGID BODY exists)')
+      call later(table, 'DISTRIBUTING', 'couplings (*RIGID BODY exists)')
+      call later(table, 'DISTRIBUTING COUPLING', 'couplings (*RIGID BODY exists)')
+      call later(table, 'PRE-TENSION SECTION', 'bolt pretension')
+      call later(table, 'SPRING', 'springs')
+      call later(table, 'DASHPOT', 'dashpots')
+      call later(table, 'MASS', 'point masses')
+      call later(table, 'ROTARY INERTIA', 'point masses')
+      call later(table, 'GAP', 'gap elements')
+      call later(table, 'CONNECTOR SECTION', 'connectors')
+      call later(table, 'CYCLIC SYMMETRY MODEL', 'cyclic symmetry')
+      call later(table, 'SUBMODEL', 'submodels')
+      call later(table, 'INITIAL CONDITIONS', 'initial stresses, strains and temperatures')
+      call later(table, 'TEMPERATURE', 'temperatures')
+      call later(table, 'NGEN', 'mesh generation in the deck')
+      call later(table, 'NFILL', 'mesh generation in the deck')
+      call later(table, 'NCOPY', 'mesh generation in the deck')
+      call later(table, 'NMAP', 'mesh generation in the deck')
+      call later(table, 'ELGEN', 'mesh generation in the deck')
+      call later(table, 'ELCOPY', 'mesh generation in the deck')
+      call later(table, 'SYSTEM', 'local axes of nodes')
+      call later(table, 'PARAMETER', 'parameters in the deck')
+   end subroutine add_later_mechanics
+
+   subroutine add_later_procedures(table)
+      type(keyword_table_type), intent(inout) :: table
+
+      call later(table, 'DYNAMIC', 'dynamics')
+      call later(table, 'MODAL DYNAMIC', 'dynamics')
+      call later(table, 'STEADY STATE DYNAMICS', 'dynamics')
+      call later(table, 'FREQUENCY', 'natural frequencies')
+      call later(table, 'BUCKLE', 'buckling')
+      call later(table, 'HEAT TRANSFER', 'heat conduction')
+      call later(table, 'COUPLED TEMPERATURE-DISPLACEMENT', 'heat conduction')
+      call later(table, 'UNCOUPLED TEMPERATURE-DISPLACEMENT', 'heat conduction')
+      call later(table, 'VISCO', 'creep')
+      call later(table, 'FILM', 'heat conduction')
+      call later(table, 'SFILM', 'heat conduction')
+      call later(table, 'RADIATE', 'heat conduction')
+      call later(table, 'CFLUX', 'heat conduction')
+      call later(table, 'DFLUX', 'heat conduction')
+      call later(table, 'DSFLUX', 'heat conduction')
+      call later(table, 'BASE MOTION', 'dynamics')
+      call later(table, 'FIELD', 'field variables')
+      call later(table, 'TIME POINTS', 'output at chosen times')
+      call later(table, 'SECTION PRINT', 'forces on sections')
+      call later(table, 'SECTION FILE', 'forces on sections')
+      call later(table, 'SUBSTRUCTURE GENERATE', 'substructures')
+      call later(table, 'SENSITIVITY', 'sensitivities')
+   end subroutine add_later_procedures
+
+   subroutine later(table, name, what)
+      type(keyword_table_type), intent(inout) :: table
+      character(len=*), intent(in) :: name
+      character(len=*), intent(in) :: what   !! noun that the refusal names
+      call key(table, name, 'MPAS', 'both', what, status_of%later)
+   end subroutine later
+end module lopin_keyword_rows_other

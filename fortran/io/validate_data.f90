@@ -1,0 +1,159 @@
+!> Judges data lines as far as the keyword table can: how many fields, and what never is meant.
+module lopin_validate_data
+   use lopin_block, only : block_type, data_line_type, field_type, complain, count_fields, split_fields, &
+      & line_place
+   use lopin_error, only : log_type, location_type, severity
+   use lopin_keyword_table, only : keyword_type
+   use lopin_kinds, only : wp
+   use lopin_text, only : parse_real, parse_integer, plural, quoted, upper, without_blanks, to_text
+   implicit none
+   private
+   public :: check_data
+
+contains
+
+   subroutine check_data(block, known, log)
+      type(block_type), intent(in) :: block
+      type(keyword_type), intent(in) :: known
+      type(log_type), intent(inout) :: log
+      integer :: i, most
+
+      most = known%most_fields()
+      do i = 1, block%nline
+         call check_quotes(block%line(i), known, log)
+         if (most == huge(most)) cycle
+         if (most < 0) then
+            call complain(log, 'E0103', '*'//known%name//' takes no data lines', line_place(block%line(i)), &
+               & help="lopin doc '*"//known%name//"'")
+            exit
+         end if
+         if (count_fields(block%line(i)%text) > most) call too_many(block%line(i), known, most, log)
+      end do
+      select case (known%name)
+      case ('ELASTIC')
+         call check_elastic(block, log)
+      case ('FRICTION')
+         call check_friction(block, log)
+      case ('CONTACT PAIR')
+         call check_pair(block, log)
+      end select
+   end subroutine check_data
+
+   subroutine check_quotes(line, known, log)
+      type(data_line_type), intent(in) :: line
+      type(keyword_type), intent(in) :: known
+      type(log_type), intent(inout) :: log
+      integer :: i, number
+
+      if (known%is_free_text .or. index(line%text, '"') == 0) return
+      number = 0
+      do i = 1, len(line%text)
+         if (line%text(i:i) == '"') number = number + 1
+      end do
+      if (mod(number, 2) == 0) return
+      i = index(line%text, '"', back=.true.)
+      call complain(log, 'E0111', 'a quote is opened but not closed', &
+         & location_type(line%file, line%line, i, len_trim(line%text)), label='no second quote on this line')
+   end subroutine check_quotes
+
+   !> More fields than the keyword has: a decimal comma, or simply too many.
+   subroutine too_many(line, known, most, log)
+      type(data_line_type), intent(in) :: line
+      type(keyword_type), intent(in) :: known
+      integer, intent(in) :: most
+      type(log_type), intent(inout) :: log
+      type(field_type), allocatable :: field(:)
+      integer :: n, i
+
+      call split_fields(line, field, n)
+      do i = 1, n - 1
+         if (.not. (is_whole(field(i)%text) .and. may_be_decimals(field(i + 1)%text))) cycle
+         if (field(i + 1)%at%first /= field(i)%at%last + 2) cycle
+         call complain(log, 'E0104', 'decimal comma? *'//known%name//' has at most '//plural(most, 'field')// &
+            & ' a line, here are '//to_text(n), location_type(line%file, line%line, field(i)%at%first, &
+            & field(i + 1)%at%last), label='write '//quoted(field(i)%text//'.'//field(i + 1)%text), &
+            & help='a comma separates fields; numbers have a point')
+         return
+      end do
+      call complain(log, 'E0103', '*'//known%name//' has at most '//plural(most, 'field')//' a line, here are '// &
+         & to_text(n), location_type(line%file, line%line, field(most + 1)%at%first, field(n)%at%last), &
+         & label='too many', help="lopin doc '*"//known%name//"'")
+   end subroutine too_many
+
+   !> `210000,0,3` is legal, and probably not what was meant.
+   subroutine check_elastic(block, log)
+      type(block_type), intent(in) :: block
+      type(log_type), intent(inout) :: log
+      type(field_type), allocatable :: field(:)
+      integer :: n, i
+
+      do i = 1, block%nline
+         call split_fields(block%line(i), field, n)
+         if (n /= 3) cycle
+         if (field(2)%text /= '0' .or. .not. may_be_decimals(field(3)%text)) cycle
+         call log%say(severity%warning, 'W0104', 'decimal comma? '//quoted(trim(adjustl(block%line(i)%text)))// &
+            & ' reads as E = '//field(1)%text//', Poisson''s ratio = 0, temperature = '//field(3)%text, &
+            & location_type(block%line(i)%file, block%line(i)%line, field(2)%at%first, field(3)%at%last), &
+            & label='or 0.'//field(3)%text//' ?', help='numbers have a point: '// &
+            & quoted(field(1)%text//', 0.'//field(3)%text))
+      end do
+   end subroutine check_elastic
+
+   !> Friction is read but only mu = 0 can be solved.
+   subroutine check_friction(block, log)
+      type(block_type), intent(in) :: block
+      type(log_type), intent(inout) :: log
+      type(field_type), allocatable :: field(:)
+      real(wp) :: mu
+      integer :: n, i
+      logical :: ok
+
+      do i = 1, block%nline
+         call split_fields(block%line(i), field, n)
+         call parse_real(field(1)%text, mu, ok)
+         if (.not. ok) cycle
+         if (mu > 0.0_wp) then
+            call complain(log, 'E0108', 'friction comes with a later version: mu = '//field(1)%text, field(1)%at, &
+               & label='only 0 for now', help='without *FRICTION, or with mu = 0, the surfaces slide freely')
+         else if (mu < 0.0_wp) then
+            call complain(log, 'E0106', 'a friction coefficient is not negative: '//field(1)%text, field(1)%at)
+         end if
+      end do
+   end subroutine check_friction
+
+   !> A pair needs two surfaces; the same one twice, or one alone, is self-contact.
+   subroutine check_pair(block, log)
+      type(block_type), intent(in) :: block
+      type(log_type), intent(inout) :: log
+      type(field_type), allocatable :: field(:)
+      integer :: n, i
+      logical :: alone
+
+      do i = 1, block%nline
+         call split_fields(block%line(i), field, n)
+         alone = n == 1
+         if (n == 2) alone = upper(without_blanks(field(1)%text)) == upper(without_blanks(field(2)%text)) &
+            & .or. len(field(2)%text) == 0
+         if (alone) call complain(log, 'E0108', 'self-contact of surface '//quoted(field(1)%text)// &
+            & ' comes with a later version', line_place(block%line(i)), &
+            & help='write the slave and the master surface: TOP, PUNCH')
+      end do
+   end subroutine check_pair
+
+   pure logical function is_whole(text)
+      character(len=*), intent(in) :: text
+      integer :: value
+      call parse_integer(text, value, is_whole)
+   end function is_whole
+
+   !> Digits, perhaps with an exponent, without sign or point: `5`, `05`, `8e-9`.
+   pure logical function may_be_decimals(text)
+      character(len=*), intent(in) :: text
+      real(wp) :: value
+
+      may_be_decimals = .false.
+      if (len(text) == 0) return
+      if (verify(text(1:1), '0123456789') > 0 .or. index(text, '.') > 0) return
+      call parse_real(text, value, may_be_decimals)
+   end function may_be_decimals
+end module lopin_validate_data
