@@ -158,7 +158,7 @@ contains
       integer, intent(in) :: class_of
       integer, intent(in) :: last(:)
       type(error_type), allocatable, intent(out) :: error
-      integer, allocatable :: local(:), place(:)
+      integer, allocatable :: local(:)
       integer(c_long_long) :: stored
       integer :: status, m, i
       logical :: valid
@@ -188,8 +188,7 @@ contains
       if (allocated(error)) return
       self%factor_entries = int(stored, lk)
       local(last) = [(i, i=1, size(last))]
-      place = local(self%order(m + 1:))
-      call move_alloc(place, self%place)
+      self%place = local(self%order(m + 1:))
    end subroutine analyse
 
    !> Minimum degree on the graph of nodes, or nested dissection where it pays; then a postorder.
