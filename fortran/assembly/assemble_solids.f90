@@ -1,8 +1,9 @@
 !> Assembly of small-strain solids: stiffness and loads of a whole mesh.
 !>
-!> The slots of every element in the global matrix are found once. Elements are coloured so that no two of
-!> a colour share a node, and each colour is shared out among the threads: every entry receives its
-!> addends in the order of the colours, so the bits do not depend on the number of threads.
+!> The slots of every element in the global matrix are found once. Elements are coloured so that no
+!> two of a colour share a node, and each colour is shared out among the threads: every entry
+!> receives its addends in the order of the colours, so the bits do not depend on the number of
+!> threads.
 module lopin_assemble_solids
    use lopin_kinds, only : wp, ik, lk
    use lopin_error, only : error_type, error_code, raise
@@ -36,16 +37,16 @@ module lopin_assemble_solids
 
    !> Tables of a mesh; disposable, and the same for every increment of small strains.
    type :: solids_type
-      integer :: n = 0                                 !! equations
+      integer :: n = 0                     !! equations
       type(group_type), allocatable :: group(:)
-      integer, allocatable :: which(:)                 !! (nelement) group; 0: rigid, no stiffness
-      integer, allocatable :: dof(:, :)                !! (6, nnode) equation of each dof, 0: none
-      integer, allocatable :: first_point(:)           !! (nelement+1) first Gauss point of each element
-      integer, allocatable :: colour_start(:)          !! (ncolour+1) into `order`
-      integer, allocatable :: order(:)                 !! elements by colour
-      logical :: last_is_serial = .false.              !! the last colour holds elements that may touch
-      integer(lk), allocatable :: first_slot(:)        !! (nelement+1)
-      integer(ik), allocatable :: slot(:)              !! lower triangle by columns; 0: none; < 0: twice
+      integer, allocatable :: which(:)     !! (nelement) group; 0: rigid, no stiffness
+      integer, allocatable :: dof(:, :)    !! (6, nnode) equation of each dof, 0: none
+      integer, allocatable :: first_point(:) !! (nelement+1) first Gauss point of each element
+      integer, allocatable :: colour_start(:) !! (ncolour+1) into `order`
+      integer, allocatable :: order(:)     !! elements by colour
+      logical :: last_is_serial = .false.  !! the last colour holds elements that may touch
+      integer(lk), allocatable :: first_slot(:) !! (nelement+1)
+      integer(ik), allocatable :: slot(:)  !! lower triangle by columns; 0: none; < 0: twice
       type(facet_rule_type) :: rules(6)
    end type solids_type
 
@@ -113,7 +114,8 @@ contains
 
       call new_element_type(new%element, word, trim(section%formulation), found)
       if (.not. found) then
-         call raise(error, error_code%deck, 'E0205', "'"//word//"' is not an element that Lopin knows")
+         call raise(error, error_code%deck, 'E0205', &
+            & "'"//word//"' is not an element that Lopin knows")
          return
       end if
       if (new%element%kind == element_kind%rigid) return
@@ -215,8 +217,9 @@ contains
          do j = start(e), start(e + 1) - 1
             do i = j, start(e + 1) - 1
                self%slot(k) = 0
-               if (min(equation(i), equation(j)) > 0) self%slot(k) = matrix%slot(equation(i), equation(j))
-               ! A node named twice by a collapsed element: both mirrored entries fall on the diagonal.
+               if (min(equation(i), equation(j)) > 0) self%slot(k) = &
+                  & matrix%slot(equation(i), equation(j))
+               ! A node named twice by a collapsed element: both entries fall on the diagonal.
                if (i /= j .and. equation(i) == equation(j)) self%slot(k) = -self%slot(k)
                k = k + 1
             end do
@@ -260,8 +263,8 @@ contains
       real(wp) :: ke(group%element%ndof, group%element%ndof), smallest
       integer :: i, j, k, point
 
-      call stiffness(group%element, x(:, conn(:group%element%nnode)), group%thickness, group%d, ke, &
-         & smallest, point)
+      call stiffness(group%element, x(:, conn(:group%element%nnode)), group%thickness, group%d, &
+         & ke, smallest, point)
       if (smallest <= 0.0_wp) then
          folded = min(folded, e)
          return
@@ -302,12 +305,12 @@ contains
          if (e == first) at = point
       end do
       write (text, '(a,i0,3a,i0,a,es10.3)') 'element ', mesh%element_label(first), ' (', &
-         & trim(self%group(self%which(first))%element%word), ') is folded: at integration point ', at, &
-         & ' the Jacobian is ', worst
-      help = 'list its nodes in the order of the element: counter-clockwise in the plane, and nodes of the' &
-         & //' first face before those of the second in space'
+         & trim(self%group(self%which(first))%element%word), ') is folded: at integration point ', &
+         & at, ' the Jacobian is ', worst
+      help = 'list its nodes in the order of the element: counter-clockwise in the plane, nodes' &
+         & //' of the first face before those of the second in space'
       if (number > 1) then
-         write (text(len_trim(text) + 1:), '(a,i0,a)') '; so are ', number - 1, ' other elements'
+         write (text(len_trim(text) + 1:), '(a,i0)') '; folded elements in all: ', number
       end if
       call raise(error, error_code%deck, 'E0302', trim(text), help=help)
    end subroutine report_folded
@@ -320,8 +323,8 @@ contains
       integer, intent(out) :: point
       real(wp) :: b(group%element%ndof, group%element%nstress, group%element%ngauss)
       real(wp) :: volume(group%element%ngauss)
-      call strain_matrices(group%element, x(:, conn(:group%element%nnode)), group%thickness, b, volume, &
-         & smallest, point)
+      call strain_matrices(group%element, x(:, conn(:group%element%nnode)), group%thickness, b, &
+         & volume, smallest, point)
    end subroutine jacobian_of
 
    !> Add the consistent forces of uniform body forces to a vector of equations.
@@ -335,7 +338,8 @@ contains
 
       do k = 1, size(element)
          e = element(k)
-         if (self%which(e) > 0) call add_one(self%group(self%which(e)), mesh%conn(:, e), density(:, k))
+         if (self%which(e) > 0) call add_one(self%group(self%which(e)), mesh%conn(:, e), &
+            & density(:, k))
       end do
 
    contains
@@ -348,8 +352,8 @@ contains
          real(wp) :: volume(group%element%ngauss), smallest
          real(wp) :: own(group%element%ndim, group%element%nnode)
          integer :: point
-         call strain_matrices(group%element, mesh%x(:, conn(:group%element%nnode)), group%thickness, b, &
-            & volume, smallest, point)
+         call strain_matrices(group%element, mesh%x(:, conn(:group%element%nnode)), &
+            & group%thickness, b, volume, smallest, point)
          if (smallest <= 0.0_wp) return
          call body_force(group%element, volume, density, own)
          call scatter(self%dof, conn, own, force)
@@ -362,7 +366,7 @@ contains
       type(mesh_type), intent(in) :: mesh
       integer, intent(in) :: element(:), face(:)   !! (nload) element indices, Abaqus face numbers
       real(wp), intent(in) :: pressure(:)          !! (nload) > 0 pushes into the element [stress]
-      real(wp), intent(in) :: traction(:, :)       !! (>= ndim, nload) added to the pressure [stress]
+      real(wp), intent(in) :: traction(:, :)  !! (>= ndim, nload) added to the pressure [stress]
       real(wp), intent(inout) :: force(:)          !! (n) [force]
       integer :: k, e
 
@@ -377,8 +381,9 @@ contains
          type(group_type), intent(in) :: group
          integer, intent(in) :: conn(:), k
          real(wp) :: own(group%element%ndim, group%element%nnode)
-         call face_force(group%element, self%rules, face(k), mesh%x(:, conn(:group%element%nnode)), &
-            & group%thickness, pressure(k), traction(:, k), own)
+         call face_force(group%element, self%rules, face(k), &
+            & mesh%x(:, conn(:group%element%nnode)), group%thickness, pressure(k), &
+            & traction(:, k), own)
          call scatter(self%dof, conn, own, force)
       end subroutine add_one
    end subroutine add_face_loads

@@ -17,7 +17,7 @@ contains
    subroutine recover_stress(self, mesh, u, stress, strain)
       type(solids_type), intent(in) :: self
       type(mesh_type), intent(in) :: mesh
-      real(wp), intent(in) :: u(:, :)                      !! (>= ndim, nnode) displacements [length]
+      real(wp), intent(in) :: u(:, :)  !! (>= ndim, nnode) displacements [length]
       real(wp), allocatable, intent(out) :: stress(:, :)   !! (6, npoint) [stress]
       real(wp), allocatable, intent(out) :: strain(:, :)   !! (6, npoint) engineering shears
       integer :: e, npoint
@@ -45,8 +45,10 @@ contains
 
       m = group%element%nnode
       ns = group%element%nstress
-      call strain_matrices(group%element, x(:, conn(:m)), group%thickness, b, volume, smallest, point)
-      call strains(group%element, b, reshape(u(:group%element%ndim, conn(:m)), [group%element%ndof]), own)
+      call strain_matrices(group%element, x(:, conn(:m)), group%thickness, b, volume, smallest, &
+         & point)
+      call strains(group%element, b, reshape(u(:group%element%ndim, conn(:m)), &
+         & [group%element%ndof]), own)
       do k = 1, group%element%ngauss
          stress(:, k) = 0.0_wp
          strain(:, k) = 0.0_wp
@@ -75,7 +77,8 @@ contains
             do a = 1, element%nnode
                node = mesh%conn(a, e)
                share(node) = share(node) + 1
-               at_nodes(:, node) = at_nodes(:, node) + matmul(at_points(:, p:q), element%extrapolation(a, :))
+               at_nodes(:, node) = at_nodes(:, node) + matmul(at_points(:, p:q), &
+                  & element%extrapolation(a, :))
             end do
          end associate
       end do

@@ -1,7 +1,8 @@
-!> Element words of the deck: which cell, which kind, which formulation, tabulated at its Gauss points.
+!> Element words of the deck: which cell, which kind, which formulation, tabulated at its Gauss
+!> points.
 !>
-!> A word is prefix (CPE, CPS, CAX, C3D), number of nodes and letters (R, H, I, M). Variants that Lopin does
-!> not have are read as the nearest formulation, and `note` says so.
+!> A word is prefix (CPE, CPS, CAX, C3D), number of nodes and letters (R, H, I, M). Variants that
+!> Lopin does not have are read as the nearest formulation, and `note` says so.
 module lopin_element_type
    use lopin_kinds, only : wp
    use lopin_cells, only : cell_type, new_cell, new_sided_cell, new_cell_of, shape_functions
@@ -22,18 +23,19 @@ module lopin_element_type
    type(formulations), parameter :: element_formulation = formulations()
 
    character(len=*), parameter :: element_words(66) = [character(len=7) :: &
-      & 'CPE3', 'CPE3H', 'CPE4', 'CPE4R', 'CPE4H', 'CPE4I', 'CPE4RH', 'CPE4IH', 'CPE6', 'CPE6H', 'CPE6M', &
-      & 'CPE6MH', 'CPE8', 'CPE8R', 'CPE8H', 'CPE8RH', 'CPS3', 'CPS4', 'CPS4R', 'CPS4I', 'CPS6', 'CPS6M', &
-      & 'CPS8', 'CPS8R', 'CAX3', 'CAX3H', 'CAX4', 'CAX4R', 'CAX4H', 'CAX4I', 'CAX4RH', 'CAX4IH', 'CAX6', &
-      & 'CAX6H', 'CAX6M', 'CAX6MH', 'CAX8', 'CAX8R', 'CAX8H', 'CAX8RH', 'C3D4', 'C3D4H', 'C3D6', 'C3D6H', &
-      & 'C3D8', 'C3D8R', 'C3D8H', 'C3D8I', 'C3D8RH', 'C3D8IH', 'C3D10', 'C3D10H', 'C3D10M', 'C3D10MH', &
-      & 'C3D10I', 'C3D15', 'C3D15H', 'C3D20', 'C3D20R', 'C3D20H', 'C3D20RH', 'R2D2', 'RAX2', 'R3D3', 'R3D4', &
+      & 'CPE3', 'CPE3H', 'CPE4', 'CPE4R', 'CPE4H', 'CPE4I', 'CPE4RH', 'CPE4IH', 'CPE6', &
+      & 'CPE6H', 'CPE6M', 'CPE6MH', 'CPE8', 'CPE8R', 'CPE8H', 'CPE8RH', 'CPS3', 'CPS4', &
+      & 'CPS4R', 'CPS4I', 'CPS6', 'CPS6M', 'CPS8', 'CPS8R', 'CAX3', 'CAX3H', 'CAX4', 'CAX4R', &
+      & 'CAX4H', 'CAX4I', 'CAX4RH', 'CAX4IH', 'CAX6', 'CAX6H', 'CAX6M', 'CAX6MH', 'CAX8', &
+      & 'CAX8R', 'CAX8H', 'CAX8RH', 'C3D4', 'C3D4H', 'C3D6', 'C3D6H', 'C3D8', 'C3D8R', 'C3D8H', &
+      & 'C3D8I', 'C3D8RH', 'C3D8IH', 'C3D10', 'C3D10H', 'C3D10M', 'C3D10MH', 'C3D10I', 'C3D15', &
+      & 'C3D15H', 'C3D20', 'C3D20R', 'C3D20H', 'C3D20RH', 'R2D2', 'RAX2', 'R3D3', 'R3D4', &
       & 'C3D6R']
 
    !> Everything that is the same for all elements of a word.
    type :: element_type
       character(len=7) :: word = ''
-      character(len=:), allocatable :: note   !! what the user must know of the reading; '' if nothing
+      character(len=:), allocatable :: note !! what the user must know of the reading; '' if nothing
       type(cell_type) :: cell
       integer :: kind = 0                     !! one of element_kind
       integer :: formulation = 0              !! one of element_formulation
@@ -47,7 +49,7 @@ module lopin_element_type
       real(wp), allocatable :: weight(:)            !! (ngauss) parametric weights
       real(wp), allocatable :: n(:, :)              !! (nnode, ngauss) shape functions
       real(wp), allocatable :: dn(:, :, :)          !! (ndim, nnode, ngauss) parametric slopes
-      real(wp), allocatable :: extrapolation(:, :)  !! (nnode, ngauss) values at Gauss points -> at nodes
+      real(wp), allocatable :: extrapolation(:, :)  !! (nnode, ngauss) from Gauss points to nodes
    end type element_type
 
 contains
@@ -56,7 +58,7 @@ contains
    subroutine new_element_type(self, word, formulation, found)
       type(element_type), intent(out) :: self
       character(len=*), intent(in) :: word          !! upper case, e.g. 'CAX4R'
-      character(len=*), intent(in) :: formulation   !! '' or 'FULL': no mean dilatation, no reduced rule
+      character(len=*), intent(in) :: formulation   !! '' or 'FULL': neither mean nor reduced
       logical, intent(out) :: found
       integer :: last
 
@@ -96,11 +98,13 @@ contains
    subroutine set_solid_cell(self, prefix, nodes)
       type(element_type), intent(inout) :: self
       character(len=*), intent(in) :: prefix, nodes
-      character(len=*), parameter :: plane(4) = [character(len=9) :: 'triangle', 'quad', 'triangle6', 'quad8']
+      character(len=*), parameter :: plane(4) = [character(len=9) :: 'triangle', 'quad', &
+         & 'triangle6', 'quad8']
       character(len=*), parameter :: plane_nodes(4) = ['3', '4', '6', '8']
-      character(len=*), parameter :: space(6) = [character(len=12) :: 'tetra', 'wedge', 'hexahedron', &
-         & 'tetra10', 'wedge15', 'hexahedron20']
-      character(len=*), parameter :: space_nodes(6) = [character(len=2) :: '4', '6', '8', '10', '15', '20']
+      character(len=*), parameter :: space(6) = [character(len=12) :: 'tetra', 'wedge', &
+         & 'hexahedron', 'tetra10', 'wedge15', 'hexahedron20']
+      character(len=*), parameter :: space_nodes(6) = [character(len=2) :: '4', '6', '8', '10', &
+         & '15', '20']
       logical :: found
 
       if (prefix == 'C3D') then
@@ -138,7 +142,8 @@ contains
       name = trim(self%word)
       self%formulation = element_formulation%full
       if (wish == 'FULL') then
-         if (index(letters, 'R') > 0) self%note = name//' is integrated fully, as FORMULATION=FULL asks'
+         if (index(letters, 'R') > 0) self%note = &
+            & name//' is integrated fully, as FORMULATION=FULL asks'
          return
       end if
       if (averaged) self%formulation = element_formulation%bbar
@@ -177,7 +182,8 @@ contains
       call set_extrapolation(self)
    end subroutine tabulate
 
-   !> Degrees that pass the patch test on straight-sided cells; one point more for the axisymmetric triangle.
+   !> Degrees that pass the patch test on straight-sided cells; one point more for the axisymmetric
+   !> triangle.
    subroutine choose_rule(self, rule)
       type(element_type), intent(in) :: self
       type(rule_type), intent(out) :: rule
@@ -219,7 +225,8 @@ contains
          call shape_functions(linear, self%xi(:, k), at_gauss(:, k), slopes(:self%ndim, :m))
       end do
       do k = 1, self%nnode
-         call shape_functions(linear, self%cell%xi(:self%ndim, k), at_node(:, k), slopes(:self%ndim, :m))
+         call shape_functions(linear, self%cell%xi(:self%ndim, k), at_node(:, k), &
+            & slopes(:self%ndim, :m))
       end do
       normal = matmul(at_gauss, transpose(at_gauss))
       fit = at_gauss

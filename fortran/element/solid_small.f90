@@ -1,16 +1,18 @@
-!> Small-strain solids in two and three dimensions: B matrices, stiffness, strains, forces of one element.
+!> Small-strain solids in two and three dimensions: B matrices, stiffness, strains, forces of one
+!> element.
 !>
-!> Strain rows are those of the stress order: (xx, yy, zz, xy) in 2D, (xx, yy, zz, xy, xz, yz) in 3D, with
-!> engineering shears; axisymmetric elements have x = r, y = z and the hoop strain in zz, and are integrated
-!> over the full circumference. B is stored transposed, dofs first: the long index is contiguous.
-!> Dof (a-1)*ndim + i is component i of local node a.
+!> Strain rows are those of the stress order: (xx, yy, zz, xy) in 2D, (xx, yy, zz, xy, xz, yz) in
+!> 3D, with engineering shears; axisymmetric elements have x = r, y = z and the hoop strain in zz,
+!> and are integrated over the full circumference. B is stored transposed, dofs first: the long
+!> index is contiguous. Dof (a-1)*ndim + i is component i of local node a.
 module lopin_solid_small
    use lopin_kinds, only : wp
    use lopin_element_type, only : element_type, element_kind, element_formulation
    use lopin_facets, only : facet_rule_type, facet_point
    implicit none
    private
-   public :: strain_matrices, stiffness, strains, internal_force, body_force, face_force, gauss_points
+   public :: strain_matrices, stiffness, strains, internal_force, body_force, face_force, &
+      & gauss_points
 
    real(wp), parameter :: pi = acos(-1.0_wp)
 
@@ -18,15 +20,15 @@ contains
 
    !> B at every Gauss point, mean dilatation included, and the volume of each point.
    !>
-   !> B-bar (Hughes 1980): the dilatation of a point is replaced by its mean over the element, so that
-   !> nearly incompressible material locks no more. Where `smallest` <= 0 the element is folded and
-   !> nothing else is defined.
+   !> B-bar (Hughes 1980): the dilatation of a point is replaced by its mean over the element, so
+   !> that nearly incompressible material locks no more. Where `smallest` <= 0 the element is folded
+   !> and nothing else is defined.
    pure subroutine strain_matrices(element, x, thickness, b, volume, smallest, point)
       type(element_type), intent(in) :: element
       real(wp), intent(in) :: x(:, :)          !! (ndim, nnode) coordinates [length]
       real(wp), intent(in) :: thickness        !! plane kinds, else ignored [length]
       real(wp), intent(out) :: b(element%ndof, element%nstress, element%ngauss)   !! [1/length]
-      real(wp), intent(out) :: volume(element%ngauss)   !! weight times det J, times thickness or 2 pi r
+      real(wp), intent(out) :: volume(element%ngauss)   !! times thickness or 2 pi r
       real(wp), intent(out) :: smallest        !! least det J [length^ndim]
       integer, intent(out) :: point            !! and its Gauss point
       real(wp) :: g(element%ndim, element%nnode), determinant, radius
@@ -61,7 +63,8 @@ contains
          end if
       end do
       if (smallest <= 0.0_wp) return
-      if (element%formulation == element_formulation%bbar) call average_dilatation(element, volume, b)
+      if (element%formulation == element_formulation%bbar) &
+         & call average_dilatation(element, volume, b)
    end subroutine strain_matrices
 
    !> Cartesian slopes of the shape functions: J**-T dN, and det J.
@@ -220,7 +223,7 @@ contains
    !> Strains at the Gauss points.
    pure subroutine strains(element, b, u, strain)
       type(element_type), intent(in) :: element
-      real(wp), intent(in) :: b(element%ndof, element%nstress, element%ngauss)   !! of strain_matrices
+      real(wp), intent(in) :: b(element%ndof, element%nstress, element%ngauss) !! of strain_matrices
       real(wp), intent(in) :: u(element%ndof)                                    !! [length]
       real(wp), intent(out) :: strain(element%nstress, element%ngauss)
       integer :: k, s

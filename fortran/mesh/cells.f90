@@ -1,10 +1,10 @@
 !> Reference cells: nodes, edges, faces, VTK numbers and shape functions.
 !>
-!> Names are meshio's, node order is Abaqus' (C3D20, C3D15, C3D10 ...), face numbers are Abaqus' S1..S6.
-!> The nodes of a face are listed so that its normal points OUT of the cell: right-hand rule for
-!> surfaces, and to the right of the way 1 -> 2 for lines.
-!> Lines, quads and hexahedra live in [-1, 1]^d; simplices in 0 <= r, s, t, r + s + t <= 1; wedges are
-!> triangle times [-1, 1].
+!> Names are meshio's, node order is Abaqus' (C3D20, C3D15, C3D10 ...), face numbers are Abaqus'
+!> S1..S6. The nodes of a face are listed so that its normal points OUT of the cell: right-hand rule
+!> for surfaces, and to the right of the way 1 -> 2 for lines.
+!> Lines, quads and hexahedra live in [-1, 1]^d; simplices in 0 <= r, s, t, r + s + t <= 1; wedges
+!> are triangle times [-1, 1].
 module lopin_cells
    use lopin_kinds, only : wp
    implicit none
@@ -21,8 +21,8 @@ module lopin_cells
    type(families), parameter :: cell_family = families()
 
    type :: ids
-      integer :: line2 = 1, line3 = 2, triangle = 3, triangle6 = 4, quad = 5, quad8 = 6, tetra = 7, &
-         & tetra10 = 8, wedge = 9, wedge15 = 10, hexahedron = 11, hexahedron20 = 12
+      integer :: line2 = 1, line3 = 2, triangle = 3, triangle6 = 4, quad = 5, quad8 = 6, &
+         & tetra = 7, tetra10 = 8, wedge = 9, wedge15 = 10, hexahedron = 11, hexahedron20 = 12
    end type ids
    type(ids), parameter :: cell_id = ids()
 
@@ -41,11 +41,11 @@ module lopin_cells
       logical :: quadratic = .false.
       logical :: sided = .false.       !! a surface with two sides: face 1 = SPOS, face 2 = SNEG
       integer :: vtk = 0               !! VTK cell number
-      integer :: vtk_order(20) = 0     !! VTK's k-th node is our node vtk_order(k): the identity so far
-      integer :: edge(2, 12) = 0       !! ends of each edge; node ncorner+k of a quadratic cell is on edge k
+      integer :: vtk_order(20) = 0     !! VTK's k-th node is our node vtk_order(k): here k
+      integer :: edge(2, 12) = 0       !! ends of each edge; node ncorner+k is amid edge k
       integer :: face_cell(6) = 0      !! cell id of each face
       integer :: face_nnode(6) = 0
-      integer :: face_node(8, 6) = 0   !! local nodes of each face, corners first, zeros behind the last
+      integer :: face_node(8, 6) = 0   !! nodes of each face, corners first, zeros behind the last
       real(wp) :: xi(3, 20) = 0.0_wp   !! parametric coordinates of the nodes
    end type cell_type
 
@@ -92,7 +92,7 @@ contains
       call set_corners_and_edges(self)
       if (self%quadratic) then
          do k = 1, family_nedge(family)
-            self%xi(:, self%ncorner + k) = 0.5_wp*(self%xi(:, self%edge(1, k)) + self%xi(:, self%edge(2, k)))
+            self%xi(:, self%ncorner + k) = 0.5_wp*sum(self%xi(:, self%edge(:, k)), dim=2)
          end do
       end if
       call set_faces(self)
@@ -100,7 +100,8 @@ contains
 
    !> A rigid line or surface: its faces are its two sides, 1 = SPOS and 2 = SNEG.
    !>
-   !> SPOS is the side of the right-hand rule for surfaces, and to the LEFT of 1 -> 2 for lines (Abaqus).
+   !> SPOS is the side of the right-hand rule for surfaces, and to the LEFT of 1 -> 2 for lines
+   !> (Abaqus).
    pure subroutine new_sided_cell(self, name, found)
       type(cell_type), intent(out) :: self
       character(len=*), intent(in) :: name   !! a line, triangle or quad of cell_names

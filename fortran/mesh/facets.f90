@@ -1,8 +1,9 @@
-!> Facets: faces of elements taken as pieces of a surface. Which are free, their normals, areas, weights.
+!> Facets: faces of elements taken as pieces of a surface. Which are free, their normals, areas,
+!> weights.
 !>
-!> A facet is (element, face number); its nodes are ordered so that the normal points out of the element
-!> (see lopin_cells). Areas are per unit thickness in the plane, over the full circumference (2 pi r) if
-!> axisymmetric.
+!> A facet is (element, face number); its nodes are ordered so that the normal points out of the
+!> element (see lopin_cells). Areas are per unit thickness in the plane, over the full circumference
+!> (2 pi r) if axisymmetric.
 module lopin_facets
    use lopin_kinds, only : wp
    use lopin_mesh, only : mesh_type
@@ -22,7 +23,7 @@ module lopin_facets
       integer, allocatable :: face(:)      !! (n) Abaqus face number; rigid: 1 = SPOS, 2 = SNEG
       integer, allocatable :: cell(:)      !! (n) cell id of the facet: line2 ... quad8
       integer, allocatable :: nnode(:)     !! (n)
-      integer, allocatable :: node(:, :)   !! (8, n) node indices, corners first, zeros behind the last
+      integer, allocatable :: node(:, :)   !! (8, n) nodes, corners first, zeros behind the last
    end type facets_type
 
    !> Shape functions of a facet cell at its Gauss points.
@@ -32,7 +33,7 @@ module lopin_facets
       real(wp), allocatable :: weight(:)    !! (npoint)
       real(wp), allocatable :: n(:, :)      !! (nnode, npoint)
       real(wp), allocatable :: dn(:, :, :)  !! (ndim, nnode, npoint)
-      real(wp) :: blend(8, 8) = 0.0_wp      !! positive functions = matmul(blend, n); see facet_weights
+      real(wp) :: blend(8, 8) = 0.0_wp  !! positive functions = matmul(blend, n); see facet_weights
    end type facet_rule_type
 
 contains
@@ -62,8 +63,9 @@ contains
 
    !> The skin of a set of elements: faces that only one element of the set has.
    !>
-   !> `shared` tells those that an element outside the set has as well; `ESET,` in a deck means the others.
-   !> Rigid elements give their positive side. Edges on the axis are no surface and are left out.
+   !> `shared` tells those that an element outside the set has as well; `ESET,` in a deck means the
+   !> others. Rigid elements give their positive side. Edges on the axis are no surface and are left
+   !> out.
    subroutine boundary_facets(self, mesh, cells, element, axisymmetric, shared)
       type(facets_type), intent(out) :: self
       type(mesh_type), intent(in) :: mesh
@@ -154,7 +156,8 @@ contains
       integer :: corner(4), i, j, held
 
       corner = 0
-      i = merge(2, merge(3, 4, cell%face_cell(f) <= cell_id%triangle6), cell%face_cell(f) <= cell_id%line3)
+      i = merge(2, merge(3, 4, cell%face_cell(f) <= cell_id%triangle6), &
+         & cell%face_cell(f) <= cell_id%line3)
       corner(:i) = mesh%conn(cell%face_node(:i, f), e)
       do i = 2, 4
          held = corner(i)
@@ -214,8 +217,8 @@ contains
       end do
    end subroutine new_facet_rules
 
-   !> A fifth of each mid-side function goes to each of the two corners of its edge: the integrals of quad8
-   !> and triangle6 become positive, their sum stays one (Popp, Wohlmuth, Gee, Wall 2012).
+   !> A fifth of each mid-side function goes to each of the two corners of its edge: the integrals
+   !> of quad8 and triangle6 become positive, their sum stays one (Popp, Wohlmuth, Gee, Wall 2012).
    pure subroutine set_blend(self)
       type(facet_rule_type), intent(inout) :: self
       integer :: k, mid
@@ -254,7 +257,7 @@ contains
       integer, intent(in) :: k                !! Gauss point
       real(wp), intent(in) :: x(:, :)         !! (ndim, nnode) coordinates [length]
       logical, intent(in) :: axisymmetric
-      real(wp), intent(out) :: normal(:)      !! (ndim) unit, outward; zero if the facet is degenerate
+      real(wp), intent(out) :: normal(:)  !! (ndim) unit, outward; zero if the facet is degenerate
       real(wp), intent(out) :: area           !! weight included
       real(wp) :: length
 
@@ -267,10 +270,10 @@ contains
 
    !> Areas that belong to the nodes of one facet; positive, their sum is the area exactly.
    !>
-   !> Linear facets: integrals of the shape functions, so that a uniform pressure gives the consistent
-   !> forces; on the axis pi h**2/3 > 0. Quadratic surfaces: integrals of the blended functions (the corners
-   !> of quad8 would be negative). line3: the shape functions, unless a node would get next to nothing,
-   !> as on the axis.
+   !> Linear facets: integrals of the shape functions, so that a uniform pressure gives the
+   !> consistent forces; on the axis pi h**2/3 > 0. Quadratic surfaces: integrals of the blended
+   !> functions (the corners of quad8 would be negative). line3: the shape functions, unless a node
+   !> would get next to nothing, as on the axis.
    pure subroutine facet_weights(self, x, axisymmetric, weight)
       type(facet_rule_type), intent(in) :: self
       real(wp), intent(in) :: x(:, :)        !! (ndim, nnode) coordinates [length]
@@ -311,8 +314,8 @@ contains
 
    !> Unit normals at the nodes: mean of the unit normals of the facets that meet there.
    !>
-   !> On the axis the radial part vanishes by symmetry. Nodes without a facet, and nodes whose facets cancel,
-   !> have a zero normal.
+   !> On the axis the radial part vanishes by symmetry. Nodes without a facet, and nodes whose
+   !> facets cancel, have a zero normal.
    pure subroutine nodal_normals(self, rules, x, axisymmetric, normal)
       type(facets_type), intent(in) :: self
       type(facet_rule_type), intent(in) :: rules(:)   !! from new_facet_rules

@@ -1,7 +1,8 @@
 !> Gauss rules by cell family and degree of exactness; every weight is positive.
 !>
-!> Tensor families (line, quad, hexahedron) are exact in each direction. Simplices use symmetric rules
-!> up to degree 5 and a collapsed product beyond. Weights sum to the parametric volume of the cell.
+!> Tensor families (line, quad, hexahedron) are exact in each direction. Simplices use symmetric
+!> rules up to degree 5 and a collapsed product beyond. Weights sum to the parametric volume of the
+!> cell.
 module lopin_quadrature
    use lopin_kinds, only : wp
    use lopin_cells, only : cell_family

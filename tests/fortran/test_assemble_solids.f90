@@ -7,7 +7,8 @@ program test_assemble_solids
    use lopin_element_type, only : element_type, element_words, element_kind, new_element_type
    use lopin_facets, only : facets_type, boundary_facets
    use lopin_solid_small, only : stiffness
-   use lopin_assemble_solids, only : solids_type, solid_section_type, new_solids, assemble_stiffness, &
+   use lopin_assemble_solids, only : solids_type, solid_section_type, new_solids, &
+      & assemble_stiffness, &
       & add_body_loads, add_face_loads
    use lopin_recover_stress, only : recover_stress, average_to_nodes
    use blocks, only : new_block
@@ -59,7 +60,8 @@ contains
       integer, intent(in) :: boxes(:)
       real(wp), intent(in) :: distortion
       call new_element_type(element, word, wish, found)
-      call new_block(mesh, element%cell, boxes, [0.0_wp, 0.0_wp, 0.0_wp], [3.0_wp, 2.0_wp, 1.0_wp], distortion)
+      call new_block(mesh, element%cell, boxes, [0.0_wp, 0.0_wp, 0.0_wp], [3.0_wp, 2.0_wp, &
+         & 1.0_wp], distortion)
       call number(word, wish)
       call assemble_stiffness(solids, mesh, matrix, error)
       call is_true('no error', .not. allocated(error))
@@ -72,7 +74,8 @@ contains
       do n = 1, mesh%nnode
          dof(:mesh%ndim, n) = mesh%ndim*(n - 1) + [(i_, i_=1, mesh%ndim)]
       end do
-      call new_solids(solids, mesh, [word], [solid_section_type(wish, 210.0_wp, 0.3_wp, 0.5_wp)], dof, &
+      call new_solids(solids, mesh, [word], [solid_section_type(wish, 210.0_wp, 0.3_wp, 0.5_wp)], &
+         & dof, &
          & matrix, error)
       call is_true('no error', .not. allocated(error))
    end subroutine number
@@ -81,7 +84,7 @@ contains
       integer :: c, k, e, mark(mesh%nnode)
       logical :: touch
 
-      call test('every element has one colour and elements of a colour share no node: '//element%word)
+      call test('elements of a colour share no node and none is lost: '//element%word)
       call is_true('all', size(solids%order) == mesh%nelement .and. .not. solids%last_is_serial)
       mark = 0
       touch = .false.
@@ -100,19 +103,23 @@ contains
       real(wp) :: u(mesh%ndim, mesh%nnode), gradient(3, 3), exact(6)
       real(wp), allocatable :: stress(:, :), strain(:, :), nodal(:, :)
       real(wp), parameter :: e = 210.0_wp, nu = 0.3_wp
-      real(wp), parameter :: lambda = e*nu/((1.0_wp + nu)*(1.0_wp - 2.0_wp*nu)), shear = e/(2.0_wp + 2.0_wp*nu)
+      real(wp), parameter :: lambda = e*nu/((1.0_wp + nu)*(1.0_wp - 2.0_wp*nu)), &
+         & shear = e/(2.0_wp + 2.0_wp*nu)
       integer :: k
 
       call test('the patch test passes on a distorted patch: '//element%word)
-      gradient = reshape([0.3_wp, 0.1_wp, -0.2_wp, 0.4_wp, -0.5_wp, 0.6_wp, 0.7_wp, 0.9_wp, 1.1_wp], [3, 3])
+      gradient = reshape([0.3_wp, 0.1_wp, -0.2_wp, 0.4_wp, -0.5_wp, 0.6_wp, 0.7_wp, 0.9_wp, &
+         & 1.1_wp], [3, 3])
       if (element%ndim == 2) gradient(:, 3) = 0.0_wp
       if (element%ndim == 2) gradient(3, :) = 0.0_wp
       if (element%kind == element_kind%plane_stress) gradient(3, 3) = -nu/(1.0_wp - nu)*(-0.2_wp)
-      if (element%axisymmetric) gradient = reshape([0.3_wp, 0.0_wp, 0.0_wp, 0.0_wp, -0.5_wp, 0.0_wp, &
+      if (element%axisymmetric) gradient = reshape([0.3_wp, 0.0_wp, 0.0_wp, 0.0_wp, -0.5_wp, &
+         & 0.0_wp, &
          & 0.0_wp, 0.0_wp, 0.3_wp], [3, 3])
       exact = [gradient(1, 1), gradient(2, 2), gradient(3, 3), gradient(1, 2) + gradient(2, 1), &
          & gradient(1, 3) + gradient(3, 1), gradient(2, 3) + gradient(3, 2)]
-      if (element%kind == element_kind%plane_stress) exact(3) = -nu/(1.0_wp - nu)*(exact(1) + exact(2))
+      if (element%kind == element_kind%plane_stress) exact(3) = -nu/(1.0_wp - nu)*(exact(1) &
+         & + exact(2))
       u = matmul(gradient(:mesh%ndim, :mesh%ndim), mesh%x)
       call solve_inside(u)
       call close_to('u', u, matmul(gradient(:mesh%ndim, :mesh%ndim), mesh%x), 1.0e-12_wp)
@@ -185,7 +192,8 @@ contains
          & spread([0.0_wp, -2.0_wp, 0.0_wp], 2, mesh%nelement), force)
       volume = merge(6.0_wp, merge(2.0_wp*pi*9.0_wp, 3.0_wp, element%axisymmetric), mesh%ndim == 3)
       call close_to('weight', sum(force(2::mesh%ndim)), -2.0_wp*volume, 1.0e-12_wp)
-      call boundary_facets(facets, mesh, [element%cell], mesh%element_label, element%axisymmetric, shared)
+      call boundary_facets(facets, mesh, [element%cell], mesh%element_label, element%axisymmetric, &
+         & shared)
       force = 0.0_wp
       call add_face_loads(solids, mesh, facets%element, facets%face, spread(3.0_wp, 1, facets%n), &
          & spread([0.0_wp, 0.0_wp, 0.0_wp], 2, facets%n), force)
@@ -196,7 +204,8 @@ contains
    end subroutine loads_sum_to_weight_and_pressure_closes
 
    subroutine two_threads_give_the_same_bits()
-      character(len=7), parameter :: words(4) = [character(len=7) :: 'CPE4', 'CAX8R', 'C3D8', 'C3D10']
+      character(len=7), parameter :: words(4) = [character(len=7) :: 'CPE4', 'CAX8R', 'C3D8', &
+         & 'C3D10']
       real(wp), allocatable :: one(:)
       integer :: w
 
@@ -224,7 +233,8 @@ contains
       call is_true('value', index(error%text(), '-2.500E-01') > 0)
    end subroutine a_folded_element_is_named
 
-   !> Two nodes in one place and with one number: both mirrored entries belong to the diagonal block.
+   !> Two nodes in one place and with one number: both mirrored entries belong to the diagonal
+   !> block.
    subroutine a_collapsed_element_is_assembled_right()
       real(wp) :: ke(8, 8), exact(6, 6), smallest
       integer :: equation(8), a, b, point
@@ -235,7 +245,8 @@ contains
       call number('CPE4', '')
       call assemble_stiffness(solids, mesh, matrix, error)
       call is_true('no error', .not. allocated(error))
-      call stiffness(solids%group(1)%element, mesh%x(:, mesh%conn(:4, 1)), 0.5_wp, solids%group(1)%d, ke, &
+      call stiffness(solids%group(1)%element, mesh%x(:, mesh%conn(:4, 1)), 0.5_wp, &
+         & solids%group(1)%d, ke, &
          & smallest, point)
       equation = [1, 2, 3, 4, 5, 6, 5, 6]
       exact = 0.0_wp
@@ -271,7 +282,7 @@ contains
       integer :: k
       real(wp), allocatable :: one(:)
 
-      call test('a hundred triangles around one node are assembled, those past the colours by one thread')
+      call test('a hundred triangles around one node: those past the colours go to one thread')
       call new_element_type(element, 'CPE3', '', found)
       deallocate (mesh%x, mesh%conn)
       mesh%ndim = 2
@@ -296,7 +307,8 @@ contains
       call assemble_stiffness(solids, mesh, matrix, error)
       call is_true('bits', all(transfer(one, [1]) == transfer(matrix%value, [1])))
       associate (full => dense())
-         call close_to('translation', sum(full(:, 1::2), dim=2)/210.0_wp, spread(0.0_wp, 1, 2*n + 2), 1.0e-13_wp)
+         call close_to('translation', sum(full(:, 1::2), dim=2)/210.0_wp, spread(0.0_wp, 1, &
+            & 2*n + 2), 1.0e-13_wp)
       end associate
    end subroutine a_fan_of_many_elements_needs_a_serial_colour
 
@@ -304,8 +316,10 @@ contains
       real(wp), allocatable :: stress(:, :), strain(:, :)
       call test('a plane-stress plate thins by nu times the uniaxial strain')
       call make('CPS4', [2, 1], 0.0_wp, '')
-      call recover_stress(solids, mesh, spread([1.0_wp, -0.3_wp], 2, mesh%nnode)*mesh%x, stress, strain)
-      call close_to('stress', stress(:, 1), [210.0_wp, 0.0_wp, 0.0_wp, 0.0_wp, 0.0_wp, 0.0_wp], 1.0e-12_wp)
+      call recover_stress(solids, mesh, spread([1.0_wp, -0.3_wp], 2, mesh%nnode)*mesh%x, stress, &
+         & strain)
+      call close_to('stress', stress(:, 1), [210.0_wp, 0.0_wp, 0.0_wp, 0.0_wp, 0.0_wp, 0.0_wp], &
+         & 1.0e-12_wp)
       call close_to('strain', strain(1:3, 1), [1.0_wp, -0.3_wp, -0.3_wp], 1.0e-13_wp)
    end subroutine plane_stress_thins
 end program test_assemble_solids

@@ -1,6 +1,7 @@
 program test_cells
    use lopin_kinds, only : wp
-   use lopin_cells, only : cell_type, cell_names, cell_id, ncell, new_cell, new_cell_of, new_sided_cell, &
+   use lopin_cells, only : cell_type, cell_names, cell_id, ncell, new_cell, new_cell_of, &
+      & new_sided_cell, &
       & shape_functions, cell_centre
    use check, only : test, close_to, is_true, finish
    implicit none

@@ -11,13 +11,16 @@ program test_convergence
    use lopin_solid_small, only : strain_matrices
    use lopin_linear_solver, only : matrix_class
    use lopin_solver_cholmod, only : solver_cholmod_type
-   use lopin_assemble_solids, only : solids_type, solid_section_type, new_solids, assemble_stiffness, &
+   use lopin_assemble_solids, only : solids_type, solid_section_type, new_solids, &
+      & assemble_stiffness, &
       & add_face_loads
    use blocks, only : new_block
    use check, only : test, close_to, is_true, finish
    implicit none
-   character(len=6), parameter :: words(20) = [character(len=6) :: 'CPE3', 'CPE4', 'CPE6', 'CPE8', 'CPE8R', &
-      & 'CPS4', 'CPS8R', 'CAX3', 'CAX4', 'CAX6', 'CAX8', 'CAX8R', 'C3D4', 'C3D6', 'C3D8', 'C3D10', 'C3D15', &
+   character(len=6), parameter :: words(20) = [character(len=6) :: 'CPE3', 'CPE4', 'CPE6', 'CPE8', &
+      & 'CPE8R', &
+      & 'CPS4', 'CPS8R', 'CAX3', 'CAX4', 'CAX6', 'CAX8', 'CAX8R', 'C3D4', 'C3D6', 'C3D8', 'C3D10', &
+      & 'C3D15', &
       & 'C3D20', 'C3D20R', 'CPS6']
    type(mesh_type) :: mesh
    type(solids_type) :: solids
@@ -48,7 +51,8 @@ contains
       end do
       order = log([l2(1)/l2(2), h1(1)/h1(2)])/log(2.0_wp)
       associate (p => merge(2.0_wp, 1.0_wp, solids%group(1)%element%cell%quadratic))
-         if (order(1) < p + 0.8_wp .or. order(2) < p - 0.15_wp) print '(2a,2f8.3)', word, wish, order
+         if (order(1) < p + 0.8_wp .or. order(2) < p - 0.15_wp) print '(2a,2f8.3)', word, wish, &
+            & order
          call is_true('order of u', order(1) > p + 0.8_wp)
          call is_true('order of its gradient', order(2) > p - 0.15_wp)
       end associate
@@ -81,7 +85,8 @@ contains
       do n = 1, mesh%nnode
          dof(:mesh%ndim, n) = [(mesh%ndim*(n - 1) + k, k=1, mesh%ndim)]
       end do
-      call new_solids(solids, mesh, [word], [solid_section_type(wish, 1.0e3_wp, poisson, 1.0_wp)], dof, &
+      call new_solids(solids, mesh, [word], [solid_section_type(wish, 1.0e3_wp, poisson, 1.0_wp)], &
+         & dof, &
          & matrix, error)
    end subroutine build
 
@@ -116,7 +121,8 @@ contains
          if (group%element%axisymmetric) strain(3) = u(1)/x(1)
          stress(:group%element%nstress) = matmul(group%d, strain(:group%element%nstress))
       end associate
-      s = reshape([stress(1), stress(4), stress(5), stress(4), stress(2), stress(6), stress(5), stress(6), &
+      s = reshape([stress(1), stress(4), stress(5), stress(4), stress(2), stress(6), stress(5), &
+         & stress(6), &
          & stress(3)], [3, 3])
    end subroutine exact_stress
 
@@ -152,14 +158,16 @@ contains
       real(wp) :: value(3), gradient(3, 3)
       integer :: k, n, d
 
-      call build(word, wish, [boxes, boxes, boxes], [0.5_wp, 0.0_wp, 0.0_wp], [1.5_wp, 1.0_wp, 1.0_wp], 0.3_wp)
+      call build(word, wish, [boxes, boxes, boxes], [0.5_wp, 0.0_wp, 0.0_wp], [1.5_wp, 1.0_wp, &
+         & 1.0_wp], 0.3_wp)
       call assemble_stiffness(solids, mesh, matrix, error)
       call is_true('assembled', .not. allocated(error))
       d = mesh%ndim
       allocate (u(matrix%n), force(matrix%n), fixed(matrix%n))
       call add_load(force)
       fixed = .false.
-      call boundary_facets(facets, mesh, [solids%group(1)%element%cell], mesh%element_label, .false., shared)
+      call boundary_facets(facets, mesh, [solids%group(1)%element%cell], mesh%element_label, &
+         & .false., shared)
       do k = 1, facets%n
          do n = 1, facets%nnode(k)
             fixed(d*(facets%node(n, k) - 1) + 1:d*facets%node(n, k)) = .true.
@@ -191,7 +199,8 @@ contains
                f = load_density(matmul(x(:, :element%nnode), element%n(:, k)))
                do a = 1, element%nnode
                   first = d*(mesh%conn(a, e) - 1)
-                  force(first + 1:first + d) = force(first + 1:first + d) + volume(k)*element%n(a, k)*f
+                  force(first + 1:first + d) = force(first + 1:first + d) + volume(k)*element%n(a, &
+                     & k)*f
                end do
             end do
          end do
@@ -245,8 +254,10 @@ contains
                call exact(matmul(x(:d, :m), n(:m)), value, gradient)
                ! Boxes are not distorted: every simplex, wedge and brick here is affine.
                scale = rule%weight(k)
-               l2 = l2 + scale*sum((value(:d) - matmul(own(:d, :m), n(:m)))**2)/real(mesh%nelement, wp)
-               h1 = h1 + scale*sum((gradient(:d, :d) - physical(matmul(own(:d, :m), transpose(dn(:d, :m))), &
+               l2 = l2 + scale*sum((value(:d) - matmul(own(:d, :m), &
+                  & n(:m)))**2)/real(mesh%nelement, wp)
+               h1 = h1 + scale*sum((gradient(:d, :d) - physical(matmul(own(:d, :m), &
+                  & transpose(dn(:d, :m))), &
                   & matmul(x(:d, :m), transpose(dn(:d, :m)))))**2)/real(mesh%nelement, wp)
             end do
          end do
@@ -281,7 +292,8 @@ contains
       end do
    end function physical
 
-   !> Benchmark F6: quarter tube, a = 1, b = 2, p = 1, E = 1000, plane strain, 8 x 12 Q4: u_r(a)/exact.
+   !> Benchmark F6: quarter tube, a = 1, b = 2, p = 1, E = 1000, plane strain, 8 x 12 Q4:
+   !> u_r(a)/exact.
    subroutine thick_tube_locks_as_known()
       real(wp), parameter :: nu(4) = [0.3_wp, 0.49_wp, 0.499_wp, 0.4999_wp]
       real(wp), parameter :: full(4) = [0.996_wp, 0.959_wp, 0.711_wp, 0.198_wp]

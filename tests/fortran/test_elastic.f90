@@ -1,6 +1,7 @@
 program test_elastic
    use lopin_kinds, only : wp
-   use lopin_elastic, only : hooke_matrix, plane_stress_matrix, thickness_strain, strain_energy_density
+   use lopin_elastic, only : hooke_matrix, plane_stress_matrix, thickness_strain, &
+      & strain_energy_density
    use check, only : test, close_to, finish
    implicit none
 

@@ -26,7 +26,8 @@ contains
 
       call test('extrapolation to the nodes is exact for linear fields: '//element%word)
       call is_true('points', size(element%weight) == element%ngauss .and. element%ngauss > 0)
-      call close_to('partition', sum(element%n, dim=1), spread(1.0_wp, 1, element%ngauss), 1.0e-14_wp)
+      call close_to('partition', sum(element%n, dim=1), spread(1.0_wp, 1, element%ngauss), &
+         & 1.0e-14_wp)
       call close_to('constant', sum(element%extrapolation, dim=2), &
          & spread(1.0_wp, 1, element%nnode), 1.0e-13_wp)
       if (element%ngauss == 1) return
@@ -76,7 +77,8 @@ contains
       call new_element_type(element, 'C3D20R', '', found)
       call equal_text('C3D20R', element%note, '')
       call new_element_type(element, 'CPE4RH', '', found)
-      call is_true(element%note, index(element%note, 'B-bar') > 0 .and. index(element%note, 'pressure') > 0)
+      call is_true(element%note, index(element%note, 'B-bar') > 0 .and. index(element%note, &
+         & 'pressure') > 0)
       call new_element_type(element, 'C3D8I', '', found)
       call is_true(element%note, index(element%note, 'incompatible') > 0)
    end subroutine variants_say_how_they_are_read

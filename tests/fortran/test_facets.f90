@@ -2,7 +2,8 @@ program test_facets
    use lopin_kinds, only : wp
    use lopin_mesh, only : mesh_type
    use lopin_cells, only : cell_type, cell_id, ncell, new_cell_of, new_sided_cell
-   use lopin_facets, only : facets_type, facet_rule_type, new_facets, boundary_facets, new_facet_rules, &
+   use lopin_facets, only : facets_type, facet_rule_type, new_facets, boundary_facets, &
+      & new_facet_rules, &
       & facet_point, facet_weights, nodal_weights, nodal_normals
    use blocks, only : new_block
    use check, only : test, close_to, is_true, finish
@@ -38,7 +39,8 @@ contains
 
       call new_cell_of(cell, id)
       d = cell%ndim
-      call new_block(mesh, cell, [3, 2, 2], [0.0_wp, 0.0_wp, 0.0_wp], [3.0_wp, 1.0_wp, 2.0_wp], 0.2_wp)
+      call new_block(mesh, cell, [3, 2, 2], [0.0_wp, 0.0_wp, 0.0_wp], [3.0_wp, 1.0_wp, 2.0_wp], &
+         & 0.2_wp)
       call boundary_facets(facets, mesh, [cell], mesh%element_label, .false., shared)
       call test('the skin of a block has its area and is closed, weights are positive: '//cell%name)
       call is_true('none shared', .not. any(shared))
@@ -46,7 +48,8 @@ contains
       do i = 1, facets%n
          m = facets%nnode(i)
          do k = 1, rules(facets%cell(i))%npoint
-            call facet_point(rules(facets%cell(i)), k, mesh%x(:, facets%node(:m, i)), .false., own(:d), area)
+            call facet_point(rules(facets%cell(i)), k, mesh%x(:, facets%node(:m, i)), .false., &
+               & own(:d), area)
             total(:d) = total(:d) + area*own(:d)
          end do
       end do
@@ -78,7 +81,8 @@ contains
 
       call new_cell_of(cell, id)
       call test('faces of half a block that the other half has as well are shared: '//cell%name)
-      call new_block(mesh, cell, [2, 2, 2], [0.0_wp, 0.0_wp, 0.0_wp], [1.0_wp, 1.0_wp, 1.0_wp], 0.0_wp)
+      call new_block(mesh, cell, [2, 2, 2], [0.0_wp, 0.0_wp, 0.0_wp], [1.0_wp, 1.0_wp, 1.0_wp], &
+         & 0.0_wp)
       lower = [(i, i=1, mesh%nelement/2)]
       call boundary_facets(facets, mesh, [cell], lower, .false., shared)
       area = 0.0_wp
@@ -96,7 +100,7 @@ contains
    subroutine axis_weights_are_right()
       real(wp), parameter :: h = 0.3_wp
       real(wp) :: w(3), x(2, 3)
-      call test('a segment on the axis gives pi h**2/3 to the axis and 2 pi h**2/3 to the other node')
+      call test('a segment on the axis gives pi h**2/3 to the axis and twice that to its end')
       x = reshape([0.0_wp, 0.0_wp, h, 0.0_wp, 0.5_wp*h, 0.0_wp], [2, 3])
       call facet_weights(rules(cell_id%line2), x(:, :2), .true., w(:2))
       call close_to('w', w(:2), pi*h**2*[1.0_wp, 2.0_wp]/3.0_wp, 1.0e-14_wp)
@@ -118,7 +122,8 @@ contains
       call close_to('quad8', w, [spread(0.2_wp, 1, 4), spread(0.8_wp, 1, 4)], 1.0e-14_wp)
       x(:2, :6) = rules(cell_id%triangle6)%cell%xi(:2, :6)
       call facet_weights(rules(cell_id%triangle6), x(:, :6), .false., w(:6))
-      call close_to('triangle6', w(:6), [spread(1.0_wp/15.0_wp, 1, 3), spread(0.1_wp, 1, 3)], 1.0e-14_wp)
+      call close_to('triangle6', w(:6), [spread(1.0_wp/15.0_wp, 1, 3), spread(0.1_wp, 1, 3)], &
+         & 1.0e-14_wp)
    end subroutine quadratic_weights_are_positive
 
    subroutine edges_on_the_axis_are_left_out()

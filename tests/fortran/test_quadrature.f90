@@ -4,7 +4,8 @@ program test_quadrature
    use lopin_quadrature, only : rule_type, new_rule
    use check, only : test, close_to, is_true, finish
    implicit none
-   character(len=*), parameter :: family_names(6) = [character(len=10) :: 'line', 'triangle', 'quad', &
+   character(len=*), parameter :: family_names(6) = [character(len=10) :: 'line', 'triangle', &
+      & 'quad', &
       & 'tetra', 'wedge', 'hexahedron']
    integer :: family, degree
    type(rule_type) :: rule

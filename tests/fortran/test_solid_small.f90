@@ -94,9 +94,11 @@ contains
 
       call test('an affine motion has its strain at every Gauss point: '//element%word)
       x = distorted()
-      gradient = reshape([0.3_wp, 0.1_wp, -0.2_wp, 0.4_wp, -0.5_wp, 0.6_wp, 0.7_wp, 0.9_wp, 1.1_wp], [3, 3])
+      gradient = reshape([0.3_wp, 0.1_wp, -0.2_wp, 0.4_wp, -0.5_wp, 0.6_wp, 0.7_wp, 0.9_wp, &
+         & 1.1_wp], [3, 3])
       if (element%ndim == 3) then
-         expected = [gradient(1, 1), gradient(2, 2), gradient(3, 3), gradient(1, 2) + gradient(2, 1), &
+         expected = [gradient(1, 1), gradient(2, 2), gradient(3, 3), gradient(1, 2) + gradient(2, &
+            & 1), &
             & gradient(1, 3) + gradient(3, 1), gradient(2, 3) + gradient(3, 2)]
       else
          expected = [gradient(1, 1), gradient(2, 2), 0.0_wp, gradient(1, 2) + gradient(2, 1)]
@@ -106,7 +108,8 @@ contains
          expected(3:4) = [gradient(1, 1), gradient(2, 1)]
       end if
       call strain_matrices(element, x, thickness, b, volume, smallest, point)
-      call strains(element, b, reshape(matmul(gradient(:element%ndim, :element%ndim), x), [element%ndof]), &
+      call strains(element, b, reshape(matmul(gradient(:element%ndim, :element%ndim), x), &
+         & [element%ndof]), &
          & strain)
       do k = 1, element%ngauss
          call close_to('strain', strain(:, k), expected, 1.0e-13_wp)
@@ -116,7 +119,8 @@ contains
    subroutine stiffness_is_consistent()
       real(wp) :: b(element%ndof, element%nstress, element%ngauss), volume(element%ngauss), smallest
       real(wp) :: x(element%ndim, element%nnode), strain(element%nstress, element%ngauss)
-      real(wp) :: ke(element%ndof, element%ndof), u(element%ndof), force(element%ndof), motion(3, element%nnode)
+      real(wp) :: ke(element%ndof, element%ndof), u(element%ndof), force(element%ndof), motion(3, &
+         & element%nnode)
       integer :: point, k, seed
 
       x = distorted()
@@ -148,13 +152,16 @@ contains
 
    pure logical function allowed(k)
       integer, intent(in) :: k   !! 1..3 translations, 4..6 rotations in xy, xz, yz
-      allowed = element%ndim == 3 .or. k == 2 .or. ((k == 1 .or. k == 4) .and. .not. element%axisymmetric)
+      allowed = element%ndim == 3 .or. k == 2 .or. ((k == 1 .or. k == 4) &
+         & .and. .not. element%axisymmetric)
    end function allowed
 
-   !> The patch test of one element: internal forces of a uniform stress = its tractions on all faces.
+   !> The patch test of one element: internal forces of a uniform stress = its tractions on all
+   !> faces.
    subroutine uniform_stress_is_held_by_its_tractions()
       real(wp) :: b(element%ndof, element%nstress, element%ngauss), volume(element%ngauss), smallest
-      real(wp) :: x(element%ndim, element%nnode), force(element%ndof), held(element%ndim, element%nnode)
+      real(wp) :: x(element%ndim, element%nnode), force(element%ndof), held(element%ndim, &
+         & element%nnode)
       real(wp) :: stress(element%nstress), part(element%ndim, element%nnode)
       integer :: point
 
@@ -177,7 +184,8 @@ contains
       call close_to('force', force, reshape(held, [element%ndof]), 1.0e-12_wp)
    end subroutine uniform_stress_is_held_by_its_tractions
 
-   !> Forces of the traction stress.n on a face, column by column of the stress: n_j dA = - pressure force.
+   !> Forces of the traction stress.n on a face, column by column of the stress: n_j dA = - pressure
+   !> force.
    subroutine tractions_of(stress, face, x, force)
       real(wp), intent(in) :: stress(:), x(:, :)
       integer, intent(in) :: face
@@ -210,14 +218,15 @@ contains
       d = element%ndim
       x = distorted()
       call stiffness_of(x, ke)
-      call test('stiffness in metres is that in millimetres times the power of 1000: '//element%word)
+      call test('stiffness in metres is that in millimetres, scaled: '//element%word)
       call stiffness_of(1.0e-3_wp*x, other)
       if (d == 2 .and. .not. element%axisymmetric) other = 1.0e-3_wp*other   ! thickness kept
       call close_to('ke', 1.0e3_wp*other/young, ke/young, 1.0e-11_wp)
       if (element%axisymmetric) return
       call test('the stiffness of a turned element is the turned stiffness: '//element%word)
       q = reshape([c, s, 0.0_wp, -s, c, 0.0_wp, 0.0_wp, 0.0_wp, 1.0_wp], [3, 3])
-      if (d == 3) q = matmul(q, reshape([c, 0.0_wp, s, 0.0_wp, 1.0_wp, 0.0_wp, -s, 0.0_wp, c], [3, 3]))
+      if (d == 3) q = matmul(q, reshape([c, 0.0_wp, s, 0.0_wp, 1.0_wp, 0.0_wp, -s, 0.0_wp, c], [3, &
+         & 3]))
       turn = 0.0_wp
       do a = 1, element%nnode
          turn(d*a - d + 1:d*a, d*a - d + 1:d*a) = q(:d, :d)
@@ -231,7 +240,7 @@ contains
       integer :: info, expected
       logical :: reduced
 
-      call test('there are no zero-energy modes but rigid motions and the known ones: '//element%word)
+      call test('zero-energy modes are rigid motions and the known ones: '//element%word)
       call stiffness_of(distorted(), ke)
       call dsyev('N', 'L', element%ndof, ke, element%ndof, value, work, size(work), info)
       expected = merge(6, merge(1, 3, element%axisymmetric), element%ndim == 3)
@@ -243,9 +252,11 @@ contains
          & real(expected, wp), 0.0_wp)
    end subroutine zero_energy_modes_are_known
 
-   !> Sum of the forces of a unit pressure on a face = - area times normal (by the shoelace formula).
+   !> Sum of the forces of a unit pressure on a face = - area times normal (by the shoelace
+   !> formula).
    subroutine pressure_on_each_face_pushes_inward()
-      real(wp) :: x(element%ndim, element%nnode), force(element%ndim, element%nnode), total(3), exact(3)
+      real(wp) :: x(element%ndim, element%nnode), force(element%ndim, element%nnode), total(3), &
+         & exact(3)
       real(wp) :: p(3, 4), r
       integer :: face, m, node(4), k
 
@@ -255,7 +266,8 @@ contains
          m = count([2, 4, 6] >= element%cell%face_cell(face))   ! 3: line, 2: triangle, 1: quad
          m = 5 - m
          node(:m) = element%cell%face_node(:m, face)
-         call face_force(element, rules, face, x, thickness, 2.0_wp, [0.0_wp, 0.0_wp, 0.0_wp], force)
+         call face_force(element, rules, face, x, thickness, 2.0_wp, [0.0_wp, 0.0_wp, 0.0_wp], &
+            & force)
          total = 0.0_wp
          total(:element%ndim) = sum(force, dim=2)
          p = 0.0_wp
