@@ -1,0 +1,231 @@
+!> `*SURFACE INTERACTION` with `*SURFACE BEHAVIOR` and `*FRICTION`: which of the four methods, which law.
+!>
+!> | deck                                                     | method                    |
+!> | nothing, DIRECT, PRESSURE-OVERCLOSURE=HARD                | lagrange                  |
+!> | PENALTY; PRESSURE-OVERCLOSURE=LINEAR, EXPONENTIAL, TABULAR | penalty                   |
+!> | DIRECT with one of these; PERTURBED LAGRANGE              | perturbed                 |
+!> | AUGMENTED LAGRANGE                                       | augmented                 |
+!> | PRESSURE-OVERCLOSURE=TIED                                | penalty if a slope stands in the data, else lagrange |
+module lopin_build_interactions
+   use lopin_kinds, only : wp
+   use lopin_error, only : location_type, log_type, severity
+   use lopin_text, only : to_text
+   use lopin_model, only : model_type, interaction_type, method_of, overclosure_of
+   use lopin_block, only : deck_type, block_type, field_type, split_fields, field_real, complain, has_parameter, &
+      & line_place
+   use lopin_build_scene, only : scene_type, need_word, get_word
+   implicit none
+   private
+   public :: build_interactions
+
+contains
+
+   subroutine build_interactions(model, deck, scene)
+      type(model_type), intent(inout) :: model
+      type(deck_type), intent(in) :: deck
+      type(scene_type), intent(in) :: scene
+      type(interaction_type) :: interaction
+      type(location_type) :: at
+      integer :: k, i
+      logical :: open
+
+      allocate (model%interaction(0))
+      open = .false.
+      do k = 1, scene%ncard
+         associate (block => deck%block(scene%card(k)%block), n => size(model%interaction))
+            select case (block%keyword)
+            case ('SURFACE INTERACTION')
+               interaction = interaction_type()
+               call need_word(block, 'NAME', interaction%name, at, open, model%log)
+               interaction%at = at
+               if (.not. open) cycle
+               do i = 1, n
+                  if (model%interaction(i)%name == interaction%name) call complain(model%log, 'E0205', &
+                     & 'surface interaction `'//interaction%name//'` is defined twice, first in line ' &
+                     & //to_text(model%interaction(i)%at%line), at)
+               end do
+               model%interaction = [model%interaction, interaction]
+            case ('SURFACE BEHAVIOR', 'FRICTION')
+               if (.not. open) then
+                  call complain(model%log, 'E0306', '*'//block%keyword//' stands outside a surface interaction', &
+                     & block%at, help='write *SURFACE INTERACTION, NAME= before it')
+               else if (block%keyword == 'FRICTION') then
+                  call read_friction(model%interaction(n), block, model%log)
+               else
+                  call read_behaviour(model%interaction(n), block, model%log)
+               end if
+            end select
+         end associate
+      end do
+   end subroutine build_interactions
+
+   subroutine read_friction(interaction, block, log)
+      type(interaction_type), intent(inout) :: interaction
+      type(block_type), intent(in) :: block
+      type(log_type), intent(inout) :: log
+      type(field_type), allocatable :: field(:)
+      integer :: n
+      logical :: found
+
+      if (block%nline == 0) return
+      call split_fields(block%line(1), field, n)
+      if (n == 0) return
+      call field_real(field(1), interaction%friction, log, found)
+      if (.not. found) interaction%friction = 0.0_wp
+      if (abs(interaction%friction) > 0.0_wp) call complain(log, 'E0306', 'friction mu = ' &
+         & //to_text(interaction%friction, 6)//' of interaction `'//interaction%name &
+         & //'` is not in this version: contact is without friction', field(1)%at, &
+         & help='write 0., or remove *FRICTION, if sliding without friction is meant')
+   end subroutine read_friction
+
+   subroutine read_behaviour(interaction, block, log)
+      type(interaction_type), intent(inout) :: interaction
+      type(block_type), intent(in) :: block
+      type(log_type), intent(inout) :: log
+      character(len=:), allocatable :: law
+      type(location_type) :: at
+      logical :: found, direct, hard
+
+      call get_word(block, 'PRESSURE-OVERCLOSURE', law, at, found)
+      if (.not. found) law = 'HARD'
+      if (has_parameter(block, 'PERTURBED LAGRANGE') .and. .not. found) law = 'LINEAR'
+      direct = has_parameter(block, 'DIRECT')
+      hard = law == 'HARD'
+      interaction%no_separation = has_parameter(block, 'NO SEPARATION')
+      select case (law)
+      case ('LINEAR')
+         interaction%overclosure = overclosure_of%linear
+      case ('EXPONENTIAL')
+         interaction%overclosure = overclosure_of%exponential
+      case ('TABULAR')
+         interaction%overclosure = overclosure_of%tabular
+      case ('TIED')
+         interaction%overclosure = overclosure_of%tied
+      case default
+         interaction%overclosure = overclosure_of%hard
+      end select
+      interaction%method = method_of%lagrange
+      if (.not. hard .and. law /= 'TIED') interaction%method = merge(method_of%perturbed, method_of%penalty, direct)
+      if (has_parameter(block, 'PENALTY')) interaction%method = method_of%penalty
+      if (has_parameter(block, 'AUGMENTED LAGRANGE')) interaction%method = method_of%augmented
+      if (has_parameter(block, 'PERTURBED LAGRANGE')) interaction%method = method_of%perturbed
+      call check_one_method(block, log)
+      select case (law)
+      case ('TABULAR')
+         call read_table(interaction, block, log)
+      case ('EXPONENTIAL')
+         call read_exponential(interaction, block, log)
+      case default
+         call read_slope(interaction, block, law, log)
+      end select
+      if (law == 'TIED' .and. interaction%slope > 0.0_wp) interaction%method = method_of%penalty
+   end subroutine read_behaviour
+
+   subroutine check_one_method(block, log)
+      type(block_type), intent(in) :: block
+      type(log_type), intent(inout) :: log
+      character(len=*), parameter :: words(4) = [character(len=18) :: 'DIRECT', 'PENALTY', 'AUGMENTED LAGRANGE', &
+         & 'PERTURBED LAGRANGE']
+      character(len=:), allocatable :: text
+      integer :: i, n
+
+      n = 0
+      text = ''
+      do i = 1, size(words)
+         if (.not. has_parameter(block, trim(words(i)))) cycle
+         n = n + 1
+         if (n > 1) text = text//' and '
+         text = text//trim(words(i))
+      end do
+      if (n > 1 .and. text /= 'DIRECT and PERTURBED LAGRANGE') call complain(log, 'E0306', &
+         & '*SURFACE BEHAVIOR asks for '//text//': one method only', block%at)
+   end subroutine check_one_method
+
+   !> `slope, clearance, scale`; with PRESSURE-OVERCLOSURE=LINEAR or TIED the second datum is CalculiX'
+   !> tension at a large gap, which Lopin does not have.
+   subroutine read_slope(interaction, block, law, log)
+      type(interaction_type), intent(inout) :: interaction
+      type(block_type), intent(in) :: block
+      character(len=*), intent(in) :: law
+      type(log_type), intent(inout) :: log
+      type(field_type), allocatable :: field(:)
+      real(wp) :: value(3)
+      integer :: i, n
+      logical :: found, given(3), of_calculix
+
+      if (block%nline == 0) return
+      call split_fields(block%line(1), field, n)
+      given = .false.
+      value = 0.0_wp
+      do i = 1, min(3, n)
+         call field_real(field(i), value(i), log, given(i))
+      end do
+      if (given(1) .and. .not. value(1) > 0.0_wp) call complain(log, 'E0306', 'the slope '//to_text(value(1), 6) &
+         & //' of interaction `'//interaction%name//'` is not positive', field(1)%at, &
+         & help='leave it blank to have it chosen from the elements behind the surface')
+      if (given(1)) interaction%slope = value(1)
+      if (given(1) .and. interaction%method == method_of%lagrange .and. law /= 'TIED') call log%say(severity%note, &
+         & 'N0306', 'the slope is not used: contact of interaction `'//interaction%name//'` is hard', field(1)%at)
+      found = has_parameter(block, 'PRESSURE-OVERCLOSURE')
+      of_calculix = found .and. (law == 'LINEAR' .or. law == 'TIED') .and. .not. has_parameter(block, 'PENALTY')
+      if (given(2) .and. of_calculix) then
+         if (abs(value(2)) > 0.0_wp) call log%say(severity%note, 'N0306', 'the second datum '//to_text(value(2), 6) &
+            & //" is read as CalculiX' tension at a large gap and is not used: open contact carries nothing", field(2)%at)
+      else if (given(2)) then
+         interaction%clearance = value(2)
+      end if
+      if (given(3) .and. .not. of_calculix) then
+         interaction%scale = value(3)
+         if (.not. value(3) > 0.0_wp) call complain(log, 'E0306', 'the scale factor '//to_text(value(3), 6) &
+            & //' is not positive', field(3)%at)
+      end if
+   end subroutine read_slope
+
+   !> `c0, p0`: pressure p0 at gap 0, none at gap c0.
+   subroutine read_exponential(interaction, block, log)
+      type(interaction_type), intent(inout) :: interaction
+      type(block_type), intent(in) :: block
+      type(log_type), intent(inout) :: log
+      type(field_type), allocatable :: field(:)
+      real(wp) :: c0, p0
+      integer :: n
+      logical :: found
+
+      n = 0
+      if (block%nline > 0) call split_fields(block%line(1), field, n)
+      allocate (interaction%table(2, 1), source=1.0_wp)
+      if (n < 2) then
+         call complain(log, 'E0103', 'PRESSURE-OVERCLOSURE=EXPONENTIAL needs c0, p0', block%at)
+         return
+      end if
+      call field_real(field(1), c0, log, found)
+      call field_real(field(2), p0, log, found)
+      if (.not. (c0 > 0.0_wp .and. p0 > 0.0_wp)) call complain(log, 'E0306', 'c0 = '//to_text(c0, 6)//' and p0 = ' &
+         & //to_text(p0, 6)//' must be positive', line_place(block%line(1)))
+      interaction%table(:, 1) = [p0, c0]
+   end subroutine read_exponential
+
+   subroutine read_table(interaction, block, log)
+      type(interaction_type), intent(inout) :: interaction
+      type(block_type), intent(in) :: block
+      type(log_type), intent(inout) :: log
+      type(field_type), allocatable :: field(:)
+      integer :: j, i, n
+      logical :: found
+
+      allocate (interaction%table(2, block%nline), source=0.0_wp)
+      do j = 1, block%nline
+         call split_fields(block%line(j), field, n)
+         do i = 1, min(2, n)
+            call field_real(field(i), interaction%table(i, j), log, found)
+         end do
+         if (j == 1) cycle
+         if (.not. all(interaction%table(:, j) > interaction%table(:, j - 1))) then
+            call complain(log, 'E0306', 'the table of interaction `'//interaction%name//'` does not increase', &
+               & line_place(block%line(j)), help='pressure, overclosure: both grow from line to line')
+            return
+         end if
+      end do
+      if (block%nline < 2) call complain(log, 'E0103', 'PRESSURE-OVERCLOSURE=TABULAR needs at least two lines', block%at)
+   end subroutine read_table
+end module lopin_build_interactions

@@ -1,0 +1,274 @@
+!> Materials, sections, and which elements have which.
+module lopin_build_materials
+   use lopin_kinds, only : wp
+   use lopin_error, only : location_type, log_type, severity
+   use lopin_text, only : to_text, plural
+   use lopin_model, only : model_type, material_type, section_type, kind_of
+   use lopin_element_type, only : element_kind
+   use lopin_block, only : deck_type, block_type, field_type, split_fields, field_real, complain, line_place
+   use lopin_build_scene, only : scene_type, name_type, need_word, get_word, set_named, find_name, no_such
+   implicit none
+   private
+   public :: build_materials, build_sections, check_sections
+
+contains
+
+   subroutine build_materials(model, deck, scene)
+      type(model_type), intent(inout) :: model
+      type(deck_type), intent(in) :: deck
+      type(scene_type), intent(in) :: scene
+      type(material_type) :: material
+      type(location_type) :: at
+      integer :: k, i
+      logical :: found, open
+
+      allocate (model%material(0))
+      open = .false.
+      do k = 1, scene%ncard
+         associate (block => deck%block(scene%card(k)%block))
+            select case (block%keyword)
+            case ('MATERIAL')
+               material = material_type()
+               call need_word(block, 'NAME', material%name, at, open, model%log)
+               material%at = at
+               if (.not. open) cycle
+               do i = 1, size(model%material)
+                  if (model%material(i)%name /= material%name) cycle
+                  call complain(model%log, 'E0205', 'material `'//material%name &
+                     & //'` is defined twice, first in line '//to_text(model%material(i)%at%line), at)
+               end do
+               model%material = [model%material, material]
+            case ('ELASTIC')
+               if (is_open(open, block, model%log)) call read_elastic(model%material(size(model%material)), block, &
+                  & model%log)
+            case ('DENSITY')
+               if (.not. is_open(open, block, model%log)) cycle
+               associate (rho => model%material(size(model%material))%density)
+                  call read_one(block, 'a density', rho, found, model%log)
+                  if (found .and. .not. rho > 0.0_wp) call complain(model%log, 'E0203', &
+                     & 'a density of '//to_text(rho, 6)//' is not positive', line_place(block%line(1)))
+               end associate
+            end select
+         end associate
+      end do
+   end subroutine build_materials
+
+   logical function is_open(open, block, log)
+      logical, intent(in) :: open
+      type(block_type), intent(in) :: block
+      type(log_type), intent(inout) :: log
+
+      is_open = open
+      if (.not. open) call complain(log, 'E0203', '*'//block%keyword//' stands outside a material', block%at, &
+         & help='write *MATERIAL, NAME= before it')
+   end function is_open
+
+   subroutine read_one(block, what, value, found, log)
+      type(block_type), intent(in) :: block
+      character(len=*), intent(in) :: what
+      real(wp), intent(out) :: value
+      logical, intent(out) :: found
+      type(log_type), intent(inout) :: log
+      type(field_type), allocatable :: field(:)
+      integer :: n
+
+      value = 0.0_wp
+      found = .false.
+      n = 0
+      if (block%nline > 0) call split_fields(block%line(1), field, n)
+      if (n > 0) call field_real(field(1), value, log, found)
+      if (n == 0) call complain(log, 'E0103', '*'//block%keyword//' needs '//what, block%at)
+   end subroutine read_one
+
+   subroutine read_elastic(material, block, log)
+      type(material_type), intent(inout) :: material
+      type(block_type), intent(in) :: block
+      type(log_type), intent(inout) :: log
+      type(field_type), allocatable :: field(:)
+      character(len=:), allocatable :: word
+      type(location_type) :: at
+      integer :: n
+      logical :: found, two
+
+      material%has_elastic = .true.
+      call get_word(block, 'TYPE', word, at, found)
+      if (found .and. word /= 'ISOTROPIC' .and. word /= 'ISO') then
+         call complain(log, 'E0203', 'elasticity of type `'//word//'` is not in this version', at, &
+            & help='TYPE=ISOTROPIC: Young''s modulus, Poisson''s ratio')
+         return
+      end if
+      call read_one(block, "Young's modulus and Poisson's ratio", material%young, found, log)
+      if (.not. found) return
+      call split_fields(block%line(1), field, n)
+      two = .false.
+      if (n > 1) call field_real(field(2), material%poisson, log, two)
+      if (.not. material%young > 0.0_wp) call complain(log, 'E0203', "Young's modulus " &
+         & //to_text(material%young, 6)//' is not positive', field(1)%at)
+      if (two .and. (material%poisson >= 0.5_wp .or. material%poisson <= -1.0_wp)) then
+         call complain(log, 'E0203', "Poisson's ratio "//to_text(material%poisson, 6) &
+            & //' is outside (-1, 0.5)', field(2)%at, &
+            & help='an incompressible solid has no stiffness matrix; 0.49 is near enough, 0.4999 is possible')
+      end if
+      if (n > 3) call log%say(severity%warning, 'W0104', 'decimal comma? this line reads as E = ' &
+         & //to_text(material%young, 6)//', nu = '//to_text(material%poisson, 6)//' and more', field(3)%at)
+      if (block%nline > 1) call complain(log, 'E0203', &
+         & 'elasticity that depends on temperature is not in this version', line_place(block%line(2)))
+   end subroutine read_elastic
+
+   subroutine build_sections(model, deck, scene)
+      type(model_type), intent(inout) :: model
+      type(deck_type), intent(in) :: deck
+      type(scene_type), intent(in) :: scene
+      type(name_type), allocatable :: names(:)
+      type(section_type) :: section
+      integer :: k, i
+
+      allocate (model%section(0), names(size(model%material)))
+      do i = 1, size(names)
+         names(i)%text = model%material(i)%name
+      end do
+      do k = 1, scene%ncard
+         associate (block => deck%block(scene%card(k)%block))
+            if (block%keyword /= 'SOLID SECTION') cycle
+            call read_section(section, model, deck, scene, block, names)
+            model%section = [model%section, section]
+            call give_section(model, scene, block, scene%card(k)%scope)
+         end associate
+      end do
+   end subroutine build_sections
+
+   subroutine read_section(section, model, deck, scene, block, names)
+      type(section_type), intent(out) :: section
+      type(model_type), intent(inout) :: model
+      type(deck_type), intent(in) :: deck
+      type(scene_type), intent(in) :: scene
+      type(block_type), intent(in) :: block
+      type(name_type), intent(in) :: names(:)
+      type(field_type), allocatable :: field(:)
+      character(len=:), allocatable :: name
+      type(location_type) :: at
+      integer :: n
+      logical :: found
+
+      section%at = block%at
+      call need_word(block, 'MATERIAL', name, at, found, model%log)
+      if (found) then
+         section%material = find_name(names, name)
+         if (section%material == 0) call no_such(model%log, 'material', name, names, at)
+      end if
+      call get_word(block, 'CONTROLS', name, at, found)
+      if (found) call read_controls(section, deck, scene, name, at, model%log)
+      if (block%nline == 0) return
+      call split_fields(block%line(1), field, n)
+      if (n == 0) return
+      call field_real(field(1), section%thickness, model%log, found)
+      if (.not. found) section%thickness = 1.0_wp
+      if (found .and. .not. section%thickness > 0.0_wp) call complain(model%log, 'E0203', 'the thickness ' &
+         & //to_text(section%thickness, 6)//' is not positive', field(1)%at)
+   end subroutine read_section
+
+   !> `*SECTION CONTROLS, NAME=, FORMULATION=FULL`.
+   subroutine read_controls(section, deck, scene, name, at, log)
+      type(section_type), intent(inout) :: section
+      type(deck_type), intent(in) :: deck
+      type(scene_type), intent(in) :: scene
+      character(len=*), intent(in) :: name
+      type(location_type), intent(in) :: at
+      type(log_type), intent(inout) :: log
+      type(name_type), allocatable :: names(:)
+      character(len=:), allocatable :: other, word
+      type(location_type) :: there
+      integer :: k
+      logical :: found
+
+      allocate (names(0))
+      do k = 1, scene%ncard
+         associate (block => deck%block(scene%card(k)%block))
+            if (block%keyword /= 'SECTION CONTROLS') cycle
+            call get_word(block, 'NAME', other, there, found)
+            names = [names, name_type(other)]
+            if (other /= name) cycle
+            call get_word(block, 'FORMULATION', word, there, found)
+            if (word == 'FULL') section%formulation = 'FULL'
+            if (found .and. word /= 'FULL' .and. word /= 'AUTO') call complain(log, 'E0203', &
+               & 'formulation `'//word//'` is not known', there, help='FULL, or leave it out for mean dilatation')
+            return
+         end associate
+      end do
+      call no_such(log, 'section controls', name, names, at)
+   end subroutine read_controls
+
+   subroutine give_section(model, scene, block, scope)
+      type(model_type), intent(inout) :: model
+      type(scene_type), intent(in) :: scene
+      type(block_type), intent(in) :: block
+      integer, intent(in) :: scope
+      character(len=:), allocatable :: name
+      type(location_type) :: at
+      integer :: k, i, e, other
+      logical :: found
+
+      call need_word(block, 'ELSET', name, at, found, model%log)
+      if (.not. found) return
+      k = set_named(scene, model%mesh%elset, 'element set', name, scope, at, model%log)
+      if (k == 0) return
+      other = 0
+      do i = 1, size(model%mesh%elset(k)%member)
+         e = model%mesh%elset(k)%member(i)
+         if (other == 0 .and. model%mesh%section(e) > 0) then
+            other = model%mesh%section(e)
+            call complain(model%log, 'E0203', 'element '//to_text(model%mesh%element_label(e)) &
+               & //' of set '//name//' has a section already, from line '//to_text(model%section(other)%at%line), at)
+         end if
+         if (scene%etype(model%mesh%etype(e))%kind == element_kind%rigid) cycle
+         model%mesh%section(e) = size(model%section)
+      end do
+   end subroutine give_section
+
+   !> Every element that deforms has a section, every section a material that can be computed.
+   subroutine check_sections(model, scene, rigid)
+      type(model_type), intent(inout) :: model
+      type(scene_type), intent(in) :: scene
+      logical, intent(in) :: rigid(:)      !! (nelement) of a rigid body
+      integer, allocatable :: bare(:)
+      logical :: used(size(model%material))
+      integer :: e, i
+
+      used = .false.
+      do i = 1, size(model%section)
+         if (model%section(i)%material > 0) used(model%section(i)%material) = .true.
+      end do
+      do i = 1, size(model%material)
+         if (used(i) .and. .not. model%material(i)%has_elastic) call complain(model%log, 'E0203', 'material `' &
+            & //model%material(i)%name//'` has no *ELASTIC', model%material(i)%at, &
+            & help="add *ELASTIC with Young's modulus and Poisson's ratio")
+      end do
+      allocate (bare(0))
+      do i = 1, size(scene%etype)
+         if (scene%etype(i)%kind == element_kind%rigid) cycle
+         bare = pack([(e, e=1, model%mesh%nelement)], model%mesh%etype == i .and. model%mesh%section == 0 &
+            & .and. .not. rigid)
+         if (size(bare) > 0) call tell_bare(model, trim(scene%etype(i)%word), bare, scene%etype_at(i))
+      end do
+   end subroutine check_sections
+
+   subroutine tell_bare(model, word, bare, at)
+      type(model_type), intent(inout) :: model
+      character(len=*), intent(in) :: word
+      integer, intent(in) :: bare(:)
+      type(location_type), intent(in) :: at
+      character(len=:), allocatable :: text
+      integer :: i
+
+      text = plural(size(bare), 'element')//' of type '//word
+      do i = 1, size(model%mesh%elset)
+         if (.not. any(model%mesh%elset(i)%member == bare(1))) cycle
+         text = text//' in set '//model%mesh%elset(i)%name
+         exit
+      end do
+      text = text//merge(' has ', ' have', size(bare) == 1)
+      call complain(model%log, 'E0203', trim(text)//' no *SOLID SECTION (first: ' &
+         & //to_text(model%mesh%element_label(bare(1)))//')', at, &
+         & help='*SOLID SECTION, ELSET=, MATERIAL=, or *RIGID BODY, ELSET= for a tool')
+   end subroutine tell_bare
+end module lopin_build_materials

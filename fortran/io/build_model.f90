@@ -1,0 +1,118 @@
+!> From the blocks of a deck to the model: every name resolved, every value checked.
+!>
+!> Names may be used before they are defined: each part first collects, then resolves. Errors are collected and
+!> raised together; where an error would make others follow from it, building stops early.
+module lopin_build_model
+   use lopin_kinds, only : wp
+   use lopin_error, only : error_type, error_code, log_type, location_type, severity, raise_all
+   use lopin_text, only : to_text, parse_real, parse_integer
+   use lopin_model, only : model_type
+   use lopin_block, only : deck_type, complain
+   use lopin_build_scene, only : scene_type, get_word
+   use lopin_build_parts, only : new_scene
+   use lopin_build_mesh, only : build_mesh
+   use lopin_build_sets, only : build_sets
+   use lopin_build_materials, only : build_materials, build_sections, check_sections
+   use lopin_build_surfaces, only : build_surfaces
+   use lopin_build_constraints, only : build_rigid_bodies, build_equations, build_transforms
+   use lopin_build_interactions, only : build_interactions
+   use lopin_build_contact, only : build_pairs
+   use lopin_build_amplitudes, only : build_amplitudes
+   use lopin_build_steps, only : build_steps
+   implicit none
+   private
+   public :: new_model
+
+contains
+
+   !> Build and check the model; notes and warnings are left in `model%log`.
+   subroutine new_model(model, deck, error)
+      type(model_type), intent(out) :: model
+      type(deck_type), intent(in) :: deck
+      type(error_type), allocatable, intent(out) :: error
+      type(scene_type) :: scene
+      logical, allocatable :: rigid(:), absolute(:)
+
+      call read_general(model, deck)
+      call new_scene(scene, deck, model%log)
+      call build_mesh(model, deck, scene)
+      if (model%log%count_of(severity%error) == 0 .and. model%mesh%nnode == 0) call complain(model%log, 'E0202', &
+         & 'the deck has no nodes', location_type(1, 1, 1, 1))
+      call raise_all(error, error_code%deck, model%log)
+      if (allocated(error)) return
+
+      call build_sets(model, deck, scene)
+      call build_materials(model, deck, scene)
+      call build_sections(model, deck, scene)
+      call build_surfaces(model, deck, scene)
+      allocate (rigid(model%mesh%nelement))
+      call build_rigid_bodies(model, deck, scene, rigid)
+      if (model%log%count_of(severity%error) == 0) call check_sections(model, scene, rigid)
+      call build_equations(model, deck, scene)
+      call build_transforms(model, deck, scene)
+      call build_interactions(model, deck, scene)
+      call build_pairs(model, deck, scene)
+      call build_amplitudes(model, deck, scene, absolute)
+      call build_steps(model, deck, scene, absolute)
+      call check_units(model)
+      call raise_all(error, error_code%deck, model%log)
+   end subroutine new_model
+
+   !> `*HEADING` and `*LOPIN`.
+   subroutine read_general(model, deck)
+      type(model_type), intent(inout) :: model
+      type(deck_type), intent(in) :: deck
+      character(len=:), allocatable :: word
+      type(location_type) :: at
+      integer :: k, j
+      logical :: found
+
+      model%heading = ''
+      model%path = 'AUTO'
+      model%solver = 'AUTO'
+      do k = 1, deck%nblock
+         associate (block => deck%block(k))
+            if (block%keyword == 'HEADING') then
+               do j = 1, block%nline
+                  if (len(model%heading) > 0) model%heading = model%heading//' '
+                  model%heading = model%heading//trim(adjustl(block%line(j)%text))
+               end do
+            end if
+            if (block%keyword /= 'LOPIN') cycle
+            call get_word(block, 'PATH', word, at, found)
+            if (found) model%path = word
+            call get_word(block, 'SOLVER', word, at, found)
+            if (found) model%solver = word
+            call get_word(block, 'TARGET ERROR', word, at, found)
+            if (found) call parse_real(word, model%target_error, found)
+            if (found .and. .not. (model%target_error > 0.0_wp .and. model%target_error < 1.0_wp)) call &
+               & complain(model%log, 'E0405', 'TARGET ERROR='//word//' is not between 0 and 1', at)
+            call get_word(block, 'CONTINUATION', word, at, found)
+            if (found) call parse_integer(word, model%continuation, found)
+            if (found .and. model%continuation < 1) call complain(model%log, 'E0405', 'CONTINUATION='//word &
+               & //' is less than 1', at)
+         end associate
+      end do
+   end subroutine read_general
+
+   !> Numbers that are right in another system of units.
+   subroutine check_units(model)
+      type(model_type), intent(inout) :: model
+      real(wp) :: extent
+      integer :: i
+
+      if (model%mesh%nnode == 0) return
+      extent = maxval(maxval(model%mesh%x, dim=2) - minval(model%mesh%x, dim=2))
+      do i = 1, size(model%material)
+         associate (material => model%material(i))
+            if (material%young > 1.0e9_wp .and. extent > 20.0_wp) call model%log%say(severity%warning, 'W0401', &
+               & 'E = '//to_text(material%young, 4)//' with a model of size '//to_text(extent, 4) &
+               & //': looks like Pa with mm', material%at, help='with N and mm, steel has E = 210000')
+            if (material%density > 1.0_wp .and. material%young > 1.0e3_wp .and. material%young < 1.0e7_wp) call &
+               & model%log%say(severity%warning, 'W0401', 'density '//to_text(material%density, 4)//' with E = ' &
+               & //to_text(material%young, 4)//': looks like kg/m3 with MPa', material%at, &
+               & help='with t, mm, s and N, steel has density 7.8e-9')
+         end associate
+      end do
+   end subroutine check_units
+end module lopin_build_model
