@@ -1,0 +1,262 @@
+!> A meshed surface as the contact search sees it: facets, neighbours, nodes, present shape.
+!>
+!> The topology is made once by `new_surface`; `update_surface` follows the nodes.
+module lopin_surface
+   use lopin_kinds, only : wp
+   use lopin_error, only : error_type, error_code, raise
+   use lopin_cells, only : cell_family
+   use lopin_facets, only : facets_type
+   use lopin_facet_basis, only : facet_basis_type, new_facet_basis, coefficients_of, ncoefficient, &
+      & facet_tangents
+   use lopin_projection, only : facet_unit_normal
+   implicit none
+   private
+   public :: surface_type, new_surface, update_surface, slack_of
+
+   type :: surface_type
+      integer :: ndim = 0
+      type(facets_type) :: facets
+      integer :: nnode = 0
+      integer, allocatable :: node(:)          !! (nnode) mesh nodes of the surface, increasing
+      integer, allocatable :: local(:, :) !! (8, n) index into `node` of each facet node, 0 behind the last
+      integer, allocatable :: neighbour(:, :)  !! (4, n) facet across each edge; 0 on the perimeter
+      integer, allocatable :: twin(:, :)       !! (4, n) number of that edge in the neighbour
+      integer, allocatable :: ring_first(:)    !! (nnode+1) first entry of `ring` of each node
+      integer, allocatable :: ring(:)          !! facets that have the node as a corner
+      type(facet_basis_type) :: basis
+      ! Present shape
+      real(wp), allocatable :: coefficient(:, :, :)  !! (3, 8, n) see lopin_facet_basis [length]
+      real(wp), allocatable :: low(:, :), high(:, :) !! (3, n) box of each facet [length]
+      real(wp), allocatable :: size(:)               !! (n) mean edge length [length]
+      real(wp), allocatable :: pseudo(:, :) !! (3, nnode) angle-weighted unit normal of corners
+   end type surface_type
+
+contains
+
+   subroutine new_surface(self, ndim, facets)
+      type(surface_type), intent(out) :: self
+      integer, intent(in) :: ndim                !! 2 or 3
+      type(facets_type), intent(in) :: facets    !! outward, see lopin_facets
+
+      self%ndim = ndim
+      self%facets = facets
+      call new_facet_basis(self%basis)
+      call number_nodes(self)
+      call make_rings(self)
+      call find_neighbours(self)
+      allocate (self%coefficient(3, ncoefficient, facets%n), self%low(3, facets%n), self%high(3, &
+         & facets%n))
+      allocate (self%size(facets%n), self%pseudo(3, self%nnode))
+   end subroutine new_surface
+
+   subroutine number_nodes(self)
+      type(surface_type), intent(inout) :: self
+      integer, allocatable :: place(:)
+      integer :: i, k, n, top
+
+      top = 0
+      if (self%facets%n > 0) top = maxval(self%facets%node)
+      allocate (place(top))
+      place = 0
+      do i = 1, self%facets%n
+         place(self%facets%node(:self%facets%nnode(i), i)) = 1
+      end do
+      n = 0
+      allocate (self%node(sum(place)))
+      do i = 1, top
+         if (place(i) == 0) cycle
+         n = n + 1
+         self%node(n) = i
+         place(i) = n
+      end do
+      self%nnode = n
+      allocate (self%local(8, self%facets%n))
+      self%local = 0
+      do i = 1, self%facets%n
+         do k = 1, self%facets%nnode(i)
+            self%local(k, i) = place(self%facets%node(k, i))
+         end do
+      end do
+   end subroutine number_nodes
+
+   subroutine make_rings(self)
+      type(surface_type), intent(inout) :: self
+      integer :: next(self%nnode + 1)
+      integer :: i, k, node
+
+      allocate (self%ring_first(self%nnode + 1))
+      self%ring_first = 0
+      do i = 1, self%facets%n
+         do k = 1, self%basis%ncorner(self%facets%cell(i))
+            node = self%local(k, i)
+            self%ring_first(node + 1) = self%ring_first(node + 1) + 1
+         end do
+      end do
+      self%ring_first(1) = 1
+      do i = 1, self%nnode
+         self%ring_first(i + 1) = self%ring_first(i + 1) + self%ring_first(i)
+      end do
+      next = self%ring_first
+      allocate (self%ring(self%ring_first(self%nnode + 1) - 1))
+      do i = 1, self%facets%n
+         do k = 1, self%basis%ncorner(self%facets%cell(i))
+            node = self%local(k, i)
+            self%ring(next(node)) = i
+            next(node) = next(node) + 1
+         end do
+      end do
+   end subroutine make_rings
+
+   !> The facet across an edge travels it the other way (a line: ends where this one begins).
+   subroutine find_neighbours(self)
+      type(surface_type), intent(inout) :: self
+      integer :: i, k, j, other, m, n, a, b
+
+      allocate (self%neighbour(4, self%facets%n), self%twin(4, self%facets%n))
+      self%neighbour = 0
+      self%twin = 0
+      do i = 1, self%facets%n
+         n = self%basis%ncorner(self%facets%cell(i))
+         do k = 1, n
+            a = self%local(k, i)
+            b = self%local(1 + mod(k, n), i)
+            do j = self%ring_first(a), self%ring_first(a + 1) - 1
+               other = self%ring(j)
+               if (other == i .or. self%neighbour(k, i) > 0) cycle
+               m = edge_in(self, other, k, a, b)
+               if (m == 0) cycle
+               self%neighbour(k, i) = other
+               self%twin(k, i) = m
+            end do
+         end do
+      end do
+   end subroutine find_neighbours
+
+   !> Number of the edge b -> a in a facet (a line: of the opposite end at node a); 0 if it has none.
+   pure integer function edge_in(self, facet, end, a, b) result(edge)
+      type(surface_type), intent(in) :: self
+      integer, intent(in) :: facet, end, a, b
+      integer :: n
+
+      n = self%basis%ncorner(self%facets%cell(facet))
+      if (n == 2) then
+         edge = 3 - end
+         if (self%local(edge, facet) /= a) edge = 0
+         return
+      end if
+      do edge = 1, n
+         if (self%local(edge, facet) == b .and. self%local(1 + mod(edge, n), facet) == a) return
+      end do
+      edge = 0
+   end function edge_in
+
+   !> Follow the nodes: coefficients, boxes, sizes, normals. A facet without area is refused.
+   subroutine update_surface(self, x, error)
+      type(surface_type), intent(inout) :: self
+      real(wp), intent(in) :: x(:, :) !! (ndim, all mesh nodes) present coordinates [length]
+      type(error_type), allocatable, intent(out) :: error
+      integer :: i, cell, n, nc
+      real(wp) :: own(3, 8), length, normal(3), t1(3), t2(3)
+      logical :: degenerate
+      character(len=60) :: text
+
+      do i = 1, self%facets%n
+         cell = self%facets%cell(i)
+         n = self%facets%nnode(i)
+         nc = self%basis%ncorner(cell)
+         own = 0.0_wp
+         own(:self%ndim, :n) = x(:, self%facets%node(:n, i))
+         self%coefficient(:, :, i) = coefficients_of(self%basis, cell, own(:, :n))
+         call bound_facet(nc, n, own, self%low(:, i), self%high(:, i))
+         self%size(i) = norm2(own(:, 2) - own(:, 1))
+         if (nc > 2) self%size(i) = sum(norm2(own(:, :nc) - cshift(own(:, :nc), 1, dim=2), &
+            & dim=1))/real(nc, wp)
+         normal = facet_unit_normal(self%coefficient(:, :, i), self%basis%family(cell), &
+            & self%basis%centre(:, cell))
+         call facet_tangents(self%coefficient(:, :, i), self%basis%centre(:, cell), t1, t2)
+         length = dot_product(t1, t1)
+         degenerate = .not. length > 0.0_wp .or. .not. norm2(normal) > 0.5_wp
+         if (nc > 2) degenerate = degenerate .or. &
+            & .not. length*dot_product(t2, t2) - dot_product(t1, &
+            & t2)**2 > (1.0e-10_wp*self%size(i)**2)**2
+         if (degenerate) then
+            write (text, '("face S",i0)') self%facets%face(i)
+            call raise(error, error_code%deck, 'E0304', &
+               & trim(text)//' of a contact surface has no area', &
+               & help='two of its nodes are at the same place, or all are on one line')
+            return
+         end if
+      end do
+      call weigh_normals(self)
+   end subroutine update_surface
+
+   !> A box that holds the whole facet: a curved edge bulges beyond its nodes by less than the
+   !> distance from its mid-side node to its chord; a curved quad by less than twice that.
+   pure subroutine bound_facet(ncorner, nnode, x, low, high)
+      integer, intent(in) :: ncorner, nnode
+      real(wp), intent(in) :: x(3, 8)
+      real(wp), intent(out) :: low(3), high(3)
+      real(wp) :: bulge(3)
+      integer :: k
+
+      low = minval(x(:, :nnode), dim=2)
+      high = maxval(x(:, :nnode), dim=2)
+      bulge = 0.0_wp
+      do k = 1, nnode - ncorner
+         bulge = max(bulge, abs(x(:, ncorner + k) - 0.5_wp*(x(:, k) + x(:, 1 + mod(k, ncorner)))))
+      end do
+      if (ncorner > 2) bulge = 2.0_wp*bulge
+      low = low - bulge
+      high = high + bulge
+   end subroutine bound_facet
+
+   !> Angle-weighted normals of the corners: their sign tells inside from outside at a vertex
+   !> (Baerentzen and Aanaes 2005).
+   subroutine weigh_normals(self)
+      type(surface_type), intent(inout) :: self
+      integer :: i, k, cell, n
+      real(wp) :: t1(3), t2(3), ahead(3), back(3), angle, length
+      real(wp) :: xi(2)
+
+      self%pseudo = 0.0_wp
+      do i = 1, self%facets%n
+         cell = self%facets%cell(i)
+         n = self%basis%ncorner(cell)
+         do k = 1, n
+            xi = self%basis%xi(:, k, cell)
+            angle = 1.0_wp
+            if (n > 2) then
+               call facet_tangents(self%coefficient(:, :, i), xi, t1, t2)
+               ahead = self%basis%xi(1, 1 + mod(k, n), cell)*t1 + self%basis%xi(2, 1 + mod(k, n), &
+                  & cell)*t2 &
+                  & - xi(1)*t1 - xi(2)*t2
+               back = self%basis%xi(1, 1 + modulo(k - 2, n), cell)*t1 &
+                  & + self%basis%xi(2, 1 + modulo(k - 2, n), cell)*t2 - xi(1)*t1 - xi(2)*t2
+               length = norm2(ahead)*norm2(back)
+               if (.not. length > 0.0_wp) cycle
+               angle = acos(min(1.0_wp, max(-1.0_wp, dot_product(ahead, back)/length)))
+            end if
+            self%pseudo(:, self%local(k, i)) = self%pseudo(:, self%local(k, i)) &
+               & + angle*facet_unit_normal(self%coefficient(:, :, i), self%basis%family(cell), xi)
+         end do
+      end do
+      do i = 1, self%nnode
+         length = norm2(self%pseudo(:, i))
+         if (length > 1.0e-12_wp) self%pseudo(:, i) = self%pseudo(:, i)/length
+      end do
+   end subroutine weigh_normals
+
+   !> How far the perimeter edges of a facet may be moved outward, in reference units.
+   pure function slack_of(self, facet, extension) result(slack)
+      type(surface_type), intent(in) :: self
+      integer, intent(in) :: facet
+      real(wp), intent(in) :: extension      !! fraction of the facet
+      real(wp) :: slack(4)
+      integer :: n
+
+      slack = 0.0_wp
+      n = self%basis%ncorner(self%facets%cell(facet))
+      where (self%neighbour(:n, facet) == 0) slack(:n) = extension
+      if (self%basis%family(self%facets%cell(facet)) /= cell_family%triangle) slack = 2.0_wp*slack
+   end function slack_of
+end module lopin_surface
