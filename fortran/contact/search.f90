@@ -164,7 +164,8 @@ contains
       query%x(:size(x)) = x
       query%normal(:size(n_slave)) = n_slave
       query%sided = any(abs(n_slave) > 0.0_wp)
-      if (limits%reach < sqrt(huge(1.0_wp))) query%best%distance2 = limits%reach**2
+      query%best%distance2 = 0.25_wp*huge(1.0_wp)
+      if (limits%reach < sqrt(query%best%distance2)) query%best%distance2 = limits%reach**2
       if (tree%n > 0) call push(query, tree, 1)
       do while (query%top > 0)
          k = query%stack(query%top)
