@@ -1,0 +1,129 @@
+!> Integration points as files show them: their order, energy and volume of elements, values at nodes.
+module lopin_element_points
+   use lopin_kinds, only : wp
+   use lopin_model, only : model_type
+   use lopin_state, only : frame_type
+   use lopin_element_type, only : element_type, new_element_type, element_kind
+   use lopin_solid_small, only : strain_matrices
+   implicit none
+   private
+   public :: point_tables_type, new_point_tables, element_measures, nodal_average
+
+   integer, parameter :: max_points = 27
+
+   !> One column for each word of the model's list of element words.
+   type :: point_tables_type
+      type(element_type), allocatable :: element(:)
+      integer, allocatable :: order(:, :)   !! (27, nword) the k-th point of a file is our point order(k, .)
+   end type point_tables_type
+
+contains
+
+   subroutine new_point_tables(self, model)
+      type(point_tables_type), intent(out) :: self
+      type(model_type), intent(in) :: model
+      logical :: found
+      integer :: i, k, n
+
+      n = size(model%element_word)
+      allocate (self%element(n), self%order(max_points, n))
+      do i = 1, n
+         call new_element_type(self%element(i), trim(model%element_word(i)), '', found)
+         self%order(:, i) = [(k, k=1, max_points)]
+         if (allocated(self%element(i)%xi)) then
+            self%order(:self%element(i)%ngauss, i) = calculix_order(self%element(i)%xi)
+         end if
+      end do
+   end subroutine new_point_tables
+
+   !> CalculiX counts points with the first coordinate fastest and the last slowest, in every cell.
+   pure function calculix_order(xi) result(order)
+      real(wp), intent(in) :: xi(:, :)       !! (ndim, npoint)
+      integer :: order(size(xi, 2))
+      real(wp), parameter :: same = 1.0e-6_wp
+      integer :: i, j, held
+
+      order = [(i, i=1, size(order))]
+      do i = 2, size(order)
+         held = order(i)
+         j = i
+         do while (j > 1)
+            if (.not. before(xi(:, held), xi(:, order(j - 1)))) exit
+            order(j) = order(j - 1)
+            j = j - 1
+         end do
+         order(j) = held
+      end do
+   contains
+      pure logical function before(a, b)
+         real(wp), intent(in) :: a(:), b(:)
+         integer :: k
+
+         before = .false.
+         do k = size(a), 1, -1
+            if (abs(a(k) - b(k)) <= same) cycle
+            before = a(k) < b(k)
+            return
+         end do
+      end function before
+   end function calculix_order
+
+   !> Strain energy and volume of elements; zero for rigid ones. Full circumference if axisymmetric.
+   subroutine element_measures(self, model, item, frame, measure)
+      type(point_tables_type), intent(in) :: self
+      type(model_type), intent(in) :: model
+      integer, intent(in) :: item(:)                        !! elements
+      type(frame_type), intent(in) :: frame
+      real(wp), allocatable, intent(out) :: measure(:, :)   !! (2, nelement)
+      real(wp), allocatable :: b(:, :, :), volume(:)
+      real(wp) :: smallest, thickness
+      integer :: i, e, first, worst
+
+      allocate (measure(2, model%mesh%nelement), source=0.0_wp)
+      do i = 1, size(item)
+         e = item(i)
+         if (model%mesh%section(e) == 0) cycle
+         thickness = model%section(model%mesh%section(e))%thickness
+         associate (element => self%element(model%mesh%etype(e)))
+            if (element%ndof == 0) cycle
+            if (allocated(b)) deallocate (b, volume)
+            allocate (b(element%ndof, element%nstress, element%ngauss), volume(element%ngauss))
+            call strain_matrices(element, model%mesh%x(:, model%mesh%conn(:element%nnode, e)), thickness, &
+               & b, volume, smallest, worst)
+            measure(2, e) = sum(volume)
+            if (.not. (allocated(frame%stress) .and. allocated(frame%strain))) cycle
+            first = frame%first_point(e)
+            measure(1, e) = 0.5_wp*sum(volume*sum(frame%stress(:, first:first + element%ngauss - 1) &
+               & *frame%strain(:, first:first + element%ngauss - 1), dim=1))
+         end associate
+      end do
+   end subroutine element_measures
+
+   !> Values at integration points extrapolated to the nodes and averaged there.
+   subroutine nodal_average(self, model, first_point, values, at_node)
+      type(point_tables_type), intent(in) :: self
+      type(model_type), intent(in) :: model
+      integer, intent(in) :: first_point(:)
+      real(wp), intent(in) :: values(:, :)                  !! (ncomponent, npoint)
+      real(wp), allocatable, intent(out) :: at_node(:, :)   !! (ncomponent, nnode)
+      integer, allocatable :: times(:)
+      integer :: e, k, node
+
+      allocate (at_node(size(values, 1), model%mesh%nnode), source=0.0_wp)
+      allocate (times(model%mesh%nnode), source=0)
+      do e = 1, model%mesh%nelement
+         associate (element => self%element(model%mesh%etype(e)))
+            if (element%kind == element_kind%rigid) cycle
+            do k = 1, element%nnode
+               node = model%mesh%conn(k, e)
+               times(node) = times(node) + 1
+               at_node(:, node) = at_node(:, node) + matmul(values(:, first_point(e):first_point(e + 1) - 1), &
+                  & element%extrapolation(k, :))
+            end do
+         end associate
+      end do
+      do node = 1, model%mesh%nnode
+         if (times(node) > 0) at_node(:, node) = at_node(:, node)/real(times(node), wp)
+      end do
+   end subroutine nodal_average
+end module lopin_element_points

@@ -1,0 +1,237 @@
+!> The tables of *CONTACT PRINT, in CalculiX's layout.
+!>
+!> CDIS or COPEN: gap and tangential motion; CSTR or CPRESS: pressure and shear; CF, CFN, CFS: the
+!> resultant of a pair with its moment, area and centre (closed points); CNUM: closed points.
+module lopin_recorder_dat_contact
+   use lopin_kinds, only : wp
+   use lopin_model, only : model_type, output_type
+   use lopin_state, only : frame_type, contact_field_type
+   use lopin_text_buffer, only : text_buffer_type
+   use lopin_vtu_writer, only : three_components
+   use lopin_recorder_table, only : has_variable
+   implicit none
+   private
+   public :: put_contact, contact_components
+
+   integer, parameter :: both = 1, normal_part = 2, shear_part = 3
+
+contains
+
+   subroutine put_contact(text, model, output, frame)
+      type(text_buffer_type), intent(inout) :: text
+      type(model_type), intent(in) :: model
+      type(output_type), intent(in) :: output
+      type(frame_type), intent(in) :: frame
+
+      if (has_variable(output%variable, ['CDIS    ', 'COPEN   '])) then
+         call put_points(text, model, output, frame, .false.)
+      end if
+      if (has_variable(output%variable, ['CSTR    ', 'CPRESS  ', 'CSTRESS '])) then
+         call put_points(text, model, output, frame, .true.)
+      end if
+      if (has_variable(output%variable, ['CNUM    '])) call put_count(text, frame)
+      if (has_variable(output%variable, ['CF      '])) call put_pairs(text, model, output, frame, both)
+      if (has_variable(output%variable, ['CFN     '])) call put_pairs(text, model, output, frame, normal_part)
+      if (has_variable(output%variable, ['CFS     '])) call put_pairs(text, model, output, frame, shear_part)
+   end subroutine put_contact
+
+   !> Gap, pressure and their tangential companions of a slave point: CalculiX's six numbers.
+   pure function contact_components(field, i) result(six)
+      type(contact_field_type), intent(in) :: field
+      integer, intent(in) :: i
+      real(wp) :: six(6)
+      real(wp) :: n(3), t(3, 2), shear(3)
+      integer :: d
+
+      d = size(field%normal, 1)
+      n = 0.0_wp
+      n(:d) = field%normal(:, i)
+      call tangents(n, d, t)
+      shear = 0.0_wp
+      if (field%weight(i) > 0.0_wp) then
+         shear(:d) = (field%force(:, i) - dot_product(field%force(:, i), field%normal(:, i)) &
+            & *field%normal(:, i))/field%weight(i)
+      end if
+      six(1) = field%gap(i)
+      six(2:3) = matmul(field%u_t(:, i), t(:d, :))
+      six(4) = field%pressure(i)
+      six(5:6) = matmul(shear, t)
+   end function contact_components
+
+   !> In the plane: along the surface and across; in space: the x axis laid on the surface (or z), and across.
+   pure subroutine tangents(n, d, t)
+      real(wp), intent(in) :: n(3)
+      integer, intent(in) :: d
+      real(wp), intent(out) :: t(3, 2)
+      real(wp), parameter :: nearly_parallel = 0.9999_wp
+      real(wp) :: axis(3), length
+
+      axis = [1.0_wp, 0.0_wp, 0.0_wp]
+      if (abs(n(1)) > nearly_parallel) axis = [0.0_wp, 0.0_wp, 1.0_wp]
+      if (d == 2) axis = [-n(2), n(1), 0.0_wp]
+      t(:, 1) = axis - dot_product(axis, n)*n
+      length = norm2(t(:, 1))
+      if (length > 0.0_wp) t(:, 1) = t(:, 1)/length
+      t(:, 2) = cross(n, t(:, 1))
+   end subroutine tangents
+
+   subroutine put_points(text, model, output, frame, stress)
+      type(text_buffer_type), intent(inout) :: text
+      type(model_type), intent(in) :: model
+      type(output_type), intent(in) :: output
+      type(frame_type), intent(in) :: frame
+      logical, intent(in) :: stress        !! pressure and shear; else gap and slip
+      character(len=14) :: time
+      real(wp) :: six(6)
+      integer :: p, i, k
+
+      write (time, '(e14.7)') frame%total_time
+      call text%put_line()
+      if (stress) then
+         call text%put_line(' contact stress (slave node,press,tang1,tang2) for all contact elements and time'//time)
+      else
+         call text%put_line(' relative contact displacement (slave node,normal,tang1,tang2) for all contact '// &
+            & 'elements and time'//time)
+      end if
+      call text%put_line()
+      do p = 1, size(frame%contact)
+         if (.not. asks_pair(model, output, p)) cycle
+         associate (field => frame%contact(p))
+            do i = 1, size(field%node)
+               if (field%status(i) < 0) cycle
+               six = contact_components(field, i)
+               call text%put_integer(model%mesh%node_label(field%node(i)), 10)
+               do k = merge(4, 1, stress), merge(6, 3, stress)
+                  call text%put(' ')
+                  call text%put_exponential(six(k), 6)
+               end do
+               call text%put_line()
+            end do
+         end associate
+      end do
+   end subroutine put_points
+
+   pure logical function asks_pair(model, output, p)
+      type(model_type), intent(in) :: model
+      type(output_type), intent(in) :: output
+      integer, intent(in) :: p
+      asks_pair = output%slave == 0 .or. (output%slave == model%pair(p)%slave &
+         & .and. (output%master == 0 .or. output%master == model%pair(p)%master))
+   end function asks_pair
+
+   subroutine put_count(text, frame)
+      type(text_buffer_type), intent(inout) :: text
+      type(frame_type), intent(in) :: frame
+      character(len=14) :: time
+      integer :: p, n
+
+      n = 0
+      do p = 1, size(frame%contact)
+         n = n + count(frame%contact(p)%status > 0)
+      end do
+      write (time, '(e14.7)') frame%total_time
+      call text%put_line()
+      call text%put_line(' total number of contact elements for time '//time)
+      call text%put_line()
+      call text%put_integer(n, 17)
+      call text%put_line()
+   end subroutine put_count
+
+   subroutine put_pairs(text, model, output, frame, part)
+      type(text_buffer_type), intent(inout) :: text
+      type(model_type), intent(in) :: model
+      type(output_type), intent(in) :: output
+      type(frame_type), intent(in) :: frame
+      integer, intent(in) :: part
+      integer :: p
+
+      do p = 1, size(frame%contact)
+         if (asks_pair(model, output, p)) call put_resultant(text, model, frame, p, part)
+      end do
+   end subroutine put_pairs
+
+   !> Force of the master on the slave. The mean normal is that of the slave, as CalculiX prints it.
+   subroutine put_resultant(text, model, frame, p, part)
+      type(text_buffer_type), intent(inout) :: text
+      type(model_type), intent(in) :: model
+      type(frame_type), intent(in) :: frame
+      integer, intent(in) :: p, part
+      real(wp) :: force(3), moment(3), centre(3), normal(3), area, at_normal
+      character(len=14) :: time
+      character(len=:), allocatable :: master
+
+      call integrate(model, frame, frame%contact(p), part, force, moment, area, centre, normal)
+      master = ''
+      if (model%pair(p)%master > 0) master = model%surface(model%pair(p)%master)%name
+      write (time, '(e14.7)') frame%total_time
+      call text%put_line()
+      call text%put_line()
+      call text%put_line(' statistics for slave set '//model%surface(model%pair(p)%slave)%name// &
+         & ', master set '//master//' and time '//time)
+      call text%put_line()
+      call text%put_line('   total surface force (fx,fy,fz) and moment about the origin (mx,my,mz)')
+      call put_row([force, moment])
+      call text%put_line()
+      call text%put_line('   center of gravity and mean normal')
+      call put_row([centre, normal])
+      call text%put_line()
+      call text%put_line('   moment about the center of gravity(mx,my,mz)')
+      call put_row(moment - cross(centre, force))
+      call text%put_line()
+      call text%put_line('   area,  normal force (+ = tension) and shear force (size)')
+      at_normal = dot_product(force, normal)
+      call put_row([area, at_normal, norm2(force - at_normal*normal)])
+   contains
+      subroutine put_row(values)
+         real(wp), intent(in) :: values(:)
+         integer :: k
+
+         call text%put_line()
+         call text%put('  ')
+         do k = 1, size(values)
+            call text%put(' ')
+            call text%put_exponential(values(k), 6)
+         end do
+         call text%put_line()
+      end subroutine put_row
+   end subroutine put_resultant
+
+   subroutine integrate(model, frame, field, part, force, moment, area, centre, normal)
+      type(model_type), intent(in) :: model
+      type(frame_type), intent(in) :: frame
+      type(contact_field_type), intent(in) :: field
+      integer, intent(in) :: part
+      real(wp), intent(out) :: force(3), moment(3), area, centre(3), normal(3)
+      real(wp) :: x(3), f(3), n(3), across(3)
+      integer :: i
+
+      force = 0.0_wp
+      moment = 0.0_wp
+      centre = 0.0_wp
+      normal = 0.0_wp
+      area = 0.0_wp
+      do i = 1, size(field%node)
+         if (field%status(i) <= 0) cycle
+         x = reshape(three_components(model%mesh%x(:, field%node(i):field%node(i))), [3]) &
+            & + frame%u(:3, field%node(i))
+         f = reshape(three_components(field%force(:, i:i)), [3])
+         n = reshape(three_components(field%normal(:, i:i)), [3])
+         across = f - dot_product(f, n)*n
+         if (part == normal_part) f = f - across
+         if (part == shear_part) f = across
+         force = force + f
+         moment = moment + cross(x, f)
+         area = area + field%weight(i)
+         centre = centre + field%weight(i)*x
+         normal = normal - field%weight(i)*n
+      end do
+      if (area > 0.0_wp) centre = centre/area
+      if (norm2(normal) > 0.0_wp) normal = normal/norm2(normal)
+   end subroutine integrate
+
+   pure function cross(a, b) result(c)
+      real(wp), intent(in) :: a(3), b(3)
+      real(wp) :: c(3)
+      c = [a(2)*b(3) - a(3)*b(2), a(3)*b(1) - a(1)*b(3), a(1)*b(2) - a(2)*b(1)]
+   end function cross
+end module lopin_recorder_dat_contact

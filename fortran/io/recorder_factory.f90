@@ -1,0 +1,164 @@
+!> Which recorders a run needs: always the fields, the tables of increments and the summary; `job.dat`
+!> and `job.frd` only if the deck asks for them. Files that Lopin did not write are never touched.
+module lopin_recorder_factory
+   use lopin_error, only : error_type, error_code, raise
+   use lopin_model, only : model_type, output_of
+   use lopin_recorder, only : recorder_holder_type
+   use lopin_atomic_file, only : make_folder, file_exists, read_text
+   use lopin_recorder_table, only : any_request
+   use lopin_recorder_vtu, only : vtu_recorder_type, new_vtu_recorder
+   use lopin_recorder_dat, only : dat_recorder_type, new_dat_recorder
+   use lopin_recorder_frd, only : frd_recorder_type, new_frd_recorder
+   use lopin_recorder_sta, only : sta_recorder_type, new_sta_recorder
+   use lopin_recorder_history, only : history_recorder_type, new_history_recorder
+   use lopin_recorder_json, only : json_recorder_type, new_json_recorder, json_schema
+   use lopin_recorder_memory, only : memory_recorder_type
+   implicit none
+   private
+   public :: new_recorders, append_memory
+
+contains
+
+   !> All recorders of files, the summary first: from then on `job.json` lists what is ours.
+   subroutine new_recorders(list, model, folder, stem, error, deck_file)
+      type(recorder_holder_type), allocatable, intent(out) :: list(:)
+      type(model_type), intent(in) :: model
+      character(len=*), intent(in) :: folder                    !! made if it is not there
+      character(len=*), intent(in) :: stem                      !! job name, without path and suffix
+      type(error_type), allocatable, intent(out) :: error
+      character(len=*), intent(in), optional :: deck_file(:)    !! by file index of locations
+      character(len=len(stem) + 12) :: file(7)
+      character(len=:), allocatable :: base
+      logical :: tables, fields
+      integer :: n
+
+      tables = any_request(model, [output_of%node_print, output_of%element_print, output_of%contact_print])
+      fields = any_request(model, [output_of%node_file, output_of%element_file, output_of%contact_file])
+      file(:5) = [character(len=len(file)) :: stem//'.json', stem//'.pvd', stem//'.sta', stem//'.cvg', &
+         & stem//'_history.csv']
+      n = 5
+      if (tables) call add_file('.dat')
+      if (fields) call add_file('.frd')
+      call make_folder(folder, error)
+      if (allocated(error)) return
+      call refuse_foreign(folder, stem, file(:n), error)
+      if (allocated(error)) return
+      base = folder//'/'//stem
+      allocate (list(n - 1))
+      call hold_json(list(1), base//'.json', file(:n), deck_file)
+      call hold_vtu(list(2), folder, stem)
+      call hold_sta(list(3), base)
+      call hold_history(list(4), base//'_history.csv')
+      if (tables) call hold_dat(list(5), base//'.dat')
+      if (fields) call hold_frd(list(n - 1), base//'.frd')
+   contains
+      subroutine add_file(suffix)
+         character(len=*), intent(in) :: suffix
+         n = n + 1
+         file(n) = stem//suffix
+      end subroutine add_file
+   end subroutine new_recorders
+
+   !> Add a recorder that keeps everything in memory, as the last of the list.
+   subroutine append_memory(list)
+      type(recorder_holder_type), allocatable, intent(inout) :: list(:)
+      type(recorder_holder_type), allocatable :: longer(:)
+      integer :: i, n
+
+      n = 0
+      if (allocated(list)) n = size(list)
+      allocate (longer(n + 1))
+      do i = 1, n
+         call move_alloc(list(i)%recorder, longer(i)%recorder)
+      end do
+      allocate (memory_recorder_type :: longer(n + 1)%recorder)
+      call move_alloc(longer, list)
+   end subroutine append_memory
+
+   !> A file that exists must be in the list of the `job.json` of an earlier run.
+   subroutine refuse_foreign(folder, stem, file, error)
+      character(len=*), intent(in) :: folder, stem, file(:)
+      type(error_type), allocatable, intent(out) :: error
+      character(len=:), allocatable :: old
+      logical :: ours
+      integer :: i
+
+      call read_text(folder//'/'//stem//'.json', old)
+      ours = index(old, json_schema) > 0
+      do i = 1, size(file)
+         if (.not. file_exists(folder//'/'//trim(file(i)))) cycle
+         if (ours .and. index(old, '"'//trim(file(i))//'"') > 0) cycle
+         call raise(error, error_code%resource, 'E0603', "'"//folder//'/'//trim(file(i))// &
+            & "' exists and was not written by Lopin", &
+            & note='a run replaces only the files that the job.json of an earlier run lists', &
+            & help='choose another folder with -o, or move the file away')
+         return
+      end do
+   end subroutine refuse_foreign
+
+   subroutine hold_json(holder, path, file, deck_file)
+      type(recorder_holder_type), intent(inout) :: holder
+      character(len=*), intent(in) :: path, file(:)
+      character(len=*), intent(in), optional :: deck_file(:)
+      type(json_recorder_type), allocatable :: one
+      character(len=1) :: none(0)
+
+      allocate (one)
+      if (present(deck_file)) then
+         call new_json_recorder(one, path, file, deck_file)
+      else
+         call new_json_recorder(one, path, file, none)
+      end if
+      call move_alloc(one, holder%recorder)
+   end subroutine hold_json
+
+   subroutine hold_vtu(holder, folder, stem)
+      type(recorder_holder_type), intent(inout) :: holder
+      character(len=*), intent(in) :: folder, stem
+      type(vtu_recorder_type), allocatable :: one
+
+      allocate (one)
+      call new_vtu_recorder(one, folder, stem)
+      call move_alloc(one, holder%recorder)
+   end subroutine hold_vtu
+
+   subroutine hold_sta(holder, base)
+      type(recorder_holder_type), intent(inout) :: holder
+      character(len=*), intent(in) :: base
+      type(sta_recorder_type), allocatable :: one
+
+      allocate (one)
+      call new_sta_recorder(one, base//'.sta', base//'.cvg')
+      call move_alloc(one, holder%recorder)
+   end subroutine hold_sta
+
+   subroutine hold_history(holder, path)
+      type(recorder_holder_type), intent(inout) :: holder
+      character(len=*), intent(in) :: path
+      type(history_recorder_type), allocatable :: one
+
+      allocate (one)
+      call new_history_recorder(one, path)
+      call move_alloc(one, holder%recorder)
+   end subroutine hold_history
+
+   subroutine hold_dat(holder, path)
+      type(recorder_holder_type), intent(inout) :: holder
+      character(len=*), intent(in) :: path
+      type(dat_recorder_type), allocatable :: one
+
+      allocate (one)
+      call new_dat_recorder(one, path)
+      call move_alloc(one, holder%recorder)
+   end subroutine hold_dat
+
+   subroutine hold_frd(holder, path)
+      type(recorder_holder_type), intent(inout) :: holder
+      character(len=*), intent(in) :: path
+      type(frd_recorder_type), allocatable :: one
+
+      allocate (one)
+      call new_frd_recorder(one, path)
+      call move_alloc(one, holder%recorder)
+   end subroutine hold_frd
+end module lopin_recorder_factory

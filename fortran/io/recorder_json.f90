@@ -1,0 +1,295 @@
+!> `job.json`: what a run did, for programs. Written at the start with status `running`, and at the end.
+module lopin_recorder_json
+   use lopin_kinds, only : wp
+   use lopin_clock, only : phase_names, nphase
+   use lopin_error, only : error_type, diagnostic_type
+   use lopin_model, only : model_type, kind_of
+   use lopin_state, only : frame_type, summary_type, certificate_type, energy_type, verdict_words
+   use lopin_recorder, only : recorder_type
+   use lopin_atomic_file, only : write_atomically
+   use lopin_json_writer, only : json_writer_type
+   use lopin_recorder_table, only : pair_summary_type, summarise_pair, pair_name
+   implicit none
+   private
+   public :: json_recorder_type, new_json_recorder, json_schema
+
+   character(len=*), parameter :: json_schema = 'lopin-result/1'
+   character(len=*), parameter :: kind_words(5) = [character(len=12) :: 'plane strain', 'plane stress', &
+      & 'axisymmetric', 'solid', 'rigid']
+   character(len=*), parameter :: method_words(4) = [character(len=9) :: 'lagrange', 'penalty', &
+      & 'perturbed', 'augmented']
+   character(len=*), parameter :: severity_words(0:2) = [character(len=7) :: 'note', 'warning', 'error']
+
+   !> `file` and `deck_file` are plain names; the last accepted increment is kept for the end.
+   type, extends(recorder_type) :: json_recorder_type
+      private
+      character(len=:), allocatable :: path
+      character(len=:), allocatable :: file(:)        !! what the run writes
+      character(len=:), allocatable :: deck_file(:)   !! by file index of locations
+      type(pair_summary_type), allocatable :: pair(:)
+      type(certificate_type) :: certificate
+      type(energy_type) :: energy
+      logical :: has_frame = .false.
+   contains
+      procedure :: begin
+      procedure :: increment
+      procedure :: finish
+   end type json_recorder_type
+
+contains
+
+   subroutine new_json_recorder(self, path, file, deck_file)
+      type(json_recorder_type), intent(out) :: self
+      character(len=*), intent(in) :: path
+      character(len=*), intent(in) :: file(:)
+      character(len=*), intent(in) :: deck_file(:)
+
+      self%path = path
+      allocate (character(len=len(file)) :: self%file(size(file)))
+      self%file(:) = file
+      allocate (character(len=len(deck_file)) :: self%deck_file(size(deck_file)))
+      self%deck_file(:) = deck_file
+   end subroutine new_json_recorder
+
+   subroutine begin(self, model, error)
+      class(json_recorder_type), intent(inout) :: self
+      type(model_type), intent(in) :: model
+      type(error_type), allocatable, intent(out) :: error
+      type(json_writer_type) :: json
+
+      if (allocated(self%pair)) deallocate (self%pair)
+      allocate (self%pair(size(model%pair)))
+      self%has_frame = .false.
+      call json%open('{', '')
+      call add_words(json, 'schema', json_schema)
+      call add_words(json, 'status', 'running')
+      call add_list(json, 'files', self%file)
+      call json%close('}')
+      call write_atomically(self%path, json%text%content(), error)
+   end subroutine begin
+
+   subroutine increment(self, model, frame, error)
+      class(json_recorder_type), intent(inout) :: self
+      type(model_type), intent(in) :: model
+      type(frame_type), intent(in) :: frame
+      type(error_type), allocatable, intent(out) :: error
+      integer :: i
+
+      associate (unused => model, none => error)
+      end associate
+      self%has_frame = .true.
+      self%certificate = frame%certificate
+      self%energy = frame%energy
+      do i = 1, size(self%pair)
+         call summarise_pair(frame%contact(i), self%pair(i))
+      end do
+   end subroutine increment
+
+   subroutine finish(self, model, summary, failure, error)
+      class(json_recorder_type), intent(inout) :: self
+      type(model_type), intent(in) :: model
+      type(summary_type), intent(in) :: summary
+      type(error_type), allocatable, intent(in) :: failure
+      type(error_type), allocatable, intent(out) :: error
+      type(json_writer_type) :: json
+
+      call json%open('{', '')
+      call add_words(json, 'schema', json_schema)
+      call json%add('status', summary%status)
+      call json%add('exit_code', summary%exit_code)
+      call add_model(json, model)
+      call add_run(json, summary)
+      call add_contact(self, json, model)
+      if (self%has_frame) then
+         call add_certificate(json, self%certificate)
+         call add_energy(json, self%energy)
+      else
+         call json%null('certificate')
+         call json%null('energy')
+      end if
+      call add_timing(json, summary)
+      call add_list(json, 'files', self%file)
+      call add_diagnostics(self, json, model, failure)
+      call json%close('}')
+      call write_atomically(self%path, json%text%content(), error)
+   end subroutine finish
+
+   subroutine add_model(json, model)
+      type(json_writer_type), intent(inout) :: json
+      type(model_type), intent(in) :: model
+
+      call json%add('heading', model%heading)
+      call json%open('{', 'model')
+      call add_words(json, 'kind', trim(kind_words(max(1, min(5, model%kind)))))
+      call json%add('dimensions', model%mesh%ndim)
+      call json%add('nodes', model%mesh%nnode)
+      call json%add('elements', model%mesh%nelement)
+      call json%close('}')
+      if (model%kind == kind_of%axisymmetric) call add_words(json, 'forces', 'full circumference')
+   end subroutine add_model
+
+   subroutine add_run(json, summary)
+      type(json_writer_type), intent(inout) :: json
+      type(summary_type), intent(in) :: summary
+      integer :: i
+
+      call json%add('plan', summary%plan)
+      call json%add('path', summary%path)
+      call json%add('solver', summary%solver)
+      call json%add('equations', summary%equations)
+      call json%add('retained', summary%retained)
+      call json%add('candidates', summary%candidates)
+      call json%open('[', 'steps')
+      if (allocated(summary%step)) then
+         do i = 1, size(summary%step)
+            associate (step => summary%step(i))
+               call json%open('{', '')
+               call json%add('increments', step%increments)
+               call json%add('iterations', step%counter%iterations)
+               call json%add('factorisations', step%counter%factorisations)
+               call json%add('back_solves', step%counter%back_solves)
+               call json%add('augmentations', step%counter%augmentations)
+               call json%close('}')
+            end associate
+         end do
+      end if
+      call json%close(']')
+   end subroutine add_run
+
+   subroutine add_contact(self, json, model)
+      type(json_recorder_type), intent(in) :: self
+      type(json_writer_type), intent(inout) :: json
+      type(model_type), intent(in) :: model
+      integer :: i
+
+      call json%open('[', 'contact')
+      do i = 1, size(model%pair)
+         call json%open('{', '')
+         call add_words(json, 'pair', pair_name(model, i))
+         call json%add('slave', model%surface(model%pair(i)%slave)%name)
+         if (model%pair(i)%master > 0) call json%add('master', model%surface(model%pair(i)%master)%name)
+         if (model%pair(i)%interaction > 0) call add_words(json, 'method', &
+            & trim(method_words(model%interaction(model%pair(i)%interaction)%method)))
+         if (self%has_frame) then
+            call json%add('force', self%pair(i)%force(:model%mesh%ndim))
+            call json%add('area', self%pair(i)%area)
+            call json%add('max_pressure', self%pair(i)%max_pressure)
+            call json%add('max_penetration', self%pair(i)%max_penetration)
+            call json%add('closed', self%pair(i)%closed)
+         end if
+         call json%close('}')
+      end do
+      call json%close(']')
+   end subroutine add_contact
+
+   subroutine add_certificate(json, certificate)
+      type(json_writer_type), intent(inout) :: json
+      type(certificate_type), intent(in) :: certificate
+
+      call json%open('{', 'certificate')
+      call add_words(json, 'verdict', verdict_words(certificate%verdict))
+      call json%add('reason', certificate%reason)
+      call json%add('penetration', certificate%penetration)
+      call json%add('tension', certificate%tension)
+      call json%add('complementarity', certificate%complementarity)
+      call json%add('pressure_error', certificate%pressure_error)
+      call json%add('equilibrium', certificate%equilibrium)
+      call json%add('action_reaction', certificate%action_reaction)
+      call json%add('energy', certificate%energy)
+      call json%add('support', certificate%support)
+      call json%close('}')
+   end subroutine add_certificate
+
+   subroutine add_energy(json, energy)
+      type(json_writer_type), intent(inout) :: json
+      type(energy_type), intent(in) :: energy
+
+      call json%open('{', 'energy')
+      call json%add('strain', energy%strain)
+      call json%add('external', energy%external)
+      call json%add('contact', energy%contact)
+      call json%add('friction', energy%friction)
+      call json%close('}')
+   end subroutine add_energy
+
+   subroutine add_timing(json, summary)
+      type(json_writer_type), intent(inout) :: json
+      type(summary_type), intent(in) :: summary
+      integer :: i
+
+      call json%open('{', 'timing')
+      do i = 1, nphase
+         call json%add(trim(phase_names(i)), summary%clock%seconds(i))
+      end do
+      call json%add('total', summary%clock%total())
+      call json%close('}')
+      call json%add('peak_memory_mib', summary%peak_memory)
+   end subroutine add_timing
+
+   subroutine add_diagnostics(self, json, model, failure)
+      type(json_recorder_type), intent(in) :: self
+      type(json_writer_type), intent(inout) :: json
+      type(model_type), intent(in) :: model
+      type(error_type), allocatable, intent(in) :: failure
+      integer :: i
+
+      call json%open('[', 'diagnostics')
+      do i = 1, model%log%n
+         call add_diagnostic(self, json, model%log%item(i))
+      end do
+      if (allocated(failure)) then
+         if (allocated(failure%item)) then
+            do i = 1, size(failure%item)
+               call add_diagnostic(self, json, failure%item(i))
+            end do
+         end if
+      end if
+      call json%close(']')
+   end subroutine add_diagnostics
+
+   subroutine add_diagnostic(self, json, item)
+      type(json_recorder_type), intent(in) :: self
+      type(json_writer_type), intent(inout) :: json
+      type(diagnostic_type), intent(in) :: item
+
+      call json%open('{', '')
+      call json%add('code', item%id)
+      call add_words(json, 'severity', trim(severity_words(item%severity)))
+      call json%add('message', item%message)
+      if (item%at%file >= 1 .and. item%at%file <= size(self%deck_file)) then
+         call add_words(json, 'file', trim(self%deck_file(item%at%file)))
+      else
+         call json%null('file')
+      end if
+      if (item%at%line > 0) then
+         call json%add('line', item%at%line)
+         call json%add('column', item%at%first)
+      else
+         call json%null('line')
+         call json%null('column')
+      end if
+      call json%add('help', item%help)
+      call json%close('}')
+   end subroutine add_diagnostic
+
+   subroutine add_list(json, name, list)
+      type(json_writer_type), intent(inout) :: json
+      character(len=*), intent(in) :: name, list(:)
+      integer :: i
+
+      call json%open('[', name)
+      do i = 1, size(list)
+         call add_words(json, '', trim(list(i)))
+      end do
+      call json%close(']')
+   end subroutine add_list
+
+   subroutine add_words(json, name, value)
+      type(json_writer_type), intent(inout) :: json
+      character(len=*), intent(in) :: name, value
+      character(len=:), allocatable :: copy
+
+      copy = value
+      call json%add(name, copy)
+   end subroutine add_words
+end module lopin_recorder_json

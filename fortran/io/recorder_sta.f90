@@ -1,0 +1,83 @@
+!> `job.sta`: one line per increment, CalculiX's columns and then the closed points and augmentations;
+!> `job.cvg`: the lines that the run says, iteration by iteration.
+module lopin_recorder_sta
+   use lopin_error, only : error_type
+   use lopin_model, only : model_type
+   use lopin_state, only : frame_type, summary_type
+   use lopin_recorder, only : recorder_type
+   use lopin_atomic_file, only : log_file_type
+   implicit none
+   private
+   public :: sta_recorder_type, new_sta_recorder
+
+   type, extends(recorder_type) :: sta_recorder_type
+      private
+      character(len=:), allocatable :: sta_path, cvg_path
+      type(log_file_type) :: sta, cvg
+   contains
+      procedure :: begin
+      procedure :: increment
+      procedure :: finish
+      procedure :: line
+   end type sta_recorder_type
+
+   character(len=*), parameter :: newline = achar(10)
+
+contains
+
+   subroutine new_sta_recorder(self, sta_path, cvg_path)
+      type(sta_recorder_type), intent(out) :: self
+      character(len=*), intent(in) :: sta_path, cvg_path
+      self%sta_path = sta_path
+      self%cvg_path = cvg_path
+   end subroutine new_sta_recorder
+
+   subroutine begin(self, model, error)
+      class(sta_recorder_type), intent(inout) :: self
+      type(model_type), intent(in) :: model
+      type(error_type), allocatable, intent(out) :: error
+
+      associate (unused => model)
+      end associate
+      call self%sta%open(self%sta_path, 'SUMMARY OF JOB INFORMATION'//newline// &
+         & '  STEP      INC     ATT  ITRS     TOT TIME     STEP TIME      INC TIME  CLOSED   AUG'//newline, error)
+      if (allocated(error)) return
+      call self%cvg%open(self%cvg_path, '', error)
+   end subroutine begin
+
+   subroutine increment(self, model, frame, error)
+      class(sta_recorder_type), intent(inout) :: self
+      type(model_type), intent(in) :: model
+      type(frame_type), intent(in) :: frame
+      type(error_type), allocatable, intent(out) :: error
+      character(len=100) :: row
+
+      associate (unused => model)
+      end associate
+      write (row, '(1x,i5,1x,i10,2(1x,i5),3(1x,e13.6),1x,i7,1x,i5)') frame%step, frame%increment, &
+         & frame%attempt, frame%iterations, frame%total_time, frame%step_time, frame%time_increment, &
+         & frame%closed, frame%augmentations
+      call self%sta%append(trim(row)//newline, error)
+   end subroutine increment
+
+   subroutine finish(self, model, summary, failure, error)
+      class(sta_recorder_type), intent(inout) :: self
+      type(model_type), intent(in) :: model
+      type(summary_type), intent(in) :: summary
+      type(error_type), allocatable, intent(in) :: failure
+      type(error_type), allocatable, intent(out) :: error
+
+      associate (unused => model, also => summary, too => failure, none => error)
+      end associate
+      call self%sta%close()
+      call self%cvg%close()
+   end subroutine finish
+
+   subroutine line(self, text)
+      class(sta_recorder_type), intent(inout) :: self
+      character(len=*), intent(in) :: text
+      type(error_type), allocatable :: ignored
+
+      call self%cvg%append(text//newline, ignored)
+   end subroutine line
+end module lopin_recorder_sta

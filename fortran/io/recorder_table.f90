@@ -1,0 +1,221 @@
+!> What several recorders ask alike: is an output due, what did a pair do, what is a row of the history.
+module lopin_recorder_table
+   use lopin_kinds, only : wp
+   use lopin_model, only : model_type, pair_type, rigid_body_type, output_of
+   use lopin_state, only : frame_type, contact_field_type, energy_type
+   implicit none
+   private
+   public :: pair_summary_type, summarise_pair, pair_name, file_word
+   public :: is_due, step_asks, has_variable, any_request
+   public :: column_type, history_columns, history_row
+
+   !> A pair in a few numbers. Forces are on the full circumference if axisymmetric.
+   type :: pair_summary_type
+      real(wp) :: force(3) = 0.0_wp            !! of the master on the slave [force]
+      real(wp) :: area = 0.0_wp                !! of the closed points [length^2]
+      real(wp) :: max_pressure = 0.0_wp        !! [stress]
+      real(wp) :: max_penetration = 0.0_wp     !! >= 0 [length]
+      integer :: closed = 0
+   end type pair_summary_type
+
+   type :: column_type
+      character(len=:), allocatable :: name        !! e.g. BALL.rf2, TOP-BALL.area
+      character(len=:), allocatable :: dimension   !! e.g. force
+   end type column_type
+
+   character(len=*), parameter :: letters = 'abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ'
+   character(len=*), parameter :: file_letters = letters//'0123456789_-'
+
+contains
+
+   pure subroutine summarise_pair(field, summary)
+      type(contact_field_type), intent(in) :: field
+      type(pair_summary_type), intent(out) :: summary
+      integer :: i
+
+      do i = 1, size(field%node)
+         summary%force(:size(field%force, 1)) = summary%force(:size(field%force, 1)) + field%force(:, i)
+         if (field%status(i) >= 0) then
+            summary%max_penetration = max(summary%max_penetration, -field%gap(i))
+         end if
+         if (field%status(i) <= 0) cycle
+         summary%closed = summary%closed + 1
+         summary%area = summary%area + field%weight(i)
+         summary%max_pressure = max(summary%max_pressure, field%pressure(i))
+      end do
+   end subroutine summarise_pair
+
+   !> SLAVE-MASTER, the user's names.
+   pure function pair_name(model, i) result(name)
+      type(model_type), intent(in) :: model
+      integer, intent(in) :: i
+      character(len=:), allocatable :: name
+
+      name = model%surface(model%pair(i)%slave)%name
+      if (model%pair(i)%master > 0) name = name//'-'//model%surface(model%pair(i)%master)%name
+   end function pair_name
+
+   !> A name that is safe in a file name.
+   pure function file_word(name) result(word)
+      character(len=*), intent(in) :: name
+      character(len=len(name)) :: word
+      integer :: i
+
+      word = name
+      do i = 1, len(word)
+         if (index(file_letters, word(i:i)) == 0) word(i:i) = '_'
+      end do
+   end function file_word
+
+   !> Every `frequency` increments and at the end of the step; frequency 0 is never.
+   pure logical function is_due(frequency, frame)
+      integer, intent(in) :: frequency
+      type(frame_type), intent(in) :: frame
+
+      is_due = .false.
+      if (frequency <= 0) return
+      is_due = mod(frame%increment, frequency) == 0 .or. frame%last_of_step
+   end function is_due
+
+   !> Does a step ask for one of the variables of a kind of output?
+   pure logical function step_asks(model, step, kind, words)
+      type(model_type), intent(in) :: model
+      integer, intent(in) :: step, kind
+      character(len=*), intent(in) :: words(:)
+      integer :: i
+
+      step_asks = .false.
+      if (step < 1 .or. step > size(model%step)) return
+      associate (output => model%step(step)%output)
+         do i = 1, size(output)
+            if (output(i)%kind /= kind .or. output(i)%frequency <= 0) cycle
+            if (has_variable(output(i)%variable, words)) step_asks = .true.
+         end do
+      end associate
+   end function step_asks
+
+   pure logical function has_variable(list, words)
+      character(len=*), intent(in) :: list(:), words(:)
+      integer :: i
+
+      has_variable = .false.
+      do i = 1, size(words)
+         if (any(list == words(i))) has_variable = .true.
+      end do
+   end function has_variable
+
+   !> Is there an output of one of the kinds in any step?
+   pure logical function any_request(model, kinds)
+      type(model_type), intent(in) :: model
+      integer, intent(in) :: kinds(:)
+      integer :: i, k
+
+      any_request = .false.
+      do i = 1, size(model%step)
+         do k = 1, size(model%step(i)%output)
+            if (any(kinds == model%step(i)%output(k)%kind)) any_request = .true.
+         end do
+      end do
+   end function any_request
+
+   !> Names and dimensions of the numbers of `history_row`.
+   subroutine history_columns(model, column)
+      type(model_type), intent(in) :: model
+      type(column_type), allocatable, intent(out) :: column(:)
+      integer :: i, k, n
+      character(len=:), allocatable :: name
+      character(len=1) :: digit
+
+      allocate (column(0))
+      call add('step', '-')
+      call add('increment', '-')
+      call add('time', 'time')
+      call add('iterations', '-')
+      call add('augmentations', '-')
+      n = model%mesh%ndim
+      do i = 1, size(model%rigid_body)
+         name = model%rigid_body(i)%name
+         do k = 1, 3*(n - 1)
+            digit = achar(iachar('0') + physical_dof(n, k))
+            call add(name//'.u'//digit, merge('length', 'rad   ', k <= n))
+         end do
+         do k = 1, 3*(n - 1)
+            digit = achar(iachar('0') + physical_dof(n, k))
+            call add(name//'.rf'//digit, merge('force       ', 'force*length', k <= n))
+         end do
+      end do
+      do i = 1, size(model%pair)
+         name = pair_name(model, i)
+         do k = 1, n
+            call add(name//'.force'//achar(iachar('0') + k), 'force')
+         end do
+         call add(name//'.area', 'length^2')
+         call add(name//'.max_pressure', 'stress')
+         call add(name//'.max_penetration', 'length')
+         call add(name//'.closed', '-')
+      end do
+      call add('energy.strain', 'force*length')
+      call add('energy.external', 'force*length')
+      call add('energy.contact', 'force*length')
+      call add('energy.friction', 'force*length')
+      call add('certificate', '0=PASS 1=WARN 2=FAIL')
+   contains
+      subroutine add(what, unit)
+         character(len=*), intent(in) :: what, unit
+         type(column_type) :: one
+
+         one%name = what
+         one%dimension = trim(unit)
+         column = [column, one]
+      end subroutine add
+   end subroutine history_columns
+
+   subroutine history_row(model, frame, row)
+      type(model_type), intent(in) :: model
+      type(frame_type), intent(in) :: frame
+      real(wp), allocatable, intent(out) :: row(:)
+      type(pair_summary_type) :: pair
+      integer :: i, n
+
+      n = model%mesh%ndim
+      row = [real(wp) :: real(frame%step, wp), real(frame%increment, wp), frame%total_time, &
+         & real(frame%iterations, wp), real(frame%augmentations, wp)]
+      do i = 1, size(model%rigid_body)
+         row = [row, reference_values(model%rigid_body(i), n, frame%u), &
+            & reference_values(model%rigid_body(i), n, frame%rf)]
+      end do
+      do i = 1, size(model%pair)
+         call summarise_pair(frame%contact(i), pair)
+         row = [row, pair%force(:n), pair%area, pair%max_pressure, pair%max_penetration, &
+            & real(pair%closed, wp)]
+      end do
+      row = [row, frame%energy%strain, frame%energy%external, frame%energy%contact, &
+         & frame%energy%friction, real(frame%certificate%verdict, wp)]
+   end subroutine history_row
+
+   !> Translations, then rotations, of a reference node (or of its rotation node).
+   pure function reference_values(body, n, values) result(list)
+      type(rigid_body_type), intent(in) :: body
+      integer, intent(in) :: n               !! dimensions
+      real(wp), intent(in) :: values(:, :)   !! (6, nnode)
+      real(wp) :: list(3*(n - 1))
+      integer :: k, dof
+
+      list = 0.0_wp
+      do k = 1, size(list)
+         dof = physical_dof(n, k)
+         if (k > n .and. body%rotation > 0) then
+            list(k) = values(dof - 3, body%rotation)
+         else if (body%reference > 0) then
+            list(k) = values(dof, body%reference)
+         end if
+      end do
+   end function reference_values
+
+   !> 2D: 1, 2, 6; 3D: 1..6.
+   pure integer function physical_dof(n, k)
+      integer, intent(in) :: n, k
+      physical_dof = k
+      if (n == 2 .and. k == 3) physical_dof = 6
+   end function physical_dof
+end module lopin_recorder_table
