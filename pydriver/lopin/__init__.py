@@ -1,5 +1,47 @@
-"""Lopin: finite elements for contact in metal forming."""
-from .errors import LopinError
+"""Lopin: finite elements for contact in metal forming.
+
+A `Model` (or any `Deck`) says what happens; `run` solves it in this process and returns a `Result`.
+Meshes come from `mesh_make` or `read_mesh`, tools from `profile`, reference solutions from
+`closed_form`.
+"""
+from . import closed_form, mesh_make, profile, reference
+from .deck import Block, Deck
+from .errors import (
+    DeckError,
+    InternalError,
+    Interrupted,
+    LopinError,
+    ModelError,
+    NotConvergedError,
+    ResourceError,
+    SingularError,
+    UsageError,
+)
+from .folder import Folder
+from .laws import Augmented, Elastic, Lagrange, Penalty, Perturbed
+from .mesh import Mesh, together
+from .mesh_read import from_meshio, read_mesh
+from .model import Model
+from .result import Result
+from .run import check, run
 
 __version__ = "0.1.0"
-__all__ = ["LopinError"]
+__all__ = [
+    "Augmented", "Block", "Deck", "DeckError", "Elastic", "Folder", "InternalError", "Interrupted",
+    "Lagrange", "LopinError", "Mesh", "Model", "ModelError", "NotConvergedError", "Penalty",
+    "Perturbed", "ResourceError", "Result", "SingularError", "UsageError", "check", "closed_form",
+    "from_meshio", "keywords", "mesh_make", "open_result", "profile", "read_mesh", "reference", "run",
+    "together",
+]
+
+
+def keywords() -> list[dict]:
+    """Rows of the deck language, as the reader of decks knows it."""
+    from ._bridge import keywords as rows
+
+    return rows()
+
+
+def open_result(folder, name=None) -> Result:
+    """The result that the executable left in a folder."""
+    return Result(Folder(folder, name))

@@ -1,0 +1,67 @@
+"""``lopin`` and ``python -m lopin``: one command for the executable and for the Python side.
+
+run, check, info, explain, doc and selftest are the executable's; plot, chart, convert and example are
+answered here.
+"""
+from __future__ import annotations
+
+import argparse
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+from .errors import LopinError
+
+PYTHON_COMMANDS = ("plot", "chart", "convert", "example")
+
+
+def main(arguments: list[str] | None = None) -> int:
+    """Run a command and return its exit code."""
+    arguments = sys.argv[1:] if arguments is None else list(arguments)
+    try:
+        if arguments and arguments[0] in PYTHON_COMMANDS:
+            return python_command(arguments)
+        return forward(arguments)
+    except LopinError as error:
+        print(f"error: {error}", file=sys.stderr)
+        return error.code
+
+
+def forward(arguments: list[str]) -> int:
+    """Hand over to the executable; where the system allows, this process becomes it."""
+    from .run import find_executable
+
+    program = str(find_executable())
+    if os.name == "posix" and sys.stdout is sys.__stdout__:
+        sys.stdout.flush()
+        os.execv(program, [program, *arguments])
+    return subprocess.run([program, *arguments], check=False).returncode
+
+
+def python_command(arguments: list[str]) -> int:
+    """plot, chart, convert, example."""
+    parser = argparse.ArgumentParser(prog="lopin", description=__doc__)
+    commands = parser.add_subparsers(dest="command", required=True)
+    plot = commands.add_parser("plot", help="picture of the contact pressure of a result folder")
+    plot.add_argument("folder", type=Path)
+    plot.add_argument("-o", "--output", type=Path, help="PNG, SVG or PDF; default: <folder>/pressure.png")
+    plot.add_argument("--pair", default=None, help="slave surface; default: the first pair")
+    chart = commands.add_parser("chart", help="speed against accuracy over methods and penalties")
+    chart.add_argument("deck", type=Path)
+    chart.add_argument("-o", "--output", type=Path, default=Path("chart.png"))
+    convert = commands.add_parser("convert", help="mesh of another tool to a deck's mesh, or to VTU")
+    convert.add_argument("source", type=Path)
+    convert.add_argument("target", type=Path)
+    convert.add_argument("--kind", default=None, help="axisymmetric, 'plane strain', 'plane stress', 3d")
+    example = commands.add_parser("example", help="copy a deck of the collection")
+    example.add_argument("name", nargs="?", help="without it: list the names")
+    example.add_argument("folder", nargs="?", type=Path, default=Path("."))
+    options = parser.parse_args(arguments)
+    from . import commands as module
+
+    return getattr(module, options.command)(options)
+
+
+if __name__ == "__main__":
+    sys.exit(main())

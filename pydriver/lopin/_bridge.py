@@ -1,0 +1,152 @@
+"""The only importer of the compiled part: transposes, 0-based indices, bytes to text, codes to exceptions.
+
+Everything that knows the flat Fortran interface (module `lopin_api`) is in this file, one small
+function a routine. Arrays cross as (component, item) in Fortran and (item, component) here: the same
+memory.
+"""
+from __future__ import annotations
+
+import importlib
+import json
+from collections.abc import Iterable
+from functools import cache
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from .errors import LopinError, error_of
+
+
+@cache
+def core():
+    """The Fortran module behind f2py."""
+    try:
+        extension = importlib.import_module("lopin._core")
+    except ImportError as problem:
+        raise LopinError("the compiled part of Lopin is missing (lopin._core)",
+                         help="run './bootstrap build' in the source folder, or 'pip install .'"
+                         ) from problem
+    return extension.lopin_api
+
+
+def has_core() -> bool:
+    """Whether the compiled part can be imported."""
+    try:
+        core()
+    except LopinError:
+        return False
+    return True
+
+
+def text_of(raw) -> str:
+    """Text from what f2py returns for characters: bytes, or a 0-d or 1-d array of them."""
+    if isinstance(raw, np.ndarray):
+        raw = raw.tobytes()
+    if isinstance(raw, bytes):
+        raw = raw.decode("utf-8", "replace")
+    return raw.rstrip(" \0")
+
+
+class Session:
+    """A run kept in memory by the Fortran side, until closed or forgotten."""
+
+    def __init__(self, text: str, name: str, folder: str, output: str, options: Iterable[str] = ()):
+        self.handle, self.code = map(int, core().run_deck(
+            text.encode(), name.encode(), folder.encode(), output.encode(),
+            "\n".join(options).encode()))
+        self.diagnostics = diagnostics(self.handle)
+
+    def names(self) -> list[str]:
+        """Words of everything that `field` knows."""
+        return text_of(core().result_names(self.handle)).split("\n")
+
+    def field(self, name: str, index: int = 0) -> NDArray:
+        """A copy of one result: (item,) or (item, component); `index` counts increments from 0."""
+        n, m, is_integer, code = map(int, core().result_shape(self.handle, name, index + 1))
+        if code:
+            raise LopinError(f"no result '{name}' of increment {index}",
+                             help=f"results: {', '.join(self.names())}")
+        get = core().get_integer if is_integer else core().get_real
+        values, code = get(self.handle, name, index + 1, n, m)
+        if code:
+            raise LopinError(f"result '{name}' of increment {index} could not be copied")
+        values = np.ascontiguousarray(values.T)
+        return values[:, 0] if n == 1 else values
+
+    def close(self) -> None:
+        """Forget the run; its arrays that were copied stay."""
+        if self.handle > 0:
+            core().close_session(self.handle)
+            self.handle = 0
+
+    def __del__(self):
+        if getattr(self, "handle", 0):
+            self.close()
+
+
+def diagnostics(handle: int) -> list[dict]:
+    """What was said about a run: errors, warnings, notes, in order."""
+    text = text_of(core().diagnostics(handle))
+    return json.loads(text) if text else []
+
+
+def check_deck(text: str, name: str, folder: str) -> list[dict]:
+    """Parse and check a deck without solving; what was said, or an exception."""
+    handle, code = map(int, core().check_deck(text.encode(), name.encode(), folder.encode()))
+    said = diagnostics(handle)
+    core().close_session(handle)
+    if code:
+        raise error_of(code, said)
+    return said
+
+
+def keywords() -> list[dict]:
+    """Rows of the deck language: name, origin, parameters, data, sentence, example."""
+    return [json.loads(text_of(core().keyword(k))) for k in range(1, int(core().keyword_count()) + 1)]
+
+
+# ---- probes: kernels called with plain arrays, for comparison with `reference` ------------------------
+
+
+def probe_shape(cell: str, xi: ArrayLike) -> tuple[NDArray, NDArray]:
+    """Shape functions (node,) and parametric slopes (node, ndim) of the Fortran cells."""
+    from .cells import CELLS
+
+    n_node = CELLS[cell].n_node
+    values, slopes = core().probe_shape(cell, np.asarray(xi, float), n_node)[:2]
+    return values, slopes.T.copy()
+
+
+def probe_project(cell: str, x: ArrayLike, point: ArrayLike) -> tuple[NDArray, float, NDArray]:
+    """Closest point on one facet: xi, signed gap, normal; x (node, ndim)."""
+    xi, gap, normal = core().probe_project(cell, _fortran(x), np.asarray(point, float))[:3]
+    return xi, float(gap), normal
+
+
+def probe_tool_gap(kind: str, data: ArrayLike, points: ArrayLike) -> tuple[NDArray, NDArray]:
+    """Gaps (point,) and normals (point, ndim) of a rigid tool."""
+    gap, normal = core().probe_tool_gap(kind, np.asarray(data, float), _fortran(points))[:2]
+    return gap, normal.T.copy()
+
+
+def probe_skyline_solve(pointers: ArrayLike, rows: ArrayLike, values: ArrayLike,
+                        right: ArrayLike) -> NDArray:
+    """Solve with the skyline solver; lower triangle by columns, 0-based."""
+    x, code = core().probe_skyline_solve(
+        np.asarray(pointers, np.int32) + 1, np.asarray(rows, np.int32) + 1,
+        np.asarray(values, float), np.asarray(right, float))[:2]
+    if code:
+        raise error_of(int(code), [], "the skyline solver met a zero pivot")
+    return x
+
+
+def probe_contact(compliance: ArrayLike, gap: ArrayLike) -> tuple[NDArray, int]:
+    """Contact forces of a compliance and its free gaps, by the condensed active set; iterations."""
+    force, iterations = core().probe_contact(np.asfortranarray(compliance, float),
+                                             np.asarray(gap, float))[:2]
+    return force, int(iterations)
+
+
+def _fortran(x: ArrayLike) -> NDArray:
+    """(item, component) as the (component, item) that Fortran reads, without a copy where possible."""
+    return np.ascontiguousarray(x, float).T

@@ -1,0 +1,92 @@
+"""Results in a folder: what the executable wrote, read with meshio only where a field is asked for."""
+from __future__ import annotations
+
+import csv
+import json
+from functools import lru_cache
+from pathlib import Path
+from xml.etree import ElementTree
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .errors import ResourceError
+
+#: VTK keeps xx yy zz xy yz xz, Lopin xx yy zz xy xz yz.
+_FROM_VTK = [0, 1, 2, 3, 5, 4]
+
+
+class Folder:
+    """A finished run on disk."""
+
+    def __init__(self, folder: str | Path, name: str | None = None):
+        self.folder = Path(folder)
+        found = sorted(self.folder.glob(f"{name or '*'}.json"))
+        if not found:
+            raise ResourceError(f"no result '{name or '*'}.json' in {self.folder}")
+        self.name = found[0].stem
+        self.summary = json.loads(found[0].read_text(encoding="utf-8"))
+        self.diagnostics = self.summary.get("diagnostics", [])
+        self._frames = self._read_collection()
+
+    def _read_collection(self) -> list[tuple[float, dict[str, Path]]]:
+        """(time, files by part) of each output."""
+        path = self.folder/f"{self.name}.pvd"
+        if not path.is_file():
+            return []
+        frames: dict[float, dict[str, Path]] = {}
+        for entry in ElementTree.parse(path).iter("DataSet"):
+            file = self.folder/entry.get("file")
+            part = entry.get("name") or file.stem[len(self.name) + 1:].rpartition("_")[0] or "solid"
+            frames.setdefault(float(entry.get("timestep")), {})[part] = file
+        return sorted(frames.items())
+
+    @property
+    def times(self) -> NDArray:
+        """Total times of the outputs."""
+        return np.array([time for time, _ in self._frames])
+
+    def pairs(self) -> list[str]:
+        """Names of the contact pairs, SLAVE-MASTER."""
+        parts = self._frames[-1][1] if self._frames else {}
+        return [p.removeprefix("contact_") for p in parts
+                if not p.startswith("tool_") and p not in ("solid", "SOLID", "")]
+
+    def names(self) -> list[str]:
+        """Words of the fields at the points of the mesh."""
+        return sorted(self._piece(len(self._frames) - 1, "solid").point_data)
+
+    def field(self, name: str, index: int) -> NDArray:
+        """A field at the points of the mesh."""
+        values = self._piece(index, "solid").point_data[name]
+        return values[:, _FROM_VTK] if values.ndim == 2 and values.shape[1] == 6 else values
+
+    def contact(self, pair: str, index: int) -> dict[str, NDArray]:
+        """All fields of the slave points of a pair, and their coordinates "X"."""
+        piece = self._piece(index, pair)
+        return {"X": piece.points, **piece.point_data}
+
+    def history(self) -> dict[str, NDArray]:
+        """Columns of the history file by name, without their units."""
+        path = self.folder/f"{self.name}_history.csv"
+        if not path.is_file():
+            return {}
+        with path.open(newline="", encoding="utf-8") as file:
+            rows = [r for r in csv.reader(file) if r and not r[0].startswith("#")]
+        head = [word.split("[")[0].strip() for word in rows[0]]
+        values = np.array([[float(v) for v in r] for r in rows[1:]]).reshape(-1, len(head))
+        return dict(zip(head, values.T))
+
+    def mesh(self, index: int):
+        """The `meshio.Mesh` of one output, fields included."""
+        return self._piece(index, "solid")
+
+    @lru_cache(maxsize=8)
+    def _piece(self, index: int, part: str):
+        import meshio
+
+        files = self._frames[index][1]
+        for name in (part, f"contact_{part}", part.upper(), part.lower()):
+            if name in files:
+                return meshio.read(files[name])
+        raise ResourceError(f"no part '{part}' among {', '.join(files)}")

@@ -1,0 +1,58 @@
+"""Results of a run in this process: copies of what the Fortran session keeps.
+
+Names in the session: TIME; a word of the deck for fields at the points (U, RF, S, Mises); PAIRS (one
+name a line, in the diagnostics' way); "PAIR:WORD" for a field of the slave points; "history.NAME".
+"""
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ._bridge import Session
+
+
+class Memory:
+    """A finished run in memory."""
+
+    def __init__(self, session: Session, summary: dict | None = None):
+        self.session, self.diagnostics = session, session.diagnostics
+        self.summary = summary or {}
+        self._names = [n for n in session.names() if n]
+
+    @property
+    def times(self) -> NDArray:
+        return self.session.field("TIME") if "TIME" in self._names else np.empty(0)
+
+    def names(self) -> list[str]:
+        return [n for n in self._names if ":" not in n and "." not in n and n != "TIME"
+                and not n.startswith("MESH")]
+
+    def pairs(self) -> list[str]:
+        return list(dict.fromkeys(n.rpartition(":")[0] for n in self._names if ":" in n))
+
+    def field(self, name: str, index: int) -> NDArray:
+        return self.session.field(name, index)
+
+    def contact(self, pair: str, index: int) -> dict[str, NDArray]:
+        words = [n.rpartition(":")[2] for n in self._names if n.rpartition(":")[0] == pair]
+        return {w: self.session.field(f"{pair}:{w}", index) for w in words}
+
+    def history(self) -> dict[str, NDArray]:
+        prefix = "history."
+        return {n.removeprefix(prefix): self.session.field(n)
+                for n in self._names if n.startswith(prefix)}
+
+    def mesh(self, index: int):
+        """The mesh of the deck with the fields of one increment.
+
+        MESH.points (point, ndim); MESH.NAME (cell, node), 1-based, for each cell name present.
+        """
+        import meshio
+
+        points = self.session.field("MESH.points")
+        cells = [(n.removeprefix("MESH."), self.session.field(n) - 1)
+                 for n in self._names if n.startswith("MESH.") and n != "MESH.points"]
+        if points.shape[1] == 2:
+            points = np.pad(points, ((0, 0), (0, 1)))
+        data = {n: self.field(n, index) for n in self.names()}
+        return meshio.Mesh(points, cells, {k: v for k, v in data.items() if len(v) == len(points)})

@@ -1,0 +1,103 @@
+"""Profiles of rigid tools: lines and arcs with the outward side on the LEFT of the way.
+
+A plane or axisymmetric scene uses a profile as it is (x, y) or (r, z); a solid scene revolves or
+extrudes it.
+"""
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from math import cos, radians, sin
+
+from .errors import UsageError
+
+Point = Sequence[float]
+
+
+@dataclass(frozen=True)
+class Profile:
+    """Data lines START, LINE, CIRCL of a *SURFACE, and how they become a surface."""
+
+    rows: tuple[tuple[str | float, ...], ...]
+    kind: str = "SEGMENTS"                           #: or REVOLUTION, CYLINDER
+    frame: tuple[tuple[float, ...], ...] = ()        #: data lines before START
+    fillet: float = 0.0                              #: radius at the corners [length]
+
+    def line_to(self, x: float, y: float) -> Profile:
+        """Continue straight to a point."""
+        return self._with(("LINE", float(x), float(y)))
+
+    def arc_to(self, x: float, y: float, center: Point) -> Profile:
+        """Continue along an arc (less than half a turn) about a centre."""
+        return self._with(("CIRCL", float(x), float(y), float(center[0]), float(center[1])))
+
+    def revolved(self, start: Point = (0.0, 0.0, 0.0), end: Point = (0.0, 0.0, 1.0)) -> Profile:
+        """Turned about the axis from `start` to `end`; the profile is then (r, along the axis)."""
+        return Profile(self.rows, "REVOLUTION", ((*map(float, start), *map(float, end)),), self.fillet)
+
+    def extruded(self, origin: Point = (0.0, 0.0, 0.0), x: Point = (1.0, 0.0, 0.0),
+                 generator: Point = (0.0, 1.0, 0.0)) -> Profile:
+        """Swept: `x` is a point on the local x axis, `generator` a point on the line of sweep."""
+        frame = ((*map(float, origin), *map(float, x)), tuple(map(float, generator)))
+        return Profile(self.rows, "CYLINDER", frame, self.fillet)
+
+    def rounded(self, radius: float) -> Profile:
+        """With corners rounded by a radius."""
+        return Profile(self.rows, self.kind, self.frame, float(radius))
+
+    def _with(self, row: tuple) -> Profile:
+        return Profile((*self.rows, row), self.kind, self.frame, self.fillet)
+
+
+def start(x: float, y: float) -> Profile:
+    """The first point; continue with `line_to` and `arc_to`.
+
+    >>> start(6.0, 0.0).line_to(-6.0, 0.0).rows
+    (('START', 6.0, 0.0), ('LINE', -6.0, 0.0))
+    """
+    return Profile((("START", float(x), float(y)),))
+
+
+def line(first: Point, last: Point) -> Profile:
+    """A straight segment; its outward side is on the left of the way."""
+    return start(*first).line_to(*last)
+
+
+def arc(center: Point, radius: float, first: float = 270.0, last: float = 360.0, *,
+        solid: bool = True) -> Profile:
+    """An arc between two angles in degrees, counted from the x axis.
+
+    A `solid` tool has its outward side away from the centre, a cavity towards it, whichever angle
+    comes first. Long arcs are cut in pieces below a quarter turn.
+
+    >>> arc((0.0, 50.0), 50.0).rows[0][1:], arc((0.0, 50.0), 50.0).rows[-1][1:3]
+    ((50.0, 50.0), (0.0, 0.0))
+    """
+    if radius <= 0.0 or first == last:
+        raise UsageError("an arc needs a positive radius and two angles")
+    low, high = sorted((first, last))
+    way = (high, low) if solid else (low, high)   # the left of a clockwise way points outward
+    pieces = max(1, int(-(-(high - low)//90.0)))
+
+    def point(k: int) -> tuple[float, float]:
+        angle = radians(way[0] + (way[1] - way[0])*k/pieces)
+        return (center[0] + radius*_clean(cos(angle)),
+                center[1] + radius*_clean(sin(angle)))
+
+    profile = start(*point(0))
+    for k in range(1, pieces + 1):
+        profile = profile.arc_to(*point(k), center)
+    return profile
+
+
+def plane(height: float, width: float, *, side: str = "below") -> Profile:
+    """A horizontal line of half width `width`; outward `side`: "below" (a punch) or "above" (a floor)."""
+    if side not in ("below", "above"):
+        raise UsageError(f"side is 'below' or 'above', not '{side}'")
+    w = width if side == "below" else -width
+    return line((w, height), (-w, height))
+
+
+def _clean(value: float) -> float:
+    """Round-off of right angles, taken out: 0 where 6e-17 would stand."""
+    return 0.0 if abs(value) < 1e-15 else value

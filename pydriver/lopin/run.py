@@ -1,0 +1,112 @@
+"""Run a deck or a model: in this process, or by the executable."""
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+import tempfile
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from . import _bridge
+from .deck import Deck
+from .errors import NotConvergedError, ResourceError, error_of
+from .folder import Folder
+from .memory import Memory
+from .result import Result
+
+if TYPE_CHECKING:
+    from .model import Model
+
+
+def run(scene: Deck | Model | str | Path, output: str | Path | None = None, *,
+        executable: bool = False, threads: int | None = None, **options: str | int | bool) -> Result:
+    """Solve a deck, a model or the file of a deck.
+
+    Parameters
+    ----------
+    scene : Deck, Model, or path of a deck
+    output : folder for the deck and the result files; in memory only when None
+    executable : run the program ``lopin`` instead of the library in this process
+    threads : OpenMP threads of the executable
+    options : options of the command line, such as ``until=2.0`` or ``solver="umfpack"``
+
+    Raises
+    ------
+    DeckError, ModelError, NotConvergedError, SingularError, ...
+        As the exit codes of the executable; a run that stopped early keeps its `result`.
+    """
+    deck = as_deck(scene)
+    words = [f"--{k.replace('_', '-')}" + ("" if v is True else f"={v}")
+             for k, v in options.items() if v is not False and v is not None]
+    if threads is not None:
+        words.append(f"--threads={threads}")
+    if executable:
+        return _run_executable(deck, output, words)
+    if output is not None:
+        deck.write(Path(output)/f"{deck.name}.inp")
+    session = _bridge.Session(deck.text(), deck.name, str(deck.folder), str(output or ""), words)
+    if session.code not in (0, NotConvergedError.code):
+        raise error_of(session.code, session.diagnostics)
+    result = Result(Memory(session), deck)
+    if session.code:
+        raise _unfinished(session.code, session.diagnostics, result)
+    return result
+
+
+def check(scene: Deck | Model | str | Path) -> list[dict]:
+    """Parse and check without solving; returns warnings and notes, raises on errors."""
+    deck = as_deck(scene)
+    return _bridge.check_deck(deck.text(), deck.name, str(deck.folder))
+
+
+def as_deck(scene: Deck | Model | str | Path) -> Deck:
+    """The deck of whatever describes a scene."""
+    if isinstance(scene, Deck):
+        return scene
+    return scene.to_deck() if hasattr(scene, "to_deck") else Deck.read(scene)
+
+
+def find_executable() -> Path:
+    """The program: LOPIN_EXECUTABLE, the one in this package, or the one of the build tree."""
+    here = Path(__file__).parent
+    places = [os.environ.get("LOPIN_EXECUTABLE"), here/"bin"/"lopin", here.parent.parent/"lopin"]
+    for place in filter(None, places):
+        if Path(place).is_file() and os.access(place, os.X_OK):
+            return Path(place)
+    raise ResourceError("the executable 'lopin' was not found",
+                        help="run './bootstrap build' in the source folder, or 'pip install .'")
+
+
+def _run_executable(deck: Deck, output: str | Path | None, words: list[str]) -> Result:
+    folder = Path(output) if output is not None else Path(tempfile.mkdtemp(prefix="lopin-"))
+    # The deck runs from its own folder, where its includes are; a model has none.
+    path = deck.write(folder/f"{deck.name}.inp")
+    if "*INCLUDE" in deck:
+        path = deck.write(deck.folder/f".{deck.name}-run.inp") if deck.folder != folder else path
+    try:
+        done = subprocess.run([find_executable(), "run", path, "-o", folder, "--overwrite", "--json",
+                               "--quiet", *words], capture_output=True, text=True, check=False)
+    finally:
+        if path.parent != folder:
+            path.unlink(missing_ok=True)
+    said = _said(done.stdout)
+    if done.returncode not in (0, NotConvergedError.code):
+        raise error_of(done.returncode, said, done.stderr.strip())
+    result = Result(Folder(folder), deck)
+    if done.returncode:
+        raise _unfinished(done.returncode, said, result)
+    return result
+
+
+def _said(output: str) -> list[dict]:
+    try:
+        return json.loads(output).get("diagnostics", [])
+    except ValueError:
+        return []
+
+
+def _unfinished(code: int, said: list[dict], result: Result) -> NotConvergedError:
+    error = error_of(code, said)
+    error.result = result
+    return error
