@@ -30,8 +30,8 @@ __all__ = [
     "Augmented", "Block", "Deck", "DeckError", "Elastic", "Folder", "InternalError", "Interrupted",
     "Lagrange", "LopinError", "Mesh", "Model", "ModelError", "NotConvergedError", "Penalty",
     "Perturbed", "ResourceError", "Result", "SingularError", "UsageError", "check", "closed_form",
-    "from_meshio", "keywords", "mesh_make", "open_result", "profile", "read_mesh", "reference", "run",
-    "together",
+    "from_meshio", "keywords", "mesh_make", "open_result", "profile", "read_mesh", "reference",
+    "run", "together",
 ]
 
 

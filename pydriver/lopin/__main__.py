@@ -1,7 +1,7 @@
 """``lopin`` and ``python -m lopin``: one command for the executable and for the Python side.
 
-run, check, info, explain, doc and selftest are the executable's; plot, chart, convert and example are
-answered here.
+run, check, info, explain, doc and selftest are the executable's; plot, chart, convert and example
+are answered here.
 """
 from __future__ import annotations
 
@@ -45,15 +45,17 @@ def python_command(arguments: list[str]) -> int:
     commands = parser.add_subparsers(dest="command", required=True)
     plot = commands.add_parser("plot", help="picture of the contact pressure of a result folder")
     plot.add_argument("folder", type=Path)
-    plot.add_argument("-o", "--output", type=Path, help="PNG, SVG or PDF; default: <folder>/pressure.png")
+    plot.add_argument("-o", "--output", type=Path,
+                      help="PNG, SVG or PDF; default: <folder>/pressure.png")
     plot.add_argument("--pair", default=None, help="slave surface; default: the first pair")
     chart = commands.add_parser("chart", help="speed against accuracy over methods and penalties")
     chart.add_argument("deck", type=Path)
     chart.add_argument("-o", "--output", type=Path, default=Path("chart.png"))
-    convert = commands.add_parser("convert", help="mesh of another tool to a deck's mesh, or to VTU")
+    convert = commands.add_parser("convert", help="mesh of another tool to a deck or VTU")
     convert.add_argument("source", type=Path)
     convert.add_argument("target", type=Path)
-    convert.add_argument("--kind", default=None, help="axisymmetric, 'plane strain', 'plane stress', 3d")
+    convert.add_argument("--kind", default=None,
+                         help="axisymmetric, 'plane strain', 'plane stress', 3d")
     example = commands.add_parser("example", help="copy a deck of the collection")
     example.add_argument("name", nargs="?", help="without it: list the names")
     example.add_argument("folder", nargs="?", type=Path, default=Path("."))

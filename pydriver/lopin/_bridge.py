@@ -1,8 +1,8 @@
-"""The only importer of the compiled part: transposes, 0-based indices, bytes to text, codes to exceptions.
+"""The only importer of the compiled part: transposes, 0-based indices, text, codes to exceptions.
 
 Everything that knows the flat Fortran interface (module `lopin_api`) is in this file, one small
-function a routine. Arrays cross as (component, item) in Fortran and (item, component) here: the same
-memory.
+function a routine. Arrays cross as (component, item) in Fortran and (item, component) here: the
+same memory.
 """
 from __future__ import annotations
 
@@ -102,10 +102,11 @@ def check_deck(text: str, name: str, folder: str) -> list[dict]:
 
 def keywords() -> list[dict]:
     """Rows of the deck language: name, origin, parameters, data, sentence, example."""
-    return [json.loads(text_of(core().keyword(k))) for k in range(1, int(core().keyword_count()) + 1)]
+    count = int(core().keyword_count())
+    return [json.loads(text_of(core().keyword(k))) for k in range(1, count + 1)]
 
 
-# ---- probes: kernels called with plain arrays, for comparison with `reference` ------------------------
+# ---- probes: kernels called with plain arrays, for comparison with `reference` ----
 
 
 def probe_shape(cell: str, xi: ArrayLike) -> tuple[NDArray, NDArray]:
@@ -148,5 +149,5 @@ def probe_contact(compliance: ArrayLike, gap: ArrayLike) -> tuple[NDArray, int]:
 
 
 def _fortran(x: ArrayLike) -> NDArray:
-    """(item, component) as the (component, item) that Fortran reads, without a copy where possible."""
+    """(item, component) as the (component, item) that Fortran reads, if possible without a copy."""
     return np.ascontiguousarray(x, float).T

@@ -89,8 +89,8 @@ def hertz_line_approach(force: float, a: float, young: float, poisson: float, *,
                         cylinder: float | None = None, depth: float | None = None) -> float:
     """Compression of one body of a line contact of half width a [length].
 
-    Either a half cylinder of radius `cylinder`, from its centre (Johnson 5.58), or a block of height
-    `depth` on a rigid base (Johnson 5.56). A half-plane has no finite answer.
+    Either a half cylinder of radius `cylinder`, from its centre (Johnson 5.58), or a block of
+    height `depth` on a rigid base (Johnson 5.56). A half-plane has no finite answer.
 
     >>> round(hertz_line_approach(35e3, 6.21463, 210e3, 0.3, cylinder=50.0), 4)
     0.2869

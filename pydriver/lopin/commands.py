@@ -47,7 +47,8 @@ def chart(options) -> int:
             except LopinError:
                 error = np.nan
             rows.append((method, factor, error, time.perf_counter() - begin))
-            print(f"{method:10s} {factor or 'exact':>8} error {error:9.2e} time {rows[-1][3]:.3f} s")
+            spent = rows[-1][3]
+            print(f"{method:10s} {factor or 'exact':>8} error {error:9.2e} time {spent:.3f} s")
     ax = pictures.new_axes()
     for method in METHODS:
         mine = [(t, max(e, 1e-16)) for m, _, e, t in rows if m == method]
@@ -95,8 +96,9 @@ def convert(options) -> int:
         kind = options.kind or ("3d" if mesh.ndim == 3 else "plane strain")
         mesh_deck(Model(options.source.stem, mesh, kind)).write(options.target)
         print(f"{options.target}: {mesh}")
-        print(f"element sets: {', '.join(mesh.element_sets)}; surfaces: {', '.join(mesh.surfaces) or 'none'}")
-        print(f"next: *INCLUDE, INPUT={options.target.name} in a deck with material, contact and step")
+        print(f"element sets: {', '.join(mesh.element_sets)}")
+        print(f"surfaces: {', '.join(mesh.surfaces) or 'none'}")
+        print(f"next: *INCLUDE, INPUT={options.target.name} in a deck with material and step")
     else:
         mesh.to_meshio().write(options.target)
         print(f"{options.target}: {mesh}")

@@ -66,7 +66,8 @@ class Block:
         return ", ".join(words)
 
     def text(self) -> str:
-        return "\n".join([self.head(), *(r.text() if isinstance(r, Row) else r for r in self.lines)])
+        lines = [line.text() if isinstance(line, Row) else line for line in self.lines]
+        return "\n".join([self.head(), *lines])
 
     def __repr__(self) -> str:
         return f"Block({self.head()!r}, {len(self.data)} lines)"
@@ -136,7 +137,10 @@ class Deck:
 
     def add(self, keyword: str, data: Iterable[Iterable[Value]] = (), comment: str = "",
             **parameters: Value) -> Block:
-        """Append a block; underscores of parameter names are blanks, True is a flag, False leaves it out."""
+        """Append a block; underscores of parameter names are blanks, True is a flag.
+
+        False and None leave a parameter out.
+        """
         given = {k.replace("_", " ").upper(): None if v is True else v
                  for k, v in parameters.items() if v is not False and v is not None}
         block = Block(keyword, given, data)

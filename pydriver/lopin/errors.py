@@ -102,7 +102,7 @@ def error_of(code: int, diagnostics: list[dict], message: str = "") -> LopinErro
     code : int
         Exit code of the executable, not 0.
     diagnostics : list of dict
-        Keys ``severity, id, message, file, line, column, help``; the first of severity "error" leads.
+        Keys ``severity, id, message, file, line, column, help``; the first error leads.
     message : str
         Used when no diagnostic is an error.
 

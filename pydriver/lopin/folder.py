@@ -1,4 +1,4 @@
-"""Results in a folder: what the executable wrote, read with meshio only where a field is asked for."""
+"""Results in a folder: what the executable wrote, read only where a field is asked for."""
 from __future__ import annotations
 
 import csv

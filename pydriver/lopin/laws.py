@@ -44,7 +44,7 @@ class Lagrange:
 class Penalty(Lagrange):
     """Pressure = slope times penetration."""
 
-    slope: float | None = None   #: None: chosen from the elements behind the surface [stress/length]
+    slope: float | None = None   #: None: chosen from the elements behind [stress/length]
     word = "PENALTY"
 
     def add_to(self, deck: Deck, **flags: bool) -> None:

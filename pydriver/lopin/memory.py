@@ -1,7 +1,7 @@
 """Results of a run in this process: copies of what the Fortran session keeps.
 
-Names in the session: TIME; a word of the deck for fields at the points (U, RF, S, Mises); PAIRS (one
-name a line, in the diagnostics' way); "PAIR:WORD" for a field of the slave points; "history.NAME".
+Names in the session: TIME; a word of the deck for fields at the points (U, RF, S, Mises);
+"PAIR:WORD" for a field of the slave points; "history.NAME"; "MESH.points", "MESH.<cell>".
 """
 from __future__ import annotations
 

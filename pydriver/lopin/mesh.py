@@ -120,8 +120,10 @@ class Mesh:
             blocks.append((QUADRATIC[name], np.hstack([cells, middle])))
             at += n
         points = np.vstack([self.points, self.points[unique].mean(axis=1)])
-        sets = {k: np.concatenate([v, self.n_point + np.flatnonzero(np.isin(unique, v).all(axis=1))])
-                for k, v in self.point_sets.items()}
+        sets = {}
+        for name, members in self.point_sets.items():
+            between = np.flatnonzero(np.isin(unique, members).all(axis=1))
+            sets[name] = np.concatenate([members, self.n_point + between])
         new = self.replaced(points=points, blocks=blocks, point_sets=sets)
         return new.replaced(point_sets=sets | {k: new.surface_points(k) for k in self.surfaces})
 
@@ -134,7 +136,7 @@ class Mesh:
         import meshio
 
         points = self.points if self.ndim == 3 else np.pad(self.points, ((0, 0), (0, 1)))
-        return meshio.Mesh(points, [(n, c) for n, c in self.blocks], point_sets=dict(self.point_sets))
+        return meshio.Mesh(points, list(self.blocks), point_sets=dict(self.point_sets))
 
 
 def together(**bodies: Mesh) -> Mesh:

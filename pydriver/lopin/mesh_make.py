@@ -1,8 +1,8 @@
 """Mesh generators: blocks, crowned blocks, discs, rings, cylinders; linear or quadratic, 2D or 3D.
 
-Every generator names its boundary: TOP is the largest, BOTTOM the smallest last coordinate; LEFT and
-RIGHT belong to x; FRONT and BACK to y in 3D; curved faces are ARC, INNER, OUTER. A name is both a
-surface and a point set. ALL is the set of all elements.
+Every generator names its boundary: TOP is the largest, BOTTOM the smallest last coordinate; LEFT
+and RIGHT belong to x; FRONT and BACK to y in 3D; curved faces are ARC, INNER, OUTER. A name is both
+a surface and a point set. ALL is the set of all elements.
 """
 from __future__ import annotations
 
@@ -68,7 +68,8 @@ def crowned_block(size: Sequence[float], cells: Sequence[int], radius: float, *,
     def crown(x: NDArray) -> NDArray:
         reach = (x[:, :-1]**2).sum(axis=1)
         if reach.max() >= radius**2:
-            raise UsageError(f"the block reaches {reach.max()**0.5:g}, beyond the radius {radius:g}")
+            far = reach.max()**0.5
+            raise UsageError(f"the block reaches {far:g}, beyond the radius {radius:g}")
         x = x.copy()
         x[:, -1] += (radius - np.sqrt(radius**2 - reach))*(1.0 - x[:, -1]/height)
         return x
@@ -127,7 +128,8 @@ def disc(radius: float, cells: int, *, part: str = "full", quadratic: bool = Fal
 def extruded(mesh: Mesh, height: float, cells: int, *, grading: float = 1.0) -> Mesh:
     """A linear 2D mesh swept along z: quads become hexahedra, triangles wedges.
 
-    Sides keep their names (TOP and BOTTOM of the plane become BACK and FRONT); the ends are BOTTOM and TOP.
+    Sides keep their names, but TOP and BOTTOM of the plane become BACK and FRONT; the ends are
+    BOTTOM and TOP.
     """
     z, n = height*graded(cells, grading), mesh.n_point
     points = np.vstack([np.column_stack([mesh.points, np.full(n, level)]) for level in z])
@@ -138,7 +140,8 @@ def extruded(mesh: Mesh, height: float, cells: int, *, grading: float = 1.0) -> 
         layers = [np.hstack([flat + k*n, flat + (k + 1)*n]) for k in range(cells)]
         blocks.append((solid[name], np.vstack(layers)))
         for k in range(cells):
-            order[k, plane_start:plane_start + len(flat)] = start + k*len(flat) + np.arange(len(flat))
+            layer = start + k*len(flat) + np.arange(len(flat))
+            order[k, plane_start:plane_start + len(flat)] = layer
         start += cells*len(flat)
         plane_start += len(flat)
     rename = {"TOP": "BACK", "BOTTOM": "FRONT"}
@@ -151,7 +154,10 @@ def extruded(mesh: Mesh, height: float, cells: int, *, grading: float = 1.0) -> 
 
 
 def cylinder(radius: float, height: float, cells: Sequence[int], *, part: str = "full") -> Mesh:
-    """A cylinder along z from z = 0; cells = (core side of a quarter, along z). Sides as `disc`, extruded."""
+    """A cylinder along z from z = 0; cells = (core side of a quarter, along z).
+
+    Sides as `disc`, extruded.
+    """
     return extruded(disc(radius, cells[0], part=part), height, cells[1])
 
 

@@ -18,7 +18,8 @@ from .mesh import Mesh
 from .reference_cells import smallest_jacobian
 
 #: Full Lagrange cells lose their inner nodes.
-_SERENDIPITY = {"quad9": ("quad8", 8), "hexahedron27": ("hexahedron20", 20), "wedge18": ("wedge15", 15)}
+_SERENDIPITY = {"quad9": ("quad8", 8), "hexahedron27": ("hexahedron20", 20),
+                "wedge18": ("wedge15", 15)}
 _NDIM = {"vertex": 0} | {name: cell.ndim for name, cell in CELLS.items()}
 
 
@@ -95,7 +96,8 @@ def _with_groups(mesh: Mesh, source, blocks, solids, new, top) -> Mesh:
             elif _NDIM[cell] == top - 1 and len(chosen):
                 parents = parents or _parents(mesh)
                 corners = CELLS[cell].n_corner
-                rows += [_one_parent(parents, new[facet[:corners]], group) for facet in data[chosen]]
+                rows += [_one_parent(parents, new[facet[:corners]], group)
+                         for facet in data[chosen]]
         members_new = np.unique(np.concatenate(nodes))
         sets[name] = members_new[members_new >= 0]
         if any(len(i) for i in inside):
@@ -156,7 +158,7 @@ def _righted(name: str, cells: NDArray, points: NDArray) -> NDArray:
 
 
 def clean_name(name: str) -> str:
-    """A label that decks accept: upper case, blanks and odd characters to underscores, 80 characters.
+    """A label that decks accept: upper case, odd characters to underscores, 80 characters.
 
     >>> clean_name("die top (left)")
     'DIE_TOP_LEFT'

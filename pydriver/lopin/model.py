@@ -66,17 +66,18 @@ class Model:
         if (self.kind == "3d") != (self.mesh.ndim == 3):
             raise ModelError(f"a mesh of {self.mesh.ndim} dimensions is not '{self.kind}'")
         if self.kind == "axisymmetric" and self.mesh.points[:, 0].min() < 0.0:
-            raise ModelError(f"axisymmetric points need r >= 0, not {self.mesh.points[:, 0].min():g}")
+            least = self.mesh.points[:, 0].min()
+            raise ModelError(f"axisymmetric points need r >= 0, not {least:g}")
 
     def section(self, elements: str, material: Elastic, thickness: float = 1.0, *,
                 full_integration: bool = False) -> None:
-        """Give a material to an element set; linear quads and bricks use B-bar unless full integration."""
+        """Give a material to an element set; linear quads and bricks use B-bar by default."""
         self._known(elements, "element")
         self.sections.append((elements, material, thickness, full_integration))
 
     def rigid_tool(self, name: str, profile: Profile, ref: tuple[float, ...] | None = None,
                    free: tuple[str | int, ...] = ()) -> Tool:
-        """A rigid tool; it is held in every direction that no step moves or loads, but those `free`."""
+        """A rigid tool; held in every direction that no step moves or loads, but those `free`."""
         reference = tuple(ref or (0.0,)*self.mesh.ndim)
         number = self.mesh.n_point + 1 + len(self.tools)
         tool = Tool(name.upper(), profile, reference, number, tuple(self.dof(f) for f in free))

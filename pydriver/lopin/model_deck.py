@@ -112,7 +112,8 @@ def _write_step(deck: Deck, step: Step) -> None:
     if step.pressures:
         deck.add("DSLOAD", [[surface, "P", value] for surface, value in step.pressures])
     if step.body:
-        deck.add("DLOAD", [[elements, "GRAV", value, *towards] for elements, value, towards in step.body])
+        deck.add("DLOAD", [[elements, "GRAV", value, *towards]
+                           for elements, value, towards in step.body])
     deck.add("NODE FILE", [["U", "RF"]])
     deck.add("EL FILE", [["S"]])
     deck.add("CONTACT FILE", [["CDIS", "CSTR"]])

@@ -33,7 +33,8 @@ class Profile:
 
     def revolved(self, start: Point = (0.0, 0.0, 0.0), end: Point = (0.0, 0.0, 1.0)) -> Profile:
         """Turned about the axis from `start` to `end`; the profile is then (r, along the axis)."""
-        return Profile(self.rows, "REVOLUTION", ((*map(float, start), *map(float, end)),), self.fillet)
+        axis = (*map(float, start), *map(float, end))
+        return Profile(self.rows, "REVOLUTION", (axis,), self.fillet)
 
     def extruded(self, origin: Point = (0.0, 0.0, 0.0), x: Point = (1.0, 0.0, 0.0),
                  generator: Point = (0.0, 1.0, 0.0)) -> Profile:
@@ -91,7 +92,7 @@ def arc(center: Point, radius: float, first: float = 270.0, last: float = 360.0,
 
 
 def plane(height: float, width: float, *, side: str = "below") -> Profile:
-    """A horizontal line of half width `width`; outward `side`: "below" (a punch) or "above" (a floor)."""
+    """A horizontal line of half width `width`; outward "below" (a punch) or "above" (a floor)."""
     if side not in ("below", "above"):
         raise UsageError(f"side is 'below' or 'above', not '{side}'")
     w = width if side == "below" else -width

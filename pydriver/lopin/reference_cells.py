@@ -65,7 +65,7 @@ def gradients(name: str, x: ArrayLike, xi: ArrayLike) -> tuple[NDArray, float]:
 
 
 def smallest_jacobian(name: str, x: ArrayLike) -> float:
-    """Smallest Jacobian determinant at the nodes of a solid cell; x (node, ndim), or (cell, node, ndim)."""
+    """Smallest Jacobian determinant at the nodes; x (node, ndim), or (cell, node, ndim)."""
     x = np.asarray(x, float)
     slopes = [shape_functions(name, xi)[1] for xi in CELLS[name].xi]
     return float(min(np.linalg.det(np.swapaxes(x, -1, -2) @ dn).min() for dn in slopes))

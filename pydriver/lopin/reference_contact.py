@@ -79,7 +79,8 @@ def plane_gap(origin: ArrayLike, normal: ArrayLike, points: ArrayLike) -> NDArra
     return (np.atleast_2d(points) - np.asarray(origin, float)) @ normal
 
 
-def sphere_gap(center: ArrayLike, radius: float, points: ArrayLike, cavity: bool = False) -> NDArray:
+def sphere_gap(center: ArrayLike, radius: float, points: ArrayLike,
+               cavity: bool = False) -> NDArray:
     """Gaps to a sphere (a circle in 2D); to the inside of one if `cavity`."""
     distance = np.linalg.norm(np.atleast_2d(points) - np.asarray(center, float), axis=1)
     return radius - distance if cavity else distance - radius
@@ -119,10 +120,10 @@ def profile_gap(profile, point: ArrayLike, pieces: int = 4000) -> float:
 
 
 def skyline_ldlt(matrix: ArrayLike) -> tuple[NDArray, NDArray, NDArray]:
-    """Unit lower L, diagonal d, and the first nonzero of each row: A = L diag(d) L', inside the profile."""
+    """Unit lower L, diagonal d, first nonzero of each row: A = L diag(d) L' in the profile."""
     a = np.asarray(matrix, float)
     n = len(a)
-    first = np.array([np.flatnonzero(a[i, :i + 1])[0] if a[i, :i + 1].any() else i for i in range(n)])
+    first = np.array([min(np.flatnonzero(a[i, :i + 1]), default=i) for i in range(n)])
     low, d = np.eye(n), np.zeros(n)
     for i in range(n):
         for j in range(first[i], i):
@@ -134,7 +135,7 @@ def skyline_ldlt(matrix: ArrayLike) -> tuple[NDArray, NDArray, NDArray]:
 
 def contact_active_set(compliance: ArrayLike, gap: ArrayLike, limit: int = 200
                        ) -> tuple[NDArray, int]:
-    """Forces p >= 0 with g = gap + S p >= 0 and p g = 0, by the primal-dual active set; iterations."""
+    """Forces p >= 0 with g = gap + S p >= 0, p g = 0, by the primal-dual active set; iterations."""
     s, gap = np.asarray(compliance, float), np.asarray(gap, float)
     force, active = np.zeros(len(gap)), gap < 0.0
     scale = 1.0/np.diag(s)
@@ -149,7 +150,7 @@ def contact_active_set(compliance: ArrayLike, gap: ArrayLike, limit: int = 200
 
 
 def contact_oracle(compliance: ArrayLike, gap: ArrayLike) -> NDArray:
-    """The same forces by non-negative least squares: min |L' p + L^-1 g| with S = L L'; needs scipy."""
+    """The same by non-negative least squares: min |L' p + L^-1 g| with S = L L'; needs scipy."""
     from scipy.optimize import nnls
 
     low = np.linalg.cholesky(np.asarray(compliance, float))

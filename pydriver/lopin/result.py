@@ -9,9 +9,10 @@ from numpy.typing import NDArray
 from .errors import UsageError
 
 #: Full words for the words of the deck; both are understood.
-WORDS = {"displacement": "U", "reaction": "RF", "stress": "S", "mises": "Mises", "pressure": "CPRESS",
-         "gap": "COPEN", "status": "CSTATUS", "force": "R_n", "normal": "NORMAL", "weight": "WEIGHT",
-         "normal_displacement": "u_n", "tangential_displacement": "u_t", "x": "X"}
+WORDS = {"displacement": "U", "reaction": "RF", "stress": "S", "mises": "Mises",
+         "pressure": "CPRESS", "gap": "COPEN", "status": "CSTATUS", "force": "R_n",
+         "normal": "NORMAL", "weight": "WEIGHT", "normal_displacement": "u_n",
+         "tangential_displacement": "u_t", "x": "X"}
 OPEN, CLOSED, TIED = 0, 1, 2
 
 
@@ -88,7 +89,7 @@ class PairHistory:
 
 
 class Result:
-    """Arrays of a run; ``result["displacement"]`` is the last increment, ``result.at(3)[...]`` another.
+    """Arrays of a run; ``result["displacement"]`` is of the last increment, `at` gives others.
 
     Attributes
     ----------

@@ -20,7 +20,8 @@ if TYPE_CHECKING:
 
 
 def run(scene: Deck | Model | str | Path, output: str | Path | None = None, *,
-        executable: bool = False, threads: int | None = None, **options: str | int | bool) -> Result:
+        executable: bool = False, threads: int | None = None,
+        **options: str | int | bool) -> Result:
     """Solve a deck, a model or the file of a deck.
 
     Parameters
@@ -85,8 +86,8 @@ def _run_executable(deck: Deck, output: str | Path | None, words: list[str]) -> 
     if "*INCLUDE" in deck:
         path = deck.write(deck.folder/f".{deck.name}-run.inp") if deck.folder != folder else path
     try:
-        done = subprocess.run([find_executable(), "run", path, "-o", folder, "--overwrite", "--json",
-                               "--quiet", *words], capture_output=True, text=True, check=False)
+        command = [find_executable(), "run", path, "-o", folder, "--overwrite", "--json", "--quiet"]
+        done = subprocess.run([*command, *words], capture_output=True, text=True, check=False)
     finally:
         if path.parent != folder:
             path.unlink(missing_ok=True)

@@ -23,7 +23,8 @@ def direction(name: str | int, kind: str) -> int:
     if isinstance(name, int) and name in known.values():
         return name
     if name not in known:
-        raise UsageError(f"no direction '{name}' in a scene that is {kind}; known: {', '.join(known)}")
+        raise UsageError(f"no direction '{name}' in a scene that is {kind}; "
+                         f"known: {', '.join(known)}")
     return known[name]
 
 
@@ -32,7 +33,8 @@ class Step:
 
     def __init__(self, model: Model, increments: int, time: float):
         if increments < 1 or time <= 0.0:
-            raise UsageError(f"a step needs increments >= 1 and time > 0, not {increments} and {time}")
+            raise UsageError(
+                f"a step needs increments >= 1 and time > 0, not {increments} and {time}")
         self.model, self.increments, self.time = model, increments, time
         self.moves: list[tuple[str, int, float]] = []
         self.forces: list[tuple[str, int, float]] = []
@@ -40,13 +42,13 @@ class Step:
         self.body: list[tuple[str, float, tuple[float, ...]]] = []
 
     def move(self, points: str | Tool, **values: float) -> Step:
-        """Prescribe displacements [length] (rotations [rad]) of a set or a tool: ``move(die, y=-1.0)``."""
+        """Prescribe displacements [length] or rotations [rad]: ``move(die, y=-1.0)``."""
         name = self.model.point_set(points)
         self.moves += [(name, self.model.dof(d), float(v)) for d, v in values.items()]
         return self
 
     def force(self, points: str | Tool, **values: float) -> Step:
-        """A force [force] on a tool or on the one point of a set; full circumference if axisymmetric."""
+        """A force [force] on a tool or a set of one point; full circumference if axisymmetric."""
         name = self.model.point_set(points)
         if isinstance(points, str) and len(self.model.mesh.point_sets[points]) != 1:
             raise ModelError(f"set '{points}' has several points: a force on each is rarely meant",

@@ -55,7 +55,8 @@ def measure(mesh):
         else:
             grid = np.meshgrid(*[gauss]*cell.ndim, indexing="ij")
             points = np.stack([g.ravel() for g in grid], axis=1)
-            weights = np.prod(np.stack(np.meshgrid(*[weight]*cell.ndim, indexing="ij")), axis=0).ravel()
+            each = np.meshgrid(*[weight]*cell.ndim, indexing="ij")
+            weights = np.prod(np.stack(each), axis=0).ravel()
         for xi, w in zip(points, weights):
             dn = shape_functions(name, xi)[1]
             total += w*np.linalg.det(np.swapaxes(mesh.points[cells], 1, 2) @ dn).sum()
@@ -133,8 +134,8 @@ def test_shape_functions(name):
     assert values.sum() == pytest.approx(1.0)
     assert slopes.sum(axis=0) == pytest.approx(np.zeros(cell.ndim), abs=1e-12)
     for d, step in enumerate(1e-6*np.eye(cell.ndim)):
-        difference = (shape_functions(name, xi + step)[0] - shape_functions(name, xi - step)[0])/2e-6
-        assert slopes[:, d] == pytest.approx(difference, abs=1e-8)
+        up, down = shape_functions(name, xi + step)[0], shape_functions(name, xi - step)[0]
+        assert slopes[:, d] == pytest.approx((up - down)/2e-6, abs=1e-8)
 
 
 def test_gradients_of_a_stretched_cell():
@@ -174,8 +175,10 @@ def test_meshio_gmsh_file(tmp_path):
     meshio = pytest.importorskip("meshio")
     box = make.block((1.0, 1.0, 1.0), (2, 1, 1), quadratic=True)
     top = np.array([box.face_nodes(e, f) for e, f in box.surfaces["TOP"]])
-    source = meshio.Mesh(box.points, [("quad8", top), ("hexahedron20", box.blocks[0][1])], cell_data={
-        "gmsh:physical": [np.full(2, 1), np.full(2, 2)], "gmsh:geometrical": [np.full(2, 1), np.full(2, 2)]},
+    numbers = [np.full(2, 1), np.full(2, 2)]
+    source = meshio.Mesh(
+        box.points, [("quad8", top), ("hexahedron20", box.blocks[0][1])],
+        cell_data={"gmsh:physical": numbers, "gmsh:geometrical": numbers},
         field_data={"TOP": np.array([1, 2]), "BODY": np.array([2, 3])})
     meshio.write(tmp_path/"box.msh", source, file_format="gmsh22")
     mesh = lopin.mesh_read.read_mesh(tmp_path/"box.msh")
