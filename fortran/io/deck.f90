@@ -8,7 +8,7 @@ module lopin_deck
       & has_parameter, complain, line_text, line_place
    use lopin_error, only : error_type, log_type, location_type, error_code, severity, raise, raise_all
    use lopin_keyword_line, only : begin_block, more_parameters
-   use lopin_source, only : new_source_from_file, new_source, folder_of, find_include, include_chain
+   use lopin_source, only : new_source_from_file, new_source, folder_of, find_include, shortened
    use lopin_text, only : upper, quoted
    use lopin_validate, only : validate_deck
    implicit none
@@ -32,7 +32,7 @@ contains
       type(source_type) :: source
       logical :: found
 
-      call new_source_from_file(source, path, found)
+      call new_source_from_file(source, shortened(path), found)
       if (.not. found) then
          call start(deck)
          call raise(error, error_code%resource, 'E0100', 'cannot read '//quoted(path), &
@@ -143,10 +143,10 @@ contains
       call find_include(deck%source, block%at%file, name, path, tried)
       if (len(path) == 0) then
          call complain(log, 'E0105', 'cannot read the included file '//quoted(name), at, &
-            & label='not found', note='tried: '//tried//include_chain(deck%source, block%at%file))
+            & label='not found', note='tried: '//tried)
       else if (is_open(deck%source, block%at%file, path)) then
          call complain(log, 'E0105', 'the file '//quoted(path)//' includes itself', at, &
-            & label='include loop', note=include_chain(deck%source, block%at%file)//' includes '//path)
+            & label='include loop')
       else
          call new_source_from_file(source, path, found)
          source%included_from = block%at

@@ -1,10 +1,9 @@
 !> The files of a deck: reading one whole, cutting it into lines, finding what it includes.
 module lopin_source
    use lopin_block, only : source_type
-   use lopin_text, only : to_text
    implicit none
    private
-   public :: new_source, new_source_from_file, folder_of, find_include, include_chain
+   public :: new_source, new_source_from_file, folder_of, find_include, shortened
 
    character(len=*), parameter :: byte_order_mark = char(239)//char(187)//char(191)
 
@@ -82,17 +81,42 @@ contains
       path = name
       tried = name
       if (name(1:1) /= '/') then
-         path = source(file)%folder//name
+         path = shortened(source(file)%folder//name)
          tried = path
       end if
       if (readable(path)) return
-      path = source(1)%folder//name
+      path = shortened(source(1)%folder//name)
       if (name(1:1) /= '/' .and. path /= tried) then
          tried = tried//', '//path
          if (readable(path)) return
       end if
       path = ''
    end subroutine find_include
+
+   !> `a/../b/./c.inp` is `b/c.inp`, so that a file has one name.
+   pure function shortened(path) result(text)
+      character(len=*), intent(in) :: path
+      character(len=:), allocatable :: text
+      integer :: first, slash, before
+
+      text = ''
+      if (index(path, '/') == 1) text = '/'
+      first = 1
+      do while (first <= len(path))
+         slash = index(path(first:), '/')
+         if (slash == 0) slash = len(path) - first + 2
+         associate (part => path(first:first + slash - 2))
+            before = index(text(:max(0, len(text) - 1)), '/', back=.true.)
+            if (part == '..' .and. len(text) > 1 .and. text(before + 1:) /= '../') then
+               text = text(:before)
+            else if (len(part) > 0 .and. part /= '.') then
+               text = text//part//'/'
+            end if
+         end associate
+         first = first + slash
+      end do
+      text = text(:max(0, len(text) - 1))
+   end function shortened
 
    logical function readable(path)
       character(len=*), intent(in) :: path
@@ -103,23 +127,4 @@ contains
       readable = status == 0
       if (readable) close (unit)
    end function readable
-
-   !> `; included from b.inp:3, included from a.inp:12`, or '' for the deck itself.
-   pure function include_chain(source, file) result(text)
-      type(source_type), intent(in) :: source(:)
-      integer, intent(in) :: file
-      character(len=:), allocatable :: text
-      integer :: k
-
-      text = ''
-      k = file
-      do
-         associate (from => source(k)%included_from)
-            if (from%file == 0) return
-            text = text//'; '//source(k)%name//' is included at '//source(from%file)%name//':' &
-               & //to_text(from%line)
-            k = from%file
-         end associate
-      end do
-   end function include_chain
 end module lopin_source

@@ -1,7 +1,7 @@
 !> Judges data lines as far as the keyword table can: how many fields, and what never is meant.
 module lopin_validate_data
    use lopin_block, only : block_type, data_line_type, field_type, complain, count_fields, split_fields, &
-      & line_place
+      & field_real, line_place
    use lopin_error, only : log_type, location_type, severity
    use lopin_keyword_table, only : keyword_type
    use lopin_kinds, only : wp
@@ -21,6 +21,7 @@ contains
       most = known%most_fields()
       do i = 1, block%nline
          call check_quotes(block%line(i), known, log)
+         if (.not. known%is_free_text) call check_commas(block%line(i), log)
          if (most == huge(most)) cycle
          if (most < 0) then
             call complain(log, 'E0103', '*'//known%name//' takes no data lines', line_place(block%line(i)), &
@@ -55,6 +56,45 @@ contains
       call complain(log, 'E0111', 'a quote is opened but not closed', &
          & location_type(line%file, line%line, i, len_trim(line%text)), label='no second quote on this line')
    end subroutine check_quotes
+
+   !> Two numbers with a blank between them are two fields with a comma missing, under any keyword.
+   subroutine check_commas(line, log)
+      type(data_line_type), intent(in) :: line
+      type(log_type), intent(inout) :: log
+      type(field_type), allocatable :: field(:)
+      real(wp) :: value
+      integer :: n, i
+      logical :: found
+
+      if (.not. has_two_numbers(line%text)) return
+      call split_fields(line, field, n)
+      do i = 1, n
+         if (has_two_numbers(field(i)%text)) call field_real(field(i), value, log, found)
+      end do
+   end subroutine check_commas
+
+   !> Whether a blank stands between two numbers, as in `1 0.5`.
+   pure logical function has_two_numbers(text) result(two)
+      character(len=*), intent(in) :: text
+      character(len=*), parameter :: digits = '0123456789.'
+      character(len=1) :: before   !! last letter that is not blank
+      integer :: i
+      logical :: gap
+
+      two = .true.
+      before = ','
+      gap = .false.
+      do i = 1, len(text)
+         if (text(i:i) == ' ') then
+            gap = .true.
+         else
+            if (gap .and. index(digits, before) > 0 .and. index(digits//'+-', text(i:i)) > 0) return
+            before = text(i:i)
+            gap = .false.
+         end if
+      end do
+      two = .false.
+   end function has_two_numbers
 
    !> More fields than the keyword has: a decimal comma, or simply too many.
    subroutine too_many(line, known, most, log)

@@ -4,6 +4,7 @@ program test_deck
    use lopin_error, only : error_type, log_type, location_type, severity
    use lopin_deck, only : deck_type, block_type, field_type, data_line_type, read_deck, read_deck_text, &
       & split_fields, count_fields, field_real, field_integer, get_parameter
+   use lopin_render, only : render
    use check, only : test, close_to, is_true, equal_text, finish
    implicit none
 
@@ -203,7 +204,8 @@ contains
       log = log_type()
       call read_deck(deck, 'deck_whole.inp', log, error)
       call equal_text('id', error%item(1)%id, 'E0105')
-      call is_true('chain', index(error%item(1)%note, 'deck_part.inp is included at deck_whole.inp:1') > 0)
+      call is_true('chain', index(render(error%item(1), deck, .false.), &
+         & 'note: deck_part.inp is included at deck_whole.inp:1') > 0)
 
       call test('a deck that is not there is a matter of files')
       log = log_type()

@@ -1,0 +1,133 @@
+!> What each word of the command line does.
+module lopin_tasks
+   use, intrinsic :: iso_fortran_env, only : compiler_version, compiler_options
+   use lopin_command_line, only : options_type
+   use lopin_deck, only : deck_type, read_deck
+   use lopin_error, only : error_type, error_code, log_type, raise
+   use lopin_explain, only : explain, explained_codes
+   use lopin_keywords, only : keyword_sheet, keyword_manual
+   use lopin_terminal, only : terminal_type
+   use lopin_text, only : plural
+   use lopin_version, only : version
+   implicit none
+   private
+   public :: run_deck, check_deck, show_info, show_explanation, show_keyword, run_selftest
+
+contains
+
+   !> lopin run deck.inp
+   subroutine run_deck(options, terminal)
+      type(options_type), intent(in) :: options
+      type(terminal_type), intent(inout) :: terminal
+      type(error_type), allocatable :: error
+
+      call open_deck(options, terminal)
+      ! The model, the recorders and the analysis are called here, each followed by stop_on:
+      !    call new_model(model, terminal%deck, error);               call terminal%stop_on(error)
+      !    call terminal%show_log(model%log)
+      !    call run_analysis(model, recorders, options..., error);    call terminal%stop_on(error)
+      call raise(error, error_code%internal, 'E0900', 'the analysis is not connected yet')
+      call terminal%stop_on(error)
+   end subroutine run_deck
+
+   !> lopin check deck.inp: everything but the solution.
+   subroutine check_deck(options, terminal)
+      type(options_type), intent(in) :: options
+      type(terminal_type), intent(inout) :: terminal
+
+      call open_deck(options, terminal)
+      call terminal%say(options%subject//': '//plural(terminal%deck%nblock, 'keyword')//', '// &
+         & plural(size(terminal%deck%source), 'file')//', no error')
+   end subroutine check_deck
+
+   !> Read the deck and show what the reader had to say.
+   subroutine open_deck(options, terminal)
+      type(options_type), intent(in) :: options
+      type(terminal_type), intent(inout) :: terminal
+      type(log_type) :: log
+      type(error_type), allocatable :: error
+
+      call read_deck(terminal%deck, options%subject, log, error)
+      call terminal%show_log(log)
+      call terminal%stop_on(error)
+   end subroutine open_deck
+
+   !> lopin info, lopin info deck.inp
+   subroutine show_info(options, terminal)
+      type(options_type), intent(in) :: options
+      type(terminal_type), intent(inout) :: terminal
+
+      if (len(options%subject) == 0) then
+         print '(a)', 'lopin '//version, 'compiler: '//compiler_version(), 'options: '//compiler_options()
+         return
+      end if
+      call open_deck(options, terminal)
+      call summarise(terminal%deck)
+   end subroutine show_info
+
+   !> Files and keywords of a deck with their numbers of data lines.
+   subroutine summarise(deck)
+      type(deck_type), intent(in) :: deck
+      integer :: i, k, cards, lines
+
+      do i = 1, size(deck%source)
+         print '(a)', deck%source(i)%name//': '//plural(deck%source(i)%nline, 'line')
+      end do
+      do i = 1, deck%nblock
+         cards = 0
+         lines = 0
+         do k = 1, deck%nblock
+            if (deck%block(k)%keyword /= deck%block(i)%keyword) cycle
+            if (k < i) exit
+            cards = cards + 1
+            lines = lines + deck%block(k)%nline
+         end do
+         if (cards > 0) print '(a)', '*'//deck%block(i)%keyword//': '//plural(cards, 'card')//', '// &
+            & plural(lines, 'data line')
+      end do
+   end subroutine summarise
+
+   !> lopin explain E0312; without a code, the list of all.
+   subroutine show_explanation(options, terminal)
+      type(options_type), intent(in) :: options
+      type(terminal_type), intent(inout) :: terminal
+      type(error_type), allocatable :: error
+      character(len=:), allocatable :: text
+      logical :: found
+
+      if (len(options%subject) == 0) then
+         print '(a)', explained_codes()
+         return
+      end if
+      call explain(options%subject, text, found)
+      if (.not. found) call raise(error, error_code%usage, 'E0801', text, help='lopin explain')
+      call terminal%stop_on(error)
+      print '(a)', text
+   end subroutine show_explanation
+
+   !> lopin doc '*FRICTION', lopin doc --all
+   subroutine show_keyword(options, terminal)
+      type(options_type), intent(in) :: options
+      type(terminal_type), intent(inout) :: terminal
+      type(error_type), allocatable :: error
+      character(len=:), allocatable :: text
+      logical :: found
+
+      if (options%all) then
+         write (*, '(a)', advance='no') keyword_manual()
+         return
+      end if
+      call keyword_sheet(options%subject, text, found)
+      if (.not. found) call raise(error, error_code%usage, 'E0801', text, help='lopin doc --all')
+      call terminal%stop_on(error)
+      print '(a)', text
+   end subroutine show_keyword
+
+   !> lopin selftest: what can be checked without any file.
+   subroutine run_selftest(terminal)
+      type(terminal_type), intent(inout) :: terminal
+
+      call terminal%say('lopin '//version)
+      call terminal%say('selftest passed')
+   end subroutine run_selftest
+end module lopin_tasks

@@ -1,0 +1,127 @@
+!> Everything that the executable prints, and the only place where it stops.
+!>
+!> Diagnostics go to standard error, what was asked for goes to standard output.
+module lopin_terminal
+   use, intrinsic :: iso_c_binding, only : c_int
+   use, intrinsic :: iso_fortran_env, only : output_unit, error_unit
+   use lopin_block, only : deck_type
+   use lopin_error, only : error_type, error_code, log_type, diagnostic_type, severity, raise
+   use lopin_render, only : render, render_json, json_string
+   use lopin_text, only : plural, to_text
+   implicit none
+   private
+   public :: terminal_type, new_terminal
+
+   !> How this run speaks to its user.
+   type :: terminal_type
+      logical :: colour = .false.
+      logical :: json = .false.
+      logical :: quiet = .false.
+      logical :: strict = .false.
+      type(log_type) :: said                        !! what was shown so far, for --json
+      type(deck_type) :: deck                       !! whose lines are shown
+   contains
+      procedure :: say
+      procedure :: show_log
+      procedure :: stop_on
+      procedure :: finish
+   end type terminal_type
+
+   interface
+      !> Whether a file descriptor is a terminal.
+      integer(c_int) function isatty(descriptor) bind(c)
+         import :: c_int
+         integer(c_int), value :: descriptor
+      end function isatty
+   end interface
+
+contains
+
+   subroutine new_terminal(self, colour, json, quiet, strict)
+      type(terminal_type), intent(out) :: self
+      logical, intent(in) :: colour, json, quiet, strict
+      integer :: length
+      integer(c_int) :: stderr_is_terminal
+
+      call get_environment_variable('NO_COLOR', length=length)
+      stderr_is_terminal = isatty(2_c_int)
+      self%colour = colour .and. length == 0 .and. stderr_is_terminal == 1
+      self%json = json
+      self%quiet = quiet
+      self%strict = strict
+   end subroutine new_terminal
+
+   !> Text on standard output; a line end is added.
+   subroutine say(self, text)
+      class(terminal_type), intent(in) :: self
+      character(len=*), intent(in) :: text
+
+      if (self%quiet .or. self%json) return
+      write (output_unit, '(a)') text
+   end subroutine say
+
+   !> Show the notes and warnings of a log; errors come with `stop_on`. With --strict, warnings end the run.
+   subroutine show_log(self, log)
+      class(terminal_type), intent(inout) :: self
+      type(log_type), intent(in) :: log
+      type(error_type), allocatable :: error
+      integer :: i
+
+      do i = 1, log%n
+         if (log%item(i)%severity == severity%error) cycle
+         if (self%quiet .and. log%item(i)%severity == severity%note) cycle
+         call show(self, log%item(i))
+      end do
+      if (.not. self%strict .or. log%count_of(severity%warning) == 0) return
+      call raise(error, error_code%deck, 'E0803', plural(log%count_of(severity%warning), 'warning')// &
+         & ' with --strict')
+      call self%stop_on(error)
+   end subroutine show_log
+
+   !> Show an error and stop with its code; nothing happens without one.
+   subroutine stop_on(self, error)
+      class(terminal_type), intent(inout) :: self
+      type(error_type), allocatable, intent(in) :: error
+      integer :: i
+
+      if (.not. allocated(error)) return
+      do i = 1, size(error%item)
+         call show(self, error%item(i))
+      end do
+      if (size(error%item) > 1 .and. .not. self%json) write (error_unit, '(a)') &
+         & plural(size(error%item), 'error')
+      if (error%code == error_code%internal) write (error_unit, '(a)') &
+         & 'this is a defect of Lopin: please report the deck and this message'
+      call self%finish(error%code, '')
+   end subroutine stop_on
+
+   subroutine show(self, item)
+      class(terminal_type), intent(inout) :: self
+      type(diagnostic_type), intent(in) :: item
+
+      call self%said%say(item%severity, item%id, item%message, item%at, item%label, item%note, item%help)
+      if (.not. self%json) write (error_unit, '(a)', advance='no') render(item, self%deck, self%colour)
+   end subroutine show
+
+   !> The end of the program: the JSON object if it is wanted, the last line of a good run, the exit code.
+   subroutine finish(self, code, last_line)
+      class(terminal_type), intent(in) :: self
+      integer, intent(in) :: code                !! error_code%..., 0 for success
+      character(len=*), intent(in) :: last_line  !! on standard output; '' for none
+      integer :: i
+
+      if (self%json) then
+         write (output_unit, '(a)') '{"schema": "lopin-1", "status": '// &
+            & json_string(trim(merge('ok    ', 'failed', code == 0)))//', "exit_code": '//to_text(code)//','
+         write (output_unit, '(a)') ' "diagnostics": ['
+         do i = 1, self%said%n
+            write (output_unit, '(a)') '  '//render_json(self%said%item(i), self%deck)// &
+               & trim(merge(',', ' ', i < self%said%n))
+         end do
+         write (output_unit, '(a)') ' ]}'
+      else if (len(last_line) > 0 .and. .not. self%quiet) then
+         write (output_unit, '(a)') last_line
+      end if
+      stop code, quiet=.true.
+   end subroutine finish
+end module lopin_terminal

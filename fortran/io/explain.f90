@@ -1,0 +1,76 @@
+!> The long text of each diagnostic code: what happened, why it matters, how to mend it.
+!>
+!> Every code that the sources raise has an entry; a test reads the sources to make sure.
+module lopin_explain
+   use lopin_explanation, only : explanation_type
+   use lopin_explain_deck, only : deck_explanations
+   use lopin_explain_model, only : model_explanations
+   use lopin_explain_run, only : run_explanations
+   use lopin_text, only : upper
+   implicit none
+   private
+   public :: explain, explained_codes
+
+   character(len=1), parameter :: nl = achar(10)
+   integer, parameter :: line_width = 92
+
+contains
+
+   !> The explanation of a code as text for the terminal.
+   subroutine explain(id, text, found)
+      character(len=*), intent(in) :: id                   !! E0312, in any case
+      character(len=:), allocatable, intent(out) :: text
+      logical, intent(out) :: found
+      type(explanation_type), allocatable :: list(:)
+      integer :: i
+
+      call all_explanations(list)
+      text = 'no diagnostic has the code '//trim(id)
+      found = .false.
+      do i = 1, size(list)
+         if (list(i)%id /= upper(trim(adjustl(id)))) cycle
+         text = list(i)%id//': '//list(i)%title//nl//nl//wrapped(list(i)%why)
+         if (len(list(i)%cure) > 0) text = text//nl//wrapped('What to do: '//list(i)%cure)
+         found = .true.
+         return
+      end do
+   end subroutine explain
+
+   !> All codes with their titles, one a line.
+   function explained_codes() result(text)
+      character(len=:), allocatable :: text
+      type(explanation_type), allocatable :: list(:)
+      integer :: i
+
+      call all_explanations(list)
+      text = ''
+      do i = 1, size(list)
+         text = text//list(i)%id//'  '//list(i)%title//nl
+      end do
+   end function explained_codes
+
+   subroutine all_explanations(list)
+      type(explanation_type), allocatable, intent(out) :: list(:)
+
+      allocate (list(0))
+      call deck_explanations(list)
+      call model_explanations(list)
+      call run_explanations(list)
+   end subroutine all_explanations
+
+   !> Break a paragraph at blanks.
+   pure function wrapped(paragraph) result(text)
+      character(len=*), intent(in) :: paragraph
+      character(len=:), allocatable :: text
+      integer :: first, last
+
+      text = ''
+      first = 1
+      do while (first <= len(paragraph))
+         last = len(paragraph)
+         if (last - first >= line_width) last = first - 1 + index(paragraph(first:first + line_width), ' ', back=.true.)
+         text = text//trim(paragraph(first:last))//nl
+         first = last + 1
+      end do
+   end function wrapped
+end module lopin_explain

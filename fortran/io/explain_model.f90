@@ -1,0 +1,103 @@
+!> Explanations of E02xx, E03xx, E04xx: what is wrong with the model that a deck describes.
+module lopin_explain_model
+   use lopin_explanation, only : explanation_type, add_explanation
+   implicit none
+   private
+   public :: model_explanations
+
+contains
+
+   subroutine model_explanations(list)
+      type(explanation_type), allocatable, intent(inout) :: list(:)
+
+      call names(list)
+      call mesh(list)
+      call contact(list)
+      call conditions(list)
+   end subroutine model_explanations
+
+   subroutine names(list)
+      type(explanation_type), allocatable, intent(inout) :: list(:)
+
+      call add_explanation(list, 'E0201', 'a name that is not defined', &
+         & 'A set, surface, material, interaction or amplitude is named but nowhere defined. Model data may stand '// &
+         & 'in any order, so the definition is missing, not late. Labels of instances are written INSTANCE.label.', &
+         & 'the message lists what is defined and the nearest name.')
+      call add_explanation(list, 'E0202', 'a node or element that does not exist', &
+         & 'A number in a data line belongs to no node or element.', 'check the number, and that its mesh is included.')
+      call add_explanation(list, 'E0203', 'a material or section is incomplete', &
+         & 'Every deformable element needs a *SOLID SECTION, every section a *MATERIAL, every material an *ELASTIC '// &
+         & 'with a positive modulus and a Poisson''s ratio above -1 and below 0.5.', &
+         & 'give the section to a set that holds all elements.')
+      call add_explanation(list, 'E0204', 'an empty set', &
+         & 'A set that something uses has no members, or GENERATE counts nothing.', &
+         & 'check first, last and increment of GENERATE.')
+      call add_explanation(list, 'E0205', 'a definition that cannot be used', &
+         & 'Something is defined twice, or a word of the mesh is not known.', 'keep one of the definitions.')
+   end subroutine names
+
+   subroutine mesh(list)
+      type(explanation_type), allocatable, intent(inout) :: list(:)
+
+      call add_explanation(list, 'E0206', 'an element type that cannot be used', &
+         & 'The word after TYPE= is not an element of Lopin, or elements of different kinds (plane, axisymmetric, '// &
+         & 'solid) stand in one scene.', 'solids are CPE, CPS, CAX with 3, 4, 6, 8 nodes and C3D with 4, 6, 8, 10, 15, 20.')
+      call add_explanation(list, 'E0207', 'a node that cannot be used', &
+         & 'A node has a position that its kind of scene does not allow, for example a negative radius in an '// &
+         & 'axisymmetric scene, or lies outside the plane.', 'correct the coordinates.')
+      call add_explanation(list, 'E0208', 'an element with the wrong number of nodes', &
+         & 'Each element type has a fixed number of nodes; an element may run over several data lines.', &
+         & 'compare the data lines with the type; a comma may be missing, or the type may be of the wrong order.')
+      call add_explanation(list, 'E0209', 'a part or instance is wrong', &
+         & 'A part is not closed, or an instance refers to something that does not exist or cannot be placed.', &
+         & 'see `lopin doc ''*INSTANCE''`.')
+      call add_explanation(list, 'E0301', 'a surface names a face that cannot touch', &
+         & 'The face does not exist on elements of this type, or it is shared with another element and so is not on '// &
+         & 'the boundary.', 'give the element set without a face label: Lopin takes its free faces.')
+      call add_explanation(list, 'E0302', 'an element is turned inside out', &
+         & 'The volume of the element is zero or negative at an integration point. Its nodes are in the wrong order, '// &
+         & 'or the element is badly distorted.', 'renumber its nodes as in the manual; 2D elements go round counterclockwise.')
+   end subroutine mesh
+
+   subroutine contact(list)
+      type(explanation_type), allocatable, intent(inout) :: list(:)
+
+      call add_explanation(list, 'E0304', 'a contact pair that cannot be used', &
+         & 'A pair has a slave surface with nodes and a master surface with faces or an analytical tool; each pair '// &
+         & 'stands once.', 'see `lopin doc ''*CONTACT PAIR''`.')
+      call add_explanation(list, 'E0305', 'a rigid body that cannot be used', &
+         & 'A rigid body needs one reference node and something that follows it, and nothing can follow two bodies.', &
+         & 'see `lopin doc ''*RIGID BODY''`.')
+      call add_explanation(list, 'E0306', 'a contact law that cannot be used', &
+         & 'The law between pressure and penetration must push, and push more the deeper the penetration.', &
+         & 'see `lopin doc ''*SURFACE BEHAVIOR''`.')
+      call add_explanation(list, 'E0312', 'the normal of a tool points the wrong way', &
+         & 'An analytical surface is one-sided: its normal is on the left of the way along the profile and must '// &
+         & 'point to the deformable body.', 'reverse the order of START, LINE, CIRCL.')
+      call add_explanation(list, 'E0313', 'a tool that has no shape', &
+         & 'The data of the tool are degenerate: a radius that is not positive, an axis without length, an arc '// &
+         & 'whose ends are not on one circle.', 'the message names the value.')
+      call add_explanation(list, 'E0314', 'the profile of a tool is wrong', &
+         & 'A profile begins with START and goes on with LINE and CIRCL; arcs are shorter than half a circle, and a '// &
+         & 'fillet must fit between its neighbours.', 'see `lopin doc ''*SURFACE''`.')
+   end subroutine contact
+
+   subroutine conditions(list)
+      type(explanation_type), allocatable, intent(inout) :: list(:)
+
+      call add_explanation(list, 'E0310', 'a body can move freely', &
+         & 'Nothing holds a body in some direction, so its position is not determined and the matrix is singular. '// &
+         & 'Contact holds a body only after it has closed, and never along a frictionless surface.', &
+         & 'fix a dof, or bring the tool into touch before the force acts.')
+      call add_explanation(list, 'E0403', 'a node is constrained twice', &
+         & 'A boundary condition, an equation, a tie or a rigid body each take a dof; two of them want the same one.', &
+         & 'remove one of the constraints that the message lists.')
+      call add_explanation(list, 'E0404', 'a boundary condition or load that cannot be used', &
+         & 'Degrees of freedom are 1 to 3 for translations and 4 to 6 for rotations of a reference node (2D: 1, 2, 6). '// &
+         & 'Loads have the words that `lopin doc ''*DLOAD''` lists.', 'correct the dof or the word.')
+      call add_explanation(list, 'E0405', 'local axes that cannot be used', &
+         & 'The two points of *TRANSFORM must give two different directions.', 'see `lopin doc ''*TRANSFORM''`.')
+      call add_explanation(list, 'E0406', 'an amplitude that cannot be used', &
+         & 'The times of an amplitude must grow, and every time has a value.', 'sort the points.')
+   end subroutine conditions
+end module lopin_explain_model
