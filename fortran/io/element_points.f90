@@ -1,4 +1,5 @@
-!> Integration points as files show them: their order, energy and volume of elements, values at nodes.
+!> Integration points as files show them: their order, energy and volume of elements, values at
+!> nodes.
 module lopin_element_points
    use lopin_kinds, only : wp
    use lopin_model, only : model_type
@@ -14,7 +15,7 @@ module lopin_element_points
    !> One column for each word of the model's list of element words.
    type :: point_tables_type
       type(element_type), allocatable :: element(:)
-      integer, allocatable :: order(:, :)   !! (27, nword) the k-th point of a file is our point order(k, .)
+      integer, allocatable :: order(:, :)   !! (27, nword) our point of the file's k-th
    end type point_tables_type
 
 contains
@@ -77,7 +78,7 @@ contains
       real(wp), allocatable, intent(out) :: measure(:, :)   !! (2, nelement)
       real(wp), allocatable :: b(:, :, :), volume(:)
       real(wp) :: smallest, thickness
-      integer :: i, e, first, worst
+      integer :: i, e, first, last, worst
 
       allocate (measure(2, model%mesh%nelement), source=0.0_wp)
       do i = 1, size(item)
@@ -88,13 +89,15 @@ contains
             if (element%ndof == 0) cycle
             if (allocated(b)) deallocate (b, volume)
             allocate (b(element%ndof, element%nstress, element%ngauss), volume(element%ngauss))
-            call strain_matrices(element, model%mesh%x(:, model%mesh%conn(:element%nnode, e)), thickness, &
+            call strain_matrices(element, model%mesh%x(:, model%mesh%conn(:element%nnode, e)), &
+               & thickness, &
                & b, volume, smallest, worst)
             measure(2, e) = sum(volume)
             if (.not. (allocated(frame%stress) .and. allocated(frame%strain))) cycle
             first = frame%first_point(e)
-            measure(1, e) = 0.5_wp*sum(volume*sum(frame%stress(:, first:first + element%ngauss - 1) &
-               & *frame%strain(:, first:first + element%ngauss - 1), dim=1))
+            last = first + element%ngauss - 1
+            measure(1, e) = 0.5_wp*sum(volume*sum(frame%stress(:, first:last) &
+               & *frame%strain(:, first:last), dim=1))
          end associate
       end do
    end subroutine element_measures
@@ -117,7 +120,8 @@ contains
             do k = 1, element%nnode
                node = model%mesh%conn(k, e)
                times(node) = times(node) + 1
-               at_node(:, node) = at_node(:, node) + matmul(values(:, first_point(e):first_point(e + 1) - 1), &
+               at_node(:, node) = at_node(:, node) + matmul(values(:, &
+                  & first_point(e):first_point(e + 1) - 1), &
                   & element%extrapolation(k, :))
             end do
          end associate

@@ -8,7 +8,8 @@ module lopin_json_writer
    private
    public :: json_writer_type
 
-   !> Use: `open` and `close` objects and lists in pairs, `add` between. Names are empty inside lists.
+   !> Use: `open` and `close` objects and lists in pairs, `add` between. Names are empty inside
+   !> lists.
    type :: json_writer_type
       type(text_buffer_type) :: text
       integer, private :: depth = 0

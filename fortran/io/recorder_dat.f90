@@ -60,11 +60,13 @@ contains
       associate (output => model%step(frame%step)%output)
          do i = 1, size(output)
             if (.not. is_due(output(i)%frequency, frame)) cycle
-            if (output(i)%kind == output_of%node_print) call put_nodes(self%text, model, output(i), frame)
+            if (output(i)%kind == output_of%node_print) call put_nodes(self%text, model, &
+               & output(i), frame)
             if (output(i)%kind == output_of%element_print) then
                call put_elements(self%text, self%points, model, output(i), frame)
             end if
-            if (output(i)%kind == output_of%contact_print) call put_contact(self%text, model, output(i), frame)
+            if (output(i)%kind == output_of%contact_print) call put_contact(self%text, model, &
+               & output(i), frame)
          end do
       end associate
       if (self%text%n > 0) call self%log%append(self%text%text(:self%text%n), error)
@@ -104,10 +106,12 @@ contains
 
       call members(model%mesh%nset, output%set, model%mesh%node_label, 'NALL', item, set)
       if (has_variable(output%variable, ['U       '])) then
-         call put_table(text, 'displacements (vx,vy,vz)', set, model%mesh%node_label, item, frame%u(:3, :), frame)
+         call put_table(text, 'displacements (vx,vy,vz)', set, model%mesh%node_label, item, &
+            & frame%u(:3, :), frame)
       end if
       if (.not. has_variable(output%variable, ['RF      '])) return
-      if (.not. output%totals_only) call put_table(text, 'forces (fx,fy,fz)', set, model%mesh%node_label, &
+      if (.not. output%totals_only) call put_table(text, 'forces (fx,fy,fz)', set, &
+         & model%mesh%node_label, &
          & item, frame%rf(:3, :), frame)
       if (output%totals .or. output%totals_only) then
          call put_total(text, 'total force (fx,fy,fz)', set, sum(frame%rf(:3, item), dim=2), frame)
@@ -126,24 +130,28 @@ contains
 
       call members(model%mesh%elset, output%set, model%mesh%element_label, 'EALL', item, set)
       if (has_variable(output%variable, ['S       '])) then
-         call put_points(text, 'stresses (elem, integ.pnt.,sxx,syy,szz,sxy,sxz,syz)', set, item, 1.0_wp, frame%stress)
+         call put_points(text, 'stresses (elem, integ.pnt.,sxx,syy,szz,sxy,sxz,syz)', set, item, &
+            & 1.0_wp, frame%stress)
       end if
       ! CalculiX prints the components of the strain tensor, half the engineering shears.
       if (has_variable(output%variable, ['E       '])) then
-         call put_points(text, 'strains (elem, integ.pnt.,exx,eyy,ezz,exy,exz,eyz)', set, item, 0.5_wp, frame%strain)
+         call put_points(text, 'strains (elem, integ.pnt.,exx,eyy,ezz,exy,exz,eyz)', set, item, &
+            & 0.5_wp, frame%strain)
       end if
       if (.not. has_variable(output%variable, ['ELSE    ', 'EVOL    '])) return
       call element_measures(points, model, item, frame, measure)
       if (has_variable(output%variable, ['ELSE    '])) then
          call put_measure('internal energy', 'energy', measure(1:1, :))
       end if
-      if (has_variable(output%variable, ['EVOL    '])) call put_measure('volume', 'volume', measure(2:2, :))
+      if (has_variable(output%variable, ['EVOL    '])) call put_measure('volume', 'volume', &
+         & measure(2:2, :))
    contains
       subroutine put_measure(title, column, values)
          character(len=*), intent(in) :: title, column
          real(wp), intent(in) :: values(:, :)
 
-         if (.not. output%totals_only) call put_table(text, title//' (element, '//column//')', set, &
+         if (.not. output%totals_only) call put_table(text, title//' (element, '//column//')', &
+            & set, &
             & model%mesh%element_label, item, values, frame)
          if (output%totals .or. output%totals_only) then
             call put_total(text, 'total '//title, set, sum(values(:, item), dim=2), frame)
@@ -168,7 +176,8 @@ contains
                do j = 1, 6
                   call text%put(' ')
                   call text%put_exponential(merge(1.0_wp, shear, j <= 3) &
-                     & *values(j, frame%first_point(e) - 1 + points%order(k, model%mesh%etype(e))), 6)
+                     & *values(j, frame%first_point(e) - 1 + points%order(k, &
+                     & model%mesh%etype(e))), 6)
                end do
                call text%put_line()
             end do

@@ -23,16 +23,20 @@ contains
       type(output_type), intent(in) :: output
       type(frame_type), intent(in) :: frame
 
-      if (has_variable(output%variable, ['CDIS    ', 'COPEN   '])) then
+      if (has_variable(output%variable, ['CDIS    ', 'COPEN   ', 'CDISP   '])) then
          call put_points(text, model, output, frame, .false.)
       end if
       if (has_variable(output%variable, ['CSTR    ', 'CPRESS  ', 'CSTRESS '])) then
          call put_points(text, model, output, frame, .true.)
       end if
       if (has_variable(output%variable, ['CNUM    '])) call put_count(text, frame)
-      if (has_variable(output%variable, ['CF      '])) call put_pairs(text, model, output, frame, both)
-      if (has_variable(output%variable, ['CFN     '])) call put_pairs(text, model, output, frame, normal_part)
-      if (has_variable(output%variable, ['CFS     '])) call put_pairs(text, model, output, frame, shear_part)
+      if (has_variable(output%variable, ['CF      ', 'CFORCE  '])) call put_pairs(text, model, &
+         & output, &
+         & frame, both)
+      if (has_variable(output%variable, ['CFN     '])) call put_pairs(text, model, output, &
+         & frame, normal_part)
+      if (has_variable(output%variable, ['CFS     '])) call put_pairs(text, model, output, &
+         & frame, shear_part)
    end subroutine put_contact
 
    !> Gap, pressure and their tangential companions of a slave point: CalculiX's six numbers.
@@ -58,7 +62,8 @@ contains
       six(5:6) = matmul(shear, t)
    end function contact_components
 
-   !> In the plane: along the surface and across; in space: the x axis laid on the surface (or z), and across.
+   !> In the plane: along the surface and across; in space: the x axis laid on the surface (or z),
+   !> and across.
    pure subroutine tangents(n, d, t)
       real(wp), intent(in) :: n(3)
       integer, intent(in) :: d
@@ -88,10 +93,11 @@ contains
       write (time, '(e14.7)') frame%total_time
       call text%put_line()
       if (stress) then
-         call text%put_line(' contact stress (slave node,press,tang1,tang2) for all contact elements and time'//time)
-      else
-         call text%put_line(' relative contact displacement (slave node,normal,tang1,tang2) for all contact '// &
+         call text%put_line(' contact stress (slave node,press,tang1,tang2) for all contact '// &
             & 'elements and time'//time)
+      else
+         call text%put_line(' relative contact displacement (slave node,normal,tang1,tang2) '// &
+            & 'for all contact elements and time'//time)
       end if
       call text%put_line()
       do p = 1, size(frame%contact)

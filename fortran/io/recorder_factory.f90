@@ -1,4 +1,5 @@
-!> Which recorders a run needs: always the fields, the tables of increments and the summary; `job.dat`
+!> Which recorders a run needs: always the fields, the tables of increments and the summary;
+!> `job.dat`
 !> and `job.frd` only if the deck asks for them. Files that Lopin did not write are never touched.
 module lopin_recorder_factory
    use lopin_error, only : error_type, error_code, raise
@@ -32,9 +33,12 @@ contains
       logical :: tables, fields
       integer :: n
 
-      tables = any_request(model, [output_of%node_print, output_of%element_print, output_of%contact_print])
-      fields = any_request(model, [output_of%node_file, output_of%element_file, output_of%contact_file])
-      file(:5) = [character(len=len(file)) :: stem//'.json', stem//'.pvd', stem//'.sta', stem//'.cvg', &
+      tables = any_request(model, [output_of%node_print, output_of%element_print, &
+         & output_of%contact_print])
+      fields = any_request(model, [output_of%node_file, output_of%element_file, &
+         & output_of%contact_file])
+      file(:5) = [character(len=len(file)) :: stem//'.json', stem//'.pvd', stem//'.sta', &
+         & stem//'.cvg', &
          & stem//'_history.csv']
       n = 5
       if (tables) call add_file('.dat')

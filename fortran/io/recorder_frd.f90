@@ -35,7 +35,8 @@ module lopin_recorder_frd
    ! hexahedron, hexahedron20.
    integer, parameter :: frd_number(12) = [11, 12, 7, 8, 9, 10, 3, 6, 2, 5, 1, 4]
    integer, parameter :: wedge_order(15) = [1, 2, 3, 4, 5, 6, 7, 8, 9, 13, 14, 15, 10, 11, 12]
-   integer, parameter :: hexahedron_order(20) = [1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 17, 18, 19, 20, &
+   integer, parameter :: hexahedron_order(20) = [1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 17, 18, &
+      & 19, 20, &
       & 13, 14, 15, 16]
    character(len=*), parameter :: no_text = repeat(' ', 20)
 
@@ -188,18 +189,20 @@ contains
       if (due_variable(model, frame, output_of%node_file, ['U'])) then
          call put_vector(self, model, frame, 'DISP', 'D', frame%u)
       end if
-      if (due_variable(model, frame, output_of%element_file, ['S']) .and. allocated(frame%nodal_stress)) then
+      if (due_variable(model, frame, output_of%element_file, ['S']) &
+         & .and. allocated(frame%nodal_stress)) then
          call put_tensor(self, model, frame, 'STRESS', 'S', 1.0_wp, frame%nodal_stress)
       end if
-      if (due_variable(model, frame, output_of%element_file, ['E']) .and. allocated(frame%strain)) then
+      if (due_variable(model, frame, output_of%element_file, ['E']) &
+         & .and. allocated(frame%strain)) then
          call nodal_average(self%points, model, frame%first_point, frame%strain, strain)
          call put_tensor(self, model, frame, 'TOSTRAIN', 'E', 0.5_wp, strain)
       end if
       if (due_variable(model, frame, output_of%node_file, ['RF'])) then
          call put_vector(self, model, frame, 'FORC', 'F', frame%rf)
       end if
-      if (due_variable(model, frame, output_of%contact_file, [character(len=7) :: 'CDIS', 'CSTR', 'COPEN', &
-         & 'CPRESS', 'CSTRESS'])) call put_contact(self, model, frame)
+      if (due_variable(model, frame, output_of%contact_file, [character(len=7) :: 'CDIS', &
+         & 'CSTR', 'COPEN', 'CPRESS', 'CSTRESS', 'CDISP'])) call put_contact(self, model, frame)
    end subroutine put_frame
 
    pure logical function due_variable(model, frame, kind, words)
@@ -260,7 +263,8 @@ contains
       type(frd_recorder_type), intent(inout) :: self
       type(model_type), intent(in) :: model
       type(frame_type), intent(in) :: frame
-      character(len=*), parameter :: names(6) = [character(len=7) :: 'COPEN', 'CSLIP1', 'CSLIP2', 'CPRESS', &
+      character(len=*), parameter :: names(6) = [character(len=7) :: 'COPEN', 'CSLIP1', &
+         & 'CSLIP2', 'CPRESS', &
          & 'CSHEAR1', 'CSHEAR2']
       integer, parameter :: row(6) = [1, 2, 3, 1, 2, 3], column(6) = [1, 2, 3, 2, 3, 1]
       real(wp), allocatable :: values(:, :)

@@ -1,4 +1,5 @@
-!> `job.json`: what a run did, for programs. Written at the start with status `running`, and at the end.
+!> `job.json`: what a run did, for programs. Written at the start with status `running`, and at the
+!> end.
 module lopin_recorder_json
    use lopin_kinds, only : wp
    use lopin_clock, only : phase_names, nphase
@@ -14,11 +15,13 @@ module lopin_recorder_json
    public :: json_recorder_type, new_json_recorder, json_schema
 
    character(len=*), parameter :: json_schema = 'lopin-result/1'
-   character(len=*), parameter :: kind_words(5) = [character(len=12) :: 'plane strain', 'plane stress', &
+   character(len=*), parameter :: kind_words(5) = [character(len=12) :: 'plane strain', &
+      & 'plane stress', &
       & 'axisymmetric', 'solid', 'rigid']
    character(len=*), parameter :: method_words(4) = [character(len=9) :: 'lagrange', 'penalty', &
       & 'perturbed', 'augmented']
-   character(len=*), parameter :: severity_words(0:2) = [character(len=7) :: 'note', 'warning', 'error']
+   character(len=*), parameter :: severity_words(0:2) = [character(len=7) :: 'note', 'warning', &
+      & 'error']
 
    !> `file` and `deck_file` are plain names; the last accepted increment is kept for the end.
    type, extends(recorder_type) :: json_recorder_type
@@ -167,7 +170,8 @@ contains
          call json%open('{', '')
          call add_words(json, 'pair', pair_name(model, i))
          call json%add('slave', model%surface(model%pair(i)%slave)%name)
-         if (model%pair(i)%master > 0) call json%add('master', model%surface(model%pair(i)%master)%name)
+         if (model%pair(i)%master > 0) call json%add('master', &
+            & model%surface(model%pair(i)%master)%name)
          if (model%pair(i)%interaction > 0) call add_words(json, 'method', &
             & trim(method_words(model%interaction(model%pair(i)%interaction)%method)))
          if (self%has_frame) then

@@ -9,16 +9,20 @@ module lopin_recorder_memory
    use lopin_recorder_table, only : column_type, history_columns, history_row
    implicit none
    private
-   public :: memory_recorder_type, real_names, integer_names, contact_real_names, contact_integer_names
+   public :: memory_recorder_type, real_names, integer_names, contact_real_names, &
+      & contact_integer_names
 
    !> Names that take an increment as index; `history` is (column, increment) and ignores it.
-   character(len=*), parameter :: real_names(4) = [character(len=12) :: 'displacement', 'reaction', &
+   character(len=*), parameter :: real_names(4) = [character(len=12) :: 'displacement', &
+      & 'reaction', &
       & 'stress', 'history']
    character(len=*), parameter :: integer_names(2) = [character(len=9) :: 'step', 'increment']
    !> Behind `contact.<pair>.`
-   character(len=*), parameter :: contact_real_names(8) = [character(len=8) :: 'pressure', 'gap', 'weight', &
+   character(len=*), parameter :: contact_real_names(8) = [character(len=8) :: 'pressure', &
+      & 'gap', 'weight', &
       & 'normal', 'force', 'xi', 'u_n', 'u_t']
-   character(len=*), parameter :: contact_integer_names(3) = [character(len=6) :: 'node', 'status', 'facet']
+   character(len=*), parameter :: contact_integer_names(3) = [character(len=6) :: 'node', &
+      & 'status', 'facet']
 
    type :: kept_type
       integer :: step = 0, increment = 0
@@ -137,7 +141,7 @@ contains
    !> A copy of a list of integers; unallocated if there is none of that name.
    subroutine get_integer(self, name, index, values)
       class(memory_recorder_type), intent(in) :: self
-      character(len=*), intent(in) :: name     !! step, increment (of all frames), contact.1.node ...
+      character(len=*), intent(in) :: name     !! step, increment (of all), contact.1.node ...
       integer, intent(in) :: index             !! increment, 1..nframe
       integer, allocatable, intent(out) :: values(:)
       character(len=:), allocatable :: word

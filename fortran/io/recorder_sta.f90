@@ -1,4 +1,5 @@
-!> `job.sta`: one line per increment, CalculiX's columns and then the closed points and augmentations;
+!> `job.sta`: one line per increment, CalculiX's columns and then the closed points and
+!> augmentations;
 !> `job.cvg`: the lines that the run says, iteration by iteration.
 module lopin_recorder_sta
    use lopin_error, only : error_type
@@ -40,7 +41,8 @@ contains
       associate (unused => model)
       end associate
       call self%sta%open(self%sta_path, 'SUMMARY OF JOB INFORMATION'//newline// &
-         & '  STEP      INC     ATT  ITRS     TOT TIME     STEP TIME      INC TIME  CLOSED   AUG'//newline, error)
+         & '  STEP      INC     ATT  ITRS     TOT TIME     STEP TIME      INC TIME  CLOSED   AUG' &
+         & //newline, error)
       if (allocated(error)) return
       call self%cvg%open(self%cvg_path, '', error)
    end subroutine begin
@@ -55,7 +57,8 @@ contains
       associate (unused => model)
       end associate
       write (row, '(1x,i5,1x,i10,2(1x,i5),3(1x,e13.6),1x,i7,1x,i5)') frame%step, frame%increment, &
-         & frame%attempt, frame%iterations, frame%total_time, frame%step_time, frame%time_increment, &
+         & frame%attempt, frame%iterations, frame%total_time, frame%step_time, &
+         & frame%time_increment, &
          & frame%closed, frame%augmentations
       call self%sta%append(trim(row)//newline, error)
    end subroutine increment

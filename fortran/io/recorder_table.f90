@@ -1,4 +1,5 @@
-!> What several recorders ask alike: is an output due, what did a pair do, what is a row of the history.
+!> What several recorders ask alike: is an output due, what did a pair do, what is a row of the
+!> history.
 module lopin_recorder_table
    use lopin_kinds, only : wp
    use lopin_model, only : model_type, pair_type, rigid_body_type, output_of
@@ -34,7 +35,8 @@ contains
       integer :: i
 
       do i = 1, size(field%node)
-         summary%force(:size(field%force, 1)) = summary%force(:size(field%force, 1)) + field%force(:, i)
+         summary%force(:size(field%force, 1)) = summary%force(:size(field%force, 1)) &
+            & + field%force(:, i)
          if (field%status(i) >= 0) then
             summary%max_penetration = max(summary%max_penetration, -field%gap(i))
          end if
@@ -99,12 +101,22 @@ contains
       integer :: i
 
       has_variable = .false.
-      do i = 1, size(words)
-         if (any(list == words(i))) has_variable = .true.
+      do i = 1, size(list)
+         if (any(words == list(i)) .or. any(words == without_digits(list(i)))) has_variable = .true.
       end do
    end function has_variable
 
-   !> Is there an output of one of the kinds in any step?
+   !> Abaqus names components: U2 is of U, S11 of S.
+   pure function without_digits(word) result(stem)
+      character(len=*), intent(in) :: word
+      character(len=len(word)) :: stem
+      integer :: last
+
+      last = verify(trim(word), '0123456789', back=.true.)
+      stem = word(:last)
+   end function without_digits
+
+   !> Is there an output of one of the kinds, with a variable, in any step?
    pure logical function any_request(model, kinds)
       type(model_type), intent(in) :: model
       integer, intent(in) :: kinds(:)
@@ -113,6 +125,7 @@ contains
       any_request = .false.
       do i = 1, size(model%step)
          do k = 1, size(model%step(i)%output)
+            if (size(model%step(i)%output(k)%variable) == 0) cycle
             if (any(kinds == model%step(i)%output(k)%kind)) any_request = .true.
          end do
       end do

@@ -1,5 +1,6 @@
 !> The main result: `job.pvd`, and for each output time a `.vtu` of the solid, of each slave surface
-!> and of each tool. The `.pvd` is rewritten after each output, so it is valid while the run goes on.
+!> and of each tool. The `.pvd` is rewritten after each output, so it is valid while the run goes
+!> on.
 module lopin_recorder_vtu
    use lopin_kinds, only : wp
    use lopin_text, only : to_text
@@ -96,9 +97,8 @@ contains
       type(error_type), allocatable, intent(in) :: failure
       type(error_type), allocatable, intent(out) :: error
 
-      associate (unused => model, also => summary, too => failure)
+      associate (unused => self, also => model, too => summary, and_this => failure, none => error)
       end associate
-      call write_pvd(self, error)
    end subroutine finish
 
    !> The last increment of a step is always due, and is not known in advance.
@@ -123,7 +123,8 @@ contains
             frequency = smallest(pack(output%frequency, output%kind == output_of%field))
          else
             frequency = smallest(pack(output%frequency, output%kind == output_of%node_file &
-               & .or. output%kind == output_of%element_file .or. output%kind == output_of%contact_file))
+               & .or. output%kind == output_of%element_file &
+               & .or. output%kind == output_of%contact_file))
             if (frequency == 0) frequency = 1
          end if
       end associate
@@ -150,7 +151,8 @@ contains
             if (output(i)%kind /= output_of%field) cycle
             if (size(output(i)%variable) == 0) cycle
             listed = .true.
-            if (has_variable(output(i)%variable, [character(len=8) :: word, 'PRESELEC', 'ALL'])) shows = .true.
+            if (has_variable(output(i)%variable, [character(len=8) :: word, 'PRESELEC', &
+               & 'ALL'])) shows = .true.
          end do
       end associate
       shows = shows .or. .not. listed
@@ -190,7 +192,8 @@ contains
       character(len=*), parameter :: newline = achar(10)
 
       call write_atomically(self%folder//'/'//self%stem//'.pvd', '<?xml version="1.0"?>'//newline &
-         & //written_mark//newline//'<VTKFile type="Collection" version="1.0" byte_order="LittleEndian">' &
+         & //written_mark//newline//'<VTKFile type="Collection" version="1.0" '// &
+         & 'byte_order="LittleEndian">' &
          & //newline//'<Collection>'//newline//self%datasets%content()//'</Collection>'//newline &
          & //'</VTKFile>'//newline, error)
    end subroutine write_pvd

@@ -11,7 +11,8 @@ module lopin_vtu_parts
    use lopin_vtu_writer, only : vtu_writer_type, vtu_cells_type, three_components
    implicit none
    private
-   public :: surface_part_type, new_solid_cells, new_surface_part, write_solid, write_surface, write_tool
+   public :: surface_part_type, new_solid_cells, new_surface_part, write_solid, write_surface, &
+      & write_tool
 
    !> The slave surface of a pair: its nodes, and facets (or vertices) between them.
    type :: surface_part_type
@@ -36,7 +37,8 @@ contains
       do e = 1, model%mesh%nelement
          n = n + cell(model%mesh%etype(e))%nnode
       end do
-      allocate (self%connectivity(n), self%offsets(model%mesh%nelement), self%types(model%mesh%nelement))
+      allocate (self%connectivity(n), self%offsets(model%mesh%nelement), &
+         & self%types(model%mesh%nelement))
       filled = 0
       do e = 1, model%mesh%nelement
          associate (c => cell(model%mesh%etype(e)))
@@ -83,7 +85,8 @@ contains
       call cells_of_words(model, cell)
       associate (list => model%surface(surface))
          nface = size(list%element)
-         allocate (connectivity(8*nface), node(8*nface), self%cells%offsets(nface), self%cells%types(nface))
+         allocate (connectivity(8*nface), node(8*nface), self%cells%offsets(nface), &
+            & self%cells%types(nface))
          npoint = 0
          filled = 0
          do i = 1, nface
@@ -204,7 +207,8 @@ contains
       integer :: i, n, last
       integer, parameter :: type_of(2:4) = [3, 5, 9]
 
-      allocate (list%connectivity(count(cells > 0)), list%offsets(size(cells, 2)), list%types(size(cells, 2)))
+      allocate (list%connectivity(count(cells > 0)), list%offsets(size(cells, 2)), &
+         & list%types(size(cells, 2)))
       last = 0
       do i = 1, size(cells, 2)
          n = count(cells(:, i) > 0)
@@ -229,12 +233,13 @@ contains
       associate (body => model%rigid_body(rigid_body))
          rotation = frame%u(4:6, body%reference)
          if (body%rotation > 0) rotation = frame%u(1:3, body%rotation)
-         call new_rigid_motion(motion, model%mesh%x(:, body%reference), frame%u(:n, body%reference), &
-            & rotation(merge(3, 1, n == 2):3))
+         call new_rigid_motion(motion, model%mesh%x(:, body%reference), &
+            & frame%u(:n, body%reference), rotation(merge(3, 1, n == 2):3))
       end associate
    end subroutine motion_of
 
-   !> The mesh and a quarter of its size around it; reference nodes may stand far away and do not count.
+   !> The mesh and a quarter of its size around it; reference nodes may stand far away and do not
+   !> count.
    pure function box_of(model) result(box)
       type(model_type), intent(in) :: model
       real(wp) :: box(model%mesh%ndim, 2)
@@ -255,7 +260,8 @@ contains
       box(:, 2) = box(:, 2) + margin
    end function box_of
 
-   !> From slave points to nodes of the part; a node may have two points, near a concave corner of a tool.
+   !> From slave points to nodes of the part; a node may have two points, near a concave corner of
+   !> a tool.
    subroutine scatter(part, field, scalar, vector, xi, status)
       type(surface_part_type), intent(in) :: part
       type(contact_field_type), intent(in) :: field
@@ -294,7 +300,8 @@ contains
 
       allocate (q(1, size(s, 2)))
       do i = 1, size(s, 2)
-         q(1, i) = sqrt(0.5_wp*((s(1, i) - s(2, i))**2 + (s(2, i) - s(3, i))**2 + (s(3, i) - s(1, i))**2) &
+         q(1, i) = sqrt(0.5_wp*((s(1, i) - s(2, i))**2 + (s(2, i) - s(3, i))**2 &
+            & + (s(3, i) - s(1, i))**2) &
             & + 3.0_wp*sum(s(4:6, i)**2))
       end do
    end function mises

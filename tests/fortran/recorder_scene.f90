@@ -1,5 +1,6 @@
 !> A scene without a solver: two elements of one word, a pair of surfaces, a tool, made-up results.
 module recorder_scene
+   use, intrinsic :: ieee_arithmetic, only : ieee_value, ieee_quiet_nan
    use lopin_kinds, only : wp
    use lopin_error, only : error_type, severity, location_type
    use lopin_tool_factory, only : new_tool_sphere
@@ -12,7 +13,8 @@ module recorder_scene
 
 contains
 
-   !> The second element is the first, moved up; both have their own nodes; the last node is the tool's.
+   !> The second element is the first, moved up; both have their own nodes; the last node is the
+   !> tool's.
    subroutine make_scene(model, word)
       type(model_type), intent(out) :: model
       character(len=*), intent(in) :: word
@@ -62,8 +64,10 @@ contains
 
       model%heading = 'Two elements, "quoted" \ slashed'
       model%element_word = [character(len=8) :: word]
-      allocate (model%material(1), model%section(1), model%surface(4), model%tool(1), model%rigid_body(1))
-      allocate (model%interaction(1), model%pair(2), model%amplitude(0), model%equation(0), model%step(1))
+      allocate (model%material(1), model%section(1), model%surface(4), model%tool(1), &
+         & model%rigid_body(1))
+      allocate (model%interaction(1), model%pair(2), model%amplitude(0), model%equation(0), &
+         & model%step(1))
       model%material(1)%name = 'STEEL'
       model%section(1)%material = 1
       model%section(1)%thickness = 2.0_wp
@@ -204,6 +208,7 @@ contains
       allocate (summary%step(1))
       summary%step(1)%increments = 2
       summary%clock%seconds(1) = 0.5_wp
+      summary%peak_memory = ieee_value(0.0_wp, ieee_quiet_nan)
    end subroutine make_summary
 
    !> n x n x n bricks without contact, for timing.
@@ -241,8 +246,10 @@ contains
       model%heading = ''
       model%kind = kind_of%solid
       model%element_word = [character(len=8) :: 'C3D8']
-      allocate (model%material(1), model%section(1), model%surface(0), model%tool(0), model%rigid_body(0))
-      allocate (model%interaction(0), model%pair(0), model%amplitude(0), model%equation(0), model%step(1))
+      allocate (model%material(1), model%section(1), model%surface(0), model%tool(0), &
+         & model%rigid_body(0))
+      allocate (model%interaction(0), model%pair(0), model%amplitude(0), model%equation(0), &
+         & model%step(1))
       model%material(1)%name = 'STEEL'
       model%section(1)%material = 1
       allocate (model%step(1)%output(0))

@@ -15,7 +15,8 @@ program test_recorders
    use recorder_scene, only : make_scene, make_frame, make_summary, make_bricks, add_output
    use check, only : test, close_to, is_true, equal_text, finish
    implicit none
-   character(len=*), parameter :: words(13) = [character(len=6) :: 'CPE3', 'CPE4', 'CPE6', 'CPE8', 'CPS4', &
+   character(len=*), parameter :: words(13) = [character(len=6) :: 'CPE3', 'CPE4', 'CPE6', &
+      & 'CPE8', 'CPS4', &
       & 'CAX4', 'CAX8', 'C3D4', 'C3D6', 'C3D8', 'C3D10', 'C3D15', 'C3D20']
    character(len=256) :: mode, folder, word
    integer :: i
@@ -46,7 +47,8 @@ program test_recorders
 contains
 
    subroutine numbers_are_written_as_fortran_does()
-      real(wp), parameter :: list(9) = [0.0_wp, 1.0_wp, -1.0_wp, 9.9999996_wp, 123456.789_wp, -1.0e-7_wp, &
+      real(wp), parameter :: list(9) = [0.0_wp, 1.0_wp, -1.0_wp, 9.9999996_wp, 123456.789_wp, &
+         & -1.0e-7_wp, &
          & 9.99999951e99_wp, 2.5e-98_wp, 1.0e120_wp]
       type(text_buffer_type) :: text
       character(len=13) :: expected
@@ -71,7 +73,8 @@ contains
       call add_output(model, output_of%node_print, ['U ', 'RF'], set=1)
       call add_output(model, output_of%node_print, ['RF'], set=2, totals=.true.)
       call add_output(model, output_of%node_print, ['RF'], set=2, totals_only=.true., frequency=2)
-      call add_output(model, output_of%element_print, ['S   ', 'E   ', 'EVOL', 'ELSE'], set=1, totals=.true.)
+      call add_output(model, output_of%element_print, ['S   ', 'E   ', 'EVOL', 'ELSE'], set=1, &
+         & totals=.true.)
       call add_output(model, output_of%contact_print, ['CDIS', 'CSTR', 'CNUM', 'CF  '])
       call add_output(model, output_of%node_file, ['U ', 'RF'])
       call add_output(model, output_of%element_file, ['S', 'E'])
@@ -130,8 +133,10 @@ contains
 
    subroutine a_job_leaves_the_files_it_lists(folder, word)
       character(len=*), intent(in) :: folder, word
-      character(len=*), parameter :: files(9) = [character(len=30) :: 'job.json', 'job.pvd', 'job_0001.vtu', &
-         & 'job_contact_TOP-DIE_0002.vtu', 'job_tool_BALL_0002.vtu', 'job.dat', 'job.frd', 'job.sta', &
+      character(len=*), parameter :: files(9) = [character(len=30) :: 'job.json', 'job.pvd', &
+         & 'job_0001.vtu', &
+         & 'job_contact_TOP-DIE_0002.vtu', 'job_tool_BALL_0002.vtu', 'job.dat', 'job.frd', &
+         & 'job.sta', &
          & 'job_history.csv']
       integer :: i
 
@@ -149,7 +154,7 @@ contains
       real(wp), allocatable :: values(:, :)
       integer, allocatable :: counts(:)
 
-      call test('memory gives back by name what it was told, for more increments than its first room')
+      call test('memory gives back by name what it was told, beyond its first room')
       call make_scene(model, 'CAX4')
       call append_memory(list)
       call run(list, model, 20)
@@ -168,7 +173,8 @@ contains
          call memory%get_integer('increment', 0, counts)
          call is_true('increments', size(counts) == 20 .and. counts(20) == 20)
          call memory%get_real('history', 0, values)
-         call is_true('one row a column', size(values, 1) == size(memory%column) .and. size(values, 2) == 20)
+         call is_true('one row a column', size(values, 1) == size(memory%column) &
+            & .and. size(values, 2) == 20)
          call close_to('time', values(3, 10), 0.5_wp, 1.0e-12_wp)
          call memory%get_real('contact.9.pressure', 1, values)
          call is_true('no ninth pair', .not. allocated(values))
@@ -183,7 +189,7 @@ contains
       type(error_type), allocatable :: error
       type(wants_type) :: wants
 
-      call test('stress is wanted unless *OUTPUT, FIELD leaves it out; tables are made only if asked')
+      call test('stress is wanted unless *OUTPUT, FIELD leaves it out; tables if asked')
       call make_scene(model, 'C3D8')
       call new_recorders(list, model, 'recorders/few', 'job', error)
       call must_succeed(error)
@@ -270,7 +276,8 @@ contains
             if (i == 1) call list(k)%recorder%begin(model, error)
             if (i > 1) call list(k)%recorder%increment(model, frame, error)
             call system_clock(end)
-            print '(a)', merge('vtu ', 'frd ', k == 2)//to_text(real(end - start, wp)/real(rate, wp), 3)//' s'
+            print '(a)', merge('vtu ', 'frd ', k == 2)//to_text(real(end - start, wp) &
+               & /real(rate, wp), 3)//' s'
          end do
       end do
    end subroutine time_bricks

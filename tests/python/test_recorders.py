@@ -172,7 +172,8 @@ def test_sta_history_and_json(jobs):
     assert table.shape == (2, len(names))
     assert table[1, names.index("BALL.u2 [length]")] == -0.25
     assert table[1, names.index("DOTS-SKIN OF/BALL.force2 [force]")] == 60.0
-    result = json.loads((folder / "job.json").read_text())
+    result = json.loads((folder / "job.json").read_text(), parse_constant=pytest.fail)
+    assert result["peak_memory_mib"] is None
     assert result["schema"] == "lopin-result/1" and result["status"] == "finished"
     assert result["forces"] == "full circumference"
     assert result["heading"] == 'Two elements, "quoted" \\ slashed'
