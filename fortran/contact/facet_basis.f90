@@ -103,6 +103,7 @@ contains
       c = 0.0_wp
       do i = 1, self%nnode(cell)
          do k = 1, ncoefficient
+            if (.not. abs(self%transform(k, i, cell)) > 0.0_wp) cycle
             c(:size(x, 1), k) = c(:size(x, 1), k) + self%transform(k, i, cell)*x(:, i)
          end do
       end do

@@ -35,6 +35,7 @@ module lopin_projection
 
    integer, parameter :: most_iterations = 40
    real(wp), parameter :: settled = 1.0e-13_wp       !! step in reference units
+   real(wp), parameter :: quadratic = 1.0e-8_wp      !! a full Newton step this small is the last one needed
    real(wp), parameter :: rounding = 1.0e-14_wp      !! relative, of a squared distance
    real(wp), parameter :: pushing = 1.0e-10_wp       !! relative slope that presses against a bound
 
@@ -155,7 +156,7 @@ contains
       real(wp), intent(in) :: corner(2, 4), start(2), x(3)
       type(closest_type), intent(inout) :: closest
       real(wp) :: xi(2), r(3), r_new(3), step(2), g(2), h(3), decrease
-      logical :: flat
+      logical :: flat, exact
       integer :: i
 
       flat = all(abs(c(:, 4:)) <= 0.0_wp)
@@ -164,7 +165,7 @@ contains
       r = x - facet_point_of(c, xi)
       do i = 1, most_iterations
          closest%iterations = i
-         call slopes(c, xi, r, g, h)
+         call slopes(c, xi, r, g, h, exact)
          if (.not. h(1) + h(3) > 0.0_wp) return
          call bounded_step(n, corner, xi, g, h, step)
          decrease = 1.0e-4_wp*dot_product(g, step)
@@ -184,7 +185,7 @@ contains
          end do
          xi = xi + step
          r = r_new
-         if (maxval(abs(step)) <= settled) exit
+         if (maxval(abs(step)) <= merge(quadratic, settled, exact)) exit
       end do
       closest%xi = xi
       closest%point = x - r
@@ -217,10 +218,11 @@ contains
    end subroutine best_sample
 
    !> Gradient of half the squared distance, and a positive definite second derivative.
-   pure subroutine slopes(c, xi, r, g, h)
+   pure subroutine slopes(c, xi, r, g, h, exact)
       real(wp), intent(in) :: c(3, ncoefficient), xi(2), r(3)
       real(wp), intent(out) :: g(2)
       real(wp), intent(out) :: h(3)     !! 11, 12, 22
+      logical, intent(out) :: exact     !! h is the second derivative itself
       real(wp) :: t1(3), t2(3), x11(3), x12(3), x22(3), full(3), trace
 
       call facet_tangents(c, xi, t1, t2)
@@ -229,8 +231,9 @@ contains
       h = [dot_product(t1, t1), dot_product(t1, t2), dot_product(t2, t2)]
       full = h - [dot_product(r, x11), dot_product(r, x12), dot_product(r, x22)]
       trace = h(1) + h(3)
-      if (full(1) + full(3) > 0.0_wp .and. full(1)*full(3) - full(2)**2 &
-         & > 1.0e-3_wp*(h(1)*h(3) - h(2)**2)) then
+      exact = full(1) + full(3) > 0.0_wp .and. full(1)*full(3) - full(2)**2 &
+         & > 1.0e-3_wp*(h(1)*h(3) - h(2)**2)
+      if (exact) then
          h = full
       else
          h = made_positive(full, 1.0e-3_wp*trace)

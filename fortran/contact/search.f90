@@ -212,14 +212,19 @@ contains
       type(tree_type), intent(in) :: tree
       integer, intent(in) :: i                   !! leaf
       type(limits_type), intent(in) :: limits
-      integer :: first, last, j, f
+      integer :: first, last, j, n, next
+      real(wp) :: bound(leaf)
 
       call leaf_span(tree, i, first, last)
-      do j = first, last
-         f = tree%facet(j)
-         if (box_distance2(surface%low(:, f), surface%high(:, f), query%x) &
-            & > query%best%distance2*(1.0_wp + tie)) cycle
-         call try_facet(query, surface, f, limits)
+      n = last - first + 1
+      do j = 1, n
+         bound(j) = disc_distance2(surface%disc(:, tree%facet(first + j - 1)), query%x)
+      end do
+      do j = 1, n
+         next = minloc(bound(:n), dim=1)
+         if (bound(next) > query%best%distance2*(1.0_wp + tie)) return
+         call try_facet(query, surface, tree%facet(first + next - 1), limits)
+         bound(next) = huge(1.0_wp)
       end do
    end subroutine try_leaf
 
@@ -254,6 +259,17 @@ contains
       d = max(low - x, x - high, 0.0_wp)
       box_distance2 = d(1)*d(1) + d(2)*d(2) + d(3)*d(3)
    end function box_distance2
+
+   !> Squared distance to the disc that holds a facet: a lower bound of that to the facet.
+   pure real(wp) function disc_distance2(disc, x)
+      real(wp), intent(in) :: disc(8), x(3)
+      real(wp) :: arm(3), height, beside
+
+      arm = x - disc(1:3)
+      height = arm(1)*disc(4) + arm(2)*disc(5) + arm(3)*disc(6)
+      beside = sqrt(max(arm(1)*arm(1) + arm(2)*arm(2) + arm(3)*arm(3) - height*height, 0.0_wp))
+      disc_distance2 = max(abs(height) - disc(8), 0.0_wp)**2 + max(beside - disc(7), 0.0_wp)**2
+   end function disc_distance2
 
    !> The projections of many points, in parallel; the answers do not depend on the number of threads.
    subroutine find_projections(surface, tree, x, n_slave, limits, result)

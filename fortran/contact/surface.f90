@@ -27,6 +27,7 @@ module lopin_surface
       ! Present shape
       real(wp), allocatable :: coefficient(:, :, :)  !! (3, 8, n) see lopin_facet_basis [length]
       real(wp), allocatable :: low(:, :), high(:, :) !! (3, n) box of each facet [length]
+      real(wp), allocatable :: disc(:, :)            !! (8, n) centre, unit axis, radius, half thickness [length]
       real(wp), allocatable :: size(:)               !! (n) mean edge length [length]
       real(wp), allocatable :: pseudo(:, :) !! (3, nnode) angle-weighted unit normal of corners
    end type surface_type
@@ -46,7 +47,7 @@ contains
       call find_neighbours(self)
       allocate (self%coefficient(3, ncoefficient, facets%n), self%low(3, facets%n), self%high(3, &
          & facets%n))
-      allocate (self%size(facets%n), self%pseudo(3, self%nnode))
+      allocate (self%disc(8, facets%n), self%size(facets%n), self%pseudo(3, self%nnode))
    end subroutine new_surface
 
    subroutine number_nodes(self)
@@ -156,7 +157,7 @@ contains
       real(wp), intent(in) :: x(:, :) !! (ndim, all mesh nodes) present coordinates [length]
       type(error_type), allocatable, intent(out) :: error
       integer :: i, cell, n, nc
-      real(wp) :: own(3, 8), length, normal(3), t1(3), t2(3)
+      real(wp) :: own(3, 8), length, normal(3), t1(3), t2(3), bulge(3)
       logical :: degenerate
       character(len=60) :: text
 
@@ -167,12 +168,13 @@ contains
          own = 0.0_wp
          own(:self%ndim, :n) = x(:, self%facets%node(:n, i))
          self%coefficient(:, :, i) = coefficients_of(self%basis, cell, own(:, :n))
-         call bound_facet(nc, n, own, self%low(:, i), self%high(:, i))
+         call bound_facet(nc, n, own, self%low(:, i), self%high(:, i), bulge)
          self%size(i) = norm2(own(:, 2) - own(:, 1))
          if (nc > 2) self%size(i) = sum(norm2(own(:, :nc) - cshift(own(:, :nc), 1, dim=2), &
             & dim=1))/real(nc, wp)
          normal = facet_unit_normal(self%coefficient(:, :, i), self%basis%family(cell), &
             & self%basis%centre(:, cell))
+         self%disc(:, i) = enclosing_disc(own(:, :n), nc, normal, norm2(bulge))
          call facet_tangents(self%coefficient(:, :, i), self%basis%centre(:, cell), t1, t2)
          length = dot_product(t1, t1)
          degenerate = .not. length > 0.0_wp .or. .not. norm2(normal) > 0.5_wp
@@ -192,11 +194,11 @@ contains
 
    !> A box that holds the whole facet: a curved edge bulges beyond its nodes by less than the
    !> distance from its mid-side node to its chord; a curved quad by less than twice that.
-   pure subroutine bound_facet(ncorner, nnode, x, low, high)
+   pure subroutine bound_facet(ncorner, nnode, x, low, high, bulge)
       integer, intent(in) :: ncorner, nnode
       real(wp), intent(in) :: x(3, 8)
       real(wp), intent(out) :: low(3), high(3)
-      real(wp) :: bulge(3)
+      real(wp), intent(out) :: bulge(3)       !! by which the facet may pass its nodes [length]
       integer :: k
 
       low = minval(x(:, :nnode), dim=2)
@@ -209,6 +211,30 @@ contains
       low = low - bulge
       high = high + bulge
    end subroutine bound_facet
+
+   !> A flat round disc that holds the whole facet: a closer bound than its box.
+   pure function enclosing_disc(x, ncorner, axis, bulge) result(disc)
+      real(wp), intent(in) :: x(:, :)         !! (3, nnode) [length]
+      integer, intent(in) :: ncorner
+      real(wp), intent(in) :: axis(3)         !! unit
+      real(wp), intent(in) :: bulge           !! [length]
+      real(wp) :: disc(8), arm(3), height
+      integer :: k
+
+      disc = 0.0_wp
+      do k = 1, ncorner
+         disc(1:3) = disc(1:3) + x(:, k)/real(ncorner, wp)
+      end do
+      disc(4:6) = axis
+      do k = 1, size(x, 2)
+         arm = x(:, k) - disc(1:3)
+         height = dot_product(arm, axis)
+         disc(7) = max(disc(7), norm2(arm - height*axis))
+         disc(8) = max(disc(8), abs(height))
+      end do
+      ! A little more than rounding, so that no facet is missed for it.
+      disc(7:8) = (1.0_wp + 1.0e-12_wp)*(disc(7:8) + bulge) + 1.0e-12_wp*disc(7)
+   end function enclosing_disc
 
    !> Angle-weighted normals of the corners: their sign tells inside from outside at a vertex
    !> (Baerentzen and Aanaes 2005).
