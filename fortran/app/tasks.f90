@@ -1,14 +1,17 @@
 !> What each word of the command line does.
 module lopin_tasks
    use, intrinsic :: iso_fortran_env, only : compiler_version, compiler_options
+   use lopin_build_model, only : new_model
    use lopin_command_line, only : options_type
    use lopin_deck, only : deck_type, read_deck
    use lopin_error, only : error_type, error_code, log_type, raise
    use lopin_explain, only : explain, explained_codes
    use lopin_keywords, only : keyword_sheet, keyword_manual
+   use lopin_model, only : model_type
    use lopin_terminal, only : terminal_type
-   use lopin_text, only : plural
+   use lopin_text, only : plural, upper
    use lopin_version, only : version
+   use omp_lib, only : omp_set_num_threads
    implicit none
    private
    public :: run_deck, check_deck, show_info, show_explanation, show_keyword, run_selftest
@@ -19,13 +22,14 @@ contains
    subroutine run_deck(options, terminal)
       type(options_type), intent(in) :: options
       type(terminal_type), intent(inout) :: terminal
+      type(model_type) :: model
       type(error_type), allocatable :: error
 
-      call open_deck(options, terminal)
-      ! The model, the recorders and the analysis are called here, each followed by stop_on:
-      !    call new_model(model, terminal%deck, error);               call terminal%stop_on(error)
-      !    call terminal%show_log(model%log)
-      !    call run_analysis(model, recorders, options..., error);    call terminal%stop_on(error)
+      call open_model(options, terminal, model)
+      if (options%threads > 0) call omp_set_num_threads(options%threads)
+      ! Recorders and analysis come here:
+      !    call new_recorders(recorder, model, options%output, stem, error, deck_file);  stop_on(error)
+      !    call run_analysis(model, recorder, ..., error);                               stop_on(error)
       call raise(error, error_code%internal, 'E0900', 'the analysis is not connected yet')
       call terminal%stop_on(error)
    end subroutine run_deck
@@ -34,11 +38,27 @@ contains
    subroutine check_deck(options, terminal)
       type(options_type), intent(in) :: options
       type(terminal_type), intent(inout) :: terminal
+      type(model_type) :: model
+
+      call open_model(options, terminal, model)
+      call terminal%say(options%subject//': '//plural(model%mesh%nnode, 'node')//', '// &
+         & plural(model%mesh%nelement, 'element')//', '//plural(size(model%pair), 'contact pair')//', '// &
+         & plural(size(model%step), 'step')//': no error')
+   end subroutine check_deck
+
+   !> Read the deck, build the model, and show what both had to say.
+   subroutine open_model(options, terminal, model)
+      type(options_type), intent(in) :: options
+      type(terminal_type), intent(inout) :: terminal
+      type(model_type), intent(out) :: model
+      type(error_type), allocatable :: error
 
       call open_deck(options, terminal)
-      call terminal%say(options%subject//': '//plural(terminal%deck%nblock, 'keyword')//', '// &
-         & plural(size(terminal%deck%source), 'file')//', no error')
-   end subroutine check_deck
+      call new_model(model, terminal%deck, error)
+      call terminal%show_log(model%log)
+      call terminal%stop_on(error)
+      if (len(options%solver) > 0) model%solver = upper(options%solver)
+   end subroutine open_model
 
    !> Read the deck and show what the reader had to say.
    subroutine open_deck(options, terminal)

@@ -13,6 +13,7 @@ contains
       call names(list)
       call mesh(list)
       call contact(list)
+      call gaps(list)
       call conditions(list)
    end subroutine model_explanations
 
@@ -32,6 +33,9 @@ contains
       call add_explanation(list, 'E0204', 'an empty set', &
          & 'A set that something uses has no members, or GENERATE counts nothing.', &
          & 'check first, last and increment of GENERATE.')
+      call add_explanation(list, 'W0401', 'units that do not fit together', &
+         & 'Lopin has no units; a deck uses one consistent set, best mm, N, s, t and MPa. The modulus, the density '// &
+         & 'and the size of the model look as if two sets were mixed.', 'steel in mm, N, t: E = 210000, density 7.8e-9.')
       call add_explanation(list, 'E0205', 'a definition that cannot be used', &
          & 'Something is defined twice, or a word of the mesh is not known.', 'keep one of the definitions.')
    end subroutine names
@@ -42,6 +46,9 @@ contains
       call add_explanation(list, 'E0206', 'an element type that cannot be used', &
          & 'The word after TYPE= is not an element of Lopin, or elements of different kinds (plane, axisymmetric, '// &
          & 'solid) stand in one scene.', 'solids are CPE, CPS, CAX with 3, 4, 6, 8 nodes and C3D with 4, 6, 8, 10, 15, 20.')
+      call add_explanation(list, 'N0206', 'an element word stands for another formulation', &
+         & 'The letters of the word (R, I, H, M) ask for a formulation that Lopin does not have; the message says '// &
+         & 'which one is used.', '')
       call add_explanation(list, 'E0207', 'a node that cannot be used', &
          & 'A node has a position that its kind of scene does not allow, for example a negative radius in an '// &
          & 'axisymmetric scene, or lies outside the plane.', 'correct the coordinates.')
@@ -51,6 +58,8 @@ contains
       call add_explanation(list, 'E0209', 'a part or instance is wrong', &
          & 'A part is not closed, or an instance refers to something that does not exist or cannot be placed.', &
          & 'see `lopin doc ''*INSTANCE''`.')
+      call add_explanation(list, 'N0209', 'numbers of an instance', &
+         & 'Parts are copied into one mesh; the numbers of their nodes and elements are shifted.', '')
       call add_explanation(list, 'E0301', 'a surface names a face that cannot touch', &
          & 'The face does not exist on elements of this type, or it is shared with another element and so is not on '// &
          & 'the boundary.', 'give the element set without a face label: Lopin takes its free faces.')
@@ -82,6 +91,36 @@ contains
          & 'fillet must fit between its neighbours.', 'see `lopin doc ''*SURFACE''`.')
    end subroutine contact
 
+   !> What the first look at the pairs says.
+   subroutine gaps(list)
+      type(explanation_type), allocatable, intent(inout) :: list(:)
+
+      call add_explanation(list, 'E0311', 'slave nodes start inside the master', &
+         & 'Nodes penetrate the master by more than half a facet, or the deck says INITIAL=ERROR. So deep an '// &
+         & 'overclosure is nearly always a mistake of position, unit or side.', &
+         & 'move the tool, or look at the side on which its normal points.')
+      call add_explanation(list, 'W0311', 'an initial overclosure is taken as an interference fit', &
+         & 'Slave nodes start inside the master by more than a thousandth of a facet. They are pushed out over the '// &
+         & 'first step, which loads the body: that is a press fit.', &
+         & 'if it is not meant, give ADJUST= on *CONTACT PAIR or *CONTACT CONTROLS, INITIAL=ADJUST; if it is, '// &
+         & 'INITIAL=INTERFERENCE says so.')
+      call add_explanation(list, 'W0304', 'a pair stands twice, once with its sides swapped', &
+         & 'Each point of contact is then constrained from both sides, which stiffens the contact.', &
+         & 'keep one: the finer, softer side is the slave.')
+      call add_explanation(list, 'W0315', 'a pair can never touch', &
+         & 'No slave node has a point of the master opposite.', &
+         & 'check positions and units, and that the slave''s faces look at the master.')
+      call add_explanation(list, 'N0304', 'a contact card is read in another way', &
+         & 'The message says how; the answer is the same up to the discretisation of contact.', '')
+      call add_explanation(list, 'N0306', 'a datum of the contact law is not used', &
+         & 'The law does not need it, or it belongs to another code.', '')
+      call add_explanation(list, 'N0316', 'slave nodes were set on the master', &
+         & 'Small initial overclosures and gaps within ADJUST= are removed without strain before the first step.', '')
+      call add_explanation(list, 'N0317', 'the stiffness of contact was chosen', &
+         & 'A penalty without a value is chosen so that the pressure error stays below TARGET ERROR of *LOPIN.', &
+         & 'give a slope under *SURFACE BEHAVIOR to choose it yourself.')
+   end subroutine gaps
+
    subroutine conditions(list)
       type(explanation_type), allocatable, intent(inout) :: list(:)
 
@@ -95,8 +134,17 @@ contains
       call add_explanation(list, 'E0404', 'a boundary condition or load that cannot be used', &
          & 'Degrees of freedom are 1 to 3 for translations and 4 to 6 for rotations of a reference node (2D: 1, 2, 6). '// &
          & 'Loads have the words that `lopin doc ''*DLOAD''` lists.', 'correct the dof or the word.')
+      call add_explanation(list, 'N0404', 'a dof that the scene does not have', &
+         & 'A boundary condition on a dof that does not exist in two dimensions holds nothing and is ignored.', '')
+      call add_explanation(list, 'E0407', 'a load that does not exist', &
+         & 'The word of *DLOAD or *DSLOAD is not known, or does not exist in a scene of this kind.', &
+         & '`lopin doc ''*DLOAD''` lists the words.')
+      call add_explanation(list, 'N0407', 'a node is loaded twice', &
+         & 'Two data lines of one step load the same dof; the forces are added, as in Abaqus.', '')
       call add_explanation(list, 'E0405', 'local axes that cannot be used', &
          & 'The two points of *TRANSFORM must give two different directions.', 'see `lopin doc ''*TRANSFORM''`.')
+      call add_explanation(list, 'N0405', 'times of a step were cut', &
+         & 'The initial increment is longer than the period; one increment of the period is used.', '')
       call add_explanation(list, 'E0406', 'an amplitude that cannot be used', &
          & 'The times of an amplitude must grow, and every time has a value.', 'sort the points.')
    end subroutine conditions

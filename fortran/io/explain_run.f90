@@ -10,6 +10,13 @@ contains
    subroutine run_explanations(list)
       type(explanation_type), allocatable, intent(inout) :: list(:)
 
+      call add_explanation(list, 'E0501', 'the contact states cycle', &
+         & 'The set of closed points changes for ever between the same states. The default method cannot cycle in '// &
+         & 'small displacement.', 'use *SURFACE BEHAVIOR, DIRECT, or smaller increments.')
+      call add_explanation(list, 'E0502', 'the multipliers have not settled', &
+         & 'AUGMENTED LAGRANGE takes the load over pass by pass; with a slope far below the stiffness of the body '// &
+         & 'each pass takes over little.', &
+         & 'raise the slope or MAX AUGMENTATIONS=, or leave the slope out: it is then chosen.')
       call add_explanation(list, 'E0601', 'the folder of results cannot be used', &
          & 'The folder cannot be made, or holds the unfinished run of another deck.', &
          & 'give another folder with -o, or --overwrite.')
@@ -25,6 +32,8 @@ contains
       call add_explanation(list, 'E0703', 'the solver failed', &
          & 'The library of the linear solver reports a failure that Lopin cannot put into words.', &
          & 'try another solver with --solver, and report the deck.')
+      call add_explanation(list, 'E0704', 'no such solver', &
+         & 'The word after SOLVER= or --solver names no linear solver of this build.', 'the message lists them.')
       call add_explanation(list, 'E0801', 'the command line is wrong', &
          & 'A word or option of the command line is not known, or lacks its value.', '`lopin --help` lists them all.')
       call add_explanation(list, 'E0802', 'the command is part of the Python package', &
@@ -34,5 +43,7 @@ contains
          & 'The option --strict makes every warning an error.', 'mend what the warnings say, or leave the option out.')
       call add_explanation(list, 'E0900', 'a defect of Lopin', &
          & 'Something happened that should not be possible.', 'report the deck and the message.')
+      call add_explanation(list, 'E0901', 'the contact problem broke down', &
+         & 'The contact solver met numbers that cannot occur.', 'report the deck and the message.')
    end subroutine run_explanations
 end module lopin_explain_run
