@@ -1,7 +1,8 @@
 !> Facets as polynomials: all six cells in one list of monomials, with two derivatives.
 !>
 !> x(xi, eta) = sum_k c(:, k) m_k,   m = 1, xi, eta, xi eta, xi^2, eta^2, xi^2 eta, xi eta^2.
-!> The closest-point iterations work on the coefficients c; shape functions are needed only at its end.
+!> The closest-point iterations work on the coefficients c; shape functions are needed only at its
+!> end.
 module lopin_facet_basis
    use lopin_kinds, only : wp
    use lopin_cells, only : cell_type, cell_family, new_cell_of

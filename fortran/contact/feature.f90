@@ -1,9 +1,9 @@
-!> From the closest point of a surface to a contact point: side, normal and gap at edges and corners.
+!> From the closest point of a surface to a contact point: side, normal, gap at edges and corners.
 !>
-!> Inside a facet the normal is the facet's. On an edge or corner between facets the point belongs to its
-!> Voronoi region: the normal is the direction to the point, and the angle-weighted normal of the edge or
-!> corner tells the side (Baerentzen and Aanaes 2005). On the perimeter the facet goes on by a fraction
-!> of its size, and then ends.
+!> Inside a facet the normal is the facet's. On an edge or corner between facets the point belongs
+!> to its Voronoi region: the normal is the direction to the point, and the angle-weighted normal
+!> of the edge or corner tells the side (Baerentzen and Aanaes 2005). On the perimeter the facet
+!> goes on by a fraction of its size, and then ends.
 module lopin_feature
    use lopin_kinds, only : wp
    use lopin_projection, only : closest_type, place, project_on_facet, facet_unit_normal, edge_ends
@@ -24,7 +24,7 @@ module lopin_feature
 
    !> The master opposite a slave point.
    type :: projection_type
-      integer :: place = 0                  !! lopin_projection's place%...; none: no facet is opposite
+      integer :: place = 0 !! lopin_projection's place%...; none: no facet is opposite
       integer :: facet = 0                  !! index into surface%facets; 0: none
       real(wp) :: xi(2) = 0.0_wp            !! may pass the bounds of the cell when extended
       real(wp) :: shape(8) = 0.0_wp         !! values of the facet's nodes at the foot; sum 1
@@ -93,7 +93,8 @@ contains
 
       result%normal = pseudo
       if (distance > 1.0e-3_wp*touching*surface%size(result%facet)) then
-         result%normal = sign(1.0_wp, dot_product(x - result%point, pseudo))*(x - result%point)/distance
+         result%normal = sign(1.0_wp, dot_product(x - result%point, pseudo))*(x - &
+            & result%point)/distance
       end if
       result%gap = dot_product(x - result%point, result%normal)
    end subroutine take_direction
@@ -142,7 +143,8 @@ contains
       do k = 1, n
          if (surface%local(k, facet) /= node) cycle
          touches_perimeter = surface%neighbour(k, facet) == 0
-         if (n > 2) touches_perimeter = touches_perimeter .or. surface%neighbour(1 + modulo(k - 2, n), facet) == 0
+         if (n > 2) touches_perimeter = touches_perimeter .or. surface%neighbour(1 + modulo(k - 2, &
+            & n), facet) == 0
       end do
    end function touches_perimeter
 
@@ -186,7 +188,8 @@ contains
          if (n > 0) f = surface%ring(i)
          associate (cell => surface%facets%cell(f))
             call project_on_facet(surface%coefficient(:, :, f), surface%basis%family(cell), &
-               & surface%basis%centre(:, cell), slack_of(surface, f, limits%extension + touching), x, trial)
+               & surface%basis%centre(:, cell), slack_of(surface, f, limits%extension + touching), &
+               & x, trial)
          end associate
          if (trial%distance2 >= best .or. .not. may_carry(surface, f, trial)) cycle
          best = trial%distance2
@@ -206,8 +209,8 @@ contains
       end if
    end subroutine extend
 
-   !> A continued facet carries a foot inside its wider bounds, or on an edge that it shares: the end of
-   !> a ridge in a plane of symmetry.
+   !> A continued facet carries a foot inside its wider bounds, or on an edge that it shares: the
+   !> end of a ridge in a plane of symmetry.
    pure logical function may_carry(surface, facet, closest)
       type(surface_type), intent(in) :: surface
       integer, intent(in) :: facet
@@ -239,7 +242,8 @@ contains
                call project_on_facet(surface%coefficient(:, :, f), &
                   & surface%basis%family(surface%facets%cell(f)), &
                   & surface%basis%centre(:, surface%facets%cell(f)), none, x, trial)
-               if (sqrt(trial%distance2) < sqrt(closest%distance2) - touching*surface%size(f)) owns = .false.
+               if (sqrt(trial%distance2) < sqrt(closest%distance2) - &
+                  & touching*surface%size(f)) owns = .false.
             end do
          end associate
       end do

@@ -1,7 +1,8 @@
 !> Closest point of one facet, and the conventions of gap and normal.
 !>
 !> The normal points out of the master, towards the slave; gap g = (x_s - x_m).n, >= 0 open, < 0
-!> penetrating. Facet nodes are ordered as in lopin_cells: right-hand rule, or right of 1 -> 2 for lines.
+!> penetrating. Facet nodes are ordered as in lopin_cells: right-hand rule, or right of 1 -> 2 for
+!> lines.
 !>
 !> The distance is minimised by Newton steps; each step solves its quadratic model exactly under the
 !> bounds of the cell, so that edges and corners need no other treatment.
@@ -35,7 +36,7 @@ module lopin_projection
 
    integer, parameter :: most_iterations = 40
    real(wp), parameter :: settled = 1.0e-13_wp       !! step in reference units
-   real(wp), parameter :: quadratic = 1.0e-8_wp      !! a full Newton step this small is the last one needed
+   real(wp), parameter :: quadratic = 1.0e-8_wp !! a Newton step this small is the last
    real(wp), parameter :: rounding = 1.0e-14_wp      !! relative, of a squared distance
    real(wp), parameter :: pushing = 1.0e-10_wp       !! relative slope that presses against a bound
 
@@ -98,8 +99,8 @@ contains
       if (family == cell_family%line) xi = corner(:, k)
    end function edge_ends
 
-   !> A line: Newton within a bracket; the slope of the squared distance of a line3 is a cubic, of which
-   !> the lowest minimum is wanted: the search starts from the best of a few samples.
+   !> A line: Newton within a bracket; the slope of the squared distance of a line3 is a cubic, of
+   !> which the lowest minimum is wanted: the search starts from the best of a few samples.
    pure subroutine project_on_line(c, corner, start, x, closest)
       real(wp), intent(in) :: c(3, ncoefficient), corner(2, 4), start, x(3)
       type(closest_type), intent(inout) :: closest
@@ -193,7 +194,8 @@ contains
       call classify(c, n, corner, xi, r, closest)
    end subroutine minimise
 
-   !> A curved facet can have several local minima: start half-way to the corner or edge that is nearest.
+   !> A curved facet can have several local minima: start half-way to the corner or edge that is
+   !> nearest.
    pure subroutine best_sample(c, n, corner, x, xi)
       real(wp), intent(in) :: c(3, ncoefficient)
       integer, intent(in) :: n
@@ -366,7 +368,7 @@ contains
       real(wp), intent(in) :: c(3, ncoefficient)
       integer, intent(in) :: family
       real(wp), intent(in) :: xi(2)
-      real(wp), intent(out) :: tangent(3, 2) !! d x/d xi, d x/d eta; the second is 0 on lines [length]
+      real(wp), intent(out) :: tangent(3, 2) !! by xi and eta; the second is 0 on lines [length]
       real(wp), intent(out) :: metric(2, 2)       !! tangent.tangent [length^2]
       real(wp), intent(out) :: curvature(2, 2)    !! n.x,ab [length]
       real(wp) :: x11(3), x12(3), x22(3), n(3)

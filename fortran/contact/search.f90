@@ -1,7 +1,8 @@
 !> Contact search: the facet that each slave point may meet.
 !>
-!> A tree of boxes over the facets (Morton order, implicit binary tree, leaves of four) gives the facets
-!> near a point; the nearest foot among those that face the point wins, ties go to the lowest facet.
+!> A tree of boxes over the facets (Morton order, implicit binary tree, leaves of four) gives the
+!> facets near a point; the nearest foot among those that face the point wins, ties go to the
+!> lowest facet.
 module lopin_search
    use lopin_kinds, only : wp, lk
    use lopin_projection, only : closest_type, place, project_on_facet, facet_unit_normal
@@ -13,7 +14,7 @@ module lopin_search
 
    integer, parameter :: leaf = 4
    integer, parameter :: deepest = 64        !! entries of the stack; the tree has at most 31 levels
-   real(wp), parameter :: tie = 1.0e-12_wp   !! relative difference of squared distances that is rounding
+   real(wp), parameter :: tie = 1.0e-12_wp !! relative rounding of squared distances
 
    !> Boxes in heap order: children of node k are 2k and 2k+1; the leaves are the last half.
    type :: tree_type
@@ -128,8 +129,10 @@ contains
          self%high(:, k) = -huge(1.0_wp)
          call leaf_span(self, i, first, k)
          do first = first, k
-            self%low(:, self%nleaf - 1 + i) = min(self%low(:, self%nleaf - 1 + i), low(:, self%facet(first)))
-            self%high(:, self%nleaf - 1 + i) = max(self%high(:, self%nleaf - 1 + i), high(:, self%facet(first)))
+            self%low(:, self%nleaf - 1 + i) = min(self%low(:, self%nleaf - 1 + i), low(:, &
+               & self%facet(first)))
+            self%high(:, self%nleaf - 1 + i) = max(self%high(:, self%nleaf - 1 + i), high(:, &
+               & self%facet(first)))
          end do
       end do
       do k = self%nleaf - 1, 1, -1
@@ -155,7 +158,7 @@ contains
       type(surface_type), intent(in) :: surface
       type(tree_type), intent(in) :: tree
       real(wp), intent(in) :: x(:)                !! (ndim) [length]
-      real(wp), intent(in) :: n_slave(:)          !! (ndim) outward unit normal of the slave; 0: any side
+      real(wp), intent(in) :: n_slave(:) !! (ndim) outward unit normal of the slave; 0: any side
       type(limits_type), intent(in) :: limits
       type(projection_type), intent(out) :: result
       type(query_type) :: query
@@ -177,7 +180,8 @@ contains
             call push_children(query, tree, 2*k, 2*k + 1)
          end if
       end do
-      if (query%facet > 0) call settle(surface, query%facet, query%best, query%x, query%sided, limits, result)
+      if (query%facet > 0) call settle(surface, query%facet, query%best, query%x, query%sided, &
+         & limits, result)
    end subroutine find_projection
 
    pure subroutine push(query, tree, node)
@@ -247,7 +251,8 @@ contains
          & .and. f > query%facet) return
       n = facet_unit_normal(surface%coefficient(:, :, f), family, trial%xi)
       if (query%sided .and. dot_product(query%normal, n) > limits%cosine) return
-      if (trial%place == place%inside .and. dot_product(query%x - trial%point, n) < -limits%depth) return
+      if (trial%place == place%inside .and. dot_product(query%x - trial%point, &
+         & n) < -limits%depth) return
       query%best = trial
       query%facet = f
    end subroutine try_facet
@@ -271,7 +276,8 @@ contains
       disc_distance2 = max(abs(height) - disc(8), 0.0_wp)**2 + max(beside - disc(7), 0.0_wp)**2
    end function disc_distance2
 
-   !> The projections of many points, in parallel; the answers do not depend on the number of threads.
+   !> The projections of many points, in parallel; the answers do not depend on the number of
+   !> threads.
    subroutine find_projections(surface, tree, x, n_slave, limits, result)
       type(surface_type), intent(in) :: surface
       type(tree_type), intent(in) :: tree

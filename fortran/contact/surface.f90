@@ -18,7 +18,7 @@ module lopin_surface
       type(facets_type) :: facets
       integer :: nnode = 0
       integer, allocatable :: node(:)          !! (nnode) mesh nodes of the surface, increasing
-      integer, allocatable :: local(:, :) !! (8, n) index into `node` of each facet node, 0 behind the last
+      integer, allocatable :: local(:, :) !! (8, n) index into `node`, 0 behind the last
       integer, allocatable :: neighbour(:, :)  !! (4, n) facet across each edge; 0 on the perimeter
       integer, allocatable :: twin(:, :)       !! (4, n) number of that edge in the neighbour
       integer, allocatable :: ring_first(:)    !! (nnode+1) first entry of `ring` of each node
@@ -27,7 +27,7 @@ module lopin_surface
       ! Present shape
       real(wp), allocatable :: coefficient(:, :, :)  !! (3, 8, n) see lopin_facet_basis [length]
       real(wp), allocatable :: low(:, :), high(:, :) !! (3, n) box of each facet [length]
-      real(wp), allocatable :: disc(:, :)            !! (8, n) centre, unit axis, radius, half thickness [length]
+      real(wp), allocatable :: disc(:, :) !! (8, n) centre, axis, radius, half height [length]
       real(wp), allocatable :: size(:)               !! (n) mean edge length [length]
       real(wp), allocatable :: pseudo(:, :) !! (3, nnode) angle-weighted unit normal of corners
    end type surface_type
@@ -133,7 +133,8 @@ contains
       end do
    end subroutine find_neighbours
 
-   !> Number of the edge b -> a in a facet (a line: of the opposite end at node a); 0 if it has none.
+   !> Number of the edge b -> a in a facet (a line: of the opposite end at node a); 0 if it has
+   !> none.
    pure integer function edge_in(self, facet, end, a, b) result(edge)
       type(surface_type), intent(in) :: self
       integer, intent(in) :: facet, end, a, b

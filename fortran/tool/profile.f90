@@ -130,7 +130,8 @@ contains
       segment%tb = segment%ta
    end subroutine new_line
 
-   !> The centre of the deck has few digits: it is moved to the nearest point equally far from both ends.
+   !> The centre of the deck has few digits: it is moved to the nearest point equally far from both
+   !> ends.
    subroutine new_arc(segment, at, error)
       type(segment_type), intent(inout) :: segment   !! a, b and c are given
       type(location_type), intent(in) :: at
@@ -225,7 +226,8 @@ contains
       end if
       if (.not. ok) then
          write (value, &
-            & '("FILLET RADIUS=",g0.6," does not fit the corner at (",g0.6,", ",g0.6,")")') fillet, one%b
+            & '("FILLET RADIUS=",g0.6," does not fit the corner at (",g0.6,", ",g0.6,")")') &
+            & fillet, one%b
          call raise(error, error_code%deck, 'E0314', trim(value), at, &
             & help='take a smaller radius, or leave the corner sharp (no fillet beside PARAB)')
          return

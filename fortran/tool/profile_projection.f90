@@ -335,8 +335,8 @@ contains
 
    !> Directions of travel before and after an end of segment k.
    !>
-   !> An end on the axis x = 0 seen from x >= 0 meets its mirror image: the tip of an axisymmetric or
-   !> half-modelled punch is a corner (or smooth), not an open end.
+   !> An end on the axis x = 0 seen from x >= 0 meets its mirror image: the tip of an axisymmetric
+   !> or half-modelled punch is a corner (or smooth), not an open end.
    pure subroutine joint(profile, k, last, p, before, after, has_neighbour)
       type(profile_type), intent(in) :: profile
       integer, intent(in) :: k

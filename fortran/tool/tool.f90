@@ -1,7 +1,8 @@
 !> The contract of a rigid tool: where is the closest point of its surface, and on which side.
 !>
-!> The geometry stands in the tool frame, which is the global frame at time 0. The normal points out of
-!> the tool, towards the body that may touch it; the gap g = n.(x - foot) is positive when open.
+!> The geometry stands in the tool frame, which is the global frame at time 0. The normal points
+!> out of the tool, towards the body that may touch it; the gap g = n.(x - foot) is positive when
+!> open.
 module lopin_tool
    use lopin_kinds, only : wp
    use lopin_rigid_motion, only : rigid_motion_type
@@ -39,8 +40,8 @@ module lopin_tool
       !> Closest point among all parts of the surface, by distance, never by the least signed gap.
       !>
       !> A sharp convex corner owns the wedge of points nearest to it: the normal is the direction
-      !> from the corner. Beyond an open end (`overhang` > 0) the foot is the end, and gap and normal
-      !> continue the tangent there: the caller decides how far to believe them.
+      !> from the corner. Beyond an open end (`overhang` > 0) the foot is the end, and gap and
+      !> normal continue the tangent there: the caller decides how far to believe them.
       pure subroutine project_if(self, x, foot)
          import :: tool_type, foot_type, wp
          class(tool_type), intent(in) :: self

@@ -31,7 +31,7 @@ contains
       real(wp), intent(in) :: axis(3)              !! direction, any length > 0
       real(wp), intent(in) :: radius               !! > 0 [length]
       type(error_type), allocatable, intent(out) :: error
-      real(wp), intent(in), optional :: length !! from the origin along the axis; absent or 0: infinite [length]
+      real(wp), intent(in), optional :: length !! from the origin; absent or 0: infinite [length]
       logical, intent(in), optional :: bore
       character(len=40) :: value
 

@@ -27,7 +27,7 @@ contains
 
       length = norm2(normal)
       if (.not. length > 0.0_wp) then
-         call raise(error, error_code%deck, 'E0312', 'the normal of a plane has no length')
+         call raise(error, error_code%deck, 'E0313', 'the normal of a plane has no length')
          return
       end if
       self%ndim = size(origin)

@@ -305,7 +305,8 @@ contains
       call close_to('concave', foot%gap, -0.5_wp*(root2 - 1.0_wp), tight)
 
       call test('a fillet between a line and an arc is tangent to both')
-      ! Floor y = 0 to the foot of a bump of radius 2 about (0, 0): fillet centre at height 1, 3 from the centre.
+      ! Floor y = 0 to the foot of a bump of radius 2 about (0, 0): fillet centre at height 1, 3
+      ! from the centre.
       call make(tool, ['START', 'LINE ', 'CIRCL', 'CIRCL'], [-5.0_wp, 0.0_wp, -2.0_wp, 0.0_wp, &
          & 0.0_wp, 2.0_wp, &
          & 0.0_wp, 0.0_wp, 2.0_wp, 0.0_wp, 0.0_wp, 0.0_wp], 1.0_wp)
