@@ -22,10 +22,13 @@ def core():
     """The Fortran module behind f2py."""
     try:
         extension = importlib.import_module("lopin._core")
-    except ImportError as problem:
+    except ModuleNotFoundError as problem:
         raise LopinError("the compiled part of Lopin is missing (lopin._core)",
                          help="run './bootstrap build' in the source folder, or 'pip install .'"
                          ) from problem
+    except ImportError as problem:
+        raise LopinError(f"the compiled part of Lopin cannot be loaded: {problem}",
+                         help="build it again with the Python that uses it") from problem
     return extension.lopin_api
 
 
@@ -113,20 +116,29 @@ def probe_shape(cell: str, xi: ArrayLike) -> tuple[NDArray, NDArray]:
     """Shape functions (node,) and parametric slopes (node, ndim) of the Fortran cells."""
     from .cells import CELLS
 
-    n_node = CELLS[cell].n_node
-    values, slopes = core().probe_shape(cell, np.asarray(xi, float), n_node)[:2]
+    values, slopes, code = core().probe_shape(
+        cell=_cell_name(cell), xi=np.atleast_1d(np.asarray(xi, float)), nnode=CELLS[cell].n_node)
+    _answered(code, f"there is no cell '{cell}'")
     return values, slopes.T.copy()
 
 
 def probe_project(cell: str, x: ArrayLike, point: ArrayLike) -> tuple[NDArray, float, NDArray]:
     """Closest point on one facet: xi, signed gap, normal; x (node, ndim)."""
-    xi, gap, normal = core().probe_project(cell, _fortran(x), np.asarray(point, float))[:3]
+    xi, gap, normal, code = core().probe_project(
+        cell=_cell_name(cell), x=_fortran(x), point=np.asarray(point, float))
+    _answered(code, f"no projection on '{cell}'")
     return xi, float(gap), normal
 
 
 def probe_tool_gap(kind: str, data: ArrayLike, points: ArrayLike) -> tuple[NDArray, NDArray]:
-    """Gaps (point,) and normals (point, ndim) of a rigid tool."""
-    gap, normal = core().probe_tool_gap(kind, np.asarray(data, float), _fortran(points))[:2]
+    """Gaps (point,) and normals (point, ndim) of a rigid tool.
+
+    `data`: "plane": origin, normal; "sphere": centre, radius; "cylinder": start, end, radius;
+    "profile": five numbers a row, 0 START, 1 LINE or 2 CIRCL, then its coordinates and zeros.
+    """
+    gap, normal, code = core().probe_tool_gap(
+        kind=kind, data=np.ravel(np.asarray(data, float)), points=_fortran(points))
+    _answered(code, f"no tool '{kind}'")
     return gap, normal.T.copy()
 
 
@@ -134,18 +146,28 @@ def probe_skyline_solve(pointers: ArrayLike, rows: ArrayLike, values: ArrayLike,
                         right: ArrayLike) -> NDArray:
     """Solve with the skyline solver; lower triangle by columns, 0-based."""
     x, code = core().probe_skyline_solve(
-        np.asarray(pointers, np.int32) + 1, np.asarray(rows, np.int32) + 1,
-        np.asarray(values, float), np.asarray(right, float))[:2]
-    if code:
-        raise error_of(int(code), [], "the skyline solver met a zero pivot")
+        pointer=np.asarray(pointers, np.int32) + 1, row=np.asarray(rows, np.int32) + 1,
+        value=np.asarray(values, float), b=np.asarray(right, float))
+    _answered(code, "the skyline solver met a zero pivot")
     return x
 
 
 def probe_contact(compliance: ArrayLike, gap: ArrayLike) -> tuple[NDArray, int]:
     """Contact forces of a compliance and its free gaps, by the condensed active set; iterations."""
-    force, iterations = core().probe_contact(np.asfortranarray(compliance, float),
-                                             np.asarray(gap, float))[:2]
+    force, iterations, code = core().probe_contact(
+        compliance=np.asfortranarray(compliance, float), gap=np.asarray(gap, float))
+    _answered(code, "the active set did not settle")
     return force, int(iterations)
+
+
+def _cell_name(cell: str) -> str:
+    """meshio's "line" is "line2" in Fortran; the other names are the same."""
+    return "line2" if cell == "line" else cell
+
+
+def _answered(code: int, otherwise: str) -> None:
+    if code:
+        raise error_of(int(code), [], otherwise)
 
 
 def _fortran(x: ArrayLike) -> NDArray:

@@ -1,6 +1,7 @@
 """Closed-form solutions to compare with: functions of the scene's parameters.
 
-Half-spaces are in `closed_hertz`, bodies and structures in `closed_solids`; all are named here.
+Half-spaces are in `closed_hertz`, bodies and structures in `closed_solids`, exact fields of a
+unilateral support in `closed_signorini`; all are named here.
 """
 from .closed_hertz import (
     RIGID,
@@ -23,10 +24,10 @@ from .closed_hertz import (
     hertz_sphere_plane,
     relative_radius,
 )
+from .closed_signorini import PlaneField, signorini_singular, signorini_smooth
 from .closed_solids import (
     LiftedBeam,
     OneContact,
-    PlaneField,
     Tube,
     bar_with_gap,
     bar_with_gap_augmented,
@@ -34,8 +35,6 @@ from .closed_solids import (
     nested_rings,
     penalty_error,
     penalty_slope,
-    signorini_singular,
-    signorini_smooth,
     thick_tube,
     two_springs,
 )
