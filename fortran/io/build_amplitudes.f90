@@ -4,7 +4,8 @@ module lopin_build_amplitudes
    use lopin_error, only : location_type, log_type, severity
    use lopin_text, only : to_text
    use lopin_model, only : model_type, amplitude_type, amplitude_value
-   use lopin_block, only : deck_type, block_type, field_type, split_fields, field_real, complain, line_place
+   use lopin_block, only : deck_type, block_type, field_type, split_fields, field_real, complain, &
+      & line_place
    use lopin_build_scene, only : scene_type, name_type, need_word, get_word, find_name, no_such
    implicit none
    private
@@ -16,7 +17,7 @@ contains
       type(model_type), intent(inout) :: model
       type(deck_type), intent(in) :: deck
       type(scene_type), intent(in) :: scene
-      logical, allocatable, intent(out) :: absolute(:)   !! VALUE=ABSOLUTE: the points are the load itself
+      logical, allocatable, intent(out) :: absolute(:)   !! VALUE=ABSOLUTE: points are the load
       type(amplitude_type) :: amplitude
       character(len=:), allocatable :: word
       type(location_type) :: at
@@ -31,7 +32,8 @@ contains
             call need_word(block, 'NAME', amplitude%name, at, found, model%log)
             if (.not. found) cycle
             do i = 1, size(model%amplitude)
-               if (model%amplitude(i)%name == amplitude%name) call complain(model%log, 'E0205', 'amplitude `' &
+               if (model%amplitude(i)%name == amplitude%name) call complain(model%log, 'E0205', &
+                  & 'amplitude `' &
                   & //amplitude%name//'` is defined twice', at)
             end do
             call get_word(block, 'TIME', word, at, found)
@@ -65,7 +67,8 @@ contains
             pair = [pair, value]
             if (mod(size(pair), 2) == 1 .and. size(pair) > 1) then
                if (found .and. .not. value > pair(size(pair) - 2)) then
-                  call complain(log, 'E0406', 'time '//to_text(value, 6)//' of amplitude `'//amplitude%name &
+                  call complain(log, 'E0406', 'time '//to_text(value, 6)//' of amplitude `' &
+                     & //amplitude%name &
                      & //'` does not come after '//to_text(pair(size(pair) - 2), 6), field(i)%at)
                   found = .false.
                end if
@@ -75,7 +78,8 @@ contains
          end do
       end do
       if (size(pair) == 0 .or. mod(size(pair), 2) == 1) then
-         if (log%count_of(severity%error) == 0) call complain(log, 'E0406', 'amplitude `'//amplitude%name &
+         if (log%count_of(severity%error) == 0) call complain(log, 'E0406', 'amplitude `' &
+            & //amplitude%name &
             & //'` needs pairs of time and value; '//to_text(size(pair))//' numbers given', at)
          pair = [0.0_wp, 1.0_wp]
       end if

@@ -1,12 +1,14 @@
 !> `*BOUNDARY`: the complete list of prescribed dofs of each step.
 !>
-!> What the model part prescribes is in force in every step until OP=NEW; later lines override earlier ones.
+!> What the model part prescribes is in force in every step until OP=NEW; later lines override
+!> earlier ones.
 module lopin_build_boundary
    use lopin_kinds, only : wp
    use lopin_error, only : location_type, log_type, severity
    use lopin_text, only : upper, to_text, parse_integer
    use lopin_model, only : model_type, prescribed_type
-   use lopin_block, only : deck_type, block_type, field_type, split_fields, field_real, field_integer, complain, &
+   use lopin_block, only : deck_type, block_type, field_type, split_fields, field_real, &
+      & field_integer, complain, &
       & has_parameter
    use lopin_build_scene, only : scene_type, nodes_of, get_word
    use lopin_build_amplitudes, only : read_amplitude_word, hold_value
@@ -32,9 +34,11 @@ module lopin_build_boundary
    end type boundary_type
 
    !> Words for sets of dofs, as 1..6 marks.
-   character(len=*), parameter :: words(8) = [character(len=8) :: 'ENCASTRE', 'PINNED', 'XSYMM', 'YSYMM', 'ZSYMM', &
+   character(len=*), parameter :: words(8) = [character(len=8) :: 'ENCASTRE', 'PINNED', 'XSYMM', &
+      & 'YSYMM', 'ZSYMM', &
       & 'XASYMM', 'YASYMM', 'ZASYMM']
-   character(len=*), parameter :: marks(8) = ['111111', '111000', '100011', '010101', '001110', '011100', &
+   character(len=*), parameter :: marks(8) = ['111111', '111000', '100011', '010101', '001110', &
+      & '011100', &
       & '101010', '110001']
 
 contains
@@ -113,7 +117,8 @@ contains
       integer, intent(in) :: step
       integer :: k
 
-      if (step > 1) call hold_value(model, model%step(step - 1)%period, self%item(:self%n)%amplitude, &
+      if (step > 1) call hold_value(model, model%step(step - 1)%period, &
+         & self%item(:self%n)%amplitude, &
          & self%item(:self%n)%value)
       if (step > 0) then
          if (asks_new(deck, scene, step, 'BOUNDARY')) then
@@ -154,7 +159,8 @@ contains
          item%at%last = field(n)%at%last
          call nodes_of(scene, model%mesh, field(1), scope, node, model%log)
          if (n < 2) then
-            call complain(model%log, 'E0103', 'a dof is missing after `'//field(1)%text//'`', item%at, &
+            call complain(model%log, 'E0103', 'a dof is missing after `'//field(1)%text//'`', &
+               & item%at, &
                & help='node or node set, first dof, last dof, value')
             cycle
          end if
@@ -195,9 +201,11 @@ contains
 
       value = 0.0_wp
       last = 0
-      if (verify(upper(field(2)%text(:min(1, len(field(2)%text)))), 'ABCDEFGHIJKLMNOPQRSTUVWXYZ') == 0 &
+      if (verify(upper(field(2)%text(:min(1, len(field(2)%text)))), &
+         & 'ABCDEFGHIJKLMNOPQRSTUVWXYZ') == 0 &
          & .and. len(field(2)%text) > 0) then
-         call complain(log, 'E0404', 'the word `'//upper(field(2)%text)//'` is not known', field(2)%at, &
+         call complain(log, 'E0404', 'the word `'//upper(field(2)%text)//'` is not known', &
+            & field(2)%at, &
             & help='a dof, or ENCASTRE, PINNED, XSYMM, YSYMM, ZSYMM, XASYMM, YASYMM, ZASYMM')
          found = .false.
          return
@@ -209,7 +217,8 @@ contains
       if (last == 0) last = first
       if (size(field) > 3) call field_real(field(4), value, log, given)
       if (last < first) then
-         call complain(log, 'E0404', 'dofs '//to_text(first)//' to '//to_text(last)//' are none', field(3)%at)
+         call complain(log, 'E0404', 'dofs '//to_text(first)//' to '//to_text(last)//' are none', &
+            & field(3)%at)
          found = .false.
       end if
    end subroutine read_line
@@ -266,7 +275,8 @@ contains
                call prescribe(self, item)
             else if (self%slot(dof, node(i)) == 0) then
                call complain(model%log, 'E0404', 'FIXED holds dof '//to_text(dof)//' of node ' &
-                  & //to_text(model%mesh%node_label(node(i)))//', which was free: that is not in this version', at, &
+                  & //to_text(model%mesh%node_label(node(i))) &
+                  & //', which was free: that is not in this version', at, &
                   & help='FIXED works for dofs that the step before prescribed')
                return
             end if
@@ -283,9 +293,11 @@ contains
       text = 'dof '//to_text(dof)//' does not exist'
       help = '1 to 3 are translations, 4 to 6 rotations of a reference node'
       if (dof >= 4 .and. dof <= 6) then
-         text = 'node '//to_text(model%mesh%node_label(node))//' has no rotations: dof '//to_text(dof) &
+         text = 'node '//to_text(model%mesh%node_label(node))//' has no rotations: dof ' &
+            & //to_text(dof) &
             & //' does not exist'
-         help = 'only the REF NODE of a *RIGID BODY has dofs 4 to 6; solid elements have translations only'
+         help = 'only the REF NODE of a *RIGID BODY has dofs 4 to 6; solid elements have ' &
+            & //'translations only'
       end if
       call complain(model%log, 'E0404', text, at, help=help)
    end subroutine refuse_dof
@@ -322,7 +334,8 @@ contains
          dof = model%equation(i)%dof(1)
          if (dof < 1 .or. dof > 6) cycle
          k = self%slot(dof, node)
-         if (k > 0) call twice(model, node, dof, 'by *BOUNDARY of line '//to_text(self%item(k)%at%line) &
+         if (k > 0) call twice(model, node, dof, 'by *BOUNDARY of line ' &
+            & //to_text(self%item(k)%at%line) &
             & //' and by *EQUATION of line '//to_text(model%equation(i)%at%line), self%item(k)%at)
       end do
       owner = 0
@@ -332,8 +345,10 @@ contains
       do i = 1, self%n
          node = self%item(i)%node
          if (owner(node) == 0) cycle
-         call twice(model, node, self%item(i)%dof, 'by *BOUNDARY of line '//to_text(self%item(i)%at%line) &
-            & //' and by *RIGID BODY of line '//to_text(model%rigid_body(owner(node))%at%line), self%item(i)%at)
+         call twice(model, node, self%item(i)%dof, 'by *BOUNDARY of line ' &
+            & //to_text(self%item(i)%at%line) &
+            & //' and by *RIGID BODY of line '//to_text(model%rigid_body(owner(node))%at%line), &
+            & self%item(i)%at)
          return
       end do
    end subroutine check_boundary
@@ -344,8 +359,10 @@ contains
       character(len=*), intent(in) :: by
       type(location_type), intent(in) :: at
 
-      call complain(model%log, 'E0403', 'dof '//to_text(dof)//' of node '//to_text(model%mesh%node_label(node)) &
-         & //' is constrained twice: '//by, at, help='remove one; the first term of an equation and the nodes ' &
+      call complain(model%log, 'E0403', 'dof '//to_text(dof)//' of node ' &
+         & //to_text(model%mesh%node_label(node)) &
+         & //' is constrained twice: '//by, at, &
+         & help='remove one; the first term of an equation and the nodes ' &
          & //'of a rigid body are not free to be prescribed')
    end subroutine twice
 end module lopin_build_boundary

@@ -4,9 +4,11 @@ module lopin_build_constraints
    use lopin_error, only : location_type, log_type, severity
    use lopin_text, only : to_text, plural, upper
    use lopin_model, only : model_type, rigid_body_type, equation_type, surface_of
-   use lopin_block, only : deck_type, block_type, field_type, split_fields, field_real, field_integer, complain, &
+   use lopin_block, only : deck_type, block_type, field_type, split_fields, field_real, &
+      & field_integer, complain, &
       & line_place
-   use lopin_build_scene, only : scene_type, list_type, push, need_word, get_word, nodes_of, node_of, set_named
+   use lopin_build_scene, only : scene_type, list_type, push, need_word, get_word, nodes_of, &
+      & node_of, set_named
    use lopin_build_surfaces, only : surface_named
    use lopin_build_parts, only : placed
    implicit none
@@ -46,7 +48,8 @@ contains
       type(block_type), intent(in) :: block
       integer, intent(in) :: scope
       logical, intent(inout) :: rigid(:)
-      character(len=*), parameter :: node_words(3) = [character(len=8) :: 'NSET', 'PIN NSET', 'TIE NSET']
+      character(len=*), parameter :: node_words(3) = [character(len=8) :: 'NSET', 'PIN NSET', &
+         & 'TIE NSET']
       character(len=:), allocatable :: word
       type(location_type) :: at
       type(list_type) :: list
@@ -58,7 +61,7 @@ contains
       call get_word(block, 'REF NODE', word, at, found)
       if (found) body%reference = node_of(scene, model%mesh, word, scope, at, model%log)
       if (.not. found) call complain(model%log, 'E0305', '*RIGID BODY has no REF NODE', block%at, &
-         & help='give a node number or a set of one node: it carries the motion and the force of the body')
+         & help='give a node number or a set of one node: it carries the motion of the body')
       call get_word(block, 'ROT NODE', word, at, found)
       if (found) body%rotation = node_of(scene, model%mesh, word, scope, at, model%log)
       call get_word(block, 'ANALYTICAL SURFACE', word, at, found)
@@ -99,14 +102,16 @@ contains
       k = surface_named(model, scene, word, scope, at)
       if (k == 0) return
       if (model%surface(k)%kind /= surface_of%tool) then
-         call complain(model%log, 'E0305', 'surface `'//word//'` is not analytical: it has elements or nodes', at, &
+         call complain(model%log, 'E0305', 'surface `'//word &
+            & //'` is not analytical: it has elements or nodes', at, &
             & help='name its elements by ELSET=')
          return
       end if
       body%tool = model%surface(k)%tool
       if (body%tool == 0) return
       if (model%tool(body%tool)%rigid_body > 0) then
-         call complain(model%log, 'E0305', 'surface `'//word//'` moves with another rigid body already, of line ' &
+         call complain(model%log, 'E0305', 'surface `'//word &
+            & //'` moves with another rigid body already, of line ' &
             & //to_text(model%rigid_body(model%tool(body%tool)%rigid_body)%at%line), at)
          body%tool = 0
       end if
@@ -159,7 +164,8 @@ contains
          node = model%rigid_body(b)%node(i)
          if (owner(node) > 0) then
             call complain(model%log, 'E0403', 'node '//to_text(model%mesh%node_label(node)) &
-               & //' follows two rigid bodies, of lines '//to_text(model%rigid_body(owner(node))%at%line)//' and ' &
+               & //' follows two rigid bodies, of lines ' &
+               & //to_text(model%rigid_body(owner(node))%at%line)//' and ' &
                & //to_text(model%rigid_body(b)%at%line), model%rigid_body(b)%at)
             return
          end if
@@ -167,7 +173,7 @@ contains
       end do
    end subroutine claim_nodes
 
-   !> The number of terms, then `node or set, dof, coefficient` three by three over as many lines as needed.
+   !> The number of terms, then `node or set, dof, coefficient` three by three over several lines.
    subroutine build_equations(model, deck, scene)
       type(model_type), intent(inout) :: model
       type(deck_type), intent(in) :: deck
@@ -185,7 +191,8 @@ contains
                call split_fields(block%line(j), field, n)
                call field_integer(field(1), nterm, model%log, found)
                if (.not. found .or. nterm < 1) then
-                  if (found) call complain(model%log, 'E0103', 'an equation has at least one term', field(1)%at)
+                  if (found) call complain(model%log, 'E0103', &
+                     & 'an equation has at least one term', field(1)%at)
                   exit
                end if
                allocate (term(0))
@@ -195,12 +202,15 @@ contains
                   term = [term, field(:n)]
                end do
                if (size(term) /= 3*nterm) then
-                  call complain(model%log, 'E0103', 'an equation of '//plural(nterm, 'term')//' has ' &
-                     & //to_text(3*nterm)//' fields: node, dof, coefficient; '//to_text(size(term))//' given', &
+                  call complain(model%log, 'E0103', 'an equation of '//plural(nterm, 'term') &
+                     & //' has ' &
+                     & //to_text(3*nterm)//' fields: node, dof, coefficient; ' &
+                     & //to_text(size(term))//' given', &
                      & line_place(block%line(j)))
                   exit
                end if
-               call add_equations(model, scene, scene%card(k)%scope, term, line_place(block%line(j)))
+               call add_equations(model, scene, scene%card(k)%scope, term, &
+                  & line_place(block%line(j)))
                deallocate (term)
                j = j + 1
             end do
@@ -224,7 +234,8 @@ contains
       logical :: found
 
       equation%at = at
-      allocate (equation%node(size(member)), equation%dof(size(member)), equation%coefficient(size(member)))
+      allocate (equation%node(size(member)), equation%dof(size(member)), &
+         & equation%coefficient(size(member)))
       number = 1
       do i = 1, size(member)
          call nodes_of(scene, model%mesh, term(3*i - 2), scope, node, model%log)
@@ -233,20 +244,24 @@ contains
          member(i)%n = size(node)
          number = max(number, size(node))
          call field_integer(term(3*i - 1), dof, model%log, found)
-         if (found .and. (dof < 1 .or. dof > 6)) call complain(model%log, 'E0404', 'dof '//to_text(dof) &
-            & //' does not exist', term(3*i - 1)%at, help='1 to 3 are translations, 4 to 6 rotations')
+         if (found .and. (dof < 1 .or. dof > 6)) call complain(model%log, 'E0404', 'dof ' &
+            & //to_text(dof) &
+            & //' does not exist', term(3*i - 1)%at, &
+            & help='1 to 3 are translations, 4 to 6 rotations')
          equation%dof(i) = dof
          call field_real(term(3*i), coefficient, model%log, found)
          equation%coefficient(i) = coefficient
       end do
       if (.not. abs(equation%coefficient(1)) > 0.0_wp) then
-         call complain(model%log, 'E0403', 'the first coefficient of an equation is zero: its dof cannot be eliminated', &
+         call complain(model%log, 'E0403', &
+            & 'the first coefficient of an equation is zero: its dof cannot be eliminated', &
             & term(3)%at)
          return
       end if
       do i = 1, size(member)
          if (member(i)%n == number .or. member(i)%n == 1) cycle
-         call complain(model%log, 'E0403', 'the sets of an equation have '//to_text(number)//' and ' &
+         call complain(model%log, 'E0403', 'the sets of an equation have '//to_text(number) &
+            & //' and ' &
             & //plural(member(i)%n, 'node'), term(3*i - 2)%at)
          return
       end do
@@ -282,9 +297,11 @@ contains
             call get_word(block, 'TYPE', kind, at, found)
             call read_points(block, point, found, model%log)
             if (s == 0 .or. .not. found) cycle
-            point(:3) = placed(scene, scope, point(:3)) - merge(placed(scene, scope, [0.0_wp, 0.0_wp, 0.0_wp]), &
+            point(:3) = placed(scene, scope, point(:3)) - merge(placed(scene, scope, [0.0_wp, &
+               & 0.0_wp, 0.0_wp]), &
                & 0.0_wp, kind /= 'C')
-            point(4:) = placed(scene, scope, point(4:)) - merge(placed(scene, scope, [0.0_wp, 0.0_wp, 0.0_wp]), &
+            point(4:) = placed(scene, scope, point(4:)) - merge(placed(scene, scope, [0.0_wp, &
+               & 0.0_wp, 0.0_wp]), &
                & 0.0_wp, kind /= 'C')
             associate (member => model%mesh%nset(s)%member)
                do i = 1, size(member)
@@ -293,10 +310,12 @@ contains
                      slot(member(i)) = n
                      model%transform%node = [model%transform%node, member(i)]
                   end if
-                  call local_axes(kind, point, model%mesh%x(:, member(i)), axes(:, :, slot(member(i))), found)
+                  call local_axes(kind, point, model%mesh%x(:, member(i)), &
+                     & axes(:, :, slot(member(i))), found)
                   if (found) cycle
-                  call complain(model%log, 'E0405', 'the points of *TRANSFORM give no axes', line_place(block%line(1)), &
-                     & help='R: a on local x, b in the local xy plane, not on one line with the origin; ' &
+                  call complain(model%log, 'E0405', 'the points of *TRANSFORM give no axes', &
+                     & line_place(block%line(1)), &
+                     & help='R: a on local x, b in the xy plane, not in line with the origin; ' &
                      & //'C: a and b on the axis, no node of the set on it')
                   exit
                end do

@@ -4,10 +4,13 @@ module lopin_build_contact
    use lopin_error, only : location_type, log_type, severity
    use lopin_text, only : to_text, upper, parse_real
    use lopin_mesh, only : find_set
-   use lopin_model, only : model_type, pair_type, control_type, surface_of, initial_of, overclosure_of
-   use lopin_block, only : deck_type, block_type, field_type, split_fields, field_real, field_integer, complain, &
+   use lopin_model, only : model_type, pair_type, control_type, surface_of, initial_of, &
+      & overclosure_of
+   use lopin_block, only : deck_type, block_type, field_type, split_fields, field_real, &
+      & field_integer, complain, &
       & has_parameter, line_place, get_parameter
-   use lopin_build_scene, only : scene_type, name_type, need_word, get_word, set_named, find_name, no_such
+   use lopin_build_scene, only : scene_type, name_type, need_word, get_word, set_named, &
+      & find_name, no_such
    use lopin_build_surfaces, only : surface_named
    implicit none
    private
@@ -25,7 +28,8 @@ contains
       allocate (model%pair(0))
       do k = 1, scene%ncard
          associate (block => deck%block(scene%card(k)%block))
-            if (block%keyword == 'CONTACT PAIR') call read_pairs(model, scene, block, scene%card(k)%scope)
+            if (block%keyword == 'CONTACT PAIR') call read_pairs(model, scene, block, &
+               & scene%card(k)%scope)
          end associate
       end do
       do k = 1, scene%ncard
@@ -34,7 +38,8 @@ contains
             if (block%keyword == 'CONTACT CONTROLS') then
                call read_controls(model, scene, block, scope)
                if (scene%card(k)%step > 1) call model%log%say(severity%note, 'N0304', &
-                  & '*CONTACT CONTROLS of step '//to_text(scene%card(k)%step)//' act from the first step on', block%at)
+                  & '*CONTACT CONTROLS of step '//to_text(scene%card(k)%step) &
+                  & //' act from the first step on', block%at)
             end if
          end associate
       end do
@@ -51,7 +56,8 @@ contains
       logical :: ok
 
       call read_pair_words(common, model, scene, block, scope)
-      if (block%nline == 0) call complain(model%log, 'E0304', '*CONTACT PAIR names no surfaces', block%at, &
+      if (block%nline == 0) call complain(model%log, 'E0304', '*CONTACT PAIR names no surfaces', &
+         & block%at, &
          & help='a line with the slave surface and the master surface')
       do j = 1, block%nline
          call split_fields(block%line(j), field, n)
@@ -59,12 +65,14 @@ contains
          pair = common
          pair%at = line_place(block%line(j))
          if (n < 2) then
-            call complain(model%log, 'E0304', 'a pair needs two surfaces: slave, master; `'//upper(field(1)%text) &
+            call complain(model%log, 'E0304', 'a pair needs two surfaces: slave, master; `' &
+               & //upper(field(1)%text) &
                & //'` alone would be self-contact, which is not in this version', pair%at)
             cycle
          end if
          if (upper(field(1)%text) == upper(field(2)%text)) then
-            call complain(model%log, 'E0304', 'surface `'//upper(field(1)%text)//'` stands on both sides: ' &
+            call complain(model%log, 'E0304', 'surface `'//upper(field(1)%text) &
+               & //'` stands on both sides: ' &
                & //'self-contact is not in this version', pair%at)
             cycle
          end if
@@ -150,10 +158,13 @@ contains
 
       ok = .false.
       if (model%surface(pair%slave)%kind == surface_of%tool) then
-         call complain(model%log, 'E0304', 'slave `'//upper(slave%text)//'` is a rigid tool: it has no nodes', &
-            & slave%at, help='the data line is slave, master: write '//upper(master%text)//', '//upper(slave%text))
+         call complain(model%log, 'E0304', 'slave `'//upper(slave%text) &
+            & //'` is a rigid tool: it has no nodes', &
+            & slave%at, help='the data line is slave, master: write '//upper(master%text)//', ' &
+            & //upper(slave%text))
       else if (model%surface(pair%master)%kind == surface_of%nodes) then
-         call complain(model%log, 'E0304', 'master `'//upper(master%text)//'` is made of nodes: it has no faces', &
+         call complain(model%log, 'E0304', 'master `'//upper(master%text) &
+            & //'` is made of nodes: it has no faces', &
             & master%at, help='a master is TYPE=ELEMENT or a rigid tool; nodes may be the slave')
       else
          ok = .true.
@@ -161,13 +172,18 @@ contains
       do i = 1, size(model%pair)
          if (model%pair(i)%slave == pair%slave .and. model%pair(i)%master == pair%master) then
             ok = .false.
-            call complain(model%log, 'E0304', 'the pair '//upper(slave%text)//', '//upper(master%text) &
-               & //' is listed twice, in lines '//to_text(model%pair(i)%at%line)//' and '//to_text(pair%at%line), &
+            call complain(model%log, 'E0304', 'the pair '//upper(slave%text)//', ' &
+               & //upper(master%text) &
+               & //' is listed twice, in lines '//to_text(model%pair(i)%at%line)//' and ' &
+               & //to_text(pair%at%line), &
                & pair%at, note='a pair counted twice is twice as stiff')
          else if (model%pair(i)%slave == pair%master .and. model%pair(i)%master == pair%slave) then
-            call model%log%say(severity%warning, 'W0304', 'the pair '//upper(slave%text)//', '//upper(master%text) &
-               & //' is the pair of line '//to_text(model%pair(i)%at%line)//' with both sides swapped', pair%at, &
-               & note='each point of contact is constrained twice', help='keep one: the finer, softer side is the slave')
+            call model%log%say(severity%warning, 'W0304', 'the pair '//upper(slave%text)//', ' &
+               & //upper(master%text) &
+               & //' is the pair of line '//to_text(model%pair(i)%at%line) &
+               & //' with both sides swapped', pair%at, &
+               & note='each point of contact is constrained twice', &
+               & help='keep one: the finer, softer side is the slave')
          end if
       end do
    end subroutine check_sides
@@ -219,7 +235,8 @@ contains
          chosen = chosen .and. model%pair%master == k
          if (k == 0) return
       end if
-      if (named .and. .not. any(chosen) .and. model%log%count_of(severity%error) == 0) call complain(model%log, &
+      if (named .and. .not. any(chosen) &
+         & .and. model%log%count_of(severity%error) == 0) call complain(model%log, &
          & 'E0304', '*'//block%keyword//' names surfaces that are no contact pair', block%at, &
          & help='SLAVE= and MASTER= as in *CONTACT PAIR')
    end subroutine choose_pairs
@@ -244,8 +261,10 @@ contains
          value = real(control%max_augmentations, wp)
          call read_number(block, 'MAX AUGMENTATIONS', value, model%log)
          control%max_augmentations = max(1, nint(value))
-         call read_number(block, 'RELATIVE PENETRATION TOLERANCE', control%relative_penetration, model%log)
-         call read_number(block, 'ABSOLUTE PENETRATION TOLERANCE', control%absolute_penetration, model%log)
+         call read_number(block, 'RELATIVE PENETRATION TOLERANCE', control%relative_penetration, &
+            & model%log)
+         call read_number(block, 'ABSOLUTE PENETRATION TOLERANCE', control%absolute_penetration, &
+            & model%log)
          call get_word(block, 'INITIAL', word, at, found)
          if (found) then
             select case (word)

@@ -1,17 +1,18 @@
-!> `*SURFACE INTERACTION` with `*SURFACE BEHAVIOR` and `*FRICTION`: which of the four methods, which law.
+!> `*SURFACE INTERACTION` with `*SURFACE BEHAVIOR` and `*FRICTION`: which method, which law.
 !>
 !> | deck                                                     | method                    |
 !> | nothing, DIRECT, PRESSURE-OVERCLOSURE=HARD                | lagrange                  |
 !> | PENALTY; PRESSURE-OVERCLOSURE=LINEAR, EXPONENTIAL, TABULAR | penalty                   |
 !> | DIRECT with one of these; PERTURBED LAGRANGE              | perturbed                 |
 !> | AUGMENTED LAGRANGE                                       | augmented                 |
-!> | PRESSURE-OVERCLOSURE=TIED                                | penalty if a slope stands in the data, else lagrange |
+!> | PRESSURE-OVERCLOSURE=TIED with a slope; without           | penalty; lagrange         |
 module lopin_build_interactions
    use lopin_kinds, only : wp
    use lopin_error, only : location_type, log_type, severity
    use lopin_text, only : to_text
    use lopin_model, only : model_type, interaction_type, method_of, overclosure_of
-   use lopin_block, only : deck_type, block_type, field_type, split_fields, field_real, complain, has_parameter, &
+   use lopin_block, only : deck_type, block_type, field_type, split_fields, field_real, complain, &
+      & has_parameter, &
       & line_place
    use lopin_build_scene, only : scene_type, need_word, get_word
    implicit none
@@ -40,14 +41,17 @@ contains
                interaction%at = at
                if (.not. open) cycle
                do i = 1, n
-                  if (model%interaction(i)%name == interaction%name) call complain(model%log, 'E0205', &
-                     & 'surface interaction `'//interaction%name//'` is defined twice, first in line ' &
+                  if (model%interaction(i)%name == interaction%name) call complain(model%log, &
+                     & 'E0205', &
+                     & 'surface interaction `'//interaction%name &
+                     & //'` is defined twice, first in line ' &
                      & //to_text(model%interaction(i)%at%line), at)
                end do
                model%interaction = [model%interaction, interaction]
             case ('SURFACE BEHAVIOR', 'FRICTION')
                if (.not. open) then
-                  call complain(model%log, 'E0306', '*'//block%keyword//' stands outside a surface interaction', &
+                  call complain(model%log, 'E0306', '*'//block%keyword &
+                     & //' stands outside a surface interaction', &
                      & block%at, help='write *SURFACE INTERACTION, NAME= before it')
                else if (block%keyword == 'FRICTION') then
                   call read_friction(model%interaction(n), block, model%log)
@@ -105,7 +109,8 @@ contains
          interaction%overclosure = overclosure_of%hard
       end select
       interaction%method = method_of%lagrange
-      if (.not. hard .and. law /= 'TIED') interaction%method = merge(method_of%perturbed, method_of%penalty, direct)
+      if (.not. hard .and. law /= 'TIED') interaction%method = merge(method_of%perturbed, &
+         & method_of%penalty, direct)
       if (has_parameter(block, 'PENALTY')) interaction%method = method_of%penalty
       if (has_parameter(block, 'AUGMENTED LAGRANGE')) interaction%method = method_of%augmented
       if (has_parameter(block, 'PERTURBED LAGRANGE')) interaction%method = method_of%perturbed
@@ -124,7 +129,8 @@ contains
    subroutine check_one_method(block, log)
       type(block_type), intent(in) :: block
       type(log_type), intent(inout) :: log
-      character(len=*), parameter :: words(4) = [character(len=18) :: 'DIRECT', 'PENALTY', 'AUGMENTED LAGRANGE', &
+      character(len=*), parameter :: words(4) = [character(len=18) :: 'DIRECT', 'PENALTY', &
+         & 'AUGMENTED LAGRANGE', &
          & 'PERTURBED LAGRANGE']
       character(len=:), allocatable :: text
       integer :: i, n
@@ -141,8 +147,8 @@ contains
          & '*SURFACE BEHAVIOR asks for '//text//': one method only', block%at)
    end subroutine check_one_method
 
-   !> `slope, clearance, scale`; with PRESSURE-OVERCLOSURE=LINEAR or TIED the second datum is CalculiX'
-   !> tension at a large gap, which Lopin does not have.
+   !> `slope, clearance, scale`; with PRESSURE-OVERCLOSURE=LINEAR or TIED the second datum is
+   !> CalculiX' tension at a large gap, which Lopin does not have.
    subroutine read_slope(interaction, block, law, log)
       type(interaction_type), intent(inout) :: interaction
       type(block_type), intent(in) :: block
@@ -160,23 +166,30 @@ contains
       do i = 1, min(3, n)
          call field_real(field(i), value(i), log, given(i))
       end do
-      if (given(1) .and. .not. value(1) > 0.0_wp) call complain(log, 'E0306', 'the slope '//to_text(value(1), 6) &
+      if (given(1) .and. .not. value(1) > 0.0_wp) call complain(log, 'E0306', 'the slope ' &
+         & //to_text(value(1), 6) &
          & //' of interaction `'//interaction%name//'` is not positive', field(1)%at, &
          & help='leave it blank to have it chosen from the elements behind the surface')
       if (given(1)) interaction%slope = value(1)
-      if (given(1) .and. interaction%method == method_of%lagrange .and. law /= 'TIED') call log%say(severity%note, &
-         & 'N0306', 'the slope is not used: contact of interaction `'//interaction%name//'` is hard', field(1)%at)
+      if (given(1) .and. interaction%method == method_of%lagrange &
+         & .and. law /= 'TIED') call log%say(severity%note, &
+         & 'N0306', 'the slope is not used: contact of interaction `'//interaction%name &
+         & //'` is hard', field(1)%at)
       found = has_parameter(block, 'PRESSURE-OVERCLOSURE')
-      of_calculix = found .and. (law == 'LINEAR' .or. law == 'TIED') .and. .not. has_parameter(block, 'PENALTY')
+      of_calculix = found .and. (law == 'LINEAR' .or. law == 'TIED') &
+         & .and. .not. has_parameter(block, 'PENALTY')
       if (given(2) .and. of_calculix) then
-         if (abs(value(2)) > 0.0_wp) call log%say(severity%note, 'N0306', 'the second datum '//to_text(value(2), 6) &
-            & //" is read as CalculiX' tension at a large gap and is not used: open contact carries nothing", field(2)%at)
+         if (abs(value(2)) > 0.0_wp) call log%say(severity%note, 'N0306', 'the second datum ' &
+            & //to_text(value(2), 6) &
+            & //" is read as CalculiX' tension at a large gap and is not used: " &
+            & //'open contact carries nothing', field(2)%at)
       else if (given(2)) then
          interaction%clearance = value(2)
       end if
       if (given(3) .and. .not. of_calculix) then
          interaction%scale = value(3)
-         if (.not. value(3) > 0.0_wp) call complain(log, 'E0306', 'the scale factor '//to_text(value(3), 6) &
+         if (.not. value(3) > 0.0_wp) call complain(log, 'E0306', 'the scale factor ' &
+            & //to_text(value(3), 6) &
             & //' is not positive', field(3)%at)
       end if
    end subroutine read_slope
@@ -200,7 +213,8 @@ contains
       end if
       call field_real(field(1), c0, log, found)
       call field_real(field(2), p0, log, found)
-      if (.not. (c0 > 0.0_wp .and. p0 > 0.0_wp)) call complain(log, 'E0306', 'c0 = '//to_text(c0, 6)//' and p0 = ' &
+      if (.not. (c0 > 0.0_wp .and. p0 > 0.0_wp)) call complain(log, 'E0306', 'c0 = ' &
+         & //to_text(c0, 6)//' and p0 = ' &
          & //to_text(p0, 6)//' must be positive', line_place(block%line(1)))
       interaction%table(:, 1) = [p0, c0]
    end subroutine read_exponential
@@ -221,11 +235,14 @@ contains
          end do
          if (j == 1) cycle
          if (.not. all(interaction%table(:, j) > interaction%table(:, j - 1))) then
-            call complain(log, 'E0306', 'the table of interaction `'//interaction%name//'` does not increase', &
-               & line_place(block%line(j)), help='pressure, overclosure: both grow from line to line')
+            call complain(log, 'E0306', 'the table of interaction `'//interaction%name &
+               & //'` does not increase', &
+               & line_place(block%line(j)), &
+               & help='pressure, overclosure: both grow from line to line')
             return
          end if
       end do
-      if (block%nline < 2) call complain(log, 'E0103', 'PRESSURE-OVERCLOSURE=TABULAR needs at least two lines', block%at)
+      if (block%nline < 2) call complain(log, 'E0103', &
+         & 'PRESSURE-OVERCLOSURE=TABULAR needs at least two lines', block%at)
    end subroutine read_table
 end module lopin_build_interactions

@@ -1,12 +1,15 @@
 !> `*CLOAD`, `*DLOAD`, `*DSLOAD`: the complete lists of loads of each step.
 !>
-!> A load of the same kind at the same place replaces that of an earlier step; within one step they add up.
+!> A load of the same kind at the same place replaces that of an earlier step; within one step
+!> they add up.
 module lopin_build_loads
    use lopin_kinds, only : wp
    use lopin_error, only : location_type, log_type, severity
    use lopin_text, only : upper, to_text
-   use lopin_model, only : model_type, point_load_type, face_load_type, body_load_type, surface_of, kind_of
-   use lopin_block, only : deck_type, block_type, field_type, split_fields, field_real, field_integer, complain
+   use lopin_model, only : model_type, point_load_type, face_load_type, body_load_type, &
+      & surface_of, kind_of
+   use lopin_block, only : deck_type, block_type, field_type, split_fields, field_real, &
+      & field_integer, complain
    use lopin_build_scene, only : scene_type, nodes_of, elements_of
    use lopin_build_surfaces, only : surface_named
    use lopin_build_amplitudes, only : read_amplitude_word, hold_value
@@ -43,7 +46,8 @@ contains
       allocate (self%point(16), self%face(16), self%body(16))
       allocate (self%point_born(16), self%face_born(16), self%body_born(16), source=0)
       allocate (self%face_family(16), self%body_family(16), source=0)
-      allocate (self%point_latest(6, nnode), self%face_latest(6, 3, nelement), self%body_latest(4, nelement), source=0)
+      allocate (self%point_latest(6, nnode), self%face_latest(6, 3, nelement), &
+         & self%body_latest(4, nelement), source=0)
    end subroutine new_loads
 
    !> Go from the loads of the step before to those of a step.
@@ -84,7 +88,8 @@ contains
       real(wp) :: factor
       integer :: i
 
-      call hold_value(model, period, self%point(:self%npoint)%amplitude, self%point(:self%npoint)%value)
+      call hold_value(model, period, self%point(:self%npoint)%amplitude, &
+         & self%point(:self%npoint)%value)
       do i = 1, self%nface
          factor = 1.0_wp
          call hold_value(model, period, self%face(i)%amplitude, factor)
@@ -142,7 +147,8 @@ contains
       self%npoint = n
       allocate (keep(self%nface))
       do i = 1, self%nface
-         keep(i) = self%face_born(i) == self%face_latest(self%face(i)%face, self%face_family(i), self%face(i)%element)
+         keep(i) = self%face_born(i) == self%face_latest(self%face(i)%face, self%face_family(i), &
+            & self%face(i)%element)
       end do
       call keep_faces(self, keep)
       n = 0
@@ -186,13 +192,16 @@ contains
          if (is_absolute(absolute, load%amplitude)) load%value = 1.0_wp
          do i = 1, size(node)
             if (judge_dof(model%mesh%ndim, role(node(i)), load%dof) /= verdict%use) then
-               call complain(model%log, 'E0404', 'node '//to_text(model%mesh%node_label(node(i)))//' has no dof ' &
-                  & //to_text(load%dof), field(2)%at, help='1 to 3 are forces, 4 to 6 moments on a reference node')
+               call complain(model%log, 'E0404', 'node '//to_text(model%mesh%node_label(node(i))) &
+                  & //' has no dof ' &
+                  & //to_text(load%dof), field(2)%at, &
+                  & help='1 to 3 are forces, 4 to 6 moments on a reference node')
                exit
             end if
             load%node = node(i)
             if (self%point_latest(load%dof, node(i)) == step .and. .not. told) then
-               call model%log%say(severity%note, 'N0407', 'node '//to_text(model%mesh%node_label(node(i))) &
+               call model%log%say(severity%note, 'N0407', 'node ' &
+                  & //to_text(model%mesh%node_label(node(i))) &
                   & //' is loaded twice in this step: the forces are added', load%at)
                told = .true.
             end if
@@ -221,7 +230,8 @@ contains
       do j = 1, block%nline
          call split_fields(block%line(j), field, n)
          if (n == 0) cycle
-         call need_fields(field(:n), 3, 'element or element set, P1 or BX or GRAV, value', found, model%log)
+         call need_fields(field(:n), 3, 'element or element set, P1 or BX or GRAV, value', found, &
+            & model%log)
          if (.not. found) cycle
          if (len(field(1)%text) == 0) then
             element = [(i, i=1, model%mesh%nelement)]
@@ -262,8 +272,10 @@ contains
       do i = 1, size(element)
          associate (etype => scene%etype(model%mesh%etype(element(i))))
             if (f < 1 .or. f > etype%cell%nface .or. etype%cell%sided) then
-               call complain(model%log, 'E0301', 'element '//to_text(model%mesh%element_label(element(i)))//' (' &
-                  & //trim(etype%word)//') takes pressures P1...P'//to_text(etype%cell%nface)//'; '//upper(label%text) &
+               call complain(model%log, 'E0301', 'element ' &
+                  & //to_text(model%mesh%element_label(element(i)))//' (' &
+                  & //trim(etype%word)//') takes pressures P1...P'//to_text(etype%cell%nface) &
+                  & //'; '//upper(label%text) &
                   & //' does not exist', label%at)
                return
             end if
@@ -299,7 +311,8 @@ contains
          if (label == 'BR') axis = 1
          if (label == 'BZ' .and. model%kind == kind_of%axisymmetric) axis = 2
          if (axis > model%mesh%ndim) then
-            call complain(model%log, 'E0407', 'load `'//label//'` does not exist in a scene of two dimensions', &
+            call complain(model%log, 'E0407', 'load `'//label &
+               & //'` does not exist in a scene of two dimensions', &
                & field(2)%at)
             return
          end if
@@ -314,7 +327,8 @@ contains
             if (model%section(section)%material == 0) cycle
             associate (material => model%material(model%section(section)%material))
                if (.not. material%density > 0.0_wp) then
-                  call complain(model%log, 'E0203', 'GRAV needs a density: material `'//material%name &
+                  call complain(model%log, 'E0203', 'GRAV needs a density: material `' &
+                     & //material%name &
                      & //'` has no *DENSITY', field(2)%at)
                   return
                end if
@@ -350,7 +364,8 @@ contains
          if (k == 0 .or. .not. found) cycle
          if (is_absolute(absolute, load%amplitude)) value = 1.0_wp
          if (model%surface(k)%kind /= surface_of%faces) then
-            call complain(model%log, 'E0407', 'surface `'//upper(field(1)%text)//'` has no faces to load', field(1)%at)
+            call complain(model%log, 'E0407', 'surface `'//upper(field(1)%text) &
+               & //'` has no faces to load', field(1)%at)
             cycle
          end if
          load%at = field(2)%at
@@ -366,7 +381,8 @@ contains
             if (.not. found) cycle
             load%traction = value*direction
          case default
-            call complain(model%log, 'E0407', 'load `'//upper(field(2)%text)//'` is not known', field(2)%at, &
+            call complain(model%log, 'E0407', 'load `'//upper(field(2)%text)//'` is not known', &
+               & field(2)%at, &
                & help='P or TRVEC')
             cycle
          end select
@@ -386,7 +402,8 @@ contains
       type(log_type), intent(inout) :: log
 
       found = size(field) >= n
-      if (.not. found) call complain(log, 'E0103', 'this load needs '//to_text(n)//' fields; '//to_text(size(field)) &
+      if (.not. found) call complain(log, 'E0103', 'this load needs '//to_text(n)//' fields; ' &
+         & //to_text(size(field)) &
          & //' given', line_span(field), help=wanted)
    end subroutine need_fields
 
@@ -412,7 +429,8 @@ contains
       end do
       found = norm2(direction) > 0.0_wp
       if (found) direction = direction/norm2(direction)
-      if (.not. found) call complain(log, 'E0407', upper(field(2)%text)//' needs a direction: value, x, y, z', &
+      if (.not. found) call complain(log, 'E0407', upper(field(2)%text) &
+         & //' needs a direction: value, x, y, z', &
          & field(2)%at)
    end subroutine read_direction
 

@@ -5,8 +5,10 @@ module lopin_build_materials
    use lopin_text, only : to_text, plural
    use lopin_model, only : model_type, material_type, section_type, kind_of
    use lopin_element_type, only : element_kind
-   use lopin_block, only : deck_type, block_type, field_type, split_fields, field_real, complain, line_place
-   use lopin_build_scene, only : scene_type, name_type, need_word, get_word, set_named, find_name, no_such
+   use lopin_block, only : deck_type, block_type, field_type, split_fields, field_real, complain, &
+      & line_place
+   use lopin_build_scene, only : scene_type, name_type, need_word, get_word, set_named, &
+      & find_name, no_such
    implicit none
    private
    public :: build_materials, build_sections, check_sections
@@ -35,18 +37,21 @@ contains
                do i = 1, size(model%material)
                   if (model%material(i)%name /= material%name) cycle
                   call complain(model%log, 'E0205', 'material `'//material%name &
-                     & //'` is defined twice, first in line '//to_text(model%material(i)%at%line), at)
+                     & //'` is defined twice, first in line ' &
+                     & //to_text(model%material(i)%at%line), at)
                end do
                model%material = [model%material, material]
             case ('ELASTIC')
-               if (is_open(open, block, model%log)) call read_elastic(model%material(size(model%material)), block, &
+               if (is_open(open, block, &
+                  & model%log)) call read_elastic(model%material(size(model%material)), block, &
                   & model%log)
             case ('DENSITY')
                if (.not. is_open(open, block, model%log)) cycle
                associate (rho => model%material(size(model%material))%density)
                   call read_one(block, 'a density', rho, found, model%log)
                   if (found .and. .not. rho > 0.0_wp) call complain(model%log, 'E0203', &
-                     & 'a density of '//to_text(rho, 6)//' is not positive', line_place(block%line(1)))
+                     & 'a density of '//to_text(rho, 6)//' is not positive', &
+                     & line_place(block%line(1)))
                end associate
             end select
          end associate
@@ -59,7 +64,8 @@ contains
       type(log_type), intent(inout) :: log
 
       is_open = open
-      if (.not. open) call complain(log, 'E0203', '*'//block%keyword//' stands outside a material', block%at, &
+      if (.not. open) call complain(log, 'E0203', '*'//block%keyword &
+         & //' stands outside a material', block%at, &
          & help='write *MATERIAL, NAME= before it')
    end function is_open
 
@@ -107,12 +113,14 @@ contains
       if (two .and. (material%poisson >= 0.5_wp .or. material%poisson <= -1.0_wp)) then
          call complain(log, 'E0203', "Poisson's ratio "//to_text(material%poisson, 6) &
             & //' is outside (-1, 0.5)', field(2)%at, &
-            & help='an incompressible solid has no stiffness matrix; 0.49 is near enough, 0.4999 is possible')
+            & help='an incompressible solid has no stiffness matrix; 0.49 is near enough')
       end if
       if (n > 3) call log%say(severity%warning, 'W0104', 'decimal comma? this line reads as E = ' &
-         & //to_text(material%young, 6)//', nu = '//to_text(material%poisson, 6)//' and more', field(3)%at)
+         & //to_text(material%young, 6)//', nu = '//to_text(material%poisson, 6)//' and more', &
+         & field(3)%at)
       if (block%nline > 1) call complain(log, 'E0203', &
-         & 'elasticity that depends on temperature is not in this version', line_place(block%line(2)))
+         & 'elasticity that depends on temperature is not in this version', &
+         & line_place(block%line(2)))
    end subroutine read_elastic
 
    subroutine build_sections(model, deck, scene)
@@ -163,7 +171,8 @@ contains
       if (n == 0) return
       call field_real(field(1), section%thickness, model%log, found)
       if (.not. found) section%thickness = 1.0_wp
-      if (found .and. .not. section%thickness > 0.0_wp) call complain(model%log, 'E0203', 'the thickness ' &
+      if (found .and. .not. section%thickness > 0.0_wp) call complain(model%log, 'E0203', &
+         & 'the thickness ' &
          & //to_text(section%thickness, 6)//' is not positive', field(1)%at)
    end subroutine read_section
 
@@ -191,7 +200,8 @@ contains
             call get_word(block, 'FORMULATION', word, there, found)
             if (word == 'FULL') section%formulation = 'FULL'
             if (found .and. word /= 'FULL' .and. word /= 'AUTO') call complain(log, 'E0203', &
-               & 'formulation `'//word//'` is not known', there, help='FULL, or leave it out for mean dilatation')
+               & 'formulation `'//word//'` is not known', there, &
+               & help='FULL, or leave it out for mean dilatation')
             return
          end associate
       end do
@@ -218,7 +228,8 @@ contains
          if (other == 0 .and. model%mesh%section(e) > 0) then
             other = model%mesh%section(e)
             call complain(model%log, 'E0203', 'element '//to_text(model%mesh%element_label(e)) &
-               & //' of set '//name//' has a section already, from line '//to_text(model%section(other)%at%line), at)
+               & //' of set '//name//' has a section already, from line ' &
+               & //to_text(model%section(other)%at%line), at)
          end if
          if (scene%etype(model%mesh%etype(e))%kind == element_kind%rigid) cycle
          model%mesh%section(e) = size(model%section)
@@ -239,16 +250,19 @@ contains
          if (model%section(i)%material > 0) used(model%section(i)%material) = .true.
       end do
       do i = 1, size(model%material)
-         if (used(i) .and. .not. model%material(i)%has_elastic) call complain(model%log, 'E0203', 'material `' &
+         if (used(i) .and. .not. model%material(i)%has_elastic) call complain(model%log, 'E0203', &
+            & 'material `' &
             & //model%material(i)%name//'` has no *ELASTIC', model%material(i)%at, &
             & help="add *ELASTIC with Young's modulus and Poisson's ratio")
       end do
       allocate (bare(0))
       do i = 1, size(scene%etype)
          if (scene%etype(i)%kind == element_kind%rigid) cycle
-         bare = pack([(e, e=1, model%mesh%nelement)], model%mesh%etype == i .and. model%mesh%section == 0 &
+         bare = pack([(e, e=1, model%mesh%nelement)], model%mesh%etype == i &
+            & .and. model%mesh%section == 0 &
             & .and. .not. rigid)
-         if (size(bare) > 0) call tell_bare(model, trim(scene%etype(i)%word), bare, scene%etype_at(i))
+         if (size(bare) > 0) call tell_bare(model, trim(scene%etype(i)%word), bare, &
+            & scene%etype_at(i))
       end do
    end subroutine check_sections
 

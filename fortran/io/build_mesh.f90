@@ -6,7 +6,8 @@ module lopin_build_mesh
    use lopin_mesh, only : max_nodes_per_element, find_label
    use lopin_element_type, only : element_type, element_words, element_kind, new_element_type
    use lopin_model, only : model_type, kind_of
-   use lopin_block, only : deck_type, block_type, field_type, data_line_type, split_fields, field_real, &
+   use lopin_block, only : deck_type, block_type, field_type, data_line_type, split_fields, &
+      & field_real, &
       & field_integer, complain, line_place, has_parameter
    use lopin_build_scene, only : scene_type, need_word
    use lopin_build_parts, only : placed
@@ -70,8 +71,10 @@ contains
       if (any(word(1:1) == ['T', 'M', 'S', 'B'])) help = help &
          & //'; gmsh writes the boundary as elements: save only the cells of the highest dimension'
       label = 'not an element of Lopin'
-      if (len(nearest_word(word, element_words)) > 0) label = 'did you mean '//nearest_word(word, element_words)//' ?'
-      call complain(log, 'E0206', 'element type `'//word//'` is not known', at, label=label, help=help)
+      if (len(nearest_word(word, element_words)) > 0) label = 'did you mean ' &
+         & //nearest_word(word, element_words)//' ?'
+      call complain(log, 'E0206', 'element type `'//word//'` is not known', at, label=label, &
+         & help=help)
    end subroutine unknown_word
 
    !> Dimensions and kind of the scene; every word must agree with the first.
@@ -110,7 +113,7 @@ contains
       character(len=:), allocatable :: help
 
       help = ''
-      if (what == 'dimensions') help = 'gmsh writes the boundary as elements of type CPS or T3D: save only the ' &
+      if (what == 'dimensions') help = 'gmsh writes the boundary as elements: save only the ' &
          & //'cells of the highest dimension'
       call complain(log, 'E0206', trim(scene%etype(other)%word)//' cannot stand beside ' &
          & //trim(scene%etype(first)%word)//' of line '//to_text(scene%etype_at(first)%line) &
@@ -165,7 +168,9 @@ contains
 
       m = 0
       do k = 1, scene%ncard
-         if (deck%block(scene%card(k)%block)%keyword == keyword) m = m + deck%block(scene%card(k)%block)%nline
+         associate (block => deck%block(scene%card(k)%block))
+            if (block%keyword == keyword) m = m + block%nline
+         end associate
       end do
    end function lines_of
 
@@ -184,7 +189,8 @@ contains
          ok = .false.
          call complain(model%log, 'E0103', 'node numbers start at 1', field(1)%at)
       end if
-      if (size(field) > 4) call complain(model%log, 'E0103', 'a node has a number and two or three coordinates', &
+      if (size(field) > 4) call complain(model%log, 'E0103', &
+         & 'a node has a number and two or three coordinates', &
          & field(5)%at, label='one field too many')
       do i = 2, min(4, size(field))
          call field_real(field(i), x(i - 1), model%log, found)
@@ -200,7 +206,8 @@ contains
       if (model%mesh%ndim == 2 .and. abs(x(3)) > 0.0_wp) call complain(model%log, 'E0207', 'node ' &
          & //to_text(label)//' of a plane scene has z = '//to_text(x(3), 6), at, &
          & help='plane elements lie in the x-y plane')
-      if (model%kind == kind_of%axisymmetric .and. x(1) < 0.0_wp) call complain(model%log, 'E0207', 'node ' &
+      if (model%kind == kind_of%axisymmetric .and. x(1) < 0.0_wp) call complain(model%log, &
+         & 'E0207', 'node ' &
          & //to_text(label)//' has a negative radius r = '//to_text(x(1), 6), at, &
          & help='in an axisymmetric scene x is the radius and y the axis')
    end subroutine check_place
@@ -241,7 +248,7 @@ contains
       end associate
    end subroutine read_elements
 
-   !> The elements of one card: a number and as many nodes as the type has, over one or several lines.
+   !> The elements of one card: a number and as many nodes as the type has, over several lines.
    subroutine read_element_block(model, scene, block, scope, e, file, line)
       type(model_type), intent(inout) :: model
       type(scene_type), intent(in) :: scene
@@ -259,14 +266,16 @@ contains
          do j = 1, block%nline
             call split_fields(block%line(j), field, n)
             if (have > 0 .and. .not. ends_in_comma(block%line(j - 1))) then
-               call complain(model%log, 'E0208', 'element '//to_text(mesh%element_label(mesh%nelement)) &
+               call complain(model%log, 'E0208', 'element ' &
+                  & //to_text(mesh%element_label(mesh%nelement)) &
                   & //' has '//to_text(have - 1)//' nodes; '//trim(scene%etype(e)%word)//' needs ' &
                   & //to_text(nnode), line_place(block%line(j - 1)), &
                   & help='end a line with a comma when the element goes on')
                have = 0
             end if
             if (have + n > nnode + 1) then
-               call too_many(model%log, trim(scene%etype(e)%word), nnode, have + n - 1, field(1), field(n))
+               call too_many(model%log, trim(scene%etype(e)%word), nnode, have + n - 1, field(1), &
+                  & field(n))
                return
             end if
             do i = 1, n
@@ -281,14 +290,17 @@ contains
                else
                   mesh%conn(have, mesh%nelement) = find_label(mesh%node_label, mesh%node_order, &
                      & number + scene%node_offset(scope))
-                  if (mesh%conn(have, mesh%nelement) == 0 .and. ok) call lost_node(model, number, field(i)%at)
+                  if (mesh%conn(have, mesh%nelement) == 0 .and. ok) call lost_node(model, number, &
+                     & field(i)%at)
                end if
                have = have + 1
             end do
             if (have == nnode + 1) have = 0
          end do
-         if (have > 0) call complain(model%log, 'E0208', 'element '//to_text(mesh%element_label(mesh%nelement)) &
-            & //' has '//to_text(have - 1)//' nodes; '//trim(scene%etype(e)%word)//' needs '//to_text(nnode), &
+         if (have > 0) call complain(model%log, 'E0208', 'element ' &
+            & //to_text(mesh%element_label(mesh%nelement)) &
+            & //' has '//to_text(have - 1)//' nodes; '//trim(scene%etype(e)%word)//' needs ' &
+            & //to_text(nnode), &
             & line_place(block%line(block%nline)))
       end associate
    end subroutine read_element_block
@@ -310,11 +322,14 @@ contains
       character(len=:), allocatable :: help
 
       help = 'check TYPE= against the mesh'
-      if (word(:min(4, len(word))) == 'C3D6' .or. have == 18) help = 'gmsh writes complete wedges of 18 nodes ' &
+      if (word == 'C3D6' .or. have == 18) help = 'gmsh writes complete wedges of 18 nodes ' &
          & //'as C3D6: set Mesh.SecondOrderIncomplete=1 and write TYPE=C3D15'
-      if (have == 27 .or. have == 9) help = 'set Mesh.SecondOrderIncomplete=1 in gmsh: Lopin has serendipity elements'
-      call complain(log, 'E0208', 'element `'//first%text//'` has at least '//to_text(have)//' nodes; '//word &
-         & //' has '//to_text(nnode), location_type(first%at%file, first%at%line, first%at%first, last%at%last), &
+      if (have == 27 .or. have == 9) help = 'set Mesh.SecondOrderIncomplete=1 in gmsh: quadratic ' &
+         & //'elements have nodes on corners and edges only'
+      call complain(log, 'E0208', 'element `'//first%text//'` has at least '//to_text(have) &
+         & //' nodes; '//word &
+         & //' has '//to_text(nnode), location_type(first%at%file, first%at%line, first%at%first, &
+         & last%at%last), &
          & help=help)
    end subroutine too_many
 
@@ -324,9 +339,11 @@ contains
       type(location_type), intent(in) :: at
       character(len=:), allocatable :: text
 
-      text = 'node '//to_text(number)//' of element '//to_text(model%mesh%element_label(model%mesh%nelement)) &
+      text = 'node '//to_text(number)//' of element ' &
+         & //to_text(model%mesh%element_label(model%mesh%nelement)) &
          & //' does not exist'
-      if (model%mesh%nnode > 0) text = text//'; numbers run '//to_text(minval(model%mesh%node_label))//'-' &
+      if (model%mesh%nnode > 0) text = text//'; numbers run ' &
+         & //to_text(minval(model%mesh%node_label))//'-' &
          & //to_text(maxval(model%mesh%node_label))
       call complain(model%log, 'E0202', text, at)
    end subroutine lost_node
@@ -391,8 +408,10 @@ contains
          one = order(i - 1)
          two = order(i)
          if (label(one) /= label(two)) cycle
-         call complain(log, 'E0205', what//' '//to_text(label(one))//' is defined twice, first in line ' &
-            & //to_text(line(one)), location_type(file(two), line(two), 1, len(to_text(label(two)))))
+         call complain(log, 'E0205', what//' '//to_text(label(one)) &
+            & //' is defined twice, first in line ' &
+            & //to_text(line(one)), location_type(file(two), line(two), 1, &
+            & len(to_text(label(two)))))
       end do
    end subroutine find_doubles
 

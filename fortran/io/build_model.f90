@@ -1,7 +1,8 @@
 !> From the blocks of a deck to the model: every name resolved, every value checked.
 !>
-!> Names may be used before they are defined: each part first collects, then resolves. Errors are collected and
-!> raised together; where an error would make others follow from it, building stops early.
+!> Names may be used before they are defined: each part first collects, then resolves. Errors are
+!> collected and raised together; where an error would make others follow from it, building
+!> stops early.
 module lopin_build_model
    use lopin_kinds, only : wp
    use lopin_error, only : error_type, error_code, log_type, location_type, severity, raise_all
@@ -36,7 +37,8 @@ contains
       call read_general(model, deck)
       call new_scene(scene, deck, model%log)
       call build_mesh(model, deck, scene)
-      if (model%log%count_of(severity%error) == 0 .and. model%mesh%nnode == 0) call complain(model%log, 'E0202', &
+      if (model%log%count_of(severity%error) == 0 &
+         & .and. model%mesh%nnode == 0) call complain(model%log, 'E0202', &
          & 'the deck has no nodes', location_type(1, 1, 1, 1))
       call raise_all(error, error_code%deck, model%log)
       if (allocated(error)) return
@@ -85,11 +87,13 @@ contains
             if (found) model%solver = word
             call get_word(block, 'TARGET ERROR', word, at, found)
             if (found) call parse_real(word, model%target_error, found)
-            if (found .and. .not. (model%target_error > 0.0_wp .and. model%target_error < 1.0_wp)) call &
+            if (found .and. .not. (model%target_error > 0.0_wp &
+               & .and. model%target_error < 1.0_wp)) call &
                & complain(model%log, 'E0405', 'TARGET ERROR='//word//' is not between 0 and 1', at)
             call get_word(block, 'CONTINUATION', word, at, found)
             if (found) call parse_integer(word, model%continuation, found)
-            if (found .and. model%continuation < 1) call complain(model%log, 'E0405', 'CONTINUATION='//word &
+            if (found .and. model%continuation < 1) call complain(model%log, 'E0405', &
+               & 'CONTINUATION='//word &
                & //' is less than 1', at)
          end associate
       end do
@@ -105,11 +109,15 @@ contains
       extent = maxval(maxval(model%mesh%x, dim=2) - minval(model%mesh%x, dim=2))
       do i = 1, size(model%material)
          associate (material => model%material(i))
-            if (material%young > 1.0e9_wp .and. extent > 20.0_wp) call model%log%say(severity%warning, 'W0401', &
+            if (material%young > 1.0e9_wp &
+               & .and. extent > 20.0_wp) call model%log%say(severity%warning, 'W0401', &
                & 'E = '//to_text(material%young, 4)//' with a model of size '//to_text(extent, 4) &
-               & //': looks like Pa with mm', material%at, help='with N and mm, steel has E = 210000')
-            if (material%density > 1.0_wp .and. material%young > 1.0e3_wp .and. material%young < 1.0e7_wp) call &
-               & model%log%say(severity%warning, 'W0401', 'density '//to_text(material%density, 4)//' with E = ' &
+               & //': looks like Pa with mm', material%at, &
+               & help='with N and mm, steel has E = 210000')
+            if (material%density > 1.0_wp .and. material%young > 1.0e3_wp &
+               & .and. material%young < 1.0e7_wp) call &
+               & model%log%say(severity%warning, 'W0401', 'density '//to_text(material%density, 4) &
+               & //' with E = ' &
                & //to_text(material%young, 4)//': looks like kg/m3 with MPa', material%at, &
                & help='with t, mm, s and N, steel has density 7.8e-9')
          end associate

@@ -1,6 +1,7 @@
-!> Requests for output: the cards of CalculiX (`*NODE PRINT`, `*EL FILE` ...) and of Abaqus (`*OUTPUT` ...).
+!> Requests for output: the cards of CalculiX (`*NODE PRINT` ...) and of Abaqus (`*OUTPUT` ...).
 !>
-!> `*NODE OUTPUT` and its like become file requests under `*OUTPUT, FIELD` and print requests under HISTORY.
+!> `*NODE OUTPUT` and its like become file requests under `*OUTPUT, FIELD` and print requests under
+!> HISTORY.
 !> A step without requests of a kind goes on with those of the step before.
 module lopin_build_output
    use lopin_error, only : location_type
@@ -22,7 +23,7 @@ contains
       integer, intent(in) :: step
       type(output_type) :: output
       type(output_type), allocatable :: list(:)
-      integer :: k, i, parent, frequency
+      integer :: k, i, parent, frequency, own
 
       allocate (list(0))
       parent = output_of%field
@@ -42,9 +43,10 @@ contains
             list = [list, output]
          end associate
       end do
+      own = size(list)
       if (step > 1) then
          do i = 1, size(model%step(step - 1)%output)
-            if (any(list%kind == model%step(step - 1)%output(i)%kind)) cycle
+            if (any(list(:own)%kind == model%step(step - 1)%output(i)%kind)) cycle
             list = [list, model%step(step - 1)%output(i)]
          end do
       end if
@@ -96,11 +98,14 @@ contains
 
       output%at = block%at
       allocate (output%variable(0))
-      output%frequency = frequency_of(block, merge(frequency, 1, index(block%keyword, ' OUTPUT') > 0))
+      output%frequency = frequency_of(block, merge(frequency, 1, &
+         & index(block%keyword, ' OUTPUT') > 0))
       call get_word(block, 'NSET', word, at, found)
-      if (found) output%set = set_named(scene, model%mesh%nset, 'node set', word, scope, at, model%log)
+      if (found) output%set = set_named(scene, model%mesh%nset, 'node set', word, scope, at, &
+         & model%log)
       call get_word(block, 'ELSET', word, at, found)
-      if (found) output%set = set_named(scene, model%mesh%elset, 'element set', word, scope, at, model%log)
+      if (found) output%set = set_named(scene, model%mesh%elset, 'element set', word, scope, at, &
+         & model%log)
       call get_word(block, 'SLAVE', word, at, found)
       if (found) output%slave = surface_named(model, scene, word, scope, at)
       call get_word(block, 'MASTER', word, at, found)

@@ -4,7 +4,8 @@ module lopin_build_parts
    use lopin_error, only : log_type, location_type
    use lopin_text, only : parse_integer
    use lopin_block, only : deck_type, block_type, field_type, split_fields, field_real, complain
-   use lopin_build_scene, only : scene_type, card_type, instance_type, name_type, need_word, no_such, find_name
+   use lopin_build_scene, only : scene_type, card_type, instance_type, name_type, need_word, &
+      & no_such, find_name
    implicit none
    private
    public :: new_scene, placed
@@ -77,7 +78,8 @@ contains
          do j = k + 1, deck%nblock
             if (deck%block(j)%keyword == 'END PART') exit
          end do
-         if (j > deck%nblock) call complain(log, 'E0209', '*PART '//name//' has no *END PART', deck%block(k)%at)
+         if (j > deck%nblock) call complain(log, 'E0209', '*PART '//name//' has no *END PART', &
+            & deck%block(k)%at)
          part = [part, part_type(k + 1, min(j, deck%nblock + 1) - 1)]
          names = [names, name_type(name)]
       end do
@@ -152,7 +154,8 @@ contains
          instance%pivot = value(:3)
          axis = value(4:6) - value(:3)
          if (.not. norm2(axis) > 0.0_wp) then
-            call complain(log, 'E0209', 'the two points of the axis of rotation are the same', field(1)%at)
+            call complain(log, 'E0209', 'the two points of the axis of rotation are the same', &
+               & field(1)%at)
             return
          end if
          axis = axis/norm2(axis)

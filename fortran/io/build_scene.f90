@@ -1,8 +1,9 @@
-!> What all parts of `new_model` share: the cards of the deck with parts and instances flattened out,
-!> and the way from a word of the user to an index.
+!> What all parts of `new_model` share: the cards of the deck with parts and instances flattened
+!> out, and the way from a word of the user to an index.
 !>
-!> A card has a scope: 0 for the model, otherwise the instance whose part it came from. Names of scope s are
-!> known as `INSTANCE.NAME`; numbers of scope s are moved by an offset so that they stay unique.
+!> A card has a scope: 0 for the model, otherwise the instance whose part it came from. Names of
+!> scope s are known as `INSTANCE.NAME`; numbers of scope s are moved by an offset so that they stay
+!> unique.
 module lopin_build_scene
    use lopin_kinds, only : wp
    use lopin_error, only : location_type, log_type
@@ -13,7 +14,8 @@ module lopin_build_scene
    implicit none
    private
    public :: scene_type, instance_type, card_type, list_type, name_type
-   public :: push, scoped, split_prefix, no_such, get_word, need_word, node_of, nodes_of, elements_of
+   public :: push, scoped, split_prefix, no_such, get_word, need_word, node_of, nodes_of, &
+      & elements_of
    public :: find_name, set_named
 
    integer, parameter :: most_names = 10   !! names listed in a message
@@ -163,11 +165,13 @@ contains
       guess = nearest_word(name, list)
       do i = 1, size(names)
          dot = index(names(i)%text, '.')
-         if (len(guess) == 0 .and. dot > 0 .and. names(i)%text(dot + 1:) == name) guess = names(i)%text
+         if (len(guess) == 0 .and. dot > 0 &
+            & .and. names(i)%text(dot + 1:) == name) guess = names(i)%text
       end do
       label = 'not defined'
       if (len(guess) > 0) label = 'did you mean '//guess//' ?'
-      call complain(log, 'E0201', 'no '//what//' `'//name//'`; '//what//'s defined: '//text, at, label=label)
+      call complain(log, 'E0201', 'no '//what//' `'//name//'`; '//what//'s defined: '//text, at, &
+         & label=label)
    end subroutine no_such
 
    !> The index of the set a card of a scope means; complains and returns 0 when there is none.
@@ -200,7 +204,8 @@ contains
       integer, allocatable, intent(out) :: node(:)
       type(log_type), intent(inout) :: log
 
-      call members_of(self, field, scope, 'node', mesh%node_label, mesh%node_order, self%node_offset, mesh%nset, &
+      call members_of(self, field, scope, 'node', mesh%node_label, mesh%node_order, &
+         & self%node_offset, mesh%nset, &
          & node, log)
    end subroutine nodes_of
 
@@ -261,7 +266,8 @@ contains
       character(len=:), allocatable :: text
 
       text = what//' '//to_text(number)//' does not exist'
-      if (size(label) > 0) text = text//'; numbers run '//to_text(minval(label))//'-'//to_text(maxval(label))
+      if (size(label) > 0) text = text//'; numbers run '//to_text(minval(label))//'-' &
+         & //to_text(maxval(label))
       call complain(log, 'E0202', text, at)
    end subroutine no_number
 

@@ -4,9 +4,11 @@ module lopin_build_sets
    use lopin_text, only : upper, parse_integer, to_text, plural
    use lopin_mesh, only : set_type, find_label, find_set
    use lopin_model, only : model_type
-   use lopin_block, only : deck_type, block_type, field_type, split_fields, field_integer, complain, line_place, &
+   use lopin_block, only : deck_type, block_type, field_type, split_fields, field_integer, &
+      & complain, line_place, &
       & has_parameter
-   use lopin_build_scene, only : scene_type, list_type, push, scoped, split_prefix, get_word, need_word, set_named, &
+   use lopin_build_scene, only : scene_type, list_type, push, scoped, split_prefix, get_word, &
+      & need_word, set_named, &
       & find_name, name_type, no_such
    implicit none
    private
@@ -253,7 +255,8 @@ contains
             call push(member, k)
          else
             clean = .false.
-            call complain(model%log, 'E0202', family%what//' '//to_text(number)//' does not exist; numbers run ' &
+            call complain(model%log, 'E0202', family%what//' '//to_text(number) &
+               & //' does not exist; numbers run ' &
                & //range_of(family%label), field%at)
          end if
          return
@@ -263,7 +266,8 @@ contains
          clean = .false.
       else if (family%state(k) == 1) then
          clean = .false.
-         call complain(model%log, 'E0204', family%what//' set `'//family%set(k)%name//'` contains itself', &
+         call complain(model%log, 'E0204', family%what//' set `'//family%set(k)%name &
+            & //'` contains itself', &
             & field%at, label='closes the circle')
       else
          call resolve(family, k, model, deck, scene)
@@ -320,7 +324,8 @@ contains
       end do
       if (hits > 0) return
       clean = .false.
-      call complain(log, 'E0204', 'GENERATE '//shown//' matches no '//family%what//'; numbers run ' &
+      call complain(log, 'E0204', 'GENERATE '//shown//' matches no '//family%what &
+         & //'; numbers run ' &
          & //range_of(family%label), at)
    end subroutine generate
 

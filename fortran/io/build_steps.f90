@@ -4,17 +4,19 @@ module lopin_build_steps
    use lopin_error, only : location_type, log_type, severity
    use lopin_text, only : to_text, parse_integer
    use lopin_model, only : model_type, step_type
-   use lopin_block, only : deck_type, block_type, field_type, split_fields, field_real, complain, has_parameter, &
+   use lopin_block, only : deck_type, block_type, field_type, split_fields, field_real, complain, &
+      & has_parameter, &
       & line_place
    use lopin_build_scene, only : scene_type, get_word
-   use lopin_build_boundary, only : boundary_type, new_boundary, boundary_of_step, check_boundary, find_roles
+   use lopin_build_boundary, only : boundary_type, new_boundary, boundary_of_step, &
+      & check_boundary, find_roles
    use lopin_build_loads, only : loads_type, new_loads, loads_of_step
    use lopin_build_output, only : output_of_step
    implicit none
    private
    public :: build_steps
 
-   real(wp), parameter :: smallest_share = 1.0e-6_wp   !! smallest increment over the period, unless given
+   real(wp), parameter :: smallest_share = 1.0e-6_wp   !! smallest increment / period
 
 contains
 
@@ -60,7 +62,8 @@ contains
          associate (block => deck%block(scene%card(k)%block))
             select case (block%keyword)
             case ('CLOAD', 'DLOAD', 'DSLOAD', 'STATIC')
-               call complain(model%log, 'E0405', '*'//block%keyword//' stands outside a step', block%at, &
+               call complain(model%log, 'E0405', '*'//block%keyword//' stands outside a step', &
+                  & block%at, &
                   & help='write it between *STEP and *END STEP')
             end select
          end associate
@@ -81,12 +84,14 @@ contains
          associate (block => deck%block(scene%card(k)%block))
             if (block%keyword == 'STEP') call read_head(model%step(s), block, model%log)
             if (block%keyword /= 'STATIC') cycle
-            if (is_static) call complain(model%log, 'E0405', 'step '//to_text(s)//' has a second *STATIC', block%at)
+            if (is_static) call complain(model%log, 'E0405', 'step '//to_text(s) &
+               & //' has a second *STATIC', block%at)
             is_static = .true.
             call read_static(model, model%step(s), block)
          end associate
       end do
-      if (.not. is_static) call complain(model%log, 'E0405', 'step '//to_text(s)//' has no *STATIC', &
+      if (.not. is_static) call complain(model%log, 'E0405', 'step '//to_text(s) &
+         & //' has no *STATIC', &
          & model%step(s)%at, help='write *STATIC after *STEP')
    end subroutine read_step
 
@@ -140,15 +145,18 @@ contains
       if (block%nline > 0) call split_fields(block%line(1), field, n)
       do i = 1, min(4, n)
          call field_real(field(i), value(i), model%log, given(i))
-         if (value(i) < 0.0_wp) call complain(model%log, 'E0405', 'a time of '//to_text(value(i), 6) &
+         if (value(i) < 0.0_wp) call complain(model%log, 'E0405', 'a time of ' &
+            & //to_text(value(i), 6) &
             & //' is negative', field(i)%at, help='initial, period, smallest, largest')
       end do
       given = given .and. value > 0.0_wp
       step%period = merge(value(2), 1.0_wp, given(2))
       step%initial = merge(value(1), step%period, given(1))
       if (step%initial > step%period) then
-         call model%log%say(severity%note, 'N0405', 'the initial increment '//to_text(step%initial, 6) &
-            & //' is longer than the period '//to_text(step%period, 6)//': it is cut', line_place(block%line(1)))
+         call model%log%say(severity%note, 'N0405', 'the initial increment ' &
+            & //to_text(step%initial, 6) &
+            & //' is longer than the period '//to_text(step%period, 6)//': it is cut', &
+            & line_place(block%line(1)))
          step%initial = step%period
       end if
       step%smallest = merge(value(3), smallest_share*step%period, given(3))

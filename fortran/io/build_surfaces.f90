@@ -8,7 +8,8 @@ module lopin_build_surfaces
    use lopin_tool_factory, only : tool_kinds
    use lopin_model, only : model_type, surface_data_type, surface_of, kind_of
    use lopin_block, only : deck_type, block_type, field_type, split_fields, field_real, complain
-   use lopin_build_scene, only : scene_type, list_type, name_type, push, scoped, need_word, get_word, nodes_of, &
+   use lopin_build_scene, only : scene_type, list_type, name_type, push, scoped, need_word, &
+      & get_word, nodes_of, &
       & elements_of, find_name, no_such
    use lopin_build_tools, only : build_tool
    implicit none
@@ -43,8 +44,10 @@ contains
             surface%name = scoped(scene, scope, name)
             surface%at = at
             do i = 1, size(model%surface)
-               if (model%surface(i)%name == surface%name) call complain(model%log, 'E0205', 'surface `' &
-                  & //surface%name//'` is defined twice, first in line '//to_text(model%surface(i)%at%line), at)
+               if (model%surface(i)%name == surface%name) call complain(model%log, 'E0205', &
+                  & 'surface `' &
+                  & //surface%name//'` is defined twice, first in line ' &
+                  & //to_text(model%surface(i)%at%line), at)
             end do
             call get_word(block, 'TYPE', word, word_at, found)
             if (.not. found) word = 'ELEMENT'
@@ -59,7 +62,8 @@ contains
                if (any(tool_kinds == word)) then
                   call build_tool(surface%tool, model, scene, block, scope, word, surface%name)
                else
-                  call complain(model%log, 'E0301', 'surfaces of type `'//word//'` are not known', word_at, &
+                  call complain(model%log, 'E0301', 'surfaces of type `'//word &
+                     & //'` are not known', word_at, &
                      & help='ELEMENT, NODE, SEGMENTS, CYLINDER, REVOLUTION')
                end if
             end select
@@ -102,7 +106,8 @@ contains
       if (.not. allocated(list%item)) allocate (list%item(0))
       surface%node = list%item(:list%n)
       surface%area = area(:list%n)
-      if (list%n == 0 .and. model%log%n == complaints) call complain(model%log, 'E0301', 'surface `' &
+      if (list%n == 0 .and. model%log%n == complaints) call complain(model%log, 'E0301', &
+         & 'surface `' &
          & //surface%name//'` has no nodes', surface%at)
    end subroutine read_surface_nodes
 
@@ -135,7 +140,8 @@ contains
       call keep_once(model%mesh%nelement, element, face)
       surface%element = element%item(:element%n)
       surface%face = face%item(:face%n)
-      if (element%n == 0 .and. model%log%n == complaints) call complain(model%log, 'E0301', 'surface `' &
+      if (element%n == 0 .and. model%log%n == complaints) call complain(model%log, 'E0301', &
+         & 'surface `' &
          & //surface%name//'` has no faces', surface%at)
    end subroutine read_faces
 
@@ -149,7 +155,8 @@ contains
       logical, allocatable :: shared(:)
       integer :: i
 
-      call boundary_facets(facets, model%mesh, scene%etype%cell, wanted, model%kind == kind_of%axisymmetric, shared)
+      call boundary_facets(facets, model%mesh, scene%etype%cell, wanted, &
+         & model%kind == kind_of%axisymmetric, shared)
       do i = 1, facets%n
          if (shared(i)) cycle
          call push(element, facets%element(i))
@@ -172,8 +179,10 @@ contains
          associate (etype => scene%etype(model%mesh%etype(e)))
             f = face_number(etype%cell, upper(label%text))
             if (f == 0) then
-               call complain(model%log, 'E0301', 'element '//to_text(model%mesh%element_label(e))//' (' &
-                  & //trim(etype%word)//') has faces '//face_words(etype%cell)//'; '//upper(label%text) &
+               call complain(model%log, 'E0301', 'element '//to_text(model%mesh%element_label(e)) &
+                  & //' (' &
+                  & //trim(etype%word)//') has faces '//face_words(etype%cell)//'; ' &
+                  & //upper(label%text) &
                   & //' does not exist', label%at)
                return
             end if
@@ -182,7 +191,8 @@ contains
                if (other > 0) then
                   call complain(model%log, 'E0301', 'face '//upper(label%text)//' of element ' &
                      & //to_text(model%mesh%element_label(e))//' is shared with element ' &
-                     & //to_text(model%mesh%element_label(other))//': not on the boundary', label%at)
+                     & //to_text(model%mesh%element_label(other))//': not on the boundary', &
+                     & label%at)
                   return
                end if
             end if
@@ -192,7 +202,7 @@ contains
       end do
    end subroutine take_faces
 
-   !> Face number of a label; 0 if the cell has none. CalculiX' S1 and S2 of shells are SNEG and SPOS.
+   !> Face number of a label; 0 if there is none. CalculiX' S1 and S2 of shells are SNEG and SPOS.
    pure integer function face_number(cell, label) result(f)
       type(cell_type), intent(in) :: cell
       character(len=*), intent(in) :: label

@@ -47,8 +47,9 @@ contains
       end if
       if (holder%shape%ndim /= model%mesh%ndim) then
          call complain(model%log, 'E0314', 'TYPE='//kind//' makes a tool of '//merge('2', '3', &
-            & holder%shape%ndim == 2)//' dimensions; the mesh has '//merge('2', '3', model%mesh%ndim == 2), block%at, &
-            & help='plane and axisymmetric scenes take SEGMENTS, scenes of three dimensions CYLINDER or REVOLUTION')
+            & holder%shape%ndim == 2)//' dimensions; the mesh has ' &
+            & //merge('2', '3', model%mesh%ndim == 2), block%at, &
+            & help='SEGMENTS in two dimensions, CYLINDER or REVOLUTION in three')
          return
       end if
       holder%name = name
@@ -106,7 +107,8 @@ contains
       end do
       frame = point(:, :merge(3, merge(2, 0, npoint >= 2 .and. kind == 'REVOLUTION'), &
          & npoint >= 3 .and. kind == 'CYLINDER'))
-      if (.not. started) call complain(model%log, 'E0314', 'the profile of a tool begins with START, x, y', block%at)
+      if (.not. started) call complain(model%log, 'E0314', &
+         & 'the profile of a tool begins with START, x, y', block%at)
    end subroutine read_cards
 
    !> Move a tool with the instance of its part.
@@ -131,7 +133,8 @@ contains
       ! A frame that the deck leaves out is written down, so that it can be moved.
       if (size(frame, 2) == 0 .and. kind == 'CYLINDER') frame = reshape([0.0_wp, 0.0_wp, 0.0_wp, &
          & 1.0_wp, 0.0_wp, 0.0_wp, 0.0_wp, 0.0_wp, 1.0_wp], [3, 3])
-      if (size(frame, 2) == 0) frame = reshape([0.0_wp, 0.0_wp, 0.0_wp, 0.0_wp, 1.0_wp, 0.0_wp], [3, 2])
+      if (size(frame, 2) == 0) frame = reshape([0.0_wp, 0.0_wp, 0.0_wp, 0.0_wp, 1.0_wp, 0.0_wp], &
+         & [3, 2])
       do i = 1, size(frame, 2)
          frame(:, i) = placed(scene, scope, frame(:, i))
       end do
