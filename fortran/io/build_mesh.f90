@@ -54,7 +54,7 @@ contains
                cycle
             end if
             if (len(etype%note) > 0) call model%log%say(severity%note, 'N0206', etype%note, at)
-            model%element_word = [model%element_word, short]
+            model%element_word = [character(len=8) :: model%element_word, short]
             scene%etype = [scene%etype, etype]
             scene%etype_at = [scene%etype_at, at]
          end associate
@@ -265,7 +265,7 @@ contains
       associate (mesh => model%mesh)
          do j = 1, block%nline
             call split_fields(block%line(j), field, n)
-            if (have > 0 .and. .not. ends_in_comma(block%line(j - 1))) then
+            if (have > 0 .and. .not. ends_in_comma(block%line(max(1, j - 1)))) then
                call complain(model%log, 'E0208', 'element ' &
                   & //to_text(mesh%element_label(mesh%nelement)) &
                   & //' has '//to_text(have - 1)//' nodes; '//trim(scene%etype(e)%word)//' needs ' &

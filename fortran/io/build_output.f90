@@ -119,7 +119,7 @@ contains
             if (len(field(i)%text) == 0) cycle
             if (any(upper(field(i)%text) == [character(len=9) :: 'PRESELECT', 'ALL'])) cycle
             variable = upper(field(i)%text)
-            output%variable = [output%variable, variable]
+            output%variable = [character(len=8) :: output%variable, variable]
          end do
       end do
    end subroutine read_output
