@@ -1,0 +1,195 @@
+!> Loads and prescribed displacements of a step as functions of time.
+!>
+!> Without an amplitude a load goes linearly from its value at the end of the last step to its new value
+!> (at once if the step says AMPLITUDE=STEP); a load that is no longer in force goes to zero in the same
+!> way. With an amplitude it is value times amplitude.
+module lopin_loading
+   use lopin_kinds, only : wp
+   use lopin_mesh, only : mesh_type
+   use lopin_model, only : model_type, step_type, amplitude_value
+   use lopin_dofs, only : dofs_type
+   use lopin_constraints, only : constraints_type
+   use lopin_assemble_solids, only : solids_type, add_body_loads, add_face_loads
+   implicit none
+   private
+   public :: loading_type, new_loading, loads_at, prescribed_at
+
+   type :: loading_type
+      real(wp) :: start = 0.0_wp                       !! total time at the start of the step
+      real(wp) :: period = 1.0_wp
+      logical :: ramp = .true.
+      real(wp), allocatable :: before(:), after(:)     !! (ndof) loads without amplitude [force]
+      integer, allocatable :: amplitude(:)             !! amplitudes in use
+      real(wp), allocatable :: varying(:, :)           !! (ndof, namplitude) loads per unit of each
+      real(wp), allocatable :: from(:), to(:)          !! (nprescribed)
+      integer, allocatable :: follows(:)               !! (nprescribed) amplitude; 0: none
+   end type loading_type
+
+contains
+
+   !> `before` are the loads at the end of the last step, `u` the displacements then.
+   subroutine new_loading(self, model, dofs, constraints, solids, step, start, before, u)
+      type(loading_type), intent(out) :: self
+      type(model_type), intent(in) :: model
+      type(dofs_type), intent(in) :: dofs
+      type(constraints_type), intent(in) :: constraints
+      type(solids_type), intent(in) :: solids
+      type(step_type), intent(in) :: step
+      real(wp), intent(in) :: start
+      real(wp), intent(in) :: before(:), u(:)          !! (ndof)
+      integer :: i, a
+
+      self%start = start
+      self%period = step%period
+      self%ramp = step%ramp
+      self%before = before
+      allocate (self%after(dofs%n), source=0.0_wp)
+      call add_loads(self%after, model, dofs, constraints, solids, step, 0)
+      allocate (self%amplitude(0))
+      do a = 1, size(model%amplitude)
+         if (uses(step, a)) self%amplitude = [self%amplitude, a]
+      end do
+      allocate (self%varying(dofs%n, size(self%amplitude)), source=0.0_wp)
+      do i = 1, size(self%amplitude)
+         call add_loads(self%varying(:, i), model, dofs, constraints, solids, step, self%amplitude(i))
+      end do
+      allocate (self%from(constraints%nprescribed), self%to(constraints%nprescribed), self%follows(constraints%nprescribed))
+      do i = 1, constraints%nprescribed
+         associate (entry => step%prescribed(constraints%entry_of_prescribed(i)))
+            self%to(i) = entry%value
+            self%follows(i) = entry%amplitude
+            self%from(i) = raw_displacement(dofs, constraints, u, constraints%dof_of_prescribed(i))
+         end associate
+      end do
+   end subroutine new_loading
+
+   pure logical function uses(step, amplitude)
+      type(step_type), intent(in) :: step
+      integer, intent(in) :: amplitude
+      uses = any(step%point_load%amplitude == amplitude) .or. any(step%face_load%amplitude == amplitude) &
+         & .or. any(step%body_load%amplitude == amplitude)
+   end function uses
+
+   !> Displacement of a dof in the axes of its node.
+   pure real(wp) function raw_displacement(dofs, constraints, u, raw) result(value)
+      type(dofs_type), intent(in) :: dofs
+      type(constraints_type), intent(in) :: constraints
+      real(wp), intent(in) :: u(:)
+      integer, intent(in) :: raw
+      integer :: node, dof, k, axes
+
+      node = dofs%node(raw)
+      dof = dofs%dof(raw)
+      value = u(raw)
+      if (dof > 3) return
+      axes = constraints%axes_of(node)
+      if (axes == 0) return
+      value = 0.0_wp
+      do k = 1, 3
+         if (dofs%id(k, node) > 0) value = value + constraints%axes(dof, k, axes)*u(dofs%id(k, node))
+      end do
+   end function raw_displacement
+
+   !> Add the loads of a step that follow one amplitude (0: none).
+   subroutine add_loads(f, model, dofs, constraints, solids, step, amplitude)
+      real(wp), intent(inout) :: f(:)
+      type(model_type), intent(in) :: model
+      type(dofs_type), intent(in) :: dofs
+      type(constraints_type), intent(in) :: constraints
+      type(solids_type), intent(in) :: solids
+      type(step_type), intent(in) :: step
+      integer, intent(in) :: amplitude
+      integer, allocatable :: chosen(:)
+      real(wp), allocatable :: density(:, :)
+      integer :: i, k, axes, id
+
+      do i = 1, size(step%point_load)
+         associate (load => step%point_load(i))
+            if (load%amplitude /= amplitude) cycle
+            axes = 0
+            if (load%dof <= 3) axes = constraints%axes_of(load%node)
+            do k = 1, merge(3, 1, axes > 0)
+               id = dofs%id(merge(k, load%dof, axes > 0), load%node)
+               if (id == 0) cycle
+               if (axes > 0) then
+                  f(id) = f(id) + load%value*constraints%axes(load%dof, k, axes)
+               else
+                  f(id) = f(id) + load%value
+               end if
+            end do
+         end associate
+      end do
+      chosen = pack([(i, i=1, size(step%face_load))], step%face_load%amplitude == amplitude)
+      allocate (density(3, size(chosen)))
+      do i = 1, size(chosen)
+         density(:, i) = step%face_load(chosen(i))%traction
+      end do
+      if (size(chosen) > 0) call add_face_loads(solids, model%mesh, step%face_load(chosen)%element, &
+         & step%face_load(chosen)%face, step%face_load(chosen)%pressure, density, f)
+      chosen = pack([(i, i=1, size(step%body_load))], step%body_load%amplitude == amplitude)
+      deallocate (density)
+      allocate (density(3, size(chosen)))
+      do i = 1, size(chosen)
+         density(:, i) = step%body_load(chosen(i))%force
+      end do
+      if (size(chosen) > 0) call add_body_loads(solids, model%mesh, step%body_load(chosen)%element, density, f)
+   end subroutine add_loads
+
+   !> Share of the ramp that is done.
+   pure real(wp) function ramped(self, step_time) result(share)
+      type(loading_type), intent(in) :: self
+      real(wp), intent(in) :: step_time
+      share = 1.0_wp
+      if (self%ramp) share = min(1.0_wp, step_time/self%period)
+   end function ramped
+
+   subroutine loads_at(self, model, step_time, f, steady)
+      type(loading_type), intent(in) :: self
+      type(model_type), intent(in) :: model
+      real(wp), intent(in) :: step_time
+      real(wp), intent(out) :: f(:)        !! (ndof) all loads [force]
+      real(wp), intent(out) :: steady(:)   !! (ndof) those without amplitude, to go on from
+      real(wp) :: share
+      integer :: i
+
+      share = ramped(self, step_time)
+      steady = self%before + share*(self%after - self%before)
+      if (.not. share < 1.0_wp) steady = self%after
+      f = steady
+      do i = 1, size(self%amplitude)
+         f = f + factor(self, model, self%amplitude(i), step_time)*self%varying(:, i)
+      end do
+   end subroutine loads_at
+
+   subroutine prescribed_at(self, model, step_time, value)
+      type(loading_type), intent(in) :: self
+      type(model_type), intent(in) :: model
+      real(wp), intent(in) :: step_time
+      real(wp), intent(out) :: value(:)    !! (nprescribed) [length] or [rad]
+      real(wp) :: share
+      integer :: i
+
+      share = ramped(self, step_time)
+      do i = 1, size(value)
+         if (self%follows(i) > 0) then
+            value(i) = self%to(i)*factor(self, model, self%follows(i), step_time)
+         else if (share < 1.0_wp) then
+            value(i) = self%from(i) + share*(self%to(i) - self%from(i))
+         else
+            value(i) = self%to(i)
+         end if
+      end do
+   end subroutine prescribed_at
+
+   pure real(wp) function factor(self, model, amplitude, step_time)
+      type(loading_type), intent(in) :: self
+      type(model_type), intent(in) :: model
+      integer, intent(in) :: amplitude
+      real(wp), intent(in) :: step_time
+      real(wp) :: time
+
+      time = step_time
+      if (model%amplitude(amplitude)%total_time) time = time + self%start
+      factor = amplitude_value(model%amplitude(amplitude), time)
+   end function factor
+end module lopin_loading

@@ -1,0 +1,356 @@
+!> Slave points of all pairs: what each weighs, what lies opposite, along which normal, how far.
+!>
+!> Small sliding: the projection is made on the shape at the start; a rigid tool is projected where it
+!> stands at the end of the increment, so that its path may be long while the piece's is short.
+!> A point in a concave corner of a tool has two entries, one a wall.
+module lopin_contact_points
+   use lopin_kinds, only : wp
+   use lopin_error, only : error_type, error_code, raise, log_type, severity
+   use lopin_text, only : integer_text, real_text
+   use lopin_cells, only : cell_type
+   use lopin_mesh, only : mesh_type
+   use lopin_facets, only : facets_type, facet_rule_type, new_facets, new_facet_rules, nodal_weights, nodal_normals
+   use lopin_element_type, only : element_type, new_element_type
+   use lopin_surface, only : surface_type, new_surface, update_surface
+   use lopin_feature, only : projection_type, limits_type
+   use lopin_search, only : tree_type, build_tree, find_projections
+   use lopin_tool, only : foot_type, project_all_moved
+   use lopin_rigid_motion, only : rigid_motion_type, new_rigid_motion
+   use lopin_model, only : model_type, pair_type, surface_data_type, surface_of, kind_of, overclosure_of
+   implicit none
+   private
+   public :: contact_points_type, new_contact_points, move_tool, pair_is_tied
+
+   integer, parameter :: most_masters = 8
+
+   type :: contact_points_type
+      integer :: n = 0
+      integer, allocatable :: first(:)        !! (npair+1) first point of each pair
+      integer, allocatable :: pair(:)         !! (n)
+      integer, allocatable :: node(:)         !! (n) slave node
+      integer, allocatable :: facet(:)        !! (n) facet of the master surface or segment of the tool; 0: none
+      integer, allocatable :: master(:, :)    !! (8, n) master nodes, zeros behind the last; none for a tool
+      real(wp), allocatable :: shape(:, :)    !! (8, n)
+      real(wp), allocatable :: xi(:, :)       !! (2, n)
+      real(wp), allocatable :: normal(:, :)   !! (3, n) out of the master
+      real(wp), allocatable :: side(:, :)     !! (3, n) slave's own outward normal; 0: unknown
+      real(wp), allocatable :: foot(:, :)     !! (3, n) [length]
+      real(wp), allocatable :: gap(:)         !! (n) geometric [length]
+      real(wp), allocatable :: weight(:)      !! (n) [length^2]
+      real(wp), allocatable :: size(:)        !! (n) of the slave's facets there [length]
+      integer, allocatable :: tool(:)         !! (npair) 0: the master is a mesh
+      integer, allocatable :: body(:)         !! (npair) rigid body that moves the tool; 0: fixed
+   end type contact_points_type
+
+   !> n_slave.n_master must be below this for the two to face each other.
+   real(wp), parameter :: facing = -0.2_wp
+
+   !> One slave point of a surface before it is paired.
+   type :: slave_type
+      integer, allocatable :: node(:)
+      real(wp), allocatable :: weight(:), normal(:, :), size(:)
+   end type slave_type
+
+contains
+
+   subroutine new_contact_points(self, model, log, error)
+      type(contact_points_type), intent(out) :: self
+      type(model_type), intent(in) :: model
+      type(log_type), intent(inout) :: log
+      type(error_type), allocatable, intent(out) :: error
+      type(cell_type), allocatable :: cells(:)
+      type(slave_type) :: slave
+      integer :: pair
+
+      call cells_of(model, cells)
+      call clear(self, size(model%pair))
+      do pair = 1, size(model%pair)
+         associate (p => model%pair(pair))
+            call new_slave(slave, model, cells, model%surface(p%slave), error)
+            if (allocated(error)) return
+            self%first(pair) = self%n + 1
+            if (model%surface(p%master)%kind == surface_of%tool) then
+               self%tool(pair) = model%surface(p%master)%tool
+               self%body(pair) = model%tool(self%tool(pair))%rigid_body
+               call pair_with_tool(self, model, pair, slave)
+            else
+               call pair_with_surface(self, model, cells, pair, slave, error)
+               if (allocated(error)) return
+            end if
+            self%first(pair + 1) = self%n + 1
+            call check_sides(self, model, pair, log, error)
+            if (allocated(error)) return
+         end associate
+      end do
+   end subroutine new_contact_points
+
+   subroutine cells_of(model, cells)
+      type(model_type), intent(in) :: model
+      type(cell_type), allocatable, intent(out) :: cells(:)
+      type(element_type) :: element
+      integer :: i
+      logical :: found
+
+      allocate (cells(size(model%element_word)))
+      do i = 1, size(cells)
+         call new_element_type(element, trim(model%element_word(i)), '', found)
+         cells(i) = element%cell
+      end do
+   end subroutine cells_of
+
+   subroutine clear(self, npair)
+      type(contact_points_type), intent(inout) :: self
+      integer, intent(in) :: npair
+
+      allocate (self%first(npair + 1), source=1)
+      allocate (self%tool(npair), self%body(npair), source=0)
+      call reserve(self, 64)
+   end subroutine clear
+
+   subroutine reserve(self, capacity)
+      type(contact_points_type), intent(inout) :: self
+      integer, intent(in) :: capacity
+      type(contact_points_type) :: old
+      integer :: n
+
+      n = self%n
+      if (allocated(self%pair)) then
+         if (capacity <= size(self%pair)) return
+         old = self
+         deallocate (self%pair, self%node, self%facet, self%master, self%shape, self%xi, self%normal, &
+            & self%side, self%foot, self%gap, self%weight, self%size)
+      end if
+      allocate (self%pair(capacity), self%node(capacity), self%facet(capacity), self%master(most_masters, capacity), &
+         & source=0)
+      allocate (self%shape(most_masters, capacity), self%xi(2, capacity), self%normal(3, capacity), &
+         & self%side(3, capacity), self%foot(3, capacity), self%gap(capacity), self%weight(capacity), &
+         & self%size(capacity), source=0.0_wp)
+      if (n == 0) return
+      self%pair(:n) = old%pair(:n)
+      self%node(:n) = old%node(:n)
+      self%facet(:n) = old%facet(:n)
+      self%master(:, :n) = old%master(:, :n)
+      self%shape(:, :n) = old%shape(:, :n)
+      self%xi(:, :n) = old%xi(:, :n)
+      self%normal(:, :n) = old%normal(:, :n)
+      self%side(:, :n) = old%side(:, :n)
+      self%foot(:, :n) = old%foot(:, :n)
+      self%gap(:n) = old%gap(:n)
+      self%weight(:n) = old%weight(:n)
+      self%size(:n) = old%size(:n)
+   end subroutine reserve
+
+   subroutine add_point(self, pair, slave, i)
+      type(contact_points_type), intent(inout) :: self
+      integer, intent(in) :: pair, i
+      type(slave_type), intent(in) :: slave
+
+      if (self%n == size(self%pair)) call reserve(self, 2*self%n)
+      self%n = self%n + 1
+      self%pair(self%n) = pair
+      self%node(self%n) = slave%node(i)
+      self%weight(self%n) = slave%weight(i)
+      self%size(self%n) = slave%size(i)
+      self%side(:, self%n) = slave%normal(:, i)
+   end subroutine add_point
+
+   !> Slave nodes of a surface with tributary areas, normals and facet sizes.
+   subroutine new_slave(self, model, cells, surface, error)
+      type(slave_type), intent(out) :: self
+      type(model_type), intent(in) :: model
+      type(cell_type), intent(in) :: cells(:)
+      type(surface_data_type), intent(in) :: surface
+      type(error_type), allocatable, intent(out) :: error
+      type(facets_type) :: facets
+      type(facet_rule_type), allocatable :: rules(:)
+      type(surface_type) :: shape
+      real(wp), allocatable :: weight(:), normal(:, :), thickness(:), length(:)
+      integer :: i, k
+
+      if (surface%kind == surface_of%nodes) then
+         self%node = surface%node
+         self%weight = merge(surface%area, 1.0_wp, surface%area > 0.0_wp)
+         allocate (self%normal(3, size(self%node)), self%size(size(self%node)), source=0.0_wp)
+         self%size = typical_size(model)
+         return
+      end if
+      call new_facets(facets, model%mesh, cells, surface%element, surface%face)
+      call new_surface(shape, model%mesh%ndim, facets)
+      call update_surface(shape, model%mesh%x, error)
+      if (allocated(error)) return
+      allocate (rules(6), weight(model%mesh%nnode), normal(model%mesh%ndim, model%mesh%nnode))
+      call new_facet_rules(rules)
+      thickness = spread(1.0_wp, 1, facets%n)
+      if (model%kind == kind_of%plane_strain .or. model%kind == kind_of%plane_stress) then
+         do i = 1, facets%n
+            if (model%mesh%section(facets%element(i)) == 0) cycle
+            thickness(i) = model%section(model%mesh%section(facets%element(i)))%thickness
+         end do
+      end if
+      call nodal_weights(facets, rules, model%mesh%x, model%kind == kind_of%axisymmetric, thickness, weight)
+      call nodal_normals(facets, rules, model%mesh%x, model%kind == kind_of%axisymmetric, normal)
+      allocate (length(model%mesh%nnode), source=0.0_wp)
+      do i = 1, facets%n
+         do k = 1, facets%nnode(i)
+            length(facets%node(k, i)) = max(length(facets%node(k, i)), shape%size(i))
+         end do
+      end do
+      self%node = shape%node
+      self%weight = weight(shape%node)
+      self%size = length(shape%node)
+      allocate (self%normal(3, shape%nnode), source=0.0_wp)
+      self%normal(:model%mesh%ndim, :) = normal(:, shape%node)
+   end subroutine new_slave
+
+   !> A length for nodes without facets: the scene's, over the root of its elements.
+   pure real(wp) function typical_size(model) result(length)
+      type(model_type), intent(in) :: model
+      length = maxval(maxval(model%mesh%x, dim=2) - minval(model%mesh%x, dim=2)) &
+         & /max(1, model%mesh%nelement)**(1.0_wp/model%mesh%ndim)
+   end function typical_size
+
+   subroutine pair_with_surface(self, model, cells, pair, slave, error)
+      type(contact_points_type), intent(inout) :: self
+      type(model_type), intent(in) :: model
+      type(cell_type), intent(in) :: cells(:)
+      integer, intent(in) :: pair
+      type(slave_type), intent(in) :: slave
+      type(error_type), allocatable, intent(out) :: error
+      type(facets_type) :: facets
+      type(surface_type) :: master
+      type(tree_type) :: tree
+      type(limits_type) :: limits
+      type(projection_type), allocatable :: found(:)
+      integer :: i, n, ndim
+
+      ndim = model%mesh%ndim
+      associate (surface => model%surface(model%pair(pair)%master))
+         call new_facets(facets, model%mesh, cells, surface%element, surface%face)
+      end associate
+      call new_surface(master, ndim, facets)
+      call update_surface(master, model%mesh%x, error)
+      if (allocated(error)) return
+      call build_tree(tree, master%low, master%high)
+      limits%extension = model%pair(pair)%extension
+      limits%cosine = facing
+      allocate (found(size(slave%node)))
+      call find_projections(master, tree, model%mesh%x(:, slave%node), slave%normal(:ndim, :), limits, found)
+      do i = 1, size(slave%node)
+         call add_point(self, pair, slave, i)
+         n = self%n
+         if (found(i)%facet == 0) cycle
+         self%facet(n) = found(i)%facet
+         self%xi(:, n) = found(i)%xi
+         self%normal(:, n) = found(i)%normal
+         self%foot(:, n) = found(i)%point
+         self%gap(n) = found(i)%gap
+         self%shape(:, n) = found(i)%shape
+         self%master(:facets%nnode(found(i)%facet), n) = facets%node(:facets%nnode(found(i)%facet), found(i)%facet)
+      end do
+   end subroutine pair_with_surface
+
+   !> A tool at rest; in a concave corner a point meets both walls.
+   subroutine pair_with_tool(self, model, pair, slave)
+      type(contact_points_type), intent(inout) :: self
+      type(model_type), intent(in) :: model
+      integer, intent(in) :: pair
+      type(slave_type), intent(in) :: slave
+      type(rigid_motion_type) :: rest
+      type(foot_type) :: feet(2)
+      integer :: i, k, nfeet, ndim
+
+      ndim = model%mesh%ndim
+      call new_rigid_motion(rest, spread(0.0_wp, 1, ndim), spread(0.0_wp, 1, ndim), [real(wp) ::])
+      associate (tool => model%tool(self%tool(pair))%shape)
+         do i = 1, size(slave%node)
+            call project_all_moved(tool, rest, model%mesh%x(:, slave%node(i)), slave%size(i), feet, nfeet)
+            do k = 1, max(1, nfeet)
+               call add_point(self, pair, slave, i)
+               if (nfeet > 0) call take_foot(self, self%n, feet(k), model%pair(pair)%extension)
+            end do
+         end do
+      end associate
+   end subroutine pair_with_tool
+
+   !> A foot counts if it is not past the end of the tool and the slave faces it.
+   subroutine take_foot(self, n, foot, extension)
+      type(contact_points_type), intent(inout) :: self
+      integer, intent(in) :: n
+      type(foot_type), intent(in) :: foot
+      real(wp), intent(in) :: extension
+
+      self%facet(n) = 0
+      if (.not. foot%found) return
+      self%normal(:, n) = foot%normal
+      self%foot(:, n) = foot%point
+      self%gap(n) = foot%gap
+      if (foot%overhang > extension*self%size(n)) return
+      if (any(abs(self%side(:, n)) > 0.0_wp)) then
+         if (dot_product(self%side(:, n), foot%normal) > facing) return
+      end if
+      self%facet(n) = max(1, foot%segment)
+   end subroutine take_foot
+
+   !> Project the points of a pair on its tool in another place.
+   subroutine move_tool(self, model, pair, displacement, rotation)
+      type(contact_points_type), intent(inout) :: self
+      type(model_type), intent(in) :: model
+      integer, intent(in) :: pair
+      real(wp), intent(in) :: displacement(:), rotation(:)   !! of the reference node [length], [rad]
+      type(rigid_motion_type) :: motion
+      type(foot_type) :: feet(2)
+      real(wp) :: reference(model%mesh%ndim)
+      integer :: i, k, nfeet
+
+      reference = model%mesh%x(:, model%rigid_body(self%body(pair))%reference)
+      call new_rigid_motion(motion, reference, displacement, rotation)
+      i = self%first(pair)
+      do while (i < self%first(pair + 1))
+         associate (tool => model%tool(self%tool(pair))%shape)
+            call project_all_moved(tool, motion, model%mesh%x(:, self%node(i)), self%size(i), feet, nfeet)
+         end associate
+         do k = 1, 2
+            if (k <= nfeet) call take_foot(self, i, feet(k), model%pair(pair)%extension)
+            i = i + 1
+            if (i >= self%first(pair + 1)) exit
+            if (self%node(i) /= self%node(i - 1)) exit
+            self%facet(i) = 0
+         end do
+      end do
+   end subroutine move_tool
+
+   !> A pair whose points all lie behind their master was described the wrong way round.
+   subroutine check_sides(self, model, pair, log, error)
+      type(contact_points_type), intent(in) :: self
+      type(model_type), intent(in) :: model
+      integer, intent(in) :: pair
+      type(log_type), intent(inout) :: log
+      type(error_type), allocatable, intent(out) :: error
+      integer :: i, behind
+
+      associate (p => model%pair(pair), slave => model%surface(model%pair(pair)%slave)%name, &
+         & master => model%surface(model%pair(pair)%master)%name)
+         if (any(self%facet(self%first(pair):self%n) > 0)) return
+         behind = 0
+         do i = self%first(pair), self%n
+            if (dot_product(self%side(:, i), self%normal(:, i)) > 0.2_wp) behind = behind + 1
+         end do
+         if (behind == self%n - self%first(pair) + 1 .and. behind > 0) then
+            call raise(error, error_code%deck, 'E0312', 'all '//integer_text(behind)//' slave nodes of '//slave// &
+               & ' lie behind '//master, p%at, help='reverse the order of its segments (the outward normal is on ' &
+               & //'the left of the way), or use the other side of its faces')
+         else
+            call log%say(severity%warning, 'W0315', 'no node of '//slave//' has a point of '//master// &
+               & ' opposite: the pair can never touch', p%at, help='check the positions, and that the slave''s '// &
+               & 'faces look at the master')
+         end if
+      end associate
+   end subroutine check_sides
+
+   !> The pair glues: all directions, both ways.
+   pure logical function pair_is_tied(model, pair)
+      type(model_type), intent(in) :: model
+      type(pair_type), intent(in) :: pair
+      pair_is_tied = pair%tied .or. model%interaction(pair%interaction)%overclosure == overclosure_of%tied
+   end function pair_is_tied
+end module lopin_contact_points
