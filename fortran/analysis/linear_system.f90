@@ -80,8 +80,8 @@ contains
       real(wp), allocatable :: b(:)
       integer :: j
 
-      b = right(self%equation)
-      allocate (y(self%n), load(self%nlast))
+      allocate (b(self%n), y(self%n), load(self%nlast))
+      b(:) = right(self%equation)
       call self%solver%forward(b, y)
       load = 0.0_wp
       associate (tail => y(self%n - self%nlast + 1:))
@@ -100,8 +100,8 @@ contains
       real(wp), allocatable :: z(:), tail(:), x(:)
       integer :: j
 
-      z = y
-      tail = pushed
+      allocate (z, source=y)
+      allocate (tail, source=pushed)
       do j = 1, self%nlast
          tail(j) = tail(j)/self%l(j, j)
          tail(j + 1:) = tail(j + 1:) - self%l(j + 1:, j)*tail(j)

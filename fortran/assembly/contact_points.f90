@@ -6,7 +6,7 @@
 module lopin_contact_points
    use lopin_kinds, only : wp
    use lopin_error, only : error_type, error_code, raise, log_type, severity
-   use lopin_text, only : integer_text, real_text
+   use lopin_text, only : to_text
    use lopin_cells, only : cell_type
    use lopin_mesh, only : mesh_type
    use lopin_facets, only : facets_type, facet_rule_type, new_facets, new_facet_rules, nodal_weights, nodal_normals
@@ -336,7 +336,7 @@ contains
             if (dot_product(self%side(:, i), self%normal(:, i)) > 0.2_wp) behind = behind + 1
          end do
          if (behind == self%n - self%first(pair) + 1 .and. behind > 0) then
-            call raise(error, error_code%deck, 'E0312', 'all '//integer_text(behind)//' slave nodes of '//slave// &
+            call raise(error, error_code%deck, 'E0312', 'all '//to_text(behind)//' slave nodes of '//slave// &
                & ' lie behind '//master, p%at, help='reverse the order of its segments (the outward normal is on ' &
                & //'the left of the way), or use the other side of its faces')
          else

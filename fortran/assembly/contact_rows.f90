@@ -5,7 +5,7 @@
 module lopin_contact_rows
    use lopin_kinds, only : wp
    use lopin_error, only : error_type, error_code, raise, log_type, severity
-   use lopin_text, only : integer_text, real_text
+   use lopin_text, only : to_text
    use lopin_model, only : model_type, initial_of
    use lopin_dofs, only : dofs_type
    use lopin_constraints, only : constraints_type, follower_rule
@@ -98,9 +98,9 @@ contains
             deepest = -gap/points%size(i)
             worst = i
          end do
-         if (adjusted > 0) call log%say(severity%note, 'N0316', integer_text(adjusted)//' slave points of '// &
+         if (adjusted > 0) call log%say(severity%note, 'N0316', to_text(adjusted)//' slave points of '// &
             & model%surface(p%slave)%name//' were set on '//model%surface(p%master)%name// &
-            & ' without strain, by at most '//real_text(moved), p%at)
+            & ' without strain, by at most '//to_text(moved), p%at)
          if (interfering == 0) return
          call report_overclosure(model, points, pair, interfering, worst, deepest, log, error)
       end associate
@@ -116,11 +116,11 @@ contains
       character(len=:), allocatable :: text, help
 
       associate (p => model%pair(pair))
-         text = integer_text(number)//' slave points of '//model%surface(p%slave)%name//' penetrate '// &
+         text = to_text(number)//' slave points of '//model%surface(p%slave)%name//' penetrate '// &
             & model%surface(p%master)%name//' at the start, the deepest, node '// &
-            & integer_text(model%mesh%node_label(points%node(worst)))//', by '// &
-            & real_text(deepest*points%size(worst))//' ('//integer_text(nint(100.0_wp*deepest))//' % of a facet)'
-         help = 'ADJUST='//real_text(1.01_wp*deepest*points%size(worst))//' on *CONTACT PAIR moves them out without strain'
+            & to_text(model%mesh%node_label(points%node(worst)))//', by '// &
+            & to_text(deepest*points%size(worst))//' ('//to_text(nint(100.0_wp*deepest))//' % of a facet)'
+         help = 'ADJUST='//to_text(1.01_wp*deepest*points%size(worst))//' on *CONTACT PAIR moves them out without strain'
          if (deepest > too_deep .or. p%control%initial == initial_of%error) then
             call raise(error, error_code%deck, 'E0311', text, p%at, help=help, &
                & note='deeper than half a facet is a mistake of position, unit or side')
@@ -134,7 +134,7 @@ contains
    !> Rows of all points that have a master opposite.
    !>
    !> `place` is where each rigid body's reference was when its tool was projected (6, nbody).
-   subroutine new_contact_rows(self, model, dofs, points, initial, place, sticks)
+   subroutine new_contact_rows(self, model, dofs, points, initial, place, sticks, reach)
       type(contact_rows_type), intent(out) :: self
       type(model_type), intent(in) :: model
       type(dofs_type), intent(in) :: dofs
@@ -142,6 +142,7 @@ contains
       type(initial_gap_type), intent(in) :: initial
       real(wp), intent(in) :: place(:, :)
       logical, intent(in) :: sticks(:)         !! (npoint) closed once, never to open (NO SEPARATION)
+      real(wp), intent(in) :: reach(:)         !! (npair) points with a larger gap get no row [length]
       integer :: pair, i, d, ndirection, terms
       real(wp) :: frame(3, 3)
       logical :: tied
@@ -157,6 +158,7 @@ contains
          tied = pair_is_tied(model, model%pair(pair))
          do i = points%first(pair), points%first(pair + 1) - 1
             if (points%facet(i) == 0) cycle
+            if (points%gap(i) + initial%shift(i) > reach(pair)) cycle
             if (tied .and. abs(points%gap(i)) > max(too_deep*points%size(i), model%pair(pair)%adjust)) cycle
             call frame_of(points%normal(:, i), model%mesh%ndim, frame)
             ndirection = 1

@@ -1,0 +1,246 @@
+!> The frozen tests of an accepted increment, each made from what the run computed, not assumed.
+module lopin_certificate
+   use lopin_kinds, only : wp
+   use lopin_text, only : to_text
+   use lopin_model, only : model_type, method_of
+   use lopin_state, only : certificate_type, energy_type, contact_field_type
+   use lopin_constraints, only : reduce, prescribed_part
+   use lopin_contact_rows, only : row_forces
+   use lopin_scene, only : scene_type, relative_motion
+   use lopin_methods, only : has_law
+   implicit none
+   private
+   public :: certify, worst_unrowed
+
+   !> PASS up to these, WARN above, FAIL above ten times (conventions, frozen).
+   real(wp), parameter :: complementarity_limit = 1.0e-6_wp, equilibrium_limit = 1.0e-6_wp
+   real(wp), parameter :: balance_limit = 1.0e-3_wp, penalty_limit = 2.0e-2_wp
+
+contains
+
+   !> Tests of the trial state; `residual` on the physical dofs is K u - f - contact forces.
+   subroutine certify(self, energy, scene, model, f, residual, reaction)
+      type(certificate_type), intent(out) :: self
+      type(energy_type), intent(inout) :: energy
+      type(scene_type), intent(in) :: scene
+      type(model_type), intent(in) :: model
+      real(wp), intent(in) :: f(:)             !! (ndof) loads [force]
+      real(wp), intent(in) :: residual(:)      !! (ndof) [force]
+      real(wp), intent(in) :: reaction(:)      !! (nprescribed) [force]
+      real(wp), allocatable :: free(:), pressed(:), internal(:)
+      real(wp) :: reference, work
+
+      allocate (free(scene%constraints%neq), pressed(scene%dofs%n), internal(scene%dofs%n))
+      pressed = 0.0_wp
+      call row_forces(scene%rows, scene%answer%force, pressed)
+      call scene%k%multiply(scene%u, internal)
+      call reduce(scene%constraints, residual, free)
+      reference = max(largest(f), largest(reaction), largest(pressed), largest(internal))
+      if (reference > 0.0_wp) then
+         self%equilibrium = largest(free)/reference
+         self%support = largest(free(scene%bodies%support))/reference
+      end if
+      call judge_contact(self, energy, scene, model)
+      call judge_action(self, scene, model, pressed)
+      energy%strain = 0.5_wp*dot_product(scene%u, internal)
+      ! Clapeyron: at equilibrium all forces together do twice the stored energy's work.
+      work = dot_product(scene%u, f + pressed + residual)
+      if (energy%strain > 0.0_wp) self%energy = abs(work - 2.0_wp*energy%strain)/(2.0_wp*energy%strain)
+      call give_verdict(self)
+   end subroutine certify
+
+   !> Gaps and forces of all rows, exact and soft apart.
+   subroutine judge_contact(self, energy, scene, model)
+      type(certificate_type), intent(inout) :: self
+      type(energy_type), intent(inout) :: energy
+      type(scene_type), intent(in) :: scene
+      type(model_type), intent(in) :: model
+      real(wp) :: p_ref, size_, scaled
+      integer :: row, pair, point
+      logical :: exact
+
+      energy%contact = 0.0_wp
+      if (scene%rows%n == 0) return
+      p_ref = maxval(abs(scene%answer%force))
+      do pair = 1, size(model%pair)
+         associate (method => model%interaction(model%pair(pair)%interaction)%method)
+            exact = method == method_of%lagrange .or. (method == method_of%augmented &
+               & .and. model%pair(pair)%control%relative_penetration <= 0.0_wp &
+               & .and. model%pair(pair)%control%absolute_penetration <= 0.0_wp)
+         end associate
+         exact = exact .and. .not. has_law(model, pair)
+         do row = scene%rows%group_first(pair), scene%rows%group_first(pair + 1) - 1
+            point = scene%rows%point(row)
+            size_ = scene%points%size(point)
+            associate (force => scene%answer%force(row), gap => scene%answer%gap(row))
+               if (.not. scene%rows%tied(row)) self%penetration = max(self%penetration, -gap/size_)
+               if (.not. scene%rows%bilateral(row) .and. p_ref > 0.0_wp) &
+                  & self%tension = max(self%tension, -force/p_ref)
+               if (exact) then
+                  scaled = scale_of(scene, row, p_ref, size_)*gap
+                  if (scene%rows%bilateral(row)) then
+                     scaled = abs(scaled)
+                  else
+                     scaled = abs(min(force, scaled))
+                  end if
+                  if (p_ref > 0.0_wp) self%complementarity = max(self%complementarity, scaled/p_ref)
+               else if (scene%problem%alpha(row) > 0.0_wp .and. .not. has_law(model, pair)) then
+                  energy%contact = energy%contact + 0.5_wp*force**2/scene%problem%alpha(row)
+               end if
+            end associate
+         end do
+         if (.not. exact .and. .not. has_law(model, pair)) call estimate_penalty(self, scene, pair, p_ref)
+      end do
+      if (.not. p_ref > 0.0_wp) self%complementarity = max(0.0_wp, self%penetration)
+   end subroutine judge_contact
+
+   !> Force per gap: the compliance's own where it is known, else the largest force over a facet.
+   real(wp) function scale_of(scene, row, p_ref, size_) result(scale)
+      type(scene_type), intent(in) :: scene
+      integer, intent(in) :: row
+      real(wp), intent(in) :: p_ref, size_
+
+      scale = p_ref/size_
+      if (.not. allocated(scene%problem%s)) return
+      if (scene%problem%s(row, row) > 0.0_wp) scale = 1.0_wp/scene%problem%s(row, row)
+   end function scale_of
+
+   !> Relative error of the forces that closing the remaining penetration would mend: |S^-1 g|/|force|
+   !> with the diagonal of S, one augmentation's first step.
+   subroutine estimate_penalty(self, scene, pair, p_ref)
+      type(certificate_type), intent(inout) :: self
+      type(scene_type), intent(in) :: scene
+      integer, intent(in) :: pair
+      real(wp), intent(in) :: p_ref
+      real(wp) :: moved, total, stiffness
+      integer :: row
+
+      moved = 0.0_wp
+      total = 0.0_wp
+      do row = scene%rows%group_first(pair), scene%rows%group_first(pair + 1) - 1
+         if (.not. scene%answer%force(row) > 0.0_wp) cycle
+         stiffness = scale_of(scene, row, p_ref, scene%points%size(scene%rows%point(row)))
+         if (.not. allocated(scene%problem%s)) stiffness = own_stiffness(scene, row)
+         moved = moved + (min(scene%answer%gap(row), 0.0_wp)*stiffness)**2
+         total = total + scene%answer%force(row)**2
+      end do
+      if (total > 0.0_wp) self%pressure_error = max(self%pressure_error, sqrt(moved/total))
+   end subroutine estimate_penalty
+
+   !> Stiffness of the condensed equations under one row: at least that of its own diagonal.
+   real(wp) function own_stiffness(scene, row) result(stiffness)
+      type(scene_type), intent(in) :: scene
+      integer, intent(in) :: row
+      integer :: k
+
+      stiffness = 0.0_wp
+      associate (p => scene%problem)
+         do k = p%first(row), p%first(row + 1) - 1
+            stiffness = stiffness + p%value(k)**2*sum(p%l(p%column(k), :)**2)
+         end do
+      end associate
+   end function own_stiffness
+
+   !> The forces on slaves and masters balance as a whole.
+   subroutine judge_action(self, scene, model, pressed)
+      type(certificate_type), intent(inout) :: self
+      type(scene_type), intent(in) :: scene
+      type(model_type), intent(in) :: model
+      real(wp), intent(in) :: pressed(:)
+      real(wp) :: total(3), size_
+      integer :: dof, row
+      logical :: closed_loop
+
+      ! Pairs with a tool that no node moves have no master dofs: there is nothing to balance there.
+      closed_loop = size(model%pair) > 0
+      do row = 1, size(model%pair)
+         if (scene%points%tool(row) > 0 .and. scene%points%body(row) == 0) closed_loop = .false.
+      end do
+      if (.not. closed_loop) return
+      total = 0.0_wp
+      do dof = 1, scene%dofs%n
+         if (scene%dofs%dof(dof) > 3) cycle
+         total(scene%dofs%dof(dof)) = total(scene%dofs%dof(dof)) + pressed(dof)
+      end do
+      if (.not. allocated(scene%answer%force)) return
+      size_ = sum(abs(scene%answer%force))
+      if (model%mesh%ndim == 2 .and. scene%dofs%n > 0) total(3) = 0.0_wp
+      if (any(scene%dofs%id(1, :) == 0 .and. scene%dofs%id(2, :) > 0)) total(1) = 0.0_wp
+      if (size_ > 0.0_wp) self%action_reaction = norm2(total)/size_
+   end subroutine judge_action
+
+   subroutine give_verdict(self)
+      type(certificate_type), intent(inout) :: self
+
+      self%reason = ''
+      call hold('complementarity', self%complementarity, complementarity_limit)
+      call hold('tension', self%tension, complementarity_limit)
+      call hold('equilibrium', self%equilibrium, equilibrium_limit)
+      call hold('action and reaction', self%action_reaction, equilibrium_limit)
+      call hold('artificial support', self%support, equilibrium_limit)
+      call hold('energy balance', self%energy, balance_limit)
+      call hold('estimated pressure error of the penalty', self%pressure_error, penalty_limit)
+
+   contains
+
+      subroutine hold(what, value, limit)
+         character(len=*), intent(in) :: what
+         real(wp), intent(in) :: value, limit
+         integer :: level
+
+         level = 0
+         if (.not. value <= limit) level = 1
+         if (.not. value <= 10.0_wp*limit) level = 2
+         if (level == 0) return
+         self%verdict = max(self%verdict, level)
+         if (len(self%reason) > 0) self%reason = self%reason//'; '
+         self%reason = self%reason//what//' '//short(value)//' > '//short(limit)
+      end subroutine hold
+   end subroutine give_verdict
+
+   function short(value) result(text)
+      real(wp), intent(in) :: value
+      character(len=:), allocatable :: text
+      character(len=12) :: buffer
+      write (buffer, '(es9.2)') value
+      text = trim(adjustl(buffer))
+   end function short
+
+   !> Deepest penetration, in facets, of the points that have a master but no row; <= 0: none penetrates.
+   real(wp) function worst_unrowed(scene, model) result(worst)
+      type(scene_type), intent(in) :: scene
+      type(model_type), intent(in) :: model
+      logical :: has_row(scene%points%n)
+      real(wp) :: gap
+      integer :: i
+
+      worst = -huge(1.0_wp)
+      has_row = .false.
+      has_row(scene%rows%point) = .true.
+      do i = 1, scene%points%n
+         if (has_row(i) .or. scene%points%facet(i) == 0) cycle
+         if (.not. scene%points%gap(i) + scene%initial%shift(i) > scene%reach(scene%points%pair(i))) cycle
+         gap = scene%points%gap(i) + scene%initial%shift(i) &
+            & + dot_product(relative_motion(scene, model, i) - tool_part(i), scene%points%normal(:, i))
+         worst = max(worst, -gap/scene%points%size(i))
+      end do
+
+   contains
+
+      !> What the projection already knows of the tool's motion.
+      function tool_part(point) result(part)
+         integer, intent(in) :: point
+         real(wp) :: part(3)
+         integer :: body
+         part = 0.0_wp
+         body = scene%points%body(scene%points%pair(point))
+         if (body > 0) part(:model%mesh%ndim) = -scene%place(:model%mesh%ndim, body)
+      end function tool_part
+   end function worst_unrowed
+
+   pure real(wp) function largest(x)
+      real(wp), intent(in) :: x(:)
+      largest = 0.0_wp
+      if (size(x) > 0) largest = maxval(abs(x))
+   end function largest
+end module lopin_certificate

@@ -1,0 +1,120 @@
+!> What recorders see of an accepted increment, made from the scene.
+module lopin_frames
+   use lopin_kinds, only : wp
+   use lopin_model, only : model_type
+   use lopin_state, only : frame_type, contact_field_type
+   use lopin_recover_stress, only : recover_stress, average_to_nodes
+   use lopin_recorder, only : wants_type
+   use lopin_scene, only : scene_type, relative_motion
+   implicit none
+   private
+   public :: fill_frame
+
+contains
+
+   subroutine fill_frame(frame, scene, model, reaction, wants)
+      type(frame_type), intent(inout) :: frame
+      type(scene_type), intent(in) :: scene
+      type(model_type), intent(in) :: model
+      real(wp), intent(in) :: reaction(:)      !! (nprescribed) [force]
+      type(wants_type), intent(in) :: wants
+      real(wp), allocatable :: strain(:, :), stress(:, :)
+
+      call nodal_values(frame, scene, model, reaction)
+      call contact_values(frame, scene, model)
+      frame%first_point = scene%solids%first_point
+      if (.not. (wants%stress .or. wants%strain .or. wants%nodal_stress)) return
+      call recover_stress(scene%solids, model%mesh, frame%u(:3, :), stress, strain)
+      if (wants%nodal_stress) then
+         if (.not. allocated(frame%nodal_stress)) allocate (frame%nodal_stress(6, model%mesh%nnode))
+         call average_to_nodes(scene%solids, model%mesh, stress, frame%nodal_stress)
+      end if
+      if (wants%stress) call move_alloc(stress, frame%stress)
+      if (wants%strain) call move_alloc(strain, frame%strain)
+   end subroutine fill_frame
+
+   subroutine nodal_values(frame, scene, model, reaction)
+      type(frame_type), intent(inout) :: frame
+      type(scene_type), intent(in) :: scene
+      type(model_type), intent(in) :: model
+      real(wp), intent(in) :: reaction(:)
+      integer :: i, k, node, dof, axes
+
+      if (.not. allocated(frame%u)) allocate (frame%u(6, model%mesh%nnode), frame%rf(6, model%mesh%nnode))
+      frame%u = 0.0_wp
+      frame%rf = 0.0_wp
+      do node = 1, model%mesh%nnode
+         do k = 1, 6
+            if (scene%dofs%id(k, node) > 0) frame%u(k, node) = scene%u(scene%dofs%id(k, node))
+         end do
+      end do
+      do i = 1, size(reaction)
+         node = scene%dofs%node(scene%constraints%dof_of_prescribed(i))
+         dof = scene%dofs%dof(scene%constraints%dof_of_prescribed(i))
+         axes = 0
+         if (dof <= 3) axes = scene%constraints%axes_of(node)
+         if (axes > 0) then
+            frame%rf(:3, node) = frame%rf(:3, node) + reaction(i)*scene%constraints%axes(dof, :, axes)
+         else
+            frame%rf(dof, node) = frame%rf(dof, node) + reaction(i)
+         end if
+      end do
+      do i = 1, size(model%rigid_body)
+         node = model%rigid_body(i)%rotation
+         if (node == 0) cycle
+         frame%u(:3, node) = frame%u(4:6, model%rigid_body(i)%reference)
+         frame%rf(:3, node) = frame%rf(4:6, model%rigid_body(i)%reference)
+      end do
+   end subroutine nodal_values
+
+   subroutine contact_values(frame, scene, model)
+      type(frame_type), intent(inout) :: frame
+      type(scene_type), intent(in) :: scene
+      type(model_type), intent(in) :: model
+      integer :: pair, i, n, from, row, point, ndim
+      real(wp) :: motion(3)
+
+      ndim = model%mesh%ndim
+      frame%closed = 0
+      if (.not. allocated(frame%contact)) allocate (frame%contact(size(model%pair)))
+      do pair = 1, size(model%pair)
+         from = scene%points%first(pair)
+         n = scene%points%first(pair + 1) - from
+         associate (c => frame%contact(pair), p => scene%points)
+            if (.not. allocated(c%node)) allocate (c%node(n), c%facet(n), c%status(n), c%weight(n), c%gap(n), &
+               & c%pressure(n), c%normal(ndim, n), c%force(ndim, n), c%xi(2, n), c%u_n(n), c%u_t(ndim, n))
+            c%node = p%node(from:from + n - 1)
+            c%facet = p%facet(from:from + n - 1)
+            c%weight = p%weight(from:from + n - 1)
+            c%normal = p%normal(:ndim, from:from + n - 1)
+            c%xi = p%xi(:, from:from + n - 1)
+            c%status = merge(0, -1, c%facet > 0)
+            c%pressure = 0.0_wp
+            c%force = 0.0_wp
+            do i = 1, n
+               motion = relative_motion(scene, model, from + i - 1)
+               c%u_n(i) = dot_product(motion(:ndim), c%normal(:, i))
+               c%u_t(:, i) = motion(:ndim) - c%u_n(i)*c%normal(:, i)
+               c%gap(i) = p%gap(from + i - 1) + scene%initial%shift(from + i - 1) + c%u_n(i)
+               if (p%body(pair) > 0) c%gap(i) = c%gap(i) &
+                  & + dot_product(scene%place(:ndim, p%body(pair)), c%normal(:, i))
+               if (c%status(i) < 0) c%gap(i) = 0.0_wp
+            end do
+            do row = scene%rows%group_first(pair), scene%rows%group_first(pair + 1) - 1
+               point = scene%rows%point(row) - from + 1
+               c%force(:, point) = c%force(:, point) + scene%answer%force(row)*scene%rows%direction(:ndim, row)
+               if (scene%rows%tied(row)) then
+                  c%status(point) = 2
+               else
+                  c%gap(point) = scene%answer%gap(row) + model%interaction(model%pair(pair)%interaction)%clearance
+                  if (scene%answer%active(row) .or. scene%answer%force(row) > 0.0_wp) c%status(point) = 1
+               end if
+            end do
+            do i = 1, n
+               c%pressure(i) = dot_product(c%force(:, i), c%normal(:, i))/c%weight(i)
+            end do
+            frame%closed = frame%closed + count(c%status > 0)
+         end associate
+      end do
+   end subroutine contact_values
+end module lopin_frames

@@ -1,0 +1,228 @@
+!> The cheapest exact path: one factorisation with the contact equations last, contact solved on them.
+!>
+!> A step keeps its supports, so it keeps its factor; a step with the supports of the one before keeps
+!> that one's. Every increment is one forward and one backward pass.
+module lopin_path_condensed
+   use lopin_kinds, only : wp
+   use lopin_error, only : error_type, error_code, raise, log_type, severity
+   use lopin_text, only : to_text
+   use lopin_clock, only : phase
+   use lopin_model, only : model_type, method_of, overclosure_of
+   use lopin_constraints, only : expand, reduce, prescribed_part
+   use lopin_bodies, only : describe_motion
+   use lopin_condensed, only : condensed_type, form_compliance
+   use lopin_active_set, only : contact_result_type, solve_contact, outcome
+   use lopin_dense, only : symmetric_eigen
+   use lopin_contact_rows, only : reduce_rows, row_forces
+   use lopin_scene, only : scene_type, retained_equations, tool_places, rebuild_rows
+   use lopin_linear_system, only : new_linear_system, condense_load, recover
+   use lopin_automatic_penalty, only : set_stiffness
+   use lopin_methods, only : choose_methods
+   implicit none
+   private
+   public :: prepare_condensed, solve_condensed
+
+contains
+
+   !> Factorise for the constraints in force.
+   subroutine prepare_condensed(scene, model, error)
+      type(scene_type), intent(inout) :: scene
+      type(model_type), intent(in) :: model
+      type(error_type), allocatable, intent(out) :: error
+      integer, allocatable :: retained(:)
+      integer :: bad
+
+      call retained_equations(scene, model, retained)
+      call new_linear_system(scene%system, scene%k, scene%constraints, scene%bodies%support, retained, &
+         & model%solver, model%mesh%ndim, scene%clock, scene%counter, bad, error)
+      if (.not. allocated(error)) return
+      if (bad > 0) call name_equation(scene, model, bad, error)
+   end subroutine prepare_condensed
+
+   !> A pivot that vanished: say which node and direction.
+   subroutine name_equation(scene, model, bad, error)
+      type(scene_type), intent(in) :: scene
+      type(model_type), intent(in) :: model
+      integer, intent(in) :: bad
+      type(error_type), allocatable, intent(inout) :: error
+      integer :: dof
+
+      dof = scene%constraints%dof_of_equation(bad)
+      error%item(1)%message = error%item(1)%message//'; the pivot of node '// &
+         & to_text(model%mesh%node_label(scene%dofs%node(dof)))//', direction '// &
+         & to_text(scene%dofs%dof(dof))//', vanished'
+   end subroutine name_equation
+
+   !> Displacements and contact forces for the loads and prescribed values of one increment.
+   subroutine solve_condensed(scene, model, f, prescribed, error)
+      type(scene_type), intent(inout) :: scene
+      type(model_type), intent(in) :: model
+      real(wp), intent(in) :: f(:)             !! (ndof) loads [force]
+      real(wp), intent(in) :: prescribed(:)    !! (nprescribed)
+      type(error_type), allocatable, intent(out) :: error
+      real(wp), allocatable :: u_known(:), internal(:), right(:), y(:), load(:), moving(:), gap(:), pushed(:)
+      real(wp), allocatable :: v(:)
+
+      allocate (u_known(scene%dofs%n), internal(scene%dofs%n), right(scene%constraints%neq), v(scene%constraints%neq))
+      v = 0.0_wp
+      call expand(scene%constraints, v, prescribed, u_known)
+      call scene%k%multiply(u_known, internal)
+      call reduce(scene%constraints, f - internal, right)
+      moving = matmul(right, scene%bodies%motion)
+      call scene%clock%start()
+      call condense_load(scene%system, right, y, load)
+      call scene%clock%stop_in(phase%solve)
+      call rebuild_rows(scene, model, prescribed)
+      call fill_problem(scene, model, u_known, gap, error)
+      if (allocated(error)) return
+      call contact_by_continuation(scene, model, gap, load, moving, error)
+      call scene%clock%stop_in(phase%contact)
+      if (allocated(error)) return
+      allocate (pushed(scene%system%nlast), source=0.0_wp)
+      if (scene%problem%nrow > 0) call push_back(scene%problem, scene%answer%force, pushed)
+      call recover(scene%system, y, pushed, v)
+      scene%counter%back_solves = scene%counter%back_solves + 1
+      if (scene%bodies%nq > 0) v = v + matmul(scene%bodies%motion, scene%answer%q)
+      call expand(scene%constraints, v, prescribed, scene%u)
+      call scene%clock%stop_in(phase%solve)
+   end subroutine solve_condensed
+
+   pure subroutine push_back(problem, force, pushed)
+      type(condensed_type), intent(in) :: problem
+      real(wp), intent(in) :: force(:)
+      real(wp), intent(inout) :: pushed(:)
+      integer :: row, k
+
+      do row = 1, problem%nrow
+         do k = problem%first(row), problem%first(row + 1) - 1
+            pushed(problem%column(k)) = pushed(problem%column(k)) + problem%value(k)*force(row)
+         end do
+      end do
+   end subroutine push_back
+
+   !> Rows of the contact problem on the equations kept last; the compliance is kept if they did not change.
+   subroutine fill_problem(scene, model, u_known, gap, error)
+      type(scene_type), intent(inout) :: scene
+      type(model_type), intent(in) :: model
+      real(wp), intent(in) :: u_known(:)
+      real(wp), allocatable, intent(out) :: gap(:)
+      type(error_type), allocatable, intent(out) :: error
+      integer, allocatable :: first(:), equation(:)
+      real(wp), allocatable :: value(:)
+      integer :: row, k, kept
+      logical :: same
+
+      call reduce_rows(scene%rows, scene%constraints, u_known, first, equation, value, gap)
+      associate (p => scene%problem)
+         same = allocated(p%value) .and. .not. scene%fresh_factor
+         if (same) same = size(p%value) == size(scene%kept_value)
+         if (same) same = size(scene%kept_value) == size(value)
+         if (same) same = all(scene%kept_equation == equation) .and. all(scene%kept_value == value)
+         if (same) same = p%nrow == scene%rows%n
+         if (same) then
+            p%bilateral = scene%rows%bilateral
+            return
+         end if
+         scene%kept_equation = equation
+         scene%kept_value = value
+         scene%fresh_factor = .false.
+         p%n = scene%system%nlast
+         p%nq = scene%bodies%nq
+         p%nrow = scene%rows%n
+         p%l = scene%system%l
+         if (allocated(p%s)) deallocate (p%s)
+         if (allocated(p%c)) deallocate (p%c)
+         allocate (p%c(p%nrow, p%nq), source=0.0_wp)
+         if (allocated(p%first)) deallocate (p%first, p%column, p%value)
+         allocate (p%first(p%nrow + 1), p%column(size(equation)), p%value(size(value)))
+         kept = 0
+         p%first(1) = 1
+         do row = 1, p%nrow
+            do k = first(row), first(row + 1) - 1
+               p%c(row, :) = p%c(row, :) + value(k)*scene%bodies%motion(equation(k), :)
+               if (scene%system%place(equation(k)) == 0) cycle
+               kept = kept + 1
+               p%column(kept) = scene%system%place(equation(k))
+               p%value(kept) = value(k)
+            end do
+            p%first(row + 1) = kept + 1
+         end do
+         p%bilateral = scene%rows%bilateral
+         p%group_first = scene%rows%group_first
+         p%ngroup = size(model%pair)
+      end associate
+      call choose_methods(scene, model)
+      call set_stiffness(scene, model)
+      call check_held(scene, model, error)
+   end subroutine fill_problem
+
+   !> Motions that no row resists cannot be held by any contact.
+   subroutine check_held(scene, model, error)
+      type(scene_type), intent(in) :: scene
+      type(model_type), intent(in) :: model
+      type(error_type), allocatable, intent(out) :: error
+      real(wp), allocatable :: gram(:, :), value(:)
+      integer :: status
+
+      associate (p => scene%problem)
+         if (p%nq == 0) return
+         allocate (value(p%nq))
+         gram = matmul(transpose(p%c), p%c)
+         call symmetric_eigen(gram, value, status)
+         if (value(1) > 1.0e-10_wp*max(value(p%nq), 1.0e-3_wp)) return
+         call raise(error, error_code%singular, 'E0310', describe_motion(scene%bodies, model, gram(:, 1)) &
+            & //': neither a support nor a contact resists it', model%step(scene%step)%at, &
+            & note=motions_note(scene), help='fix a degree of freedom by *BOUNDARY; without friction a contact '// &
+            & 'does not hold what slides along it')
+      end associate
+   end subroutine check_held
+
+   function motions_note(scene) result(text)
+      type(scene_type), intent(in) :: scene
+      character(len=:), allocatable :: text
+      text = to_text(scene%bodies%nq)//' motions are not held by supports'
+   end function motions_note
+
+   !> The sequence of problems of seed J.1: softer penalties first, each starting from the last one's set.
+   subroutine contact_by_continuation(scene, model, gap, load, moving, error)
+      type(scene_type), intent(inout) :: scene
+      type(model_type), intent(in) :: model
+      real(wp), intent(in) :: gap(:), load(:), moving(:)
+      type(error_type), allocatable, intent(out) :: error
+      real(wp), allocatable :: alpha(:)
+      integer :: stage
+      character(len=:), allocatable :: motion
+
+      associate (p => scene%problem)
+         alpha = p%alpha
+         do stage = model%continuation - 1, 0, -1
+            p%alpha = alpha*0.1_wp**stage
+            call solve_contact(p, gap, load, moving, scene%answer)
+            scene%counter%iterations = scene%counter%iterations + scene%answer%iterations
+            scene%counter%augmentations = scene%counter%augmentations + scene%answer%augmentations
+            if (scene%answer%outcome /= outcome%solved) exit
+         end do
+         p%alpha = alpha
+         scene%gap = gap
+      end associate
+      select case (scene%answer%outcome)
+      case (outcome%solved)
+      case (outcome%not_held)
+         motion = describe_motion(scene%bodies, model, scene%answer%q)
+         call raise(error, error_code%singular, 'E0310', motion//': the contacts do not hold it under this load', &
+            & model%step(scene%step)%at, note='no set of contacts that only press balances the loads', &
+            & help='add a support, or turn the load so that it presses the bodies together')
+      case (outcome%cycling)
+         call raise(error, error_code%not_converged, 'E0501', 'the contact states cycle after '// &
+            & to_text(scene%answer%iterations)//' iterations', model%step(scene%step)%at, &
+            & help='use the default method (DIRECT), which cannot cycle')
+      case (outcome%not_augmented)
+         call raise(error, error_code%not_converged, 'E0502', 'the multipliers still move after '// &
+            & to_text(scene%answer%augmentations)//' augmentations (contraction '// &
+            & to_text(real(nint(1000.0_wp*scene%answer%rate), wp)/1000.0_wp)//')', model%step(scene%step)%at, &
+            & help='raise the stiffness or MAX AUGMENTATIONS=, or leave the stiffness out: it is then chosen')
+      case default
+         call raise(error, error_code%internal, 'E0901', 'the contact problem broke down')
+      end select
+   end subroutine contact_by_continuation
+end module lopin_path_condensed

@@ -1,0 +1,277 @@
+!> The workspace of a run: what can be computed again from the model and the displacements.
+module lopin_scene
+   use lopin_kinds, only : wp
+   use lopin_error, only : error_type, log_type
+   use lopin_clock, only : clock_type, counter_type, phase
+   use lopin_csc, only : csc_type
+   use lopin_model, only : model_type, step_type, overclosure_of
+   use lopin_dofs, only : dofs_type, new_dofs
+   use lopin_constraints, only : constraints_type, new_constraints, follower_rule
+   use lopin_bodies, only : bodies_type, new_bodies
+   use lopin_assemble_solids, only : solids_type, solid_section_type, new_solids, assemble_stiffness
+   use lopin_contact_points, only : contact_points_type, new_contact_points, move_tool, pair_is_tied
+   use lopin_contact_rows, only : initial_gap_type, new_initial_gaps, contact_rows_type, new_contact_rows
+   use lopin_condensed, only : condensed_type
+   use lopin_active_set, only : contact_result_type
+   use lopin_linear_system, only : linear_system_type
+   use lopin_tool_plane, only : plane_type
+   implicit none
+   private
+   public :: scene_type, new_scene, set_supports, retained_equations, rebuild_rows, tool_places
+   public :: relative_motion, widen_reach
+
+   type :: scene_type
+      type(dofs_type) :: dofs
+      type(solids_type) :: solids
+      type(csc_type) :: k                          !! stiffness of all physical dofs
+      type(contact_points_type) :: points
+      type(initial_gap_type) :: initial
+      ! of a step
+      integer :: step = 0
+      type(constraints_type) :: constraints
+      type(bodies_type) :: bodies
+      type(linear_system_type) :: system
+      logical :: fresh_factor = .true.
+      ! of an increment
+      type(contact_rows_type) :: rows
+      type(condensed_type) :: problem
+      type(contact_result_type) :: answer
+      integer, allocatable :: kept_equation(:)     !! rows in which the problem stands
+      real(wp), allocatable :: kept_value(:)
+      real(wp), allocatable :: gap(:)              !! (nrow) gaps at zero equations
+      real(wp), allocatable :: place(:, :)         !! (6, nbody) where tools were projected
+      real(wp), allocatable :: reach(:)            !! (npair) points farther than this have no row yet [length]
+      real(wp) :: interference = 1.0_wp            !! share of initial overclosures that is applied
+      logical, allocatable :: sticks(:)            !! (npoint) closed before: bilateral if NO SEPARATION
+      real(wp), allocatable :: u(:)                !! (ndof) trial displacements
+      real(wp), allocatable :: accepted(:)         !! (ndof) displacements of the last accepted increment
+      type(clock_type) :: clock
+      type(counter_type) :: counter
+      type(log_type) :: log
+   end type scene_type
+
+   !> Scenes with fewer slave points give every point a row at once.
+   integer, parameter :: few_points = 300
+
+contains
+
+   subroutine new_scene(self, model, error)
+      type(scene_type), intent(inout) :: self
+      type(model_type), intent(in) :: model
+      type(error_type), allocatable, intent(out) :: error
+
+      call new_dofs(self%dofs, model)
+      call new_solids(self%solids, model%mesh, model%element_word, sections_of(model), self%dofs%id, self%k, error)
+      if (allocated(error)) return
+      call assemble_stiffness(self%solids, model%mesh, self%k, error)
+      if (allocated(error)) return
+      call self%clock%stop_in(phase%assemble)
+      call new_contact_points(self%points, model, self%log, error)
+      if (allocated(error)) return
+      call new_initial_gaps(self%initial, model, self%points, self%log, error)
+      if (allocated(error)) return
+      call self%clock%stop_in(phase%search)
+      allocate (self%u(self%dofs%n), self%accepted(self%dofs%n), source=0.0_wp)
+      allocate (self%place(6, size(model%rigid_body)), source=0.0_wp)
+      self%sticks = self%initial%touches
+      call choose_reach(self, model)
+   end subroutine new_scene
+
+   function sections_of(model) result(section)
+      type(model_type), intent(in) :: model
+      type(solid_section_type) :: section(size(model%section))
+      integer :: i
+
+      do i = 1, size(section)
+         section(i)%formulation = model%section(i)%formulation
+         section(i)%young = model%material(model%section(i)%material)%young
+         section(i)%poisson = model%material(model%section(i)%material)%poisson
+         section(i)%thickness = model%section(i)%thickness
+      end do
+   end function sections_of
+
+   !> In a scene that displacements drive, points much farther than anything moves need no row; every
+   !> gap is checked after the solve all the same.
+   subroutine choose_reach(self, model)
+      type(scene_type), intent(inout) :: self
+      type(model_type), intent(in) :: model
+      real(wp) :: largest
+      integer :: i
+      logical :: forced
+
+      allocate (self%reach(size(model%pair)), source=huge(1.0_wp))
+      if (self%points%n <= few_points) return
+      forced = .false.
+      largest = 0.0_wp
+      do i = 1, size(model%step)
+         forced = forced .or. size(model%step(i)%point_load) + size(model%step(i)%face_load) &
+            & + size(model%step(i)%body_load) > 0
+         if (size(model%step(i)%prescribed) > 0) &
+            & largest = max(largest, maxval(abs(model%step(i)%prescribed%value)))
+      end do
+      if (forced .or. .not. largest > 0.0_wp) return
+      self%reach = largest
+   end subroutine choose_reach
+
+   subroutine widen_reach(self)
+      type(scene_type), intent(inout) :: self
+      self%reach = huge(1.0_wp)
+   end subroutine widen_reach
+
+   !> Constraints and floating motions of a step; `same` if they are those of the step before.
+   subroutine set_supports(self, model, step, same, error)
+      type(scene_type), intent(inout) :: self
+      type(model_type), intent(in) :: model
+      integer, intent(in) :: step
+      logical, intent(out) :: same
+      type(error_type), allocatable, intent(out) :: error
+      type(constraints_type) :: constraints
+
+      call new_constraints(constraints, model, self%dofs, model%step(step), error)
+      if (allocated(error)) return
+      same = self%step > 0
+      if (same) same = constraints%neq == self%constraints%neq
+      if (same) same = all(constraints%dof_of_equation == self%constraints%dof_of_equation)
+      self%constraints = constraints
+      self%step = step
+      if (same) return
+      call new_bodies(self%bodies, model, self%dofs, self%constraints)
+   end subroutine set_supports
+
+   !> Free equations that rows touch or may touch, in increasing order, without artificial supports.
+   subroutine retained_equations(self, model, retained)
+      type(scene_type), intent(inout) :: self
+      type(model_type), intent(in) :: model
+      integer, allocatable, intent(out) :: retained(:)
+      logical, allocatable :: wanted(:)
+      integer :: i, k, pair
+
+      allocate (wanted(self%constraints%neq), source=.false.)
+      call new_contact_rows(self%rows, model, self%dofs, self%points, self%initial, self%place, self%sticks, self%reach)
+      do k = 1, size(self%rows%dof)
+         call want(self%rows%dof(k))
+      end do
+      do pair = 1, size(model%pair)
+         if (.not. may_turn(self, model, pair)) cycle
+         do i = self%points%first(pair), self%points%first(pair + 1) - 1
+            if (self%points%gap(i) > self%reach(pair)) cycle
+            do k = 1, model%mesh%ndim
+               if (self%dofs%id(k, self%points%node(i)) > 0) call want(self%dofs%id(k, self%points%node(i)))
+            end do
+         end do
+      end do
+      wanted(self%bodies%support) = .false.
+      retained = pack([(i, i=1, self%constraints%neq)], wanted)
+
+   contains
+
+      subroutine want(dof)
+         integer, intent(in) :: dof
+         integer :: c
+         do c = self%constraints%first(dof), self%constraints%first(dof + 1) - 1
+            wanted(self%constraints%equation(c)) = .true.
+         end do
+      end subroutine want
+   end subroutine retained_equations
+
+   !> The normals of this pair change while the tool moves.
+   logical function may_turn(self, model, pair)
+      type(scene_type), intent(in) :: self
+      type(model_type), intent(in) :: model
+      integer, intent(in) :: pair
+
+      may_turn = .false.
+      if (self%points%body(pair) == 0) return
+      select type (shape => model%tool(self%points%tool(pair))%shape)
+      type is (plane_type)
+         may_turn = .false.
+      class default
+         may_turn = .true.
+      end select
+   end function may_turn
+
+   !> Where the rigid bodies' references stand: prescribed dofs as given, free ones as last accepted.
+   subroutine tool_places(self, model, prescribed, place)
+      type(scene_type), intent(in) :: self
+      type(model_type), intent(in) :: model
+      real(wp), intent(in) :: prescribed(:)
+      real(wp), intent(out) :: place(:, :)
+      integer :: body, k, id, p
+
+      place = 0.0_wp
+      do body = 1, size(model%rigid_body)
+         do k = 1, 6
+            id = self%dofs%id(k, model%rigid_body(body)%reference)
+            if (id == 0) cycle
+            place(k, body) = self%accepted(id)
+            if (self%constraints%rule(id)%prescribed == 0) cycle
+            p = findloc(self%constraints%dof_of_prescribed, id, 1)
+            place(k, body) = prescribed(p)
+         end do
+      end do
+   end subroutine tool_places
+
+   !> Rows for the place of the tools at the end of the increment.
+   subroutine rebuild_rows(self, model, prescribed)
+      type(scene_type), intent(inout) :: self
+      type(model_type), intent(in) :: model
+      real(wp), intent(in) :: prescribed(:)
+      integer :: pair, row
+      real(wp), allocatable :: rotation(:)
+
+      call tool_places(self, model, prescribed, self%place)
+      do pair = 1, size(model%pair)
+         associate (body => self%points%body(pair))
+            if (body == 0) cycle
+            if (all(self%place(:, body) == 0.0_wp) .and. self%step == 1) cycle
+            rotation = self%place(4:6, body)
+            if (model%mesh%ndim == 2) rotation = self%place(6:6, body)
+            call move_tool(self%points, model, pair, self%place(:model%mesh%ndim, body), rotation)
+         end associate
+      end do
+      call new_contact_rows(self%rows, model, self%dofs, self%points, self%initial, self%place, self%sticks, self%reach)
+      do row = 1, self%rows%n
+         if (self%rows%tied(row)) cycle
+         associate (point => self%rows%point(row))
+            self%rows%gap0(row) = self%rows%gap0(row) + (1.0_wp - self%interference)*self%initial%overclosure(point) &
+               & - model%interaction(model%pair(self%points%pair(point))%interaction)%clearance
+         end associate
+      end do
+   end subroutine rebuild_rows
+
+   !> Displacement of a slave point relative to the master opposite.
+   pure function relative_motion(self, model, point) result(motion)
+      type(scene_type), intent(in) :: self
+      type(model_type), intent(in) :: model
+      integer, intent(in) :: point
+      real(wp) :: motion(3)
+      integer :: k, m, ndim, body, dof(3), n, j
+      real(wp) :: arm(3), coefficient(3)
+
+      ndim = model%mesh%ndim
+      motion = 0.0_wp
+      do k = 1, ndim
+         if (self%dofs%id(k, self%points%node(point)) > 0) motion(k) = self%u(self%dofs%id(k, self%points%node(point)))
+      end do
+      do m = 1, size(self%points%master, 1)
+         if (self%points%master(m, point) == 0) exit
+         do k = 1, ndim
+            if (self%dofs%id(k, self%points%master(m, point)) == 0) cycle
+            motion(k) = motion(k) - self%points%shape(m, point)*self%u(self%dofs%id(k, self%points%master(m, point)))
+         end do
+      end do
+      body = self%points%body(self%points%pair(point))
+      if (body == 0) return
+      arm = 0.0_wp
+      associate (reference => model%rigid_body(body)%reference)
+         arm(:ndim) = self%points%foot(:ndim, point) - model%mesh%x(:, reference) - self%place(:ndim, body)
+         do k = 1, ndim
+            call follower_rule(arm, ndim, k, dof, coefficient, n)
+            do j = 1, n
+               if (self%dofs%id(dof(j), reference) == 0) cycle
+               motion(k) = motion(k) - coefficient(j)*self%u(self%dofs%id(dof(j), reference))
+            end do
+         end do
+      end associate
+   end function relative_motion
+end module lopin_scene
