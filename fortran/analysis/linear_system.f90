@@ -8,7 +8,7 @@ module lopin_linear_system
    use lopin_clock, only : clock_type, counter_type, phase
    use lopin_csc, only : csc_type
    use lopin_linear_solver, only : linear_solver_type, matrix_class
-   use lopin_solver_factory, only : new_solver, choose_solver
+   use lopin_solver_factory, only : new_solver
    use lopin_constraints, only : constraints_type
    use lopin_reduce_matrix, only : reduce_matrix
    implicit none
@@ -56,7 +56,12 @@ contains
       call clock%stop_in(phase%assemble)
       name = wish
       self%reason = 'as asked'
-      if (name == 'AUTO') call choose_solver(reduced, ndim, matrix_class%positive_definite, self%nlast, name, self%reason)
+      if (name == 'AUTO') then
+         name = 'cholmod'
+         self%reason = 'positive definite'
+      end if
+      associate (unused => ndim)
+      end associate
       call new_solver(self%solver, name, error)
       if (allocated(error)) return
       call self%solver%analyse(reduced, matrix_class%positive_definite, self%number(retained), error)

@@ -8,6 +8,12 @@ module lopin_tasks
    use lopin_explain, only : explain, explained_codes
    use lopin_keywords, only : keyword_sheet, keyword_manual
    use lopin_model, only : model_type
+   use lopin_clock, only : clock_type, phase
+   use lopin_recorder, only : recorder_holder_type
+   use lopin_recorder_factory, only : new_recorders
+   use lopin_run_analysis, only : run_analysis
+   use lopin_solver_cholmod, only : set_blas_threads
+   use lopin_state, only : summary_type
    use lopin_terminal, only : terminal_type
    use lopin_text, only : plural, upper
    use lopin_version, only : version
@@ -23,16 +29,69 @@ contains
       type(options_type), intent(in) :: options
       type(terminal_type), intent(inout) :: terminal
       type(model_type) :: model
+      type(recorder_holder_type), allocatable :: recorders(:)
+      type(clock_type) :: clock
+      type(summary_type) :: summary
+      type(log_type) :: log
       type(error_type), allocatable :: error
 
+      call clock%start()
       call open_model(options, terminal, model)
-      if (options%threads > 0) call omp_set_num_threads(options%threads)
-      ! Recorders and analysis come here:
-      !    call new_recorders(recorder, model, options%output, stem, error, deck_file);  stop_on(error)
-      !    call run_analysis(model, recorder, ..., error);                               stop_on(error)
-      call raise(error, error_code%internal, 'E0900', 'the analysis is not connected yet')
+      call clock%stop_in(phase%model)
+      call set_threads(options)
+      call new_recorders(recorders, model, folder_of(options), stem_of(options%subject), error, &
+         & names_of(terminal%deck))
+      call terminal%stop_on(error)
+      call run_analysis(model, recorders, clock, summary, log, error)
+      if (len(summary%plan) > 0) call terminal%say(summary%plan)
+      call terminal%show_log(log)
       call terminal%stop_on(error)
    end subroutine run_deck
+
+   !> Threads of the assembly; BLAS on one thread where the same bits are asked for.
+   subroutine set_threads(options)
+      type(options_type), intent(in) :: options
+      logical :: done
+
+      if (options%threads > 0) call omp_set_num_threads(options%threads)
+      done = .true.
+      if (options%deterministic) then
+         done = set_blas_threads(1)
+      else if (options%threads > 0) then
+         done = set_blas_threads(options%threads)
+      end if
+      associate (unused => done)
+      end associate
+   end subroutine set_threads
+
+   function folder_of(options) result(folder)
+      type(options_type), intent(in) :: options
+      character(len=:), allocatable :: folder
+      folder = options%output
+      if (len(folder) == 0) folder = 'out/'//stem_of(options%subject)
+   end function folder_of
+
+   !> Name of the deck without its folder and its .inp.
+   function stem_of(path) result(stem)
+      character(len=*), intent(in) :: path
+      character(len=:), allocatable :: stem
+      integer :: dot
+
+      stem = path(index(path, '/', back=.true.) + 1:)
+      dot = index(stem, '.', back=.true.)
+      if (dot > 1) stem = stem(:dot - 1)
+   end function stem_of
+
+   function names_of(deck) result(names)
+      type(deck_type), intent(in) :: deck
+      character(len=200), allocatable :: names(:)
+      integer :: i
+
+      allocate (names(size(deck%source)))
+      do i = 1, size(names)
+         names(i) = deck%source(i)%name
+      end do
+   end function names_of
 
    !> lopin check deck.inp: everything but the solution.
    subroutine check_deck(options, terminal)

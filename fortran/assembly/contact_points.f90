@@ -107,38 +107,64 @@ contains
       call reserve(self, 64)
    end subroutine clear
 
+   !> Room for more points; the old ones stay.
    subroutine reserve(self, capacity)
       type(contact_points_type), intent(inout) :: self
       integer, intent(in) :: capacity
-      type(contact_points_type) :: old
-      integer :: n
 
-      n = self%n
-      if (allocated(self%pair)) then
-         if (capacity <= size(self%pair)) return
-         old = self
-         deallocate (self%pair, self%node, self%facet, self%master, self%shape, self%xi, self%normal, &
-            & self%side, self%foot, self%gap, self%weight, self%size)
-      end if
-      allocate (self%pair(capacity), self%node(capacity), self%facet(capacity), self%master(most_masters, capacity), &
-         & source=0)
-      allocate (self%shape(most_masters, capacity), self%xi(2, capacity), self%normal(3, capacity), &
-         & self%side(3, capacity), self%foot(3, capacity), self%gap(capacity), self%weight(capacity), &
-         & self%size(capacity), source=0.0_wp)
-      if (n == 0) return
-      self%pair(:n) = old%pair(:n)
-      self%node(:n) = old%node(:n)
-      self%facet(:n) = old%facet(:n)
-      self%master(:, :n) = old%master(:, :n)
-      self%shape(:, :n) = old%shape(:, :n)
-      self%xi(:, :n) = old%xi(:, :n)
-      self%normal(:, :n) = old%normal(:, :n)
-      self%side(:, :n) = old%side(:, :n)
-      self%foot(:, :n) = old%foot(:, :n)
-      self%gap(:n) = old%gap(:n)
-      self%weight(:n) = old%weight(:n)
-      self%size(:n) = old%size(:n)
+      call grow_integers(self%pair, capacity)
+      call grow_integers(self%node, capacity)
+      call grow_integers(self%facet, capacity)
+      call grow_table(self%master, capacity)
+      call grow_columns(self%shape, most_masters, capacity)
+      call grow_columns(self%xi, 2, capacity)
+      call grow_columns(self%normal, 3, capacity)
+      call grow_columns(self%side, 3, capacity)
+      call grow_columns(self%foot, 3, capacity)
+      call grow_reals(self%gap, capacity)
+      call grow_reals(self%weight, capacity)
+      call grow_reals(self%size, capacity)
    end subroutine reserve
+
+   subroutine grow_integers(array, capacity)
+      integer, allocatable, intent(inout) :: array(:)
+      integer, intent(in) :: capacity
+      integer, allocatable :: longer(:)
+
+      allocate (longer(capacity), source=0)
+      if (allocated(array)) longer(:size(array)) = array
+      call move_alloc(longer, array)
+   end subroutine grow_integers
+
+   subroutine grow_table(array, capacity)
+      integer, allocatable, intent(inout) :: array(:, :)
+      integer, intent(in) :: capacity
+      integer, allocatable :: longer(:, :)
+
+      allocate (longer(most_masters, capacity), source=0)
+      if (allocated(array)) longer(:, :size(array, 2)) = array
+      call move_alloc(longer, array)
+   end subroutine grow_table
+
+   subroutine grow_reals(array, capacity)
+      real(wp), allocatable, intent(inout) :: array(:)
+      integer, intent(in) :: capacity
+      real(wp), allocatable :: longer(:)
+
+      allocate (longer(capacity), source=0.0_wp)
+      if (allocated(array)) longer(:size(array)) = array
+      call move_alloc(longer, array)
+   end subroutine grow_reals
+
+   subroutine grow_columns(array, rows, capacity)
+      real(wp), allocatable, intent(inout) :: array(:, :)
+      integer, intent(in) :: rows, capacity
+      real(wp), allocatable :: longer(:, :)
+
+      allocate (longer(rows, capacity), source=0.0_wp)
+      if (allocated(array)) longer(:, :size(array, 2)) = array
+      call move_alloc(longer, array)
+   end subroutine grow_columns
 
    subroutine add_point(self, pair, slave, i)
       type(contact_points_type), intent(inout) :: self

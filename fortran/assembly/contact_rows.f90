@@ -271,8 +271,9 @@ contains
       do k = 1, size(self%dof)
          total = total + constraints%first(self%dof(k) + 1) - constraints%first(self%dof(k))
       end do
-      allocate (first(self%n + 1), equation(total), value(total), seen(constraints%neq), source=0)
-      gap = self%gap0
+      allocate (first(self%n + 1), equation(total), seen(constraints%neq), source=0)
+      allocate (value(total), source=0.0_wp)
+      allocate (gap, source=self%gap0)
       m = 0
       first(1) = 1
       do row = 1, self%n

@@ -1,0 +1,346 @@
+!> The only loop a reader must understand: steps, increments, solve, certify, accept, record.
+module lopin_run_analysis
+   use lopin_kinds, only : wp
+   use lopin_error, only : error_type, error_code, raise, log_type, severity
+   use lopin_text, only : to_text
+   use lopin_clock, only : phase, clock_type
+   use lopin_model, only : model_type, step_type
+   use lopin_state, only : frame_type, summary_type, certificate_type, verdict_words
+   use lopin_constraints, only : prescribed_part
+   use lopin_contact_rows, only : row_forces
+   use lopin_recorder, only : recorder_holder_type, wants_type
+   use lopin_loading, only : loading_type, new_loading, loads_at, prescribed_at
+   use lopin_plan, only : plan_type, new_plan, plan_line, path_of
+   use lopin_scene, only : scene_type, new_scene, set_supports, widen_reach
+   use lopin_path_condensed, only : prepare_condensed, solve_condensed
+   use lopin_bodies, only : describe_motion
+   use lopin_certificate, only : certify, worst_unrowed
+   use lopin_frames, only : fill_frame
+   implicit none
+   private
+   public :: run_analysis
+
+   !> What goes on from step to step.
+   type :: progress_type
+      real(wp) :: time = 0.0_wp
+      real(wp), allocatable :: steady(:)       !! (ndof) loads to go on from
+      real(wp), allocatable :: f(:), residual(:)
+      real(wp) :: work = 0.0_wp                !! of loads and prescribed displacements
+      real(wp), allocatable :: f_before(:), u_before(:), r_before(:)
+   end type progress_type
+
+contains
+
+   !> Run all steps. `log` gets the warnings of the run; `error` what ended it.
+   subroutine run_analysis(model, recorders, clock, summary, log, error)
+      type(model_type), intent(in) :: model
+      type(recorder_holder_type), intent(inout) :: recorders(:)
+      type(clock_type), intent(in) :: clock              !! with the time spent so far
+      type(summary_type), intent(out) :: summary
+      type(log_type), intent(inout) :: log
+      type(error_type), allocatable, intent(out) :: error
+      type(scene_type) :: scene
+      type(plan_type) :: plan
+      type(error_type), allocatable :: trouble
+      integer :: i
+
+      scene%clock = clock
+      call scene%clock%start()
+      summary%status = 'finished'
+      summary%plan = ''
+      summary%path = ''
+      summary%solver = ''
+      allocate (summary%step(size(model%step)))
+      call begin_all(recorders, model, error)
+      if (.not. allocated(error)) call new_plan(plan, model, error)
+      if (.not. allocated(error)) call new_scene(scene, model, error)
+      if (.not. allocated(error)) call run_steps(scene, model, plan, recorders, summary, error)
+      do i = 1, scene%log%n
+         associate (d => scene%log%item(i))
+            call log%say(d%severity, d%id, d%message, d%at, d%label, d%note, d%help)
+         end associate
+      end do
+      if (allocated(error)) then
+         summary%status = 'failed'
+         if (error%code == error_code%not_converged) summary%status = 'not converged'
+         summary%exit_code = error%code
+      end if
+      summary%clock = scene%clock
+      summary%peak_memory = peak_memory()
+      do i = 1, size(recorders)
+         call recorders(i)%recorder%finish(model, summary, error, trouble)
+         if (allocated(trouble) .and. .not. allocated(error)) call move_alloc(trouble, error)
+      end do
+   end subroutine run_analysis
+
+   subroutine begin_all(recorders, model, error)
+      type(recorder_holder_type), intent(inout) :: recorders(:)
+      type(model_type), intent(in) :: model
+      type(error_type), allocatable, intent(out) :: error
+      integer :: i
+
+      do i = 1, size(recorders)
+         call recorders(i)%recorder%begin(model, error)
+         if (allocated(error)) return
+      end do
+   end subroutine begin_all
+
+   subroutine say(recorders, line)
+      type(recorder_holder_type), intent(inout) :: recorders(:)
+      character(len=*), intent(in) :: line
+      integer :: i
+      do i = 1, size(recorders)
+         call recorders(i)%recorder%line(line)
+      end do
+   end subroutine say
+
+   subroutine run_steps(scene, model, plan, recorders, summary, error)
+      type(scene_type), intent(inout) :: scene
+      type(model_type), intent(in) :: model
+      type(plan_type), intent(in) :: plan
+      type(recorder_holder_type), intent(inout) :: recorders(:)
+      type(summary_type), intent(inout) :: summary
+      type(error_type), allocatable, intent(out) :: error
+      type(progress_type) :: progress
+      integer :: step
+      logical :: same
+
+      allocate (progress%steady(scene%dofs%n), progress%f(scene%dofs%n), progress%residual(scene%dofs%n), &
+         & progress%f_before(scene%dofs%n), progress%u_before(scene%dofs%n), progress%r_before(scene%dofs%n), &
+         & source=0.0_wp)
+      do step = 1, size(model%step)
+         scene%counter%factorisations = 0
+         scene%counter%back_solves = 0
+         scene%counter%iterations = 0
+         scene%counter%augmentations = 0
+         call set_supports(scene, model, step, same, error)
+         if (allocated(error)) return
+         if (.not. same) then
+            call check_supports(scene, model, error)
+            if (allocated(error)) return
+            call prepare(scene, model, plan, recorders, summary, error)
+            if (allocated(error)) return
+         end if
+         call run_step(scene, model, plan, progress, recorders, summary, error)
+         summary%step(step)%counter = scene%counter
+         if (allocated(error)) return
+      end do
+   end subroutine run_steps
+
+   !> Without contact nothing may float.
+   subroutine check_supports(scene, model, error)
+      type(scene_type), intent(in) :: scene
+      type(model_type), intent(in) :: model
+      type(error_type), allocatable, intent(out) :: error
+      real(wp), allocatable :: q(:)
+
+      if (scene%bodies%nq == 0 .or. any(scene%points%facet(:scene%points%n) > 0)) return
+      allocate (q(scene%bodies%nq), source=0.0_wp)
+      q(1) = 1.0_wp
+      call raise(error, error_code%singular, 'E0310', describe_motion(scene%bodies, model, q)//': nothing holds it', &
+         & model%step(scene%step)%at, note=to_text(scene%bodies%nq)//' rigid motions are free', &
+         & help='fix degrees of freedom by *BOUNDARY, or add the contact that holds the body')
+   end subroutine check_supports
+
+   subroutine prepare(scene, model, plan, recorders, summary, error)
+      type(scene_type), intent(inout) :: scene
+      type(model_type), intent(in) :: model
+      type(plan_type), intent(in) :: plan
+      type(recorder_holder_type), intent(inout) :: recorders(:)
+      type(summary_type), intent(inout) :: summary
+      type(error_type), allocatable, intent(out) :: error
+
+      call prepare_condensed(scene, model, error)
+      if (allocated(error)) return
+      scene%fresh_factor = .true.
+      summary%solver = scene%system%solver%name()
+      summary%path = 'condensed'
+      summary%equations = scene%system%n
+      summary%retained = scene%system%nlast
+      summary%candidates = scene%rows%n
+      summary%plan = plan_line(plan, summary%solver, scene%system%reason, scene%system%n, scene%system%nlast, &
+         & scene%rows%n, scene%bodies%nq)
+      call say(recorders, summary%plan)
+   end subroutine prepare
+
+   subroutine run_step(scene, model, plan, progress, recorders, summary, error)
+      type(scene_type), intent(inout) :: scene
+      type(model_type), intent(in) :: model
+      type(plan_type), intent(in) :: plan
+      type(progress_type), intent(inout) :: progress
+      type(recorder_holder_type), intent(inout) :: recorders(:)
+      type(summary_type), intent(inout) :: summary
+      type(error_type), allocatable, intent(out) :: error
+      type(loading_type) :: loading
+      type(frame_type) :: frame
+      real(wp) :: time, increment
+      integer :: number
+
+      associate (step => model%step(scene%step))
+         call new_loading(loading, model, scene%dofs, scene%constraints, scene%solids, step, progress%time, &
+            & progress%steady, scene%accepted)
+         time = 0.0_wp
+         increment = min(step%initial, step%period)
+         do number = 1, step%max_increments
+            if (time + increment*(1.0_wp + 1.0e-9_wp) >= step%period) increment = step%period - time
+            time = merge(step%period, time + increment, time + increment*(1.0_wp + 1.0e-9_wp) >= step%period)
+            frame%step = scene%step
+            frame%increment = number
+            frame%step_time = time
+            frame%total_time = progress%time + time
+            frame%time_increment = increment
+            frame%last_of_step = .not. time < step%period
+            call solve_increment(scene, model, plan, loading, progress, recorders, summary, frame, error)
+            if (allocated(error)) return
+            summary%step(scene%step)%increments = number
+            if (frame%last_of_step) exit
+            if (.not. step%direct) increment = 1.5_wp*increment
+            if (step%largest > 0.0_wp) increment = min(increment, step%largest)
+         end do
+         if (.not. frame%last_of_step) then
+            call raise(error, error_code%not_converged, 'E0503', 'step '//to_text(scene%step)//' reached time '// &
+               & to_text(time)//' of '//to_text(step%period)//' in the '//to_text(step%max_increments)// &
+               & ' increments that INC= allows', step%at, help='raise INC= on *STEP, or the increments on *STATIC')
+         end if
+         progress%time = progress%time + time
+      end associate
+   end subroutine run_step
+
+   !> Solve, look at every gap, certify, accept, record.
+   subroutine solve_increment(scene, model, plan, loading, progress, recorders, summary, frame, error)
+      type(scene_type), intent(inout) :: scene
+      type(model_type), intent(in) :: model
+      type(plan_type), intent(in) :: plan
+      type(loading_type), intent(in) :: loading
+      type(progress_type), intent(inout) :: progress
+      type(recorder_holder_type), intent(inout) :: recorders(:)
+      type(summary_type), intent(inout) :: summary
+      type(frame_type), intent(inout) :: frame
+      type(error_type), allocatable, intent(out) :: error
+      real(wp), allocatable :: prescribed(:), reaction(:), steady(:)
+
+      allocate (prescribed(scene%constraints%nprescribed), reaction(scene%constraints%nprescribed), steady(scene%dofs%n))
+      call loads_at(loading, model, frame%step_time, progress%f, steady)
+      call prescribed_at(loading, model, frame%step_time, prescribed)
+      scene%interference = 1.0_wp
+      if (scene%step == 1) scene%interference = frame%step_time/loading%period
+      call solve_condensed(scene, model, progress%f, prescribed, error)
+      if (allocated(error)) return
+      if (worst_unrowed(scene, model) > 0.0_wp) then
+         call widen_reach(scene)
+         call say(recorders, 'points beyond the first reach penetrate: all slave points get a row, factorised again')
+         call prepare(scene, model, plan, recorders, summary, error)
+         if (allocated(error)) return
+         call solve_condensed(scene, model, progress%f, prescribed, error)
+         if (allocated(error)) return
+      end if
+      call scene%k%multiply(scene%u, progress%residual)
+      progress%residual = progress%residual - progress%f
+      block
+         real(wp) :: pressed(scene%dofs%n)
+         pressed = 0.0_wp
+         call row_forces(scene%rows, scene%answer%force, pressed)
+         progress%residual = progress%residual - pressed
+      end block
+      call prescribed_part(scene%constraints, progress%residual, reaction)
+      call certify(frame%certificate, frame%energy, scene, model, progress%f, progress%residual, reaction)
+      call scene%clock%stop_in(phase%solve)
+      frame%iterations = scene%answer%iterations
+      frame%augmentations = scene%answer%augmentations
+      call warn_of(scene, model, frame)
+      call add_work(scene, progress, frame)
+      call accept(scene, model, progress, steady)
+      call record(scene, model, reaction, recorders, frame, error)
+      if (allocated(error)) return
+      if (frame%certificate%verdict == 2) call raise(error, error_code%not_converged, 'E0504', 'the certificate of step '// &
+         & to_text(frame%step)//', increment '//to_text(frame%increment)//' fails: '//frame%certificate%reason, &
+         & model%step(scene%step)%at, help='see lopin explain E0504')
+   end subroutine solve_increment
+
+   !> Work of everything that moves the boundary, by the trapezoidal rule over the increment.
+   subroutine add_work(scene, progress, frame)
+      type(scene_type), intent(in) :: scene
+      type(progress_type), intent(inout) :: progress
+      type(frame_type), intent(inout) :: frame
+
+      progress%work = progress%work + 0.5_wp*dot_product(progress%f + progress%f_before + progress%residual &
+         & + progress%r_before, scene%u - progress%u_before)
+      frame%energy%external = progress%work
+      progress%f_before = progress%f
+      progress%r_before = progress%residual
+      progress%u_before = scene%u
+   end subroutine add_work
+
+   subroutine accept(scene, model, progress, steady)
+      type(scene_type), intent(inout) :: scene
+      type(model_type), intent(in) :: model
+      type(progress_type), intent(inout) :: progress
+      real(wp), intent(in) :: steady(:)
+      integer :: row
+
+      scene%accepted = scene%u
+      progress%steady = steady
+      do row = 1, scene%rows%n
+         if (scene%answer%active(row)) scene%sticks(scene%rows%point(row)) = .true.
+      end do
+      associate (unused => model)
+      end associate
+   end subroutine accept
+
+   subroutine warn_of(scene, model, frame)
+      type(scene_type), intent(inout) :: scene
+      type(model_type), intent(in) :: model
+      type(frame_type), intent(in) :: frame
+
+      if (frame%certificate%verdict == 1) call scene%log%say(severity%warning, 'W0504', 'certificate of step '// &
+         & to_text(frame%step)//', increment '//to_text(frame%increment)//': '//frame%certificate%reason, &
+         & model%step(scene%step)%at)
+      if (scene%answer%dependent > 0) call scene%log%say(severity%warning, 'W0403', &
+         & to_text(scene%answer%dependent)//' contact rows depend on supports or on other rows: their forces are '// &
+         & 'shared in the way of least norm', model%step(scene%step)%at, &
+         & help='do not fix slave nodes along the contact normal, and list a pair of surfaces once')
+   end subroutine warn_of
+
+   subroutine record(scene, model, reaction, recorders, frame, error)
+      type(scene_type), intent(inout) :: scene
+      type(model_type), intent(in) :: model
+      real(wp), intent(in) :: reaction(:)
+      type(recorder_holder_type), intent(inout) :: recorders(:)
+      type(frame_type), intent(inout) :: frame
+      type(error_type), allocatable, intent(out) :: error
+      type(wants_type) :: wants, more
+      integer :: i
+
+      do i = 1, size(recorders)
+         more = recorders(i)%recorder%wants(model, frame%step, frame%increment)
+         wants%stress = wants%stress .or. more%stress
+         wants%strain = wants%strain .or. more%strain
+         wants%nodal_stress = wants%nodal_stress .or. more%nodal_stress
+      end do
+      call fill_frame(frame, scene, model, reaction, wants)
+      do i = 1, size(recorders)
+         call recorders(i)%recorder%increment(model, frame, error)
+         if (allocated(error)) exit
+      end do
+      call scene%clock%stop_in(phase%output)
+   end subroutine record
+
+   !> Peak resident memory of the process as the system counts it [MiB]; 0 where it does not say.
+   real(wp) function peak_memory() result(mib)
+      integer :: unit, status
+      character(len=120) :: line
+
+      mib = 0.0_wp
+      open (newunit=unit, file='/proc/self/status', action='read', status='old', iostat=status)
+      if (status /= 0) return
+      do
+         read (unit, '(a)', iostat=status) line
+         if (status /= 0) exit
+         if (line(:6) /= 'VmHWM:') cycle
+         read (line(7:), *, iostat=status) mib
+         mib = mib/1024.0_wp
+         exit
+      end do
+      close (unit)
+   end function peak_memory
+end module lopin_run_analysis
