@@ -27,7 +27,8 @@ contains
       real(wp) :: slope
 
       associate (p => scene%problem)
-         weight = scene%points%weight(scene%rows%point)
+         allocate (weight(p%nrow))
+         weight(:) = scene%points%weight(scene%rows%point)
          p%alpha = weight
          do pair = 1, p%ngroup
             from = p%group_first(pair)

@@ -41,6 +41,7 @@ contains
          self%support = largest(free(scene%bodies%support))/reference
       end if
       call judge_contact(self, energy, scene, model)
+      if (scene%rows%n > 0) self%pressure_error = scene%answer%soft_error
       call judge_action(self, scene, model, pressed)
       energy%strain = 0.5_wp*dot_product(scene%u, internal)
       ! Clapeyron: at equilibrium all forces together do twice the stored energy's work.
@@ -89,7 +90,6 @@ contains
                end if
             end associate
          end do
-         if (.not. exact .and. .not. has_law(model, pair)) call estimate_penalty(self, scene, pair, p_ref)
       end do
       if (.not. p_ref > 0.0_wp) self%complementarity = max(0.0_wp, self%penetration)
    end subroutine judge_contact
@@ -104,42 +104,6 @@ contains
       if (.not. allocated(scene%problem%s)) return
       if (scene%problem%s(row, row) > 0.0_wp) scale = 1.0_wp/scene%problem%s(row, row)
    end function scale_of
-
-   !> Relative error of the forces that closing the remaining penetration would mend: |S^-1 g|/|force|
-   !> with the diagonal of S, one augmentation's first step.
-   subroutine estimate_penalty(self, scene, pair, p_ref)
-      type(certificate_type), intent(inout) :: self
-      type(scene_type), intent(in) :: scene
-      integer, intent(in) :: pair
-      real(wp), intent(in) :: p_ref
-      real(wp) :: moved, total, stiffness
-      integer :: row
-
-      moved = 0.0_wp
-      total = 0.0_wp
-      do row = scene%rows%group_first(pair), scene%rows%group_first(pair + 1) - 1
-         if (.not. scene%answer%force(row) > 0.0_wp) cycle
-         stiffness = scale_of(scene, row, p_ref, scene%points%size(scene%rows%point(row)))
-         if (.not. allocated(scene%problem%s)) stiffness = own_stiffness(scene, row)
-         moved = moved + (min(scene%answer%gap(row), 0.0_wp)*stiffness)**2
-         total = total + scene%answer%force(row)**2
-      end do
-      if (total > 0.0_wp) self%pressure_error = max(self%pressure_error, sqrt(moved/total))
-   end subroutine estimate_penalty
-
-   !> Stiffness of the condensed equations under one row: at least that of its own diagonal.
-   real(wp) function own_stiffness(scene, row) result(stiffness)
-      type(scene_type), intent(in) :: scene
-      integer, intent(in) :: row
-      integer :: k
-
-      stiffness = 0.0_wp
-      associate (p => scene%problem)
-         do k = p%first(row), p%first(row + 1) - 1
-            stiffness = stiffness + p%value(k)**2*sum(p%l(p%column(k), :)**2)
-         end do
-      end associate
-   end function own_stiffness
 
    !> The forces on slaves and masters balance as a whole.
    subroutine judge_action(self, scene, model, pressed)

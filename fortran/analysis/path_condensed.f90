@@ -194,7 +194,7 @@ contains
       character(len=:), allocatable :: motion
 
       associate (p => scene%problem)
-         alpha = p%alpha
+         allocate (alpha, source=p%alpha)
          do stage = model%continuation - 1, 0, -1
             p%alpha = alpha*0.1_wp**stage
             call solve_contact(p, gap, load, moving, scene%answer)
