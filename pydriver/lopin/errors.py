@@ -102,23 +102,25 @@ def error_of(code: int, diagnostics: list[dict], message: str = "") -> LopinErro
     code : int
         Exit code of the executable, not 0.
     diagnostics : list of dict
-        Keys ``severity, id, message, file, line, column, help``; the first error leads.
+        Keys ``severity, code, message, file, line, column, help``, as in the executable's JSON;
+        the first error leads.
     message : str
         Used when no diagnostic is an error.
 
-    >>> error_of(1, [{"severity": "error", "id": "E0201", "message": "no set TOP"}])
+    >>> error_of(1, [{"severity": "error", "code": "E0201", "message": "no set TOP"}])
     ModelError('no set TOP')
     """
     errors = [d for d in diagnostics if d.get("severity") == "error"]
     first = errors[0] if errors else {"message": message or f"Lopin ended with code {code}"}
     kind = _classes.get(code, InternalError)
-    if kind is DeckError and first.get("id", "")[:3] in ("E02", "E03", "E04"):
+    id = first.get("code", "")
+    if kind is DeckError and id[:3] in ("E02", "E03", "E04"):
         kind = ModelError
     text = first.get("message", "")
     if len(errors) > 1:
         text += f" (and {len(errors) - 1} more)"
-    error = kind(text, id=first.get("id", ""), file=first.get("file", ""),
-                 line=int(first.get("line", 0)), help=first.get("help", ""),
-                 column=int(first.get("column", first.get("first", 0))), diagnostics=diagnostics)
+    error = kind(text, id=id, file=first.get("file", ""), line=int(first.get("line", 0)),
+                 column=int(first.get("column", 0)), help=first.get("help", ""),
+                 diagnostics=diagnostics)
     error.code = code
     return error

@@ -153,7 +153,7 @@ class Result:
     @property
     def warnings(self) -> list[str]:
         """What the run warned of."""
-        return [f"{d.get('id', '')}: {d['message']}" for d in self.diagnostics
+        return [f"{d.get('code', '')}: {d['message']}" for d in self.diagnostics
                 if d.get("severity") == "warning"]
 
     def _index(self, index: int) -> int:

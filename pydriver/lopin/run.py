@@ -30,7 +30,7 @@ def run(scene: Deck | Model | str | Path, output: str | Path | None = None, *,
     output : folder for the deck and the result files; in memory only when None
     executable : run the program ``lopin`` instead of the library in this process
     threads : OpenMP threads of the executable
-    options : options of the command line, such as ``until=2.0`` or ``solver="umfpack"``
+    options : options of the command line, such as ``solver="umfpack"`` or ``deterministic=True``
 
     Raises
     ------
@@ -38,10 +38,7 @@ def run(scene: Deck | Model | str | Path, output: str | Path | None = None, *,
         As the exit codes of the executable; a run that stopped early keeps its `result`.
     """
     deck = as_deck(scene)
-    words = [f"--{k.replace('_', '-')}" + ("" if v is True else f"={v}")
-             for k, v in options.items() if v is not False and v is not None]
-    if threads is not None:
-        words.append(f"--threads={threads}")
+    words = _option_words(options | {"threads": threads})
     if executable:
         return _run_executable(deck, output, words)
     if output is not None:
@@ -79,25 +76,48 @@ def find_executable() -> Path:
                         help="run './bootstrap build' in the source folder, or 'pip install .'")
 
 
+def _option_words(options: dict) -> list[str]:
+    """Options as the command line has them.
+
+    >>> _option_words({"threads": 2, "deterministic": True, "solver": None})
+    ['--threads', '2', '--deterministic']
+    """
+    words = []
+    for name, value in options.items():
+        if value is not None and value is not False:
+            words.append("--" + name.replace("_", "-"))
+            words += [] if value is True else [str(value)]
+    return words
+
+
 def _run_executable(deck: Deck, output: str | Path | None, words: list[str]) -> Result:
-    folder = Path(output) if output is not None else Path(tempfile.mkdtemp(prefix="lopin-"))
-    # The deck runs from its own folder, where its includes are; a model has none.
-    path = deck.write(folder/f"{deck.name}.inp")
-    if "*INCLUDE" in deck:
-        path = deck.write(deck.folder/f".{deck.name}-run.inp") if deck.folder != folder else path
+    holder = tempfile.TemporaryDirectory(prefix="lopin-") if output is None else None
+    folder = Path(holder.name if holder else output)
+    path, is_copy = _deck_file(deck, folder)
+    command = [find_executable(), "run", path, "-o", folder, "--overwrite", "--json", "--quiet"]
     try:
-        command = [find_executable(), "run", path, "-o", folder, "--overwrite", "--json", "--quiet"]
         done = subprocess.run([*command, *words], capture_output=True, text=True, check=False)
     finally:
-        if path.parent != folder:
-            path.unlink(missing_ok=True)
+        if is_copy:
+            path.unlink()
     said = _said(done.stdout)
     if done.returncode not in (0, NotConvergedError.code):
         raise error_of(done.returncode, said, done.stderr.strip())
-    result = Result(Folder(folder), deck)
+    result = Result(Folder(folder, path.stem), deck)
+    result.source.holder = holder   # a folder made for this run lives as long as its result
     if done.returncode:
         raise _unfinished(done.returncode, said, result)
     return result
+
+
+def _deck_file(deck: Deck, folder: Path) -> tuple[Path, bool]:
+    """The file to run, and whether it is a copy to be removed: includes need the deck's own folder."""
+    original = deck.folder/f"{deck.name}.inp"
+    if original.is_file() and Deck.read(original).text() == deck.text():
+        return original, False
+    if "*INCLUDE" in deck and deck.folder.resolve() != folder.resolve():
+        return deck.write(deck.folder/f"{deck.name}-run.inp"), True
+    return deck.write(folder/f"{deck.name}.inp"), False
 
 
 def _said(output: str) -> list[dict]:

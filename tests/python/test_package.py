@@ -157,14 +157,14 @@ def test_tools_face_the_side_they_should():
 
 def test_errors_have_the_class_of_their_exit_code():
     said = [{"severity": "warning", "message": "w"},
-            {"severity": "error", "id": "E0101", "message": "unknown keyword *FRICTON",
-             "file": "a.inp", "line": 3, "first": 1, "help": "did you mean *FRICTION ?"}]
+            {"severity": "error", "code": "E0101", "message": "unknown keyword *FRICTON",
+             "file": "a.inp", "line": 3, "column": 1, "help": "did you mean *FRICTION ?"}]
     error = error_of(1, said)
     assert type(error) is lopin.DeckError
     assert (error.id, error.code) == ("E0101", 1)
     assert (error.file, error.line, error.column) == ("a.inp", 3, 1)
     assert "did you mean" in str(error)
-    free = [{"severity": "error", "id": "E0310", "message": "m"}]
+    free = [{"severity": "error", "code": "E0310", "message": "m"}]
     assert type(error_of(1, free)) is lopin.ModelError
     for code, kind in ((2, lopin.UsageError), (3, lopin.NotConvergedError),
                        (4, lopin.SingularError), (5, lopin.ResourceError),
@@ -292,6 +292,16 @@ def test_the_executable_accepts_the_decks_of_models(executable, tmp_path):
     path = press().to_deck().write(tmp_path/"press.inp")
     done = subprocess.run([executable, "check", path], capture_output=True, text=True, cwd=tmp_path)
     assert done.returncode == 0, done.stdout + done.stderr
+
+
+def test_errors_of_the_executable_arrive_in_python(executable, monkeypatch):
+    monkeypatch.setenv("LOPIN_EXECUTABLE", str(executable))
+    deck = press().to_deck()
+    deck["*ELASTIC"].keyword = "ELASTC"
+    with pytest.raises(lopin.DeckError, match="unknown keyword") as caught:
+        lopin.run(deck, executable=True)
+    assert caught.value.id == "E0101"
+    assert caught.value.line > 0 and caught.value.column == 1
 
 
 # ---- the tree ---------------------------------------------------------------------------
