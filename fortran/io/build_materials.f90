@@ -257,7 +257,14 @@ contains
       end do
       allocate (bare(0))
       do i = 1, size(scene%etype)
-         if (scene%etype(i)%kind == element_kind%rigid) cycle
+         if (scene%etype(i)%kind == element_kind%rigid) then
+            bare = pack([(e, e=1, model%mesh%nelement)], model%mesh%etype == i .and. .not. rigid)
+            if (size(bare) > 0) call complain(model%log, 'E0305', plural(size(bare), 'element') &
+               & //' of type '//trim(scene%etype(i)%word)//' in no *RIGID BODY (first: ' &
+               & //to_text(model%mesh%element_label(bare(1)))//')', scene%etype_at(i), &
+               & help='*RIGID BODY, ELSET=, REF NODE= says what moves them')
+            cycle
+         end if
          bare = pack([(e, e=1, model%mesh%nelement)], model%mesh%etype == i &
             & .and. model%mesh%section == 0 &
             & .and. .not. rigid)

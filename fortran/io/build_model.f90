@@ -89,10 +89,10 @@ contains
             if (found) call parse_real(word, model%target_error, found)
             if (found .and. .not. (model%target_error > 0.0_wp &
                & .and. model%target_error < 1.0_wp)) call &
-               & complain(model%log, 'E0405', 'TARGET ERROR='//word//' is not between 0 and 1', at)
+               & complain(model%log, 'E0408', 'TARGET ERROR='//word//' is not between 0 and 1', at)
             call get_word(block, 'CONTINUATION', word, at, found)
             if (found) call parse_integer(word, model%continuation, found)
-            if (found .and. model%continuation < 1) call complain(model%log, 'E0405', &
+            if (found .and. model%continuation < 1) call complain(model%log, 'E0408', &
                & 'CONTINUATION='//word &
                & //' is less than 1', at)
          end associate

@@ -217,9 +217,9 @@ contains
       if (apart) return
       taken = 0
       do i = 1, size(offset) - 1
-         offset(i) = taken
+         if (high(i) > 0) offset(i) = taken
          taken = taken + high(i)
       end do
-      offset(0) = taken
+      if (high(0) > 0) offset(0) = taken
    end subroutine number_scopes
 end module lopin_build_parts

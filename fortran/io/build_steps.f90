@@ -31,7 +31,7 @@ contains
       integer :: s
 
       allocate (model%step(scene%nstep))
-      if (scene%nstep == 0) call complain(model%log, 'E0405', 'the deck has no *STEP', &
+      if (scene%nstep == 0) call complain(model%log, 'E0408', 'the deck has no *STEP', &
          & location_type(1, 1, 1, 1), help='end it with *STEP, *STATIC, loads, *END STEP')
       call find_roles(model, role)
       call new_boundary(boundary, model%mesh%nnode)
@@ -62,7 +62,7 @@ contains
          associate (block => deck%block(scene%card(k)%block))
             select case (block%keyword)
             case ('CLOAD', 'DLOAD', 'DSLOAD', 'STATIC')
-               call complain(model%log, 'E0405', '*'//block%keyword//' stands outside a step', &
+               call complain(model%log, 'E0408', '*'//block%keyword//' stands outside a step', &
                   & block%at, &
                   & help='write it between *STEP and *END STEP')
             end select
@@ -84,13 +84,13 @@ contains
          associate (block => deck%block(scene%card(k)%block))
             if (block%keyword == 'STEP') call read_head(model%step(s), block, model%log)
             if (block%keyword /= 'STATIC') cycle
-            if (is_static) call complain(model%log, 'E0405', 'step '//to_text(s) &
+            if (is_static) call complain(model%log, 'E0408', 'step '//to_text(s) &
                & //' has a second *STATIC', block%at)
             is_static = .true.
             call read_static(model, model%step(s), block)
          end associate
       end do
-      if (.not. is_static) call complain(model%log, 'E0405', 'step '//to_text(s) &
+      if (.not. is_static) call complain(model%log, 'E0408', 'step '//to_text(s) &
          & //' has no *STATIC', &
          & model%step(s)%at, help='write *STATIC after *STEP')
    end subroutine read_step
@@ -120,7 +120,7 @@ contains
       if (found .and. number > 0) then
          step%max_increments = number
       else
-         call complain(log, 'E0405', 'INC='//word//' is not a positive whole number', at)
+         call complain(log, 'E0408', 'INC='//word//' is not a positive whole number', at)
       end if
    end subroutine read_head
 
@@ -145,7 +145,7 @@ contains
       if (block%nline > 0) call split_fields(block%line(1), field, n)
       do i = 1, min(4, n)
          call field_real(field(i), value(i), model%log, given(i))
-         if (value(i) < 0.0_wp) call complain(model%log, 'E0405', 'a time of ' &
+         if (value(i) < 0.0_wp) call complain(model%log, 'E0408', 'a time of ' &
             & //to_text(value(i), 6) &
             & //' is negative', field(i)%at, help='initial, period, smallest, largest')
       end do
@@ -165,7 +165,7 @@ contains
          step%smallest = step%initial
          step%largest = step%initial
       else if (step%smallest > step%largest) then
-         call complain(model%log, 'E0405', 'the smallest increment '//to_text(step%smallest, 6) &
+         call complain(model%log, 'E0408', 'the smallest increment '//to_text(step%smallest, 6) &
             & //' is larger than the largest '//to_text(step%largest, 6), line_place(block%line(1)))
       end if
       step%initial = min(step%initial, step%largest)
