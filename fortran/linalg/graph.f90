@@ -8,9 +8,46 @@ module lopin_graph
    use lopin_csc, only : csc_type
    implicit none
    private
-   public :: number_interior, neighbours, compress, quotient, expand, postorder
+   public :: node_graph_type, number_interior, neighbours, compress, quotient, expand, postorder
+
+   !> The graph of some equations of a matrix, and the same by groups of equal neighbours.
+   type :: node_graph_type
+      integer, allocatable :: equation(:)                 !! (m) vertex -> equation
+      integer, allocatable :: ptr(:), adjacent(:)         !! graph of the equations
+      integer :: ngroup = 0
+      integer, allocatable :: group(:)                    !! (m) vertex -> group
+      integer, allocatable :: group_ptr(:), group_adjacent(:), weight(:)   !! graph of the groups
+   contains
+      procedure :: new => new_node_graph
+      procedure :: equations_by
+   end type node_graph_type
 
 contains
+
+   !> Graph of the equations numbered in `local` (1..m, ascending), 0 for those left out.
+   subroutine new_node_graph(self, a, local, m)
+      class(node_graph_type), intent(out) :: self
+      type(csc_type), intent(in) :: a      !! symmetric_lower
+      integer, intent(in) :: local(:)      !! (n)
+      integer, intent(in) :: m
+      integer :: i
+
+      self%equation = pack([(i, i=1, a%n)], local > 0)
+      call neighbours(a, local, m, self%ptr, self%adjacent)
+      call compress(self%ptr, self%adjacent, self%group, self%ngroup)
+      call quotient(self%ptr, self%adjacent, self%group, self%ngroup, self%group_ptr, self%group_adjacent, &
+         & self%weight)
+   end subroutine new_node_graph
+
+   !> The equations in an order of the groups.
+   pure function equations_by(self, group_order) result(order)
+      class(node_graph_type), intent(in) :: self
+      integer, intent(in) :: group_order(:)   !! (ngroup) new -> old
+      integer :: order(size(self%group))      !! (m) new -> equation
+
+      call expand(self%group, group_order, order)
+      order = self%equation(order)
+   end function equations_by
 
    !> Number the equations not in `last`: local(i) = 1..m in ascending order, 0 for the last ones.
    pure subroutine number_interior(n, last, local, m, valid)

@@ -2,7 +2,7 @@
 module lopin_ordering
    use lopin_kinds, only : wp
    use lopin_csc, only : csc_type
-   use lopin_graph, only : number_interior, neighbours, compress, quotient, expand
+   use lopin_graph, only : node_graph_type, number_interior, expand
    implicit none
    private
    public :: profile_order, row_starts, profile_cost, reverse_cuthill_mckee, delay
@@ -13,35 +13,33 @@ contains
    !>
    !> Two numberings compete: reverse Cuthill-McKee, which is best for the bodies themselves, and
    !> levels counted from the equations kept last, which keeps the rows of these short.
-   pure subroutine profile_order(a, last, order, valid, delayed)
+   subroutine profile_order(a, last, order, valid, delayed)
       type(csc_type), intent(in) :: a
       integer, intent(in) :: last(:)                !! 1-based equations
       integer, allocatable, intent(out) :: order(:) !! (n) new -> old
       logical, intent(out) :: valid                 !! false if `last` are not distinct equations
       logical, intent(in), optional :: delayed(:)   !! (n) to stand behind their neighbours (no own stiffness)
-      integer, allocatable :: local(:), ptr(:), adjacent(:), group(:), qptr(:), qadjacent(:), weight(:)
-      integer, allocatable :: interior(:), by_group(:), rival(:), equation(:)
+      type(node_graph_type) :: graph
+      integer, allocatable :: local(:), interior(:), by_group(:), rival(:)
       logical, allocatable :: late(:)
-      integer :: m, ngroup, i, attempt
+      integer :: m, attempt
 
       call number_interior(a%n, last, local, m, valid)
       if (.not. valid) return
-      call neighbours(a, local, m, ptr, adjacent)
-      call compress(ptr, adjacent, group, ngroup)
-      call quotient(ptr, adjacent, group, ngroup, qptr, qadjacent, weight)
-      allocate (by_group(ngroup), interior(m))
-      equation = pack([(i, i=1, a%n)], local > 0)
+      call graph%new(a, local, m)
+      allocate (by_group(graph%ngroup), interior(m))
       allocate (late(m), source=.false.)
-      if (present(delayed)) late = delayed(equation)
+      if (present(delayed)) late = delayed(graph%equation)
       do attempt = 1, merge(1, 2, size(last) == 0)
          if (attempt == 1) then
-            call reverse_cuthill_mckee(qptr, qadjacent, by_group)
+            call reverse_cuthill_mckee(graph%group_ptr, graph%group_adjacent, by_group)
          else
-            call reverse_cuthill_mckee(qptr, qadjacent, by_group, groups_beside_last(a, local, group, ngroup))
+            call reverse_cuthill_mckee(graph%group_ptr, graph%group_adjacent, by_group, &
+               & groups_beside_last(a, local, graph%group, graph%ngroup))
          end if
-         call expand(group, by_group, interior)
-         if (any(late)) call delay(ptr, adjacent, late, interior)
-         rival = [equation(interior), last]
+         call expand(graph%group, by_group, interior)
+         if (any(late)) call delay(graph%ptr, graph%adjacent, late, interior)
+         rival = [graph%equation(interior), last]
          if (attempt == 2) then
             if (profile_cost(row_starts(a, rival)) >= profile_cost(row_starts(a, order))) exit
          end if

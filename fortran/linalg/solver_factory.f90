@@ -3,14 +3,15 @@ module lopin_solver_factory
    use lopin_kinds, only : wp
    use lopin_error, only : error_type, error_code, raise
    use lopin_csc, only : csc_type
-   use lopin_linear_solver, only : linear_solver_type
+   use lopin_ordering, only : profile_cost, profile_order, row_starts
+   use lopin_linear_solver, only : linear_solver_type, matrix_class, class_name
    use lopin_solver_skyline, only : solver_skyline_type
    use lopin_solver_cholmod, only : solver_cholmod_type
    use lopin_solver_umfpack, only : solver_umfpack_type
    use lopin_solver_dense, only : solver_dense_type
    implicit none
    private
-   public :: new_solver, solver_names
+   public :: choose_solver, new_solver, solver_names
 
    !> All solvers; where several can do it, the first one that accepts the matrix is a fair choice.
    character(len=7), parameter :: solver_names(4) = ['cholmod', 'skyline', 'umfpack', 'dense  ']
@@ -43,4 +44,37 @@ contains
             & help='solvers: '//known)
       end select
    end subroutine new_solver
+
+   !> The solver that is likely the fastest for one matrix, one thread.
+   !>
+   !> Skyline wins on small and slender bodies. Let b be the root mean square length of a row of the
+   !> profile and e the stored entries an equation; measured break-even (docs/solvers.md): b = 200 for
+   !> plane meshes (e = 9), b = 500 for solid ones (e = 37), and one line through both is the rule.
+   !> At half of that b skyline is two to seven times faster, at twice of it as much slower.
+   subroutine choose_solver(a, class_of, last, name, reason)
+      type(csc_type), intent(in) :: a
+      integer, intent(in) :: class_of                      !! matrix_class%...
+      integer, intent(in) :: last(:)                       !! equations to be kept last
+      character(len=:), allocatable, intent(out) :: name
+      character(len=:), allocatable, intent(out) :: reason !! in words, for the log
+      integer, allocatable :: order(:)
+      real(wp) :: length, limit
+      character(len=60) :: numbers
+      logical :: valid
+
+      name = 'umfpack'
+      reason = 'the matrix is '//class_name(class_of)
+      if (class_of /= matrix_class%positive_definite) return
+      name = 'cholmod'
+      reason = 'the matrix is empty'
+      if (a%n == 0) return
+      call profile_order(a, last, order, valid)
+      reason = 'the equations to be kept last are not valid'
+      if (.not. valid) return
+      length = sqrt(profile_cost(row_starts(a, order))/a%n)
+      limit = 90.0_wp + 11.0_wp*size(a%row)/a%n
+      if (length < limit) name = 'skyline'
+      write (numbers, '("mean half band ",i0,", break-even at ",i0)') nint(length), nint(limit)
+      reason = trim(numbers)
+   end subroutine choose_solver
 end module lopin_solver_factory

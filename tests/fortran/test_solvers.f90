@@ -4,7 +4,7 @@ program test_solvers
    use lopin_error, only : error_type, error_code
    use lopin_csc, only : csc_type, storage
    use lopin_linear_solver, only : linear_solver_type, matrix_class
-   use lopin_solver_factory, only : new_solver, solver_names
+   use lopin_solver_factory, only : choose_solver, new_solver, solver_names
    use lopin_solver_cholmod, only : set_blas_threads
    use check, only : test, close_to, is_true, finish
    use matrices, only : chain, elastic_block, random_general, random_spd, saddle_point, to_csc, uniform
@@ -27,6 +27,7 @@ program test_solvers
    end do
    call same_bits_on_two_threads()
    call unknown_names()
+   call choices()
    call finish()
 
 contains
@@ -486,4 +487,22 @@ contains
       call is_true('refused', allocated(error) .and. .not. allocated(solver))
       call is_true('names them', index(error%text(), 'cholmod') > 0 .and. index(error%text(), 'dense') > 0)
    end subroutine unknown_names
+
+   subroutine choices()
+      type(csc_type) :: a
+      integer, allocatable :: top(:)
+      character(len=:), allocatable :: name, reason
+
+      call test('slender bodies go to skyline, thick ones to cholmod, others to umfpack')
+      call elastic_block([300, 4], .true., a, top)
+      call choose_solver(a, matrix_class%positive_definite, top(:0), name, reason)
+      call is_true('strip: '//reason, name == 'skyline')
+      call choose_solver(a, matrix_class%positive_definite, top, name, reason)
+      call is_true('strip in contact all along: '//reason, name == 'cholmod')
+      call elastic_block([13, 13, 13], .true., a, top)
+      call choose_solver(a, matrix_class%positive_definite, top(:0), name, reason)
+      call is_true('cube: '//reason, name == 'cholmod')
+      call choose_solver(a, matrix_class%general, top(:0), name, reason)
+      call is_true('unsymmetric: '//reason, name == 'umfpack')
+   end subroutine choices
 end program test_solvers
