@@ -122,10 +122,12 @@ contains
 
    !> A pivot smaller than this times the terms that cancelled in it is zero but for rounding.
    !>
-   !> Rounding errors of the n eliminations add like a random walk: sqrt(n) times the unit roundoff.
+   !> Rounding errors of the n eliminations add like a random walk. On 22 free bodies of up to 60000
+   !> equations the last pivot came out below 4.2 eps sqrt(n); the clamped strip of 3000 elements in a
+   !> row, the worst sound case tried, has 570 eps sqrt(n).
    pure real(wp) function pivot_tolerance(n)
       integer, intent(in) :: n
-      pivot_tolerance = 4.0_wp*epsilon(1.0_wp)*sqrt(real(max(n, 1), wp))
+      pivot_tolerance = 16.0_wp*epsilon(1.0_wp)*sqrt(real(max(n, 1), wp))
    end function pivot_tolerance
 
    !> The error of a matrix without a usable pivot at an equation.

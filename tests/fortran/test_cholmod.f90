@@ -11,6 +11,7 @@ program test_cholmod
 
    call orders_big_solids_by_dissection()
    call separate_bodies_keep_their_order()
+   call a_large_free_plate_is_singular()
    call finish()
 
 contains
@@ -79,4 +80,23 @@ contains
       dense(2::2, 2::2) = 2.0_wp*part
       call close_to('factor', l, dense, 1.0e-12_wp)
    end subroutine separate_bodies_keep_their_order
+
+   !> Rounding leaves its last pivots positive: only their size beside the terms that cancelled tells.
+   subroutine a_large_free_plate_is_singular()
+      type(csc_type) :: a
+      type(solver_cholmod_type) :: solver
+      type(error_type), allocatable :: error
+      integer, allocatable :: top(:)
+      integer :: bad
+
+      call test('a large plate that nothing holds is singular, a long cantilever is not')
+      call elastic_block([120, 120], .false., a, top)
+      call solver%analyse(a, matrix_class%positive_definite, top(:0), error)
+      call solver%factorise(a, bad, error)
+      call is_true('plate', allocated(error) .and. bad > 0)
+      call elastic_block([3000, 1], .true., a, top)
+      call solver%analyse(a, matrix_class%positive_definite, top(:0), error)
+      call solver%factorise(a, bad, error)
+      call is_true('cantilever', .not. allocated(error) .and. bad == 0)
+   end subroutine a_large_free_plate_is_singular
 end program test_cholmod
