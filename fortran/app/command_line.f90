@@ -7,7 +7,7 @@ module lopin_command_line
    public :: options_type, read_command_line, usage
 
    type :: options_type
-      character(len=:), allocatable :: task        !! run, check, info, explain, doc, selftest, help, version
+      character(len=:), allocatable :: task        !! run, check, info ... help, version
       character(len=:), allocatable :: subject     !! the deck, the code, the keyword; '' if none
       character(len=:), allocatable :: output      !! folder of results, out/<stem> unless given
       character(len=:), allocatable :: solver      !! '' : as the deck says
@@ -21,12 +21,16 @@ module lopin_command_line
       logical :: all = .false.                     !! doc --all
    end type options_type
 
-   character(len=*), parameter :: own_words(6) = [character(len=8) :: 'run', 'check', 'info', 'explain', 'doc', &
+   character(len=*), parameter :: own_words(6) = [character(len=8) :: 'run', 'check', 'info', &
+      & 'explain', 'doc', &
       & 'selftest']
-   character(len=*), parameter :: python_words(7) = [character(len=7) :: 'plot', 'chart', 'atlas', 'report', &
+   character(len=*), parameter :: python_words(7) = [character(len=7) :: 'plot', 'chart', 'atlas', &
+      & 'report', &
       & 'convert', 'example', 'export']
-   character(len=*), parameter :: option_words(15) = [character(len=15) :: '--output', '--threads', '--solver', &
-      & '--overwrite', '--deterministic', '--json', '--quiet', '--verbose', '--no-color', '--strict', '--all', &
+   character(len=*), parameter :: option_words(15) = [character(len=15) :: '--output', &
+      & '--threads', '--solver', &
+      & '--overwrite', '--deterministic', '--json', '--quiet', '--verbose', '--no-color', &
+      & '--strict', '--all', &
       & '--help', '--version', '-o', '-v']
 
 contains
@@ -64,12 +68,14 @@ contains
       if (len(options%task) == 0 .and. any(own_words == word)) then
          options%task = word
       else if (len(options%task) == 0 .and. any(python_words == word)) then
-         call raise(error, error_code%usage, 'E0802', quoted(word)//' needs the Python package: pip install lopin')
+         call raise(error, error_code%usage, 'E0802', quoted(word)// &
+            & ' needs the Python package: pip install lopin')
       else if (len(options%subject) == 0) then
          if (len(options%task) == 0) options%task = 'run'
          options%subject = word
       else
-         call raise(error, error_code%usage, 'E0801', 'one word too many: '//quoted(word), help='lopin --help')
+         call raise(error, error_code%usage, 'E0801', 'one word too many: '//quoted(word), &
+            & help='lopin --help')
       end if
    end subroutine read_word
 
@@ -115,7 +121,8 @@ contains
       case default
          meant = nearest_word(word, option_words)
          if (len(meant) > 0) meant = '; did you mean '//meant//'?'
-         call raise(error, error_code%usage, 'E0801', 'unknown option '//quoted(word)//meant, help='lopin --help')
+         call raise(error, error_code%usage, 'E0801', 'unknown option '//quoted(word)//meant, &
+            & help='lopin --help')
       end select
    end subroutine read_option
 
@@ -165,12 +172,15 @@ contains
       character(len=:), allocatable :: text
       character(len=1), parameter :: nl = achar(10)
 
-      text = 'lopin deck.inp                 the same as lopin run deck.inp: results in out/deck/'//nl// &
+      text = 'lopin deck.inp                 the same as lopin run deck.inp: results in '// &
+         & 'out/deck/'//nl// &
          & 'lopin run deck.inp             solve, write results'//nl// &
-         & 'lopin check deck.inp           read the deck, build the model, say what is wrong; no solve'//nl// &
+         & 'lopin check deck.inp           read the deck, build the model, say what is wrong; '// &
+         & 'no solve'//nl// &
          & 'lopin info [deck.inp]          version and build, or a summary of a deck'//nl// &
          & 'lopin explain [E0312]          long text of a diagnostic, or the list of all'//nl// &
-         & "lopin doc ['*FRICTION']        sheet of a keyword; --all: the manual in Markdown"//nl// &
+         & "lopin doc ['*FRICTION']        sheet of a keyword; --all: the manual in Markdown"// &
+         & nl// &
          & 'lopin selftest                 checks of the installed program'//nl//nl// &
          & '-o, --output FOLDER   where results go'//nl// &
          & '--threads N           number of threads'//nl// &
@@ -181,7 +191,8 @@ contains
          & '--json                a JSON object on standard output at the end'//nl// &
          & '--quiet, -q; --verbose, -v; --no-color; --version; --help'//nl//nl// &
          & 'With the Python package (pip install lopin): '//join(python_words)//nl//nl// &
-         & 'Exit codes: 0 finished, 1 deck, 2 command line, 3 not converged, 4 singular, 5 memory or file,'//nl// &
+         & 'Exit codes: 0 finished, 1 deck, 2 command line, 3 not converged, 4 singular, 5 '// &
+         & 'memory or file,'//nl// &
          & '70 internal, 130 interrupted'//nl
    end function usage
 end module lopin_command_line

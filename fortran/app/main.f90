@@ -2,7 +2,8 @@
 program lopin
    use lopin_command_line, only : options_type, read_command_line, usage
    use lopin_error, only : error_type
-   use lopin_tasks, only : run_deck, check_deck, show_info, show_explanation, show_keyword, run_selftest
+   use lopin_tasks, only : run_deck, check_deck, show_info, show_explanation, show_keyword, &
+      & run_selftest
    use lopin_terminal, only : terminal_type, new_terminal
    use lopin_version, only : version
    implicit none

@@ -101,7 +101,8 @@ contains
 
       call open_model(options, terminal, model)
       call terminal%say(options%subject//': '//plural(model%mesh%nnode, 'node')//', '// &
-         & plural(model%mesh%nelement, 'element')//', '//plural(size(model%pair), 'contact pair')//', '// &
+         & plural(model%mesh%nelement, 'element')//', '//plural(size(model%pair), &
+         & 'contact pair')//', '// &
          & plural(size(model%step), 'step')//': no error')
    end subroutine check_deck
 
@@ -137,7 +138,8 @@ contains
       type(terminal_type), intent(inout) :: terminal
 
       if (len(options%subject) == 0) then
-         print '(a)', 'lopin '//version, 'compiler: '//compiler_version(), 'options: '//compiler_options()
+         print '(a)', 'lopin '//version, 'compiler: '//compiler_version(), 'options: '// &
+            & compiler_options()
          return
       end if
       call open_deck(options, terminal)
@@ -161,7 +163,8 @@ contains
             cards = cards + 1
             lines = lines + deck%block(k)%nline
          end do
-         if (cards > 0) print '(a)', '*'//deck%block(i)%keyword//': '//plural(cards, 'card')//', '// &
+         if (cards > 0) print '(a)', '*'//deck%block(i)%keyword//': '//plural(cards, 'card')// &
+            & ', '// &
             & plural(lines, 'data line')
       end do
    end subroutine summarise

@@ -60,7 +60,8 @@ contains
       write (output_unit, '(a)') text
    end subroutine say
 
-   !> Show the notes and warnings of a log; errors come with `stop_on`. With --strict, warnings end the run.
+   !> Show the notes and warnings of a log; errors come with `stop_on`. With --strict, warnings end
+   !> the run.
    subroutine show_log(self, log)
       class(terminal_type), intent(inout) :: self
       type(log_type), intent(in) :: log
@@ -73,7 +74,8 @@ contains
          call show(self, log%item(i))
       end do
       if (.not. self%strict .or. log%count_of(severity%warning) == 0) return
-      call raise(error, error_code%deck, 'E0803', plural(log%count_of(severity%warning), 'warning')// &
+      call raise(error, error_code%deck, 'E0803', plural(log%count_of(severity%warning), &
+         & 'warning')// &
          & ' with --strict')
       call self%stop_on(error)
    end subroutine show_log
@@ -99,11 +101,14 @@ contains
       class(terminal_type), intent(inout) :: self
       type(diagnostic_type), intent(in) :: item
 
-      call self%said%say(item%severity, item%id, item%message, item%at, item%label, item%note, item%help)
-      if (.not. self%json) write (error_unit, '(a)', advance='no') render(item, self%deck, self%colour)
+      call self%said%say(item%severity, item%id, item%message, item%at, item%label, item%note, &
+         & item%help)
+      if (.not. self%json) write (error_unit, '(a)', advance='no') render(item, self%deck, &
+         & self%colour)
    end subroutine show
 
-   !> The end of the program: the JSON object if it is wanted, the last line of a good run, the exit code.
+   !> The end of the program: the JSON object if it is wanted, the last line of a good run, the
+   !> exit code.
    subroutine finish(self, code, last_line)
       class(terminal_type), intent(in) :: self
       integer, intent(in) :: code                !! error_code%..., 0 for success
@@ -112,7 +117,8 @@ contains
 
       if (self%json) then
          write (output_unit, '(a)') '{"schema": "lopin-1", "status": '// &
-            & json_string(trim(merge('ok    ', 'failed', code == 0)))//', "exit_code": '//to_text(code)//','
+            & json_string(trim(merge('ok    ', 'failed', code == 0)))//', "exit_code": '// &
+            & to_text(code)//','
          write (output_unit, '(a)') ' "diagnostics": ['
          do i = 1, self%said%n
             write (output_unit, '(a)') '  '//render_json(self%said%item(i), self%deck)// &

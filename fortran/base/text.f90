@@ -4,7 +4,8 @@ module lopin_text
    use lopin_kinds, only : wp, lk
    implicit none
    private
-   public :: upper, lower, squeeze, without_blanks, parse_real, parse_integer, edit_distance, nearest_word
+   public :: upper, lower, squeeze, without_blanks, parse_real, parse_integer, edit_distance, &
+      & nearest_word
    public :: to_text, join, quoted, plural
 
    !> Shortest text that reads back as the same number: `to_text(0.1_wp)` is `0.1`.
@@ -13,8 +14,8 @@ module lopin_text
    end interface to_text
 
    character(len=*), parameter :: blanks = ' '//achar(9)
-   integer, parameter :: exact_power = 22      !! 10**22 is the largest power of ten that a double holds exactly
-   integer, parameter :: largest_power = 308   !! refused above, before the run-time library overflows
+   integer, parameter :: exact_power = 22      !! the last power of ten that a double holds exactly
+   integer, parameter :: largest_power = 308   !! beyond it the run-time library would overflow
 
 contains
 
@@ -104,7 +105,8 @@ contains
 
    !> Read a whole text as a real: `1`, `1.`, `.5`, `1E3`, `1D3`, `1+3`; not `nan` or `inf`.
    !>
-   !> Up to 18 digits that fit into 2**53 and powers of ten up to 22 are read exactly by one product;
+   !> Up to 18 digits that fit into 2**53 and powers of ten up to 22 are read exactly by one
+   !> product;
    !> the rest goes through the run-time library.
    pure subroutine parse_real(text, value, ok)
       character(len=*), intent(in) :: text   !! blanks around the number are allowed
@@ -203,7 +205,8 @@ contains
       is_digit = letter >= '0' .and. letter <= '9'
    end function is_digit
 
-   !> Fewest insertions, deletions, replacements and swaps of neighbours that turn one word into another.
+   !> Fewest insertions, deletions, replacements and swaps of neighbours that turn one word into
+   !> another.
    pure integer function edit_distance(left, right) result(distance)
       character(len=*), intent(in) :: left, right
       integer :: row(0:len(right)), above(0:len(right)), higher(0:len(right))
@@ -216,7 +219,8 @@ contains
          above = row
          row(0) = i
          do j = 1, len(right)
-            row(j) = min(above(j) + 1, row(j - 1) + 1, above(j - 1) + merge(0, 1, left(i:i) == right(j:j)))
+            row(j) = min(above(j) + 1, row(j - 1) + 1, above(j - 1) + merge(0, 1, &
+               & left(i:i) == right(j:j)))
             if (swapped(left, i, right, j)) row(j) = min(row(j), higher(max(0, j - 2)) + 1)
          end do
       end do

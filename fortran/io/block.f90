@@ -1,6 +1,7 @@
 !> The pieces of a deck: sources, blocks (a keyword line with its data lines), parameters, fields.
 !>
-!> Everything remembers its file, line and columns, because every message shows them. Reading a field
+!> Everything remembers its file, line and columns, because every message shows them. Reading a
+!> field
 !> never stops at a bad number: the complaint goes into a log and the reader carries on.
 module lopin_block
    use lopin_kinds, only : wp
@@ -17,25 +18,25 @@ module lopin_block
    !> One file, or one text given by a caller.
    type :: source_type
       character(len=:), allocatable :: name        !! as shown in messages
-      character(len=:), allocatable :: folder      !! where it lies, with a trailing slash; '' is the current one
+      character(len=:), allocatable :: folder      !! with a trailing slash; '' is the current one
       character(len=:), allocatable :: text        !! without a byte-order mark
-      integer, allocatable :: line_start(:)        !! (nline + 1) first character of each line, then one past the end
+      integer, allocatable :: line_start(:)        !! (nline + 1) first character of each line
       integer :: nline = 0
       logical :: is_ascii = .true.                 !! no byte above 127
-      type(location_type) :: included_from         !! the *INCLUDE line; file = 0 for the deck itself
+      type(location_type) :: included_from         !! the *INCLUDE line; file = 0: the deck
    end type source_type
 
    type :: parameter_type
       character(len=:), allocatable :: name        !! upper case, single blanks
-      character(len=:), allocatable :: value       !! without quotes, case as written, trimmed; '' if it has none
+      character(len=:), allocatable :: value       !! case as written, no quotes; '' if none
       logical :: has_value = .false.
       type(location_type) :: at                    !! the name
-      type(location_type) :: value_at              !! the value, without quotes; the name if it has none
+      type(location_type) :: value_at              !! the value, or the name if it has none
    end type parameter_type
 
    type :: data_line_type
       integer :: file = 0, line = 0
-      character(len=:), allocatable :: text        !! the whole line, so that columns are those of the file
+      character(len=:), allocatable :: text        !! the whole line: columns are the file's
    end type data_line_type
 
    type :: field_type
@@ -48,7 +49,7 @@ module lopin_block
       type(location_type) :: at
       type(parameter_type), allocatable :: parameter(:)
       integer :: nline = 0
-      type(data_line_type), allocatable :: line(:) !! the first nline are used; no comments, no empty lines
+      type(data_line_type), allocatable :: line(:) !! 1..nline; no comments, no empty lines
    end type block_type
 
    type :: deck_type
@@ -65,7 +66,7 @@ contains
    subroutine split_fields(line, field, n)
       type(data_line_type), intent(in) :: line
       type(field_type), allocatable, intent(inout) :: field(:)   !! reused, grows when needed
-      integer, intent(out) :: n                                  !! number of fields; a lone comma is one empty field
+      integer, intent(out) :: n   !! number of fields; a lone comma is one empty field
       integer :: first, last, comma, length, number
 
       number = count_fields(line%text)
@@ -86,7 +87,8 @@ contains
       n = number
    end subroutine split_fields
 
-   !> Number of fields of a line; one comma at the end opens no field, a lone comma is one empty field.
+   !> Number of fields of a line; one comma at the end opens no field, a lone comma is one empty
+   !> field.
    pure integer function count_fields(text) result(number)
       character(len=*), intent(in) :: text
       integer :: first, comma
@@ -156,7 +158,8 @@ contains
       call bad_number(field, 'a number', log)
    end subroutine field_real
 
-   !> A field as an integer; `found` is false for an empty field and, with a complaint, for bad text.
+   !> A field as an integer; `found` is false for an empty field and, with a complaint, for bad
+   !> text.
    subroutine field_integer(field, value, log, found)
       type(field_type), intent(in) :: field
       integer, intent(out) :: value
@@ -179,8 +182,10 @@ contains
 
       gap = scan(field%text, ';')
       if (gap > 0) then
-         call complain(log, 'E0104', quoted(field%text)//' is not '//wanted//': fields are separated by commas', &
-            & field%at, label='semicolon', help='write a comma between fields and a point in numbers, as in 0.3')
+         call complain(log, 'E0104', quoted(field%text)//' is not '//wanted// &
+            & ': fields are separated by commas', &
+            & field%at, label='semicolon', help='write a comma between fields and a point in '// &
+            & 'numbers, as in 0.3')
          return
       end if
       gap = scan(field%text, blanks)
@@ -193,9 +198,11 @@ contains
       if (left .and. right) then
          call complain(log, 'E0103', quoted(field%text)//' is not '//wanted, field%at, &
             & label='a comma seems to be missing', &
-            & help='write '//quoted(field%text(:gap - 1)//', '//trim(adjustl(field%text(gap + 1:)))))
+            & help='write '//quoted(field%text(:gap - 1)//', '// &
+            & trim(adjustl(field%text(gap + 1:)))))
       else
-         call complain(log, 'E0103', quoted(field%text)//' is not '//wanted, field%at, label='expected '//wanted)
+         call complain(log, 'E0103', quoted(field%text)//' is not '//wanted, field%at, &
+            & label='expected '//wanted)
       end if
    end subroutine bad_number
 
@@ -215,7 +222,7 @@ contains
       type(block_type), intent(in) :: block
       character(len=*), intent(in) :: name                    !! upper case
       character(len=:), allocatable, intent(out) :: value
-      type(location_type), intent(out) :: at                  !! the value, else the name, else the keyword
+      type(location_type), intent(out) :: at   !! the value, else the name, else the keyword
       logical, intent(out) :: found
       integer :: i
 

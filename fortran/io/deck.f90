@@ -1,4 +1,5 @@
-!> Reads decks: the grammar of Abaqus keyword files, from a file or from memory, with its *INCLUDE files.
+!> Reads decks: the grammar of Abaqus keyword files, from a file or from memory, with its *INCLUDE
+!> files.
 !>
 !> Reading goes on after an error, so that one run shows what is wrong everywhere; the first twenty
 !> errors come back together. The keyword table (`lopin_keywords`) then judges every block.
@@ -6,7 +7,8 @@ module lopin_deck
    use lopin_block, only : source_type, parameter_type, data_line_type, field_type, block_type, &
       & deck_type, split_fields, count_fields, field_real, field_integer, get_parameter, &
       & has_parameter, complain, line_text, line_place
-   use lopin_error, only : error_type, log_type, location_type, error_code, severity, raise, raise_all
+   use lopin_error, only : error_type, log_type, location_type, error_code, severity, raise, &
+      & raise_all
    use lopin_keyword_line, only : begin_block, more_parameters
    use lopin_source, only : new_source_from_file, new_source, folder_of, find_include, shortened
    use lopin_text, only : upper, quoted
@@ -47,7 +49,7 @@ contains
       type(deck_type), intent(out) :: deck
       character(len=*), intent(in) :: text
       character(len=*), intent(in) :: name     !! shown in messages instead of a path
-      character(len=*), intent(in) :: folder   !! where its *INCLUDE files are looked for; '' is the current folder
+      character(len=*), intent(in) :: folder   !! of its *INCLUDE files; '' is the current one
       type(log_type), intent(inout) :: log
       type(error_type), allocatable, intent(out) :: error
       type(source_type) :: source
@@ -99,7 +101,8 @@ contains
             end if
          end associate
          if (continued) then
-            call more_parameters(block, deck%source(file)%text(first:last), file, line, continued, log)
+            call more_parameters(block, deck%source(file)%text(first:last), file, line, continued, &
+               & log)
             if (.not. continued) call end_keyword(deck, block, lost, log)
          else if (starts_with_star(deck%source(file)%text(first:last))) then
             call begin_block(block, deck%source(file)%text(first:last), file, line, continued, log)
@@ -137,7 +140,8 @@ contains
 
       call get_parameter(block, 'INPUT', name, at, found)
       if (len(name) == 0) then
-         call complain(log, 'E0105', '*INCLUDE names no file', at, help='write *INCLUDE, INPUT=file.inp')
+         call complain(log, 'E0105', '*INCLUDE names no file', at, &
+            & help='write *INCLUDE, INPUT=file.inp')
          return
       end if
       call find_include(deck%source, block%at%file, name, path, tried)

@@ -68,7 +68,8 @@ contains
       first = 1
       do while (first <= len(paragraph))
          last = len(paragraph)
-         if (last - first >= line_width) last = first - 1 + index(paragraph(first:first + line_width), ' ', back=.true.)
+         if (last - first >= line_width) &
+            & last = first - 1 + index(paragraph(first:first + line_width), ' ', back=.true.)
          text = text//trim(paragraph(first:last))//nl
          first = last + 1
       end do

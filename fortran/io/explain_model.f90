@@ -21,74 +21,92 @@ contains
       type(explanation_type), allocatable, intent(inout) :: list(:)
 
       call add_explanation(list, 'E0201', 'a name that is not defined', &
-         & 'A set, surface, material, interaction or amplitude is named but nowhere defined. Model data may stand '// &
-         & 'in any order, so the definition is missing, not late. Labels of instances are written INSTANCE.label.', &
+         & 'A set, surface, material, interaction or amplitude is named but nowhere defined. '// &
+         & 'Model data may stand in any order, so the definition is missing, not late. Labels '// &
+         & 'of instances are written INSTANCE.label.', &
          & 'the message lists what is defined and the nearest name.')
       call add_explanation(list, 'E0202', 'a node or element that does not exist', &
-         & 'A number in a data line belongs to no node or element.', 'check the number, and that its mesh is included.')
+         & 'A number in a data line belongs to no node or element.', &
+         & 'check the number, and that its mesh is included.')
       call add_explanation(list, 'E0203', 'a material or section is incomplete', &
-         & 'Every deformable element needs a *SOLID SECTION, every section a *MATERIAL, every material an *ELASTIC '// &
-         & 'with a positive modulus and a Poisson''s ratio above -1 and below 0.5.', &
+         & 'Every deformable element needs a *SOLID SECTION, every section a *MATERIAL, every '// &
+         & 'material an *ELASTIC with a positive modulus and a Poisson''s ratio above -1 and '// &
+         & 'below 0.5.', &
          & 'give the section to a set that holds all elements.')
       call add_explanation(list, 'E0204', 'an empty set', &
          & 'A set that something uses has no members, or GENERATE counts nothing.', &
          & 'check first, last and increment of GENERATE.')
       call add_explanation(list, 'W0401', 'units that do not fit together', &
-         & 'Lopin has no units; a deck uses one consistent set, best mm, N, s, t and MPa. The modulus, the density '// &
-         & 'and the size of the model look as if two sets were mixed.', 'steel in mm, N, t: E = 210000, density 7.8e-9.')
+         & 'Lopin has no units; a deck uses one consistent set, best mm, N, s, t and MPa. The '// &
+         & 'modulus, the density and the size of the model look as if two sets were mixed.', &
+         & 'steel in mm, N, t: E = 210000, density 7.8e-9.')
       call add_explanation(list, 'E0205', 'a definition that cannot be used', &
-         & 'Something is defined twice, or a word of the mesh is not known.', 'keep one of the definitions.')
+         & 'Something is defined twice, or a word of the mesh is not known.', &
+         & 'keep one of the definitions.')
    end subroutine names
 
    subroutine mesh(list)
       type(explanation_type), allocatable, intent(inout) :: list(:)
 
       call add_explanation(list, 'E0206', 'an element type that cannot be used', &
-         & 'The word after TYPE= is not an element of Lopin, or elements of different kinds (plane, axisymmetric, '// &
-         & 'solid) stand in one scene.', 'solids are CPE, CPS, CAX with 3, 4, 6, 8 nodes and C3D with 4, 6, 8, 10, 15, 20.')
+         & 'The word after TYPE= is not an element of Lopin, or elements of different kinds '// &
+         & '(plane, axisymmetric, solid) stand in one scene.', &
+         & 'solids are CPE, CPS, CAX with 3, 4, 6, 8 nodes and C3D with 4, 6, 8, 10, 15, 20.')
       call add_explanation(list, 'N0206', 'an element word stands for another formulation', &
-         & 'The letters of the word (R, I, H, M) ask for a formulation that Lopin does not have; the message says '// &
-         & 'which one is used.', '')
+         & 'The letters of the word (R, I, H, M) ask for a formulation that Lopin does not '// &
+         & 'have; the message says which one is used.', '')
       call add_explanation(list, 'E0207', 'a node that cannot be used', &
-         & 'A node has a position that its kind of scene does not allow, for example a negative radius in an '// &
-         & 'axisymmetric scene, or lies outside the plane.', 'correct the coordinates.')
+         & 'A node has a position that its kind of scene does not allow, for example a '// &
+         & 'negative radius in an axisymmetric scene, or lies outside the plane.', &
+         & 'correct the coordinates.')
       call add_explanation(list, 'E0208', 'an element with the wrong number of nodes', &
-         & 'Each element type has a fixed number of nodes; an element may run over several data lines.', &
-         & 'compare the data lines with the type; a comma may be missing, or the type may be of the wrong order.')
+         & 'Each element type has a fixed number of nodes; an element may run over several '// &
+         & 'data lines.', &
+         & 'compare the data lines with the type; a comma may be missing, or the type may be '// &
+         & 'of the wrong order.')
       call add_explanation(list, 'E0209', 'a part or instance is wrong', &
-         & 'A part is not closed, or an instance refers to something that does not exist or cannot be placed.', &
+         & 'A part is not closed, or an instance refers to something that does not exist or '// &
+         & 'cannot be placed.', &
          & 'see `lopin doc ''*INSTANCE''`.')
       call add_explanation(list, 'N0209', 'numbers of an instance', &
-         & 'Parts are copied into one mesh; the numbers of their nodes and elements are shifted.', '')
+         & 'Parts are copied into one mesh; the numbers of their nodes and elements are shifted.', &
+         & '')
       call add_explanation(list, 'E0301', 'a surface names a face that cannot touch', &
-         & 'The face does not exist on elements of this type, or it is shared with another element and so is not on '// &
-         & 'the boundary.', 'give the element set without a face label: Lopin takes its free faces.')
+         & 'The face does not exist on elements of this type, or it is shared with another '// &
+         & 'element and so is not on the boundary.', 'give the element set without a face '// &
+         & 'label: Lopin takes its free faces.')
       call add_explanation(list, 'E0302', 'an element is turned inside out', &
-         & 'The volume of the element is zero or negative at an integration point. Its nodes are in the wrong order, '// &
-         & 'or the element is badly distorted.', 'renumber its nodes as in the manual; 2D elements go round counterclockwise.')
+         & 'The volume of the element is zero or negative at an integration point. Its nodes '// &
+         & 'are in the wrong order, or the element is badly distorted.', &
+         & 'renumber its nodes as in the manual; 2D elements go round counterclockwise.')
    end subroutine mesh
 
    subroutine contact(list)
       type(explanation_type), allocatable, intent(inout) :: list(:)
 
       call add_explanation(list, 'E0304', 'a contact pair that cannot be used', &
-         & 'A pair has a slave surface with nodes and a master surface with faces or an analytical tool; each pair '// &
-         & 'stands once.', 'see `lopin doc ''*CONTACT PAIR''`.')
+         & 'A pair has a slave surface with nodes and a master surface with faces or an '// &
+         & 'analytical tool; each pair stands once.', 'see `lopin doc ''*CONTACT PAIR''`.')
       call add_explanation(list, 'E0305', 'a rigid body that cannot be used', &
-         & 'A rigid body needs one reference node and something that follows it, and nothing can follow two bodies.', &
+         & 'A rigid body needs one reference node and something that follows it, and nothing '// &
+         & 'can follow two bodies.', &
          & 'see `lopin doc ''*RIGID BODY''`.')
       call add_explanation(list, 'E0306', 'a contact law that cannot be used', &
-         & 'The law between pressure and penetration must push, and push more the deeper the penetration.', &
+         & 'The law between pressure and penetration must push, and push more the deeper the '// &
+         & 'penetration.', &
          & 'see `lopin doc ''*SURFACE BEHAVIOR''`.')
       call add_explanation(list, 'E0312', 'the normal of a tool points the wrong way', &
-         & 'An analytical surface is one-sided: its normal is on the left of the way along the profile and must '// &
-         & 'point to the deformable body.', 'reverse the order of START, LINE, CIRCL.')
+         & 'An analytical surface is one-sided: its normal is on the left of the way along '// &
+         & 'the profile and must point to the deformable body.', &
+         & 'reverse the order of START, LINE, CIRCL.')
       call add_explanation(list, 'E0313', 'a tool that has no shape', &
-         & 'The data of the tool are degenerate: a radius that is not positive, an axis without length, an arc '// &
-         & 'whose ends are not on one circle.', 'the message names the value.')
+         & 'The data of the tool are degenerate: a radius that is not positive, an axis '// &
+         & 'without length, an arc whose ends are not on one circle.', &
+         & 'the message names the value.')
       call add_explanation(list, 'E0314', 'the profile of a tool is wrong', &
-         & 'A profile begins with START and goes on with LINE and CIRCL; arcs are shorter than half a circle, and a '// &
-         & 'fillet must fit between its neighbours.', 'see `lopin doc ''*SURFACE''`.')
+         & 'A profile begins with START and goes on with LINE and CIRCL; arcs are shorter '// &
+         & 'than half a circle, and a fillet must fit between its neighbours.', &
+         & 'see `lopin doc ''*SURFACE''`.')
    end subroutine contact
 
    !> What the first look at the pairs says.
@@ -96,16 +114,19 @@ contains
       type(explanation_type), allocatable, intent(inout) :: list(:)
 
       call add_explanation(list, 'E0311', 'slave nodes start inside the master', &
-         & 'Nodes penetrate the master by more than half a facet, or the deck says INITIAL=ERROR. So deep an '// &
-         & 'overclosure is nearly always a mistake of position, unit or side.', &
+         & 'Nodes penetrate the master by more than half a facet, or the deck says '// &
+         & 'INITIAL=ERROR. So deep an overclosure is nearly always a mistake of position, '// &
+         & 'unit or side.', &
          & 'move the tool, or look at the side on which its normal points.')
-      call add_explanation(list, 'W0311', 'an initial overclosure is taken as an interference fit', &
-         & 'Slave nodes start inside the master by more than a thousandth of a facet. They are pushed out over the '// &
-         & 'first step, which loads the body: that is a press fit.', &
-         & 'if it is not meant, give ADJUST= on *CONTACT PAIR or *CONTACT CONTROLS, INITIAL=ADJUST; if it is, '// &
-         & 'INITIAL=INTERFERENCE says so.')
+      call add_explanation(list, 'W0311', 'an initial overclosure is taken as an interference '// &
+         & 'fit', &
+         & 'Slave nodes start inside the master by more than a thousandth of a facet. They '// &
+         & 'are pushed out over the first step, which loads the body: that is a press fit.', &
+         & 'if it is not meant, give ADJUST= on *CONTACT PAIR or *CONTACT CONTROLS, '// &
+         & 'INITIAL=ADJUST; if it is, INITIAL=INTERFERENCE says so.')
       call add_explanation(list, 'W0304', 'a pair stands twice, once with its sides swapped', &
-         & 'Each point of contact is then constrained from both sides, which stiffens the contact.', &
+         & 'Each point of contact is then constrained from both sides, which stiffens the '// &
+         & 'contact.', &
          & 'keep one: the finer, softer side is the slave.')
       call add_explanation(list, 'W0315', 'a pair can never touch', &
          & 'No slave node has a point of the master opposite.', &
@@ -115,9 +136,11 @@ contains
       call add_explanation(list, 'N0306', 'a datum of the contact law is not used', &
          & 'The law does not need it, or it belongs to another code.', '')
       call add_explanation(list, 'N0316', 'slave nodes were set on the master', &
-         & 'Small initial overclosures and gaps within ADJUST= are removed without strain before the first step.', '')
+         & 'Small initial overclosures and gaps within ADJUST= are removed without strain '// &
+         & 'before the first step.', '')
       call add_explanation(list, 'N0317', 'the stiffness of contact was chosen', &
-         & 'A penalty without a value is chosen so that the pressure error stays below TARGET ERROR of *LOPIN.', &
+         & 'A penalty without a value is chosen so that the pressure error stays below TARGET '// &
+         & 'ERROR of *LOPIN.', &
          & 'give a slope under *SURFACE BEHAVIOR to choose it yourself.')
    end subroutine gaps
 
@@ -125,29 +148,34 @@ contains
       type(explanation_type), allocatable, intent(inout) :: list(:)
 
       call add_explanation(list, 'E0310', 'a body can move freely', &
-         & 'Nothing holds a body in some direction, so its position is not determined and the matrix is singular. '// &
-         & 'Contact holds a body only after it has closed, and never along a frictionless surface.', &
+         & 'Nothing holds a body in some direction, so its position is not determined and the '// &
+         & 'matrix is singular. Contact holds a body only after it has closed, and never '// &
+         & 'along a frictionless surface.', &
          & 'fix a dof, or bring the tool into touch before the force acts.')
       call add_explanation(list, 'E0403', 'a node is constrained twice', &
-         & 'A boundary condition, an equation, a tie or a rigid body each take a dof; two of them want the same one.', &
+         & 'A boundary condition, an equation, a tie or a rigid body each take a dof; two of '// &
+         & 'them want the same one.', &
          & 'remove one of the constraints that the message lists.')
       call add_explanation(list, 'E0404', 'a boundary condition or load that cannot be used', &
-         & 'Degrees of freedom are 1 to 3 for translations and 4 to 6 for rotations of a reference node (2D: 1, 2, 6). '// &
-         & 'Loads have the words that `lopin doc ''*DLOAD''` lists.', 'correct the dof or the word.')
+         & 'Degrees of freedom are 1 to 3 for translations and 4 to 6 for rotations of a '// &
+         & 'reference node (2D: 1, 2, 6). Loads have the words that `lopin doc ''*DLOAD''` '// &
+         & 'lists.', &
+         & 'correct the dof or the word.')
       call add_explanation(list, 'N0404', 'a dof that the scene does not have', &
-         & 'A boundary condition on a dof that does not exist in two dimensions holds nothing and is ignored.', '')
+         & 'A boundary condition on a dof that does not exist in two dimensions holds nothing '// &
+         & 'and is ignored.', '')
       call add_explanation(list, 'E0407', 'a load that does not exist', &
-         & 'The word of *DLOAD or *DSLOAD is not known, or does not exist in a scene of this kind.', &
+         & 'The word of *DLOAD or *DSLOAD is not known, or does not exist in a scene of this '// &
+         & 'kind.', &
          & '`lopin doc ''*DLOAD''` lists the words.')
       call add_explanation(list, 'N0407', 'a node is loaded twice', &
-         & 'Two data lines of one step load the same dof; the forces are added.', '')
+         & 'Two data lines of one step load the same dof; the forces are added, as in Abaqus.', '')
       call add_explanation(list, 'E0405', 'local axes that cannot be used', &
-         & 'The two points of *TRANSFORM must give two different directions.', 'see `lopin doc ''*TRANSFORM''`.')
-      call add_explanation(list, 'E0408', 'a step that cannot be used', &
-         & 'A run needs at least one *STEP with *STATIC, and loads stand inside steps; times are positive.', &
-         & 'see `lopin doc ''*STEP''` and `lopin doc ''*STATIC''`.')
+         & 'The two points of *TRANSFORM must give two different directions.', &
+         & 'see `lopin doc ''*TRANSFORM''`.')
       call add_explanation(list, 'N0405', 'times of a step were cut', &
-         & 'The initial increment is longer than the period; one increment of the period is used.', '')
+         & 'The initial increment is longer than the period; one increment of the period is '// &
+         & 'used.', '')
       call add_explanation(list, 'E0406', 'an amplitude that cannot be used', &
          & 'The times of an amplitude must grow, and every time has a value.', 'sort the points.')
    end subroutine conditions

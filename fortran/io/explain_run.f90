@@ -11,36 +11,45 @@ contains
       type(explanation_type), allocatable, intent(inout) :: list(:)
 
       call add_explanation(list, 'E0501', 'the contact states cycle', &
-         & 'The set of closed points changes for ever between the same states. The default method cannot cycle in '// &
-         & 'small displacement.', 'use *SURFACE BEHAVIOR, DIRECT, or smaller increments.')
+         & 'The set of closed points changes for ever between the same states. The default '// &
+         & 'method cannot cycle in small displacement.', 'use *SURFACE BEHAVIOR, DIRECT, or '// &
+         & 'smaller increments.')
       call add_explanation(list, 'E0502', 'the multipliers have not settled', &
-         & 'AUGMENTED LAGRANGE takes the load over pass by pass; with a slope far below the stiffness of the body '// &
-         & 'each pass takes over little.', &
+         & 'AUGMENTED LAGRANGE takes the load over pass by pass; with a slope far below the '// &
+         & 'stiffness of the body each pass takes over little.', &
          & 'raise the slope or MAX AUGMENTATIONS=, or leave the slope out: it is then chosen.')
       call add_explanation(list, 'E0601', 'the folder of results cannot be used', &
          & 'The folder cannot be made, or holds the unfinished run of another deck.', &
          & 'give another folder with -o, or --overwrite.')
       call add_explanation(list, 'E0602', 'a result file cannot be written', &
-         & 'The disk is full, or the folder cannot be written to.', 'free space, or give another folder with -o.')
+         & 'The disk is full, or the folder cannot be written to.', &
+         & 'free space, or give another folder with -o.')
       call add_explanation(list, 'E0603', 'a file that Lopin did not write is in the way', &
-         & 'Lopin never overwrites or removes files of others.', 'move the file, or give another folder with -o.')
+         & 'Lopin never overwrites or removes files of others.', &
+         & 'move the file, or give another folder with -o.')
       call add_explanation(list, 'E0701', 'a solver cannot take this matrix', &
-         & 'Each linear solver takes some classes of matrices: positive definite, symmetric, general.', &
+         & 'Each linear solver takes some classes of matrices: positive definite, symmetric, '// &
+         & 'general.', &
          & 'take SOLVER=AUTO.')
       call add_explanation(list, 'E0702', 'not enough memory', &
-         & 'The factor of the matrix does not fit into memory.', 'take a coarser mesh, or a machine with more memory.')
+         & 'The factor of the matrix does not fit into memory.', &
+         & 'take a coarser mesh, or a machine with more memory.')
       call add_explanation(list, 'E0703', 'the solver failed', &
          & 'The library of the linear solver reports a failure that Lopin cannot put into words.', &
          & 'try another solver with --solver, and report the deck.')
       call add_explanation(list, 'E0704', 'no such solver', &
-         & 'The word after SOLVER= or --solver names no linear solver of this build.', 'the message lists them.')
+         & 'The word after SOLVER= or --solver names no linear solver of this build.', &
+         & 'the message lists them.')
       call add_explanation(list, 'E0801', 'the command line is wrong', &
-         & 'A word or option of the command line is not known, or lacks its value.', '`lopin --help` lists them all.')
+         & 'A word or option of the command line is not known, or lacks its value.', &
+         & '`lopin --help` lists them all.')
       call add_explanation(list, 'E0802', 'the command is part of the Python package', &
-         & 'Plots, reports and conversions are made by the Python package, which brings the executable with it.', &
+         & 'Plots, reports and conversions are made by the Python package, which brings the '// &
+         & 'executable with it.', &
          & 'pip install lopin')
       call add_explanation(list, 'E0803', 'warnings count as errors', &
-         & 'The option --strict makes every warning an error.', 'mend what the warnings say, or leave the option out.')
+         & 'The option --strict makes every warning an error.', &
+         & 'mend what the warnings say, or leave the option out.')
       call add_explanation(list, 'E0900', 'a defect of Lopin', &
          & 'Something happened that should not be possible.', 'report the deck and the message.')
       call add_explanation(list, 'E0901', 'the contact problem broke down', &

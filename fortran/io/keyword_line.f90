@@ -16,7 +16,7 @@ contains
       type(block_type), intent(out) :: block
       character(len=*), intent(in) :: text
       integer, intent(in) :: file, line
-      logical, intent(out) :: continued      !! the line ends with a comma: the next one belongs to it
+      logical, intent(out) :: continued      !! a comma at the end: the next line belongs to it
       type(log_type), intent(inout) :: log
       integer :: star, last
 

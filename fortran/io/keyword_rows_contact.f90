@@ -20,7 +20,8 @@ contains
    subroutine add_pair(table)
       type(keyword_table_type), intent(inout) :: table
 
-      call key(table, 'CONTACT PAIR', 'MA', 'both', 'Two surfaces that may touch: slave, then master.')
+      call key(table, 'CONTACT PAIR', 'MA', 'both', 'Two surfaces that may touch: slave, then '// &
+         & 'master.')
       call word(table, 'INTERACTION', 'Name of the *SURFACE INTERACTION.')
       call required(table)
       call choice(table, 'TYPE', 'NODE TO SURFACE,SURFACE TO SURFACE', 'NODE TO SURFACE', &
@@ -28,11 +29,12 @@ contains
       call refuses(table, 'MORTAR,LINMORTAR,PGLINMORTAR,MASSLESS')
       call flag(table, 'SMALL SLIDING', 'Each slave node keeps the plane it met at the start.')
       call word(table, 'ADJUST', &
-         & 'Moves slave nodes on the master without strain: those that penetrate and those nearer than a '// &
-         & 'distance, or the nodes of a set; YES: only those that penetrate.')
+         & 'Moves slave nodes on the master without strain: those that penetrate and those '// &
+         & 'nearer than a distance, or the nodes of a set; YES: only those that penetrate.')
       call bare_value(table, 'YES')
       call flag(table, 'TIED', 'The surfaces stay glued.')
-      call number(table, 'EXTENSION ZONE', '0.1', 'Extension of open master edges, fraction of a facet, 0 to 0.2.')
+      call number(table, 'EXTENSION ZONE', '0.1', 'Extension of open master edges, fraction '// &
+         & 'of a facet, 0 to 0.2.')
       call flag(table, 'NO THICKNESS', 'Shell thickness does not count; accepted.')
       call ignored_flag(table, 'HCRIT', 'Distance of an old search.')
       call ignored_flag(table, 'SMOOTH', 'Smoothing of master edges.')
@@ -41,7 +43,8 @@ contains
       call example(table, '*CONTACT PAIR, INTERACTION=SMOOTH, TYPE=NODE TO SURFACE|TOP, PUNCH')
       call about(table, 'D, H')
 
-      call key(table, 'CLEARANCE', 'MA', 'both', 'Replaces every initial gap of a pair by one value.')
+      call key(table, 'CLEARANCE', 'MA', 'both', 'Replaces every initial gap of a pair by one '// &
+         & 'value.')
       call word(table, 'SLAVE', 'Slave surface of the pair.')
       call known_as(table, 'SECONDARY')
       call required(table)
@@ -62,42 +65,52 @@ contains
          & 'Opens the description of a contact: *SURFACE BEHAVIOR and *FRICTION follow.')
       call word(table, 'NAME', 'Name that *CONTACT PAIR refers to.')
       call required(table)
-      call data_line(table, 'thickness [length] = 1', 'Out of plane, as the section has it; read past.')
-      call example(table, '*SURFACE INTERACTION, NAME=SMOOTH|*SURFACE BEHAVIOR, AUGMENTED LAGRANGE|1.e5')
+      call data_line(table, 'thickness [length] = 1', 'Out of plane, as the section has it; '// &
+         & 'read past.')
+      call example(table, '*SURFACE INTERACTION, NAME=SMOOTH|*SURFACE BEHAVIOR, AUGMENTED '// &
+         & 'LAGRANGE|1.e5')
 
       call key(table, 'SURFACE BEHAVIOR', 'M', 'both', &
          & 'How surfaces are kept from passing through each other: one of the four methods.')
       call under(table, 'SURFACE INTERACTION')
       call flag(table, 'DIRECT', 'Lagrange multipliers: no penetration. The default.')
-      call choice(table, 'PENALTY', 'LINEAR', 'LINEAR', 'Pressure is a slope times the penetration.')
+      call choice(table, 'PENALTY', 'LINEAR', 'LINEAR', 'Pressure is a slope times the '// &
+         & 'penetration.')
       call bare_value(table, 'LINEAR')
       call refuses(table, 'NONLINEAR')
-      call flag(table, 'AUGMENTED LAGRANGE', 'Penalty with multipliers that take the load over pass by pass.')
-      call flag(table, 'PERTURBED LAGRANGE', 'Multipliers with a compliance; condensed, it is the penalty method.')
+      call flag(table, 'AUGMENTED LAGRANGE', 'Penalty with multipliers that take the load '// &
+         & 'over pass by pass.')
+      call flag(table, 'PERTURBED LAGRANGE', 'Multipliers with a compliance; condensed, it is '// &
+         & 'the penalty method.')
       call flag(table, 'NO SEPARATION', 'Surfaces that touch stay together; they may slide.')
       call choice(table, 'PRESSURE-OVERCLOSURE', 'HARD,LINEAR,EXPONENTIAL,TABULAR,TIED', 'HARD', &
          & 'Law between pressure and penetration.')
       call refuses(table, 'TRUNCATED EXPONENTIAL,SCALE FACTOR')
       call data_line(table, 'slope [stress/length], clearance [length] = 0, scale = 1', &
-         & 'PENALTY, AUGMENTED LAGRANGE, PERTURBED LAGRANGE, LINEAR, TIED: without a slope it is chosen '// &
-         & 'from the elements behind the surface and printed.')
-      call data_line(table, 'c0 [length], p0 [stress]', 'EXPONENTIAL: pressure p0 at gap 0, none at gap c0.')
-      call data_line(table, 'pressure [stress], overclosure [length]', 'TABULAR: one point a line, increasing.')
+         & 'PENALTY, AUGMENTED LAGRANGE, PERTURBED LAGRANGE, LINEAR, TIED: without a slope it '// &
+         & 'is chosen from the elements behind the surface and printed.')
+      call data_line(table, 'c0 [length], p0 [stress]', 'EXPONENTIAL: pressure p0 at gap 0, '// &
+         & 'none at gap c0.')
+      call data_line(table, 'pressure [stress], overclosure [length]', &
+         & 'TABULAR: one point a line, increasing.')
       call example(table, '*SURFACE INTERACTION, NAME=SMOOTH|*SURFACE BEHAVIOR, PENALTY|1.e6')
       call about(table, 'D, J')
 
       call key(table, 'FRICTION', 'M', 'both', &
          & 'Friction of a contact. This version has contact without friction: mu = 0 is accepted.')
       call under(table, 'SURFACE INTERACTION,CHANGE FRICTION')
-      call later_flag(table, 'LAW', 'COULOMB, TRESCA, COULOMB-OROWAN, CRISTESCU, NORTON-HOFF, AUTO.')
+      call later_flag(table, 'LAW', 'COULOMB, TRESCA, COULOMB-OROWAN, CRISTESCU, NORTON-HOFF, '// &
+         & 'AUTO.')
       call later_flag(table, 'REGULARIZATION', 'LINEAR, NONE, ARCTAN, TANH, SQRT.')
       call later_flag(table, 'EQUIVALENT', 'Which equivalent stress bounds the shear.')
       call later_flag(table, 'ROUGH', 'No slip at all.')
       call later_flag(table, 'EXPONENTIAL DECAY', 'From static to kinetic friction.')
       call flag(table, 'LAGRANGE', 'Exact stick; nothing to do at mu = 0.')
       call number(table, 'TAUMAX', '', 'Largest shear; nothing to do at mu = 0 [stress].')
-      call number(table, 'ELASTIC SLIP', '', 'Slip before sliding; nothing to do at mu = 0 [length].')
-      call number(table, 'SLIP TOLERANCE', '0.005', 'Elastic slip as a fraction of a facet; nothing to do at mu = 0.')
+      call number(table, 'ELASTIC SLIP', '', 'Slip before sliding; nothing to do at mu = 0 '// &
+         & '[length].')
+      call number(table, 'SLIP TOLERANCE', '0.005', 'Elastic slip as a fraction of a facet; '// &
+         & 'nothing to do at mu = 0.')
       call data_line(table, 'mu = 0, stick slope [stress/length]', &
          & 'A second value on a single line is the stick slope of CalculiX.')
       call example(table, '*SURFACE INTERACTION, NAME=SMOOTH|*FRICTION|0.')
@@ -117,15 +130,18 @@ contains
          & 'AUGMENTED LAGRANGE: penetration allowed, fraction of a facet.')
       call number(table, 'ABSOLUTE PENETRATION TOLERANCE', '', &
          & 'AUGMENTED LAGRANGE: penetration allowed [length].')
-      call whole(table, 'MAX AUGMENTATIONS', '50', 'AUGMENTED LAGRANGE: most passes of an increment.')
+      call whole(table, 'MAX AUGMENTATIONS', '50', 'AUGMENTED LAGRANGE: most passes of an '// &
+         & 'increment.')
       call choice(table, 'INITIAL', 'AUTOMATIC,ERROR,INTERFERENCE,ADJUST', 'AUTOMATIC', &
-         & 'What an initial overclosure is. AUTOMATIC: below a thousandth of an element it is adjusted, '// &
-         & 'else it is an interference that grows over the first step.')
+         & 'What an initial overclosure is. AUTOMATIC: below a thousandth of an element it is '// &
+         & 'adjusted, else it is an interference that grows over the first step.')
       call later_flag(table, 'STABILIZE', 'Holds bodies that only contact will hold.')
       call later_flag(table, 'AUTOMATIC TOLERANCES', 'Tolerances that relax.')
-      call later_flag(table, 'STIFFNESS SCALE FACTOR', 'Factor on the slope: write it in *SURFACE BEHAVIOR.')
+      call later_flag(table, 'STIFFNESS SCALE FACTOR', 'Factor on the slope: write it in '// &
+         & '*SURFACE BEHAVIOR.')
       call flag(table, 'RESET', 'Back to the defaults.')
-      call example(table, '*CONTACT CONTROLS, RELATIVE PENETRATION TOLERANCE=1.e-4, MAX AUGMENTATIONS=80')
+      call example(table, '*CONTACT CONTROLS, RELATIVE PENETRATION TOLERANCE=1.e-4, MAX '// &
+         & 'AUGMENTATIONS=80')
       call about(table, 'J')
    end subroutine add_controls
 end module lopin_keyword_rows_contact

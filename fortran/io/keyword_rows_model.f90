@@ -1,7 +1,8 @@
 !> Rows of the keyword table: files, mesh, parts, sets, materials, sections, constraints.
 module lopin_keyword_rows_model
    use lopin_keyword_table, only : keyword_table_type, key, flag, word, number, whole, choice, &
-      & ignored_flag, later_flag, required, known_as, refuses, missing_means, data_line, free_text, &
+      & ignored_flag, later_flag, required, known_as, refuses, missing_means, data_line, &
+      & free_text, &
       & example, under, about, status_of, bare_value
    implicit none
    private
@@ -23,7 +24,8 @@ contains
    subroutine add_files(table)
       type(keyword_table_type), intent(inout) :: table
 
-      call key(table, 'HEADING', 'M', 'both', 'Title of the run; any number of lines in any alphabet.')
+      call key(table, 'HEADING', 'M', 'both', 'Title of the run; any number of lines in any '// &
+         & 'alphabet.')
       call free_text(table)
       call example(table, '*HEADING|Cylinder on a plane, N mm s')
 
@@ -37,20 +39,24 @@ contains
    subroutine add_mesh(table)
       type(keyword_table_type), intent(inout) :: table
 
-      call key(table, 'NODE', 'MPA', 'both', 'Nodes and their coordinates; axisymmetric: x is r, y is z.')
+      call key(table, 'NODE', 'MPA', 'both', 'Nodes and their coordinates; axisymmetric: x is '// &
+         & 'r, y is z.')
       call word(table, 'NSET', 'Node set that the nodes join.')
       call choice(table, 'SYSTEM', 'R', 'R', 'Coordinate system of the data lines: R is Cartesian.')
       call refuses(table, 'C,S')
       call later_flag(table, 'INPUT', 'Read the data lines from another file: use *INCLUDE.')
-      call data_line(table, 'node, x [length] = 0, y [length] = 0, z [length] = 0', 'One node a line.')
+      call data_line(table, 'node, x [length] = 0, y [length] = 0, z [length] = 0', &
+         & 'One node a line.')
       call example(table, '*NODE, NSET=ALL|1, 0., 0.|2, 1., 0.')
 
-      call key(table, 'ELEMENT', 'MPA', 'both', 'Elements of one type; an element may run over several lines.')
+      call key(table, 'ELEMENT', 'MPA', 'both', 'Elements of one type; an element may run '// &
+         & 'over several lines.')
       call word(table, 'TYPE', 'Element word: CPE4, CPS8, CAX4, C3D8, C3D10, ... ')
       call required(table)
       call word(table, 'ELSET', 'Element set that the elements join.')
       call later_flag(table, 'INPUT', 'Read the data lines from another file: use *INCLUDE.')
-      call data_line(table, 'element, node, ...', 'An element and its nodes in the order of Abaqus.')
+      call data_line(table, 'element, node, ...', 'An element and its nodes in the order of '// &
+         & 'Abaqus.')
       call example(table, '*ELEMENT, TYPE=CPE4, ELSET=BODY|1, 1, 2, 3, 4')
       call about(table, 'G')
 
@@ -77,15 +83,18 @@ contains
       type(keyword_table_type), intent(inout) :: table
 
       call flag(table, 'GENERATE', 'Each data line is first, last, increment.')
-      call flag(table, 'UNSORTED', 'Keep the order and repetitions; accepted, no result depends on it.')
-      call flag(table, 'INTERNAL', 'Mark of Abaqus/CAE for sets that its user did not name; accepted.')
+      call flag(table, 'UNSORTED', 'Keep the order and repetitions; accepted, no result '// &
+         & 'depends on it.')
+      call flag(table, 'INTERNAL', 'Mark of Abaqus/CAE for sets that its user did not name; '// &
+         & 'accepted.')
       call word(table, 'INSTANCE', 'Numbers and sets of the data lines belong to this instance.')
    end subroutine add_set_words
 
    subroutine add_parts(table)
       type(keyword_table_type), intent(inout) :: table
 
-      call key(table, 'PART', 'M', 'abaqus', 'Opens a part; its instances place it in the assembly.')
+      call key(table, 'PART', 'M', 'abaqus', 'Opens a part; its instances place it in the '// &
+         & 'assembly.')
       call word(table, 'NAME', 'Name of the part.')
       call required(table)
       call example(table, '*PART, NAME=BLOCK|*NODE|1, 0., 0.|*END PART')
@@ -95,8 +104,8 @@ contains
 
       call key(table, 'ASSEMBLY', 'M', 'abaqus', 'Opens the assembly of instances.')
       call word(table, 'NAME', 'Name of the assembly.')
-      call example(table, '*PART, NAME=BLOCK|*END PART|*ASSEMBLY, NAME=ALL'// &
-         & '|*INSTANCE, NAME=BLOCK-1, PART=BLOCK|*END INSTANCE|*END ASSEMBLY')
+      call example(table, '*PART, NAME=BLOCK|*END PART|*ASSEMBLY, NAME=ALL|*INSTANCE, '// &
+         & 'NAME=BLOCK-1, PART=BLOCK|*END INSTANCE|*END ASSEMBLY')
 
       call key(table, 'END ASSEMBLY', 'A', 'abaqus', 'Closes *ASSEMBLY.')
       call example(table, '*ASSEMBLY, NAME=ALL|*END ASSEMBLY')
@@ -109,41 +118,48 @@ contains
       call required(table)
       call later_flag(table, 'LIBRARY', 'Import from another run.')
       call later_flag(table, 'INSTANCE', 'Import from another run.')
-      call data_line(table, 'x [length] = 0, y [length] = 0, z [length] = 0', 'First line: translation.')
-      call data_line(table, 'ax [length], ay [length], az [length], bx [length], by [length], bz [length], '// &
-         & 'angle [degree]', 'Second line: rotation about the axis from a to b.')
-      call example(table, '*ASSEMBLY, NAME=ALL|*INSTANCE, NAME=BLOCK-1, PART=BLOCK|0., 10.|*END INSTANCE'// &
-         & '|*END ASSEMBLY')
+      call data_line(table, 'x [length] = 0, y [length] = 0, z [length] = 0', &
+         & 'First line: translation.')
+      call data_line(table, 'ax [length], ay [length], az [length], bx [length], by [length], '// &
+         & 'bz [length], angle [degree]', 'Second line: rotation about the axis from a to b.')
+      call example(table, '*ASSEMBLY, NAME=ALL|*INSTANCE, NAME=BLOCK-1, PART=BLOCK|0., '// &
+         & '10.|*END INSTANCE|*END ASSEMBLY')
 
       call key(table, 'END INSTANCE', 'A', 'abaqus', 'Closes *INSTANCE.')
-      call example(table, '*ASSEMBLY, NAME=ALL|*INSTANCE, NAME=BLOCK-1, PART=BLOCK|*END INSTANCE|*END ASSEMBLY')
+      call example(table, '*ASSEMBLY, NAME=ALL|*INSTANCE, NAME=BLOCK-1, PART=BLOCK|*END '// &
+         & 'INSTANCE|*END ASSEMBLY')
    end subroutine add_parts
 
    subroutine add_surfaces(table)
       type(keyword_table_type), intent(inout) :: table
 
       call key(table, 'SURFACE', 'MPA', 'both', &
-         & 'A surface for contact or pressure: faces of elements, nodes, or an analytical rigid tool.')
+         & 'A surface for contact or pressure: faces of elements, nodes, or an analytical '// &
+         & 'rigid tool.')
       call word(table, 'NAME', 'Name of the surface.')
       call required(table)
       call choice(table, 'TYPE', 'ELEMENT,NODE,SEGMENTS,CYLINDER,REVOLUTION', 'ELEMENT', &
-         & 'SEGMENTS: profile in the plane or in (r, z); CYLINDER: profile swept along local z; '// &
-         & 'REVOLUTION: profile turned about local z.')
+         & 'SEGMENTS: profile in the plane or in (r, z); CYLINDER: profile swept along local '// &
+         & 'z; REVOLUTION: profile turned about local z.')
       call number(table, 'FILLET RADIUS', '0', 'Rounds the corners of a profile [length].')
       call flag(table, 'INTERNAL', 'Mark of Abaqus/CAE; accepted.')
       call later_flag(table, 'COMBINE', 'Union, intersection or difference of surfaces.')
       call later_flag(table, 'CROP', 'Part of a surface inside a box.')
       call data_line(table, 'element or element set, face', &
-         & 'ELEMENT: faces S1 to S6; SNEG, SPOS of rigid facets; without a face: all free faces of the set.')
-      call data_line(table, 'node or node set, area [area]', 'NODE: without an area, pressure is a force.')
+         & 'ELEMENT: faces S1 to S6; SNEG, SPOS of rigid facets; without a face: all free '// &
+         & 'faces of the set.')
+      call data_line(table, 'node or node set, area [area]', 'NODE: without an area, pressure '// &
+         & 'is a force.')
       call data_line(table, 'START, x [length], y [length]', 'Profile: the first point.')
       call data_line(table, 'LINE, x [length], y [length]', &
          & 'Profile: a straight line to a point; the normal is on the left of the way.')
       call data_line(table, 'CIRCL, x [length], y [length], xc [length], yc [length]', &
          & 'Profile: an arc of less than 180 degrees to (x, y) about (xc, yc).')
-      call data_line(table, 'ax [length], ay [length], az [length], bx [length], by [length], bz [length]', &
+      call data_line(table, 'ax [length], ay [length], az [length], bx [length], by [length], '// &
+         & 'bz [length]', &
          & 'CYLINDER, REVOLUTION: local axes before START; a second line for CYLINDER.')
-      call example(table, '*SURFACE, NAME=PUNCH, TYPE=SEGMENTS|START, 0., 0.|CIRCL, 7., 3., 0., 10.')
+      call example(table, '*SURFACE, NAME=PUNCH, TYPE=SEGMENTS|START, 0., 0.|CIRCL, 7., 3., '// &
+         & '0., 10.')
       call about(table, 'H')
    end subroutine add_surfaces
 
@@ -184,8 +200,8 @@ contains
       call word(table, 'NAME', 'Name that *SOLID SECTION, CONTROLS= refers to.')
       call required(table)
       call choice(table, 'FORMULATION', 'AUTO,FULL', 'AUTO', &
-         & 'AUTO: mean dilatation in linear quads and bricks, as in Abaqus; FULL: plain full integration, '// &
-         & 'as in CalculiX.')
+         & 'AUTO: mean dilatation in linear quads and bricks, as in Abaqus; FULL: plain full '// &
+         & 'integration, as in CalculiX.')
       call ignored_flag(table, 'HOURGLASS', 'Hourglass control of reduced elements.')
       call data_line(table, 'factor, ...', 'Factors of Abaqus; read past.')
       call example(table, '*SECTION CONTROLS, NAME=PLAIN, FORMULATION=FULL')
@@ -195,18 +211,23 @@ contains
       type(keyword_table_type), intent(inout) :: table
 
       call key(table, 'EQUATION', 'MPA', 'both', &
-         & 'Linear relation between displacements: the sum of coefficient times displacement is zero.')
+         & 'Linear relation between displacements: the sum of coefficient times displacement '// &
+         & 'is zero.')
       call later_flag(table, 'INPUT', 'Read the data lines from another file: use *INCLUDE.')
       call data_line(table, 'number of terms', 'First line.')
-      call data_line(table, 'node or node set, dof, coefficient, ...', 'The terms; the first is eliminated.')
+      call data_line(table, 'node or node set, dof, coefficient, ...', &
+         & 'The terms; the first is eliminated.')
       call example(table, '*EQUATION|2|5, 1, 1., 9, 1, -1.')
 
-      call key(table, 'TRANSFORM', 'MPA', 'both', 'Local axes in which the dofs of nodes are meant.')
+      call key(table, 'TRANSFORM', 'MPA', 'both', 'Local axes in which the dofs of nodes are '// &
+         & 'meant.')
       call word(table, 'NSET', 'The nodes.')
       call required(table)
-      call choice(table, 'TYPE', 'R,C', 'R', 'R: one Cartesian system; C: radial, tangential, axial about an axis.')
+      call choice(table, 'TYPE', 'R,C', 'R', 'R: one Cartesian system; C: radial, tangential, '// &
+         & 'axial about an axis.')
       call refuses(table, 'S')
-      call data_line(table, 'ax [length], ay [length], az [length], bx [length], by [length], bz [length]', &
+      call data_line(table, 'ax [length], ay [length], az [length], bx [length], by [length], '// &
+         & 'bz [length]', &
          & 'R: a on local x, b in the local xy plane; C: the axis from a to b.')
       call example(table, '*TRANSFORM, NSET=SLOPE|0.7071, 0.7071, 0., -0.7071, 0.7071, 0.')
 
@@ -219,7 +240,8 @@ contains
       call word(table, 'NSET', 'Nodes that become rigid (CalculiX).')
       call word(table, 'PIN NSET', 'Nodes that follow in translation.')
       call word(table, 'TIE NSET', 'Nodes that follow.')
-      call word(table, 'ROT NODE', 'Node whose dofs 1 to 3 are the rotations (CalculiX); else dofs 4 to 6 of REF NODE.')
+      call word(table, 'ROT NODE', 'Node whose dofs 1 to 3 are the rotations (CalculiX); else '// &
+         & 'dofs 4 to 6 of REF NODE.')
       call choice(table, 'POSITION', 'INPUT', 'INPUT', 'Where the reference node is.')
       call refuses(table, 'CENTER OF MASS')
       call example(table, '*RIGID BODY, ANALYTICAL SURFACE=PUNCH, REF NODE=9001')

@@ -1,6 +1,8 @@
-!> Rows of the keyword table that only have a name: read past with a note, or refused until they exist.
+!> Rows of the keyword table that only have a name: read past with a note, or refused until they
+!> exist.
 module lopin_keyword_rows_other
-   use lopin_keyword_table, only : keyword_table_type, key, flag, later_flag, ignored_flag, free_text, status_of
+   use lopin_keyword_table, only : keyword_table_type, key, flag, later_flag, ignored_flag, &
+      & free_text, status_of
    implicit none
    private
    public :: add_other_rows
@@ -21,11 +23,14 @@ contains
       type(keyword_table_type), intent(inout) :: table
 
       call past(table, 'PREPRINT', 'M', 'Echo of the input in Abaqus.')
-      call past(table, 'PHYSICAL CONSTANTS', 'M', 'Absolute zero and the Stefan-Boltzmann constant.')
-      call past(table, 'EXPANSION', 'M', 'Thermal expansion; a deck without temperatures does not expand.')
+      call past(table, 'PHYSICAL CONSTANTS', 'M', 'Absolute zero and the Stefan-Boltzmann '// &
+         & 'constant.')
+      call past(table, 'EXPANSION', 'M', 'Thermal expansion; a deck without temperatures does '// &
+         & 'not expand.')
       call past(table, 'CONDUCTIVITY', 'M', 'Heat conduction; there is none in a static step.')
       call past(table, 'SPECIFIC HEAT', 'M', 'Heat capacity; there is none in a static step.')
-      call past(table, 'CONTROLS', 'MS', 'Tolerances of another code''s iterations; Lopin has its own.')
+      call past(table, 'CONTROLS', 'MS', 'Tolerances of another code''s iterations; Lopin has '// &
+         & 'its own.')
       call past(table, 'MONITOR', 'S', 'A dof to watch in Abaqus.')
       call past(table, 'FILE FORMAT', 'MS', 'Format of the Abaqus result file.')
       call past(table, 'ENERGY OUTPUT', 'S', 'Energies; the history file always holds them.')
@@ -36,7 +41,8 @@ contains
       call past(table, 'DIAGNOSTICS', 'S', 'Messages of Abaqus.')
       call past(table, 'PRINT', 'S', 'Messages of Abaqus.')
 
-      call key(table, 'RESTART', 'MS', 'both', 'WRITE is read past; READ is refused.', status_of%ignored)
+      call key(table, 'RESTART', 'MS', 'both', 'Checkpoints of other codes; READ is refused.', &
+         & status_of%ignored)
       call free_text(table)
       call ignored_flag(table, 'WRITE', 'Checkpoints of other codes.')
       call ignored_flag(table, 'FREQUENCY', 'Every so many increments.')

@@ -31,7 +31,8 @@ contains
       call missing_means(table, 'Without it the step would be small-strain.')
       call whole(table, 'INC', '100', 'Most increments.')
       call missing_means(table, 'Without it the step would stop after 100 increments.')
-      call choice(table, 'AMPLITUDE', 'RAMP,STEP', 'RAMP', 'Loads grow with the time of the step, or act at once.')
+      call choice(table, 'AMPLITUDE', 'RAMP,STEP', 'RAMP', 'Loads grow with the time of the '// &
+         & 'step, or act at once.')
       call later_flag(table, 'PERTURBATION', 'Linear perturbation about a state.')
       call ignored_flag(table, 'UNSYMM', 'Lopin stores what it needs.')
       call ignored_flag(table, 'EXTRAPOLATION', 'First guess of an increment.')
@@ -43,14 +44,16 @@ contains
 
       call key(table, 'STATIC', 'S', 'both', 'The step is static; its increments.')
       call flag(table, 'DIRECT', 'Increments are all the initial one.')
-      call choice(table, 'SOLVER', 'AUTO,CHOLMOD,UMFPACK,SKYLINE,DENSE', 'AUTO', 'Solver of linear systems.')
+      call choice(table, 'SOLVER', 'AUTO,CHOLMOD,UMFPACK,SKYLINE,DENSE', 'AUTO', &
+         & 'Solver of linear systems.')
       call replaces(table, 'SPOOLES,PARDISO,PASTIX,ITERATIVE SCALING,ITERATIVE CHOLESKY')
       call refuses(table, 'KLU,SPQR,MUMPS,PETSC')
       call later_flag(table, 'STABILIZE', 'Viscous stabilisation.')
       call later_flag(table, 'RIKS', 'Arc length.')
       call later_flag(table, 'TIME RESET', 'Times of CalculiX.')
       call later_flag(table, 'TOTAL TIME AT START', 'Times of CalculiX.')
-      call data_line(table, 'initial [time] = 1, period [time] = 1, smallest [time], largest [time]', &
+      call data_line(table, 'initial [time] = 1, period [time] = 1, smallest [time], largest '// &
+         & '[time]', &
          & 'One line; smallest: a millionth of the period unless given.')
       call example(table, '*STATIC|0.1, 1., 1.e-4, 0.2')
 
@@ -62,8 +65,10 @@ contains
       type(keyword_table_type), intent(inout) :: table
 
       call key(table, 'BOUNDARY', 'MS', 'both', &
-         & 'Prescribed displacements; dofs 1 to 3 are translations, 4 to 6 rotations of a reference node.')
-      call choice(table, 'OP', 'MOD,NEW', 'MOD', 'NEW removes all earlier ones first; the card may be empty.')
+         & 'Prescribed displacements; dofs 1 to 3 are translations, 4 to 6 rotations of a '// &
+         & 'reference node.')
+      call choice(table, 'OP', 'MOD,NEW', 'MOD', 'NEW removes all earlier ones first; the '// &
+         & 'card may be empty.')
       call word(table, 'AMPLITUDE', 'Name of an *AMPLITUDE.')
       call flag(table, 'FIXED', 'Hold the values reached at the end of the step before.')
       call choice(table, 'TYPE', 'DISPLACEMENT', 'DISPLACEMENT', 'What is prescribed.')
@@ -75,11 +80,13 @@ contains
       call example(table, '*BOUNDARY|BOTTOM, 2|PREF, 2, 2, -0.5')
       call about(table, 'F')
 
-      call key(table, 'AMPLITUDE', 'MS', 'both', 'A factor as a function of time, linear between points.')
+      call key(table, 'AMPLITUDE', 'MS', 'both', 'A factor as a function of time, linear '// &
+         & 'between points.')
       call word(table, 'NAME', 'Name of the amplitude.')
       call required(table)
       call choice(table, 'TIME', 'STEP TIME,TOTAL TIME', 'STEP TIME', 'Which time the points mean.')
-      call choice(table, 'VALUE', 'RELATIVE,ABSOLUTE', 'RELATIVE', 'Factor of the load, or the load itself.')
+      call choice(table, 'VALUE', 'RELATIVE,ABSOLUTE', 'RELATIVE', &
+         & 'Factor of the load, or the load itself.')
       call choice(table, 'DEFINITION', 'TABULAR', 'TABULAR', 'How the function is given.')
       call refuses(table, 'SMOOTH STEP,PERIODIC,EQUALLY SPACED,DECAY,MODULATED,USER')
       call later_flag(table, 'SMOOTH', 'Rounded corners.')
@@ -94,32 +101,38 @@ contains
 
       call key(table, 'CLOAD', 'S', 'both', &
          & 'Forces on nodes; axisymmetric: of the full circumference.')
-      call choice(table, 'OP', 'MOD,NEW', 'MOD', 'NEW removes all earlier ones first; the card may be empty.')
+      call choice(table, 'OP', 'MOD,NEW', 'MOD', 'NEW removes all earlier ones first; the '// &
+         & 'card may be empty.')
       call word(table, 'AMPLITUDE', 'Name of an *AMPLITUDE.')
       call later_flag(table, 'FOLLOWER', 'Force that turns with the node.')
       call data_line(table, 'node or node set, dof, value [force]', 'One load a line.')
       call example(table, '*CLOAD|PREF, 2, -2000.')
       call about(table, 'F')
 
-      call key(table, 'DLOAD', 'S', 'both', 'Loads on elements: pressure on faces, body forces, gravity.')
-      call choice(table, 'OP', 'MOD,NEW', 'MOD', 'NEW removes all earlier ones first; the card may be empty.')
+      call key(table, 'DLOAD', 'S', 'both', 'Loads on elements: pressure on faces, body '// &
+         & 'forces, gravity.')
+      call choice(table, 'OP', 'MOD,NEW', 'MOD', 'NEW removes all earlier ones first; the '// &
+         & 'card may be empty.')
       call word(table, 'AMPLITUDE', 'Name of an *AMPLITUDE.')
       call data_line(table, 'element or element set, face, pressure [stress]', &
          & 'P1 to P6: pressure on face S1 to S6, positive into the element.')
-      call data_line(table, 'element or element set, direction, force [force/length^3]', 'BX, BY, BZ.')
+      call data_line(table, 'element or element set, direction, force [force/length^3]', &
+         & 'BX, BY, BZ.')
       call data_line(table, 'element or element set, GRAV, value [acceleration], x, y, z', &
          & 'Gravity along (x, y, z); needs *DENSITY.')
       call example(table, '*DLOAD|TOP_ROW, P3, 12.')
       call about(table, 'F')
 
       call key(table, 'DSLOAD', 'S', 'abaqus', 'Loads on surfaces.')
-      call choice(table, 'OP', 'MOD,NEW', 'MOD', 'NEW removes all earlier ones first; the card may be empty.')
+      call choice(table, 'OP', 'MOD,NEW', 'MOD', 'NEW removes all earlier ones first; the '// &
+         & 'card may be empty.')
       call word(table, 'AMPLITUDE', 'Name of an *AMPLITUDE.')
       call choice(table, 'FOLLOWER', 'NO', 'NO', 'Whether the direction turns with the surface.')
       call bare_value(table, 'YES')
       call refuses(table, 'YES')
       call data_line(table, 'surface, P, pressure [stress]', 'Pressure, positive into the body.')
-      call data_line(table, 'surface, TRVEC, traction [stress], x, y, z', 'Traction along (x, y, z).')
+      call data_line(table, 'surface, TRVEC, traction [stress], x, y, z', &
+         & 'Traction along (x, y, z).')
       call example(table, '*DSLOAD|TOP, P, 12.')
       call about(table, 'F')
    end subroutine add_loads
@@ -130,11 +143,15 @@ contains
       call key(table, 'LOPIN', 'M', 'lopin', &
          & 'Choices that other codes do not have; an export drops the card with a note.')
       call choice(table, 'PATH', 'AUTO,CONDENSED,NEWTON', 'AUTO', &
-         & 'CONDENSED: the contact problem is reduced to the contact dofs by one factorisation; NEWTON: '// &
-         & 'the whole system in every iteration; AUTO: the cheaper one, printed.')
-      call choice(table, 'SOLVER', 'AUTO,CHOLMOD,UMFPACK,SKYLINE,DENSE', 'AUTO', 'Solver of linear systems.')
-      call number(table, 'TARGET ERROR', '0.01', 'Relative error of pressure that an automatic slope aims at.')
-      call whole(table, 'CONTINUATION', '1', 'Number of growing penalties tried one after the other.')
+         & 'CONDENSED: the contact problem is reduced to the contact dofs by one '// &
+         & 'factorisation; NEWTON: the whole system in every iteration; AUTO: the cheaper '// &
+         & 'one, printed.')
+      call choice(table, 'SOLVER', 'AUTO,CHOLMOD,UMFPACK,SKYLINE,DENSE', 'AUTO', &
+         & 'Solver of linear systems.')
+      call number(table, 'TARGET ERROR', '0.01', 'Relative error of pressure that an '// &
+         & 'automatic slope aims at.')
+      call whole(table, 'CONTINUATION', '1', 'Number of growing penalties tried one after the '// &
+         & 'other.')
       call example(table, '*LOPIN, PATH=NEWTON, TARGET ERROR=0.001')
       call about(table, 'J')
    end subroutine add_run
@@ -146,11 +163,13 @@ contains
       call key(table, 'NODE PRINT', 'S', 'both', 'Table of node values in the .dat file.')
       call add_print_words(table)
       call word(table, 'NSET', 'The nodes.')
-      call choice(table, 'TOTALS', 'NO,YES,ONLY', 'NO', 'Sum over the set: after the table, or alone.')
+      call choice(table, 'TOTALS', 'NO,YES,ONLY', 'NO', 'Sum over the set: after the table, '// &
+         & 'or alone.')
       call data_line(table, 'variable, ...', 'U, RF.')
       call example(table, '*NODE PRINT, NSET=PREF, TOTALS=ONLY|RF')
 
-      call key(table, 'EL PRINT', 'S', 'both', 'Table of values at integration points in the .dat file.')
+      call key(table, 'EL PRINT', 'S', 'both', 'Table of values at integration points in the '// &
+         & '.dat file.')
       call add_print_words(table)
       call word(table, 'ELSET', 'The elements.')
       call choice(table, 'TOTALS', 'NO,YES,ONLY', 'NO', 'Sum over the set.')
@@ -167,7 +186,8 @@ contains
       call word(table, 'NSET', 'Only these nodes.')
       call choice(table, 'TOTALS', 'NO,YES,ONLY', 'NO', 'Sum over the pair.')
       call data_line(table, 'variable, ...', &
-         & 'CDIS (signed gap), CSTR (pressure and shear), CF, CFN, CFS (forces), CPRESS, COPEN, CNORMF.')
+         & 'CDIS (signed gap), CSTR (pressure and shear), CF, CFN, CFS (forces), CPRESS, '// &
+         & 'COPEN, CNORMF.')
       call example(table, '*CONTACT PRINT, SLAVE=TOP, MASTER=PUNCH|CDIS, CSTR')
 
       call key(table, 'NODE FILE', 'S', 'both', 'Node values in the result files.')
@@ -176,7 +196,8 @@ contains
       call data_line(table, 'variable, ...', 'U, RF.')
       call example(table, '*NODE FILE|U, RF')
 
-      call key(table, 'EL FILE', 'S', 'both', 'Element values, averaged at nodes, in the result files.')
+      call key(table, 'EL FILE', 'S', 'both', 'Element values, averaged at nodes, in the '// &
+         & 'result files.')
       call add_print_words(table)
       call word(table, 'ELSET', 'The elements; the result files hold all elements.')
       call ignored_flag(table, 'POSITION', 'Values are those averaged at nodes.')
@@ -198,7 +219,8 @@ contains
    subroutine add_print_words(table)
       type(keyword_table_type), intent(inout) :: table
 
-      call whole(table, 'FREQUENCY', '1', 'Every so many increments; 0: never. The last one is always written.')
+      call whole(table, 'FREQUENCY', '1', 'Every so many increments; 0: never. The last one '// &
+         & 'is always written.')
       call ignored_flag(table, 'GLOBAL', 'Values are in global axes.')
       call ignored_flag(table, 'OUTPUT', '2D or 3D.')
       call ignored_flag(table, 'LAST ITERATIONS', 'Iterations of CalculiX.')
@@ -211,12 +233,14 @@ contains
    subroutine add_outputs(table)
       type(keyword_table_type), intent(inout) :: table
 
-      call key(table, 'OUTPUT', 'S', 'both', 'Opens a request: *NODE OUTPUT, *ELEMENT OUTPUT, *CONTACT OUTPUT follow.')
+      call key(table, 'OUTPUT', 'S', 'both', 'Opens a request: *NODE OUTPUT, *ELEMENT OUTPUT, '// &
+         & '*CONTACT OUTPUT follow.')
       call flag(table, 'FIELD', 'Fields for the result files.')
       call flag(table, 'HISTORY', 'Curves for the history file.')
       call choice(table, 'VARIABLE', 'PRESELECT,ALL', '', 'A usual choice of variables, or all.')
       call whole(table, 'FREQUENCY', '1', 'Every so many increments.')
-      call choice(table, 'OP', 'NEW,ADD,REPLACE', 'NEW', 'Accepted; every step has its own requests.')
+      call choice(table, 'OP', 'NEW,ADD,REPLACE', 'NEW', 'Accepted; every step has its own '// &
+         & 'requests.')
       call ignored_flag(table, 'NUMBER INTERVAL', 'Output follows the increments.')
       call ignored_flag(table, 'TIME INTERVAL', 'Output follows the increments.')
       call ignored_flag(table, 'TIME MARKS', 'Output follows the increments.')

@@ -1,17 +1,18 @@
 !> The keyword table: what a deck may say, as data.
 !>
-!> A row is written by `key` and completed by the calls that follow it, which act on the last keyword
+!> A row is written by `key` and completed by the calls that follow it, which act on the last
+!> keyword
 !> (`data_line`, `example`, `under`) or on its last parameter (`required`, `known_as`, `refuses`).
 !> Validation, defaults, `lopin doc`, the manual and the suggestions all read this one table.
 module lopin_keyword_table
-   use lopin_text, only : upper, squeeze, without_blanks, nearest_word
+   use lopin_text, only : upper, without_blanks, nearest_word
+   use lopin_word_list, only : in_list, list_item, list_size
    implicit none
    private
    public :: keyword_type, keyword_parameter_type, keyword_field_type, keyword_table_type
    public :: status_of, key, flag, word, number, whole, choice, ignored_flag, later_flag
    public :: bare_value, required, known_as, refuses, replaces, missing_means, data_line, free_text
    public :: example, under, about, find_keyword, find_parameter, suggest_keyword, suggest_parameter
-   public :: in_list, list_item, list_size
 
    type :: statuses
       integer :: supported = 1   !! does what it says
@@ -23,11 +24,11 @@ module lopin_keyword_table
    type :: keyword_parameter_type
       character(len=:), allocatable :: name
       character(len=:), allocatable :: kind        !! flag, text, number, whole number, choice
-      character(len=:), allocatable :: choices     !! allowed values, separated by commas; '' unless a choice
+      character(len=:), allocatable :: choices     !! allowed values, separated by commas
       character(len=:), allocatable :: refused     !! values known but not yet there
-      character(len=:), allocatable :: replaced    !! values of other codes, read as the default with a note
+      character(len=:), allocatable :: replaced    !! values of other codes, read as the default
       character(len=:), allocatable :: default     !! value when absent; '' if none
-      character(len=:), allocatable :: bare        !! value when written without one; '': a value is needed
+      character(len=:), allocatable :: bare        !! value when written without; '': needs one
       character(len=:), allocatable :: aliases     !! other spellings, separated by commas
       character(len=:), allocatable :: sentence
       character(len=:), allocatable :: missing     !! what a misspelling would silently have done
@@ -54,7 +55,7 @@ module lopin_keyword_table
       character(len=:), allocatable :: origin      !! abaqus, calculix, both, lopin
       integer :: status = 1
       character(len=:), allocatable :: sentence
-      character(len=:), allocatable :: parents     !! keywords that it must follow, separated by commas
+      character(len=:), allocatable :: parents     !! keywords that it must follow
       character(len=:), allocatable :: seed        !! section of the seed lecture
       character(len=:), allocatable :: example     !! lines separated by |
       logical :: is_free_text = .false.            !! its data lines are prose
@@ -227,7 +228,8 @@ contains
       end associate
    end subroutine missing_means
 
-   !> A form of data line: `name [unit] = default, name, ...`; an ellipsis repeats the field before it.
+   !> A form of data line: `name [unit] = default, name, ...`; an ellipsis repeats the field before
+   !> it.
    subroutine data_line(table, fields, sentence)
       type(keyword_table_type), intent(inout) :: table
       character(len=*), intent(in) :: fields, sentence
@@ -362,41 +364,4 @@ contains
       end do
       found = nearest_word(name, list)
    end function suggest_parameter
-
-   !> Whether a word is in a list separated by commas; neither case nor blanks count.
-   pure logical function in_list(list, name)
-      character(len=*), intent(in) :: list, name
-      in_list = index(','//upper(without_blanks(list))//',', ','//upper(without_blanks(name))//',') > 0
-   end function in_list
-
-   pure integer function list_size(list)
-      character(len=*), intent(in) :: list
-      integer :: i
-
-      list_size = 0
-      if (len_trim(list) == 0) return
-      list_size = 1
-      do i = 1, len(list)
-         if (list(i:i) == ',') list_size = list_size + 1
-      end do
-   end function list_size
-
-   !> The i-th item of a list separated by commas.
-   pure function list_item(list, number) result(item)
-      character(len=*), intent(in) :: list
-      integer, intent(in) :: number
-      character(len=:), allocatable :: item
-      integer :: first, comma, i
-
-      first = 1
-      do i = 1, number
-         comma = index(list(first:), ',')
-         if (comma == 0) then
-            item = squeeze(list(first:))
-            return
-         end if
-         item = squeeze(list(first:first + comma - 2))
-         first = first + comma
-      end do
-   end function list_item
 end module lopin_keyword_table

@@ -5,7 +5,8 @@ module lopin_keywords
    use lopin_keyword_rows_other, only : add_other_rows
    use lopin_keyword_rows_step, only : add_step_rows
    use lopin_keyword_table, only : keyword_table_type, keyword_type, keyword_parameter_type, &
-      & keyword_field_type, status_of, find_keyword, suggest_keyword, list_item, list_size
+      & keyword_field_type, status_of, find_keyword, suggest_keyword
+   use lopin_word_list, only : list_item, list_size
    implicit none
    private
    public :: new_keyword_table, keyword_sheet, keyword_manual
@@ -53,19 +54,26 @@ contains
       call new_keyword_table(table)
       text = '# Keywords'//nl//nl// &
          & 'Written by `lopin doc --all` from the table that also checks every deck.'//nl//nl// &
-         & 'Keywords, parameters and labels may be in upper or lower case; blanks do not count. A line that'//nl// &
-         & 'begins with `**` is a comment. MAIN and SECONDARY may be written for MASTER and SLAVE.'//nl
+         & 'Keywords, parameters and labels may be in upper or lower case; blanks do not '// &
+         & 'count. A line that'//nl// &
+         & 'begins with `**` is a comment. MAIN and SECONDARY may be written for MASTER and '// &
+         & 'SLAVE.'//nl
       do i = 1, table%n
-         if (table%row(i)%status == status_of%supported) text = text//nl//sheet(table%row(i), .true.)
+         if (table%row(i)%status == status_of%supported) text = text//nl//sheet(table%row(i), &
+            & .true.)
       end do
-      text = text//nl//'## Read past, with a note'//nl//nl//'| keyword | what it is |'//nl//'| --- | --- |'//nl
+      text = text//nl//'## Read past, with a note'//nl//nl//'| keyword | what it is |'//nl// &
+         & '| --- | --- |'//nl
       do i = 1, table%n
-         if (table%row(i)%status == status_of%ignored) text = text//'| `*'//table%row(i)%name//'` | '// &
+         if (table%row(i)%status == status_of%ignored) text = text//'| `*'//table%row(i)%name// &
+            & '` | '// &
             & table%row(i)%sentence//' |'//nl
       end do
-      text = text//nl//'## Known, refused until it exists'//nl//nl//'| keyword | for |'//nl//'| --- | --- |'//nl
+      text = text//nl//'## Known, refused until it exists'//nl//nl//'| keyword | for |'//nl// &
+         & '| --- | --- |'//nl
       do i = 1, table%n
-         if (table%row(i)%status == status_of%later) text = text//'| `*'//table%row(i)%name//'` | '// &
+         if (table%row(i)%status == status_of%later) text = text//'| `*'//table%row(i)%name// &
+            & '` | '// &
             & table%row(i)%sentence//' |'//nl
       end do
    end function keyword_manual
@@ -149,12 +157,14 @@ contains
       else if (parameter%kind /= 'flag' .and. parameter%status == status_of%supported) then
          text = text//'='//'<'//parameter%kind//'>'
       end if
-      text = fence('  ', '- `', markdown)//text//fence(nl//'      ', '`: ', markdown)//parameter%sentence
+      text = fence('  ', '- `', markdown)//text//fence(nl//'      ', '`: ', markdown)// &
+         & parameter%sentence
       if (parameter%is_required) text = text//' Required.'
       if (len(parameter%default) > 0) text = text//' Default: '//parameter%default//'.'
       if (len(parameter%aliases) > 0) text = text//' Also: '//parameter%aliases//'.'
       if (len(parameter%refused) > 0) text = text//' Not yet: '//spaced(parameter%refused)//'.'
-      if (len(parameter%replaced) > 0) text = text//' Read as the default: '//spaced(parameter%replaced)//'.'
+      if (len(parameter%replaced) > 0) text = text//' Read as the default: '// &
+         & spaced(parameter%replaced)//'.'
       if (parameter%status == status_of%ignored) text = text//' Read past, with a note.'
       if (parameter%status == status_of%later) text = text//' Not yet.'
       text = text//nl

@@ -2,8 +2,9 @@
 module lopin_place
    use lopin_block, only : deck_type, complain
    use lopin_error, only : log_type
-   use lopin_keyword_table, only : keyword_type, in_list, list_item, list_size
+   use lopin_keyword_table, only : keyword_type
    use lopin_text, only : to_text
+   use lopin_word_list, only : in_list, list_item, list_size
    implicit none
    private
    public :: place_type, enter, leave_deck
@@ -13,7 +14,7 @@ module lopin_place
    type :: place_type
       integer :: parent = 0                      !! last block that may have others under it
       integer :: depth = 0
-      integer :: opened(deepest) = 0             !! blocks that are open: *STEP, *PART, *ASSEMBLY, *INSTANCE
+      integer :: opened(deepest) = 0             !! blocks that are open: *STEP, *PART ...
       character(len=1) :: level(0:deepest) = 'M' !! M, P, A, S
    contains
       procedure :: shown
@@ -75,7 +76,8 @@ contains
          if (index(known%levels, self%level(self%depth)) == 0) then
             note = ''
             if (self%depth > 0) note = opener(self, deck)//' is still open'
-            call complain(log, 'E0107', '*'//known%name//' cannot stand '//level_name(self%level(self%depth)), &
+            call complain(log, 'E0107', '*'//known%name//' cannot stand '// &
+               & level_name(self%level(self%depth)), &
                & block%at, label='belongs '//level_name(known%levels(1:1)), note=note)
             if (known%name == 'STEP') self%depth = 0
             return
@@ -87,7 +89,8 @@ contains
          else
             note = ''
          end if
-         call complain(log, 'E0107', '*'//known%name//' must follow *'//parents(known), block%at, note=note, &
+         call complain(log, 'E0107', '*'//known%name//' must follow *'//parents(known), block%at, &
+            & note=note, &
             & help="lopin doc '*"//known%name//"'")
       end associate
    end subroutine check_place
@@ -144,7 +147,8 @@ contains
             self%depth = self%depth - 1
             return
          end if
-         call complain(log, 'E0113', '*END '//wanted//' does not close '//opener(self, deck), deck%block(number)%at)
+         call complain(log, 'E0113', '*END '//wanted//' does not close '//opener(self, deck), &
+            & deck%block(number)%at)
       else
          call complain(log, 'E0113', '*END '//wanted//' without *'//wanted, deck%block(number)%at)
       end if

@@ -1,4 +1,5 @@
-!> Diagnostics as a user reads them: code, one sentence, the line of the deck, a caret, why, what to do.
+!> Diagnostics as a user reads them: code, one sentence, the line of the deck, a caret, why, what
+!> to do.
 !>
 !> Only text is made here; `app/` prints it. The same diagnostics as JSON serve editors and Python.
 module lopin_render
@@ -24,7 +25,8 @@ contains
       character(len=:), allocatable :: margin
       integer :: width
 
-      text = painted(severity_word(item%severity)//'['//item%id//']', item%severity, colour)//': '// &
+      text = painted(severity_word(item%severity)//'['//item%id//']', item%severity, colour)// &
+         & ': '// &
          & item%message//nl
       width = 2
       if (has_source(item, deck)) then
@@ -32,7 +34,8 @@ contains
          text = text//source_lines(item, deck, width, colour)
       end if
       margin = repeat(' ', width + 1)
-      text = text//remark(margin, 'note', item%note)//remark(margin, 'note', included(item, deck))// &
+      text = text//remark(margin, 'note', item%note)//remark(margin, 'note', included(item, &
+         & deck))// &
          & remark(margin, 'help', item%help)
    end function render
 
@@ -84,7 +87,8 @@ contains
       do while (deck%source(k)%included_from%file > 0)
          associate (from => deck%source(k)%included_from)
             if (len(text) > 0) text = text//', '
-            text = text//deck%source(k)%name//' is included at '//deck%source(from%file)%name//':'// &
+            text = text//deck%source(k)%name//' is included at '//deck%source(from%file)%name// &
+               & ':'// &
                & to_text(from%line)
             k = from%file
          end associate
@@ -208,7 +212,8 @@ contains
          else if (code == 10) then
             quoted = quoted//'\n'
          else if (code < 32) then
-            quoted = quoted//'\u00'//digits(code/16 + 1:code/16 + 1)//digits(mod(code, 16) + 1:mod(code, 16) + 1)
+            quoted = quoted//'\u00'//digits(code/16 + 1:code/16 + 1)//digits(mod(code, &
+               & 16) + 1:mod(code, 16) + 1)
          else
             quoted = quoted//text(i:i)
          end if

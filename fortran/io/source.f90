@@ -18,7 +18,8 @@ contains
       integer :: unit, length, status
 
       found = .false.
-      open (newunit=unit, file=path, access='stream', form='unformatted', action='read', status='old', &
+      open (newunit=unit, file=path, access='stream', form='unformatted', action='read', &
+         & status='old', &
          & iostat=status)
       if (status /= 0) return
       inquire (unit=unit, size=length)
@@ -122,7 +123,8 @@ contains
       character(len=*), intent(in) :: path
       integer :: unit, status
 
-      open (newunit=unit, file=path, access='stream', form='unformatted', action='read', status='old', &
+      open (newunit=unit, file=path, access='stream', form='unformatted', action='read', &
+         & status='old', &
          & iostat=status)
       readable = status == 0
       if (readable) close (unit)

@@ -1,17 +1,19 @@
 !> Holds every block of a deck against the keyword table: words, parameters, values, places.
 !>
-!> What passes has its first spelling: *ENDSTEP becomes END STEP, MAIN= becomes MASTER=, choices are in
+!> What passes has its first spelling: *ENDSTEP becomes END STEP, MAIN= becomes MASTER=, choices
+!> are in
 !> upper case, a parameter written without its value has the value that this means.
 module lopin_validate
    use lopin_block, only : deck_type, block_type, parameter_type, complain, has_parameter, line_text
    use lopin_error, only : log_type, location_type, severity
-   use lopin_keyword_table, only : keyword_table_type, keyword_type, keyword_parameter_type, status_of, &
-      & find_keyword, find_parameter, suggest_keyword, suggest_parameter, in_list, list_item, list_size
+   use lopin_keyword_table, only : keyword_table_type, keyword_type, keyword_parameter_type, &
+      & status_of, find_keyword, find_parameter, suggest_keyword, suggest_parameter
    use lopin_keywords, only : new_keyword_table
    use lopin_place, only : place_type, enter, leave_deck
    use lopin_text, only : upper, squeeze, without_blanks, quoted, parse_real, parse_integer
    use lopin_kinds, only : wp
    use lopin_validate_data, only : check_data
+   use lopin_word_list, only : in_list, list_item, list_size
    implicit none
    private
    public :: validate_deck
@@ -88,7 +90,8 @@ contains
             end if
             if (index(meant, block%keyword) == 1) note = 'keywords are written in full'
          end if
-         call complain(log, 'E0101', 'unknown keyword *'//block%keyword, block%at, label, note, help)
+         call complain(log, 'E0101', 'unknown keyword *'//block%keyword, block%at, label, note, &
+            & help)
       end associate
    end subroutine unknown_keyword
 
@@ -110,7 +113,8 @@ contains
       do k = 1, size(known%parameter)
          associate (wanted => known%parameter(k))
             if (.not. wanted%is_required .or. has_parameter(block, wanted%name)) cycle
-            call complain(log, 'E0106', '*'//known%name//' needs the parameter '//wanted%name, block%at, &
+            call complain(log, 'E0106', '*'//known%name//' needs the parameter '//wanted%name, &
+               & block%at, &
                & label=wanted%name//'= is missing', help="lopin doc '*"//known%name//"'")
          end associate
       end do
@@ -144,7 +148,8 @@ contains
       end if
       call parse_real(parameter%name, value, is_number)
       if (is_number) note = 'a keyword line that ends with a comma goes on in the next line'
-      call complain(log, 'E0102', message, parameter%at, label, note, "lopin doc '*"//known%name//"'")
+      call complain(log, 'E0102', message, parameter%at, label, note, "lopin doc '*"//known%name// &
+         & "'")
    end subroutine unknown_parameter
 
    !> Judge the value of a known parameter and bring a choice into its first spelling.
@@ -157,18 +162,21 @@ contains
 
       shown = rule%name//' of *'//known%name
       if (rule%status == status_of%later) then
-         call complain(log, 'E0108', shown//' is known but not yet there: it comes with a later version', &
+         call complain(log, 'E0108', shown//' is known but not yet there: it comes with a '// &
+            & 'later version', &
             & parameter%at, note=rule%sentence)
          return
       end if
       if (rule%status == status_of%ignored) then
-         if (known%status == status_of%supported) call note_once(log, 'N0102', shown//' is read past: '// &
+         if (known%status == status_of%supported) call note_once(log, 'N0102', shown// &
+            & ' is read past: '// &
             & rule%sentence, parameter%at)
          return
       end if
       if (len_trim(parameter%value) == 0 .and. rule%kind /= 'flag') then
          if (parameter%has_value .or. len(rule%bare) == 0) then
-            call complain(log, 'E0106', shown//' needs a value', parameter%at, label='write '//rule%name//'=...')
+            call complain(log, 'E0106', shown//' needs a value', parameter%at, label='write '// &
+               & rule%name//'=...')
             return
          end if
          parameter%value = rule%bare
@@ -198,8 +206,10 @@ contains
       case ('choice')
          call check_choice(parameter, shown, rule, log)
       end select
-      if (.not. ok .and. parameter%has_value .and. rule%kind /= 'flag') call complain(log, 'E0106', &
-         & quoted(parameter%value)//' is not a '//rule%kind//', which '//shown//' needs', parameter%value_at)
+      if (.not. ok .and. parameter%has_value .and. rule%kind /= 'flag') call complain(log, &
+         & 'E0106', &
+         & quoted(parameter%value)//' is not a '//rule%kind//', which '//shown//' needs', &
+         & parameter%value_at)
    end subroutine check_kind
 
    subroutine check_choice(parameter, shown, rule, log)
@@ -211,7 +221,8 @@ contains
       integer :: i
 
       do i = 1, list_size(rule%choices)
-         if (without_blanks(upper(parameter%value)) /= without_blanks(list_item(rule%choices, i))) cycle
+         if (without_blanks(upper(parameter%value)) /= without_blanks(list_item(rule%choices, &
+            & i))) cycle
          parameter%value = list_item(rule%choices, i)
          return
       end do
@@ -222,10 +233,12 @@ contains
       if (in_list(rule%refused, parameter%value)) then
          label = rule%name//'='//upper(parameter%value)
          if (parameter%value_at%first == parameter%at%first) label = rule%name
-         call complain(log, 'E0108', label//' is known but not yet there: it comes with a later version', &
+         call complain(log, 'E0108', label//' is known but not yet there: it comes with a '// &
+            & 'later version', &
             & parameter%value_at, note=rule%sentence, help=help)
       else if (in_list(rule%replaced, parameter%value)) then
-         call note_once(log, 'N0103', quoted(parameter%value)//' of '//shown//' belongs to another code; '// &
+         call note_once(log, 'N0103', quoted(parameter%value)//' of '//shown// &
+            & ' belongs to another code; '// &
             & rule%default//' is used', parameter%value_at)
          parameter%value = rule%default
       else
@@ -243,7 +256,8 @@ contains
 
       associate (block => deck%block(number))
          if (.not. deck%source(block%at%file)%is_ascii) then
-            call complain_of_letter(line_text(deck%source(block%at%file), block%at%line), block%at, log)
+            call complain_of_letter(line_text(deck%source(block%at%file), block%at%line), &
+               & block%at, log)
             do i = 1, size(block%parameter)
                if (block%parameter(i)%at%line == block%at%line) cycle
                call complain_of_letter(line_text(deck%source(block%parameter(i)%at%file), &
@@ -253,7 +267,8 @@ contains
          if (block%keyword == 'HEADING' .or. block%keyword == 'STEP') return
          do i = 1, block%nline
             if (deck%source(block%line(i)%file)%is_ascii) cycle
-            call complain_of_letter(block%line(i)%text, location_type(block%line(i)%file, block%line(i)%line), log)
+            call complain_of_letter(block%line(i)%text, location_type(block%line(i)%file, &
+               & block%line(i)%line), log)
          end do
       end associate
    end subroutine check_letters
@@ -268,10 +283,12 @@ contains
          if (iachar(text(i:i)) <= 127) cycle
          last = i
          do while (last < len(text))
-            if (iachar(text(last + 1:last + 1)) < 128 .or. iachar(text(last + 1:last + 1)) > 191) exit
+            if (iachar(text(last + 1:last + 1)) < 128 &
+               & .or. iachar(text(last + 1:last + 1)) > 191) exit
             last = last + 1
          end do
-         call complain(log, 'E0109', quoted(text(i:last))//' is not a letter of the deck''s alphabet', &
+         call complain(log, 'E0109', quoted(text(i:last))//' is not a letter of the deck''s '// &
+            & 'alphabet', &
             & location_type(at%file, at%line, i, last), label='not 7-bit ASCII', &
             & help='accents and other alphabets may stand in comments and titles')
          return

@@ -1,6 +1,7 @@
 !> Judges data lines as far as the keyword table can: how many fields, and what never is meant.
 module lopin_validate_data
-   use lopin_block, only : block_type, data_line_type, field_type, complain, count_fields, split_fields, &
+   use lopin_block, only : block_type, data_line_type, field_type, complain, count_fields, &
+      & split_fields, &
       & field_real, line_place
    use lopin_error, only : log_type, location_type, severity
    use lopin_keyword_table, only : keyword_type
@@ -24,7 +25,8 @@ contains
          if (.not. known%is_free_text) call check_commas(block%line(i), log)
          if (most == huge(most)) cycle
          if (most < 0) then
-            call complain(log, 'E0103', '*'//known%name//' takes no data lines', line_place(block%line(i)), &
+            call complain(log, 'E0103', '*'//known%name//' takes no data lines', &
+               & line_place(block%line(i)), &
                & help="lopin doc '*"//known%name//"'")
             exit
          end if
@@ -54,7 +56,8 @@ contains
       if (mod(number, 2) == 0) return
       i = index(line%text, '"', back=.true.)
       call complain(log, 'E0111', 'a quote is opened but not closed', &
-         & location_type(line%file, line%line, i, len_trim(line%text)), label='no second quote on this line')
+         & location_type(line%file, line%line, i, len_trim(line%text)), &
+         & label='no second quote on this line')
    end subroutine check_quotes
 
    !> Two numbers with a blank between them are two fields with a comma missing, under any keyword.
@@ -109,14 +112,19 @@ contains
       do i = 1, n - 1
          if (.not. (is_whole(field(i)%text) .and. may_be_decimals(field(i + 1)%text))) cycle
          if (field(i + 1)%at%first /= field(i)%at%last + 2) cycle
-         call complain(log, 'E0104', 'decimal comma? *'//known%name//' has at most '//plural(most, 'field')// &
-            & ' a line, here are '//to_text(n), location_type(line%file, line%line, field(i)%at%first, &
-            & field(i + 1)%at%last), label='write '//quoted(field(i)%text//'.'//field(i + 1)%text), &
+         call complain(log, 'E0104', 'decimal comma? *'//known%name//' has at most '//plural(most, &
+            & 'field')// &
+            & ' a line, here are '//to_text(n), location_type(line%file, line%line, &
+            & field(i)%at%first, &
+            & field(i + 1)%at%last), label='write '//quoted(field(i)%text//'.'// &
+            & field(i + 1)%text), &
             & help='a comma separates fields; numbers have a point')
          return
       end do
-      call complain(log, 'E0103', '*'//known%name//' has at most '//plural(most, 'field')//' a line, here are '// &
-         & to_text(n), location_type(line%file, line%line, field(most + 1)%at%first, field(n)%at%last), &
+      call complain(log, 'E0103', '*'//known%name//' has at most '//plural(most, 'field')// &
+         & ' a line, here are '// &
+         & to_text(n), location_type(line%file, line%line, field(most + 1)%at%first, &
+         & field(n)%at%last), &
          & label='too many', help="lopin doc '*"//known%name//"'")
    end subroutine too_many
 
@@ -131,9 +139,12 @@ contains
          call split_fields(block%line(i), field, n)
          if (n /= 3) cycle
          if (field(2)%text /= '0' .or. .not. may_be_decimals(field(3)%text)) cycle
-         call log%say(severity%warning, 'W0104', 'decimal comma? '//quoted(trim(adjustl(block%line(i)%text)))// &
-            & ' reads as E = '//field(1)%text//', Poisson''s ratio = 0, temperature = '//field(3)%text, &
-            & location_type(block%line(i)%file, block%line(i)%line, field(2)%at%first, field(3)%at%last), &
+         call log%say(severity%warning, 'W0104', 'decimal comma? '// &
+            & quoted(trim(adjustl(block%line(i)%text)))// &
+            & ' reads as E = '//field(1)%text//', Poisson''s ratio = 0, temperature = '// &
+            & field(3)%text, &
+            & location_type(block%line(i)%file, block%line(i)%line, field(2)%at%first, &
+            & field(3)%at%last), &
             & label='or 0.'//field(3)%text//' ?', help='numbers have a point: '// &
             & quoted(field(1)%text//', 0.'//field(3)%text))
       end do
@@ -153,10 +164,13 @@ contains
          call parse_real(field(1)%text, mu, ok)
          if (.not. ok) cycle
          if (mu > 0.0_wp) then
-            call complain(log, 'E0108', 'friction comes with a later version: mu = '//field(1)%text, field(1)%at, &
-               & label='only 0 for now', help='without *FRICTION, or with mu = 0, the surfaces slide freely')
+            call complain(log, 'E0108', 'friction comes with a later version: mu = '// &
+               & field(1)%text, field(1)%at, &
+               & label='only 0 for now', help='without *FRICTION, or with mu = 0, the '// &
+               & 'surfaces slide freely')
          else if (mu < 0.0_wp) then
-            call complain(log, 'E0106', 'a friction coefficient is not negative: '//field(1)%text, field(1)%at)
+            call complain(log, 'E0106', 'a friction coefficient is not negative: '//field(1)%text, &
+               & field(1)%at)
          end if
       end do
    end subroutine check_friction
@@ -172,9 +186,10 @@ contains
       do i = 1, block%nline
          call split_fields(block%line(i), field, n)
          alone = n == 1
-         if (n == 2) alone = upper(without_blanks(field(1)%text)) == upper(without_blanks(field(2)%text)) &
-            & .or. len(field(2)%text) == 0
-         if (alone) call complain(log, 'E0108', 'self-contact of surface '//quoted(field(1)%text)// &
+         if (n == 2) alone = len(field(2)%text) == 0 .or. &
+            & upper(without_blanks(field(1)%text)) == upper(without_blanks(field(2)%text))
+         if (alone) call complain(log, 'E0108', 'self-contact of surface '// &
+            & quoted(field(1)%text)// &
             & ' comes with a later version', line_place(block%line(i)), &
             & help='write the slave and the master surface: TOP, PUNCH')
       end do

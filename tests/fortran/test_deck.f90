@@ -2,7 +2,8 @@
 program test_deck
    use lopin_kinds, only : wp
    use lopin_error, only : error_type, log_type, location_type, severity
-   use lopin_deck, only : deck_type, block_type, field_type, data_line_type, read_deck, read_deck_text, &
+   use lopin_deck, only : deck_type, block_type, field_type, data_line_type, read_deck, &
+      & read_deck_text, &
       & split_fields, count_fields, field_real, field_integer, get_parameter
    use lopin_render, only : render
    use check, only : test, close_to, is_true, equal_text, finish
@@ -59,7 +60,8 @@ contains
       call equal_text('field', field(1)%text, 'a, b')
 
       call test('a keyword line that ends with a comma goes on, across comments')
-      call read_text('*ELEMENT,'//nl//'** here'//nl//' TYPE=CPE4,'//nl//'ELSET=BODY'//nl//'1,1,2,3,4')
+      call read_text('*ELEMENT,'//nl//'** here'//nl//' TYPE=CPE4,'//nl//'ELSET=BODY'//nl// &
+         & '1,1,2,3,4')
       call is_true('no error', .not. allocated(error))
       call get_parameter(deck%block(1), 'ELSET', value, at, found)
       call equal_text('value', value, 'BODY')
@@ -80,14 +82,16 @@ contains
 
    subroutine comments_and_empty_lines()
       call test('comments and empty lines may stand anywhere')
-      call read_text('** first'//nl//'*NODE'//nl//'1,0.,0.'//nl//'   ** inside'//nl//nl//'   '//nl// &
+      call read_text('** first'//nl//'*NODE'//nl//'1,0.,0.'//nl//'   ** inside'//nl//nl//'   '// &
+         & nl// &
          & '*********'//nl//'2,1.,0.')
       call is_true('no error', .not. allocated(error))
       call is_true('two data lines', deck%block(1)%nline == 2)
       call is_true('line number', deck%block(1)%line(2)%line == 8)
 
       call test('comments and titles may be in any alphabet')
-      call read_text('** poinçon'//nl//'*HEADING'//nl//'Bande emboutie, poinçon'//nl//'*STEP'//nl//'étape'//nl// &
+      call read_text('** poinçon'//nl//'*HEADING'//nl//'Bande emboutie, poinçon'//nl//'*STEP'// &
+         & nl//'étape'//nl// &
          & '*STATIC'//nl//'*END STEP')
       call is_true('no error', .not. allocated(error))
    end subroutine comments_and_empty_lines
@@ -117,7 +121,8 @@ contains
       call split_fields(line, field, n)
       call is_true('three', n == 3)
       call equal_text('texts', field(1)%text//'|'//field(2)%text//'|'//field(3)%text, '1||-2.5')
-      call is_true('place', field(3)%at%line == 7 .and. field(3)%at%first == 9 .and. field(3)%at%last == 12)
+      call is_true('place', field(3)%at%line == 7 .and. field(3)%at%first == 9 &
+         & .and. field(3)%at%last == 12)
       call is_true('lone comma', count_fields(',') == 1)
       call is_true('blank', count_fields('   ') == 0)
       call is_true('two commas', count_fields('1,,') == 2)
@@ -180,7 +185,8 @@ contains
 
    subroutine includes()
       call write_file('deck_part.inp', '3, 2., 0.'//nl//'*NSET, NSET=A'//nl//'1, 2'//nl)
-      call write_file('deck_whole.inp', '*NODE'//nl//'1,0.,0.'//nl//'*INCLUDE, INPUT="deck_part.inp"'//nl//'3'//nl)
+      call write_file('deck_whole.inp', '*NODE'//nl//'1,0.,0.'//nl// &
+         & '*INCLUDE, INPUT="deck_part.inp"'//nl//'3'//nl)
       call test('an include may begin and end inside the data of a keyword')
       log = log_type()
       call read_deck(deck, 'deck_whole.inp', log, error)
@@ -217,7 +223,8 @@ contains
    subroutine write_file(name, text)
       character(len=*), intent(in) :: name, text
       integer :: unit
-      open (newunit=unit, file=name, access='stream', form='unformatted', status='replace', action='write')
+      open (newunit=unit, file=name, access='stream', form='unformatted', status='replace', &
+         & action='write')
       write (unit) text
       close (unit)
    end subroutine write_file
@@ -226,23 +233,29 @@ contains
       call test('each mistake has its code and its sentence')
       call says('*FRICTON'//nl, 'E0101', 'unknown keyword *FRICTON')
       call says('*ELAS'//nl, 'E0101', 'unknown keyword *ELAS')
-      call says('*STEP, NLGOEM'//nl//'*END STEP', 'E0102', '`NLGOEM` is not a parameter of *STEP; did you mean '// &
+      call says('*STEP, NLGOEM'//nl//'*END STEP', 'E0102', '`NLGOEM` is not a parameter of '// &
+         & '*STEP; did you mean '// &
          & 'NLGEOM? Without it the step would be small-strain.')
-      call says('*NODE'//nl//'1, 0,5, 1,5', 'E0104', 'decimal comma? *NODE has at most 4 fields a line, here are 5')
+      call says('*NODE'//nl//'1, 0,5, 1,5', 'E0104', 'decimal comma? *NODE has at most 4 '// &
+         & 'fields a line, here are 5')
       call says('*END STEP'//nl, 'E0113', '*END STEP without *STEP')
       call says('*STEP'//nl//'*STATIC', 'E0113', '*STEP is not closed')
       call says('*STEP'//nl//'*NODE'//nl//'*END STEP', 'E0107', '*NODE cannot stand in a step')
       call says('*ELASTIC'//nl//'1.', 'E0107', '*ELASTIC must follow *MATERIAL')
       call says('*ELEMENT', 'E0106', '*ELEMENT needs the parameter TYPE')
       call says('*ELEMENT, TYPE', 'E0106', 'TYPE of *ELEMENT needs a value')
-      call says('*STEP, INC=ten'//nl//'*END STEP', 'E0106', '`ten` is not a whole number, which INC of *STEP needs')
-      call says('*SURFACE, NAME=A, TYPE=FACES', 'E0106', '`FACES` is not a value of TYPE of *SURFACE')
+      call says('*STEP, INC=ten'//nl//'*END STEP', 'E0106', '`ten` is not a whole number, '// &
+         & 'which INC of *STEP needs')
+      call says('*SURFACE, NAME=A, TYPE=FACES', 'E0106', '`FACES` is not a value of TYPE of '// &
+         & '*SURFACE')
       call says('*STEP, NLGEOM'//nl//'*END STEP', 'E0108', &
          & 'NLGEOM is known but not yet there: it comes with a later version')
       call says('*STEP, NLGEOM=YES'//nl//'*END STEP', 'E0108', &
          & 'NLGEOM=YES is known but not yet there: it comes with a later version')
-      call says('*PLASTIC', 'E0108', '*PLASTIC is known but not yet there: plasticity comes with a later version')
-      call says('*NSET, NSET=poinçon'//nl//'1', 'E0109', '`ç` is not a letter of the deck''s alphabet')
+      call says('*PLASTIC', 'E0108', '*PLASTIC is known but not yet there: plasticity comes '// &
+         & 'with a later version')
+      call says('*NSET, NSET=poinçon'//nl//'1', 'E0109', '`ç` is not a letter of the deck''s '// &
+         & 'alphabet')
       call says('1, 2, 3', 'E0110', 'data before any keyword')
       call says('*NSET, NSET="A'//nl//'1', 'E0111', 'a quote is opened but not closed')
       call says('*NODE, NSET=A, NSET=B', 'E0114', 'the parameter `NSET` is given twice')
@@ -276,7 +289,8 @@ contains
       call is_true('two keywords', log%count_of(severity%note) == 2)
       call read_text('*MATERIAL, NAME=A'//nl//'*ELASTIC'//nl//'210000,0,3')
       call is_true('no error', .not. allocated(error))
-      call equal_text('warning', log%item(1)%id//' '//log%item(1)%message, 'W0104 decimal comma? `210000,0,3` '// &
+      call equal_text('warning', log%item(1)%id//' '//log%item(1)%message, &
+         & 'W0104 decimal comma? `210000,0,3` '// &
          & 'reads as E = 210000, Poisson''s ratio = 0, temperature = 3')
       call read_text('*STEP, NLGEOM=NO'//nl//'*STATIC, SOLVER=PARDISO'//nl//'*END STEP')
       call is_true('no error', .not. allocated(error))
@@ -293,7 +307,8 @@ contains
       real(wp) :: value, total
       logical :: found
 
-      call test('60 000 nodes and 50 000 elements are read and cut into numbers in less than a second')
+      call test('60 000 nodes and 50 000 elements are read and cut into numbers in less than '// &
+         & 'a second')
       allocate (character(len=64*(nnode + nelement) + 64) :: text)
       text(:6) = '*NODE'//nl
       k = 6

@@ -21,14 +21,17 @@ program test_render
       & '    |'//nl// &
       & '142 | *FRICTON, TAUMAX=120.'//nl// &
       & '    | ^^^^^^^^ did you mean *FRICTION ?'//nl// &
-      & '    = note: it follows *SURFACE INTERACTION, NAME=GREASE (line 138), where *FRICTION is expected'//nl// &
+      & '    = note: it follows *SURFACE INTERACTION, NAME=GREASE (line 138), where *FRICTION '// &
+      & 'is expected'//nl// &
       & '    = help: lopin doc ''*FRICTION'''//nl)
-   call is_true('colour changes the head and the caret', index(render(error%item(1), deck, .true.), &
+   call is_true('colour changes the head and the caret', index(render(error%item(1), deck, &
+      & .true.), &
       & achar(27)//'[1;31merror[E0101]'//achar(27)//'[0m: unknown') == 1)
 
    call test('columns count letters, not bytes')
    log = log_type()
-   call read_deck_text(deck, '*HEADING'//nl//'été'//nl//'*NSET, NSET=poinçon'//nl//'1'//nl, 'a.inp', '', log, error)
+   call read_deck_text(deck, '*HEADING'//nl//'été'//nl//'*NSET, NSET=poinçon'//nl//'1'//nl, &
+      & 'a.inp', '', log, error)
    call equal_text('text', render(error%item(1), deck, .false.), &
       & 'error[E0109]: `ç` is not a letter of the deck''s alphabet'//nl// &
       & ' --> a.inp:3:17'//nl//'   |'//nl// &
@@ -48,7 +51,9 @@ program test_render
 
    call test('JSON: one object, quotes and control characters escaped')
    call equal_text('string', json_string('a"b\c'//nl//achar(9)//'é'), '"a\"b\\c\n\u0009é"')
-   call equal_text('object', render_json(item, deck), '{"severity": "note", "code": "N0001", "message": "here", '// &
-      & '"file": "a.inp", "line": 4, "column": 0, "end_column": 0, "label": "", "note": "", "help": ""}')
+   call equal_text('object', render_json(item, deck), '{"severity": "note", "code": "N0001", '// &
+      & '"message": "here", '// &
+      & '"file": "a.inp", "line": 4, "column": 0, "end_column": 0, "label": "", "note": "", '// &
+      & '"help": ""}')
    call finish()
 end program test_render

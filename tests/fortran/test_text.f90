@@ -58,10 +58,13 @@ program test_text
    call is_true('all', edit_distance('', 'NODE') == 4)
 
    call test('the word that was meant, or none')
-   call equal_text('friction', nearest_word('fricton', [character(len=10) :: 'SECTION', 'FRICTION']), 'FRICTION')
-   call equal_text('abbreviation', nearest_word('ELAS', [character(len=10) :: 'NODE', 'ELASTIC']), 'ELASTIC')
+   call equal_text('friction', nearest_word('fricton', [character(len=10) :: 'SECTION', &
+      & 'FRICTION']), 'FRICTION')
+   call equal_text('abbreviation', nearest_word('ELAS', [character(len=10) :: 'NODE', 'ELASTIC']), &
+      & 'ELASTIC')
    call equal_text('none', nearest_word('XYZ', [character(len=10) :: 'NODE', 'ELASTIC']), '')
-   call equal_text('only the first', nearest_word('NODA', [character(len=10) :: 'SET', 'NODE'], 1), '')
+   call equal_text('only the first', nearest_word('NODA', [character(len=10) :: 'SET', 'NODE'], &
+      & 1), '')
 
    call test('numbers are written short and read back')
    call equal_text('integer', to_text(-12), '-12')
