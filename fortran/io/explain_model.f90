@@ -173,6 +173,9 @@ contains
       call add_explanation(list, 'E0405', 'local axes that cannot be used', &
          & 'The two points of *TRANSFORM must give two different directions.', &
          & 'see `lopin doc ''*TRANSFORM''`.')
+      call add_explanation(list, 'E0408', 'a step that cannot be used', &
+         & 'A run needs at least one *STEP with *STATIC, and loads stand inside steps; times are positive.', &
+         & 'see `lopin doc ''*STEP''` and `lopin doc ''*STATIC''`.')
       call add_explanation(list, 'N0405', 'times of a step were cut', &
          & 'The initial increment is longer than the period; one increment of the period is '// &
          & 'used.', '')

@@ -18,6 +18,27 @@ contains
          & 'AUGMENTED LAGRANGE takes the load over pass by pass; with a slope far below the '// &
          & 'stiffness of the body each pass takes over little.', &
          & 'raise the slope or MAX AUGMENTATIONS=, or leave the slope out: it is then chosen.')
+      call add_explanation(list, 'E0503', 'the step needs more increments', &
+         & 'The step did not reach its end in the increments that INC= allows. Results up to '// &
+         & 'there are kept.', &
+         & 'raise INC= on *STEP, or take larger increments on *STATIC.')
+      call add_explanation(list, 'E0504', 'the certificate of an increment fails', &
+         & 'Every accepted increment is tested: no penetration, no tension, pressure only '// &
+         & 'where the gap is '// &
+         & 'closed, forces in equilibrium, action and reaction, energy. A test is above ten '// &
+         & 'times its limit, '// &
+         & 'so the answer cannot be trusted.', &
+         & 'the message names the test. Penalty: a larger slope, or AUGMENTED LAGRANGE. '// &
+         & 'Energy: smaller increments.')
+      call add_explanation(list, 'W0504', 'the certificate of an increment warns', &
+         & 'A test of the increment is above its limit but below ten times it; the message '// &
+         & 'names the test.', &
+         & 'with a penalty raise the slope, or use DIRECT or AUGMENTED LAGRANGE.')
+      call add_explanation(list, 'W0403', 'contact forces are not unique', &
+         & 'Some contact points are held twice: by a support or by another contact. The '// &
+         & 'displacement is '// &
+         & 'unique, the split of the forces among them is not; the one of least norm is given.', &
+         & 'do not fix slave nodes along the contact normal, and list a pair of surfaces once.')
       call add_explanation(list, 'E0601', 'the folder of results cannot be used', &
          & 'The folder cannot be made, or holds the unfinished run of another deck.', &
          & 'give another folder with -o, or --overwrite.')
