@@ -4,8 +4,7 @@ module lopin_build_amplitudes
    use lopin_error, only : location_type, log_type, severity
    use lopin_text, only : to_text
    use lopin_model, only : model_type, amplitude_type, amplitude_value
-   use lopin_block, only : deck_type, block_type, field_type, split_fields, field_real, complain, &
-      & line_place
+   use lopin_block, only : deck_type, block_type, field_type, split_fields, field_real, complain
    use lopin_build_scene, only : scene_type, name_type, need_word, get_word, find_name, no_such
    implicit none
    private

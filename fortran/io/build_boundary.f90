@@ -5,11 +5,10 @@
 module lopin_build_boundary
    use lopin_kinds, only : wp
    use lopin_error, only : location_type, log_type, severity
-   use lopin_text, only : upper, to_text, parse_integer
+   use lopin_text, only : upper, to_text
    use lopin_model, only : model_type, prescribed_type
    use lopin_block, only : deck_type, block_type, field_type, split_fields, field_real, &
-      & field_integer, complain, &
-      & has_parameter
+      & field_integer, complain, has_parameter
    use lopin_build_scene, only : scene_type, nodes_of, get_word
    use lopin_build_amplitudes, only : read_amplitude_word, hold_value
    implicit none

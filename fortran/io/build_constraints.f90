@@ -1,12 +1,11 @@
 !> Rigid bodies, equations between displacements, local axes of nodes.
 module lopin_build_constraints
    use lopin_kinds, only : wp
-   use lopin_error, only : location_type, log_type, severity
-   use lopin_text, only : to_text, plural, upper
+   use lopin_error, only : location_type, log_type
+   use lopin_text, only : to_text, plural
    use lopin_model, only : model_type, rigid_body_type, equation_type, surface_of
    use lopin_block, only : deck_type, block_type, field_type, split_fields, field_real, &
-      & field_integer, complain, &
-      & line_place
+      & field_integer, complain, line_place
    use lopin_build_scene, only : scene_type, list_type, push, need_word, get_word, nodes_of, &
       & node_of, set_named
    use lopin_build_surfaces, only : surface_named

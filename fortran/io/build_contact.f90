@@ -3,12 +3,10 @@ module lopin_build_contact
    use lopin_kinds, only : wp
    use lopin_error, only : location_type, log_type, severity
    use lopin_text, only : to_text, upper, parse_real
-   use lopin_mesh, only : find_set
    use lopin_model, only : model_type, pair_type, control_type, surface_of, initial_of, &
       & overclosure_of
    use lopin_block, only : deck_type, block_type, field_type, split_fields, field_real, &
-      & field_integer, complain, &
-      & has_parameter, line_place, get_parameter
+      & complain, has_parameter, line_place, get_parameter
    use lopin_build_scene, only : scene_type, name_type, need_word, get_word, set_named, &
       & find_name, no_such
    use lopin_build_surfaces, only : surface_named

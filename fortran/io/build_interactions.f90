@@ -11,9 +11,8 @@ module lopin_build_interactions
    use lopin_error, only : location_type, log_type, severity
    use lopin_text, only : to_text
    use lopin_model, only : model_type, interaction_type, method_of, overclosure_of
-   use lopin_block, only : deck_type, block_type, field_type, split_fields, field_real, complain, &
-      & has_parameter, &
-      & line_place
+   use lopin_block, only : deck_type, block_type, field_type, split_fields, field_real, &
+      & complain, has_parameter, line_place
    use lopin_build_scene, only : scene_type, need_word, get_word
    implicit none
    private

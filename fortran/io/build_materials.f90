@@ -3,10 +3,10 @@ module lopin_build_materials
    use lopin_kinds, only : wp
    use lopin_error, only : location_type, log_type, severity
    use lopin_text, only : to_text, plural
-   use lopin_model, only : model_type, material_type, section_type, kind_of
+   use lopin_model, only : model_type, material_type, section_type
    use lopin_element_type, only : element_kind
-   use lopin_block, only : deck_type, block_type, field_type, split_fields, field_real, complain, &
-      & line_place
+   use lopin_block, only : deck_type, block_type, field_type, split_fields, field_real, &
+      & complain, line_place
    use lopin_build_scene, only : scene_type, name_type, need_word, get_word, set_named, &
       & find_name, no_such
    implicit none

@@ -1,19 +1,19 @@
-!> Nodes and elements of the deck, and what kind of scene they make.
+!> Nodes and elements of the deck.
 module lopin_build_mesh
    use lopin_kinds, only : wp
    use lopin_error, only : location_type, log_type, severity
-   use lopin_text, only : parse_integer, to_text, nearest_word, upper
+   use lopin_text, only : to_text
    use lopin_mesh, only : max_nodes_per_element, find_label
-   use lopin_element_type, only : element_type, element_words, element_kind, new_element_type
    use lopin_model, only : model_type, kind_of
    use lopin_block, only : deck_type, block_type, field_type, data_line_type, split_fields, &
-      & field_real, &
-      & field_integer, complain, line_place, has_parameter
+      & field_real, field_integer, complain, line_place
    use lopin_build_scene, only : scene_type, need_word
    use lopin_build_parts, only : placed
+   use lopin_build_element_words, only : find_element_words, set_kind
+   use lopin_build_labels, only : sort_labels, find_doubles
    implicit none
    private
-   public :: build_mesh, sort_labels
+   public :: build_mesh
 
 contains
 
@@ -28,97 +28,6 @@ contains
       call read_elements(model, deck, scene)
       call tell_offsets(model, scene)
    end subroutine build_mesh
-
-   subroutine find_element_words(model, deck, scene)
-      type(model_type), intent(inout) :: model
-      type(deck_type), intent(in) :: deck
-      type(scene_type), intent(inout) :: scene
-      type(element_type) :: etype
-      character(len=:), allocatable :: word
-      character(len=8) :: short
-      type(location_type) :: at
-      integer :: k
-      logical :: found
-
-      allocate (model%element_word(0), scene%etype(0), scene%etype_at(0))
-      do k = 1, scene%ncard
-         associate (block => deck%block(scene%card(k)%block))
-            if (block%keyword /= 'ELEMENT') cycle
-            call need_word(block, 'TYPE', word, at, found, model%log)
-            if (.not. found) cycle
-            short = word
-            if (any(model%element_word == short)) cycle
-            call new_element_type(etype, word, '', found)
-            if (.not. found) then
-               call unknown_word(model%log, word, at)
-               cycle
-            end if
-            if (len(etype%note) > 0) call model%log%say(severity%note, 'N0206', etype%note, at)
-            model%element_word = [character(len=8) :: model%element_word, short]
-            scene%etype = [scene%etype, etype]
-            scene%etype_at = [scene%etype_at, at]
-         end associate
-      end do
-   end subroutine find_element_words
-
-   subroutine unknown_word(log, word, at)
-      type(log_type), intent(inout) :: log
-      character(len=*), intent(in) :: word
-      type(location_type), intent(in) :: at
-      character(len=:), allocatable :: label, help
-
-      help = 'elements are CPE, CPS, CAX 3 4 6 8, C3D 4 6 8 10 15 20, rigid R2D2, RAX2, R3D3, R3D4'
-      if (any(word(1:1) == ['T', 'M', 'S', 'B'])) help = help &
-         & //'; gmsh writes the boundary as elements: save only the cells of the highest dimension'
-      label = 'not an element of Lopin'
-      if (len(nearest_word(word, element_words)) > 0) label = 'did you mean ' &
-         & //nearest_word(word, element_words)//' ?'
-      call complain(log, 'E0206', 'element type `'//word//'` is not known', at, label=label, &
-         & help=help)
-   end subroutine unknown_word
-
-   !> Dimensions and kind of the scene; every word must agree with the first.
-   subroutine set_kind(model, scene)
-      type(model_type), intent(inout) :: model
-      type(scene_type), intent(in) :: scene
-      integer :: i, first
-
-      first = 0
-      do i = 1, size(scene%etype)
-         associate (etype => scene%etype(i))
-            if (model%mesh%ndim == 0) then
-               model%mesh%ndim = etype%ndim
-               first = i
-            end if
-            if (etype%ndim /= model%mesh%ndim) then
-               call mixed(model%log, scene, first, i, 'dimensions')
-            else if (etype%axisymmetric .neqv. scene%etype(first)%axisymmetric) then
-               call mixed(model%log, scene, first, i, 'plane and axisymmetric elements')
-            end if
-            if (etype%kind == element_kind%rigid) cycle
-            if (model%kind == 0) model%kind = etype%kind
-            if (etype%kind == kind_of%plane_strain .and. model%kind == kind_of%plane_stress) &
-               & model%kind = kind_of%plane_strain
-         end associate
-      end do
-      if (model%kind == 0) model%kind = kind_of%rigid
-      if (model%mesh%ndim == 0) model%mesh%ndim = 3
-   end subroutine set_kind
-
-   subroutine mixed(log, scene, first, other, what)
-      type(log_type), intent(inout) :: log
-      type(scene_type), intent(in) :: scene
-      integer, intent(in) :: first, other
-      character(len=*), intent(in) :: what
-      character(len=:), allocatable :: help
-
-      help = ''
-      if (what == 'dimensions') help = 'gmsh writes the boundary as elements: save only the ' &
-         & //'cells of the highest dimension'
-      call complain(log, 'E0206', trim(scene%etype(other)%word)//' cannot stand beside ' &
-         & //trim(scene%etype(first)%word)//' of line '//to_text(scene%etype_at(first)%line) &
-         & //': one scene does not mix '//what, scene%etype_at(other), help=help)
-   end subroutine mixed
 
    subroutine read_nodes(model, deck, scene)
       type(model_type), intent(inout) :: model
@@ -347,73 +256,6 @@ contains
          & //to_text(maxval(model%mesh%node_label))
       call complain(model%log, 'E0202', text, at)
    end subroutine lost_node
-
-   !> The permutation that sorts labels; decks are nearly always sorted already.
-   pure subroutine sort_labels(label, order)
-      integer, intent(in) :: label(:)
-      integer, allocatable, intent(out) :: order(:)
-      integer, allocatable :: from(:), to(:)
-      integer :: n, i, width, low, middle, high
-
-      n = size(label)
-      order = [(i, i=1, n)]
-      if (all(label(2:) > label(:max(0, n - 1)))) return
-      from = order
-      to = order
-      width = 1
-      do while (width < n)
-         do low = 1, n, 2*width
-            middle = min(low + width - 1, n)
-            high = min(low + 2*width - 1, n)
-            call merge_runs(label, from(low:middle), from(middle + 1:high), to(low:high))
-         end do
-         from = to
-         width = 2*width
-      end do
-      order = from
-   end subroutine sort_labels
-
-   pure subroutine merge_runs(label, left, right, both)
-      integer, intent(in) :: label(:), left(:), right(:)
-      integer, intent(out) :: both(:)
-      integer :: i, j, k
-
-      i = 1
-      j = 1
-      do k = 1, size(both)
-         if (j > size(right)) then
-            both(k) = left(i)
-            i = i + 1
-         else if (i > size(left)) then
-            both(k) = right(j)
-            j = j + 1
-         else if (label(left(i)) <= label(right(j))) then
-            both(k) = left(i)
-            i = i + 1
-         else
-            both(k) = right(j)
-            j = j + 1
-         end if
-      end do
-   end subroutine merge_runs
-
-   subroutine find_doubles(log, what, label, order, file, line)
-      type(log_type), intent(inout) :: log
-      character(len=*), intent(in) :: what
-      integer, intent(in) :: label(:), order(:)
-      integer, intent(in) :: file(:), line(:)   !! where each was defined
-      integer :: i, one, two
-
-      do i = 2, size(order)
-         one = order(i - 1)
-         two = order(i)
-         if (label(one) /= label(two)) cycle
-         call complain(log, 'E0205', what//' '//to_text(label(one)) &
-            & //' is defined twice, first in line ' &
-            & //to_text(line(one)), location_type(file(two), line(two), 1, &
-            & len(to_text(label(two)))))
-      end do
-   end subroutine find_doubles
 
    !> Say how the numbers of instances were moved, so that results can be read.
    subroutine tell_offsets(model, scene)

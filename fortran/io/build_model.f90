@@ -5,7 +5,7 @@
 !> stops early.
 module lopin_build_model
    use lopin_kinds, only : wp
-   use lopin_error, only : error_type, error_code, log_type, location_type, severity, raise_all
+   use lopin_error, only : error_type, error_code, location_type, severity, raise_all
    use lopin_text, only : to_text, parse_real, parse_integer
    use lopin_model, only : model_type
    use lopin_block, only : deck_type, complain

@@ -1,15 +1,13 @@
 !> Node and element sets: names first, members second, so that a set may name one that comes later.
 module lopin_build_sets
-   use lopin_error, only : location_type, log_type, severity
-   use lopin_text, only : upper, parse_integer, to_text, plural
+   use lopin_error, only : location_type, log_type
+   use lopin_text, only : parse_integer, to_text
    use lopin_mesh, only : set_type, find_label, find_set
    use lopin_model, only : model_type
    use lopin_block, only : deck_type, block_type, field_type, split_fields, field_integer, &
-      & complain, line_place, &
-      & has_parameter
+      & complain, has_parameter
    use lopin_build_scene, only : scene_type, list_type, push, scoped, split_prefix, get_word, &
-      & need_word, set_named, &
-      & find_name, name_type, no_such
+      & need_word, set_named, find_name, name_type, no_such
    implicit none
    private
    public :: build_sets

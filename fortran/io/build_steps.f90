@@ -4,13 +4,13 @@ module lopin_build_steps
    use lopin_error, only : location_type, log_type, severity
    use lopin_text, only : to_text, parse_integer
    use lopin_model, only : model_type, step_type
-   use lopin_block, only : deck_type, block_type, field_type, split_fields, field_real, complain, &
-      & has_parameter, &
-      & line_place
+   use lopin_block, only : deck_type, block_type, field_type, split_fields, field_real, &
+      & complain, has_parameter, line_place
    use lopin_build_scene, only : scene_type, get_word
    use lopin_build_boundary, only : boundary_type, new_boundary, boundary_of_step, &
       & check_boundary, find_roles
-   use lopin_build_loads, only : loads_type, new_loads, loads_of_step
+   use lopin_build_load_list, only : loads_type, new_loads
+   use lopin_build_loads, only : loads_of_step
    use lopin_build_output, only : output_of_step
    implicit none
    private

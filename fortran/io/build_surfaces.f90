@@ -1,7 +1,7 @@
 !> Surfaces of the deck: faces of elements, nodes with areas, rigid tools.
 module lopin_build_surfaces
    use lopin_kinds, only : wp
-   use lopin_error, only : location_type, log_type, severity
+   use lopin_error, only : location_type
    use lopin_text, only : upper, to_text
    use lopin_cells, only : cell_type, cell_id
    use lopin_facets, only : facets_type, boundary_facets
@@ -9,8 +9,7 @@ module lopin_build_surfaces
    use lopin_model, only : model_type, surface_data_type, surface_of, kind_of
    use lopin_block, only : deck_type, block_type, field_type, split_fields, field_real, complain
    use lopin_build_scene, only : scene_type, list_type, name_type, push, scoped, need_word, &
-      & get_word, nodes_of, &
-      & elements_of, find_name, no_such
+      & get_word, nodes_of, elements_of, find_name, no_such
    use lopin_build_tools, only : build_tool
    implicit none
    private

@@ -1,13 +1,13 @@
 !> Rigid tools of the deck: `*SURFACE, TYPE=SEGMENTS, CYLINDER, REVOLUTION`.
 module lopin_build_tools
    use lopin_kinds, only : wp
-   use lopin_error, only : location_type, error_type
+   use lopin_error, only : error_type
    use lopin_text, only : upper
-   use lopin_tool, only : tool_type
    use lopin_profile, only : segment_card_type
    use lopin_tool_factory, only : new_tool_from_segments
    use lopin_model, only : model_type, tool_holder_type
-   use lopin_block, only : block_type, field_type, split_fields, field_real, get_parameter, complain
+   use lopin_block, only : block_type, field_type, split_fields, field_real, get_parameter, &
+      & complain
    use lopin_build_scene, only : scene_type
    use lopin_build_parts, only : placed
    implicit none

@@ -1,0 +1,105 @@
+!> Element words of the deck, and what kind of scene they make.
+module lopin_build_element_words
+   use lopin_error, only : location_type, log_type, severity
+   use lopin_text, only : to_text, nearest_word
+   use lopin_element_type, only : element_type, element_words, element_kind, new_element_type
+   use lopin_model, only : model_type, kind_of
+   use lopin_block, only : deck_type, complain
+   use lopin_build_scene, only : scene_type, need_word
+   implicit none
+   private
+   public :: find_element_words, set_kind
+
+contains
+
+   subroutine find_element_words(model, deck, scene)
+      type(model_type), intent(inout) :: model
+      type(deck_type), intent(in) :: deck
+      type(scene_type), intent(inout) :: scene
+      type(element_type) :: etype
+      character(len=:), allocatable :: word
+      character(len=8) :: short
+      type(location_type) :: at
+      integer :: k
+      logical :: found
+
+      allocate (model%element_word(0), scene%etype(0), scene%etype_at(0))
+      do k = 1, scene%ncard
+         associate (block => deck%block(scene%card(k)%block))
+            if (block%keyword /= 'ELEMENT') cycle
+            call need_word(block, 'TYPE', word, at, found, model%log)
+            if (.not. found) cycle
+            short = word
+            if (any(model%element_word == short)) cycle
+            call new_element_type(etype, word, '', found)
+            if (.not. found) then
+               call unknown_word(model%log, word, at)
+               cycle
+            end if
+            if (len(etype%note) > 0) call model%log%say(severity%note, 'N0206', etype%note, at)
+            model%element_word = [character(len=8) :: model%element_word, short]
+            scene%etype = [scene%etype, etype]
+            scene%etype_at = [scene%etype_at, at]
+         end associate
+      end do
+   end subroutine find_element_words
+
+   subroutine unknown_word(log, word, at)
+      type(log_type), intent(inout) :: log
+      character(len=*), intent(in) :: word
+      type(location_type), intent(in) :: at
+      character(len=:), allocatable :: label, help
+
+      help = 'elements are CPE, CPS, CAX 3 4 6 8, C3D 4 6 8 10 15 20, rigid R2D2, RAX2, R3D3, R3D4'
+      if (any(word(1:1) == ['T', 'M', 'S', 'B'])) help = help &
+         & //'; gmsh writes the boundary as elements: save only the cells of the highest dimension'
+      label = 'not an element of Lopin'
+      if (len(nearest_word(word, element_words)) > 0) label = 'did you mean ' &
+         & //nearest_word(word, element_words)//' ?'
+      call complain(log, 'E0206', 'element type `'//word//'` is not known', at, label=label, &
+         & help=help)
+   end subroutine unknown_word
+
+   !> Dimensions and kind of the scene; every word must agree with the first.
+   subroutine set_kind(model, scene)
+      type(model_type), intent(inout) :: model
+      type(scene_type), intent(in) :: scene
+      integer :: i, first
+
+      first = 0
+      do i = 1, size(scene%etype)
+         associate (etype => scene%etype(i))
+            if (model%mesh%ndim == 0) then
+               model%mesh%ndim = etype%ndim
+               first = i
+            end if
+            if (etype%ndim /= model%mesh%ndim) then
+               call mixed(model%log, scene, first, i, 'dimensions')
+            else if (etype%axisymmetric .neqv. scene%etype(first)%axisymmetric) then
+               call mixed(model%log, scene, first, i, 'plane and axisymmetric elements')
+            end if
+            if (etype%kind == element_kind%rigid) cycle
+            if (model%kind == 0) model%kind = etype%kind
+            if (etype%kind == kind_of%plane_strain .and. model%kind == kind_of%plane_stress) &
+               & model%kind = kind_of%plane_strain
+         end associate
+      end do
+      if (model%kind == 0) model%kind = kind_of%rigid
+      if (model%mesh%ndim == 0) model%mesh%ndim = 3
+   end subroutine set_kind
+
+   subroutine mixed(log, scene, first, other, what)
+      type(log_type), intent(inout) :: log
+      type(scene_type), intent(in) :: scene
+      integer, intent(in) :: first, other
+      character(len=*), intent(in) :: what
+      character(len=:), allocatable :: help
+
+      help = ''
+      if (what == 'dimensions') help = 'gmsh writes the boundary as elements: save only the ' &
+         & //'cells of the highest dimension'
+      call complain(log, 'E0206', trim(scene%etype(other)%word)//' cannot stand beside ' &
+         & //trim(scene%etype(first)%word)//' of line '//to_text(scene%etype_at(first)%line) &
+         & //': one scene does not mix '//what, scene%etype_at(other), help=help)
+   end subroutine mixed
+end module lopin_build_element_words
