@@ -8,7 +8,8 @@
 #include <cholmod.h>
 #include <metis.h>
 
-enum { LOPIN_OK = 0, LOPIN_NO_MEMORY = 1, LOPIN_NOT_POSITIVE = 2, LOPIN_TOO_LARGE = 3, LOPIN_OTHER = 4 };
+enum { LOPIN_OK = 0, LOPIN_NO_MEMORY = 1, LOPIN_NOT_POSITIVE = 2, LOPIN_TOO_LARGE = 3,
+       LOPIN_OTHER = 4 };
 
 typedef struct {
     cholmod_common c;
@@ -56,9 +57,11 @@ int lopin_cholmod_create(void **out)
     h->c.postorder = 0;                       /* the caller's permutation is already postordered */
     h->c.supernodal = CHOLMOD_SUPERNODAL;
     h->c.final_asis = 1;
-    h->c.nrelax[0] = 32;                      /* wider supernodes than CHOLMOD's own choice: a few more */
-    h->c.nrelax[1] = 64;                      /* zeros for fewer, larger matrix products; measured up to */
-    h->c.nrelax[2] = 128;                     /* 1.5 times faster, docs/solvers.md */
+    /* Wider supernodes than CHOLMOD's own choice: some more zeros, but fewer and larger matrix
+     * products, measured up to 1.5 times faster (docs/solvers.md). */
+    h->c.nrelax[0] = 32;
+    h->c.nrelax[1] = 64;
+    h->c.nrelax[2] = 128;
     h->c.zrelax[0] = 0.8;
     h->c.zrelax[1] = 0.3;
     h->c.zrelax[2] = 0.1;
@@ -78,7 +81,7 @@ void lopin_cholmod_free(void **out)
     *out = NULL;
 }
 
-/* Approximate minimum degree of the graph whose strictly lower triangle is (p, i); perm[new] = old. */
+/* Approximate minimum degree of a graph by its strict lower triangle (p, i); perm[new] = old. */
 int lopin_cholmod_amd(void *v, int n, int *p, int *i, int *perm)
 {
     handle_type *h = v;
@@ -86,7 +89,7 @@ int lopin_cholmod_amd(void *v, int n, int *p, int *i, int *perm)
     return cholmod_amd(&a, NULL, 0, perm, &h->c) ? status_of(h) : LOPIN_OTHER;
 }
 
-/* Elimination tree (parent[k], -1 at a root) and column counts under a permutation, with its cost. */
+/* Elimination tree (parent[k], -1 at a root), column counts and cost of a permutation. */
 int lopin_cholmod_tree(void *v, int n, int *p, int *i, int *perm, int *parent, int *count,
                        double *flops, double *entries)
 {
@@ -102,7 +105,8 @@ int lopin_cholmod_tree(void *v, int n, int *p, int *i, int *perm, int *parent, i
     return ok ? status_of(h) : (status_of(h) ? status_of(h) : LOPIN_OTHER);
 }
 
-int lopin_cholmod_analyse(void *v, int n, int *p, int *i, int *perm, long long *stored, double *flops)
+int lopin_cholmod_analyse(void *v, int n, int *p, int *i, int *perm, long long *stored,
+                          double *flops)
 {
     handle_type *h = v;
     cholmod_sparse a = sparse_view((size_t)n, p, i, NULL, 1);
@@ -155,7 +159,7 @@ int lopin_cholmod_factorise(void *v, int *p, int *i, double *x, double *ratio, i
     return status;
 }
 
-/* system: 0 A x = b; 4 L x = b and 5 L' x = b, both in the order of the factor. Columns of length n. */
+/* system: 0 A x = b; 4 L x = b and 5 L' x = b, both in the order of the factor. */
 int lopin_cholmod_solve(void *v, int system, int columns, double *b, double *x)
 {
     handle_type *h = v;
@@ -197,7 +201,7 @@ int lopin_cholmod_trailing(void *v, int last, double *t)
     return LOPIN_OK;
 }
 
-/* Nested dissection of a graph with weighted vertices; ptr and adjacent 0-based; perm[new] = old. */
+/* Nested dissection of a graph with weighted vertices, 0-based; perm[new] = old. */
 int lopin_metis(int n, int *ptr, int *adjacent, int *weight, int *perm)
 {
     int status = METIS_ERROR_MEMORY;

@@ -1,7 +1,7 @@
 !> Sparse matrices by columns: a pattern built once, values set many times.
 !>
 !> Symmetric matrices keep their lower triangle, rows sorted in each column, so that the
-!> arrays go to CHOLMOD as they are. Indices are 0-based inside (`colptr`, `row`), as SuiteSparse wants.
+!> arrays go to CHOLMOD as they are. Indices (`colptr`, `row`) are 0-based, as SuiteSparse wants.
 module lopin_csc
    use lopin_kinds, only : wp, ik
    implicit none
@@ -36,14 +36,14 @@ module lopin_csc
 
 contains
 
-   !> Pattern in which the equations of each list (an element, a contact) are all coupled; values zero.
+   !> Pattern in which the equations of each list (an element, a contact) are coupled; values zero.
    !>
-   !> Every diagonal entry is present, so that a free equation shows as a zero pivot and not as a gap.
+   !> Every diagonal entry is present, so that a free equation shows as a zero pivot, not as a gap.
    subroutine new_from_lists(self, n, kind, ptr, equation)
       class(csc_type), intent(out) :: self
       integer, intent(in) :: n
       integer, intent(in) :: kind          !! storage%...
-      integer, intent(in) :: ptr(:)        !! (nlist+1) 1-based: list e is equation(ptr(e):ptr(e+1)-1)
+      integer, intent(in) :: ptr(:)   !! (nlist+1) 1-based: list e is equation(ptr(e):ptr(e+1)-1)
       integer, intent(in) :: equation(:)   !! 1-based equations; <= 0 is skipped (prescribed)
       integer, allocatable :: start(:), list(:), stamp(:), column(:)
       integer :: e, i, j, k, m, total
@@ -81,8 +81,8 @@ contains
 
    !> Pattern and values from entries (i, j, value); entries at one place add up.
    !>
-   !> For symmetric storage an entry above the diagonal is taken to its mirror place, so give each pair
-   !> once. Every diagonal entry is present.
+   !> For symmetric storage an entry above the diagonal is taken to its mirror place, so give each
+   !> pair once. Every diagonal entry is present.
    subroutine new_from_triplets(self, n, kind, i, j, value)
       class(csc_type), intent(out) :: self
       integer, intent(in) :: n

@@ -35,8 +35,8 @@ contains
       self%equation = pack([(i, i=1, a%n)], local > 0)
       call neighbours(a, local, m, self%ptr, self%adjacent)
       call compress(self%ptr, self%adjacent, self%group, self%ngroup)
-      call quotient(self%ptr, self%adjacent, self%group, self%ngroup, self%group_ptr, self%group_adjacent, &
-         & self%weight)
+      call quotient(self%ptr, self%adjacent, self%group, self%ngroup, self%group_ptr, &
+         & self%group_adjacent, self%weight)
    end subroutine new_node_graph
 
    !> The equations in an order of the groups.
@@ -184,7 +184,8 @@ contains
       integer, allocatable :: stamp(:), member(:)
       integer :: v, g, k, h, n
 
-      allocate (qptr(ngroup + 1), qadjacent(size(adjacent)), weight(ngroup), stamp(ngroup), member(ngroup))
+      allocate (qptr(ngroup + 1), qadjacent(size(adjacent)), weight(ngroup), stamp(ngroup), &
+         & member(ngroup))
       weight = 0
       stamp = 0
       do v = 1, size(group)
@@ -239,7 +240,8 @@ contains
       integer(ik), intent(in) :: column_count(:)  !! (n)
       integer, intent(in) :: n_interior
       integer, intent(out) :: order(:)            !! (n) new -> old
-      integer :: heavy(size(parent)), child(size(parent)), sibling(size(parent)), stack(size(parent))
+      integer :: heavy(size(parent)), child(size(parent)), sibling(size(parent)), &
+         & stack(size(parent))
       integer :: n, v, p, k, depth
 
       n = size(parent)

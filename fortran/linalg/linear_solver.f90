@@ -22,8 +22,8 @@ module lopin_linear_solver
       integer :: nlast = 0                !! equations kept last
       integer(lk) :: factor_entries = 0   !! numbers stored in the factor
       real(wp) :: flops = 0.0_wp          !! of the last factorisation; 0 if unknown
-      integer :: negative = -1            !! negative pivots of the last factorisation; -1 if unknown
-      real(wp) :: pivot_ratio = 0.0_wp    !! smallest pivot over the terms that formed it; 0 if unknown
+      integer :: negative = -1   !! negative pivots of the last factorisation; -1 if unknown
+      real(wp) :: pivot_ratio = 0.0_wp    !! smallest pivot over the terms that formed it; 0 unknown
    contains
       procedure(name_if), deferred :: name
       procedure(accepts_if), deferred :: accepts
@@ -44,7 +44,7 @@ module lopin_linear_solver
          character(len=:), allocatable :: name
       end function name_if
 
-      !> Empty if matrices of this class (matrix_class%...) are accepted, else the reason in a sentence.
+      !> Empty if matrices of this class (matrix_class%...) are accepted, else the reason.
       function accepts_if(self, class_of) result(reason)
          import :: linear_solver_type
          class(linear_solver_type), intent(in) :: self
@@ -69,7 +69,7 @@ module lopin_linear_solver
          type(error_type), allocatable, intent(out) :: error
       end subroutine analyse_if
 
-      !> Factorise the values of `a`. Errors: singular, with the equation (1-based) in `bad`; else bad = 0.
+      !> Factorise the values of `a`. If singular, `bad` is the equation (1-based); else 0.
       subroutine factorise_if(self, a, bad, error)
          import :: linear_solver_type, csc_type, error_type
          class(linear_solver_type), intent(inout) :: self
@@ -123,8 +123,8 @@ contains
    !> A pivot smaller than this times the terms that cancelled in it is zero but for rounding.
    !>
    !> Rounding errors of the n eliminations add like a random walk. On 22 free bodies of up to 60000
-   !> equations the last pivot came out below 4.2 eps sqrt(n); the clamped strip of 3000 elements in a
-   !> row, the worst sound case tried, has 570 eps sqrt(n).
+   !> equations the last pivot came out below 4.2 eps sqrt(n); a clamped strip of 3000 elements
+   !> in a row, the worst sound case tried, has 570 eps sqrt(n).
    pure real(wp) function pivot_tolerance(n)
       integer, intent(in) :: n
       pivot_tolerance = 16.0_wp*epsilon(1.0_wp)*sqrt(real(max(n, 1), wp))

@@ -18,7 +18,7 @@ contains
       integer, intent(in) :: last(:)                !! 1-based equations
       integer, allocatable, intent(out) :: order(:) !! (n) new -> old
       logical, intent(out) :: valid                 !! false if `last` are not distinct equations
-      logical, intent(in), optional :: delayed(:)   !! (n) to stand behind their neighbours (no own stiffness)
+      logical, intent(in), optional :: delayed(:)   !! (n) to stand behind their neighbours
       type(node_graph_type) :: graph
       integer, allocatable :: local(:), interior(:), by_group(:), rival(:)
       logical, allocatable :: late(:)
@@ -100,7 +100,8 @@ contains
    !> Reverse Cuthill-McKee numbering of all components of a graph.
    !>
    !> Without `roots` each component starts at an end of a longest path found by repeated
-   !> level structures (George and Liu). With `roots` these make the first level, so the last numbers.
+   !> level structures (George and Liu). With `roots` these make the first level, so the
+   !> last numbers.
    pure subroutine reverse_cuthill_mckee(ptr, adjacent, order, roots)
       integer, intent(in) :: ptr(:), adjacent(:)
       integer, intent(out) :: order(:)              !! (n) new -> old
@@ -213,8 +214,8 @@ contains
       end do
    end subroutine next_level
 
-   !> Move vertices without stiffness of their own (multipliers) just behind their last other neighbour,
-   !> where elimination has given them a pivot.
+   !> Move vertices without stiffness of their own (multipliers) just behind their last other
+   !> neighbour, where elimination has given them a pivot.
    pure subroutine delay(ptr, adjacent, late, order)
       integer, intent(in) :: ptr(:), adjacent(:)
       logical, intent(in) :: late(:)        !! (n)

@@ -1,8 +1,8 @@
 !> Symmetric matrices by profile, and their factorisation A = L D L^T.
 !>
 !> Rows are kept in blocks: block i holds rows start(i) .. start(i+1)-1 from the first column of its
-!> longest row up to the diagonal, as one dense rectangle, rows running fastest. So nearly all the work
-!> is done by matrix products (BLAS-3), with a few explicit zeros at the ragged left edge.
+!> longest row up to the diagonal, as one dense rectangle, rows running fastest. So nearly all the
+!> work is done by matrix products (BLAS-3), with a few explicit zeros at the ragged left edge.
 module lopin_skyline
    use lopin_kinds, only : wp, lk
    use lopin_blas, only : dgemm, dgemv, dtrsm
@@ -16,8 +16,8 @@ module lopin_skyline
       integer, allocatable :: start(:)       !! (nblock+1) first row of each block
       integer, allocatable :: first(:)       !! (nblock) first column, at the start of a block
       integer, allocatable :: block_of(:)    !! (n) block of each row
-      integer(lk), allocatable :: at(:)      !! (nblock+1) place before the first entry of each block
-      real(wp), allocatable :: value(:)      !! before factorisation A, after it L (unit diagonal implied)
+      integer(lk), allocatable :: at(:)   !! (nblock+1) place before the first entry of each block
+      real(wp), allocatable :: value(:)      !! A, after factorisation L (unit diagonal implied)
       real(wp), allocatable :: pivot(:)      !! (n) D
    contains
       procedure :: new => new_skyline
@@ -96,7 +96,8 @@ contains
       integer, intent(in) :: row, column
 
       entry_of = 0.0_wp
-      if (column >= self%first(self%block_of(row)) .and. row >= column) entry_of = self%value(self%place(row, column))
+      if (column < self%first(self%block_of(row)) .or. row < column) return
+      entry_of = self%value(self%place(row, column))
    end function entry_of
 
    !> A <- L D L^T without exchanges; stops at the first pivot that is too small.
@@ -109,8 +110,8 @@ contains
       real(wp), intent(out) :: ratio
       real(wp), allocatable :: scaled(:)
       real(wp) :: size_of(maxval(self%start(2:) - self%start(:self%nblock)))
-      integer :: i, m, width, row, k
-      integer(lk) :: p
+      integer :: i, m, width, row
+      integer(lk) :: p, diagonal
 
       allocate (scaled(maxval(self%at(2:) - self%at(:self%nblock))))
       bad = 0
@@ -123,14 +124,13 @@ contains
             size_of(row) = abs(self%value(p + int(m, lk)*(width + row - 1) + row))
          end do
          call reduce_row(self, i)
-         do k = 1, width
-            scaled(m*(k - 1) + 1:m*k) = self%value(p + m*(k - 1) + 1:p + m*k)
-            self%value(p + m*(k - 1) + 1:p + m*k) = scaled(m*(k - 1) + 1:m*k)/self%pivot(self%first(i) + k - 1)
-            size_of(:m) = size_of(:m) + abs(scaled(m*(k - 1) + 1:m*k)*self%value(p + m*(k - 1) + 1:p + m*k))
-         end do
-         if (width > 0) call dgemm('N', 'T', m, m, width, -1.0_wp, self%value(p + 1), m, scaled, m, &
-            & 1.0_wp, self%value(p + int(m, lk)*width + 1), m)
-         call factorise_diagonal(m, self%value(p + int(m, lk)*width + 1:p + int(m, lk)*(width + m)), size_of(:m), &
+         diagonal = p + int(m, lk)*width
+         if (width > 0) then
+            call divide(m, width, self%pivot(self%first(i)), self%value(p + 1), scaled, size_of)
+            call dgemm('N', 'T', m, m, width, -1.0_wp, self%value(p + 1), m, scaled, m, 1.0_wp, &
+               & self%value(diagonal + 1), m)
+         end if
+         call factorise_diagonal(m, self%value(diagonal + 1:diagonal + m*m), size_of(:m), &
             & tolerance, self%pivot(self%start(i):self%start(i + 1) - 1), bad, ratio)
          if (bad > 0) then
             bad = bad + self%start(i) - 1
@@ -138,6 +138,22 @@ contains
          end if
       end do
    end subroutine factorise
+
+   !> Split the left part of a block row: from L D to L and, apart, L D; adds |L D L| to the sizes.
+   pure subroutine divide(m, width, pivot, left, scaled, size_of)
+      integer, intent(in) :: m, width
+      real(wp), intent(in) :: pivot(width)
+      real(wp), intent(inout) :: left(m, width)
+      real(wp), intent(out) :: scaled(m, width)
+      real(wp), intent(inout) :: size_of(m)
+      integer :: k
+
+      scaled = left
+      do k = 1, width
+         left(:, k) = scaled(:, k)/pivot(k)
+         size_of = size_of + abs(scaled(:, k)*left(:, k))
+      end do
+   end subroutine divide
 
    !> Left part of block row i: from A to L D.
    subroutine reduce_row(self, i)
@@ -168,7 +184,7 @@ contains
    pure subroutine factorise_diagonal(m, a, size_of, tolerance, pivot, bad, ratio)
       integer, intent(in) :: m
       real(wp), intent(inout) :: a(m, m)
-      real(wp), intent(inout) :: size_of(:)   !! (m) moduli of the terms gone into each diagonal entry
+      real(wp), intent(inout) :: size_of(:)   !! (m) moduli of the terms in each diagonal
       real(wp), intent(in) :: tolerance
       real(wp), intent(out) :: pivot(:)       !! (m)
       integer, intent(out) :: bad
@@ -209,12 +225,14 @@ contains
          width = s - self%first(i)
          p = self%at(i) + 1
          if (width > 0 .and. nrhs == 1) then
-            call dgemv('N', m, width, -1.0_wp, self%value(p), m, x(self%first(i), 1), 1, 1.0_wp, x(s, 1), 1)
+            call dgemv('N', m, width, -1.0_wp, self%value(p), m, x(self%first(i), 1), 1, 1.0_wp, &
+               & x(s, 1), 1)
          else if (width > 0) then
-            call dgemm('N', 'N', m, nrhs, width, -1.0_wp, self%value(p), m, x(self%first(i), 1), self%n, &
-               & 1.0_wp, x(s, 1), self%n)
+            call dgemm('N', 'N', m, nrhs, width, -1.0_wp, self%value(p), m, x(self%first(i), 1), &
+               & self%n, 1.0_wp, x(s, 1), self%n)
          end if
-         call dtrsm('L', 'L', 'N', 'U', m, nrhs, 1.0_wp, self%value(p + int(m, lk)*width), m, x(s, 1), self%n)
+         call dtrsm('L', 'L', 'N', 'U', m, nrhs, 1.0_wp, self%value(p + int(m, lk)*width), m, &
+            & x(s, 1), self%n)
       end do
    end subroutine forward
 
@@ -231,9 +249,11 @@ contains
          m = self%start(i + 1) - s
          width = s - self%first(i)
          p = self%at(i) + 1
-         call dtrsm('L', 'L', 'T', 'U', m, nrhs, 1.0_wp, self%value(p + int(m, lk)*width), m, x(s, 1), self%n)
+         call dtrsm('L', 'L', 'T', 'U', m, nrhs, 1.0_wp, self%value(p + int(m, lk)*width), m, &
+            & x(s, 1), self%n)
          if (width > 0 .and. nrhs == 1) then
-            call dgemv('T', m, width, -1.0_wp, self%value(p), m, x(s, 1), 1, 1.0_wp, x(self%first(i), 1), 1)
+            call dgemv('T', m, width, -1.0_wp, self%value(p), m, x(s, 1), 1, 1.0_wp, &
+               & x(self%first(i), 1), 1)
          else if (width > 0) then
             call dgemm('T', 'N', width, nrhs, m, -1.0_wp, self%value(p), m, x(s, 1), self%n, &
                & 1.0_wp, x(self%first(i), 1), self%n)

@@ -1,6 +1,7 @@
 !> Sparse supernodal Cholesky factorisation by CHOLMOD, for positive definite matrices.
 module lopin_solver_cholmod
-   use, intrinsic :: iso_c_binding, only : c_ptr, c_null_ptr, c_int, c_double, c_long_long, c_associated
+   use, intrinsic :: iso_c_binding, only : c_ptr, c_null_ptr, c_int, c_double, c_long_long, &
+      & c_associated
    use, intrinsic :: ieee_arithmetic, only : ieee_value, ieee_quiet_nan
    use lopin_kinds, only : wp, ik, lk
    use lopin_error, only : error_type, error_code, raise
@@ -41,7 +42,7 @@ module lopin_solver_cholmod
       private
       type(c_ptr) :: handle = c_null_ptr
       integer(ik), allocatable :: order(:)    !! (n) 1-based, position in the factor -> equation
-      integer, allocatable :: place(:)        !! (nlast) position in the trailing block -> place in `last`
+      integer, allocatable :: place(:)        !! (nlast) position in the trailing block -> in `last`
       character(len=5), public :: ordering = ''   !! AMD or METIS, whichever was taken
    contains
       procedure :: name => cholmod_name
@@ -72,7 +73,8 @@ module lopin_solver_cholmod
          integer(c_int), intent(in) :: p(*), i(*)
          integer(c_int), intent(out) :: perm(*)
       end function lopin_cholmod_amd
-      integer(c_int) function lopin_cholmod_tree(handle, n, p, i, perm, parent, count, flops, entries) bind(c)
+      integer(c_int) function lopin_cholmod_tree(handle, n, p, i, perm, parent, count, flops, &
+         & entries) bind(c)
          import :: c_int, c_ptr, c_double
          type(c_ptr), value :: handle
          integer(c_int), value :: n
@@ -171,7 +173,8 @@ contains
       if (allocated(error)) return
       call number_interior(a%n, last, local, m, valid)
       if (.not. valid) then
-         call raise_refused(error, self%name(), 'the equations kept last are not distinct equations')
+         call raise_refused(error, self%name(), &
+            & 'the equations kept last are not distinct equations')
          return
       end if
       if (.not. c_associated(self%handle)) then
@@ -183,7 +186,8 @@ contains
       self%nlast = size(last)
       call choose_order(self, a, local, m, last, error)
       if (allocated(error)) return
-      status = lopin_cholmod_analyse(self%handle, a%n, a%colptr, a%row, self%order - 1, stored, self%flops)
+      status = lopin_cholmod_analyse(self%handle, a%n, a%colptr, a%row, self%order - 1, stored, &
+         & self%flops)
       call explain(status, a%n, error)
       if (allocated(error)) return
       self%factor_entries = int(stored, lk)
@@ -193,8 +197,8 @@ contains
 
    !> Minimum degree on the graph of nodes, or nested dissection where it pays; then a postorder.
    !>
-   !> The graph is that without the equations kept last: dissecting the whole graph and taking these out
-   !> afterwards saved one operation in a hundred.
+   !> The graph is that without the equations kept last: dissecting the whole graph and taking
+   !> these out afterwards saved one operation in a hundred.
    subroutine choose_order(self, a, local, m, last, error)
       class(solver_cholmod_type), intent(inout) :: self
       type(csc_type), intent(in) :: a
@@ -211,7 +215,8 @@ contains
       allocate (group_order(graph%ngroup))
       self%ordering = 'AMD'
       call minimum_degree(self%handle, graph%group_ptr, graph%group_adjacent, group_order, status)
-      if (status == code%ok) call grow_tree(self%handle, a, [graph%equations_by(group_order), last], tree, status)
+      if (status == code%ok) call grow_tree(self%handle, a, [graph%equations_by(group_order), &
+         & last], tree, status)
       call explain(status, a%n, error)
       if (allocated(error)) return
       if (tree%flops > worth_dissection*size(a%row)) then
@@ -233,7 +238,8 @@ contains
       integer, intent(out) :: status
       integer(ik) :: group_order(graph%ngroup)
 
-      status = lopin_metis(graph%ngroup, graph%group_ptr - 1, graph%group_adjacent - 1, graph%weight, group_order)
+      status = lopin_metis(graph%ngroup, graph%group_ptr - 1, graph%group_adjacent - 1, &
+         & graph%weight, group_order)
       order = graph%equations_by(group_order + 1)
    end subroutine dissect
 
@@ -272,8 +278,8 @@ contains
 
       tree%order = order
       allocate (tree%parent(a%n), tree%count(a%n))
-      status = lopin_cholmod_tree(handle, a%n, a%colptr, a%row, tree%order - 1, tree%parent, tree%count, &
-         & tree%flops, entries)
+      status = lopin_cholmod_tree(handle, a%n, a%colptr, a%row, tree%order - 1, tree%parent, &
+         & tree%count, tree%flops, entries)
       tree%parent = tree%parent + 1
    end subroutine grow_tree
 
@@ -287,7 +293,8 @@ contains
 
       bad = 0
       self%negative = -1
-      status = lopin_cholmod_factorise(self%handle, a%colptr, a%row, a%value, self%pivot_ratio, weakest)
+      status = lopin_cholmod_factorise(self%handle, a%colptr, a%row, a%value, self%pivot_ratio, &
+         & weakest)
       if (status == code%not_positive) then
          bad = weakest + 1
          call raise_singular(error, self%name(), bad, self%pivot_ratio, 'not positive definite')
@@ -353,7 +360,8 @@ contains
       integer :: m, status
 
       m = self%n - self%nlast
-      status = lopin_cholmod_solve(self%handle, system%lower_transposed, 1, [b(:m), b(m + self%place)], inner)
+      status = lopin_cholmod_solve(self%handle, system%lower_transposed, 1, &
+         & [b(:m), b(m + self%place)], inner)
       if (status /= code%ok) inner = ieee_value(1.0_wp, ieee_quiet_nan)
       y(self%order) = inner
    end subroutine backward
@@ -368,13 +376,14 @@ contains
       write (number, '(i0)') n
       select case (status)
       case (code%no_memory)
-         call raise(error, error_code%resource, 'E0702', 'not enough memory to factorise '//trim(number)// &
-            & ' equations with cholmod')
+         call raise(error, error_code%resource, 'E0702', &
+            & 'not enough memory to factorise '//trim(number)// ' equations with cholmod')
       case (code%too_large)
          call raise(error, error_code%resource, 'E0702', 'the factor of '//trim(number)// &
             & ' equations has more than 2**31 entries, too many for cholmod with short integers')
       case default
-         call raise(error, error_code%internal, 'E0703', 'cholmod could not treat '//trim(number)//' equations')
+         call raise(error, error_code%internal, 'E0703', &
+            & 'cholmod could not treat '//trim(number)//' equations')
       end select
    end subroutine explain
 

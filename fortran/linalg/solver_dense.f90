@@ -5,7 +5,8 @@ module lopin_solver_dense
    use lopin_csc, only : csc_type
    use lopin_graph, only : number_interior
    use lopin_blas, only : dgetrf, dgetrs, dpotrf, dpotrs, dsytrf, dsytrs, dtrsm
-   use lopin_linear_solver, only : linear_solver_type, matrix_class, pivot_tolerance, raise_singular, raise_refused
+   use lopin_linear_solver, only : linear_solver_type, matrix_class, pivot_tolerance, &
+      & raise_singular, raise_refused
    implicit none
    private
    public :: solver_dense_type
@@ -72,7 +73,8 @@ contains
       end if
       call number_interior(a%n, last, local, m, valid)
       if (.not. valid) then
-         call raise_refused(error, self%name(), 'the equations kept last are not distinct equations')
+         call raise_refused(error, self%name(), &
+            & 'the equations kept last are not distinct equations')
          return
       end if
       self%n = a%n
@@ -147,7 +149,8 @@ contains
             if (pivot(i) < 0.0_wp) self%negative = self%negative + 1
             i = i + 1
          else   ! a pivot of two rows has one eigenvalue of each sign; the smaller one counts
-            norm = abs(self%factor(i, i)) + abs(self%factor(i + 1, i)) + abs(self%factor(i + 1, i + 1))
+            norm = abs(self%factor(i, i)) + abs(self%factor(i + 1, i)) + abs(self%factor(i + 1, &
+               & i + 1))
             determinant = self%factor(i, i)*self%factor(i + 1, i + 1) - self%factor(i + 1, i)**2
             pivot(i:i + 1) = abs(determinant)/norm
             self%negative = self%negative + 1
@@ -235,6 +238,7 @@ contains
       character, intent(in) :: how
       real(wp), intent(inout) :: y(self%n, 1)
 
-      call dtrsm('L', 'L', how, 'N', self%n, 1, 1.0_wp, self%factor, max(1, self%n), y, max(1, self%n))
+      call dtrsm('L', 'L', how, 'N', self%n, 1, 1.0_wp, self%factor, max(1, self%n), y, max(1, &
+         & self%n))
    end subroutine half
 end module lopin_solver_dense

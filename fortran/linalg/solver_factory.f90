@@ -40,16 +40,16 @@ contains
          do i = 2, size(solver_names)
             known = known//', '//trim(solver_names(i))
          end do
-         call raise(error, error_code%deck, 'E0704', "no linear solver is named '"//trim(name)//"'", &
-            & help='solvers: '//known)
+         call raise(error, error_code%deck, 'E0704', &
+            & "no linear solver is named '"//trim(name)//"'", help='solvers: '//known)
       end select
    end subroutine new_solver
 
    !> The solver that is likely the fastest for one matrix, one thread.
    !>
    !> Skyline wins on small and slender bodies. Let b be the root mean square length of a row of the
-   !> profile and e the stored entries an equation; measured break-even (docs/solvers.md): b = 200 for
-   !> plane meshes (e = 9), b = 500 for solid ones (e = 37), and one line through both is the rule.
+   !> profile and e the stored entries an equation; measured break-even (docs/solvers.md): b = 200
+   !> for plane meshes (e = 9), b = 500 for solid ones (e = 37), and one line through both is the rule.
    !> At half of that b skyline is two to seven times faster, at twice of it as much slower.
    subroutine choose_solver(a, class_of, last, name, reason)
       type(csc_type), intent(in) :: a

@@ -18,7 +18,7 @@ module lopin_solver_skyline
       private
       integer :: class_of = 0
       integer, allocatable :: order(:)         !! (n) place in the profile -> equation
-      integer(lk), allocatable :: target(:)    !! (nnz) place in the profile of each entry of the matrix
+      integer(lk), allocatable :: target(:)    !! (nnz) place in the profile of each entry
       type(skyline_type) :: profile
    contains
       procedure :: name => skyline_name
@@ -81,7 +81,8 @@ contains
          call profile_order(a, last, self%order, valid)
       end if
       if (.not. valid) then
-         call raise_refused(error, self%name(), 'the equations kept last are not distinct equations')
+         call raise_refused(error, self%name(), &
+            & 'the equations kept last are not distinct equations')
          return
       end if
       self%n = a%n
@@ -123,7 +124,8 @@ contains
          if (self%class_of == matrix_class%positive_definite) then
             call raise_singular(error, self%name(), bad, self%pivot_ratio, 'singular')
          else
-            call raise_singular(error, self%name(), bad, self%pivot_ratio, 'singular, or in need of exchanges,')
+            call raise_singular(error, self%name(), bad, self%pivot_ratio, &
+               & 'singular, or in need of exchanges,')
          end if
          return
       end if

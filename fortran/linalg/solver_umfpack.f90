@@ -5,7 +5,8 @@ module lopin_solver_umfpack
    use lopin_kinds, only : wp, lk
    use lopin_error, only : error_type, error_code, raise
    use lopin_csc, only : csc_type
-   use lopin_linear_solver, only : linear_solver_type, matrix_class, pivot_tolerance, raise_singular, raise_refused
+   use lopin_linear_solver, only : linear_solver_type, matrix_class, pivot_tolerance, &
+      & raise_singular, raise_refused
    implicit none
    private
    public :: solver_umfpack_type
@@ -46,7 +47,8 @@ module lopin_solver_umfpack
          import :: c_double
          real(c_double), intent(out) :: control(*)
       end subroutine umfpack_di_defaults
-      integer(c_int) function umfpack_di_symbolic(rows, columns, p, i, x, symbolic, control, info) bind(c)
+      integer(c_int) function umfpack_di_symbolic(rows, columns, p, i, x, symbolic, control, &
+         & info) bind(c)
          import :: c_int, c_double, c_ptr
          integer(c_int), value :: rows, columns
          integer(c_int), intent(in) :: p(*), i(*)
@@ -63,7 +65,8 @@ module lopin_solver_umfpack
          type(c_ptr), intent(out) :: numeric
          real(c_double), intent(inout) :: info(*)
       end function umfpack_di_numeric
-      integer(c_int) function umfpack_di_solve(system, p, i, x, solution, b, numeric, control, info) bind(c)
+      integer(c_int) function umfpack_di_solve(system, p, i, x, solution, b, numeric, control, &
+         & info) bind(c)
          import :: c_int, c_double, c_ptr
          integer(c_int), value :: system
          integer(c_int), intent(in) :: p(*), i(*)
@@ -72,7 +75,8 @@ module lopin_solver_umfpack
          type(c_ptr), value :: numeric
          real(c_double), intent(inout) :: info(*)
       end function umfpack_di_solve
-      integer(c_int) function umfpack_di_get_numeric(lp, lj, lx, up, ui, ux, p, q, d, reciprocal, scale, numeric) bind(c)
+      integer(c_int) function umfpack_di_get_numeric(lp, lj, lx, up, ui, ux, p, q, d, reciprocal, &
+         & scale, numeric) bind(c)
          import :: c_int, c_double, c_ptr
          type(c_ptr), value :: lp, lj, lx, up, ui, ux, p
          integer(c_int), intent(out) :: q(*), reciprocal
@@ -130,8 +134,8 @@ contains
          call raise_refused(error, self%name(), self%accepts(class_of))
          return
       else if (size(last) > 0) then
-         call raise_refused(error, self%name(), 'cannot keep equations last for condensation; use skyline, '// &
-            & 'cholmod or dense')
+         call raise_refused(error, self%name(), &
+            & 'cannot keep equations last for condensation; use skyline, '// 'cholmod or dense')
          return
       end if
       call self%clear()
@@ -172,7 +176,8 @@ contains
 
       symbolic = c_null_ptr
       if (any(abs(self%full%value) > 0.0_wp)) then
-         status = umfpack_di_symbolic(self%n, self%n, self%full%colptr, self%full%row, self%full%value, &
+         status = umfpack_di_symbolic(self%n, self%n, self%full%colptr, self%full%row, &
+            & self%full%value, &
             & symbolic=symbolic, control=control, info=info)
       else
          status = umfpack_di_symbolic(self%n, self%n, self%full%colptr, self%full%row, &
@@ -216,7 +221,8 @@ contains
       real(wp) :: largest, own
       integer :: status, k, j, i
 
-      status = umfpack_di_get_numeric(c_null_ptr, c_null_ptr, c_null_ptr, c_null_ptr, c_null_ptr, c_null_ptr, &
+      status = umfpack_di_get_numeric(c_null_ptr, c_null_ptr, c_null_ptr, c_null_ptr, c_null_ptr, &
+         & c_null_ptr, &
          & c_null_ptr, column, d, reciprocal, scale, self%numeric)
       equation = 0
       ratio = 0.0_wp
@@ -245,7 +251,8 @@ contains
 
       do j = 1, size(x, 2)
          if (self%n == 0) exit
-         status = umfpack_di_solve(0_c_int, self%full%colptr, self%full%row, self%full%value, solution, x(:, j), &
+         status = umfpack_di_solve(0_c_int, self%full%colptr, self%full%row, self%full%value, &
+            & solution, x(:, j), &
             & self%numeric, self%control, info)
          x(:, j) = solution
          if (status /= umfpack_ok) x(:, j) = ieee_value(1.0_wp, ieee_quiet_nan)
@@ -290,10 +297,11 @@ contains
       write (number, '(i0)') n
       write (code, '(i0)') status
       if (status == umfpack_no_memory) then
-         call raise(error, error_code%resource, 'E0702', 'not enough memory to factorise '//trim(number)// &
-            & ' equations with umfpack')
+         call raise(error, error_code%resource, 'E0702', &
+            & 'not enough memory to factorise '//trim(number)// ' equations with umfpack')
       else
-         call raise(error, error_code%internal, 'E0703', 'umfpack could not treat '//trim(number)// &
+         call raise(error, error_code%internal, 'E0703', &
+            & 'umfpack could not treat '//trim(number)// &
             & ' equations (status '//trim(code)//')')
       end if
    end subroutine explain

@@ -17,7 +17,9 @@ program bench_solvers
 
    is_set = set_blas_threads(1)
    call get_command_argument(1, only)
-   print '(a)', '| body | equations | last | half band | solver | analyse | factorise | solve | entries | chosen |'
+   print '(a)', &
+      & '| body | equations | last | half band | solver | analyse | factorise | solve '// &
+      & '| entries | chosen |'
    print '(a)', '| --- | --- | --- | --- | --- | --- | --- | --- | --- | --- |'
    call measure('square', [10, 10], .false.)
    call measure('square', [22, 22], .false.)
@@ -71,7 +73,8 @@ contains
          if (solver_names(s) == 'skyline' .and. cost > patience) cycle
          if (solver_names(s) == 'dense' .and. a%n > 1200) cycle
          if (solver_names(s) == 'umfpack' .and. a%n > 25000) cycle
-         call measure_solver(trim(title), trim(solver_names(s)), a, top, sqrt(cost/a%n), chosen == solver_names(s))
+         call measure_solver(trim(title), trim(solver_names(s)), a, top, sqrt(cost/a%n), &
+            & chosen == solver_names(s))
       end do
    end subroutine measure
 
@@ -110,7 +113,8 @@ contains
          best = min(best, [t(2) - t(1), t(3) - again, t(4) - t(3)])
          if (t(4) - start > 0.3_wp) exit
       end do
-      print '("| ",a," | ",i0," | ",i0," | ",i0," | ",a," | ",3(f0.3," | "),es8.1," | ",a," |")', title, a%n, &
+      print '("| ",a," | ",i0," | ",i0," | ",i0," | ",a," | ",3(f0.3," | "),es8.1," | ",a," |")', &
+         & title, a%n, &
          & size(last), nint(band), name, 1000.0_wp*best, real(solver%factor_entries, wp), &
          & trim(merge('*', ' ', is_chosen))
    end subroutine measure_solver

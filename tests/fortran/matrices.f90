@@ -8,14 +8,15 @@ module matrices
 
 contains
 
-   !> Stiffness of a block of unit bilinear or trilinear elements, E = 1, nu = 0.3 (plane strain in 2D).
+   !> Stiffness of a block of unit bilinear or trilinear elements, E = 1, nu = 0.3 (2D: plane strain).
    !>
    !> With `clamped` the face x = 0 is held; else the block is free and the matrix is singular.
+   !> `top`: the face where the last coordinate is largest.
    subroutine elastic_block(cells, clamped, a, top)
       integer, intent(in) :: cells(:)               !! (ndim) elements along each direction
       logical, intent(in) :: clamped
       type(csc_type), intent(out) :: a
-      integer, allocatable, intent(out) :: top(:)   !! equations on the face where the last coordinate is largest
+      integer, allocatable, intent(out) :: top(:)   !! equations of the top face
       integer, allocatable :: number(:, :), ptr(:), list(:), element(:)
       real(wp), allocatable :: ke(:, :)
       integer, allocatable :: slots(:, :)
@@ -71,7 +72,8 @@ contains
 
       ke = 0.0_wp
       do q = 0, 2**ndim - 1
-         x = 0.5_wp + (real([ibits(q, 0, 1), ibits(q, 1, 1), ibits(q, 2, 1)], wp) - 0.5_wp)/sqrt(3.0_wp)
+         x = 0.5_wp + (real([ibits(q, 0, 1), ibits(q, 1, 1), ibits(q, 2, 1)], &
+            & wp) - 0.5_wp)/sqrt(3.0_wp)
          do i = 0, 2**ndim - 1
             do c = 1, ndim
                f = 1.0_wp
@@ -91,8 +93,8 @@ contains
                   do c = 1, ndim
                      f = lambda*g(c, i)*g(d, j) + mu*g(d, i)*g(c, j)
                      if (c == d) f = f + mu*dot_product(g(:ndim, i), g(:ndim, j))
-                     ke(ndim*(i - 1) + c, ndim*(j - 1) + d) = ke(ndim*(i - 1) + c, ndim*(j - 1) + d) &
-                        & + f/2.0_wp**ndim
+                     k = ndim*(j - 1) + d
+                     ke(ndim*(i - 1) + c, k) = ke(ndim*(i - 1) + c, k) + f/2.0_wp**ndim
                   end do
                end do
             end do

@@ -81,7 +81,7 @@ contains
       call close_to('factor', l, dense, 1.0e-12_wp)
    end subroutine separate_bodies_keep_their_order
 
-   !> Rounding leaves its last pivots positive: only their size beside the terms that cancelled tells.
+   !> Rounding leaves its last pivots positive: only their relative size tells.
    subroutine a_large_free_plate_is_singular()
       type(csc_type) :: a
       type(solver_cholmod_type) :: solver

@@ -19,7 +19,7 @@ contains
       integer :: slots(3, 3)
       real(wp) :: dense(4, 4)
 
-      call test('two lists that share an equation couple within each list; prescribed ones are skipped')
+      call test('two lists sharing an equation couple within each list; prescribed ones do not')
       call a%new_from_lists(4, storage%symmetric_lower, [1, 4, 6], [3, 1, 0, 2, 3])
       call is_true('columns', all(a%colptr == [0, 2, 4, 5, 6]))
       call is_true('rows', all(a%row == [0, 2, 1, 2, 2, 3]))
@@ -31,8 +31,8 @@ contains
       call is_true('adds', a%add(3, 2, 7.0_wp))
       call is_true('does not add', .not. a%add(1, 2, 7.0_wp))
       call a%to_dense(dense)
-      call close_to('values', dense, reshape([4, 0, 2, 0, 0, 0, 7, 0, 2, 7, 1, 0, 0, 0, 0, 0]*1.0_wp, [4, 4]), &
-         & 0.0_wp)
+      call close_to('values', dense, reshape([4, 0, 2, 0, 0, 0, 7, 0, 2, 7, 1, 0, 0, 0, 0, &
+         & 0]*1.0_wp, [4, 4]), 0.0_wp)
       call a%clear()
       call close_to('cleared', sum(abs(a%value)), 0.0_wp, 0.0_wp)
    end subroutine lists_make_the_coupled_pattern
@@ -42,7 +42,8 @@ contains
       real(wp) :: dense(3, 3), d(3)
 
       call test('triplets at one place add up and mirror to the lower triangle')
-      call a%new_from_triplets(3, storage%symmetric_lower, [1, 3, 1, 3], [1, 1, 3, 3], [1.0_wp, 2.0_wp, 3.0_wp, 4.0_wp])
+      call a%new_from_triplets(3, storage%symmetric_lower, [1, 3, 1, 3], [1, 1, 3, 3], [1.0_wp, &
+         & 2.0_wp, 3.0_wp, 4.0_wp])
       call a%to_dense(dense)
       call close_to('values', dense, reshape([1, 0, 5, 0, 0, 0, 5, 0, 4]*1.0_wp, [3, 3]), 0.0_wp)
       call a%diagonal(d)

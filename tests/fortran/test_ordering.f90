@@ -56,7 +56,8 @@ contains
       call reverse_cuthill_mckee([1, 2, 4, 6, 8, 9, 10, 11], [4, 4, 6, 5, 7, 1, 2, 3, 2, 3], order)
       call is_true('permutation', is_permutation(order))
       at(order) = [(k, k=1, 7)]
-      call is_true('first path', abs(at(1) - at(4)) == 1 .and. abs(at(4) - at(2)) == 1 .and. abs(at(2) - at(6)) == 1)
+      call is_true('first path', abs(at(1) - at(4)) == 1 .and. abs(at(4) - at(2)) == 1 &
+         & .and. abs(at(2) - at(6)) == 1)
       call is_true('second path', abs(at(5) - at(3)) == 1 .and. abs(at(3) - at(7)) == 1)
    end subroutine paths_have_bandwidth_one
 
@@ -94,7 +95,8 @@ contains
       call test('a multiplier moves just behind the last of its neighbours')
       ! path 1-2-3-4, multiplier 5 on 1 and 2
       order = [5, 1, 2, 3, 4]
-      call delay([1, 3, 6, 8, 9, 11], [2, 5, 1, 3, 5, 2, 4, 3, 1, 2], [.false., .false., .false., .false., .true.], order)
+      call delay([1, 3, 6, 8, 9, 11], [2, 5, 1, 3, 5, 2, 4, 3, 1, 2], [.false., .false., .false., &
+         & .false., .true.], order)
       call is_true('behind 2', all(order == [1, 2, 5, 3, 4]))
    end subroutine multipliers_are_delayed
 
@@ -125,6 +127,7 @@ contains
       call postorder([3, 3, 4, 0], [2, 5, 2, 1], 4, order(:4))
       call is_true('the long column next to its parent', all(order(:4) == [1, 2, 3, 4]))
       call postorder([3, 3, 4, 0], [5, 2, 2, 1], 4, order(:4))
-      call is_true('the long column next to its parent, the other way', all(order(:4) == [2, 1, 3, 4]))
+      call is_true('the long column next to its parent, the other way', all(order(:4) == [2, 1, &
+         & 3, 4]))
    end subroutine postorders_keep_children_before_parents
 end program test_ordering

@@ -7,7 +7,8 @@ program test_solvers
    use lopin_solver_factory, only : choose_solver, new_solver, solver_names
    use lopin_solver_cholmod, only : set_blas_threads
    use check, only : test, close_to, is_true, finish
-   use matrices, only : chain, elastic_block, random_general, random_spd, saddle_point, to_csc, uniform
+   use matrices, only : chain, elastic_block, random_general, random_spd, saddle_point, to_csc, &
+      & uniform
    implicit none
 
    integer, parameter :: number_of_cases = 6
@@ -183,13 +184,15 @@ contains
       call fill(b)
       call solver%forward(b(:, 1), y)
       call solver%backward(y, x)
-      call close_to('the halves make the norm', dot_product(y, y)/dot_product(b(:, 1), x), 1.0_wp, 1.0e-10_wp)
+      call close_to('the halves make the norm', dot_product(y, y)/dot_product(b(:, 1), x), &
+         & 1.0_wp, 1.0e-10_wp)
       call solver%solve(b)
       call near('two halves make a solve', reshape(x, [a%n, 1]), b, 1.0e-10_wp)
       y = 0.0_wp
       y(a%n - m + 1:) = [(real(i, wp), i=1, m)]
       call solver%backward(y, x)
-      if (m > 0) call near('the last ones alone: L^T x = y', reshape(matmul(transpose(l), x(last)), [m, 1]), &
+      if (m > 0) call near('the last ones alone: L^T x = y', reshape(matmul(transpose(l), &
+         & x(last)), [m, 1]), &
          & reshape(y(a%n - m + 1:), [m, 1]), 1.0e-10_wp)
    end subroutine one_condensation
 
@@ -229,7 +232,8 @@ contains
          m = size(top)/2
          call saddle_point(k, top, m, seed, a)
          if (solver%accepts(matrix_class%symmetric_indefinite) /= '') then
-            call is_true('names itself', index(solver%accepts(matrix_class%symmetric_indefinite), name) > 0)
+            call is_true('names itself', index(solver%accepts(matrix_class%symmetric_indefinite), &
+               & name) > 0)
             call solver%analyse(a, matrix_class%symmetric_indefinite, top(:0), error)
             call is_true('refused', allocated(error))
             cycle
@@ -392,7 +396,8 @@ contains
          x = 0.0_wp
          x(20, 1) = 1.0_wp + alpha
          call solver%solve(x)
-         call close_to('displacement', x(:, 1), [(i/20.0_wp*(1.0_wp + alpha)/(0.05_wp + alpha), i=1, 20)], 1.0e-12_wp)
+         call close_to('displacement', x(:, 1), [(i/20.0_wp*(1.0_wp + alpha)/(0.05_wp + alpha), &
+            & i=1, 20)], 1.0e-12_wp)
       end do
    end subroutine penalty_chains
 
@@ -411,7 +416,8 @@ contains
          call solver%solve(x)
          call close_to('half', x(1, 1), 0.5_wp, 1.0e-15_wp)
       end if
-      call a%new_from_triplets(0, storage%symmetric_lower, [integer ::], [integer ::], [real(wp) ::])
+      call a%new_from_triplets(0, storage%symmetric_lower, [integer ::], [integer ::], &
+         & [real(wp) ::])
       if (ready(solver, a, matrix_class%positive_definite, [integer ::])) call solver%solve(none)
       call solver%analyse(a, matrix_class%positive_definite, [1], error)
       call is_true('no such equation', allocated(error))
@@ -472,7 +478,8 @@ contains
       do threads = 1, 2
          if (.not. set_blas_threads(threads)) return
          call new_solver(solver, 'skyline', error)
-         if (ready(solver, a, matrix_class%positive_definite, [integer ::])) call solver%solve(x(:, :, threads))
+         if (ready(solver, a, matrix_class%positive_definite, &
+            & [integer ::])) call solver%solve(x(:, :, threads))
       end do
       call close_to('bits', x(:, :, 2), x(:, :, 1), 0.0_wp)
       if (.not. set_blas_threads(1)) return
@@ -485,7 +492,8 @@ contains
       call test('an unknown solver is refused with the names of the known ones')
       call new_solver(solver, 'magic', error)
       call is_true('refused', allocated(error) .and. .not. allocated(solver))
-      call is_true('names them', index(error%text(), 'cholmod') > 0 .and. index(error%text(), 'dense') > 0)
+      call is_true('names them', index(error%text(), 'cholmod') > 0 .and. index(error%text(), &
+         & 'dense') > 0)
    end subroutine unknown_names
 
    subroutine choices()
