@@ -4,11 +4,12 @@
 !> solved on it, and one forward and one backward pass a load are all that the whole system sees.
 module lopin_linear_system
    use lopin_kinds, only : wp
-   use lopin_error, only : error_type
+   use lopin_error, only : error_type, error_code, raise
    use lopin_clock, only : clock_type, counter_type, phase
    use lopin_csc, only : csc_type
    use lopin_linear_solver, only : linear_solver_type, matrix_class
-   use lopin_solver_factory, only : new_solver
+   use lopin_solver_factory, only : new_solver, choose_solver
+   use lopin_text, only : lower
    use lopin_constraints, only : constraints_type
    use lopin_reduce_matrix, only : reduce_matrix
    implicit none
@@ -21,6 +22,7 @@ module lopin_linear_system
       integer, allocatable :: number(:)        !! (neq) row in the factorised matrix; 0: supported artificially
       integer, allocatable :: equation(:)      !! (n) the reverse
       integer, allocatable :: place(:)         !! (neq) place among the equations kept last; 0: not kept
+      logical :: splits = .true.               !! the solver has forward and backward passes
       real(wp), allocatable :: l(:, :)         !! (nlast, nlast) factor of the condensation
       character(len=:), allocatable :: reason  !! why this solver
    end type linear_system_type
@@ -28,13 +30,12 @@ module lopin_linear_system
 contains
 
    !> Factorise. `retained` are the free equations kept last, `support` those left out.
-   subroutine new_linear_system(self, k, constraints, support, retained, wish, ndim, clock, counter, bad, error)
+   subroutine new_linear_system(self, k, constraints, support, retained, wish, clock, counter, bad, error)
       type(linear_system_type), intent(out) :: self
       type(csc_type), intent(in) :: k
       type(constraints_type), intent(in) :: constraints
       integer, intent(in) :: support(:), retained(:)
       character(len=*), intent(in) :: wish          !! AUTO or a solver's word
-      integer, intent(in) :: ndim
       type(clock_type), intent(inout) :: clock
       type(counter_type), intent(inout) :: counter
       integer, intent(out) :: bad                   !! free equation that failed; 0: none
@@ -54,16 +55,18 @@ contains
       self%place(retained) = [(i, i=1, self%nlast)]
       call reduce_matrix(k, constraints, self%number, self%n, reduced)
       call clock%stop_in(phase%assemble)
-      name = wish
+      name = lower(wish)
       self%reason = 'as asked'
-      if (name == 'AUTO') then
-         name = 'cholmod'
-         self%reason = 'positive definite'
-      end if
-      associate (unused => ndim)
-      end associate
+      if (name == 'auto') call choose_solver(reduced, matrix_class%positive_definite, self%number(retained), &
+         & name, self%reason)
       call new_solver(self%solver, name, error)
       if (allocated(error)) return
+      self%splits = self%solver%can_condense(matrix_class%positive_definite)
+      if (.not. self%splits .and. self%nlast > 0) then
+         call raise(error, error_code%usage, 'E0705', 'solver '//name//' cannot keep the contact equations last', &
+            & help='use skyline, cholmod or dense, or *LOPIN, PATH=NEWTON, which does not condense')
+         return
+      end if
       call self%solver%analyse(reduced, matrix_class%positive_definite, self%number(retained), error)
       call clock%stop_in(phase%analyse)
       if (allocated(error)) return
@@ -87,8 +90,12 @@ contains
 
       allocate (b(self%n), y(self%n), load(self%nlast))
       b(:) = right(self%equation)
-      call self%solver%forward(b, y)
       load = 0.0_wp
+      if (.not. self%splits) then
+         y = b
+         return
+      end if
+      call self%solver%forward(b, y)
       associate (tail => y(self%n - self%nlast + 1:))
          do j = 1, self%nlast
             load(j:) = load(j:) + self%l(j:, j)*tail(j)
@@ -102,7 +109,7 @@ contains
       real(wp), intent(in) :: y(:)
       real(wp), intent(in) :: pushed(:)              !! (nlast) contact forces [force]
       real(wp), intent(out) :: v(:)                  !! (neq), zero at artificial supports
-      real(wp), allocatable :: z(:), tail(:), x(:)
+      real(wp), allocatable :: z(:), tail(:), x(:), whole(:, :)
       integer :: j
 
       allocate (z, source=y)
@@ -112,9 +119,16 @@ contains
          tail(j + 1:) = tail(j + 1:) - self%l(j + 1:, j)*tail(j)
       end do
       z(self%n - self%nlast + 1:) = z(self%n - self%nlast + 1:) + tail
+      v = 0.0_wp
+      if (.not. self%splits) then
+         allocate (whole(self%n, 1))
+         whole(:, 1) = y
+         call self%solver%solve(whole)
+         v(self%equation) = whole(:, 1)
+         return
+      end if
       allocate (x(self%n))
       call self%solver%backward(z, x)
-      v = 0.0_wp
       v(self%equation) = x
    end subroutine recover
 end module lopin_linear_system

@@ -34,7 +34,7 @@ contains
 
       call retained_equations(scene, model, retained)
       call new_linear_system(scene%system, scene%k, scene%constraints, scene%bodies%support, retained, &
-         & model%solver, model%mesh%ndim, scene%clock, scene%counter, bad, error)
+         & model%solver, scene%clock, scene%counter, bad, error)
       if (.not. allocated(error)) return
       if (bad > 0) call name_equation(scene, model, bad, error)
    end subroutine prepare_condensed
