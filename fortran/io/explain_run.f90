@@ -61,6 +61,9 @@ contains
       call add_explanation(list, 'E0704', 'no such solver', &
          & 'The word after SOLVER= or --solver names no linear solver of this build.', &
          & 'the message lists them.')
+      call add_explanation(list, 'E0705', 'a solver cannot condense', &
+         & 'The condensed path needs the factor of the contact equations by itself, which this solver does not give.', &
+         & 'take SOLVER=AUTO, SKYLINE, CHOLMOD or DENSE, or *LOPIN, PATH=NEWTON.')
       call add_explanation(list, 'E0801', 'the command line is wrong', &
          & 'A word or option of the command line is not known, or lacks its value.', &
          & '`lopin --help` lists them all.')
