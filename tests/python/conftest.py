@@ -4,6 +4,8 @@ from pathlib import Path
 
 import pytest
 
+from sheet import SHEET
+
 ROOT = Path(__file__).resolve().parents[2]
 
 
@@ -26,3 +28,31 @@ def executable() -> Path:
 def core():
     """The compiled part of the package; tests that need it are skipped where there is none."""
     return pytest.importorskip("lopin._core")
+
+
+@pytest.fixture(scope="session")
+def sheet():
+    """Where tests compare what they compute with its reference."""
+    return SHEET
+
+
+def pytest_sessionfinish():
+    """Write the sheet if asked for."""
+    path = os.environ.get("LOPIN_SHEET")
+    if path and SHEET.rows:
+        SHEET.write(path)
+
+
+@pytest.fixture
+def solve(executable, tmp_path, monkeypatch):
+    """Run a deck, a model or the name of a deck of the folder decks by the executable."""
+    lopin = pytest.importorskip("lopin")
+    monkeypatch.setenv("LOPIN_EXECUTABLE", str(executable))
+    count = iter(range(10000))
+
+    def run(scene, **options):
+        if isinstance(scene, str):
+            scene = lopin.Deck.read(ROOT/"decks"/f"{scene}.inp")
+        return lopin.run(scene, tmp_path/f"run{next(count)}", executable=True, **options)
+
+    return run
