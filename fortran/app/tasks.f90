@@ -12,6 +12,7 @@ module lopin_tasks
    use lopin_recorder, only : recorder_holder_type
    use lopin_recorder_factory, only : new_recorders
    use lopin_run_analysis, only : run_analysis
+   use lopin_selftest, only : selftest_case, ncase
    use lopin_solver_cholmod, only : set_blas_threads
    use lopin_state, only : summary_type
    use lopin_terminal, only : terminal_type
@@ -205,11 +206,19 @@ contains
       print '(a)', text
    end subroutine show_keyword
 
-   !> lopin selftest: what can be checked without any file.
+   !> lopin selftest: closed forms, without any file.
    subroutine run_selftest(terminal)
       type(terminal_type), intent(inout) :: terminal
+      type(error_type), allocatable :: error
+      character(len=:), allocatable :: line
+      integer :: i
 
       call terminal%say('lopin '//version)
+      do i = 1, ncase
+         call selftest_case(i, line, error)
+         call terminal%stop_on(error)
+         call terminal%say(line)
+      end do
       call terminal%say('selftest passed')
    end subroutine run_selftest
 end module lopin_tasks

@@ -76,6 +76,9 @@ contains
          & 'mend what the warnings say, or leave the option out.')
       call add_explanation(list, 'E0900', 'a defect of Lopin', &
          & 'Something happened that should not be possible.', 'report the deck and the message.')
+      call add_explanation(list, 'E0902', 'the selftest failed', &
+         & 'The program gives another answer than the closed form: the build or a library is broken.', &
+         & 'build again, and report the output of `lopin info` and `lopin selftest`.')
       call add_explanation(list, 'E0901', 'the contact problem broke down', &
          & 'The contact solver met numbers that cannot occur.', 'report the deck and the message.')
    end subroutine run_explanations

@@ -69,6 +69,12 @@ def test_words_and_options_of_the_command_line():
         assert "needs the Python package: pip install lopin" in run.stderr
 
 
+def test_the_selftest_passes():
+    run = lopin("selftest")
+    assert run.returncode == 0, run.stderr
+    assert run.stdout.rstrip().endswith("selftest passed")
+
+
 def test_json_of_a_bad_deck_holds_its_diagnostics():
     import json
 
