@@ -117,7 +117,8 @@ contains
          end do
       end do
       text = text//'*ELSET, ELSET=LOW, GENERATE'//nl//'1, '//to_text(nx)//nl// &
-         & '*ELSET, ELSET=HIGH, GENERATE'//nl//to_text(1 + (ny - 1)*nx)//', '//to_text(nx*ny)//nl// &
+         & '*ELSET, ELSET=HIGH, GENERATE'//nl//to_text(1 + (ny - 1)*nx)//', '//to_text(nx*ny)// &
+         & nl// &
          & '*NSET, NSET=SIDE, GENERATE'//nl//'1, '//to_text(node_number(0, ny))//', '// &
          & to_text(nx + 1)//nl//'*MATERIAL, NAME=M'//nl//'*ELASTIC'//nl//to_text(young)//', '// &
          & to_text(poisson)//nl//'*SOLID SECTION, ELSET=ALL, MATERIAL=M'//nl// &
@@ -127,7 +128,8 @@ contains
          & '*SURFACE INTERACTION, NAME=I'//nl//'*SURFACE BEHAVIOR, '//method//nl
       if (method == 'PENALTY' .or. method == 'PERTURBED LAGRANGE') text = text//to_text(slope)//nl
       text = text//'*CONTACT PAIR, INTERACTION=I'//nl//'FOOT, GROUND'//nl//'*BOUNDARY'//nl// &
-         & 'SIDE, 1'//nl//'999, 1, 2'//nl//'999, 6'//nl//'*STEP'//nl//'*STATIC'//nl//'1., 1.'//nl// &
+         & 'SIDE, 1'//nl//'999, 1, 2'//nl//'999, 6'//nl//'*STEP'//nl//'*STATIC'//nl//'1., 1.'// &
+         & nl// &
          & '*DLOAD'//nl//'HIGH, P3, '//to_text(load)//nl//'*END STEP'//nl
    end function deck_of
 

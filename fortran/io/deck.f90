@@ -145,18 +145,22 @@ contains
          return
       end if
       call find_include(deck%source, block%at%file, name, path, tried)
-      if (len(path) == 0) then
+      if (len(path) > 0) then
+         if (is_open(deck%source, block%at%file, path)) then
+            call complain(log, 'E0105', 'the file '//quoted(path)//' includes itself', at, &
+               & label='include loop')
+            return
+         end if
+      end if
+      call new_source_from_file(source, path, found)
+      if (.not. found) then
          call complain(log, 'E0105', 'cannot read the included file '//quoted(name), at, &
             & label='not found', note='tried: '//tried)
-      else if (is_open(deck%source, block%at%file, path)) then
-         call complain(log, 'E0105', 'the file '//quoted(path)//' includes itself', at, &
-            & label='include loop')
-      else
-         call new_source_from_file(source, path, found)
-         source%included_from = block%at
-         call add_source(deck, source)
-         call walk(deck, size(deck%source), lost, log)
+         return
       end if
+      source%included_from = block%at
+      call add_source(deck, source)
+      call walk(deck, size(deck%source), lost, log)
    end subroutine include
 
    !> Whether a file is being read now: it is the given one or one of those that led to it.

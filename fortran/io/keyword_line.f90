@@ -94,9 +94,11 @@ contains
          a = equals + 1
          b = last
          call shrink(text, a, b)
-         if (b > a .and. text(a:a) == '"' .and. text(b:b) == '"') then
-            a = a + 1
-            b = b - 1
+         if (b > a) then
+            if (text(a:a) == '"' .and. text(b:b) == '"') then
+               a = a + 1
+               b = b - 1
+            end if
          end if
          new%value = text(a:b)
          new%value_at = location_type(file, line, a, max(a, b))

@@ -6,6 +6,7 @@ module lopin_keywords
    use lopin_keyword_rows_step, only : add_step_rows
    use lopin_keyword_table, only : keyword_table_type, keyword_type, keyword_parameter_type, &
       & keyword_field_type, status_of, find_keyword, suggest_keyword
+   use lopin_text, only : squeeze
    use lopin_word_list, only : list_item, list_size
    implicit none
    private
@@ -30,7 +31,7 @@ contains
       character(len=:), allocatable, intent(out) :: text   !! the sheet, or what was probably meant
       logical, intent(out) :: found
       type(keyword_table_type) :: table
-      character(len=:), allocatable :: meant
+      character(len=:), allocatable :: name, meant
       integer :: row
 
       call new_keyword_table(table)
@@ -40,8 +41,10 @@ contains
          text = sheet(table%row(row), .false.)
          return
       end if
-      meant = suggest_keyword(table, trim(adjustl(word(verify(word, '* '):))))
-      text = 'no keyword *'//trim(adjustl(word(verify(word, '* '):)))
+      name = squeeze(word)
+      if (index(name, '*') == 1) name = squeeze(name(2:))
+      meant = suggest_keyword(table, name)
+      text = 'no keyword *'//name
       if (len(meant) > 0) text = text//'; did you mean *'//meant//' ?'
    end subroutine keyword_sheet
 

@@ -18,6 +18,7 @@ contains
       integer :: unit, length, status
 
       found = .false.
+      if (len_trim(path) == 0) return
       open (newunit=unit, file=path, access='stream', form='unformatted', action='read', &
          & status='old', &
          & iostat=status)

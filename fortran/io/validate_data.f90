@@ -188,7 +188,8 @@ contains
          alone = n == 1
          if (n == 2) alone = len(field(2)%text) == 0 .or. &
             & upper(without_blanks(field(1)%text)) == upper(without_blanks(field(2)%text))
-         if (alone) call complain(log, 'E0108', 'self-contact of surface '// &
+         if (alone .and. len(field(1)%text) > 0) call complain(log, 'E0108', &
+            & 'self-contact of surface '// &
             & quoted(field(1)%text)// &
             & ' comes with a later version', line_place(block%line(i)), &
             & help='write the slave and the master surface: TOP, PUNCH')

@@ -267,6 +267,11 @@ contains
       call says('*MATERIAL'//nl, 'E0106', '*MATERIAL needs the parameter NAME')
       call says('*MATERIAL, NAME=A'//nl//'3.', 'E0103', '*MATERIAL takes no data lines')
 
+      call says('*', 'E0101', 'a star without a keyword')
+      call says('*NODE, NSET=', 'E0106', 'NSET of *NODE needs a value')
+      call says('*NODE, =3', 'E0102', '`` is not a parameter of *NODE')
+      call says('*NODE, NSET="', 'E0111', 'a quote is opened but not closed')
+
       call test('twenty errors are enough')
       call read_text(repeat('*NOTHING'//nl, 50))
       call is_true('twenty', size(error%item) == 20)
