@@ -12,6 +12,7 @@ program test_active_set
    call floating_mass_is_held_by_contact()
    call floating_mass_that_flies_is_named()
    call random_problems()
+   call augmentations_contract_as_predicted()
    call finish()
 
 contains
@@ -201,4 +202,32 @@ contains
       end do
       call close_to('complementarity', worst, 0.0_wp, 1.0e-9_wp)
    end subroutine random_problems
+
+   !> Benchmark F4: with the step alpha every alpha > 0 converges, by 1/(1 + alpha s_min) a pass.
+   subroutine augmentations_contract_as_predicted()
+      real(wp), parameter :: s_min = (5.0_wp - sqrt(5.0_wp))/10.0_wp
+      real(wp), parameter :: alpha(7) = [0.1_wp, 0.5_wp, 1.0_wp, 3.0_wp, 10.0_wp, 1.0e3_wp, 1.0e6_wp]
+      type(condensed_type) :: problem
+      type(contact_result_type) :: result, exact
+      real(wp) :: l(2, 2)
+      integer :: i
+
+      ! K = [3 -1; -1 2], both springs pushed on their walls.
+      l = reshape([sqrt(3.0_wp), -1.0_wp/sqrt(3.0_wp), 0.0_wp, sqrt(5.0_wp/3.0_wp)], [2, 2])
+      call test('Lagrange on two coupled springs')
+      call new_problem(problem, l, -reshape([1.0_wp, 0.0_wp, 0.0_wp, 1.0_wp], [2, 2]), 1, 1.0_wp)
+      call solve_contact(problem, [0.1_wp, 0.2_wp], [2.0_wp, 3.0_wp], [real(wp) ::], exact)
+      call close_to('forces', exact%force, [1.9_wp, 2.7_wp], 1.0e-13_wp)
+      do i = 1, size(alpha)
+         call test('augmentations contract by 1/(1 + alpha s)')
+         call new_problem(problem, l, -reshape([1.0_wp, 0.0_wp, 0.0_wp, 1.0_wp], [2, 2]), 4, alpha(i))
+         problem%max_augmentations = [2000]
+         call solve_contact(problem, [0.1_wp, 0.2_wp], [2.0_wp, 3.0_wp], [real(wp) ::], result)
+         call is_true('converges', result%outcome == outcome%solved)
+         call close_to('forces', result%force, exact%force, 1.0e-9_wp)
+         if (alpha(i) > 100.0_wp) cycle
+         call close_to('rate', result%rate, 1.0_wp/(1.0_wp + alpha(i)*s_min), 1.0e-3_wp)
+      end do
+      call close_to('rate at alpha = 1', 1.0_wp/(1.0_wp + s_min), 0.783458_wp, 1.0e-6_wp)
+   end subroutine augmentations_contract_as_predicted
 end program test_active_set
