@@ -12,10 +12,11 @@ module lopin_solver_umfpack
    public :: solver_umfpack_type
 
    !> As for CHOLMOD: operations per entry above which nested dissection is tried.
-   real(wp), parameter :: worth_dissection = 4000.0_wp
+   real(wp), parameter :: worth_dissection = 3000.0_wp
 
    ! Places in umfpack.h's Control and Info, 1-based, and values of them.
    integer, parameter :: control_print = 1, control_strategy = 6, control_ordering = 11
+   integer, parameter :: info_strategy = 19, info_symmetric_flops = 38
    integer, parameter :: info_flops_estimate = 23, info_flops = 43, info_lower = 44, info_upper = 45
    integer, parameter :: strategy_symmetric = 3, ordering_metis = 3
    integer, parameter :: umfpack_ok = 0, umfpack_singular = 1, umfpack_no_memory = -1
@@ -127,7 +128,7 @@ contains
       type(csc_type) :: full
       real(c_double) :: info(90), control(20)
       type(c_ptr) :: rival
-      real(wp) :: flops
+      real(wp) :: flops, expected
       integer :: status
 
       if (self%accepts(class_of) /= '') then
@@ -151,7 +152,12 @@ contains
       call explain(status, self%n, error)
       if (allocated(error)) return
       flops = info(info_flops_estimate)
-      if (flops <= worth_dissection*size(self%full%row)) return
+      ! The estimate allows for every exchange; while the diagonal serves, the symmetric count
+      ! is nearer.
+      expected = flops
+      if (nint(info(info_strategy)) == strategy_symmetric) &
+         & expected = 2.0_wp*info(info_symmetric_flops)
+      if (expected <= worth_dissection*size(self%full%row)) return
       control = self%control
       control(control_strategy) = strategy_symmetric
       control(control_ordering) = ordering_metis
