@@ -4,8 +4,9 @@ module lopin_build_amplitudes
    use lopin_error, only : location_type, log_type, severity
    use lopin_text, only : to_text
    use lopin_model, only : model_type, amplitude_type, amplitude_value
-   use lopin_block, only : deck_type, block_type, field_type, split_fields, field_real, complain
-   use lopin_build_scene, only : scene_type, name_type, need_word, get_word, find_name, no_such
+   use lopin_block, only : deck_type, block_type, field_type, split_fields, complain
+   use lopin_build_scene, only : need_real, scene_type, name_type, need_word, get_word, &
+      & find_name, no_such
    implicit none
    private
    public :: build_amplitudes, read_amplitude_word, hold_value
@@ -62,7 +63,7 @@ contains
       do j = 1, block%nline
          call split_fields(block%line(j), field, n)
          do i = 1, n
-            call field_real(field(i), value, log, found)
+            call need_real(field(i), value, log, found)
             pair = [pair, value]
             if (mod(size(pair), 2) == 1 .and. size(pair) > 1) then
                if (found .and. .not. value > pair(size(pair) - 2)) then

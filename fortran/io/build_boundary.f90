@@ -9,7 +9,7 @@ module lopin_build_boundary
    use lopin_model, only : model_type, prescribed_type
    use lopin_block, only : deck_type, block_type, field_type, split_fields, field_real, &
       & field_integer, complain, has_parameter
-   use lopin_build_scene, only : scene_type, nodes_of, get_word
+   use lopin_build_scene, only : need_integer, scene_type, nodes_of, get_word
    use lopin_build_amplitudes, only : read_amplitude_word, hold_value
    implicit none
    private
@@ -209,7 +209,7 @@ contains
          found = .false.
          return
       end if
-      call field_integer(field(2), first, log, found)
+      call need_integer(field(2), first, log, found)
       if (.not. found) return
       last = first
       if (size(field) > 2) call field_integer(field(3), last, log, given)
@@ -263,6 +263,8 @@ contains
                call refuse_dof(model, node(i), dof, at)
                return
             case (verdict%ignore)
+               ! `1, 6` at a reference node is a habit, not a mistake.
+               told = told .or. (role(node(i)) == role_of%reference .and. last > first)
                if (.not. told) call model%log%say(severity%note, 'N0404', 'dof '//to_text(dof) &
                   & //' does not exist in a scene of two dimensions: ignored', at)
                told = .true.

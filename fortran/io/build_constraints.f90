@@ -5,9 +5,9 @@ module lopin_build_constraints
    use lopin_text, only : to_text, plural
    use lopin_model, only : model_type, rigid_body_type, equation_type, surface_of
    use lopin_block, only : deck_type, block_type, field_type, split_fields, field_real, &
-      & field_integer, complain, line_place
-   use lopin_build_scene, only : scene_type, list_type, push, need_word, get_word, nodes_of, &
-      & node_of, set_named
+      & complain, line_place
+   use lopin_build_scene, only : need_integer, need_real, scene_type, list_type, push, &
+      & need_word, get_word, nodes_of, node_of, set_named
    use lopin_build_surfaces, only : surface_named
    use lopin_build_parts, only : placed
    implicit none
@@ -188,7 +188,7 @@ contains
             j = 1
             do while (j <= block%nline)
                call split_fields(block%line(j), field, n)
-               call field_integer(field(1), nterm, model%log, found)
+               call need_integer(field(1), nterm, model%log, found)
                if (.not. found .or. nterm < 1) then
                   if (found) call complain(model%log, 'E0103', &
                      & 'an equation has at least one term', field(1)%at)
@@ -242,13 +242,13 @@ contains
          member(i)%item = node
          member(i)%n = size(node)
          number = max(number, size(node))
-         call field_integer(term(3*i - 1), dof, model%log, found)
+         call need_integer(term(3*i - 1), dof, model%log, found)
          if (found .and. (dof < 1 .or. dof > 6)) call complain(model%log, 'E0404', 'dof ' &
             & //to_text(dof) &
             & //' does not exist', term(3*i - 1)%at, &
             & help='1 to 3 are translations, 4 to 6 rotations')
          equation%dof(i) = dof
-         call field_real(term(3*i), coefficient, model%log, found)
+         call need_real(term(3*i), coefficient, model%log, found)
          equation%coefficient(i) = coefficient
       end do
       if (.not. abs(equation%coefficient(1)) > 0.0_wp) then

@@ -13,7 +13,7 @@ module lopin_build_interactions
    use lopin_model, only : model_type, interaction_type, method_of, overclosure_of
    use lopin_block, only : deck_type, block_type, field_type, split_fields, field_real, &
       & complain, has_parameter, line_place
-   use lopin_build_scene, only : scene_type, need_word, get_word
+   use lopin_build_scene, only : need_real, scene_type, need_word, get_word
    implicit none
    private
    public :: build_interactions
@@ -27,15 +27,17 @@ contains
       type(interaction_type) :: interaction
       type(location_type) :: at
       integer :: k, i
-      logical :: open
+      logical :: open, described
 
       allocate (model%interaction(0))
       open = .false.
+      described = .false.
       do k = 1, scene%ncard
          associate (block => deck%block(scene%card(k)%block), n => size(model%interaction))
             select case (block%keyword)
             case ('SURFACE INTERACTION')
                interaction = interaction_type()
+               described = .false.
                call need_word(block, 'NAME', interaction%name, at, open, model%log)
                interaction%at = at
                if (.not. open) cycle
@@ -54,7 +56,11 @@ contains
                      & block%at, help='write *SURFACE INTERACTION, NAME= before it')
                else if (block%keyword == 'FRICTION') then
                   call read_friction(model%interaction(n), block, model%log)
+               else if (described) then
+                  call complain(model%log, 'E0205', 'interaction `'//model%interaction(n)%name &
+                     & //'` has a second *SURFACE BEHAVIOR', block%at)
                else
+                  described = .true.
                   call read_behaviour(model%interaction(n), block, model%log)
                end if
             end select
@@ -210,8 +216,8 @@ contains
          call complain(log, 'E0103', 'PRESSURE-OVERCLOSURE=EXPONENTIAL needs c0, p0', block%at)
          return
       end if
-      call field_real(field(1), c0, log, found)
-      call field_real(field(2), p0, log, found)
+      call need_real(field(1), c0, log, found)
+      call need_real(field(2), p0, log, found)
       if (.not. (c0 > 0.0_wp .and. p0 > 0.0_wp)) call complain(log, 'E0306', 'c0 = ' &
          & //to_text(c0, 6)//' and p0 = ' &
          & //to_text(p0, 6)//' must be positive', line_place(block%line(1)))

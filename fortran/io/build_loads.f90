@@ -8,9 +8,8 @@ module lopin_build_loads
    use lopin_text, only : upper, to_text
    use lopin_model, only : model_type, point_load_type, face_load_type, body_load_type, &
       & surface_of, kind_of
-   use lopin_block, only : deck_type, block_type, field_type, split_fields, field_real, &
-      & field_integer, complain
-   use lopin_build_scene, only : scene_type, nodes_of, elements_of
+   use lopin_block, only : deck_type, block_type, field_type, split_fields, field_real, complain
+   use lopin_build_scene, only : need_integer, need_real, scene_type, nodes_of, elements_of
    use lopin_build_surfaces, only : surface_named
    use lopin_build_amplitudes, only : read_amplitude_word
    use lopin_build_load_list, only : loads_type, family_of, hold_loads, drop_dloads, &
@@ -76,8 +75,8 @@ contains
          call nodes_of(scene, model%mesh, field(1), scope, node, model%log)
          call need_fields(field(:n), 3, 'node or node set, dof, force', found, model%log)
          if (.not. found) cycle
-         call field_integer(field(2), load%dof, model%log, found)
-         if (found) call field_real(field(3), load%value, model%log, found)
+         call need_integer(field(2), load%dof, model%log, found)
+         if (found) call need_real(field(3), load%value, model%log, found)
          if (.not. found) cycle
          load%at = line_span(field(:n))
          if (is_absolute(absolute, load%amplitude)) load%value = 1.0_wp
@@ -130,7 +129,7 @@ contains
             call elements_of(scene, model%mesh, field(1), scope, element, model%log)
          end if
          label = upper(field(2)%text)
-         call field_real(field(3), value, model%log, found)
+         call need_real(field(3), value, model%log, found)
          if (.not. found) cycle
          if (is_absolute(absolute, amplitude)) value = 1.0_wp
          select case (label)
@@ -251,7 +250,7 @@ contains
          call need_fields(field(:n), 3, 'surface, P, pressure', found, model%log)
          if (.not. found) cycle
          k = surface_named(model, scene, field(1)%text, scope, field(1)%at)
-         call field_real(field(3), value, model%log, found)
+         call need_real(field(3), value, model%log, found)
          if (k == 0 .or. .not. found) cycle
          if (is_absolute(absolute, load%amplitude)) value = 1.0_wp
          if (model%surface(k)%kind /= surface_of%faces) then

@@ -7,8 +7,8 @@ module lopin_build_materials
    use lopin_element_type, only : element_kind
    use lopin_block, only : deck_type, block_type, field_type, split_fields, field_real, &
       & complain, line_place
-   use lopin_build_scene, only : scene_type, name_type, need_word, get_word, set_named, &
-      & find_name, no_such
+   use lopin_build_scene, only : need_real, scene_type, name_type, need_word, get_word, &
+      & set_named, find_name, no_such
    implicit none
    private
    public :: build_materials, build_sections, check_sections
@@ -82,7 +82,7 @@ contains
       found = .false.
       n = 0
       if (block%nline > 0) call split_fields(block%line(1), field, n)
-      if (n > 0) call field_real(field(1), value, log, found)
+      if (n > 0) call need_real(field(1), value, log, found)
       if (n == 0) call complain(log, 'E0103', '*'//block%keyword//' needs '//what, block%at)
    end subroutine read_one
 
@@ -96,6 +96,11 @@ contains
       integer :: n
       logical :: found, two
 
+      if (material%has_elastic) then
+         call complain(log, 'E0205', 'material `'//material%name//'` has a second *ELASTIC', &
+            & block%at)
+         return
+      end if
       material%has_elastic = .true.
       call get_word(block, 'TYPE', word, at, found)
       if (found .and. word /= 'ISOTROPIC' .and. word /= 'ISO') then

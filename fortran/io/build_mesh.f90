@@ -6,8 +6,8 @@ module lopin_build_mesh
    use lopin_mesh, only : max_nodes_per_element, find_label
    use lopin_model, only : model_type, kind_of
    use lopin_block, only : deck_type, block_type, field_type, data_line_type, split_fields, &
-      & field_real, field_integer, complain, line_place
-   use lopin_build_scene, only : scene_type, need_word
+      & field_real, complain, line_place
+   use lopin_build_scene, only : need_integer, scene_type, need_word
    use lopin_build_parts, only : placed
    use lopin_build_element_words, only : find_element_words, set_kind
    use lopin_build_labels, only : sort_labels, find_doubles
@@ -93,7 +93,7 @@ contains
       logical :: found
 
       x = 0.0_wp
-      call field_integer(field(1), label, model%log, ok)
+      call need_integer(field(1), label, model%log, ok)
       if (ok .and. label < 1) then
          ok = .false.
          call complain(model%log, 'E0103', 'node numbers start at 1', field(1)%at)
@@ -188,9 +188,11 @@ contains
                return
             end if
             do i = 1, n
-               call field_integer(field(i), number, model%log, ok)
+               call need_integer(field(i), number, model%log, ok)
                if (.not. ok) number = 0
                if (have == 0) then
+                  if (ok .and. number < 1) call complain(model%log, 'E0103', &
+                     & 'element numbers start at 1', field(i)%at)
                   mesh%nelement = mesh%nelement + 1
                   mesh%element_label(mesh%nelement) = number + scene%element_offset(scope)
                   mesh%etype(mesh%nelement) = e

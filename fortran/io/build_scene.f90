@@ -10,13 +10,14 @@ module lopin_build_scene
    use lopin_text, only : upper, nearest_word, to_text, parse_integer, plural
    use lopin_mesh, only : mesh_type, set_type, find_label, find_set
    use lopin_element_type, only : element_type
-   use lopin_block, only : block_type, field_type, get_parameter, complain
+   use lopin_block, only : block_type, field_type, get_parameter, complain, field_integer, &
+      & field_real
    implicit none
    private
    public :: scene_type, instance_type, card_type, list_type, name_type
    public :: push, scoped, split_prefix, no_such, get_word, need_word, node_of, nodes_of, &
       & elements_of
-   public :: find_name, set_named
+   public :: find_name, set_named, need_integer, need_real
 
    integer, parameter :: most_names = 10   !! names listed in a message
 
@@ -129,6 +130,28 @@ contains
       if (found) return
       call complain(log, 'E0106', '*'//block%keyword//' needs '//name//'=', block%at)
    end subroutine need_word
+
+   !> A whole number that must be there: an empty field is a complaint too.
+   subroutine need_integer(field, value, log, found)
+      type(field_type), intent(in) :: field
+      integer, intent(out) :: value
+      type(log_type), intent(inout) :: log
+      logical, intent(out) :: found
+
+      call field_integer(field, value, log, found)
+      if (len(field%text) == 0) call complain(log, 'E0103', 'a whole number is missing', field%at)
+   end subroutine need_integer
+
+   !> A number that must be there: an empty field is a complaint too.
+   subroutine need_real(field, value, log, found)
+      type(field_type), intent(in) :: field
+      real(wp), intent(out) :: value
+      type(log_type), intent(inout) :: log
+      logical, intent(out) :: found
+
+      call field_real(field, value, log, found)
+      if (len(field%text) == 0) call complain(log, 'E0103', 'a number is missing', field%at)
+   end subroutine need_real
 
    pure integer function find_name(names, wanted)
       type(name_type), intent(in) :: names(:)
