@@ -1,18 +1,16 @@
-!> Rigid bodies, equations between displacements, local axes of nodes.
+!> Rigid bodies and equations between displacements.
 module lopin_build_constraints
    use lopin_kinds, only : wp
-   use lopin_error, only : location_type, log_type
+   use lopin_error, only : location_type
    use lopin_text, only : to_text, plural
    use lopin_model, only : model_type, rigid_body_type, equation_type, surface_of
-   use lopin_block, only : deck_type, block_type, field_type, split_fields, field_real, &
-      & complain, line_place
-   use lopin_build_scene, only : need_integer, need_real, scene_type, list_type, push, &
-      & need_word, get_word, nodes_of, node_of, set_named
+   use lopin_block, only : deck_type, block_type, field_type, split_fields, complain, line_place
+   use lopin_build_scene, only : need_integer, need_real, scene_type, list_type, push, get_word, &
+      & nodes_of, node_of, set_named
    use lopin_build_surfaces, only : surface_named
-   use lopin_build_parts, only : placed
    implicit none
    private
-   public :: build_rigid_bodies, build_equations, build_transforms
+   public :: build_rigid_bodies, build_equations
 
 contains
 
@@ -216,7 +214,38 @@ contains
             if (allocated(term)) deallocate (term)
          end associate
       end do
+      call check_eliminated(model)
    end subroutine build_equations
+
+   !> A dof is eliminated by one equation only, and not at a node that a rigid body moves.
+   subroutine check_eliminated(model)
+      type(model_type), intent(inout) :: model
+      integer, allocatable :: taken(:, :), body(:)
+      integer :: i, node, dof
+
+      allocate (taken(6, model%mesh%nnode), body(model%mesh%nnode), source=0)
+      do i = 1, size(model%rigid_body)
+         body(model%rigid_body(i)%node) = i
+      end do
+      do i = 1, size(model%equation)
+         node = model%equation(i)%node(1)
+         dof = model%equation(i)%dof(1)
+         if (dof < 1 .or. dof > 6) cycle
+         if (taken(dof, node) > 0) then
+            call complain(model%log, 'E0403', 'dof '//to_text(dof)//' of node ' &
+               & //to_text(model%mesh%node_label(node))//' is eliminated twice: by the ' &
+               & //'equations of lines '//to_text(model%equation(taken(dof, node))%at%line)//' and ' &
+               & //to_text(model%equation(i)%at%line), model%equation(i)%at, &
+               & help='the first term of an equation is eliminated: put another one first')
+         else if (body(node) > 0) then
+            call complain(model%log, 'E0403', 'dof '//to_text(dof)//' of node ' &
+               & //to_text(model%mesh%node_label(node))//' is eliminated by an equation ' &
+               & //'and moved by *RIGID BODY of line '//to_text(model%rigid_body(body(node))%at%line), &
+               & model%equation(i)%at, help='put a node that is free first')
+         end if
+         taken(dof, node) = i
+      end do
+   end subroutine check_eliminated
 
    !> One equation for single nodes; for sets of equal size, one for each member.
    subroutine add_equations(model, scene, scope, term, at)
@@ -271,115 +300,4 @@ contains
          model%equation = [model%equation, equation]
       end do
    end subroutine add_equations
-
-   subroutine build_transforms(model, deck, scene)
-      type(model_type), intent(inout) :: model
-      type(deck_type), intent(in) :: deck
-      type(scene_type), intent(in) :: scene
-      character(len=:), allocatable :: word, kind
-      type(location_type) :: at
-      real(wp), allocatable :: axes(:, :, :)
-      real(wp) :: point(6)
-      integer, allocatable :: slot(:)
-      integer :: k, i, s, n
-      logical :: found
-
-      allocate (model%transform%node(0), slot(model%mesh%nnode), axes(3, 3, model%mesh%nnode))
-      slot = 0
-      n = 0
-      do k = 1, scene%ncard
-         associate (block => deck%block(scene%card(k)%block), scope => scene%card(k)%scope)
-            if (block%keyword /= 'TRANSFORM') cycle
-            call need_word(block, 'NSET', word, at, found, model%log)
-            if (.not. found) cycle
-            s = set_named(scene, model%mesh%nset, 'node set', word, scope, at, model%log)
-            call get_word(block, 'TYPE', kind, at, found)
-            call read_points(block, point, found, model%log)
-            if (s == 0 .or. .not. found) cycle
-            point(:3) = placed(scene, scope, point(:3)) - merge(placed(scene, scope, [0.0_wp, &
-               & 0.0_wp, 0.0_wp]), &
-               & 0.0_wp, kind /= 'C')
-            point(4:) = placed(scene, scope, point(4:)) - merge(placed(scene, scope, [0.0_wp, &
-               & 0.0_wp, 0.0_wp]), &
-               & 0.0_wp, kind /= 'C')
-            associate (member => model%mesh%nset(s)%member)
-               do i = 1, size(member)
-                  if (slot(member(i)) == 0) then
-                     n = n + 1
-                     slot(member(i)) = n
-                     model%transform%node = [model%transform%node, member(i)]
-                  end if
-                  call local_axes(kind, point, model%mesh%x(:, member(i)), &
-                     & axes(:, :, slot(member(i))), found)
-                  if (found) cycle
-                  call complain(model%log, 'E0405', 'the points of *TRANSFORM give no axes', &
-                     & line_place(block%line(1)), &
-                     & help='R: a on local x, b in the xy plane, not in line with the origin; ' &
-                     & //'C: a and b on the axis, no node of the set on it')
-                  exit
-               end do
-            end associate
-         end associate
-      end do
-      model%transform%axes = axes(:, :, :n)
-   end subroutine build_transforms
-
-   subroutine read_points(block, point, found, log)
-      type(block_type), intent(in) :: block
-      real(wp), intent(out) :: point(6)
-      logical, intent(out) :: found
-      type(log_type), intent(inout) :: log
-      type(field_type), allocatable :: field(:)
-      integer :: i, n
-      logical :: ok
-
-      point = 0.0_wp
-      found = block%nline > 0
-      if (.not. found) then
-         call complain(log, 'E0103', '*TRANSFORM needs a line with two points', block%at)
-         return
-      end if
-      call split_fields(block%line(1), field, n)
-      do i = 1, min(6, n)
-         call field_real(field(i), point(i), log, ok)
-      end do
-   end subroutine read_points
-
-   !> Rows are the local directions: R from two points, C radial, tangential, axial at a node.
-   pure subroutine local_axes(kind, point, x, axes, found)
-      character(len=*), intent(in) :: kind
-      real(wp), intent(in) :: point(6)       !! a and b [length]
-      real(wp), intent(in) :: x(:)           !! (ndim) the node [length]
-      real(wp), intent(out) :: axes(3, 3)
-      logical, intent(out) :: found
-      real(wp), parameter :: smallest = 1.0e-9_wp
-      real(wp) :: one(3), two(3), three(3), scale
-
-      axes = 0.0_wp
-      if (kind == 'C') then
-         three = point(4:) - point(:3)
-         one = -point(:3)
-         one(:size(x)) = one(:size(x)) + x
-         scale = norm2(three)
-         if (scale > 0.0_wp) three = three/scale
-         scale = norm2(one)
-         one = one - three*dot_product(one, three)
-         found = norm2(three) > 0.5_wp .and. norm2(one) > smallest*scale
-      else
-         one = point(:3)
-         two = point(4:)
-         three = cross(one, two)
-         found = norm2(three) > smallest*norm2(one)*norm2(two)
-      end if
-      if (.not. found) return
-      axes(1, :) = one/norm2(one)
-      axes(3, :) = three/norm2(three)
-      axes(2, :) = cross(axes(3, :), axes(1, :))
-   end subroutine local_axes
-
-   pure function cross(a, b) result(c)
-      real(wp), intent(in) :: a(3), b(3)
-      real(wp) :: c(3)
-      c = [a(2)*b(3) - a(3)*b(2), a(3)*b(1) - a(1)*b(3), a(1)*b(2) - a(2)*b(1)]
-   end function cross
 end module lopin_build_constraints

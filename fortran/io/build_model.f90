@@ -15,7 +15,8 @@ module lopin_build_model
    use lopin_build_sets, only : build_sets
    use lopin_build_materials, only : build_materials, build_sections, check_sections
    use lopin_build_surfaces, only : build_surfaces
-   use lopin_build_constraints, only : build_rigid_bodies, build_equations, build_transforms
+   use lopin_build_constraints, only : build_rigid_bodies, build_equations
+   use lopin_build_transforms, only : build_transforms
    use lopin_build_interactions, only : build_interactions
    use lopin_build_contact, only : build_pairs
    use lopin_build_amplitudes, only : build_amplitudes
