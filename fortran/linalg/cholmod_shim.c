@@ -58,7 +58,7 @@ int lopin_cholmod_create(void **out)
     h->c.supernodal = CHOLMOD_SUPERNODAL;
     h->c.final_asis = 1;
     /* Wider supernodes than CHOLMOD's own choice: some more zeros, but fewer and larger matrix
-     * products, measured up to 1.5 times faster (docs/solvers.md). */
+     * products, measured 1.2 to 1.6 times faster (docs/solvers.md). */
     h->c.nrelax[0] = 32;
     h->c.nrelax[1] = 64;
     h->c.nrelax[2] = 128;

@@ -123,8 +123,8 @@ contains
    !> A pivot smaller than this times the terms that cancelled in it is zero but for rounding.
    !>
    !> Rounding errors of the n eliminations add like a random walk. On 22 free bodies of up to 60000
-   !> equations the last pivot came out below 4.2 eps sqrt(n); a clamped strip of 3000 elements
-   !> in a row, the worst sound case tried, has 570 eps sqrt(n).
+   !> equations the last pivot was negative or below 4.2 eps sqrt(n); a clamped strip of 3000
+   !> elements in a row, the worst sound case tried, has 570 eps sqrt(n).
    pure real(wp) function pivot_tolerance(n)
       integer, intent(in) :: n
       pivot_tolerance = 16.0_wp*epsilon(1.0_wp)*sqrt(real(max(n, 1), wp))
