@@ -111,7 +111,7 @@ def _run_executable(deck: Deck, output: str | Path | None, words: list[str]) -> 
 
 
 def _deck_file(deck: Deck, folder: Path) -> tuple[Path, bool]:
-    """The file to run, and whether it is a copy to be removed: includes need the deck's own folder."""
+    """The file to run, and whether it is a copy to remove: includes need their own folder."""
     original = deck.folder/f"{deck.name}.inp"
     if original.is_file() and Deck.read(original).text() == deck.text():
         return original, False
