@@ -69,11 +69,17 @@ def find_executable() -> Path:
     """The program: LOPIN_EXECUTABLE, the one in this package, or the one of the build tree."""
     here = Path(__file__).parent
     places = [os.environ.get("LOPIN_EXECUTABLE"), here/"bin"/"lopin", here.parent.parent/"lopin"]
-    for place in filter(None, places):
-        if Path(place).is_file() and os.access(place, os.X_OK):
-            return Path(place)
+    for place in map(Path, filter(None, places)):
+        if place.is_file() and os.access(place, os.X_OK) and not _is_script(place):
+            return place
     raise ResourceError("the executable 'lopin' was not found",
                         help="run './bootstrap build' in the source folder, or 'pip install .'")
+
+
+def _is_script(path: Path) -> bool:
+    """Whether a file is a script, such as the `lopin` that would only forward here again."""
+    with path.open("rb") as file:
+        return file.read(2) == b"#!"
 
 
 def _option_words(options: dict) -> list[str]:

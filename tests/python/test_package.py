@@ -15,6 +15,7 @@ from lopin.__main__ import main
 from lopin._bridge import has_core
 from lopin.cells import CELLS
 from lopin.errors import error_of
+from lopin.run import find_executable
 
 MODULES = [m.name for m in pkgutil.iter_modules(lopin.__path__) if not m.name.startswith("_core")]
 
@@ -290,8 +291,20 @@ def test_the_compiled_part_is_missed_with_a_sentence():
 
 def test_the_executable_accepts_the_decks_of_models(executable, tmp_path):
     path = press().to_deck().write(tmp_path/"press.inp")
-    done = subprocess.run([executable, "check", path], capture_output=True, text=True, cwd=tmp_path)
+    done = subprocess.run([executable, "check", path], capture_output=True, text=True, cwd=tmp_path,
+                          timeout=60)
     assert done.returncode == 0, done.stdout + done.stderr
+
+
+def test_the_forwarding_script_is_not_taken_for_the_executable(tmp_path, monkeypatch):
+    script = tmp_path/"lopin"
+    script.write_text("#!/bin/sh\n")
+    script.chmod(0o755)
+    monkeypatch.setenv("LOPIN_EXECUTABLE", str(script))
+    try:
+        assert find_executable() != script
+    except lopin.ResourceError:
+        pass
 
 
 def test_errors_of_the_executable_arrive_in_python(executable, monkeypatch):
