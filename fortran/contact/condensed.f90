@@ -9,22 +9,13 @@
 !> use the compliance S = B K_c^-1 B^T; rows with springs stiffen K_c itself, as the penalty system does.
 module lopin_condensed
    use lopin_kinds, only : wp
+   use lopin_blas, only : dsyrk
    use lopin_enforcement_factory, only : enforcement_holder_type
    use lopin_dense, only : cholesky, cholesky_solve, lower_solve, bordered_solve
    implicit none
    private
    public :: condensed_type, springs_type, response_type, form_compliance, rows_times, columns_times
    public :: solve_set, is_spring, row_compliance
-
-   interface
-      subroutine dsyrk(uplo, trans, n, k, alpha, a, lda, beta, c, ldc)
-         import :: wp
-         character, intent(in) :: uplo, trans
-         integer, intent(in) :: n, k, lda, ldc
-         real(wp), intent(in) :: alpha, beta, a(lda, *)
-         real(wp), intent(inout) :: c(ldc, *)
-      end subroutine dsyrk
-   end interface
 
    !> Problem data. Rows come in groups of one method each (one group a pair).
    type :: condensed_type

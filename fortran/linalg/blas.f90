@@ -3,7 +3,7 @@ module lopin_blas
    use lopin_kinds, only : wp
    implicit none
    private
-   public :: dgemm, dgemv, dtrsm, dpotrf, dpotrs, dsytrf, dsytrs, dgetrf, dgetrs
+   public :: dgemm, dgemv, dsyrk, dtrsm, dsyev, dpotrf, dpotrs, dsytrf, dsytrs, dgetrf, dgetrs
 
    interface
       !> C <- alpha op(A) op(B) + beta C.
@@ -22,6 +22,23 @@ module lopin_blas
          real(wp), intent(in) :: alpha, beta, a(lda, *), x(*)
          real(wp), intent(inout) :: y(*)
       end subroutine dgemv
+      !> C <- alpha op(A) op(A)^T + beta C, one triangle.
+      pure subroutine dsyrk(uplo, trans, n, k, alpha, a, lda, beta, c, ldc)
+         import :: wp
+         character, intent(in) :: uplo, trans
+         integer, intent(in) :: n, k, lda, ldc
+         real(wp), intent(in) :: alpha, beta, a(lda, *)
+         real(wp), intent(inout) :: c(ldc, *)
+      end subroutine dsyrk
+      !> Eigenvalues, and with jobz = V eigenvectors in place, of a symmetric matrix.
+      pure subroutine dsyev(jobz, uplo, n, a, lda, w, work, lwork, info)
+         import :: wp
+         character, intent(in) :: jobz, uplo
+         integer, intent(in) :: n, lda, lwork
+         real(wp), intent(inout) :: a(lda, *)
+         real(wp), intent(out) :: w(*), work(*)
+         integer, intent(out) :: info
+      end subroutine dsyev
       !> B <- alpha op(A)^-1 B (side L) or alpha B op(A)^-1 (side R), A triangular.
       pure subroutine dtrsm(side, uplo, transa, diag, m, n, alpha, a, lda, b, ldb)
          import :: wp

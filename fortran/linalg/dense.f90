@@ -1,42 +1,10 @@
 !> Small dense solves on LAPACK: definite, semi-definite, and bordered by equilibrium conditions.
 module lopin_dense
    use lopin_kinds, only : wp
+   use lopin_blas, only : dpotrf, dpotrs, dtrsm, dsyev
    implicit none
    private
    public :: cholesky, cholesky_solve, lower_solve, bordered_solve, symmetric_eigen
-
-   interface
-      subroutine dpotrf(uplo, n, a, lda, info)
-         import :: wp
-         character, intent(in) :: uplo
-         integer, intent(in) :: n, lda
-         real(wp), intent(inout) :: a(lda, *)
-         integer, intent(out) :: info
-      end subroutine dpotrf
-      subroutine dpotrs(uplo, n, nrhs, a, lda, b, ldb, info)
-         import :: wp
-         character, intent(in) :: uplo
-         integer, intent(in) :: n, nrhs, lda, ldb
-         real(wp), intent(in) :: a(lda, *)
-         real(wp), intent(inout) :: b(ldb, *)
-         integer, intent(out) :: info
-      end subroutine dpotrs
-      subroutine dtrsm(side, uplo, trans, diag, m, n, alpha, a, lda, b, ldb)
-         import :: wp
-         character, intent(in) :: side, uplo, trans, diag
-         integer, intent(in) :: m, n, lda, ldb
-         real(wp), intent(in) :: alpha, a(lda, *)
-         real(wp), intent(inout) :: b(ldb, *)
-      end subroutine dtrsm
-      subroutine dsyev(jobz, uplo, n, a, lda, w, work, lwork, info)
-         import :: wp
-         character, intent(in) :: jobz, uplo
-         integer, intent(in) :: n, lda, lwork
-         real(wp), intent(inout) :: a(lda, *)
-         real(wp), intent(out) :: w(*), work(*)
-         integer, intent(out) :: info
-      end subroutine dsyev
-   end interface
 
    interface cholesky_solve
       module procedure cholesky_solve_one, cholesky_solve_many
