@@ -37,7 +37,10 @@ class Folder:
         frames: dict[float, dict[str, Path]] = {}
         for entry in ElementTree.parse(path).iter("DataSet"):
             file = self.folder/entry.get("file")
-            part = entry.get("name") or file.stem[len(self.name) + 1:].rpartition("_")[0] or "solid"
+            kind = file.name[len(self.name) + 1:].partition("_")[0]
+            part = entry.get("name") or file.stem
+            if kind in ("contact", "tool"):
+                part = f"{kind} {part}"
             frames.setdefault(float(entry.get("timestep")), {})[part] = file
         return sorted(frames.items())
 
@@ -49,8 +52,7 @@ class Folder:
     def pairs(self) -> list[str]:
         """Names of the contact pairs, SLAVE-MASTER."""
         parts = self._frames[-1][1] if self._frames else {}
-        return [p.removeprefix("contact_") for p in parts
-                if not p.startswith("tool_") and p not in ("solid", "SOLID", "")]
+        return [p.removeprefix("contact ") for p in parts if p.startswith("contact ")]
 
     def names(self) -> list[str]:
         """Words of the fields at the points of the mesh."""
@@ -58,13 +60,22 @@ class Folder:
 
     def field(self, name: str, index: int) -> NDArray:
         """A field at the points of the mesh."""
-        values = self._piece(index, "solid").point_data[name]
-        return values[:, _FROM_VTK] if values.ndim == 2 and values.shape[1] == 6 else values
+        return self._plain(self._piece(index, "solid").point_data[name])
 
     def contact(self, pair: str, index: int) -> dict[str, NDArray]:
         """All fields of the slave points of a pair, and their coordinates "X"."""
-        piece = self._piece(index, pair)
-        return {"X": piece.points, **piece.point_data}
+        piece = self._piece(index, f"contact {pair}")
+        fields = {"X": piece.points, **piece.point_data}
+        return {word: self._plain(values) for word, values in fields.items()}
+
+    def _plain(self, values: NDArray) -> NDArray:
+        """Lopin's order of stresses; no third component in a plane; (n,) for scalars."""
+        width = values.shape[1] if values.ndim == 2 else 0
+        if width == 6:
+            return values[:, _FROM_VTK]
+        if width == 3 and self.summary.get("model", {}).get("dimensions") == 2:
+            return values[:, :2]
+        return values[:, 0] if width == 1 else values
 
     def history(self) -> dict[str, NDArray]:
         """Columns of the history file by name, without their units."""
@@ -86,7 +97,6 @@ class Folder:
         import meshio
 
         files = self._frames[index][1]
-        for name in (part, f"contact_{part}", part.upper(), part.lower()):
-            if name in files:
-                return meshio.read(files[name])
-        raise ResourceError(f"no part '{part}' among {', '.join(files)}")
+        if part not in files:
+            raise ResourceError(f"no part '{part}' among {', '.join(files)}")
+        return meshio.read(files[part])

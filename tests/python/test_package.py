@@ -317,6 +317,23 @@ def test_errors_of_the_executable_arrive_in_python(executable, monkeypatch):
     assert caught.value.line > 0 and caught.value.column == 1
 
 
+@pytest.mark.parametrize("method", ["lagrange", "penalty", "perturbed", "augmented"])
+def test_a_model_run_by_the_executable_gives_the_exact_pressure(executable, monkeypatch, method):
+    monkeypatch.setenv("LOPIN_EXECUTABLE", str(executable))
+    result = lopin.run(press(method), executable=True)
+    contact = result.contact("TOP").last
+    exact = 210e3/(1.0 - 0.3**2)*0.01
+    tolerance = 0.02 if method in ("penalty", "perturbed") else 1e-5
+    assert contact.pressure == pytest.approx(exact, rel=tolerance)
+    assert contact.x.shape == contact.force.shape == (5, 2)
+    assert result["displacement"].shape == (15 + 1, 2)
+    assert result.history["DIE.rf2"][-1] == pytest.approx(-2.0*exact, rel=tolerance)
+    assert result.times == pytest.approx([0.5, 1.0])
+    assert result.pairs == ["TOP-DIE"]
+    with pytest.raises(lopin.UsageError, match="no result 'displacment'; known: "):
+        result["displacment"]
+
+
 # ---- the tree ---------------------------------------------------------------------------
 
 
