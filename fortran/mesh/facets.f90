@@ -272,14 +272,15 @@ contains
    !>
    !> Linear facets: integrals of the shape functions, so that a uniform pressure gives the
    !> consistent forces; on the axis pi h**2/3 > 0. Quadratic surfaces: integrals of the blended
-   !> functions (the corners of quad8 would be negative). line3: the shape functions, unless a node
-   !> would get next to nothing, as on the axis.
+   !> functions (the corners of quad8 would be negative). line3: the shape functions; the node on the
+   !> axis, whose integral vanishes, gets a thousandth of the area from the middle node.
    pure subroutine facet_weights(self, x, axisymmetric, weight)
       type(facet_rule_type), intent(in) :: self
       real(wp), intent(in) :: x(:, :)        !! (ndim, nnode) coordinates [length]
       logical, intent(in) :: axisymmetric
       real(wp), intent(out) :: weight(:)     !! (nnode) [length^2], plane: per thickness [length]
       real(wp) :: normal(3), area
+      real(wp) :: lacking
       integer :: k, m
 
       m = self%cell%nnode
@@ -289,8 +290,14 @@ contains
          weight(:m) = weight(:m) + area*self%n(:, k)
       end do
       if (.not. self%cell%quadratic) return
-      if (self%cell%id == cell_id%line3 .and. minval(weight(:m)) > 0.01_wp*sum(weight(:m))) return
-      weight(:m) = matmul(self%blend(:m, :m), weight(:m))
+      if (self%cell%id == cell_id%line3) then
+         do k = 1, 2
+            lacking = max(0.0_wp, 1.0e-3_wp*sum(weight(:m)) - weight(k))
+            weight([k, 3]) = weight([k, 3]) + [lacking, -lacking]
+         end do
+      else
+         weight(:m) = matmul(self%blend(:m, :m), weight(:m))
+      end if
    end subroutine facet_weights
 
    !> Areas of all nodes of a list of facets; zero elsewhere.

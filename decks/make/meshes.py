@@ -1,0 +1,109 @@
+"""Write the meshes that decks of this folder include: `python decks/make/meshes.py [name ...]`.
+
+A deck `name.inp` includes `name.mesh`, which is written here with nothing else in it.
+"""
+from __future__ import annotations
+
+import sys
+from math import log, pi
+from pathlib import Path
+
+import numpy as np
+
+from lopin import mesh_make
+from lopin.closed_form import contact_modulus, hertz_point_approach
+from lopin.deck import Deck, Row
+from lopin.mesh import Mesh
+from lopin.model import Model
+from lopin.model_deck import mesh_deck
+
+FOLDER = Path(__file__).resolve().parents[1]
+
+
+def spread(first: float, start: float, end: float, growth: float) -> np.ndarray:
+    """Ticks from `start` (not included) to `end`, the first about `first`, growing by `growth`."""
+    n = max(1, round(log(1.0 + (end - start)*(growth - 1.0)/first)/log(growth)))
+    x = np.cumsum(growth**np.arange(1, n + 1))
+    return start + (end - start)*x/x[-1]
+
+
+def fine_then_spread(size: float, fine: float, end: float, growth: float) -> np.ndarray:
+    """Ticks from 0 to `end`: of one size up to `fine`, growing beyond."""
+    even = size*np.arange(round(fine/size) + 1)
+    return np.concatenate([even, spread(size, even[-1], end, growth)])
+
+
+def boussinesq(force: float, r, depth, young: float, poisson: float):
+    """Radial and axial (upward) displacement of a half-space under a downward point force."""
+    far = np.hypot(r, depth)
+    factor = force*(1.0 + poisson)/(2.0*pi*young)
+    radial = factor*(r*depth/far**3 - (1.0 - 2.0*poisson)*r/(far*(far + depth)))
+    return radial, -factor*(depth**2/far**3 + 2.0*(1.0 - poisson)/far)
+
+
+def far_sides(deck: Deck, mesh: Mesh, sides: np.ndarray, force: float, young: float,
+              poisson: float) -> None:
+    """Move nodes (0-based) as a half-space loaded at the origin would."""
+    block = deck.add("BOUNDARY", comment="The far sides move as Boussinesq's half-space does: the "
+                     "block stands for a half-space.")
+    for i in sides:
+        x = mesh.points[i]
+        r = np.hypot(*x[:-1]) if len(x) == 3 else x[0]
+        radial, axial = boussinesq(force, r, -x[-1], young, poisson)
+        radial = [radial] if len(x) == 2 else [radial*c/r if r > 0.0 else 0.0 for c in x[:-1]]
+        for d, value in enumerate([*radial, axial], start=1):
+            if d == len(x) or x[d - 1] > 1e-9:
+                block.lines.append(Row([int(i) + 1, d, d, float(f"{value:.8g}")]))
+
+
+def half_space(ticks: list[np.ndarray], near: float, kind: str) -> tuple[Mesh, Deck, np.ndarray]:
+    """Block below z = 0 with ticks along r (or x = y) and down; surface NEAR within `near`."""
+    across, down = ticks
+    end, depth = across[-1], down[-1]
+    n = 2 if kind == "3d" else 1
+    mesh = mesh_make.block((end,)*n + (depth,), (len(across) - 1,)*n + (len(down) - 1,),
+                           grading=[across/end]*n + [1.0 - down[::-1]/depth],
+                           origin=(0.0,)*n + (-depth,))
+    mesh = mesh.mapped(lambda x: np.round(x, 9))
+    mesh = mesh.with_surface("NEAR", lambda x: (x[:, -1] > -1e-9) & (x[:, :-1].max(axis=1) < near))
+    keep = {"NEAR", "LEFT"} | ({"FRONT"} if kind == "3d" else set())
+    lean = mesh.replaced(point_sets={k: v for k, v in mesh.point_sets.items() if k in keep},
+                         surfaces={"NEAR": mesh.surfaces["NEAR"]})
+    x = mesh.points
+    sides = np.flatnonzero((x[:, :-1].max(axis=1) > end - 1e-6) | (x[:, -1] < -depth + 1e-6))
+    return lean, mesh_deck(Model("mesh", lean, kind=kind)), sides
+
+
+def hertz_sphere() -> Deck:
+    """Half-space under a sphere that goes 0.02 deep: contact radius 1."""
+    mesh, deck, sides = half_space([fine_then_spread(1/24, 1.125, 8.0, 1.08),
+                                    np.concatenate([[0.0], spread(1/24, 0.0, 8.0, 1.08)])],
+                                   1.5, "axisymmetric")
+    force = hertz_point_approach(0.02, 50.0, contact_modulus(20e3, 0.3)).force
+    far_sides(deck, mesh, sides, force, 20e3, 0.3)
+    return deck
+
+
+def hertz_sphere_3d() -> Deck:
+    """The same in three dimensions, a quarter."""
+    mesh, deck, sides = half_space([fine_then_spread(1/6, 7/6, 5.0, 1.5),
+                                    np.concatenate([[0.0], spread(1/8, 0.0, 5.0, 1.5)])],
+                                   1.4, "3d")
+    force = hertz_point_approach(0.02, 50.0, contact_modulus(20e3, 0.3)).force
+    far_sides(deck, mesh, sides, force, 20e3, 0.3)
+    return deck
+
+
+MESHES = {f.__name__: f for f in (hertz_sphere, hertz_sphere_3d)}
+
+
+def main(names: list[str]) -> None:
+    """Write the meshes of these names, or all."""
+    for name in names or MESHES:
+        text = f"** Written by decks/make/meshes.py\n{MESHES[name]().text()}"
+        (FOLDER/f"{name}.mesh").write_text(text, encoding="ascii")
+        print(f"{name}.mesh: {len(text)//1000} kB")
+
+
+if __name__ == "__main__":
+    main(sys.argv[1:])
