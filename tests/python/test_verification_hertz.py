@@ -1,0 +1,69 @@
+"""Contact of curved and flat bodies against closed forms of half-spaces."""
+import numpy as np
+import pytest
+
+from lopin import Deck
+from lopin.closed_form import (
+    contact_modulus,
+    hertz_point_approach,
+)
+
+BALL = hertz_point_approach(0.02, 50.0, contact_modulus(20e3, 0.3))
+SOFT = {"DIRECT": "", "PENALTY": "\n1.e8", "PERTURBED LAGRANGE": "\n1.e8",
+        "AUGMENTED LAGRANGE": ""}
+
+
+def with_method(root, name, method, slope=""):
+    """A deck of the collection with another method."""
+    path = root/"decks"/f"{name}.inp"
+    text = path.read_text(encoding="utf-8")
+    line = "*SURFACE BEHAVIOR, DIRECT\n"
+    assert line in text
+    return Deck.parse(text.replace(line, f"*SURFACE BEHAVIOR, {method}{slope}\n"), name=name,
+                      folder=path.parent)
+
+
+@pytest.mark.parametrize("method", SOFT)
+def test_a_sphere_presses_as_hertz_says(root, solve, sheet, method):
+    result = solve(with_method(root, "hertz_sphere", method, SOFT[method]))
+    case, start = "A4 Hertz: rigid sphere, axisymmetric", f"{method.lower()}: "
+    contact = result.contact(0).last
+    order = np.argsort(contact.r)
+    r, p = contact.r[order], contact.pressure.ravel()[order]
+    sheet.compare(case, start + "force", -result.history["BALL.rf2"][-1], BALL.force, 0.005)
+    sheet.compare(case, start + "pressure in the middle", p[0], BALL.p0, 0.01)
+    sheet.compare(case, start + "largest pressure", p.max(), BALL.p0, 0.01)
+    inside = r < 0.9
+    sheet.compare(case, start + "pressure, r < 0.9 a, worst over p0",
+                  abs(p - BALL.pressure(r))[inside].max()/BALL.p0, 0.0, 0.01, absolute=True)
+    sheet.compare(case, start + "contact radius", 0.5*(r[p > 0.0].max() + r[p == 0.0].min()),
+                  BALL.a, 0.03)
+
+
+@pytest.mark.parametrize("method", SOFT)
+def test_a_sphere_in_three_dimensions(root, solve, sheet, method):
+    result = solve(with_method(root, "hertz_sphere_3d", method, SOFT[method]))
+    case, start = "A4 Hertz: rigid sphere, a quarter in 3D", f"{method.lower()}: "
+    sheet.compare(case, start + "force", -4.0*result.history["BALL.rf3"][-1], BALL.force, 0.02)
+    sheet.compare(case, start + "largest pressure", result.history["NEAR-BALL.max_pressure"][-1],
+                  BALL.p0, 0.02)
+
+
+def test_the_excess_of_force_is_the_slope_of_the_sphere(root, solve, sheet):
+    """Hertz is the limit of a small contact: ten times flatter, the excess goes."""
+    deck = with_method(root, "hertz_sphere", "DIRECT")
+    text = deck.text().replace("900001, 0., 50.", "900001, 0., 500.") \
+        .replace("START, 50., 50.", "START, 500., 500.") \
+        .replace("CIRCL, 0., 0., 0., 50.", "CIRCL, 0., 0., 0., 500.") \
+        .replace("BALL_REF, 2, 2, -0.02", "BALL_REF, 2, 2, -0.002")
+    # The far sides go a tenth as far, too.
+    far = (root/"decks"/"hertz_sphere.mesh").read_text(encoding="utf-8")
+    head, rows = far.split("*BOUNDARY\n")
+    rows = [row.split(",") for row in rows.split("\n") if row.strip()]
+    rows = [f"{a},{b},{c}, {0.1*float(d)!r}" for a, b, c, d in rows]
+    text = text.replace("*INCLUDE, INPUT=hertz_sphere.mesh",
+                        head + "*BOUNDARY\n" + "\n".join(rows))
+    flat = hertz_point_approach(0.002, 500.0, contact_modulus(20e3, 0.3))
+    result = solve(Deck.parse(text, name="flatter"))
+    sheet.compare("A4 Hertz: rigid sphere, axisymmetric", "lagrange, R = 500: force",
+                  -result.history["BALL.rf2"][-1], flat.force, 0.002)
