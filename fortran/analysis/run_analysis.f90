@@ -3,6 +3,7 @@ module lopin_run_analysis
    use lopin_kinds, only : wp
    use lopin_error, only : error_type, error_code, raise, log_type, severity
    use lopin_text, only : to_text
+   use lopin_checksum, only : checksum_type
    use lopin_clock, only : phase, clock_type
    use lopin_model, only : model_type, step_type
    use lopin_state, only : frame_type, summary_type, certificate_type, verdict_words
@@ -27,6 +28,7 @@ module lopin_run_analysis
       real(wp), allocatable :: f(:), residual(:)
       real(wp) :: work = 0.0_wp                !! of loads and prescribed displacements
       real(wp), allocatable :: f_before(:), u_before(:), r_before(:)
+      type(checksum_type) :: checksum          !! of the displacements of all nodes so far
    end type progress_type
 
 contains
@@ -50,6 +52,7 @@ contains
       summary%plan = ''
       summary%path = ''
       summary%solver = ''
+      summary%checksum = ''
       allocate (summary%step(size(model%step)))
       call begin_all(recorders, model, error)
       if (.not. allocated(error)) call new_plan(plan, model, error)
@@ -252,6 +255,8 @@ contains
       call accept(scene, model, progress, steady)
       call record(scene, model, reaction, recorders, frame, error)
       if (allocated(error)) return
+      call progress%checksum%add(frame%u(:3, :))
+      summary%checksum = progress%checksum%text()
       if (frame%certificate%verdict == 2) call raise(error, error_code%not_converged, 'E0504', 'the certificate of step '// &
          & to_text(frame%step)//', increment '//to_text(frame%increment)//' fails: '//frame%certificate%reason, &
          & model%step(scene%step)%at, help='see lopin explain E0504')

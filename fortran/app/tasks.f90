@@ -1,24 +1,17 @@
 !> What each word of the command line does.
 module lopin_tasks
    use, intrinsic :: iso_fortran_env, only : compiler_version, compiler_options
-   use lopin_build_model, only : new_model
    use lopin_command_line, only : options_type
    use lopin_deck, only : deck_type, read_deck
    use lopin_error, only : error_type, error_code, log_type, raise
+   use lopin_job, only : job_type, outcome_type, open_job, run_job, stem_of
    use lopin_explain, only : explain, explained_codes
    use lopin_keywords, only : keyword_sheet, keyword_manual
    use lopin_model, only : model_type
-   use lopin_clock, only : clock_type, phase
-   use lopin_recorder, only : recorder_holder_type
-   use lopin_recorder_factory, only : new_recorders
-   use lopin_run_analysis, only : run_analysis
    use lopin_selftest, only : selftest_case, ncase
-   use lopin_solver_cholmod, only : set_blas_threads
-   use lopin_state, only : summary_type
    use lopin_terminal, only : terminal_type
-   use lopin_text, only : plural, upper
+   use lopin_text, only : plural
    use lopin_version, only : version
-   use omp_lib, only : omp_set_num_threads
    implicit none
    private
    public :: run_deck, check_deck, show_info, show_explanation, show_keyword, run_selftest
@@ -29,78 +22,41 @@ contains
    subroutine run_deck(options, terminal)
       type(options_type), intent(in) :: options
       type(terminal_type), intent(inout) :: terminal
+      type(job_type) :: job
       type(model_type) :: model
-      type(recorder_holder_type), allocatable :: recorders(:)
-      type(clock_type) :: clock
-      type(summary_type) :: summary
-      type(log_type) :: log
+      type(outcome_type) :: outcome
       type(error_type), allocatable :: error
 
-      call clock%start()
-      call open_model(options, terminal, model)
-      call clock%stop_in(phase%model)
-      call set_threads(options)
-      call new_recorders(recorders, model, folder_of(options), stem_of(options%subject), error, &
-         & names_of(terminal%deck))
-      call terminal%stop_on(error)
-      call run_analysis(model, recorders, clock, summary, log, error)
-      if (len(summary%plan) > 0) call terminal%say(summary%plan)
-      call terminal%show_log(log)
+      call outcome%clock%start()
+      call new_job(job, options)
+      call open_model(job, options, terminal, model)
+      call run_job(job, terminal%deck, model, outcome, error)
+      if (len(outcome%summary%plan) > 0) call terminal%say(outcome%summary%plan)
+      call terminal%show_log(outcome%log)
       call terminal%stop_on(error)
    end subroutine run_deck
 
-   !> Threads of the assembly; BLAS on one thread where the same bits are asked for.
-   subroutine set_threads(options)
+   subroutine new_job(job, options)
+      type(job_type), intent(out) :: job
       type(options_type), intent(in) :: options
-      logical :: done
 
-      if (options%threads > 0) call omp_set_num_threads(options%threads)
-      done = .true.
-      if (options%deterministic) then
-         done = set_blas_threads(1)
-      else if (options%threads > 0) then
-         done = set_blas_threads(options%threads)
-      end if
-      associate (unused => done)
-      end associate
-   end subroutine set_threads
-
-   function folder_of(options) result(folder)
-      type(options_type), intent(in) :: options
-      character(len=:), allocatable :: folder
-      folder = options%output
-      if (len(folder) == 0) folder = 'out/'//stem_of(options%subject)
-   end function folder_of
-
-   !> Name of the deck without its folder and its .inp.
-   function stem_of(path) result(stem)
-      character(len=*), intent(in) :: path
-      character(len=:), allocatable :: stem
-      integer :: dot
-
-      stem = path(index(path, '/', back=.true.) + 1:)
-      dot = index(stem, '.', back=.true.)
-      if (dot > 1) stem = stem(:dot - 1)
-   end function stem_of
-
-   function names_of(deck) result(names)
-      type(deck_type), intent(in) :: deck
-      character(len=200), allocatable :: names(:)
-      integer :: i
-
-      allocate (names(size(deck%source)))
-      do i = 1, size(names)
-         names(i) = deck%source(i)%name
-      end do
-   end function names_of
+      job%stem = stem_of(options%subject)
+      job%folder = options%output
+      if (len(job%folder) == 0) job%folder = 'out/'//job%stem
+      job%solver = options%solver
+      job%threads = options%threads
+      job%deterministic = options%deterministic
+   end subroutine new_job
 
    !> lopin check deck.inp: everything but the solution.
    subroutine check_deck(options, terminal)
       type(options_type), intent(in) :: options
       type(terminal_type), intent(inout) :: terminal
+      type(job_type) :: job
       type(model_type) :: model
 
-      call open_model(options, terminal, model)
+      call new_job(job, options)
+      call open_model(job, options, terminal, model)
       call terminal%say(options%subject//': '//plural(model%mesh%nnode, 'node')//', '// &
          & plural(model%mesh%nelement, 'element')//', '//plural(size(model%pair), &
          & 'contact pair')//', '// &
@@ -108,17 +64,17 @@ contains
    end subroutine check_deck
 
    !> Read the deck, build the model, and show what both had to say.
-   subroutine open_model(options, terminal, model)
+   subroutine open_model(job, options, terminal, model)
+      type(job_type), intent(in) :: job
       type(options_type), intent(in) :: options
       type(terminal_type), intent(inout) :: terminal
       type(model_type), intent(out) :: model
       type(error_type), allocatable :: error
 
       call open_deck(options, terminal)
-      call new_model(model, terminal%deck, error)
+      call open_job(job, terminal%deck, model, error)
       call terminal%show_log(model%log)
       call terminal%stop_on(error)
-      if (len(options%solver) > 0) model%solver = upper(options%solver)
    end subroutine open_model
 
    !> Read the deck and show what the reader had to say.

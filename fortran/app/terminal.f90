@@ -6,6 +6,7 @@ module lopin_terminal
    use, intrinsic :: iso_fortran_env, only : output_unit, error_unit
    use lopin_block, only : deck_type
    use lopin_error, only : error_type, error_code, log_type, diagnostic_type, severity, raise
+   use lopin_job, only : refuse_warnings
    use lopin_render, only : render, render_json, json_string
    use lopin_text, only : plural, to_text
    implicit none
@@ -73,10 +74,7 @@ contains
          if (self%quiet .and. log%item(i)%severity == severity%note) cycle
          call show(self, log%item(i))
       end do
-      if (.not. self%strict .or. log%count_of(severity%warning) == 0) return
-      call raise(error, error_code%deck, 'E0803', plural(log%count_of(severity%warning), &
-         & 'warning')// &
-         & ' with --strict')
+      if (self%strict) call refuse_warnings(log, error)
       call self%stop_on(error)
    end subroutine show_log
 

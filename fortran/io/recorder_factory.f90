@@ -13,7 +13,7 @@ module lopin_recorder_factory
    use lopin_recorder_sta, only : sta_recorder_type, new_sta_recorder
    use lopin_recorder_history, only : history_recorder_type, new_history_recorder
    use lopin_recorder_json, only : json_recorder_type, new_json_recorder, json_schema
-   use lopin_recorder_memory, only : memory_recorder_type
+   use lopin_recorder_memory, only : memory_recorder_type, new_memory_recorder
    implicit none
    private
    public :: new_recorders, append_memory
@@ -64,9 +64,12 @@ contains
    end subroutine new_recorders
 
    !> Add a recorder that keeps everything in memory, as the last of the list.
-   subroutine append_memory(list)
+   subroutine append_memory(list, deck_file)
       type(recorder_holder_type), allocatable, intent(inout) :: list(:)
+      character(len=*), intent(in), optional :: deck_file(:)    !! by file index of locations
       type(recorder_holder_type), allocatable :: longer(:)
+      type(memory_recorder_type), allocatable :: one
+      character(len=1) :: none(0)
       integer :: i, n
 
       n = 0
@@ -75,7 +78,13 @@ contains
       do i = 1, n
          call move_alloc(list(i)%recorder, longer(i)%recorder)
       end do
-      allocate (memory_recorder_type :: longer(n + 1)%recorder)
+      allocate (one)
+      if (present(deck_file)) then
+         call new_memory_recorder(one, deck_file)
+      else
+         call new_memory_recorder(one, none)
+      end if
+      call move_alloc(one, longer(n + 1)%recorder)
       call move_alloc(longer, list)
    end subroutine append_memory
 

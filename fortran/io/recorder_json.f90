@@ -1,5 +1,5 @@
 !> `job.json`: what a run did, for programs. Written at the start with status `running`, and at the
-!> end.
+!> end; without a path the text is only kept.
 module lopin_recorder_json
    use lopin_kinds, only : wp
    use lopin_clock, only : phase_names, nphase
@@ -25,14 +25,14 @@ module lopin_recorder_json
 
    !> `file` and `deck_file` are plain names; the last accepted increment is kept for the end.
    type, extends(recorder_type) :: json_recorder_type
-      private
-      character(len=:), allocatable :: path
-      character(len=:), allocatable :: file(:)        !! what the run writes
-      character(len=:), allocatable :: deck_file(:)   !! by file index of locations
-      type(pair_summary_type), allocatable :: pair(:)
-      type(certificate_type) :: certificate
-      type(energy_type) :: energy
-      logical :: has_frame = .false.
+      character(len=:), allocatable :: content                 !! the whole text, once the run has ended
+      character(len=:), allocatable, private :: path
+      character(len=:), allocatable, private :: file(:)        !! what the run writes
+      character(len=:), allocatable, private :: deck_file(:)   !! by file index of locations
+      type(pair_summary_type), allocatable, private :: pair(:)
+      type(certificate_type), private :: certificate
+      type(energy_type), private :: energy
+      logical, private :: has_frame = .false.
    contains
       procedure :: begin
       procedure :: increment
@@ -43,7 +43,7 @@ contains
 
    subroutine new_json_recorder(self, path, file, deck_file)
       type(json_recorder_type), intent(out) :: self
-      character(len=*), intent(in) :: path
+      character(len=*), intent(in) :: path            !! '': no file, the text is kept only
       character(len=*), intent(in) :: file(:)
       character(len=*), intent(in) :: deck_file(:)
 
@@ -68,7 +68,7 @@ contains
       call add_words(json, 'status', 'running')
       call add_list(json, 'files', self%file)
       call json%close('}')
-      call write_atomically(self%path, json%text%content(), error)
+      if (len(self%path) > 0) call write_atomically(self%path, json%text%content(), error)
    end subroutine begin
 
    subroutine increment(self, model, frame, error)
@@ -114,7 +114,8 @@ contains
       call add_list(json, 'files', self%file)
       call add_diagnostics(self, json, model, failure)
       call json%close('}')
-      call write_atomically(self%path, json%text%content(), error)
+      self%content = json%text%content()
+      if (len(self%path) > 0) call write_atomically(self%path, self%content, error)
    end subroutine finish
 
    subroutine add_model(json, model)
@@ -228,6 +229,7 @@ contains
       call json%add('total', summary%clock%total())
       call json%close('}')
       call json%add('peak_memory_mib', summary%peak_memory)
+      call json%add('checksum', summary%checksum)
    end subroutine add_timing
 
    subroutine add_diagnostics(self, json, model, failure)

@@ -12,7 +12,7 @@ module lopin_vtu_parts
    implicit none
    private
    public :: surface_part_type, new_solid_cells, new_surface_part, write_solid, write_surface, &
-      & write_tool
+      & write_tool, mises
 
    !> The slave surface of a pair: its nodes, and facets (or vertices) between them.
    type :: surface_part_type

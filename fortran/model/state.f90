@@ -78,5 +78,7 @@ module lopin_state
       type(step_summary_type), allocatable :: step(:)
       type(clock_type) :: clock
       real(wp) :: peak_memory = 0.0_wp            !! [MiB]
+      !> Of the translations of all nodes in all increments, in order; equal results have equal ones.
+      character(len=:), allocatable :: checksum
    end type summary_type
 end module lopin_state

@@ -8,13 +8,12 @@ from __future__ import annotations
 
 import importlib
 import json
-from collections.abc import Iterable
 from functools import cache
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .errors import LopinError, error_of
+from .errors import InternalError, LopinError, UsageError, error_of
 
 
 @cache
@@ -53,26 +52,31 @@ def text_of(raw) -> str:
 class Session:
     """A run kept in memory by the Fortran side, until closed or forgotten."""
 
-    def __init__(self, text: str, name: str, folder: str, output: str, options: Iterable[str] = ()):
+    def __init__(self, text: str, name: str, folder: str, output: str,
+                 options: dict[str, str | int | bool] | None = None):
         self.handle, self.code = map(int, core().run_deck(
-            text.encode(), name.encode(), folder.encode(), output.encode(),
-            "\n".join(options).encode()))
+            *map(_bytes, (text, name, folder, output, _lines(options or {})))))
         self.diagnostics = diagnostics(self.handle)
 
     def names(self) -> list[str]:
         """Words of everything that `field` knows."""
-        return text_of(core().result_names(self.handle)).split("\n")
+        return _text(self.handle, "names").split("\n")
+
+    def summary(self) -> dict:
+        """What the run did, as in the file ``job.json``."""
+        return json.loads(_text(self.handle, "summary") or "{}")
 
     def field(self, name: str, index: int = 0) -> NDArray:
         """A copy of one result: (item,) or (item, component); `index` counts increments from 0."""
-        n, m, is_integer, code = map(int, core().result_shape(self.handle, name, index + 1))
+        word = _bytes(name)
+        n, m, is_integer, code = map(int, core().result_shape(self.handle, word, index + 1))
         if code:
-            raise LopinError(f"no result '{name}' of increment {index}",
+            raise UsageError(f"no result '{name}' of increment {index}",
                              help=f"results: {', '.join(self.names())}")
         get = core().get_integer if is_integer else core().get_real
-        values, code = get(self.handle, name, index + 1, n, m)
+        values, code = get(self.handle, word, index + 1, n, m)
         if code:
-            raise LopinError(f"result '{name}' of increment {index} could not be copied")
+            raise InternalError(f"result '{name}' of increment {index} could not be copied")
         values = np.ascontiguousarray(values.T)
         return values[:, 0] if n == 1 else values
 
@@ -88,14 +92,15 @@ class Session:
 
 
 def diagnostics(handle: int) -> list[dict]:
-    """What was said about a run: errors, warnings, notes, in order."""
-    text = text_of(core().diagnostics(handle))
-    return json.loads(text) if text else []
+    """What was said about a run: errors, warnings, notes; ``text`` is what a terminal shows."""
+    return json.loads(_text(handle, "diagnostics") or "[]")
 
 
-def check_deck(text: str, name: str, folder: str) -> list[dict]:
+def check_deck(text: str, name: str, folder: str,
+               options: dict[str, str | int | bool] | None = None) -> list[dict]:
     """Parse and check a deck without solving; what was said, or an exception."""
-    handle, code = map(int, core().check_deck(text.encode(), name.encode(), folder.encode()))
+    handle, code = map(int, core().check_deck(
+        *map(_bytes, (text, name, folder, _lines(options or {})))))
     said = diagnostics(handle)
     core().close_session(handle)
     if code:
@@ -104,9 +109,33 @@ def check_deck(text: str, name: str, folder: str) -> list[dict]:
 
 
 def keywords() -> list[dict]:
-    """Rows of the deck language: name, origin, parameters, data, sentence, example."""
-    count = int(core().keyword_count())
-    return [json.loads(text_of(core().keyword(k))) for k in range(1, count + 1)]
+    """Rows of the deck language: name, status, parameters, data, sentence, example."""
+    return json.loads(_text(0, "keywords"))
+
+
+def echo(values: ArrayLike) -> NDArray:
+    """Numbers sent to Fortran and back, for tests of the way between."""
+    return core().echo(np.asarray(values, float))
+
+
+def _text(handle: int, what: str) -> str:
+    """A text of any length: its length first, then its letters."""
+    length = int(core().text_length(handle, what))
+    return text_of(core().copy_text(handle, what, length)) if length else ""
+
+
+def _bytes(text: str) -> bytes:
+    return text.encode("utf-8", "surrogateescape")
+
+
+def _lines(options: dict[str, str | int | bool]) -> str:
+    """Options as Fortran reads them.
+
+    >>> _lines({"threads": 2, "deterministic": True, "solver": None})
+    'threads=2\\ndeterministic'
+    """
+    return "\n".join(name if value is True else f"{name}={value}"
+                     for name, value in options.items() if value is not None and value is not False)
 
 
 # ---- probes: kernels called with plain arrays, for comparison with `reference` ----
@@ -119,7 +148,7 @@ def probe_shape(cell: str, xi: ArrayLike) -> tuple[NDArray, NDArray]:
     values, slopes, code = core().probe_shape(
         cell=_cell_name(cell), xi=np.atleast_1d(np.asarray(xi, float)), nnode=CELLS[cell].n_node)
     _answered(code, f"there is no cell '{cell}'")
-    return values, slopes.T.copy()
+    return values, np.ascontiguousarray(slopes.T)
 
 
 def probe_project(cell: str, x: ArrayLike, point: ArrayLike) -> tuple[NDArray, float, NDArray]:
@@ -152,12 +181,35 @@ def probe_skyline_solve(pointers: ArrayLike, rows: ArrayLike, values: ArrayLike,
     return x
 
 
-def probe_contact(compliance: ArrayLike, gap: ArrayLike) -> tuple[NDArray, int]:
-    """Contact forces of a compliance and its free gaps, by the condensed active set; iterations."""
+def probe_contact(compliance: ArrayLike, gap: ArrayLike, method: str = "lagrange",
+                  alpha: ArrayLike = 1.0) -> tuple[NDArray, int]:
+    """Contact forces of a compliance and its free gaps, by the condensed active set; iterations.
+
+    `method`: lagrange, penalty, perturbed or augmented, the last three with stiffness `alpha`.
+    """
+    gap = np.asarray(gap, float)
     force, iterations, code = core().probe_contact(
-        compliance=np.asfortranarray(compliance, float), gap=np.asarray(gap, float))
-    _answered(code, "the active set did not settle")
+        compliance=np.asfortranarray(compliance, float), gap=gap, method=method,
+        alpha=np.broadcast_to(np.asarray(alpha, float), gap.shape))
+    _answered(code, f"no contact forces by method '{method}'")
     return force, int(iterations)
+
+
+def probe_hooke(young: float, poisson: float, kind: str = "3d") -> NDArray:
+    """Moduli of an isotropic material, 4 x 4 in the plane, 6 x 6 of a solid."""
+    moduli, code = core().probe_hooke(kind, young, poisson, 6 if kind == "3d" else 4)
+    _answered(code, f"no moduli of kind '{kind}'")
+    return moduli
+
+
+def probe_stiffness(word: str, x: ArrayLike, young: float, poisson: float, *,
+                    thickness: float = 1.0, full: bool = False) -> NDArray:
+    """Stiffness of an element of the deck language; x (node, ndim). `full`: no mean dilatation."""
+    stiffness, code = core().probe_stiffness(word=word, formulation="FULL" if full else "",
+                                             x=_fortran(x), elastic=[young, poisson],
+                                             thickness=thickness)
+    _answered(code, f"no stiffness of an element '{word}' of this shape")
+    return stiffness
 
 
 def _cell_name(cell: str) -> str:

@@ -14,9 +14,9 @@ from ._bridge import Session
 class Memory:
     """A finished run in memory."""
 
-    def __init__(self, session: Session, summary: dict | None = None):
+    def __init__(self, session: Session):
         self.session, self.diagnostics = session, session.diagnostics
-        self.summary = summary or {}
+        self.summary = session.summary()
         self._names = [n for n in session.names() if n]
 
     @property

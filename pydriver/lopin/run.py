@@ -29,7 +29,7 @@ def run(scene: Deck | Model | str | Path, output: str | Path | None = None, *,
     scene : Deck, Model, or path of a deck
     output : folder for the deck and the result files; in memory only when None
     executable : run the program ``lopin`` instead of the library in this process
-    threads : OpenMP threads of the executable
+    threads : threads of the assembly and of BLAS
     options : options of the command line, such as ``solver="umfpack"`` or ``deterministic=True``
 
     Raises
@@ -38,12 +38,13 @@ def run(scene: Deck | Model | str | Path, output: str | Path | None = None, *,
         As the exit codes of the executable; a run that stopped early keeps its `result`.
     """
     deck = as_deck(scene)
-    words = _option_words(options | {"threads": threads})
+    options["threads"] = threads
     if executable:
-        return _run_executable(deck, output, words)
+        return _run_executable(deck, output, _option_words(options))
     if output is not None:
         deck.write(Path(output)/f"{deck.name}.inp")
-    session = _bridge.Session(deck.text(), deck.name, str(deck.folder), str(output or ""), words)
+    session = _bridge.Session(deck.text(), f"{deck.name}.inp", str(deck.folder), str(output or ""),
+                              options)
     if session.code not in (0, NotConvergedError.code):
         raise error_of(session.code, session.diagnostics)
     result = Result(Memory(session), deck)
@@ -55,7 +56,7 @@ def run(scene: Deck | Model | str | Path, output: str | Path | None = None, *,
 def check(scene: Deck | Model | str | Path) -> list[dict]:
     """Parse and check without solving; returns warnings and notes, raises on errors."""
     deck = as_deck(scene)
-    return _bridge.check_deck(deck.text(), deck.name, str(deck.folder))
+    return _bridge.check_deck(deck.text(), f"{deck.name}.inp", str(deck.folder))
 
 
 def as_deck(scene: Deck | Model | str | Path) -> Deck:
@@ -71,7 +72,7 @@ def find_executable() -> Path:
     places = [os.environ.get("LOPIN_EXECUTABLE"), here/"bin"/"lopin", here.parent.parent/"lopin"]
     for place in map(Path, filter(None, places)):
         if place.is_file() and os.access(place, os.X_OK) and not _is_script(place):
-            return place
+            return place.absolute()
     raise ResourceError("the executable 'lopin' was not found",
                         help="run './bootstrap build' in the source folder, or 'pip install .'")
 

@@ -12,6 +12,7 @@ program test_recorders
    use lopin_text_buffer, only : text_buffer_type
    use lopin_recorder_memory, only : memory_recorder_type
    use lopin_recorder_factory, only : new_recorders, append_memory
+   use lopin_recorder_table, only : pair_name
    use recorder_scene, only : make_scene, make_frame, make_summary, make_bricks, add_output
    use check, only : test, close_to, is_true, equal_text, finish
    implicit none
@@ -152,7 +153,8 @@ contains
       type(recorder_holder_type), allocatable :: list(:)
       type(frame_type) :: frame
       real(wp), allocatable :: values(:, :)
-      integer, allocatable :: counts(:)
+      integer, allocatable :: counts(:, :)
+      character(len=:), allocatable :: pair
 
       call test('memory gives back by name what it was told, beyond its first room')
       call make_scene(model, 'CAX4')
@@ -162,22 +164,25 @@ contains
       select type (memory => list(1)%recorder)
       type is (memory_recorder_type)
          call is_true('20 frames', memory%nframe == 20)
-         call memory%get_real('displacement', 20, values)
-         call close_to('u', values, frame%u, 0.0_wp)
-         call memory%get_real('stress', 20, values)
+         pair = pair_name(model, 2)
+         call memory%get_real('U', 20, values)
+         call close_to('u', values, frame%u(:3, :), 0.0_wp)
+         call memory%get_real('S', 20, values)
          call close_to('stress', values, frame%nodal_stress, 0.0_wp)
-         call memory%get_real('contact.2.pressure', 20, values)
+         call memory%get_real(pair//':CPRESS', 20, values)
          call close_to('pressure', values(1, :), frame%contact(2)%pressure, 0.0_wp)
-         call memory%get_integer('contact.1.node', 3, counts)
-         call is_true('nodes', all(counts == frame%contact(1)%node))
-         call memory%get_integer('increment', 0, counts)
-         call is_true('increments', size(counts) == 20 .and. counts(20) == 20)
-         call memory%get_real('history', 0, values)
-         call is_true('one row a column', size(values, 1) == size(memory%column) &
-            & .and. size(values, 2) == 20)
-         call close_to('time', values(3, 10), 0.5_wp, 1.0e-12_wp)
-         call memory%get_real('contact.9.pressure', 1, values)
-         call is_true('no ninth pair', .not. allocated(values))
+         call memory%get_integer(pair//':LABEL', 3, counts)
+         call is_true('nodes', all(counts(1, :) == model%mesh%node_label(frame%contact(2)%node)))
+         call memory%get_real('history.increment', 0, values)
+         call is_true('increments', size(values) == 20 .and. nint(values(1, 20)) == 20)
+         call memory%get_real('TIME', 0, values)
+         call close_to('time', values(1, 10), 0.5_wp, 1.0e-12_wp)
+         call memory%get_integer('MESH.quad', 0, counts)
+         call is_true('cells', size(counts, 1) == 4 .and. all(counts > 0))
+         call is_true('names', index(memory%names(), pair//':CPRESS') > 0)
+         call is_true('summary', index(memory%json%content, '"status": "finished"') > 0)
+         call memory%get_real('NO-PAIR:CPRESS', 1, values)
+         call is_true('no such pair', .not. allocated(values))
          call memory%get_real('nonsense', 1, values)
          call is_true('no nonsense', .not. allocated(values))
       end select

@@ -18,7 +18,7 @@ def root() -> Path:
 @pytest.fixture(scope="session")
 def executable() -> Path:
     """The executable under test; tests that need it are skipped where there is none."""
-    path = Path(os.environ.get("LOPIN_EXECUTABLE", ROOT / "build" / "lopin"))
+    path = Path(os.environ.get("LOPIN_EXECUTABLE", ROOT / "build" / "lopin")).absolute()
     if not path.is_file():
         pytest.skip(f"no executable at {path}")
     return path

@@ -1,0 +1,216 @@
+!> What Python sees: the only file that f2py reads, and it knows only plain arguments.
+!>
+!> Arrays are (component, item); increments and rows count from 1; `code` is 0 or an exit code of the
+!> executable. Python calls these through `_bridge.py` and nothing else.
+module lopin_api
+   use lopin_probes, only : cell_functions, facet_projection, tool_gaps, skyline_solution, &
+      & contact_forces, moduli, element_stiffness
+   use lopin_session, only : session_type, deck_text_type, new_session, keep_session, &
+      & forget_session, session_text, session_real, session_integer
+   implicit none
+   private
+   public :: run_deck, check_deck, close_session
+   public :: text_length, copy_text, result_shape, get_real, get_integer
+   public :: probe_shape, probe_project, probe_tool_gap, probe_skyline_solve, probe_contact
+   public :: probe_hooke, probe_stiffness, echo
+
+contains
+
+   !> Solve a deck; the results stay in memory until `close_session`.
+   subroutine run_deck(text, name, folder, output, options, handle, code)
+      character(len=*), intent(in) :: text      !! the whole deck
+      character(len=*), intent(in) :: name      !! as in messages, such as press.inp
+      character(len=*), intent(in) :: folder    !! of its includes
+      character(len=*), intent(in) :: output    !! folder of the result files; '' for none
+      character(len=*), intent(in) :: options   !! lines such as solver=umfpack
+      integer, intent(out) :: handle, code
+      !f2py threadsafe
+      call open_session(text, name, folder, output, options, .true., handle, code)
+   end subroutine run_deck
+
+   !> Read and check a deck without solving it.
+   subroutine check_deck(text, name, folder, options, handle, code)
+      character(len=*), intent(in) :: text, name, folder, options
+      integer, intent(out) :: handle, code
+      !f2py threadsafe
+      call open_session(text, name, folder, '', options, .false., handle, code)
+   end subroutine check_deck
+
+   subroutine open_session(text, name, folder, output, options, solve, handle, code)
+      character(len=*), intent(in) :: text, name, folder, output, options
+      logical, intent(in) :: solve
+      integer, intent(out) :: handle, code
+      type(session_type), allocatable :: session
+
+      allocate (session)
+      call new_session(session, deck_text_type(text, name, folder), output, options, solve)
+      code = session%code
+      call keep_session(session, handle)
+   end subroutine open_session
+
+   subroutine close_session(handle)
+      integer, intent(in) :: handle
+      call forget_session(handle)
+   end subroutine close_session
+
+   !> Length of a text: diagnostics, summary, names; keywords of any handle.
+   subroutine text_length(handle, what, length)
+      integer, intent(in) :: handle
+      character(len=*), intent(in) :: what
+      integer, intent(out) :: length
+      character(len=:), allocatable :: text
+
+      call session_text(handle, what, text)
+      length = len(text)
+   end subroutine text_length
+
+   !> The text itself, letter by letter.
+   subroutine copy_text(handle, what, length, text)
+      integer, intent(in) :: handle
+      character(len=*), intent(in) :: what
+      integer, intent(in) :: length             !! from `text_length`
+      character(len=1), intent(out) :: text(length)
+      character(len=:), allocatable :: whole
+      integer :: i
+
+      call session_text(handle, what, whole)
+      text = ' '
+      do i = 1, min(length, len(whole))
+         text(i) = whole(i:i)
+      end do
+   end subroutine copy_text
+
+   !> Components and items of a result, and whether it is of integers.
+   subroutine result_shape(handle, name, index, n, m, is_integer, code)
+      integer, intent(in) :: handle
+      character(len=*), intent(in) :: name
+      integer, intent(in) :: index              !! increment from 1
+      integer, intent(out) :: n, m, is_integer, code
+      double precision, allocatable :: reals(:, :)
+      integer, allocatable :: integers(:, :)
+
+      n = 0
+      m = 0
+      is_integer = 0
+      code = 0
+      call session_real(handle, name, index, reals)
+      call session_integer(handle, name, index, integers)
+      if (allocated(reals)) then
+         n = size(reals, 1)
+         m = size(reals, 2)
+      else if (allocated(integers)) then
+         n = size(integers, 1)
+         m = size(integers, 2)
+         is_integer = 1
+      else
+         code = 2
+      end if
+   end subroutine result_shape
+
+   subroutine get_real(handle, name, index, n, m, values, code)
+      integer, intent(in) :: handle
+      character(len=*), intent(in) :: name
+      integer, intent(in) :: index, n, m        !! from `result_shape`
+      double precision, intent(out) :: values(n, m)
+      integer, intent(out) :: code
+      double precision, allocatable :: found(:, :)
+
+      values = 0
+      code = 2
+      call session_real(handle, name, index, found)
+      if (.not. allocated(found)) return
+      if (any(shape(found) /= [n, m])) return
+      values = found
+      code = 0
+   end subroutine get_real
+
+   subroutine get_integer(handle, name, index, n, m, values, code)
+      integer, intent(in) :: handle
+      character(len=*), intent(in) :: name
+      integer, intent(in) :: index, n, m        !! from `result_shape`
+      integer, intent(out) :: values(n, m)
+      integer, intent(out) :: code
+      integer, allocatable :: found(:, :)
+
+      values = 0
+      code = 2
+      call session_integer(handle, name, index, found)
+      if (.not. allocated(found)) return
+      if (any(shape(found) /= [n, m])) return
+      values = found
+      code = 0
+   end subroutine get_integer
+
+   !> What was sent, unchanged to the last bit.
+   subroutine echo(x, y, n)
+      integer, intent(in) :: n
+      double precision, intent(in) :: x(n)
+      double precision, intent(out) :: y(n)
+      y = x
+   end subroutine echo
+
+   subroutine probe_shape(cell, xi, nnode, ndim, values, slopes, code)
+      character(len=*), intent(in) :: cell
+      integer, intent(in) :: nnode, ndim
+      double precision, intent(in) :: xi(ndim)
+      double precision, intent(out) :: values(nnode), slopes(ndim, nnode)
+      integer, intent(out) :: code
+      call cell_functions(cell, xi, values, slopes, code)
+   end subroutine probe_shape
+
+   subroutine probe_project(cell, x, point, nnode, ndim, xi, gap, normal, code)
+      character(len=*), intent(in) :: cell
+      integer, intent(in) :: nnode, ndim
+      double precision, intent(in) :: x(ndim, nnode), point(ndim)
+      double precision, intent(out) :: xi(ndim - 1), gap, normal(ndim)
+      integer, intent(out) :: code
+      call facet_projection(cell, x, point, xi, gap, normal, code)
+   end subroutine probe_project
+
+   subroutine probe_tool_gap(kind, data, points, ndata, ndim, npoint, gap, normal, code)
+      character(len=*), intent(in) :: kind
+      integer, intent(in) :: ndata, ndim, npoint
+      double precision, intent(in) :: data(ndata), points(ndim, npoint)
+      double precision, intent(out) :: gap(npoint), normal(ndim, npoint)
+      integer, intent(out) :: code
+      call tool_gaps(kind, data, points, gap, normal, code)
+   end subroutine probe_tool_gap
+
+   subroutine probe_skyline_solve(pointer, row, value, b, n, nnz, x, code)
+      integer, intent(in) :: n, nnz
+      integer, intent(in) :: pointer(n + 1), row(nnz)
+      double precision, intent(in) :: value(nnz), b(n)
+      double precision, intent(out) :: x(n)
+      integer, intent(out) :: code
+      !f2py threadsafe
+      call skyline_solution(pointer, row, value, b, x, code)
+   end subroutine probe_skyline_solve
+
+   subroutine probe_contact(compliance, gap, method, alpha, n, force, iterations, code)
+      integer, intent(in) :: n
+      double precision, intent(in) :: compliance(n, n), gap(n), alpha(n)
+      character(len=*), intent(in) :: method
+      double precision, intent(out) :: force(n)
+      integer, intent(out) :: iterations, code
+      !f2py threadsafe
+      call contact_forces(compliance, gap, method, alpha, force, iterations, code)
+   end subroutine probe_contact
+
+   subroutine probe_hooke(kind, young, poisson, n, d, code)
+      character(len=*), intent(in) :: kind
+      double precision, intent(in) :: young, poisson
+      integer, intent(in) :: n
+      double precision, intent(out) :: d(n, n)
+      integer, intent(out) :: code
+      call moduli(kind, young, poisson, d, code)
+   end subroutine probe_hooke
+
+   subroutine probe_stiffness(word, formulation, x, elastic, thickness, nnode, ndim, k, code)
+      character(len=*), intent(in) :: word, formulation
+      integer, intent(in) :: nnode, ndim
+      double precision, intent(in) :: x(ndim, nnode), elastic(2), thickness
+      double precision, intent(out) :: k(ndim*nnode, ndim*nnode)
+      integer, intent(out) :: code
+      call element_stiffness(word, formulation, x, elastic, thickness, k, code)
+   end subroutine probe_stiffness
+end module lopin_api

@@ -1,0 +1,117 @@
+!> The straight line of a run, the same for the executable and for callers in one process:
+!> deck, model, recorders, analysis.
+module lopin_job
+   use lopin_build_model, only : new_model
+   use lopin_clock, only : clock_type, phase
+   use lopin_deck, only : deck_type
+   use lopin_error, only : error_type, error_code, log_type, severity, raise
+   use lopin_model, only : model_type
+   use lopin_recorder, only : recorder_holder_type
+   use lopin_recorder_factory, only : new_recorders, append_memory
+   use lopin_run_analysis, only : run_analysis
+   use lopin_solver_cholmod, only : set_blas_threads
+   use lopin_state, only : summary_type
+   use lopin_text, only : plural, upper
+   use omp_lib, only : omp_set_num_threads
+   implicit none
+   private
+   public :: job_type, outcome_type, open_job, run_job, refuse_warnings, stem_of
+
+   !> What a caller may ask for beyond the deck.
+   type :: job_type
+      character(len=:), allocatable :: folder   !! of the result files; '' for none
+      character(len=:), allocatable :: stem     !! of their names
+      character(len=:), allocatable :: solver   !! '': as the deck says
+      integer :: threads = 0                    !! 0: as the environment says
+      logical :: deterministic = .false.        !! the same bits for any number of threads
+      logical :: strict = .false.               !! warnings are errors
+      logical :: in_memory = .false.            !! the last recorder keeps everything
+   end type job_type
+
+   type :: outcome_type
+      type(clock_type) :: clock                 !! started by the caller, before the deck was read
+      type(recorder_holder_type), allocatable :: recorder(:)
+      type(summary_type) :: summary
+      type(log_type) :: log                     !! notes and warnings of the analysis
+   end type outcome_type
+
+contains
+
+   !> The model of a deck; its notes and warnings are in `model%log`.
+   subroutine open_job(self, deck, model, error)
+      type(job_type), intent(in) :: self
+      type(deck_type), intent(in) :: deck
+      type(model_type), intent(out) :: model
+      type(error_type), allocatable, intent(out) :: error
+
+      call new_model(model, deck, error)
+      if (allocated(error)) return
+      if (len(self%solver) > 0) model%solver = upper(self%solver)
+   end subroutine open_job
+
+   !> Run all steps; what was accepted before an error stays recorded.
+   subroutine run_job(self, deck, model, outcome, error)
+      type(job_type), intent(in) :: self
+      type(deck_type), intent(in) :: deck       !! names the files of messages
+      type(model_type), intent(in) :: model
+      type(outcome_type), intent(inout) :: outcome
+      type(error_type), allocatable, intent(out) :: error
+
+      call outcome%clock%stop_in(phase%model)
+      outcome%summary%plan = ''
+      call set_threads(self)
+      if (len(self%folder) > 0) then
+         call new_recorders(outcome%recorder, model, self%folder, self%stem, error, names_of(deck))
+         if (allocated(error)) return
+      end if
+      if (self%in_memory) call append_memory(outcome%recorder, names_of(deck))
+      call run_analysis(model, outcome%recorder, outcome%clock, outcome%summary, outcome%log, error)
+   end subroutine run_job
+
+   !> With `strict`, a warning ends the run.
+   subroutine refuse_warnings(log, error)
+      type(log_type), intent(in) :: log
+      type(error_type), allocatable, intent(out) :: error
+
+      if (log%count_of(severity%warning) > 0) call raise(error, error_code%deck, 'E0803', &
+         & plural(log%count_of(severity%warning), 'warning')//' with --strict')
+   end subroutine refuse_warnings
+
+   !> Threads of the assembly; BLAS on one thread where the same bits are asked for.
+   subroutine set_threads(self)
+      type(job_type), intent(in) :: self
+      logical :: done
+
+      if (self%threads > 0) call omp_set_num_threads(self%threads)
+      done = .true.
+      if (self%deterministic) then
+         done = set_blas_threads(1)
+      else if (self%threads > 0) then
+         done = set_blas_threads(self%threads)
+      end if
+      associate (unused => done)
+      end associate
+   end subroutine set_threads
+
+   !> Name of the deck without its folder and its .inp.
+   pure function stem_of(path) result(stem)
+      character(len=*), intent(in) :: path
+      character(len=:), allocatable :: stem
+      integer :: dot
+
+      stem = path(index(path, '/', back=.true.) + 1:)
+      dot = index(stem, '.', back=.true.)
+      if (dot > 1) stem = stem(:dot - 1)
+   end function stem_of
+
+   function names_of(deck) result(names)
+      type(deck_type), intent(in) :: deck
+      character(len=200), allocatable :: names(:)
+      integer :: i
+
+      allocate (names(size(deck%source)))
+      do i = 1, size(names)
+         names(i) = deck%source(i)%name
+      end do
+   end function names_of
+end module lopin_job

@@ -1,0 +1,275 @@
+!> Runs that stay in memory, known to callers by a number.
+!>
+!> A session is made without touching what others use, then handed to the pool: so several threads may
+!> run models at once. The pool is the only thing of Lopin that is remembered between calls.
+module lopin_session
+   use lopin_deck, only : deck_type, read_deck_text
+   use lopin_error, only : error_type, error_code, log_type, severity, raise
+   use lopin_job, only : job_type, outcome_type, open_job, run_job, refuse_warnings, stem_of
+   use lopin_keyword_json, only : keywords_json
+   use lopin_kinds, only : wp
+   use lopin_model, only : model_type
+   use lopin_recorder, only : recorder_type
+   use lopin_recorder_memory, only : memory_recorder_type
+   use lopin_render, only : render, render_json, json_string
+   use lopin_text, only : parse_integer, quoted
+   implicit none
+   private
+   public :: session_type, deck_text_type, new_session
+   public :: keep_session, forget_session, session_text, session_real, session_integer
+
+   !> A deck as a caller holds it.
+   type :: deck_text_type
+      character(len=:), allocatable :: text
+      character(len=:), allocatable :: name      !! shown in messages; its stem names the files
+      character(len=:), allocatable :: folder    !! where its includes are looked for
+   end type deck_text_type
+
+   type :: session_type
+      integer :: code = 0                                    !! exit code of the executable
+      character(len=:), allocatable, private :: diagnostics  !! a JSON list
+      class(recorder_type), allocatable, private :: memory   !! unallocated if nothing was solved
+   end type session_type
+
+   type :: slot_type
+      type(session_type), allocatable :: session
+   end type slot_type
+
+   type(slot_type), allocatable :: pool(:)
+
+   character(len=1), parameter :: nl = achar(10)
+
+contains
+
+   !> Read, check and, if wanted, solve a deck.
+   subroutine new_session(self, deck_text, output, options, solve)
+      type(session_type), intent(out) :: self
+      type(deck_text_type), intent(in) :: deck_text
+      character(len=*), intent(in) :: output     !! folder of the result files; '' for none
+      character(len=*), intent(in) :: options    !! lines: solver=..., threads=..., strict ...
+      logical, intent(in) :: solve
+      type(deck_type) :: deck
+      type(log_type) :: said
+      type(error_type), allocatable :: error
+
+      call go_through(self, deck_text, output, options, solve, deck, said, error)
+      if (allocated(error)) self%code = error%code
+      call tell(self, deck, said, error)
+   end subroutine new_session
+
+   subroutine go_through(self, deck_text, output, options, solve, deck, said, error)
+      type(session_type), intent(inout) :: self
+      type(deck_text_type), intent(in) :: deck_text
+      character(len=*), intent(in) :: output, options
+      logical, intent(in) :: solve
+      type(deck_type), intent(out) :: deck
+      type(log_type), intent(inout) :: said
+      type(error_type), allocatable, intent(out) :: error
+      type(job_type) :: job
+      type(model_type) :: model
+      type(outcome_type) :: outcome
+
+      call outcome%clock%start()
+      call read_options(job, options, error)
+      if (allocated(error)) return
+      job%folder = output
+      job%stem = stem_of(deck_text%name)
+      job%in_memory = .true.
+      call read_deck_text(deck, deck_text%text, deck_text%name, deck_text%folder, said, error)
+      if (allocated(error)) return
+      call open_job(job, deck, model, error)
+      call add_log(said, model%log)
+      if (.not. allocated(error) .and. job%strict) call refuse_warnings(said, error)
+      if (allocated(error) .or. .not. solve) return
+      call run_job(job, deck, model, outcome, error)
+      call add_log(said, outcome%log)
+      if (.not. allocated(outcome%recorder)) return
+      call move_alloc(outcome%recorder(size(outcome%recorder))%recorder, self%memory)
+   end subroutine go_through
+
+   !> Options of the command line, one a line.
+   subroutine read_options(job, options, error)
+      type(job_type), intent(inout) :: job
+      character(len=*), intent(in) :: options
+      type(error_type), allocatable, intent(out) :: error
+      integer :: first, length, equals
+      logical :: ok
+
+      job%solver = ''
+      first = 1
+      do while (first <= len(options))
+         length = index(options(first:)//nl, nl) - 1
+         associate (line => options(first:first + length - 1))
+            equals = index(line//'=', '=')
+            ok = .true.
+            select case (line(:equals - 1))
+            case ('solver')
+               job%solver = line(equals + 1:)
+            case ('threads')
+               call parse_integer(line(equals + 1:), job%threads, ok)
+               ok = ok .and. job%threads > 0
+            case ('deterministic')
+               job%deterministic = .true.
+            case ('strict')
+               job%strict = .true.
+            case default
+               ok = len(line) == 0
+            end select
+            if (.not. ok) then
+               call raise(error, error_code%usage, 'E0801', 'no such option: '//quoted(line), &
+                  & help='options are solver=, threads= (from 1), deterministic and strict')
+               return
+            end if
+         end associate
+         first = first + length + 1
+      end do
+   end subroutine read_options
+
+   !> Notes and warnings; errors come by themselves.
+   subroutine add_log(said, log)
+      type(log_type), intent(inout) :: said
+      type(log_type), intent(in) :: log
+      integer :: i
+
+      do i = 1, log%n
+         associate (d => log%item(i))
+            if (d%severity /= severity%error) call said%say(d%severity, d%id, d%message, d%at, &
+               & d%label, d%note, d%help)
+         end associate
+      end do
+   end subroutine add_log
+
+   !> Everything that was said, with the text that the executable would show.
+   subroutine tell(self, deck, said, error)
+      type(session_type), intent(inout) :: self
+      type(deck_type), intent(in) :: deck
+      type(log_type), intent(in) :: said
+      type(error_type), allocatable, intent(in) :: error
+      type(log_type) :: all
+      character(len=:), allocatable :: one
+      integer :: i
+
+      call add_log(all, said)
+      if (allocated(error)) then
+         do i = 1, size(error%item)
+            associate (d => error%item(i))
+               call all%say(d%severity, d%id, d%message, d%at, d%label, d%note, d%help)
+            end associate
+         end do
+      end if
+      self%diagnostics = '['
+      do i = 1, all%n
+         one = render_json(all%item(i), deck)
+         if (i > 1) self%diagnostics = self%diagnostics//','//nl
+         self%diagnostics = self%diagnostics//one(:len(one) - 1)//', "text": ' &
+            & //json_string(render(all%item(i), deck, .false.))//'}'
+      end do
+      self%diagnostics = self%diagnostics//']'
+   end subroutine tell
+
+   !> Put a session into the pool; its number is never 0.
+   subroutine keep_session(session, handle)
+      type(session_type), allocatable, intent(inout) :: session
+      integer, intent(out) :: handle
+
+      !$omp critical (lopin_pool)
+      if (.not. allocated(pool)) allocate (pool(8))
+      do handle = 1, size(pool)
+         if (.not. allocated(pool(handle)%session)) exit
+      end do
+      if (handle > size(pool)) call grow_pool()
+      call move_alloc(session, pool(handle)%session)
+      !$omp end critical (lopin_pool)
+   end subroutine keep_session
+
+   subroutine grow_pool()
+      type(slot_type), allocatable :: larger(:)
+      integer :: i
+
+      allocate (larger(2*size(pool)))
+      do i = 1, size(pool)
+         call move_alloc(pool(i)%session, larger(i)%session)
+      end do
+      call move_alloc(larger, pool)
+   end subroutine grow_pool
+
+   !> Free what a session holds; nothing happens for a number that is not in use.
+   subroutine forget_session(handle)
+      integer, intent(in) :: handle
+      type(session_type), allocatable :: session
+
+      !$omp critical (lopin_pool)
+      if (in_use(handle)) call move_alloc(pool(handle)%session, session)
+      !$omp end critical (lopin_pool)
+   end subroutine forget_session
+
+   pure logical function in_use(handle)
+      integer, intent(in) :: handle
+
+      in_use = .false.
+      if (.not. allocated(pool)) return
+      if (handle >= 1 .and. handle <= size(pool)) in_use = allocated(pool(handle)%session)
+   end function in_use
+
+   !> diagnostics, summary (both JSON), names (lines) of a session; keywords (JSON) of the deck language.
+   subroutine session_text(handle, what, text)
+      integer, intent(in) :: handle
+      character(len=*), intent(in) :: what
+      character(len=:), allocatable, intent(out) :: text
+
+      text = ''
+      if (what == 'keywords') then
+         text = keywords_json()
+         return
+      end if
+      !$omp critical (lopin_pool)
+      if (in_use(handle)) then
+         if (what == 'diagnostics') text = pool(handle)%session%diagnostics
+         if (allocated(pool(handle)%session%memory)) then
+            select type (memory => pool(handle)%session%memory)
+            type is (memory_recorder_type)
+               if (what == 'names') text = memory%names()
+               if (what == 'summary' .and. allocated(memory%json%content)) text = memory%json%content
+            end select
+         end if
+      end if
+      !$omp end critical (lopin_pool)
+   end subroutine session_text
+
+   !> A result (component, item); unallocated if there is none.
+   subroutine session_real(handle, name, index, values)
+      integer, intent(in) :: handle
+      character(len=*), intent(in) :: name
+      integer, intent(in) :: index               !! increment from 1
+      real(wp), allocatable, intent(out) :: values(:, :)
+
+      !$omp critical (lopin_pool)
+      if (in_use(handle)) then
+         if (allocated(pool(handle)%session%memory)) then
+            select type (memory => pool(handle)%session%memory)
+            type is (memory_recorder_type)
+               call memory%get_real(name, index, values)
+            end select
+         end if
+      end if
+      !$omp end critical (lopin_pool)
+   end subroutine session_real
+
+   subroutine session_integer(handle, name, index, values)
+      integer, intent(in) :: handle
+      character(len=*), intent(in) :: name
+      integer, intent(in) :: index               !! increment from 1
+      integer, allocatable, intent(out) :: values(:, :)
+
+      !$omp critical (lopin_pool)
+      if (in_use(handle)) then
+         if (allocated(pool(handle)%session%memory)) then
+            select type (memory => pool(handle)%session%memory)
+            type is (memory_recorder_type)
+               call memory%get_integer(name, index, values)
+            end select
+         end if
+      end if
+      !$omp end critical (lopin_pool)
+   end subroutine session_integer
+end module lopin_session
