@@ -1,7 +1,7 @@
 !> Keeps the results of every increment in memory, by name, for a caller in the same process.
 !>
 !> Names: TIME; U, RF, S, Mises, LABEL at the nodes; PAIR:WORD at the slave points of a pair;
-!> history.COLUMN; MESH.points and MESH.CELL. Vectors have three components, as in the files.
+!> history.COLUMN; MESH.points and MESH.CELL. Vectors have as many components as the space.
 module lopin_recorder_memory
    use lopin_kinds, only : wp
    use lopin_cells, only : cell_names, ncell
@@ -43,7 +43,7 @@ module lopin_recorder_memory
       type(column_type), allocatable, private :: column(:)
       type(name_type), allocatable, private :: pair(:)
       type(cells_type), private :: cells(ncell)
-      real(wp), allocatable, private :: x(:, :)        !! (3, nnode)
+      real(wp), allocatable, private :: x(:, :)        !! (ndim, nnode)
       integer, allocatable, private :: label(:)        !! (nnode)
    contains
       procedure :: begin
@@ -77,7 +77,7 @@ contains
       do i = 1, size(model%pair)
          self%pair(i)%text = pair_name(model, i)
       end do
-      self%x = three(model%mesh%x)
+      self%x = model%mesh%x
       self%label = model%mesh%node_label
       call copy_cells(self, model)
       call history_columns(model, self%column)
@@ -120,8 +120,8 @@ contains
       self%nframe = self%nframe + 1
       associate (kept => self%kept(self%nframe))
          kept%time = frame%total_time
-         kept%u = frame%u(:3, :)
-         kept%rf = frame%rf(:3, :)
+         kept%u = frame%u(:model%mesh%ndim, :)
+         kept%rf = frame%rf(:model%mesh%ndim, :)
          if (self%keep_stress .and. allocated(frame%nodal_stress)) kept%stress = frame%nodal_stress
          if (allocated(frame%contact)) kept%contact = frame%contact
       end associate
@@ -278,11 +278,11 @@ contains
       case ('u_n')
          values = reshape(field%u_n, [1, size(field%u_n)])
       case ('NORMAL')
-         values = three(field%normal)
+         values = field%normal
       case ('R_n')
-         values = three(field%force)
+         values = field%force
       case ('u_t')
-         values = three(field%u_t)
+         values = field%u_t
       case ('XI')
          values = field%xi
       case ('X')
@@ -309,15 +309,6 @@ contains
       character(len=*), intent(in) :: text, prefix
       starts = index(text, prefix) == 1
    end function starts
-
-   !> Plane vectors with a third component, 0.
-   pure function three(x) result(y)
-      real(wp), intent(in) :: x(:, :)
-      real(wp) :: y(3, size(x, 2))
-
-      y = 0.0_wp
-      y(:size(x, 1), :) = x
-   end function three
 
    !> Twice the room; the arrays themselves are moved, not copied.
    subroutine grow(kept)

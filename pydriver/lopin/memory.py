@@ -1,7 +1,8 @@
 """Results of a run in this process: copies of what the Fortran session keeps.
 
-Names in the session: TIME; a word of the deck for fields at the points (U, RF, S, Mises);
-"PAIR:WORD" for a field of the slave points; "history.NAME"; "MESH.points", "MESH.<cell>".
+Names in the session: TIME; a word of the deck for fields at the points (U, RF, S, Mises, LABEL);
+"PAIR:WORD" for a field of the slave points; "history.NAME"; "MESH.points" (point, ndim) and
+"MESH.<cell>" (cell, node), 1-based, for each cell present.
 """
 from __future__ import annotations
 
@@ -43,16 +44,17 @@ class Memory:
                 for n in self._names if n.startswith(prefix)}
 
     def mesh(self, index: int):
-        """The mesh of the deck with the fields of one increment.
-
-        MESH.points (point, ndim); MESH.NAME (cell, node), 1-based, for each cell name present.
-        """
+        """The mesh of the deck with the fields of one increment."""
         import meshio
 
         points = self.session.field("MESH.points")
-        cells = [(n.removeprefix("MESH."), self.session.field(n) - 1)
+        cells = [(n.removeprefix("MESH.").replace("line2", "line"), self.session.field(n) - 1)
                  for n in self._names if n.startswith("MESH.") and n != "MESH.points"]
-        if points.shape[1] == 2:
-            points = np.pad(points, ((0, 0), (0, 1)))
-        data = {n: self.field(n, index) for n in self.names()}
-        return meshio.Mesh(points, cells, {k: v for k, v in data.items() if len(v) == len(points)})
+        data = {n: _in_space(self.field(n, index)) for n in self.names()}
+        return meshio.Mesh(_in_space(points), cells, data)
+
+
+def _in_space(values: NDArray) -> NDArray:
+    """Plane vectors with a third component, 0, as VTK wants them."""
+    plane = values.ndim == 2 and values.shape[1] == 2
+    return np.pad(values, ((0, 0), (0, 1))) if plane else values

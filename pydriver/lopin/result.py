@@ -42,7 +42,7 @@ class Contact:
 
     @property
     def x(self) -> NDArray:
-        """(point, 3) coordinates of the slave points before deformation [length]."""
+        """(point, ndim) coordinates of the slave points before deformation [length]."""
         return self["X"]
 
     @property
@@ -67,7 +67,7 @@ class Contact:
 
     @property
     def force(self) -> NDArray:
-        """(point, 3) force of the master on the slave [force]."""
+        """(point, ndim) force of the master on the slave [force]."""
         return self["R_n"]
 
 
