@@ -14,7 +14,7 @@ module lopin_automatic_penalty
    use lopin_methods, only : has_law
    implicit none
    private
-   public :: set_stiffness, least_compliance
+   public :: set_stiffness, wants_compliance, least_compliance
 
 contains
 
@@ -51,6 +51,21 @@ contains
          end do
       end associate
    end subroutine set_stiffness
+
+   !> Some pair leaves its stiffness to the compliance of the contact.
+   pure logical function wants_compliance(model)
+      type(model_type), intent(in) :: model
+      integer :: pair
+
+      wants_compliance = .false.
+      do pair = 1, size(model%pair)
+         if (has_law(model, pair)) cycle
+         associate (law => model%interaction(model%pair(pair)%interaction))
+            wants_compliance = wants_compliance .or. (law%method /= method_of%lagrange &
+               & .and. .not. law%slope*law%scale > 0.0_wp)
+         end associate
+      end do
+   end function wants_compliance
 
    subroutine say_once(scene, model, pair, slope)
       type(scene_type), intent(inout) :: scene

@@ -9,15 +9,14 @@ module lopin_path_condensed
    use lopin_clock, only : phase
    use lopin_model, only : model_type, method_of, overclosure_of
    use lopin_constraints, only : expand, reduce, prescribed_part
-   use lopin_bodies, only : describe_motion
    use lopin_condensed, only : condensed_type, form_compliance
    use lopin_active_set, only : contact_result_type, solve_contact, outcome
-   use lopin_dense, only : symmetric_eigen
    use lopin_contact_rows, only : reduce_rows, row_forces
    use lopin_scene, only : scene_type, retained_equations, tool_places, rebuild_rows
    use lopin_linear_system, only : new_linear_system, condense_load, recover
    use lopin_automatic_penalty, only : set_stiffness
    use lopin_methods, only : choose_methods
+   use lopin_contact_failure, only : check_held, explain_outcome
    implicit none
    private
    public :: prepare_condensed, solve_condensed
@@ -156,33 +155,6 @@ contains
       call check_held(scene, model, error)
    end subroutine fill_problem
 
-   !> Motions that no row resists cannot be held by any contact.
-   subroutine check_held(scene, model, error)
-      type(scene_type), intent(in) :: scene
-      type(model_type), intent(in) :: model
-      type(error_type), allocatable, intent(out) :: error
-      real(wp), allocatable :: gram(:, :), value(:)
-      integer :: status
-
-      associate (p => scene%problem)
-         if (p%nq == 0) return
-         allocate (value(p%nq))
-         gram = matmul(transpose(p%c), p%c)
-         call symmetric_eigen(gram, value, status)
-         if (value(1) > 1.0e-10_wp*max(value(p%nq), 1.0e-3_wp)) return
-         call raise(error, error_code%singular, 'E0310', describe_motion(scene%bodies, model, gram(:, 1)) &
-            & //': neither a support nor a contact resists it', model%step(scene%step)%at, &
-            & note=motions_note(scene), help='fix a degree of freedom by *BOUNDARY; without friction a contact '// &
-            & 'does not hold what slides along it')
-      end associate
-   end subroutine check_held
-
-   function motions_note(scene) result(text)
-      type(scene_type), intent(in) :: scene
-      character(len=:), allocatable :: text
-      text = to_text(scene%bodies%nq)//' motions are not held by supports'
-   end function motions_note
-
    !> The sequence of problems of seed J.1: softer penalties first, each starting from the last one's set.
    subroutine contact_by_continuation(scene, model, gap, load, moving, error)
       type(scene_type), intent(inout) :: scene
@@ -191,7 +163,6 @@ contains
       type(error_type), allocatable, intent(out) :: error
       real(wp), allocatable :: alpha(:)
       integer :: stage
-      character(len=:), allocatable :: motion
 
       associate (p => scene%problem)
          allocate (alpha, source=p%alpha)
@@ -205,24 +176,6 @@ contains
          p%alpha = alpha
          scene%gap = gap
       end associate
-      select case (scene%answer%outcome)
-      case (outcome%solved)
-      case (outcome%not_held)
-         motion = describe_motion(scene%bodies, model, scene%answer%q)
-         call raise(error, error_code%singular, 'E0310', motion//': the contacts do not hold it under this load', &
-            & model%step(scene%step)%at, note='no set of contacts that only press balances the loads', &
-            & help='add a support, or turn the load so that it presses the bodies together')
-      case (outcome%cycling)
-         call raise(error, error_code%not_converged, 'E0501', 'the contact states cycle after '// &
-            & to_text(scene%answer%iterations)//' iterations', model%step(scene%step)%at, &
-            & help='use the default method (DIRECT), which cannot cycle')
-      case (outcome%not_augmented)
-         call raise(error, error_code%not_converged, 'E0502', 'the multipliers still move after '// &
-            & to_text(scene%answer%augmentations)//' augmentations (contraction '// &
-            & to_text(real(nint(1000.0_wp*scene%answer%rate), wp)/1000.0_wp)//')', model%step(scene%step)%at, &
-            & help='raise the stiffness or MAX AUGMENTATIONS=, or leave the stiffness out: it is then chosen')
-      case default
-         call raise(error, error_code%internal, 'E0901', 'the contact problem broke down')
-      end select
+      call explain_outcome(scene, model, error)
    end subroutine contact_by_continuation
 end module lopin_path_condensed

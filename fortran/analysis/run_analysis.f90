@@ -14,6 +14,7 @@ module lopin_run_analysis
    use lopin_plan, only : plan_type, new_plan, plan_line, path_of
    use lopin_scene, only : scene_type, new_scene, set_supports, widen_reach
    use lopin_path_condensed, only : prepare_condensed, solve_condensed
+   use lopin_path_newton, only : prepare_newton, solve_newton
    use lopin_bodies, only : describe_motion
    use lopin_certificate, only : certify, worst_unrowed
    use lopin_frames, only : fill_frame
@@ -152,19 +153,42 @@ contains
       type(recorder_holder_type), intent(inout) :: recorders(:)
       type(summary_type), intent(inout) :: summary
       type(error_type), allocatable, intent(out) :: error
+      character(len=:), allocatable :: reason
 
-      call prepare_condensed(scene, model, error)
-      if (allocated(error)) return
+      if (plan%path == path_of%newton) then
+         call prepare_newton(scene, model, summary%solver, reason, summary%retained, error)
+         if (allocated(error)) return
+         summary%path = 'newton'
+         summary%equations = scene%constraints%neq
+      else
+         call prepare_condensed(scene, model, error)
+         if (allocated(error)) return
+         summary%path = 'condensed'
+         summary%solver = scene%system%solver%name()
+         reason = scene%system%reason
+         summary%equations = scene%system%n
+         summary%retained = scene%system%nlast
+      end if
       scene%fresh_factor = .true.
-      summary%solver = scene%system%solver%name()
-      summary%path = 'condensed'
-      summary%equations = scene%system%n
-      summary%retained = scene%system%nlast
       summary%candidates = scene%rows%n
-      summary%plan = plan_line(plan, summary%solver, scene%system%reason, scene%system%n, scene%system%nlast, &
-         & scene%rows%n, scene%bodies%nq)
+      summary%plan = plan_line(plan, summary%solver, reason, summary%equations, summary%retained, scene%rows%n, &
+         & scene%bodies%nq)
       call say(recorders, summary%plan)
    end subroutine prepare
+
+   subroutine solve(scene, model, plan, f, prescribed, error)
+      type(scene_type), intent(inout) :: scene
+      type(model_type), intent(in) :: model
+      type(plan_type), intent(in) :: plan
+      real(wp), intent(in) :: f(:), prescribed(:)
+      type(error_type), allocatable, intent(out) :: error
+
+      if (plan%path == path_of%newton) then
+         call solve_newton(scene, model, f, prescribed, error)
+      else
+         call solve_condensed(scene, model, f, prescribed, error)
+      end if
+   end subroutine solve
 
    subroutine run_step(scene, model, plan, progress, recorders, summary, error)
       type(scene_type), intent(inout) :: scene
@@ -227,14 +251,14 @@ contains
       call prescribed_at(loading, model, frame%step_time, prescribed)
       scene%interference = 1.0_wp
       if (scene%step == 1) scene%interference = frame%step_time/loading%period
-      call solve_condensed(scene, model, progress%f, prescribed, error)
+      call solve(scene, model, plan, progress%f, prescribed, error)
       if (allocated(error)) return
       if (worst_unrowed(scene, model) > 0.0_wp) then
          call widen_reach(scene)
          call say(recorders, 'points beyond the first reach penetrate: all slave points get a row, factorised again')
          call prepare(scene, model, plan, recorders, summary, error)
          if (allocated(error)) return
-         call solve_condensed(scene, model, progress%f, prescribed, error)
+         call solve(scene, model, plan, progress%f, prescribed, error)
          if (allocated(error)) return
       end if
       call scene%k%multiply(scene%u, progress%residual)

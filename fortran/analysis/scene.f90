@@ -14,6 +14,7 @@ module lopin_scene
    use lopin_condensed, only : condensed_type
    use lopin_active_set, only : contact_result_type
    use lopin_linear_system, only : linear_system_type
+   use lopin_full_system, only : full_system_type
    use lopin_tool_plane, only : plane_type
    implicit none
    private
@@ -31,6 +32,7 @@ module lopin_scene
       type(constraints_type) :: constraints
       type(bodies_type) :: bodies
       type(linear_system_type) :: system
+      type(full_system_type) :: full               !! in the place of `system` on the path newton
       logical :: fresh_factor = .true.
       ! of an increment
       type(contact_rows_type) :: rows

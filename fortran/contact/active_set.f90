@@ -6,9 +6,8 @@
 !> where no set on the way holds them, proximal steps on their motions find the set or the motion that escapes.
 module lopin_active_set
    use lopin_kinds, only : wp
-   use lopin_condensed, only : condensed_type, springs_type, response_type, form_compliance, rows_times, &
-      & solve_set, is_spring, row_compliance
-   use lopin_dense, only : cholesky_solve
+   use lopin_condensed, only : condensed_type, springs_type, response_type, form_compliance, &
+      & is_spring, row_compliance
    implicit none
    private
    public :: contact_result_type, solve_contact, outcome, set_tolerance
@@ -27,6 +26,7 @@ module lopin_active_set
       integer :: iterations = 0, augmentations = 0, single_pivots = 0, dependent = 0
       real(wp), allocatable :: force(:), gap(:)   !! (nrow)
       real(wp), allocatable :: q(:)               !! (nq); if not held: the motion that escapes
+      real(wp), allocatable :: u(:)               !! displacements, where the system solves for all of them
       logical, allocatable :: active(:)           !! (nrow)
       real(wp), allocatable :: multiplier(:)      !! (nrow)
       real(wp) :: rate = 0.0_wp                   !! last contraction of the augmentations
@@ -46,7 +46,7 @@ contains
 
    !> Solve for gaps without displacement, condensed loads and loads on the floating motions.
    subroutine solve_contact(self, gap0, load, moving, result)
-      type(condensed_type), intent(inout) :: self
+      class(condensed_type), intent(inout) :: self
       real(wp), intent(in) :: gap0(:)      !! (nrow) [length]
       real(wp), intent(in) :: load(:)      !! (n) [force]
       real(wp), intent(in) :: moving(:)    !! (nq) [force]
@@ -73,7 +73,7 @@ contains
    !> One augmentation of all rows that allow penetration, on the set found: what it changes is the error
    !> of their forces to a few per cent (measured in docs/theory.md). Costs back-solves only.
    subroutine estimate_soft_error(self, work, result)
-      type(condensed_type), intent(in) :: self
+      class(condensed_type), intent(inout) :: self
       type(work_type), intent(inout) :: work
       type(contact_result_type), intent(inout) :: result
       type(response_type) :: once
@@ -93,36 +93,32 @@ contains
       once = work%answer
       where (soft .and. work%spring .and. result%active) work%springs%offset = work%springs%offset + result%force
       where (soft .and. .not. work%spring) once%free_gap = once%free_gap - work%compliance*result%force
-      if (any(work%spring)) once%gap0 = once%gap0 + (once%free_gap - work%answer%free_gap)
-      call solve_set(self, result%active, work%spring, work%compliance, work%springs, once, status)
+      once%gap0 = once%gap0 + (once%free_gap - work%answer%free_gap)
+      call self%solve_set(result%active, work%spring, work%compliance, work%springs, once, status)
       if (status == 0) result%soft_error = norm2(pack(once%force - result%force, soft))/size_
    end subroutine estimate_soft_error
 
    subroutine prepare(self, gap0, load, moving, work, result)
-      type(condensed_type), intent(inout) :: self
+      class(condensed_type), intent(inout) :: self
       real(wp), intent(in) :: gap0(:), load(:), moving(:)
       type(work_type), intent(out) :: work
       type(contact_result_type), intent(inout) :: result
-      real(wp), allocatable :: u(:)
       logical :: warm
 
       work%spring = is_spring(self)
       work%compliance = row_compliance(self)
-      if (.not. all(work%spring)) call form_compliance(self)
-      u = load
-      call cholesky_solve(self%l, u)
+      warm = allocated(result%active)
+      if (warm) warm = size(result%active) == self%nrow
       work%answer%gap0 = gap0
       work%answer%load = load
       work%answer%moving = moving
-      work%answer%free_gap = gap0 + rows_times(self, u)
+      call self%free_gaps(gap0, load, .not. warm, work%answer%free_gap)
       allocate (work%answer%force(self%nrow), work%answer%q(self%nq), source=0.0_wp)
       work%answer%gap = work%answer%free_gap
       work%gap_scale = largest(gap0) + largest(work%answer%free_gap - gap0)
       allocate (work%springs%offset(self%nrow), work%springs%stiffness(self%nrow), source=0.0_wp)
-      warm = allocated(result%active)
-      if (warm) warm = size(result%active) == self%nrow
       if (.not. warm) then
-         result%active = work%answer%free_gap < 0.0_wp .or. self%nq > 0
+         result%active = work%answer%free_gap < 0.0_wp .or. self%floats()
          result%multiplier = spread(0.0_wp, 1, self%nrow)
       end if
       result%active = result%active .or. self%bilateral
@@ -134,7 +130,7 @@ contains
 
    !> Settle the sets, with the proximal steps where the bodies are not held on the way.
    subroutine settle(self, work, result)
-      type(condensed_type), intent(inout) :: self
+      class(condensed_type), intent(inout) :: self
       type(work_type), intent(inout) :: work
       type(contact_result_type), intent(inout) :: result
       logical :: stuck
@@ -149,13 +145,14 @@ contains
       end if
       result%force = work%answer%force
       result%gap = work%answer%gap
+      if (allocated(work%answer%u)) result%u = work%answer%u
       if (result%outcome == outcome%solved) result%q = work%answer%q
       result%dependent = work%answer%dependent
    end subroutine settle
 
    !> Solve, change the wrong rows, repeat; `stuck` if no progress is possible this way.
    subroutine iterate_sets(self, work, result, stuck)
-      type(condensed_type), intent(in) :: self
+      class(condensed_type), intent(inout) :: self
       type(work_type), intent(inout) :: work
       type(contact_result_type), intent(inout) :: result
       logical, intent(out) :: stuck
@@ -168,7 +165,7 @@ contains
       call linearise(self, work, result, by_set=.true.)
       do pass = 1, 60 + 10*self%nrow
          result%iterations = result%iterations + 1
-         call solve_set(self, result%active, work%spring, work%compliance, work%springs, work%answer, status)
+         call self%solve_set(result%active, work%spring, work%compliance, work%springs, work%answer, status)
          if (status /= 0) exit
          call find_wrong(self, work, result, wrong)
          nwrong = count(wrong)
@@ -180,7 +177,7 @@ contains
          patience = merge(5, patience - 1, nwrong < best)
          best = min(best, nwrong)
          if (patience <= 0) then
-            if (self%nq > 0) exit
+            if (self%floats()) exit
             last_wrong = findloc(wrong, .true., 1, back=.true.)
             wrong = .false.
             wrong(last_wrong) = .true.
@@ -194,7 +191,7 @@ contains
 
    !> Rows in the wrong state: pressing rows that pull, open rows that penetrate.
    subroutine find_wrong(self, work, result, wrong)
-      type(condensed_type), intent(in) :: self
+      class(condensed_type), intent(in) :: self
       type(work_type), intent(in) :: work
       type(contact_result_type), intent(in) :: result
       logical, intent(out) :: wrong(:)
@@ -223,7 +220,7 @@ contains
 
    !> Springs about the current gaps; those that are linear while closed follow the set.
    subroutine linearise(self, work, result, by_set)
-      type(condensed_type), intent(in) :: self
+      class(condensed_type), intent(in) :: self
       type(work_type), intent(inout) :: work
       type(contact_result_type), intent(in) :: result
       logical, intent(in) :: by_set
@@ -251,7 +248,7 @@ contains
 
    !> The forces found are those of the laws at the gaps found.
    logical function laws_met(self, work, result)
-      type(condensed_type), intent(in) :: self
+      class(condensed_type), intent(in) :: self
       type(work_type), intent(in) :: work
       type(contact_result_type), intent(in) :: result
       real(wp) :: force(self%nrow), stiffness(self%nrow), off
@@ -270,7 +267,7 @@ contains
    end function laws_met
 
    subroutine update_multipliers(self, result, moved)
-      type(condensed_type), intent(in) :: self
+      class(condensed_type), intent(in) :: self
       type(contact_result_type), intent(inout) :: result
       real(wp), intent(out) :: moved
       real(wp) :: change(self%nrow)
@@ -287,7 +284,7 @@ contains
    !> The multipliers' error, estimated from their contraction, is below round-off's reach, or every
    !> group accepts its penetration.
    logical function augmented_enough(self, result, moved, last) result(enough)
-      type(condensed_type), intent(in) :: self
+      class(condensed_type), intent(in) :: self
       type(contact_result_type), intent(inout) :: result
       real(wp), intent(in) :: moved, last
       integer :: group
@@ -312,7 +309,7 @@ contains
    !> Proximal steps: each gives the floating motions a soft ground that follows them. The sets found
    !> that way are tried without ground; if the forces never balance, the bodies are not held.
    subroutine hold_bodies(self, work, result)
-      type(condensed_type), intent(inout) :: self
+      class(condensed_type), intent(inout) :: self
       type(work_type), intent(inout) :: work
       type(contact_result_type), intent(inout) :: result
       type(condensed_type) :: grounded
@@ -335,7 +332,7 @@ contains
          if (stuck) exit
          result%active = trial%active
          call linearise(self, work, result, by_set=.true.)
-         call solve_set(self, result%active, work%spring, work%compliance, work%springs, work%answer, status)
+         call self%solve_set(result%active, work%spring, work%compliance, work%springs, work%answer, status)
          if (status == 0) then
             call find_wrong(self, work, result, wrong)
             if (.not. any(wrong)) return
@@ -349,7 +346,7 @@ contains
 
    !> The same problem with the floating motions among the equations, each on a spring `ground`.
    subroutine put_on_ground(self, grounded, ground)
-      type(condensed_type), intent(inout) :: self
+      class(condensed_type), intent(inout) :: self
       type(condensed_type), intent(out) :: grounded
       real(wp), intent(out) :: ground(:)
       real(wp) :: mean
@@ -361,10 +358,15 @@ contains
          mean = mean + self%s(row, row)
       end do
       n = self%n
-      grounded = self
-      deallocate (grounded%l, grounded%s, grounded%c, grounded%first, grounded%column, grounded%value)
+      grounded%nrow = self%nrow
+      grounded%ngroup = self%ngroup
+      grounded%bilateral = self%bilateral
+      grounded%alpha = self%alpha
+      grounded%group_first = self%group_first
+      grounded%group = self%group
+      grounded%max_augmentations = self%max_augmentations
+      grounded%penetration = self%penetration
       grounded%n = n + self%nq
-      grounded%nq = 0
       allocate (grounded%l(n + self%nq, n + self%nq), grounded%c(self%nrow, 0), source=0.0_wp)
       if (n > 0) grounded%l(:n, :n) = self%l
       do i = 1, self%nq

@@ -15,7 +15,7 @@ module lopin_condensed
    implicit none
    private
    public :: condensed_type, springs_type, response_type, form_compliance, rows_times, columns_times
-   public :: solve_set, is_spring, row_compliance
+   public :: is_spring, row_compliance
 
    !> Problem data. Rows come in groups of one method each (one group a pair).
    type :: condensed_type
@@ -31,6 +31,11 @@ module lopin_condensed
       type(enforcement_holder_type), allocatable :: group(:)
       integer, allocatable :: max_augmentations(:) !! (ngroup) 0: the method has none
       real(wp), allocatable :: penetration(:)      !! (ngroup) accepted by the augmented method [length]; 0: exact
+   contains
+      ! What the active set asks of a system; another way to solve it overrides these three.
+      procedure :: free_gaps
+      procedure :: solve_set
+      procedure :: floats
    end type condensed_type
 
    !> The springs of one linear solve, force = offset - stiffness*gap, and the factor that holds them.
@@ -46,6 +51,7 @@ module lopin_condensed
       real(wp), allocatable :: gap0(:), load(:), moving(:)
       real(wp), allocatable :: free_gap(:)   !! (nrow) gaps without contact forces
       real(wp), allocatable :: force(:), gap(:), q(:)
+      real(wp), allocatable :: u(:)          !! displacements, where the system solves for all of them
       integer :: dependent = 0
    end type response_type
 
@@ -74,9 +80,31 @@ contains
       end do
    end subroutine form_compliance
 
+   !> Gaps under the loads without contact, from which a first set follows.
+   subroutine free_gaps(self, gap0, load, cold, gap)
+      class(condensed_type), intent(inout) :: self
+      real(wp), intent(in) :: gap0(:), load(:)
+      logical, intent(in) :: cold            !! no set is known yet
+      real(wp), allocatable, intent(out) :: gap(:)
+      real(wp), allocatable :: u(:)
+
+      associate (unused => cold)
+      end associate
+      if (.not. all(is_spring(self))) call form_compliance(self)
+      u = load
+      call cholesky_solve(self%l, u)
+      gap = gap0 + rows_times(self, u)
+   end subroutine free_gaps
+
+   !> .true.: some motion is held by contact alone, so that a set may fail to hold it.
+   pure logical function floats(self)
+      class(condensed_type), intent(in) :: self
+      floats = self%nq > 0
+   end function floats
+
    !> B u.
    pure function rows_times(self, u) result(g)
-      type(condensed_type), intent(in) :: self
+      class(condensed_type), intent(in) :: self
       real(wp), intent(in) :: u(:)
       real(wp) :: g(self%nrow)
       integer :: row, k
@@ -91,7 +119,7 @@ contains
 
    !> B^T force.
    pure function columns_times(self, force) result(u)
-      type(condensed_type), intent(in) :: self
+      class(condensed_type), intent(in) :: self
       real(wp), intent(in) :: force(:)
       real(wp) :: u(self%n)
       integer :: row, k
@@ -106,7 +134,7 @@ contains
 
    !> Rows whose force is a spring's.
    function is_spring(self) result(spring)
-      type(condensed_type), intent(in) :: self
+      class(condensed_type), intent(in) :: self
       logical :: spring(self%nrow)
       integer :: group
 
@@ -118,7 +146,7 @@ contains
 
    !> Compliance that the methods add to the diagonal of S [length/force].
    function row_compliance(self) result(compliance)
-      type(condensed_type), intent(in) :: self
+      class(condensed_type), intent(in) :: self
       real(wp) :: compliance(self%nrow)
       integer :: group, from, to
 
@@ -131,7 +159,7 @@ contains
 
    !> Forces, gaps and floating motions on a set; status /= 0: the set does not hold the bodies.
    subroutine solve_set(self, active, spring, compliance, springs, answer, status)
-      type(condensed_type), intent(in) :: self
+      class(condensed_type), intent(inout) :: self
       logical, intent(in) :: active(:), spring(:)
       real(wp), intent(in) :: compliance(:)
       type(springs_type), intent(inout) :: springs
@@ -150,7 +178,7 @@ contains
 
    !> All rows solve for their force: only S is needed.
    subroutine solve_unknowns(self, set, compliance, answer, status)
-      type(condensed_type), intent(in) :: self
+      class(condensed_type), intent(in) :: self
       integer, intent(in) :: set(:)
       real(wp), intent(in) :: compliance(:)
       type(response_type), intent(inout) :: answer
@@ -177,7 +205,7 @@ contains
 
    !> Some rows are springs: they stiffen K_c, and hold the floating motions with the unknown forces.
    subroutine solve_with_springs(self, set, spring, compliance, springs, answer, status)
-      type(condensed_type), intent(in) :: self
+      class(condensed_type), intent(in) :: self
       integer, intent(in) :: set(:)
       logical, intent(in) :: spring(:)
       real(wp), intent(in) :: compliance(:)
@@ -232,7 +260,7 @@ contains
 
    !> Factor of K_c + sum of the springs; kept while the springs stay the same.
    subroutine stiffen(self, spring, springs, status)
-      type(condensed_type), intent(in) :: self
+      class(condensed_type), intent(in) :: self
       logical, intent(in) :: spring(:)
       type(springs_type), intent(inout) :: springs
       integer, intent(out) :: status

@@ -1,0 +1,177 @@
+!> Decks of small contact scenes that tests run: boxes of solid elements and a round tool.
+module contact_scenes
+   use lopin_kinds, only : wp
+   use lopin_error, only : error_type, log_type
+   use lopin_clock, only : clock_type
+   use lopin_deck, only : deck_type, read_deck_text
+   use lopin_model, only : model_type
+   use lopin_build_model, only : new_model
+   use lopin_recorder, only : recorder_holder_type
+   use lopin_recorder_memory, only : memory_recorder_type
+   use lopin_run_analysis, only : run_analysis
+   use lopin_state, only : summary_type
+   implicit none
+   private
+   public :: scene_names, scene_text, run_text, get_last
+
+   character(len=1), parameter :: nl = achar(10)
+   !> roller, crown: two bodies, driven and floating; indent, punch: a tool, driven and floating.
+   character(len=6), parameter :: scene_names(4) = ['roller', 'crown ', 'indent', 'punch ']
+
+contains
+
+   !> A deck. `behaviour` are the lines of *SURFACE BEHAVIOR, `extra` whole cards of the model part.
+   function scene_text(name, behaviour, extra, fine) result(text)
+      character(len=*), intent(in) :: name, behaviour, extra
+      integer, intent(in) :: fine              !! divisions per unit of the coarsest mesh
+      character(len=:), allocatable :: text, mesh, hold, load, master
+
+      load = ''
+      select case (name)
+      case ('roller')
+         mesh = box('UP', 0, [0.0_wp, 0.0_wp], [8.0_wp, 4.0_wp], [8, 4]*fine, 20.0_wp) &
+            & //box('LOW', 100000, [0.0_wp, -4.0_wp], [10.0_wp, 0.0_wp], [11, 4]*fine, 0.0_wp)
+         hold = 'UPX0, 1'//nl//'LOWX0, 1'//nl//'LOWBOT, 2'//nl
+         load = '*BOUNDARY'//nl//'UPTOP, 2, 2, -0.2'//nl
+         master = 'LOWF'
+      case ('crown')
+         mesh = box('UP', 0, [0.0_wp, 0.0_wp, 0.0_wp], [3.0_wp, 3.0_wp, 2.0_wp], [4, 4, 2]*fine, 20.0_wp) &
+            & //box('LOW', 100000, [0.0_wp, 0.0_wp, -2.0_wp], [4.0_wp, 4.0_wp, 0.0_wp], [5, 5, 2]*fine, 0.0_wp)
+         hold = 'UPX0, 1'//nl//'UPY0, 2'//nl//'LOWX0, 1'//nl//'LOWY0, 2'//nl//'LOWBOT, 3'//nl
+         load = '*DLOAD'//nl//'UPTOPE, P2, 500.'//nl
+         master = 'LOWF'
+      case default
+         mesh = '*NODE, NSET=REF'//nl//'900000, 0., 5.'//nl//box('UP', 0, [0.0_wp, -4.0_wp], [8.0_wp, 0.0_wp], &
+            & [10, 5]*fine, 0.0_wp)//'*SURFACE, NAME=TOOL, TYPE=SEGMENTS'//nl//'START, 8., 4.'//nl &
+            & //'CIRCL, 0., 0., 0., 10.'//nl//'CIRCL, -8., 4., 0., 10.'//nl &
+            & //'*RIGID BODY, ANALYTICAL SURFACE=TOOL, REF NODE=REF'//nl
+         hold = 'UPX0, 1'//nl//'UPBOT, 2'//nl//'REF, 1'//nl//'REF, 6'//nl
+         if (name == 'indent') load = '*BOUNDARY'//nl//'REF, 2, 2, -0.2'//nl
+         if (name == 'punch') load = '*CLOAD'//nl//'REF, 2, -9000.'//nl
+         master = 'TOOL'
+      end select
+      text = mesh//'*MATERIAL, NAME=STEEL'//nl//'*ELASTIC'//nl//'200000., 0.3'//nl &
+         & //'*SOLID SECTION, ELSET=UP, MATERIAL=STEEL'//nl
+      if (master == 'LOWF') text = text//'*MATERIAL, NAME=SOFT'//nl//'*ELASTIC'//nl//'70000., 0.3'//nl &
+         & //'*SOLID SECTION, ELSET=LOW, MATERIAL=SOFT'//nl
+      text = text//'*SURFACE INTERACTION, NAME=TOUCH'//nl//'*SURFACE BEHAVIOR'//behaviour//nl &
+         & //'*CONTACT PAIR, INTERACTION=TOUCH'//nl//'UPF, '//master//nl//extra//'*BOUNDARY'//nl//hold &
+         & //'*STEP'//nl//'*STATIC, DIRECT'//nl//'0.5, 1.'//nl//load//'*END STEP'//nl
+   end function scene_text
+
+   !> A structured box with its sets and its contact surface: the bottom of UP in scenes of two bodies,
+   !> else the top; the bottom is crowned by x^2/(2 radius).
+   function box(name, offset, low, high, n, radius) result(text)
+      character(len=*), intent(in) :: name
+      integer, intent(in) :: offset
+      real(wp), intent(in) :: low(:), high(:)
+      integer, intent(in) :: n(:)
+      real(wp), intent(in) :: radius           !! 0: flat
+      character(len=:), allocatable :: text
+      character(len=120) :: line
+      real(wp) :: x(size(n)), share
+      integer :: m(3), i(3), d, node, element, corner(8)
+      character(len=:), allocatable :: x0, y0, bottom, top, face_elements, top_elements
+
+      d = size(n)
+      m = 0
+      m(:d) = n
+      x0 = ''
+      y0 = ''
+      bottom = ''
+      top = ''
+      face_elements = ''
+      top_elements = ''
+      text = '*NODE'//nl
+      do node = 0, product(m(:d) + 1) - 1
+         i = place_of(node)
+         x = low + (high - low)*i(:d)/n
+         if (radius > 0.0_wp) then
+            share = (high(d) - x(d))/(high(d) - low(d))
+            x(d) = x(d) + share*sum(x(:d - 1)**2)/(2.0_wp*radius)
+         end if
+         write (line, '(i0,3(", ",f0.12))') offset + node + 1, x
+         text = text//trim(line)//nl
+         if (i(1) == 0) x0 = x0//word(offset + node + 1)
+         if (d == 3 .and. i(2) == 0) y0 = y0//word(offset + node + 1)
+         if (i(d) == 0) bottom = bottom//word(offset + node + 1)
+         if (i(d) == n(d)) top = top//word(offset + node + 1)
+      end do
+      text = text//'*ELEMENT, ELSET='//name//', TYPE='//trim(merge('CPE4', 'C3D8', d == 2))//nl
+      do element = 0, product(n) - 1
+         i(1) = mod(element, n(1))
+         i(2) = mod(element/n(1), n(2))
+         i(3) = element/(n(1)*n(2))
+         corner(:4) = offset + [at(i), at(i + [1, 0, 0]), at(i + [1, 1, 0]), at(i + [0, 1, 0])]
+         corner(5:) = offset + [at(i + [0, 0, 1]), at(i + [1, 0, 1]), at(i + [1, 1, 1]), at(i + [0, 1, 1])]
+         write (line, '(i0,8(", ",i0))') offset + element + 1, corner(:merge(4, 8, d == 2))
+         text = text//trim(line)//nl
+         if (i(d) == 0 .and. radius > 0.0_wp) face_elements = face_elements//word(offset + element + 1)
+         if (i(d) == n(d) - 1 .and. .not. radius > 0.0_wp) face_elements = face_elements//word(offset + element + 1)
+         if (i(d) == n(d) - 1) top_elements = top_elements//word(offset + element + 1)
+      end do
+      text = text//'*NSET, NSET='//name//'X0'//nl//x0//'*NSET, NSET='//name//'BOT'//nl//bottom &
+         & //'*NSET, NSET='//name//'TOP'//nl//top//'*ELSET, ELSET='//name//'FE'//nl//face_elements &
+         & //'*ELSET, ELSET='//name//'TOPE'//nl//top_elements//'*SURFACE, NAME='//name//'F'//nl//name//'FE, '
+      if (d == 3) text = text//merge('S1', 'S2', radius > 0.0_wp)//nl//'*NSET, NSET='//name//'Y0'//nl//y0
+      if (d == 2) text = text//merge('S1', 'S3', radius > 0.0_wp)//nl
+
+   contains
+
+      function place_of(number) result(i)
+         integer, intent(in) :: number
+         integer :: i(3)
+         i(1) = mod(number, m(1) + 1)
+         i(2) = mod(number/(m(1) + 1), m(2) + 1)
+         i(3) = number/((m(1) + 1)*(m(2) + 1))
+      end function place_of
+
+      integer function at(i)
+         integer, intent(in) :: i(3)
+         at = 1 + i(1) + (m(1) + 1)*(i(2) + (m(2) + 1)*i(3))
+      end function at
+   end function box
+
+   function word(number) result(text)
+      integer, intent(in) :: number
+      character(len=:), allocatable :: text
+      character(len=14) :: digits
+      write (digits, '(i0,",")') number
+      text = trim(digits)//nl
+   end function word
+
+   !> Run a deck; the results stay in recorders(1).
+   subroutine run_text(text, recorders, summary, error)
+      character(len=*), intent(in) :: text
+      type(recorder_holder_type), allocatable, intent(out) :: recorders(:)
+      type(summary_type), intent(out) :: summary
+      type(error_type), allocatable, intent(out) :: error
+      type(deck_type) :: deck
+      type(model_type) :: model
+      type(log_type) :: log
+      type(clock_type) :: clock
+
+      call read_deck_text(deck, text, 'scene.inp', '', log, error)
+      if (.not. allocated(error)) call new_model(model, deck, error)
+      if (allocated(error)) return
+      allocate (recorders(1))
+      allocate (memory_recorder_type :: recorders(1)%recorder)
+      call run_analysis(model, recorders, clock, summary, log, error)
+   end subroutine run_text
+
+   !> An array of the last increment and its largest entry.
+   subroutine get_last(recorders, name, values, scale)
+      type(recorder_holder_type), intent(in) :: recorders(:)
+      character(len=*), intent(in) :: name
+      real(wp), allocatable, intent(out) :: values(:, :)
+      real(wp), intent(out) :: scale
+
+      scale = 0.0_wp
+      select type (memory => recorders(1)%recorder)
+      type is (memory_recorder_type)
+         call memory%get_real(name, memory%nframe, values)
+      end select
+      if (.not. allocated(values)) allocate (values(0, 0))
+      if (size(values) > 0) scale = maxval(abs(values))
+   end subroutine get_last
+end module contact_scenes
