@@ -13,7 +13,7 @@ import numpy as np
 from lopin import mesh_make
 from lopin.closed_form import contact_modulus, hertz_point_approach
 from lopin.deck import Deck, Row
-from lopin.mesh import Mesh
+from lopin.mesh import Mesh, together
 from lopin.model import Model
 from lopin.model_deck import mesh_deck
 
@@ -94,7 +94,56 @@ def hertz_sphere_3d() -> Deck:
     return deck
 
 
-MESHES = {f.__name__: f for f in (hertz_sphere, hertz_sphere_3d)}
+def lean(mesh: Mesh, surfaces: str, points: str = "") -> Mesh:
+    """The mesh with these surfaces and point sets only."""
+    return mesh.replaced(surfaces={k: mesh.surfaces[k] for k in surfaces.split()},
+                         point_sets={k: mesh.point_sets[k] for k in points.split()})
+
+
+def crowned(radius: float, size: tuple[float, float], fine: float, element: float,
+            growth: float) -> Mesh:
+    """The lower part of half a cylinder or ball; it touches y = 0 at the origin."""
+    across = fine_then_spread(element, fine, size[0], growth)
+    up = np.concatenate([[0.0], spread(element, 0.0, size[1], growth)])
+    return mesh_make.crowned_block(size, (len(across) - 1, len(up) - 1), radius,
+                                   grading=(across/size[0], up/size[1]))
+
+
+def nafems_cylinder() -> Deck:
+    """Half of a cylinder of radius 50, cut at 40, on half of a block of 200 by 200."""
+    cylinder = crowned(50.0, (40.0, 50.0), 8.0, 0.4, 1.2)
+    cylinder = cylinder.with_surface("ARC", lambda x: (x[:, 1] < 3.0) & (x[:, 0] < 12.0))
+    across = fine_then_spread(0.4, 8.0, 100.0, 1.15)
+    down = np.concatenate([[0.0], spread(0.4, 0.0, 200.0, 1.15)])
+    block = mesh_make.block((100.0, 200.0), (len(across) - 1, len(down) - 1), origin=(0.0, -200.0),
+                            grading=(across/100.0, 1.0 - down[::-1]/200.0))
+    block = block.with_surface("NEAR", lambda x: (x[:, 1] > -1e-9) & (x[:, 0] < 12.0))
+    block = block.with_points("B", lambda x: (x[:, 1] > -1e-9) & (x[:, 0] < 1e-9))
+    mesh = together(CYLINDER=lean(cylinder, "ARC TOP", "LEFT"),
+                    BLOCK=lean(block, "NEAR", "LEFT BOTTOM B"))
+    return mesh_deck(Model("mesh", mesh.mapped(lambda x: np.round(x, 9))))
+
+
+def cylinder_on_plane() -> Deck:
+    """Half of a cylinder of radius 100, cut at 20."""
+    mesh = crowned(100.0, (20.0, 40.0), 1.0, 1/16, 1.2)
+    mesh = mesh.with_surface("ARC", lambda x: (x[:, 1] < 0.1) & (x[:, 0] < 1.5))
+    return mesh_deck(Model("mesh", lean(mesh.mapped(lambda x: np.round(x, 9)), "ARC TOP", "LEFT")))
+
+
+def flat_punch() -> Deck:
+    """Half-space, fine where the edge of a punch of radius 10 presses."""
+    out = fine_then_spread(0.05, 0.2, 90.0, 1.2) + 10.0
+    inside = 10.0 - np.concatenate([[0.0], spread(0.05, 0.0, 10.0, 1.15)])[::-1]
+    mesh, deck, sides = half_space([np.concatenate([inside, out[1:]]),
+                                    np.concatenate([[0.0], spread(0.05, 0.0, 100.0, 1.2)])],
+                                   12.0, "axisymmetric")
+    far_sides(deck, mesh, sides, 1000.0, 210e3, 0.3)
+    return deck
+
+
+MESHES = {f.__name__: f for f in (hertz_sphere, hertz_sphere_3d, nafems_cylinder,
+                                  cylinder_on_plane, flat_punch)}
 
 
 def main(names: list[str]) -> None:
