@@ -105,14 +105,15 @@ def crowned(radius: float, size: tuple[float, float], fine: float, element: floa
     """The lower part of half a cylinder or ball; it touches y = 0 at the origin."""
     across = fine_then_spread(element, fine, size[0], growth)
     up = np.concatenate([[0.0], spread(element, 0.0, size[1], growth)])
-    return mesh_make.crowned_block(size, (len(across) - 1, len(up) - 1), radius,
+    mesh = mesh_make.crowned_block(size, (len(across) - 1, len(up) - 1), radius,
                                    grading=(across/size[0], up/size[1]))
+    return mesh.with_surface("ARC", lambda x: (x[:, 0] < 1.5*fine) & (
+        np.abs(np.hypot(x[:, 0], x[:, 1] - radius) - radius) < 1e-9*radius))
 
 
 def nafems_cylinder() -> Deck:
     """Half of a cylinder of radius 50, cut at 40, on half of a block of 200 by 200."""
     cylinder = crowned(50.0, (40.0, 50.0), 8.0, 0.4, 1.2)
-    cylinder = cylinder.with_surface("ARC", lambda x: (x[:, 1] < 3.0) & (x[:, 0] < 12.0))
     across = fine_then_spread(0.4, 8.0, 100.0, 1.15)
     down = np.concatenate([[0.0], spread(0.4, 0.0, 200.0, 1.15)])
     block = mesh_make.block((100.0, 200.0), (len(across) - 1, len(down) - 1), origin=(0.0, -200.0),
@@ -127,14 +128,14 @@ def nafems_cylinder() -> Deck:
 def cylinder_on_plane() -> Deck:
     """Half of a cylinder of radius 100, cut at 20."""
     mesh = crowned(100.0, (20.0, 40.0), 1.0, 1/16, 1.2)
-    mesh = mesh.with_surface("ARC", lambda x: (x[:, 1] < 0.1) & (x[:, 0] < 1.5))
     return mesh_deck(Model("mesh", lean(mesh.mapped(lambda x: np.round(x, 9)), "ARC TOP", "LEFT")))
 
 
 def flat_punch() -> Deck:
-    """Half-space, fine where the edge of a punch of radius 10 presses."""
-    out = fine_then_spread(0.05, 0.2, 90.0, 1.2) + 10.0
-    inside = 10.0 - np.concatenate([[0.0], spread(0.05, 0.0, 10.0, 1.15)])[::-1]
+    """Half-space, fine where the edge of a punch of radius 10 presses; the edge is between nodes."""
+    last = 10.0 - 0.02
+    out = last + fine_then_spread(0.04, 0.16, 100.0 - last, 1.2)
+    inside = last - np.concatenate([[0.0], spread(0.04, 0.0, last, 1.12)])[::-1]
     mesh, deck, sides = half_space([np.concatenate([inside, out[1:]]),
                                     np.concatenate([[0.0], spread(0.05, 0.0, 100.0, 1.2)])],
                                    12.0, "axisymmetric")

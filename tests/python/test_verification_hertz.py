@@ -5,6 +5,9 @@ import pytest
 from lopin import Deck
 from lopin.closed_form import (
     contact_modulus,
+    flat_punch_axisymmetric,
+    flat_punch_axisymmetric_pressure,
+    hertz_line,
     hertz_point_approach,
 )
 
@@ -67,3 +70,53 @@ def test_the_excess_of_force_is_the_slope_of_the_sphere(root, solve, sheet):
     result = solve(Deck.parse(text, name="flatter"))
     sheet.compare("A4 Hertz: rigid sphere, axisymmetric", "lagrange, R = 500: force",
                   -result.history["BALL.rf2"][-1], flat.force, 0.002)
+
+
+@pytest.mark.parametrize("method", ["DIRECT", "AUGMENTED LAGRANGE"])
+def test_the_cylinder_of_nafems(root, solve, sheet, method):
+    result = solve(with_method(root, "nafems_cylinder", method))
+    case, start = "A3 Hertz: NAFEMS R0094-1, cylinder on block", f"{method.lower()}: "
+    line = hertz_line(35e3, 50.0, contact_modulus(210e3, 0.3, 70e3, 0.3))
+    contact = result.contact(0).last
+    x, p = contact.x[:, 0], contact.pressure.ravel()
+    point = np.flatnonzero(result.source.mesh(-1).point_data["LABEL"].ravel() == 2161)
+    down = float(result["displacement"][point, 1][0])
+    sheet.compare(case, start + "largest pressure", p.max(), line.p0, 0.01)
+    sheet.compare(case, start + "half width, from the load and p0", 4.0*17500.0/(np.pi*p.max()),
+                  line.a, 0.01)
+    sheet.compare(case, start + "displacement of B", down, -1.279, 0.01,
+                  "small-strain finite elements")
+    inside = x < 0.85*line.a
+    sheet.compare(case, start + "pressure, x < 0.85 a, worst over p0",
+                  abs(p - line.pressure(x))[inside].max()/line.p0, 0.0, 0.01, absolute=True)
+
+
+@pytest.mark.parametrize("method", ["DIRECT", "AUGMENTED LAGRANGE"])
+def test_a_cylinder_held_by_nothing_but_contact(root, solve, sheet, method):
+    result = solve(with_method(root, "cylinder_on_plane", method))
+    case, start = "A3 Hertz: floating cylinder on a rigid plane", f"{method.lower()}: "
+    line = hertz_line(1000.0, 100.0, contact_modulus(210e3, 0.3))
+    contact = result.contact(0).last
+    x, p = contact.x[:, 0], contact.pressure.ravel()
+    sheet.compare(case, start + "reaction of the plane", result.history["FLOOR.rf2"][-1], 500.0, 1e-9)
+    sheet.compare(case, start + "largest pressure", p.max(), line.p0, 0.01)
+    inside = x < 0.85*line.a
+    sheet.compare(case, start + "pressure, x < 0.85 a, worst over p0",
+                  abs(p - line.pressure(x))[inside].max()/line.p0, 0.0, 0.01, absolute=True)
+
+
+@pytest.mark.parametrize("method", ["DIRECT", "AUGMENTED LAGRANGE"])
+def test_a_flat_punch_pressed_by_a_force(root, solve, sheet, method):
+    result = solve(with_method(root, "flat_punch", method))
+    case, start = "A5 flat punch, axisymmetric", f"{method.lower()}: "
+    modulus = contact_modulus(210e3, 0.3)
+    contact = result.contact(0).last
+    r, p = contact.r, contact.pressure.ravel()
+    exact = flat_punch_axisymmetric_pressure(1000.0, 10.0, r)
+    inside = r <= 8.0
+    sheet.compare(case, start + "depth", -result.history["PUNCH.u2"][-1],
+                  flat_punch_axisymmetric(1000.0, 10.0, modulus), 0.005)
+    sheet.compare(case, start + "force", -result.history["NEAR-PUNCH.force2"][-1], 1000.0, 1e-9)
+    sheet.compare(case, start + "pressure, r <= 0.8 a, worst", abs(p/exact - 1.0)[inside].max(), 0.0,
+                  0.02, absolute=True)
+    assert p.min() >= 0.0
