@@ -5,6 +5,7 @@ module lopin_certificate
    use lopin_model, only : model_type, method_of
    use lopin_state, only : certificate_type, energy_type, contact_field_type
    use lopin_constraints, only : reduce, prescribed_part
+   use lopin_contact_points, only : pair_is_tied
    use lopin_contact_rows, only : row_forces
    use lopin_scene, only : scene_type, relative_motion
    use lopin_methods, only : has_law
@@ -183,7 +184,7 @@ contains
       has_row(scene%rows%point) = .true.
       do i = 1, scene%points%n
          if (has_row(i) .or. scene%points%facet(i) == 0) cycle
-         if (.not. scene%points%gap(i) + scene%initial%shift(i) > scene%reach(scene%points%pair(i))) cycle
+         if (pair_is_tied(model, model%pair(scene%points%pair(i)))) cycle
          gap = scene%points%gap(i) + scene%initial%shift(i) &
             & + dot_product(relative_motion(scene, model, i) - tool_part(i), scene%points%normal(:, i))
          worst = max(worst, -gap/scene%points%size(i))

@@ -139,7 +139,11 @@ contains
          do row = 1, p%nrow
             do k = first(row), first(row + 1) - 1
                p%c(row, :) = p%c(row, :) + value(k)*scene%bodies%motion(equation(k), :)
-               if (scene%system%place(equation(k)) == 0) cycle
+               if (scene%system%number(equation(k)) == 0) cycle
+               if (scene%system%place(equation(k)) == 0) then
+                  call raise(error, error_code%internal, 'E0901', 'a contact row meets an equation that was not kept')
+                  return
+               end if
                kept = kept + 1
                p%column(kept) = scene%system%place(equation(k))
                p%value(kept) = value(k)

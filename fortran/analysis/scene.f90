@@ -156,7 +156,7 @@ contains
       do pair = 1, size(model%pair)
          if (.not. may_turn(self, model, pair)) cycle
          do i = self%points%first(pair), self%points%first(pair + 1) - 1
-            if (self%points%gap(i) > self%reach(pair)) cycle
+            if (self%initial%start(i) > self%reach(pair)) cycle
             do k = 1, model%mesh%ndim
                if (self%dofs%id(k, self%points%node(i)) > 0) call want(self%dofs%id(k, self%points%node(i)))
             end do

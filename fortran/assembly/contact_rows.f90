@@ -21,6 +21,7 @@ module lopin_contact_rows
 
    type :: initial_gap_type
       real(wp), allocatable :: shift(:)        !! (npoint) added to the geometric gap: ADJUST, CLEARANCE [length]
+      real(wp), allocatable :: start(:)        !! (npoint) gap at the start, shift included [length]
       real(wp), allocatable :: overclosure(:)  !! (npoint) >= 0, ramped in over the first step [length]
       logical, allocatable :: touches(:)       !! (npoint) closed at the start
    end type initial_gap_type
@@ -54,6 +55,7 @@ contains
          call judge_pair(self, model, points, pair, log, error)
          if (allocated(error)) return
       end do
+      self%start = points%gap(:points%n) + self%shift
    end subroutine new_initial_gaps
 
    subroutine judge_pair(self, model, points, pair, log, error)
@@ -142,7 +144,7 @@ contains
       type(initial_gap_type), intent(in) :: initial
       real(wp), intent(in) :: place(:, :)
       logical, intent(in) :: sticks(:)         !! (npoint) closed once, never to open (NO SEPARATION)
-      real(wp), intent(in) :: reach(:)         !! (npair) points with a larger gap get no row [length]
+      real(wp), intent(in) :: reach(:)         !! (npair) points with a larger gap at the start get no row [length]
       integer :: pair, i, d, ndirection, terms
       real(wp) :: frame(3, 3)
       logical :: tied
@@ -158,7 +160,7 @@ contains
          tied = pair_is_tied(model, model%pair(pair))
          do i = points%first(pair), points%first(pair + 1) - 1
             if (points%facet(i) == 0) cycle
-            if (points%gap(i) + initial%shift(i) > reach(pair)) cycle
+            if (initial%start(i) > reach(pair)) cycle
             if (tied .and. abs(points%gap(i)) > max(too_deep*points%size(i), model%pair(pair)%adjust)) cycle
             call frame_of(points%normal(:, i), model%mesh%ndim, frame)
             ndirection = 1
