@@ -1,4 +1,5 @@
-!> Why a contact problem has no answer: motions that nothing holds, sets that cycle, multipliers that creep.
+!> Why a contact problem has no answer: motions that nothing holds, sets that cycle, multipliers
+!> that creep.
 module lopin_contact_failure
    use lopin_kinds, only : wp
    use lopin_error, only : error_type, error_code, raise
@@ -28,9 +29,11 @@ contains
          gram = matmul(transpose(p%c), p%c)
          call symmetric_eigen(gram, value, status)
          if (value(1) > 1.0e-10_wp*max(value(p%nq), 1.0e-3_wp)) return
-         call raise(error, error_code%singular, 'E0310', describe_motion(scene%bodies, model, gram(:, 1)) &
-            & //': neither a support nor a contact resists it', model%step(scene%step)%at, &
-            & note=motions_note(scene), help='fix a degree of freedom by *BOUNDARY; without friction a contact '// &
+         call raise(error, error_code%singular, 'E0310', describe_motion(scene%bodies, &
+            & model, gram(:, 1))//': neither a support nor a contact resists it', &
+            & model%step(scene%step)%at, &
+            & note=motions_note(scene), &
+            & help='fix a degree of freedom by *BOUNDARY; without friction a contact '// &
             & 'does not hold what slides along it')
       end associate
    end subroutine check_held
@@ -52,18 +55,22 @@ contains
       case (outcome%solved)
       case (outcome%not_held)
          motion = describe_motion(scene%bodies, model, scene%answer%q)
-         call raise(error, error_code%singular, 'E0310', motion//': the contacts do not hold it under this load', &
-            & model%step(scene%step)%at, note='no set of contacts that only press balances the loads', &
+         call raise(error, error_code%singular, 'E0310', motion// &
+            & ': the contacts do not hold it under this load', model%step(scene%step)%at, &
+            & note='no set of contacts that only press balances the loads', &
             & help='add a support, or turn the load so that it presses the bodies together')
       case (outcome%cycling)
          call raise(error, error_code%not_converged, 'E0501', 'the contact states cycle after '// &
             & to_text(scene%answer%iterations)//' iterations', model%step(scene%step)%at, &
             & help='use the default method (DIRECT), which cannot cycle')
       case (outcome%not_augmented)
-         call raise(error, error_code%not_converged, 'E0502', 'the multipliers still move after '// &
-            & to_text(scene%answer%augmentations)//' augmentations (contraction '// &
-            & to_text(real(nint(1000.0_wp*scene%answer%rate), wp)/1000.0_wp)//')', model%step(scene%step)%at, &
-            & help='raise the stiffness or MAX AUGMENTATIONS=, or leave the stiffness out: it is then chosen')
+         call raise(error, error_code%not_converged, 'E0502', &
+            & 'the multipliers still move after '//to_text(scene%answer%augmentations)// &
+            & ' augmentations (contraction '// &
+            & to_text(real(nint(1000.0_wp*scene%answer%rate), wp)/1000.0_wp)//')', &
+            & model%step(scene%step)%at, &
+            & help='raise the stiffness or MAX AUGMENTATIONS=, or leave the stiffness out: it is '// &
+            & 'then chosen')
       case default
          call raise(error, error_code%internal, 'E0901', 'the contact problem broke down')
       end select

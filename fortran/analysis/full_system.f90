@@ -1,4 +1,4 @@
-!> The contact problem on the whole system, factorised again at every change of contact (seed J, to the letter).
+!> The contact problem on the whole system, factorised again at every change of contact: seed J.
 !>
 !> With G = -B^T (gaps g = gap0 + B u), on the rows of a set:
 !>
@@ -6,8 +6,8 @@
 !>    Lagrange              [K  G; G^T  0       ] (u, lambda) = (F, gap0)
 !>    perturbed             [K  G; G^T -1/alpha ] (u, lambda) = (F, gap0)
 !>
-!> It answers the active set in the place of the condensed problem, which it extends: there K_c is small
-!> and dense, here nothing is condensed. The factor stays while the set and the springs stay.
+!> It answers the active set in the place of the condensed problem, which it extends: there K_c is
+!> small and dense, here nothing is condensed. The factor stays while the set and the springs stay.
 module lopin_full_system
    use lopin_kinds, only : wp, ik
    use lopin_text, only : lower
@@ -16,7 +16,8 @@ module lopin_full_system
    use lopin_csc, only : csc_type, storage
    use lopin_linear_solver, only : linear_solver_type, matrix_class
    use lopin_solver_factory, only : new_solver, choose_solver
-   use lopin_condensed, only : condensed_type, springs_type, response_type, rows_times, columns_times, is_spring
+   use lopin_condensed, only : condensed_type, springs_type, response_type, rows_times, &
+      & columns_times, is_spring
    implicit none
    private
    public :: full_system_type, new_full_system, set_rows
@@ -27,9 +28,9 @@ module lopin_full_system
    !> n of the parent counts the free equations; its `l`, `s` and `c` are not used.
    type, extends(condensed_type) :: full_system_type
       integer :: nmotion = 0                     !! motions that contact alone holds
-      real(wp) :: ground = 0.0_wp                !! springs at `support`, on the way only [force/length]
+      real(wp) :: ground = 0.0_wp                !! springs at `support`, on the way [force/length]
       integer, allocatable :: support(:)         !! (nmotion) equations that stop the motions
-      real(wp) :: scale = 1.0_wp                 !! mean stiffness, scales forces in the matrix [force/length]
+      real(wp) :: scale = 1.0_wp                 !! mean stiffness, scales forces [force/length]
       logical :: dependent_rows = .false.        !! a set was singular although nothing floats
       character(len=:), allocatable :: definite_name, indefinite_name, reason
       type(clock_type) :: clock
@@ -72,8 +73,8 @@ contains
       self%indefinite_name = 'umfpack'
       if (self%definite_name == 'dense') self%indefinite_name = 'dense'
       self%reason = 'as asked'
-      if (self%definite_name == 'auto') call choose_solver(k, matrix_class%positive_definite, [integer ::], &
-         & self%definite_name, self%reason)
+      if (self%definite_name == 'auto') call choose_solver(k, matrix_class%positive_definite, &
+         & [integer ::], self%definite_name, self%reason)
       call new_solver(self%definite, self%definite_name, error)
       if (allocated(error)) return
       call new_solver(self%indefinite, self%indefinite_name, error)
@@ -82,7 +83,7 @@ contains
    !> New data of the rows (already in the parent's components): places for springs, no factor.
    subroutine set_rows(self, moved)
       class(full_system_type), intent(inout) :: self
-      logical, intent(in) :: moved                 !! other equations than before, not only other values
+      logical, intent(in) :: moved                 !! other equations, not only other values
       real(wp), allocatable :: size_(:)
       integer :: row
 
@@ -139,7 +140,7 @@ contains
       call self%k%new_from_triplets(self%n, storage%symmetric_lower, i, j, value)
    end subroutine add_places
 
-   !> Gaps without contact: one factorisation of K, unless a set is known or nothing but contact holds.
+   !> Gaps without contact, by one factorisation of K; not if a set is known or contact alone holds.
    subroutine free_gaps(self, gap0, load, cold, gap)
       class(full_system_type), intent(inout) :: self
       real(wp), intent(in) :: gap0(:), load(:)
@@ -213,14 +214,15 @@ contains
       matrix = self%k
       call stiffen(self, matrix, stiffness)
       if (size(set) == 0) then
-         if (.not. self%analysed) call self%definite%analyse(matrix, matrix_class%positive_definite, &
-            & [integer ::], error)
+         if (.not. self%analysed) call self%definite%analyse(matrix, &
+            & matrix_class%positive_definite, [integer ::], error)
          self%analysed = .not. allocated(error)
          call self%clock%stop_in(phase%analyse)
          if (.not. allocated(error)) call self%definite%factorise(matrix, bad, error)
       else
          call border(self, matrix, set, compliance, saddle)
-         call self%indefinite%analyse(saddle, matrix_class%symmetric_indefinite, [integer ::], error)
+         call self%indefinite%analyse(saddle, matrix_class%symmetric_indefinite, [integer ::], &
+            & error)
          call self%clock%stop_in(phase%analyse)
          if (.not. allocated(error)) call self%indefinite%factorise(saddle, bad, error)
       end if
@@ -242,7 +244,8 @@ contains
       real(wp), intent(in) :: stiffness(:)
 
       same = self%factorised
-      if (same) same = size(self%set_inside) == size(set) .and. size(self%springs_inside) == size(stiffness)
+      if (same) same = size(self%set_inside) == size(set) &
+         & .and. size(self%springs_inside) == size(stiffness)
       if (same) same = all(self%set_inside == set) .and. all(self%springs_inside == stiffness)
       if (same) same = .not. abs(self%ground_inside - self%ground) > 0.0_wp
    end function same_factor

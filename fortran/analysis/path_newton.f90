@@ -1,9 +1,10 @@
-!> The second path, *LOPIN, PATH=NEWTON: the whole system, factorised again at every change of contact.
+!> The second path, *LOPIN, PATH=NEWTON: the whole system, factorised again at every change of
+!> contact.
 !>
-!> It condenses nothing and supports nothing artificially: the matrices are those of seed J. It is the
-!> reference of the condensed path and the cost of doing without it. A motion that only contact holds
-!> makes K singular and the matrix of a set regular as soon as the set holds it; where a set on the way
-!> does not, soft springs that follow the motion (proximal steps) lead to one that does.
+!> It condenses nothing and supports nothing artificially: the matrices are those of seed J. It is
+!> the reference of the condensed path and the cost of doing without it. A motion that only contact
+!> holds makes K singular and the matrix of a set regular as soon as the set holds it; where a set
+!> on the way does not, soft springs that follow the motion (proximal steps) lead to one that does.
 module lopin_path_newton
    use lopin_kinds, only : wp
    use lopin_error, only : error_type, error_code, raise
@@ -46,17 +47,19 @@ contains
 
       call retained_equations(scene, model, touched)
       retained = size(touched)
-      call reduce_matrix(scene%k, scene%constraints, [(i, i=1, scene%constraints%neq)], scene%constraints%neq, k)
+      call reduce_matrix(scene%k, scene%constraints, [(i, i=1, scene%constraints%neq)], &
+         & scene%constraints%neq, k)
       call scene%clock%stop_in(phase%assemble)
       call new_full_system(scene%full, k, scene%bodies%support, model%solver, error)
       solver = scene%full%definite_name
       reason = scene%full%reason
       if (allocated(error) .or. scene%rows%n == 0) return
       call choose_methods_of_rows(scene, model)
-      if (any([(scene%problem%group(i)%method%solves_for_multiplier(), i=1, scene%problem%ngroup)])) then
+      associate (group => scene%problem%group)
+         if (.not. any([(group(i)%method%solves_for_multiplier(), i=1, size(group))])) return
          solver = scene%full%indefinite_name
          reason = 'forces are unknowns: symmetric indefinite'
-      end if
+      end associate
    end subroutine prepare_newton
 
    subroutine choose_methods_of_rows(scene, model)
@@ -93,9 +96,11 @@ contains
       if (allocated(scene%full%trouble)) then
          call move_alloc(scene%full%trouble, error)
       else if (scene%answer%outcome /= outcome%solved .and. scene%full%dependent_rows) then
-         call raise(error, error_code%singular, 'E0310', 'the contact rows of a set depend on each other or on '// &
-            & 'supports: its matrix is singular', model%step(scene%step)%at, help='list a pair of surfaces '// &
-            & 'once, or let the default path share the forces (leave out PATH=NEWTON)')
+         call raise(error, error_code%singular, 'E0310', &
+            & 'the contact rows of a set depend on each other or on supports: its matrix is '// &
+            & 'singular', model%step(scene%step)%at, &
+            & help='list a pair of surfaces once, or leave out PATH=NEWTON: the default path '// &
+            & 'shares the forces')
       else
          call explain_outcome(scene, model, error)
       end if
@@ -114,7 +119,8 @@ contains
          all = all + mine
          mine = 0.0_wp
       end associate
-      scene%counter%factorisations = scene%counter%factorisations + scene%full%counter%factorisations
+      scene%counter%factorisations = scene%counter%factorisations &
+         & + scene%full%counter%factorisations
       scene%counter%back_solves = scene%counter%back_solves + scene%full%counter%back_solves
       scene%full%counter%factorisations = 0
       scene%full%counter%back_solves = 0
@@ -135,7 +141,8 @@ contains
       moved = scene%fresh_factor
       if (.not. moved) moved = size(scene%problem%first) /= size(first)
       if (.not. moved) moved = size(scene%problem%column) /= size(equation)
-      if (.not. moved) moved = any(scene%problem%first /= first) .or. any(scene%problem%column /= equation)
+      if (.not. moved) moved = any(scene%problem%first /= first) &
+         & .or. any(scene%problem%column /= equation)
       same = .not. moved
       if (same) same = all(scene%problem%value == value)
       scene%full%bilateral = scene%rows%bilateral
@@ -170,7 +177,8 @@ contains
       call set_rows(scene%full, moved)
    end subroutine fill_rows
 
-   !> S = B K^-1 B^T for the automatic stiffness, from a factor of K of its own (floating motions supported).
+   !> S = B K^-1 B^T for the automatic stiffness, from a factor of K of its own (floating motions
+   !> supported).
    subroutine compliance_by_solves(scene, model, error)
       type(scene_type), intent(inout) :: scene
       type(model_type), intent(in) :: model
@@ -179,8 +187,8 @@ contains
       real(wp), allocatable :: x(:, :)
       integer :: bad, from, to, row, other, k
 
-      call new_linear_system(aside, scene%k, scene%constraints, scene%bodies%support, [integer ::], model%solver, &
-         & scene%clock, scene%counter, bad, error)
+      call new_linear_system(aside, scene%k, scene%constraints, scene%bodies%support, &
+         & [integer ::], model%solver, scene%clock, scene%counter, bad, error)
       if (allocated(error)) return
       associate (p => scene%problem)
          allocate (p%s(p%nrow, p%nrow), source=0.0_wp)
@@ -190,14 +198,16 @@ contains
             allocate (x(aside%n, to - from + 1), source=0.0_wp)
             do row = from, to
                do k = p%first(row), p%first(row + 1) - 1
-                  if (aside%number(p%column(k)) > 0) x(aside%number(p%column(k)), row - from + 1) = p%value(k)
+                  if (aside%number(p%column(k)) == 0) cycle
+                  x(aside%number(p%column(k)), row - from + 1) = p%value(k)
                end do
             end do
             call aside%solver%solve(x)
             do other = 1, p%nrow
                do k = p%first(other), p%first(other + 1) - 1
                   if (aside%number(p%column(k)) == 0) cycle
-                  p%s(other, from:to) = p%s(other, from:to) + p%value(k)*x(aside%number(p%column(k)), :)
+                  p%s(other, from:to) = p%s(other, from:to) &
+                     & + p%value(k)*x(aside%number(p%column(k)), :)
                end do
             end do
          end do
@@ -207,7 +217,8 @@ contains
       call scene%clock%stop_in(phase%solve)
    end subroutine compliance_by_solves
 
-   !> The sequence of problems of seed J.1: softer penalties first, each starting from the last one's set.
+   !> The sequence of problems of seed J.1: softer penalties first, each starting from the last
+   !> one's set.
    subroutine settle_with_continuation(scene, model, right)
       type(scene_type), intent(inout) :: scene
       type(model_type), intent(in) :: model
@@ -217,14 +228,16 @@ contains
       scene%full%dependent_rows = .false.
       do stage = model%continuation - 1, 0, -1
          scene%full%alpha = scene%problem%alpha*0.1_wp**stage
-         call settle(scene%full, scene%gap, right, scene%bodies%motion(scene%bodies%support, :), scene%answer)
+         call settle(scene%full, scene%gap, right, scene%bodies%motion(scene%bodies%support, :), &
+            & scene%answer)
          scene%counter%iterations = scene%counter%iterations + scene%answer%iterations
          scene%counter%augmentations = scene%counter%augmentations + scene%answer%augmentations
          if (scene%answer%outcome /= outcome%solved) exit
       end do
    end subroutine settle_with_continuation
 
-   !> Solve; where a set on the way holds nothing, take proximal steps and try their sets without springs.
+   !> Solve; where a set on the way holds nothing, take proximal steps and try their sets without
+   !> springs.
    subroutine settle(full, gap, right, motion, answer)
       type(full_system_type), intent(inout) :: full
       real(wp), intent(in) :: gap(:), right(:)

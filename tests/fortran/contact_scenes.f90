@@ -35,13 +35,14 @@ contains
          load = '*BOUNDARY'//nl//'UPTOP, 2, 2, -0.2'//nl
          master = 'LOWF'
       case ('crown')
-         mesh = box('UP', 0, [0.0_wp, 0.0_wp, 0.0_wp], [3.0_wp, 3.0_wp, 2.0_wp], [4, 4, 2]*fine, 20.0_wp) &
-            & //box('LOW', 100000, [0.0_wp, 0.0_wp, -2.0_wp], [4.0_wp, 4.0_wp, 0.0_wp], [5, 5, 2]*fine, 0.0_wp)
+         mesh = box('UP', 0, 0.0_wp*[1, 1, 1], 1.0_wp*[3, 3, 2], [4, 4, 2]*fine, 20.0_wp) &
+            & //box('LOW', 100000, 1.0_wp*[0, 0, -2], 1.0_wp*[4, 4, 0], [5, 5, 2]*fine, 0.0_wp)
          hold = 'UPX0, 1'//nl//'UPY0, 2'//nl//'LOWX0, 1'//nl//'LOWY0, 2'//nl//'LOWBOT, 3'//nl
          load = '*DLOAD'//nl//'UPTOPE, P2, 500.'//nl
          master = 'LOWF'
       case default
-         mesh = '*NODE, NSET=REF'//nl//'900000, 0., 5.'//nl//box('UP', 0, [0.0_wp, -4.0_wp], [8.0_wp, 0.0_wp], &
+         mesh = '*NODE, NSET=REF'//nl//'900000, 0., 5.'//nl//box('UP', 0, [0.0_wp, -4.0_wp], &
+            & [8.0_wp, 0.0_wp], &
             & [10, 5]*fine, 0.0_wp)//'*SURFACE, NAME=TOOL, TYPE=SEGMENTS'//nl//'START, 8., 4.'//nl &
             & //'CIRCL, 0., 0., 0., 10.'//nl//'CIRCL, -8., 4., 0., 10.'//nl &
             & //'*RIGID BODY, ANALYTICAL SURFACE=TOOL, REF NODE=REF'//nl
@@ -52,15 +53,17 @@ contains
       end select
       text = mesh//'*MATERIAL, NAME=STEEL'//nl//'*ELASTIC'//nl//'200000., 0.3'//nl &
          & //'*SOLID SECTION, ELSET=UP, MATERIAL=STEEL'//nl
-      if (master == 'LOWF') text = text//'*MATERIAL, NAME=SOFT'//nl//'*ELASTIC'//nl//'70000., 0.3'//nl &
+      if (master == 'LOWF') text = text//'*MATERIAL, NAME=SOFT'//nl//'*ELASTIC'//nl &
+         & //'70000., 0.3'//nl &
          & //'*SOLID SECTION, ELSET=LOW, MATERIAL=SOFT'//nl
       text = text//'*SURFACE INTERACTION, NAME=TOUCH'//nl//'*SURFACE BEHAVIOR'//behaviour//nl &
-         & //'*CONTACT PAIR, INTERACTION=TOUCH'//nl//'UPF, '//master//nl//extra//'*BOUNDARY'//nl//hold &
+         & //'*CONTACT PAIR, INTERACTION=TOUCH'//nl//'UPF, '//master//nl//extra//'*BOUNDARY'//nl &
+         & //hold &
          & //'*STEP'//nl//'*STATIC, DIRECT'//nl//'0.5, 1.'//nl//load//'*END STEP'//nl
    end function scene_text
 
-   !> A structured box with its sets and its contact surface: the bottom of UP in scenes of two bodies,
-   !> else the top; the bottom is crowned by x^2/(2 radius).
+   !> A structured box with its sets and its contact surface: the bottom, crowned by x^2/(2 radius),
+   !> or, if there is no radius, the top.
    function box(name, offset, low, high, n, radius) result(text)
       character(len=*), intent(in) :: name
       integer, intent(in) :: offset
@@ -71,7 +74,7 @@ contains
       character(len=120) :: line
       real(wp) :: x(size(n)), share
       integer :: m(3), i(3), d, node, element, corner(8)
-      character(len=:), allocatable :: x0, y0, bottom, top, face_elements, top_elements
+      character(len=:), allocatable :: x0, y0, bottom, top, face_elements, top_elements, label
 
       d = size(n)
       m = 0
@@ -103,17 +106,20 @@ contains
          i(2) = mod(element/n(1), n(2))
          i(3) = element/(n(1)*n(2))
          corner(:4) = offset + [at(i), at(i + [1, 0, 0]), at(i + [1, 1, 0]), at(i + [0, 1, 0])]
-         corner(5:) = offset + [at(i + [0, 0, 1]), at(i + [1, 0, 1]), at(i + [1, 1, 1]), at(i + [0, 1, 1])]
+         corner(5:) = offset + [at(i + [0, 0, 1]), at(i + [1, 0, 1]), &
+            & at(i + [1, 1, 1]), at(i + [0, 1, 1])]
          write (line, '(i0,8(", ",i0))') offset + element + 1, corner(:merge(4, 8, d == 2))
          text = text//trim(line)//nl
-         if (i(d) == 0 .and. radius > 0.0_wp) face_elements = face_elements//word(offset + element + 1)
-         if (i(d) == n(d) - 1 .and. .not. radius > 0.0_wp) face_elements = face_elements//word(offset + element + 1)
-         if (i(d) == n(d) - 1) top_elements = top_elements//word(offset + element + 1)
+         label = word(offset + element + 1)
+         if (i(d) == merge(0, n(d) - 1, radius > 0.0_wp)) face_elements = face_elements//label
+         if (i(d) == n(d) - 1) top_elements = top_elements//label
       end do
       text = text//'*NSET, NSET='//name//'X0'//nl//x0//'*NSET, NSET='//name//'BOT'//nl//bottom &
          & //'*NSET, NSET='//name//'TOP'//nl//top//'*ELSET, ELSET='//name//'FE'//nl//face_elements &
-         & //'*ELSET, ELSET='//name//'TOPE'//nl//top_elements//'*SURFACE, NAME='//name//'F'//nl//name//'FE, '
-      if (d == 3) text = text//merge('S1', 'S2', radius > 0.0_wp)//nl//'*NSET, NSET='//name//'Y0'//nl//y0
+         & //'*ELSET, ELSET='//name//'TOPE'//nl//top_elements//'*SURFACE, NAME='//name//'F'//nl &
+         & //name//'FE, '
+      if (d == 3) text = text//merge('S1', 'S2', radius > 0.0_wp)//nl//'*NSET, NSET='//name &
+         & //'Y0'//nl//y0
       if (d == 2) text = text//merge('S1', 'S3', radius > 0.0_wp)//nl
 
    contains

@@ -9,14 +9,16 @@ program test_paths
    implicit none
 
    character(len=1), parameter :: nl = achar(10)
-   character(len=20), parameter :: method(4) = [character(len=20) :: 'DIRECT', 'PENALTY', 'PERTURBED LAGRANGE', &
+   character(len=20), parameter :: method(4) = [character(len=20) :: 'DIRECT', 'PENALTY', &
+      & 'PERTURBED LAGRANGE', &
       & 'AUGMENTED LAGRANGE']
    integer :: scene, i
 
    do scene = 1, size(scene_names)
       do i = 1, size(method)
          call paths_agree(trim(scene_names(scene)), ', '//trim(method(i)), '')
-         if (i > 1) call paths_agree(trim(scene_names(scene)), ', '//trim(method(i))//nl//'3.e6', '')
+         if (i > 1) call paths_agree(trim(scene_names(scene)), ', '//trim(method(i))//nl//'3.e6', &
+            & '')
       end do
    end do
    call paths_agree('roller', ', PRESSURE-OVERCLOSURE=EXPONENTIAL'//nl//'1.e-3, 100.', '')
@@ -36,9 +38,11 @@ contains
       type(error_type), allocatable :: error
 
       call test('both paths find one answer: '//scene//behaviour//choices)
-      call run_text(scene_text(scene, behaviour, '*LOPIN, PATH=CONDENSED'//choices//nl, 1), one, first, error)
+      call run_text(scene_text(scene, behaviour, '*LOPIN, PATH=CONDENSED'//choices//nl, 1), one, &
+         & first, error)
       if (refused(error)) return
-      call run_text(scene_text(scene, behaviour, '*LOPIN, PATH=NEWTON'//choices//nl, 1), two, second, error)
+      call run_text(scene_text(scene, behaviour, '*LOPIN, PATH=NEWTON'//choices//nl, 1), two, &
+         & second, error)
       if (refused(error)) return
       call equal_text('path', first%path, 'condensed')
       call equal_text('path', second%path, 'newton')
@@ -48,7 +52,8 @@ contains
       call same('contact.1.force', one, two)
       call same_gap(one, two)
       call is_true('one factorisation is enough', first%step(1)%counter%factorisations == 1)
-      call is_true('changes of contact cost factorisations', second%step(1)%counter%factorisations > 1)
+      call is_true('changes of contact cost factorisations', &
+         & second%step(1)%counter%factorisations > 1)
    end subroutine paths_agree
 
    logical function refused(error)
