@@ -7,6 +7,7 @@ module contact_scenes
    use lopin_model, only : model_type
    use lopin_build_model, only : new_model
    use lopin_recorder, only : recorder_holder_type
+   use lopin_recorder_factory, only : append_memory
    use lopin_recorder_memory, only : memory_recorder_type
    use lopin_run_analysis, only : run_analysis
    use lopin_state, only : summary_type
@@ -160,12 +161,11 @@ contains
       call read_deck_text(deck, text, 'scene.inp', '', log, error)
       if (.not. allocated(error)) call new_model(model, deck, error)
       if (allocated(error)) return
-      allocate (recorders(1))
-      allocate (memory_recorder_type :: recorders(1)%recorder)
+      call append_memory(recorders)
       call run_analysis(model, recorders, clock, summary, log, error)
    end subroutine run_text
 
-   !> An array of the last increment and its largest entry.
+   !> An array of the last increment and its largest entry; contact fields are of the first pair.
    subroutine get_last(recorders, name, values, scale)
       type(recorder_holder_type), intent(in) :: recorders(:)
       character(len=*), intent(in) :: name
@@ -175,9 +175,23 @@ contains
       scale = 0.0_wp
       select type (memory => recorders(1)%recorder)
       type is (memory_recorder_type)
-         call memory%get_real(name, memory%nframe, values)
+         if (index(name, ':') == 1) then
+            call memory%get_real(first_pair(memory%names())//name, memory%nframe, values)
+         else
+            call memory%get_real(name, memory%nframe, values)
+         end if
       end select
       if (.not. allocated(values)) allocate (values(0, 0))
       if (size(values) > 0) scale = maxval(abs(values))
    end subroutine get_last
+
+   !> The words before ':CPRESS' in a list of names, one a line.
+   function first_pair(names) result(pair)
+      character(len=*), intent(in) :: names
+      character(len=:), allocatable :: pair
+      integer :: last
+
+      last = index(names, ':CPRESS') - 1
+      pair = names(index(names(:last), nl, back=.true.) + 1:last)
+   end function first_pair
 end module contact_scenes

@@ -46,10 +46,10 @@ contains
       if (refused(error)) return
       call equal_text('path', first%path, 'condensed')
       call equal_text('path', second%path, 'newton')
-      call same('displacement', one, two)
-      call same('reaction', one, two)
-      call same('contact.1.pressure', one, two)
-      call same('contact.1.force', one, two)
+      call same('U', one, two)
+      call same('RF', one, two)
+      call same(':CPRESS', one, two)
+      call same(':R_n', one, two)
       call same_gap(one, two)
       call is_true('one factorisation is enough', first%step(1)%counter%factorisations == 1)
       call is_true('changes of contact cost factorisations', &
@@ -82,9 +82,9 @@ contains
       real(wp) :: scale, other
       real(wp), allocatable :: a(:, :), b(:, :)
 
-      call get_last(one, 'displacement', a, scale)
-      call get_last(one, 'contact.1.gap', a, other)
-      call get_last(two, 'contact.1.gap', b, other)
+      call get_last(one, 'U', a, scale)
+      call get_last(one, ':COPEN', a, other)
+      call get_last(two, ':COPEN', b, other)
       call close_to('gap', b/scale, a/scale, 1.0e-10_wp)
    end subroutine same_gap
 end program test_paths
