@@ -1,7 +1,7 @@
 !> What Python sees: the only file that f2py reads, and it knows only plain arguments.
 !>
-!> Arrays are (component, item); increments and rows count from 1; `code` is 0 or an exit code of the
-!> executable. Python calls these through `_bridge.py` and nothing else.
+!> Arrays are (component, item); increments and rows count from 1; `code` is 0 or an exit code of
+!> the executable. Python calls these through `_bridge.py` and nothing else.
 module lopin_api
    use lopin_probes, only : cell_functions, facet_projection, tool_gaps, skyline_solution, &
       & contact_forces, moduli, element_stiffness

@@ -1,7 +1,7 @@
 !> Kernels on plain arrays, for comparison with other programs and with independent references.
 !>
-!> `code` is 0, or 2 for a name or a size that does not exist, 4 for a singular matrix, 3 for contact
-!> states that do not settle.
+!> `code` is 0, or 2 for a name or a size that does not exist, 4 for a singular matrix, 3 for
+!> contact states that do not settle.
 module lopin_probes
    use lopin_active_set, only : contact_result_type, solve_contact, outcome
    use lopin_cells, only : cell_type, new_cell, shape_functions
@@ -24,8 +24,8 @@ module lopin_probes
       & new_tool_cylinder
    implicit none
    private
-   public :: cell_functions, facet_projection, tool_gaps, skyline_solution, contact_forces, moduli, &
-      & element_stiffness
+   public :: cell_functions, facet_projection, tool_gaps, skyline_solution, contact_forces, &
+      & moduli, element_stiffness
 
    integer, parameter :: number_a_card = 5   !! 0 START, 1 LINE, 2 CIRCL, 3 PARAB, then its values
    character(len=*), parameter :: card_words(0:3) = [character(len=5) :: 'START', 'LINE', 'CIRCL', &
@@ -86,8 +86,8 @@ contains
       gap = dot_product(n, p - closest%point)
    end subroutine facet_projection
 
-   !> Gaps to a rigid tool at time 0. `data`: plane: origin, normal; sphere and cavity: centre, radius;
-   !> cylinder and bore: two points of the axis, radius; profile: five numbers a card.
+   !> Gaps to a rigid tool at time 0. `data`: plane: origin, normal; sphere and cavity: centre,
+   !> radius; cylinder and bore: two points of the axis, radius; profile: five numbers a card.
    subroutine tool_gaps(kind, data, x, gap, normal, code)
       character(len=*), intent(in) :: kind
       real(wp), intent(in) :: data(:)         !! [length]

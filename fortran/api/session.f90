@@ -1,7 +1,7 @@
 !> Runs that stay in memory, known to callers by a number.
 !>
-!> A session is made without touching what others use, then handed to the pool: so several threads may
-!> run models at once. The pool is the only thing of Lopin that is remembered between calls.
+!> A session is made without touching what others use, then handed to the pool: so several threads
+!> may run models at once. The pool is the only thing of Lopin that is remembered between calls.
 module lopin_session
    use lopin_deck, only : deck_type, read_deck_text
    use lopin_error, only : error_type, error_code, log_type, severity, raise
@@ -211,7 +211,7 @@ contains
       if (handle >= 1 .and. handle <= size(pool)) in_use = allocated(pool(handle)%session)
    end function in_use
 
-   !> diagnostics, summary (both JSON), names (lines) of a session; keywords (JSON) of the deck language.
+   !> diagnostics, summary (JSON), names (lines) of a session; keywords (JSON) of the deck language.
    subroutine session_text(handle, what, text)
       integer, intent(in) :: handle
       character(len=*), intent(in) :: what
@@ -229,7 +229,8 @@ contains
             select type (memory => pool(handle)%session%memory)
             type is (memory_recorder_type)
                if (what == 'names') text = memory%names()
-               if (what == 'summary' .and. allocated(memory%json%content)) text = memory%json%content
+               if (what == 'summary' .and. allocated(memory%json%content)) &
+                  & text = memory%json%content
             end select
          end if
       end if

@@ -1,4 +1,4 @@
-!> A fingerprint of real numbers: two runs agree to the last bit if, in practice, their fingerprints do.
+!> A fingerprint of real numbers: two runs agree to the last bit if their fingerprints do.
 !>
 !> FNV-1a with 64 bits over the bytes of the numbers, least significant byte first.
 module lopin_checksum

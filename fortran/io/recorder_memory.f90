@@ -186,7 +186,7 @@ contains
    subroutine get_real(self, name, index, values)
       class(memory_recorder_type), intent(in) :: self
       character(len=*), intent(in) :: name
-      integer, intent(in) :: index             !! increment, 1..nframe; ignored by what spans the run
+      integer, intent(in) :: index             !! increment, 1..nframe; 0 for the whole run
       real(wp), allocatable, intent(out) :: values(:, :)
       character(len=:), allocatable :: word
       integer :: pair
@@ -237,7 +237,7 @@ contains
    subroutine get_integer(self, name, index, values)
       class(memory_recorder_type), intent(in) :: self
       character(len=*), intent(in) :: name
-      integer, intent(in) :: index             !! increment, 1..nframe; ignored by what spans the run
+      integer, intent(in) :: index             !! increment, 1..nframe; 0 for the whole run
       integer, allocatable, intent(out) :: values(:, :)
       character(len=:), allocatable :: word
       integer :: pair, i

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .errors import ResourceError
+from .vtu import read_vtu
 
 #: VTK keeps xx yy zz xy yz xz, Lopin xx yy zz xy xz yz.
 _FROM_VTK = [0, 1, 2, 3, 5, 4]
@@ -94,9 +95,7 @@ class Folder:
 
     @lru_cache(maxsize=8)
     def _piece(self, index: int, part: str):
-        import meshio
-
         files = self._frames[index][1]
         if part not in files:
             raise ResourceError(f"no part '{part}' among {', '.join(files)}")
-        return meshio.read(files[part])
+        return read_vtu(files[part])

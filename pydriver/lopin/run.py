@@ -43,7 +43,7 @@ def run(scene: Deck | Model | str | Path, output: str | Path | None = None, *,
         return _run_executable(deck, output, _option_words(options))
     if output is not None:
         deck.write(Path(output)/f"{deck.name}.inp")
-    session = _bridge.Session(deck.text(), f"{deck.name}.inp", str(deck.folder), str(output or ""),
+    session = _bridge.Session(deck.text(), _name(deck), str(deck.folder), str(output or ""),
                               options)
     if session.code not in (0, NotConvergedError.code):
         raise error_of(session.code, session.diagnostics)
@@ -56,7 +56,7 @@ def run(scene: Deck | Model | str | Path, output: str | Path | None = None, *,
 def check(scene: Deck | Model | str | Path) -> list[dict]:
     """Parse and check without solving; returns warnings and notes, raises on errors."""
     deck = as_deck(scene)
-    return _bridge.check_deck(deck.text(), f"{deck.name}.inp", str(deck.folder))
+    return _bridge.check_deck(deck.text(), _name(deck), str(deck.folder))
 
 
 def as_deck(scene: Deck | Model | str | Path) -> Deck:
@@ -64,6 +64,11 @@ def as_deck(scene: Deck | Model | str | Path) -> Deck:
     if isinstance(scene, Deck):
         return scene
     return scene.to_deck() if hasattr(scene, "to_deck") else Deck.read(scene)
+
+
+def _name(deck: Deck) -> str:
+    """The path that messages show."""
+    return str(deck.folder/f"{deck.name}.inp")
 
 
 def find_executable() -> Path:
