@@ -6,18 +6,24 @@ module contact_scenes
    use lopin_deck, only : deck_type, read_deck_text
    use lopin_model, only : model_type
    use lopin_build_model, only : new_model
-   use lopin_recorder, only : recorder_holder_type
-   use lopin_recorder_factory, only : append_memory
-   use lopin_recorder_memory, only : memory_recorder_type
+   use lopin_recorder, only : recorder_type, recorder_holder_type
    use lopin_run_analysis, only : run_analysis
-   use lopin_state, only : summary_type
+   use lopin_state, only : summary_type, frame_type
    implicit none
    private
-   public :: scene_names, scene_text, run_text, get_last
+   public :: scene_names, scene_text, run_text
 
    character(len=1), parameter :: nl = achar(10)
    !> roller, crown: two bodies, driven and floating; indent, punch: a tool, driven and floating.
    character(len=6), parameter :: scene_names(4) = ['roller', 'crown ', 'indent', 'punch ']
+
+   type, extends(recorder_type) :: last_frame_type
+      type(frame_type) :: frame
+   contains
+      procedure :: begin
+      procedure :: increment
+      procedure :: finish
+   end type last_frame_type
 
 contains
 
@@ -147,12 +153,13 @@ contains
       text = trim(digits)//nl
    end function word
 
-   !> Run a deck; the results stay in recorders(1).
-   subroutine run_text(text, recorders, summary, error)
+   !> Run a deck and keep its last increment.
+   subroutine run_text(text, frame, summary, error)
       character(len=*), intent(in) :: text
-      type(recorder_holder_type), allocatable, intent(out) :: recorders(:)
+      type(frame_type), intent(out) :: frame
       type(summary_type), intent(out) :: summary
       type(error_type), allocatable, intent(out) :: error
+      type(recorder_holder_type) :: recorders(1)
       type(deck_type) :: deck
       type(model_type) :: model
       type(log_type) :: log
@@ -161,37 +168,39 @@ contains
       call read_deck_text(deck, text, 'scene.inp', '', log, error)
       if (.not. allocated(error)) call new_model(model, deck, error)
       if (allocated(error)) return
-      call append_memory(recorders)
+      allocate (last_frame_type :: recorders(1)%recorder)
       call run_analysis(model, recorders, clock, summary, log, error)
+      select type (last => recorders(1)%recorder)
+      type is (last_frame_type)
+         frame = last%frame
+      end select
    end subroutine run_text
 
-   !> An array of the last increment and its largest entry; contact fields are of the first pair.
-   subroutine get_last(recorders, name, values, scale)
-      type(recorder_holder_type), intent(in) :: recorders(:)
-      character(len=*), intent(in) :: name
-      real(wp), allocatable, intent(out) :: values(:, :)
-      real(wp), intent(out) :: scale
+   subroutine begin(self, model, error)
+      class(last_frame_type), intent(inout) :: self
+      type(model_type), intent(in) :: model
+      type(error_type), allocatable, intent(out) :: error
+      associate (unused => self, also => model, too => error)
+      end associate
+   end subroutine begin
 
-      scale = 0.0_wp
-      select type (memory => recorders(1)%recorder)
-      type is (memory_recorder_type)
-         if (index(name, ':') == 1) then
-            call memory%get_real(first_pair(memory%names())//name, memory%nframe, values)
-         else
-            call memory%get_real(name, memory%nframe, values)
-         end if
-      end select
-      if (.not. allocated(values)) allocate (values(0, 0))
-      if (size(values) > 0) scale = maxval(abs(values))
-   end subroutine get_last
+   subroutine increment(self, model, frame, error)
+      class(last_frame_type), intent(inout) :: self
+      type(model_type), intent(in) :: model
+      type(frame_type), intent(in) :: frame
+      type(error_type), allocatable, intent(out) :: error
+      associate (unused => model, also => error)
+      end associate
+      self%frame = frame
+   end subroutine increment
 
-   !> The words before ':CPRESS' in a list of names, one a line.
-   function first_pair(names) result(pair)
-      character(len=*), intent(in) :: names
-      character(len=:), allocatable :: pair
-      integer :: last
-
-      last = index(names, ':CPRESS') - 1
-      pair = names(index(names(:last), nl, back=.true.) + 1:last)
-   end function first_pair
+   subroutine finish(self, model, summary, failure, error)
+      class(last_frame_type), intent(inout) :: self
+      type(model_type), intent(in) :: model
+      type(summary_type), intent(in) :: summary
+      type(error_type), allocatable, intent(in) :: failure
+      type(error_type), allocatable, intent(out) :: error
+      associate (unused => self, also => model, too => summary, and => failure, more => error)
+      end associate
+   end subroutine finish
 end module contact_scenes
