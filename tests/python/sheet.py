@@ -29,6 +29,7 @@ class Row:
     computed: float
     tolerance: float
     absolute: bool
+    at_least: bool
 
     @property
     def difference(self) -> float:
@@ -38,11 +39,14 @@ class Row:
 
     @property
     def holds(self) -> bool:
+        if self.at_least:
+            return self.difference >= -self.tolerance
         return abs(self.difference) <= self.tolerance
 
     def text(self) -> str:
         mark = " abs" if self.absolute else ""
-        return (f"| {self.quantity} | {self.reference:.9g} | {self.source} | {self.computed:.9g} "
+        least = "at least " if self.at_least else ""
+        return (f"| {self.quantity} | {least}{self.reference:.9g} | {self.source} | {self.computed:.9g} "
                 f"| {self.difference:+.1e}{mark} | {self.tolerance:.1e} |")
 
 
@@ -53,8 +57,11 @@ class Sheet:
         self.rows: list[Row] = []
 
     def compare(self, case: str, quantity: str, computed: float, reference: float,
-                tolerance: float, source: str = "closed form", absolute: bool = False) -> None:
-        row = Row(case, quantity, float(reference), source, float(computed), tolerance, absolute)
+                tolerance: float, source: str = "closed form", absolute: bool = False,
+                at_least: bool = False) -> None:
+        """Record and assert; `absolute` differences, or a reference to reach `at_least`."""
+        row = Row(case, quantity, float(reference), source, float(computed), tolerance, absolute,
+                  at_least)
         self.rows.append(row)
         print(f"{case}: {row.text()}")
         assert row.holds, f"{case}: {row.text()}"
