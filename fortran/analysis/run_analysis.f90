@@ -70,6 +70,7 @@ contains
          summary%exit_code = error%code
       end if
       summary%clock = scene%clock
+      summary%log = scene%log
       summary%peak_memory = peak_memory()
       do i = 1, size(recorders)
          call recorders(i)%recorder%finish(model, summary, error, trouble)
@@ -270,7 +271,8 @@ contains
          progress%residual = progress%residual - pressed
       end block
       call prescribed_part(scene%constraints, progress%residual, reaction)
-      call certify(frame%certificate, frame%energy, scene, model, progress%f, progress%residual, reaction)
+      call certify(frame%certificate, frame%energy, scene, model, progress%f, progress%residual, reaction, &
+         & prescribed)
       call scene%clock%stop_in(phase%solve)
       frame%iterations = scene%answer%iterations
       frame%augmentations = scene%answer%augmentations

@@ -112,7 +112,7 @@ contains
       end if
       call add_timing(json, summary)
       call add_list(json, 'files', self%file)
-      call add_diagnostics(self, json, model, failure)
+      call add_diagnostics(self, json, model, summary, failure)
       call json%close('}')
       self%content = json%text%content()
       if (len(self%path) > 0) call write_atomically(self%path, self%content, error)
@@ -232,16 +232,20 @@ contains
       call json%add('checksum', summary%checksum)
    end subroutine add_timing
 
-   subroutine add_diagnostics(self, json, model, failure)
+   subroutine add_diagnostics(self, json, model, summary, failure)
       type(json_recorder_type), intent(in) :: self
       type(json_writer_type), intent(inout) :: json
       type(model_type), intent(in) :: model
+      type(summary_type), intent(in) :: summary
       type(error_type), allocatable, intent(in) :: failure
       integer :: i
 
       call json%open('[', 'diagnostics')
       do i = 1, model%log%n
          call add_diagnostic(self, json, model%log%item(i))
+      end do
+      do i = 1, summary%log%n
+         call add_diagnostic(self, json, summary%log%item(i))
       end do
       if (allocated(failure)) then
          if (allocated(failure%item)) then

@@ -1,6 +1,7 @@
 !> What one accepted increment, and a whole run, show to the recorders.
 module lopin_state
    use lopin_kinds, only : wp
+   use lopin_error, only : log_type
    use lopin_clock, only : counter_type, clock_type
    implicit none
    private
@@ -77,6 +78,7 @@ module lopin_state
       integer :: equations = 0, retained = 0, candidates = 0
       type(step_summary_type), allocatable :: step(:)
       type(clock_type) :: clock
+      type(log_type) :: log                       !! what the run itself had to say
       real(wp) :: peak_memory = 0.0_wp            !! [MiB]
       !> Of the translations of all nodes in all increments, in order; equal results have equal ones.
       character(len=:), allocatable :: checksum
