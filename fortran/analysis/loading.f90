@@ -8,7 +8,7 @@ module lopin_loading
    use lopin_mesh, only : mesh_type
    use lopin_model, only : model_type, step_type, amplitude_value
    use lopin_dofs, only : dofs_type
-   use lopin_constraints, only : constraints_type
+   use lopin_constraints, only : constraints_type, raw_displacement
    use lopin_assemble_solids, only : solids_type, add_body_loads, add_face_loads
    implicit none
    private
@@ -58,7 +58,7 @@ contains
          associate (entry => step%prescribed(constraints%entry_of_prescribed(i)))
             self%to(i) = entry%value
             self%follows(i) = entry%amplitude
-            self%from(i) = raw_displacement(dofs, constraints, u, constraints%dof_of_prescribed(i))
+            self%from(i) = raw_displacement(constraints, dofs, u, constraints%dof_of_prescribed(i))
          end associate
       end do
    end subroutine new_loading
@@ -69,26 +69,6 @@ contains
       uses = any(step%point_load%amplitude == amplitude) .or. any(step%face_load%amplitude == amplitude) &
          & .or. any(step%body_load%amplitude == amplitude)
    end function uses
-
-   !> Displacement of a dof in the axes of its node.
-   pure real(wp) function raw_displacement(dofs, constraints, u, raw) result(value)
-      type(dofs_type), intent(in) :: dofs
-      type(constraints_type), intent(in) :: constraints
-      real(wp), intent(in) :: u(:)
-      integer, intent(in) :: raw
-      integer :: node, dof, k, axes
-
-      node = dofs%node(raw)
-      dof = dofs%dof(raw)
-      value = u(raw)
-      if (dof > 3) return
-      axes = constraints%axes_of(node)
-      if (axes == 0) return
-      value = 0.0_wp
-      do k = 1, 3
-         if (dofs%id(k, node) > 0) value = value + constraints%axes(dof, k, axes)*u(dofs%id(k, node))
-      end do
-   end function raw_displacement
 
    !> Add the loads of a step that follow one amplitude (0: none).
    subroutine add_loads(f, model, dofs, constraints, solids, step, amplitude)

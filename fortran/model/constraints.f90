@@ -12,6 +12,7 @@ module lopin_constraints
    implicit none
    private
    public :: constraints_type, new_constraints, expand, reduce, prescribed_part, rule_type, follower_rule
+   public :: raw_displacement
 
    !> How one raw variable (a dof in the axes of its node) is determined.
    type :: rule_type
@@ -53,7 +54,7 @@ contains
       call raw_rules(rule, self, model, dofs, step, error)
       if (allocated(error)) return
       call number_variables(self, rule)
-      call resolve(self, rule, dofs, error)
+      call resolve(self, rule, model, dofs, error)
       call move_alloc(rule, self%rule)
    end subroutine new_constraints
 
@@ -149,8 +150,8 @@ contains
       type(dofs_type), intent(in) :: dofs
       integer, intent(in) :: body, node
       type(error_type), allocatable, intent(out) :: error
-      integer :: ndim, component, id, dof(3), n, k, m
-      real(wp) :: arm(3), coefficient(3)
+      integer :: ndim, component, axis, id, axes
+      real(wp) :: arm(3), share
 
       self%plain = .false.
       ndim = model%mesh%ndim
@@ -166,19 +167,52 @@ contains
                   & ' and is also prescribed', rule(id)%at, help='move the reference node instead')
                return
             end if
-            call follower_rule(arm, ndim, component, dof, coefficient, n)
             rule(id)%dependent = .true.
             rule(id)%at = rigid%at
             allocate (rule(id)%raw(0), rule(id)%coefficient(0))
-            do k = 1, n
-               m = dofs%id(dof(k), rigid%reference)
-               if (m == 0) cycle
-               rule(id)%raw = [rule(id)%raw, m]
-               rule(id)%coefficient = [rule(id)%coefficient, coefficient(k)]
+            axes = self%axes_of(node)
+            do axis = 1, ndim
+               share = merge(1.0_wp, 0.0_wp, axis == component)
+               if (axes > 0) share = self%axes(component, axis, axes)
+               if (share /= 0.0_wp) call follow_along(rule(id), self, dofs, ndim, rigid%reference, &
+                  & arm, axis, share)
             end do
          end do
       end associate
    end subroutine follow
+
+   !> Add the follower's displacement along one global axis, in the raw variables of the reference node.
+   subroutine follow_along(rule, self, dofs, ndim, reference, arm, axis, share)
+      type(rule_type), intent(inout) :: rule
+      type(constraints_type), intent(in) :: self
+      type(dofs_type), intent(in) :: dofs
+      integer, intent(in) :: ndim, reference, axis
+      real(wp), intent(in) :: arm(3), share
+      integer :: k, j, n, dof(3), axes
+      real(wp) :: coefficient(3)
+
+      call follower_rule(arm, ndim, axis, dof, coefficient, n)
+      axes = self%axes_of(reference)
+      do k = 1, n
+         if (dof(k) > 3 .or. axes == 0) then
+            call add(dofs%id(dof(k), reference), share*coefficient(k))
+         else
+            do j = 1, 3
+               call add(dofs%id(j, reference), share*coefficient(k)*self%axes(j, dof(k), axes))
+            end do
+         end if
+      end do
+
+   contains
+
+      subroutine add(raw, value)
+         integer, intent(in) :: raw
+         real(wp), intent(in) :: value
+         if (raw == 0 .or. value == 0.0_wp) return
+         rule%raw = [rule%raw, raw]
+         rule%coefficient = [rule%coefficient, value]
+      end subroutine add
+   end subroutine follow_along
 
    subroutine use_equation(rule, self, model, dofs, i, error)
       type(rule_type), intent(inout) :: rule(:)
@@ -230,15 +264,17 @@ contains
    end subroutine number_variables
 
    !> Write every physical dof in free equations and prescribed values.
-   subroutine resolve(self, rule, dofs, error)
+   subroutine resolve(self, rule, model, dofs, error)
       type(constraints_type), intent(inout) :: self
       type(rule_type), intent(in) :: rule(:)
+      type(model_type), intent(in) :: model
       type(dofs_type), intent(in) :: dofs
       type(error_type), allocatable, intent(out) :: error
       integer, allocatable :: equation_of(:), prescribed_of(:), eq(:), pr(:)
       real(wp), allocatable :: ce(:), cp(:)
-      integer :: i, k, id, axes, ne, np
+      integer :: i, k, id, axes, ne, np, longest
 
+      longest = count(rule%dependent)
       allocate (equation_of(self%ndof), prescribed_of(self%ndof), source=0)
       equation_of(self%dof_of_equation) = [(i, i=1, self%neq)]
       prescribed_of(self%dof_of_prescribed) = [(i, i=1, self%nprescribed)]
@@ -276,9 +312,10 @@ contains
          integer :: j
 
          if (allocated(error) .or. factor == 0.0_wp) return
-         if (depth > 50) then
-            call raise(error, error_code%deck, 'E0403', 'the constraint on node dof '//number_text(raw)// &
-               & ' depends on itself', rule(raw)%at, help='order the terms so that no chain closes')
+         if (depth > longest) then
+            call raise(error, error_code%deck, 'E0403', 'the constraint on dof '//number_text(dofs%dof(raw))// &
+               & ' of node '//label_of(model, dofs%node(raw))//' depends on itself', rule(raw)%at, &
+               & help='order the terms so that no chain closes')
          else if (rule(raw)%dependent) then
             do j = 1, size(rule(raw)%raw)
                call follow_chain(rule(raw)%raw(j), factor*rule(raw)%coefficient(j), depth + 1)
@@ -376,6 +413,26 @@ contains
          end do
       end do
    end subroutine prescribed_part
+
+   !> Value of a raw variable: the displacement in the axes of its node.
+   pure real(wp) function raw_displacement(self, dofs, u, raw) result(value)
+      type(constraints_type), intent(in) :: self
+      type(dofs_type), intent(in) :: dofs
+      real(wp), intent(in) :: u(:)            !! (ndof)
+      integer, intent(in) :: raw
+      integer :: node, dof, k, axes
+
+      node = dofs%node(raw)
+      dof = dofs%dof(raw)
+      value = u(raw)
+      if (dof > 3) return
+      axes = self%axes_of(node)
+      if (axes == 0) return
+      value = 0.0_wp
+      do k = 1, 3
+         if (dofs%id(k, node) > 0) value = value + self%axes(dof, k, axes)*u(dofs%id(k, node))
+      end do
+   end function raw_displacement
 
    function label_of(model, node) result(text)
       type(model_type), intent(in) :: model
