@@ -148,22 +148,44 @@ contains
       integer, intent(out) :: column(6), n
       real(wp), intent(out) :: value(6)
       integer :: node, dof, i, k
-      real(wp) :: axis(3), arm(3)
+      real(wp) :: axis(3)
 
       n = 0
       node = dofs%node(raw)
       dof = dofs%dof(raw)
+      axis = 0.0_wp
+      if (dof <= 3) axis(dof) = 1.0_wp
+      if (dof <= 3 .and. constraints%axes_of(node) > 0) axis = constraints%axes(dof, :, constraints%axes_of(node))
       do i = 1, size(self%column, 2)
          if (model%rigid_body(i)%reference /= node) cycle
-         n = 1
-         column(1) = self%column(dof, i)
-         value(1) = merge(1.0_wp, 1.0_wp/self%length, dof <= 3)
+         if (dof > 3) then
+            n = 1
+            column(1) = self%column(dof, i)
+            value(1) = 1.0_wp/self%length
+            return
+         end if
+         do k = 1, 3
+            if (self%column(k, i) == 0) cycle
+            n = n + 1
+            column(n) = self%column(k, i)
+            value(n) = axis(k)
+         end do
          return
       end do
-      if (self%body(node) == 0 .or. dof > 3) return
-      axis = 0.0_wp
-      axis(dof) = 1.0_wp
-      if (constraints%axes_of(node) > 0) axis = constraints%axes(dof, :, constraints%axes_of(node))
+      if (self%body(node) > 0 .and. dof <= 3) call body_row(self, model, node, axis, column, value, n)
+   end subroutine raw_row
+
+   !> Displacement of a node of a deformable body along an axis, by the body's rigid motions.
+   subroutine body_row(self, model, node, axis, column, value, n)
+      type(bodies_type), intent(in) :: self
+      type(model_type), intent(in) :: model
+      integer, intent(in) :: node
+      real(wp), intent(in) :: axis(3)
+      integer, intent(out) :: column(6), n
+      real(wp), intent(out) :: value(6)
+      real(wp) :: arm(3)
+      integer :: k
+
       arm = 0.0_wp
       arm(:model%mesh%ndim) = model%mesh%x(:, node)
       arm = (arm - self%centre(:, self%body(node)))/self%length
@@ -179,7 +201,33 @@ contains
          value(4:) = [axis(3)*arm(2) - axis(2)*arm(3), axis(1)*arm(3) - axis(3)*arm(1), &
             & axis(2)*arm(1) - axis(1)*arm(2)]
       end select
-   end subroutine raw_row
+   end subroutine body_row
+
+   !> A reference node that is also a node of a deformable body moves with both.
+   subroutine join_references(self, model, gram)
+      type(bodies_type), intent(in) :: self
+      type(model_type), intent(in) :: model
+      real(wp), intent(inout) :: gram(:, :)
+      real(wp) :: row(size(gram, 1)), axis(3), value(6)
+      integer :: i, k, m, n, column(6)
+
+      do i = 1, size(model%rigid_body)
+         associate (node => model%rigid_body(i)%reference)
+            if (self%body(node) == 0) cycle
+            do k = 1, model%mesh%ndim
+               axis = 0.0_wp
+               axis(k) = 1.0_wp
+               call body_row(self, model, node, axis, column, value, n)
+               row = 0.0_wp
+               row(column(:n)) = value(:n)
+               if (self%column(k, i) > 0) row(self%column(k, i)) = -1.0_wp
+               do m = 1, size(row)
+                  gram(:, m) = gram(:, m) + row*row(m)
+               end do
+            end do
+         end associate
+      end do
+   end subroutine join_references
 
    !> Null space of all constraints on the motions of bodies and tools.
    subroutine find_floating(self, model, dofs, constraints, ncolumn)
@@ -217,6 +265,7 @@ contains
             row(touched) = 0.0_wp
          end associate
       end do
+      call join_references(self, model, gram)
       call symmetric_eigen(gram, eigenvalue, status)
       self%nq = count(eigenvalue <= floating_tolerance*max(1.0_wp, maxval([0.0_wp, eigenvalue])))
       self%amplitude = gram(:, :self%nq)
