@@ -7,7 +7,7 @@ module lopin_certificate
    use lopin_constraints, only : reduce, prescribed_part
    use lopin_contact_points, only : pair_is_tied
    use lopin_contact_rows, only : row_forces
-   use lopin_scene, only : scene_type, relative_motion
+   use lopin_scene, only : scene_type, gap_of
    use lopin_methods, only : has_law
    implicit none
    private
@@ -181,31 +181,15 @@ contains
       type(scene_type), intent(in) :: scene
       type(model_type), intent(in) :: model
       logical :: has_row(scene%points%n)
-      real(wp) :: gap
       integer :: i
 
       worst = -huge(1.0_wp)
       has_row = .false.
       has_row(scene%rows%point) = .true.
       do i = 1, scene%points%n
-         if (has_row(i) .or. scene%points%facet(i) == 0) cycle
-         if (pair_is_tied(model, model%pair(scene%points%pair(i)))) cycle
-         gap = scene%points%gap(i) + scene%initial%shift(i) &
-            & + dot_product(relative_motion(scene, model, i) - tool_part(i), scene%points%normal(:, i))
-         worst = max(worst, -gap/scene%points%size(i))
+         if (has_row(i) .or. scene%points%facet(i) == 0 .or. scene%candidate(i)) cycle
+         worst = max(worst, -gap_of(scene, model, i)/scene%points%size(i))
       end do
-
-   contains
-
-      !> What the projection already knows of the tool's motion.
-      function tool_part(point) result(part)
-         integer, intent(in) :: point
-         real(wp) :: part(3)
-         integer :: body
-         part = 0.0_wp
-         body = scene%points%body(scene%points%pair(point))
-         if (body > 0) part(:model%mesh%ndim) = -scene%place(:model%mesh%ndim, body)
-      end function tool_part
    end function worst_unrowed
 
    pure real(wp) function largest(x)

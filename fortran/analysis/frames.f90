@@ -5,7 +5,7 @@ module lopin_frames
    use lopin_state, only : frame_type, contact_field_type
    use lopin_recover_stress, only : recover_stress, average_to_nodes
    use lopin_recorder, only : wants_type
-   use lopin_scene, only : scene_type, relative_motion
+   use lopin_scene, only : scene_type, relative_motion, gap_of
    implicit none
    private
    public :: fill_frame
@@ -92,12 +92,10 @@ contains
             c%pressure = 0.0_wp
             c%force = 0.0_wp
             do i = 1, n
-               motion = relative_motion(scene, model, from + i - 1)
+               motion = relative_motion(scene, model, from + i - 1, since_projection=.false.)
                c%u_n(i) = dot_product(motion(:ndim), c%normal(:, i))
                c%u_t(:, i) = motion(:ndim) - c%u_n(i)*c%normal(:, i)
-               c%gap(i) = p%gap(from + i - 1) + scene%initial%shift(from + i - 1) + c%u_n(i)
-               if (p%body(pair) > 0) c%gap(i) = c%gap(i) &
-                  & + dot_product(scene%place(:ndim, p%body(pair)), c%normal(:, i))
+               c%gap(i) = gap_of(scene, model, from + i - 1)
                if (c%status(i) < 0) c%gap(i) = 0.0_wp
             end do
             do row = scene%rows%group_first(pair), scene%rows%group_first(pair + 1) - 1

@@ -6,7 +6,7 @@ module lopin_scene
    use lopin_csc, only : csc_type
    use lopin_model, only : model_type, step_type, overclosure_of
    use lopin_dofs, only : dofs_type, new_dofs
-   use lopin_constraints, only : constraints_type, new_constraints, follower_rule
+   use lopin_constraints, only : constraints_type, new_constraints, follower_rule, raw_displacement, expand
    use lopin_bodies, only : bodies_type, new_bodies
    use lopin_assemble_solids, only : solids_type, solid_section_type, new_solids, assemble_stiffness
    use lopin_contact_points, only : contact_points_type, new_contact_points, move_tool, pair_is_tied
@@ -19,7 +19,7 @@ module lopin_scene
    implicit none
    private
    public :: scene_type, new_scene, set_supports, retained_equations, rebuild_rows, tool_places
-   public :: relative_motion, widen_reach
+   public :: relative_motion, gap_of, widen_reach
 
    type :: scene_type
       type(dofs_type) :: dofs
@@ -43,6 +43,7 @@ module lopin_scene
       real(wp), allocatable :: gap(:)              !! (nrow) gaps at zero equations
       real(wp), allocatable :: place(:, :)         !! (6, nbody) where tools were projected
       real(wp), allocatable :: reach(:)            !! (npair) points farther than this have no row yet [length]
+      logical, allocatable :: candidate(:)         !! (npoint) within reach when the factor was made: may have a row
       real(wp) :: interference = 1.0_wp            !! share of initial overclosures that is applied
       logical, allocatable :: sticks(:)            !! (npoint) closed before: bilateral if NO SEPARATION
       real(wp), allocatable :: u(:)                !! (ndof) trial displacements
@@ -108,8 +109,11 @@ contains
       do i = 1, size(model%step)
          forced = forced .or. size(model%step(i)%point_load) + size(model%step(i)%face_load) &
             & + size(model%step(i)%body_load) > 0
-         if (size(model%step(i)%prescribed) > 0) &
-            & largest = max(largest, maxval(abs(model%step(i)%prescribed%value)))
+         associate (p => model%step(i)%prescribed)
+            ! A turning tool moves its far points by more than its reference.
+            forced = forced .or. any(p%dof > 3 .and. p%value /= 0.0_wp)
+            if (size(p) > 0) largest = max(largest, maxval(abs(p%value)))
+         end associate
       end do
       if (forced .or. .not. largest > 0.0_wp) return
       self%reach = largest
@@ -149,18 +153,26 @@ contains
       integer :: i, k, pair
 
       allocate (wanted(self%constraints%neq), source=.false.)
-      call new_contact_rows(self%rows, model, self%dofs, self%points, self%initial, self%place, self%sticks, self%reach)
+      self%candidate = .not. self%points%gap(:self%points%n) + self%initial%shift &
+         & > self%reach(self%points%pair(:self%points%n))
+      call new_contact_rows(self%rows, model, self%dofs, self%points, self%initial, self%place, self%sticks, &
+         & self%candidate)
       do k = 1, size(self%rows%dof)
          call want(self%rows%dof(k))
       end do
       do pair = 1, size(model%pair)
          if (.not. may_turn(self, model, pair)) cycle
          do i = self%points%first(pair), self%points%first(pair + 1) - 1
-            if (self%initial%start(i) > self%reach(pair)) cycle
+            if (.not. self%candidate(i)) cycle
             do k = 1, model%mesh%ndim
                if (self%dofs%id(k, self%points%node(i)) > 0) call want(self%dofs%id(k, self%points%node(i)))
             end do
          end do
+         associate (reference => model%rigid_body(self%points%body(pair))%reference)
+            do k = 1, 6
+               if (self%dofs%id(k, reference) > 0) call want(self%dofs%id(k, reference))
+            end do
+         end associate
       end do
       wanted(self%bodies%support) = .false.
       retained = pack([(i, i=1, self%constraints%neq)], wanted)
@@ -186,11 +198,35 @@ contains
       if (self%points%body(pair) == 0) return
       select type (shape => model%tool(self%points%tool(pair))%shape)
       type is (plane_type)
-         may_turn = .false.
+         may_turn = body_turns(self, model, self%points%body(pair))
       class default
          may_turn = .true.
       end select
    end function may_turn
+
+   !> A rigid body has a rotation that is free, or prescribed in some step.
+   logical function body_turns(self, model, body) result(turns)
+      type(scene_type), intent(in) :: self
+      type(model_type), intent(in) :: model
+      integer, intent(in) :: body
+      integer :: i, k, id
+
+      turns = any(self%place(4:, body) /= 0.0_wp)
+      do k = 4, 6
+         id = self%dofs%id(k, model%rigid_body(body)%reference)
+         if (id > 0) turns = turns .or. self%constraints%rule(id)%prescribed == 0
+      end do
+      do i = 1, size(model%step)
+         associate (p => model%step(i)%prescribed)
+            do k = 1, size(p)
+               id = self%dofs%id(p(k)%dof, p(k)%node)
+               if (id == 0 .or. .not. abs(p(k)%value) > 0.0_wp) cycle
+               turns = turns .or. (self%dofs%node(id) == model%rigid_body(body)%reference &
+                  & .and. self%dofs%dof(id) > 3)
+            end do
+         end associate
+      end do
+   end function body_turns
 
    !> Where the rigid bodies' references stand: prescribed dofs as given, free ones as last accepted.
    subroutine tool_places(self, model, prescribed, place)
@@ -198,17 +234,19 @@ contains
       type(model_type), intent(in) :: model
       real(wp), intent(in) :: prescribed(:)
       real(wp), intent(out) :: place(:, :)
-      integer :: body, k, id, p
+      real(wp), allocatable :: v(:), u(:)
+      integer :: body, i, k, id
 
       place = 0.0_wp
+      if (size(model%rigid_body) == 0) return
+      v = [(raw_displacement(self%constraints, self%dofs, self%accepted, self%constraints%dof_of_equation(i)), &
+         & i=1, self%constraints%neq)]
+      allocate (u(self%dofs%n))
+      call expand(self%constraints, v, prescribed, u)
       do body = 1, size(model%rigid_body)
          do k = 1, 6
             id = self%dofs%id(k, model%rigid_body(body)%reference)
-            if (id == 0) cycle
-            place(k, body) = self%accepted(id)
-            if (self%constraints%rule(id)%prescribed == 0) cycle
-            p = findloc(self%constraints%dof_of_prescribed, id, 1)
-            place(k, body) = prescribed(p)
+            if (id > 0) place(k, body) = u(id)
          end do
       end do
    end subroutine tool_places
@@ -219,19 +257,23 @@ contains
       type(model_type), intent(in) :: model
       real(wp), intent(in) :: prescribed(:)
       integer :: pair, row
+      real(wp) :: before(6, size(model%rigid_body))
       real(wp), allocatable :: rotation(:)
 
+      before = self%place
       call tool_places(self, model, prescribed, self%place)
       do pair = 1, size(model%pair)
          associate (body => self%points%body(pair))
             if (body == 0) cycle
-            if (all(self%place(:, body) == 0.0_wp) .and. self%step == 1) cycle
+            if (pair_is_tied(model, model%pair(pair))) cycle
+            if (all(self%place(:, body) == before(:, body))) cycle
             rotation = self%place(4:6, body)
             if (model%mesh%ndim == 2) rotation = self%place(6:6, body)
             call move_tool(self%points, model, pair, self%place(:model%mesh%ndim, body), rotation)
          end associate
       end do
-      call new_contact_rows(self%rows, model, self%dofs, self%points, self%initial, self%place, self%sticks, self%reach)
+      call new_contact_rows(self%rows, model, self%dofs, self%points, self%initial, self%place, self%sticks, &
+         & self%candidate)
       do row = 1, self%rows%n
          if (self%rows%tied(row)) cycle
          associate (point => self%rows%point(row))
@@ -241,14 +283,25 @@ contains
       end do
    end subroutine rebuild_rows
 
-   !> Displacement of a slave point relative to the master opposite.
-   pure function relative_motion(self, model, point) result(motion)
+   !> Gap of a point, also of one that has no row, as linear in the displacements as rows are.
+   pure real(wp) function gap_of(self, model, point) result(gap)
       type(scene_type), intent(in) :: self
       type(model_type), intent(in) :: model
       integer, intent(in) :: point
-      real(wp) :: motion(3)
+
+      gap = self%points%gap(point) + self%initial%shift(point) + dot_product(self%points%normal(:, point), &
+         & relative_motion(self, model, point, since_projection=.true.))
+   end function gap_of
+
+   !> Displacement of a slave point relative to the master opposite, since the start or since the tool
+   !> was projected where it stands now.
+   pure function relative_motion(self, model, point, since_projection) result(motion)
+      type(scene_type), intent(in) :: self
+      type(model_type), intent(in) :: model
+      integer, intent(in) :: point
+      logical, intent(in) :: since_projection
+      real(wp) :: motion(3), arm(3), coefficient(3), moved, place(6)
       integer :: k, m, ndim, body, dof(3), n, j
-      real(wp) :: arm(3), coefficient(3)
 
       ndim = model%mesh%ndim
       motion = 0.0_wp
@@ -264,14 +317,18 @@ contains
       end do
       body = self%points%body(self%points%pair(point))
       if (body == 0) return
+      place = 0.0_wp
+      if (.not. pair_is_tied(model, model%pair(self%points%pair(point)))) place = self%place(:, body)
       arm = 0.0_wp
       associate (reference => model%rigid_body(body)%reference)
-         arm(:ndim) = self%points%foot(:ndim, point) - model%mesh%x(:, reference) - self%place(:ndim, body)
+         arm(:ndim) = self%points%foot(:ndim, point) - model%mesh%x(:, reference) - place(:ndim)
          do k = 1, ndim
             call follower_rule(arm, ndim, k, dof, coefficient, n)
             do j = 1, n
                if (self%dofs%id(dof(j), reference) == 0) cycle
-               motion(k) = motion(k) - coefficient(j)*self%u(self%dofs%id(dof(j), reference))
+               moved = self%u(self%dofs%id(dof(j), reference))
+               if (since_projection) moved = moved - place(dof(j))
+               motion(k) = motion(k) - coefficient(j)*moved
             end do
          end do
       end associate

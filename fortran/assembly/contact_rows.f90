@@ -18,6 +18,8 @@ module lopin_contact_rows
    real(wp), parameter :: inexact = 1.0e-3_wp
    !> Deeper overclosures, in facets, are mistakes.
    real(wp), parameter :: too_deep = 0.5_wp
+   !> Gaps below this share of a facet are the rounding of coordinates: nothing is said of them.
+   real(wp), parameter :: rounding = 1.0e-9_wp
 
    type :: initial_gap_type
       real(wp), allocatable :: shift(:)        !! (npoint) added to the geometric gap: ADJUST, CLEARANCE [length]
@@ -65,29 +67,37 @@ contains
       integer, intent(in) :: pair
       type(log_type), intent(inout) :: log
       type(error_type), allocatable, intent(out) :: error
-      integer :: i, adjusted, interfering, worst
+      integer :: i, adjusted, interfering, worst, untied
       real(wp) :: gap, deepest, moved
-      logical :: adjust
+      logical :: adjust, keeps
 
       adjusted = 0
       interfering = 0
       worst = 0
       deepest = 0.0_wp
       moved = 0.0_wp
+      untied = 0
       associate (p => model%pair(pair))
+         keeps = model%interaction(p%interaction)%no_separation
          do i = points%first(pair), points%first(pair + 1) - 1
-            if (points%facet(i) == 0 .or. pair_is_tied(model, p)) cycle
+            if (pair_is_tied(model, p)) then
+               if (.not. may_tie(points, i, p%adjust)) untied = untied + 1
+               cycle
+            end if
+            if (points%facet(i) == 0) cycle
             gap = points%gap(i)
             if (p%has_clearance) then
                self%shift(i) = p%clearance - gap
                gap = p%clearance
             end if
             adjust = gap < 0.0_wp .and. gap > -inexact*points%size(i)
+            ! What never separates is not pulled together by inexact geometry either.
+            if (keeps) adjust = adjust .or. abs(gap) < inexact*points%size(i)
             if (p%adjust >= 0.0_wp) adjust = adjust .or. gap <= p%adjust
             if (allocated(p%adjust_node)) adjust = adjust .or. any(p%adjust_node == points%node(i))
             if (p%control%initial == initial_of%adjust) adjust = adjust .or. gap < 0.0_wp
             if (adjust .and. .not. p%has_clearance) then
-               if (gap /= 0.0_wp) adjusted = adjusted + 1
+               if (abs(gap) > rounding*points%size(i)) adjusted = adjusted + 1
                moved = max(moved, abs(gap))
                self%shift(i) = self%shift(i) - gap
                gap = 0.0_wp
@@ -103,10 +113,22 @@ contains
          if (adjusted > 0) call log%say(severity%note, 'N0316', to_text(adjusted)//' slave points of '// &
             & model%surface(p%slave)%name//' were set on '//model%surface(p%master)%name// &
             & ' without strain, by at most '//to_text(moved), p%at)
+         if (untied > 0) call log%say(severity%warning, 'W0318', to_text(untied)//' of '// &
+            & to_text(points%first(pair + 1) - points%first(pair))//' slave nodes of '//model%surface(p%slave)%name// &
+            & ' are not tied: they are farther than half a facet from '//model%surface(p%master)%name, p%at, &
+            & help='ADJUST= on *CONTACT PAIR ties what is nearer than its value')
          if (interfering == 0) return
          call report_overclosure(model, points, pair, interfering, worst, deepest, log, error)
       end associate
    end subroutine judge_pair
+
+   !> A point of a tied pair that has a master near enough.
+   pure logical function may_tie(points, i, adjust)
+      type(contact_points_type), intent(in) :: points
+      integer, intent(in) :: i
+      real(wp), intent(in) :: adjust           !! ADJUST= [length]
+      may_tie = points%facet(i) > 0 .and. abs(points%gap(i)) <= max(too_deep*points%size(i), adjust)
+   end function may_tie
 
    subroutine report_overclosure(model, points, pair, number, worst, deepest, log, error)
       type(model_type), intent(in) :: model
@@ -126,6 +148,9 @@ contains
          if (deepest > too_deep .or. p%control%initial == initial_of%error) then
             call raise(error, error_code%deck, 'E0311', text, p%at, help=help, &
                & note='deeper than half a facet is a mistake of position, unit or side')
+         else if (p%control%initial == initial_of%interference .or. p%has_clearance) then
+            call log%say(severity%note, 'N0311', text//': an interference as meant, ramped in over the first step', &
+               & p%at)
          else
             call log%say(severity%warning, 'W0311', text//': treated as interference, ramped in over the first step', &
                & p%at, help=help//'; *CONTACT CONTROLS, INITIAL=INTERFERENCE says that it is meant')
@@ -136,7 +161,7 @@ contains
    !> Rows of all points that have a master opposite.
    !>
    !> `place` is where each rigid body's reference was when its tool was projected (6, nbody).
-   subroutine new_contact_rows(self, model, dofs, points, initial, place, sticks, reach)
+   subroutine new_contact_rows(self, model, dofs, points, initial, place, sticks, candidate)
       type(contact_rows_type), intent(out) :: self
       type(model_type), intent(in) :: model
       type(dofs_type), intent(in) :: dofs
@@ -144,9 +169,9 @@ contains
       type(initial_gap_type), intent(in) :: initial
       real(wp), intent(in) :: place(:, :)
       logical, intent(in) :: sticks(:)         !! (npoint) closed once, never to open (NO SEPARATION)
-      real(wp), intent(in) :: reach(:)         !! (npair) points with a larger gap at the start get no row [length]
+      logical, intent(in) :: candidate(:)      !! (npoint) others get no row
       integer :: pair, i, d, ndirection, terms
-      real(wp) :: frame(3, 3)
+      real(wp) :: frame(3, 3), here(6)
       logical :: tied
 
       allocate (self%group_first(size(model%pair) + 1))
@@ -158,10 +183,12 @@ contains
       do pair = 1, size(model%pair)
          self%group_first(pair) = self%n + 1
          tied = pair_is_tied(model, model%pair(pair))
+         ! A tied point was projected at rest, and follows the tool from there.
+         here = 0.0_wp
+         if (points%body(pair) > 0 .and. .not. tied) here = place(:, points%body(pair))
          do i = points%first(pair), points%first(pair + 1) - 1
-            if (points%facet(i) == 0) cycle
-            if (initial%start(i) > reach(pair)) cycle
-            if (tied .and. abs(points%gap(i)) > max(too_deep*points%size(i), model%pair(pair)%adjust)) cycle
+            if (points%facet(i) == 0 .or. .not. candidate(i)) cycle
+            if (tied .and. .not. may_tie(points, i, model%pair(pair)%adjust)) cycle
             call frame_of(points%normal(:, i), model%mesh%ndim, frame)
             ndirection = 1
             if (tied) ndirection = model%mesh%ndim
@@ -174,7 +201,7 @@ contains
                   & .and. model%interaction(model%pair(pair)%interaction)%no_separation)
                self%gap0(self%n) = 0.0_wp
                if (.not. tied) self%gap0(self%n) = points%gap(i) + initial%shift(i)
-               call add_terms(self, model, dofs, points, i, frame(:, d), place, terms)
+               call add_terms(self, model, dofs, points, i, frame(:, d), here, terms)
                self%first(self%n + 1) = terms + 1
             end do
          end do
@@ -218,7 +245,7 @@ contains
       type(dofs_type), intent(in) :: dofs
       type(contact_points_type), intent(in) :: points
       integer, intent(in) :: i
-      real(wp), intent(in) :: direction(3), place(:, :)
+      real(wp), intent(in) :: direction(3), place(6)
       integer, intent(inout) :: terms
       integer :: k, m, ndim, body, dof(3), n, j
       real(wp) :: arm(3), coefficient(3)
@@ -237,12 +264,12 @@ contains
       if (body == 0) return
       arm = 0.0_wp
       associate (reference => model%rigid_body(body)%reference)
-         arm(:ndim) = points%foot(:ndim, i) - model%mesh%x(:, reference) - place(:ndim, body)
+         arm(:ndim) = points%foot(:ndim, i) - model%mesh%x(:, reference) - place(:ndim)
          do k = 1, ndim
             call follower_rule(arm, ndim, k, dof, coefficient, n)
             do j = 1, n
                call add(dofs%id(dof(j), reference), -direction(k)*coefficient(j))
-               self%gap0(self%n) = self%gap0(self%n) + direction(k)*coefficient(j)*place(dof(j), body)
+               self%gap0(self%n) = self%gap0(self%n) + direction(k)*coefficient(j)*place(dof(j))
             end do
          end do
       end associate

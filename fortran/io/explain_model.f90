@@ -128,6 +128,12 @@ contains
          & 'Each point of contact is then constrained from both sides, which stiffens the '// &
          & 'contact.', &
          & 'keep one: the finer, softer side is the slave.')
+      call add_explanation(list, 'N0311', 'an interference that is meant', &
+         & 'Slave nodes lie inside the master at the start, as INITIAL=INTERFERENCE or a negative *CLEARANCE says. '// &
+         & 'It is ramped in over the first step.', 'nothing to do.')
+      call add_explanation(list, 'W0318', 'slave nodes of a tied pair are not tied', &
+         & 'A node is tied if a facet of the master lies opposite, nearer than half a facet of the slave or than '// &
+         & 'ADJUST=. Others are free.', 'raise ADJUST=, or take the nodes out of the slave surface.')
       call add_explanation(list, 'W0315', 'a pair can never touch', &
          & 'No slave node has a point of the master opposite.', &
          & 'check positions and units, and that the slave''s faces look at the master.')
