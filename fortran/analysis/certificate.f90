@@ -30,43 +30,47 @@ contains
       real(wp), intent(in) :: reaction(:)      !! (nprescribed) [force]
       real(wp), intent(in) :: prescribed(:)    !! (nprescribed) [length]
       real(wp), allocatable :: free(:), pressed(:), internal(:)
-      real(wp) :: reference, work, passed
+      real(wp) :: reference, work, passed, rounding
 
       allocate (free(scene%constraints%neq), pressed(scene%dofs%n), internal(scene%dofs%n))
       pressed = 0.0_wp
       call row_forces(scene%rows, scene%answer%force, pressed)
       call scene%k%multiply(scene%u, internal)
       call reduce(scene%constraints, residual, free)
-      reference = max(largest(f), largest(reaction), largest(pressed), largest(internal))
+      ! A body that moves all but rigidly has forces of rounding only: they are judged beside what its
+      ! stiffness would make of its displacements.
+      rounding = 1.0e-8_wp*largest(scene%k%value)*largest(scene%u)
+      reference = max(largest(f), largest(reaction), largest(pressed), largest(internal), rounding)
       if (reference > 0.0_wp) then
          self%equilibrium = largest(free)/reference
          self%support = largest(free(scene%bodies%support))/reference
       end if
-      call judge_contact(self, energy, scene, model)
+      call judge_contact(self, energy, scene, model, rounding)
       if (scene%rows%n > 0) self%pressure_error = scene%answer%soft_error
       call judge_action(self, scene, model, pressed)
       energy%strain = 0.5_wp*dot_product(scene%u, internal)
       ! Clapeyron: at equilibrium loads, contact and reactions do twice the stored energy's work. Where the
       ! forces all but cancel no energy is stored: what they do one by one is the measure.
       work = dot_product(scene%u, f + pressed) + dot_product(reaction, prescribed)
-      passed = dot_product(abs(scene%u), abs(f) + abs(pressed) + abs(internal))
+      passed = max(dot_product(abs(scene%u), abs(f) + abs(pressed) + abs(internal)), rounding*largest(scene%u))
       if (passed > 0.0_wp) self%energy = abs(work - 2.0_wp*energy%strain)/passed
       call give_verdict(self)
    end subroutine certify
 
    !> Gaps and forces of all rows, exact and soft apart.
-   subroutine judge_contact(self, energy, scene, model)
+   subroutine judge_contact(self, energy, scene, model, rounding)
       type(certificate_type), intent(inout) :: self
       type(energy_type), intent(inout) :: energy
       type(scene_type), intent(in) :: scene
       type(model_type), intent(in) :: model
+      real(wp), intent(in) :: rounding         !! forces below are rounding [force]
       real(wp) :: p_ref, size_, scaled
       integer :: row, pair, point
       logical :: exact
 
       energy%contact = 0.0_wp
       if (scene%rows%n == 0) return
-      p_ref = maxval(abs(scene%answer%force))
+      p_ref = max(maxval(abs(scene%answer%force)), rounding)
       do pair = 1, size(model%pair)
          associate (method => model%interaction(model%pair(pair)%interaction)%method)
             exact = method == method_of%lagrange .or. (method == method_of%augmented &

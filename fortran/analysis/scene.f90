@@ -42,8 +42,7 @@ module lopin_scene
       real(wp), allocatable :: kept_value(:)
       real(wp), allocatable :: gap(:)              !! (nrow) gaps at zero equations
       real(wp), allocatable :: place(:, :)         !! (6, nbody) where tools were projected
-      real(wp), allocatable :: reach(:)            !! (npair) points farther than this have no row yet [length]
-      logical, allocatable :: candidate(:)         !! (npoint) within reach when the factor was made: may have a row
+      logical, allocatable :: candidate(:)         !! (npoint) within reach: may have a row
       real(wp) :: interference = 1.0_wp            !! share of initial overclosures that is applied
       logical, allocatable :: sticks(:)            !! (npoint) closed before: bilateral if NO SEPARATION
       real(wp), allocatable :: u(:)                !! (ndof) trial displacements
@@ -102,7 +101,7 @@ contains
       integer :: i
       logical :: forced
 
-      allocate (self%reach(size(model%pair)), source=huge(1.0_wp))
+      allocate (self%candidate(self%points%n), source=.true.)
       if (self%points%n <= few_points) return
       forced = .false.
       largest = 0.0_wp
@@ -116,12 +115,12 @@ contains
          end associate
       end do
       if (forced .or. .not. largest > 0.0_wp) return
-      self%reach = largest
+      self%candidate = .not. self%points%gap(:self%points%n) + self%initial%shift > largest
    end subroutine choose_reach
 
    subroutine widen_reach(self)
       type(scene_type), intent(inout) :: self
-      self%reach = huge(1.0_wp)
+      self%candidate = .true.
    end subroutine widen_reach
 
    !> Constraints and floating motions of a step; `same` if they are those of the step before.
@@ -153,8 +152,6 @@ contains
       integer :: i, k, pair
 
       allocate (wanted(self%constraints%neq), source=.false.)
-      self%candidate = .not. self%points%gap(:self%points%n) + self%initial%shift &
-         & > self%reach(self%points%pair(:self%points%n))
       call new_contact_rows(self%rows, model, self%dofs, self%points, self%initial, self%place, self%sticks, &
          & self%candidate)
       do k = 1, size(self%rows%dof)

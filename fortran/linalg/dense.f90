@@ -92,6 +92,7 @@ contains
             call cholesky_solve(a, x)
             return
          end if
+         deallocate (a)
       end if
       allocate (a(m + nq, m + nq), right(m + nq), scale(m + nq), value(m + nq))
       a(:m, :m) = s
