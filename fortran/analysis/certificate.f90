@@ -192,6 +192,7 @@ contains
       has_row(scene%rows%point) = .true.
       do i = 1, scene%points%n
          if (has_row(i) .or. scene%points%facet(i) == 0 .or. scene%candidate(i)) cycle
+         if (pair_is_tied(model, model%pair(scene%points%pair(i)))) cycle
          worst = max(worst, -gap_of(scene, model, i)/scene%points%size(i))
       end do
    end function worst_unrowed

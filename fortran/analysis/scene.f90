@@ -115,7 +115,10 @@ contains
          end associate
       end do
       if (forced .or. .not. largest > 0.0_wp) return
-      self%candidate = .not. self%points%gap(:self%points%n) + self%initial%shift > largest
+      do i = 1, self%points%n
+         if (pair_is_tied(model, model%pair(self%points%pair(i)))) cycle
+         self%candidate(i) = .not. self%points%gap(i) + self%initial%shift(i) > largest
+      end do
    end subroutine choose_reach
 
    subroutine widen_reach(self)

@@ -23,7 +23,6 @@ module lopin_contact_rows
 
    type :: initial_gap_type
       real(wp), allocatable :: shift(:)        !! (npoint) added to the geometric gap: ADJUST, CLEARANCE [length]
-      real(wp), allocatable :: start(:)        !! (npoint) gap at the start, shift included [length]
       real(wp), allocatable :: overclosure(:)  !! (npoint) >= 0, ramped in over the first step [length]
       logical, allocatable :: touches(:)       !! (npoint) closed at the start
    end type initial_gap_type
@@ -57,7 +56,6 @@ contains
          call judge_pair(self, model, points, pair, log, error)
          if (allocated(error)) return
       end do
-      self%start = points%gap(:points%n) + self%shift
    end subroutine new_initial_gaps
 
    subroutine judge_pair(self, model, points, pair, log, error)
