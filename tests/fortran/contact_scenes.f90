@@ -11,7 +11,7 @@ module contact_scenes
    use lopin_state, only : summary_type, frame_type
    implicit none
    private
-   public :: scene_names, scene_text, run_text
+   public :: scene_names, scene_text, box, run_text
 
    character(len=1), parameter :: nl = achar(10)
    !> roller, crown: two bodies, driven and floating; indent, punch: a tool, driven and floating.
