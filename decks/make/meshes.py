@@ -144,8 +144,15 @@ def flat_punch() -> Deck:
     return deck
 
 
+def lifted_beam() -> Deck:
+    """A beam of 200 by 2, quadratic; its end on the middle line."""
+    mesh = mesh_make.block((200.0, 2.0), (200, 2), quadratic=True)
+    mesh = mesh.with_points("END", lambda x: (x[:, 0] > 199.9) & (np.abs(x[:, 1] - 1.0) < 1e-9))
+    return mesh_deck(Model("mesh", lean(mesh, "BOTTOM", "LEFT END"), kind="plane stress"))
+
+
 MESHES = {f.__name__: f for f in (hertz_sphere, hertz_sphere_3d, nafems_cylinder,
-                                  cylinder_on_plane, flat_punch)}
+                                  cylinder_on_plane, flat_punch, lifted_beam)}
 
 
 def main(names: list[str]) -> None:
