@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 
 from lopin import mesh_make
-from lopin.closed_form import contact_modulus, hertz_point_approach
+from lopin.closed_form import contact_modulus, hertz_point_approach, signorini_singular
 from lopin.deck import Deck, Row
 from lopin.mesh import Mesh, together
 from lopin.model import Model
@@ -151,8 +151,31 @@ def lifted_beam() -> Deck:
     return mesh_deck(Model("mesh", lean(mesh, "BOTTOM", "LEFT END"), kind="plane stress"))
 
 
+def patch_test() -> Deck:
+    """Two blocks of 10 by 4 with three and four elements along."""
+    low = mesh_make.block((10.0, 4.0), (3, 2))
+    up = mesh_make.block((10.0, 4.0), (4, 2), origin=(0.0, 4.0))
+    low = low.with_points("PIN", lambda x: np.abs(x).max(axis=1) < 1e-9)
+    up = up.with_points("PIN", lambda x: (x[:, 0] < 1e-9) & (x[:, 1] > 7.9))
+    mesh = together(UP=lean(up, "BOTTOM TOP", "PIN"), LOW=lean(low, "TOP", "BOTTOM PIN"))
+    return mesh_deck(Model("mesh", mesh))
+
+
+def signorini() -> Deck:
+    """A unit square whose sides but the lower one move as the exact solution does."""
+    mesh = mesh_make.block((1.0, 1.0), (16, 16))
+    deck = mesh_deck(Model("mesh", lean(mesh, "BOTTOM")))
+    x = mesh.points
+    sides = np.flatnonzero((x[:, 0] < 1e-9) | (x[:, 0] > 1.0 - 1e-9) | (x[:, 1] > 1.0 - 1e-9))
+    block = deck.add("BOUNDARY", comment="The exact displacements on three sides.")
+    for i, u in zip(sides, signorini_singular(x[sides]).u):
+        block.lines += [Row([int(i) + 1, d + 1, d + 1, float(f"{u[d]:.10g}")]) for d in (0, 1)]
+    return deck
+
+
 MESHES = {f.__name__: f for f in (hertz_sphere, hertz_sphere_3d, nafems_cylinder,
-                                  cylinder_on_plane, flat_punch, lifted_beam)}
+                                  cylinder_on_plane, flat_punch, lifted_beam,
+                                  patch_test, signorini)}
 
 
 def main(names: list[str]) -> None:

@@ -105,6 +105,25 @@ def test_a_cylinder_held_by_nothing_but_contact(root, solve, sheet, method):
                   abs(p - line.pressure(x))[inside].max()/line.p0, 0.0, 0.01, absolute=True)
 
 
+@pytest.mark.parametrize("gap", [1e-6, 1e-3, 1.0])
+def test_a_body_that_hangs_in_the_air_at_first(root, solve, sheet, gap):
+    """The gap is closed in the first increment; nothing depends on it, and it needs no springs."""
+    deck = with_method(root, "cylinder_on_plane", "DIRECT")
+    text = deck.text().replace("START, -5., 0.", f"START, -5., {-gap!r}") \
+        .replace("LINE, 5., 0.", f"LINE, 5., {-gap!r}")
+    hanging = solve(Deck.parse(text, name="hanging", folder=deck.folder))
+    resting = solve(deck)
+    case, name = "F9 floating body under a force", f"gap {gap:g}: "
+    for what, column in (("largest pressure", "ARC-FLOOR.max_pressure"),
+                         ("strain energy", "energy.strain")):
+        sheet.compare(case, name + what, hanging.history[column][-1], resting.history[column][-1],
+                      1e-6, "no gap")
+    sheet.compare(case, name + "iterations", hanging.history["iterations"][-1], 0.0, 20.0,
+                  "at most 20", absolute=True)
+    sheet.compare(case, name + "force of artificial supports over all forces",
+                  hanging.summary["certificate"]["support"], 0.0, 1e-9, "none", absolute=True)
+
+
 @pytest.mark.parametrize("method", ["DIRECT", "AUGMENTED LAGRANGE"])
 def test_a_flat_punch_pressed_by_a_force(root, solve, sheet, method):
     result = solve(with_method(root, "flat_punch", method))
