@@ -1,4 +1,4 @@
-!> Bodies that only contact holds: exact where it holds them, named with their motion where it does not.
+!> Bodies that only contact holds: exact where it holds them, named with their motion where not.
 program test_floating
    use lopin_kinds, only : wp
    use lopin_error, only : error_type, error_code
@@ -59,8 +59,8 @@ contains
          & //press_2d//'*SURFACE, NAME=TOP'//nl//'UPTOPE, S3'//nl &
          & //pair(behaviour, 'UPF, FLOOR'//nl//'TOP, PRESS'//nl)//'*BOUNDARY'//nl//'UPX0, 1'//nl &
          & //'800000, 1, 2'//nl//'800000, 6'//nl//'900000, 1'//nl//'900000, 6'//nl//'*STEP'//nl &
-         & //'*STATIC'//nl//'*CLOAD'//nl//'900000, 2, -3000.'//nl//'*END STEP'//nl, frame, summary, &
-         & error)
+         & //'*STATIC'//nl//'*CLOAD'//nl//'900000, 2, -3000.'//nl//'*END STEP'//nl, frame, &
+         & summary, error)
       if (failed(error)) return
       call judge(frame, 3000.0_wp, 2)
       call close_to('the press carries its load', sum(frame%contact(2)%force(2, :)), -3000.0_wp, &
@@ -73,7 +73,7 @@ contains
       type(summary_type) :: summary
       type(error_type), allocatable :: error
 
-      call test('a crowned block pressed on a plane, held by symmetry alone: '//path//', '//behaviour)
+      call test('a crowned block on a plane, held by symmetry alone: '//path//', '//behaviour)
       call run_text('*LOPIN, PATH='//path//nl &
          & //box('UP', 0, 0.0_wp*[1, 1, 1], 1.0_wp*[3, 3, 2], [4, 4, 2], 20.0_wp)//steel//floor_3d &
          & //pair(behaviour, 'UPF, FLOOR'//nl)//'*BOUNDARY'//nl//'UPX0, 1'//nl//'UPY0, 2'//nl &
@@ -88,7 +88,8 @@ contains
       type(frame_type), intent(in) :: frame
       real(wp), intent(in) :: load
       integer, intent(in) :: up
-      call close_to('the floor carries the load', sum(frame%contact(1)%force(up, :)), load, 1.0e-9_wp)
+      call close_to('the floor carries the load', sum(frame%contact(1)%force(up, :)), load, &
+         & 1.0e-9_wp)
       call is_true('artificial supports carry nothing', frame%certificate%support < 1.0e-10_wp)
       call is_true('equilibrium', frame%certificate%equilibrium < 1.0e-10_wp)
       call is_true('something is open', any(frame%contact(1)%status == 0))

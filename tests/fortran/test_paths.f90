@@ -26,6 +26,7 @@ program test_paths
    call paths_agree('indent', ', PENALTY', ', SOLVER=DENSE')
    call paths_agree('punch', ', PENALTY', ', SOLVER=SKYLINE')
    call paths_agree('roller', ', PENALTY', ', CONTINUATION=3')
+   call dependent_rows_are_named()
    call finish()
 
 contains
@@ -58,6 +59,23 @@ contains
       call is_true('changes of contact cost factorisations', &
          & second%step(1)%counter%factorisations > 1)
    end subroutine paths_agree
+
+   !> Two pairs on one pair of surfaces: the condensed path shares the forces, this one cannot.
+   subroutine dependent_rows_are_named()
+      type(frame_type) :: frame
+      type(summary_type) :: summary
+      type(error_type), allocatable :: error
+      character(len=*), parameter :: again = '*SURFACE, NAME=ALSO'//nl &
+         & //'UPFE, S1'//nl//'*CONTACT PAIR, INTERACTION=TOUCH'//nl//'ALSO, LOWF'//nl
+
+      call test('rows that depend on each other are named')
+      call run_text(scene_text('roller', ', DIRECT', again//'*LOPIN, PATH=NEWTON'//nl, 1), &
+         & frame, summary, error)
+      call is_true('an error', allocated(error))
+      if (.not. allocated(error)) return
+      call equal_text('code', error%item(1)%id, 'E0310')
+      call is_true('why', index(error%item(1)%message, 'depend on each other') > 0)
+   end subroutine dependent_rows_are_named
 
    logical function refused(error)
       type(error_type), allocatable, intent(in) :: error
