@@ -66,12 +66,12 @@ contains
    end subroutine no_line
 
    !> What this recorder reads in the increment to come.
-   function wants_nothing(self, model, step, increment) result(wants)
+   function wants_nothing(self, model, frame) result(wants)
       class(recorder_type), intent(in) :: self
       type(model_type), intent(in) :: model
-      integer, intent(in) :: step, increment
+      type(frame_type), intent(in) :: frame   !! step, increment, times and last_of_step are set
       type(wants_type) :: wants
-      associate (unused => self, also => model, too => step + increment)
+      associate (unused => self, also => model, too => frame)
          wants = wants_type()
       end associate
    end function wants_nothing

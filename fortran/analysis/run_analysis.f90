@@ -343,7 +343,7 @@ contains
       integer :: i
 
       do i = 1, size(recorders)
-         more = recorders(i)%recorder%wants(model, frame%step, frame%increment)
+         more = recorders(i)%recorder%wants(model, frame)
          wants%stress = wants%stress .or. more%stress
          wants%strain = wants%strain .or. more%strain
          wants%nodal_stress = wants%nodal_stress .or. more%nodal_stress

@@ -13,7 +13,7 @@ module lopin_recorder_dat
    use lopin_atomic_file, only : log_file_type
    use lopin_text_buffer, only : text_buffer_type
    use lopin_element_points, only : point_tables_type, new_point_tables, element_measures
-   use lopin_recorder_table, only : is_due, step_asks, has_variable
+   use lopin_recorder_table, only : is_due, frame_asks, has_variable
    use lopin_recorder_dat_contact, only : put_contact
    implicit none
    private
@@ -84,15 +84,15 @@ contains
       call self%log%close()
    end subroutine finish
 
-   function wants(self, model, step, increment) result(what)
+   function wants(self, model, frame) result(what)
       class(dat_recorder_type), intent(in) :: self
       type(model_type), intent(in) :: model
-      integer, intent(in) :: step, increment
+      type(frame_type), intent(in) :: frame
       type(wants_type) :: what
 
-      associate (unused => self, also => increment)
-         what%stress = step_asks(model, step, output_of%element_print, ['S   ', 'ELSE'])
-         what%strain = step_asks(model, step, output_of%element_print, ['E   ', 'ELSE'])
+      associate (unused => self)
+         what%stress = frame_asks(model, frame, output_of%element_print, ['S   ', 'ELSE'])
+         what%strain = frame_asks(model, frame, output_of%element_print, ['E   ', 'ELSE'])
       end associate
    end function wants
 

@@ -9,7 +9,7 @@ module lopin_recorder_frd
    use lopin_atomic_file, only : log_file_type
    use lopin_text_buffer, only : text_buffer_type
    use lopin_element_points, only : point_tables_type, new_point_tables, nodal_average
-   use lopin_recorder_table, only : is_due, step_asks, has_variable
+   use lopin_recorder_table, only : is_due, frame_asks, has_variable
    use lopin_recorder_dat_contact, only : contact_components
    implicit none
    private
@@ -95,15 +95,15 @@ contains
       call self%log%close()
    end subroutine finish
 
-   function wants(self, model, step, increment) result(what)
+   function wants(self, model, frame) result(what)
       class(frd_recorder_type), intent(in) :: self
       type(model_type), intent(in) :: model
-      integer, intent(in) :: step, increment
+      type(frame_type), intent(in) :: frame
       type(wants_type) :: what
 
-      associate (unused => self, also => increment)
-         what%nodal_stress = step_asks(model, step, output_of%element_file, ['S'])
-         what%strain = step_asks(model, step, output_of%element_file, ['E'])
+      associate (unused => self)
+         what%nodal_stress = frame_asks(model, frame, output_of%element_file, ['S'])
+         what%strain = frame_asks(model, frame, output_of%element_file, ['E'])
       end associate
    end function wants
 

@@ -138,13 +138,13 @@ contains
       call self%json%finish(model, summary, failure, error)
    end subroutine finish
 
-   function wants(self, model, step, increment) result(what)
+   function wants(self, model, frame) result(what)
       class(memory_recorder_type), intent(in) :: self
       type(model_type), intent(in) :: model
-      integer, intent(in) :: step, increment
+      type(frame_type), intent(in) :: frame
       type(wants_type) :: what
 
-      associate (unused => model, also => step + increment)
+      associate (unused => model, also => frame)
          what%nodal_stress = self%keep_stress
       end associate
    end function wants

@@ -7,7 +7,7 @@ module lopin_recorder_table
    implicit none
    private
    public :: pair_summary_type, summarise_pair, pair_name, file_word
-   public :: is_due, step_asks, has_variable, any_request
+   public :: is_due, frame_asks, has_variable, any_request
    public :: column_type, history_columns, history_row
 
    !> A pair in a few numbers. Forces are on the full circumference if axisymmetric.
@@ -79,22 +79,22 @@ contains
       is_due = mod(frame%increment, frequency) == 0 .or. frame%last_of_step
    end function is_due
 
-   !> Does a step ask for one of the variables of a kind of output?
-   pure logical function step_asks(model, step, kind, words)
+   !> Does the step of a frame ask for one of the variables in this increment?
+   pure logical function frame_asks(model, frame, kind, words)
       type(model_type), intent(in) :: model
-      integer, intent(in) :: step, kind
+      type(frame_type), intent(in) :: frame
+      integer, intent(in) :: kind
       character(len=*), intent(in) :: words(:)
       integer :: i
 
-      step_asks = .false.
-      if (step < 1 .or. step > size(model%step)) return
-      associate (output => model%step(step)%output)
+      frame_asks = .false.
+      associate (output => model%step(frame%step)%output)
          do i = 1, size(output)
-            if (output(i)%kind /= kind .or. output(i)%frequency <= 0) cycle
-            if (has_variable(output(i)%variable, words)) step_asks = .true.
+            if (output(i)%kind /= kind .or. .not. is_due(output(i)%frequency, frame)) cycle
+            if (has_variable(output(i)%variable, words)) frame_asks = .true.
          end do
       end associate
-   end function step_asks
+   end function frame_asks
 
    pure logical function has_variable(list, words)
       character(len=*), intent(in) :: list(:), words(:)

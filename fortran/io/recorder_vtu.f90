@@ -102,14 +102,14 @@ contains
    end subroutine finish
 
    !> The last increment of a step is always due, and is not known in advance.
-   function wants(self, model, step, increment) result(what)
+   function wants(self, model, frame) result(what)
       class(vtu_recorder_type), intent(in) :: self
       type(model_type), intent(in) :: model
-      integer, intent(in) :: step, increment
+      type(frame_type), intent(in) :: frame
       type(wants_type) :: what
 
-      associate (unused => self, also => increment)
-         what%nodal_stress = frequency_of(model, step) > 0 .and. shows(model, step, 'S')
+      associate (unused => self)
+         what%nodal_stress = is_due(frequency_of(model, frame%step), frame) .and. shows(model, frame%step, 'S')
       end associate
    end function wants
 

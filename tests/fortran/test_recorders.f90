@@ -193,17 +193,20 @@ contains
       type(recorder_holder_type), allocatable :: list(:)
       type(error_type), allocatable :: error
       type(wants_type) :: wants
+      type(frame_type) :: now
 
+      now%step = 1
+      now%increment = 1
       call test('stress is wanted unless *OUTPUT, FIELD leaves it out; tables if asked')
       call make_scene(model, 'C3D8')
       call new_recorders(list, model, 'recorders/few', 'job', error)
       call must_succeed(error)
       call is_true('4 recorders', size(list) == 4)
-      wants = list(2)%recorder%wants(model, 1, 1)
+      wants = list(2)%recorder%wants(model, now)
       call is_true('nodal stress', wants%nodal_stress .and. .not. wants%strain)
       call add_output(model, output_of%field, ['U'], frequency=2)
       call new_recorders(list, model, 'recorders/few', 'job', error)
-      wants = list(2)%recorder%wants(model, 1, 1)
+      wants = list(2)%recorder%wants(model, now)
       call is_true('no stress', .not. wants%nodal_stress)
       call run(list, model, 5)
       call is_true('increments 2, 4 and the last', file_exists('recorders/few/job_0003.vtu'))
