@@ -8,7 +8,7 @@ module lopin_automatic_penalty
    use lopin_error, only : severity
    use lopin_text, only : to_text
    use lopin_model, only : model_type, method_of
-   use lopin_dense, only : cholesky, cholesky_solve
+   use lopin_dense, only : cholesky, cholesky_solve, symmetric_eigen
    use lopin_condensed, only : form_compliance
    use lopin_scene, only : scene_type
    use lopin_methods, only : has_law
@@ -42,7 +42,8 @@ contains
                slope = law%slope*law%scale
                if (.not. slope > 0.0_wp) then
                   call form_compliance(p)
-                  slope = (1.0_wp/model%target_error - 1.0_wp)/least_compliance(p%s(from:to, from:to), weight(from:to))
+                  slope = (1.0_wp/model%target_error - 1.0_wp)/&
+                     & least_compliance(p%s(from:to, from:to), weight(from:to), p%c(from:to, :))
                   slope = slope*law%scale
                   call say_once(scene, model, pair, slope)
                end if
@@ -82,20 +83,26 @@ contains
          & to_text(model%target_error), model%pair(pair)%at)
    end subroutine say_once
 
-   !> Least eigenvalue of W^1/2 S W^1/2, by inverse iteration on its Cholesky factor.
-   function least_compliance(s, weight) result(least)
+   !> Least eigenvalue of W^1/2 S W^1/2 among the pressures that leave floating motions in balance (on the
+   !> others S depends on where the artificial supports stand): Lanczos' iteration on the inverse, from a
+   !> vector that has a share of every mode. It converges beyond what the numbering of the rows could change.
+   function least_compliance(s, weight, c) result(least)
       real(wp), intent(in) :: s(:, :)      !! (n, n) [length/force]
       real(wp), intent(in) :: weight(:)    !! (n) [length^2]
+      real(wp), intent(in) :: c(:, :)      !! (n, nq) rows on the floating motions
       real(wp) :: least
-      real(wp), allocatable :: a(:, :), x(:)
-      real(wp) :: mean, previous
-      integer :: i, pass, status, n
+      real(wp), allocatable :: a(:, :)
+      real(wp) :: mean
+      integer :: i, status, n
 
       n = size(weight)
       allocate (a(n, n))
-      mean = 0.0_wp
       do i = 1, n
          a(:, i) = s(:, i)*sqrt(weight*weight(i))
+      end do
+      call balance(a, spread(sqrt(weight), 2, size(c, 2))*c)
+      mean = 0.0_wp
+      do i = 1, n
          mean = mean + a(i, i)/n
       end do
       least = mean
@@ -104,14 +111,75 @@ contains
       end do
       call cholesky(a, status)
       if (status /= 0) return
-      x = [(merge(1.0_wp, -1.0_wp, mod(i, 2) == 0), i=1, n)]
-      do pass = 1, 30
-         previous = least
-         x = x/norm2(x)
-         call cholesky_solve(a, x)
-         least = 1.0_wp/norm2(x)
-         if (abs(least - previous) < 1.0e-2_wp*least) exit
-      end do
-      least = max(least, 1.0e-4_wp*mean)
+      least = max(1.0_wp/largest_of_inverse(a), 1.0e-4_wp*mean)
    end function least_compliance
+
+   !> a <- P a P + mean*(1 - P), P the projection across the columns of `c`; as it is if they span everything.
+   subroutine balance(a, c)
+      real(wp), intent(inout) :: a(:, :)
+      real(wp), intent(in) :: c(:, :)
+      real(wp) :: q(size(c, 1), size(c, 2)), v(size(c, 1)), before, mean
+      integer :: i, n, rank
+
+      n = size(a, 1)
+      rank = 0
+      do i = 1, size(c, 2)
+         v = c(:, i)
+         before = norm2(v)
+         v = v - matmul(q(:, :rank), matmul(v, q(:, :rank)))
+         v = v - matmul(q(:, :rank), matmul(v, q(:, :rank)))
+         if (.not. norm2(v) > 1.0e-8_wp*before) cycle
+         rank = rank + 1
+         q(:, rank) = v/norm2(v)
+      end do
+      if (rank == 0 .or. rank >= n) return
+      associate (b => q(:, :rank))
+         a = a - matmul(b, matmul(transpose(b), a))
+         a = a - matmul(matmul(a, b), transpose(b))
+         mean = 0.0_wp
+         do i = 1, n
+            mean = mean + a(i, i)/(n - rank)
+         end do
+         a = a + mean*matmul(b, transpose(b))
+      end associate
+   end subroutine balance
+
+   !> Largest eigenvalue of the inverse of L L^T.
+   function largest_of_inverse(l) result(largest)
+      real(wp), intent(in) :: l(:, :)              !! (n, n) Cholesky factor
+      real(wp) :: largest
+      integer, parameter :: most_steps = 150, steady_steps = 3
+      real(wp), parameter :: steady = 1.0e-14_wp
+      real(wp), allocatable :: q(:, :), r(:), t(:, :), small(:, :), value(:)
+      real(wp) :: previous, rest
+      integer :: i, step, last, status, same, n
+
+      n = size(l, 1)
+      last = min(n, most_steps)
+      allocate (q(n, last), t(last, last), source=0.0_wp)
+      ! Mode shapes of the stiffest pressures alternate; the rest keeps the vector off every symmetry.
+      r = [(merge(1.0_wp, -1.0_wp, mod(i, 2) == 0)*(1.0_wp + 0.5_wp*modulo(0.618_wp*i, 1.0_wp)), i=1, n)]
+      largest = 0.0_wp
+      same = 0
+      do step = 1, last
+         q(:, step) = r/norm2(r)
+         r = q(:, step)
+         call cholesky_solve(l, r)
+         t(step, step) = dot_product(q(:, step), r)
+         do i = 1, 2
+            r = r - matmul(q(:, :step), matmul(r, q(:, :step)))
+         end do
+         previous = largest
+         small = t(:step, :step)
+         allocate (value(step))
+         call symmetric_eigen(small, value, status)
+         largest = maxval(value)
+         deallocate (value)
+         same = merge(same + 1, 0, largest - previous <= steady*largest)
+         rest = norm2(r)
+         if (same == steady_steps .or. step == last .or. .not. rest > epsilon(1.0_wp)*largest) exit
+         t(step, step + 1) = rest
+         t(step + 1, step) = rest
+      end do
+   end function largest_of_inverse
 end module lopin_automatic_penalty

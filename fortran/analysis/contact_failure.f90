@@ -7,11 +7,15 @@ module lopin_contact_failure
    use lopin_model, only : model_type
    use lopin_bodies, only : describe_motion
    use lopin_active_set, only : outcome
+   use lopin_condensed, only : condensed_type, form_compliance
    use lopin_dense, only : symmetric_eigen
    use lopin_scene, only : scene_type
    implicit none
    private
    public :: check_held, explain_outcome
+
+   !> Springs this much stiffer than the bodies leave three digits of a gap.
+   real(wp), parameter :: no_digits_left = 1.0e13_wp
 
 contains
 
@@ -50,7 +54,17 @@ contains
       type(model_type), intent(in) :: model
       type(error_type), allocatable, intent(out) :: error
       character(len=:), allocatable :: motion
+      real(wp) :: excess
 
+      if (scene%answer%outcome == outcome%not_held .or. scene%answer%outcome == outcome%cycling) then
+         excess = stiffness_excess(scene)
+         if (excess > no_digits_left) then
+            call raise(error, error_code%not_converged, 'E0501', 'the stiffness of contact is '//to_text(excess)// &
+               & ' times that of the bodies: no digits are left of the gaps', model%step(scene%step)%at, &
+               & help='a smaller slope, or DIRECT; PERTURBED LAGRANGE solves the same equations without this loss')
+            return
+         end if
+      end if
       select case (scene%answer%outcome)
       case (outcome%solved)
       case (outcome%not_held)
@@ -75,4 +89,19 @@ contains
          call raise(error, error_code%internal, 'E0901', 'the contact problem broke down')
       end select
    end subroutine explain_outcome
+
+   !> Largest stiffness of a contact row over that of the bodies behind it.
+   real(wp) function stiffness_excess(scene) result(excess)
+      type(scene_type), intent(in) :: scene
+      type(condensed_type) :: problem
+      integer :: row
+
+      excess = 0.0_wp
+      if (.not. allocated(scene%problem%l)) return
+      problem = scene%problem
+      call form_compliance(problem)
+      do row = 1, problem%nrow
+         excess = max(excess, problem%alpha(row)*problem%s(row, row))
+      end do
+   end function stiffness_excess
 end module lopin_contact_failure

@@ -95,6 +95,8 @@ contains
       where (soft .and. .not. work%spring) once%free_gap = once%free_gap - work%compliance*result%force
       once%gap0 = once%gap0 + (once%free_gap - work%answer%free_gap)
       call self%solve_set(result%active, work%spring, work%compliance, work%springs, once, status)
+      ! A set that cannot be solved once more has lost all its digits.
+      result%soft_error = 1.0_wp
       if (status == 0) result%soft_error = norm2(pack(once%force - result%force, soft))/size_
    end subroutine estimate_soft_error
 
