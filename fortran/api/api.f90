@@ -58,6 +58,7 @@ contains
       integer, intent(in) :: handle
       character(len=*), intent(in) :: what
       integer, intent(out) :: length
+      !f2py threadsafe
       character(len=:), allocatable :: text
 
       call session_text(handle, what, text)
@@ -70,6 +71,7 @@ contains
       character(len=*), intent(in) :: what
       integer, intent(in) :: length             !! from `text_length`
       character(len=1), intent(out) :: text(length)
+      !f2py threadsafe
       character(len=:), allocatable :: whole
       integer :: i
 

@@ -1,7 +1,8 @@
 !> Runs that stay in memory, known to callers by a number.
 !>
-!> A session is made without touching what others use, then handed to the pool: so several threads
-!> may run models at once. The pool is the only thing of Lopin that is remembered between calls.
+!> The pool is the only thing of Lopin that is remembered between calls. Several threads may ask for
+!> runs at once; these take turns, because gfortran keeps the lengths of texts that functions return
+!> in static memory (the symbols `slen` of its object files), which two runs must not share.
 module lopin_session
    use lopin_deck, only : deck_type, read_deck_text
    use lopin_error, only : error_type, error_code, log_type, severity, raise
@@ -28,6 +29,8 @@ module lopin_session
    type :: session_type
       integer :: code = 0                                    !! exit code of the executable
       character(len=:), allocatable, private :: diagnostics  !! a JSON list
+      character(len=:), allocatable, private :: summary      !! a JSON object; '' before a solution
+      character(len=:), allocatable, private :: names        !! of the results, one a line
       class(recorder_type), allocatable, private :: memory   !! unallocated if nothing was solved
    end type session_type
 
@@ -52,9 +55,11 @@ contains
       type(log_type) :: said
       type(error_type), allocatable :: error
 
+      !$omp critical (lopin_run)
       call go_through(self, deck_text, output, options, solve, deck, said, error)
       if (allocated(error)) self%code = error%code
       call tell(self, deck, said, error)
+      !$omp end critical (lopin_run)
    end subroutine new_session
 
    subroutine go_through(self, deck_text, output, options, solve, deck, said, error)
@@ -69,6 +74,8 @@ contains
       type(model_type) :: model
       type(outcome_type) :: outcome
 
+      self%summary = ''
+      self%names = ''
       call outcome%clock%start()
       call read_options(job, options, error)
       if (allocated(error)) return
@@ -85,6 +92,11 @@ contains
       call add_log(said, outcome%log)
       if (.not. allocated(outcome%recorder)) return
       call move_alloc(outcome%recorder(size(outcome%recorder))%recorder, self%memory)
+      select type (memory => self%memory)
+      type is (memory_recorder_type)
+         self%names = memory%names()
+         if (allocated(memory%json%content)) self%summary = memory%json%content
+      end select
    end subroutine go_through
 
    !> Options of the command line, one a line.
@@ -219,20 +231,16 @@ contains
 
       text = ''
       if (what == 'keywords') then
+         !$omp critical (lopin_run)
          text = keywords_json()
+         !$omp end critical (lopin_run)
          return
       end if
       !$omp critical (lopin_pool)
       if (in_use(handle)) then
          if (what == 'diagnostics') text = pool(handle)%session%diagnostics
-         if (allocated(pool(handle)%session%memory)) then
-            select type (memory => pool(handle)%session%memory)
-            type is (memory_recorder_type)
-               if (what == 'names') text = memory%names()
-               if (what == 'summary' .and. allocated(memory%json%content)) &
-                  & text = memory%json%content
-            end select
-         end if
+         if (what == 'summary') text = pool(handle)%session%summary
+         if (what == 'names') text = pool(handle)%session%names
       end if
       !$omp end critical (lopin_pool)
    end subroutine session_text

@@ -41,6 +41,8 @@ def pressure(contact, exact: Callable[[np.ndarray], np.ndarray] | None = None, *
             label="open")
     if exact is not None:
         line = np.linspace(x.min(), x.max(), 1001)
+        if closed.any():   # finer where something touches
+            line = np.union1d(line, np.linspace(*x[order][closed][[0, -1]]*1.1, 1001))
         ax.plot(line, exact(line), "k-", lw=1, label="closed form")
     ax.set_xlabel("x" if axis == 0 else "xyz"[axis])
     ax.set_ylabel(f"contact pressure {unit}".strip())

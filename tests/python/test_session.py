@@ -2,7 +2,9 @@
 import json
 import os
 import re
+import runpy
 import subprocess
+import sys
 import threading
 from pathlib import Path
 
@@ -240,6 +242,26 @@ def test_two_models_at_once():
         assert result.summary["checksum"] == alone[k] == signed(result)
 
 
+def test_messages_of_threads_do_not_mix():
+    decks = [lopin.Deck.read(path) for path in BAD]
+
+    def messages():
+        said = []
+        for deck in decks:
+            with pytest.raises(lopin.DeckError) as caught:
+                lopin.run(deck)
+            said.append([d["text"] for d in caught.value.diagnostics])
+        return said
+
+    alone, together = messages(), []
+    threads = [threading.Thread(target=lambda: together.append(messages())) for _ in range(4)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    assert together == [alone]*4
+
+
 def test_other_threads_go_on_while_a_run_is_solved():
     ticks, done = [0], threading.Event()
 
@@ -284,3 +306,26 @@ def test_the_summary_is_that_of_the_file(tmp_path):
     written = json.loads((tmp_path/"press.json").read_text())
     for word in result.summary.keys() - {"timing", "files", "peak_memory_mib"}:
         assert result.summary[word] == written[word], word
+
+
+def test_the_example_of_hertz_draws_its_picture(root, tmp_path, monkeypatch, capsys):
+    pytest.importorskip("matplotlib").use("Agg")
+    monkeypatch.chdir(tmp_path)
+    runpy.run_path(str(root/"decks"/"hertz_sphere.py"))
+    words = capsys.readouterr().out.split()
+    force, pressure, exact = (float(words[k]) for k in (1, 4, 7))
+    # Beside Hertz's half-space the block is only forty times as deep as the contact is wide.
+    assert force == pytest.approx(586.08, rel=0.03) and pressure == pytest.approx(exact, rel=0.005)
+    assert (tmp_path/"hertz_sphere.png").stat().st_size > 10000
+
+
+def test_the_command_of_the_package_is_the_executable(executable, root, tmp_path):
+    environment = os.environ | {"LOPIN_EXECUTABLE": str(executable),
+                                "PYTHONPATH": str(Path(lopin.__file__).parent.parent)}
+    command = [sys.executable, "-m", "lopin", "run", root/"decks"/"bar_gap.inp", "-o", tmp_path]
+    done = subprocess.run(command, env=environment, capture_output=True, text=True)
+    assert done.returncode == 0 and done.stdout.endswith("Job finished\n")
+    mine = lopin.run(root/"decks"/"bar_gap.inp")
+    assert lopin.open_result(tmp_path).summary["checksum"] == mine.summary["checksum"]
+    command[4] = root/"decks"/"bad"/"misspelt_keyword.inp"
+    assert subprocess.run(command, env=environment, capture_output=True).returncode == 1
