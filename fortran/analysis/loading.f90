@@ -2,7 +2,8 @@
 !>
 !> Without an amplitude a load goes linearly from its value at the end of the last step to its new value
 !> (at once if the step says AMPLITUDE=STEP); a load that is no longer in force goes to zero in the same
-!> way. With an amplitude it is value times amplitude.
+!> way. With an amplitude it is value times amplitude; where the next step takes the amplitude away, the
+!> load goes on from its last value.
 module lopin_loading
    use lopin_kinds, only : wp
    use lopin_mesh, only : mesh_type
@@ -12,7 +13,7 @@ module lopin_loading
    use lopin_assemble_solids, only : solids_type, add_body_loads, add_face_loads
    implicit none
    private
-   public :: loading_type, new_loading, loads_at, prescribed_at
+   public :: loading_type, new_loading, loads_at, prescribed_at, add_ended_loads
 
    type :: loading_type
       real(wp) :: start = 0.0_wp                       !! total time at the start of the step
@@ -69,6 +70,47 @@ contains
       uses = any(step%point_load%amplitude == amplitude) .or. any(step%face_load%amplitude == amplitude) &
          & .or. any(step%body_load%amplitude == amplitude)
    end function uses
+
+   !> Add to `steady` the last values of the loads that followed an amplitude in `old` and no longer do.
+   subroutine add_ended_loads(self, model, dofs, constraints, solids, old, new, steady)
+      type(loading_type), intent(in) :: self           !! of the old step
+      type(model_type), intent(in) :: model
+      type(dofs_type), intent(in) :: dofs
+      type(constraints_type), intent(in) :: constraints
+      type(solids_type), intent(in) :: solids
+      type(step_type), intent(in) :: old, new
+      real(wp), intent(inout) :: steady(:)             !! (ndof) [force]
+      type(step_type) :: ended
+      real(wp), allocatable :: f(:)
+      integer :: i
+
+      if (size(self%amplitude) == 0) return
+      allocate (ended%point_load(0), ended%face_load(0), ended%body_load(0))
+      do i = 1, size(old%point_load)
+         associate (load => old%point_load(i), list => new%point_load)
+            if (.not. any(list%node == load%node .and. list%dof == load%dof .and. list%amplitude > 0)) &
+               & ended%point_load = [ended%point_load, load]
+         end associate
+      end do
+      do i = 1, size(old%face_load)
+         associate (load => old%face_load(i), list => new%face_load)
+            if (.not. any(list%element == load%element .and. list%face == load%face .and. list%amplitude > 0)) &
+               & ended%face_load = [ended%face_load, load]
+         end associate
+      end do
+      do i = 1, size(old%body_load)
+         associate (load => old%body_load(i), list => new%body_load)
+            if (.not. any(list%element == load%element .and. list%amplitude > 0)) &
+               & ended%body_load = [ended%body_load, load]
+         end associate
+      end do
+      allocate (f(dofs%n))
+      do i = 1, size(self%amplitude)
+         f = 0.0_wp
+         call add_loads(f, model, dofs, constraints, solids, ended, self%amplitude(i))
+         steady = steady + factor(self, model, self%amplitude(i), self%period)*f
+      end do
+   end subroutine add_ended_loads
 
    !> Add the loads of a step that follow one amplitude (0: none).
    subroutine add_loads(f, model, dofs, constraints, solids, step, amplitude)
