@@ -10,17 +10,21 @@ module lopin_run_analysis
    use lopin_constraints, only : prescribed_part
    use lopin_contact_rows, only : row_forces
    use lopin_recorder, only : recorder_holder_type, wants_type
-   use lopin_loading, only : loading_type, new_loading, loads_at, prescribed_at
+   use lopin_loading, only : loading_type, new_loading, loads_at, prescribed_at, add_ended_loads
    use lopin_plan, only : plan_type, new_plan, plan_line, path_of
-   use lopin_scene, only : scene_type, new_scene, set_supports, widen_reach
+   use lopin_scene, only : scene_type, new_scene, set_supports, widen_reach, follow_tools
    use lopin_path_condensed, only : prepare_condensed, solve_condensed
    use lopin_path_newton, only : prepare_newton, solve_newton
    use lopin_bodies, only : describe_motion
    use lopin_certificate, only : certify, worst_unrowed
    use lopin_frames, only : fill_frame
+   use lopin_after_step, only : seen_type, look_at_pairs, judge_step, say_once
    implicit none
    private
    public :: run_analysis
+
+   !> Projections of a tool that forces move within one increment; a few are the rule.
+   integer, parameter :: most_places = 40
 
    !> What goes on from step to step.
    type :: progress_type
@@ -28,6 +32,7 @@ module lopin_run_analysis
       real(wp), allocatable :: steady(:)       !! (ndof) loads to go on from
       real(wp), allocatable :: f(:), residual(:)
       real(wp) :: work = 0.0_wp                !! of loads and prescribed displacements
+      type(seen_type) :: seen                  !! how near the pairs came
       real(wp), allocatable :: f_before(:), u_before(:), r_before(:)
       type(checksum_type) :: checksum          !! of the displacements of all nodes so far
    end type progress_type
@@ -177,18 +182,30 @@ contains
       call say(recorders, summary%plan)
    end subroutine prepare
 
+   !> Solve; where a tool that forces move is curved, again for the place it has moved to, until it rests.
    subroutine solve(scene, model, plan, f, prescribed, error)
       type(scene_type), intent(inout) :: scene
       type(model_type), intent(in) :: model
       type(plan_type), intent(in) :: plan
       real(wp), intent(in) :: f(:), prescribed(:)
       type(error_type), allocatable, intent(out) :: error
+      integer :: pass
+      logical :: moved
 
-      if (plan%path == path_of%newton) then
-         call solve_newton(scene, model, f, prescribed, error)
-      else
-         call solve_condensed(scene, model, f, prescribed, error)
-      end if
+      scene%guess = scene%accepted
+      do pass = 1, most_places
+         if (plan%path == path_of%newton) then
+            call solve_newton(scene, model, f, prescribed, error)
+         else
+            call solve_condensed(scene, model, f, prescribed, error)
+         end if
+         if (allocated(error)) return
+         call follow_tools(scene, model, prescribed, moved)
+         if (.not. moved) return
+      end do
+      call raise(error, error_code%not_converged, 'E0505', 'the place of a tool that forces move does not settle in '// &
+         & to_text(most_places)//' passes', model%step(scene%step)%at, &
+         & help='prescribe its displacement, or take smaller increments')
    end subroutine solve
 
    subroutine run_step(scene, model, plan, progress, recorders, summary, error)
@@ -231,6 +248,9 @@ contains
                & ' increments that INC= allows', step%at, help='raise INC= on *STEP, or the increments on *STATIC')
          end if
          progress%time = progress%time + time
+         if (scene%step < size(model%step)) call add_ended_loads(loading, model, scene%dofs, scene%constraints, &
+            & scene%solids, step, model%step(scene%step + 1), progress%steady)
+         call judge_step(scene, model, progress%seen)
       end associate
    end subroutine run_step
 
@@ -279,6 +299,7 @@ contains
       call warn_of(scene, model, frame)
       call add_work(scene, progress, frame)
       call accept(scene, model, progress, steady)
+      call look_at_pairs(progress%seen, scene, model)
       call record(scene, model, reaction, recorders, frame, error)
       if (allocated(error)) return
       call progress%checksum%add(frame%u(:3, :))
@@ -323,10 +344,10 @@ contains
       type(model_type), intent(in) :: model
       type(frame_type), intent(in) :: frame
 
-      if (frame%certificate%verdict == 1) call scene%log%say(severity%warning, 'W0504', 'certificate of step '// &
+      if (frame%certificate%verdict == 1) call say_once(scene%log, 'W0504', 'certificate of step '// &
          & to_text(frame%step)//', increment '//to_text(frame%increment)//': '//frame%certificate%reason, &
          & model%step(scene%step)%at)
-      if (scene%answer%dependent > 0) call scene%log%say(severity%warning, 'W0403', &
+      if (scene%answer%dependent > 0) call say_once(scene%log, 'W0403', &
          & to_text(scene%answer%dependent)//' contact rows depend on supports or on other rows: their forces are '// &
          & 'shared in the way of least norm', model%step(scene%step)%at, &
          & help='do not fix slave nodes along the contact normal, and list a pair of surfaces once')

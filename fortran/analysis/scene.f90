@@ -19,7 +19,7 @@ module lopin_scene
    implicit none
    private
    public :: scene_type, new_scene, set_supports, retained_equations, rebuild_rows, tool_places
-   public :: relative_motion, gap_of, widen_reach
+   public :: relative_motion, gap_of, widen_reach, follow_tools
 
    type :: scene_type
       type(dofs_type) :: dofs
@@ -47,11 +47,14 @@ module lopin_scene
       logical, allocatable :: sticks(:)            !! (npoint) closed before: bilateral if NO SEPARATION
       real(wp), allocatable :: u(:)                !! (ndof) trial displacements
       real(wp), allocatable :: accepted(:)         !! (ndof) displacements of the last accepted increment
+      real(wp), allocatable :: guess(:)            !! (ndof) those that place the tools that forces move
       type(clock_type) :: clock
       type(counter_type) :: counter
       type(log_type) :: log
    end type scene_type
 
+   !> A tool has settled when it moves by less than this share of the scene.
+   real(wp), parameter :: settled = 1.0e-11_wp
    !> Scenes with fewer slave points give every point a row at once.
    integer, parameter :: few_points = 300
 
@@ -73,7 +76,7 @@ contains
       call new_initial_gaps(self%initial, model, self%points, self%log, error)
       if (allocated(error)) return
       call self%clock%stop_in(phase%search)
-      allocate (self%u(self%dofs%n), self%accepted(self%dofs%n), source=0.0_wp)
+      allocate (self%u(self%dofs%n), self%accepted(self%dofs%n), self%guess(self%dofs%n), source=0.0_wp)
       allocate (self%place(6, size(model%rigid_body)), source=0.0_wp)
       self%sticks = self%initial%touches
       call choose_reach(self, model)
@@ -228,7 +231,7 @@ contains
       end do
    end function body_turns
 
-   !> Where the rigid bodies' references stand: prescribed dofs as given, free ones as last accepted.
+   !> Where the rigid bodies' references stand: prescribed dofs as given, free ones as guessed.
    subroutine tool_places(self, model, prescribed, place)
       type(scene_type), intent(in) :: self
       type(model_type), intent(in) :: model
@@ -239,7 +242,7 @@ contains
 
       place = 0.0_wp
       if (size(model%rigid_body) == 0) return
-      v = [(raw_displacement(self%constraints, self%dofs, self%accepted, self%constraints%dof_of_equation(i)), &
+      v = [(raw_displacement(self%constraints, self%dofs, self%guess, self%constraints%dof_of_equation(i)), &
          & i=1, self%constraints%neq)]
       allocate (u(self%dofs%n))
       call expand(self%constraints, v, prescribed, u)
@@ -250,6 +253,29 @@ contains
          end do
       end do
    end subroutine tool_places
+
+   !> Guess that the tools stand where the last solve moved them; `moved` if a curved one then stands elsewhere.
+   subroutine follow_tools(self, model, prescribed, moved)
+      type(scene_type), intent(inout) :: self
+      type(model_type), intent(in) :: model
+      real(wp), intent(in) :: prescribed(:)
+      logical, intent(out) :: moved
+      real(wp) :: place(6, size(model%rigid_body)), way
+      integer :: pair
+
+      self%guess = self%u
+      call tool_places(self, model, prescribed, place)
+      moved = .false.
+      do pair = 1, size(model%pair)
+         associate (body => self%points%body(pair))
+            if (.not. may_turn(self, model, pair)) cycle
+            if (pair_is_tied(model, model%pair(pair))) cycle
+            way = norm2(place(:3, body) - self%place(:3, body)) &
+               & + self%bodies%length*norm2(place(4:, body) - self%place(4:, body))
+            moved = moved .or. way > settled*(self%bodies%length + norm2(place(:3, body)))
+         end associate
+      end do
+   end subroutine follow_tools
 
    !> Rows for the place of the tools at the end of the increment.
    subroutine rebuild_rows(self, model, prescribed)

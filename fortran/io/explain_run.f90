@@ -34,6 +34,25 @@ contains
          & 'A test of the increment is above its limit but below ten times it; the message '// &
          & 'names the test.', &
          & 'with a penalty raise the slope, or use DIRECT or AUGMENTED LAGRANGE.')
+      call add_explanation(list, 'E0505', 'a tool that forces move does not come to rest', &
+         & 'A curved tool is projected where it stands, it moves, and is projected again; here '// &
+         & 'the places go on changing.', &
+         & 'prescribe its displacement, or take smaller increments.')
+      call add_explanation(list, 'W0314', 'a pair never closed', &
+         & 'No point of the slave met the master in the whole run. The smallest gap is told.', &
+         & 'look at units and positions; take the pair out if it is not needed.')
+      call add_explanation(list, 'W0505', 'a node slides far on its facet', &
+         & 'Contact is followed in small sliding: each slave node keeps the place and the normal '// &
+         & 'on the master that it had at the start. Beyond a quarter of a facet this shows.', &
+         & 'coarser slave facets, or another version of the scene that starts where it ends.')
+      call add_explanation(list, 'W0506', 'an element turns much', &
+         & 'Strains are linear in the displacements; a rotation t (in radians) is taken for a '// &
+         & 'stretch of t^2/2, 0.1 % at 0.05.', &
+         & 'hold rotations that are not meant; look at modulus and loads.')
+      call add_explanation(list, 'W0507', 'an element is strained much', &
+         & 'Stresses are linear in strains that are linear in displacements: beyond 5 % the '// &
+         & 'answer differs from that of finite strains by as much.', &
+         & 'look at units, loads and modulus.')
       call add_explanation(list, 'W0403', 'contact forces are not unique', &
          & 'Some contact points are held twice: by a support or by another contact. The '// &
          & 'displacement is '// &
