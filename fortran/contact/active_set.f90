@@ -30,6 +30,7 @@ module lopin_active_set
       logical, allocatable :: active(:)           !! (nrow)
       real(wp), allocatable :: multiplier(:)      !! (nrow)
       real(wp) :: rate = 0.0_wp                   !! last contraction of the augmentations
+      real(wp) :: opening = 0.0_wp                !! largest change of a gap by the forces alone
       real(wp) :: soft_error = 0.0_wp             !! relative force error of penalty and perturbed rows, estimated
    end type contact_result_type
 
@@ -135,6 +136,7 @@ contains
       class(condensed_type), intent(inout) :: self
       type(work_type), intent(inout) :: work
       type(contact_result_type), intent(inout) :: result
+      real(wp) :: opened(self%nrow)
       logical :: stuck
 
       call iterate_sets(self, work, result, stuck)
@@ -148,7 +150,12 @@ contains
       result%force = work%answer%force
       result%gap = work%answer%gap
       if (allocated(work%answer%u)) result%u = work%answer%u
-      if (result%outcome == outcome%solved) result%q = work%answer%q
+      if (result%outcome == outcome%solved) then
+         result%q = work%answer%q
+         opened = result%gap - work%answer%free_gap
+         if (self%nq > 0) opened = opened - matmul(self%c, result%q)
+         result%opening = largest(opened)
+      end if
       result%dependent = work%answer%dependent
    end subroutine settle
 

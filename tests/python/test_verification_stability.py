@@ -75,3 +75,15 @@ def test_units_change_nothing(solve, sheet, unit, length, slope):
     sheet.compare("F18 units", f"{name}, E x {unit:.0e}, length x {length:.0e}: force", scaled,
                   force, 1e-10, "the same scene in other units")
     assert passes == other
+
+
+@pytest.mark.parametrize("slope", [1e2, 1e6, 1e10, 1e12, 1e14, 1e16])
+def test_the_certificate_knows_the_error_of_a_penalty(solve, sheet, slope):
+    """Model error of a soft penalty or rounding of a stiff one: the larger of both is reported."""
+    result = solve(chain(Penalty(slope)), refused=True)
+    error = abs(-result.history["WALL.rf1"][0]/EXACT - 1.0)
+    sheet.compare("F1 digits of the penalty method",
+                  f"penalty {slope:.0e}: log2 of the reported over the true error",
+                  np.log2(result.summary["certificate"]["pressure_error"]/error), 0.0, 1.0,
+                  "an estimate, to a factor of two", absolute=True)
+    assert (result.summary["certificate"]["verdict"] == "PASS") == (error < 0.02)
