@@ -154,7 +154,8 @@ contains
          result%q = work%answer%q
          opened = result%gap - work%answer%free_gap
          if (self%nq > 0) opened = opened - matmul(self%c, result%q)
-         result%opening = largest(opened)
+         ! Forces that are rounding themselves are no measure.
+         result%opening = max(largest(opened), 1.0e-6_wp*work%gap_scale)
       end if
       result%dependent = work%answer%dependent
    end subroutine settle
