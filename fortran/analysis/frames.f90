@@ -6,6 +6,7 @@ module lopin_frames
    use lopin_recover_stress, only : recover_stress, average_to_nodes
    use lopin_recorder, only : wants_type
    use lopin_scene, only : scene_type, relative_motion, gap_of
+   use lopin_methods, only : has_law
    implicit none
    private
    public :: fill_frame
@@ -105,7 +106,9 @@ contains
                   c%status(point) = 2
                else
                   c%gap(point) = scene%answer%gap(row) + model%interaction(model%pair(pair)%interaction)%clearance
-                  if (scene%answer%active(row) .or. scene%answer%force(row) > 0.0_wp) c%status(point) = 1
+                  ! A law has no set of closed points: it presses or it does not.
+                  if (scene%answer%force(row) > 0.0_wp .or. (scene%answer%active(row) &
+                     & .and. .not. has_law(model, pair))) c%status(point) = 1
                end if
             end do
             do i = 1, n

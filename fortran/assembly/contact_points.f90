@@ -283,20 +283,50 @@ contains
       type(slave_type), intent(in) :: slave
       type(rigid_motion_type) :: rest
       type(foot_type) :: feet(2)
-      integer :: i, k, nfeet, ndim
+      integer :: i, k, nfeet, ndim, entries
 
       ndim = model%mesh%ndim
+      entries = 1
       call new_rigid_motion(rest, spread(0.0_wp, 1, ndim), spread(0.0_wp, 1, ndim), [real(wp) ::])
       associate (tool => model%tool(self%tool(pair))%shape)
+         if (size(slave%node) > 0 .and. may_move(model, self%body(pair))) then
+            ! A tool that moves may bring a concave corner to any node: room for its second wall.
+            call project_all_moved(tool, rest, model%mesh%x(:, slave%node(1)), huge(1.0_wp), feet, nfeet)
+            entries = max(1, nfeet)
+         end if
          do i = 1, size(slave%node)
             call project_all_moved(tool, rest, model%mesh%x(:, slave%node(i)), slave%size(i), feet, nfeet)
-            do k = 1, max(1, nfeet)
+            do k = 1, max(entries, nfeet)
                call add_point(self, pair, slave, i)
-               if (nfeet > 0) call take_foot(self, self%n, feet(k), model%pair(pair)%extension)
+               if (k <= nfeet) call take_foot(self, self%n, feet(k), model%pair(pair)%extension)
             end do
          end do
       end associate
    end subroutine pair_with_tool
+
+   !> A rigid body is free, or prescribed to go somewhere in some step.
+   pure logical function may_move(model, body)
+      type(model_type), intent(in) :: model
+      integer, intent(in) :: body
+      integer :: i, k, dofs
+
+      may_move = .false.
+      if (body == 0) return
+      dofs = 6
+      if (model%mesh%ndim == 2) dofs = 3
+      if (model%kind == kind_of%axisymmetric) dofs = 1
+      associate (rigid => model%rigid_body(body))
+         do i = 1, size(model%step)
+            k = 0
+            associate (p => model%step(i)%prescribed)
+               may_move = may_move .or. any((p%node == rigid%reference .or. p%node == rigid%rotation) &
+                  & .and. abs(p%value) > 0.0_wp)
+               k = count(p%node == rigid%reference) + count(p%node == rigid%rotation .and. rigid%rotation > 0)
+            end associate
+            may_move = may_move .or. k < dofs
+         end do
+      end associate
+   end function may_move
 
    !> A foot counts if it is not past the end of the tool and the slave faces it.
    subroutine take_foot(self, n, foot, extension)

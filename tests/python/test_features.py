@@ -240,6 +240,20 @@ def test_soft_contact_holds_a_free_block(go, name):
     assert [law(-float(g)) for g in gap] == approx([load/W]*3, rel=1e-4)
 
 
+def test_a_law_closes_only_where_it_presses(go):
+    behavior, law = SOFT["exponential"]
+    s = Scene(E)
+    s.block("B", (0, 0), (W, H), (2, 1))
+    s.tool("FLOOR", (0, -1), [(-3, -0.01), (0.5, -0.01), (0.9, -0.2), (5, -0.2)])
+    s.pair("B_BOTTOM", "FLOOR", f"*SURFACE BEHAVIOR, {behavior}")
+    s.add("*BOUNDARY\nB, 1\nFLOOR_REF, 1, 2\nFLOOR_REF, 6")
+    s.step("*DSLOAD\nB_TOP, P, 5.")
+    r = go(s)
+    assert r.code == 0, r.output
+    assert list(np.ravel(r.contact()["CSTATUS"])) == [1, 0, 0]
+    assert r.history["FLOOR.rf2"][0] == approx(10.0, rel=1e-9)
+
+
 def test_augmentation_stops_at_the_tolerance(go):
     s = bar(0.0, "*SURFACE BEHAVIOR, AUGMENTED LAGRANGE\n1000.",
             extra="*CONTACT CONTROLS, RELATIVE PENETRATION TOLERANCE=0.005", load=40.0)
@@ -481,13 +495,15 @@ def test_a_tool_that_comes_with_a_concave_corner(go):
     s = Scene(E)
     s.block("B", (0, 0), (1, 1), (1, 1))
     s.tool("CORNER", (9.0, 9.0), [(6, -9), (6, 6), (-9, 6)])
-    s.add("*SURFACE, NAME=TIP, TYPE=NODE\n4,")
-    s.pair("TIP", "CORNER")
-    s.add("*BOUNDARY\n1, 1, 2\n2, 1, 2\n3, 1, 2\nCORNER_REF, 6")
-    s.step("*BOUNDARY\nCORNER_REF, 1, 1, -5.02\nCORNER_REF, 2, 2, -5.01")
+    s.add("*SURFACE, NAME=SIDES\n1, S2\n1, S3")
+    s.pair("SIDES", "CORNER")
+    s.add("*BOUNDARY\n1, 1, 2\n2, 1\n3, 2\nCORNER_REF, 6")
+    s.step("*BOUNDARY\nCORNER_REF, 1, 1, -5.02\nCORNER_REF, 2, 2, -5.01", "0.5, 1.", ", DIRECT")
     r = go(s)
     assert r.code == 0, r.output
     assert r.u(4)[:2] == approx([-0.02, -0.01], rel=1e-5)
+    # Every wall takes what the block needs to be as wide and as high as it now is.
+    assert [r.history["CORNER.rf1"][-1], r.history["CORNER.rf2"][-1]] == approx([-20.0, -10.0], rel=1e-9)
 
 
 def test_two_methods_in_one_deck(go):
