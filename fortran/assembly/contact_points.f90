@@ -341,6 +341,9 @@ contains
       self%foot(:, n) = foot%point
       self%gap(n) = foot%gap
       if (foot%overhang > extension*self%size(n)) return
+      ! On a corner itself the slave's own side says which of the tool's directions meets it.
+      if (foot%cone < 1.0_wp .and. -dot_product(self%side(:, n), foot%normal) >= &
+         & foot%cone - 1.0e-6_wp) self%normal(:, n) = -self%side(:, n)
       if (any(abs(self%side(:, n)) > 0.0_wp)) then
          if (dot_product(self%side(:, n), foot%normal) > facing) return
       end if

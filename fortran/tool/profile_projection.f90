@@ -17,6 +17,7 @@ module lopin_profile_projection
       real(wp) :: overhang = 0.0_wp
       integer :: segment = 0
       logical :: corner = .false.
+      real(wp) :: cone = 1.0_wp        !! as in `foot_type`
    end type foot_2d_type
 
 contains
@@ -324,6 +325,7 @@ contains
       distance = norm2(away)
       if (distance <= 1.0e-3_wp*coincidence*profile%size) then
          foot%normal = pseudo/norm2(pseudo)
+         foot%cone = abs(dot_product(foot%normal, left_of(before)))
          foot%gap = dot_product(away, foot%normal)
          foot%bend = 0.0_wp
       else

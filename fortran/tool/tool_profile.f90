@@ -88,6 +88,7 @@ contains
       foot%overhang = flat%overhang
       foot%segment = flat%segment
       foot%corner = flat%corner
+      foot%cone = flat%cone
    end subroutine copy_scalars
 
    pure subroutine project_extruded(self, x, foot)

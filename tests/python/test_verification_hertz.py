@@ -139,3 +139,16 @@ def test_a_flat_punch_pressed_by_a_force(root, solve, sheet, method):
     sheet.compare(case, start + "pressure, r <= 0.8 a, worst", abs(p[inside]/exact[inside] - 1.0).max(), 0.0,
                   0.02, absolute=True)
     assert p.min() >= 0.0
+
+
+def test_a_node_on_the_corner_of_a_punch(root, solve, sheet):
+    """The punch is cut to the radius of a node: it must meet the flat side, not the corner's middle."""
+    deck = with_method(root, "flat_punch", "DIRECT")
+    text = deck.text().replace("START, 10., 10.", "START, 9.98, 10.") \
+        .replace("LINE, 10., 0.", "LINE, 9.98, 0.")
+    result = solve(Deck.parse(text, name="cut", folder=deck.folder))
+    case = "A5 flat punch, axisymmetric"
+    sheet.compare(case, "node on the corner: depth", -result.history["PUNCH.u2"][-1],
+                  flat_punch_axisymmetric(1000.0, 9.98, contact_modulus(210e3, 0.3)), 0.005)
+    sheet.compare(case, "node on the corner: radial force over axial",
+                  result.history["NEAR-PUNCH.force1"][-1]/1000.0, 0.0, 1e-9, absolute=True)
