@@ -31,7 +31,7 @@ module lopin_active_set
       real(wp), allocatable :: multiplier(:)      !! (nrow)
       real(wp) :: rate = 0.0_wp                   !! last contraction of the augmentations
       real(wp) :: opening = 0.0_wp                !! largest change of a gap by the forces alone
-      real(wp) :: soft_error = 0.0_wp             !! relative force error of penalty and perturbed rows, estimated
+      real(wp) :: soft_error = 0.0_wp             !! relative force error of rows that allow penetration, estimated
    end type contact_result_type
 
    !> What one call carries around.
@@ -86,13 +86,13 @@ contains
       do group = 1, self%ngroup
          from = self%group_first(group)
          to = self%group_first(group + 1) - 1
-         soft(from:to) = self%max_augmentations(group) == 0 .and. self%group(group)%method%piecewise_linear() &
+         soft(from:to) = self%group(group)%method%piecewise_linear() &
             & .and. (work%spring(from:to) .or. work%compliance(from:to) > 0.0_wp)
       end do
       size_ = norm2(pack(result%force, soft))
       if (.not. size_ > 0.0_wp) return
       once = work%answer
-      where (soft .and. work%spring .and. result%active) work%springs%offset = work%springs%offset + result%force
+      where (soft .and. work%spring .and. result%active) work%springs%offset = result%force
       where (soft .and. .not. work%spring) once%free_gap = once%free_gap - work%compliance*result%force
       once%gap0 = once%gap0 + (once%free_gap - work%answer%free_gap)
       call self%solve_set(result%active, work%spring, work%compliance, work%springs, once, status)

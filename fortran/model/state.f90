@@ -30,7 +30,7 @@ module lopin_state
       real(wp) :: penetration = 0.0_wp       !! deepest penetration / slave facet size
       real(wp) :: tension = 0.0_wp           !! largest tension / largest pressure, unilateral points
       real(wp) :: complementarity = 0.0_wp   !! max |min(p, c g)| / p_ref over the exact pairs
-      real(wp) :: pressure_error = 0.0_wp    !! estimate for penalty pairs
+      real(wp) :: pressure_error = 0.0_wp    !! estimate for rows that allow penetration
       real(wp) :: equilibrium = 0.0_wp       !! largest residual / reference force
       real(wp) :: action_reaction = 0.0_wp   !! |sum of slave and master forces| / sum of |forces|
       real(wp) :: energy = 0.0_wp            !! energy balance, relative

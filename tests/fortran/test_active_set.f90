@@ -13,6 +13,7 @@ program test_active_set
    call floating_mass_that_flies_is_named()
    call random_problems()
    call augmentations_contract_as_predicted()
+   call augmentations_that_stop_early_know_their_error()
    call finish()
 
 contains
@@ -230,4 +231,26 @@ contains
       end do
       call close_to('rate at alpha = 1', 1.0_wp/(1.0_wp + s_min), 0.783458_wp, 1.0e-6_wp)
    end subroutine augmentations_contract_as_predicted
+
+   !> One spring: after n passes the force is short by 1/(1 + alpha/k)^n; one more pass shows all but
+   !> that share of it.
+   subroutine augmentations_that_stop_early_know_their_error()
+      real(wp), parameter :: k = 100.0_wp, alpha = 100.0_wp, push = 10.0_wp
+      real(wp), parameter :: accepted(3) = [1.0_wp, 0.03_wp, 0.001_wp]
+      type(condensed_type) :: problem
+      type(contact_result_type) :: result
+      real(wp) :: short
+      integer :: i
+
+      do i = 1, size(accepted)
+         call test('augmentations that stop at a penetration know their error')
+         call new_problem(problem, reshape([sqrt(k)], [1, 1]), reshape([-1.0_wp], [1, 1]), 4, alpha)
+         problem%penetration = accepted(i)
+         if (allocated(result%active)) deallocate (result%active)
+         call solve_contact(problem, [0.0_wp], [push], [real(wp) ::], result)
+         short = 0.5_wp**result%augmentations
+         call close_to('force', result%force(1), push*(1.0_wp - short), 1.0e-12_wp)
+         call close_to('estimate', result%soft_error, 0.5_wp*short/(1.0_wp - short), 1.0e-12_wp)
+      end do
+   end subroutine augmentations_that_stop_early_know_their_error
 end program test_active_set
