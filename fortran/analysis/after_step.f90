@@ -6,6 +6,7 @@ module lopin_after_step
    use lopin_model, only : model_type, kind_of
    use lopin_contact_points, only : pair_is_tied
    use lopin_scene, only : scene_type, relative_motion, gap_of
+   use lopin_methods, only : has_law
    implicit none
    private
    public :: seen_type, look_at_pairs, judge_step, say_once
@@ -48,7 +49,7 @@ contains
       do row = 1, scene%rows%n
          pair = scene%points%pair(scene%rows%point(row))
          self%closed(pair) = self%closed(pair) .or. scene%rows%tied(row) .or. scene%answer%force(row) > 0.0_wp &
-            & .or. (scene%rows%bilateral(row) .and. scene%answer%active(row))
+            & .or. (scene%answer%active(row) .and. .not. has_law(model, pair))
       end do
       do i = 1, scene%points%n
          pair = scene%points%pair(i)

@@ -551,6 +551,31 @@ def test_slave_node_that_cannot_move_at_all(go):
     assert r.history["FLOOR.rf2"][0] + r.field("RF")[0][1] == approx(40.0, rel=1e-6)
 
 
+def test_tie_support_and_contact_on_the_same_nodes(go):
+    """Benchmark F15: the supports carry, the redundant rows are counted, nothing is said to be open."""
+    s = two_blocks(2, 2, words="TIED")
+    s.tool("FLOOR", (0, -9), [(-3, 0), (5, 0)])
+    s.pair("LOW_BOTTOM", "FLOOR")
+    s.add("*BOUNDARY\nFLOOR_REF, 1, 2\nFLOOR_REF, 6\nLOW_BOTTOM, 2\nLOW_LEFT, 1\nUP_LEFT, 1")
+    s.step("*DSLOAD\nUP_TOP, P, 5.")
+    r = go(s)
+    assert r.code == 0 and r.ids() == ["W0403"], r.output
+    assert r.history["UP_BOTTOM-LOW_TOP.force2"][0] == approx(10.0, rel=1e-10)
+    assert r.field("S")[:12, 1] == approx(-5.0, rel=1e-6)
+
+
+def test_a_tool_cannot_be_driven_through_what_is_fixed(go):
+    """No dof can close the penetration: the run must not call that finished."""
+    s = Scene(E)
+    s.block("B", (0, 0), (W, H), (2, 1))
+    s.tool("FLOOR", (0, -1), [(-3, 0), (5, 0)])
+    s.pair("B_BOTTOM", "FLOOR")
+    s.add("*BOUNDARY\nB, 1, 2\nFLOOR_REF, 1\nFLOOR_REF, 6")
+    s.step("*BOUNDARY\nFLOOR_REF, 2, 2, 0.05")
+    r = go(s)
+    assert r.code == 3 and "complementarity" in r.output and "W0403" in r.ids()
+
+
 def test_slave_node_on_two_symmetry_planes_in_3d(go):
     s = Scene(E)
     s.block("B", (0, 0, 0), (1, 1, 1), (2, 2, 2))
