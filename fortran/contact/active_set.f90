@@ -14,6 +14,8 @@ module lopin_active_set
 
    !> A gap or a force this small beside what it is made of is zero.
    real(wp), parameter :: set_tolerance = 1.0e-12_wp
+   !> Multipliers that move by less of the largest force have settled.
+   real(wp), parameter :: settled = 1.0e-10_wp
 
    type :: outcomes
       integer :: solved = 0, not_held = 1, cycling = 2, not_augmented = 3, broken = 4
@@ -53,22 +55,32 @@ contains
       real(wp), intent(in) :: moving(:)    !! (nq) [force]
       type(contact_result_type), intent(inout) :: result
       type(work_type) :: work
-      real(wp) :: moved, last
+      real(wp) :: moved, last, size_
       integer :: pass
 
       call prepare(self, gap0, load, moving, work, result)
       last = 0.0_wp
+      size_ = 0.0_wp
       do pass = 1, max(1, maxval(self%max_augmentations))
          call settle(self, work, result)
          if (result%outcome /= outcome%solved) return
+         ! Forces that fade altogether are measured by what they were.
+         size_ = max(size_, largest(result%force))
          call update_multipliers(self, result, moved)
          if (.not. moved > 0.0_wp) exit
          result%augmentations = pass
-         if (augmented_enough(self, result, moved, last)) exit
+         if (augmented_enough(self, result, moved, last, size_)) exit
          last = moved
          if (pass == max(1, maxval(self%max_augmentations))) result%outcome = outcome%not_augmented
       end do
-      if (result%outcome == outcome%solved) call estimate_soft_error(self, work, result)
+      if (result%outcome /= outcome%solved) return
+      if (result%augmentations > 0 .and. largest(result%force) <= settled*size_) then
+         ! What is left of forces that faded is round-off, not contact.
+         result%force = 0.0_wp
+         result%multiplier = 0.0_wp
+         result%opening = 0.0_wp
+      end if
+      call estimate_soft_error(self, work, result)
    end subroutine solve_contact
 
    !> One augmentation of all rows that allow penetration, on the set found: what it changes is the error
@@ -293,17 +305,18 @@ contains
 
    !> The multipliers' error, estimated from their contraction, is below round-off's reach, or every
    !> group accepts its penetration.
-   logical function augmented_enough(self, result, moved, last) result(enough)
+   logical function augmented_enough(self, result, moved, last, size_) result(enough)
       class(condensed_type), intent(in) :: self
       type(contact_result_type), intent(inout) :: result
       real(wp), intent(in) :: moved, last
+      real(wp), intent(in) :: size_        !! largest force of all passes [force]
       integer :: group
       logical :: accepted
 
       enough = .false.
       if (last > 0.0_wp) then
          result%rate = min(moved/last, 0.999_wp)
-         enough = moved*result%rate <= 1.0e-10_wp*(1.0_wp - result%rate)*largest(result%force)
+         enough = moved*result%rate <= settled*(1.0_wp - result%rate)*size_
       end if
       accepted = .true.
       do group = 1, self%ngroup

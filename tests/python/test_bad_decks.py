@@ -1,8 +1,10 @@
-"""Every deck in decks/bad says what is wrong with it, where, and ends with exit code 1.
+"""Every deck in decks/bad says what is wrong with it, where, and ends with the exit code of its class.
 
 The first line of such a deck is `** expect: CODE | text that must appear | line:column`; the place may be left out.
+Where the second line is `** run`, reading finds nothing wrong: the mistake shows when the deck is run.
 """
 
+import json
 import os
 import pathlib
 import re
@@ -21,7 +23,30 @@ def check(deck):
     return subprocess.run([EXECUTABLE, "check", str(deck)], capture_output=True, text=True, timeout=20, cwd=FOLDER)
 
 
-@pytest.mark.parametrize("deck", sorted(FOLDER.glob("*.inp")), ids=lambda path: path.stem)
+def is_run(deck):
+    """The mistake shows only when the deck is run."""
+    return deck.read_text(encoding="utf-8").splitlines()[1].strip() == "** run"
+
+
+DECKS = sorted(FOLDER.glob("*.inp"))
+
+
+@pytest.mark.parametrize("deck", [deck for deck in DECKS if is_run(deck)], ids=lambda path: path.stem)
+def test_a_deck_that_cannot_be_run_ends_with_its_reason(deck, tmp_path):
+    lines = deck.read_text(encoding="utf-8").splitlines()
+    code, text = [part.strip() for part in lines[0].removeprefix("** expect: ").split("|")][:2]
+    assert check(deck.name).returncode == 0, "lopin check has nothing to say"
+    run = subprocess.run([EXECUTABLE, "run", str(deck), "-o", str(tmp_path/"out")], capture_output=True, text=True,
+                         timeout=20)
+    # Singular: 4, not converged: 3, a deck whose mistake the geometry shows: 1.
+    expected = 4 if code == "E0310" else 3 if code.startswith("E05") else 1
+    assert run.returncode == expected, run.stderr
+    assert f"error[{code}]: " in run.stderr and text in run.stderr, run.stderr
+    job = json.loads((tmp_path/"out"/f"{deck.stem}.json").read_text(encoding="utf-8"))
+    assert job["exit_code"] == expected and job["status"] in ("failed", "not converged")
+
+
+@pytest.mark.parametrize("deck", [deck for deck in DECKS if not is_run(deck)], ids=lambda path: path.stem)
 def test_a_bad_deck_is_refused_with_its_reason_and_place(deck):
     first = deck.read_text(encoding="utf-8").splitlines()[0]
     assert first.startswith("** expect: "), "the first line says what is expected"
