@@ -4,7 +4,6 @@ module lopin_after_step
    use lopin_error, only : location_type, log_type, severity
    use lopin_text, only : to_text
    use lopin_model, only : model_type, kind_of
-   use lopin_contact_points, only : pair_is_tied
    use lopin_scene, only : scene_type, relative_motion, gap_of
    use lopin_methods, only : has_law
    implicit none

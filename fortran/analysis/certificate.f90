@@ -1,10 +1,9 @@
 !> The frozen tests of an accepted increment, each made from what the run computed, not assumed.
 module lopin_certificate
    use lopin_kinds, only : wp
-   use lopin_text, only : to_text
    use lopin_model, only : model_type, method_of
-   use lopin_state, only : certificate_type, energy_type, contact_field_type
-   use lopin_constraints, only : reduce, prescribed_part
+   use lopin_state, only : certificate_type, energy_type
+   use lopin_constraints, only : reduce
    use lopin_contact_points, only : pair_is_tied
    use lopin_contact_rows, only : row_forces
    use lopin_scene, only : scene_type, gap_of

@@ -2,7 +2,7 @@
 module lopin_frames
    use lopin_kinds, only : wp
    use lopin_model, only : model_type
-   use lopin_state, only : frame_type, contact_field_type
+   use lopin_state, only : frame_type
    use lopin_recover_stress, only : recover_stress, average_to_nodes
    use lopin_recorder, only : wants_type
    use lopin_scene, only : scene_type, relative_motion, gap_of

@@ -6,7 +6,6 @@
 !> load goes on from its last value.
 module lopin_loading
    use lopin_kinds, only : wp
-   use lopin_mesh, only : mesh_type
    use lopin_model, only : model_type, step_type, amplitude_value
    use lopin_dofs, only : dofs_type
    use lopin_constraints, only : constraints_type, raw_displacement

@@ -4,15 +4,15 @@
 !> that one's. Every increment is one forward and one backward pass.
 module lopin_path_condensed
    use lopin_kinds, only : wp
-   use lopin_error, only : error_type, error_code, raise, log_type, severity
+   use lopin_error, only : error_type, error_code, raise
    use lopin_text, only : to_text
    use lopin_clock, only : phase
-   use lopin_model, only : model_type, method_of, overclosure_of
-   use lopin_constraints, only : expand, reduce, prescribed_part
-   use lopin_condensed, only : condensed_type, form_compliance
-   use lopin_active_set, only : contact_result_type, solve_contact, outcome
-   use lopin_contact_rows, only : reduce_rows, row_forces
-   use lopin_scene, only : scene_type, retained_equations, tool_places, rebuild_rows
+   use lopin_model, only : model_type
+   use lopin_constraints, only : expand, reduce
+   use lopin_condensed, only : condensed_type
+   use lopin_active_set, only : solve_contact, outcome
+   use lopin_contact_rows, only : reduce_rows
+   use lopin_scene, only : scene_type, retained_equations, rebuild_rows
    use lopin_linear_system, only : new_linear_system, condense_load, recover
    use lopin_automatic_penalty, only : set_stiffness
    use lopin_methods, only : choose_methods

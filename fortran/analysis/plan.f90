@@ -2,8 +2,7 @@
 module lopin_plan
    use lopin_text, only : to_text
    use lopin_error, only : error_type, error_code, raise
-   use lopin_model, only : model_type, method_of, overclosure_of
-   use lopin_contact_points, only : pair_is_tied
+   use lopin_model, only : model_type
    implicit none
    private
    public :: plan_type, new_plan, plan_line, path_of

@@ -5,8 +5,8 @@ module lopin_run_analysis
    use lopin_text, only : to_text
    use lopin_checksum, only : checksum_type
    use lopin_clock, only : phase, clock_type
-   use lopin_model, only : model_type, step_type
-   use lopin_state, only : frame_type, summary_type, certificate_type, verdict_words
+   use lopin_model, only : model_type
+   use lopin_state, only : frame_type, summary_type
    use lopin_constraints, only : prescribed_part
    use lopin_contact_rows, only : row_forces
    use lopin_recorder, only : recorder_holder_type, wants_type

@@ -4,7 +4,7 @@ module lopin_scene
    use lopin_error, only : error_type, log_type
    use lopin_clock, only : clock_type, counter_type, phase
    use lopin_csc, only : csc_type
-   use lopin_model, only : model_type, step_type, overclosure_of
+   use lopin_model, only : model_type
    use lopin_dofs, only : dofs_type, new_dofs
    use lopin_constraints, only : constraints_type, new_constraints, follower_rule, raw_displacement, expand
    use lopin_bodies, only : bodies_type, new_bodies

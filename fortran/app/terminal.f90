@@ -5,7 +5,7 @@ module lopin_terminal
    use, intrinsic :: iso_c_binding, only : c_int
    use, intrinsic :: iso_fortran_env, only : output_unit, error_unit
    use lopin_block, only : deck_type
-   use lopin_error, only : error_type, error_code, log_type, diagnostic_type, severity, raise
+   use lopin_error, only : error_type, error_code, log_type, diagnostic_type, severity
    use lopin_job, only : refuse_warnings
    use lopin_render, only : render, render_json, json_string
    use lopin_text, only : plural, to_text

@@ -8,7 +8,6 @@ module lopin_contact_points
    use lopin_error, only : error_type, error_code, raise, log_type, severity
    use lopin_text, only : to_text
    use lopin_cells, only : cell_type
-   use lopin_mesh, only : mesh_type
    use lopin_facets, only : facets_type, facet_rule_type, new_facets, new_facet_rules, nodal_weights, nodal_normals
    use lopin_element_type, only : element_type, new_element_type
    use lopin_surface, only : surface_type, new_surface, update_surface

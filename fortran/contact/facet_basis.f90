@@ -5,7 +5,7 @@
 !> end.
 module lopin_facet_basis
    use lopin_kinds, only : wp
-   use lopin_cells, only : cell_type, cell_family, new_cell_of
+   use lopin_cells, only : cell_type, new_cell_of
    implicit none
    private
    public :: facet_basis_type, new_facet_basis, coefficients_of, shape_values

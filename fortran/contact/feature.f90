@@ -8,7 +8,6 @@ module lopin_feature
    use lopin_kinds, only : wp
    use lopin_projection, only : closest_type, place, project_on_facet, facet_unit_normal, edge_ends
    use lopin_facet_basis, only : shape_values
-   use lopin_cells, only : cell_family
    use lopin_surface, only : surface_type, slack_of
    implicit none
    private

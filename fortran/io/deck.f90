@@ -11,7 +11,7 @@ module lopin_deck
       & raise_all
    use lopin_keyword_line, only : begin_block, more_parameters
    use lopin_source, only : new_source_from_file, new_source, folder_of, find_include, shortened
-   use lopin_text, only : upper, quoted
+   use lopin_text, only : quoted
    use lopin_validate, only : validate_deck
    implicit none
    private

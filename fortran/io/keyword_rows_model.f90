@@ -1,9 +1,8 @@
 !> Rows of the keyword table: files, mesh, parts, sets, materials, sections, constraints.
 module lopin_keyword_rows_model
-   use lopin_keyword_table, only : keyword_table_type, key, flag, word, number, whole, choice, &
-      & ignored_flag, later_flag, required, known_as, refuses, missing_means, data_line, &
-      & free_text, &
-      & example, under, about, status_of, bare_value
+   use lopin_keyword_table, only : keyword_table_type, key, flag, word, number, choice, &
+      & ignored_flag, later_flag, required, refuses, data_line, &
+      & free_text, example, under, about
    implicit none
    private
    public :: add_model_rows

@@ -1,7 +1,6 @@
 !> `job.json`: what a run did, for programs. Written at the start with status `running`, and at the
 !> end; without a path the text is only kept.
 module lopin_recorder_json
-   use lopin_kinds, only : wp
    use lopin_clock, only : phase_names, nphase
    use lopin_error, only : error_type, diagnostic_type
    use lopin_model, only : model_type, kind_of

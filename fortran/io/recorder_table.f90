@@ -2,8 +2,8 @@
 !> history.
 module lopin_recorder_table
    use lopin_kinds, only : wp
-   use lopin_model, only : model_type, pair_type, rigid_body_type, output_of
-   use lopin_state, only : frame_type, contact_field_type, energy_type
+   use lopin_model, only : model_type, rigid_body_type
+   use lopin_state, only : frame_type, contact_field_type
    implicit none
    private
    public :: pair_summary_type, summarise_pair, pair_name, file_word

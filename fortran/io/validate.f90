@@ -10,7 +10,7 @@ module lopin_validate
       & status_of, find_keyword, find_parameter, suggest_keyword, suggest_parameter
    use lopin_keywords, only : new_keyword_table
    use lopin_place, only : place_type, enter, leave_deck
-   use lopin_text, only : upper, squeeze, without_blanks, quoted, parse_real, parse_integer
+   use lopin_text, only : upper, without_blanks, quoted, parse_real, parse_integer
    use lopin_kinds, only : wp
    use lopin_validate_data, only : check_data
    use lopin_word_list, only : in_list, list_item, list_size

@@ -1,7 +1,7 @@
 !> Profile solver of Lopin's own: L D L^T without exchanges, best for small and slender bodies.
 module lopin_solver_skyline
    use lopin_kinds, only : wp, lk
-   use lopin_error, only : error_type, error_code, raise
+   use lopin_error, only : error_type
    use lopin_csc, only : csc_type, storage
    use lopin_ordering, only : profile_order, row_starts, profile_cost
    use lopin_skyline, only : skyline_type

@@ -7,7 +7,7 @@
 module lopin_constraints
    use lopin_kinds, only : wp
    use lopin_error, only : error_type, error_code, raise, location_type
-   use lopin_model, only : model_type, step_type, kind_of
+   use lopin_model, only : model_type, step_type
    use lopin_dofs, only : dofs_type
    implicit none
    private

@@ -5,7 +5,7 @@ module recorder_scene
    use lopin_error, only : error_type, severity, location_type
    use lopin_tool_factory, only : new_tool_sphere
    use lopin_element_type, only : element_type, new_element_type
-   use lopin_model, only : model_type, output_type, output_of, surface_of, kind_of
+   use lopin_model, only : model_type, output_type, surface_of, kind_of
    use lopin_state, only : frame_type, summary_type, contact_field_type
    implicit none
    private

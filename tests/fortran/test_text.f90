@@ -3,7 +3,7 @@ program test_text
    use lopin_kinds, only : wp
    use lopin_text, only : upper, lower, squeeze, without_blanks, parse_real, parse_integer, &
       & edit_distance, nearest_word, to_text, join, plural
-   use check, only : test, close_to, is_true, equal_text, finish
+   use check, only : test, is_true, equal_text, finish
    implicit none
 
    call test('case changes letters of the alphabet only')
