@@ -173,9 +173,62 @@ def signorini() -> Deck:
     return deck
 
 
+def strip_bending() -> Deck:
+    """Half a strip, 60 by 2, finest under the punch and over the shoulder of the die."""
+    step = np.concatenate([np.full(12, 0.25), np.full(30, 0.9), np.full(16, 0.375), np.full(12, 2.0)])
+    ticks = np.concatenate([[0.0], np.cumsum(step)])
+    mesh = mesh_make.block((ticks[-1], 2.0), (len(step), 4), grading=(ticks/ticks[-1], 1.0),
+                           quadratic=True)
+    mesh = mesh.with_surface("TOP", lambda x: (x[:, 1] > 2.0 - 1e-9) & (x[:, 0] < 3.0))
+    mesh = mesh.with_surface("BOTTOM", lambda x: (x[:, 1] < 1e-9) & (x[:, 0] > 30.0))
+    return mesh_deck(Model("mesh", lean(mesh, "TOP BOTTOM", "LEFT")))
+
+
+def glued_beam() -> Deck:
+    """Two strips of 100 by 5, one on the other, with 40 and 30 elements along."""
+    low = mesh_make.block((100.0, 5.0), (30, 2), origin=(0.0, -5.0), quadratic=True)
+    up = mesh_make.block((100.0, 5.0), (40, 2), quadratic=True)
+    up = up.with_points("TIP", lambda x: (x[:, 0] > 99.9) & (np.abs(x[:, 1]) < 1e-9))
+    # The glue holds the corner of the upper one, so that nothing is held twice.
+    up = up.with_points("LEFT", lambda x: (x[:, 0] < 1e-9) & (x[:, 1] > 1e-9))
+    mesh = together(UP=lean(up, "BOTTOM RIGHT", "LEFT TIP"), LOW=lean(low, "TOP RIGHT", "LEFT"))
+    return mesh_deck(Model("mesh", mesh, kind="plane stress"))
+
+
+def shrink_fit() -> Deck:
+    """Sections of two rings, 10 to 20 and 20 to 30."""
+    inner = mesh_make.block((10.0, 4.0), (10, 4), origin=(10.0, 0.0), quadratic=True)
+    outer = mesh_make.block((10.0, 4.0), (10, 4), origin=(20.0, 0.0), quadratic=True)
+    mesh = together(SHAFT=lean(inner, "RIGHT", "BOTTOM"), SLEEVE=lean(outer, "LEFT", "BOTTOM"))
+    return mesh_deck(Model("mesh", mesh, kind="axisymmetric"))
+
+
+def ball_on_ball() -> Deck:
+    """A quarter of a crowned block of radius 50; it touches z = 0 at the origin."""
+    ticks = fine_then_spread(1/6, 7/6, 6.0, 1.45)
+    up = np.concatenate([[0.0], spread(1/8, 0.0, 8.0, 1.45)])
+    mesh = mesh_make.crowned_block((6.0, 6.0, 8.0), (len(ticks) - 1, len(ticks) - 1, len(up) - 1),
+                                   50.0, grading=(ticks/6.0, ticks/6.0, up/8.0))
+    low = 50.0 - (50.0**2 - 2*1.4**2)**0.5
+    mesh = mesh.with_surface("CROWN", lambda x: (x[:, :2].max(axis=1) < 1.4) & (x[:, 2] < low)
+                             & (x[:, :2].min(axis=1) > 1e-9))
+    return mesh_deck(Model("mesh", lean(mesh.mapped(lambda x: np.round(x, 9)), "CROWN TOP",
+                                        "LEFT FRONT"), kind="3d"))
+
+
+def beam_on_roller() -> Deck:
+    """A beam of 100 by 4 by 4, quadratic bricks."""
+    mesh = mesh_make.block((100.0, 4.0, 4.0), (20, 1, 2), quadratic=True)
+    mesh = mesh.with_surface("BOTTOM", lambda x: (x[:, 2] < 1e-9) & (np.abs(x[:, 0] - 80.0) < 5.0))
+    mesh = mesh.with_points("TIP", lambda x: (x[:, 0] > 99.9) & (np.abs(x[:, 1:] - 2).max(axis=1) < 1.1)
+                            & (np.abs(x[:, 2] - 2.0) < 1e-9))
+    return mesh_deck(Model("mesh", lean(mesh, "BOTTOM RIGHT", "LEFT TIP"), kind="3d"))
+
+
 MESHES = {f.__name__: f for f in (hertz_sphere, hertz_sphere_3d, nafems_cylinder,
                                   cylinder_on_plane, flat_punch, lifted_beam,
-                                  patch_test, signorini)}
+                                  patch_test, signorini, strip_bending,
+                                  glued_beam, shrink_fit, ball_on_ball, beam_on_roller)}
 
 
 def main(names: list[str]) -> None:

@@ -169,7 +169,7 @@ class Result:
         return np.asarray(self.source.field(word, self._index(index)))
 
     def __repr__(self) -> str:
-        name = self.deck.name if self.deck else self.summary.get("name", "")
+        name = self.deck.name if self.deck else getattr(self.source, "name", "")
         last = f", time {self.times[-1]:g}" if len(self.times) else ""
         return (f"Result({name!r}, {len(self.times)} increments{last}, pairs {self.pairs}, "
                 f"{len(self.warnings)} warnings)")
