@@ -53,8 +53,6 @@ module lopin_scene
       type(log_type) :: log
    end type scene_type
 
-   !> A tool has settled when it moves by less than this share of the scene.
-   real(wp), parameter :: settled = 1.0e-11_wp
    !> Scenes with fewer slave points give every point a row at once.
    integer, parameter :: few_points = 300
 
@@ -254,25 +252,26 @@ contains
       end do
    end subroutine tool_places
 
-   !> Guess that the tools stand where the last solve moved them; `moved` if a curved one then stands elsewhere.
-   subroutine follow_tools(self, model, prescribed, moved)
+   !> Guess that the tools stand where the last solve moved them; `way` is how far a
+   !> curved one then stands from where it was projected, as a share of the scene.
+   subroutine follow_tools(self, model, prescribed, way)
       type(scene_type), intent(inout) :: self
       type(model_type), intent(in) :: model
       real(wp), intent(in) :: prescribed(:)
-      logical, intent(out) :: moved
-      real(wp) :: place(6, size(model%rigid_body)), way
+      real(wp), intent(out) :: way
+      real(wp) :: place(6, size(model%rigid_body)), moved
       integer :: pair
 
       self%guess = self%u
       call tool_places(self, model, prescribed, place)
-      moved = .false.
+      way = 0.0_wp
       do pair = 1, size(model%pair)
          associate (body => self%points%body(pair))
             if (.not. may_turn(self, model, pair)) cycle
             if (pair_is_tied(model, model%pair(pair))) cycle
-            way = norm2(place(:3, body) - self%place(:3, body)) &
+            moved = norm2(place(:3, body) - self%place(:3, body)) &
                & + self%bodies%length*norm2(place(4:, body) - self%place(4:, body))
-            moved = moved .or. way > settled*(self%bodies%length + norm2(place(:3, body)))
+            way = max(way, moved/(self%bodies%length + norm2(place(:3, body))))
          end associate
       end do
    end subroutine follow_tools

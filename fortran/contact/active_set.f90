@@ -69,7 +69,7 @@ contains
          call update_multipliers(self, result, moved)
          if (.not. moved > 0.0_wp) exit
          result%augmentations = pass
-         if (augmented_enough(self, result, moved, last, size_)) exit
+         if (augmented_enough(self, result, moved, last, size_, work%gap_scale)) exit
          last = moved
          if (pass == max(1, maxval(self%max_augmentations))) result%outcome = outcome%not_augmented
       end do
@@ -305,11 +305,12 @@ contains
 
    !> The multipliers' error, estimated from their contraction, is below round-off's reach, or every
    !> group accepts its penetration.
-   logical function augmented_enough(self, result, moved, last, size_) result(enough)
+   logical function augmented_enough(self, result, moved, last, size_, gap_scale) result(enough)
       class(condensed_type), intent(in) :: self
       type(contact_result_type), intent(inout) :: result
       real(wp), intent(in) :: moved, last
       real(wp), intent(in) :: size_        !! largest force of all passes [force]
+      real(wp), intent(in) :: gap_scale    !! what gaps are differences of [length]
       integer :: group
       logical :: accepted
 
@@ -318,6 +319,9 @@ contains
          result%rate = min(moved/last, 0.999_wp)
          enough = moved*result%rate <= settled*(1.0_wp - result%rate)*size_
       end if
+      ! Started from multipliers that are right, the first change is rounding already and contracts no more.
+      enough = enough .or. moved <= min(1.0e2_wp*epsilon(1.0_wp)*largest(self%alpha)*gap_scale, &
+         & 1.0e-6_wp*largest(result%force))
       accepted = .true.
       do group = 1, self%ngroup
          if (self%max_augmentations(group) == 0) cycle

@@ -201,7 +201,7 @@ def test_requests_of_output_do_not_change_the_run(solve, name, output):
 
 @pytest.mark.parametrize("name", ALL)
 def test_a_linear_scene_is_factorised_once(solve, name):
-    """G3: one factorisation and one back-solve an increment, whatever the method."""
+    """G3: one factorisation and one back-solve a linear increment, whatever the method."""
     for method in METHODS:
         for n in (1, 4):
             step, = solve(SCENES[name]().but(method=method, increments=n)).job["steps"]
