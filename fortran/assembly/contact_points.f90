@@ -37,6 +37,8 @@ module lopin_contact_points
       real(wp), allocatable :: gap(:)         !! (n) geometric [length]
       real(wp), allocatable :: weight(:)      !! (n) [length^2]
       real(wp), allocatable :: size(:)        !! (n) of the slave's facets there [length]
+      integer, allocatable :: start_facet(:)      !! (n) as found at the start, for tools that move
+      real(wp), allocatable :: start_foot(:, :), start_normal(:, :)   !! (3, n)
       integer, allocatable :: tool(:)         !! (npair) 0: the master is a mesh
       integer, allocatable :: body(:)         !! (npair) rigid body that moves the tool; 0: fixed
    end type contact_points_type
@@ -81,6 +83,7 @@ contains
             if (allocated(error)) return
          end associate
       end do
+      call remember_start(self)
    end subroutine new_contact_points
 
    subroutine cells_of(model, cells)
@@ -349,6 +352,31 @@ contains
       self%facet(n) = max(1, foot%segment)
    end subroutine take_foot
 
+   subroutine remember_start(self)
+      type(contact_points_type), intent(inout) :: self
+
+      self%start_facet = self%facet(:self%n)
+      self%start_foot = self%foot(:, :self%n)
+      self%start_normal = self%normal(:, :self%n)
+   end subroutine remember_start
+
+   !> A point deep inside the moved tool may be nearest to a side that it does not face, as beside the
+   !> corner of a punch: it keeps the face that it met at the start, wherever that is now.
+   subroutine keep_start(self, i, motion, x)
+      type(contact_points_type), intent(inout) :: self
+      integer, intent(in) :: i
+      type(rigid_motion_type), intent(in) :: motion
+      real(wp), intent(in) :: x(:)             !! (ndim) the point [length]
+      integer :: n
+
+      if (self%facet(i) > 0 .or. self%start_facet(i) == 0 .or. self%gap(i) >= 0.0_wp) return
+      n = size(x)
+      self%facet(i) = self%start_facet(i)
+      self%normal(:n, i) = motion%turn(self%start_normal(:n, i))
+      self%foot(:n, i) = motion%to_global(self%start_foot(:n, i))
+      self%gap(i) = dot_product(self%normal(:n, i), x - self%foot(:n, i))
+   end subroutine keep_start
+
    !> Project the points of a pair on its tool in another place.
    subroutine move_tool(self, model, pair, displacement, rotation)
       type(contact_points_type), intent(inout) :: self
@@ -368,7 +396,10 @@ contains
             call project_all_moved(tool, motion, model%mesh%x(:, self%node(i)), self%size(i), feet, nfeet)
          end associate
          do k = 1, 2
-            if (k <= nfeet) call take_foot(self, i, feet(k), model%pair(pair)%extension)
+            if (k <= nfeet) then
+               call take_foot(self, i, feet(k), model%pair(pair)%extension)
+               if (feet(k)%overhang <= 0.0_wp) call keep_start(self, i, motion, model%mesh%x(:, self%node(i)))
+            end if
             i = i + 1
             if (i >= self%first(pair + 1)) exit
             if (self%node(i) /= self%node(i - 1)) exit
