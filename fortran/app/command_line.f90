@@ -21,12 +21,11 @@ module lopin_command_line
       logical :: all = .false.                     !! doc --all
    end type options_type
 
-   character(len=*), parameter :: own_words(6) = [character(len=8) :: 'run', 'check', 'info', &
+   character(len=*), parameter :: own_words(8) = [character(len=8) :: 'run', 'check', 'info', &
       & 'explain', 'doc', &
-      & 'selftest']
-   character(len=*), parameter :: python_words(7) = [character(len=7) :: 'plot', 'chart', 'atlas', &
-      & 'report', &
-      & 'convert', 'example', 'export']
+      & 'selftest', 'help', 'version']
+   character(len=*), parameter :: python_words(4) = [character(len=7) :: 'plot', 'chart', &
+      & 'convert', 'example']
    character(len=*), parameter :: option_words(15) = [character(len=15) :: '--output', &
       & '--threads', '--solver', &
       & '--overwrite', '--deterministic', '--json', '--quiet', '--verbose', '--no-color', &
@@ -68,8 +67,9 @@ contains
       if (len(options%task) == 0 .and. any(own_words == word)) then
          options%task = word
       else if (len(options%task) == 0 .and. any(python_words == word)) then
-         call raise(error, error_code%usage, 'E0802', quoted(word)// &
-            & ' needs the Python package: pip install lopin')
+         call raise(error, error_code%usage, 'E0802', quoted(word)//' needs the Python package', &
+            & help='.venv/bin/lopin '//word//' (made by ./bootstrap), or lopin '//word// &
+            & ' after pip install .')
       else if (len(options%subject) == 0) then
          if (len(options%task) == 0) options%task = 'run'
          options%subject = word
@@ -190,7 +190,7 @@ contains
          & '--strict              warnings are errors'//nl// &
          & '--json                a JSON object on standard output at the end'//nl// &
          & '--quiet, -q; --verbose, -v; --no-color; --version; --help'//nl//nl// &
-         & 'With the Python package (pip install lopin): '//join(python_words)//nl//nl// &
+         & 'With the Python package (.venv/bin/lopin, pip install .): '//join(python_words)//nl//nl// &
          & 'Exit codes: 0 finished, 1 deck, 2 command line, 3 not converged, 4 singular, 5 '// &
          & 'memory or file,'//nl// &
          & '70 internal, 130 interrupted'//nl

@@ -8,6 +8,7 @@ module lopin_tasks
    use lopin_explain, only : explain, explained_codes
    use lopin_keywords, only : keyword_sheet, keyword_manual
    use lopin_model, only : model_type
+   use lopin_recorder_json, only : json_recorder_type
    use lopin_selftest, only : selftest_case, ncase
    use lopin_terminal, only : terminal_type
    use lopin_text, only : plural
@@ -34,7 +35,27 @@ contains
       if (len(outcome%summary%plan) > 0) call terminal%say(outcome%summary%plan)
       call terminal%show_log(outcome%log)
       call terminal%stop_on(error)
+      call tell_results(job, model, outcome, terminal)
    end subroutine run_deck
+
+   !> What touches what at the end, and where the files are.
+   subroutine tell_results(job, model, outcome, terminal)
+      type(job_type), intent(in) :: job
+      type(model_type), intent(in) :: model
+      type(outcome_type), intent(in) :: outcome
+      type(terminal_type), intent(in) :: terminal
+      integer :: i, k
+
+      do k = 1, size(outcome%recorder)
+         select type (recorder => outcome%recorder(k)%recorder)
+         type is (json_recorder_type)
+            do i = 1, size(model%pair)
+               call terminal%say(recorder%told(model, i))
+            end do
+         end select
+      end do
+      call terminal%say('results in '//job%folder//'/')
+   end subroutine tell_results
 
    subroutine new_job(job, options)
       type(job_type), intent(out) :: job

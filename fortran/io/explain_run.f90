@@ -89,7 +89,7 @@ contains
       call add_explanation(list, 'E0802', 'the command is part of the Python package', &
          & 'Plots, reports and conversions are made by the Python package, which brings the '// &
          & 'executable with it.', &
-         & 'pip install lopin')
+         & 'after ./bootstrap: .venv/bin/lopin; anywhere else: pip install . in the source tree.')
       call add_explanation(list, 'E0803', 'warnings count as errors', &
          & 'The option --strict makes every warning an error.', &
          & 'mend what the warnings say, or leave the option out.')

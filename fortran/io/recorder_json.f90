@@ -1,6 +1,7 @@
 !> `job.json`: what a run did, for programs. Written at the start with status `running`, and at the
 !> end; without a path the text is only kept.
 module lopin_recorder_json
+   use lopin_kinds, only : wp
    use lopin_clock, only : phase_names, nphase
    use lopin_error, only : error_type, diagnostic_type
    use lopin_model, only : model_type, kind_of
@@ -8,6 +9,7 @@ module lopin_recorder_json
    use lopin_recorder, only : recorder_type
    use lopin_atomic_file, only : write_atomically
    use lopin_json_writer, only : json_writer_type
+   use lopin_text, only : plural
    use lopin_recorder_table, only : pair_summary_type, summarise_pair, pair_name
    implicit none
    private
@@ -36,6 +38,7 @@ module lopin_recorder_json
       procedure :: begin
       procedure :: increment
       procedure :: finish
+      procedure :: told
    end type json_recorder_type
 
 contains
@@ -116,6 +119,28 @@ contains
       self%content = json%text%content()
       if (len(self%path) > 0) call write_atomically(self%path, self%content, error)
    end subroutine finish
+
+   !> A few words on one pair at the end, for people: "TOP-BALL: 25 points in contact, ...".
+   function told(self, model, i) result(text)
+      class(json_recorder_type), intent(in) :: self
+      type(model_type), intent(in) :: model
+      integer, intent(in) :: i            !! number of the pair
+      character(len=:), allocatable :: text
+      character(len=80) :: force, pressure
+
+      text = pair_name(model, i)//': '
+      if (.not. self%has_frame) then
+         text = text//'no increment'
+         return
+      end if
+      associate (f => self%pair(i)%force(:model%mesh%ndim))
+         ! Components that are round-off beside the others are shown as none.
+         write (force, '(*(g0.6, :, ", "))') merge(f, 0.0_wp, abs(f) > 1.0e-12_wp*maxval(abs(f)))
+      end associate
+      write (pressure, '(g0.6)') self%pair(i)%max_pressure
+      text = text//plural(self%pair(i)%closed, 'point')//' in contact, force ('//trim(force)// &
+         & '), largest pressure '//trim(pressure)
+   end function told
 
    subroutine add_model(json, model)
       type(json_writer_type), intent(inout) :: json

@@ -14,7 +14,9 @@ import pytest
 import lopin
 from lopin import _bridge, mesh_make, profile
 
-BAD = sorted((Path(__file__).resolve().parents[2]/"decks"/"bad").glob("*.inp"))
+#: Decks whose mistake shows when they are read; the others say `** run` in their second line.
+BAD = [path for path in sorted((Path(__file__).resolve().parents[2]/"decks"/"bad").glob("*.inp"))
+       if path.read_text(encoding="utf-8").splitlines()[1].strip() != "** run"]
 
 
 @pytest.fixture(autouse=True)
