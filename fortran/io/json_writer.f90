@@ -57,14 +57,14 @@ contains
       call self%text%put('null')
    end subroutine add_null
 
-   !> An unallocated text is null.
+   !> An unallocated text counts as absent: null.
    subroutine add_text(self, name, value)
       class(json_writer_type), intent(inout) :: self
       character(len=*), intent(in) :: name
-      character(len=:), allocatable, intent(in) :: value
+      character(len=*), intent(in), optional :: value
 
       call self%start(name)
-      if (allocated(value)) then
+      if (present(value)) then
          call self%text%put('"'//escaped(value)//'"')
       else
          call self%text%put('null')

@@ -39,11 +39,11 @@ contains
 
       call json%open('{', '')
       call json%add('name', row%name)
-      call add_words(json, 'status', trim(status_words(row%status)))
+      call json%add('status', trim(status_words(row%status)))
       call json%add('origin', row%origin)
       call json%open('[', 'places')
       do i = 1, len(level_letters)
-         if (index(row%levels, level_letters(i:i)) > 0) call add_words(json, '', &
+         if (index(row%levels, level_letters(i:i)) > 0) call json%add('', &
             & trim(level_words(i)))
       end do
       call json%close(']')
@@ -79,7 +79,7 @@ contains
       call json%add('kind', parameter%kind)
       call json%add('choices', parameter%choices)
       call json%add('default', parameter%default)
-      call add_words(json, 'status', trim(status_words(parameter%status)))
+      call json%add('status', trim(status_words(parameter%status)))
       call json%add('required', merge(1, 0, parameter%is_required))
       call json%add('sentence', parameter%sentence)
       call json%close('}')
@@ -95,13 +95,4 @@ contains
       call json%add('default', field%default)
       call json%close('}')
    end subroutine add_field
-
-   subroutine add_words(json, name, value)
-      type(json_writer_type), intent(inout) :: json
-      character(len=*), intent(in) :: name, value
-      character(len=:), allocatable :: copy
-
-      copy = value
-      call json%add(name, copy)
-   end subroutine add_words
 end module lopin_keyword_json

@@ -66,8 +66,8 @@ contains
       allocate (self%pair(size(model%pair)))
       self%has_frame = .false.
       call json%open('{', '')
-      call add_words(json, 'schema', json_schema)
-      call add_words(json, 'status', 'running')
+      call json%add('schema', json_schema)
+      call json%add('status', 'running')
       call add_list(json, 'files', self%file)
       call json%close('}')
       if (len(self%path) > 0) call write_atomically(self%path, json%text%content(), error)
@@ -99,7 +99,7 @@ contains
       type(json_writer_type) :: json
 
       call json%open('{', '')
-      call add_words(json, 'schema', json_schema)
+      call json%add('schema', json_schema)
       call json%add('status', summary%status)
       call json%add('exit_code', summary%exit_code)
       call add_model(json, model)
@@ -148,12 +148,12 @@ contains
 
       call json%add('heading', model%heading)
       call json%open('{', 'model')
-      call add_words(json, 'kind', trim(kind_words(max(1, min(5, model%kind)))))
+      call json%add('kind', trim(kind_words(max(1, min(5, model%kind)))))
       call json%add('dimensions', model%mesh%ndim)
       call json%add('nodes', model%mesh%nnode)
       call json%add('elements', model%mesh%nelement)
       call json%close('}')
-      if (model%kind == kind_of%axisymmetric) call add_words(json, 'forces', 'full circumference')
+      if (model%kind == kind_of%axisymmetric) call json%add('forces', 'full circumference')
    end subroutine add_model
 
    subroutine add_run(json, summary)
@@ -193,11 +193,11 @@ contains
       call json%open('[', 'contact')
       do i = 1, size(model%pair)
          call json%open('{', '')
-         call add_words(json, 'pair', pair_name(model, i))
+         call json%add('pair', pair_name(model, i))
          call json%add('slave', model%surface(model%pair(i)%slave)%name)
          if (model%pair(i)%master > 0) call json%add('master', &
             & model%surface(model%pair(i)%master)%name)
-         if (model%pair(i)%interaction > 0) call add_words(json, 'method', &
+         if (model%pair(i)%interaction > 0) call json%add('method', &
             & trim(method_words(model%interaction(model%pair(i)%interaction)%method)))
          if (self%has_frame) then
             call json%add('force', self%pair(i)%force(:model%mesh%ndim))
@@ -216,7 +216,7 @@ contains
       type(certificate_type), intent(in) :: certificate
 
       call json%open('{', 'certificate')
-      call add_words(json, 'verdict', verdict_words(certificate%verdict))
+      call json%add('verdict', verdict_words(certificate%verdict))
       call json%add('reason', certificate%reason)
       call json%add('penetration', certificate%penetration)
       call json%add('tension', certificate%tension)
@@ -288,10 +288,10 @@ contains
 
       call json%open('{', '')
       call json%add('code', item%id)
-      call add_words(json, 'severity', trim(severity_words(item%severity)))
+      call json%add('severity', trim(severity_words(item%severity)))
       call json%add('message', item%message)
       if (item%at%file >= 1 .and. item%at%file <= size(self%deck_file)) then
-         call add_words(json, 'file', trim(self%deck_file(item%at%file)))
+         call json%add('file', trim(self%deck_file(item%at%file)))
       else
          call json%null('file')
       end if
@@ -313,17 +313,8 @@ contains
 
       call json%open('[', name)
       do i = 1, size(list)
-         call add_words(json, '', trim(list(i)))
+         call json%add('', trim(list(i)))
       end do
       call json%close(']')
    end subroutine add_list
-
-   subroutine add_words(json, name, value)
-      type(json_writer_type), intent(inout) :: json
-      character(len=*), intent(in) :: name, value
-      character(len=:), allocatable :: copy
-
-      copy = value
-      call json%add(name, copy)
-   end subroutine add_words
 end module lopin_recorder_json
