@@ -5,17 +5,20 @@
 module lopin_linear_solver
    use lopin_kinds, only : wp, lk
    use lopin_error, only : error_type, error_code, raise
-   use lopin_csc, only : csc_type
+   use lopin_csc, only : csc_type, storage
    implicit none
    private
    public :: linear_solver_type, matrix_class, class_name
-   public :: pivot_tolerance, raise_singular, raise_refused
+   public :: pivot_tolerance, raise_singular, raise_refused, not_distinct, refuse_unknown_class
 
    !> What is known of a matrix; a solver refuses by name what it cannot take.
    type :: matrix_classes
       integer :: positive_definite = 1, symmetric_indefinite = 2, general = 3
    end type matrix_classes
    type(matrix_classes), parameter :: matrix_class = matrix_classes()
+
+   !> Why a list of equations to keep last is refused.
+   character(len=*), parameter :: not_distinct = 'the equations kept last are not distinct equations'
 
    type, abstract :: linear_solver_type
       integer :: n = 0                    !! equations
@@ -34,6 +37,7 @@ module lopin_linear_solver
       procedure(trailing_if), deferred :: trailing_factor
       procedure(pass_if), deferred :: forward
       procedure(pass_if), deferred :: backward
+      procedure :: check_matrix
    end type linear_solver_type
 
    abstract interface
@@ -119,6 +123,31 @@ contains
          name = 'unsymmetric'
       end select
    end function class_name
+
+   !> Why a solver of every class refuses a number that is no class; empty if it is one.
+   pure function refuse_unknown_class(class_of) result(reason)
+      integer, intent(in) :: class_of
+      character(len=:), allocatable :: reason
+
+      reason = ''
+      if (all(class_of /= [matrix_class%positive_definite, matrix_class%symmetric_indefinite, &
+         & matrix_class%general])) reason = 'does not know this class of matrices'
+   end function refuse_unknown_class
+
+   !> Refuse a matrix of a class, or stored in a way, that this solver cannot take.
+   subroutine check_matrix(self, a, class_of, needs_lower, error)
+      class(linear_solver_type), intent(in) :: self
+      type(csc_type), intent(in) :: a
+      integer, intent(in) :: class_of
+      logical, intent(in) :: needs_lower
+      type(error_type), allocatable, intent(out) :: error
+
+      if (self%accepts(class_of) /= '') then
+         call raise_refused(error, self%name(), self%accepts(class_of))
+      else if (needs_lower .and. a%kind /= storage%symmetric_lower) then
+         call raise_refused(error, self%name(), 'the matrix must be stored by its lower triangle')
+      end if
+   end subroutine check_matrix
 
    !> A pivot smaller than this times the terms that cancelled in it is zero but for rounding.
    !>

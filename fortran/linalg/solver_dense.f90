@@ -6,7 +6,7 @@ module lopin_solver_dense
    use lopin_graph, only : number_interior
    use lopin_blas, only : dgetrf, dgetrs, dpotrf, dpotrs, dsytrf, dsytrs, dtrsm
    use lopin_linear_solver, only : linear_solver_type, matrix_class, pivot_tolerance, &
-      & raise_singular, raise_refused
+      & raise_singular, raise_refused, not_distinct, refuse_unknown_class
    implicit none
    private
    public :: solver_dense_type
@@ -37,8 +37,9 @@ contains
    function dense_name(self) result(name)
       class(solver_dense_type), intent(in) :: self
       character(len=:), allocatable :: name
-      name = 'dense'
-      if (self%n < 0) name = ''   ! never: the contract passes self to all
+      associate (unused => self)
+         name = 'dense'
+      end associate
    end function dense_name
 
    function accepts(self, class_of) result(reason)
@@ -46,15 +47,16 @@ contains
       integer, intent(in) :: class_of
       character(len=:), allocatable :: reason
 
-      reason = ''
-      if (all(class_of /= [matrix_class%positive_definite, matrix_class%symmetric_indefinite, &
-         & matrix_class%general])) reason = self%name()//' does not know this class of matrices'
+      reason = refuse_unknown_class(class_of)
+      if (reason /= '') reason = self%name()//' '//reason
    end function accepts
 
    pure logical function can_condense(self, class_of)
       class(solver_dense_type), intent(in) :: self
       integer, intent(in) :: class_of
-      can_condense = self%n >= 0 .and. class_of == matrix_class%positive_definite
+      associate (unused => self)
+         can_condense = class_of == matrix_class%positive_definite
+      end associate
    end function can_condense
 
    subroutine analyse(self, a, class_of, last, error)
@@ -67,14 +69,11 @@ contains
       integer :: m, i
       logical :: valid
 
-      if (self%accepts(class_of) /= '') then
-         call raise_refused(error, self%name(), self%accepts(class_of))
-         return
-      end if
+      call self%check_matrix(a, class_of, .false., error)
+      if (allocated(error)) return
       call number_interior(a%n, last, local, m, valid)
       if (.not. valid) then
-         call raise_refused(error, self%name(), &
-            & 'the equations kept last are not distinct equations')
+         call raise_refused(error, self%name(), not_distinct)
          return
       end if
       self%n = a%n

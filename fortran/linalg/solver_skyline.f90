@@ -2,11 +2,11 @@
 module lopin_solver_skyline
    use lopin_kinds, only : wp, lk
    use lopin_error, only : error_type
-   use lopin_csc, only : csc_type, storage
+   use lopin_csc, only : csc_type
    use lopin_ordering, only : profile_order, row_starts, profile_cost
    use lopin_skyline, only : skyline_type
    use lopin_linear_solver, only : linear_solver_type, matrix_class, class_name, pivot_tolerance, &
-      & raise_singular, raise_refused
+      & raise_singular, raise_refused, not_distinct
    implicit none
    private
    public :: solver_skyline_type
@@ -37,8 +37,9 @@ contains
    function skyline_name(self) result(name)
       class(solver_skyline_type), intent(in) :: self
       character(len=:), allocatable :: name
-      name = 'skyline'
-      if (self%n < 0) name = ''   ! never: the contract passes self to all
+      associate (unused => self)
+         name = 'skyline'
+      end associate
    end function skyline_name
 
    function accepts(self, class_of) result(reason)
@@ -54,7 +55,9 @@ contains
    pure logical function can_condense(self, class_of)
       class(solver_skyline_type), intent(in) :: self
       integer, intent(in) :: class_of
-      can_condense = self%n >= 0 .and. class_of == matrix_class%positive_definite
+      associate (unused => self)
+         can_condense = class_of == matrix_class%positive_definite
+      end associate
    end function can_condense
 
    subroutine analyse(self, a, class_of, last, error)
@@ -68,11 +71,7 @@ contains
       integer :: i, j, k
       logical :: valid
 
-      if (self%accepts(class_of) /= '') then
-         call raise_refused(error, self%name(), self%accepts(class_of))
-      else if (a%kind /= storage%symmetric_lower) then
-         call raise_refused(error, self%name(), 'the matrix must be stored by its lower triangle')
-      end if
+      call self%check_matrix(a, class_of, .true., error)
       if (allocated(error)) return
       if (class_of == matrix_class%symmetric_indefinite .and. allocated(a%value)) then
          call a%diagonal(diagonal)
@@ -81,8 +80,7 @@ contains
          call profile_order(a, last, self%order, valid)
       end if
       if (.not. valid) then
-         call raise_refused(error, self%name(), &
-            & 'the equations kept last are not distinct equations')
+         call raise_refused(error, self%name(), not_distinct)
          return
       end if
       self%n = a%n

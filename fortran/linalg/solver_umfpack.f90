@@ -6,7 +6,7 @@ module lopin_solver_umfpack
    use lopin_error, only : error_type, error_code, raise
    use lopin_csc, only : csc_type
    use lopin_linear_solver, only : linear_solver_type, matrix_class, pivot_tolerance, &
-      & raise_singular, raise_refused
+      & raise_singular, raise_refused, refuse_unknown_class
    implicit none
    private
    public :: solver_umfpack_type
@@ -99,8 +99,9 @@ contains
    function umfpack_name(self) result(name)
       class(solver_umfpack_type), intent(in) :: self
       character(len=:), allocatable :: name
-      name = 'umfpack'
-      if (self%n < 0) name = ''   ! never: the contract passes self to all
+      associate (unused => self)
+         name = 'umfpack'
+      end associate
    end function umfpack_name
 
    function accepts(self, class_of) result(reason)
@@ -108,15 +109,16 @@ contains
       integer, intent(in) :: class_of
       character(len=:), allocatable :: reason
 
-      reason = ''
-      if (all(class_of /= [matrix_class%positive_definite, matrix_class%symmetric_indefinite, &
-         & matrix_class%general])) reason = self%name()//' does not know this class of matrices'
+      reason = refuse_unknown_class(class_of)
+      if (reason /= '') reason = self%name()//' '//reason
    end function accepts
 
    pure logical function can_condense(self, class_of)
       class(solver_umfpack_type), intent(in) :: self
       integer, intent(in) :: class_of
-      can_condense = self%n < 0 .and. class_of < 0   ! never: L and U are not transposes
+      associate (unused => self, also => class_of)
+         can_condense = .false.   ! L and U are not transposes
+      end associate
    end function can_condense
 
    subroutine analyse(self, a, class_of, last, error)
@@ -131,12 +133,11 @@ contains
       real(wp) :: flops, expected
       integer :: status
 
-      if (self%accepts(class_of) /= '') then
-         call raise_refused(error, self%name(), self%accepts(class_of))
-         return
-      else if (size(last) > 0) then
+      call self%check_matrix(a, class_of, .false., error)
+      if (allocated(error)) return
+      if (size(last) > 0) then
          call raise_refused(error, self%name(), &
-            & 'cannot keep equations last for condensation; use skyline, '// 'cholmod or dense')
+            & 'cannot keep equations last for condensation; use skyline, cholmod or dense')
          return
       end if
       call self%clear()
