@@ -9,7 +9,8 @@ module lopin_selftest
    use lopin_error, only : error_type, error_code, log_type, raise
    use lopin_kinds, only : wp
    use lopin_model, only : model_type
-   use lopin_recorder, only : recorder_type, recorder_holder_type
+   use lopin_recorder, only : recorder_holder_type
+   use lopin_recorder_last, only : last_recorder_type
    use lopin_run_analysis, only : run_analysis
    use lopin_state, only : frame_type, summary_type
    use lopin_text, only : to_text
@@ -26,15 +27,6 @@ module lopin_selftest
    character(len=*), parameter :: elements(2) = [character(len=4) :: 'CPE4', 'CAX4']
    integer, parameter :: ncase = size(methods)*size(elements)
    character(len=1), parameter :: nl = achar(10)
-
-   !> Keeps the last increment.
-   type, extends(recorder_type) :: last_type
-      type(frame_type) :: frame
-   contains
-      procedure :: begin
-      procedure :: increment
-      procedure :: finish
-   end type last_type
 
 contains
 
@@ -57,11 +49,11 @@ contains
       if (allocated(error)) return
       call new_model(model, deck, error)
       if (allocated(error)) return
-      allocate (last_type :: recorder(1)%recorder)
+      allocate (last_recorder_type :: recorder(1)%recorder)
       call run_analysis(model, recorder, clock, summary, log, error)
       if (allocated(error)) return
       select type (last => recorder(1)%recorder)
-      type is (last_type)
+      type is (last_recorder_type)
          call judge(last%frame, element//', '//method, shortening(element, method), line, error)
       end select
    end subroutine selftest_case
@@ -132,35 +124,4 @@ contains
          & nl// &
          & '*DLOAD'//nl//'HIGH, P3, '//to_text(load)//nl//'*END STEP'//nl
    end function deck_of
-
-   subroutine begin(self, model, error)
-      class(last_type), intent(inout) :: self
-      type(model_type), intent(in) :: model
-      type(error_type), allocatable, intent(out) :: error
-
-      associate (unused => model, also => self, too => error)
-      end associate
-   end subroutine begin
-
-   subroutine increment(self, model, frame, error)
-      class(last_type), intent(inout) :: self
-      type(model_type), intent(in) :: model
-      type(frame_type), intent(in) :: frame
-      type(error_type), allocatable, intent(out) :: error
-
-      associate (unused => model, also => error)
-      end associate
-      self%frame = frame
-   end subroutine increment
-
-   subroutine finish(self, model, summary, failure, error)
-      class(last_type), intent(inout) :: self
-      type(model_type), intent(in) :: model
-      type(summary_type), intent(in) :: summary
-      type(error_type), allocatable, intent(in) :: failure
-      type(error_type), allocatable, intent(out) :: error
-
-      associate (unused => model, also => self, too => error, then => summary, last => failure)
-      end associate
-   end subroutine finish
 end module lopin_selftest

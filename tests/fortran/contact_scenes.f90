@@ -6,7 +6,8 @@ module contact_scenes
    use lopin_deck, only : deck_type, read_deck_text
    use lopin_model, only : model_type
    use lopin_build_model, only : new_model
-   use lopin_recorder, only : recorder_type, recorder_holder_type
+   use lopin_recorder, only : recorder_holder_type
+   use lopin_recorder_last, only : last_recorder_type
    use lopin_run_analysis, only : run_analysis
    use lopin_state, only : summary_type, frame_type
    implicit none
@@ -16,14 +17,6 @@ module contact_scenes
    character(len=1), parameter :: nl = achar(10)
    !> roller, crown: two bodies, driven and floating; indent, punch: a tool, driven and floating.
    character(len=6), parameter :: scene_names(4) = ['roller', 'crown ', 'indent', 'punch ']
-
-   type, extends(recorder_type) :: last_frame_type
-      type(frame_type) :: frame
-   contains
-      procedure :: begin
-      procedure :: increment
-      procedure :: finish
-   end type last_frame_type
 
 contains
 
@@ -168,39 +161,11 @@ contains
       call read_deck_text(deck, text, 'scene.inp', '', log, error)
       if (.not. allocated(error)) call new_model(model, deck, error)
       if (allocated(error)) return
-      allocate (last_frame_type :: recorders(1)%recorder)
+      allocate (last_recorder_type :: recorders(1)%recorder)
       call run_analysis(model, recorders, clock, summary, log, error)
       select type (last => recorders(1)%recorder)
-      type is (last_frame_type)
+      type is (last_recorder_type)
          frame = last%frame
       end select
    end subroutine run_text
-
-   subroutine begin(self, model, error)
-      class(last_frame_type), intent(inout) :: self
-      type(model_type), intent(in) :: model
-      type(error_type), allocatable, intent(out) :: error
-      associate (unused => self, also => model, too => error)
-      end associate
-   end subroutine begin
-
-   subroutine increment(self, model, frame, error)
-      class(last_frame_type), intent(inout) :: self
-      type(model_type), intent(in) :: model
-      type(frame_type), intent(in) :: frame
-      type(error_type), allocatable, intent(out) :: error
-      associate (unused => model, also => error)
-      end associate
-      self%frame = frame
-   end subroutine increment
-
-   subroutine finish(self, model, summary, failure, error)
-      class(last_frame_type), intent(inout) :: self
-      type(model_type), intent(in) :: model
-      type(summary_type), intent(in) :: summary
-      type(error_type), allocatable, intent(in) :: failure
-      type(error_type), allocatable, intent(out) :: error
-      associate (unused => self, also => model, too => summary, and => failure, more => error)
-      end associate
-   end subroutine finish
 end module contact_scenes
