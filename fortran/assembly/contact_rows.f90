@@ -8,7 +8,8 @@ module lopin_contact_rows
    use lopin_text, only : to_text
    use lopin_model, only : model_type, initial_of
    use lopin_dofs, only : dofs_type
-   use lopin_constraints, only : constraints_type, follower_rule
+   use lopin_constraint_rules, only : follower_rule
+   use lopin_constraints, only : constraints_type
    use lopin_contact_points, only : contact_points_type, pair_is_tied
    implicit none
    private
