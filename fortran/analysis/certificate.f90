@@ -1,6 +1,7 @@
 !> The frozen tests of an accepted increment, each made from what the run computed, not assumed.
 module lopin_certificate
    use lopin_kinds, only : wp
+   use lopin_vectors, only : largest
    use lopin_model, only : model_type, method_of
    use lopin_state, only : certificate_type, energy_type
    use lopin_constraints, only : reduce
@@ -214,10 +215,4 @@ contains
          worst = max(worst, -gap_of(scene, model, i)/scene%points%size(i))
       end do
    end function worst_unrowed
-
-   pure real(wp) function largest(x)
-      real(wp), intent(in) :: x(:)
-      largest = 0.0_wp
-      if (size(x) > 0) largest = maxval(abs(x))
-   end function largest
 end module lopin_certificate

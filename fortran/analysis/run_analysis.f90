@@ -304,7 +304,7 @@ contains
       frame%augmentations = scene%answer%augmentations
       call warn_of(scene, model, frame)
       call add_work(scene, progress, frame)
-      call accept(scene, model, progress, steady)
+      call accept(scene, progress, steady)
       call look_at_pairs(progress%seen, scene, model)
       call record(scene, model, reaction, recorders, frame, error)
       if (allocated(error)) return
@@ -329,9 +329,8 @@ contains
       progress%u_before = scene%u
    end subroutine add_work
 
-   subroutine accept(scene, model, progress, steady)
+   subroutine accept(scene, progress, steady)
       type(scene_type), intent(inout) :: scene
-      type(model_type), intent(in) :: model
       type(progress_type), intent(inout) :: progress
       real(wp), intent(in) :: steady(:)
       integer :: row
@@ -341,8 +340,6 @@ contains
       do row = 1, scene%rows%n
          if (scene%answer%active(row)) scene%sticks(scene%rows%point(row)) = .true.
       end do
-      associate (unused => model)
-      end associate
    end subroutine accept
 
    subroutine warn_of(scene, model, frame)

@@ -9,7 +9,7 @@ module lopin_contact_points
    use lopin_text, only : to_text
    use lopin_cells, only : cell_type
    use lopin_facets, only : facets_type, facet_rule_type, new_facets, new_facet_rules, nodal_weights, nodal_normals
-   use lopin_element_type, only : element_type, new_element_type
+   use lopin_element_type, only : cells_of_words
    use lopin_surface, only : surface_type, new_surface, update_surface
    use lopin_feature, only : projection_type, limits_type
    use lopin_search, only : tree_type, build_tree, find_projections
@@ -63,7 +63,7 @@ contains
       type(slave_type) :: slave
       integer :: pair
 
-      call cells_of(model, cells)
+      call cells_of_words(model%element_word, cells)
       call clear(self, size(model%pair))
       do pair = 1, size(model%pair)
          associate (p => model%pair(pair))
@@ -85,20 +85,6 @@ contains
       end do
       call remember_start(self)
    end subroutine new_contact_points
-
-   subroutine cells_of(model, cells)
-      type(model_type), intent(in) :: model
-      type(cell_type), allocatable, intent(out) :: cells(:)
-      type(element_type) :: element
-      integer :: i
-      logical :: found
-
-      allocate (cells(size(model%element_word)))
-      do i = 1, size(cells)
-         call new_element_type(element, trim(model%element_word(i)), '', found)
-         cells(i) = element%cell
-      end do
-   end subroutine cells_of
 
    subroutine clear(self, npair)
       type(contact_points_type), intent(inout) :: self

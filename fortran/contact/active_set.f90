@@ -6,6 +6,7 @@
 !> where no set on the way holds them, proximal steps on their motions find the set or the motion that escapes.
 module lopin_active_set
    use lopin_kinds, only : wp
+   use lopin_vectors, only : largest
    use lopin_condensed, only : condensed_type, springs_type, response_type, form_compliance, &
       & is_spring, row_compliance
    implicit none
@@ -411,10 +412,4 @@ contains
          grounded%first(row + 1) = size(grounded%column) + 1
       end do
    end subroutine put_on_ground
-
-   pure real(wp) function largest(x)
-      real(wp), intent(in) :: x(:)
-      largest = 0.0_wp
-      if (size(x) > 0) largest = maxval(abs(x))
-   end function largest
 end module lopin_active_set

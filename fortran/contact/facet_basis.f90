@@ -9,7 +9,7 @@ module lopin_facet_basis
    implicit none
    private
    public :: facet_basis_type, new_facet_basis, coefficients_of, shape_values
-   public :: facet_point_of, facet_tangents, facet_seconds, cross_product, ncoefficient, nfacet_cell
+   public :: facet_point_of, facet_tangents, facet_seconds, ncoefficient, nfacet_cell
 
    integer, parameter :: ncoefficient = 8
    integer, parameter :: nfacet_cell = 6   !! line2, line3, triangle, triangle6, quad, quad8
@@ -152,12 +152,4 @@ contains
       x22 = 2.0_wp*(c(:, 6) + xi(1)*c(:, 8))
       x12 = c(:, 4) + 2.0_wp*(xi(1)*c(:, 7) + xi(2)*c(:, 8))
    end subroutine facet_seconds
-
-   !> Normal of a facet from its tangents, not of unit length; lines: to the right of 1 -> 2.
-   pure function cross_product(t1, t2) result(n)
-      real(wp), intent(in) :: t1(3), t2(3)
-      real(wp) :: n(3)
-
-      n = [t1(2)*t2(3) - t1(3)*t2(2), t1(3)*t2(1) - t1(1)*t2(3), t1(1)*t2(2) - t1(2)*t2(1)]
-   end function cross_product
 end module lopin_facet_basis

@@ -8,9 +8,9 @@
 !> bounds of the cell, so that edges and corners need no other treatment.
 module lopin_projection
    use lopin_kinds, only : wp
+   use lopin_vectors, only : cross
    use lopin_cells, only : cell_family
-   use lopin_facet_basis, only : ncoefficient, facet_point_of, facet_tangents, facet_seconds, &
-      & cross_product
+   use lopin_facet_basis, only : ncoefficient, facet_point_of, facet_tangents, facet_seconds
    implicit none
    private
    public :: closest_type, place, project_on_facet, facet_unit_normal, edge_ends, facet_metric
@@ -358,7 +358,7 @@ contains
 
       call facet_tangents(c, xi, t1, t2)
       if (family == cell_family%line) t2 = [0.0_wp, 0.0_wp, 1.0_wp]
-      n = cross_product(t1, t2)
+      n = cross(t1, t2)
       length = norm2(n)
       if (length > 0.0_wp) n = n/length
    end function facet_unit_normal

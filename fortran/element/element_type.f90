@@ -10,6 +10,7 @@ module lopin_element_type
    implicit none
    private
    public :: element_type, element_kind, element_formulation, element_words, new_element_type
+   public :: cells_of_words
 
    type :: kinds
       integer :: plane_strain = 1, plane_stress = 2, axisymmetric = 3, solid = 4, rigid = 5
@@ -75,6 +76,21 @@ contains
       call set_formulation(self, word(last + 1:), formulation)
       call tabulate(self)
    end subroutine new_element_type
+
+   !> The cell of each word.
+   subroutine cells_of_words(words, cell)
+      character(len=*), intent(in) :: words(:)
+      type(cell_type), allocatable, intent(out) :: cell(:)
+      type(element_type) :: element
+      logical :: found
+      integer :: i
+
+      allocate (cell(size(words)))
+      do i = 1, size(cell)
+         call new_element_type(element, trim(words(i)), '', found)
+         cell(i) = element%cell
+      end do
+   end subroutine cells_of_words
 
    subroutine set_rigid(self)
       type(element_type), intent(inout) :: self

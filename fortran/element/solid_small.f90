@@ -7,6 +7,7 @@
 !> index is contiguous. Dof (a-1)*ndim + i is component i of local node a.
 module lopin_solid_small
    use lopin_kinds, only : wp
+   use lopin_vectors, only : cross
    use lopin_element_type, only : element_type, element_kind, element_formulation
    use lopin_facets, only : facet_rule_type, facet_point
    implicit none
@@ -106,12 +107,6 @@ contains
          end do
       end if
    end subroutine gradients
-
-   pure function cross(a, b) result(c)
-      real(wp), intent(in) :: a(3), b(3)
-      real(wp) :: c(3)
-      c = [a(2)*b(3) - a(3)*b(2), a(3)*b(1) - a(1)*b(3), a(1)*b(2) - a(2)*b(1)]
-   end function cross
 
    pure subroutine fill_solid(nnode, g, b)
       integer, intent(in) :: nnode

@@ -1,6 +1,7 @@
 !> `*TRANSFORM`: local axes of nodes.
 module lopin_build_transforms
    use lopin_kinds, only : wp
+   use lopin_vectors, only : cross
    use lopin_error, only : location_type, log_type
    use lopin_model, only : model_type
    use lopin_block, only : deck_type, block_type, field_type, split_fields, field_real, &
@@ -117,10 +118,4 @@ contains
       axes(3, :) = three/norm2(three)
       axes(2, :) = cross(axes(3, :), axes(1, :))
    end subroutine local_axes
-
-   pure function cross(a, b) result(c)
-      real(wp), intent(in) :: a(3), b(3)
-      real(wp) :: c(3)
-      c = [a(2)*b(3) - a(3)*b(2), a(3)*b(1) - a(1)*b(3), a(1)*b(2) - a(2)*b(1)]
-   end function cross
 end module lopin_build_transforms

@@ -4,6 +4,7 @@
 !> resultant of a pair with its moment, area and centre (closed points); CNUM: closed points.
 module lopin_recorder_dat_contact
    use lopin_kinds, only : wp
+   use lopin_vectors, only : cross
    use lopin_model, only : model_type, output_type
    use lopin_state, only : frame_type, contact_field_type
    use lopin_text_buffer, only : text_buffer_type
@@ -234,10 +235,4 @@ contains
       if (area > 0.0_wp) centre = centre/area
       if (norm2(normal) > 0.0_wp) normal = normal/norm2(normal)
    end subroutine integrate
-
-   pure function cross(a, b) result(c)
-      real(wp), intent(in) :: a(3), b(3)
-      real(wp) :: c(3)
-      c = [a(2)*b(3) - a(3)*b(2), a(3)*b(1) - a(1)*b(3), a(1)*b(2) - a(2)*b(1)]
-   end function cross
 end module lopin_recorder_dat_contact

@@ -4,7 +4,7 @@ module lopin_vtu_parts
    use, intrinsic :: ieee_arithmetic, only : ieee_value, ieee_quiet_nan
    use lopin_kinds, only : wp
    use lopin_cells, only : cell_type, new_cell_of
-   use lopin_element_type, only : element_type, new_element_type
+   use lopin_element_type, only : cells_of_words
    use lopin_rigid_motion, only : rigid_motion_type, new_rigid_motion
    use lopin_model, only : model_type, surface_of
    use lopin_state, only : frame_type, contact_field_type
@@ -32,7 +32,7 @@ contains
       type(cell_type), allocatable :: cell(:)
       integer :: e, n, filled
 
-      call cells_of_words(model, cell)
+      call cells_of_words(model%element_word, cell)
       n = 0
       do e = 1, model%mesh%nelement
          n = n + cell(model%mesh%etype(e))%nnode
@@ -82,7 +82,7 @@ contains
       integer, allocatable :: connectivity(:), node(:)
       integer :: i, k, n, npoint, filled, nface
 
-      call cells_of_words(model, cell)
+      call cells_of_words(model%element_word, cell)
       associate (list => model%surface(surface))
          nface = size(list%element)
          allocate (connectivity(8*nface), node(8*nface), self%cells%offsets(nface), &
@@ -305,18 +305,4 @@ contains
             & + 3.0_wp*sum(s(4:6, i)**2))
       end do
    end function mises
-
-   subroutine cells_of_words(model, cell)
-      type(model_type), intent(in) :: model
-      type(cell_type), allocatable, intent(out) :: cell(:)
-      type(element_type) :: element
-      logical :: found
-      integer :: i
-
-      allocate (cell(size(model%element_word)))
-      do i = 1, size(cell)
-         call new_element_type(element, trim(model%element_word(i)), '', found)
-         cell(i) = element%cell
-      end do
-   end subroutine cells_of_words
 end module lopin_vtu_parts

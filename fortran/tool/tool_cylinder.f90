@@ -3,6 +3,7 @@
 !> A bar with flat ends and filleted edges is a profile of revolution.
 module lopin_tool_cylinder
    use lopin_kinds, only : wp
+   use lopin_vectors, only : across
    use lopin_error, only : error_type, error_code, raise
    use lopin_tool, only : tool_type, foot_type, outer_product, coincidence
    implicit none
@@ -126,15 +127,4 @@ contains
       text = 'cylinder, radius '//trim(buffer)
       if (self%side < 0.0_wp) text = text//', bore'
    end function describe
-
-   !> A unit vector across a unit axis.
-   pure function across(axis) result(t)
-      real(wp), intent(in) :: axis(3)
-      real(wp) :: t(3)
-
-      t = 0.0_wp
-      t(minloc(abs(axis), dim=1)) = 1.0_wp
-      t = t - dot_product(t, axis)*axis
-      t = t/norm2(t)
-   end function across
 end module lopin_tool_cylinder

@@ -1,6 +1,7 @@
 !> Tools made of a plane profile: the profile itself (2D, axisymmetric), extruded, or revolved (3D).
 module lopin_tool_profile
    use lopin_kinds, only : wp
+   use lopin_vectors, only : cross, across
    use lopin_tool, only : tool_type, foot_type, outer_product
    use lopin_profile, only : profile_type, segment_type, segment_kind, parabola_point
    use lopin_profile_projection, only : foot_2d_type, project_profile, project_profile_all
@@ -338,21 +339,4 @@ contains
       text = self%name//' of '//trim(buffer)//' segments'
       if (self%profile%closed) text = text//', closed'
    end function describe
-
-   pure function cross(a, b) result(c)
-      real(wp), intent(in) :: a(3), b(3)
-      real(wp) :: c(3)
-      c = [a(2)*b(3) - a(3)*b(2), a(3)*b(1) - a(1)*b(3), a(1)*b(2) - a(2)*b(1)]
-   end function cross
-
-   !> A unit vector across a unit axis.
-   pure function across(axis) result(t)
-      real(wp), intent(in) :: axis(3)
-      real(wp) :: t(3)
-
-      t = 0.0_wp
-      t(minloc(abs(axis), dim=1)) = 1.0_wp
-      t = t - dot_product(t, axis)*axis
-      t = t/norm2(t)
-   end function across
 end module lopin_tool_profile

@@ -1,0 +1,34 @@
+!> Short vectors: what several floors need of them.
+module lopin_vectors
+   use lopin_kinds, only : wp
+   implicit none
+   private
+   public :: cross, across, largest
+
+contains
+
+   !> a x b.
+   pure function cross(a, b) result(c)
+      real(wp), intent(in) :: a(3), b(3)
+      real(wp) :: c(3)
+      c = [a(2)*b(3) - a(3)*b(2), a(3)*b(1) - a(1)*b(3), a(1)*b(2) - a(2)*b(1)]
+   end function cross
+
+   !> A unit vector across a unit axis.
+   pure function across(axis) result(t)
+      real(wp), intent(in) :: axis(3)
+      real(wp) :: t(3)
+
+      t = 0.0_wp
+      t(minloc(abs(axis), dim=1)) = 1.0_wp
+      t = t - dot_product(t, axis)*axis
+      t = t/norm2(t)
+   end function across
+
+   !> Largest size of an entry; zero of an empty list.
+   pure real(wp) function largest(x)
+      real(wp), intent(in) :: x(:)
+      largest = 0.0_wp
+      if (size(x) > 0) largest = maxval(abs(x))
+   end function largest
+end module lopin_vectors
