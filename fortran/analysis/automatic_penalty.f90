@@ -14,7 +14,7 @@ module lopin_automatic_penalty
    use lopin_methods, only : has_law
    implicit none
    private
-   public :: set_stiffness, wants_compliance, least_compliance
+   public :: set_stiffness, wants_compliance
 
 contains
 

@@ -19,7 +19,7 @@ module lopin_scene
    use lopin_tool_plane, only : plane_type
    implicit none
    private
-   public :: scene_type, new_scene, set_supports, retained_equations, rebuild_rows, tool_places
+   public :: scene_type, new_scene, set_supports, retained_equations, rebuild_rows
    public :: relative_motion, gap_of, widen_reach, follow_tools
 
    type :: scene_type

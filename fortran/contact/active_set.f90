@@ -11,7 +11,7 @@ module lopin_active_set
       & is_spring, row_compliance
    implicit none
    private
-   public :: contact_result_type, solve_contact, outcome, set_tolerance
+   public :: contact_result_type, solve_contact, outcome
 
    !> A gap or a force this small beside what it is made of is zero.
    real(wp), parameter :: set_tolerance = 1.0e-12_wp

@@ -4,7 +4,7 @@ module lopin_enforcement_law
    use lopin_enforcement, only : enforcement_type
    implicit none
    private
-   public :: law_type, pressure_law, new_exponential, new_tabular
+   public :: law_type, new_exponential, new_tabular
 
    type, extends(enforcement_type) :: law_type
       logical :: exponential = .true.

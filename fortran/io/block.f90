@@ -11,7 +11,7 @@ module lopin_block
    private
    public :: source_type, parameter_type, data_line_type, field_type, block_type, deck_type
    public :: split_fields, count_fields, field_real, field_integer, get_parameter, has_parameter
-   public :: complain, line_text, line_place, most_errors
+   public :: complain, line_text, line_place
 
    integer, parameter :: most_errors = 20   !! further errors of one reading are not collected
 

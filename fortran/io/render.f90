@@ -8,7 +8,7 @@ module lopin_render
    use lopin_text, only : to_text
    implicit none
    private
-   public :: render, render_json, json_string, severity_word
+   public :: render, render_json, json_string
 
    character(len=1), parameter :: nl = achar(10)
    character(len=*), parameter :: escape = achar(27)//'['

@@ -8,7 +8,7 @@ module lopin_graph
    use lopin_csc, only : csc_type
    implicit none
    private
-   public :: node_graph_type, number_interior, neighbours, compress, quotient, expand, postorder
+   public :: node_graph_type, number_interior, neighbours, expand, postorder
 
    !> The graph of some equations of a matrix, and the same by groups of equal neighbours.
    type :: node_graph_type

@@ -12,7 +12,7 @@ module lopin_facets
    implicit none
    private
    public :: facets_type, facet_rule_type, new_facets, boundary_facets, new_facet_rules
-   public :: facet_normal, facet_point, facet_weights, nodal_weights, nodal_normals
+   public :: facet_point, facet_weights, nodal_weights, nodal_normals
 
    real(wp), parameter :: pi = acos(-1.0_wp)
 

@@ -8,7 +8,7 @@ module lopin_quadrature
    use lopin_cells, only : cell_family
    implicit none
    private
-   public :: rule_type, new_rule, gauss_line
+   public :: rule_type, new_rule
 
    type :: rule_type
       integer :: npoint = 0

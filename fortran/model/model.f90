@@ -11,7 +11,7 @@ module lopin_model
    implicit none
    private
    public :: model_type, material_type, section_type, surface_data_type, rigid_body_type
-   public :: interaction_type, pair_type, amplitude_type, equation_type, transform_type
+   public :: interaction_type, pair_type, amplitude_type, equation_type
    public :: step_type, prescribed_type, point_load_type, face_load_type, body_load_type, output_type
    public :: control_type, tool_holder_type
    public :: kind_of, method_of, overclosure_of, surface_of, output_of, initial_of, amplitude_value

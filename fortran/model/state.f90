@@ -6,7 +6,6 @@ module lopin_state
    implicit none
    private
    public :: contact_field_type, certificate_type, frame_type, energy_type, summary_type, verdict_words
-   public :: step_summary_type
 
    character(len=*), parameter :: verdict_words(0:2) = [character(len=4) :: 'PASS', 'WARN', 'FAIL']
 

@@ -40,7 +40,7 @@ class Scene:
     extra_interaction: str = ""
     output: str = "*NODE FILE\nU, RF\n*EL FILE\nS\n*CONTACT FILE\nCDIS, CSTR\n"
 
-    def but(self, **changes) -> "Scene":
+    def but(self, **changes) -> Scene:
         """A copy with other fields."""
         new = copy.deepcopy(self)
         for name, value in changes.items():

@@ -3,8 +3,9 @@ import math
 
 import numpy as np
 import pytest
-from feature_scene import Scene, run
 from pytest import approx
+
+from feature_scene import Scene, run
 
 pytest.importorskip("lopin")
 
