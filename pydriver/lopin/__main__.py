@@ -49,8 +49,11 @@ def python_command(arguments: list[str]) -> int:
                       help="PNG, SVG or PDF; default: <folder>/pressure.png")
     plot.add_argument("--pair", default=None, help="slave surface; default: the first pair")
     chart = commands.add_parser("chart", help="speed against accuracy over methods and penalties")
-    chart.add_argument("deck", type=Path)
-    chart.add_argument("-o", "--output", type=Path, default=Path("chart.png"))
+    chart.add_argument("deck", nargs="?", default="hertz",
+                       help="a deck with *SURFACE BEHAVIOR, hertz (scenes with closed "
+                       "forms), or the table of an earlier chart to draw again")
+    chart.add_argument("-o", "--output", type=Path, default=Path("charts"), help="a folder")
+    chart.add_argument("--repetitions", type=int, default=5, help="times are the least of so many")
     convert = commands.add_parser("convert", help="mesh of another tool to a deck or VTU")
     convert.add_argument("source", type=Path)
     convert.add_argument("target", type=Path)

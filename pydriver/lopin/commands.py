@@ -1,16 +1,12 @@
 """The commands that Python answers: plot, chart, convert, example."""
 from __future__ import annotations
 
+import os
 import shutil
-import time
 from pathlib import Path
 
-import numpy as np
-
-from .deck import Deck, Row
-from .errors import LopinError, ResourceError, UsageError
-from .laws import METHODS
-from .result import CLOSED
+from .deck import Deck
+from .errors import ResourceError, UsageError
 
 
 def plot(options) -> int:
@@ -28,61 +24,33 @@ def plot(options) -> int:
 
 
 def chart(options) -> int:
-    """Error and time of the four methods over penalties; the reference is the exact method."""
-    from . import plot as pictures
-    from .run import run
+    """Error against cost of the four methods: table, pictures, and the figures in words."""
+    # One thread, so that times compare; read when the compiled part is loaded.
+    for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS"):
+        os.environ.setdefault(name, "1")
+    from . import chart as charts
+    from . import chart_figures, chart_theory
 
-    deck = Deck.read(options.deck)
-    if "*SURFACE BEHAVIOR" not in deck:
-        raise UsageError(f"{options.deck} has no *SURFACE BEHAVIOR to vary")
-    rows = []
-    exact = _forces(run(with_method(deck, "lagrange", None)))
-    slope = _slope_in_use(run(with_method(deck, "penalty", None)))
-    for method in METHODS:
-        for factor in (None,) if method == "lagrange" else (1e-2, 1e-1, 1e0, 1e1, 1e2):
-            begin = time.perf_counter()
-            try:
-                force = _forces(run(with_method(deck, method, slope*factor if factor else None)))
-                error = np.abs(force - exact).max()/np.abs(exact).max()
-            except LopinError:
-                error = np.nan
-            rows.append((method, factor, error, time.perf_counter() - begin))
-            spent = rows[-1][3]
-            print(f"{method:10s} {factor or 'exact':>8} error {error:9.2e} time {spent:.3f} s")
-    ax = pictures.new_axes()
-    for method in METHODS:
-        mine = [(t, max(e, 1e-16)) for m, _, e, t in rows if m == method]
-        ax.loglog(*zip(*mine), "o-", label=method)
-    ax.set(xlabel="time [s]", ylabel="relative error of the contact forces")
-    ax.legend()
-    ax.figure.savefig(options.output, dpi=150)
-    print(options.output)
-    return 0
-
-
-def with_method(deck: Deck, method: str, slope: float | None) -> Deck:
-    """The deck with another contact method in every interaction."""
-    new = Deck.parse(deck.text(), deck.name, deck.folder)
-    for block in new.all("SURFACE BEHAVIOR"):
-        block.parameters = {METHODS[method].word: None}
-        block.lines = [line for line in block.lines if isinstance(line, str)]
-        if slope is not None:
-            block.lines.append(Row([float(slope)]))
-    return new
-
-
-def _forces(result) -> np.ndarray:
-    return np.concatenate([result.contact(k).last.force.ravel() for k in range(len(result.pairs))])
-
-
-def _slope_in_use(result) -> float:
-    """Pressure over penetration of a penalty run."""
-    contacts = [result.contact(k).last for k in range(len(result.pairs))]
-    pressure = np.concatenate([c.pressure[c.status == CLOSED] for c in contacts])
-    gap = np.concatenate([c.gap[c.status == CLOSED] for c in contacts])
-    if not (gap < 0.0).any():
-        raise UsageError("nothing touches in this deck: there is no accuracy to compare")
-    return float(np.median(pressure[gap < 0.0]/-gap[gap < 0.0]))
+    name, table = Path(options.deck).stem, options.deck.endswith(".csv")
+    if table:
+        scenes = charts.read_table(Path(options.deck))
+    elif options.deck == "hertz":
+        scenes = charts.hertz(options.repetitions)
+    else:
+        scenes = charts.of_deck(Deck.read(options.deck), options.repetitions)
+    options.output.mkdir(parents=True, exist_ok=True)
+    facts = [line for scene, rows in scenes.items() for line in chart_theory.facts(scene, rows)]
+    every = [row for rows in scenes.values() for row in rows["sweep"] + rows["meshes"]]
+    if not table:
+        charts.write_table(every, options.output/f"{name}.csv")
+    for scene, rows in scenes.items():
+        path = options.output/(f"{name}_{scene}" if len(scenes) > 1 else f"{name}_full")
+        chart_figures.full(rows, charts.title(scene, rows), path)
+    first, rows = next(iter(scenes.items()))
+    chart_figures.compact(rows, charts.title(first, rows), options.output/name)
+    print("\n".join(facts))
+    print(options.output/f"{name}.png")
+    return 1 if any(row.silent for row in every) else 0
 
 
 def convert(options) -> int:

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 import lopin
-from lopin import commands, mesh_make, profile, reference
+from lopin import chart_run, commands, mesh_make, profile, reference
 from lopin.__main__ import main
 from lopin._bridge import has_core
 from lopin.cells import CELLS
@@ -262,7 +262,7 @@ def test_unknown_results_and_examples_have_an_exit_code(tmp_path, capsys):
 
 
 def test_other_methods_for_a_deck():
-    deck = commands.with_method(press().to_deck(), "penalty", 2e5)
+    deck = chart_run.with_method(press().to_deck(), "penalty", 2e5)
     assert deck["*SURFACE BEHAVIOR"].text() == "*SURFACE BEHAVIOR, PENALTY\n200000."
 
 

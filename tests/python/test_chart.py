@@ -1,0 +1,75 @@
+"""The work-precision chart, on small meshes: its errors, costs, table and pictures."""
+import csv
+
+import numpy as np
+import pytest
+
+from lopin import chart, chart_run, chart_theory, mesh_make, profile
+from lopin.__main__ import main
+from lopin.chart_run import Setting
+from lopin.chart_scenes import SCENES
+from lopin.laws import Elastic
+from lopin.model import Model
+
+pytestmark = pytest.mark.usefixtures("core")
+
+
+@pytest.fixture(scope="module")
+def small():
+    """A short sweep of the sphere."""
+    pytest.importorskip("lopin._core")
+    settings = chart.sweep(range(-1, 8, 2), starts=(10.0,))
+    return chart.measure(SCENES["sphere"](6.5), settings, repetitions=1)
+
+
+def test_penalty_errors_fall_as_one_over_r(small):
+    r, error = chart_theory.stiffness_curve(small, "perturbed", "condensed")
+    assert np.all(error < chart_theory.bound(r))
+    stiff = r >= 10.0
+    assert chart_theory.slope(r[stiff], error[stiff]) == pytest.approx(-1.0, abs=0.05)
+
+
+def test_each_augmentation_leaves_what_theory_allows(small):
+    rate = chart_theory.contraction(small, 10.0)
+    assert 0.3*chart_theory.bound(10.0) < rate < 1.1*chart_theory.bound(10.0)
+
+
+def test_both_paths_agree_and_condensation_factorises_once(small):
+    exact = {row.path: row for row in small if row.method == "lagrange"}
+    assert exact["newton"].error_enforcement < 1e-11
+    assert {row.factorisations for row in small if row.path == "condensed"} == {1}
+    assert exact["newton"].factorisations > 2
+
+
+def test_nothing_is_wrong_and_silent(small):
+    assert max(row.error_enforcement for row in small) > chart_run.WRONG
+    assert not [row for row in small if row.silent]
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_scenes_converge_to_hertz(name):
+    settings = [Setting("lagrange")]
+    error = [np.median([chart.measure(SCENES[name](n + shift), settings, 1)[0].error_total
+                        for shift in chart.SHIFTS]) for n in (4, 16)]
+    assert error[1] < 0.4*error[0]
+    assert error[1] < 0.02
+
+
+def test_a_chart_of_a_deck(tmp_path, capsys):
+    pytest.importorskip("matplotlib")
+    mesh = mesh_make.crowned_block((2.0, 1.0), (8, 4), 20.0)
+    model = Model("crown", mesh, kind="plane strain")
+    model.section("ALL", Elastic(210e3, 0.3))
+    floor = model.rigid_tool("FLOOR", profile.plane(0.0, 5.0, side="above"))
+    model.contact("BOTTOM", floor)
+    model.fix("TOP", "x", "y")
+    model.step().move(floor, y=0.01)
+    deck = model.to_deck().write(tmp_path/"crown.inp")
+    assert main(["chart", str(deck), "-o", str(tmp_path), "--repetitions", "1"]) == 0
+    assert "0 wrong by more than 5 % and silent" in capsys.readouterr().out
+    with (tmp_path/"crown.csv").open(encoding="utf-8") as file:
+        rows = list(csv.DictReader(file))
+    assert {row["method"] for row in rows} == {"lagrange", "penalty", "perturbed", "augmented"}
+    assert {row["path"] for row in rows} == {"condensed", "newton"}
+    assert (tmp_path/"crown.png").stat().st_size > 10000
+    assert (tmp_path/"crown_full.svg").is_file()
