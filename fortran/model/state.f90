@@ -42,14 +42,15 @@ module lopin_state
       real(wp) :: strain = 0.0_wp            !! [force*length]
       real(wp) :: external = 0.0_wp          !! work of loads and prescribed displacements since the start
       real(wp) :: contact = 0.0_wp           !! stored by penalty springs
-      real(wp) :: friction = 0.0_wp          !! dissipated
+      real(wp) :: friction = 0.0_wp          !! dissipated; 0 as no interface has friction yet
    end type energy_type
 
    !> One accepted increment, as handed to the recorders. Displacements and reactions by node:
    !> dofs 1..3 translations, 4..6 rotations (only of reference nodes); zero where a node has no such dof.
    type :: frame_type
-      integer :: step = 0, increment = 0, attempt = 1, iterations = 0
-      integer :: augmentations = 0, closed = 0, changes = 0
+      integer :: step = 0, increment = 0, iterations = 0, augmentations = 0
+      integer :: attempt = 1                  !! 1 as no increment is cut yet
+      integer :: closed = 0                   !! slave points in contact
       real(wp) :: total_time = 0.0_wp, step_time = 0.0_wp, time_increment = 0.0_wp
       logical :: last_of_step = .false.
       real(wp), allocatable :: u(:, :)        !! (6, nnode) [length], [rad]
