@@ -1,4 +1,5 @@
-!> What the end of a step tells the user: pairs that never met, and motions too large for the theory.
+!> What the end of a step tells the user: pairs that never met, and motions too large for the
+!> theory.
 module lopin_after_step
    use lopin_kinds, only : wp
    use lopin_error, only : location_type, log_type, severity
@@ -30,7 +31,8 @@ contains
       integer :: i
 
       do i = 1, log%n
-         if (log%item(i)%id == id .and. log%item(i)%at%line == at%line .and. log%item(i)%at%file == at%file) return
+         if (log%item(i)%id == id .and. log%item(i)%at%line == at%line &
+            & .and. log%item(i)%at%file == at%file) return
       end do
       call log%say(severity%warning, id, message, at, help=help)
    end subroutine say_once
@@ -47,7 +49,8 @@ contains
       end if
       do row = 1, scene%rows%n
          pair = scene%points%pair(scene%rows%point(row))
-         self%closed(pair) = self%closed(pair) .or. scene%rows%tied(row) .or. scene%answer%force(row) > 0.0_wp &
+         self%closed(pair) = self%closed(pair) .or. scene%rows%tied(row) &
+            & .or. scene%answer%force(row) > 0.0_wp &
             & .or. (scene%answer%active(row) .and. .not. has_law(model, pair))
       end do
       do i = 1, scene%points%n
@@ -57,7 +60,8 @@ contains
       end do
    end subroutine look_at_pairs
 
-   !> Say at the end of a step what its answer cannot be trusted in, and after the last what never met.
+   !> Say at the end of a step what its answer cannot be trusted in, and after the last what never
+   !> met.
    subroutine judge_step(scene, model, seen)
       type(scene_type), intent(inout) :: scene
       type(model_type), intent(in) :: model
@@ -67,8 +71,10 @@ contains
       if (scene%step == size(model%step)) then
          do pair = 1, size(model%pair)
             if (seen%closed(pair) .or. .not. seen%nearest(pair) < huge(1.0_wp)) cycle
-            call say_once(scene%log, 'W0314', 'pair ('//model%surface(model%pair(pair)%slave)%name//', '// &
-               & model%surface(model%pair(pair)%master)%name//') never closed; its smallest gap was '// &
+            call say_once(scene%log, 'W0314', 'pair ('// &
+               & model%surface(model%pair(pair)%slave)%name//', '// &
+               & model%surface(model%pair(pair)%master)%name// &
+               & ') never closed; its smallest gap was '// &
                & to_text(seen%nearest(pair), 6), model%pair(pair)%at, &
                & help='look at units and positions if it was meant to touch')
          end do
@@ -77,7 +83,8 @@ contains
       call judge_elements(scene, model)
    end subroutine judge_step
 
-   !> Closed points that have slid far on their facet: the normal and the place are those of the start.
+   !> Closed points that have slid far on their facet: the normal and the place are those of the
+   !> start.
    subroutine judge_slip(scene, model)
       type(scene_type), intent(inout) :: scene
       type(model_type), intent(in) :: model
@@ -89,22 +96,27 @@ contains
       do row = 1, scene%rows%n
          if (scene%rows%tied(row) .or. .not. scene%answer%force(row) > 0.0_wp) cycle
          point = scene%rows%point(row)
-         ! What a tool does itself is projected where it stands: there only the slave's own way counts.
+         ! What a tool does itself is projected where it stands: there only the slave's own way
+         ! counts.
          if (scene%points%tool(scene%points%pair(point)) > 0) then
             motion = own_motion(scene, model, scene%points%node(point))
          else
             motion = relative_motion(scene, model, point, since_projection=.false.)
          end if
-         motion = motion - dot_product(motion, scene%points%normal(:, point))*scene%points%normal(:, point)
+         motion = motion &
+            & - dot_product(motion, scene%points%normal(:, point))*scene%points%normal(:, point)
          slip = norm2(motion)/scene%points%size(point)
          if (slip <= largest) cycle
          largest = slip
          worst = point
       end do
       if (worst == 0) return
-      call say_once(scene%log, 'W0505', 'node '//to_text(model%mesh%node_label(scene%points%node(worst)))// &
-         & ' has slid by '//to_text(nint(100.0_wp*largest))//' % of its facet in step '//to_text(scene%step)// &
-         & ': contact is followed where the node was at the start', model%pair(scene%points%pair(worst))%at, &
+      call say_once(scene%log, 'W0505', 'node '// &
+         & to_text(model%mesh%node_label(scene%points%node(worst)))// &
+         & ' has slid by '//to_text(nint(100.0_wp*largest))//' % of its facet in step '// &
+         & to_text(scene%step)// &
+         & ': contact is followed where the node was at the start', &
+         & model%pair(scene%points%pair(worst))%at, &
          & help='the pressure is moved by as much: coarsen the slave, or judge the answer by this distance')
    end subroutine judge_slip
 
@@ -144,12 +156,18 @@ contains
             strained = e
          end if
       end do
-      if (turned > 0) call say_once(scene%log, 'W0506', 'element '//to_text(model%mesh%element_label(turned))// &
-         & ' turns by '//to_text(most_rotation, 3)//' rad: rotations are taken as small (NLGEOM=NO)', &
-         & model%step(scene%step)%at, help='a rotation t stretches by t^2/2; hold the motion if it is not meant')
-      if (strained > 0) call say_once(scene%log, 'W0507', 'element '//to_text(model%mesh%element_label(strained))// &
-         & ' is strained by '//to_text(100.0_wp*most_strain, 3)//' %: strains are taken as small (NLGEOM=NO)', &
-         & model%step(scene%step)%at, help='look at units, loads and modulus; beyond 5 % the answer is linear in name only')
+      if (turned > 0) call say_once(scene%log, 'W0506', 'element '// &
+         & to_text(model%mesh%element_label(turned))// &
+         & ' turns by '//to_text(most_rotation, 3)// &
+         & ' rad: rotations are taken as small (NLGEOM=NO)', &
+         & model%step(scene%step)%at, &
+         & help='a rotation t stretches by t^2/2; hold the motion if it is not meant')
+      if (strained > 0) call say_once(scene%log, 'W0507', 'element '// &
+         & to_text(model%mesh%element_label(strained))// &
+         & ' is strained by '//to_text(100.0_wp*most_strain, 3)// &
+         & ' %: strains are taken as small (NLGEOM=NO)', &
+         & model%step(scene%step)%at, &
+         & help='look at units, loads and modulus; beyond 5 % the answer is linear in name only')
    end subroutine judge_elements
 
    !> Least squares: H = sum (u - u_mean)(x - x_mean)^T [sum (x - x_mean)(x - x_mean)^T]^-1.
@@ -183,7 +201,8 @@ contains
       h = matmul(h, inverse(moment))
       rotation = 0.5_wp*norm2([h(3, 2) - h(2, 3), h(1, 3) - h(3, 1), h(2, 1) - h(1, 2)])
       strain = maxval(abs(0.5_wp*(h + transpose(h))))
-      if (model%kind == kind_of%axisymmetric .and. middle(1) > 0.0_wp) strain = max(strain, abs(mean(1))/middle(1))
+      if (model%kind == kind_of%axisymmetric .and. middle(1) > 0.0_wp) strain = max(strain, &
+         & abs(mean(1))/middle(1))
    end subroutine mean_gradient
 
    pure function outer(a, b) result(c)

@@ -1,8 +1,9 @@
-!> Nodal stiffnesses: the deck's slope times area, or chosen from the compliance of the contact itself.
+!> Nodal stiffnesses: the deck's slope times area, or chosen from the compliance of the contact
+!> itself.
 !>
-!> The relative pressure error of a penalty is beta = 1/(1 + epsilon*s), s an eigenvalue of the compliance
-!> per area W^1/2 S W^1/2; so epsilon = (1/beta - 1)/s_min keeps it below the target for every pressure.
-!> No unit enters, and no modulus: the stiffer and the softer body are both in S.
+!> The relative pressure error of a penalty is beta = 1/(1 + epsilon*s), s an eigenvalue of the
+!> compliance per area W^1/2 S W^1/2; so epsilon = (1/beta - 1)/s_min keeps it below the target for
+!> every pressure. No unit enters, and no modulus: the stiffer and the softer body are both in S.
 module lopin_automatic_penalty
    use lopin_kinds, only : wp
    use lopin_error, only : severity
@@ -76,16 +77,18 @@ contains
       integer :: i
 
       do i = 1, scene%log%n
-         if (scene%log%item(i)%id == 'N0317' .and. scene%log%item(i)%at%line == model%pair(pair)%at%line) return
+         if (scene%log%item(i)%id == 'N0317' &
+            & .and. scene%log%item(i)%at%line == model%pair(pair)%at%line) return
       end do
       call scene%log%say(severity%note, 'N0317', 'the stiffness of this pair was chosen: '// &
          & to_text(real(slope, wp))//' pressure per length, for a pressure error below '// &
          & to_text(model%target_error), model%pair(pair)%at)
    end subroutine say_once
 
-   !> Least eigenvalue of W^1/2 S W^1/2 among the pressures that leave floating motions in balance (on the
-   !> others S depends on where the artificial supports stand): Lanczos' iteration on the inverse, from a
-   !> vector that has a share of every mode. It converges beyond what the numbering of the rows could change.
+   !> Least eigenvalue of W^1/2 S W^1/2 among the pressures that leave floating motions in balance
+   !> (on the others S depends on where the artificial supports stand): Lanczos' iteration on the
+   !> inverse, from a vector that has a share of every mode. It converges beyond what the numbering
+   !> of the rows could change.
    function least_compliance(s, weight, c) result(least)
       real(wp), intent(in) :: s(:, :)      !! (n, n) [length/force]
       real(wp), intent(in) :: weight(:)    !! (n) [length^2]
@@ -114,7 +117,8 @@ contains
       least = max(1.0_wp/largest_of_inverse(a), 1.0e-4_wp*mean)
    end function least_compliance
 
-   !> a <- P a P + mean*(1 - P), P the projection across the columns of `c`; as it is if they span everything.
+   !> a <- P a P + mean*(1 - P), P the projection across the columns of `c`; as it is if they span
+   !> everything.
    subroutine balance(a, c)
       real(wp), intent(inout) :: a(:, :)
       real(wp), intent(in) :: c(:, :)
@@ -157,8 +161,10 @@ contains
       n = size(l, 1)
       last = min(n, most_steps)
       allocate (q(n, last), t(last, last), source=0.0_wp)
-      ! Mode shapes of the stiffest pressures alternate; the rest keeps the vector off every symmetry.
-      r = [(merge(1.0_wp, -1.0_wp, mod(i, 2) == 0)*(1.0_wp + 0.5_wp*modulo(0.618_wp*i, 1.0_wp)), i=1, n)]
+      ! Mode shapes of the stiffest pressures alternate; the rest keeps the vector off every
+      ! symmetry.
+      r = [(merge(1.0_wp, -1.0_wp, mod(i, 2) == 0)*(1.0_wp + 0.5_wp*modulo(0.618_wp*i, 1.0_wp)), &
+         & i=1, n)]
       largest = 0.0_wp
       same = 0
       do step = 1, last

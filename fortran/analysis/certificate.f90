@@ -37,8 +37,8 @@ contains
       call row_forces(scene%rows, scene%answer%force, pressed)
       call scene%k%multiply(scene%u, internal)
       call reduce(scene%constraints, residual, free)
-      ! A body that moves all but rigidly has forces of rounding only: they are judged beside what its
-      ! stiffness would make of its displacements.
+      ! A body that moves all but rigidly has forces of rounding only: they are judged beside what
+      ! its stiffness would make of its displacements.
       rounding = 1.0e-8_wp*largest(scene%k%value)*largest(scene%u)
       reference = max(largest(f), largest(reaction), largest(pressed), largest(internal), rounding)
       if (reference > 0.0_wp) then
@@ -49,16 +49,18 @@ contains
       if (scene%rows%n > 0) self%pressure_error = max(scene%answer%soft_error, drift(scene))
       call judge_action(self, scene, model, pressed)
       energy%strain = 0.5_wp*dot_product(scene%u, internal)
-      ! Clapeyron: at equilibrium loads, contact and reactions do twice the stored energy's work. Where the
-      ! forces all but cancel no energy is stored: what they do one by one is the measure.
+      ! Clapeyron: at equilibrium loads, contact and reactions do twice the stored energy's work.
+      ! Where the forces all but cancel no energy is stored: what they do one by one is the measure.
       work = dot_product(scene%u, f + pressed) + dot_product(reaction, prescribed)
-      passed = max(dot_product(abs(scene%u), abs(f) + abs(pressed) + abs(internal)), rounding*largest(scene%u))
+      passed = max(dot_product(abs(scene%u), abs(f) + abs(pressed) + abs(internal)), &
+         & rounding*largest(scene%u))
       if (passed > 0.0_wp) self%energy = abs(work - 2.0_wp*energy%strain)/passed
       call give_verdict(self)
    end subroutine certify
 
-   !> Gaps made from the displacements against those the contact forces were found with, beside what the
-   !> forces do to gaps: the share of the forces that rounding made. A stiff penalty loses digits this way.
+   !> Gaps made from the displacements against those the contact forces were found with, beside what
+   !> the forces do to gaps: the share of the forces that rounding made. A stiff penalty loses
+   !> digits this way.
    pure real(wp) function drift(scene)
       type(scene_type), intent(in) :: scene
       real(wp) :: gap
@@ -199,7 +201,8 @@ contains
       text = trim(adjustl(buffer))
    end function short
 
-   !> Deepest penetration, in facets, of the points that have a master but no row; <= 0: none penetrates.
+   !> Deepest penetration, in facets, of the points that have a master but no row; <= 0: none
+   !> penetrates.
    real(wp) function worst_unrowed(scene, model) result(worst)
       type(scene_type), intent(in) :: scene
       type(model_type), intent(in) :: model

@@ -56,11 +56,14 @@ contains
       character(len=:), allocatable :: motion
       real(wp) :: excess
 
-      if (scene%answer%outcome == outcome%not_held .or. scene%answer%outcome == outcome%cycling) then
+      if (scene%answer%outcome == outcome%not_held &
+         & .or. scene%answer%outcome == outcome%cycling) then
          excess = stiffness_excess(scene)
          if (excess > no_digits_left) then
-            call raise(error, error_code%not_converged, 'E0501', 'the stiffness of contact is '//to_text(excess)// &
-               & ' times that of the bodies: no digits are left of the gaps', model%step(scene%step)%at, &
+            call raise(error, error_code%not_converged, 'E0501', 'the stiffness of contact is '// &
+               & to_text(excess)// &
+               & ' times that of the bodies: no digits are left of the gaps', &
+               & model%step(scene%step)%at, &
                & help='a smaller slope, or DIRECT; PERTURBED LAGRANGE solves the same equations without this loss')
             return
          end if

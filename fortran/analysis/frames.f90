@@ -41,7 +41,8 @@ contains
       real(wp), intent(in) :: reaction(:)
       integer :: i, k, node, dof, axes
 
-      if (.not. allocated(frame%u)) allocate (frame%u(6, model%mesh%nnode), frame%rf(6, model%mesh%nnode))
+      if (.not. allocated(frame%u)) allocate (frame%u(6, model%mesh%nnode), &
+         & frame%rf(6, model%mesh%nnode))
       frame%u = 0.0_wp
       frame%rf = 0.0_wp
       do node = 1, model%mesh%nnode
@@ -55,7 +56,8 @@ contains
          axes = 0
          if (dof <= 3) axes = scene%constraints%axes_of(node)
          if (axes > 0) then
-            frame%rf(:3, node) = frame%rf(:3, node) + reaction(i)*scene%constraints%axes(dof, :, axes)
+            frame%rf(:3, node) = frame%rf(:3, node) + reaction(i)*scene%constraints%axes(dof, :, &
+               & axes)
          else
             frame%rf(dof, node) = frame%rf(dof, node) + reaction(i)
          end if
@@ -82,8 +84,10 @@ contains
          from = scene%points%first(pair)
          n = scene%points%first(pair + 1) - from
          associate (c => frame%contact(pair), p => scene%points)
-            if (.not. allocated(c%node)) allocate (c%node(n), c%facet(n), c%status(n), c%weight(n), c%gap(n), &
-               & c%pressure(n), c%normal(ndim, n), c%force(ndim, n), c%xi(2, n), c%u_n(n), c%u_t(ndim, n))
+            if (.not. allocated(c%node)) allocate (c%node(n), c%facet(n), c%status(n), &
+               & c%weight(n), c%gap(n), &
+               & c%pressure(n), c%normal(ndim, n), c%force(ndim, n), c%xi(2, n), c%u_n(n), &
+               & c%u_t(ndim, n))
             c%node = p%node(from:from + n - 1)
             c%facet = p%facet(from:from + n - 1)
             c%weight = p%weight(from:from + n - 1)
@@ -101,11 +105,13 @@ contains
             end do
             do row = scene%rows%group_first(pair), scene%rows%group_first(pair + 1) - 1
                point = scene%rows%point(row) - from + 1
-               c%force(:, point) = c%force(:, point) + scene%answer%force(row)*scene%rows%direction(:ndim, row)
+               c%force(:, point) = c%force(:, point) &
+                  & + scene%answer%force(row)*scene%rows%direction(:ndim, row)
                if (scene%rows%tied(row)) then
                   c%status(point) = 2
                else
-                  c%gap(point) = scene%answer%gap(row) + model%interaction(model%pair(pair)%interaction)%clearance
+                  c%gap(point) = scene%answer%gap(row) &
+                     & + model%interaction(model%pair(pair)%interaction)%clearance
                   ! A law has no set of closed points: it presses or it does not.
                   if (scene%answer%force(row) > 0.0_wp .or. (scene%answer%active(row) &
                      & .and. .not. has_law(model, pair))) c%status(point) = 1

@@ -19,9 +19,10 @@ module lopin_linear_system
    type :: linear_system_type
       class(linear_solver_type), allocatable :: solver
       integer :: n = 0, nlast = 0
-      integer, allocatable :: number(:)        !! (neq) row in the factorised matrix; 0: supported artificially
+      integer, allocatable :: number(:)   !! (neq) row in the factorised matrix; 0: supported
+                                          !! artificially
       integer, allocatable :: equation(:)      !! (n) the reverse
-      integer, allocatable :: place(:)         !! (neq) place among the equations kept last; 0: not kept
+      integer, allocatable :: place(:)   !! (neq) place among the equations kept last; 0: not kept
       logical :: splits = .true.               !! the solver has forward and backward passes
       real(wp), allocatable :: l(:, :)         !! (nlast, nlast) factor of the condensation
       character(len=:), allocatable :: reason  !! why this solver
@@ -30,7 +31,8 @@ module lopin_linear_system
 contains
 
    !> Factorise. `retained` are the free equations kept last, `support` those left out.
-   subroutine new_linear_system(self, k, constraints, support, retained, wish, clock, counter, bad, error)
+   subroutine new_linear_system(self, k, constraints, support, retained, wish, clock, counter, &
+      & bad, error)
       type(linear_system_type), intent(out) :: self
       type(csc_type), intent(in) :: k
       type(constraints_type), intent(in) :: constraints
@@ -57,17 +59,20 @@ contains
       call clock%stop_in(phase%assemble)
       name = lower(wish)
       self%reason = 'as asked'
-      if (name == 'auto') call choose_solver(reduced, matrix_class%positive_definite, self%number(retained), &
+      if (name == 'auto') call choose_solver(reduced, matrix_class%positive_definite, &
+         & self%number(retained), &
          & name, self%reason)
       call new_solver(self%solver, name, error)
       if (allocated(error)) return
       self%splits = self%solver%can_condense(matrix_class%positive_definite)
       if (.not. self%splits .and. self%nlast > 0) then
-         call raise(error, error_code%usage, 'E0705', 'solver '//name//' cannot keep the contact equations last', &
+         call raise(error, error_code%usage, 'E0705', 'solver '//name// &
+            & ' cannot keep the contact equations last', &
             & help='use skyline, cholmod or dense, or *LOPIN, PATH=NEWTON, which does not condense')
          return
       end if
-      call self%solver%analyse(reduced, matrix_class%positive_definite, self%number(retained), error)
+      call self%solver%analyse(reduced, matrix_class%positive_definite, self%number(retained), &
+         & error)
       call clock%stop_in(phase%analyse)
       if (allocated(error)) return
       call self%solver%factorise(reduced, bad, error)

@@ -1,9 +1,9 @@
 !> Loads and prescribed displacements of a step as functions of time.
 !>
-!> Without an amplitude a load goes linearly from its value at the end of the last step to its new value
-!> (at once if the step says AMPLITUDE=STEP); a load that is no longer in force goes to zero in the same
-!> way. With an amplitude it is value times amplitude; where the next step takes the amplitude away, the
-!> load goes on from its last value.
+!> Without an amplitude a load goes linearly from its value at the end of the last step to its new
+!> value (at once if the step says AMPLITUDE=STEP); a load that is no longer in force goes to zero
+!> in the same way. With an amplitude it is value times amplitude; where the next step takes the
+!> amplitude away, the load goes on from its last value.
 module lopin_loading
    use lopin_kinds, only : wp
    use lopin_model, only : model_type, step_type, amplitude_value
@@ -51,9 +51,11 @@ contains
       end do
       allocate (self%varying(dofs%n, size(self%amplitude)), source=0.0_wp)
       do i = 1, size(self%amplitude)
-         call add_loads(self%varying(:, i), model, dofs, constraints, solids, step, self%amplitude(i))
+         call add_loads(self%varying(:, i), model, dofs, constraints, solids, step, &
+            & self%amplitude(i))
       end do
-      allocate (self%from(constraints%nprescribed), self%to(constraints%nprescribed), self%follows(constraints%nprescribed))
+      allocate (self%from(constraints%nprescribed), self%to(constraints%nprescribed), &
+         & self%follows(constraints%nprescribed))
       do i = 1, constraints%nprescribed
          associate (entry => step%prescribed(constraints%entry_of_prescribed(i)))
             self%to(i) = entry%value
@@ -66,11 +68,13 @@ contains
    pure logical function uses(step, amplitude)
       type(step_type), intent(in) :: step
       integer, intent(in) :: amplitude
-      uses = any(step%point_load%amplitude == amplitude) .or. any(step%face_load%amplitude == amplitude) &
+      uses = any(step%point_load%amplitude == amplitude) &
+         & .or. any(step%face_load%amplitude == amplitude) &
          & .or. any(step%body_load%amplitude == amplitude)
    end function uses
 
-   !> Add to `steady` the last values of the loads that followed an amplitude in `old` and no longer do.
+   !> Add to `steady` the last values of the loads that followed an amplitude in `old` and no longer
+   !> do.
    subroutine add_ended_loads(self, model, dofs, constraints, solids, old, new, steady)
       type(loading_type), intent(in) :: self           !! of the old step
       type(model_type), intent(in) :: model
@@ -87,13 +91,15 @@ contains
       allocate (ended%point_load(0), ended%face_load(0), ended%body_load(0))
       do i = 1, size(old%point_load)
          associate (load => old%point_load(i), list => new%point_load)
-            if (.not. any(list%node == load%node .and. list%dof == load%dof .and. list%amplitude > 0)) &
+            if (.not. any(list%node == load%node .and. list%dof == load%dof &
+               & .and. list%amplitude > 0)) &
                & ended%point_load = [ended%point_load, load]
          end associate
       end do
       do i = 1, size(old%face_load)
          associate (load => old%face_load(i), list => new%face_load)
-            if (.not. any(list%element == load%element .and. list%face == load%face .and. list%amplitude > 0)) &
+            if (.not. any(list%element == load%element .and. list%face == load%face &
+               & .and. list%amplitude > 0)) &
                & ended%face_load = [ended%face_load, load]
          end associate
       end do
@@ -145,7 +151,8 @@ contains
       do i = 1, size(chosen)
          density(:, i) = step%face_load(chosen(i))%traction
       end do
-      if (size(chosen) > 0) call add_face_loads(solids, model%mesh, step%face_load(chosen)%element, &
+      if (size(chosen) > 0) call add_face_loads(solids, model%mesh, &
+         & step%face_load(chosen)%element, &
          & step%face_load(chosen)%face, step%face_load(chosen)%pressure, density, f)
       chosen = pack([(i, i=1, size(step%body_load))], step%body_load%amplitude == amplitude)
       deallocate (density)
@@ -153,7 +160,8 @@ contains
       do i = 1, size(chosen)
          density(:, i) = step%body_load(chosen(i))%force
       end do
-      if (size(chosen) > 0) call add_body_loads(solids, model%mesh, step%body_load(chosen)%element, density, f)
+      if (size(chosen) > 0) call add_body_loads(solids, model%mesh, &
+         & step%body_load(chosen)%element, density, f)
    end subroutine add_loads
 
    !> Share of the ramp that is done.

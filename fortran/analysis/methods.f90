@@ -23,9 +23,11 @@ contains
          p%max_augmentations = spread(0, 1, p%ngroup)
          p%penetration = spread(0.0_wp, 1, p%ngroup)
          do pair = 1, p%ngroup
-            associate (law => model%interaction(model%pair(pair)%interaction), control => model%pair(pair)%control)
+            associate (law => model%interaction(model%pair(pair)%interaction), &
+               & control => model%pair(pair)%control)
                if (has_law(model, pair)) then
-                  call new_law(p%group(pair)%method, law%overclosure == overclosure_of%exponential, law%table)
+                  call new_law(p%group(pair)%method, &
+                     & law%overclosure == overclosure_of%exponential, law%table)
                   cycle
                end if
                call new_enforcement(p%group(pair)%method, law%method)
@@ -35,7 +37,8 @@ contains
                from = scene%points%first(pair)
                to = scene%points%first(pair + 1) - 1
                if (control%relative_penetration > 0.0_wp .and. to >= from) p%penetration(pair) = &
-                  & max(p%penetration(pair), control%relative_penetration*minval(scene%points%size(from:to)))
+                  & max(p%penetration(pair), &
+                  & control%relative_penetration*minval(scene%points%size(from:to)))
             end associate
          end do
       end associate

@@ -1,7 +1,8 @@
-!> The cheapest exact path: one factorisation with the contact equations last, contact solved on them.
+!> The cheapest exact path: one factorisation with the contact equations last, contact solved on
+!> them.
 !>
-!> A step keeps its supports, so it keeps its factor; a step with the supports of the one before keeps
-!> that one's. Every increment is one forward and one backward pass.
+!> A step keeps its supports, so it keeps its factor; a step with the supports of the one before
+!> keeps that one's. Every increment is one forward and one backward pass.
 module lopin_path_condensed
    use lopin_kinds, only : wp
    use lopin_error, only : error_type, error_code, raise
@@ -32,7 +33,8 @@ contains
       integer :: bad
 
       call retained_equations(scene, model, retained)
-      call new_linear_system(scene%system, scene%k, scene%constraints, scene%bodies%support, retained, &
+      call new_linear_system(scene%system, scene%k, scene%constraints, scene%bodies%support, &
+         & retained, &
          & model%solver, scene%clock, scene%counter, bad, error)
       if (.not. allocated(error)) return
       if (bad > 0) call name_equation(scene, model, bad, error)
@@ -59,10 +61,12 @@ contains
       real(wp), intent(in) :: f(:)             !! (ndof) loads [force]
       real(wp), intent(in) :: prescribed(:)    !! (nprescribed)
       type(error_type), allocatable, intent(out) :: error
-      real(wp), allocatable :: u_known(:), internal(:), right(:), y(:), load(:), moving(:), gap(:), pushed(:)
+      real(wp), allocatable :: u_known(:), internal(:), right(:), y(:), load(:), moving(:), &
+         & gap(:), pushed(:)
       real(wp), allocatable :: v(:)
 
-      allocate (u_known(scene%dofs%n), internal(scene%dofs%n), right(scene%constraints%neq), v(scene%constraints%neq))
+      allocate (u_known(scene%dofs%n), internal(scene%dofs%n), right(scene%constraints%neq), &
+         & v(scene%constraints%neq))
       v = 0.0_wp
       call expand(scene%constraints, v, prescribed, u_known)
       call scene%k%multiply(u_known, internal)
@@ -99,7 +103,8 @@ contains
       end do
    end subroutine push_back
 
-   !> Rows of the contact problem on the equations kept last; the compliance is kept if they did not change.
+   !> Rows of the contact problem on the equations kept last; the compliance is kept if they did not
+   !> change.
    subroutine fill_problem(scene, model, u_known, gap, error)
       type(scene_type), intent(inout) :: scene
       type(model_type), intent(in) :: model
@@ -141,7 +146,8 @@ contains
                p%c(row, :) = p%c(row, :) + value(k)*scene%bodies%motion(equation(k), :)
                if (scene%system%number(equation(k)) == 0) cycle
                if (scene%system%place(equation(k)) == 0) then
-                  call raise(error, error_code%internal, 'E0901', 'a contact row meets an equation that was not kept')
+                  call raise(error, error_code%internal, 'E0901', &
+                     & 'a contact row meets an equation that was not kept')
                   return
                end if
                kept = kept + 1
@@ -159,7 +165,8 @@ contains
       call check_held(scene, model, error)
    end subroutine fill_problem
 
-   !> The sequence of problems of seed J.1: softer penalties first, each starting from the last one's set.
+   !> The sequence of problems of seed J.1: softer penalties first, each starting from the last
+   !> one's set.
    subroutine contact_by_continuation(scene, model, gap, load, moving, error)
       type(scene_type), intent(inout) :: scene
       type(model_type), intent(in) :: model

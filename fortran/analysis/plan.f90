@@ -29,7 +29,8 @@ contains
       if (size(model%pair) == 0) then
          self%reason = self%reason//', no contact: one linear solve a load'
       else
-         self%reason = self%reason//', small sliding, no friction: contact is solved exactly on the '// &
+         self%reason = self%reason// &
+            & ', small sliding, no friction: contact is solved exactly on the '// &
             & 'condensed contact equations'
       end if
       select case (model%path)
@@ -57,7 +58,8 @@ contains
       if (self%path == path_of%condensed) line = line//'condensed'
       if (self%path == path_of%newton) line = line//'newton'
       line = line//', solver '//solver//' ('//solver_reason//'): '//to_text(equations)//' equations'
-      if (rows > 0) line = line//', '//to_text(rows)//' contact rows on '//to_text(retained)//' of them'
+      if (rows > 0) line = line//', '//to_text(rows)//' contact rows on '//to_text(retained)// &
+         & ' of them'
       if (nq > 0) line = line//', '//to_text(nq)//' motions held only by contact'
       line = line//'; because '//self%reason
    end function plan_line

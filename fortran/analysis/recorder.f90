@@ -1,4 +1,5 @@
-!> What an analysis tells the outside: once before the first step, after each accepted increment, at the end.
+!> What an analysis tells the outside: once before the first step, after each accepted increment, at
+!> the end.
 !>
 !> Recorders never change the run: what they are given is read only, and a recorder that fails
 !> returns an error which ends the run with the files complete up to the last increment.

@@ -25,7 +25,8 @@ module lopin_run_analysis
 
    !> Projections of a tool that forces move within one increment; a few are the rule.
    integer, parameter :: most_places = 40
-   !> It rests when it moves by less than this share of the scene, or by less than the second for rounding.
+   !> It rests when it moves by less than this share of the scene, or by less than the second for
+   !> rounding.
    real(wp), parameter :: settled = 1.0e-11_wp, rounded = 1.0e-7_wp
 
    !> What goes on from step to step.
@@ -117,8 +118,10 @@ contains
       integer :: step
       logical :: same
 
-      allocate (progress%steady(scene%dofs%n), progress%f(scene%dofs%n), progress%residual(scene%dofs%n), &
-         & progress%f_before(scene%dofs%n), progress%u_before(scene%dofs%n), progress%r_before(scene%dofs%n), &
+      allocate (progress%steady(scene%dofs%n), progress%f(scene%dofs%n), &
+         & progress%residual(scene%dofs%n), &
+         & progress%f_before(scene%dofs%n), progress%u_before(scene%dofs%n), &
+         & progress%r_before(scene%dofs%n), &
          & source=0.0_wp)
       do step = 1, size(model%step)
          scene%counter%factorisations = 0
@@ -149,7 +152,8 @@ contains
       if (scene%bodies%nq == 0 .or. any(scene%points%facet(:scene%points%n) > 0)) return
       allocate (q(scene%bodies%nq), source=0.0_wp)
       q(1) = 1.0_wp
-      call raise(error, error_code%singular, 'E0310', describe_motion(scene%bodies, model, q)//': nothing holds it', &
+      call raise(error, error_code%singular, 'E0310', describe_motion(scene%bodies, model, q)// &
+         & ': nothing holds it', &
          & model%step(scene%step)%at, note=to_text(scene%bodies%nq)//' rigid motions are free', &
          & help='fix degrees of freedom by *BOUNDARY, or add the contact that holds the body')
    end subroutine check_supports
@@ -179,12 +183,14 @@ contains
       end if
       scene%fresh_factor = .true.
       summary%candidates = scene%rows%n
-      summary%plan = plan_line(plan, summary%solver, reason, summary%equations, summary%retained, scene%rows%n, &
+      summary%plan = plan_line(plan, summary%solver, reason, summary%equations, summary%retained, &
+         & scene%rows%n, &
          & scene%bodies%nq)
       call say(recorders, summary%plan)
    end subroutine prepare
 
-   !> Solve; where a tool that forces move is curved, again for the place it has moved to, until it rests.
+   !> Solve; where a tool that forces move is curved, again for the place it has moved to, until it
+   !> rests.
    subroutine solve(scene, model, plan, f, prescribed, error)
       type(scene_type), intent(inout) :: scene
       type(model_type), intent(in) :: model
@@ -209,7 +215,8 @@ contains
          if (pass > 2 .and. way > 0.5_wp*last .and. way < rounded) return
          last = way
       end do
-      call raise(error, error_code%not_converged, 'E0505', 'the place of a tool that forces move does not settle in '// &
+      call raise(error, error_code%not_converged, 'E0505', &
+         & 'the place of a tool that forces move does not settle in '// &
          & to_text(most_places)//' passes', model%step(scene%step)%at, &
          & help='prescribe its displacement, or take smaller increments')
    end subroutine solve
@@ -228,20 +235,23 @@ contains
       integer :: number
 
       associate (step => model%step(scene%step))
-         call new_loading(loading, model, scene%dofs, scene%constraints, scene%solids, step, progress%time, &
+         call new_loading(loading, model, scene%dofs, scene%constraints, scene%solids, step, &
+            & progress%time, &
             & progress%steady, scene%accepted)
          time = 0.0_wp
          increment = min(step%initial, step%period)
          do number = 1, step%max_increments
             if (time + increment*(1.0_wp + 1.0e-9_wp) >= step%period) increment = step%period - time
-            time = merge(step%period, time + increment, time + increment*(1.0_wp + 1.0e-9_wp) >= step%period)
+            time = merge(step%period, time + increment, time &
+               & + increment*(1.0_wp + 1.0e-9_wp) >= step%period)
             frame%step = scene%step
             frame%increment = number
             frame%step_time = time
             frame%total_time = progress%time + time
             frame%time_increment = increment
             frame%last_of_step = .not. time < step%period
-            call solve_increment(scene, model, plan, loading, progress, recorders, summary, frame, error)
+            call solve_increment(scene, model, plan, loading, progress, recorders, summary, frame, &
+               & error)
             if (allocated(error)) return
             summary%step(scene%step)%increments = number
             if (frame%last_of_step) exit
@@ -249,19 +259,24 @@ contains
             if (step%largest > 0.0_wp) increment = min(increment, step%largest)
          end do
          if (.not. frame%last_of_step) then
-            call raise(error, error_code%not_converged, 'E0503', 'step '//to_text(scene%step)//' reached time '// &
-               & to_text(time)//' of '//to_text(step%period)//' in the '//to_text(step%max_increments)// &
-               & ' increments that INC= allows', step%at, help='raise INC= on *STEP, or the increments on *STATIC')
+            call raise(error, error_code%not_converged, 'E0503', 'step '//to_text(scene%step)// &
+               & ' reached time '// &
+               & to_text(time)//' of '//to_text(step%period)//' in the '// &
+               & to_text(step%max_increments)// &
+               & ' increments that INC= allows', step%at, &
+               & help='raise INC= on *STEP, or the increments on *STATIC')
          end if
          progress%time = progress%time + time
-         if (scene%step < size(model%step)) call add_ended_loads(loading, model, scene%dofs, scene%constraints, &
+         if (scene%step < size(model%step)) call add_ended_loads(loading, model, scene%dofs, &
+            & scene%constraints, &
             & scene%solids, step, model%step(scene%step + 1), progress%steady)
          call judge_step(scene, model, progress%seen)
       end associate
    end subroutine run_step
 
    !> Solve, look at every gap, certify, accept, record.
-   subroutine solve_increment(scene, model, plan, loading, progress, recorders, summary, frame, error)
+   subroutine solve_increment(scene, model, plan, loading, progress, recorders, summary, frame, &
+      & error)
       type(scene_type), intent(inout) :: scene
       type(model_type), intent(in) :: model
       type(plan_type), intent(in) :: plan
@@ -273,7 +288,8 @@ contains
       type(error_type), allocatable, intent(out) :: error
       real(wp), allocatable :: prescribed(:), reaction(:), steady(:)
 
-      allocate (prescribed(scene%constraints%nprescribed), reaction(scene%constraints%nprescribed), steady(scene%dofs%n))
+      allocate (prescribed(scene%constraints%nprescribed), &
+         & reaction(scene%constraints%nprescribed), steady(scene%dofs%n))
       call loads_at(loading, model, frame%step_time, progress%f, steady)
       call prescribed_at(loading, model, frame%step_time, prescribed)
       scene%interference = 1.0_wp
@@ -297,7 +313,8 @@ contains
          progress%residual = progress%residual - pressed
       end block
       call prescribed_part(scene%constraints, progress%residual, reaction)
-      call certify(frame%certificate, frame%energy, scene, model, progress%f, progress%residual, reaction, &
+      call certify(frame%certificate, frame%energy, scene, model, progress%f, progress%residual, &
+         & reaction, &
          & prescribed)
       call scene%clock%stop_in(phase%solve)
       frame%iterations = scene%answer%iterations
@@ -310,8 +327,10 @@ contains
       if (allocated(error)) return
       call progress%checksum%add(frame%u(:3, :))
       summary%checksum = progress%checksum%text()
-      if (frame%certificate%verdict == 2) call raise(error, error_code%not_converged, 'E0504', 'the certificate of step '// &
-         & to_text(frame%step)//', increment '//to_text(frame%increment)//' fails: '//frame%certificate%reason, &
+      if (frame%certificate%verdict == 2) call raise(error, error_code%not_converged, 'E0504', &
+         & 'the certificate of step '// &
+         & to_text(frame%step)//', increment '//to_text(frame%increment)//' fails: '// &
+         & frame%certificate%reason, &
          & model%step(scene%step)%at, help='see lopin explain E0504')
    end subroutine solve_increment
 
@@ -321,7 +340,8 @@ contains
       type(progress_type), intent(inout) :: progress
       type(frame_type), intent(inout) :: frame
 
-      progress%work = progress%work + 0.5_wp*dot_product(progress%f + progress%f_before + progress%residual &
+      progress%work = progress%work + 0.5_wp*dot_product(progress%f + progress%f_before &
+         & + progress%residual &
          & + progress%r_before, scene%u - progress%u_before)
       frame%energy%external = progress%work
       progress%f_before = progress%f
@@ -347,11 +367,14 @@ contains
       type(model_type), intent(in) :: model
       type(frame_type), intent(in) :: frame
 
-      if (frame%certificate%verdict == 1) call say_once(scene%log, 'W0504', 'certificate of step '// &
-         & to_text(frame%step)//', increment '//to_text(frame%increment)//': '//frame%certificate%reason, &
+      if (frame%certificate%verdict == 1) call say_once(scene%log, 'W0504', &
+         & 'certificate of step '// &
+         & to_text(frame%step)//', increment '//to_text(frame%increment)//': '// &
+         & frame%certificate%reason, &
          & model%step(scene%step)%at)
       if (scene%answer%dependent > 0) call say_once(scene%log, 'W0403', &
-         & to_text(scene%answer%dependent)//' contact rows depend on supports or on other rows: their forces are '// &
+         & to_text(scene%answer%dependent)// &
+         & ' contact rows depend on supports or on other rows: their forces are '// &
          & 'shared in the way of least norm', model%step(scene%step)%at, &
          & help='do not fix slave nodes along the contact normal, and list a pair of surfaces once')
    end subroutine warn_of

@@ -11,7 +11,8 @@ module lopin_scene
    use lopin_bodies, only : bodies_type, new_bodies
    use lopin_assemble_solids, only : solids_type, solid_section_type, new_solids, assemble_stiffness
    use lopin_contact_points, only : contact_points_type, new_contact_points, move_tool, pair_is_tied
-   use lopin_contact_rows, only : initial_gap_type, new_initial_gaps, contact_rows_type, new_contact_rows
+   use lopin_contact_rows, only : initial_gap_type, new_initial_gaps, contact_rows_type, &
+      & new_contact_rows
    use lopin_condensed, only : condensed_type
    use lopin_active_set, only : contact_result_type
    use lopin_linear_system, only : linear_system_type
@@ -45,10 +46,10 @@ module lopin_scene
       real(wp), allocatable :: place(:, :)         !! (6, nbody) where tools were projected
       logical, allocatable :: candidate(:)         !! (npoint) within reach: may have a row
       real(wp) :: interference = 1.0_wp            !! share of initial overclosures that is applied
-      logical, allocatable :: sticks(:)            !! (npoint) closed before: bilateral if NO SEPARATION
+      logical, allocatable :: sticks(:)   !! (npoint) closed before: bilateral if NO SEPARATION
       real(wp), allocatable :: u(:)                !! (ndof) trial displacements
-      real(wp), allocatable :: accepted(:)         !! (ndof) displacements of the last accepted increment
-      real(wp), allocatable :: guess(:)            !! (ndof) those that place the tools that forces move
+      real(wp), allocatable :: accepted(:)   !! (ndof) displacements of the last accepted increment
+      real(wp), allocatable :: guess(:)   !! (ndof) those that place the tools that forces move
       type(clock_type) :: clock
       type(counter_type) :: counter
       type(log_type) :: log
@@ -65,7 +66,8 @@ contains
       type(error_type), allocatable, intent(out) :: error
 
       call new_dofs(self%dofs, model)
-      call new_solids(self%solids, model%mesh, model%element_word, sections_of(model), self%dofs%id, self%k, error)
+      call new_solids(self%solids, model%mesh, model%element_word, sections_of(model), &
+         & self%dofs%id, self%k, error)
       if (allocated(error)) return
       call assemble_stiffness(self%solids, model%mesh, self%k, error)
       if (allocated(error)) return
@@ -75,7 +77,8 @@ contains
       call new_initial_gaps(self%initial, model, self%points, self%log, error)
       if (allocated(error)) return
       call self%clock%stop_in(phase%search)
-      allocate (self%u(self%dofs%n), self%accepted(self%dofs%n), self%guess(self%dofs%n), source=0.0_wp)
+      allocate (self%u(self%dofs%n), self%accepted(self%dofs%n), self%guess(self%dofs%n), &
+         & source=0.0_wp)
       allocate (self%place(6, size(model%rigid_body)), source=0.0_wp)
       self%sticks = self%initial%touches
       call choose_reach(self, model)
@@ -94,8 +97,8 @@ contains
       end do
    end function sections_of
 
-   !> In a scene that displacements drive, points much farther than anything moves need no row; every
-   !> gap is checked after the solve all the same.
+   !> In a scene that displacements drive, points much farther than anything moves need no row;
+   !> every gap is checked after the solve all the same.
    subroutine choose_reach(self, model)
       type(scene_type), intent(inout) :: self
       type(model_type), intent(in) :: model
@@ -157,7 +160,8 @@ contains
       integer :: i, k, pair
 
       allocate (wanted(self%constraints%neq), source=.false.)
-      call new_contact_rows(self%rows, model, self%dofs, self%points, self%initial, self%place, self%sticks, &
+      call new_contact_rows(self%rows, model, self%dofs, self%points, self%initial, self%place, &
+         & self%sticks, &
          & self%candidate)
       do k = 1, size(self%rows%dof)
          call want(self%rows%dof(k))
@@ -167,7 +171,8 @@ contains
          do i = self%points%first(pair), self%points%first(pair + 1) - 1
             if (.not. self%candidate(i)) cycle
             do k = 1, model%mesh%ndim
-               if (self%dofs%id(k, self%points%node(i)) > 0) call want(self%dofs%id(k, self%points%node(i)))
+               if (self%dofs%id(k, self%points%node(i)) > 0) call want(self%dofs%id(k, &
+                  & self%points%node(i)))
             end do
          end do
          associate (reference => model%rigid_body(self%points%body(pair))%reference)
@@ -241,7 +246,8 @@ contains
 
       place = 0.0_wp
       if (size(model%rigid_body) == 0) return
-      v = [(raw_displacement(self%constraints, self%dofs, self%guess, self%constraints%dof_of_equation(i)), &
+      v = [(raw_displacement(self%constraints, self%dofs, self%guess, &
+         & self%constraints%dof_of_equation(i)), &
          & i=1, self%constraints%neq)]
       allocate (u(self%dofs%n))
       call expand(self%constraints, v, prescribed, u)
@@ -298,12 +304,14 @@ contains
             call move_tool(self%points, model, pair, self%place(:model%mesh%ndim, body), rotation)
          end associate
       end do
-      call new_contact_rows(self%rows, model, self%dofs, self%points, self%initial, self%place, self%sticks, &
+      call new_contact_rows(self%rows, model, self%dofs, self%points, self%initial, self%place, &
+         & self%sticks, &
          & self%candidate)
       do row = 1, self%rows%n
          if (self%rows%tied(row)) cycle
          associate (point => self%rows%point(row))
-            self%rows%gap0(row) = self%rows%gap0(row) + (1.0_wp - self%interference)*self%initial%overclosure(point) &
+            self%rows%gap0(row) = self%rows%gap0(row) &
+               & + (1.0_wp - self%interference)*self%initial%overclosure(point) &
                & - model%interaction(model%pair(self%points%pair(point))%interaction)%clearance
          end associate
       end do
@@ -315,12 +323,13 @@ contains
       type(model_type), intent(in) :: model
       integer, intent(in) :: point
 
-      gap = self%points%gap(point) + self%initial%shift(point) + dot_product(self%points%normal(:, point), &
+      gap = self%points%gap(point) + self%initial%shift(point) &
+         & + dot_product(self%points%normal(:, point), &
          & relative_motion(self, model, point, since_projection=.true.))
    end function gap_of
 
-   !> Displacement of a slave point relative to the master opposite, since the start or since the tool
-   !> was projected where it stands now.
+   !> Displacement of a slave point relative to the master opposite, since the start or since the
+   !> tool was projected where it stands now.
    pure function relative_motion(self, model, point, since_projection) result(motion)
       type(scene_type), intent(in) :: self
       type(model_type), intent(in) :: model
@@ -332,19 +341,22 @@ contains
       ndim = model%mesh%ndim
       motion = 0.0_wp
       do k = 1, ndim
-         if (self%dofs%id(k, self%points%node(point)) > 0) motion(k) = self%u(self%dofs%id(k, self%points%node(point)))
+         if (self%dofs%id(k, self%points%node(point)) > 0) motion(k) = self%u(self%dofs%id(k, &
+            & self%points%node(point)))
       end do
       do m = 1, size(self%points%master, 1)
          if (self%points%master(m, point) == 0) exit
          do k = 1, ndim
             if (self%dofs%id(k, self%points%master(m, point)) == 0) cycle
-            motion(k) = motion(k) - self%points%shape(m, point)*self%u(self%dofs%id(k, self%points%master(m, point)))
+            motion(k) = motion(k) - self%points%shape(m, point)*self%u(self%dofs%id(k, &
+               & self%points%master(m, point)))
          end do
       end do
       body = self%points%body(self%points%pair(point))
       if (body == 0) return
       place = 0.0_wp
-      if (.not. pair_is_tied(model, model%pair(self%points%pair(point)))) place = self%place(:, body)
+      if (.not. pair_is_tied(model, model%pair(self%points%pair(point)))) place = self%place(:, &
+         & body)
       arm = 0.0_wp
       associate (reference => model%rigid_body(body)%reference)
          arm(:ndim) = self%points%foot(:ndim, point) - model%mesh%x(:, reference) - place(:ndim)

@@ -190,7 +190,8 @@ contains
          & '--strict              warnings are errors'//nl// &
          & '--json                a JSON object on standard output at the end'//nl// &
          & '--quiet, -q; --verbose, -v; --no-color; --version; --help'//nl//nl// &
-         & 'With the Python package (.venv/bin/lopin, pip install .): '//join(python_words)//nl//nl// &
+         & 'With the Python package (.venv/bin/lopin, pip install .): '//join(python_words)//nl// &
+         & nl// &
          & 'Exit codes: 0 finished, 1 deck, 2 command line, 3 not converged, 4 singular, 5 '// &
          & 'memory or file,'//nl// &
          & '70 internal, 130 interrupted'//nl

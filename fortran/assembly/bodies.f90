@@ -1,9 +1,10 @@
-!> Bodies and the motions that nothing holds: found before solving, from supports and constraints alone.
+!> Bodies and the motions that nothing holds: found before solving, from supports and constraints
+!> alone.
 !>
-!> Every connected body has rigid motions, every rigid tool the motions of its reference node. What is
-!> left of them under all constraints are the floating motions R. They are treated exactly: as many
-!> artificial supports as motions make the stiffness definite, the amplitudes q are unknowns of the contact
-!> problem, and at its solution the artificial supports carry nothing.
+!> Every connected body has rigid motions, every rigid tool the motions of its reference node. What
+!> is left of them under all constraints are the floating motions R. They are treated exactly: as
+!> many artificial supports as motions make the stiffness definite, the amplitudes q are unknowns of
+!> the contact problem, and at its solution the artificial supports carry nothing.
 module lopin_bodies
    use lopin_kinds, only : wp
    use lopin_model, only : model_type, kind_of
@@ -22,7 +23,8 @@ module lopin_bodies
       integer :: nq = 0                       !! floating motions
       integer, allocatable :: body(:)         !! (nnode) deformable body of a node; 0: none
       real(wp), allocatable :: motion(:, :)   !! (neq, nq) R on the free equations
-      real(wp), allocatable :: amplitude(:, :) !! (ncolumn, nq) the same in motions of bodies and tools
+      real(wp), allocatable :: amplitude(:, :)   !! (ncolumn, nq) the same in motions of bodies and
+                                                 !! tools
       integer, allocatable :: support(:)      !! (nq) equations supported artificially
       real(wp), allocatable :: centre(:, :)   !! (3, nbody) [length]
       real(wp) :: length = 1.0_wp             !! of the scene, scales rotations [length]
@@ -138,7 +140,8 @@ contains
       end do
    end subroutine number_columns
 
-   !> Value of a raw variable per amplitude of each column that moves it; rotations are times `length`.
+   !> Value of a raw variable per amplitude of each column that moves it; rotations are times
+   !> `length`.
    subroutine raw_row(self, model, dofs, constraints, raw, column, value, n)
       type(bodies_type), intent(in) :: self
       type(model_type), intent(in) :: model
@@ -155,7 +158,8 @@ contains
       dof = dofs%dof(raw)
       axis = 0.0_wp
       if (dof <= 3) axis(dof) = 1.0_wp
-      if (dof <= 3 .and. constraints%axes_of(node) > 0) axis = constraints%axes(dof, :, constraints%axes_of(node))
+      if (dof <= 3 .and. constraints%axes_of(node) > 0) axis = constraints%axes(dof, :, &
+         & constraints%axes_of(node))
       do i = 1, size(self%column, 2)
          if (model%rigid_body(i)%reference /= node) cycle
          if (dof > 3) then
@@ -172,7 +176,8 @@ contains
          end do
          return
       end do
-      if (self%body(node) > 0 .and. dof <= 3) call body_row(self, model, node, axis, column, value, n)
+      if (self%body(node) > 0 .and. dof <= 3) call body_row(self, model, node, axis, column, &
+         & value, n)
    end subroutine raw_row
 
    !> Displacement of a node of a deformable body along an axis, by the body's rigid motions.
@@ -272,12 +277,14 @@ contains
       allocate (self%motion(constraints%neq, self%nq), source=0.0_wp)
       if (self%nq == 0) return
       do i = 1, constraints%neq
-         call raw_row(self, model, dofs, constraints, constraints%dof_of_equation(i), column, value, n)
+         call raw_row(self, model, dofs, constraints, constraints%dof_of_equation(i), column, &
+            & value, n)
          self%motion(i, :) = matmul(value(:n), self%amplitude(column(:n), :))
       end do
    end subroutine find_floating
 
-   !> Equations whose support stops every floating motion: the largest pivots, so that they stop it well.
+   !> Equations whose support stops every floating motion: the largest pivots, so that they stop it
+   !> well.
    subroutine choose_supports(self)
       type(bodies_type), intent(inout) :: self
       real(wp), allocatable :: left(:, :), direction(:)

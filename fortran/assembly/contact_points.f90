@@ -1,21 +1,23 @@
 !> Slave points of all pairs: what each weighs, what lies opposite, along which normal, how far.
 !>
-!> Small sliding: the projection is made on the shape at the start; a rigid tool is projected where it
-!> stands at the end of the increment, so that its path may be long while the piece's is short.
-!> A point in a concave corner of a tool has two entries, one a wall.
+!> Small sliding: the projection is made on the shape at the start; a rigid tool is projected where
+!> it stands at the end of the increment, so that its path may be long while the piece's is short. A
+!> point in a concave corner of a tool has two entries, one a wall.
 module lopin_contact_points
    use lopin_kinds, only : wp
    use lopin_error, only : error_type, error_code, raise, log_type, severity
    use lopin_text, only : to_text
    use lopin_cells, only : cell_type
-   use lopin_facets, only : facets_type, facet_rule_type, new_facets, new_facet_rules, nodal_weights, nodal_normals
+   use lopin_facets, only : facets_type, facet_rule_type, new_facets, new_facet_rules, &
+      & nodal_weights, nodal_normals
    use lopin_element_type, only : cells_of_words
    use lopin_surface, only : surface_type, new_surface, update_surface
    use lopin_feature, only : projection_type, limits_type
    use lopin_search, only : tree_type, build_tree, find_projections
    use lopin_tool, only : foot_type, project_all_moved
    use lopin_rigid_motion, only : rigid_motion_type, new_rigid_motion
-   use lopin_model, only : model_type, pair_type, surface_data_type, surface_of, kind_of, overclosure_of
+   use lopin_model, only : model_type, pair_type, surface_data_type, surface_of, kind_of, &
+      & overclosure_of
    implicit none
    private
    public :: contact_points_type, new_contact_points, move_tool, pair_is_tied
@@ -27,8 +29,10 @@ module lopin_contact_points
       integer, allocatable :: first(:)        !! (npair+1) first point of each pair
       integer, allocatable :: pair(:)         !! (n)
       integer, allocatable :: node(:)         !! (n) slave node
-      integer, allocatable :: facet(:)        !! (n) facet of the master surface or segment of the tool; 0: none
-      integer, allocatable :: master(:, :)    !! (8, n) master nodes, zeros behind the last; none for a tool
+      integer, allocatable :: facet(:)   !! (n) facet of the master surface or segment of the tool;
+                                         !! 0: none
+      integer, allocatable :: master(:, :)   !! (8, n) master nodes, zeros behind the last; none for
+                                             !! a tool
       real(wp), allocatable :: shape(:, :)    !! (8, n)
       real(wp), allocatable :: xi(:, :)       !! (2, n)
       real(wp), allocatable :: normal(:, :)   !! (3, n) out of the master
@@ -201,7 +205,8 @@ contains
             thickness(i) = model%section(model%mesh%section(facets%element(i)))%thickness
          end do
       end if
-      call nodal_weights(facets, rules, model%mesh%x, model%kind == kind_of%axisymmetric, thickness, weight)
+      call nodal_weights(facets, rules, model%mesh%x, model%kind == kind_of%axisymmetric, &
+         & thickness, weight)
       call nodal_normals(facets, rules, model%mesh%x, model%kind == kind_of%axisymmetric, normal)
       allocate (length(model%mesh%nnode), source=0.0_wp)
       do i = 1, facets%n
@@ -248,7 +253,8 @@ contains
       limits%extension = model%pair(pair)%extension
       limits%cosine = facing
       allocate (found(size(slave%node)))
-      call find_projections(master, tree, model%mesh%x(:, slave%node), slave%normal(:ndim, :), limits, found)
+      call find_projections(master, tree, model%mesh%x(:, slave%node), slave%normal(:ndim, :), &
+         & limits, found)
       do i = 1, size(slave%node)
          call add_point(self, pair, slave, i)
          n = self%n
@@ -259,7 +265,8 @@ contains
          self%foot(:, n) = found(i)%point
          self%gap(n) = found(i)%gap
          self%shape(:, n) = found(i)%shape
-         self%master(:facets%nnode(found(i)%facet), n) = facets%node(:facets%nnode(found(i)%facet), found(i)%facet)
+         self%master(:facets%nnode(found(i)%facet), &
+            & n) = facets%node(:facets%nnode(found(i)%facet), found(i)%facet)
       end do
    end subroutine pair_with_surface
 
@@ -279,11 +286,13 @@ contains
       associate (tool => model%tool(self%tool(pair))%shape)
          if (size(slave%node) > 0 .and. may_move(model, self%body(pair))) then
             ! A tool that moves may bring a concave corner to any node: room for its second wall.
-            call project_all_moved(tool, rest, model%mesh%x(:, slave%node(1)), huge(1.0_wp), feet, nfeet)
+            call project_all_moved(tool, rest, model%mesh%x(:, slave%node(1)), huge(1.0_wp), feet, &
+               & nfeet)
             entries = max(1, nfeet)
          end if
          do i = 1, size(slave%node)
-            call project_all_moved(tool, rest, model%mesh%x(:, slave%node(i)), slave%size(i), feet, nfeet)
+            call project_all_moved(tool, rest, model%mesh%x(:, slave%node(i)), slave%size(i), &
+               & feet, nfeet)
             do k = 1, max(entries, nfeet)
                call add_point(self, pair, slave, i)
                if (k <= nfeet) call take_foot(self, self%n, feet(k), model%pair(pair)%extension)
@@ -307,9 +316,11 @@ contains
          do i = 1, size(model%step)
             k = 0
             associate (p => model%step(i)%prescribed)
-               may_move = may_move .or. any((p%node == rigid%reference .or. p%node == rigid%rotation) &
+               may_move = may_move &
+                  & .or. any((p%node == rigid%reference .or. p%node == rigid%rotation) &
                   & .and. abs(p%value) > 0.0_wp)
-               k = count(p%node == rigid%reference) + count(p%node == rigid%rotation .and. rigid%rotation > 0)
+               k = count(p%node == rigid%reference) + count(p%node == rigid%rotation &
+                  & .and. rigid%rotation > 0)
             end associate
             may_move = may_move .or. k < dofs
          end do
@@ -346,8 +357,8 @@ contains
       self%start_normal = self%normal(:, :self%n)
    end subroutine remember_start
 
-   !> A point deep inside the moved tool may be nearest to a side that it does not face, as beside the
-   !> corner of a punch: it keeps the face that it met at the start, wherever that is now.
+   !> A point deep inside the moved tool may be nearest to a side that it does not face, as beside
+   !> the corner of a punch: it keeps the face that it met at the start, wherever that is now.
    subroutine keep_start(self, i, motion, x)
       type(contact_points_type), intent(inout) :: self
       integer, intent(in) :: i
@@ -368,7 +379,7 @@ contains
       type(contact_points_type), intent(inout) :: self
       type(model_type), intent(in) :: model
       integer, intent(in) :: pair
-      real(wp), intent(in) :: displacement(:), rotation(:)   !! of the reference node [length], [rad]
+      real(wp), intent(in) :: displacement(:), rotation(:)  !! of the reference node [length], [rad]
       type(rigid_motion_type) :: motion
       type(foot_type) :: feet(2)
       real(wp) :: reference(model%mesh%ndim)
@@ -379,12 +390,14 @@ contains
       i = self%first(pair)
       do while (i < self%first(pair + 1))
          associate (tool => model%tool(self%tool(pair))%shape)
-            call project_all_moved(tool, motion, model%mesh%x(:, self%node(i)), self%size(i), feet, nfeet)
+            call project_all_moved(tool, motion, model%mesh%x(:, self%node(i)), self%size(i), &
+               & feet, nfeet)
          end associate
          do k = 1, 2
             if (k <= nfeet) then
                call take_foot(self, i, feet(k), model%pair(pair)%extension)
-               if (feet(k)%overhang <= 0.0_wp) call keep_start(self, i, motion, model%mesh%x(:, self%node(i)))
+               if (feet(k)%overhang <= 0.0_wp) call keep_start(self, i, motion, &
+                  & model%mesh%x(:, self%node(i)))
             end if
             i = i + 1
             if (i >= self%first(pair + 1)) exit
@@ -411,12 +424,16 @@ contains
             if (dot_product(self%side(:, i), self%normal(:, i)) > 0.2_wp) behind = behind + 1
          end do
          if (behind == self%n - self%first(pair) + 1 .and. behind > 0) then
-            call raise(error, error_code%deck, 'E0312', 'all '//to_text(behind)//' slave nodes of '//slave// &
-               & ' lie behind '//master, p%at, help='reverse the order of its segments (the outward normal is on ' &
+            call raise(error, error_code%deck, 'E0312', 'all '//to_text(behind)// &
+               & ' slave nodes of '//slave// &
+               & ' lie behind '//master, p%at, &
+               & help='reverse the order of its segments (the outward normal is on ' &
                & //'the left of the way), or use the other side of its faces')
          else
-            call log%say(severity%warning, 'W0315', 'no node of '//slave//' has a point of '//master// &
-               & ' opposite: the pair can never touch', p%at, help='check the positions, and that the slave''s '// &
+            call log%say(severity%warning, 'W0315', 'no node of '//slave//' has a point of '// &
+               & master// &
+               & ' opposite: the pair can never touch', p%at, &
+               & help='check the positions, and that the slave''s '// &
                & 'faces look at the master')
          end if
       end associate
@@ -426,6 +443,7 @@ contains
    pure logical function pair_is_tied(model, pair)
       type(model_type), intent(in) :: model
       type(pair_type), intent(in) :: pair
-      pair_is_tied = pair%tied .or. model%interaction(pair%interaction)%overclosure == overclosure_of%tied
+      pair_is_tied = pair%tied &
+         & .or. model%interaction(pair%interaction)%overclosure == overclosure_of%tied
    end function pair_is_tied
 end module lopin_contact_points

@@ -1,7 +1,7 @@
 !> Contact constraints as rows: gap = gap0 + sum coefficient * u(dof).
 !>
-!> A sliding point has one row along the master's normal, a tied point one a direction. The frozen rule
-!> for initial gaps is applied here, and never silently.
+!> A sliding point has one row along the master's normal, a tied point one a direction. The frozen
+!> rule for initial gaps is applied here, and never silently.
 module lopin_contact_rows
    use lopin_kinds, only : wp
    use lopin_error, only : error_type, error_code, raise, log_type, severity
@@ -13,7 +13,8 @@ module lopin_contact_rows
    use lopin_contact_points, only : contact_points_type, pair_is_tied
    implicit none
    private
-   public :: initial_gap_type, new_initial_gaps, contact_rows_type, new_contact_rows, reduce_rows, row_forces
+   public :: initial_gap_type, new_initial_gaps, contact_rows_type, new_contact_rows, reduce_rows, &
+      & row_forces
 
    !> Overclosures below this share of a facet are inexact geometry, not interference (frozen).
    real(wp), parameter :: inexact = 1.0e-3_wp
@@ -23,8 +24,10 @@ module lopin_contact_rows
    real(wp), parameter :: rounding = 1.0e-9_wp
 
    type :: initial_gap_type
-      real(wp), allocatable :: shift(:)        !! (npoint) added to the geometric gap: ADJUST, CLEARANCE [length]
-      real(wp), allocatable :: overclosure(:)  !! (npoint) >= 0, ramped in over the first step [length]
+      real(wp), allocatable :: shift(:)   !! (npoint) added to the geometric gap: ADJUST, CLEARANCE
+                                          !! [length]
+      real(wp), allocatable :: overclosure(:)   !! (npoint) >= 0, ramped in over the first step
+                                                !! [length]
       logical, allocatable :: touches(:)       !! (npoint) closed at the start
    end type initial_gap_type
 
@@ -109,12 +112,15 @@ contains
             deepest = -gap/points%size(i)
             worst = i
          end do
-         if (adjusted > 0) call log%say(severity%note, 'N0316', to_text(adjusted)//' slave points of '// &
+         if (adjusted > 0) call log%say(severity%note, 'N0316', to_text(adjusted)// &
+            & ' slave points of '// &
             & model%surface(p%slave)%name//' were set on '//model%surface(p%master)%name// &
             & ' without strain, by at most '//to_text(moved), p%at)
          if (untied > 0) call log%say(severity%warning, 'W0318', to_text(untied)//' of '// &
-            & to_text(points%first(pair + 1) - points%first(pair))//' slave nodes of '//model%surface(p%slave)%name// &
-            & ' are not tied: they are farther than half a facet from '//model%surface(p%master)%name, p%at, &
+            & to_text(points%first(pair + 1) - points%first(pair))//' slave nodes of '// &
+            & model%surface(p%slave)%name// &
+            & ' are not tied: they are farther than half a facet from '// &
+            & model%surface(p%master)%name, p%at, &
             & help='ADJUST= on *CONTACT PAIR ties what is nearer than its value')
          if (interfering == 0) return
          call report_overclosure(model, points, pair, interfering, worst, deepest, log, error)
@@ -142,16 +148,20 @@ contains
          text = to_text(number)//' slave points of '//model%surface(p%slave)%name//' penetrate '// &
             & model%surface(p%master)%name//' at the start, the deepest, node '// &
             & to_text(model%mesh%node_label(points%node(worst)))//', by '// &
-            & to_text(deepest*points%size(worst))//' ('//to_text(nint(100.0_wp*deepest))//' % of a facet)'
-         help = 'ADJUST='//to_text(1.01_wp*deepest*points%size(worst))//' on *CONTACT PAIR moves them out without strain'
+            & to_text(deepest*points%size(worst))//' ('//to_text(nint(100.0_wp*deepest))// &
+            & ' % of a facet)'
+         help = 'ADJUST='//to_text(1.01_wp*deepest*points%size(worst))// &
+            & ' on *CONTACT PAIR moves them out without strain'
          if (deepest > too_deep .or. p%control%initial == initial_of%error) then
             call raise(error, error_code%deck, 'E0311', text, p%at, help=help, &
                & note='deeper than half a facet is a mistake of position, unit or side')
          else if (p%control%initial == initial_of%interference .or. p%has_clearance) then
-            call log%say(severity%note, 'N0311', text//': an interference as meant, ramped in over the first step', &
+            call log%say(severity%note, 'N0311', text// &
+               & ': an interference as meant, ramped in over the first step', &
                & p%at)
          else
-            call log%say(severity%warning, 'W0311', text//': treated as interference, ramped in over the first step', &
+            call log%say(severity%warning, 'W0311', text// &
+               & ': treated as interference, ramped in over the first step', &
                & p%at, help=help//'; *CONTACT CONTROLS, INITIAL=INTERFERENCE says that it is meant')
          end if
       end associate
@@ -167,7 +177,7 @@ contains
       type(contact_points_type), intent(in) :: points
       type(initial_gap_type), intent(in) :: initial
       real(wp), intent(in) :: place(:, :)
-      logical, intent(in) :: sticks(:)         !! (npoint) closed once, never to open (NO SEPARATION)
+      logical, intent(in) :: sticks(:)   !! (npoint) closed once, never to open (NO SEPARATION)
       logical, intent(in) :: candidate(:)      !! (npoint) others get no row
       integer :: pair, i, d, ndirection, terms
       real(wp) :: frame(3, 3), here(6)
@@ -233,7 +243,8 @@ contains
       frame(:, 2) = -normal*normal(least)
       frame(least, 2) = frame(least, 2) + 1.0_wp
       frame(:, 2) = frame(:, 2)/norm2(frame(:, 2))
-      frame(:, 3) = [normal(2)*frame(3, 2) - normal(3)*frame(2, 2), normal(3)*frame(1, 2) - normal(1)*frame(3, 2), &
+      frame(:, 3) = [normal(2)*frame(3, 2) - normal(3)*frame(2, 2), normal(3)*frame(1, 2) &
+         & - normal(1)*frame(3, 2), &
          & normal(1)*frame(2, 2) - normal(2)*frame(1, 2)]
    end subroutine frame_of
 
@@ -289,7 +300,7 @@ contains
    subroutine reduce_rows(self, constraints, u_known, first, equation, value, gap)
       type(contact_rows_type), intent(in) :: self
       type(constraints_type), intent(in) :: constraints
-      real(wp), intent(in) :: u_known(:)                    !! (ndof) displacements with all equations zero
+      real(wp), intent(in) :: u_known(:)   !! (ndof) displacements with all equations zero
       integer, allocatable, intent(out) :: first(:), equation(:)
       real(wp), allocatable, intent(out) :: value(:), gap(:)
       integer :: row, k, c, m, from, total

@@ -13,7 +13,7 @@ contains
    subroutine reduce_matrix(k, constraints, number, n, reduced)
       type(csc_type), intent(in) :: k                         !! (ndof) lower triangle
       type(constraints_type), intent(in) :: constraints
-      integer, intent(in) :: number(:)                        !! (neq) row of the reduced matrix; 0: left out
+      integer, intent(in) :: number(:)   !! (neq) row of the reduced matrix; 0: left out
       integer, intent(in) :: n                                !! rows of the reduced matrix
       type(csc_type), intent(out) :: reduced
 
@@ -82,8 +82,10 @@ contains
                      total = total + 1
                      if (pass == 1) cycle
                      factor = 1.0_wp
-                     ! An entry off the diagonal stands for its mirror too; both fall on one diagonal place.
-                     if (i /= j .and. constraints%equation(a) == constraints%equation(b)) factor = 2.0_wp
+                     ! An entry off the diagonal stands for its mirror too; both fall on one
+                     ! diagonal place.
+                     if (i /= j &
+                        & .and. constraints%equation(a) == constraints%equation(b)) factor = 2.0_wp
                      row(total) = number(constraints%equation(a))
                      column(total) = number(constraints%equation(b))
                      if (i == j .and. row(total) < column(total)) factor = 0.0_wp

@@ -42,7 +42,8 @@ module lopin_error
       character(len=:), allocatable :: id        !! E0101, W0311, N0001 ...
       character(len=:), allocatable :: message   !! one sentence with the offending value
       type(location_type) :: at
-      character(len=:), allocatable :: label     !! short text beside the caret, e.g. "did you mean *FRICTION ?"
+      character(len=:), allocatable :: label   !! short text beside the caret, e.g. "did you mean
+                                               !! *FRICTION ?"
       character(len=:), allocatable :: note      !! why
       character(len=:), allocatable :: help      !! what to do
    end type diagnostic_type

@@ -1,9 +1,10 @@
 !> Which points touch: the primal-dual active set on the condensed contact problem.
 !>
-!> Each pass solves on a set and changes every row that is in the wrong state. Where that stops making
-!> progress, one row at a time (the last) is changed, which ends for every positive definite compliance
-!> (Judice and Pires, Computers Ops Res 21, 1994). Bodies that only contact holds are treated exactly;
-!> where no set on the way holds them, proximal steps on their motions find the set or the motion that escapes.
+!> Each pass solves on a set and changes every row that is in the wrong state. Where that stops
+!> making progress, one row at a time (the last) is changed, which ends for every positive definite
+!> compliance (Judice and Pires, Computers Ops Res 21, 1994). Bodies that only contact holds are
+!> treated exactly; where no set on the way holds them, proximal steps on their motions find the set
+!> or the motion that escapes.
 module lopin_active_set
    use lopin_kinds, only : wp
    use lopin_vectors, only : largest
@@ -29,12 +30,13 @@ module lopin_active_set
       integer :: iterations = 0, augmentations = 0, single_pivots = 0, dependent = 0
       real(wp), allocatable :: force(:), gap(:)   !! (nrow)
       real(wp), allocatable :: q(:)               !! (nq); if not held: the motion that escapes
-      real(wp), allocatable :: u(:)               !! displacements, where the system solves for all of them
+      real(wp), allocatable :: u(:)   !! displacements, where the system solves for all of them
       logical, allocatable :: active(:)           !! (nrow)
       real(wp), allocatable :: multiplier(:)      !! (nrow)
       real(wp) :: rate = 0.0_wp                   !! last contraction of the augmentations
       real(wp) :: opening = 0.0_wp                !! largest change of a gap by the forces alone
-      real(wp) :: soft_error = 0.0_wp             !! relative force error of rows that allow penetration, estimated
+      real(wp) :: soft_error = 0.0_wp   !! relative force error of rows that allow penetration,
+                                        !! estimated
    end type contact_result_type
 
    !> What one call carries around.
@@ -84,8 +86,8 @@ contains
       call estimate_soft_error(self, work, result)
    end subroutine solve_contact
 
-   !> One augmentation of all rows that allow penetration, on the set found: what it changes is the error
-   !> of their forces to a few per cent (measured in docs/theory.md). Costs back-solves only.
+   !> One augmentation of all rows that allow penetration, on the set found: what it changes is the
+   !> error of their forces to a few per cent (measured in docs/theory.md). Costs back-solves only.
    subroutine estimate_soft_error(self, work, result)
       class(condensed_type), intent(inout) :: self
       type(work_type), intent(inout) :: work
@@ -106,7 +108,8 @@ contains
       if (.not. size_ > 0.0_wp) return
       once = work%answer
       where (soft .and. work%spring .and. result%active) work%springs%offset = result%force
-      where (soft .and. .not. work%spring) once%free_gap = once%free_gap - work%compliance*result%force
+      where (soft .and. .not. work%spring) once%free_gap = once%free_gap &
+         & - work%compliance*result%force
       once%gap0 = once%gap0 + (once%free_gap - work%answer%free_gap)
       call self%solve_set(result%active, work%spring, work%compliance, work%springs, once, status)
       ! A set that cannot be solved once more has lost all its digits.
@@ -188,7 +191,8 @@ contains
       call linearise(self, work, result, by_set=.true.)
       do pass = 1, 60 + 10*self%nrow
          result%iterations = result%iterations + 1
-         call self%solve_set(result%active, work%spring, work%compliance, work%springs, work%answer, status)
+         call self%solve_set(result%active, work%spring, work%compliance, work%springs, &
+            & work%answer, status)
          if (status /= 0) exit
          call find_wrong(self, work, result, wrong)
          nwrong = count(wrong)
@@ -230,7 +234,8 @@ contains
             wrong(row) = .false.
             if (self%bilateral(row)) cycle
             if (.not. work%spring(row)) then
-               wrong(row) = merge(work%answer%force(row) < -small_force, work%answer%gap(row) < -small_gap, &
+               wrong(row) = merge(work%answer%force(row) < -small_force, &
+                  & work%answer%gap(row) < -small_gap, &
                   & result%active(row))
             else if (linear) then
                force = result%multiplier(row) - self%alpha(row)*work%answer%gap(row)
@@ -257,8 +262,10 @@ contains
          if (to < from) cycle
          if (.not. work%spring(from)) cycle
          if (self%group(group)%method%piecewise_linear()) then
-            work%springs%stiffness(from:to) = merge(self%alpha(from:to), 0.0_wp, result%active(from:to))
-            work%springs%offset(from:to) = merge(result%multiplier(from:to), 0.0_wp, result%active(from:to))
+            work%springs%stiffness(from:to) = merge(self%alpha(from:to), 0.0_wp, &
+               & result%active(from:to))
+            work%springs%offset(from:to) = merge(result%multiplier(from:to), 0.0_wp, &
+               & result%active(from:to))
          else if (.not. by_set .or. result%iterations == 0) then
             call self%group(group)%method%forces(work%answer%gap(from:to), self%alpha(from:to), &
                & result%multiplier(from:to), self%bilateral(from:to), force(from:to), &
@@ -283,7 +290,8 @@ contains
          to = self%group_first(group + 1) - 1
          if (self%group(group)%method%piecewise_linear() .or. to < from) cycle
          call self%group(group)%method%forces(work%answer%gap(from:to), self%alpha(from:to), &
-            & result%multiplier(from:to), self%bilateral(from:to), force(from:to), stiffness(from:to))
+            & result%multiplier(from:to), self%bilateral(from:to), force(from:to), &
+            & stiffness(from:to))
          off = largest(force(from:to) - work%answer%force(from:to))
          laws_met = laws_met .and. off <= 1.0e-11_wp*largest(force(from:to))
       end do
@@ -299,7 +307,8 @@ contains
       do group = 1, self%ngroup
          from = self%group_first(group)
          to = self%group_first(group + 1) - 1
-         call self%group(group)%method%update(result%force(from:to), result%multiplier(from:to), change(from:to))
+         call self%group(group)%method%update(result%force(from:to), result%multiplier(from:to), &
+            & change(from:to))
       end do
       moved = largest(change)
    end subroutine update_multipliers
@@ -320,7 +329,8 @@ contains
          result%rate = min(moved/last, 0.999_wp)
          enough = moved*result%rate <= settled*(1.0_wp - result%rate)*size_
       end if
-      ! Started from multipliers that are right, the first change is rounding already and contracts no more.
+      ! Started from multipliers that are right, the first change is rounding already and contracts
+      ! no more.
       enough = enough .or. moved <= min(1.0e2_wp*epsilon(1.0_wp)*largest(self%alpha)*gap_scale, &
          & 1.0e-6_wp*largest(result%force))
       accepted = .true.
@@ -334,8 +344,8 @@ contains
       enough = enough .or. accepted
    end function augmented_enough
 
-   !> Proximal steps: each gives the floating motions a soft ground that follows them. The sets found
-   !> that way are tried without ground; if the forces never balance, the bodies are not held.
+   !> Proximal steps: each gives the floating motions a soft ground that follows them. The sets
+   !> found that way are tried without ground; if the forces never balance, the bodies are not held.
    subroutine hold_bodies(self, work, result)
       class(condensed_type), intent(inout) :: self
       type(work_type), intent(inout) :: work
@@ -353,14 +363,16 @@ contains
       trial = result
       trial%active = .true.
       do pass = 1, 60
-         call prepare(grounded, work%answer%gap0, [work%answer%load, work%answer%moving + ground*q], &
+         call prepare(grounded, work%answer%gap0, [work%answer%load, work%answer%moving &
+            & + ground*q], &
             & [real(wp) ::], soft, trial)
          call iterate_sets(grounded, soft, trial, stuck)
          result%iterations = result%iterations + trial%iterations
          if (stuck) exit
          result%active = trial%active
          call linearise(self, work, result, by_set=.true.)
-         call self%solve_set(result%active, work%spring, work%compliance, work%springs, work%answer, status)
+         call self%solve_set(result%active, work%spring, work%compliance, work%springs, &
+            & work%answer, status)
          if (status == 0) then
             call find_wrong(self, work, result, wrong)
             if (.not. any(wrong)) return

@@ -5,8 +5,9 @@
 !>
 !>    K_c u = load + B^T lambda,   each row by its method (lopin_enforcement).
 !>
-!> `q` are the motions of bodies that nothing but contact holds. Rows whose method solves for the force
-!> use the compliance S = B K_c^-1 B^T; rows with springs stiffen K_c itself, as the penalty system does.
+!> `q` are the motions of bodies that nothing but contact holds. Rows whose method solves for the
+!> force use the compliance S = B K_c^-1 B^T; rows with springs stiffen K_c itself, as the penalty
+!> system does.
 module lopin_condensed
    use lopin_kinds, only : wp
    use lopin_blas, only : dsyrk
@@ -24,13 +25,15 @@ module lopin_condensed
       integer, allocatable :: first(:), column(:)  !! rows of B by (nrow+1) pointers
       real(wp), allocatable :: value(:)
       real(wp), allocatable :: c(:, :)             !! (nrow, nq)
-      real(wp), allocatable :: s(:, :)             !! (nrow, nrow) compliance; unallocated until it is needed
+      real(wp), allocatable :: s(:, :)   !! (nrow, nrow) compliance; unallocated until it is needed
       logical, allocatable :: bilateral(:)         !! (nrow)
-      real(wp), allocatable :: alpha(:)            !! (nrow) nodal stiffness [force/length]; weight for a pressure law
+      real(wp), allocatable :: alpha(:)   !! (nrow) nodal stiffness [force/length]; weight for a
+                                          !! pressure law
       integer, allocatable :: group_first(:)       !! (ngroup+1) first row of each group
       type(enforcement_holder_type), allocatable :: group(:)
       integer, allocatable :: max_augmentations(:) !! (ngroup) 0: the method has none
-      real(wp), allocatable :: penetration(:)      !! (ngroup) accepted by the augmented method [length]; 0: exact
+      real(wp), allocatable :: penetration(:)   !! (ngroup) accepted by the augmented method
+                                                !! [length]; 0: exact
    contains
       ! What the active set asks of a system; another way to solve it overrides these three.
       procedure :: free_gaps
@@ -38,7 +41,8 @@ module lopin_condensed
       procedure :: floats
    end type condensed_type
 
-   !> The springs of one linear solve, force = offset - stiffness*gap, and the factor that holds them.
+   !> The springs of one linear solve, force = offset - stiffness*gap, and the factor that holds
+   !> them.
    type :: springs_type
       real(wp), allocatable :: offset(:), stiffness(:)   !! (nrow)
       real(wp), allocatable :: k(:, :)                   !! K_c
@@ -51,7 +55,7 @@ module lopin_condensed
       real(wp), allocatable :: gap0(:), load(:), moving(:)
       real(wp), allocatable :: free_gap(:)   !! (nrow) gaps without contact forces
       real(wp), allocatable :: force(:), gap(:), q(:)
-      real(wp), allocatable :: u(:)          !! displacements, where the system solves for all of them
+      real(wp), allocatable :: u(:)   !! displacements, where the system solves for all of them
       integer :: dependent = 0
    end type response_type
 
@@ -191,7 +195,8 @@ contains
       do i = 1, size(set)
          a(i, i) = a(i, i) + compliance(set(i))
       end do
-      call bordered_solve(a, self%c(set, :), -answer%free_gap(set), -answer%moving, force, answer%q, &
+      call bordered_solve(a, self%c(set, :), -answer%free_gap(set), -answer%moving, force, &
+         & answer%q, &
          & answer%dependent, status)
       if (status /= 0) return
       answer%force = 0.0_wp
@@ -203,7 +208,8 @@ contains
       if (self%nq > 0) answer%gap = answer%gap + matmul(self%c, answer%q)
    end subroutine solve_unknowns
 
-   !> Some rows are springs: they stiffen K_c, and hold the floating motions with the unknown forces.
+   !> Some rows are springs: they stiffen K_c, and hold the floating motions with the unknown
+   !> forces.
    subroutine solve_with_springs(self, set, spring, compliance, springs, answer, status)
       class(condensed_type), intent(in) :: self
       integer, intent(in) :: set(:)
@@ -212,7 +218,8 @@ contains
       type(springs_type), intent(inout) :: springs
       type(response_type), intent(inout) :: answer
       integer, intent(out) :: status
-      real(wp), allocatable :: u(:), pull(:), stiffness(:), right(:, :), a(:, :), held(:, :), force(:), balance(:)
+      real(wp), allocatable :: u(:), pull(:), stiffness(:), right(:, :), a(:, :), held(:, :), &
+         & force(:), balance(:)
       integer :: i, k, m
 
       call stiffen(self, spring, springs, status)
@@ -242,7 +249,8 @@ contains
       do i = 1, self%nq
          held(:, i) = matmul(stiffness*a(:, m + i), self%c)
       end do
-      balance = answer%moving + matmul(merge(springs%offset - stiffness*answer%gap, 0.0_wp, spring), self%c)
+      balance = answer%moving + matmul(merge(springs%offset - stiffness*answer%gap, 0.0_wp, &
+         & spring), self%c)
       block
          real(wp) :: s(m, m)
          s = a(set, :m)
@@ -273,7 +281,8 @@ contains
       springs%inside = springs%stiffness
       if (.not. allocated(springs%k)) then
          allocate (springs%k(self%n, self%n), source=0.0_wp)
-         if (self%n > 0) call dsyrk('L', 'N', self%n, self%n, 1.0_wp, self%l, self%n, 0.0_wp, springs%k, self%n)
+         if (self%n > 0) call dsyrk('L', 'N', self%n, self%n, 1.0_wp, self%l, self%n, 0.0_wp, &
+            & springs%k, self%n)
       end if
       springs%factor = springs%k
       do row = 1, self%nrow
@@ -281,7 +290,8 @@ contains
          do i = self%first(row), self%first(row + 1) - 1
             do j = self%first(row), self%first(row + 1) - 1
                if (self%column(j) > self%column(i)) cycle
-               springs%factor(self%column(i), self%column(j)) = springs%factor(self%column(i), self%column(j)) &
+               springs%factor(self%column(i), self%column(j)) = springs%factor(self%column(i), &
+                  & self%column(j)) &
                   & + springs%stiffness(row)*self%value(i)*self%value(j)
             end do
          end do

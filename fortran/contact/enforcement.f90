@@ -1,13 +1,14 @@
 !> Enforcement of contact: one formula, four policies (seed J).
 !>
-!> With gap g >= 0 open, nodal force lambda >= 0 pressing and nodal stiffness alpha > 0, all methods press with
+!> With gap g >= 0 open, nodal force lambda >= 0 pressing and nodal stiffness alpha > 0, all methods
+!> press with
 !>
 !>    lambda = < a*multiplier - alpha*g >,   <x> = max(x, 0)   (no < > where contact is bilateral)
 !>
 !> and differ in what the multiplier is: penalty has none (a = 0); the augmented Lagrangian keeps it
-!> frozen while it solves and updates it afterwards; Lagrange and the perturbed Lagrangian solve for it,
-!> with the row g + compliance*lambda = 0 in contact, compliance = 0 or 1/alpha.
-!> A method is a file `enforcement_<name>.f90` and a `case` in `new_enforcement`.
+!> frozen while it solves and updates it afterwards; Lagrange and the perturbed Lagrangian solve for
+!> it, with the row g + compliance*lambda = 0 in contact, compliance = 0 or 1/alpha. A method is a
+!> file `enforcement_<name>.f90` and a `case` in `new_enforcement`.
 module lopin_enforcement
    use lopin_kinds, only : wp
    implicit none
@@ -51,7 +52,8 @@ contains
    end function no_compliance
 
    !> Force and stiffness -d force/d gap of a spring at the given gap; the multiplier shifts it.
-   elemental subroutine pressed_by_springs(self, gap, alpha, multiplier, bilateral, force, stiffness)
+   elemental subroutine pressed_by_springs(self, gap, alpha, multiplier, bilateral, force, &
+      & stiffness)
       class(enforcement_type), intent(in) :: self
       real(wp), intent(in) :: gap          !! [length]
       real(wp), intent(in) :: alpha        !! nodal stiffness [force/length]

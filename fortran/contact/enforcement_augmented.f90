@@ -1,5 +1,5 @@
-!> Augmented Lagrangian (seed J.4, Uzawa's update): the penalty system with a frozen multiplier, which
-!> takes over the spring's force after each solve until nothing moves.
+!> Augmented Lagrangian (seed J.4, Uzawa's update): the penalty system with a frozen multiplier,
+!> which takes over the spring's force after each solve until nothing moves.
 module lopin_enforcement_augmented
    use lopin_kinds, only : wp
    use lopin_enforcement, only : enforcement_type

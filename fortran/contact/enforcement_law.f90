@@ -1,4 +1,5 @@
-!> A pressure-overclosure law (EXPONENTIAL, TABULAR): a spring whose force is weight * pressure(overclosure).
+!> A pressure-overclosure law (EXPONENTIAL, TABULAR): a spring whose force is weight *
+!> pressure(overclosure).
 module lopin_enforcement_law
    use lopin_kinds, only : wp
    use lopin_enforcement, only : enforcement_type
@@ -8,7 +9,7 @@ module lopin_enforcement_law
 
    type, extends(enforcement_type) :: law_type
       logical :: exponential = .true.
-      real(wp) :: p0 = 0.0_wp, c0 = 1.0_wp                     !! pressure at zero gap, gap where it starts
+      real(wp) :: p0 = 0.0_wp, c0 = 1.0_wp   !! pressure at zero gap, gap where it starts
       real(wp), allocatable :: pressure(:), overclosure(:)     !! table, both increasing
    contains
       procedure :: word
@@ -74,8 +75,8 @@ contains
       stiffness = stiffness*alpha
    end subroutine forces
 
-   !> Pressure and its slope. Exponential: p = p0/(e-1) t (e^t - 1), t = overclosure/c0 + 1 (Abaqus);
-   !> beyond t = 6 it goes on along its tangent, so that no trial overclosure overflows.
+   !> Pressure and its slope. Exponential: p = p0/(e-1) t (e^t - 1), t = overclosure/c0 + 1
+   !> (Abaqus); beyond t = 6 it goes on along its tangent, so that no trial overclosure overflows.
    elemental subroutine pressure_law(self, overclosure, pressure, slope)
       type(law_type), intent(in) :: self
       real(wp), intent(in) :: overclosure     !! penetration [length]
@@ -99,7 +100,8 @@ contains
       if (overclosure <= self%overclosure(1)) return
       do i = 2, n
          if (overclosure > self%overclosure(i) .and. i < n) cycle
-         slope = (self%pressure(i) - self%pressure(i - 1))/(self%overclosure(i) - self%overclosure(i - 1))
+         slope = (self%pressure(i) - self%pressure(i - 1))/(self%overclosure(i) &
+            & - self%overclosure(i - 1))
          pressure = self%pressure(i - 1) + slope*(overclosure - self%overclosure(i - 1))
          return
       end do

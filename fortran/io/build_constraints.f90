@@ -234,13 +234,15 @@ contains
          if (taken(dof, node) > 0) then
             call complain(model%log, 'E0403', 'dof '//to_text(dof)//' of node ' &
                & //to_text(model%mesh%node_label(node))//' is eliminated twice: by the ' &
-               & //'equations of lines '//to_text(model%equation(taken(dof, node))%at%line)//' and ' &
+               & //'equations of lines '//to_text(model%equation(taken(dof, node))%at%line)// &
+               & ' and ' &
                & //to_text(model%equation(i)%at%line), model%equation(i)%at, &
                & help='the first term of an equation is eliminated: put another one first')
          else if (body(node) > 0) then
             call complain(model%log, 'E0403', 'dof '//to_text(dof)//' of node ' &
                & //to_text(model%mesh%node_label(node))//' is eliminated by an equation ' &
-               & //'and moved by *RIGID BODY of line '//to_text(model%rigid_body(body(node))%at%line), &
+               & //'and moved by *RIGID BODY of line '// &
+               & to_text(model%rigid_body(body(node))%at%line), &
                & model%equation(i)%at, help='put a node that is free first')
          end if
          taken(dof, node) = i

@@ -133,7 +133,8 @@ contains
          & 'It is ramped in over the first step.', 'nothing to do.')
       call add_explanation(list, 'W0318', 'slave nodes of a tied pair are not tied', &
          & 'A node is tied if a facet of the master lies opposite, nearer than half a facet of the slave or than '// &
-         & 'ADJUST=. Others are free.', 'raise ADJUST=, or take the nodes out of the slave surface.')
+         & 'ADJUST=. Others are free.', &
+         & 'raise ADJUST=, or take the nodes out of the slave surface.')
       call add_explanation(list, 'W0315', 'a pair can never touch', &
          & 'No slave node has a point of the master opposite.', &
          & 'check positions and units, and that the slave''s faces look at the master.')

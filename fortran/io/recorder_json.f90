@@ -26,7 +26,7 @@ module lopin_recorder_json
 
    !> `file` and `deck_file` are plain names; the last accepted increment is kept for the end.
    type, extends(recorder_type) :: json_recorder_type
-      character(len=:), allocatable :: content                 !! the whole text, once the run has ended
+      character(len=:), allocatable :: content   !! the whole text, once the run has ended
       character(len=:), allocatable, private :: path
       character(len=:), allocatable, private :: file(:)        !! what the run writes
       character(len=:), allocatable, private :: deck_file(:)   !! by file index of locations

@@ -109,7 +109,8 @@ contains
       type(wants_type) :: what
 
       associate (unused => self)
-         what%nodal_stress = is_due(frequency_of(model, frame%step), frame) .and. shows(model, frame%step, 'S')
+         what%nodal_stress = is_due(frequency_of(model, frame%step), frame) &
+            & .and. shows(model, frame%step, 'S')
       end associate
    end function wants
 

@@ -11,7 +11,8 @@ contains
    pure logical function in_list(list, name)
       character(len=*), intent(in) :: list, name
       in_list = len_trim(name) > 0
-      if (in_list) in_list = index(','//upper(without_blanks(list))//',', ','//upper(without_blanks(name))// &
+      if (in_list) in_list = index(','//upper(without_blanks(list))//',', ','// &
+         & upper(without_blanks(name))// &
          & ',') > 0
    end function in_list
 

@@ -47,7 +47,8 @@ contains
       real(wp), contiguous, intent(in) :: l(:, :)
       real(wp), contiguous, intent(inout) :: x(:, :)
 
-      if (size(x) > 0) call dtrsm('L', 'L', 'N', 'N', size(x, 1), size(x, 2), 1.0_wp, l, size(l, 1), x, size(x, 1))
+      if (size(x) > 0) call dtrsm('L', 'L', 'N', 'N', size(x, 1), size(x, 2), 1.0_wp, l, &
+         & size(l, 1), x, size(x, 1))
    end subroutine lower_solve
 
    !> a <- eigenvectors of symmetric `a`, ascending eigenvalues.
@@ -65,7 +66,7 @@ contains
       call dsyev('V', 'L', n, a, n, value, work, size(work), status)
    end subroutine symmetric_eigen
 
-   !> Solve  S x + C q = f,  C^T x - H q = h  with S symmetric, semi-definite, and H >= 0 (absent: 0).
+   !> Solve S x + C q = f, C^T x - H q = h with S symmetric, semi-definite, and H >= 0 (absent: 0).
    !>
    !> Without q this is Cholesky, or, where rows depend on each other, the solution of least norm.
    !> status /= 0: some combination of q is not determined (a body is not held by these rows).
@@ -74,7 +75,7 @@ contains
       real(wp), intent(in) :: c(:, :)               !! (m, nq)
       real(wp), intent(in) :: f(:), h(:)
       real(wp), intent(out) :: x(:), q(:)
-      integer, intent(inout) :: dependent           !! rows found to depend on others: largest count so far
+      integer, intent(inout) :: dependent   !! rows found to depend on others: largest count so far
       integer, intent(out) :: status
       real(wp), intent(in), optional :: held(:, :)  !! (nq, nq)
       real(wp), allocatable :: a(:, :), right(:), scale(:), value(:)

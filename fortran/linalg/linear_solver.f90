@@ -18,7 +18,8 @@ module lopin_linear_solver
    type(matrix_classes), parameter :: matrix_class = matrix_classes()
 
    !> Why a list of equations to keep last is refused.
-   character(len=*), parameter :: not_distinct = 'the equations kept last are not distinct equations'
+   character(len=*), &
+      & parameter :: not_distinct = 'the equations kept last are not distinct equations'
 
    type, abstract :: linear_solver_type
       integer :: n = 0                    !! equations

@@ -49,8 +49,8 @@ contains
    !>
    !> Skyline wins on small and slender bodies. Let b be the root mean square length of a row of the
    !> profile and e the stored entries an equation; measured break-even (docs/solvers.md): b = 200
-   !> for plane meshes (e = 9), b = 500 for solid ones (e = 37), and one line through both is the rule.
-   !> At half of that b skyline is two to seven times faster, at twice of it as much slower.
+   !> for plane meshes (e = 9), b = 500 for solid ones (e = 37), and one line through both is the
+   !> rule. At half of that b skyline is two to seven times faster, at twice of it as much slower.
    subroutine choose_solver(a, class_of, last, name, reason)
       type(csc_type), intent(in) :: a
       integer, intent(in) :: class_of                      !! matrix_class%...

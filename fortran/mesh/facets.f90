@@ -272,8 +272,8 @@ contains
    !>
    !> Linear facets: integrals of the shape functions, so that a uniform pressure gives the
    !> consistent forces; on the axis pi h**2/3 > 0. Quadratic surfaces: integrals of the blended
-   !> functions (the corners of quad8 would be negative). line3: the shape functions; the node on the
-   !> axis, whose integral vanishes, gets a thousandth of the area from the middle node.
+   !> functions (the corners of quad8 would be negative). line3: the shape functions; the node on
+   !> the axis, whose integral vanishes, gets a thousandth of the area from the middle node.
    pure subroutine facet_weights(self, x, axisymmetric, weight)
       type(facet_rule_type), intent(in) :: self
       real(wp), intent(in) :: x(:, :)        !! (ndim, nnode) coordinates [length]

@@ -18,11 +18,13 @@ module lopin_mesh
       integer :: ndim = 0                       !! 2 or 3
       integer :: nnode = 0
       integer :: nelement = 0
-      real(wp), allocatable :: x(:, :)          !! (ndim, nnode) coordinates [length]; (r, z) if axisymmetric
+      real(wp), allocatable :: x(:, :)   !! (ndim, nnode) coordinates [length]; (r, z) if
+                                         !! axisymmetric
       integer, allocatable :: node_label(:)     !! (nnode)
-      integer, allocatable :: conn(:, :)        !! (20, nelement) node indices, zeros behind the last
-      integer, allocatable :: etype(:)          !! (nelement) index into the model's list of element types
-      integer, allocatable :: section(:)        !! (nelement) index into the model's sections; 0: rigid, no stiffness
+      integer, allocatable :: conn(:, :)   !! (20, nelement) node indices, zeros behind the last
+      integer, allocatable :: etype(:)   !! (nelement) index into the model's list of element types
+      integer, allocatable :: section(:)   !! (nelement) index into the model's sections; 0: rigid,
+                                           !! no stiffness
       integer, allocatable :: element_label(:)  !! (nelement)
       integer, allocatable :: node_order(:)     !! permutation that sorts node_label, for find_label
       integer, allocatable :: element_order(:)  !! permutation that sorts element_label

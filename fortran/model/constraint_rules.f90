@@ -1,7 +1,7 @@
 !> What determines each variable of a step: prescribed displacements, rigid followers, equations.
 !>
-!> A rule names variables in the axes of their nodes (raw variables), which may have rules of their own:
-!> lopin_constraints follows the chains.
+!> A rule names variables in the axes of their nodes (raw variables), which may have rules of their
+!> own: lopin_constraints follows the chains.
 module lopin_constraint_rules
    use lopin_kinds, only : wp
    use lopin_error, only : error_type, error_code, raise, location_type
@@ -14,7 +14,7 @@ module lopin_constraint_rules
 
    !> How one raw variable (a dof in the axes of its node) is determined.
    type :: rule_type
-      integer :: prescribed = 0                 !! index into the step's prescribed list; 0: not prescribed
+      integer :: prescribed = 0   !! index into the step's prescribed list; 0: not prescribed
       logical :: dependent = .false.
       type(location_type) :: at
       integer, allocatable :: raw(:)            !! the variables it depends on
@@ -45,7 +45,8 @@ contains
       end if
    end subroutine new_local_axes
 
-   !> The rule of every raw variable: prescribed, rigid follower, first term of an equation, or free.
+   !> The rule of every raw variable: prescribed, rigid follower, first term of an equation, or
+   !> free.
    subroutine new_rules(rule, local, model, dofs, step, error)
       type(rule_type), allocatable, intent(out) :: rule(:)
       type(local_axes_type), intent(in) :: local
@@ -81,7 +82,8 @@ contains
       end do
    end subroutine new_rules
 
-   !> Displacement of a follower: u = u_ref + theta x (x - x_ref), as coefficients of the reference dofs.
+   !> Displacement of a follower: u = u_ref + theta x (x - x_ref), as coefficients of the reference
+   !> dofs.
    pure subroutine follower_rule(arm, ndim, component, dof, coefficient, n)
       real(wp), intent(in) :: arm(3)              !! x - x_ref [length]
       integer, intent(in) :: ndim, component
@@ -143,14 +145,16 @@ contains
             do axis = 1, ndim
                share = merge(1.0_wp, 0.0_wp, axis == component)
                if (axes > 0) share = local%axes(component, axis, axes)
-               if (share /= 0.0_wp) call follow_along(rule(id), local, dofs, ndim, rigid%reference, &
+               if (share /= 0.0_wp) call follow_along(rule(id), local, dofs, ndim, &
+                  & rigid%reference, &
                   & arm, axis, share)
             end do
          end do
       end associate
    end subroutine follow
 
-   !> Add the follower's displacement along one global axis, in the raw variables of the reference node.
+   !> Add the follower's displacement along one global axis, in the raw variables of the reference
+   !> node.
    subroutine follow_along(rule, local, dofs, ndim, reference, arm, axis, share)
       type(rule_type), intent(inout) :: rule
       type(local_axes_type), intent(in) :: local
@@ -200,8 +204,10 @@ contains
             return
          end if
          if (rule(id)%prescribed > 0 .or. rule(id)%dependent) then
-            call raise(error, error_code%deck, 'E0403', 'node '//label_of(model, eq%node(1))//', dof '// &
-               & to_text(eq%dof(1))//' is eliminated by this equation and constrained a second time', eq%at, &
+            call raise(error, error_code%deck, 'E0403', 'node '//label_of(model, eq%node(1))// &
+               & ', dof '// &
+               & to_text(eq%dof(1))// &
+               & ' is eliminated by this equation and constrained a second time', eq%at, &
                & note='the other constraint is on line '//to_text(rule(id)%at%line), &
                & help='put another term of the equation first')
             return

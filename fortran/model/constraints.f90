@@ -10,22 +10,23 @@ module lopin_constraints
    use lopin_text, only : to_text
    use lopin_model, only : model_type, step_type
    use lopin_dofs, only : dofs_type
-   use lopin_constraint_rules, only : rule_type, local_axes_type, new_local_axes, new_rules, label_of
+   use lopin_constraint_rules, only : rule_type, local_axes_type, new_local_axes, new_rules, &
+      & label_of
    implicit none
    private
    public :: constraints_type, new_constraints, expand, reduce, prescribed_part, raw_displacement
 
    type, extends(local_axes_type) :: constraints_type
       integer :: ndof = 0, neq = 0, nprescribed = 0
-      logical :: plain = .true.                 !! every dof is one free equation or one prescribed value
+      logical :: plain = .true.   !! every dof is one free equation or one prescribed value
       integer, allocatable :: first(:), equation(:)           !! (ndof+1), free part by dof
       real(wp), allocatable :: coefficient(:)
       integer, allocatable :: pfirst(:), prescribed(:)        !! (ndof+1), prescribed part by dof
       real(wp), allocatable :: pcoefficient(:)
       integer, allocatable :: dof_of_equation(:)              !! (neq) the raw variable that is free
       integer, allocatable :: dof_of_prescribed(:)            !! (nprescribed) the raw variable
-      integer, allocatable :: entry_of_prescribed(:)          !! (nprescribed) index into step%prescribed
-      type(rule_type), allocatable :: rule(:)                 !! (ndof) how each raw variable is determined
+      integer, allocatable :: entry_of_prescribed(:)   !! (nprescribed) index into step%prescribed
+      type(rule_type), allocatable :: rule(:)   !! (ndof) how each raw variable is determined
    end type constraints_type
 
 contains
@@ -56,7 +57,8 @@ contains
 
       self%nprescribed = count(rule%prescribed > 0)
       self%neq = count(rule%prescribed == 0 .and. .not. rule%dependent)
-      self%dof_of_equation = pack([(i, i=1, size(rule))], rule%prescribed == 0 .and. .not. rule%dependent)
+      self%dof_of_equation = pack([(i, i=1, size(rule))], rule%prescribed == 0 &
+         & .and. .not. rule%dependent)
       self%dof_of_prescribed = pack([(i, i=1, size(rule))], rule%prescribed > 0)
       self%entry_of_prescribed = pack(rule%prescribed, rule%prescribed > 0)
    end subroutine number_variables
@@ -111,7 +113,8 @@ contains
 
          if (allocated(error) .or. factor == 0.0_wp) return
          if (depth > longest) then
-            call raise(error, error_code%deck, 'E0403', 'the constraint on dof '//to_text(dofs%dof(raw))// &
+            call raise(error, error_code%deck, 'E0403', 'the constraint on dof '// &
+               & to_text(dofs%dof(raw))// &
                & ' of node '//label_of(model, dofs%node(raw))//' depends on itself', rule(raw)%at, &
                & help='order the terms so that no chain closes')
          else if (rule(raw)%dependent) then

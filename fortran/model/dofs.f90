@@ -1,7 +1,8 @@
 !> Physical dofs: which node has which, and their numbers.
 !>
-!> Nodes of deformable elements and followers of rigid bodies have translations; a reference node has
-!> its translations and rotations. A rotation node is another name for the rotations of its reference node.
+!> Nodes of deformable elements and followers of rigid bodies have translations; a reference node
+!> has its translations and rotations. A rotation node is another name for the rotations of its
+!> reference node.
 module lopin_dofs
    use lopin_model, only : model_type, kind_of
    implicit none
@@ -60,7 +61,8 @@ contains
       end do
    end subroutine new_dofs
 
-   !> A rigid body moves along its plane's translations and turns about the axes that keep it in plane.
+   !> A rigid body moves along its plane's translations and turns about the axes that keep it in
+   !> plane.
    pure subroutine mark_reference(id, kind)
       integer, intent(inout) :: id(6)
       integer, intent(in) :: kind

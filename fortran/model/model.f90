@@ -1,8 +1,8 @@
 !> Everything the deck said, resolved to indices and checked. Never changes after `new_model`.
 !>
-!> Indices point into the lists of this type; 0 means "none". Locations point into the deck, so that an
-!> error found while solving still shows the user's line. Physical dofs of a node are numbered as in
-!> Abaqus: 1..3 translations, 4..6 rotations (2D: 1, 2 and 6; axisymmetric: 1 = r, 2 = z).
+!> Indices point into the lists of this type; 0 means "none". Locations point into the deck, so that
+!> an error found while solving still shows the user's line. Physical dofs of a node are numbered as
+!> in Abaqus: 1..3 translations, 4..6 rotations (2D: 1, 2 and 6; axisymmetric: 1 = r, 2 = z).
 module lopin_model
    use lopin_kinds, only : wp
    use lopin_error, only : location_type, log_type
@@ -12,7 +12,8 @@ module lopin_model
    private
    public :: model_type, material_type, section_type, surface_data_type, rigid_body_type
    public :: interaction_type, pair_type, amplitude_type, equation_type
-   public :: step_type, prescribed_type, point_load_type, face_load_type, body_load_type, output_type
+   public :: step_type, prescribed_type, point_load_type, face_load_type, body_load_type, &
+      & output_type
    public :: control_type, tool_holder_type
    public :: kind_of, method_of, overclosure_of, surface_of, output_of, initial_of, amplitude_value
 
@@ -74,7 +75,7 @@ module lopin_model
       integer :: kind = 1                               !! surface_of%...
       integer, allocatable :: element(:), face(:)       !! faces: element index, Abaqus face number
       integer, allocatable :: node(:)                   !! nodes: node indices
-      real(wp), allocatable :: area(:)                  !! nodes: area of each; 0: none, pressure is a force
+      real(wp), allocatable :: area(:)   !! nodes: area of each; 0: none, pressure is a force
       integer :: tool = 0                               !! tool: index into model%tool
    end type surface_data_type
 
@@ -89,9 +90,9 @@ module lopin_model
       character(len=:), allocatable :: name             !! for messages
       type(location_type) :: at
       integer :: reference = 0                          !! reference node index
-      integer :: rotation = 0                           !! node whose dofs 1..3 are the rotations (ROT NODE); 0: dofs 4..6
+      integer :: rotation = 0   !! node whose dofs 1..3 are the rotations (ROT NODE); 0: dofs 4..6
       integer :: tool = 0                               !! analytic surface, or 0
-      integer, allocatable :: node(:)                   !! nodes that follow (without the reference node)
+      integer, allocatable :: node(:)   !! nodes that follow (without the reference node)
    end type rigid_body_type
 
    type :: interaction_type
@@ -100,10 +101,10 @@ module lopin_model
       integer :: method = 1                             !! method_of%...
       integer :: overclosure = 1                        !! overclosure_of%...
       logical :: no_separation = .false.
-      real(wp) :: slope = 0.0_wp                        !! pressure per penetration [stress/length]; 0: automatic
+      real(wp) :: slope = 0.0_wp   !! pressure per penetration [stress/length]; 0: automatic
       real(wp) :: clearance = 0.0_wp                    !! gap at which pressure starts [length]
       real(wp) :: scale = 1.0_wp                        !! factor on the slope
-      real(wp), allocatable :: table(:, :)              !! (2, n) pressure, overclosure; exponential: (p0, c0)
+      real(wp), allocatable :: table(:, :)   !! (2, n) pressure, overclosure; exponential: (p0, c0)
       real(wp) :: friction = 0.0_wp                     !! read, must be 0 in this version
    end type interaction_type
 
@@ -118,13 +119,13 @@ module lopin_model
       type(location_type) :: at
       integer :: slave = 0, master = 0                  !! surfaces
       integer :: interaction = 0
-      logical :: surface_to_surface = .false.           !! as the deck says; the note says what is done
+      logical :: surface_to_surface = .false.   !! as the deck says; the note says what is done
       logical :: small_sliding = .false.
       logical :: tied = .false.
       real(wp) :: adjust = -1.0_wp                      !! ADJUST=tolerance; <0: none; YES: 0
       integer, allocatable :: adjust_node(:)            !! ADJUST=nset
       logical :: has_clearance = .false.
-      real(wp) :: clearance = 0.0_wp                    !! *CLEARANCE, VALUE=: replaces every initial gap
+      real(wp) :: clearance = 0.0_wp   !! *CLEARANCE, VALUE=: replaces every initial gap
       real(wp) :: extension = 0.1_wp                    !! EXTENSION ZONE, fraction of a facet
       type(control_type) :: control
    end type pair_type
@@ -151,14 +152,14 @@ module lopin_model
    type :: prescribed_type
       type(location_type) :: at
       integer :: node = 0, dof = 0
-      real(wp) :: value = 0.0_wp                        !! at the end of the step (times amplitude) [length] or [rad]
+      real(wp) :: value = 0.0_wp   !! at the end of the step (times amplitude) [length] or [rad]
       integer :: amplitude = 0
    end type prescribed_type
 
    type :: point_load_type
       type(location_type) :: at
       integer :: node = 0, dof = 0
-      real(wp) :: value = 0.0_wp                        !! [force]; full circumference if axisymmetric
+      real(wp) :: value = 0.0_wp   !! [force]; full circumference if axisymmetric
       integer :: amplitude = 0
    end type point_load_type
 
@@ -173,7 +174,8 @@ module lopin_model
    type :: body_load_type
       type(location_type) :: at
       integer :: element = 0
-      real(wp) :: force(3) = 0.0_wp                     !! per unit volume; gravity already times density [force/length^3]
+      real(wp) :: force(3) = 0.0_wp   !! per unit volume; gravity already times density
+                                      !! [force/length^3]
       integer :: amplitude = 0
    end type body_load_type
 
@@ -181,7 +183,7 @@ module lopin_model
       type(location_type) :: at
       integer :: kind = 0                               !! output_of%...
       integer :: set = 0                                !! node or element set index; 0: everything
-      character(len=8), allocatable :: variable(:)      !! as written, upper case: U, RF, S, E, CDIS ...
+      character(len=8), allocatable :: variable(:)  !! as written, upper case: U, RF, S, E, CDIS ...
       integer :: frequency = 1
       logical :: totals = .false., totals_only = .false.
       integer :: slave = 0, master = 0                  !! surfaces of *CONTACT PRINT
@@ -205,7 +207,7 @@ module lopin_model
    !> All lists are allocated, possibly with size 0.
    type :: model_type
       character(len=:), allocatable :: heading
-      integer :: kind = 0                               !! kind_of%... of the scene (plane strain if mixed with stress)
+      integer :: kind = 0   !! kind_of%... of the scene (plane strain if mixed with stress)
       type(mesh_type) :: mesh
       character(len=8), allocatable :: element_word(:)  !! what mesh%etype points to, e.g. CPE4
       type(material_type), allocatable :: material(:)
@@ -222,8 +224,9 @@ module lopin_model
       ! *LOPIN
       character(len=:), allocatable :: path             !! AUTO, CONDENSED, NEWTON
       character(len=:), allocatable :: solver           !! AUTO or a solver's word
-      real(wp) :: target_error = 0.01_wp                !! relative pressure error that the automatic penalty aims at [-]
-      integer :: continuation = 1                       !! number of penalties of the sequence of problems (seed J.1)
+      real(wp) :: target_error = 0.01_wp   !! relative pressure error that the automatic penalty
+                                           !! aims at [-]
+      integer :: continuation = 1   !! number of penalties of the sequence of problems (seed J.1)
       type(log_type) :: log                             !! notes and warnings met while building
    end type model_type
 

@@ -5,29 +5,36 @@ module lopin_state
    use lopin_clock, only : counter_type, clock_type
    implicit none
    private
-   public :: contact_field_type, certificate_type, frame_type, energy_type, summary_type, verdict_words
+   public :: contact_field_type, certificate_type, frame_type, energy_type, summary_type, &
+      & verdict_words
 
    character(len=*), parameter :: verdict_words(0:2) = [character(len=4) :: 'PASS', 'WARN', 'FAIL']
 
-   !> Results of one pair, an entry per slave point. Forces are on the full circumference if axisymmetric.
+   !> Results of one pair, an entry per slave point. Forces are on the full circumference if
+   !> axisymmetric.
    type :: contact_field_type
       integer, allocatable :: node(:)        !! slave node index
       integer, allocatable :: facet(:)       !! master facet; 0: none found (never touches)
-      integer, allocatable :: status(:)      !! 0 open, 1 closed (sliding), 2 tied; -1: no master opposite
-      real(wp), allocatable :: weight(:)     !! tributary area [length^2]; plane: times thickness; 1 if unknown
+      integer, allocatable :: status(:)   !! 0 open, 1 closed (sliding), 2 tied; -1: no master
+                                          !! opposite
+      real(wp), allocatable :: weight(:)   !! tributary area [length^2]; plane: times thickness; 1
+                                           !! if unknown
       real(wp), allocatable :: gap(:)        !! signed, >= 0 open [length]
       real(wp), allocatable :: pressure(:)   !! >= 0 pressing; < 0 only if bilateral [stress]
       real(wp), allocatable :: normal(:, :)  !! (ndim, npoint) master's outward normal
-      real(wp), allocatable :: force(:, :)   !! (ndim, npoint) force of the master on the slave point [force]
+      real(wp), allocatable :: force(:, :)   !! (ndim, npoint) force of the master on the slave
+                                             !! point [force]
       real(wp), allocatable :: xi(:, :)      !! (2, npoint) projection on the facet
-      real(wp), allocatable :: u_n(:)        !! normal displacement relative to the master since the start [length]
-      real(wp), allocatable :: u_t(:, :)     !! (ndim, npoint) tangential relative displacement [length]
+      real(wp), allocatable :: u_n(:)   !! normal displacement relative to the master since the
+                                        !! start [length]
+      real(wp), allocatable :: u_t(:, :)   !! (ndim, npoint) tangential relative displacement
+                                           !! [length]
    end type contact_field_type
 
    !> The frozen tests of an accepted increment; every number is dimensionless.
    type :: certificate_type
       real(wp) :: penetration = 0.0_wp       !! deepest penetration / slave facet size
-      real(wp) :: tension = 0.0_wp           !! largest tension / largest pressure, unilateral points
+      real(wp) :: tension = 0.0_wp   !! largest tension / largest pressure, unilateral points
       real(wp) :: complementarity = 0.0_wp   !! max |min(p, c g)| / p_ref over the exact pairs
       real(wp) :: pressure_error = 0.0_wp    !! estimate for rows that allow penetration
       real(wp) :: equilibrium = 0.0_wp       !! largest residual / reference force
@@ -40,13 +47,14 @@ module lopin_state
 
    type :: energy_type
       real(wp) :: strain = 0.0_wp            !! [force*length]
-      real(wp) :: external = 0.0_wp          !! work of loads and prescribed displacements since the start
+      real(wp) :: external = 0.0_wp   !! work of loads and prescribed displacements since the start
       real(wp) :: contact = 0.0_wp           !! stored by penalty springs
       real(wp) :: friction = 0.0_wp          !! dissipated; 0 as no interface has friction yet
    end type energy_type
 
    !> One accepted increment, as handed to the recorders. Displacements and reactions by node:
-   !> dofs 1..3 translations, 4..6 rotations (only of reference nodes); zero where a node has no such dof.
+   !> dofs 1..3 translations, 4..6 rotations (only of reference nodes); zero where a node has no
+   !> such dof.
    type :: frame_type
       integer :: step = 0, increment = 0, iterations = 0, augmentations = 0
       integer :: attempt = 1                  !! 1 as no increment is cut yet
@@ -54,10 +62,13 @@ module lopin_state
       real(wp) :: total_time = 0.0_wp, step_time = 0.0_wp, time_increment = 0.0_wp
       logical :: last_of_step = .false.
       real(wp), allocatable :: u(:, :)        !! (6, nnode) [length], [rad]
-      real(wp), allocatable :: rf(:, :)       !! (6, nnode) reactions at prescribed dofs and reference nodes [force]
-      real(wp), allocatable :: stress(:, :)   !! (6, npoint) xx yy zz xy xz yz at integration points [stress]
+      real(wp), allocatable :: rf(:, :)   !! (6, nnode) reactions at prescribed dofs and reference
+                                          !! nodes [force]
+      real(wp), allocatable :: stress(:, :)   !! (6, npoint) xx yy zz xy xz yz at integration points
+                                              !! [stress]
       real(wp), allocatable :: strain(:, :)   !! (6, npoint) engineering shears
-      integer, allocatable :: first_point(:)  !! (nelement+1) first integration point of each element in `stress`
+      integer, allocatable :: first_point(:)   !! (nelement+1) first integration point of each
+                                               !! element in `stress`
       real(wp), allocatable :: nodal_stress(:, :) !! (6, nnode) extrapolated and averaged
       type(contact_field_type), allocatable :: contact(:)  !! by pair
       type(certificate_type) :: certificate
@@ -80,7 +91,8 @@ module lopin_state
       type(clock_type) :: clock
       type(log_type) :: log                       !! what the run itself had to say
       real(wp) :: peak_memory = 0.0_wp            !! [MiB]
-      !> Of the translations of all nodes in all increments, in order; equal results have equal ones.
+      !> Of the translations of all nodes in all increments, in order; equal results have equal
+      !> ones.
       character(len=:), allocatable :: checksum
    end type summary_type
 end module lopin_state

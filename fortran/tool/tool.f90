@@ -23,7 +23,7 @@ module lopin_tool
       real(wp) :: overhang = 0.0_wp         !! > 0: x lies that far beyond an open end [length]
       integer :: segment = 0                !! segment of a profile, else 1
       logical :: corner = .false.           !! the foot is a sharp corner
-      real(wp) :: cone = 1.0_wp             !! < 1: on a corner, every normal within this cosine serves
+      real(wp) :: cone = 1.0_wp   !! < 1: on a corner, every normal within this cosine serves
    end type foot_type
 
    type, abstract :: tool_type

@@ -30,7 +30,8 @@ contains
    subroutine close_matrix(what, actual, expected, tolerance)
       character(len=*), intent(in) :: what
       real(wp), intent(in) :: actual(:, :), expected(:, :), tolerance
-      call close_vector(what, reshape(actual, [size(actual)]), reshape(expected, [size(expected)]), tolerance)
+      call close_vector(what, reshape(actual, [size(actual)]), &
+         & reshape(expected, [size(expected)]), tolerance)
    end subroutine close_matrix
 
    subroutine close_vector(what, actual, expected, tolerance)
@@ -41,7 +42,8 @@ contains
       do i = 1, size(expected)
          if (.not. abs(actual(i) - expected(i)) <= tolerance*max(1.0_wp, abs(expected(i)))) then
             failed = failed + 1
-            print '(a,": ",a,"(",i0,") = ",g0,", expected ",g0)', current, what, i, actual(i), expected(i)
+            print '(a,": ",a,"(",i0,") = ",g0,", expected ",g0)', current, what, i, actual(i), &
+               & expected(i)
             return
          end if
       end do

@@ -14,16 +14,19 @@ module constraint_scenes
 
 contains
 
-   !> Two unit squares of a family, LOW at the origin and UP above a gap of 0.1; node REF (9) at (3, 2).
+   !> Two unit squares of a family, LOW at the origin and UP above a gap of 0.1; node REF (9) at (3,
+   !> 2).
    function squares(family) result(text)
       character(len=*), intent(in) :: family
       character(len=:), allocatable :: text
-      text = '*NODE, NSET=ALL'//nl//'1, 0., 0.'//nl//'2, 1., 0.'//nl//'3, 1., 1.'//nl//'4, 0., 1.'//nl &
+      text = '*NODE, NSET=ALL'//nl//'1, 0., 0.'//nl//'2, 1., 0.'//nl//'3, 1., 1.'//nl// &
+         & '4, 0., 1.'//nl &
          & //'5, 0., 1.1'//nl//'6, 1., 1.1'//nl//'7, 1., 2.1'//nl//'8, 0., 2.1'//nl &
          & //'*NODE, NSET=REF'//nl//'9, 3., 2.'//nl//'*NODE'//nl//'10, 5., 5.'//nl &
          & //'*ELEMENT, TYPE='//family//', ELSET=LOW'//nl//'1, 1, 2, 3, 4'//nl &
          & //'*ELEMENT, TYPE='//family//', ELSET=UP'//nl//'2, 5, 6, 7, 8'//nl//steel &
-         & //'*SOLID SECTION, ELSET=LOW, MATERIAL=M'//nl//'*SOLID SECTION, ELSET=UP, MATERIAL=M'//nl &
+         & //'*SOLID SECTION, ELSET=LOW, MATERIAL=M'//nl//'*SOLID SECTION, ELSET=UP, MATERIAL=M'// &
+         & nl &
          & //'*NSET, NSET=TOP'//nl//'7, 8'//nl//'*NSET, NSET=BOTTOM'//nl//'1, 2'//nl &
          & //'*SURFACE, NAME=SLAVE'//nl//'UP, S1'//nl//'*SURFACE, NAME=MASTER'//nl//'LOW, S3'//nl
    end function squares

@@ -8,7 +8,8 @@ module matrices
 
 contains
 
-   !> Stiffness of a block of unit bilinear or trilinear elements, E = 1, nu = 0.3 (2D: plane strain).
+   !> Stiffness of a block of unit bilinear or trilinear elements, E = 1, nu = 0.3 (2D: plane
+   !> strain).
    !>
    !> With `clamped` the face x = 0 is held; else the block is free and the matrix is singular.
    !> `top`: the face where the last coordinate is largest.

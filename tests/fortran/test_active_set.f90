@@ -49,7 +49,8 @@ contains
       type(contact_result_type), intent(out) :: result
       type(condensed_type) :: problem
 
-      call new_problem(problem, reshape([sqrt(k)], [1, 1]), reshape([-1.0_wp], [1, 1]), method, alpha)
+      call new_problem(problem, reshape([sqrt(k)], [1, 1]), reshape([-1.0_wp], [1, 1]), method, &
+         & alpha)
       call solve_contact(problem, [g0], [f], [real(wp) ::], result)
    end subroutine one_spring
 
@@ -97,7 +98,8 @@ contains
    subroutine cycling_matrix()
       type(condensed_type) :: problem
       type(contact_result_type) :: result
-      real(wp), parameter :: m(3, 3) = reshape([9.0_wp, -13.0_wp, -16.0_wp, -13.0_wp, 22.0_wp, 28.0_wp, &
+      real(wp), parameter :: m(3, 3) = reshape([9.0_wp, -13.0_wp, -16.0_wp, -13.0_wp, 22.0_wp, &
+         & 28.0_wp, &
          & -16.0_wp, 28.0_wp, 36.0_wp], [3, 3])
       real(wp) :: l(3, 3), unit(3, 3)
 
@@ -111,10 +113,12 @@ contains
       problem%s = m
       result%active = [.true., .false., .false.]
       result%multiplier = [0.0_wp, 0.0_wp, 0.0_wp]
-      call solve_contact(problem, [-9.0_wp, 9.0_wp, 2.0_wp], [0.0_wp, 0.0_wp, 0.0_wp], [real(wp) ::], result)
+      call solve_contact(problem, [-9.0_wp, 9.0_wp, 2.0_wp], [0.0_wp, 0.0_wp, 0.0_wp], &
+         & [real(wp) ::], result)
       call is_true('solved', result%outcome == outcome%solved)
       call is_true('one at a time', result%single_pivots > 0)
-      call close_to('force', result%force, [4.2941176470588234_wp, 0.0_wp, 1.8529411764705883_wp], 1.0e-10_wp)
+      call close_to('force', result%force, [4.2941176470588234_wp, 0.0_wp, 1.8529411764705883_wp], &
+         & 1.0e-10_wp)
    end subroutine cycling_matrix
 
    !> A rigid mass between two walls, pushed against one: K_c has no part in it.
@@ -135,7 +139,8 @@ contains
       integer :: method
 
       do method = 1, size(method_names)
-         call test('a mass pushed away from its only wall is not held, '//trim(method_names(method)))
+         call test('a mass pushed away from its only wall is not held, '// &
+            & trim(method_names(method)))
          call floating(method, -3.0_wp, result, walls=1)
          call is_true('not held', result%outcome == outcome%not_held)
       end do
@@ -192,7 +197,8 @@ contains
          result = contact_result_type()
          call solve_contact(problem, gap, 5.0_wp*(force - 0.5_wp), [real(wp) ::], result)
          call is_true('solved', result%outcome == outcome%solved)
-         worst = max(worst, maxval(abs(min(result%force, result%gap)))/maxval(abs(result%force) + 1.0_wp))
+         worst = max(worst, maxval(abs(min(result%force, result%gap)))/maxval(abs(result%force) &
+            & + 1.0_wp))
          call new_problem(problem, l, b, 2, 1.0e3_wp)
          result = contact_result_type()
          call solve_contact(problem, gap, force, [real(wp) ::], result)
@@ -207,7 +213,8 @@ contains
    !> Benchmark F4: with the step alpha every alpha > 0 converges, by 1/(1 + alpha s_min) a pass.
    subroutine augmentations_contract_as_predicted()
       real(wp), parameter :: s_min = (5.0_wp - sqrt(5.0_wp))/10.0_wp
-      real(wp), parameter :: alpha(7) = [0.1_wp, 0.5_wp, 1.0_wp, 3.0_wp, 10.0_wp, 1.0e3_wp, 1.0e6_wp]
+      real(wp), parameter :: alpha(7) = [0.1_wp, 0.5_wp, 1.0_wp, 3.0_wp, 10.0_wp, 1.0e3_wp, &
+         & 1.0e6_wp]
       type(condensed_type) :: problem
       type(contact_result_type) :: result, exact
       real(wp) :: l(2, 2)
@@ -221,7 +228,8 @@ contains
       call close_to('forces', exact%force, [1.9_wp, 2.7_wp], 1.0e-13_wp)
       do i = 1, size(alpha)
          call test('augmentations contract by 1/(1 + alpha s)')
-         call new_problem(problem, l, -reshape([1.0_wp, 0.0_wp, 0.0_wp, 1.0_wp], [2, 2]), 4, alpha(i))
+         call new_problem(problem, l, -reshape([1.0_wp, 0.0_wp, 0.0_wp, 1.0_wp], [2, 2]), 4, &
+            & alpha(i))
          problem%max_augmentations = [2000]
          call solve_contact(problem, [0.1_wp, 0.2_wp], [2.0_wp, 3.0_wp], [real(wp) ::], result)
          call is_true('converges', result%outcome == outcome%solved)
@@ -232,8 +240,8 @@ contains
       call close_to('rate at alpha = 1', 1.0_wp/(1.0_wp + s_min), 0.783458_wp, 1.0e-6_wp)
    end subroutine augmentations_contract_as_predicted
 
-   !> One spring: after n passes the force is short by 1/(1 + alpha/k)^n; one more pass shows all but
-   !> that share of it.
+   !> One spring: after n passes the force is short by 1/(1 + alpha/k)^n; one more pass shows all
+   !> but that share of it.
    subroutine augmentations_that_stop_early_know_their_error()
       real(wp), parameter :: k = 100.0_wp, alpha = 100.0_wp, push = 10.0_wp
       real(wp), parameter :: accepted(3) = [1.0_wp, 0.03_wp, 0.001_wp]

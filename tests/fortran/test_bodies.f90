@@ -11,7 +11,8 @@ program test_bodies
    implicit none
 
    character(len=*), parameter :: held = '*BOUNDARY'//nl//'BOTTOM, 1, 2'//nl
-   character(len=*), parameter :: tool = '*SURFACE, NAME=DIE, TYPE=SEGMENTS'//nl//'START, -3., 3.'//nl// &
+   character(len=*), parameter :: tool = '*SURFACE, NAME=DIE, TYPE=SEGMENTS'//nl// &
+      & 'START, -3., 3.'//nl// &
       & 'LINE, 3., 3.'//nl//'*RIGID BODY, ANALYTICAL SURFACE=DIE, REF NODE=REF'//nl
    type(model_type) :: model
    type(bodies_type) :: self
@@ -21,35 +22,43 @@ program test_bodies
    call counts(squares('CPS4'), 6)
    call counts(cube(), 6)
    call counts(squares('CAX4')//'*BOUNDARY'//nl//'1, 2'//nl, 1)
-   call equal_text('words', describe_motion(self, model, [1.0_wp]), 'body UP can move along the axis (z)')
+   call equal_text('words', describe_motion(self, model, [1.0_wp]), &
+      & 'body UP can move along the axis (z)')
    call test('a body held in one node turns about it; on rollers it moves along them')
    call counts(squares('CPE4')//held//'*BOUNDARY'//nl//'5, 1, 2'//nl, 1)
    call is_true('turns', index(describe_motion(self, model, [1.0_wp]), 'turn about z') > 0)
    call counts(squares('CPE4')//held//'*BOUNDARY'//nl//'5, 2'//nl//'6, 2'//nl, 1)
    call equal_text('words', describe_motion(self, model, [1.0_wp]), 'body UP can move along x')
    call test('equations hold one body by another')
-   call counts(squares('CPE4')//held//'*EQUATION'//nl//'2'//nl//'5, 1, 1., 4, 1, -1.'//nl//'2'//nl// &
+   call counts(squares('CPE4')//held//'*EQUATION'//nl//'2'//nl//'5, 1, 1., 4, 1, -1.'//nl//'2'// &
+      & nl// &
       & '5, 2, 1., 4, 2, -1.'//nl, 1)
-   call counts(squares('CPE4')//held//'*EQUATION'//nl//'2'//nl//'5, 1, 1., 4, 1, -1.'//nl//'2'//nl// &
+   call counts(squares('CPE4')//held//'*EQUATION'//nl//'2'//nl//'5, 1, 1., 4, 1, -1.'//nl//'2'// &
+      & nl// &
       & '5, 2, 1., 4, 2, -1.'//nl//'2'//nl//'6, 2, 1., 3, 2, -1.'//nl, 0)
    call test('a tool has the motions of its reference node that are not prescribed')
    call counts(squares('CPE4')//held//'*BOUNDARY'//nl//'5, 1, 2'//nl//'6, 2'//nl//tool, 3)
-   call counts(squares('CPE4')//held//'*BOUNDARY'//nl//'5, 1, 2'//nl//'6, 2'//nl//tool//'*BOUNDARY'//nl// &
+   call counts(squares('CPE4')//held//'*BOUNDARY'//nl//'5, 1, 2'//nl//'6, 2'//nl//tool// &
+      & '*BOUNDARY'//nl// &
       & 'REF, 1'//nl//'REF, 6'//nl, 1)
-   call equal_text('words', describe_motion(self, model, [1.0_wp]), 'rigid body DIE can move along y')
+   call equal_text('words', describe_motion(self, model, [1.0_wp]), &
+      & 'rigid body DIE can move along y')
    call test('a rigid row on a body adds no motion; a reference node inside the body neither')
    call counts(squares('CPE4')//held//'*RIGID BODY, NSET=TOP, REF NODE=REF'//nl, 3)
    call counts(squares('CPE4')//held//'*RIGID BODY, NSET=TOP, REF NODE=5'//nl, 3)
-   call counts(cube()//'*RIGID BODY, NSET=TOP, REF NODE=REF'//nl//'*BOUNDARY'//nl//'REF, 1, 3'//nl, 3)
+   call counts(cube()//'*RIGID BODY, NSET=TOP, REF NODE=REF'//nl//'*BOUNDARY'//nl//'REF, 1, 3'// &
+      & nl, 3)
    call counts(cube()//'*RIGID BODY, NSET=TOP, REF NODE=1'//nl//'*BOUNDARY'//nl//'1, 1, 3'//nl, 3)
    call test('local axes: a roller at 37 degrees holds as much as a straight one')
-   call counts(squares('CPE4')//held//'*TRANSFORM, NSET=TOP'//nl//'0.8, 0.6, 0., -0.6, 0.8, 0.'//nl// &
+   call counts(squares('CPE4')//held//'*TRANSFORM, NSET=TOP'//nl//'0.8, 0.6, 0., -0.6, 0.8, 0.'// &
+      & nl// &
       & '*BOUNDARY'//nl//'TOP, 2'//nl, 1)
    call finish()
 
 contains
 
-   !> The number of motions, and that each moves every body and follower rigidly and every support not.
+   !> The number of motions, and that each moves every body and follower rigidly and every support
+   !> not.
    subroutine counts(text, number)
       character(len=*), intent(in) :: text
       integer, intent(in) :: number
@@ -77,7 +86,8 @@ contains
             do a = 1, 4
                do b = 1, a - 1
                   associate (i => model%mesh%conn(a, e), j => model%mesh%conn(b, e))
-                     call close_to('no length changes', dot_product(model%mesh%x(:, i) - model%mesh%x(:, j), &
+                     call close_to('no length changes', dot_product(model%mesh%x(:, i) &
+                        & - model%mesh%x(:, j), &
                         & u(dofs%id(:n, i)) - u(dofs%id(:n, j))), 0.0_wp, 1.0e-10_wp)
                   end associate
                end do

@@ -5,7 +5,8 @@ program test_constraints
    use lopin_csc, only : csc_type, storage
    use lopin_model, only : model_type
    use lopin_dofs, only : dofs_type, new_dofs
-   use lopin_constraints, only : constraints_type, new_constraints, expand, reduce, prescribed_part, &
+   use lopin_constraints, only : constraints_type, new_constraints, expand, reduce, &
+      & prescribed_part, &
       & raw_displacement
    use lopin_reduce_matrix, only : reduce_matrix
    use lopin_rigid_motion, only : rigid_motion
@@ -16,8 +17,10 @@ program test_constraints
 
    character(len=*), parameter :: axes = '0.8, 0.6, 0., -0.6, 0.8, 0.'//nl
    !> Local axes, an equation that chains into another, a rigid row: everything at once.
-   character(len=*), parameter :: mixed = '*RIGID BODY, NSET=TOP, REF NODE=REF'//nl//'*NSET, NSET=T'//nl//'3, 7' &
-      & //nl//'*TRANSFORM, NSET=T'//nl//axes//'*EQUATION'//nl//'3'//nl//'1, 1, 2., 2, 1, 3., 7, 2, -1.'//nl &
+   character(len=*), parameter :: mixed = '*RIGID BODY, NSET=TOP, REF NODE=REF'//nl// &
+      & '*NSET, NSET=T'//nl//'3, 7' &
+      & //nl//'*TRANSFORM, NSET=T'//nl//axes//'*EQUATION'//nl//'3'//nl// &
+      & '1, 1, 2., 2, 1, 3., 7, 2, -1.'//nl &
       & //'2'//nl//'2, 1, 1., 3, 1, 0.5'//nl//'*BOUNDARY'//nl//'5, 1, 2'//nl//'3, 2'//nl
    type(model_type) :: model
    type(dofs_type) :: dofs
@@ -67,9 +70,11 @@ contains
       call prescribed_part(self, f, s)
       call close_to('work', dot_product(f, u), dot_product(r, v) + dot_product(s, p), 1.0e-13_wp)
       call test('the equations hold for what was expanded, local axes included')
-      call close_to('first', 2.0_wp*u(dofs%id(1, 1)) + 3.0_wp*u(dofs%id(1, 2)), raw(7, 2, u), 1.0e-13_wp)
+      call close_to('first', 2.0_wp*u(dofs%id(1, 1)) + 3.0_wp*u(dofs%id(1, 2)), raw(7, 2, u), &
+         & 1.0e-13_wp)
       call close_to('second', u(dofs%id(1, 2)) + 0.5_wp*raw(3, 1, u), 0.0_wp, 1.0e-13_wp)
-      call close_to('local support', raw(3, 2, u), p(findloc(self%dof_of_prescribed, dofs%id(2, 3), 1)), 1.0e-13_wp)
+      call close_to('local support', raw(3, 2, u), &
+         & p(findloc(self%dof_of_prescribed, dofs%id(2, 3), 1)), 1.0e-13_wp)
    end subroutine expansion_and_reduction_are_adjoint
 
    real(wp) function raw(node, dof, u)
@@ -100,7 +105,8 @@ contains
 
       call test('a follower moves as the derivative of the finite motion about the reference node')
       do d = 2, 3
-         if (d == 2) call constrain(squares('CPE4')//'*RIGID BODY, NSET=TOP, REF NODE=REF'//nl//ended)
+         if (d == 2) call constrain(squares('CPE4')//'*RIGID BODY, NSET=TOP, REF NODE=REF'//nl// &
+            & ended)
          if (d == 3) call constrain(cube()//'*RIGID BODY, NSET=TOP, REF NODE=REF'//nl//ended)
          first = merge(7, 5, d == 2)
          step = 1.0e-4_wp
@@ -112,7 +118,8 @@ contains
             do node = first, 8
                if (d == 2) then
                   moved(:2) = rigid_motion(model%mesh%x(:, 9), q(:2), q(6:6), model%mesh%x(:, node))
-                  back(:2) = rigid_motion(model%mesh%x(:, 9), -q(:2), -q(6:6), model%mesh%x(:, node))
+                  back(:2) = rigid_motion(model%mesh%x(:, 9), -q(:2), -q(6:6), &
+                     & model%mesh%x(:, node))
                else
                   moved = rigid_motion(model%mesh%x(:, 9), q(:3), q(4:), model%mesh%x(:, node))
                   back = rigid_motion(model%mesh%x(:, 9), -q(:3), -q(4:), model%mesh%x(:, node))
@@ -136,9 +143,11 @@ contains
       call move_reference([0.3_wp, -0.2_wp, 0.0_wp, 0.0_wp, 0.0_wp, 0.1_wp], turned)
       call close_to('followers', turned, plain, 1.0e-14_wp)
       call constrain(squares('CPE4')//body//'*TRANSFORM, NSET=REF'//nl//axes//ended)
-      call move_reference([0.8_wp*0.3_wp - 0.6_wp*0.2_wp, -0.6_wp*0.3_wp - 0.8_wp*0.2_wp, 0.0_wp, 0.0_wp, 0.0_wp, &
+      call move_reference([0.8_wp*0.3_wp - 0.6_wp*0.2_wp, -0.6_wp*0.3_wp - 0.8_wp*0.2_wp, 0.0_wp, &
+         & 0.0_wp, 0.0_wp, &
          & 0.1_wp], turned)
-      call close_to('reference', [(turned(dofs%id(i, 7)), turned(dofs%id(i, 8)), turned(dofs%id(i, 9)), i=1, 2)], &
+      call close_to('reference', &
+         & [(turned(dofs%id(i, 7)), turned(dofs%id(i, 8)), turned(dofs%id(i, 9)), i=1, 2)], &
          & [(plain(dofs%id(i, 7)), plain(dofs%id(i, 8)), plain(dofs%id(i, 9)), i=1, 2)], 1.0e-14_wp)
    end subroutine followers_do_not_care_about_axes
 
@@ -162,7 +171,8 @@ contains
          write (line, '(i0,4(",",i0))') i + 1, 2*i + 1, 2*i + 3, 2*i + 4, 2*i + 2
          text = text//trim(line)//nl
       end do
-      text = text//'*MATERIAL, NAME=M'//nl//'*ELASTIC'//nl//'1., 0.'//nl//'*SOLID SECTION, ELSET=E, MATERIAL=M'//nl
+      text = text//'*MATERIAL, NAME=M'//nl//'*ELASTIC'//nl//'1., 0.'//nl// &
+         & '*SOLID SECTION, ELSET=E, MATERIAL=M'//nl
       do i = 0, 69
          write (line, '("2",a,i0,",1,1.,",i0,",1,-1.01")') nl, 2*i + 1, 2*i + 3
          text = text//'*EQUATION'//nl//trim(line)//nl
@@ -178,8 +188,10 @@ contains
 
    subroutine cycles_and_contradictions_are_refused()
       call test('what depends on itself, or is determined twice, is an error at its line')
-      call refuse('*EQUATION'//nl//'2'//nl//'1, 1, 1., 2, 1, 1.'//nl//'2'//nl//'2, 1, 1., 1, 1, 1.'//nl)
-      call refuse('*EQUATION'//nl//'2'//nl//'1, 1, 1., 2, 1, 1.'//nl//'2'//nl//'1, 1, 1., 3, 1, 1.'//nl)
+      call refuse('*EQUATION'//nl//'2'//nl//'1, 1, 1., 2, 1, 1.'//nl//'2'//nl// &
+         & '2, 1, 1., 1, 1, 1.'//nl)
+      call refuse('*EQUATION'//nl//'2'//nl//'1, 1, 1., 2, 1, 1.'//nl//'2'//nl// &
+         & '1, 1, 1., 3, 1, 1.'//nl)
       call refuse('*BOUNDARY'//nl//'1, 1'//nl//'*EQUATION'//nl//'2'//nl//'1, 1, 1., 2, 1, 1.'//nl)
       call refuse('*RIGID BODY, NSET=TOP, REF NODE=REF'//nl//'*BOUNDARY'//nl//'7, 1'//nl)
    end subroutine cycles_and_contradictions_are_refused

@@ -5,15 +5,18 @@ program test_contact_rows
    use lopin_model, only : model_type
    use lopin_dofs, only : dofs_type, new_dofs
    use lopin_contact_points, only : contact_points_type, new_contact_points, move_tool
-   use lopin_contact_rows, only : initial_gap_type, new_initial_gaps, contact_rows_type, new_contact_rows, row_forces
+   use lopin_contact_rows, only : initial_gap_type, new_initial_gaps, contact_rows_type, &
+      & new_contact_rows, row_forces
    use constraint_scenes, only : model_of, ended, nl
    use check, only : test, close_to, is_true, finish
    implicit none
 
    character(len=*), parameter :: steel = '*MATERIAL, NAME=M'//nl//'*ELASTIC'//nl//'1000., 0.3'//nl
    !> A small square above the slanted top of a large one, and a round tool below on node REF (9).
-   character(len=*), parameter :: slanted = '*NODE'//nl//'1, 0., 0.'//nl//'2, 3., 0.'//nl//'3, 3., 0.9'//nl &
-      & //'4, 0., 1.1'//nl//'5, 0.7, 1.1'//nl//'6, 1.9, 1.1'//nl//'7, 1.9, 2.1'//nl//'8, 0.7, 2.1'//nl &
+   character(len=*), parameter :: slanted = '*NODE'//nl//'1, 0., 0.'//nl//'2, 3., 0.'//nl// &
+      & '3, 3., 0.9'//nl &
+      & //'4, 0., 1.1'//nl//'5, 0.7, 1.1'//nl//'6, 1.9, 1.1'//nl//'7, 1.9, 2.1'//nl// &
+      & '8, 0.7, 2.1'//nl &
       & //'*NODE, NSET=REF'//nl//'9, 1.3, -2.'//nl &
       & //'*ELEMENT, TYPE=CPE4, ELSET=LOW'//nl//'1, 1, 2, 3, 4'//nl &
       & //'*ELEMENT, TYPE=CPE4, ELSET=UP'//nl//'2, 5, 6, 7, 8'//nl//steel &
@@ -21,7 +24,8 @@ program test_contact_rows
       & //'*SURFACE, NAME=SLAVE'//nl//'UP, S1'//nl//'*SURFACE, NAME=MASTER'//nl//'LOW, S3'//nl &
       & //'*SURFACE, NAME=FOOT'//nl//'LOW, S1'//nl//'*SURFACE, NAME=ROUND, TYPE=SEGMENTS'//nl &
       & //'START, -5., -5.1'//nl//'CIRCL, 0., -0.1, 0., -5.1'//nl//'CIRCL, 5., -5.1, 0., -5.1'//nl &
-      & //'*RIGID BODY, ANALYTICAL SURFACE=ROUND, REF NODE=REF'//nl//'*SURFACE INTERACTION, NAME=I'//nl &
+      & //'*RIGID BODY, ANALYTICAL SURFACE=ROUND, REF NODE=REF'//nl// &
+      & '*SURFACE INTERACTION, NAME=I'//nl &
       & //'*CONTACT PAIR, INTERACTION=I'//nl//'SLAVE, MASTER'//nl//'FOOT, ROUND'//nl
    real(wp), parameter :: step = 1.0e-6_wp
    type(model_type) :: model
@@ -69,7 +73,8 @@ contains
       integer :: k
       total = 0.0_wp
       do k = rows%first(row), rows%first(row + 1) - 1
-         if (dofs%node(rows%dof(k)) == 9) total = total + rows%coefficient(k)*place(dofs%dof(rows%dof(k)), 1)
+         if (dofs%node(rows%dof(k)) == 9) total = total &
+            & + rows%coefficient(k)*place(dofs%dof(rows%dof(k)), 1)
       end do
    end function sum_at
 
@@ -152,7 +157,8 @@ contains
             if (dofs%id(6, node) > 0) moment = moment + f(dofs%id(6, node))
          end do
          call close_to('force', total, [0.0_wp, 0.0_wp], 1.0e-14_wp)
-         ! The force acts along the normal, which is the line from foot to slave point: no moment either.
+         ! The force acts along the normal, which is the line from foot to slave point: no moment
+         ! either.
          call close_to('moment', moment, 0.0_wp, 1.0e-12_wp)
          deallocate (f)
       end do

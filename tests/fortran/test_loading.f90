@@ -13,7 +13,8 @@ program test_loading
    implicit none
 
    character(len=*), parameter :: tent = '*AMPLITUDE, NAME=TENT'//nl//'0., 0., 1., 1., 2., 0.5'//nl
-   character(len=*), parameter :: clock = '*AMPLITUDE, NAME=CLOCK, TIME=TOTAL TIME'//nl//'0., 0., 4., 4.'//nl
+   character(len=*), parameter :: clock = '*AMPLITUDE, NAME=CLOCK, TIME=TOTAL TIME'//nl// &
+      & '0., 0., 4., 4.'//nl
    type(model_type) :: model
    type(dofs_type) :: dofs
    type(solids_type) :: solids
@@ -21,7 +22,8 @@ program test_loading
    real(wp), allocatable :: steady(:), u(:)
 
    call test('loads go from the old value to the new one over the step')
-   call load(step('', '*CLOAD'//nl//'7, 2, 10.'//nl)//step('', '*CLOAD'//nl//'7, 2, 4.'//nl//'8, 2, 2.'//nl) &
+   call load(step('', '*CLOAD'//nl//'7, 2, 10.'//nl)//step('', '*CLOAD'//nl//'7, 2, 4.'//nl// &
+      & '8, 2, 2.'//nl) &
       & //step('', '*CLOAD, OP=NEW'//nl//'8, 2, 6.'//nl))
    call follow(1, 7, [2.5_wp, 5.0_wp, 10.0_wp])
    call follow(2, 7, [8.5_wp, 7.0_wp, 4.0_wp])
@@ -31,13 +33,15 @@ program test_loading
    call load(step(', AMPLITUDE=STEP', '*CLOAD'//nl//'7, 2, 10.'//nl))
    call follow(1, 7, [10.0_wp, 10.0_wp, 10.0_wp])
    call test('an amplitude in step time is held where its step ends, in total time it runs on')
-   call load(tent//clock//step('', '*CLOAD, AMPLITUDE=TENT'//nl//'7, 2, 10.'//nl//'*CLOAD, AMPLITUDE=CLOCK'//nl &
+   call load(tent//clock//step('', '*CLOAD, AMPLITUDE=TENT'//nl//'7, 2, 10.'//nl// &
+      & '*CLOAD, AMPLITUDE=CLOCK'//nl &
       & //'8, 2, 1.'//nl)//step('', ''))
    call follow(1, 7, [5.0_wp, 10.0_wp, 5.0_wp])
    call follow(2, 7, [5.0_wp, 5.0_wp, 5.0_wp])
    call follow(2, 8, [2.5_wp, 3.0_wp, 4.0_wp])
    call test('a load that loses its amplitude goes on from its last value')
-   call load(clock//step('', '*CLOAD, AMPLITUDE=CLOCK'//nl//'8, 2, 5.'//nl)//step('', '*CLOAD, OP=NEW'//nl))
+   call load(clock//step('', '*CLOAD, AMPLITUDE=CLOCK'//nl//'8, 2, 5.'//nl)// &
+      & step('', '*CLOAD, OP=NEW'//nl))
    call follow(1, 8, [2.5_wp, 5.0_wp, 10.0_wp])
    call follow(2, 8, [7.5_wp, 5.0_wp, 0.0_wp])
    call test('a prescribed displacement goes on from where the node is')
@@ -45,7 +49,8 @@ program test_loading
    u(dofs%id(2, 7)) = 1.0_wp
    call place([1.5_wp, 2.0_wp, 3.0_wp])
    call test('a force in local axes acts along them')
-   call load('*TRANSFORM, NSET=TOP'//nl//'0.6, 0.8, 0., -0.8, 0.6, 0.'//nl//step('', '*CLOAD'//nl//'7, 1, 10.'//nl))
+   call load('*TRANSFORM, NSET=TOP'//nl//'0.6, 0.8, 0., -0.8, 0.6, 0.'//nl// &
+      & step('', '*CLOAD'//nl//'7, 1, 10.'//nl))
    call follow(1, 7, 0.8_wp*[2.5_wp, 5.0_wp, 10.0_wp])
    call finish()
 
@@ -90,7 +95,8 @@ contains
       integer :: i
 
       call new_constraints(constraints, model, dofs, model%step(number), error)
-      call new_loading(self, model, dofs, constraints, solids, model%step(number), 2.0_wp*(number - 1), steady, u)
+      call new_loading(self, model, dofs, constraints, solids, model%step(number), &
+         & 2.0_wp*(number - 1), steady, u)
       do i = 1, 3
          call loads_at(self, model, times(i), f, after)
          found(i) = f(dofs%id(2, node))
@@ -98,7 +104,8 @@ contains
       call close_to('force', found, expected, 1.0e-13_wp)
       if (number == size(model%step)) return
       steady = after
-      call add_ended_loads(self, model, dofs, constraints, solids, model%step(number), model%step(number + 1), steady)
+      call add_ended_loads(self, model, dofs, constraints, solids, model%step(number), &
+         & model%step(number + 1), steady)
    end subroutine follow
 
    subroutine place(expected)
@@ -114,7 +121,8 @@ contains
       allocate (value(constraints%nprescribed))
       do i = 1, 3
          call prescribed_at(self, model, times(i), value)
-         call close_to('place', value(findloc(constraints%dof_of_prescribed, dofs%id(2, 7), 1)), expected(i), 1.0e-14_wp)
+         call close_to('place', value(findloc(constraints%dof_of_prescribed, dofs%id(2, 7), 1)), &
+            & expected(i), 1.0e-14_wp)
       end do
    end subroutine place
 end program test_loading
