@@ -4,7 +4,7 @@
 !> HISTORY.
 !> A step without requests of a kind goes on with those of the step before.
 module lopin_build_output
-   use lopin_error, only : location_type
+   use lopin_error, only : location_type, log_type, severity
    use lopin_text, only : upper, parse_integer
    use lopin_model, only : model_type, output_type, output_of
    use lopin_block, only : deck_type, block_type, field_type, split_fields, has_parameter
@@ -119,10 +119,46 @@ contains
             if (len(field(i)%text) == 0) cycle
             if (any(upper(field(i)%text) == [character(len=9) :: 'PRESELECT', 'ALL'])) cycle
             variable = upper(field(i)%text)
+            if (.not. any(known_results(block%keyword) == variable)) then
+               call note_missing(model%log, block%keyword, field(i))
+               cycle
+            end if
             output%variable = [character(len=8) :: output%variable, variable]
          end do
       end do
    end subroutine read_output
+
+   !> Variables that a card may ask for.
+   pure function known_results(keyword) result(words)
+      character(len=*), intent(in) :: keyword
+      character(len=8), allocatable :: words(:)
+
+      select case (keyword)
+      case ('NODE PRINT', 'NODE FILE', 'NODE OUTPUT')
+         words = [character(len=8) :: 'U', 'RF']
+      case ('EL PRINT', 'EL FILE', 'ELEMENT OUTPUT')
+         words = [character(len=8) :: 'S', 'E', 'MISES', 'ELSE', 'EVOL']
+      case default
+         words = [character(len=8) :: 'CDIS', 'COPEN', 'CDISP', 'CSTR', 'CPRESS', 'CSTRESS', &
+            & 'CNUM', 'CF', 'CFORCE', 'CFN', 'CFS', 'CNORMF', 'CSTATUS']
+      end select
+   end function known_results
+
+   !> Say once that a variable is left out.
+   subroutine note_missing(log, keyword, field)
+      type(log_type), intent(inout) :: log
+      character(len=*), intent(in) :: keyword
+      type(field_type), intent(in) :: field
+      character(len=:), allocatable :: message
+      integer :: i
+
+      message = upper(field%text)//' of *'//keyword//' is no result of Lopin: left out'
+      do i = 1, log%n
+         if (log%item(i)%id == 'N0104' .and. log%item(i)%message == message) return
+      end do
+      call log%say(severity%note, 'N0104', message, field%at, &
+         & help="lopin doc '*"//keyword//"'")
+   end subroutine note_missing
 
    integer function frequency_of(block, otherwise) result(frequency)
       type(block_type), intent(in) :: block

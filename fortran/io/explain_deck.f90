@@ -104,5 +104,8 @@ contains
       call add_explanation(list, 'N0103', 'a word of another code', &
          & 'The value belongs to another code, most often the name of a linear solver that is '// &
          & 'not part of Lopin; the default is used.', '')
+      call add_explanation(list, 'N0104', 'a variable is left out of the output', &
+         & 'The card asks for a result that Lopin does not compute, such as plastic strain or '// &
+         & 'temperature in an elastic run. The others are written.', '')
    end subroutine notes
 end module lopin_explain_deck
