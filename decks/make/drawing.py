@@ -48,7 +48,8 @@ def curve(ax, x, exact, found_x, found, *, closed: str, xlabel: str, ylabel: str
     """A closed form as a grey line and what was computed as dots."""
     ax.plot(x, exact, color=EXACT, lw=2.5, label=closed)
     order = np.argsort(found_x)
-    ax.plot(np.asarray(found_x)[order], np.asarray(found)[order], "o", ms=4.5, color=DOTS, label=dots)
+    ax.plot(np.asarray(found_x)[order], np.asarray(found)[order], "o", ms=4.5, color=DOTS,
+            label=dots)
     ax.set(xlabel=xlabel, ylabel=ylabel)
     ax.legend(frameon=False)
 
@@ -63,7 +64,8 @@ def deformed(ax, result, values, *, scale: float, index: int = -1, limits=None, 
         cell = CELLS[block.type]
         n = cell.n_corner
         triangles += [block.data[:, [0, k, k + 1]] for k in range(1, n - 1)]
-        ring = [k for p in zip(range(n), range(n, 2*n)) for k in p] if cell.is_quadratic else range(n)
+        around = zip(range(n), range(n, 2*n))
+        ring = [k for pair in around for k in pair] if cell.is_quadratic else range(n)
         edges += [x[nodes] for nodes in block.data[:, [*ring, 0]]]
     low, high = limits or (values.min(), values.max())
     drawn = ax.tripcolor(Triangulation(*x.T, np.vstack(triangles)), values, shading="gouraud",

@@ -18,7 +18,8 @@ from dataclasses import dataclass
 from pathlib import Path
 
 LINE = re.compile(r"^\*\*\s*expect:\s*(?P<path>\S+)(?:\s+at\s+(?P<time>\S+))?\s*"
-                  r"(?P<relation>[=<>])\s*(?P<value>\S+)(?:\s*\+-\s*(?P<tolerance>\S+)\s*(?P<percent>%)?)?\s*$")
+                  r"(?P<relation>[=<>])\s*(?P<value>\S+)"
+                  r"(?:\s*\+-\s*(?P<tolerance>\S+)\s*(?P<percent>%)?)?\s*$")
 
 
 @dataclass(frozen=True)
@@ -89,7 +90,8 @@ def _number(word: str) -> float | str:
 
 def _history(path: Path, column: str, time: float | None) -> float:
     with path.open(newline="", encoding="utf-8") as file:
-        rows = [{k.split("[")[0].strip(): v for k, v in row.items()} for row in csv.DictReader(file)]
+        rows = [{k.split("[")[0].strip(): v for k, v in row.items()}
+                for row in csv.DictReader(file)]
     if time is not None:
         rows = [row for row in rows if abs(float(row["time"]) - time) < 1e-9*max(1.0, abs(time))]
     return float(rows[-1][column])

@@ -133,7 +133,7 @@ def cylinder_on_plane() -> Deck:
 
 
 def flat_punch() -> Deck:
-    """Half-space, fine where the edge of a punch of radius 10 presses; the edge is between nodes."""
+    """Half-space, fine where the edge of a punch of radius 10 presses, which is between nodes."""
     last = 10.0 - 0.02
     out = last + fine_then_spread(0.04, 0.16, 100.0 - last, 1.2)
     inside = last - np.concatenate([[0.0], spread(0.04, 0.0, last, 1.12)])[::-1]
@@ -175,7 +175,7 @@ def signorini() -> Deck:
 
 def strip_bending() -> Deck:
     """Half a strip, 60 by 2, finest under the punch and over the shoulder of the die."""
-    step = np.concatenate([np.full(12, 0.25), np.full(30, 0.9), np.full(16, 0.375), np.full(12, 2.0)])
+    step = np.repeat([0.25, 0.9, 0.375, 2.0], [12, 30, 16, 12])
     ticks = np.concatenate([[0.0], np.cumsum(step)])
     mesh = mesh_make.block((ticks[-1], 2.0), (len(step), 4), grading=(ticks/ticks[-1], 1.0),
                            quadratic=True)
@@ -220,7 +220,7 @@ def beam_on_roller() -> Deck:
     """A beam of 100 by 4 by 4, quadratic bricks."""
     mesh = mesh_make.block((100.0, 4.0, 4.0), (20, 1, 2), quadratic=True)
     mesh = mesh.with_surface("BOTTOM", lambda x: (x[:, 2] < 1e-9) & (np.abs(x[:, 0] - 80.0) < 5.0))
-    mesh = mesh.with_points("TIP", lambda x: (x[:, 0] > 99.9) & (np.abs(x[:, 1:] - 2).max(axis=1) < 1.1)
+    mesh = mesh.with_points("TIP", lambda x: (x[:, 0] > 99.9) & (np.abs(x[:, 1] - 2.0) < 1.1)
                             & (np.abs(x[:, 2] - 2.0) < 1e-9))
     return mesh_deck(Model("mesh", lean(mesh, "BOTTOM RIGHT", "LEFT TIP"), kind="3d"))
 

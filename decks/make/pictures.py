@@ -8,8 +8,8 @@ import sys
 
 import numpy as np
 
-from drawing import (DOTS, EXACT, INK, MAP, PICTURES, SIGNED, coloured, curve, deformed, figure, save,
-                     solved, tools)
+from drawing import (DOTS, EXACT, INK, MAP, PICTURES, SIGNED, coloured, curve, deformed, figure,
+                     save, solved, tools)
 from lopin.closed_form import (contact_modulus, flat_punch_axisymmetric_pressure, hertz_line,
                                hertz_point, hertz_point_approach, lifted_beam as lifted_beam_exact,
                                nested_rings)
@@ -21,11 +21,12 @@ def bar_gap() -> None:
     ramp = {"*STATIC\n1., 1.\n*CLOAD\nTIP, 1, 5000.": "*STATIC\n0.1, 1.\n*CLOAD\nTIP, 1, 5000."}
     load = np.linspace(0.0, 10.0, 201)
     for k, (word, slope) in enumerate((("DIRECT", None), ("PENALTY\n2100.", 210e3))):
-        result = solved("bar_gap", **ramp, **({"BEHAVIOR, DIRECT": f"BEHAVIOR, {word}"} if slope else {}))
+        method = {"BEHAVIOR, DIRECT": f"BEHAVIOR, {word}"} if slope else {}
+        result = solved("bar_gap", **ramp, **method)
         time, wall = result.history["time"], -result.history["FACE.rf1"]
         first = time <= 1.0
         share = 1.0 if slope is None else slope/(slope + 21e3)
-        ax.plot(load, np.maximum(0.0, load - 2.1)*share, color=EXACT, lw=2.5 if slope is None else 1.2,
+        ax.plot(load, np.maximum(0.0, load - 2.1)*share, color=EXACT, lw=1.2 if slope else 2.5,
                 label=("exact", "exact, with a penalty of 10 k")[k])
         ax.plot(10*time[first], wall[first]/1e3, "o", ms=5, color=(DOTS, "#1f6f8b")[k],
                 label=("Lopin, Lagrange multipliers", "Lopin, penalty")[k])
@@ -66,7 +67,8 @@ def flat_punch() -> None:
     fig, ax = figure()
     r = np.linspace(0.0, 9.99999, 4000)
     curve(ax, r, flat_punch_axisymmetric_pressure(1000.0, 10.0, r), contact.r, contact.pressure,
-          closed="exact, infinite at the edge", xlabel="radius [mm]", ylabel="contact pressure [MPa]")
+          closed="exact, infinite at the edge", xlabel="radius [mm]",
+          ylabel="contact pressure [MPa]")
     ax.set(xlim=(0.0, 11.0), ylim=(0.0, 12.0))
     save(fig, "flat_punch")
 
@@ -102,7 +104,8 @@ def hertz_sphere_3d() -> None:
     coloured(fig, drawn, left, "contact pressure [MPa]")
     r = np.linspace(0.0, 1.5, 500)
     curve(right, r, ball.pressure(r), np.hypot(*contact.x[:, :2].T), contact.pressure,
-          closed="Hertz 1882", xlabel="distance from the axis [mm]", ylabel="contact pressure [MPa]")
+          closed="Hertz 1882", xlabel="distance from the axis [mm]",
+          ylabel="contact pressure [MPa]")
     save(fig, "hertz_sphere_3d")
 
 
@@ -183,7 +186,8 @@ def glued_beam() -> None:
     """The beam with the deflections of theory."""
     result = solved("glued_beam")
     fig, ax = figure(8.0, 3.2)
-    drawn = deformed(ax, result, result["S"][:, 0], scale=3.0, limits=(-600.0, 600.0), colours=SIGNED)
+    drawn = deformed(ax, result, result["S"][:, 0], scale=3.0, limits=(-600.0, 600.0),
+                     colours=SIGNED)
     x = np.linspace(0.0, 100.0, 200)
     ei = 210e3*1000.0/12.0
     deflection = 100.0*x**2*(300.0 - x)/(6.0*ei)
@@ -224,8 +228,8 @@ def no_separation() -> None:
     said = ("pushed down: the plate carries", "pulled up: the plate holds it by")
     for ax, index, word in zip(axes, (0, len(result.times) - 1), said):
         stress = result.at(index)["S"][:, 1]
-        drawn = deformed(ax, result, stress, scale=100.0, index=index, limits=(-250.0, 250.0), grid=0.8,
-                         colours=SIGNED)
+        drawn = deformed(ax, result, stress, scale=100.0, index=index, limits=(-250.0, 250.0),
+                         grid=0.8, colours=SIGNED)
         tools(ax, result, scale=100.0, index=index)
         ax.plot([0, 10, 10, 0, 0], [0, 0, 10, 10, 0], "k--", lw=0.8)
         force = result.history["PLATE.rf2"][index]
@@ -244,7 +248,7 @@ def ball_on_ball() -> None:
     fig, (left, right) = figure(8.0, 3.6, 2)
     piece = result.to_meshio()
     x, stress = piece.points, result["S"][:, 2]
-    face = [c[[0, 1, 5, 4]] for c in piece.cells[0].data if np.abs(x[c[[0, 1, 5, 4]], 1]).max() < 1e-9]
+    face = [c for c in piece.cells[0].data[:, [0, 1, 5, 4]] if np.abs(x[c, 1]).max() < 1e-9]
     triangles = np.array([t for c in face for t in (c[[0, 1, 2]], c[[0, 2, 3]])])
     drawn = left.tripcolor(x[:, 0], x[:, 2], triangles, stress, shading="gouraud", cmap=MAP,
                            vmin=-400.0, vmax=0.0)
@@ -257,7 +261,8 @@ def ball_on_ball() -> None:
     coloured(fig, drawn, left, "vertical stress in y = 0 [MPa]")
     r = np.linspace(0.0, 1.5, 500)
     curve(right, r, exact.pressure(r), np.hypot(*contact.x[:, :2].T), contact.pressure,
-          closed="Hertz 1882", xlabel="distance from the axis [mm]", ylabel="contact pressure [MPa]")
+          closed="Hertz 1882", xlabel="distance from the axis [mm]",
+          ylabel="contact pressure [MPa]")
     save(fig, "ball_on_ball")
 
 
