@@ -8,8 +8,8 @@
 module lopin_active_set
    use lopin_kinds, only : wp
    use lopin_vectors, only : largest
-   use lopin_condensed, only : condensed_type, springs_type, response_type, form_compliance, &
-      & is_spring, row_compliance
+   use lopin_condensed, only : condensed_type, springs_type, response_type, is_spring, &
+      & row_compliance, put_on_ground
    implicit none
    private
    public :: contact_result_type, solve_contact, outcome
@@ -383,45 +383,4 @@ contains
       result%q = drift
       result%outcome = outcome%not_held
    end subroutine hold_bodies
-
-   !> The same problem with the floating motions among the equations, each on a spring `ground`.
-   subroutine put_on_ground(self, grounded, ground)
-      class(condensed_type), intent(inout) :: self
-      type(condensed_type), intent(out) :: grounded
-      real(wp), intent(out) :: ground(:)
-      real(wp) :: mean
-      integer :: i, row, n
-
-      call form_compliance(self)
-      mean = 0.0_wp
-      do row = 1, self%nrow
-         mean = mean + self%s(row, row)
-      end do
-      n = self%n
-      grounded%nrow = self%nrow
-      grounded%ngroup = self%ngroup
-      grounded%bilateral = self%bilateral
-      grounded%alpha = self%alpha
-      grounded%group_first = self%group_first
-      grounded%group = self%group
-      grounded%max_augmentations = self%max_augmentations
-      grounded%penetration = self%penetration
-      grounded%n = n + self%nq
-      allocate (grounded%l(n + self%nq, n + self%nq), grounded%c(self%nrow, 0), source=0.0_wp)
-      if (n > 0) grounded%l(:n, :n) = self%l
-      do i = 1, self%nq
-         ground(i) = sum(self%c(:, i)**2)/(1.0e2_wp*mean)
-         if (.not. ground(i) > 0.0_wp .or. ground(i) > huge(1.0_wp)) ground(i) = 1.0_wp
-         grounded%l(n + i, n + i) = sqrt(ground(i))
-      end do
-      allocate (grounded%first(self%nrow + 1), grounded%column(0), grounded%value(0))
-      grounded%first(1) = 1
-      do row = 1, self%nrow
-         associate (from => self%first(row), to => self%first(row + 1) - 1)
-            grounded%column = [grounded%column, self%column(from:to), [(n + i, i=1, self%nq)]]
-            grounded%value = [grounded%value, self%value(from:to), self%c(row, :)]
-         end associate
-         grounded%first(row + 1) = size(grounded%column) + 1
-      end do
-   end subroutine put_on_ground
 end module lopin_active_set

@@ -16,7 +16,7 @@ module lopin_condensed
    implicit none
    private
    public :: condensed_type, springs_type, response_type, form_compliance, rows_times, columns_times
-   public :: is_spring, row_compliance
+   public :: is_spring, row_compliance, put_on_ground
 
    !> Problem data. Rows come in groups of one method each (one group a pair).
    type :: condensed_type
@@ -298,4 +298,45 @@ contains
       end do
       call cholesky(springs%factor, status)
    end subroutine stiffen
+
+   !> The same problem with the floating motions among the equations, each on a spring `ground`.
+   subroutine put_on_ground(self, grounded, ground)
+      class(condensed_type), intent(inout) :: self
+      type(condensed_type), intent(out) :: grounded
+      real(wp), intent(out) :: ground(:)
+      real(wp) :: mean
+      integer :: i, row, n
+
+      call form_compliance(self)
+      mean = 0.0_wp
+      do row = 1, self%nrow
+         mean = mean + self%s(row, row)
+      end do
+      n = self%n
+      grounded%nrow = self%nrow
+      grounded%ngroup = self%ngroup
+      grounded%bilateral = self%bilateral
+      grounded%alpha = self%alpha
+      grounded%group_first = self%group_first
+      grounded%group = self%group
+      grounded%max_augmentations = self%max_augmentations
+      grounded%penetration = self%penetration
+      grounded%n = n + self%nq
+      allocate (grounded%l(n + self%nq, n + self%nq), grounded%c(self%nrow, 0), source=0.0_wp)
+      if (n > 0) grounded%l(:n, :n) = self%l
+      do i = 1, self%nq
+         ground(i) = sum(self%c(:, i)**2)/(1.0e2_wp*mean)
+         if (.not. ground(i) > 0.0_wp .or. ground(i) > huge(1.0_wp)) ground(i) = 1.0_wp
+         grounded%l(n + i, n + i) = sqrt(ground(i))
+      end do
+      allocate (grounded%first(self%nrow + 1), grounded%column(0), grounded%value(0))
+      grounded%first(1) = 1
+      do row = 1, self%nrow
+         associate (from => self%first(row), to => self%first(row + 1) - 1)
+            grounded%column = [grounded%column, self%column(from:to), [(n + i, i=1, self%nq)]]
+            grounded%value = [grounded%value, self%value(from:to), self%c(row, :)]
+         end associate
+         grounded%first(row + 1) = size(grounded%column) + 1
+      end do
+   end subroutine put_on_ground
 end module lopin_condensed
