@@ -8,16 +8,15 @@ module lopin_contact_points
    use lopin_error, only : error_type, error_code, raise, log_type, severity
    use lopin_text, only : to_text
    use lopin_cells, only : cell_type
-   use lopin_facets, only : facets_type, facet_rule_type, new_facets, new_facet_rules, &
-      & nodal_weights, nodal_normals
+   use lopin_facets, only : facets_type, new_facets
+   use lopin_slave_points, only : slave_type, new_slave
    use lopin_element_type, only : cells_of_words
    use lopin_surface, only : surface_type, new_surface, update_surface
    use lopin_feature, only : projection_type, limits_type
    use lopin_search, only : tree_type, build_tree, find_projections
    use lopin_tool, only : foot_type, project_all_moved
    use lopin_rigid_motion, only : rigid_motion_type, new_rigid_motion
-   use lopin_model, only : model_type, pair_type, surface_data_type, surface_of, kind_of, &
-      & overclosure_of
+   use lopin_model, only : model_type, pair_type, surface_of, kind_of, overclosure_of
    implicit none
    private
    public :: contact_points_type, new_contact_points, move_tool, pair_is_tied
@@ -49,12 +48,6 @@ module lopin_contact_points
 
    !> n_slave.n_master must be below this for the two to face each other.
    real(wp), parameter :: facing = -0.2_wp
-
-   !> One slave point of a surface before it is paired.
-   type :: slave_type
-      integer, allocatable :: node(:)
-      real(wp), allocatable :: weight(:), normal(:, :), size(:)
-   end type slave_type
 
 contains
 
@@ -171,62 +164,6 @@ contains
       self%size(self%n) = slave%size(i)
       self%side(:, self%n) = slave%normal(:, i)
    end subroutine add_point
-
-   !> Slave nodes of a surface with tributary areas, normals and facet sizes.
-   subroutine new_slave(self, model, cells, surface, error)
-      type(slave_type), intent(out) :: self
-      type(model_type), intent(in) :: model
-      type(cell_type), intent(in) :: cells(:)
-      type(surface_data_type), intent(in) :: surface
-      type(error_type), allocatable, intent(out) :: error
-      type(facets_type) :: facets
-      type(facet_rule_type), allocatable :: rules(:)
-      type(surface_type) :: shape
-      real(wp), allocatable :: weight(:), normal(:, :), thickness(:), length(:)
-      integer :: i, k
-
-      if (surface%kind == surface_of%nodes) then
-         self%node = surface%node
-         self%weight = merge(surface%area, 1.0_wp, surface%area > 0.0_wp)
-         allocate (self%normal(3, size(self%node)), self%size(size(self%node)), source=0.0_wp)
-         self%size = typical_size(model)
-         return
-      end if
-      call new_facets(facets, model%mesh, cells, surface%element, surface%face)
-      call new_surface(shape, model%mesh%ndim, facets)
-      call update_surface(shape, model%mesh%x, error)
-      if (allocated(error)) return
-      allocate (rules(6), weight(model%mesh%nnode), normal(model%mesh%ndim, model%mesh%nnode))
-      call new_facet_rules(rules)
-      thickness = spread(1.0_wp, 1, facets%n)
-      if (model%kind == kind_of%plane_strain .or. model%kind == kind_of%plane_stress) then
-         do i = 1, facets%n
-            if (model%mesh%section(facets%element(i)) == 0) cycle
-            thickness(i) = model%section(model%mesh%section(facets%element(i)))%thickness
-         end do
-      end if
-      call nodal_weights(facets, rules, model%mesh%x, model%kind == kind_of%axisymmetric, &
-         & thickness, weight)
-      call nodal_normals(facets, rules, model%mesh%x, model%kind == kind_of%axisymmetric, normal)
-      allocate (length(model%mesh%nnode), source=0.0_wp)
-      do i = 1, facets%n
-         do k = 1, facets%nnode(i)
-            length(facets%node(k, i)) = max(length(facets%node(k, i)), shape%size(i))
-         end do
-      end do
-      self%node = shape%node
-      self%weight = weight(shape%node)
-      self%size = length(shape%node)
-      allocate (self%normal(3, shape%nnode), source=0.0_wp)
-      self%normal(:model%mesh%ndim, :) = normal(:, shape%node)
-   end subroutine new_slave
-
-   !> A length for nodes without facets: the scene's, over the root of its elements.
-   pure real(wp) function typical_size(model) result(length)
-      type(model_type), intent(in) :: model
-      length = maxval(maxval(model%mesh%x, dim=2) - minval(model%mesh%x, dim=2)) &
-         & /max(1, model%mesh%nelement)**(1.0_wp/model%mesh%ndim)
-   end function typical_size
 
    subroutine pair_with_surface(self, model, cells, pair, slave, error)
       type(contact_points_type), intent(inout) :: self
