@@ -5,16 +5,16 @@ module lopin_run_analysis
    use lopin_text, only : to_text
    use lopin_checksum, only : checksum_type
    use lopin_clock, only : phase, clock_type
+   use lopin_memory, only : peak_memory
    use lopin_model, only : model_type
    use lopin_state, only : frame_type, summary_type
    use lopin_constraints, only : prescribed_part
    use lopin_contact_rows, only : row_forces
    use lopin_recorder, only : recorder_holder_type, wants_type
    use lopin_loading, only : loading_type, new_loading, loads_at, prescribed_at, add_ended_loads
-   use lopin_plan, only : plan_type, new_plan, plan_line, path_of
-   use lopin_scene, only : scene_type, new_scene, set_supports, widen_reach, follow_tools
-   use lopin_path_condensed, only : prepare_condensed, solve_condensed
-   use lopin_path_newton, only : prepare_newton, solve_newton
+   use lopin_plan, only : plan_type, new_plan
+   use lopin_scene, only : scene_type, new_scene, set_supports, widen_reach
+   use lopin_solve_path, only : prepare_path, solve_path
    use lopin_bodies, only : describe_motion
    use lopin_certificate, only : certify, worst_unrowed
    use lopin_frames, only : fill_frame
@@ -22,12 +22,6 @@ module lopin_run_analysis
    implicit none
    private
    public :: run_analysis
-
-   !> Projections of a tool that forces move within one increment; a few are the rule.
-   integer, parameter :: most_places = 40
-   !> It rests when it moves by less than this share of the scene, or by less than the second for
-   !> rounding.
-   real(wp), parameter :: settled = 1.0e-11_wp, rounded = 1.0e-7_wp
 
    !> What goes on from step to step.
    type :: progress_type
@@ -165,61 +159,10 @@ contains
       type(recorder_holder_type), intent(inout) :: recorders(:)
       type(summary_type), intent(inout) :: summary
       type(error_type), allocatable, intent(out) :: error
-      character(len=:), allocatable :: reason
 
-      if (plan%path == path_of%newton) then
-         call prepare_newton(scene, model, summary%solver, reason, summary%retained, error)
-         if (allocated(error)) return
-         summary%path = 'newton'
-         summary%equations = scene%constraints%neq
-      else
-         call prepare_condensed(scene, model, error)
-         if (allocated(error)) return
-         summary%path = 'condensed'
-         summary%solver = scene%system%solver%name()
-         reason = scene%system%reason
-         summary%equations = scene%system%n
-         summary%retained = scene%system%nlast
-      end if
-      scene%fresh_factor = .true.
-      summary%candidates = scene%rows%n
-      summary%plan = plan_line(plan, summary%solver, reason, summary%equations, summary%retained, &
-         & scene%rows%n, &
-         & scene%bodies%nq)
-      call say(recorders, summary%plan)
+      call prepare_path(scene, model, plan, summary, error)
+      if (.not. allocated(error)) call say(recorders, summary%plan)
    end subroutine prepare
-
-   !> Solve; where a tool that forces move is curved, again for the place it has moved to, until it
-   !> rests.
-   subroutine solve(scene, model, plan, f, prescribed, error)
-      type(scene_type), intent(inout) :: scene
-      type(model_type), intent(in) :: model
-      type(plan_type), intent(in) :: plan
-      real(wp), intent(in) :: f(:), prescribed(:)
-      type(error_type), allocatable, intent(out) :: error
-      integer :: pass
-      real(wp) :: way, last
-
-      scene%guess = scene%accepted
-      last = huge(1.0_wp)
-      do pass = 1, most_places
-         if (plan%path == path_of%newton) then
-            call solve_newton(scene, model, f, prescribed, error)
-         else
-            call solve_condensed(scene, model, f, prescribed, error)
-         end if
-         if (allocated(error)) return
-         call follow_tools(scene, model, prescribed, way)
-         if (way <= settled) return
-         ! What no longer shrinks, small as it is, is rounding: stiff penalties leave some.
-         if (pass > 2 .and. way > 0.5_wp*last .and. way < rounded) return
-         last = way
-      end do
-      call raise(error, error_code%not_converged, 'E0505', &
-         & 'the place of a tool that forces move does not settle in '// &
-         & to_text(most_places)//' passes', model%step(scene%step)%at, &
-         & help='prescribe its displacement, or take smaller increments')
-   end subroutine solve
 
    subroutine run_step(scene, model, plan, progress, recorders, summary, error)
       type(scene_type), intent(inout) :: scene
@@ -294,14 +237,15 @@ contains
       call prescribed_at(loading, model, frame%step_time, prescribed)
       scene%interference = 1.0_wp
       if (scene%step == 1) scene%interference = frame%step_time/loading%period
-      call solve(scene, model, plan, progress%f, prescribed, error)
+      call solve_path(scene, model, plan, progress%f, prescribed, error)
       if (allocated(error)) return
       if (worst_unrowed(scene, model) > 0.0_wp) then
          call widen_reach(scene)
-         call say(recorders, 'points beyond the first reach penetrate: all slave points get a row, factorised again')
+         call say(recorders, 'points beyond the first reach penetrate: all slave points get a '// &
+            & 'row, factorised again')
          call prepare(scene, model, plan, recorders, summary, error)
          if (allocated(error)) return
-         call solve(scene, model, plan, progress%f, prescribed, error)
+         call solve_path(scene, model, plan, progress%f, prescribed, error)
          if (allocated(error)) return
       end if
       call scene%k%multiply(scene%u, progress%residual)
@@ -402,23 +346,4 @@ contains
       end do
       call scene%clock%stop_in(phase%output)
    end subroutine record
-
-   !> Peak resident memory of the process as the system counts it [MiB]; 0 where it does not say.
-   real(wp) function peak_memory() result(mib)
-      integer :: unit, status
-      character(len=120) :: line
-
-      mib = 0.0_wp
-      open (newunit=unit, file='/proc/self/status', action='read', status='old', iostat=status)
-      if (status /= 0) return
-      do
-         read (unit, '(a)', iostat=status) line
-         if (status /= 0) exit
-         if (line(:6) /= 'VmHWM:') cycle
-         read (line(7:), *, iostat=status) mib
-         mib = mib/1024.0_wp
-         exit
-      end do
-      close (unit)
-   end function peak_memory
 end module lopin_run_analysis

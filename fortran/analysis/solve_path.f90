@@ -1,0 +1,85 @@
+!> One increment on the path that was planned.
+module lopin_solve_path
+   use lopin_kinds, only : wp
+   use lopin_error, only : error_type, error_code, raise
+   use lopin_text, only : to_text
+   use lopin_model, only : model_type
+   use lopin_state, only : summary_type
+   use lopin_plan, only : plan_type, plan_line, path_of
+   use lopin_scene, only : scene_type, follow_tools
+   use lopin_path_condensed, only : prepare_condensed, solve_condensed
+   use lopin_path_newton, only : prepare_newton, solve_newton
+   implicit none
+   private
+   public :: prepare_path, solve_path
+
+   !> Projections of a tool that forces move within one increment; a few are the rule.
+   integer, parameter :: most_places = 40
+   !> It rests when it moves by less than this share of the scene, or by less than the second for
+   !> rounding.
+   real(wp), parameter :: settled = 1.0e-11_wp, rounded = 1.0e-7_wp
+
+contains
+
+   !> Make the factors of the path that was planned; `summary` is told what they are.
+   subroutine prepare_path(scene, model, plan, summary, error)
+      type(scene_type), intent(inout) :: scene
+      type(model_type), intent(in) :: model
+      type(plan_type), intent(in) :: plan
+      type(summary_type), intent(inout) :: summary
+      type(error_type), allocatable, intent(out) :: error
+      character(len=:), allocatable :: reason
+
+      if (plan%path == path_of%newton) then
+         call prepare_newton(scene, model, summary%solver, reason, summary%retained, error)
+         if (allocated(error)) return
+         summary%path = 'newton'
+         summary%equations = scene%constraints%neq
+      else
+         call prepare_condensed(scene, model, error)
+         if (allocated(error)) return
+         summary%path = 'condensed'
+         summary%solver = scene%system%solver%name()
+         reason = scene%system%reason
+         summary%equations = scene%system%n
+         summary%retained = scene%system%nlast
+      end if
+      scene%fresh_factor = .true.
+      summary%candidates = scene%rows%n
+      summary%plan = plan_line(plan, summary%solver, reason, summary%equations, summary%retained, &
+         & scene%rows%n, &
+         & scene%bodies%nq)
+   end subroutine prepare_path
+
+   !> Solve; where a tool that forces move is curved, again for the place it has moved to, until it
+   !> rests.
+   subroutine solve_path(scene, model, plan, f, prescribed, error)
+      type(scene_type), intent(inout) :: scene
+      type(model_type), intent(in) :: model
+      type(plan_type), intent(in) :: plan
+      real(wp), intent(in) :: f(:), prescribed(:)
+      type(error_type), allocatable, intent(out) :: error
+      integer :: pass
+      real(wp) :: way, last
+
+      scene%guess = scene%accepted
+      last = huge(1.0_wp)
+      do pass = 1, most_places
+         if (plan%path == path_of%newton) then
+            call solve_newton(scene, model, f, prescribed, error)
+         else
+            call solve_condensed(scene, model, f, prescribed, error)
+         end if
+         if (allocated(error)) return
+         call follow_tools(scene, model, prescribed, way)
+         if (way <= settled) return
+         ! What no longer shrinks, small as it is, is rounding: stiff penalties leave some.
+         if (pass > 2 .and. way > 0.5_wp*last .and. way < rounded) return
+         last = way
+      end do
+      call raise(error, error_code%not_converged, 'E0505', &
+         & 'the place of a tool that forces move does not settle in '// &
+         & to_text(most_places)//' passes', model%step(scene%step)%at, &
+         & help='prescribe its displacement, or take smaller increments')
+   end subroutine solve_path
+end module lopin_solve_path
