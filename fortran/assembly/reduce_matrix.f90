@@ -35,7 +35,8 @@ contains
 
       allocate (of_dof(constraints%ndof), source=0)
       do i = 1, constraints%ndof
-         if (constraints%first(i + 1) > constraints%first(i)) of_dof(i) = number(constraints%equation(constraints%first(i)))
+         if (constraints%first(i + 1) == constraints%first(i)) cycle
+         of_dof(i) = number(constraints%equation(constraints%first(i)))
       end do
       reduced%n = n
       reduced%kind = storage%symmetric_lower
@@ -67,35 +68,44 @@ contains
       type(csc_type), intent(out) :: reduced
       integer, allocatable :: row(:), column(:)
       real(wp), allocatable :: value(:)
-      integer :: i, j, entry, a, b, total, pass
-      real(wp) :: factor
+      integer :: i, j, entry, total, pass
 
       do pass = 1, 2
          total = 0
          do j = 1, k%n
             do entry = k%colptr(j) + 1, k%colptr(j + 1)
                i = k%row(entry) + 1
-               do a = constraints%first(i), constraints%first(i + 1) - 1
-                  if (number(constraints%equation(a)) == 0) cycle
-                  do b = constraints%first(j), constraints%first(j + 1) - 1
-                     if (number(constraints%equation(b)) == 0) cycle
-                     total = total + 1
-                     if (pass == 1) cycle
-                     factor = 1.0_wp
-                     ! An entry off the diagonal stands for its mirror too; both fall on one
-                     ! diagonal place.
-                     if (i /= j &
-                        & .and. constraints%equation(a) == constraints%equation(b)) factor = 2.0_wp
-                     row(total) = number(constraints%equation(a))
-                     column(total) = number(constraints%equation(b))
-                     if (i == j .and. row(total) < column(total)) factor = 0.0_wp
-                     value(total) = factor*constraints%coefficient(a)*constraints%coefficient(b)*k%value(entry)
-                  end do
-               end do
+               call spread_entry(i, j, k%value(entry))
             end do
          end do
          if (pass == 1) allocate (row(total), column(total), value(total))
       end do
       call reduced%new_from_triplets(n, storage%symmetric_lower, row, column, value)
+
+   contains
+
+      !> K_ij times every pair of terms of the dofs i and j.
+      subroutine spread_entry(i, j, stiffness)
+         integer, intent(in) :: i, j
+         real(wp), intent(in) :: stiffness
+         real(wp) :: factor
+         integer :: a, b
+
+         do a = constraints%first(i), constraints%first(i + 1) - 1
+            if (number(constraints%equation(a)) == 0) cycle
+            do b = constraints%first(j), constraints%first(j + 1) - 1
+               if (number(constraints%equation(b)) == 0) cycle
+               total = total + 1
+               if (pass == 1) cycle
+               factor = 1.0_wp
+               ! An entry off the diagonal stands for its mirror too: both fall on one place.
+               if (i /= j .and. constraints%equation(a) == constraints%equation(b)) factor = 2.0_wp
+               row(total) = number(constraints%equation(a))
+               column(total) = number(constraints%equation(b))
+               if (i == j .and. row(total) < column(total)) factor = 0.0_wp
+               value(total) = factor*constraints%coefficient(a)*constraints%coefficient(b)*stiffness
+            end do
+         end do
+      end subroutine spread_entry
    end subroutine transform
 end module lopin_reduce_matrix
