@@ -117,7 +117,8 @@ contains
          & to_text(scene%step)// &
          & ': contact is followed where the node was at the start', &
          & model%pair(scene%points%pair(worst))%at, &
-         & help='the pressure is moved by as much: coarsen the slave, or judge the answer by this distance')
+         & help='the pressure is moved by as much: coarsen the slave, or judge the answer by '// &
+         & 'this distance')
    end subroutine judge_slip
 
    function own_motion(scene, model, node) result(motion)

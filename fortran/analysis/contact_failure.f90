@@ -64,7 +64,8 @@ contains
                & to_text(excess)// &
                & ' times that of the bodies: no digits are left of the gaps', &
                & model%step(scene%step)%at, &
-               & help='a smaller slope, or DIRECT; PERTURBED LAGRANGE solves the same equations without this loss')
+               & help='a smaller slope, or DIRECT; PERTURBED LAGRANGE solves the same '// &
+               & 'equations without this loss')
             return
          end if
       end if
@@ -86,7 +87,8 @@ contains
             & ' augmentations (contraction '// &
             & to_text(real(nint(1000.0_wp*scene%answer%rate), wp)/1000.0_wp)//')', &
             & model%step(scene%step)%at, &
-            & help='raise the stiffness or MAX AUGMENTATIONS=, or leave the stiffness out: it is '// &
+            & help='raise the stiffness or MAX AUGMENTATIONS=, or leave the stiffness out: it '// &
+            & 'is '// &
             & 'then chosen')
       case default
          call raise(error, error_code%internal, 'E0901', 'the contact problem broke down')

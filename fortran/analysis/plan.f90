@@ -38,7 +38,8 @@ contains
          self%path = path_of%condensed
       case ('NEWTON')
          self%path = path_of%newton
-         self%reason = 'PATH=NEWTON asks for the whole system, factorised again at every change of contact'
+         self%reason = 'PATH=NEWTON asks for the whole system, factorised again at every '// &
+            & 'change of contact'
       case default
          call raise(error, error_code%deck, 'E0106', "PATH="//model%path//' is not a path', &
             & help='paths are AUTO, CONDENSED and NEWTON')

@@ -7,7 +7,7 @@ module lopin_deck
    use lopin_block, only : source_type, parameter_type, data_line_type, field_type, block_type, &
       & deck_type, split_fields, count_fields, field_real, field_integer, get_parameter, &
       & has_parameter, complain, line_text, line_place
-   use lopin_error, only : error_type, log_type, location_type, error_code, severity, raise, &
+   use lopin_error, only : error_type, log_type, location_type, error_code, raise, &
       & raise_all
    use lopin_keyword_line, only : begin_block, more_parameters
    use lopin_source, only : new_source_from_file, new_source, folder_of, find_include, shortened

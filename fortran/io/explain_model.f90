@@ -129,10 +129,12 @@ contains
          & 'contact.', &
          & 'keep one: the finer, softer side is the slave.')
       call add_explanation(list, 'N0311', 'an interference that is meant', &
-         & 'Slave nodes lie inside the master at the start, as INITIAL=INTERFERENCE or a negative *CLEARANCE says. '// &
+         & 'Slave nodes lie inside the master at the start, as INITIAL=INTERFERENCE or a '// &
+         & 'negative *CLEARANCE says. '// &
          & 'It is ramped in over the first step.', 'nothing to do.')
       call add_explanation(list, 'W0318', 'slave nodes of a tied pair are not tied', &
-         & 'A node is tied if a facet of the master lies opposite, nearer than half a facet of the slave or than '// &
+         & 'A node is tied if a facet of the master lies opposite, nearer than half a facet '// &
+         & 'of the slave or than '// &
          & 'ADJUST=. Others are free.', &
          & 'raise ADJUST=, or take the nodes out of the slave surface.')
       call add_explanation(list, 'W0315', 'a pair can never touch', &
@@ -181,7 +183,8 @@ contains
          & 'The two points of *TRANSFORM must give two different directions.', &
          & 'see `lopin doc ''*TRANSFORM''`.')
       call add_explanation(list, 'E0408', 'a step that cannot be used', &
-         & 'A run needs at least one *STEP with *STATIC, and loads stand inside steps; times are positive.', &
+         & 'A run needs at least one *STEP with *STATIC, and loads stand inside steps; times '// &
+         & 'are positive.', &
          & 'see `lopin doc ''*STEP''` and `lopin doc ''*STATIC''`.')
       call add_explanation(list, 'N0405', 'times of a step were cut', &
          & 'The initial increment is longer than the period; one increment of the period is '// &

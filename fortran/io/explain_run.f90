@@ -42,7 +42,8 @@ contains
          & 'No point of the slave met the master in the whole run. The smallest gap is told.', &
          & 'look at units and positions; take the pair out if it is not needed.')
       call add_explanation(list, 'W0505', 'a node slides far on its facet', &
-         & 'Contact is followed in small sliding: each slave node keeps the place and the normal '// &
+         & 'Contact is followed in small sliding: each slave node keeps the place and the '// &
+         & 'normal '// &
          & 'on the master that it had at the start. Beyond a quarter of a facet this shows.', &
          & 'coarser slave facets, or another version of the scene that starts where it ends.')
       call add_explanation(list, 'W0506', 'an element turns much', &
@@ -81,7 +82,8 @@ contains
          & 'The word after SOLVER= or --solver names no linear solver of this build.', &
          & 'the message lists them.')
       call add_explanation(list, 'E0705', 'a solver cannot condense', &
-         & 'The condensed path needs the factor of the contact equations by itself, which this solver does not give.', &
+         & 'The condensed path needs the factor of the contact equations by itself, which '// &
+         & 'this solver does not give.', &
          & 'take SOLVER=AUTO, SKYLINE, CHOLMOD or DENSE, or *LOPIN, PATH=NEWTON.')
       call add_explanation(list, 'E0801', 'the command line is wrong', &
          & 'A word or option of the command line is not known, or lacks its value.', &
@@ -96,7 +98,8 @@ contains
       call add_explanation(list, 'E0900', 'a defect of Lopin', &
          & 'Something happened that should not be possible.', 'report the deck and the message.')
       call add_explanation(list, 'E0902', 'the selftest failed', &
-         & 'The program gives another answer than the closed form: the build or a library is broken.', &
+         & 'The program gives another answer than the closed form: the build or a library is '// &
+         & 'broken.', &
          & 'build again, and report the output of `lopin info` and `lopin selftest`.')
       call add_explanation(list, 'E0901', 'the contact problem broke down', &
          & 'The contact solver met numbers that cannot occur.', 'report the deck and the message.')

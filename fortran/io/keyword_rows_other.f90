@@ -1,7 +1,7 @@
 !> Rows of the keyword table that only have a name: read past with a note, or refused until they
 !> exist.
 module lopin_keyword_rows_other
-   use lopin_keyword_table, only : keyword_table_type, key, flag, later_flag, ignored_flag, &
+   use lopin_keyword_table, only : keyword_table_type, key, later_flag, ignored_flag, &
       & free_text, status_of
    implicit none
    private

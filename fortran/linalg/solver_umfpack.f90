@@ -5,7 +5,7 @@ module lopin_solver_umfpack
    use lopin_kinds, only : wp, lk
    use lopin_error, only : error_type, error_code, raise
    use lopin_csc, only : csc_type
-   use lopin_linear_solver, only : linear_solver_type, matrix_class, pivot_tolerance, &
+   use lopin_linear_solver, only : linear_solver_type, pivot_tolerance, &
       & raise_singular, raise_refused, refuse_unknown_class
    implicit none
    private

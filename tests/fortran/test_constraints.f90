@@ -58,7 +58,8 @@ contains
    subroutine expansion_and_reduction_are_adjoint()
       real(wp), allocatable :: v(:), p(:), u(:), f(:), r(:), s(:)
 
-      call test('f . expand(v, p) = reduce(f) . v + prescribed_part(f) . p, with every kind of constraint')
+      call test('f . expand(v, p) = reduce(f) . v + prescribed_part(f) . p, with every kind '// &
+         & 'of constraint')
       call constrain(squares('CPE4')//mixed//ended)
       call is_true('no error', .not. allocated(error))
       v = numbers(self%neq, 3)

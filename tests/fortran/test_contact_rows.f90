@@ -91,7 +91,8 @@ contains
       integer :: node, k, i
       real(wp), allocatable :: up(:), down(:)
 
-      call test('moving slave and master nodes changes gaps as the rows say, to first order in the gap')
+      call test('moving slave and master nodes changes gaps as the rows say, to first order '// &
+         & 'in the gap')
       call model_of(slanted//ended, model, error)
       call is_true('the deck is read', .not. allocated(error))
       call new_dofs(dofs, model)
@@ -118,7 +119,8 @@ contains
       real(wp), allocatable :: up(:), down(:)
       real(wp) :: kept
 
-      call test('moving and turning the tool changes gaps as the rows say, at rest and where it has gone')
+      call test('moving and turning the tool changes gaps as the rows say, at rest and where '// &
+         & 'it has gone')
       do stand = 1, 2
          if (stand == 2) place([1, 2, 6], 1) = [0.1_wp, -0.2_wp, 0.3_wp]
          call make_rows()

@@ -2,7 +2,7 @@
 program test_deck
    use lopin_kinds, only : wp
    use lopin_error, only : error_type, log_type, location_type, severity
-   use lopin_deck, only : deck_type, block_type, field_type, data_line_type, read_deck, &
+   use lopin_deck, only : deck_type, field_type, data_line_type, read_deck, &
       & read_deck_text, &
       & split_fields, count_fields, field_real, field_integer, get_parameter
    use lopin_render, only : render
