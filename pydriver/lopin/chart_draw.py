@@ -18,7 +18,6 @@ from .chart_theory import (
     penalty_constant,
     rounding_constant,
     slope,
-    stiffness_curve,
 )
 
 COLOR = {"lagrange": "#000000", "penalty": "#D55E00", "perturbed": "#0072B2",

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 import lopin
-from lopin import chart_run, commands, mesh_make, profile, reference
+from lopin import chart_run, mesh_make, profile, reference
 from lopin.__main__ import main
 from lopin._bridge import has_core
 from lopin.cells import CELLS
