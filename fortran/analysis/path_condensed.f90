@@ -7,6 +7,7 @@ module lopin_path_condensed
    use lopin_kinds, only : wp
    use lopin_error, only : error_type, error_code, raise
    use lopin_text, only : to_text
+   use lopin_blas_threads, only : set_blas_threads, worth_threads
    use lopin_clock, only : phase
    use lopin_model, only : model_type
    use lopin_constraints, only : expand, reduce
@@ -31,8 +32,11 @@ contains
       type(error_type), allocatable, intent(out) :: error
       integer, allocatable :: retained(:)
       integer :: bad
+      logical :: threaded
 
       call retained_equations(scene, model, retained)
+      if (model%mesh%ndim == 3 .and. scene%constraints%neq >= worth_threads) &
+         & threaded = set_blas_threads(model%blas_threads)
       call new_linear_system(scene%system, scene%k, scene%constraints, scene%bodies%support, &
          & retained, &
          & model%solver, scene%clock, scene%counter, bad, error)

@@ -9,10 +9,10 @@ module lopin_job
    use lopin_recorder, only : recorder_holder_type
    use lopin_recorder_factory, only : new_recorders, append_memory
    use lopin_run_analysis, only : run_analysis
-   use lopin_solver_cholmod, only : set_blas_threads
+   use lopin_blas_threads, only : set_blas_threads, blas_threads
    use lopin_state, only : summary_type
    use lopin_text, only : plural, upper
-   use omp_lib, only : omp_set_num_threads
+   use omp_lib, only : omp_set_num_threads, omp_get_max_threads
    implicit none
    private
    public :: job_type, outcome_type, open_job, run_job, refuse_warnings, stem_of
@@ -35,6 +35,9 @@ module lopin_job
       type(log_type) :: log                     !! notes and warnings of the analysis
    end type outcome_type
 
+   !> Fewer are assembled (3 us each) before a second thread has woken up and gone to sleep again.
+   integer, parameter :: enough_elements = 10000
+
 contains
 
    !> The model of a deck; its notes and warnings are in `model%log`.
@@ -47,6 +50,9 @@ contains
       call new_model(model, deck, error)
       if (allocated(error)) return
       if (len(self%solver) > 0) model%solver = upper(self%solver)
+      model%blas_threads = max(1, blas_threads())
+      if (self%threads > 0) model%blas_threads = self%threads
+      if (self%deterministic) model%blas_threads = 1
    end subroutine open_job
 
    !> Run all steps; what was accepted before an error stays recorded.
@@ -56,16 +62,24 @@ contains
       type(model_type), intent(in) :: model
       type(outcome_type), intent(inout) :: outcome
       type(error_type), allocatable, intent(out) :: error
+      integer :: before, team
+      logical :: done
 
       call outcome%clock%stop_in(phase%model)
       outcome%summary%plan = ''
-      call set_threads(self)
       if (len(self%folder) > 0) then
          call new_recorders(outcome%recorder, model, self%folder, self%stem, error, names_of(deck))
          if (allocated(error)) return
       end if
       if (self%in_memory) call append_memory(outcome%recorder, names_of(deck))
+      before = blas_threads()
+      team = omp_get_max_threads()
+      call set_threads(self, model)
       call run_analysis(model, outcome%recorder, outcome%clock, outcome%summary, outcome%log, error)
+      ! The process may go on with other work.
+      call omp_set_num_threads(team)
+      done = before == 0
+      if (.not. done) done = set_blas_threads(before)
    end subroutine run_job
 
    !> With `strict`, a warning ends the run.
@@ -77,18 +91,19 @@ contains
          & plural(log%count_of(severity%warning), 'warning')//' with --strict')
    end subroutine refuse_warnings
 
-   !> Threads of the assembly; BLAS on one thread where the same bits are asked for.
-   subroutine set_threads(self)
+   !> Threads of the assembly, where there is enough to share out; the BLAS starts on one, and a large
+   !> system may raise it (lopin_blas_threads says when).
+   subroutine set_threads(self, model)
       type(job_type), intent(in) :: self
+      type(model_type), intent(in) :: model
       logical :: done
 
-      if (self%threads > 0) call omp_set_num_threads(self%threads)
-      done = .true.
-      if (self%deterministic) then
-         done = set_blas_threads(1)
-      else if (self%threads > 0) then
-         done = set_blas_threads(self%threads)
+      if (self%threads > 0) then
+         call omp_set_num_threads(self%threads)
+      else if (model%mesh%nelement < enough_elements) then
+         call omp_set_num_threads(1)
       end if
+      done = set_blas_threads(1)
       associate (unused => done)
       end associate
    end subroutine set_threads

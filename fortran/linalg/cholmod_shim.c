@@ -230,10 +230,17 @@ int lopin_metis(int n, int *ptr, int *adjacent, int *weight, int *perm)
 
 /* Present in OpenBLAS only. */
 extern void openblas_set_num_threads(int) __attribute__((weak));
+extern int openblas_get_num_threads(void) __attribute__((weak));
 
-int lopin_blas_threads(int n)
+int lopin_blas_threads_set(int n)
 {
     if (!openblas_set_num_threads) return 0;
     openblas_set_num_threads(n);
     return 1;
+}
+
+/* 0: unknown. */
+int lopin_blas_threads_now(void)
+{
+    return openblas_get_num_threads ? openblas_get_num_threads() : 0;
 }

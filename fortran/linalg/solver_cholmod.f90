@@ -11,7 +11,7 @@ module lopin_solver_cholmod
       & raise_singular, raise_refused, not_distinct
    implicit none
    private
-   public :: solver_cholmod_type, set_blas_threads
+   public :: solver_cholmod_type
 
    !> Right-hand sides solved at once: enough for BLAS-3, small beside the factor.
    integer, parameter :: block_of_columns = 256
@@ -117,19 +117,9 @@ module lopin_solver_cholmod
          integer(c_int), intent(in) :: ptr(*), adjacent(*), weight(*)
          integer(c_int), intent(out) :: perm(*)
       end function lopin_metis
-      integer(c_int) function lopin_blas_threads(n) bind(c)
-         import :: c_int
-         integer(c_int), value :: n
-      end function lopin_blas_threads
    end interface
 
 contains
-
-   !> Let the BLAS use n threads; false if this BLAS has no such switch (then set the environment).
-   logical function set_blas_threads(n) result(done)
-      integer, intent(in) :: n   !! 1 makes results independent of the machine's load
-      done = lopin_blas_threads(int(n, c_int)) /= 0
-   end function set_blas_threads
 
    function cholmod_name(self) result(name)
       class(solver_cholmod_type), intent(in) :: self

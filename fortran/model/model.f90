@@ -224,6 +224,7 @@ module lopin_model
       ! *LOPIN
       character(len=:), allocatable :: path             !! AUTO, CONDENSED, NEWTON
       character(len=:), allocatable :: solver           !! AUTO or a solver's word
+      integer :: blas_threads = 1                       !! for systems large enough to gain by them
       real(wp) :: target_error = 0.01_wp   !! relative pressure error that the automatic penalty
                                            !! aims at [-]
       integer :: continuation = 1   !! number of penalties of the sequence of problems (seed J.1)

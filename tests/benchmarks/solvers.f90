@@ -6,7 +6,7 @@ program bench_solvers
    use lopin_ordering, only : profile_cost, profile_order, row_starts
    use lopin_linear_solver, only : linear_solver_type, matrix_class
    use lopin_solver_factory, only : choose_solver, new_solver, solver_names
-   use lopin_solver_cholmod, only : set_blas_threads
+   use lopin_blas_threads, only : set_blas_threads
    use matrices, only : elastic_block
    implicit none
 

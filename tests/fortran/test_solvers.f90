@@ -5,7 +5,7 @@ program test_solvers
    use lopin_csc, only : csc_type, storage
    use lopin_linear_solver, only : linear_solver_type, matrix_class
    use lopin_solver_factory, only : choose_solver, new_solver, solver_names
-   use lopin_solver_cholmod, only : set_blas_threads
+   use lopin_blas_threads, only : set_blas_threads
    use check, only : test, close_to, is_true, finish
    use matrices, only : chain, elastic_block, random_general, random_spd, saddle_point, to_csc, &
       & uniform
