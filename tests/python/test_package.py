@@ -3,6 +3,7 @@ import doctest
 import importlib
 import pkgutil
 import re
+import shutil
 import subprocess
 import sys
 
@@ -339,9 +340,10 @@ def test_a_model_run_by_the_executable_gives_the_exact_pressure(executable, monk
 
 def tree(root):
     """Files under version control, or all but build folders where git is not there."""
-    done = subprocess.run(["git", "-C", str(root), "ls-files"], capture_output=True, text=True)
-    if done.returncode == 0 and done.stdout:
-        return [root/name for name in done.stdout.splitlines() if (root/name).is_file()]
+    if shutil.which("git"):
+        done = subprocess.run(["git", "-C", str(root), "ls-files"], capture_output=True, text=True)
+        if done.returncode == 0 and done.stdout:
+            return [root/name for name in done.stdout.splitlines() if (root/name).is_file()]
     hidden = re.compile(r"^(build.*|out|dist|\.venv|\.git|__pycache__)$")
     return [p for p in root.rglob("*") if p.is_file()
             and not any(hidden.match(part) for part in p.relative_to(root).parts)]
