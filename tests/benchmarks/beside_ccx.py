@@ -62,7 +62,7 @@ def frd_block(path: Path, name: str) -> dict[int, list[float]]:
 def hertz_error(folder: Path, stem: str, text: str) -> tuple[float, float]:
     """Relative L2 distance of the pressures to Hertz, and of the peak, for the force of TOP."""
     force = 4.0*abs([float(v) for v in re.findall(r"(?m)^ +(\S+) +(\S+) +(\S+)$", (
-        folder/f"{stem}.dat").read_text().split("total force")[1])[0]][2])
+        folder/f"{stem}.dat").read_text().split("total force")[-1])[0]][2])
     modulus, radius = 200000.0/(2.0*(1.0 - 0.09)), 20.0
     a = (0.75*force*radius/modulus)**(1.0/3.0)
     p0 = 1.5*force/(np.pi*a*a)
