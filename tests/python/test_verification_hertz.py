@@ -5,6 +5,7 @@ import pytest
 from lopin import Deck
 from lopin.closed_form import (
     contact_modulus,
+    flat_punch_2d,
     flat_punch_axisymmetric,
     flat_punch_axisymmetric_pressure,
     hertz_line,
@@ -152,3 +153,27 @@ def test_a_node_on_the_corner_of_a_punch(root, solve, sheet):
                   flat_punch_axisymmetric(1000.0, 9.98, contact_modulus(210e3, 0.3)), 0.005)
     sheet.compare(case, "node on the corner: radial force over axial",
                   result.history["NEAR-PUNCH.force1"][-1]/1000.0, 0.0, 1e-9, absolute=True)
+
+
+@pytest.mark.parametrize("method", ["DIRECT", "AUGMENTED LAGRANGE"])
+def test_a_flat_punch_in_plane_strain(root, solve, sheet, method):
+    """The same grid in plane strain: half of 1000 N/mm; the sides far away carry the load as a
+    half-space does (u from the stress of the line load is not single-valued: they are fixed)."""
+    mesh = (root/"decks"/"flat_punch.mesh").read_text(encoding="utf-8")
+    mesh, far = mesh.split("** The far sides move")[0], mesh.split("*BOUNDARY\n")[1]
+    held = "".join(f"{node}, 1, 2\n" for node in
+                   dict.fromkeys(row.split(",")[0] for row in far.splitlines() if row.strip()))
+    text = with_method(root, "flat_punch", method).text()
+    text = text.replace("*INCLUDE, INPUT=flat_punch.mesh",
+                        mesh.replace("CAX4", "CPE4") + "*BOUNDARY\n" + held.rstrip()) \
+        .replace("PUNCH_REF, 2, -1000.", "PUNCH_REF, 2, -500.")
+    result = solve(Deck.parse(text, name="plane"))
+    case, start = "A5 flat punch, plane strain", f"{method.lower()}: "
+    contact = result.contact(0).last
+    x, p = contact.x[:, 0], contact.pressure.ravel()
+    exact = flat_punch_2d(1000.0, 10.0, x[x <= 8.0])
+    sheet.compare(case, start + "force", -result.history["NEAR-PUNCH.force2"][-1], 500.0, 1e-9)
+    sheet.compare(case, start + "pressure in the middle", p[np.argmin(x)], 31.8310, 0.02)
+    sheet.compare(case, start + "pressure, x <= 0.8 a, worst", abs(p[x <= 8.0]/exact - 1.0).max(), 0.0,
+                  0.02, absolute=True)
+    assert p.min() >= 0.0
