@@ -1,7 +1,11 @@
 !> What each word of the command line does.
 module lopin_tasks
-   use, intrinsic :: iso_fortran_env, only : compiler_version, compiler_options
+   use, intrinsic :: iso_fortran_env, only : compiler_version
+   use omp_lib, only : omp_get_max_threads
+   use lopin_blas_threads, only : blas_threads
    use lopin_command_line, only : options_type
+   use lopin_enforcement_factory, only : method_names
+   use lopin_solver_factory, only : solver_names
    use lopin_deck, only : deck_type, read_deck
    use lopin_error, only : error_type, error_code, log_type, raise
    use lopin_job, only : job_type, outcome_type, open_job, run_job, stem_of
@@ -11,7 +15,7 @@ module lopin_tasks
    use lopin_recorder_json, only : json_recorder_type
    use lopin_selftest, only : selftest_case, ncase
    use lopin_terminal, only : terminal_type
-   use lopin_text, only : plural
+   use lopin_text, only : join, plural, to_text
    use lopin_version, only : version
    implicit none
    private
@@ -116,8 +120,9 @@ contains
       type(terminal_type), intent(inout) :: terminal
 
       if (len(options%subject) == 0) then
-         print '(a)', 'lopin '//version, 'compiler: '//compiler_version(), 'options: '// &
-            & compiler_options()
+         print '(a)', 'lopin '//version, 'compiler: '//compiler_version(), &
+            & 'solvers: '//join(solver_names), 'methods: '//join(method_names), 'threads: '// &
+            & to_text(omp_get_max_threads())//' of the assembly, '//to_text(blas_threads())//' of the BLAS'
          return
       end if
       call open_deck(options, terminal)
