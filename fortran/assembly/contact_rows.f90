@@ -142,7 +142,7 @@ contains
       real(wp), intent(in) :: deepest
       type(log_type), intent(inout) :: log
       type(error_type), allocatable, intent(out) :: error
-      character(len=:), allocatable :: text, help
+      character(len=:), allocatable :: text, help, note
 
       associate (p => model%pair(pair))
          text = to_text(number)//' slave points of '//model%surface(p%slave)%name//' penetrate '// &
@@ -153,8 +153,9 @@ contains
          help = 'ADJUST='//to_text(1.01_wp*deepest*points%size(worst))// &
             & ' on *CONTACT PAIR moves them out without strain'
          if (deepest > too_deep .or. p%control%initial == initial_of%error) then
-            call raise(error, error_code%deck, 'E0311', text, p%at, help=help, &
-               & note='deeper than half a facet is a mistake of position, unit or side')
+            note = 'INITIAL=ERROR asks to refuse it'
+            if (deepest > too_deep) note = 'deeper than half a facet is a mistake of position, unit or side'
+            call raise(error, error_code%deck, 'E0311', text, p%at, help=help, note=note)
          else if (p%control%initial == initial_of%interference .or. p%has_clearance) then
             call log%say(severity%note, 'N0311', text// &
                & ': an interference as meant, ramped in over the first step', &
