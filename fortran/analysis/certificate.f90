@@ -4,56 +4,77 @@ module lopin_certificate
    use lopin_vectors, only : largest
    use lopin_model, only : model_type, method_of
    use lopin_state, only : certificate_type, energy_type
-   use lopin_constraints, only : reduce
+   use lopin_constraints, only : reduce, prescribed_part
    use lopin_contact_points, only : pair_is_tied
    use lopin_contact_rows, only : row_forces
    use lopin_scene, only : scene_type, gap_of
    use lopin_methods, only : has_law
    implicit none
    private
-   public :: certify, worst_unrowed
+   public :: forces_type, find_forces, certify, worst_unrowed
 
    !> PASS up to these, WARN above, FAIL above ten times (conventions, frozen).
    real(wp), parameter :: complementarity_limit = 1.0e-6_wp, equilibrium_limit = 1.0e-6_wp
    real(wp), parameter :: balance_limit = 1.0e-3_wp, penalty_limit = 2.0e-2_wp
 
+   !> All forces of a state, on the physical dofs: residual = internal - load - pressed.
+   type :: forces_type
+      real(wp), allocatable :: load(:)       !! (ndof) [force]
+      real(wp), allocatable :: internal(:)   !! (ndof) K u [force]
+      real(wp), allocatable :: pressed(:)    !! (ndof) of the contacts [force]
+      real(wp), allocatable :: residual(:)   !! (ndof) [force]
+      real(wp), allocatable :: reaction(:)   !! (nprescribed) [force]
+   end type forces_type
+
 contains
 
-   !> Tests of the trial state; `residual` on the physical dofs is K u - f - contact forces.
-   subroutine certify(self, energy, scene, model, f, residual, reaction, prescribed)
+   !> The forces of the trial state under loads f.
+   subroutine find_forces(self, scene, f)
+      type(forces_type), intent(out) :: self
+      type(scene_type), intent(in) :: scene
+      real(wp), intent(in) :: f(:)             !! (ndof) [force]
+
+      self%load = f
+      allocate (self%internal(scene%dofs%n), self%reaction(scene%constraints%nprescribed))
+      allocate (self%pressed(scene%dofs%n), source=0.0_wp)
+      call scene%k%multiply(scene%u, self%internal)
+      call row_forces(scene%rows, scene%answer%force, self%pressed)
+      self%residual = self%internal - f - self%pressed
+      call prescribed_part(scene%constraints, self%residual, self%reaction)
+   end subroutine find_forces
+
+   !> Tests of the trial state.
+   subroutine certify(self, energy, scene, model, forces, prescribed)
       type(certificate_type), intent(out) :: self
       type(energy_type), intent(inout) :: energy
       type(scene_type), intent(in) :: scene
       type(model_type), intent(in) :: model
-      real(wp), intent(in) :: f(:)             !! (ndof) loads [force]
-      real(wp), intent(in) :: residual(:)      !! (ndof) [force]
-      real(wp), intent(in) :: reaction(:)      !! (nprescribed) [force]
+      type(forces_type), intent(in) :: forces
       real(wp), intent(in) :: prescribed(:)    !! (nprescribed) [length]
-      real(wp), allocatable :: free(:), pressed(:), internal(:)
+      real(wp), allocatable :: free(:)
       real(wp) :: reference, work, passed, rounding
 
-      allocate (free(scene%constraints%neq), pressed(scene%dofs%n), internal(scene%dofs%n))
-      pressed = 0.0_wp
-      call row_forces(scene%rows, scene%answer%force, pressed)
-      call scene%k%multiply(scene%u, internal)
-      call reduce(scene%constraints, residual, free)
+      allocate (free(scene%constraints%neq))
+      call reduce(scene%constraints, forces%residual, free)
       ! A body that moves all but rigidly has forces of rounding only: they are judged beside what
       ! its stiffness would make of its displacements.
       rounding = 1.0e-8_wp*largest(scene%k%value)*largest(scene%u)
-      reference = max(largest(f), largest(reaction), largest(pressed), largest(internal), rounding)
+      reference = max(largest(forces%load), largest(forces%reaction), largest(forces%pressed), &
+         & largest(forces%internal), rounding)
       if (reference > 0.0_wp) then
          self%equilibrium = largest(free)/reference
          self%support = largest(free(scene%bodies%support))/reference
       end if
       call judge_contact(self, energy, scene, model, rounding)
       if (scene%rows%n > 0) self%pressure_error = max(scene%answer%soft_error, drift(scene))
-      call judge_action(self, scene, model, pressed)
-      energy%strain = 0.5_wp*dot_product(scene%u, internal)
+      call judge_action(self, scene, model, forces%pressed)
+      energy%strain = 0.5_wp*dot_product(scene%u, forces%internal)
       ! Clapeyron: at equilibrium loads, contact and reactions do twice the stored energy's work.
       ! Where the forces all but cancel no energy is stored: what they do one by one is the measure.
-      work = dot_product(scene%u, f + pressed) + dot_product(reaction, prescribed)
-      passed = max(dot_product(abs(scene%u), abs(f) + abs(pressed) + abs(internal)), &
-         & rounding*largest(scene%u))
+      work = dot_product(scene%u, forces%load + forces%pressed) &
+         & + dot_product(forces%reaction, prescribed)
+      passed = max(dot_product(abs(scene%u), abs(forces%load) + abs(forces%pressed) &
+         & + abs(forces%internal)), rounding*largest(scene%u))
       if (passed > 0.0_wp) self%energy = abs(work - 2.0_wp*energy%strain)/passed
       call give_verdict(self)
    end subroutine certify

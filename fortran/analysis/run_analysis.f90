@@ -8,15 +8,13 @@ module lopin_run_analysis
    use lopin_memory, only : peak_memory
    use lopin_model, only : model_type
    use lopin_state, only : frame_type, summary_type
-   use lopin_constraints, only : prescribed_part
-   use lopin_contact_rows, only : row_forces
    use lopin_recorder, only : recorder_holder_type, wants_type
    use lopin_loading, only : loading_type, new_loading, loads_at, prescribed_at, add_ended_loads
    use lopin_plan, only : plan_type, new_plan
    use lopin_scene, only : scene_type, new_scene, set_supports, widen_reach
    use lopin_solve_path, only : prepare_path, solve_path
    use lopin_bodies, only : describe_motion
-   use lopin_certificate, only : certify, worst_unrowed
+   use lopin_certificate, only : forces_type, find_forces, certify, worst_unrowed
    use lopin_frames, only : fill_frame
    use lopin_after_step, only : seen_type, look_at_pairs, judge_step, say_once
    implicit none
@@ -229,10 +227,10 @@ contains
       type(summary_type), intent(inout) :: summary
       type(frame_type), intent(inout) :: frame
       type(error_type), allocatable, intent(out) :: error
-      real(wp), allocatable :: prescribed(:), reaction(:), steady(:)
+      type(forces_type) :: forces
+      real(wp), allocatable :: prescribed(:), steady(:)
 
-      allocate (prescribed(scene%constraints%nprescribed), &
-         & reaction(scene%constraints%nprescribed), steady(scene%dofs%n))
+      allocate (prescribed(scene%constraints%nprescribed), steady(scene%dofs%n))
       call loads_at(loading, model, frame%step_time, progress%f, steady)
       call prescribed_at(loading, model, frame%step_time, prescribed)
       scene%interference = 1.0_wp
@@ -248,18 +246,9 @@ contains
          call solve_path(scene, model, plan, progress%f, prescribed, error)
          if (allocated(error)) return
       end if
-      call scene%k%multiply(scene%u, progress%residual)
-      progress%residual = progress%residual - progress%f
-      block
-         real(wp) :: pressed(scene%dofs%n)
-         pressed = 0.0_wp
-         call row_forces(scene%rows, scene%answer%force, pressed)
-         progress%residual = progress%residual - pressed
-      end block
-      call prescribed_part(scene%constraints, progress%residual, reaction)
-      call certify(frame%certificate, frame%energy, scene, model, progress%f, progress%residual, &
-         & reaction, &
-         & prescribed)
+      call find_forces(forces, scene, progress%f)
+      progress%residual = forces%residual
+      call certify(frame%certificate, frame%energy, scene, model, forces, prescribed)
       call scene%clock%stop_in(phase%solve)
       frame%iterations = scene%answer%iterations
       frame%augmentations = scene%answer%augmentations
@@ -267,7 +256,7 @@ contains
       call add_work(scene, progress, frame)
       call accept(scene, progress, steady)
       call look_at_pairs(progress%seen, scene, model)
-      call record(scene, model, reaction, recorders, frame, error)
+      call record(scene, model, forces%reaction, recorders, frame, error)
       if (allocated(error)) return
       call progress%checksum%add(frame%u(:3, :))
       summary%checksum = progress%checksum%text()
