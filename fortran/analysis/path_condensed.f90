@@ -11,7 +11,7 @@ module lopin_path_condensed
    use lopin_clock, only : phase
    use lopin_model, only : model_type
    use lopin_constraints, only : expand, reduce
-   use lopin_condensed, only : condensed_type
+   use lopin_condensed, only : columns_times
    use lopin_active_set, only : solve_contact, outcome
    use lopin_contact_rows, only : reduce_rows
    use lopin_scene, only : scene_type, retained_equations, rebuild_rows
@@ -66,7 +66,7 @@ contains
       real(wp), intent(in) :: prescribed(:)    !! (nprescribed)
       type(error_type), allocatable, intent(out) :: error
       real(wp), allocatable :: u_known(:), internal(:), right(:), y(:), load(:), moving(:), &
-         & gap(:), pushed(:)
+         & gap(:)
       real(wp), allocatable :: v(:)
 
       allocate (u_known(scene%dofs%n), internal(scene%dofs%n), right(scene%constraints%neq), &
@@ -85,27 +85,12 @@ contains
       call contact_by_continuation(scene, model, gap, load, moving, error)
       call scene%clock%stop_in(phase%contact)
       if (allocated(error)) return
-      allocate (pushed(scene%system%nlast), source=0.0_wp)
-      if (scene%problem%nrow > 0) call push_back(scene%problem, scene%answer%force, pushed)
-      call recover(scene%system, y, pushed, v)
+      call recover(scene%system, y, columns_times(scene%problem, scene%answer%force), v)
       scene%counter%back_solves = scene%counter%back_solves + 1
       if (scene%bodies%nq > 0) v = v + matmul(scene%bodies%motion, scene%answer%q)
       call expand(scene%constraints, v, prescribed, scene%u)
       call scene%clock%stop_in(phase%solve)
    end subroutine solve_condensed
-
-   pure subroutine push_back(problem, force, pushed)
-      type(condensed_type), intent(in) :: problem
-      real(wp), intent(in) :: force(:)
-      real(wp), intent(inout) :: pushed(:)
-      integer :: row, k
-
-      do row = 1, problem%nrow
-         do k = problem%first(row), problem%first(row + 1) - 1
-            pushed(problem%column(k)) = pushed(problem%column(k)) + problem%value(k)*force(row)
-         end do
-      end do
-   end subroutine push_back
 
    !> Rows of the contact problem on the equations kept last; the compliance is kept if they did not
    !> change.
