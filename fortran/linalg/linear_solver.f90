@@ -31,7 +31,7 @@ module lopin_linear_solver
    contains
       procedure(name_if), deferred :: name
       procedure(accepts_if), deferred :: accepts
-      procedure(can_condense_if), deferred :: can_condense
+      procedure :: can_condense
       procedure(analyse_if), deferred :: analyse
       procedure(factorise_if), deferred :: factorise
       procedure(solve_if), deferred :: solve
@@ -56,13 +56,6 @@ module lopin_linear_solver
          integer, intent(in) :: class_of
          character(len=:), allocatable :: reason
       end function accepts_if
-
-      !> True if trailing_factor, forward and backward work for matrices of this class.
-      pure logical function can_condense_if(self, class_of)
-         import :: linear_solver_type
-         class(linear_solver_type), intent(in) :: self
-         integer, intent(in) :: class_of
-      end function can_condense_if
 
       !> Order and analyse the pattern of `a`; equations `last` (1-based) come last, in this order.
       subroutine analyse_if(self, a, class_of, last, error)
@@ -109,6 +102,16 @@ module lopin_linear_solver
    end interface
 
 contains
+
+   !> True if trailing_factor, forward and backward work for matrices of this class: a solver whose
+   !> factors are each other's transposes has them where the matrix is positive definite.
+   pure logical function can_condense(self, class_of)
+      class(linear_solver_type), intent(in) :: self
+      integer, intent(in) :: class_of
+      associate (unused => self)
+         can_condense = class_of == matrix_class%positive_definite
+      end associate
+   end function can_condense
 
    !> What a matrix class is called in a message.
    pure function class_name(class_of) result(name)

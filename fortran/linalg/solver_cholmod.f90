@@ -47,7 +47,6 @@ module lopin_solver_cholmod
    contains
       procedure :: name => cholmod_name
       procedure :: accepts => cholmod_accepts
-      procedure :: can_condense
       procedure :: analyse
       procedure :: factorise
       procedure :: solve
@@ -138,14 +137,6 @@ contains
       if (class_of /= matrix_class%positive_definite) reason = self%name()// &
          & ' factorises positive definite matrices only, this one is '//class_name(class_of)
    end function cholmod_accepts
-
-   pure logical function can_condense(self, class_of)
-      class(solver_cholmod_type), intent(in) :: self
-      integer, intent(in) :: class_of
-      associate (unused => self)
-         can_condense = class_of == matrix_class%positive_definite
-      end associate
-   end function can_condense
 
    subroutine analyse(self, a, class_of, last, error)
       class(solver_cholmod_type), intent(inout) :: self

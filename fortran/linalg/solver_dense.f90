@@ -23,7 +23,6 @@ module lopin_solver_dense
    contains
       procedure :: name => dense_name
       procedure :: accepts
-      procedure :: can_condense
       procedure :: analyse
       procedure :: factorise
       procedure :: solve
@@ -50,14 +49,6 @@ contains
       reason = refuse_unknown_class(class_of)
       if (reason /= '') reason = self%name()//' '//reason
    end function accepts
-
-   pure logical function can_condense(self, class_of)
-      class(solver_dense_type), intent(in) :: self
-      integer, intent(in) :: class_of
-      associate (unused => self)
-         can_condense = class_of == matrix_class%positive_definite
-      end associate
-   end function can_condense
 
    subroutine analyse(self, a, class_of, last, error)
       class(solver_dense_type), intent(inout) :: self

@@ -23,7 +23,6 @@ module lopin_solver_skyline
    contains
       procedure :: name => skyline_name
       procedure :: accepts
-      procedure :: can_condense
       procedure :: analyse
       procedure :: factorise
       procedure :: solve
@@ -51,14 +50,6 @@ contains
       if (class_of == matrix_class%general) reason = self%name()// &
          & ' factorises symmetric matrices only, this one is '//class_name(class_of)
    end function accepts
-
-   pure logical function can_condense(self, class_of)
-      class(solver_skyline_type), intent(in) :: self
-      integer, intent(in) :: class_of
-      associate (unused => self)
-         can_condense = class_of == matrix_class%positive_definite
-      end associate
-   end function can_condense
 
    subroutine analyse(self, a, class_of, last, error)
       class(solver_skyline_type), intent(inout) :: self
