@@ -1,6 +1,6 @@
 program test_active_set
    use lopin_kinds, only : wp
-   use lopin_condensed, only : condensed_type
+   use lopin_condensed, only : condensed_type, form_compliance
    use lopin_active_set, only : contact_result_type, solve_contact, outcome
    use lopin_enforcement_factory, only : new_enforcement, method_names
    use check, only : test, close_to, is_true, finish
@@ -14,6 +14,7 @@ program test_active_set
    call random_problems()
    call augmentations_contract_as_predicted()
    call augmentations_that_stop_early_know_their_error()
+   call uzawa_converges_below_its_bound()
    call finish()
 
 contains
@@ -261,4 +262,43 @@ contains
          call close_to('estimate', result%soft_error, 0.5_wp*short/(1.0_wp - short), 1.0e-12_wp)
       end do
    end subroutine augmentations_that_stop_early_know_their_error
+
+   !> Benchmark F4: multipliers moved by rho times the gap, without a spring or beside one of stiffness
+   !> alpha, converge for rho < 2/s_max and rho < 2 (alpha + 1/s_max), s the code's own compliance.
+   subroutine uzawa_converges_below_its_bound()
+      real(wp), parameter :: k(2, 2) = reshape([3.0_wp, -1.0_wp, -1.0_wp, 2.0_wp], [2, 2])
+      real(wp), parameter :: bound(2) = [2.763932022500210_wp, 4.763932022500210_wp]
+      type(condensed_type) :: problem
+      real(wp) :: l(2, 2), alpha
+      integer :: i
+
+      call test('Uzawa converges below its bound and diverges above')
+      do i = 1, 2
+         alpha = real(i - 1, wp)
+         l = k
+         l(1, 1) = sqrt(k(1, 1) + alpha)
+         l(2, 1) = k(2, 1)/l(1, 1)
+         l(1, 2) = 0.0_wp
+         l(2, 2) = sqrt(k(2, 2) + alpha - l(2, 1)**2)
+         call new_problem(problem, l, reshape([-1.0_wp, 0.0_wp, 0.0_wp, -1.0_wp], [2, 2]), 1, 0.0_wp)
+         if (allocated(problem%s)) deallocate (problem%s)
+         call form_compliance(problem)
+         call is_true('below', uzawa_gap(problem%s, 0.99_wp*bound(i)) < 1.0e-6_wp)
+         call is_true('above', uzawa_gap(problem%s, 1.01_wp*bound(i)) > 1.0e2_wp)
+      end do
+   end subroutine uzawa_converges_below_its_bound
+
+   !> Largest gap after 1000 passes from no force, both points held (bilateral).
+   real(wp) function uzawa_gap(s, rho)
+      real(wp), intent(in) :: s(:, :), rho
+      real(wp) :: force(2), gap(2)
+      integer :: pass
+
+      force = 0.0_wp
+      do pass = 1, 1000
+         gap = [-1.0_wp, 0.5_wp] + matmul(s, force)
+         force = force - rho*gap
+      end do
+      uzawa_gap = maxval(abs(gap))
+   end function uzawa_gap
 end program test_active_set
