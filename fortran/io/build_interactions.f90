@@ -79,10 +79,10 @@ contains
       if (block%nline == 0) return
       call split_fields(block%line(1), field, n)
       if (n == 0) return
-      call field_real(field(1), interaction%friction, log, found)
-      if (.not. found) interaction%friction = 0.0_wp
-      if (abs(interaction%friction) > 0.0_wp) call complain(log, 'E0306', 'friction mu = ' &
-         & //to_text(interaction%friction, 6)//' of interaction `'//interaction%name &
+      call field_real(field(1), interaction%friction%mu, log, found)
+      if (.not. found) interaction%friction%mu = 0.0_wp
+      if (abs(interaction%friction%mu) > 0.0_wp) call complain(log, 'E0306', 'friction mu = ' &
+         & //to_text(interaction%friction%mu, 6)//' of interaction `'//interaction%name &
          & //'` is not in this version: contact is without friction', field(1)%at, &
          & help='write 0., or remove *FRICTION, if sliding without friction is meant')
    end subroutine read_friction

@@ -8,10 +8,12 @@ module lopin_model
    use lopin_error, only : location_type, log_type
    use lopin_mesh, only : mesh_type
    use lopin_tool, only : tool_type
+   use lopin_friction, only : friction_type
    implicit none
    private
    public :: model_type, material_type, section_type, surface_data_type, rigid_body_type
    public :: interaction_type, pair_type, amplitude_type, equation_type
+   public :: friction_change_type, pair_change_type
    public :: step_type, prescribed_type, point_load_type, face_load_type, body_load_type, &
       & output_type
    public :: control_type, tool_holder_type
@@ -59,6 +61,10 @@ module lopin_model
       real(wp) :: young = 0.0_wp      !! [stress]
       real(wp) :: poisson = 0.0_wp    !! [-]
       real(wp) :: density = 0.0_wp    !! [mass/length^3]
+      logical :: has_neo_hooke = .false.
+      real(wp) :: c10 = 0.0_wp        !! *HYPERELASTIC, NEO HOOKE: half the shear modulus [stress]
+      real(wp) :: d1 = 0.0_wp         !! 2 / bulk modulus [1/stress]
+      real(wp) :: yield = 0.0_wp      !! first row of *PLASTIC, read by friction laws; 0: none [stress]
    end type material_type
 
    type :: section_type
@@ -105,7 +111,7 @@ module lopin_model
       real(wp) :: clearance = 0.0_wp                    !! gap at which pressure starts [length]
       real(wp) :: scale = 1.0_wp                        !! factor on the slope
       real(wp), allocatable :: table(:, :)   !! (2, n) pressure, overclosure; exponential: (p0, c0)
-      real(wp) :: friction = 0.0_wp                     !! read, must be 0 in this version
+      type(friction_type) :: friction
    end type interaction_type
 
    type :: control_type
@@ -119,7 +125,8 @@ module lopin_model
       type(location_type) :: at
       integer :: slave = 0, master = 0                  !! surfaces
       integer :: interaction = 0
-      logical :: surface_to_surface = .false.   !! as the deck says; the note says what is done
+      logical :: surface_to_surface = .false.   !! dual mortar instead of node to segment
+      logical :: smooth = .false.               !! normals interpolated from averaged nodal ones
       logical :: small_sliding = .false.
       logical :: tied = .false.
       real(wp) :: adjust = -1.0_wp                      !! ADJUST=tolerance; <0: none; YES: 0
@@ -189,12 +196,27 @@ module lopin_model
       integer :: slave = 0, master = 0                  !! surfaces of *CONTACT PRINT
    end type output_type
 
+   !> *CHANGE FRICTION in a step.
+   type :: friction_change_type
+      type(location_type) :: at
+      integer :: interaction = 0
+      type(friction_type) :: friction
+   end type friction_change_type
+
+   !> *MODEL CHANGE, TYPE=CONTACT PAIR in a step.
+   type :: pair_change_type
+      type(location_type) :: at
+      integer :: pair = 0
+      logical :: active = .true.
+   end type pair_change_type
+
    !> One step; prescribed values and loads are the complete lists in force (OP= is resolved).
    type :: step_type
       type(location_type) :: at
       character(len=:), allocatable :: heading
       logical :: ramp = .true.                          !! .false.: AMPLITUDE=STEP
       logical :: direct = .false.                       !! fixed increments
+      logical :: nlgeom = .false.                       !! finite rotations and strains
       real(wp) :: initial = 1.0_wp, period = 1.0_wp, smallest = 0.0_wp, largest = 0.0_wp
       integer :: max_increments = 100
       type(prescribed_type), allocatable :: prescribed(:)
@@ -202,6 +224,8 @@ module lopin_model
       type(face_load_type), allocatable :: face_load(:)
       type(body_load_type), allocatable :: body_load(:)
       type(output_type), allocatable :: output(:)
+      type(friction_change_type), allocatable :: friction_change(:)
+      type(pair_change_type), allocatable :: pair_change(:)
    end type step_type
 
    !> All lists are allocated, possibly with size 0.
