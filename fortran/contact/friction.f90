@@ -1,24 +1,47 @@
 !> Friction laws: one kernel; a law is the radius of a disc and its slopes (seed E).
 !>
 !> With pressure p >= 0, trial traction q = |lambda_t - c_t s| and direction m, all laws press with
-!> t = F m, F = min(q, radius) or a regularised function of the slip. Tractions are stresses.
+!> t = F m. Exact: F is q inside the disc and its radius outside. Norton-Hoff, whose traction grows
+!> with the speed of slip, bounds F by the root of q - c_t dgamma = F(dgamma). Regularised: F is the
+!> radius times a function of the slip that saturates at 1. Tractions are stresses.
+!>
+!> | law            | radius                        | seed, and what is repaired               |
+!> | coulomb        | mu p                          | E1: slip is a rate, not a displacement   |
+!> | tresca         | m sigma_y / sqrt 3            | E2: acts only where p > 0, and sticks    |
+!> | orowan         | min(mu p, m sigma_y / sqrt 3) | E3: the least of two numbers             |
+!> | cristescu      | m sigma_vm / sqrt 3           | E4: capped at sigma_y, floored, lagged   |
+!> | norton_hoff    | alpha v^q, not a disc         | E5: opposes v; unit stress (time/length)^q |
+!>
+!> TAUMAX cuts all of them. What is not known (no yield stress) does not bound.
 module lopin_friction
    use lopin_kinds, only : wp
+   use lopin_error, only : location_type
+   use lopin_text, only : upper, without_blanks
    implicit none
    private
    public :: friction_type, condition_type, law_of, regularization_of
-   public :: has_friction, is_regularised, friction_radius, return_to_disc, regularised_traction
+   public :: law_names, regularization_names, law_number, regularization_number
+   public :: has_friction, is_regularised, by_rate, reads_yield, reads_mises, depends_on_time
+   public :: coefficient, friction_radius, return_to_disc, regularised_traction
 
    type :: laws
+      integer :: automatic = -1      !! AUTO: chosen from the material when the model is built
       integer :: none = 0, coulomb = 1, tresca = 2, orowan = 3, cristescu = 4, norton_hoff = 5
    end type laws
    type(laws), parameter :: law_of = laws()
+
+   !> The deck's word of each law; its place is the number in `law_of`.
+   character(len=*), parameter :: law_names(5) = [character(len=14) :: 'COULOMB', 'TRESCA', &
+      & 'COULOMB-OROWAN', 'CRISTESCU', 'NORTON-HOFF']
 
    type :: regularizations
       integer :: linear = 1     !! return mapping: exact stick, or elastic slip where asked for
       integer :: arctan = 2, tanh = 3, sqrt = 4
    end type regularizations
    type(regularizations), parameter :: regularization_of = regularizations()
+
+   character(len=*), parameter :: regularization_names(4) = [character(len=6) :: 'LINEAR', &
+      & 'ARCTAN', 'TANH', 'SQRT']
 
    !> Parameters of the law of one interaction, as the deck gave them.
    type :: friction_type
@@ -37,17 +60,47 @@ module lopin_friction
       real(wp) :: slip_tolerance = 0.0_wp      !! of the facet size; 0: not given [-]
       real(wp) :: v0 = 0.0_wp                  !! V0 of the regularisation [length/time]; 0: by slip
       real(wp) :: stick_slope = 0.0_wp         !! CalculiX's second value [stress/length]; 0: none
+      logical :: has_m = .true.                !! .false.: TAUMAX alone bounds Tresca and Orowan
+      type(location_type) :: at                !! of *FRICTION in the deck
    end type friction_type
 
    !> What a law reads at a point besides pressure and slip; lagged, never linearised.
    type :: condition_type
-      real(wp) :: yield = 0.0_wp               !! yield stress at the slave surface [stress]
-      real(wp) :: mises = 0.0_wp               !! von Mises stress at the slave surface [stress]
+      real(wp) :: yield = 0.0_wp   !! yield stress at the slave surface; 0: unknown [stress]
+      real(wp) :: mises = 0.0_wp   !! von Mises stress at the slave surface [stress]
       real(wp) :: dt = 1.0_wp                  !! time increment [time]
-      real(wp) :: speed = 0.0_wp               !! slip speed of the last iteration [length/time]
+      real(wp) :: speed = 0.0_wp   !! slip speed of the last iteration, >= 0 [length/time]
+      logical :: held = .false.    !! bilateral: a rough surface sticks under tension too
    end type condition_type
 
+   !> Least equivalent stress of Cristescu as a fraction of the pressure: at first touch the body
+   !> has no stress, and a disc without radius would let everything slide.
+   real(wp), parameter :: least_equivalent = 1.0e-3_wp
+   real(wp), parameter :: pi = acos(-1.0_wp), root_3 = sqrt(3.0_wp)
+   integer, parameter :: most_iterations = 100   !! of Newton in `rate_bound`; 4 to 8 are usual
+
 contains
+
+   !> Number of a law's word, AUTO included; `law_of%none` if there is no such law.
+   pure integer function law_number(word) result(number)
+      character(len=*), intent(in) :: word
+      number = place_of(law_names, word)
+      if (upper(word) == 'AUTO') number = law_of%automatic
+   end function law_number
+
+   !> Number of a regularisation's word; 0 if there is none.
+   pure integer function regularization_number(word) result(number)
+      character(len=*), intent(in) :: word
+      number = place_of(regularization_names, word)
+   end function regularization_number
+
+   pure integer function place_of(list, word) result(place)
+      character(len=*), intent(in) :: list(:), word
+      do place = 1, size(list)
+         if (without_blanks(trim(list(place))) == without_blanks(upper(word))) return
+      end do
+      place = 0
+   end function place_of
 
    pure logical function has_friction(law)
       type(friction_type), intent(in) :: law
@@ -56,10 +109,48 @@ contains
 
    pure logical function is_regularised(law)
       type(friction_type), intent(in) :: law
-      is_regularised = law%regularization /= regularization_of%linear
+      is_regularised = .not. law%rough .and. law%regularization /= regularization_of%linear
    end function is_regularised
 
+   !> Whether `regularised_traction` wants the slip of the increment (a rate times its time), not
+   !> the slip from the stick anchor.
+   pure logical function by_rate(law)
+      type(friction_type), intent(in) :: law
+      by_rate = law%v0 > 0.0_wp .or. law%law == law_of%norton_hoff
+   end function by_rate
+
+   !> Whether the law reads `condition_type%yield`.
+   pure logical function reads_yield(law)
+      type(friction_type), intent(in) :: law
+      reads_yield = .not. law%rough .and. law%has_m .and. (law%law == law_of%tresca &
+         & .or. law%law == law_of%orowan .or. law%law == law_of%cristescu)
+   end function reads_yield
+
+   !> Whether the law reads `condition_type%mises`.
+   pure logical function reads_mises(law)
+      type(friction_type), intent(in) :: law
+      reads_mises = .not. law%rough .and. law%law == law_of%cristescu
+   end function reads_mises
+
+   !> Whether the answer depends on the speed of slip, hence on a real scale of time.
+   pure logical function depends_on_time(law)
+      type(friction_type), intent(in) :: law
+      depends_on_time = .not. law%rough .and. (law%decay > 0.0_wp .or. law%v0 > 0.0_wp &
+         & .or. (law%law == law_of%norton_hoff .and. law%q > 0.0_wp))
+   end function depends_on_time
+
+   !> mu(v) = mu_k + (mu_s - mu_k) exp(-d v), with the speed of the last iteration.
+   pure real(wp) function coefficient(law, at) result(mu)
+      type(friction_type), intent(in) :: law
+      type(condition_type), intent(in) :: at
+
+      mu = law%mu
+      if (law%decay > 0.0_wp) mu = mu + (law%mu_static - law%mu)*exp(-law%decay*at%speed)
+   end function coefficient
+
    !> Radius of the disc of tractions and its slope in the pressure.
+   !>
+   !> Norton-Hoff with q > 0 has no disc: its radius is what caps it.
    pure subroutine friction_radius(law, p, at, radius, slope)
       type(friction_type), intent(in) :: law
       real(wp), intent(in) :: p                !! pressure; <= 0: radius 0 [stress]
@@ -70,28 +161,57 @@ contains
 
       radius = 0.0_wp
       slope = 0.0_wp
-      if (.not. p > 0.0_wp) return
+      if (law%rough .and. (p > 0.0_wp .or. at%held)) radius = huge(1.0_wp)
+      if (law%rough .or. .not. p > 0.0_wp) return
       cap = law%tau_max
       select case (law%law)
-      case (law_of%coulomb)
-         radius = law%mu*p
-         slope = law%mu
+      case (law_of%coulomb, law_of%orowan)
+         slope = coefficient(law, at)
+         radius = slope*p
+         if (law%law == law_of%orowan) cap = min(cap, shear_yield(law, at))
       case (law_of%tresca)
-         radius = law%m*at%yield/sqrt(3.0_wp)
-      case (law_of%orowan)
-         radius = law%mu*p
-         slope = law%mu
-         cap = min(cap, law%m*at%yield/sqrt(3.0_wp))
+         radius = shear_yield(law, at)
       case (law_of%cristescu)
-         radius = law%m*min(at%mises, at%yield)/sqrt(3.0_wp)
+         call cristescu(law, p, at, radius, slope)
       case (law_of%norton_hoff)
          radius = huge(1.0_wp)
+         if (.not. law%q > 0.0_wp) radius = law%alpha
       end select
-      if (law%rough) radius = huge(1.0_wp)
       if (radius <= cap) return
       radius = cap
       slope = 0.0_wp
    end subroutine friction_radius
+
+   !> m sigma_y / sqrt 3; no bound where the yield stress is unknown.
+   pure real(wp) function shear_yield(law, at) result(k)
+      type(friction_type), intent(in) :: law
+      type(condition_type), intent(in) :: at
+
+      k = huge(1.0_wp)
+      if (law%has_m .and. at%yield > 0.0_wp) k = law%m*at%yield/root_3
+   end function shear_yield
+
+   !> m sigma_vm / sqrt 3 with sigma_vm between a trace of the pressure and the yield stress.
+   pure subroutine cristescu(law, p, at, radius, slope)
+      type(friction_type), intent(in) :: law
+      real(wp), intent(in) :: p
+      type(condition_type), intent(in) :: at
+      real(wp), intent(out) :: radius, slope
+      real(wp) :: equivalent, change
+
+      equivalent = at%mises
+      change = 0.0_wp
+      if (equivalent < least_equivalent*p) then
+         equivalent = least_equivalent*p
+         change = least_equivalent
+      end if
+      if (at%yield > 0.0_wp .and. equivalent > at%yield) then
+         equivalent = at%yield
+         change = 0.0_wp
+      end if
+      radius = law%m*equivalent/root_3
+      slope = law%m*change/root_3
+   end subroutine cristescu
 
    !> Magnitude F of the traction for a trial magnitude q; Norton-Hoff bounds it by the slip speed.
    pure subroutine return_to_disc(law, q, ct, p, at, traction, slope_q, slope_p, slips)
@@ -103,38 +223,118 @@ contains
       real(wp), intent(out) :: traction        !! F <= q [stress]
       real(wp), intent(out) :: slope_q, slope_p  !! of F [-]
       logical, intent(out) :: slips
-      real(wp) :: radius
+      real(wp) :: radius, slope
 
-      associate (unused => ct)
-         call friction_radius(law, p, at, radius, slope_p)
-      end associate
-      slips = q > radius
+      call friction_radius(law, p, at, radius, slope)
       traction = q
       slope_q = 1.0_wp
-      if (.not. slips) then
-         slope_p = 0.0_wp
-         return
+      slope_p = 0.0_wp
+      if (law%law == law_of%norton_hoff .and. law%q > 0.0_wp .and. p > 0.0_wp &
+         & .and. .not. law%rough) call rate_bound(law, q, ct*at%dt, traction, slope_q)
+      if (traction > radius) then
+         traction = radius
+         slope_q = 0.0_wp
+         slope_p = slope
       end if
-      traction = radius
-      slope_q = 0.0_wp
+      slips = traction < q
    end subroutine return_to_disc
 
+   !> The root F of q = F + c (F/alpha)^n, n = 1/exponent >= 1: what is left of the trial is the
+   !> slip that its speed needs.
+   !>
+   !> Convex and increasing in F, with a finite slope at 0 (in the speed it would be infinite):
+   !> Newton from an upper bound descends to the root. F is scaled by that bound so that
+   !> large n neither overflow nor lose it.
+   pure subroutine rate_bound(law, q, c, traction, slope)
+      type(friction_type), intent(in) :: law
+      real(wp), intent(in) :: q                !! trial, >= 0 [stress]
+      real(wp), intent(in) :: c                !! tangential stiffness * time [stress*time/length]
+      real(wp), intent(out) :: traction, slope
+      real(wp) :: bound, power, x, step, n, rest
+      integer :: i
+
+      traction = 0.0_wp
+      slope = 0.0_wp
+      if (.not. law%alpha > 0.0_wp) return
+      n = 1.0_wp/law%q
+      slope = 1.0_wp
+      if (n <= 1.0_wp) slope = 1.0_wp/(1.0_wp + c/law%alpha)
+      if (.not. q > 0.0_wp) return
+      bound = law%alpha*(q/c)**law%q
+      power = q
+      if (bound > q) then
+         bound = q
+         power = c*(q/law%alpha)**n
+      end if
+      x = 1.0_wp
+      do i = 1, most_iterations
+         rest = power*x**n
+         step = (bound*x + rest - q)/(bound + n*rest/x)
+         if (step <= epsilon(1.0_wp)*x) exit
+         x = x - step
+      end do
+      traction = bound*x
+      slope = traction/(traction + n*power*x**n)
+   end subroutine rate_bound
+
    !> Magnitude of a regularised law for a slip magnitude from the anchor, or made in the increment.
+   !>
+   !> Near slip 0 the direction is lost but traction/slip -> slope_slip.
    pure subroutine regularised_traction(law, slip, p, at, traction, slope_slip, slope_p)
       type(friction_type), intent(in) :: law
-      real(wp), intent(in) :: slip             !! >= 0 [length]
+      real(wp), intent(in) :: slip   !! >= 0; of the increment if `by_rate(law)` [length]
       real(wp), intent(in) :: p                !! [stress]
       type(condition_type), intent(in) :: at
       real(wp), intent(out) :: traction        !! [stress]
       real(wp), intent(out) :: slope_slip      !! [stress/length]
       real(wp), intent(out) :: slope_p         !! [-]
-      real(wp) :: radius, u0
+      real(wp) :: radius, u0, share, slope, growth
 
       call friction_radius(law, p, at, radius, slope_p)
       u0 = law%elastic_slip
       if (law%v0 > 0.0_wp) u0 = law%v0*at%dt
-      traction = radius*2.0_wp/acos(-1.0_wp)*atan(slip/u0)
-      slope_slip = radius*2.0_wp/acos(-1.0_wp)*u0/(u0**2 + slip**2)
-      slope_p = slope_p*2.0_wp/acos(-1.0_wp)*atan(slip/u0)
+      call saturation(law%regularization, slip/u0, share, slope)
+      growth = 0.0_wp
+      if (law%law == law_of%norton_hoff .and. law%q > 0.0_wp .and. p > 0.0_wp) &
+         & call smoothed_rate(law, slip, u0, at%dt, radius, growth)
+      traction = radius*share
+      slope_slip = radius*slope/u0 + growth*share
+      slope_p = slope_p*share
    end subroutine regularised_traction
+
+   !> alpha (v^2 + v0^2)^(q/2) and its slope in the slip, under the cap that `radius` holds; times
+   !> v/sqrt(v^2 + v0^2), the square root's share, it is alpha (v^2 + v0^2)^((q-1)/2) v.
+   pure subroutine smoothed_rate(law, slip, u0, dt, radius, growth)
+      type(friction_type), intent(in) :: law
+      real(wp), intent(in) :: slip, u0         !! [length]
+      real(wp), intent(in) :: dt               !! [time]
+      real(wp), intent(inout) :: radius        !! in: the cap [stress]
+      real(wp), intent(out) :: growth          !! d radius / d slip [stress/length]
+      real(wp) :: free
+
+      free = law%alpha*(hypot(slip, u0)/dt)**law%q
+      growth = 0.0_wp
+      if (free > radius) return
+      radius = free
+      growth = law%q*free*slip/(slip**2 + u0**2)
+   end subroutine smoothed_rate
+
+   !> A function of x = slip/u0 or v/v0 that rises from 0 and saturates at 1, and its slope.
+   pure subroutine saturation(regularization, x, share, slope)
+      integer, intent(in) :: regularization    !! regularization_of%...
+      real(wp), intent(in) :: x                !! >= 0 [-]
+      real(wp), intent(out) :: share, slope    !! [-]
+
+      select case (regularization)
+      case (regularization_of%tanh)
+         share = tanh(x)
+         slope = 1.0_wp - share**2
+      case (regularization_of%sqrt)
+         share = x/hypot(1.0_wp, x)
+         slope = 1.0_wp/hypot(1.0_wp, x)**3
+      case default
+         share = 2.0_wp/pi*atan(x)
+         slope = 2.0_wp/pi/(1.0_wp + x**2)
+      end select
+   end subroutine saturation
 end module lopin_friction

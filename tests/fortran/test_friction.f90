@@ -1,0 +1,561 @@
+!> Laws of friction: every law with every regularisation, by loops over their names.
+program test_friction
+   use lopin_kinds, only : wp
+   use lopin_friction, only : friction_type, condition_type, law_of, regularization_of, law_names, &
+      & regularization_names, law_number, regularization_number, has_friction, is_regularised, &
+      & by_rate, reads_yield, reads_mises, depends_on_time, coefficient, friction_radius, &
+      & return_to_disc, regularised_traction
+   use check, only : test, close_to, is_true, finish
+   implicit none
+
+   real(wp), parameter :: pi = acos(-1.0_wp), root_3 = sqrt(3.0_wp)
+
+   call names()
+   call law_zoo()
+   call slopes_of_the_return()
+   call slopes_of_the_regularised()
+   call no_friction()
+   call norton_becomes_tresca()
+   call norton_and_its_speed()
+   call orowan_switches()
+   call cristescu_at_yield()
+   call seed_repairs()
+   call regularised_limits()
+   call creep()
+   call decay()
+   call caps_and_rough()
+   call nothing_gives_no_nan()
+   call dissipation()
+   call units()
+   call finish()
+
+contains
+
+   !> A law with plain numbers, as C9 has them.
+   pure type(friction_type) function law_with(number, regularization) result(law)
+      integer, intent(in) :: number
+      integer, intent(in), optional :: regularization
+
+      law%law = number
+      law%mu = 0.3_wp
+      law%m = 0.2_wp
+      law%alpha = 5.0_wp
+      law%q = 0.2_wp
+      law%elastic_slip = 0.01_wp
+      if (present(regularization)) law%regularization = regularization
+      if (number == law_of%norton_hoff .and. law%regularization /= regularization_of%linear) &
+         & law%v0 = 0.05_wp
+   end function law_with
+
+   pure type(condition_type) function scene() result(at)
+      at%yield = 200.0_wp
+      at%mises = 150.0_wp
+      at%dt = 0.5_wp
+      at%speed = 0.7_wp
+   end function scene
+
+   subroutine names()
+      integer :: i
+
+      call test('every law and regularisation has a word, and the word its number')
+      do i = 1, size(law_names)
+         call is_true(trim(law_names(i)), law_number(trim(law_names(i))) == i)
+         call is_true('a law is friction', has_friction(law_with(i)))
+      end do
+      do i = 1, size(regularization_names)
+         call is_true(trim(regularization_names(i)), &
+            & regularization_number(trim(regularization_names(i))) == i)
+         call is_true('or not', is_regularised(law_with(1, i)) .neqv. i == 1)
+      end do
+      call is_true('orowan', law_number('Coulomb-Orowan') == law_of%orowan)
+      call is_true('auto', law_number('auto') == law_of%automatic)
+      call is_true('unknown', law_number('ARCHARD') == law_of%none)
+      call is_true('no law is no friction', .not. has_friction(friction_type()))
+      call is_true('yield', all([(reads_yield(law_with(i)), i=1, 5)] .eqv. [.false., .true., &
+         & .true., .true., .false.]))
+      call is_true('mises', all([(reads_mises(law_with(i)), i=1, 5)] .eqv. [.false., .false., &
+         & .false., .true., .false.]))
+      call is_true('time', all([(depends_on_time(law_with(i)), i=1, 5)] .eqv. [.false., .false., &
+         & .false., .false., .true.]))
+   end subroutine names
+
+   !> C9: p = 100, mu = .3, m = .2, sigma_y = 200, sigma_vm = 150, alpha = 5, v = 2, q = .2.
+   subroutine law_zoo()
+      real(wp), parameter :: expected(5) = [30.0_wp, 23.0940107675850_wp, 23.0940107675850_wp, &
+         & 17.3205080756888_wp, 5.743491774985175_wp]
+      type(friction_type) :: law
+      type(condition_type) :: at
+      real(wp) :: traction, dq, dp, q
+      real(wp), parameter :: ct = 1.0e3_wp
+      logical :: slips
+      integer :: i
+
+      at = scene()
+      do i = 1, size(law_names)
+         call test('C9 by '//trim(law_names(i)))
+         law = law_with(i)
+         ! The trial of a slip of v dt: what the law carries and what the stiffness would add.
+         q = expected(i) + ct*2.0_wp*at%dt
+         call return_to_disc(law, q, ct, 100.0_wp, at, traction, dq, dp, slips)
+         call close_to('traction', traction, expected(i), 1.0e-12_wp)
+         call is_true('slips', slips)
+         law = law_with(i, regularization_of%arctan)
+         if (i == law_of%norton_hoff) cycle
+         call regularised_traction(law, law%elastic_slip, 100.0_wp, at, traction, dq, dp)
+         call close_to('half of it at u0', traction, 0.5_wp*expected(i), 1.0e-12_wp)
+         law%v0 = 2.0_wp
+         call regularised_traction(law, 2.0_wp*at%dt, 100.0_wp, at, traction, dq, dp)
+         call close_to('half of it at v0', traction, 0.5_wp*expected(i), 1.0e-12_wp)
+      end do
+   end subroutine law_zoo
+
+   !> Fourth-order differences.
+   pure real(wp) function slope_of(f, h) result(slope)
+      real(wp), intent(in) :: f(-2:2), h
+      slope = (f(-2) - 8.0_wp*f(-1) + 8.0_wp*f(1) - f(2))/(12.0_wp*h)
+   end function slope_of
+
+   subroutine slopes_of_the_return()
+      real(wp), parameter :: trial(4) = [3.0_wp, 12.0_wp, 35.0_wp, 180.0_wp]
+      real(wp), parameter :: pressure(4) = [0.02_wp, 30.0_wp, 100.0_wp, 4.0e5_wp]
+      real(wp), parameter :: exponent(4) = [0.05_wp, 0.2_wp, 0.7_wp, 1.0_wp]
+      type(friction_type) :: law
+      integer :: i, j, k, l
+
+      do i = 1, size(law_names)
+         call test('slopes of the return to the disc of '//trim(law_names(i)))
+         do j = 1, size(trial)
+            do k = 1, size(pressure)
+               do l = 1, merge(size(exponent), 1, i == law_of%norton_hoff)
+                  law = law_with(i)
+                  law%q = exponent(l)
+                  call check_return(law, trial(j), pressure(k), scene())
+                  law%tau_max = 20.0_wp
+                  call check_return(law, trial(j), pressure(k), scene())
+               end do
+            end do
+         end do
+      end do
+   end subroutine slopes_of_the_return
+
+   subroutine check_return(law, q, p, at)
+      type(friction_type), intent(in) :: law
+      real(wp), intent(in) :: q, p
+      type(condition_type), intent(in) :: at
+      real(wp), parameter :: ct = 40.0_wp
+      real(wp) :: f(-2:2), hq, hp, dq, dp, unused, other
+      logical :: slips
+      integer :: k
+
+      hq = 1.0e-3_wp*q
+      hp = 1.0e-3_wp*p
+      do k = -2, 2
+         call return_to_disc(law, q + k*hq, ct, p, at, f(k), unused, other, slips)
+      end do
+      call return_to_disc(law, q, ct, p, at, unused, dq, dp, slips)
+      call close_to('in the trial', dq, slope_of(f, hq), 1.0e-8_wp)
+      do k = -2, 2
+         call return_to_disc(law, q, ct, p + k*hp, at, f(k), unused, other, slips)
+      end do
+      call close_to('in the pressure', dp, slope_of(f, hp), 1.0e-8_wp)
+   end subroutine check_return
+
+   subroutine slopes_of_the_regularised()
+      real(wp), parameter :: slip(4) = [1.0e-4_wp, 3.0e-3_wp, 0.013_wp, 0.4_wp]
+      real(wp), parameter :: pressure(3) = [0.02_wp, 30.0_wp, 400.0_wp]
+      type(friction_type) :: law
+      type(condition_type) :: at
+      real(wp) :: f(-2:2), h, ds, dp, unused, other, scale
+      integer :: i, r, j, l, k
+
+      at = scene()
+      do i = 1, size(law_names)
+         do r = 2, size(regularization_names)
+            call test('slopes of '//trim(law_names(i))//' by '//trim(regularization_names(r)))
+            law = law_with(i, r)
+            do j = 1, size(slip)
+               do l = 1, size(pressure)
+                  h = 1.0e-3_wp*slip(j)
+                  do k = -2, 2
+                     call regularised_traction(law, slip(j) + k*h, pressure(l), at, f(k), unused, &
+                        & other)
+                  end do
+                  call regularised_traction(law, slip(j), pressure(l), at, unused, ds, dp)
+                  scale = max(ds, f(0)/slip(j))
+                  call close_to('in the slip', ds/scale, slope_of(f, h)/scale, 1.0e-8_wp)
+                  h = 1.0e-3_wp*pressure(l)
+                  do k = -2, 2
+                     call regularised_traction(law, slip(j), pressure(l) + k*h, at, f(k), unused, &
+                        & other)
+                  end do
+                  call close_to('in the pressure', dp, slope_of(f, h), 1.0e-8_wp)
+               end do
+            end do
+            call regularised_traction(law, 0.0_wp, 50.0_wp, at, f(0), ds, dp)
+            call regularised_traction(law, 1.0e-9_wp, 50.0_wp, at, f(1), unused, other)
+            call close_to('nothing at rest', f(0), 0.0_wp, 0.0_wp)
+            call close_to('traction/slip near rest', f(1)/1.0e-9_wp/ds, 1.0_wp, 1.0e-8_wp)
+         end do
+      end do
+   end subroutine slopes_of_the_regularised
+
+   subroutine no_friction()
+      type(friction_type) :: law
+      real(wp) :: radius, slope, traction, dq, dp
+      logical :: slips
+
+      call test('mu = 0 is the radius of no friction, bit by bit')
+      law%law = law_of%coulomb
+      call friction_radius(law, 100.0_wp, scene(), radius, slope)
+      call is_true('radius and slope are 0', radius + slope <= 0.0_wp)
+      call return_to_disc(law, 7.0_wp, 3.0_wp, 100.0_wp, scene(), traction, dq, dp, slips)
+      call is_true('traction and slopes are 0', max(traction, dq, dp) <= 0.0_wp .and. slips)
+      call return_to_disc(friction_type(), 7.0_wp, 3.0_wp, 100.0_wp, scene(), traction, dq, dp, &
+         & slips)
+      call is_true('as without a law', max(traction, dq, dp) <= 0.0_wp .and. slips)
+   end subroutine no_friction
+
+   subroutine norton_becomes_tresca()
+      real(wp), parameter :: trial(3) = [5.0_wp, 23.0_wp, 400.0_wp]
+      type(friction_type) :: norton, tresca
+      real(wp) :: a, b, dqa, dqb, dpa, dpb
+      logical :: one, two
+      integer :: j
+
+      call test('Norton-Hoff with q -> 0 and alpha = m sigma_y/sqrt 3 is Tresca')
+      norton = law_with(law_of%norton_hoff)
+      tresca = law_with(law_of%tresca)
+      norton%alpha = tresca%m*200.0_wp/root_3
+      do j = 1, size(trial)
+         call return_to_disc(tresca, trial(j), 40.0_wp, 100.0_wp, scene(), a, dqa, dpa, one)
+         norton%q = 0.0_wp
+         call return_to_disc(norton, trial(j), 40.0_wp, 100.0_wp, scene(), b, dqb, dpb, two)
+         call is_true('q = 0: the same bits', max(abs(a - b), abs(dqa - dqb), abs(dpa - dpb)) &
+            & <= 0.0_wp .and. (one .eqv. two))
+         norton%q = 1.0e-10_wp
+         call return_to_disc(norton, trial(j), 40.0_wp, 100.0_wp, scene(), b, dqb, dpb, two)
+         call close_to('q = 1e-10', b, a, 1.0e-8_wp)
+         call close_to('its slope', dqb, dqa, 1.0e-8_wp)
+      end do
+   end subroutine norton_becomes_tresca
+
+   subroutine norton_and_its_speed()
+      real(wp), parameter :: exponent(5) = [1.0e-3_wp, 0.1_wp, 0.5_wp, 0.9_wp, 1.0_wp]
+      real(wp), parameter :: trial(4) = [1.0e-12_wp, 1.0e-3_wp, 7.0_wp, 1.0e6_wp]
+      type(friction_type) :: law
+      type(condition_type) :: at
+      real(wp) :: traction, dq, dp, speed
+      real(wp), parameter :: ct = 40.0_wp
+      logical :: slips
+      integer :: i, j
+
+      call test('seed E5, "R_t = alpha |v|^q": the return solves q - c_t dgamma = alpha v^q')
+      at = scene()
+      law = law_with(law_of%norton_hoff)
+      do i = 1, size(exponent)
+         law%q = exponent(i)
+         do j = 1, size(trial)
+            call return_to_disc(law, trial(j), ct, 1.0_wp, at, traction, dq, dp, slips)
+            call is_true('between 0 and the trial', traction >= 0.0_wp .and. traction <= trial(j))
+            speed = (traction/law%alpha)**(1.0_wp/law%q)
+            call close_to('residual', (traction + ct*at%dt*speed)/trial(j), 1.0_wp, 1.0e-10_wp)
+         end do
+      end do
+      law%q = 1.0_wp
+      call return_to_disc(law, 7.0_wp, ct, 1.0_wp, at, traction, dq, dp, slips)
+      call close_to('q = 1 is linear', traction, 7.0_wp/(1.0_wp + ct*at%dt/law%alpha), 1.0e-14_wp)
+   end subroutine norton_and_its_speed
+
+   subroutine orowan_switches()
+      type(friction_type) :: law
+      real(wp) :: radius(3), slope(3), switch
+      integer :: i
+
+      call test('seed E3, "min(mu p, m sigma_y/sqrt 3)" of two numbers: Coulomb, then Tresca')
+      law = law_with(law_of%orowan)
+      switch = law%m*200.0_wp/(law%mu*root_3)
+      call friction_radius(law, 1.0e-3_wp*switch, scene(), radius(1), slope(1))
+      call close_to('Coulomb when p is small', radius(1), law%mu*1.0e-3_wp*switch, 1.0e-14_wp)
+      call close_to('its slope', slope(1), law%mu, 1.0e-14_wp)
+      call friction_radius(law, 1.0e3_wp*switch, scene(), radius(1), slope(1))
+      call close_to('Tresca when p is large', radius(1), law%m*200.0_wp/root_3, 1.0e-14_wp)
+      call close_to('no slope', slope(1), 0.0_wp, 0.0_wp)
+      do i = 1, 3
+         call friction_radius(law, switch*(1.0_wp + (i - 2)*1.0e-12_wp), scene(), radius(i), &
+            & slope(i))
+      end do
+      call close_to('continuous at the switch', maxval(radius) - minval(radius), 0.0_wp, 1.0e-10_wp)
+      call is_true('where the slope jumps', slope(1) > 0.0_wp .and. slope(3) <= 0.0_wp)
+   end subroutine orowan_switches
+
+   subroutine cristescu_at_yield()
+      type(condition_type) :: at
+      real(wp) :: one, two, slope
+
+      call test('seed E4, "Critescu": Tresca where the body yields, less where it does not')
+      at = scene()
+      call friction_radius(law_with(law_of%tresca), 100.0_wp, at, one, slope)
+      at%mises = at%yield
+      call friction_radius(law_with(law_of%cristescu), 100.0_wp, at, two, slope)
+      call is_true('the same bits', abs(one - two) <= 0.0_wp)
+      at%mises = 1.7_wp*at%yield
+      call friction_radius(law_with(law_of%cristescu), 100.0_wp, at, two, slope)
+      call is_true('capped', abs(one - two) <= 0.0_wp)
+      at%yield = 0.0_wp
+      call friction_radius(law_with(law_of%cristescu), 100.0_wp, at, two, slope)
+      call close_to('not capped by what is unknown', two, 1.7_wp*one, 1.0e-14_wp)
+      at%mises = 0.0_wp
+      call friction_radius(law_with(law_of%cristescu), 100.0_wp, at, two, slope)
+      call is_true('at first touch the disc has a radius', two > 0.0_wp .and. two < 0.02_wp)
+      call close_to('that grows with p', slope, two/100.0_wp, 1.0e-14_wp)
+   end subroutine cristescu_at_yield
+
+   subroutine seed_repairs()
+      real(wp) :: traction, dq, dp
+      logical :: slips
+      integer :: i, r
+
+      call test('seed E2, E4: no shear without pressure, and stick has an inequality')
+      do i = 1, size(law_names)
+         call return_to_disc(law_with(i), 7.0_wp, 3.0_wp, 0.0_wp, scene(), traction, dq, dp, slips)
+         call is_true(trim(law_names(i))//' at p = 0', max(traction, dq, dp) <= 0.0_wp .and. slips)
+         call return_to_disc(law_with(i), 7.0_wp, 3.0_wp, -50.0_wp, scene(), traction, dq, dp, &
+            & slips)
+         call is_true(trim(law_names(i))//' in tension', max(traction, dq, dp) <= 0.0_wp)
+         do r = 2, size(regularization_names)
+            call regularised_traction(law_with(i, r), 0.1_wp, -1.0_wp, scene(), traction, dq, dp)
+            call is_true(trim(law_names(i))//' regularised', max(traction, dq, dp) <= 0.0_wp)
+         end do
+         if (i == law_of%norton_hoff) cycle
+         call return_to_disc(law_with(i), 7.0_wp, 3.0_wp, 100.0_wp, scene(), traction, dq, dp, &
+            & slips)
+         call close_to(trim(law_names(i))//' sticks inside the disc', traction, 7.0_wp, 0.0_wp)
+         call is_true('and says so', .not. slips .and. dp <= 0.0_wp)
+      end do
+   end subroutine seed_repairs
+
+   subroutine regularised_limits()
+      type(friction_type) :: law
+      type(condition_type) :: at
+      real(wp), parameter :: rise(4) = [0.0_wp, 2.0_wp/pi, 1.0_wp, 1.0_wp]
+      real(wp) :: traction, radius, slope, ds, dp
+      integer :: i, r
+
+      at = scene()
+      do r = 2, size(regularization_names)
+         call test('limits of '//trim(regularization_names(r)))
+         do i = 1, size(law_names)
+            law = law_with(i, r)
+            if (i == law_of%norton_hoff) then
+               call regularised_traction(law, 1.0e4_wp*at%dt, 100.0_wp, at, traction, ds, dp)
+               call close_to('fast', traction, law%alpha*1.0e4_wp**law%q, 1.0e-5_wp)
+               cycle
+            end if
+            call friction_radius(law, 100.0_wp, at, radius, slope)
+            call regularised_traction(law, 1.0e6_wp*law%elastic_slip, 100.0_wp, at, traction, ds, &
+               & dp)
+            call close_to('far', traction, radius, 1.0e-6_wp)
+            call is_true('never above', traction <= radius)
+            call regularised_traction(law, 0.0_wp, 100.0_wp, at, traction, ds, dp)
+            call close_to('first slope', ds, rise(r)*radius/law%elastic_slip, 1.0e-12_wp)
+         end do
+      end do
+
+      call test('the square root of Norton-Hoff is alpha (v^2 + v0^2)^((q-1)/2) v')
+      law = law_with(law_of%norton_hoff, regularization_of%sqrt)
+      call regularised_traction(law, 0.3_wp*at%dt, 1.0_wp, at, traction, ds, dp)
+      call close_to('traction', traction, law%alpha*(0.09_wp + law%v0**2)**(-0.4_wp)*0.3_wp, &
+         & 1.0e-12_wp)
+   end subroutine regularised_limits
+
+   !> A traction T below mu p makes the arctangent slip by u0 tan(pi T/(2 mu p)), where the exact
+   !> law holds.
+   subroutine creep()
+      type(friction_type) :: law
+      real(wp) :: traction, ds, dp, slip
+      integer :: k
+
+      call test('seed E6: creep of the arctangent under T < mu N is u0 tan(pi T/(2 mu N))')
+      law = law_with(law_of%coulomb, regularization_of%arctan)
+      do k = 1, 9
+         slip = law%elastic_slip*tan(0.5_wp*pi*0.1_wp*k)
+         call regularised_traction(law, slip, 100.0_wp, scene(), traction, ds, dp)
+         call close_to('share of mu N', traction/30.0_wp, 0.1_wp*k, 1.0e-13_wp)
+      end do
+
+      call test('seed E6: the argument is no slip per increment: two halves are the whole')
+      law%v0 = 0.2_wp
+      call is_true('a rate', by_rate(law))
+      call regularised_traction(law, 0.04_wp, 100.0_wp, condition_type(dt=0.4_wp), traction, ds, dp)
+      slip = traction
+      call regularised_traction(law, 0.02_wp, 100.0_wp, condition_type(dt=0.2_wp), traction, ds, dp)
+      call close_to('the same traction', traction, slip, 1.0e-14_wp)
+   end subroutine creep
+
+   subroutine decay()
+      type(friction_type) :: law
+      type(condition_type) :: at
+      real(wp) :: radius, slope
+
+      call test('the coefficient decays from static to kinetic with the speed')
+      law%law = law_of%coulomb
+      law%mu = 0.2_wp
+      law%mu_static = 0.5_wp
+      law%decay = 3.0_wp
+      at%speed = 0.0_wp
+      call friction_radius(law, 10.0_wp, at, radius, slope)
+      call close_to('at rest', radius, 5.0_wp, 1.0e-14_wp)
+      at%speed = log(2.0_wp)/3.0_wp
+      call close_to('half way', coefficient(law, at), 0.35_wp, 1.0e-14_wp)
+      call friction_radius(law, 10.0_wp, at, radius, slope)
+      call close_to('slope', slope, 0.35_wp, 1.0e-14_wp)
+      at%speed = 1.0e6_wp
+      call close_to('fast', coefficient(law, at), 0.2_wp, 1.0e-14_wp)
+      call is_true('time matters', depends_on_time(law))
+   end subroutine decay
+
+   subroutine caps_and_rough()
+      type(friction_type) :: law
+      type(condition_type) :: at
+      real(wp) :: traction, dq, dp
+      logical :: slips
+      integer :: i
+
+      call test('TAUMAX bounds every law; alone it is a law without a material')
+      do i = 1, size(law_names)
+         law = law_with(i)
+         law%tau_max = 1.0_wp
+         call return_to_disc(law, 400.0_wp, 3.0_wp, 100.0_wp, scene(), traction, dq, dp, slips)
+         call close_to(trim(law_names(i)), traction, 1.0_wp, 0.0_wp)
+         call close_to('no slope in p', dp, 0.0_wp, 0.0_wp)
+      end do
+      law = law_with(law_of%tresca)
+      law%tau_max = 60.0_wp
+      call return_to_disc(law, 400.0_wp, 3.0_wp, 9.0_wp, condition_type(), traction, dq, dp, slips)
+      call close_to('no yield stress', traction, 60.0_wp, 0.0_wp)
+      law%has_m = .false.
+      call return_to_disc(law, 400.0_wp, 3.0_wp, 9.0_wp, scene(), traction, dq, dp, slips)
+      call close_to('no shear factor', traction, 60.0_wp, 0.0_wp)
+      call is_true('reads no yield stress', .not. reads_yield(law))
+
+      call test('ROUGH never slips while it touches, or while it is held')
+      do i = 0, size(law_names)
+         law = law_with(i)
+         law%rough = .true.
+         call return_to_disc(law, 1.0e9_wp, 3.0_wp, 1.0e-6_wp, scene(), traction, dq, dp, slips)
+         call close_to('sticks', traction, 1.0e9_wp, 0.0_wp)
+         call is_true('and says so', .not. slips)
+         call return_to_disc(law, 1.0e9_wp, 3.0_wp, -1.0_wp, scene(), traction, dq, dp, slips)
+         call close_to('open', traction, 0.0_wp, 0.0_wp)
+         at%held = .true.
+         call return_to_disc(law, 1.0e9_wp, 3.0_wp, -1.0_wp, at, traction, dq, dp, slips)
+         call close_to('held', traction, 1.0e9_wp, 0.0_wp)
+      end do
+   end subroutine caps_and_rough
+
+   !> F14: near-zero pressure, no trial, no slip.
+   subroutine nothing_gives_no_nan()
+      real(wp), parameter :: pressure(4) = [0.0_wp, tiny(1.0_wp), 1.0e-300_wp, 1.0e-12_wp]
+      real(wp), parameter :: trial(4) = [0.0_wp, tiny(1.0_wp), 1.0e-300_wp, 1.0e-8_wp]
+      real(wp) :: value(3)
+      logical :: slips
+      integer :: i, r, j, k
+
+      call test('F14: near-zero pressure, trial and slip give no NaN')
+      do i = 0, size(law_names)
+         do j = 1, size(pressure)
+            do k = 1, size(trial)
+               call return_to_disc(law_with(i), trial(k), 40.0_wp, pressure(j), scene(), value(1), &
+                  & value(2), value(3), slips)
+               call is_true('exact', all(value >= 0.0_wp) .and. all(value <= huge(1.0_wp)) &
+                  & .and. value(1) <= trial(k))
+               do r = 2, size(regularization_names)
+                  if (i == 0) cycle
+                  call regularised_traction(law_with(i, r), trial(k), pressure(j), scene(), &
+                     & value(1), value(2), value(3))
+                  call is_true('regularised', all(value >= 0.0_wp) .and. all(value < 1.0e9_wp))
+               end do
+            end do
+         end do
+      end do
+      call return_to_disc(law_with(law_of%coulomb), 0.0_wp, 40.0_wp, 1.0_wp, scene(), value(1), &
+         & value(2), value(3), slips)
+      call close_to('pure normal first step: exactly nothing', value(1), 0.0_wp, 0.0_wp)
+   end subroutine nothing_gives_no_nan
+
+   !> Random walks in the plane of tangents: the slip does work on every return.
+   subroutine dissipation()
+      type(friction_type) :: law
+      type(condition_type) :: at
+      real(wp), parameter :: ct = 40.0_wp
+      real(wp) :: t(2), trial(2), step(2), q, traction, dq, dp, work, elastic, last(2), total
+      logical :: slips
+      integer :: i, n
+      integer, allocatable :: seed(:)
+
+      call random_seed(size=n)
+      allocate (seed(n), source=4711)
+      call random_seed(put=seed)
+      at = scene()
+      do i = 1, size(law_names)
+         call test('dissipation of '//trim(law_names(i))//' is not negative')
+         law = law_with(i)
+         t = 0.0_wp
+         work = 0.0_wp
+         total = 0.0_wp
+         do n = 1, 500
+            call random_number(step)
+            step = 4.0_wp*(step - 0.5_wp)
+            last = t
+            trial = t - ct*step
+            q = norm2(trial)
+            call return_to_disc(law, q, ct, 60.0_wp, at, traction, dq, dp, slips)
+            t = trial/q*traction
+            ! Slip is what the stiffness did not take.
+            elastic = dot_product(t, step + (t - last)/ct)
+            total = total - elastic
+            work = min(work, -elastic)
+            call is_true('inside the disc', norm2(t) <= q*(1.0_wp + 1.0e-14_wp))
+         end do
+         call is_true('of no step', work >= -1.0e-12_wp*total)
+         call is_true('positive in all', total > 0.0_wp)
+      end do
+   end subroutine dissipation
+
+   !> The same in Pa and m, and with another unit of time.
+   subroutine units()
+      real(wp), parameter :: stress = 1.0e6_wp, length = 1.0e-3_wp, time = 60.0_wp
+      type(friction_type) :: law, other
+      type(condition_type) :: at, there
+      real(wp) :: one(3), two(3)
+      logical :: slips
+      integer :: i, r
+
+      at = scene()
+      there = condition_type(at%yield*stress, at%mises*stress, at%dt*time, at%speed*length/time)
+      do i = 1, size(law_names)
+         do r = 1, size(regularization_names)
+            call test('units of '//trim(law_names(i))//' by '//trim(regularization_names(r)))
+            law = law_with(i, r)
+            law%tau_max = 17.5_wp
+            other = law
+            other%tau_max = law%tau_max*stress
+            other%elastic_slip = law%elastic_slip*length
+            other%v0 = law%v0*length/time
+            other%alpha = law%alpha*stress*(time/length)**law%q
+            if (r == regularization_of%linear) then
+               call return_to_disc(law, 40.0_wp, 9.0_wp, 77.0_wp, at, one(1), one(2), one(3), slips)
+               call return_to_disc(other, 40.0_wp*stress, 9.0_wp*stress/length, 77.0_wp*stress, &
+                  & there, two(1), two(2), two(3), slips)
+            else
+               call regularised_traction(law, 0.017_wp, 77.0_wp, at, one(1), one(2), one(3))
+               call regularised_traction(other, 0.017_wp*length, 77.0_wp*stress, there, two(1), &
+                  & two(2), two(3))
+               two(2) = two(2)*length/stress
+            end if
+            two(1) = two(1)/stress
+            call close_to('the same', two, one, 1.0e-12_wp)
+         end do
+      end do
+   end subroutine units
+end program test_friction
