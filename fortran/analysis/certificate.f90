@@ -11,7 +11,7 @@ module lopin_certificate
    use lopin_methods, only : has_law
    implicit none
    private
-   public :: forces_type, find_forces, certify, worst_unrowed
+   public :: forces_type, find_forces, certify, worst_unrowed, give_verdict
 
    !> PASS up to these, WARN above, FAIL above ten times (conventions, frozen).
    real(wp), parameter :: complementarity_limit = 1.0e-6_wp, equilibrium_limit = 1.0e-6_wp

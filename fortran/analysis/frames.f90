@@ -7,6 +7,7 @@ module lopin_frames
    use lopin_recorder, only : wants_type
    use lopin_scene, only : scene_type, relative_motion, gap_of
    use lopin_methods, only : has_law
+   use lopin_finite_results, only : finite_contact_fields
    implicit none
    private
    public :: fill_frame
@@ -22,7 +23,11 @@ contains
       real(wp), allocatable :: strain(:, :), stress(:, :)
 
       call nodal_values(frame, scene, model, reaction)
-      call contact_values(frame, scene, model)
+      if (scene%finite%in_use) then
+         call finite_contact_fields(frame%contact, frame%closed, scene, model)
+      else
+         call contact_values(frame, scene, model)
+      end if
       frame%first_point = scene%solids%first_point
       if (.not. (wants%stress .or. wants%strain .or. wants%nodal_stress)) return
       call recover_stress(scene%solids, model%mesh, frame%u(:3, :), stress, strain)

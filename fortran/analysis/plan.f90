@@ -5,10 +5,10 @@ module lopin_plan
    use lopin_model, only : model_type
    implicit none
    private
-   public :: plan_type, new_plan, plan_line, path_of
+   public :: plan_type, new_plan, plan_line, finite_line, path_of
 
    type :: paths
-      integer :: condensed = 1, newton = 2
+      integer :: condensed = 1, newton = 2, finite = 3
    end type paths
    type(paths), parameter :: path_of = paths()
 
@@ -34,19 +34,48 @@ contains
             & 'condensed contact equations'
       end if
       select case (model%path)
-      case ('AUTO', 'CONDENSED')
+      case ('AUTO')
          self%path = path_of%condensed
+         if (needs_finite(model)) then
+            self%path = path_of%finite
+            self%reason = why_finite(model)
+         end if
+      case ('CONDENSED')
+         self%path = path_of%condensed
+         if (needs_finite(model)) then
+            call raise(error, error_code%deck, 'E0116', 'PATH=CONDENSED cannot solve this scene: ' &
+               & //why_finite(model), help='leave out PATH=')
+            return
+         end if
+      case ('FINITE')
+         self%path = path_of%finite
+         self%reason = 'PATH=FINITE asks for it'
       case ('NEWTON')
          self%path = path_of%newton
          self%reason = 'PATH=NEWTON asks for the whole system, factorised again at every '// &
             & 'change of contact'
       case default
          call raise(error, error_code%deck, 'E0106', "PATH="//model%path//' is not a path', &
-            & help='paths are AUTO, CONDENSED and NEWTON')
+            & help='paths are AUTO, CONDENSED, NEWTON and FINITE')
          return
       end select
       self%by_user = model%path /= 'AUTO'
    end subroutine new_plan
+
+   !> Linear solutions on the shape at the start do not hold.
+   pure logical function needs_finite(model)
+      type(model_type), intent(in) :: model
+      needs_finite = any(model%step%nlgeom) .or. any(model%pair%slave == model%pair%master)
+   end function needs_finite
+
+   function why_finite(model) result(reason)
+      type(model_type), intent(in) :: model
+      character(len=:), allocatable :: reason
+
+      reason = 'NLGEOM: finite rotation and sliding'
+      if (.not. any(model%step%nlgeom)) reason = 'self-contact is searched on the present shape'
+      reason = reason//', Newton with exact tangents'
+   end function why_finite
 
    !> One line: what was chosen, and why.
    function plan_line(self, solver, solver_reason, equations, retained, rows, nq) result(line)
@@ -58,10 +87,23 @@ contains
       line = 'path '
       if (self%path == path_of%condensed) line = line//'condensed'
       if (self%path == path_of%newton) line = line//'newton'
+      if (self%path == path_of%finite) line = line//'finite'
       line = line//', solver '//solver//' ('//solver_reason//'): '//to_text(equations)//' equations'
       if (rows > 0) line = line//', '//to_text(rows)//' contact rows on '//to_text(retained)// &
          & ' of them'
       if (nq > 0) line = line//', '//to_text(nq)//' motions held only by contact'
       line = line//'; because '//self%reason
    end function plan_line
+
+   !> The same for the finite path, whose contacts change as they slide.
+   function finite_line(self, equations, points, multipliers) result(line)
+      type(plan_type), intent(in) :: self
+      integer, intent(in) :: equations, points, multipliers
+      character(len=:), allocatable :: line
+
+      line = 'path finite: '//to_text(equations)//' equations, '//to_text(points)// &
+         & ' contact points'
+      if (multipliers > 0) line = line//', '//to_text(multipliers)//' tractions as unknowns'
+      line = line//'; because '//self%reason
+   end function finite_line
 end module lopin_plan

@@ -6,20 +6,27 @@ module lopin_run_analysis
    use lopin_checksum, only : checksum_type
    use lopin_clock, only : phase, clock_type
    use lopin_memory, only : peak_memory
-   use lopin_model, only : model_type
+   use lopin_model, only : model_type, step_type
    use lopin_state, only : frame_type, summary_type
    use lopin_recorder, only : recorder_holder_type, wants_type
    use lopin_loading, only : loading_type, new_loading, loads_at, prescribed_at, add_ended_loads
-   use lopin_plan, only : plan_type, new_plan
+   use lopin_plan, only : plan_type, new_plan, path_of
    use lopin_scene, only : scene_type, new_scene, set_supports, widen_reach
    use lopin_solve_path, only : prepare_path, solve_path
    use lopin_bodies, only : describe_motion
    use lopin_certificate, only : forces_type, find_forces, certify, worst_unrowed
+   use lopin_finite_contact, only : accept_contact => accept, reject_contact => reject
+   use lopin_finite_results, only : find_finite_forces, certify_finite
    use lopin_frames, only : fill_frame
    use lopin_after_step, only : seen_type, look_at_pairs, judge_step, say_once
    implicit none
    private
    public :: run_analysis
+
+   !> A failed increment is cut to this share; one that took few iterations grows; none is smaller
+   !> than the last, beside the period, unless the deck says otherwise.
+   real(wp), parameter :: cut = 0.25_wp, growth = 1.5_wp, smallest = 1.0e-6_wp
+   integer, parameter :: few_iterations = 8
 
    !> What goes on from step to step.
    type :: progress_type
@@ -175,28 +182,23 @@ contains
       real(wp) :: time, increment
       integer :: number
 
+      frame%last_of_step = .false.
       associate (step => model%step(scene%step))
          call new_loading(loading, model, scene%dofs, scene%constraints, scene%solids, step, &
             & progress%time, &
             & progress%steady, scene%accepted)
          time = 0.0_wp
          increment = min(step%initial, step%period)
+         scene%finite%nlgeom = step%nlgeom
          do number = 1, step%max_increments
-            if (time + increment*(1.0_wp + 1.0e-9_wp) >= step%period) increment = step%period - time
-            time = merge(step%period, time + increment, time &
-               & + increment*(1.0_wp + 1.0e-9_wp) >= step%period)
-            frame%step = scene%step
             frame%increment = number
-            frame%step_time = time
-            frame%total_time = progress%time + time
-            frame%time_increment = increment
-            frame%last_of_step = .not. time < step%period
-            call solve_increment(scene, model, plan, loading, progress, recorders, summary, frame, &
-               & error)
+            call advance(scene, model, plan, loading, progress, recorders, summary, time, &
+               & increment, frame, error)
             if (allocated(error)) return
             summary%step(scene%step)%increments = number
             if (frame%last_of_step) exit
-            if (.not. step%direct) increment = 1.5_wp*increment
+            if (.not. step%direct .and. (plan%path /= path_of%finite &
+               & .or. frame%iterations <= few_iterations)) increment = growth*increment
             if (step%largest > 0.0_wp) increment = min(increment, step%largest)
          end do
          if (.not. frame%last_of_step) then
@@ -211,9 +213,73 @@ contains
          if (scene%step < size(model%step)) call add_ended_loads(loading, model, scene%dofs, &
             & scene%constraints, &
             & scene%solids, step, model%step(scene%step + 1), progress%steady)
-         call judge_step(scene, model, progress%seen)
+         if (.not. scene%finite%in_use) call judge_step(scene, model, progress%seen)
       end associate
    end subroutine run_step
+
+   !> One increment from `time`: tried, cut and tried again until it is accepted or cannot be cut.
+   subroutine advance(scene, model, plan, loading, progress, recorders, summary, time, increment, &
+      & frame, error)
+      type(scene_type), intent(inout) :: scene
+      type(model_type), intent(in) :: model
+      type(plan_type), intent(in) :: plan
+      type(loading_type), intent(in) :: loading
+      type(progress_type), intent(inout) :: progress
+      type(recorder_holder_type), intent(inout) :: recorders(:)
+      type(summary_type), intent(inout) :: summary
+      real(wp), intent(inout) :: time, increment
+      type(frame_type), intent(inout) :: frame
+      type(error_type), allocatable, intent(out) :: error
+      real(wp) :: target_time
+
+      associate (step => model%step(scene%step))
+         frame%attempt = 1
+         do
+            target_time = time + increment
+            if (time + increment*(1.0_wp + 1.0e-9_wp) >= step%period) target_time = step%period
+            increment = target_time - time
+            frame%step = scene%step
+            frame%step_time = target_time
+            frame%total_time = progress%time + target_time
+            frame%time_increment = increment
+            frame%last_of_step = .not. target_time < step%period
+            scene%finite%dt = increment
+            call solve_increment(scene, model, plan, loading, progress, recorders, summary, frame, &
+               & error)
+            if (.not. allocated(error)) exit
+            if (frame%certificate%verdict == 2) return
+            if (.not. may_cut(plan, step, increment, error)) return
+            call reject(scene)
+            call say(recorders, 'step '//to_text(scene%step)//', increment '// &
+               & to_text(frame%increment)//', attempt '//to_text(frame%attempt)//': cut to '// &
+               & to_text(cut*increment, 4)//', because '//error%item(1)%message)
+            deallocate (error)
+            increment = cut*increment
+            frame%attempt = frame%attempt + 1
+         end do
+         time = target_time
+      end associate
+   end subroutine advance
+
+   !> What did not converge may do so in smaller increments, where the path depends on them.
+   logical function may_cut(plan, step, increment, error)
+      type(plan_type), intent(in) :: plan
+      type(step_type), intent(in) :: step
+      real(wp), intent(in) :: increment
+      type(error_type), intent(in) :: error
+
+      may_cut = plan%path == path_of%finite .and. error%code == error_code%not_converged &
+         & .and. .not. step%direct &
+         & .and. cut*increment >= max(step%smallest, smallest*step%period)
+   end function may_cut
+
+   !> Back to the accepted state.
+   subroutine reject(scene)
+      type(scene_type), intent(inout) :: scene
+
+      scene%u = scene%accepted
+      if (scene%finite%in_use) call reject_contact(scene%finite%contact)
+   end subroutine reject
 
    !> Solve, look at every gap, certify, accept, record.
    subroutine solve_increment(scene, model, plan, loading, progress, recorders, summary, frame, &
@@ -237,6 +303,47 @@ contains
       if (scene%step == 1) scene%interference = frame%step_time/loading%period
       call solve_path(scene, model, plan, progress%f, prescribed, error)
       if (allocated(error)) return
+      if (scene%finite%in_use) then
+         call find_finite_forces(forces, scene, progress%f)
+         progress%residual = forces%residual
+         call certify_finite(frame%certificate, frame%energy, scene, model, forces)
+         frame%iterations = scene%finite%iterations
+         frame%augmentations = scene%finite%augmentations
+      else
+         call close_condensed(scene, model, plan, prescribed, progress, recorders, summary, forces, &
+            & frame, error)
+         if (allocated(error)) return
+      end if
+      call scene%clock%stop_in(phase%solve)
+      call warn_of(scene, model, frame)
+      call add_work(scene, progress, frame)
+      call accept(scene, progress, steady)
+      if (.not. scene%finite%in_use) call look_at_pairs(progress%seen, scene, model)
+      call record(scene, model, forces%reaction, recorders, frame, error)
+      if (allocated(error)) return
+      call progress%checksum%add(frame%u(:3, :))
+      summary%checksum = progress%checksum%text()
+      if (frame%certificate%verdict == 2) call raise(error, error_code%not_converged, 'E0504', &
+         & 'the certificate of step '// &
+         & to_text(frame%step)//', increment '//to_text(frame%increment)//' fails: '// &
+         & frame%certificate%reason, &
+         & model%step(scene%step)%at, help='see lopin explain E0504')
+   end subroutine solve_increment
+
+   !> Look at the points without a row, and certify what the condensed paths found.
+   subroutine close_condensed(scene, model, plan, prescribed, progress, recorders, summary, forces, &
+      & frame, error)
+      type(scene_type), intent(inout) :: scene
+      type(model_type), intent(in) :: model
+      type(plan_type), intent(in) :: plan
+      real(wp), intent(in) :: prescribed(:)
+      type(progress_type), intent(inout) :: progress
+      type(recorder_holder_type), intent(inout) :: recorders(:)
+      type(summary_type), intent(inout) :: summary
+      type(forces_type), intent(out) :: forces
+      type(frame_type), intent(inout) :: frame
+      type(error_type), allocatable, intent(out) :: error
+
       if (worst_unrowed(scene, model) > 0.0_wp) then
          call widen_reach(scene)
          call say(recorders, 'points beyond the first reach penetrate: all slave points get a '// &
@@ -249,23 +356,9 @@ contains
       call find_forces(forces, scene, progress%f)
       progress%residual = forces%residual
       call certify(frame%certificate, frame%energy, scene, model, forces, prescribed)
-      call scene%clock%stop_in(phase%solve)
       frame%iterations = scene%answer%iterations
       frame%augmentations = scene%answer%augmentations
-      call warn_of(scene, model, frame)
-      call add_work(scene, progress, frame)
-      call accept(scene, progress, steady)
-      call look_at_pairs(progress%seen, scene, model)
-      call record(scene, model, forces%reaction, recorders, frame, error)
-      if (allocated(error)) return
-      call progress%checksum%add(frame%u(:3, :))
-      summary%checksum = progress%checksum%text()
-      if (frame%certificate%verdict == 2) call raise(error, error_code%not_converged, 'E0504', &
-         & 'the certificate of step '// &
-         & to_text(frame%step)//', increment '//to_text(frame%increment)//' fails: '// &
-         & frame%certificate%reason, &
-         & model%step(scene%step)%at, help='see lopin explain E0504')
-   end subroutine solve_increment
+   end subroutine close_condensed
 
    !> Work of everything that moves the boundary, by the trapezoidal rule over the increment.
    subroutine add_work(scene, progress, frame)
@@ -290,6 +383,11 @@ contains
 
       scene%accepted = scene%u
       progress%steady = steady
+      if (scene%finite%in_use) then
+         scene%finite%accepted_multiplier = scene%finite%multiplier
+         call accept_contact(scene%finite%contact, scene%u, scene%finite%multiplier)
+         return
+      end if
       do row = 1, scene%rows%n
          if (scene%answer%active(row)) scene%sticks(scene%rows%point(row)) = .true.
       end do

@@ -17,6 +17,7 @@ module lopin_scene
    use lopin_active_set, only : contact_result_type
    use lopin_linear_system, only : linear_system_type
    use lopin_full_system, only : full_system_type
+   use lopin_finite_state, only : finite_state_type
    use lopin_tool_plane, only : plane_type
    implicit none
    private
@@ -36,6 +37,7 @@ module lopin_scene
       type(linear_system_type) :: system
       type(full_system_type) :: full               !! in the place of `system` on the path newton
       logical :: fresh_factor = .true.
+      type(finite_state_type) :: finite            !! of the finite path; else unused
       ! of an increment
       type(contact_rows_type) :: rows
       type(condensed_type) :: problem

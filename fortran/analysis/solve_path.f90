@@ -5,10 +5,11 @@ module lopin_solve_path
    use lopin_text, only : to_text
    use lopin_model, only : model_type
    use lopin_state, only : summary_type
-   use lopin_plan, only : plan_type, plan_line, path_of
+   use lopin_plan, only : plan_type, plan_line, finite_line, path_of
    use lopin_scene, only : scene_type, follow_tools
    use lopin_path_condensed, only : prepare_condensed, solve_condensed
    use lopin_path_newton, only : prepare_newton, solve_newton
+   use lopin_path_finite, only : begin_finite, solve_finite
    implicit none
    private
    public :: prepare_path, solve_path
@@ -30,7 +31,19 @@ contains
       type(error_type), allocatable, intent(out) :: error
       character(len=:), allocatable :: reason
 
-      if (plan%path == path_of%newton) then
+      if (plan%path == path_of%finite) then
+         call begin_finite(scene, model, error)
+         if (allocated(error)) return
+         summary%path = 'finite'
+         summary%solver = 'auto'
+         reason = 'chosen at the first factorisation'
+         summary%equations = scene%constraints%neq
+         summary%retained = scene%finite%contact%nmultiplier
+         summary%candidates = scene%finite%contact%n
+         summary%plan = finite_line(plan, summary%equations, summary%candidates, &
+            & summary%retained)
+         return
+      else if (plan%path == path_of%newton) then
          call prepare_newton(scene, model, summary%solver, reason, summary%retained, error)
          if (allocated(error)) return
          summary%path = 'newton'
@@ -62,6 +75,10 @@ contains
       integer :: pass
       real(wp) :: way, last
 
+      if (plan%path == path_of%finite) then
+         call solve_finite(scene, model, f, prescribed, error)
+         return
+      end if
       scene%guess = scene%accepted
       last = huge(1.0_wp)
       do pass = 1, most_places

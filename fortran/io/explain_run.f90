@@ -38,6 +38,22 @@ contains
          & 'A curved tool is projected where it stands, it moves, and is projected again; here '// &
          & 'the places go on changing.', &
          & 'prescribe its displacement, or take smaller increments.')
+      call add_explanation(list, 'E0116', 'the path cannot solve this scene', &
+         & 'The condensed path solves linear solids whose contacts slide little; the message '// &
+         & 'says what of the scene is more than that.', &
+         & 'leave out PATH= on *LOPIN: the path is then chosen.')
+      call add_explanation(list, 'E0510', 'Newton has not converged', &
+         & 'The finite path cuts an increment that does not converge; here it cannot be cut '// &
+         & 'further (smallest increment, or DIRECT on *STATIC).', &
+         & 'smaller increments, drive by displacement, or look at the last frame written.')
+      call add_explanation(list, 'E0511', 'the tangent is singular', &
+         & 'At the trial state a motion meets no resistance: a limit load under force control, '// &
+         & 'or a part that nothing holds.', &
+         & 'drive by displacement instead of force, or hold the part.')
+      call add_explanation(list, 'E0512', 'an element would turn inside out', &
+         & 'The determinant of the deformation gradient is not positive at an integration '// &
+         & 'point of the named element, however short the step.', &
+         & 'smaller increments, or a mesh that bears the strain.')
       call add_explanation(list, 'W0314', 'a pair never closed', &
          & 'No point of the slave met the master in the whole run. The smallest gap is told.', &
          & 'look at units and positions; take the pair out if it is not needed.')

@@ -142,9 +142,10 @@ contains
 
       call key(table, 'LOPIN', 'M', 'lopin', &
          & 'Choices that other codes do not have; an export drops the card with a note.')
-      call choice(table, 'PATH', 'AUTO,CONDENSED,NEWTON', 'AUTO', &
+      call choice(table, 'PATH', 'AUTO,CONDENSED,NEWTON,FINITE', 'AUTO', &
          & 'CONDENSED: the contact problem is reduced to the contact dofs by one '// &
-         & 'factorisation; NEWTON: the whole system in every iteration; AUTO: the cheaper '// &
+         & 'factorisation; NEWTON: the whole system in every iteration; FINITE: '// &
+         & 'Newton on the present shape, sliding without limit; AUTO: the cheaper '// &
          & 'one, printed.')
       call choice(table, 'SOLVER', 'AUTO,CHOLMOD,UMFPACK,SKYLINE,DENSE', 'AUTO', &
          & 'Solver of linear systems.')

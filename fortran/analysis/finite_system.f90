@@ -1,0 +1,386 @@
+!> The linear system of one Newton step with contact: exact operator, positive definite factor.
+!>
+!>    [ K + A   C ] [du]   [f]      A, C, R, D: sums of the exact local matrices of the contact
+!>    [   R     D ] [dl] = [h]      points, unsymmetric where friction slips
+!>
+!> Factorised is K plus the springs of the contact points (no coupling of pressure into friction, no
+!> curvature): symmetric, positive definite, of the size of K whatever the method. GMRES on the
+!> exact operator mends what the factor leaves out (design: the dropped coupling, not the symmetric
+!> part, makes a good preconditioner of slip). Multipliers: D - R (K + springs)^-1 C is close to
+!> 1/c, because the springs have the stiffness c; that is the second block of the preconditioner.
+!> Where the factor does not exist (indefinite tangent) or the iterations stall, the whole matrix is
+!> factorised by UMFPACK.
+module lopin_finite_system
+   use lopin_kinds, only : wp, ik
+   use lopin_error, only : error_type
+   use lopin_text, only : lower
+   use lopin_clock, only : clock_type, counter_type, phase
+   use lopin_csc, only : csc_type, storage
+   use lopin_csc_sum, only : sum_of
+   use lopin_gmres, only : operator_type, gmres
+   use lopin_linear_solver, only : linear_solver_type, matrix_class
+   use lopin_solver_factory, only : new_solver, choose_solver
+   use lopin_constraints, only : constraints_type
+   use lopin_reduce_matrix, only : reduce_matrix
+   use lopin_finite_contact, only : local_matrix_type
+   implicit none
+   private
+   public :: finite_system_type, set_tangent, put_on_ground, solve_step, apply_locals, as_forces
+
+   !> Iterations before the whole matrix is factorised instead.
+   integer, parameter :: most_iterations = 60
+
+   !> A local matrix on free equations and multipliers.
+   type :: block_type
+      integer, allocatable :: at(:)            !! equations, then neq + multiplier
+      real(wp), allocatable :: k(:, :)
+      integer :: nu = 0
+      real(wp), allocatable :: spring(:, :)
+   end type block_type
+
+   type, extends(operator_type) :: finite_system_type
+      integer :: neq = 0, n = 0                !! equations; with multipliers
+      type(csc_type) :: k                      !! reduced K
+      type(block_type), allocatable :: block(:)
+      real(wp), allocatable :: scale(:)        !! (n - neq) turns row residuals into forces
+      real(wp), allocatable :: area(:)         !! (n - neq) turns multipliers into forces
+      type(csc_type) :: matrix                 !! what is factorised: K + springs
+      class(linear_solver_type), allocatable :: solver
+      class(linear_solver_type), allocatable :: whole
+      character(len=:), allocatable :: reason  !! why this solver
+      logical :: factorised = .false.
+      logical :: direct = .false.              !! the whole matrix is factorised
+      integer :: krylov = 0                    !! iterations of the last step
+      integer :: most_krylov = 0               !! largest number in the run
+      integer :: whole_factors = 0             !! times the whole matrix was factorised in the run
+   contains
+      procedure :: multiply
+      procedure :: precondition
+   end type finite_system_type
+
+contains
+
+   !> Take a tangent; nothing is factorised yet.
+   subroutine set_tangent(self, k, constraints, nlocal, local, stiffness, area)
+      type(finite_system_type), intent(inout) :: self
+      type(csc_type), intent(in) :: k                    !! (ndof) solids, lower triangle
+      type(constraints_type), intent(in) :: constraints
+      integer, intent(in) :: nlocal
+      type(local_matrix_type), intent(in) :: local(:)    !! nlocal of them
+      real(wp), intent(in) :: stiffness(:)   !! (nmultiplier) c of its row [stress/length]
+      real(wp), intent(in) :: area(:)                    !! (nmultiplier) of its point [length^2]
+      integer :: i
+
+      self%neq = constraints%neq
+      self%n = self%neq + size(area)
+      self%scale = stiffness*area
+      self%area = area
+      call reduce_matrix(k, constraints, [(i, i=1, self%neq)], self%neq, self%k)
+      if (allocated(self%block)) deallocate (self%block)
+      allocate (self%block(nlocal))
+      do i = 1, nlocal
+         call reduce_block(self%block(i), local(i), constraints)
+      end do
+      self%factorised = .false.
+      self%direct = .false.
+   end subroutine set_tangent
+
+   !> T^T k T of one contact point.
+   subroutine reduce_block(block, local, constraints)
+      type(block_type), intent(out) :: block
+      type(local_matrix_type), intent(in) :: local
+      type(constraints_type), intent(in) :: constraints
+      integer :: i, c, n, m, dof
+      integer, allocatable :: at(:)
+      real(wp), allocatable :: t(:, :)
+
+      m = 0
+      do i = 1, size(local%dof)
+         m = m + 1
+         if (local%dof(i) <= constraints%ndof) m = m - 1 + constraints%first(local%dof(i) + 1) &
+            & - constraints%first(local%dof(i))
+      end do
+      allocate (at(m), t(size(local%dof), m))
+      t = 0.0_wp
+      n = 0
+      do i = 1, local%nu
+         dof = local%dof(i)
+         do c = constraints%first(dof), constraints%first(dof + 1) - 1
+            call put(i, constraints%equation(c), constraints%coefficient(c))
+         end do
+      end do
+      block%nu = n
+      do i = local%nu + 1, size(local%dof)
+         call put(i, constraints%neq + local%dof(i) - constraints%ndof, 1.0_wp)
+      end do
+      block%at = at(:n)
+      block%k = matmul(transpose(t(:, :n)), matmul(local%k, t(:, :n)))
+      block%spring = matmul(transpose(t(:local%nu, :block%nu)), matmul(local%spring, &
+         & t(:local%nu, :block%nu)))
+
+   contains
+
+      subroutine put(row, equation, coefficient)
+         integer, intent(in) :: row, equation
+         real(wp), intent(in) :: coefficient
+         integer :: j
+
+         j = findloc(at(:n), equation, dim=1)
+         if (j == 0) then
+            n = n + 1
+            j = n
+            at(n) = equation
+         end if
+         t(row, j) = t(row, j) + coefficient
+      end subroutine put
+   end subroutine reduce_block
+
+   !> What the local matrices make of displacements (and no multipliers), on dofs and rows.
+   subroutine apply_locals(nlocal, local, u, force)
+      integer, intent(in) :: nlocal
+      type(local_matrix_type), intent(in) :: local(:)
+      real(wp), intent(in) :: u(:)               !! (ndof)
+      real(wp), intent(inout) :: force(:)        !! (ndof + nmultiplier) added to
+      integer :: i
+
+      do i = 1, nlocal
+         associate (l => local(i))
+            force(l%dof) = force(l%dof) + matmul(l%k(:, :l%nu), u(l%dof(:l%nu)))
+         end associate
+      end do
+   end subroutine apply_locals
+
+   !> Soft springs to the ground at some equations, for bodies that nothing holds yet.
+   subroutine put_on_ground(self, equation, stiffness)
+      type(finite_system_type), intent(inout) :: self
+      integer, intent(in) :: equation(:)
+      real(wp), intent(in) :: stiffness          !! beside the largest of the diagonal
+      integer :: i
+      real(wp), allocatable :: diagonal(:)
+      logical :: found
+
+      allocate (diagonal(self%neq))
+      call self%k%diagonal(diagonal)
+      do i = 1, size(equation)
+         found = self%k%add(equation(i), equation(i), stiffness*maxval(diagonal))
+      end do
+      self%factorised = .false.
+      self%direct = .false.
+   end subroutine put_on_ground
+
+   !> Solve the Newton step. `bad` > 0: the matrix is singular (equation).
+   subroutine solve_step(self, right, tolerance, wish, step, clock, counter, bad, error)
+      type(finite_system_type), intent(inout) :: self
+      real(wp), intent(in) :: right(:)           !! (n)
+      real(wp), intent(in) :: tolerance          !! of GMRES, relative
+      character(len=*), intent(in) :: wish       !! AUTO or a solver's word
+      real(wp), intent(out) :: step(:)           !! (n)
+      type(clock_type), intent(inout) :: clock
+      type(counter_type), intent(inout) :: counter
+      integer, intent(out) :: bad
+      type(error_type), allocatable, intent(out) :: error
+      real(wp) :: ratio
+
+      bad = 0
+      call clock%stop_in(phase%contact)
+      if (.not. self%factorised) call factorise_springs(self, wish, clock, counter, bad, error)
+      if (allocated(error)) return
+      if (bad == 0) then
+         call gmres(self, as_forces(self, right), tolerance, most_iterations, step, self%krylov, ratio)
+         counter%back_solves = counter%back_solves + self%krylov + 1
+         self%most_krylov = max(self%most_krylov, self%krylov)
+         call clock%stop_in(phase%solve)
+         if (ratio <= max(10.0_wp*tolerance, 1.0e-3_wp)) return
+      end if
+      call solve_whole(self, right, step, clock, counter, bad, error)
+   end subroutine solve_step
+
+   !> All rows as forces.
+   pure function as_forces(self, right) result(b)
+      type(finite_system_type), intent(in) :: self
+      real(wp), intent(in) :: right(:)
+      real(wp) :: b(size(right))
+      b = right
+      b(self%neq + 1:) = self%scale*right(self%neq + 1:)
+   end function as_forces
+
+   subroutine factorise_springs(self, wish, clock, counter, bad, error)
+      type(finite_system_type), intent(inout) :: self
+      character(len=*), intent(in) :: wish
+      type(clock_type), intent(inout) :: clock
+      type(counter_type), intent(inout) :: counter
+      integer, intent(out) :: bad
+      type(error_type), allocatable, intent(out) :: error
+      type(csc_type) :: springs, before
+      integer, allocatable :: row(:), column(:)
+      real(wp), allocatable :: value(:)
+      character(len=:), allocatable :: name
+      integer :: total, b, i, j
+      logical :: same
+
+      total = 0
+      do b = 1, size(self%block)
+         total = total + (self%block(b)%nu*(self%block(b)%nu + 1))/2
+      end do
+      allocate (row(total), column(total), value(total))
+      total = 0
+      do b = 1, size(self%block)
+         associate (block => self%block(b))
+            do j = 1, block%nu
+               do i = j, block%nu
+                  total = total + 1
+                  row(total) = max(block%at(i), block%at(j))
+                  column(total) = min(block%at(i), block%at(j))
+                  value(total) = block%spring(i, j)
+               end do
+            end do
+         end associate
+      end do
+      call springs%new_from_triplets(self%neq, storage%symmetric_lower, row, column, value)
+      if (allocated(self%matrix%row)) before = self%matrix
+      call sum_of(self%k, springs, self%matrix)
+      same = allocated(self%solver) .and. allocated(before%row)
+      if (same) same = size(before%row) == size(self%matrix%row)
+      if (same) same = before%n == self%matrix%n
+      if (same) same = all(before%row == self%matrix%row) &
+         & .and. all(before%colptr == self%matrix%colptr)
+      call clock%stop_in(phase%assemble)
+      if (.not. same) then
+         if (.not. allocated(self%solver)) then
+            name = lower(wish)
+            self%reason = 'as asked'
+            if (name == 'auto') call choose_solver(self%matrix, matrix_class%positive_definite, &
+               & [integer ::], name, self%reason)
+            call new_solver(self%solver, name, error)
+            if (allocated(error)) return
+         end if
+         call self%solver%analyse(self%matrix, matrix_class%positive_definite, [integer ::], error)
+         if (allocated(error)) return
+         call clock%stop_in(phase%analyse)
+      end if
+      call self%solver%factorise(self%matrix, bad, error)
+      if (allocated(error) .and. bad > 0) deallocate (error)
+      self%factorised = bad == 0 .and. .not. allocated(error)
+      counter%factorisations = counter%factorisations + 1
+      call clock%stop_in(phase%factorise)
+   end subroutine factorise_springs
+
+   !> Exact product, all rows as forces.
+   subroutine multiply(self, x, y)
+      class(finite_system_type), intent(inout) :: self
+      real(wp), intent(in) :: x(:)
+      real(wp), intent(out) :: y(:)
+      integer :: b
+
+      call self%k%multiply(x(:self%neq), y(:self%neq))
+      y(self%neq + 1:) = 0.0_wp
+      do b = 1, size(self%block)
+         associate (at => self%block(b)%at)
+            y(at) = y(at) + matmul(self%block(b)%k, x(at))
+         end associate
+      end do
+      y(self%neq + 1:) = self%scale*y(self%neq + 1:)
+   end subroutine multiply
+
+   !> du = (K + springs)^-1 x, then dl = (x - c area R du)/area: a block triangular inverse.
+   subroutine precondition(self, x, y)
+      class(finite_system_type), intent(inout) :: self
+      real(wp), intent(in) :: x(:)
+      real(wp), intent(out) :: y(:)
+      real(wp), allocatable :: du(:, :), row(:)
+      integer :: b
+
+      allocate (du(self%neq, 1), row(self%n))
+      du(:, 1) = x(:self%neq)
+      call self%solver%solve(du)
+      y(:self%neq) = du(:, 1)
+      if (self%n == self%neq) return
+      row = 0.0_wp
+      do b = 1, size(self%block)
+         associate (block => self%block(b))
+            row(block%at(block%nu + 1:)) = row(block%at(block%nu + 1:)) &
+               & + matmul(block%k(block%nu + 1:, :block%nu), y(block%at(:block%nu)))
+         end associate
+      end do
+      y(self%neq + 1:) = (x(self%neq + 1:) - self%scale*row(self%neq + 1:))/self%area
+   end subroutine precondition
+
+   !> The whole unsymmetric matrix, factorised.
+   subroutine solve_whole(self, right, step, clock, counter, bad, error)
+      type(finite_system_type), intent(inout) :: self
+      real(wp), intent(in) :: right(:)
+      real(wp), intent(out) :: step(:)
+      type(clock_type), intent(inout) :: clock
+      type(counter_type), intent(inout) :: counter
+      integer, intent(out) :: bad
+      type(error_type), allocatable, intent(out) :: error
+      type(csc_type) :: contacts, solids, matrix, general
+      real(wp), allocatable :: x(:, :)
+      integer, allocatable :: row(:), column(:), source(:)
+      real(wp), allocatable :: value(:)
+      integer :: total, b, i, j
+
+      bad = 0
+      if (.not. self%direct) then
+         total = 0
+         do b = 1, size(self%block)
+            total = total + size(self%block(b)%at)**2
+         end do
+         allocate (row(total), column(total), value(total))
+         total = 0
+         do b = 1, size(self%block)
+            associate (block => self%block(b))
+               do j = 1, size(block%at)
+                  do i = 1, size(block%at)
+                     total = total + 1
+                     row(total) = block%at(i)
+                     column(total) = block%at(j)
+                     value(total) = block%k(i, j)
+                     if (row(total) > self%neq) value(total) = value(total) &
+                        & *self%scale(row(total) - self%neq)
+                  end do
+               end do
+            end associate
+         end do
+         call contacts%new_from_triplets(self%n, storage%general, row, column, value)
+         call self%k%to_general(general, source)
+         call widen(general, self%n, solids)
+         call sum_of(solids, contacts, matrix)
+         if (allocated(self%whole)) deallocate (self%whole)
+         call new_solver(self%whole, 'umfpack', error)
+         if (allocated(error)) return
+         call clock%stop_in(phase%assemble)
+         call self%whole%analyse(matrix, matrix_class%general, [integer ::], error)
+         if (allocated(error)) return
+         call clock%stop_in(phase%analyse)
+         call self%whole%factorise(matrix, bad, error)
+         counter%factorisations = counter%factorisations + 1
+         self%whole_factors = self%whole_factors + 1
+         call clock%stop_in(phase%factorise)
+         if (bad > 0 .and. allocated(error)) deallocate (error)
+         if (bad > 0 .or. allocated(error)) return
+         self%direct = .true.
+      end if
+      allocate (x(self%n, 1))
+      x(:, 1) = as_forces(self, right)
+      call self%whole%solve(x)
+      step = x(:, 1)
+      counter%back_solves = counter%back_solves + 1
+      call clock%stop_in(phase%solve)
+   end subroutine solve_whole
+
+   !> The same matrix with empty rows and columns behind it.
+   pure subroutine widen(a, n, wide)
+      type(csc_type), intent(in) :: a
+      integer, intent(in) :: n
+      type(csc_type), intent(out) :: wide
+
+      wide%n = n
+      wide%kind = a%kind
+      wide%row = a%row
+      wide%value = a%value
+      allocate (wide%colptr(n + 1))
+      wide%colptr(:a%n + 1) = a%colptr
+      wide%colptr(a%n + 2:) = a%colptr(a%n + 1)
+   end subroutine widen
+end module lopin_finite_system

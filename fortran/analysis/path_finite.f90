@@ -1,0 +1,360 @@
+!> The finite path: semismooth Newton on displacements and contact tractions together, for finite
+!> sliding, finite rotation and finite strain.
+!>
+!> One increment: project at the present positions, assemble forces and exact tangents, solve, take
+!> the step that a non-monotone line search allows. Nothing is committed here: what fails leaves the
+!> accepted state as it was, and the caller cuts the increment.
+module lopin_path_finite
+   use lopin_kinds, only : wp
+   use lopin_error, only : error_type, error_code, raise
+   use lopin_vectors, only : largest
+   use lopin_text, only : to_text
+   use lopin_clock, only : phase
+   use lopin_model, only : model_type, method_of
+   use lopin_constraints, only : expand, reduce, prescribed_part, raw_displacement
+   use lopin_finite_contact, only : new_finite_contact, start_increment, evaluate, augment
+   use lopin_finite_system, only : set_tangent, put_on_ground, solve_step, apply_locals, as_forces
+   use lopin_scene, only : scene_type
+   implicit none
+   private
+   public :: solve_finite, begin_finite
+
+   !> Convergence, all dimensionless (conventions, frozen): equilibrium, contact, correction.
+   real(wp), parameter :: equilibrium = 1.0e-8_wp, complementarity = 1.0e-8_wp
+   real(wp), parameter :: correction = 1.0e-6_wp
+   !> What rounding leaves of the equilibrium of a long or stiff body.
+   real(wp), parameter :: floor_of_rounding = 1.0e-11_wp
+   integer, parameter :: most_iterations = 30, memory = 4, most_halvings = 6
+   !> A Newton step that lowers the merit by less than this is not worth a halving.
+   real(wp), parameter :: sufficient = 1.0e-4_wp
+   !> Springs to the ground of a body that nothing holds, beside its stiffness; how far one
+   !> iteration may move it, beside its length.
+   real(wp), parameter :: soft = 1.0e-4_wp, most_motion = 0.1_wp
+
+   !> What one evaluation at (u, multiplier) gives.
+   type :: look_type
+      real(wp), allocatable :: internal(:)     !! (ndof) [force]
+      real(wp), allocatable :: free(:)         !! (neq) residual [force]
+      real(wp), allocatable :: row(:)          !! (nmultiplier) as forces [force]
+      real(wp) :: merit = 0.0_wp               !! [force]
+      real(wp) :: reference = 0.0_wp           !! largest force about [force]
+      integer :: inverted = 0                  !! element that turned inside out
+   end type look_type
+
+contains
+
+   !> Contacts and tractions of a scene that the finite path solves; from rest.
+   subroutine begin_finite(scene, model, error)
+      type(scene_type), intent(inout) :: scene
+      type(model_type), intent(in) :: model
+      type(error_type), allocatable, intent(out) :: error
+      integer :: pair
+
+      scene%finite%nlgeom = model%step(scene%step)%nlgeom
+      if (scene%finite%in_use) return
+      call new_finite_contact(scene%finite%contact, model, scene%dofs, scene%log, error)
+      if (allocated(error)) return
+      scene%finite%in_use = .true.
+      allocate (scene%finite%multiplier(scene%finite%contact%nmultiplier), &
+         & scene%finite%accepted_multiplier(scene%finite%contact%nmultiplier), source=0.0_wp)
+      scene%finite%augment_until = complementarity
+      do pair = 1, size(model%pair)
+         if (model%interaction(model%pair(pair)%interaction)%method /= method_of%augmented) cycle
+         scene%finite%most_augmentations = max(scene%finite%most_augmentations, &
+            & model%pair(pair)%control%max_augmentations)
+      end do
+   end subroutine begin_finite
+
+   !> Displacements and tractions for the loads and prescribed values of one increment.
+   subroutine solve_finite(scene, model, f, prescribed, error)
+      type(scene_type), intent(inout) :: scene
+      type(model_type), intent(in) :: model
+      real(wp), intent(in) :: f(:)             !! (ndof) dead loads [force]
+      real(wp), intent(in) :: prescribed(:)    !! (nprescribed)
+      type(error_type), allocatable, intent(out) :: error
+      real(wp), allocatable :: v(:), before(:)
+      integer :: i, loop
+      real(wp) :: change
+
+      associate (c => scene%constraints)
+         allocate (v(c%neq), before(c%nprescribed))
+         v(:) = [(raw_displacement(c, scene%dofs, scene%accepted, c%dof_of_equation(i)), &
+            & i=1, c%neq)]
+         before(:) = [(raw_displacement(c, scene%dofs, scene%accepted, c%dof_of_prescribed(i)), &
+            & i=1, c%nprescribed)]
+      end associate
+      scene%u = scene%accepted
+      scene%finite%multiplier = scene%finite%accepted_multiplier
+      scene%finite%iterations = 0
+      scene%finite%augmentations = 0
+      call start_increment(scene%finite%contact, model, scene%u, scene%finite%dt, error)
+      if (allocated(error)) return
+      call scene%clock%stop_in(phase%search)
+      do loop = 0, scene%finite%most_augmentations
+         call newton(scene, model, f, v, before, prescribed, error)
+         if (allocated(error)) return
+         before = prescribed
+         call augment(scene%finite%contact, change)
+         if (change <= scene%finite%augment_until) exit
+         scene%finite%augmentations = scene%finite%augmentations + 1
+      end do
+      if (change > scene%finite%augment_until) call raise(error, error_code%not_converged, &
+         & 'E0502', 'the augmented Lagrangian has not settled in '// &
+         & to_text(scene%finite%most_augmentations)//' augmentations', model%step(scene%step)%at, &
+         & help='raise the penalty, or MAX AUGMENTATIONS on *CONTACT CONTROLS')
+      scene%counter%iterations = scene%counter%iterations + scene%finite%iterations
+      scene%counter%augmentations = scene%counter%augmentations + scene%finite%augmentations
+   end subroutine solve_finite
+
+   !> Newton from (v, before) to equilibrium at the prescribed values.
+   subroutine newton(scene, model, f, v, before, prescribed, error)
+      type(scene_type), intent(inout) :: scene
+      type(model_type), intent(in) :: model
+      real(wp), intent(in) :: f(:)
+      real(wp), intent(inout) :: v(:)
+      real(wp), intent(in) :: before(:), prescribed(:)
+      type(error_type), allocatable, intent(out) :: error
+      type(look_type) :: look
+      real(wp), allocatable :: step(:), jump(:)
+      real(wp) :: merits(memory), last
+      integer :: iteration
+
+      merits = 0.0_wp
+      last = huge(1.0_wp)
+      scene%finite%history = [real(wp) ::]
+      allocate (jump(scene%dofs%n), source=0.0_wp)
+      if (size(prescribed) > 0) call expand(scene%constraints, 0.0_wp*v, prescribed - before, jump)
+      call look_at(scene, model, f, .true., look, error)
+      if (allocated(error)) return
+      do iteration = 1, most_iterations
+         scene%finite%history = [scene%finite%history, look%merit/max(look%reference, &
+            & tiny(1.0_wp))]
+         if (settled(look, jump, iteration, last)) return
+         scene%finite%iterations = scene%finite%iterations + 1
+         merits(1 + mod(iteration, memory)) = look%merit
+         call find_step(scene, model, look, jump, step, error)
+         if (allocated(error)) return
+         call take_step(scene, model, f, v, prescribed, step, any(abs(jump) > 0.0_wp), &
+            & maxval(merits), look, last, error)
+         if (allocated(error)) return
+         jump = 0.0_wp
+      end do
+      call raise(error, error_code%not_converged, 'E0510', 'Newton has not converged in '// &
+         & to_text(most_iterations)//' iterations: residual '//to_text(look%merit &
+         & /max(look%reference, tiny(1.0_wp)), 3)//' of the largest force', &
+         & model%step(scene%step)%at, help='smaller increments on *STATIC')
+   end subroutine newton
+
+   !> The three dimensionless tests; the correction may stay large if the residual is all rounding.
+   logical function settled(look, jump, iteration, last)
+      type(look_type), intent(in) :: look
+      real(wp), intent(in) :: jump(:)
+      integer, intent(in) :: iteration
+      real(wp), intent(in) :: last             !! size of the last correction beside u
+      real(wp) :: e1, e2
+
+      settled = .false.
+      if (any(abs(jump) > 0.0_wp)) return
+      e1 = 0.0_wp
+      e2 = 0.0_wp
+      if (look%reference > 0.0_wp) then
+         e1 = largest(look%free)/look%reference
+         e2 = largest(look%row)/look%reference
+      end if
+      settled = e1 <= equilibrium .and. e2 <= complementarity &
+         & .and. (last <= correction .or. max(e1, e2) <= floor_of_rounding .or. iteration == 1)
+   end function settled
+
+   !> Forces, residuals and, if asked, the tangent at the trial state.
+   subroutine look_at(scene, model, f, with_tangent, look, error)
+      type(scene_type), intent(inout) :: scene
+      type(model_type), intent(in) :: model
+      real(wp), intent(in) :: f(:)
+      logical, intent(in) :: with_tangent
+      type(look_type), intent(inout) :: look
+      type(error_type), allocatable, intent(out) :: error
+      real(wp), allocatable :: residual(:), reaction(:)
+
+      call scene%clock%stop_in(phase%solve)
+      if (.not. allocated(look%internal)) allocate (look%internal(scene%dofs%n), &
+         & look%free(scene%constraints%neq))
+      call internal_forces(scene, model, with_tangent, look%internal, look%inverted, error)
+      if (allocated(error) .or. look%inverted > 0) return
+      call scene%clock%stop_in(phase%assemble)
+      call evaluate(scene%finite%contact, model, scene%u, scene%finite%multiplier, with_tangent, &
+         & error)
+      if (allocated(error)) return
+      call scene%clock%stop_in(phase%contact)
+      residual = look%internal - f - scene%finite%contact%force
+      call reduce(scene%constraints, residual, look%free)
+      allocate (reaction(scene%constraints%nprescribed))
+      call prescribed_part(scene%constraints, residual, reaction)
+      scene%finite%internal = look%internal
+      look%row = scene%finite%contact%row*row_scale(scene)
+      look%merit = sqrt(sum(look%free**2) + sum(look%row**2))
+      look%reference = max(largest(f), largest(reaction), largest(look%internal), &
+         & largest(scene%finite%contact%force))
+   end subroutine look_at
+
+   !> Stiffness c times area of every multiplier row.
+   function row_scale(scene) result(scale)
+      type(scene_type), intent(in) :: scene
+      real(wp) :: scale(scene%finite%contact%nmultiplier)
+      scale = of_rows(scene, scene%finite%contact%c)*of_rows(scene, scene%finite%contact%weight)
+   end function row_scale
+
+   !> Values of points at their multiplier rows.
+   function of_rows(scene, value) result(at_row)
+      type(scene_type), intent(in) :: scene
+      real(wp), intent(in) :: value(:)
+      real(wp) :: at_row(scene%finite%contact%nmultiplier)
+      at_row = value(scene%finite%contact%point_of_row)
+   end function of_rows
+
+   !> Internal forces of the solids at the trial displacements, and their tangent in finite%k.
+   subroutine internal_forces(scene, model, with_tangent, internal, inverted, error)
+      type(scene_type), intent(inout) :: scene
+      type(model_type), intent(in) :: model
+      logical, intent(in) :: with_tangent
+      real(wp), intent(out) :: internal(:)
+      integer, intent(out) :: inverted
+      type(error_type), allocatable, intent(out) :: error
+
+      inverted = 0
+      if (scene%finite%nlgeom) then
+         call raise(error, error_code%deck, 'E0108', 'NLGEOM is not in this version', &
+            & model%step(scene%step)%at)
+         return
+      end if
+      associate (unused => with_tangent)
+         call scene%k%multiply(scene%u, internal)
+      end associate
+      scene%finite%energy = 0.5_wp*dot_product(scene%u, internal)
+   end subroutine internal_forces
+
+   !> The Newton direction for free equations and multipliers.
+   subroutine find_step(scene, model, look, jump, step, error)
+      type(scene_type), intent(inout) :: scene
+      type(model_type), intent(in) :: model
+      type(look_type), intent(in) :: look
+      real(wp), intent(in) :: jump(:)          !! (ndof) prescribed displacements still to come
+      real(wp), allocatable, intent(out) :: step(:)
+      type(error_type), allocatable, intent(out) :: error
+      real(wp), allocatable :: right(:), pushed(:), reduced(:)
+      real(wp) :: tolerance
+      integer :: bad, pass
+
+      associate (contact => scene%finite%contact, system => scene%finite%system, &
+         & neq => scene%constraints%neq, ndof => scene%dofs%n)
+         allocate (step(neq + contact%nmultiplier), right(neq + contact%nmultiplier))
+         right(:neq) = -look%free
+         right(neq + 1:) = -contact%row
+         if (any(abs(jump) > 0.0_wp)) then
+            allocate (pushed(ndof + contact%nmultiplier), reduced(neq))
+            pushed = 0.0_wp
+            if (scene%finite%nlgeom) then
+               call scene%finite%k%multiply(jump, pushed(:ndof))
+            else
+               call scene%k%multiply(jump, pushed(:ndof))
+            end if
+            call apply_locals(contact%nlocal, contact%local, jump, pushed)
+            call reduce(scene%constraints, pushed(:ndof), reduced)
+            right(:neq) = right(:neq) - reduced
+            right(neq + 1:) = right(neq + 1:) - pushed(ndof + 1:)
+         end if
+         if (scene%finite%nlgeom) then
+            call set_tangent(system, scene%finite%k, scene%constraints, contact%nlocal, &
+               & contact%local, of_rows(scene, contact%c), of_rows(scene, contact%weight))
+         else
+            call set_tangent(system, scene%k, scene%constraints, contact%nlocal, contact%local, &
+               & of_rows(scene, contact%c), of_rows(scene, contact%weight))
+         end if
+         tolerance = 1.0e-9_wp
+         do pass = 1, 2
+            call solve_step(system, right, tolerance, model%solver, step, scene%clock, &
+               & scene%counter, bad, error)
+            if (allocated(error)) return
+            if (bad == 0) exit
+            if (pass == 2 .or. scene%bodies%nq == 0) then
+               call raise(error, error_code%not_converged, 'E0511', &
+                  & 'the tangent is singular: a limit load, or a part that is free to move', &
+                  & model%step(scene%step)%at, &
+                  & help='drive by displacement instead of force, or hold the part')
+               return
+            end if
+            call put_on_ground(system, scene%bodies%support, soft)
+            scene%finite%grounded = scene%finite%grounded + 1
+         end do
+         if (pass > 1) call limit_motion(scene, step(:neq))
+      end associate
+   end subroutine find_step
+
+   !> A body on soft springs goes as far as a search can follow.
+   subroutine limit_motion(scene, step)
+      type(scene_type), intent(in) :: scene
+      real(wp), intent(inout) :: step(:)
+      real(wp) :: way
+
+      way = largest(step)
+      if (way > most_motion*scene%bodies%length) step = step*(most_motion*scene%bodies%length/way)
+   end subroutine limit_motion
+
+   !> Take the step, shortened until the merit is acceptable; the best try if none is.
+   subroutine take_step(scene, model, f, v, prescribed, step, first, merit, look, size_, error)
+      type(scene_type), intent(inout) :: scene
+      type(model_type), intent(in) :: model
+      real(wp), intent(in) :: f(:)
+      real(wp), intent(inout) :: v(:)
+      real(wp), intent(in) :: prescribed(:), step(:)
+      logical, intent(in) :: first             !! the step that applies the prescribed values
+      real(wp), intent(in) :: merit            !! largest of the last few
+      type(look_type), intent(inout) :: look
+      real(wp), intent(out) :: size_           !! of the correction beside the displacements
+      type(error_type), allocatable, intent(out) :: error
+      real(wp), allocatable :: from(:), from_multiplier(:)
+      real(wp) :: a, best, best_a
+      integer :: try
+
+      allocate (from, source=v)
+      allocate (from_multiplier, source=scene%finite%multiplier)
+      best = huge(1.0_wp)
+      best_a = 0.0_wp
+      a = 1.0_wp
+      do try = 0, most_halvings
+         call go(a, .false.)
+         if (allocated(error)) return
+         if (look%inverted == 0) then
+            if (first .or. look%merit <= (1.0_wp - sufficient*a)*merit) exit
+            if (look%merit < best) then
+               best = look%merit
+               best_a = a
+            end if
+         end if
+         if (first .and. look%inverted > 0) exit
+         a = 0.5_wp*a
+      end do
+      if (look%inverted > 0 .and. .not. best_a > 0.0_wp) then
+         call raise(error, error_code%not_converged, 'E0512', 'element '// &
+            & to_text(model%mesh%element_label(look%inverted))//' would turn inside out', &
+            & model%step(scene%step)%at, help='smaller increments, or a mesh that bears the strain')
+         return
+      end if
+      if (try > most_halvings) a = best_a
+      call go(a, .true.)
+      size_ = a*largest(step(:scene%constraints%neq))/max(largest(scene%u), tiny(1.0_wp))
+
+   contains
+
+      !> The state at a share of the step.
+      subroutine go(share, with_tangent)
+         real(wp), intent(in) :: share
+         logical, intent(in) :: with_tangent
+
+         v = from + share*step(:scene%constraints%neq)
+         call expand(scene%constraints, v, prescribed, scene%u)
+         scene%finite%multiplier = from_multiplier + share*step(scene%constraints%neq + 1:)
+         call look_at(scene, model, f, with_tangent, look, error)
+      end subroutine go
+   end subroutine take_step
+
+end module lopin_path_finite

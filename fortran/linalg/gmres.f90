@@ -1,0 +1,102 @@
+!> Restart-free GMRES with a preconditioner on the right (Saad and Schultz 1986; Saad 1993).
+!>
+!> The residual that is minimised is the true one, so that a rough preconditioner costs products,
+!> never accuracy.
+module lopin_gmres
+   use lopin_kinds, only : wp
+   implicit none
+   private
+   public :: operator_type, gmres
+
+   !> A matrix by what it does, with a cheap approximate inverse.
+   type, abstract :: operator_type
+   contains
+      procedure(apply_if), deferred :: multiply       !! y = A x
+      procedure(apply_if), deferred :: precondition   !! y ~ A^-1 x
+   end type operator_type
+
+   abstract interface
+      subroutine apply_if(self, x, y)
+         import :: operator_type, wp
+         class(operator_type), intent(inout) :: self
+         real(wp), intent(in) :: x(:)
+         real(wp), intent(out) :: y(:)
+      end subroutine apply_if
+   end interface
+
+contains
+
+   !> Solve A x = b from x = 0 until |b - A x| <= tolerance |b|.
+   subroutine gmres(a, b, tolerance, most, x, iterations, ratio)
+      class(operator_type), intent(inout) :: a
+      real(wp), intent(in) :: b(:)
+      real(wp), intent(in) :: tolerance
+      integer, intent(in) :: most              !! iterations at most
+      real(wp), intent(out) :: x(:)
+      integer, intent(out) :: iterations
+      real(wp), intent(out) :: ratio           !! |b - A x|/|b| reached, as the recurrence has it
+      real(wp), allocatable :: v(:, :), z(:), h(:, :), g(:), c(:), s(:)
+      real(wp) :: start, swap
+      integer :: i, j, pass
+
+      iterations = 0
+      x = 0.0_wp
+      ratio = 0.0_wp
+      start = norm2(b)
+      if (.not. start > 0.0_wp) return
+      allocate (v(size(b), most + 1), z(size(b)), h(most + 1, most), g(most + 1), c(most), s(most))
+      g = 0.0_wp
+      g(1) = start
+      v(:, 1) = b/start
+      ratio = 1.0_wp
+      do j = 1, most
+         call a%precondition(v(:, j), z)
+         call a%multiply(z, v(:, j + 1))
+         h(:, j) = 0.0_wp
+         ! Twice is enough (Kahan).
+         do pass = 1, 2
+            do i = 1, j
+               swap = dot_product(v(:, i), v(:, j + 1))
+               h(i, j) = h(i, j) + swap
+               v(:, j + 1) = v(:, j + 1) - swap*v(:, i)
+            end do
+         end do
+         h(j + 1, j) = norm2(v(:, j + 1))
+         if (h(j + 1, j) > 0.0_wp) v(:, j + 1) = v(:, j + 1)/h(j + 1, j)
+         do i = 1, j - 1
+            swap = c(i)*h(i, j) + s(i)*h(i + 1, j)
+            h(i + 1, j) = c(i)*h(i + 1, j) - s(i)*h(i, j)
+            h(i, j) = swap
+         end do
+         swap = hypot(h(j, j), h(j + 1, j))
+         if (.not. swap > 0.0_wp) exit
+         c(j) = h(j, j)/swap
+         s(j) = h(j + 1, j)/swap
+         h(j, j) = swap
+         g(j + 1) = -s(j)*g(j)
+         g(j) = c(j)*g(j)
+         iterations = j
+         ratio = abs(g(j + 1))/start
+         if (.not. ratio > tolerance) exit
+      end do
+      call combine(iterations, h, g, v, z)
+      if (iterations > 0) call a%precondition(z, x)
+   end subroutine gmres
+
+   !> The combination of basis vectors that the triangular system gives.
+   pure subroutine combine(n, h, g, v, z)
+      integer, intent(in) :: n
+      real(wp), intent(in) :: h(:, :), g(:), v(:, :)
+      real(wp), intent(out) :: z(:)
+      real(wp) :: y(n)
+      integer :: i
+
+      z = 0.0_wp
+      do i = n, 1, -1
+         y(i) = (g(i) - dot_product(h(i, i + 1:n), y(i + 1:n)))/h(i, i)
+      end do
+      do i = 1, n
+         z = z + y(i)*v(:, i)
+      end do
+   end subroutine combine
+end module lopin_gmres
