@@ -16,12 +16,12 @@ module lopin_contact_points
    use lopin_search, only : tree_type, build_tree, find_projections
    use lopin_tool, only : foot_type, project_all_moved
    use lopin_rigid_motion, only : rigid_motion_type, new_rigid_motion
+   use lopin_mortar, only : mortar_coupling_type
+   use lopin_mortar_pairs, only : couple_pair, is_mortar
    use lopin_model, only : model_type, pair_type, surface_of, kind_of, overclosure_of
    implicit none
    private
    public :: contact_points_type, new_contact_points, move_tool, pair_is_tied
-
-   integer, parameter :: most_masters = 8
 
    type :: contact_points_type
       integer :: n = 0
@@ -30,9 +30,9 @@ module lopin_contact_points
       integer, allocatable :: node(:)         !! (n) slave node
       integer, allocatable :: facet(:)   !! (n) facet of the master surface or segment of the tool;
                                          !! 0: none
-      integer, allocatable :: master(:, :)   !! (8, n) master nodes, zeros behind the last; none for
-                                             !! a tool
-      real(wp), allocatable :: shape(:, :)    !! (8, n)
+      integer, allocatable :: master(:, :)   !! (>= 8, n) nodes opposite, zeros behind the last; none
+                                             !! for a tool; may hold slave nodes, see lopin_mortar
+      real(wp), allocatable :: shape(:, :)    !! (the same) their shares; sum 1
       real(wp), allocatable :: xi(:, :)       !! (2, n)
       real(wp), allocatable :: normal(:, :)   !! (3, n) out of the master
       real(wp), allocatable :: side(:, :)     !! (3, n) slave's own outward normal; 0: unknown
@@ -71,6 +71,9 @@ contains
                self%tool(pair) = model%surface(p%master)%tool
                self%body(pair) = model%tool(self%tool(pair))%rigid_body
                call pair_with_tool(self, model, pair, slave)
+            else if (is_mortar(model, p)) then
+               call pair_by_mortar(self, model, cells, pair, slave, error)
+               if (allocated(error)) return
             else
                call pair_with_surface(self, model, cells, pair, slave, error)
                if (allocated(error)) return
@@ -89,19 +92,19 @@ contains
 
       allocate (self%first(npair + 1), source=1)
       allocate (self%tool(npair), self%body(npair), source=0)
-      call reserve(self, 64)
+      call reserve(self, 64, 8)
    end subroutine clear
 
-   !> Room for more points; the old ones stay.
-   subroutine reserve(self, capacity)
+   !> Room for more points or longer lists of masters; the old ones stay.
+   subroutine reserve(self, capacity, masters)
       type(contact_points_type), intent(inout) :: self
-      integer, intent(in) :: capacity
+      integer, intent(in) :: capacity, masters
 
       call grow_integers(self%pair, capacity)
       call grow_integers(self%node, capacity)
       call grow_integers(self%facet, capacity)
-      call grow_table(self%master, capacity)
-      call grow_columns(self%shape, most_masters, capacity)
+      call grow_table(self%master, masters, capacity)
+      call grow_columns(self%shape, masters, capacity)
       call grow_columns(self%xi, 2, capacity)
       call grow_columns(self%normal, 3, capacity)
       call grow_columns(self%side, 3, capacity)
@@ -121,13 +124,13 @@ contains
       call move_alloc(longer, array)
    end subroutine grow_integers
 
-   subroutine grow_table(array, capacity)
+   subroutine grow_table(array, rows, capacity)
       integer, allocatable, intent(inout) :: array(:, :)
-      integer, intent(in) :: capacity
+      integer, intent(in) :: rows, capacity
       integer, allocatable :: longer(:, :)
 
-      allocate (longer(most_masters, capacity), source=0)
-      if (allocated(array)) longer(:, :size(array, 2)) = array
+      allocate (longer(rows, capacity), source=0)
+      if (allocated(array)) longer(:size(array, 1), :size(array, 2)) = array
       call move_alloc(longer, array)
    end subroutine grow_table
 
@@ -147,7 +150,7 @@ contains
       real(wp), allocatable :: longer(:, :)
 
       allocate (longer(rows, capacity), source=0.0_wp)
-      if (allocated(array)) longer(:, :size(array, 2)) = array
+      if (allocated(array)) longer(:size(array, 1), :size(array, 2)) = array
       call move_alloc(longer, array)
    end subroutine grow_columns
 
@@ -156,7 +159,7 @@ contains
       integer, intent(in) :: pair, i
       type(slave_type), intent(in) :: slave
 
-      if (self%n == size(self%pair)) call reserve(self, 2*self%n)
+      if (self%n == size(self%pair)) call reserve(self, 2*self%n, size(self%master, 1))
       self%n = self%n + 1
       self%pair(self%n) = pair
       self%node(self%n) = slave%node(i)
@@ -206,6 +209,43 @@ contains
             & n) = facets%node(:facets%nnode(found(i)%facet), found(i)%facet)
       end do
    end subroutine pair_with_surface
+
+   !> Surface to surface: each slave node meets a weighted mean of the master.
+   subroutine pair_by_mortar(self, model, cells, pair, slave, error)
+      type(contact_points_type), intent(inout) :: self
+      type(model_type), intent(in) :: model
+      type(cell_type), intent(in) :: cells(:)
+      integer, intent(in) :: pair
+      type(slave_type), intent(in) :: slave
+      type(error_type), allocatable, intent(out) :: error
+      type(mortar_coupling_type) :: coupling
+      integer :: i, j, m
+
+      call couple_pair(coupling, model, cells, model%pair(pair), slave%normal, error)
+      if (allocated(error)) return
+      m = size(self%master, 1)
+      do j = 1, coupling%n
+         m = max(m, coupling%first(j + 1) - coupling%first(j))
+      end do
+      call reserve(self, size(self%pair), m)
+      j = 1
+      do i = 1, size(slave%node)
+         call add_point(self, pair, slave, i)
+         if (j > coupling%n) cycle
+         if (coupling%node(j) /= slave%node(i)) cycle
+         associate (n => self%n, from => coupling%first(j), to => coupling%first(j + 1) - 1)
+            self%weight(n) = coupling%weight(j)
+            self%facet(n) = coupling%facet(j)
+            self%normal(:, n) = coupling%normal(:, j)
+            self%gap(n) = coupling%gap(j)
+            self%foot(:model%mesh%ndim, n) = model%mesh%x(:, slave%node(i))
+            self%foot(:, n) = self%foot(:, n) - coupling%gap(j)*coupling%normal(:, j)
+            self%master(:to - from + 1, n) = coupling%other(from:to)
+            self%shape(:to - from + 1, n) = coupling%p(from:to)
+         end associate
+         j = j + 1
+      end do
+   end subroutine pair_by_mortar
 
    !> A tool at rest; in a concave corner a point meets both walls.
    subroutine pair_with_tool(self, model, pair, slave)

@@ -187,7 +187,8 @@ contains
       allocate (self%group_first(size(model%pair) + 1))
       allocate (self%point(3*points%n), self%bilateral(3*points%n), self%tied(3*points%n))
       allocate (self%direction(3, 3*points%n), self%gap0(3*points%n), self%first(3*points%n + 1))
-      allocate (self%dof(3*points%n*28), self%coefficient(3*points%n*28))
+      terms = (3*size(points%master, 1) + 4)*3*points%n
+      allocate (self%dof(terms), self%coefficient(terms))
       self%first(1) = 1
       terms = 0
       do pair = 1, size(model%pair)

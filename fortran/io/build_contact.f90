@@ -78,9 +78,29 @@ contains
          pair%master = surface_named(model, scene, field(2)%text, scope, field(2)%at)
          if (pair%slave == 0 .or. pair%master == 0) cycle
          call check_sides(model, pair, field(1), field(2), ok)
+         call note_nodes(model, pair)
          if (ok) model%pair = [model%pair, pair]
       end do
    end subroutine read_pairs
+
+   !> Where surface to surface cannot be what it says.
+   subroutine note_nodes(model, pair)
+      type(model_type), intent(inout) :: model
+      type(pair_type), intent(inout) :: pair
+      character(len=:), allocatable :: why
+
+      if (.not. pair%surface_to_surface) return
+      if (model%surface(pair%slave)%kind == surface_of%nodes) then
+         why = 'its slave is made of nodes'
+      else if (model%mesh%ndim == 3 .and. model%surface(pair%master)%kind == surface_of%faces) then
+         why = 'it is not in this version in 3D'
+      else
+         return
+      end if
+      pair%surface_to_surface = .false.
+      call model%log%say(severity%note, 'N0304', 'a pair of surface to surface is read as NODE '// &
+         & 'TO SURFACE: '//why, pair%at)
+   end subroutine note_nodes
 
    subroutine read_pair_words(pair, model, scene, block, scope)
       type(pair_type), intent(out) :: pair
@@ -105,8 +125,6 @@ contains
       end if
       call get_word(block, 'TYPE', word, at, found)
       pair%surface_to_surface = found .and. word /= 'NODE TO SURFACE'
-      if (pair%surface_to_surface) call model%log%say(severity%note, 'N0304', 'TYPE='//word &
-         & //' is read as NODE TO SURFACE: contact is enforced at the slave nodes', at)
       pair%small_sliding = has_parameter(block, 'SMALL SLIDING')
       pair%tied = has_parameter(block, 'TIED')
       if (pair%interaction > 0) pair%tied = pair%tied &

@@ -24,9 +24,12 @@ contains
          & 'master.')
       call word(table, 'INTERACTION', 'Name of the *SURFACE INTERACTION.')
       call required(table)
-      call choice(table, 'TYPE', 'NODE TO SURFACE,SURFACE TO SURFACE', 'NODE TO SURFACE', &
-         & 'Where contact is enforced; a note says what is done with SURFACE TO SURFACE.')
-      call refuses(table, 'MORTAR,LINMORTAR,PGLINMORTAR,MASSLESS')
+      call choice(table, 'TYPE', 'NODE TO SURFACE,SURFACE TO SURFACE,MORTAR,LINMORTAR,'// &
+         & 'PGLINMORTAR', 'NODE TO SURFACE', &
+         & 'NODE TO SURFACE: each slave node meets the facet opposite; the others: dual mortar, '// &
+         & 'each slave node meets the mean of what its share of the surface covers. Rigid '// &
+         & 'tools and slaves of nodes: at the nodes in both.')
+      call refuses(table, 'MASSLESS')
       call flag(table, 'SMALL SLIDING', 'Each slave node keeps the plane it met at the start.')
       call word(table, 'ADJUST', &
          & 'Moves slave nodes on the master without strain: those that penetrate and those '// &

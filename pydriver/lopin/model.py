@@ -86,15 +86,20 @@ class Model:
 
     def contact(self, slave: str, master: str | Tool, method: str | Lagrange = "lagrange", *,
                 adjust: float | None = None, small_sliding: bool = False, tied: bool = False,
-                no_separation: bool = False, clearance: float | None = None) -> None:
-        """Two surfaces that may touch; the slave is the softer or finer one."""
+                no_separation: bool = False, clearance: float | None = None,
+                surface_to_surface: bool = False) -> None:
+        """Two surfaces that may touch; the slave is the softer or finer one.
+
+        `surface_to_surface`: dual mortar, exact for uniform pressure on meshes that do not match.
+        """
         self._known(slave, "surface")
         if isinstance(master, str):
             self._known(master, "surface")
         self.contacts.append({
             "slave": slave, "master": master.name if isinstance(master, Tool) else master,
             "method": method_of(method), "adjust": adjust, "small_sliding": small_sliding,
-            "tied": tied, "no_separation": no_separation, "clearance": clearance})
+            "tied": tied, "no_separation": no_separation, "clearance": clearance,
+            "type": "SURFACE TO SURFACE" if surface_to_surface else "NODE TO SURFACE"})
 
     def fix(self, points: str | Tool, *directions: str | int) -> None:
         """Hold the points of a set, for the whole run."""

@@ -16,7 +16,7 @@ from lopin.profile import start
 SOURCE = "independent finite elements, node to segment"
 
 
-def two_blocks(lower, upper, layers, slave, full, method=None):
+def two_blocks(lower, upper, layers, slave, full, method=None, mortar=False):
     """Blocks of 10 by 4 under a pressure of 1; stresses at the integration points are printed."""
     low = mesh_make.block((10.0, 4.0), (lower, layers))
     up = mesh_make.block((10.0, 4.0), (upper, layers), origin=(0.0, 4.0))
@@ -26,7 +26,8 @@ def two_blocks(lower, upper, layers, slave, full, method=None):
     for body in ("UP", "LOW"):
         model.section(body, Elastic(1000.0, 0.3), full_integration=full)
     surfaces = ("UP.BOTTOM", "LOW.TOP")
-    model.contact(*surfaces[::1 if slave == "upper" else -1], method or Lagrange())
+    model.contact(*surfaces[::1 if slave == "upper" else -1], method or Lagrange(),
+                  surface_to_surface=mortar)
     model.fix("LOW.BOTTOM", "y")
     model.fix("LOW.PIN", "x")
     model.fix("UP.PIN", "x")
@@ -64,6 +65,19 @@ def test_the_error_of_one_pass_is_the_known_one(solve, sheet, full, row):
         sheet.compare("B1 patch test, node to segment",
                       f"{kind}, {lower}/{upper}, {slave} slave: worst stress error in %",
                       100.0*worst_stress(result), percent, 0.2, SOURCE, absolute=True)
+        assert result.summary["certificate"]["verdict"] == "PASS"
+
+
+@pytest.mark.parametrize("row", [*FULL, (10, 14, 8, 0, 0), (20, 28, 16, 0, 0), (4, 4, 2, 0, 0)])
+@pytest.mark.parametrize("full", [True, False])
+def test_mortar_has_no_error(solve, sheet, full, row):
+    lower, upper, layers, *_ = row
+    kind = "CPE4 FULL" if full else "CPE4"
+    for slave in ("lower", "upper"):
+        result = solve(two_blocks(lower, upper, layers, slave, full, mortar=True))
+        sheet.compare("B1 patch test, mortar",
+                      f"{kind}, {lower}/{upper}, {slave} slave: worst stress error",
+                      worst_stress(result), 0.0, 1e-10, "exact", absolute=True)
         assert result.summary["certificate"]["verdict"] == "PASS"
 
 

@@ -1,0 +1,94 @@
+!> Surface-to-surface pairs of a model: search, integrate, couple.
+module lopin_mortar_pairs
+   use lopin_kinds, only : wp
+   use lopin_error, only : error_type
+   use lopin_cells, only : cell_type
+   use lopin_facets, only : facets_type, facet_rule_type, new_facets, new_facet_rules
+   use lopin_surface, only : surface_type, new_surface, update_surface
+   use lopin_search, only : tree_type, build_tree
+   use lopin_mortar_overlap, only : overlap_list_type
+   use lopin_mortar_overlaps_2d, only : find_overlaps_2d
+   use lopin_mortar, only : mortar_coupling_type, couple
+   use lopin_model, only : model_type, pair_type, surface_of, kind_of
+   implicit none
+   private
+   public :: couple_pair, is_mortar
+
+   !> n_slave.n_master must be below this for the two to face each other.
+   real(wp), parameter :: facing = -0.2_wp
+
+contains
+
+   !> The pair is enforced on the whole surface: both sides have faces. A rigid analytic tool has no
+   !> mesh to couple with: its gap is taken at the nodes, weighted by their areas, which passes
+   !> forces on exactly.
+   pure logical function is_mortar(model, pair)
+      type(model_type), intent(in) :: model
+      type(pair_type), intent(in) :: pair
+      is_mortar = pair%surface_to_surface .and. model%mesh%ndim == 2 &
+         & .and. model%surface(pair%slave)%kind == surface_of%faces &
+         & .and. model%surface(pair%master)%kind == surface_of%faces
+   end function is_mortar
+
+   !> The coupling of a pair on the shape at the start.
+   subroutine couple_pair(self, model, cells, pair, normal, error)
+      type(mortar_coupling_type), intent(out) :: self
+      type(model_type), intent(in) :: model
+      type(cell_type), intent(in) :: cells(:)
+      type(pair_type), intent(in) :: pair
+      real(wp), intent(in) :: normal(:, :)     !! (3, slave nodes) outward, as lopin_slave_points
+      type(error_type), allocatable, intent(out) :: error
+      type(surface_type) :: slave, master
+      type(facet_rule_type), allocatable :: rules(:)
+      type(tree_type) :: tree
+      type(overlap_list_type) :: list
+      real(wp), allocatable :: thickness(:)
+      real(wp) :: reach
+      logical :: axisymmetric
+
+      call shape_of(slave, model, cells, pair%slave, error)
+      if (allocated(error)) return
+      call shape_of(master, model, cells, pair%master, error)
+      if (allocated(error)) return
+      call build_tree(tree, master%low, master%high)
+      allocate (rules(6))
+      call new_facet_rules(rules)
+      thickness = thickness_of(model, slave%facets)
+      axisymmetric = model%kind == kind_of%axisymmetric
+      reach = norm2(max(maxval(slave%high, 2), maxval(master%high, 2)) &
+         & - min(minval(slave%low, 2), minval(master%low, 2)))
+      call find_overlaps_2d(slave, normal, master, tree, model%mesh%x, axisymmetric, thickness, &
+         & reach, facing, list)
+      call couple(self, rules, slave, normal, master, model%mesh%x, axisymmetric, thickness, list)
+   end subroutine couple_pair
+
+   !> A surface of faces at the start.
+   subroutine shape_of(self, model, cells, number, error)
+      type(surface_type), intent(out) :: self
+      type(model_type), intent(in) :: model
+      type(cell_type), intent(in) :: cells(:)
+      integer, intent(in) :: number
+      type(error_type), allocatable, intent(out) :: error
+      type(facets_type) :: facets
+
+      call new_facets(facets, model%mesh, cells, model%surface(number)%element, &
+         & model%surface(number)%face)
+      call new_surface(self, model%mesh%ndim, facets)
+      call update_surface(self, model%mesh%x, error)
+   end subroutine shape_of
+
+   !> Thickness of the elements behind the facets; 1 unless plane.
+   function thickness_of(model, facets) result(thickness)
+      type(model_type), intent(in) :: model
+      type(facets_type), intent(in) :: facets
+      real(wp) :: thickness(facets%n)
+      integer :: i
+
+      thickness = 1.0_wp
+      if (model%kind /= kind_of%plane_strain .and. model%kind /= kind_of%plane_stress) return
+      do i = 1, facets%n
+         if (model%mesh%section(facets%element(i)) == 0) cycle
+         thickness(i) = model%section(model%mesh%section(facets%element(i)))%thickness
+      end do
+   end function thickness_of
+end module lopin_mortar_pairs

@@ -1,0 +1,233 @@
+!> One slave facet over one master facet in the plane: the segment both share, and its integrals.
+!>
+!> Both sides are projected along one field, the slave's nodal normals interpolated on its facet, so
+!> that neighbouring facets neither gap nor overlap (Yang, Laursen, Meng 2005). Everything is in
+!> dual numbers: slopes with respect to slave places, slave normals and master places come out with
+!> the values, the moving ends of the segment included. For values alone pass constants.
+module lopin_mortar_cells_2d
+   use lopin_kinds, only : wp
+   use lopin_dual, only : dual_type, constant, operator(+), operator(-), operator(*), operator(/), &
+      & sqrt, assignment(=)
+   implicit none
+   private
+   public :: segment_type, integrate_segment, slave_parameter, master_parameter, line_shape
+
+   !> Integrals over a segment; weight: thickness, or 2 pi r.
+   type :: segment_type
+      logical :: overlaps = .false.
+      type(dual_type) :: from, to        !! slave parameters of its ends
+      type(dual_type) :: me(3, 3)        !! integral of N_j N_k [area]
+      type(dual_type) :: d(3)            !! integral of N_j [area]
+      type(dual_type) :: b(3, 3)         !! integral of N_j N_l of the master [area]
+      type(dual_type) :: gap(3)          !! integral of N_j gap [area length]
+      type(dual_type) :: area            !! [area]
+   end type segment_type
+
+   real(wp), parameter :: pi = acos(-1.0_wp)
+   !> Shorter segments, in the slave's parameter, are rounding.
+   real(wp), parameter :: shortest = 1.0e-12_wp
+   integer, parameter :: most_steps = 60
+
+   real(wp), parameter :: gauss3(2, 3) = reshape([ &
+      & -sqrt(0.6_wp), 5.0_wp/9.0_wp, 0.0_wp, 8.0_wp/9.0_wp, sqrt(0.6_wp), 5.0_wp/9.0_wp], [2, 3])
+   real(wp), parameter :: near = sqrt(5.0_wp - 2.0_wp*sqrt(10.0_wp/7.0_wp))/3.0_wp
+   real(wp), parameter :: far = sqrt(5.0_wp + 2.0_wp*sqrt(10.0_wp/7.0_wp))/3.0_wp
+   real(wp), parameter :: of_near = (322.0_wp + 13.0_wp*sqrt(70.0_wp))/900.0_wp
+   real(wp), parameter :: of_far = (322.0_wp - 13.0_wp*sqrt(70.0_wp))/900.0_wp
+   real(wp), parameter :: gauss5(2, 5) = reshape([-far, of_far, -near, of_near, 0.0_wp, &
+      & 128.0_wp/225.0_wp, near, of_near, far, of_far], [2, 5])
+
+contains
+
+   !> The segment of two facets; `overlaps` is false where they share none or do not face.
+   pure subroutine integrate_segment(x, normal, y, axisymmetric, thickness, facing, segment)
+      type(dual_type), intent(in) :: x(:, :)        !! (2, 2 or 3) slave nodes [length]
+      type(dual_type), intent(in) :: normal(:, :)   !! (2, the same) slave's outward unit normals
+      type(dual_type), intent(in) :: y(:, :)        !! (2, 2 or 3) master nodes [length]
+      logical, intent(in) :: axisymmetric
+      real(wp), intent(in) :: thickness             !! not read if axisymmetric [length]
+      real(wp), intent(in) :: facing                !! n_slave.n_master must be below this [-]
+      type(segment_type), intent(out) :: segment
+      type(dual_type) :: half, middle
+      integer :: k
+
+      ! The master runs the other way: its second node is the first met.
+      call slave_parameter(x, normal, y(:, 2), segment%from)
+      call slave_parameter(x, normal, y(:, 1), segment%to)
+      if (.not. segment%to%v - segment%from%v > shortest) return
+      if (.not. faces(x, normal, y, 0.5_wp*(segment%from%v + segment%to%v), facing)) return
+      segment%overlaps = .true.
+      half = 0.5_wp*(segment%to - segment%from)
+      middle = 0.5_wp*(segment%to + segment%from)
+      if (size(x, 2) > 2 .or. size(y, 2) > 2) then
+         do k = 1, 5
+            call add_point(x, normal, y, axisymmetric, thickness, middle + half*gauss5(1, k), &
+               & half*gauss5(2, k), segment)
+         end do
+      else
+         do k = 1, 3
+            call add_point(x, normal, y, axisymmetric, thickness, middle + half*gauss3(1, k), &
+               & half*gauss3(2, k), segment)
+         end do
+      end if
+   end subroutine integrate_segment
+
+   !> Add one integration point.
+   pure subroutine add_point(x, normal, y, axisymmetric, thickness, xi, weight, segment)
+      type(dual_type), intent(in) :: x(:, :), normal(:, :), y(:, :), xi, weight
+      logical, intent(in) :: axisymmetric
+      real(wp), intent(in) :: thickness
+      type(segment_type), intent(inout) :: segment
+      type(dual_type) :: n(3), dn(3), m(3), dm(3), place(2), tangent(2), nu(2), opposite(2), eta, &
+         & area, gap
+      integer :: j, k
+
+      call line_shape(size(x, 2), xi, n, dn)
+      place = combine(x, n)
+      tangent = combine(x, dn)
+      nu = combine(normal, n)
+      call master_parameter(place, nu, y, eta)
+      call line_shape(size(y, 2), eta, m, dm)
+      opposite = combine(y, m) - place
+      gap = (opposite(1)*nu(1) + opposite(2)*nu(2))/sqrt(nu(1)*nu(1) + nu(2)*nu(2))
+      area = weight*sqrt(tangent(1)*tangent(1) + tangent(2)*tangent(2))
+      if (axisymmetric) then
+         area = area*place(1)*(2.0_wp*pi)
+      else
+         area = area*thickness
+      end if
+      segment%area = segment%area + area
+      do j = 1, size(x, 2)
+         segment%d(j) = segment%d(j) + area*n(j)
+         segment%gap(j) = segment%gap(j) + area*n(j)*gap
+         do k = 1, size(x, 2)
+            segment%me(j, k) = segment%me(j, k) + area*n(j)*n(k)
+         end do
+         do k = 1, size(y, 2)
+            segment%b(j, k) = segment%b(j, k) + area*n(j)*m(k)
+         end do
+      end do
+   end subroutine add_point
+
+   !> Shape functions of line2 and line3 and their slopes; zeros behind the last.
+   pure subroutine line_shape(nnode, xi, n, dn)
+      integer, intent(in) :: nnode       !! 2 or 3
+      type(dual_type), intent(in) :: xi
+      type(dual_type), intent(out) :: n(3), dn(3)
+
+      if (nnode == 2) then
+         n(1) = 0.5_wp*(1.0_wp - xi)
+         n(2) = 0.5_wp*(1.0_wp + xi)
+         dn(1) = constant(-0.5_wp)
+         dn(2) = constant(0.5_wp)
+      else
+         n(1) = 0.5_wp*xi*(xi - 1.0_wp)
+         n(2) = 0.5_wp*xi*(xi + 1.0_wp)
+         n(3) = 1.0_wp - xi*xi
+         dn(1) = xi - 0.5_wp
+         dn(2) = xi + 0.5_wp
+         dn(3) = -2.0_wp*xi
+      end if
+   end subroutine line_shape
+
+   pure function combine(x, n) result(sum_)
+      type(dual_type), intent(in) :: x(:, :), n(:)
+      type(dual_type) :: sum_(2)
+      integer :: k
+
+      do k = 1, size(x, 2)
+         sum_ = sum_ + x(:, k)*n(k)
+      end do
+   end function combine
+
+   !> Where the slave's normal passes through a point: its parameter, kept within the facet.
+   !>
+   !> An end of the facet that cuts the segment off does not move along it: slope 0.
+   pure subroutine slave_parameter(x, normal, point, xi)
+      type(dual_type), intent(in) :: x(:, :), normal(:, :), point(2)
+      type(dual_type), intent(out) :: xi
+      type(dual_type) :: ahead, slope
+      real(wp) :: low, high, before, size2
+      integer :: step
+
+      size2 = sum((x(:, 2)%v - x(:, 1)%v)**2)
+      low = -1.0_wp
+      high = 1.0_wp
+      xi = constant(low)
+      call offset(x, normal, point, xi, ahead, slope)
+      if (ahead%v <= 0.0_wp) return
+      xi = constant(high)
+      call offset(x, normal, point, xi, ahead, slope)
+      if (ahead%v >= 0.0_wp) return
+      xi = constant(0.0_wp)
+      do step = 1, most_steps
+         call offset(x, normal, point, xi, ahead, slope)
+         if (ahead%v > 0.0_wp) low = xi%v
+         if (ahead%v <= 0.0_wp) high = xi%v
+         if (abs(ahead%v) <= 4.0_wp*epsilon(1.0_wp)*sqrt(size2)) exit
+         before = xi%v
+         if (slope%v < 0.0_wp) xi = constant(xi%v - ahead%v/slope%v)
+         if (.not. (slope%v < 0.0_wp .and. xi%v > low .and. xi%v < high)) &
+            & xi = constant(0.5_wp*(low + high))
+         if (high - low <= epsilon(1.0_wp) .or. abs(xi%v - before) <= epsilon(1.0_wp)) exit
+      end do
+      ! One more step in dual numbers: the slopes of the implicit function.
+      call offset(x, normal, point, xi, ahead, slope)
+      if (abs(slope%v) > 0.0_wp) xi = xi - ahead/slope%v
+   end subroutine slave_parameter
+
+   !> How far a point is ahead of the normal at a parameter, and the slope of that by the parameter.
+   pure subroutine offset(x, normal, point, xi, ahead, slope)
+      type(dual_type), intent(in) :: x(:, :), normal(:, :), point(2), xi
+      type(dual_type), intent(out) :: ahead, slope
+      type(dual_type) :: n(3), dn(3), way(2), nu(2), turn(2), tangent(2)
+
+      call line_shape(size(x, 2), xi, n, dn)
+      way = point - combine(x, n)
+      tangent = combine(x, dn)
+      nu = combine(normal, n)
+      turn = combine(normal, dn)
+      ahead = way(2)*nu(1) - way(1)*nu(2)
+      slope = tangent(1)*nu(2) - tangent(2)*nu(1) + way(2)*turn(1) - way(1)*turn(2)
+   end subroutine offset
+
+   !> Where the ray from a place along a direction meets the master.
+   pure subroutine master_parameter(place, direction, y, eta)
+      type(dual_type), intent(in) :: place(2), direction(2), y(:, :)
+      type(dual_type), intent(out) :: eta
+      type(dual_type) :: m(3), dm(3), way(2), tangent(2), aside, slope
+      integer :: step
+
+      eta = constant(0.0_wp)
+      do step = 1, most_steps
+         call line_shape(size(y, 2), eta, m, dm)
+         way = combine(y, m) - place
+         tangent = combine(y, dm)
+         aside = way(1)*direction(2) - way(2)*direction(1)
+         slope = tangent(1)*direction(2) - tangent(2)*direction(1)
+         if (.not. abs(slope%v) > 0.0_wp) return
+         ! The step after the last one has the right slopes; on line2 that is the first.
+         eta = constant(eta%v) - aside/slope%v
+         if (step > 1 .and. abs(aside%v) <= 1.0e-15_wp*abs(slope%v)) exit
+         if (abs(eta%v) > 3.0_wp) eta = constant(sign(1.0_wp, eta%v))
+      end do
+   end subroutine master_parameter
+
+   !> The master's outward normal looks back at the slave's where they are opposite.
+   pure logical function faces(x, normal, y, xi, facing)
+      type(dual_type), intent(in) :: x(:, :), normal(:, :), y(:, :)
+      real(wp), intent(in) :: xi, facing
+      type(dual_type) :: n(3), dn(3), nu(2), place(2), eta, tangent(2)
+      real(wp) :: cosine
+
+      call line_shape(size(x, 2), constant(xi), n, dn)
+      place = combine(x, n)
+      nu = combine(normal, n)
+      call master_parameter(place, nu, y, eta)
+      call line_shape(size(y, 2), eta, n, dn)
+      tangent = combine(y, dn)
+      cosine = (tangent(2)%v*nu(1)%v - tangent(1)%v*nu(2)%v) &
+         & /max(tiny(1.0_wp), norm2(tangent%v)*norm2(nu%v))
+      faces = cosine < facing
+   end function faces
+end module lopin_mortar_cells_2d
