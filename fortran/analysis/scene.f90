@@ -93,9 +93,14 @@ contains
 
       do i = 1, size(section)
          section(i)%formulation = model%section(i)%formulation
-         section(i)%young = model%material(model%section(i)%material)%young
-         section(i)%poisson = model%material(model%section(i)%material)%poisson
          section(i)%thickness = model%section(i)%thickness
+         associate (material => model%material(model%section(i)%material))
+            section(i)%young = material%young
+            section(i)%poisson = material%poisson
+            section(i)%neo_hooke = material%has_neo_hooke
+            section(i)%c10 = material%c10
+            section(i)%d1 = material%d1
+         end associate
       end do
    end function sections_of
 

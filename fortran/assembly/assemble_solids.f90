@@ -11,12 +11,13 @@ module lopin_assemble_solids
    use lopin_csc, only : csc_type, storage
    use lopin_element_type, only : element_type, element_kind, new_element_type
    use lopin_elastic, only : hooke_matrix, plane_stress_matrix
+   use lopin_finite_elastic, only : finite_law_type, hencky_law, neo_hooke_law, elastic_constants
    use lopin_facets, only : facet_rule_type, new_facet_rules
    use lopin_solid_small, only : stiffness, strain_matrices, body_force, face_force
    implicit none
    private
    public :: solids_type, solid_section_type, group_type, new_solids, assemble_stiffness
-   public :: add_body_loads, add_face_loads
+   public :: add_body_loads, add_face_loads, add_slots
 
    !> What the elements of one section have in common.
    type :: solid_section_type
@@ -24,6 +25,9 @@ module lopin_assemble_solids
       real(wp) :: young = 0.0_wp             !! [stress]
       real(wp) :: poisson = 0.0_wp           !! [-]
       real(wp) :: thickness = 1.0_wp         !! plane kinds [length]
+      logical :: neo_hooke = .false.         !! then c10 and d1 in the place of young and poisson
+      real(wp) :: c10 = 0.0_wp               !! [stress]
+      real(wp) :: d1 = 0.0_wp                !! [1/stress]
    end type solid_section_type
 
    !> Elements of one word in one section.
@@ -31,6 +35,7 @@ module lopin_assemble_solids
       integer :: etype = 0, section = 0
       type(element_type) :: element
       real(wp), allocatable :: d(:, :)       !! (nstress, nstress) Hooke [stress]
+      type(finite_law_type) :: law           !! at finite strain
       real(wp) :: poisson = 0.0_wp
       real(wp) :: thickness = 1.0_wp
    end type group_type
@@ -110,6 +115,7 @@ contains
       integer, intent(inout) :: number
       type(error_type), allocatable, intent(out) :: error
       type(group_type) :: new
+      real(wp) :: young, poisson
       logical :: found
 
       call new_element_type(new%element, word, trim(section%formulation), found)
@@ -120,12 +126,20 @@ contains
       end if
       if (new%element%kind == element_kind%rigid) return
       new%thickness = section%thickness
-      new%poisson = section%poisson
+      young = section%young
+      poisson = section%poisson
+      if (section%neo_hooke) then
+         new%law = neo_hooke_law(section%c10, section%d1)
+         call elastic_constants(new%law, young, poisson)
+      else
+         new%law = hencky_law(young, poisson)
+      end if
+      new%poisson = poisson
       allocate (new%d(new%element%nstress, new%element%nstress))
       if (new%element%kind == element_kind%plane_stress) then
-         call plane_stress_matrix(section%young, section%poisson, new%d)
+         call plane_stress_matrix(young, poisson, new%d)
       else
-         call hooke_matrix(section%young, section%poisson, new%d)
+         call hooke_matrix(young, poisson, new%d)
       end if
       self%group = [self%group, new]
       number = size(self%group)
@@ -261,7 +275,7 @@ contains
       real(wp), intent(inout) :: value(:)
       integer, intent(inout) :: folded      !! least element with det J <= 0
       real(wp) :: ke(group%element%ndof, group%element%ndof), smallest
-      integer :: i, j, k, point
+      integer :: point
 
       call stiffness(group%element, x(:, conn(:group%element%nnode)), group%thickness, group%d, &
          & ke, smallest, point)
@@ -269,9 +283,19 @@ contains
          folded = min(folded, e)
          return
       end if
+      call add_slots(slot, ke, value)
+   end subroutine add_element
+
+   !> Add the lower triangle of an element matrix to its slots in the values of a matrix.
+   pure subroutine add_slots(slot, ke, value)
+      integer(ik), intent(in) :: slot(:)
+      real(wp), intent(in) :: ke(:, :)
+      real(wp), intent(inout) :: value(:)
+      integer :: i, j, k
+
       k = 0
-      do j = 1, group%element%ndof
-         do i = j, group%element%ndof
+      do j = 1, size(ke, 1)
+         do i = j, size(ke, 1)
             k = k + 1
             if (slot(k) > 0) then
                value(slot(k)) = value(slot(k)) + ke(i, j)
@@ -280,7 +304,7 @@ contains
             end if
          end do
       end do
-   end subroutine add_element
+   end subroutine add_slots
 
    !> One error that names the first folded element, its worst point and how many others there are.
    subroutine report_folded(self, mesh, first, error)

@@ -13,7 +13,7 @@ module lopin_solid_small
    implicit none
    private
    public :: strain_matrices, stiffness, strains, internal_force, body_force, face_force, &
-      & gauss_points
+      & gauss_points, gradients, fill_solid, fill_plane, add_product
 
    real(wp), parameter :: pi = acos(-1.0_wp)
 

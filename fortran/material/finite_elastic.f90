@@ -1,0 +1,214 @@
+!> Elastic laws at finite strain: Kirchhoff stress, spatial tangent and energy of a deformation.
+!>
+!> Hencky: the energy is Hooke's in logarithmic strains, W = bulk/2 (ln J)^2 + shear dev e : dev e
+!> per reference volume, so Kirchhoff stress is Hooke's matrix times logarithmic strain. It is how
+!> Lopin reads *ELASTIC under NLGEOM: a choice. Abaqus integrates a rate form (hypoelastic, with
+!> logarithmic strain in the output), which agrees for elastic strains that stay moderate or do not
+!> turn; CalculiX takes St Venant-Kirchhoff (Hooke in Green strain), which loses its stiffness at a
+!> compression to 1/sqrt(3) and collapses, what an elastic body under a tool must not do. All three
+!> have the same limit at small strain.
+!>
+!> Neo-Hooke as *HYPERELASTIC, NEO HOOKE: W = C10 (I1bar - 3) + (J - 1)^2/D1, shear = 2 C10,
+!> bulk = 2/D1.
+!>
+!> The change of volume is given apart from b, so that an element may replace it by its mean; then
+!> stress and tangent are those of the deformation so scaled.
+module lopin_finite_elastic
+   use lopin_kinds, only : wp
+   use lopin_log_strain, only : log_frame_type, new_log_frame, frame_stress, frame_tangent, &
+      & frame_strain, log_one_plus, exp_minus_one
+   implicit none
+   private
+   public :: finite_law_type, finite_law, hencky_law, neo_hooke_law, finite_response, log_strain
+   public :: thickness_change, condense_thickness, volume_change, elastic_constants
+
+   type :: laws
+      integer :: hencky = 1, neo_hooke = 2
+   end type laws
+   type(laws), parameter :: finite_law = laws()
+
+   type :: finite_law_type
+      integer :: kind = 1                !! finite_law%...
+      real(wp) :: shear = 0.0_wp         !! shear modulus at zero strain [stress]
+      real(wp) :: bulk = 0.0_wp          !! bulk modulus at zero strain [stress]
+   end type finite_law_type
+
+contains
+
+   pure function hencky_law(young, poisson) result(law)
+      real(wp), intent(in) :: young      !! E > 0 [stress]
+      real(wp), intent(in) :: poisson    !! in (-1, 0.5) [-]
+      type(finite_law_type) :: law
+      law%kind = finite_law%hencky
+      law%shear = 0.5_wp*young/(1.0_wp + poisson)
+      law%bulk = young/(3.0_wp*(1.0_wp - 2.0_wp*poisson))
+   end function hencky_law
+
+   pure function neo_hooke_law(c10, d1) result(law)
+      real(wp), intent(in) :: c10        !! > 0 [stress]
+      real(wp), intent(in) :: d1         !! > 0 [1/stress]
+      type(finite_law_type) :: law
+      law%kind = finite_law%neo_hooke
+      law%shear = 2.0_wp*c10
+      law%bulk = 2.0_wp/d1
+   end function neo_hooke_law
+
+   !> Young's modulus and Poisson's ratio of small strains.
+   pure subroutine elastic_constants(law, young, poisson)
+      type(finite_law_type), intent(in) :: law
+      real(wp), intent(out) :: young, poisson
+      young = 9.0_wp*law%bulk*law%shear/(3.0_wp*law%bulk + law%shear)
+      poisson = 0.5_wp*(3.0_wp*law%bulk - 2.0_wp*law%shear)/(3.0_wp*law%bulk + law%shear)
+   end subroutine elastic_constants
+
+   !> J - 1 of the displacement gradient h, with all digits also for small h.
+   pure real(wp) function volume_change(h) result(change)
+      real(wp), intent(in) :: h(3, 3)
+
+      change = h(1, 1) + h(2, 2) + h(3, 3) &
+         & + (h(1, 1)*h(2, 2) - h(1, 2)*h(2, 1)) + (h(1, 1)*h(3, 3) - h(1, 3)*h(3, 1)) &
+         & + (h(2, 2)*h(3, 3) - h(2, 3)*h(3, 2)) &
+         & + h(1, 1)*(h(2, 2)*h(3, 3) - h(2, 3)*h(3, 2)) &
+         & - h(1, 2)*(h(2, 1)*h(3, 3) - h(2, 3)*h(3, 1)) &
+         & + h(1, 3)*(h(2, 1)*h(3, 2) - h(2, 2)*h(3, 1))
+   end function volume_change
+
+   !> Kirchhoff stress, energy per reference volume and, if asked for, the spatial tangent.
+   pure subroutine finite_response(law, change, own, volume, stress, energy, tangent)
+      type(finite_law_type), intent(in) :: law
+      real(wp), intent(in) :: change(3, 3)            !! b - 1
+      real(wp), intent(in) :: own                     !! J - 1 of b itself
+      real(wp), intent(in) :: volume                  !! J - 1 that counts
+      real(wp), intent(out) :: stress(:)              !! (4 or 6) [stress]
+      real(wp), intent(out) :: energy                 !! [stress]
+      real(wp), intent(out), optional :: tangent(:, :)   !! (4, 4) or (6, 6) [stress]
+
+      if (law%kind == finite_law%neo_hooke) then
+         call neo_hooke_response(law, change, own, volume, stress, energy, tangent)
+      else
+         call hencky_response(law, change, volume, stress, energy, tangent)
+      end if
+   end subroutine finite_response
+
+   pure subroutine hencky_response(law, change, volume, stress, energy, tangent)
+      type(finite_law_type), intent(in) :: law
+      real(wp), intent(in) :: change(3, 3), volume
+      real(wp), intent(out) :: stress(:), energy
+      real(wp), intent(out), optional :: tangent(:, :)
+      type(log_frame_type) :: frame
+      real(wp) :: deviator(3), principal(3), slope(3, 3), secant(3), dilatation
+      integer :: k
+
+      call new_log_frame(frame, change)
+      dilatation = log_one_plus(volume)
+      deviator = frame%e - sum(frame%e)/3.0_wp
+      principal = 2.0_wp*law%shear*deviator + law%bulk*dilatation
+      stress = frame_stress(frame, principal, size(stress))
+      energy = 0.5_wp*law%bulk*dilatation**2 + law%shear*dot_product(deviator, deviator)
+      if (.not. present(tangent)) return
+      slope = law%bulk - 2.0_wp/3.0_wp*law%shear
+      do k = 1, 3
+         slope(k, k) = slope(k, k) + 2.0_wp*law%shear
+      end do
+      secant = 2.0_wp*law%shear
+      call frame_tangent(frame, principal, slope, secant, tangent)
+   end subroutine hencky_response
+
+   pure subroutine neo_hooke_response(law, change, own, volume, stress, energy, tangent)
+      type(finite_law_type), intent(in) :: law
+      real(wp), intent(in) :: change(3, 3), own, volume
+      real(wp), intent(out) :: stress(:), energy
+      real(wp), intent(out), optional :: tangent(:, :)
+      real(wp) :: trace, isochoric, first, pressure, deviator(size(stress))
+      integer :: k
+
+      trace = change(1, 1) + change(2, 2) + change(3, 3)
+      isochoric = exp_minus_one(-2.0_wp/3.0_wp*log_one_plus(own))   ! J**(-2/3) - 1
+      first = (1.0_wp + isochoric)*trace + 3.0_wp*isochoric         ! I1bar - 3
+      deviator(:3) = [change(1, 1), change(2, 2), change(3, 3)] - trace/3.0_wp
+      deviator(4) = change(1, 2)
+      if (size(stress) == 6) deviator(5:) = [change(1, 3), change(2, 3)]
+      deviator = law%shear*(1.0_wp + isochoric)*deviator
+      pressure = law%bulk*volume*(1.0_wp + volume)
+      stress = deviator
+      stress(:3) = stress(:3) + pressure
+      energy = 0.5_wp*(law%shear*first + law%bulk*volume**2)
+      if (.not. present(tangent)) return
+      tangent = 0.0_wp
+      tangent(:3, :3) = law%bulk*(1.0_wp + volume)*(1.0_wp + 2.0_wp*volume) &
+         & - 2.0_wp/9.0_wp*law%shear*(first + 3.0_wp)
+      do k = 1, size(stress)
+         tangent(k, k) = tangent(k, k) &
+            & + merge(2.0_wp, 1.0_wp, k <= 3)*(law%shear*(first + 3.0_wp)/3.0_wp - pressure)
+      end do
+      do k = 1, 3
+         tangent(:, k) = tangent(:, k) - 2.0_wp/3.0_wp*deviator
+         tangent(k, :) = tangent(k, :) - 2.0_wp/3.0_wp*deviator
+      end do
+   end subroutine neo_hooke_response
+
+   !> Logarithmic strain of the deformation scaled to a change of volume; engineering shears.
+   pure function log_strain(change, volume) result(strain)
+      real(wp), intent(in) :: change(3, 3)   !! b - 1
+      real(wp), intent(in) :: volume         !! J - 1
+      real(wp) :: strain(6)
+      type(log_frame_type) :: frame
+
+      call new_log_frame(frame, change)
+      strain = frame_strain(frame, frame%e + (log_one_plus(volume) - sum(frame%e))/3.0_wp)
+   end function log_strain
+
+   !> Plane stress: the stretch - 1 through the thickness at which the stress across it vanishes.
+   pure real(wp) function thickness_change(law, change, area) result(thickness)
+      type(finite_law_type), intent(in) :: law
+      real(wp), intent(in) :: change(3, 3)   !! b - 1 in the plane
+      real(wp), intent(in) :: area           !! stretch of the area in the plane - 1
+      real(wp) :: lame, low, high, d, new, value, slope, square, scale
+      integer, parameter :: most = 60
+      integer :: i
+
+      if (law%kind == finite_law%hencky) then
+         lame = law%bulk - 2.0_wp/3.0_wp*law%shear
+         thickness = exp_minus_one(-lame/(lame + 2.0_wp*law%shear)*log_one_plus(area))
+         return
+      end if
+      ! shear (2 J**2/A**2 - tr b)/3 + bulk (J**(8/3) - J**(5/3)) = 0 falls, then rises with J: one
+      ! root, between those of its two parts. d = J - 1, A = 1 + area, square = A**2 tr b/2 - 1.
+      square = area*(2.0_wp + area) + 0.5_wp*(change(1, 1) + change(2, 2))*(1.0_wp + area)**2
+      d = square/(1.0_wp + sqrt(1.0_wp + square))
+      low = min(0.0_wp, d)
+      high = max(0.0_wp, d)
+      scale = high - low
+      d = high
+      do i = 1, most
+         value = 2.0_wp/3.0_wp*law%shear*(d*(2.0_wp + d) - square)/(1.0_wp + area)**2 &
+            & + law%bulk*(1.0_wp + d)**(5.0_wp/3.0_wp)*d
+         slope = 4.0_wp/3.0_wp*law%shear*(1.0_wp + d)/(1.0_wp + area)**2 &
+            & + law%bulk*(1.0_wp + d)**(2.0_wp/3.0_wp)*(3.0_wp + 8.0_wp*d)/3.0_wp
+         if (value > 0.0_wp) high = d
+         if (value <= 0.0_wp) low = d
+         new = 0.5_wp*(low + high)
+         if (slope > 0.0_wp) then
+            if (d - value/slope >= low .and. d - value/slope <= high) new = d - value/slope
+         end if
+         if (abs(new - d) <= epsilon(d)*scale) exit
+         d = new
+      end do
+      thickness = (d - area)/(1.0_wp + area)
+   end function thickness_change
+
+   !> Take the strain through the thickness out of a tangent in plane stress.
+   pure subroutine condense_thickness(tangent)
+      real(wp), intent(inout) :: tangent(4, 4)
+      real(wp) :: column(4), pivot
+      integer :: k
+
+      column = tangent(:, 3)
+      pivot = tangent(3, 3)
+      do k = 1, 4
+         tangent(:, k) = tangent(:, k) - column*(column(k)/pivot)
+      end do
+      tangent(:, 3) = 0.0_wp
+      tangent(3, :) = 0.0_wp
+   end subroutine condense_thickness
+end module lopin_finite_elastic
