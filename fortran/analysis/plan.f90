@@ -42,11 +42,6 @@ contains
          end if
       case ('CONDENSED')
          self%path = path_of%condensed
-         if (needs_finite(model)) then
-            call raise(error, error_code%deck, 'E0116', 'PATH=CONDENSED cannot solve this scene: ' &
-               & //why_finite(model), help='leave out PATH=')
-            return
-         end if
       case ('FINITE')
          self%path = path_of%finite
          self%reason = 'PATH=FINITE asks for it'
@@ -60,6 +55,9 @@ contains
          return
       end select
       self%by_user = model%path /= 'AUTO'
+      if (self%path /= path_of%finite .and. needs_finite(model)) call raise(error, &
+         & error_code%deck, 'E0116', 'PATH='//model%path//' cannot solve this scene: ' &
+         & //why_finite(model), help='leave out PATH=')
    end subroutine new_plan
 
    !> Linear solutions on the shape at the start do not hold.

@@ -5,13 +5,17 @@ module lopin_build_materials
    use lopin_text, only : to_text, plural
    use lopin_model, only : model_type, material_type, section_type
    use lopin_element_type, only : element_kind
+   use lopin_finite_elastic, only : neo_hooke_law, elastic_constants
    use lopin_block, only : deck_type, block_type, field_type, split_fields, field_real, &
-      & complain, line_place
+      & complain, line_place, has_parameter
    use lopin_build_scene, only : need_real, scene_type, name_type, need_word, get_word, &
       & set_named, find_name, no_such
    implicit none
    private
    public :: build_materials, build_sections, check_sections
+
+   !> D1 times C10 at a Poisson's ratio of 0.495: 3 (1 - 2 nu)/(2 (1 + nu)).
+   real(wp), parameter :: near_incompressible = 0.03_wp/2.99_wp
 
 contains
 
@@ -45,6 +49,9 @@ contains
                if (is_open(open, block, &
                   & model%log)) call read_elastic(model%material(size(model%material)), block, &
                   & model%log)
+            case ('HYPERELASTIC')
+               if (is_open(open, block, model%log)) call read_hyperelastic( &
+                  & model%material(size(model%material)), block, model%log)
             case ('DENSITY')
                if (.not. is_open(open, block, model%log)) cycle
                associate (rho => model%material(size(model%material))%density)
@@ -127,6 +134,48 @@ contains
          & 'elasticity that depends on temperature is not in this version', &
          & line_place(block%line(2)))
    end subroutine read_elastic
+
+   !> `C10, D1` of *HYPERELASTIC, NEO HOOKE; the constants of small strain follow from them.
+   subroutine read_hyperelastic(material, block, log)
+      type(material_type), intent(inout) :: material
+      type(block_type), intent(in) :: block
+      type(log_type), intent(inout) :: log
+      type(field_type), allocatable :: field(:)
+      integer :: n
+      logical :: found, two
+
+      if (material%has_neo_hooke) then
+         call complain(log, 'E0205', 'material `'//material%name//'` has a second *HYPERELASTIC', &
+            & block%at)
+         return
+      end if
+      material%has_neo_hooke = .true.
+      if (.not. has_parameter(block, 'NEO HOOKE')) then
+         call complain(log, 'E0203', 'the form of the energy is missing', block%at, &
+            & help='*HYPERELASTIC, NEO HOOKE')
+         return
+      end if
+      call read_one(block, 'C10 and D1', material%c10, found, log)
+      if (.not. found) return
+      call split_fields(block%line(1), field, n)
+      two = .false.
+      if (n > 1) call field_real(field(2), material%d1, log, two)
+      if (.not. material%c10 > 0.0_wp) then
+         call complain(log, 'E0203', 'C10 = '//to_text(material%c10, 6)//' is not positive', &
+            & field(1)%at)
+      else if (.not. material%d1 > 0.0_wp) then
+         call complain(log, 'E0203', 'D1 = '//to_text(material%d1, 6)//' is not positive: an '// &
+            & 'incompressible solid has no stiffness matrix', field(min(n, 2))%at, &
+            & help='D1 is 2 over the bulk modulus; '//to_text(near_incompressible/material%c10, 3) &
+            & //" gives a Poisson's ratio of 0.495, which is near enough")
+      else
+         call elastic_constants(neo_hooke_law(material%c10, material%d1), material%young, &
+            & material%poisson)
+      end if
+      if (block%nline > 1) call complain(log, 'E0203', &
+         & 'elasticity that depends on temperature is not in this version', &
+         & line_place(block%line(2)))
+   end subroutine read_hyperelastic
 
    subroutine build_sections(model, deck, scene)
       type(model_type), intent(inout) :: model
@@ -255,10 +304,14 @@ contains
          if (model%section(i)%material > 0) used(model%section(i)%material) = .true.
       end do
       do i = 1, size(model%material)
-         if (used(i) .and. .not. model%material(i)%has_elastic) call complain(model%log, 'E0203', &
-            & 'material `' &
-            & //model%material(i)%name//'` has no *ELASTIC', model%material(i)%at, &
-            & help="add *ELASTIC with Young's modulus and Poisson's ratio")
+         associate (material => model%material(i))
+            if (material%has_elastic .and. material%has_neo_hooke) call complain(model%log, &
+               & 'E0205', 'material `'//material%name//'` has both *ELASTIC and *HYPERELASTIC', &
+               & material%at, help='keep one of them')
+            if (.not. used(i) .or. material%has_elastic .or. material%has_neo_hooke) cycle
+            call complain(model%log, 'E0203', 'material `'//material%name//'` has no *ELASTIC', &
+               & material%at, help="add *ELASTIC with Young's modulus and Poisson's ratio")
+         end associate
       end do
       allocate (bare(0))
       do i = 1, size(scene%etype)

@@ -40,6 +40,7 @@ contains
       call refuse_loads_outside(model, deck, scene)
       do s = 1, scene%nstep
          call read_step(model, deck, scene, s)
+         call check_strains(model, s)
          call boundary_of_step(boundary, model, deck, scene, role, absolute, s)
          call check_boundary(boundary, model)
          call loads_of_step(loads, model, deck, scene, role, absolute, s)
@@ -82,7 +83,10 @@ contains
       do k = 1, scene%ncard
          if (scene%card(k)%step /= s) cycle
          associate (block => deck%block(scene%card(k)%block))
-            if (block%keyword == 'STEP') call read_head(model%step(s), block, model%log)
+            if (block%keyword == 'STEP') then
+               if (s > 1) model%step(s)%nlgeom = model%step(s - 1)%nlgeom
+               call read_head(model%step(s), block, model%log)
+            end if
             if (block%keyword /= 'STATIC') cycle
             if (is_static) call complain(model%log, 'E0408', 'step '//to_text(s) &
                & //' has a second *STATIC', block%at)
@@ -94,6 +98,32 @@ contains
          & //' has no *STATIC', &
          & model%step(s)%at, help='write *STATIC after *STEP')
    end subroutine read_step
+
+   !> A linear step cannot follow a finite one, nor hold a material that has no linear law.
+   subroutine check_strains(model, s)
+      type(model_type), intent(inout) :: model
+      integer, intent(in) :: s
+      integer :: i
+
+      if (model%step(s)%nlgeom) return
+      if (s > 1) then
+         if (model%step(s - 1)%nlgeom) then
+            call complain(model%log, 'E0408', 'step '//to_text(s)//' says NLGEOM=NO, but step ' &
+               & //to_text(s - 1)//' has left a deformed shape that a linear step does not know', &
+               & model%step(s)%at, help='leave NLGEOM=NO out')
+            return
+         end if
+      end if
+      do i = 1, size(model%section)
+         if (model%section(i)%material == 0) cycle
+         associate (material => model%material(model%section(i)%material))
+            if (.not. material%has_neo_hooke) cycle
+            call complain(model%log, 'E0408', 'step '//to_text(s)//' is linear, but material `' &
+               & //material%name//'` is hyperelastic', model%step(s)%at, help='*STEP, NLGEOM')
+            return
+         end associate
+      end do
+   end subroutine check_strains
 
    subroutine read_head(step, block, log)
       type(step_type), intent(inout) :: step
@@ -112,6 +142,8 @@ contains
          if (len(step%heading) > 0) step%heading = step%heading//' '
          step%heading = step%heading//trim(adjustl(block%line(j)%text))
       end do
+      call get_word(block, 'NLGEOM', word, at, found)
+      if (found) step%nlgeom = word /= 'NO'
       call get_word(block, 'AMPLITUDE', word, at, found)
       step%ramp = word /= 'STEP'
       call get_word(block, 'INC', word, at, found)

@@ -165,12 +165,13 @@ contains
    subroutine add_materials(table)
       type(keyword_table_type), intent(inout) :: table
 
-      call key(table, 'MATERIAL', 'M', 'both', 'Opens a material; *ELASTIC and *DENSITY follow.')
+      call key(table, 'MATERIAL', 'M', 'both', 'Opens a material; *ELASTIC or *HYPERELASTIC, and *DENSITY, follow.')
       call word(table, 'NAME', 'Name of the material.')
       call required(table)
       call example(table, '*MATERIAL, NAME=STEEL|*ELASTIC|210000., 0.3')
 
-      call key(table, 'ELASTIC', 'M', 'both', 'Isotropic linear elasticity.')
+      call key(table, 'ELASTIC', 'M', 'both', 'Isotropic elasticity: Hooke''s law; under NLGEOM '// &
+         & 'between Kirchhoff stress and logarithmic strain (Hencky).')
       call under(table, 'MATERIAL')
       call choice(table, 'TYPE', 'ISOTROPIC,ISO', 'ISOTROPIC', 'Kind of elasticity.')
       call refuses(table, 'ORTHO,ORTHOTROPIC,ENGINEERING CONSTANTS,ANISO,ANISOTROPIC,LAMINA')
@@ -178,6 +179,8 @@ contains
          & 'One line; a temperature is read past, there is none in the run.')
       call example(table, '*MATERIAL, NAME=STEEL|*ELASTIC|210000., 0.3')
       call about(table, 'F')
+
+      call add_hyperelastic(table)
 
       call key(table, 'DENSITY', 'M', 'both', 'Mass density, used by gravity.')
       call under(table, 'MATERIAL')
@@ -205,6 +208,32 @@ contains
       call data_line(table, 'factor, ...', 'Factors of Abaqus; read past.')
       call example(table, '*SECTION CONTROLS, NAME=PLAIN, FORMULATION=FULL')
    end subroutine add_materials
+
+   subroutine add_hyperelastic(table)
+      type(keyword_table_type), intent(inout) :: table
+
+      call key(table, 'HYPERELASTIC', 'M', 'both', 'Rubber-like elasticity: W = C10 (I1bar - 3) '// &
+         & '+ (J - 1)^2/D1. Needs *STEP, NLGEOM.')
+      call under(table, 'MATERIAL')
+      call flag(table, 'NEO HOOKE', 'The form of the energy; must be there.')
+      call later_flag(table, 'MOONEY-RIVLIN', 'Energy of Mooney and Rivlin.')
+      call later_flag(table, 'OGDEN', 'Energy of Ogden.')
+      call later_flag(table, 'YEOH', 'Energy of Yeoh.')
+      call later_flag(table, 'POLYNOMIAL', 'Polynomial energy.')
+      call later_flag(table, 'REDUCED POLYNOMIAL', 'Polynomial in the first invariant.')
+      call later_flag(table, 'ARRUDA-BOYCE', 'Energy of Arruda and Boyce.')
+      call later_flag(table, 'VAN DER WAALS', 'Energy of Kilian.')
+      call later_flag(table, 'MARLOW', 'Energy from a test.')
+      call later_flag(table, 'N', 'Order of the energy.')
+      call later_flag(table, 'TEST DATA INPUT', 'Constants fitted to tests.')
+      call later_flag(table, 'USER', 'Energy of a user subroutine.')
+      call ignored_flag(table, 'MODULI', 'There is no viscosity in the run.')
+      call data_line(table, 'C10 [stress], D1 [1/stress], temperature', 'One line. C10 is half '// &
+         & 'the shear modulus, D1 twice the inverse of the bulk modulus and above 0; a '// &
+         & 'temperature is read past.')
+      call example(table, '*MATERIAL, NAME=RUBBER|*HYPERELASTIC, NEO HOOKE|0.5, 0.04')
+      call about(table, 'F')
+   end subroutine add_hyperelastic
 
    subroutine add_constraints(table)
       type(keyword_table_type), intent(inout) :: table

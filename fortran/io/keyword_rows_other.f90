@@ -69,7 +69,6 @@ contains
       call later(table, 'VISCOPLASTIC', 'viscoplasticity')
       call later(table, 'RATE DEPENDENT', 'rate dependent yielding')
       call later(table, 'CREEP', 'creep')
-      call later(table, 'HYPERELASTIC', 'hyperelasticity')
       call later(table, 'HYPERFOAM', 'hyperelastic foam')
       call later(table, 'VISCOELASTIC', 'viscoelasticity')
       call later(table, 'CYCLIC HARDENING', 'cyclic hardening')

@@ -25,9 +25,9 @@ contains
 
       call key(table, 'STEP', 'M', 'both', 'Opens a step: a stretch of the history of loads.')
       call word(table, 'NAME', 'Name of the step.')
-      call choice(table, 'NLGEOM', 'NO', 'NO', 'Large displacement.')
+      call choice(table, 'NLGEOM', 'YES,NO', 'NO', 'Finite rotation, strain and sliding; once on, '// &
+         & 'it stays on in later steps.')
       call bare_value(table, 'YES')
-      call refuses(table, 'YES')
       call missing_means(table, 'Without it the step would be small-strain.')
       call whole(table, 'INC', '100', 'Most increments.')
       call missing_means(table, 'Without it the step would stop after 100 increments.')

@@ -248,10 +248,10 @@ contains
          & 'which INC of *STEP needs')
       call says('*SURFACE, NAME=A, TYPE=FACES', 'E0106', '`FACES` is not a value of TYPE of '// &
          & '*SURFACE')
-      call says('*STEP, NLGEOM'//nl//'*END STEP', 'E0108', &
-         & 'NLGEOM is known but not yet there: it comes with a later version')
-      call says('*STEP, NLGEOM=YES'//nl//'*END STEP', 'E0108', &
-         & 'NLGEOM=YES is known but not yet there: it comes with a later version')
+      call says('*STEP, PERTURBATION'//nl//'*END STEP', 'E0108', &
+         & 'PERTURBATION of *STEP is known but not yet there: it comes with a later version')
+      call says('*STEP'//nl//'*STATIC, SOLVER=MUMPS'//nl//'*END STEP', 'E0108', &
+         & 'SOLVER=MUMPS is known but not yet there: it comes with a later version')
       call says('*PLASTIC', 'E0108', '*PLASTIC is known but not yet there: plasticity comes '// &
          & 'with a later version')
       call says('*NSET, NSET=poinçon'//nl//'1', 'E0109', '`ç` is not a letter of the deck''s '// &
