@@ -20,7 +20,7 @@ module lopin_friction
    implicit none
    private
    public :: friction_type, condition_type, law_of, regularization_of
-   public :: law_names, regularization_names, law_number, regularization_number
+   public :: law_names, regularization_names, law_number, regularization_number, automatic_law
    public :: has_friction, is_regularised, by_rate, reads_yield, reads_mises, depends_on_time
    public :: coefficient, friction_radius, return_to_disc, regularised_traction
 
@@ -101,6 +101,28 @@ contains
       end do
       place = 0
    end function place_of
+
+   !> LAW=AUTO (seed E, remarks 2 to 6): the law that goes with what the material does, and the word
+   !> for it.
+   pure subroutine automatic_law(plastic, hardens, viscoplastic, number, why)
+      logical, intent(in) :: plastic, hardens, viscoplastic
+      integer, intent(out) :: number
+      character(len=:), allocatable, intent(out) :: why
+
+      if (viscoplastic) then
+         number = law_of%norton_hoff
+         why = 'viscoplastic'
+      else if (plastic .and. hardens) then
+         number = law_of%cristescu
+         why = 'plastic with hardening'
+      else if (plastic) then
+         number = law_of%tresca
+         why = 'perfectly plastic'
+      else
+         number = law_of%coulomb
+         why = 'elastic'
+      end if
+   end subroutine automatic_law
 
    pure logical function has_friction(law)
       type(friction_type), intent(in) :: law

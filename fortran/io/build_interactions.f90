@@ -13,6 +13,7 @@ module lopin_build_interactions
    use lopin_model, only : model_type, interaction_type, method_of, overclosure_of
    use lopin_block, only : deck_type, block_type, field_type, split_fields, field_real, &
       & complain, has_parameter, line_place
+   use lopin_build_friction, only : read_friction
    use lopin_build_scene, only : need_real, scene_type, need_word, get_word
    implicit none
    private
@@ -27,17 +28,19 @@ contains
       type(interaction_type) :: interaction
       type(location_type) :: at
       integer :: k, i
-      logical :: open, described
+      logical :: open, described, rubbed
 
       allocate (model%interaction(0))
       open = .false.
       described = .false.
+      rubbed = .false.
       do k = 1, scene%ncard
          associate (block => deck%block(scene%card(k)%block), n => size(model%interaction))
             select case (block%keyword)
             case ('SURFACE INTERACTION')
                interaction = interaction_type()
                described = .false.
+               rubbed = .false.
                call need_word(block, 'NAME', interaction%name, at, open, model%log)
                interaction%at = at
                if (.not. open) cycle
@@ -50,12 +53,13 @@ contains
                end do
                model%interaction = [model%interaction, interaction]
             case ('SURFACE BEHAVIOR', 'FRICTION')
+               if (scene%card(k)%step > 0) cycle
                if (.not. open) then
                   call complain(model%log, 'E0306', '*'//block%keyword &
                      & //' stands outside a surface interaction', &
                      & block%at, help='write *SURFACE INTERACTION, NAME= before it')
                else if (block%keyword == 'FRICTION') then
-                  call read_friction(model%interaction(n), block, model%log)
+                  call take_friction(model%interaction(n), block, rubbed, model%log)
                else if (described) then
                   call complain(model%log, 'E0205', 'interaction `'//model%interaction(n)%name &
                      & //'` has a second *SURFACE BEHAVIOR', block%at)
@@ -68,24 +72,18 @@ contains
       end do
    end subroutine build_interactions
 
-   subroutine read_friction(interaction, block, log)
+   !> One *FRICTION an interaction.
+   subroutine take_friction(interaction, block, rubbed, log)
       type(interaction_type), intent(inout) :: interaction
       type(block_type), intent(in) :: block
+      logical, intent(inout) :: rubbed
       type(log_type), intent(inout) :: log
-      type(field_type), allocatable :: field(:)
-      integer :: n
-      logical :: found
 
-      if (block%nline == 0) return
-      call split_fields(block%line(1), field, n)
-      if (n == 0) return
-      call field_real(field(1), interaction%friction%mu, log, found)
-      if (.not. found) interaction%friction%mu = 0.0_wp
-      if (abs(interaction%friction%mu) > 0.0_wp) call complain(log, 'E0306', 'friction mu = ' &
-         & //to_text(interaction%friction%mu, 6)//' of interaction `'//interaction%name &
-         & //'` is not in this version: contact is without friction', field(1)%at, &
-         & help='write 0., or remove *FRICTION, if sliding without friction is meant')
-   end subroutine read_friction
+      if (rubbed) call complain(log, 'E0205', 'interaction `'//interaction%name &
+         & //'` has a second *FRICTION', block%at)
+      rubbed = .true.
+      call read_friction(interaction%friction, block, log)
+   end subroutine take_friction
 
    subroutine read_behaviour(interaction, block, log)
       type(interaction_type), intent(inout) :: interaction

@@ -8,6 +8,7 @@ module lopin_build_materials
    use lopin_finite_elastic, only : neo_hooke_law, elastic_constants
    use lopin_block, only : deck_type, block_type, field_type, split_fields, field_real, &
       & complain, line_place, has_parameter
+   use lopin_build_plastic, only : read_plastic
    use lopin_build_scene, only : need_real, scene_type, name_type, need_word, get_word, &
       & set_named, find_name, no_such
    implicit none
@@ -52,6 +53,10 @@ contains
             case ('HYPERELASTIC')
                if (is_open(open, block, model%log)) call read_hyperelastic( &
                   & model%material(size(model%material)), block, model%log)
+            case ('PLASTIC')
+               if (is_open(open, block, &
+                  & model%log)) call read_plastic(model%material(size(model%material)), block, &
+                  & model%log)
             case ('DENSITY')
                if (.not. is_open(open, block, model%log)) cycle
                associate (rho => model%material(size(model%material))%density)

@@ -21,6 +21,8 @@ module lopin_build_model
    use lopin_build_contact, only : build_pairs
    use lopin_build_amplitudes, only : build_amplitudes
    use lopin_build_steps, only : build_steps
+   use lopin_build_changes, only : build_changes
+   use lopin_settle_friction, only : settle_friction
    implicit none
    private
    public :: new_model
@@ -57,6 +59,8 @@ contains
       call build_pairs(model, deck, scene)
       call build_amplitudes(model, deck, scene, absolute)
       call build_steps(model, deck, scene, absolute)
+      call build_changes(model, deck, scene)
+      if (model%log%count_of(severity%error) == 0) call settle_friction(model)
       call check_units(model)
       call raise_all(error, error_code%deck, model%log)
    end subroutine new_model

@@ -182,6 +182,7 @@ contains
             & //' is negative', field(i)%at, help='initial, period, smallest, largest')
       end do
       given = given .and. value > 0.0_wp
+      step%timed = given(2)
       step%period = merge(value(2), 1.0_wp, given(2))
       step%initial = merge(value(1), step%period, given(1))
       if (step%initial > step%period) then

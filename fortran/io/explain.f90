@@ -4,6 +4,7 @@
 module lopin_explain
    use lopin_explanation, only : explanation_type
    use lopin_explain_deck, only : deck_explanations
+   use lopin_explain_friction, only : friction_explanations
    use lopin_explain_model, only : model_explanations
    use lopin_explain_run, only : run_explanations
    use lopin_text, only : upper
@@ -55,6 +56,7 @@ contains
       allocate (list(0))
       call deck_explanations(list)
       call model_explanations(list)
+      call friction_explanations(list)
       call run_explanations(list)
    end subroutine all_explanations
 

@@ -98,26 +98,6 @@ contains
          & 'TABULAR: one point a line, increasing.')
       call example(table, '*SURFACE INTERACTION, NAME=SMOOTH|*SURFACE BEHAVIOR, PENALTY|1.e6')
       call about(table, 'D, J')
-
-      call key(table, 'FRICTION', 'M', 'both', &
-         & 'Friction of a contact. This version has contact without friction: mu = 0 is accepted.')
-      call under(table, 'SURFACE INTERACTION,CHANGE FRICTION')
-      call later_flag(table, 'LAW', 'COULOMB, TRESCA, COULOMB-OROWAN, CRISTESCU, NORTON-HOFF, '// &
-         & 'AUTO.')
-      call later_flag(table, 'REGULARIZATION', 'LINEAR, NONE, ARCTAN, TANH, SQRT.')
-      call later_flag(table, 'EQUIVALENT', 'Which equivalent stress bounds the shear.')
-      call later_flag(table, 'ROUGH', 'No slip at all.')
-      call later_flag(table, 'EXPONENTIAL DECAY', 'From static to kinetic friction.')
-      call flag(table, 'LAGRANGE', 'Exact stick; nothing to do at mu = 0.')
-      call number(table, 'TAUMAX', '', 'Largest shear; nothing to do at mu = 0 [stress].')
-      call number(table, 'ELASTIC SLIP', '', 'Slip before sliding; nothing to do at mu = 0 '// &
-         & '[length].')
-      call number(table, 'SLIP TOLERANCE', '0.005', 'Elastic slip as a fraction of a facet; '// &
-         & 'nothing to do at mu = 0.')
-      call data_line(table, 'mu = 0, stick slope [stress/length]', &
-         & 'A second value on a single line is the stick slope of CalculiX.')
-      call example(table, '*SURFACE INTERACTION, NAME=SMOOTH|*FRICTION|0.')
-      call about(table, 'E')
    end subroutine add_interaction
 
    subroutine add_controls(table)

@@ -65,7 +65,6 @@ contains
    subroutine add_later_materials(table)
       type(keyword_table_type), intent(inout) :: table
 
-      call later(table, 'PLASTIC', 'plasticity')
       call later(table, 'VISCOPLASTIC', 'viscoplasticity')
       call later(table, 'RATE DEPENDENT', 'rate dependent yielding')
       call later(table, 'CREEP', 'creep')
@@ -99,9 +98,7 @@ contains
       call later(table, 'CONTACT', 'general contact (*CONTACT PAIR exists)')
       call later(table, 'CONTACT INCLUSIONS', 'general contact (*CONTACT PAIR exists)')
       call later(table, 'CONTACT PROPERTY ASSIGNMENT', 'general contact (*CONTACT PAIR exists)')
-      call later(table, 'CHANGE FRICTION', 'friction')
       call later(table, 'CONTACT INTERFERENCE', 'shrink fits given in a step')
-      call later(table, 'MODEL CHANGE', 'removing and adding parts of a model')
       call later(table, 'CONTACT DAMPING', 'contact damping')
       call later(table, 'GAP CONDUCTANCE', 'heat conduction')
       call later(table, 'GAP HEAT GENERATION', 'heat conduction')

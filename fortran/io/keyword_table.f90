@@ -11,7 +11,7 @@ module lopin_keyword_table
    private
    public :: keyword_type, keyword_parameter_type, keyword_field_type, keyword_table_type
    public :: status_of, key, flag, word, number, whole, choice, ignored_flag, later_flag
-   public :: bare_value, required, known_as, refuses, replaces, missing_means, data_line, free_text
+   public :: bare_value, required, known_as, refuses, replaces, respells, missing_means, data_line, free_text
    public :: example, under, about, find_keyword, find_parameter, suggest_keyword, suggest_parameter
 
    type :: statuses
@@ -27,6 +27,7 @@ module lopin_keyword_table
       character(len=:), allocatable :: choices     !! allowed values, separated by commas
       character(len=:), allocatable :: refused     !! values known but not yet there
       character(len=:), allocatable :: replaced    !! values of other codes, read as the default
+      character(len=:), allocatable :: misspelt    !! values of the seed, `AS IT IS=AS IT SHOULD BE`
       character(len=:), allocatable :: default     !! value when absent; '' if none
       character(len=:), allocatable :: bare        !! value when written without; '': needs one
       character(len=:), allocatable :: aliases     !! other spellings, separated by commas
@@ -172,6 +173,7 @@ contains
       new%choices = ''
       new%refused = ''
       new%replaced = ''
+      new%misspelt = ''
       new%bare = ''
       new%aliases = ''
       new%missing = ''
@@ -219,6 +221,15 @@ contains
          row%parameter(size(row%parameter))%replaced = values
       end associate
    end subroutine replaces
+
+   !> Another spelling of a value of the last parameter, read as that value with a note.
+   subroutine respells(table, pairs)
+      type(keyword_table_type), intent(inout) :: table
+      character(len=*), intent(in) :: pairs   !! `WRONG=RIGHT`, separated by commas
+      associate (row => table%row(table%n))
+         row%parameter(size(row%parameter))%misspelt = pairs
+      end associate
+   end subroutine respells
 
    subroutine missing_means(table, sentence)
       type(keyword_table_type), intent(inout) :: table

@@ -1,6 +1,7 @@
 !> What a deck may say: the whole table, and its sheets for the terminal and the manual.
 module lopin_keywords
    use lopin_keyword_rows_contact, only : add_contact_rows
+   use lopin_keyword_rows_friction, only : add_friction_rows
    use lopin_keyword_rows_model, only : add_model_rows
    use lopin_keyword_rows_other, only : add_other_rows
    use lopin_keyword_rows_step, only : add_step_rows
@@ -21,6 +22,7 @@ contains
 
       call add_model_rows(table)
       call add_contact_rows(table)
+      call add_friction_rows(table)
       call add_step_rows(table)
       call add_other_rows(table)
    end subroutine new_keyword_table
@@ -168,6 +170,7 @@ contains
       if (len(parameter%refused) > 0) text = text//' Not yet: '//spaced(parameter%refused)//'.'
       if (len(parameter%replaced) > 0) text = text//' Read as the default: '// &
          & spaced(parameter%replaced)//'.'
+      if (len(parameter%misspelt) > 0) text = text//' Respelt: '//spaced(parameter%misspelt)//'.'
       if (parameter%status == status_of%ignored) text = text//' Read past, with a note.'
       if (parameter%status == status_of%later) text = text//' Not yet.'
       text = text//nl

@@ -10,7 +10,8 @@ module lopin_validate
       & status_of, find_keyword, find_parameter, suggest_keyword, suggest_parameter
    use lopin_keywords, only : new_keyword_table
    use lopin_place, only : place_type, enter, leave_deck
-   use lopin_text, only : upper, without_blanks, quoted, parse_real, parse_integer
+   use lopin_text, only : upper, without_blanks, quoted, parse_real, parse_integer, &
+      & nearest_word
    use lopin_kinds, only : wp
    use lopin_validate_data, only : check_data
    use lopin_word_list, only : in_list, list_item, list_size
@@ -220,6 +221,7 @@ contains
       character(len=:), allocatable :: label, help
       integer :: i
 
+      call respell(parameter, rule, log)
       do i = 1, list_size(rule%choices)
          if (without_blanks(upper(parameter%value)) /= without_blanks(list_item(rule%choices, &
             & i))) cycle
@@ -242,10 +244,45 @@ contains
             & rule%default//' is used', parameter%value_at)
          parameter%value = rule%default
       else
+         label = nearest_word(parameter%value, choices_of(rule))
+         if (len(label) > 0) then
+            label = 'did you mean '//label//' ?'
+         else
+            label = 'unknown value'
+         end if
          call complain(log, 'E0106', quoted(parameter%value)//' is not a value of '//shown, &
-            & parameter%value_at, label='unknown value', help=help)
+            & parameter%value_at, label=label, help=help)
       end if
    end subroutine check_choice
+
+   !> A known misspelling of a value becomes that value.
+   subroutine respell(parameter, rule, log)
+      type(parameter_type), intent(inout) :: parameter
+      type(keyword_parameter_type), intent(in) :: rule
+      type(log_type), intent(inout) :: log
+      character(len=:), allocatable :: pair
+      integer :: i, k
+
+      do i = 1, list_size(rule%misspelt)
+         pair = list_item(rule%misspelt, i)
+         k = index(pair, '=')
+         if (without_blanks(upper(parameter%value)) /= without_blanks(pair(:k - 1))) cycle
+         call note_once(log, 'N0105', quoted(parameter%value)//' is read as '//pair(k + 1:), &
+            & parameter%value_at)
+         parameter%value = pair(k + 1:)
+         return
+      end do
+   end subroutine respell
+
+   pure function choices_of(rule) result(list)
+      type(keyword_parameter_type), intent(in) :: rule
+      character(len=64) :: list(list_size(rule%choices))
+      integer :: i
+
+      do i = 1, size(list)
+         list(i) = list_item(rule%choices, i)
+      end do
+   end function choices_of
 
    !> Letters outside 7-bit ASCII stand in comments and titles only.
    subroutine check_letters(deck, number, log)

@@ -35,8 +35,6 @@ contains
       select case (known%name)
       case ('ELASTIC')
          call check_elastic(block, log)
-      case ('FRICTION')
-         call check_friction(block, log)
       case ('CONTACT PAIR')
          call check_pair(block, log)
       end select
@@ -149,31 +147,6 @@ contains
             & quoted(field(1)%text//', 0.'//field(3)%text))
       end do
    end subroutine check_elastic
-
-   !> Friction is read but only mu = 0 can be solved.
-   subroutine check_friction(block, log)
-      type(block_type), intent(in) :: block
-      type(log_type), intent(inout) :: log
-      type(field_type), allocatable :: field(:)
-      real(wp) :: mu
-      integer :: n, i
-      logical :: ok
-
-      do i = 1, block%nline
-         call split_fields(block%line(i), field, n)
-         call parse_real(field(1)%text, mu, ok)
-         if (.not. ok) cycle
-         if (mu > 0.0_wp) then
-            call complain(log, 'E0108', 'friction comes with a later version: mu = '// &
-               & field(1)%text, field(1)%at, &
-               & label='only 0 for now', help='without *FRICTION, or with mu = 0, the '// &
-               & 'surfaces slide freely')
-         else if (mu < 0.0_wp) then
-            call complain(log, 'E0106', 'a friction coefficient is not negative: '//field(1)%text, &
-               & field(1)%at)
-         end if
-      end do
-   end subroutine check_friction
 
    !> A pair needs two surfaces; the same one twice, or one alone, is self-contact.
    subroutine check_pair(block, log)

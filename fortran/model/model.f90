@@ -65,6 +65,8 @@ module lopin_model
       real(wp) :: c10 = 0.0_wp        !! *HYPERELASTIC, NEO HOOKE: half the shear modulus [stress]
       real(wp) :: d1 = 0.0_wp         !! 2 / bulk modulus [1/stress]
       real(wp) :: yield = 0.0_wp      !! first row of *PLASTIC, read by friction laws; 0: none [stress]
+      logical :: hardens = .false.    !! *PLASTIC has a row above the first
+      type(location_type) :: plastic_at
    end type material_type
 
    type :: section_type
@@ -217,6 +219,7 @@ module lopin_model
       logical :: ramp = .true.                          !! .false.: AMPLITUDE=STEP
       logical :: direct = .false.                       !! fixed increments
       logical :: nlgeom = .false.                       !! finite rotations and strains
+      logical :: timed = .false.                        !! the deck gives the period
       real(wp) :: initial = 1.0_wp, period = 1.0_wp, smallest = 0.0_wp, largest = 0.0_wp
       integer :: max_increments = 100
       type(prescribed_type), allocatable :: prescribed(:)

@@ -252,7 +252,7 @@ contains
          & 'PERTURBATION of *STEP is known but not yet there: it comes with a later version')
       call says('*STEP'//nl//'*STATIC, SOLVER=MUMPS'//nl//'*END STEP', 'E0108', &
          & 'SOLVER=MUMPS is known but not yet there: it comes with a later version')
-      call says('*PLASTIC', 'E0108', '*PLASTIC is known but not yet there: plasticity comes '// &
+      call says('*CREEP', 'E0108', '*CREEP is known but not yet there: creep comes '// &
          & 'with a later version')
       call says('*NSET, NSET=poinçon'//nl//'1', 'E0109', '`ç` is not a letter of the deck''s '// &
          & 'alphabet')
@@ -260,8 +260,10 @@ contains
       call says('*NSET, NSET="A'//nl//'1', 'E0111', 'a quote is opened but not closed')
       call says('*NODE, NSET=A, NSET=B', 'E0114', 'the parameter `NSET` is given twice')
       call says('*INCLUDE', 'E0105', '*INCLUDE names no file')
-      call says('*SURFACE INTERACTION, NAME=I'//nl//'*FRICTION'//nl//'0.1', 'E0108', &
-         & 'friction comes with a later version: mu = 0.1')
+      call says('*SURFACE INTERACTION, NAME=I'//nl//'*FRICTION, LAW=TRESKA'//nl//'0.1', 'E0106', &
+         & '`TRESKA` is not a value of LAW of *FRICTION')
+      call says('*FRICTION'//nl//'0.1', 'E0107', &
+         & '*FRICTION must follow *SURFACE INTERACTION or *CHANGE FRICTION')
       call says('*CONTACT PAIR, INTERACTION=I'//nl//'A, a', 'E0108', &
          & 'self-contact of surface `A` comes with a later version')
       call says('*MATERIAL'//nl, 'E0106', '*MATERIAL needs the parameter NAME')

@@ -127,13 +127,13 @@ contains
       call is_true('unit', index(text, 'mu = 0, stick slope [stress/length]') > 0)
       call keyword_sheet('FRICTON', text, found)
       call equal_text('meant', text, 'no keyword *FRICTON; did you mean *FRICTION ?')
-      call keyword_sheet('*PLASTIC', text, found)
-      call is_true('later', index(text, 'not yet there: for plasticity') > 0)
+      call keyword_sheet('*CREEP', text, found)
+      call is_true('later', index(text, 'not yet there: for creep') > 0)
 
       call test('the manual holds every keyword')
       text = keyword_manual()
       call is_true('first', index(text, '## `*HEADING`') > 0)
-      call is_true('later', index(text, '| `*PLASTIC` |') > 0)
+      call is_true('later', index(text, '| `*CREEP` |') > 0)
    end subroutine sheets
 
    subroutine lists()

@@ -1,0 +1,119 @@
+!> What a step changes of contact: *CHANGE FRICTION and *MODEL CHANGE, TYPE=CONTACT PAIR.
+module lopin_build_changes
+   use lopin_error, only : location_type
+   use lopin_text, only : upper
+   use lopin_model, only : model_type, friction_change_type, pair_change_type
+   use lopin_block, only : deck_type, block_type, field_type, split_fields, complain, &
+      & has_parameter, line_place
+   use lopin_build_friction, only : read_friction
+   use lopin_build_scene, only : scene_type, name_type, need_word, find_name, no_such
+   use lopin_build_surfaces, only : surface_named
+   implicit none
+   private
+   public :: build_changes
+
+contains
+
+   subroutine build_changes(model, deck, scene)
+      type(model_type), intent(inout) :: model
+      type(deck_type), intent(in) :: deck
+      type(scene_type), intent(in) :: scene
+      integer :: s
+
+      do s = 1, size(model%step)
+         allocate (model%step(s)%friction_change(0), model%step(s)%pair_change(0))
+         call changes_of_step(model, deck, scene, s)
+      end do
+   end subroutine build_changes
+
+   subroutine changes_of_step(model, deck, scene, s)
+      type(model_type), intent(inout) :: model
+      type(deck_type), intent(in) :: deck
+      type(scene_type), intent(in) :: scene
+      integer, intent(in) :: s
+      type(friction_change_type) :: change
+      integer :: k
+      logical :: waiting
+
+      waiting = .false.
+      do k = 1, scene%ncard
+         if (scene%card(k)%step /= s) cycle
+         associate (block => deck%block(scene%card(k)%block))
+            select case (block%keyword)
+            case ('CHANGE FRICTION')
+               if (waiting) call without_friction(change%at)
+               call open_change(change, block)
+               waiting = .true.
+            case ('FRICTION')
+               waiting = .false.
+               call read_friction(change%friction, block, model%log)
+               if (change%interaction > 0) model%step(s)%friction_change = &
+                  & [model%step(s)%friction_change, change]
+            case ('MODEL CHANGE')
+               call change_pairs(model, scene, block, scene%card(k)%scope, s)
+            end select
+         end associate
+      end do
+      if (waiting) call without_friction(change%at)
+   contains
+      subroutine without_friction(at)
+         type(location_type), intent(in) :: at
+         call complain(model%log, 'E0306', '*CHANGE FRICTION is not followed by *FRICTION', at)
+      end subroutine without_friction
+
+      subroutine open_change(change, block)
+         type(friction_change_type), intent(out) :: change
+         type(block_type), intent(in) :: block
+         type(name_type), allocatable :: names(:)
+         character(len=:), allocatable :: word
+         type(location_type) :: at
+         integer :: i
+         logical :: found
+
+         change%at = block%at
+         call need_word(block, 'INTERACTION', word, at, found, model%log)
+         if (.not. found) return
+         allocate (names(size(model%interaction)))
+         do i = 1, size(names)
+            names(i)%text = model%interaction(i)%name
+         end do
+         change%interaction = find_name(names, word)
+         if (change%interaction == 0) call no_such(model%log, 'surface interaction', word, names, &
+            & at)
+      end subroutine open_change
+   end subroutine changes_of_step
+
+   subroutine change_pairs(model, scene, block, scope, s)
+      type(model_type), intent(inout) :: model
+      type(scene_type), intent(in) :: scene
+      type(block_type), intent(in) :: block
+      integer, intent(in) :: scope, s
+      type(pair_change_type) :: change
+      type(field_type), allocatable :: field(:)
+      integer :: j, n, slave, master
+      logical :: add
+
+      add = has_parameter(block, 'ADD')
+      if (add .eqv. has_parameter(block, 'REMOVE')) call complain(model%log, 'E0106', &
+         & '*MODEL CHANGE needs one of ADD and REMOVE', block%at)
+      if (block%nline == 0) call complain(model%log, 'E0304', '*MODEL CHANGE names no pair', &
+         & block%at, help='a line with the slave surface and the master surface')
+      do j = 1, block%nline
+         call split_fields(block%line(j), field, n)
+         change%at = line_place(block%line(j))
+         if (n < 2) n = 1
+         slave = surface_named(model, scene, field(1)%text, scope, field(1)%at)
+         master = surface_named(model, scene, field(n)%text, scope, field(n)%at)
+         if (slave == 0 .or. master == 0) cycle
+         change%active = add
+         change%pair = findloc(model%pair%slave == slave .and. model%pair%master == master, &
+            & .true., dim=1)
+         if (change%pair == 0) then
+            call complain(model%log, 'E0304', upper(field(1)%text)//', '//upper(field(n)%text)// &
+               & ' is no contact pair', change%at, help='slave, master, as in *CONTACT PAIR')
+         else
+            model%step(s)%pair_change = [model%step(s)%pair_change, change]
+         end if
+      end do
+   end subroutine change_pairs
+end module lopin_build_changes

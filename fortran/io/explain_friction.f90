@@ -1,0 +1,41 @@
+!> Explanations of the codes of friction.
+module lopin_explain_friction
+   use lopin_explanation, only : explanation_type, add_explanation
+   implicit none
+   private
+   public :: friction_explanations
+
+contains
+
+   subroutine friction_explanations(list)
+      type(explanation_type), allocatable, intent(inout) :: list(:)
+
+      call add_explanation(list, 'E0321', 'a number of friction is out of range', &
+         & 'Coefficients, slopes and decays are not negative; the shear factor m and the '// &
+         & 'exponent q of Norton-Hoff are between 0 and 1; alpha, TAUMAX, ELASTIC SLIP and V0 '// &
+         & 'are positive.', 'see `lopin doc ''*FRICTION''` for the order of the data.')
+      call add_explanation(list, 'E0322', 'a law of friction lacks its material', &
+         & 'TRESCA and COULOMB-OROWAN bound the shear by a share of the yield stress of the '// &
+         & 'slave: m sigma_y / sqrt 3. It is the first row of *PLASTIC. With LAW=AUTO the '// &
+         & 'materials of one interaction must lead to one law.', &
+         & 'add *PLASTIC to the material, or bound the shear by TAUMAX.')
+      call add_explanation(list, 'E0323', 'words of *FRICTION that contradict each other', &
+         & 'Some words exclude each other, as ROUGH and a law, and some need another, as a '// &
+         & 'regularisation needs the slip or the speed at which it bends.', &
+         & 'the message names the words.')
+      call add_explanation(list, 'E0324', 'a change of contact that cannot be solved yet', &
+         & 'The deck is right, but no way of solution of this version follows this friction or '// &
+         & 'this change of pairs.', 'take it out of the deck, or wait for the next version.')
+      call add_explanation(list, 'W0321', 'a coefficient of friction above 1', &
+         & 'Coefficients run from 0 (lubricated) to 1 (dry) in forming; larger ones exist, and '// &
+         & 'so do coefficients written in percent.', 'check it.')
+      call add_explanation(list, 'W0322', 'a law of the speed of slip without a scale of time', &
+         & 'Norton-Hoff, V0 and EXPONENTIAL DECAY need the speed of slip. A step whose *STATIC '// &
+         & 'gives no period lasts 1 by default, so that the speed is what the unit of time '// &
+         & 'makes of it.', 'write initial increment and period after *STATIC.')
+      call add_explanation(list, 'N0321', 'the law that LAW=AUTO chose', &
+         & 'An elastic slave rubs by Coulomb, a perfectly plastic one by Tresca, a hardening '// &
+         & 'one by Cristescu, a viscoplastic one by Norton-Hoff: each with what it needs and no '// &
+         & 'more.', 'write LAW= to have another one.')
+   end subroutine friction_explanations
+end module lopin_explain_friction
