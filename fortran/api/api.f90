@@ -5,6 +5,7 @@
 module lopin_api
    use lopin_probes, only : cell_functions, facet_projection, tool_gaps, skyline_solution, &
       & contact_forces, moduli, element_stiffness
+   use lopin_probes_friction, only : friction_tractions
    use lopin_session, only : session_type, deck_text_type, new_session, keep_session, &
       & forget_session, session_text, session_real, session_integer
    implicit none
@@ -12,7 +13,7 @@ module lopin_api
    public :: run_deck, check_deck, close_session
    public :: text_length, copy_text, result_shape, get_real, get_integer
    public :: probe_shape, probe_project, probe_tool_gap, probe_skyline_solve, probe_contact
-   public :: probe_hooke, probe_stiffness, echo
+   public :: probe_hooke, probe_stiffness, probe_friction, echo
 
 contains
 
@@ -215,4 +216,15 @@ contains
       integer, intent(out) :: code
       call element_stiffness(word, formulation, x, elastic, thickness, k, code)
    end subroutine probe_stiffness
+
+   subroutine probe_friction(law, regularization, data, condition, stiffness, argument, pressure, &
+      & n, answer, code)
+      character(len=*), intent(in) :: law, regularization
+      integer, intent(in) :: n
+      double precision, intent(in) :: data(9), condition(4), stiffness, argument(n), pressure(n)
+      double precision, intent(out) :: answer(3, n)
+      integer, intent(out) :: code
+      call friction_tractions(law, regularization, data, condition, stiffness, argument, pressure, &
+         & answer, code)
+   end subroutine probe_friction
 end module lopin_api

@@ -1,0 +1,55 @@
+!> The laws of friction on plain arrays, for comparison with independent references.
+module lopin_probes_friction
+   use lopin_error, only : error_code
+   use lopin_friction, only : friction_type, condition_type, law_of, law_number, &
+      & regularization_of, regularization_number, return_to_disc, regularised_traction
+   use lopin_kinds, only : wp
+   implicit none
+   private
+   public :: friction_tractions
+
+contains
+
+   !> Tractions and their slopes at many points.
+   subroutine friction_tractions(law_word, regularization_word, data, condition, stiffness, &
+      & argument, pressure, answer, code)
+      character(len=*), intent(in) :: law_word, regularization_word   !! of the deck
+      real(wp), intent(in) :: data(:)   !! mu, mu static, decay, m, alpha, q, TAUMAX, u0, v0
+      real(wp), intent(in) :: condition(:)         !! yield stress, von Mises stress, dt, speed
+      real(wp), intent(in) :: stiffness            !! of the return [stress/length]
+      real(wp), intent(in) :: argument(:)   !! LINEAR: trial [stress]; else slip [length]; >= 0
+      real(wp), intent(in) :: pressure(:)          !! [stress]
+      real(wp), intent(out) :: answer(:, :)   !! (3, n) traction, slope in argument, in pressure
+      integer, intent(out) :: code
+      type(friction_type) :: law
+      type(condition_type) :: at
+      logical :: slips
+      integer :: i
+
+      answer = 0.0_wp
+      code = error_code%usage
+      law%law = law_number(law_word)
+      law%regularization = regularization_number(regularization_word)
+      if (law%law <= law_of%none .or. law%regularization == 0) return
+      code = 0
+      law%mu = data(1)
+      law%mu_static = data(2)
+      law%decay = data(3)
+      law%m = data(4)
+      law%alpha = data(5)
+      law%q = data(6)
+      law%tau_max = data(7)
+      law%elastic_slip = data(8)
+      law%v0 = data(9)
+      at = condition_type(condition(1), condition(2), condition(3), condition(4))
+      do i = 1, size(argument)
+         if (law%regularization == regularization_of%linear) then
+            call return_to_disc(law, argument(i), stiffness, pressure(i), at, answer(1, i), &
+               & answer(2, i), answer(3, i), slips)
+         else
+            call regularised_traction(law, argument(i), pressure(i), at, answer(1, i), &
+               & answer(2, i), answer(3, i))
+         end if
+      end do
+   end subroutine friction_tractions
+end module lopin_probes_friction
