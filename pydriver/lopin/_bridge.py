@@ -212,20 +212,23 @@ def probe_stiffness(word: str, x: ArrayLike, young: float, poisson: float, *,
     return stiffness
 
 
-def probe_friction(law: str, argument: ArrayLike, pressure: ArrayLike, *, regularization: str = "LINEAR",
-                   stiffness: float = 1.0, yield_stress: float = 0.0, mises: float = 0.0, dt: float = 1.0,
+def probe_friction(law: str, argument: ArrayLike, pressure: ArrayLike, *,
+                   regularization: str = "LINEAR", stiffness: float = 1.0,
+                   yield_stress: float = 0.0, mises: float = 0.0, dt: float = 1.0,
                    speed: float = 0.0, **data: float) -> NDArray:
     """Traction, its slope in the argument and in the pressure, (3, point), of a law of friction.
 
-    `argument`: the trial traction, or the slip of a regularised law. `data`: mu, mu_static, decay, m,
-    alpha, q, tau_max, elastic_slip, v0.
+    `argument`: the trial traction, or the slip of a regularised law. `data`: mu, mu_static, decay,
+    m, alpha, q, tau_max, elastic_slip, v0.
     """
     names = ("mu", "mu_static", "decay", "m", "alpha", "q", "tau_max", "elastic_slip", "v0")
     numbers = {name: 0.0 for name in names} | {"tau_max": np.finfo(float).max} | data
-    argument, pressure = np.broadcast_arrays(np.atleast_1d(np.asarray(argument, float)), np.asarray(pressure, float))
+    argument, pressure = np.broadcast_arrays(np.atleast_1d(np.asarray(argument, float)),
+                                             np.asarray(pressure, float))
     answer, code = core().probe_friction(
         law=law, regularization=regularization, data=[numbers[name] for name in names],
-        condition=[yield_stress, mises, dt, speed], stiffness=stiffness, argument=argument, pressure=pressure)
+        condition=[yield_stress, mises, dt, speed], stiffness=stiffness, argument=argument,
+        pressure=pressure)
     _answered(code, f"no law of friction '{law}' with regularisation '{regularization}'")
     return answer
 
