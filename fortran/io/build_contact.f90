@@ -12,7 +12,7 @@ module lopin_build_contact
    use lopin_build_surfaces, only : surface_named
    implicit none
    private
-   public :: build_pairs
+   public :: build_pairs, check_sides
 
 contains
 
@@ -86,10 +86,10 @@ contains
    !> Where surface to surface cannot be what it says.
    subroutine note_nodes(model, pair)
       type(model_type), intent(inout) :: model
-      type(pair_type), intent(inout) :: pair
+      type(pair_type), intent(in) :: pair
       character(len=:), allocatable :: why
 
-      if (.not. pair%surface_to_surface) return
+      if (.not. pair%surface_to_surface .or. pair%tied) return
       if (model%surface(pair%slave)%kind == surface_of%nodes) then
          why = 'its slave is made of nodes'
       else if (model%mesh%ndim == 3 .and. model%surface(pair%master)%kind == surface_of%faces) then
@@ -97,7 +97,6 @@ contains
       else
          return
       end if
-      pair%surface_to_surface = .false.
       call model%log%say(severity%note, 'N0304', 'a pair of surface to surface is read as NODE '// &
          & 'TO SURFACE: '//why, pair%at)
    end subroutine note_nodes
@@ -123,12 +122,14 @@ contains
          pair%interaction = find_name(names, word)
          if (pair%interaction == 0) call no_such(model%log, 'surface interaction', word, names, at)
       end if
-      call get_word(block, 'TYPE', word, at, found)
-      pair%surface_to_surface = found .and. word /= 'NODE TO SURFACE'
       pair%small_sliding = has_parameter(block, 'SMALL SLIDING')
       pair%tied = has_parameter(block, 'TIED')
       if (pair%interaction > 0) pair%tied = pair%tied &
          & .or. model%interaction(pair%interaction)%overclosure == overclosure_of%tied
+      ! Glue holds whole surfaces unless the deck asks for nodes.
+      call get_word(block, 'TYPE', word, at, found)
+      pair%surface_to_surface = pair%tied
+      if (found) pair%surface_to_surface = word /= 'NODE TO SURFACE'
       call read_number(block, 'EXTENSION ZONE', pair%extension, model%log)
       if (pair%extension < 0.0_wp .or. pair%extension > 0.2_wp) then
          call get_word(block, 'EXTENSION ZONE', word, at, found)

@@ -19,6 +19,7 @@ module lopin_build_model
    use lopin_build_transforms, only : build_transforms
    use lopin_build_interactions, only : build_interactions
    use lopin_build_contact, only : build_pairs
+   use lopin_build_ties, only : build_ties
    use lopin_build_amplitudes, only : build_amplitudes
    use lopin_build_steps, only : build_steps
    use lopin_build_changes, only : build_changes
@@ -57,6 +58,7 @@ contains
       call build_transforms(model, deck, scene)
       call build_interactions(model, deck, scene)
       call build_pairs(model, deck, scene)
+      call build_ties(model, deck, scene)
       call build_amplitudes(model, deck, scene, absolute)
       call build_steps(model, deck, scene, absolute)
       call build_changes(model, deck, scene)

@@ -35,7 +35,7 @@ contains
          & 'Moves slave nodes on the master without strain: those that penetrate and those '// &
          & 'nearer than a distance, or the nodes of a set; YES: only those that penetrate.')
       call bare_value(table, 'YES')
-      call flag(table, 'TIED', 'The surfaces stay glued.')
+      call flag(table, 'TIED', 'The surfaces stay glued; by mortar unless TYPE says otherwise.')
       call number(table, 'EXTENSION ZONE', '0.1', 'Extension of open master edges, fraction '// &
          & 'of a facet, 0 to 0.2.')
       call flag(table, 'NO THICKNESS', 'Shell thickness does not count; accepted.')
@@ -45,6 +45,25 @@ contains
       call data_line(table, 'slave surface, master surface', 'One pair a line.')
       call example(table, '*CONTACT PAIR, INTERACTION=SMOOTH, TYPE=NODE TO SURFACE|TOP, PUNCH')
       call about(table, 'D, H')
+
+      call key(table, 'TIE', 'MA', 'both', 'Glues two surfaces whose meshes need not match: '// &
+         & 'slave, then master.')
+      call word(table, 'NAME', 'Name of the tie.')
+      call required(table)
+      call choice(table, 'TYPE', 'SURFACE TO SURFACE,NODE TO SURFACE', 'SURFACE TO SURFACE', &
+         & 'Dual mortar, exact for uniform stress, or each slave node on its own; in 3D and '// &
+         & 'against rigid tools at the nodes in both.')
+      call number(table, 'POSITION TOLERANCE', '', 'Ties what is nearer than this, or than half '// &
+         & 'a slave facet [length].')
+      call choice(table, 'ADJUST', 'YES,NO', 'YES', 'Accepted: gaps are bridged without strain '// &
+         & 'either way.')
+      call bare_value(table, 'YES')
+      call flag(table, 'NO ROTATION', 'Solids have no rotations; accepted.')
+      call flag(table, 'NO THICKNESS', 'Shell thickness does not count; accepted.')
+      call later_flag(table, 'CYCLIC SYMMETRY', 'Sectors.')
+      call data_line(table, 'slave surface, master surface', 'One pair a line.')
+      call example(table, '*TIE, NAME=GLUE|LINING, BODY')
+      call about(table, 'D.3')
 
       call key(table, 'CLEARANCE', 'MA', 'both', 'Replaces every initial gap of a pair by one '// &
          & 'value.')

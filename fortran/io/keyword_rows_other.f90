@@ -93,7 +93,6 @@ contains
    subroutine add_later_mechanics(table)
       type(keyword_table_type), intent(inout) :: table
 
-      call later(table, 'TIE', 'tied surfaces (*CONTACT PAIR, TIED exists)')
       call later(table, 'SELF CONTACT', 'self-contact')
       call later(table, 'CONTACT', 'general contact (*CONTACT PAIR exists)')
       call later(table, 'CONTACT INCLUSIONS', 'general contact (*CONTACT PAIR exists)')

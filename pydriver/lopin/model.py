@@ -87,10 +87,11 @@ class Model:
     def contact(self, slave: str, master: str | Tool, method: str | Lagrange = "lagrange", *,
                 adjust: float | None = None, small_sliding: bool = False, tied: bool = False,
                 no_separation: bool = False, clearance: float | None = None,
-                surface_to_surface: bool = False) -> None:
+                surface_to_surface: bool | None = None) -> None:
         """Two surfaces that may touch; the slave is the softer or finer one.
 
-        `surface_to_surface`: dual mortar, exact for uniform pressure on meshes that do not match.
+        `surface_to_surface`: dual mortar, exact for uniform pressure on meshes that do not match;
+        unless told, tied surfaces have it.
         """
         self._known(slave, "surface")
         if isinstance(master, str):
@@ -99,7 +100,7 @@ class Model:
             "slave": slave, "master": master.name if isinstance(master, Tool) else master,
             "method": method_of(method), "adjust": adjust, "small_sliding": small_sliding,
             "tied": tied, "no_separation": no_separation, "clearance": clearance,
-            "type": "SURFACE TO SURFACE" if surface_to_surface else "NODE TO SURFACE"})
+            "surface_to_surface": tied if surface_to_surface is None else surface_to_surface})
 
     def fix(self, points: str | Tool, *directions: str | int) -> None:
         """Hold the points of a set, for the whole run."""

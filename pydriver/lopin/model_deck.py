@@ -80,7 +80,8 @@ def _write_contact(deck: Deck, number: int, contact: dict) -> None:
     deck.add("SURFACE INTERACTION", name=name)
     contact["method"].add_to(deck, no_separation=contact["no_separation"])
     deck.add("CONTACT PAIR", [[pair["slave"], pair["master"]]], interaction=name,
-             type=contact["type"], adjust=contact["adjust"],
+             type="SURFACE TO SURFACE" if contact["surface_to_surface"] else "NODE TO SURFACE",
+             adjust=contact["adjust"],
              small_sliding=contact["small_sliding"], tied=contact["tied"])
     controls = contact["method"].controls()
     if controls:
