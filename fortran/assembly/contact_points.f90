@@ -30,8 +30,8 @@ module lopin_contact_points
       integer, allocatable :: node(:)         !! (n) slave node
       integer, allocatable :: facet(:)   !! (n) facet of the master surface or segment of the tool;
                                          !! 0: none
-      integer, allocatable :: master(:, :)   !! (>= 8, n) nodes opposite, zeros behind the last; none
-                                             !! for a tool; may hold slave nodes, see lopin_mortar
+      integer, allocatable :: master(:, :)   !! (>= 8, n) nodes opposite, zeros behind the last;
+                                             !! none for a tool; may hold slave nodes: lopin_mortar
       real(wp), allocatable :: shape(:, :)    !! (the same) their shares; sum 1
       real(wp), allocatable :: xi(:, :)       !! (2, n)
       real(wp), allocatable :: normal(:, :)   !! (3, n) out of the master

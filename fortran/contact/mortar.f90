@@ -30,7 +30,7 @@ module lopin_mortar
       real(wp), allocatable :: covered(:)    !! (n) D_j over that of the whole facets [-]
       integer, allocatable :: facet(:)       !! (n) master facet opposite most of it
       integer, allocatable :: first(:)       !! (n+1) rows of P
-      integer, allocatable :: other(:)       !! mesh nodes: masters; slave's own of transformed bases
+      integer, allocatable :: other(:)       !! mesh nodes: masters, own of transformed bases
       real(wp), allocatable :: p(:)          !! sum over a row is 1
    end type mortar_coupling_type
 

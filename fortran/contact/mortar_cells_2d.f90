@@ -40,17 +40,25 @@ module lopin_mortar_cells_2d
 contains
 
    !> The segment of two facets; `overlaps` is false where they share none or do not face.
-   pure subroutine integrate_segment(x, normal, y, axisymmetric, thickness, facing, segment)
-      type(dual_type), intent(in) :: x(:, :)        !! (2, 2 or 3) slave nodes [length]
+   pure subroutine integrate_segment(slave, normal, master, axisymmetric, thickness, facing, &
+      & segment)
+      type(dual_type), intent(in) :: slave(:, :)    !! (2, 2 or 3) its nodes [length]
       type(dual_type), intent(in) :: normal(:, :)   !! (2, the same) slave's outward unit normals
-      type(dual_type), intent(in) :: y(:, :)        !! (2, 2 or 3) master nodes [length]
+      type(dual_type), intent(in) :: master(:, :)   !! (2, 2 or 3) its nodes [length]
       logical, intent(in) :: axisymmetric
       real(wp), intent(in) :: thickness             !! not read if axisymmetric [length]
       real(wp), intent(in) :: facing                !! n_slave.n_master must be below this [-]
       type(segment_type), intent(out) :: segment
-      type(dual_type) :: half, middle
+      type(dual_type) :: x(2, size(slave, 2)), y(2, size(master, 2)), half, middle
+      real(wp) :: origin(2)
       integer :: k
 
+      ! About a node of the slave: gaps do not lose the digits of far coordinates.
+      origin = slave(:, 1)%v
+      do k = 1, 2
+         x(k, :) = slave(k, :) - origin(k)
+         y(k, :) = master(k, :) - origin(k)
+      end do
       ! The master runs the other way: its second node is the first met.
       call slave_parameter(x, normal, y(:, 2), segment%from)
       call slave_parameter(x, normal, y(:, 1), segment%to)
@@ -61,20 +69,21 @@ contains
       middle = 0.5_wp*(segment%to + segment%from)
       if (size(x, 2) > 2 .or. size(y, 2) > 2) then
          do k = 1, 5
-            call add_point(x, normal, y, axisymmetric, thickness, middle + half*gauss5(1, k), &
-               & half*gauss5(2, k), segment)
+            call add_point(x, normal, y, origin(1), axisymmetric, thickness, &
+               & middle + half*gauss5(1, k), half*gauss5(2, k), segment)
          end do
       else
          do k = 1, 3
-            call add_point(x, normal, y, axisymmetric, thickness, middle + half*gauss3(1, k), &
-               & half*gauss3(2, k), segment)
+            call add_point(x, normal, y, origin(1), axisymmetric, thickness, &
+               & middle + half*gauss3(1, k), half*gauss3(2, k), segment)
          end do
       end if
    end subroutine integrate_segment
 
    !> Add one integration point.
-   pure subroutine add_point(x, normal, y, axisymmetric, thickness, xi, weight, segment)
+   pure subroutine add_point(x, normal, y, axis, axisymmetric, thickness, xi, weight, segment)
       type(dual_type), intent(in) :: x(:, :), normal(:, :), y(:, :), xi, weight
+      real(wp), intent(in) :: axis                  !! radius of the origin [length]
       logical, intent(in) :: axisymmetric
       real(wp), intent(in) :: thickness
       type(segment_type), intent(inout) :: segment
@@ -92,7 +101,7 @@ contains
       gap = (opposite(1)*nu(1) + opposite(2)*nu(2))/sqrt(nu(1)*nu(1) + nu(2)*nu(2))
       area = weight*sqrt(tangent(1)*tangent(1) + tangent(2)*tangent(2))
       if (axisymmetric) then
-         area = area*place(1)*(2.0_wp*pi)
+         area = area*(place(1) + axis)*(2.0_wp*pi)
       else
          area = area*thickness
       end if
