@@ -209,14 +209,15 @@ contains
 
       eta = constant(0.0_wp)
       do step = 1, most_steps
+         eta = constant(eta%v)
          call line_shape(size(y, 2), eta, m, dm)
          way = combine(y, m) - place
          tangent = combine(y, dm)
          aside = way(1)*direction(2) - way(2)*direction(1)
          slope = tangent(1)*direction(2) - tangent(2)*direction(1)
          if (.not. abs(slope%v) > 0.0_wp) return
-         ! The step after the last one has the right slopes; on line2 that is the first.
-         eta = constant(eta%v) - aside/slope%v
+         ! At the root a step in dual numbers gives the slopes of the implicit function.
+         eta = eta - aside/slope%v
          if (step > 1 .and. abs(aside%v) <= 1.0e-15_wp*abs(slope%v)) exit
          if (abs(eta%v) > 3.0_wp) eta = constant(sign(1.0_wp, eta%v))
       end do
