@@ -9,7 +9,7 @@ module lopin_after_step
    use lopin_methods, only : has_law
    implicit none
    private
-   public :: seen_type, look_at_pairs, judge_step, say_once
+   public :: seen_type, look_at_pairs, judge_step, say_once, pair_that_slid
 
    !> Limits of small displacement: slip over facet, rotation [rad], strain [-].
    real(wp), parameter :: slip_limit = 0.25_wp, rotation_limit = 0.05_wp, strain_limit = 0.05_wp
@@ -47,6 +47,10 @@ contains
          allocate (self%closed(size(model%pair)), source=.false.)
          allocate (self%nearest(size(model%pair)), source=huge(1.0_wp))
       end if
+      if (scene%finite%in_use) then
+         call look_at_finite(self, scene)
+         return
+      end if
       do row = 1, scene%rows%n
          pair = scene%points%pair(scene%rows%point(row))
          self%closed(pair) = self%closed(pair) .or. scene%rows%tied(row) &
@@ -59,6 +63,20 @@ contains
          self%nearest(pair) = min(self%nearest(pair), gap_of(scene, model, i))
       end do
    end subroutine look_at_pairs
+
+   subroutine look_at_finite(self, scene)
+      type(seen_type), intent(inout) :: self
+      type(scene_type), intent(in) :: scene
+      integer :: i
+
+      associate (c => scene%finite%contact)
+         do i = 1, c%n
+            if (c%facet(i) == 0) cycle
+            self%closed(c%pair(i)) = self%closed(c%pair(i)) .or. c%status(i) > 0
+            self%nearest(c%pair(i)) = min(self%nearest(c%pair(i)), c%gap(i))
+         end do
+      end associate
+   end subroutine look_at_finite
 
    !> Say at the end of a step what its answer cannot be trusted in, and after the last what never
    !> met.
@@ -79,8 +97,8 @@ contains
                & help='look at units and positions if it was meant to touch')
          end do
       end if
-      call judge_slip(scene, model)
-      call judge_elements(scene, model)
+      if (.not. scene%finite%in_use) call judge_slip(scene, model)
+      if (.not. scene%finite%nlgeom) call judge_elements(scene, model)
    end subroutine judge_step
 
    !> Closed points that have slid far on their facet: the normal and the place are those of the
@@ -88,14 +106,49 @@ contains
    subroutine judge_slip(scene, model)
       type(scene_type), intent(inout) :: scene
       type(model_type), intent(in) :: model
-      real(wp) :: motion(3), slip, largest
-      integer :: row, point, worst
+      real(wp) :: largest
+      integer :: worst
+
+      call worst_slip(scene, model, [(.true., worst=1, size(model%pair))], worst, largest)
+      if (worst == 0) return
+      call say_once(scene%log, 'W0505', 'node '// &
+         & to_text(model%mesh%node_label(scene%points%node(worst)))// &
+         & ' has slid by '//to_text(nint(100.0_wp*largest))//' % of its facet in step '// &
+         & to_text(scene%step)// &
+         & ': contact is followed where the node was at the start', &
+         & model%pair(scene%points%pair(worst))%at, &
+         & help='the pressure is moved by as much: judge the answer by this distance, or '// &
+         & 'take *LOPIN, PATH=FINITE, which follows the slave')
+   end subroutine judge_slip
+
+   !> The pair without SMALL SLIDING whose points slid farther than the small theory bears; 0: none.
+   integer function pair_that_slid(scene, model) result(pair)
+      type(scene_type), intent(in) :: scene
+      type(model_type), intent(in) :: model
+      real(wp) :: largest
+      integer :: worst
+
+      call worst_slip(scene, model, .not. model%pair%small_sliding, worst, largest)
+      pair = 0
+      if (worst > 0) pair = scene%points%pair(worst)
+   end function pair_that_slid
+
+   !> The closed point of the asked pairs that slid farthest beyond the limit; 0: none did.
+   subroutine worst_slip(scene, model, asked, worst, largest)
+      type(scene_type), intent(in) :: scene
+      type(model_type), intent(in) :: model
+      logical, intent(in) :: asked(:)          !! (npair)
+      integer, intent(out) :: worst
+      real(wp), intent(out) :: largest         !! slip over facet
+      real(wp) :: motion(3), slip
+      integer :: row, point
 
       largest = slip_limit
       worst = 0
       do row = 1, scene%rows%n
          if (scene%rows%tied(row) .or. .not. scene%answer%force(row) > 0.0_wp) cycle
          point = scene%rows%point(row)
+         if (.not. asked(scene%points%pair(point))) cycle
          ! What a tool does itself is projected where it stands: there only the slave's own way
          ! counts.
          if (scene%points%tool(scene%points%pair(point)) > 0) then
@@ -110,16 +163,7 @@ contains
          largest = slip
          worst = point
       end do
-      if (worst == 0) return
-      call say_once(scene%log, 'W0505', 'node '// &
-         & to_text(model%mesh%node_label(scene%points%node(worst)))// &
-         & ' has slid by '//to_text(nint(100.0_wp*largest))//' % of its facet in step '// &
-         & to_text(scene%step)// &
-         & ': contact is followed where the node was at the start', &
-         & model%pair(scene%points%pair(worst))%at, &
-         & help='the pressure is moved by as much: coarsen the slave, or judge the answer by '// &
-         & 'this distance')
-   end subroutine judge_slip
+   end subroutine worst_slip
 
    function own_motion(scene, model, node) result(motion)
       type(scene_type), intent(in) :: scene

@@ -6,7 +6,11 @@ module lopin_finite_state
    use lopin_finite_system, only : finite_system_type
    implicit none
    private
-   public :: finite_state_type
+   public :: finite_state_type, add_line, iteration_header
+
+   !> What the columns of the lines are.
+   character(len=*), parameter :: iteration_header = '  it  equilibrium      contact   '// &
+      & 'correction     step   open  stick   slip  gmres'
 
    type :: finite_state_type
       logical :: in_use = .false.
@@ -25,5 +29,24 @@ module lopin_finite_state
       integer :: iterations = 0, augmentations = 0
       integer :: grounded = 0                  !! iterations on soft springs to the ground
       real(wp), allocatable :: history(:)      !! residual by iteration, beside the largest force
+      integer :: nline = 0
+      character(len=100), allocatable :: line(:)   !! what each iteration did, for the log
    end type finite_state_type
+contains
+
+   !> Keep a line for the log of the increment.
+   subroutine add_line(self, text)
+      type(finite_state_type), intent(inout) :: self
+      character(len=*), intent(in) :: text
+      character(len=100), allocatable :: more(:)
+
+      if (.not. allocated(self%line)) allocate (self%line(64))
+      if (self%nline == size(self%line)) then
+         allocate (more(2*self%nline))
+         more(:self%nline) = self%line
+         call move_alloc(more, self%line)
+      end if
+      self%nline = self%nline + 1
+      self%line(self%nline) = text
+   end subroutine add_line
 end module lopin_finite_state

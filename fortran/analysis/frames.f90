@@ -4,6 +4,7 @@ module lopin_frames
    use lopin_model, only : model_type
    use lopin_state, only : frame_type
    use lopin_recover_stress, only : recover_stress, average_to_nodes
+   use lopin_assemble_finite, only : recover_finite
    use lopin_recorder, only : wants_type
    use lopin_scene, only : scene_type, relative_motion, gap_of
    use lopin_methods, only : has_law
@@ -30,7 +31,11 @@ contains
       end if
       frame%first_point = scene%solids%first_point
       if (.not. (wants%stress .or. wants%strain .or. wants%nodal_stress)) return
-      call recover_stress(scene%solids, model%mesh, frame%u(:3, :), stress, strain)
+      if (scene%finite%nlgeom) then
+         call recover_finite(scene%solids, model%mesh, frame%u(:3, :), stress, strain)
+      else
+         call recover_stress(scene%solids, model%mesh, frame%u(:3, :), stress, strain)
+      end if
       if (wants%nodal_stress) then
          if (.not. allocated(frame%nodal_stress)) allocate (frame%nodal_stress(6, model%mesh%nnode))
          call average_to_nodes(scene%solids, model%mesh, stress, frame%nodal_stress)

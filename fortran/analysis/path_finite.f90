@@ -14,6 +14,8 @@ module lopin_path_finite
    use lopin_constraints, only : expand, reduce, prescribed_part, raw_displacement
    use lopin_finite_contact, only : new_finite_contact, start_increment, evaluate, augment
    use lopin_finite_system, only : set_tangent, put_on_ground, solve_step, apply_locals, as_forces
+   use lopin_finite_state, only : add_line
+   use lopin_assemble_finite, only : assemble_finite, bad_element_type
    use lopin_scene, only : scene_type
    implicit none
    private
@@ -87,6 +89,7 @@ contains
       scene%finite%multiplier = scene%finite%accepted_multiplier
       scene%finite%iterations = 0
       scene%finite%augmentations = 0
+      scene%finite%nline = 0
       call start_increment(scene%finite%contact, model, scene%u, scene%finite%dt, error)
       if (allocated(error)) return
       call scene%clock%stop_in(phase%search)
@@ -116,7 +119,7 @@ contains
       type(error_type), allocatable, intent(out) :: error
       type(look_type) :: look
       real(wp), allocatable :: step(:), jump(:)
-      real(wp) :: merits(memory), last
+      real(wp) :: merits(memory), last, share
       integer :: iteration
 
       merits = 0.0_wp
@@ -135,8 +138,9 @@ contains
          call find_step(scene, model, look, jump, step, error)
          if (allocated(error)) return
          call take_step(scene, model, f, v, prescribed, step, any(abs(jump) > 0.0_wp), &
-            & maxval(merits), look, last, error)
+            & maxval(merits), look, last, share, error)
          if (allocated(error)) return
+         call log_iteration(scene, look, iteration, last, share)
          jump = 0.0_wp
       end do
       call raise(error, error_code%not_converged, 'E0510', 'Newton has not converged in '// &
@@ -144,6 +148,25 @@ contains
          & /max(look%reference, tiny(1.0_wp)), 3)//' of the largest force', &
          & model%step(scene%step)%at, help='smaller increments on *STATIC')
    end subroutine newton
+
+   !> One line of the log: the three numbers, the share of the step taken, the points, GMRES.
+   subroutine log_iteration(scene, look, iteration, last, share)
+      type(scene_type), intent(inout) :: scene
+      type(look_type), intent(in) :: look
+      integer, intent(in) :: iteration
+      real(wp), intent(in) :: last, share
+      character(len=100) :: text
+      real(wp) :: reference
+
+      reference = max(look%reference, tiny(1.0_wp))
+      associate (c => scene%finite%contact)
+         write (text, '(i4,3(1x,es12.4),1x,f8.5,3(1x,i6),1x,i6)') iteration, &
+            & largest(look%free)/reference, largest(look%row)/reference, min(last, 9.0e99_wp), &
+            & share, count(c%status(:c%n) == 0), count(c%status(:c%n) == 1), &
+            & count(c%status(:c%n) == 2), scene%finite%system%krylov
+      end associate
+      call add_line(scene%finite, text)
+   end subroutine log_iteration
 
    !> The three dimensionless tests; the correction may stay large if the residual is all rounding.
    logical function settled(look, jump, iteration, last)
@@ -178,8 +201,8 @@ contains
       call scene%clock%stop_in(phase%solve)
       if (.not. allocated(look%internal)) allocate (look%internal(scene%dofs%n), &
          & look%free(scene%constraints%neq))
-      call internal_forces(scene, model, with_tangent, look%internal, look%inverted, error)
-      if (allocated(error) .or. look%inverted > 0) return
+      call internal_forces(scene, model, with_tangent, look%internal, look%inverted)
+      if (look%inverted > 0) return
       call scene%clock%stop_in(phase%assemble)
       call evaluate(scene%finite%contact, model, scene%u, scene%finite%multiplier, with_tangent, &
          & error)
@@ -212,24 +235,29 @@ contains
    end function of_rows
 
    !> Internal forces of the solids at the trial displacements, and their tangent in finite%k.
-   subroutine internal_forces(scene, model, with_tangent, internal, inverted, error)
+   subroutine internal_forces(scene, model, with_tangent, internal, inverted)
       type(scene_type), intent(inout) :: scene
       type(model_type), intent(in) :: model
       logical, intent(in) :: with_tangent
       real(wp), intent(out) :: internal(:)
       integer, intent(out) :: inverted
-      type(error_type), allocatable, intent(out) :: error
+
+      type(bad_element_type) :: bad
 
       inverted = 0
-      if (scene%finite%nlgeom) then
-         call raise(error, error_code%deck, 'E0108', 'NLGEOM is not in this version', &
-            & model%step(scene%step)%at)
+      if (.not. scene%finite%nlgeom) then
+         call scene%k%multiply(scene%u, internal)
+         scene%finite%energy = 0.5_wp*dot_product(scene%u, internal)
          return
       end if
-      associate (unused => with_tangent)
-         call scene%k%multiply(scene%u, internal)
-      end associate
-      scene%finite%energy = 0.5_wp*dot_product(scene%u, internal)
+      if (with_tangent) then
+         if (.not. allocated(scene%finite%k%value)) scene%finite%k = scene%k
+         call assemble_finite(scene%solids, model%mesh, scene%u, internal, scene%finite%energy, &
+            & bad, scene%finite%k)
+      else
+         call assemble_finite(scene%solids, model%mesh, scene%u, internal, scene%finite%energy, bad)
+      end if
+      inverted = bad%element
    end subroutine internal_forces
 
    !> The Newton direction for free equations and multipliers.
@@ -300,7 +328,7 @@ contains
    end subroutine limit_motion
 
    !> Take the step, shortened until the merit is acceptable; the best try if none is.
-   subroutine take_step(scene, model, f, v, prescribed, step, first, merit, look, size_, error)
+   subroutine take_step(scene, model, f, v, prescribed, step, first, merit, look, size_, share, error)
       type(scene_type), intent(inout) :: scene
       type(model_type), intent(in) :: model
       real(wp), intent(in) :: f(:)
@@ -310,44 +338,45 @@ contains
       real(wp), intent(in) :: merit            !! largest of the last few
       type(look_type), intent(inout) :: look
       real(wp), intent(out) :: size_           !! of the correction beside the displacements
+      real(wp), intent(out) :: share           !! of the step that was taken
       type(error_type), allocatable, intent(out) :: error
       real(wp), allocatable :: from(:), from_multiplier(:)
-      real(wp) :: a, best, best_a
+      real(wp) :: best, best_share
       integer :: try
 
       allocate (from, source=v)
       allocate (from_multiplier, source=scene%finite%multiplier)
       best = huge(1.0_wp)
-      best_a = 0.0_wp
-      a = 1.0_wp
+      best_share = 0.0_wp
+      size_ = 0.0_wp
+      share = 1.0_wp
       do try = 0, most_halvings
-         call go(a, .false.)
+         call go(.false.)
          if (allocated(error)) return
          if (look%inverted == 0) then
-            if (first .or. look%merit <= (1.0_wp - sufficient*a)*merit) exit
+            if (first .or. look%merit <= (1.0_wp - sufficient*share)*merit) exit
             if (look%merit < best) then
                best = look%merit
-               best_a = a
+               best_share = share
             end if
          end if
          if (first .and. look%inverted > 0) exit
-         a = 0.5_wp*a
+         share = 0.5_wp*share
       end do
-      if (look%inverted > 0 .and. .not. best_a > 0.0_wp) then
+      if (look%inverted > 0 .and. .not. best_share > 0.0_wp) then
          call raise(error, error_code%not_converged, 'E0512', 'element '// &
             & to_text(model%mesh%element_label(look%inverted))//' would turn inside out', &
             & model%step(scene%step)%at, help='smaller increments, or a mesh that bears the strain')
          return
       end if
-      if (try > most_halvings) a = best_a
-      call go(a, .true.)
-      size_ = a*largest(step(:scene%constraints%neq))/max(largest(scene%u), tiny(1.0_wp))
+      if (try > most_halvings) share = best_share
+      call go(.true.)
+      size_ = share*largest(step(:scene%constraints%neq))/max(largest(scene%u), tiny(1.0_wp))
 
    contains
 
       !> The state at a share of the step.
-      subroutine go(share, with_tangent)
-         real(wp), intent(in) :: share
+      subroutine go(with_tangent)
          logical, intent(in) :: with_tangent
 
          v = from + share*step(:scene%constraints%neq)

@@ -10,15 +10,17 @@ module lopin_run_analysis
    use lopin_state, only : frame_type, summary_type
    use lopin_recorder, only : recorder_holder_type, wants_type
    use lopin_loading, only : loading_type, new_loading, loads_at, prescribed_at, add_ended_loads
+   use lopin_friction, only : has_friction
    use lopin_plan, only : plan_type, new_plan, path_of
    use lopin_scene, only : scene_type, new_scene, set_supports, widen_reach
    use lopin_solve_path, only : prepare_path, solve_path
    use lopin_bodies, only : describe_motion
    use lopin_certificate, only : forces_type, find_forces, certify, worst_unrowed
    use lopin_finite_contact, only : accept_contact => accept, reject_contact => reject
+   use lopin_finite_state, only : iteration_header
    use lopin_finite_results, only : find_finite_forces, certify_finite
    use lopin_frames, only : fill_frame
-   use lopin_after_step, only : seen_type, look_at_pairs, judge_step, say_once
+   use lopin_after_step, only : seen_type, look_at_pairs, judge_step, say_once, pair_that_slid
    implicit none
    private
    public :: run_analysis
@@ -109,7 +111,7 @@ contains
    subroutine run_steps(scene, model, plan, recorders, summary, error)
       type(scene_type), intent(inout) :: scene
       type(model_type), intent(in) :: model
-      type(plan_type), intent(in) :: plan
+      type(plan_type), intent(inout) :: plan
       type(recorder_holder_type), intent(inout) :: recorders(:)
       type(summary_type), intent(inout) :: summary
       type(error_type), allocatable, intent(out) :: error
@@ -172,7 +174,7 @@ contains
    subroutine run_step(scene, model, plan, progress, recorders, summary, error)
       type(scene_type), intent(inout) :: scene
       type(model_type), intent(in) :: model
-      type(plan_type), intent(in) :: plan
+      type(plan_type), intent(inout) :: plan
       type(progress_type), intent(inout) :: progress
       type(recorder_holder_type), intent(inout) :: recorders(:)
       type(summary_type), intent(inout) :: summary
@@ -213,7 +215,7 @@ contains
          if (scene%step < size(model%step)) call add_ended_loads(loading, model, scene%dofs, &
             & scene%constraints, &
             & scene%solids, step, model%step(scene%step + 1), progress%steady)
-         if (.not. scene%finite%in_use) call judge_step(scene, model, progress%seen)
+         call judge_step(scene, model, progress%seen)
       end associate
    end subroutine run_step
 
@@ -222,7 +224,7 @@ contains
       & frame, error)
       type(scene_type), intent(inout) :: scene
       type(model_type), intent(in) :: model
-      type(plan_type), intent(in) :: plan
+      type(plan_type), intent(inout) :: plan
       type(loading_type), intent(in) :: loading
       type(progress_type), intent(inout) :: progress
       type(recorder_holder_type), intent(inout) :: recorders(:)
@@ -286,7 +288,7 @@ contains
       & error)
       type(scene_type), intent(inout) :: scene
       type(model_type), intent(in) :: model
-      type(plan_type), intent(in) :: plan
+      type(plan_type), intent(inout) :: plan
       type(loading_type), intent(in) :: loading
       type(progress_type), intent(inout) :: progress
       type(recorder_holder_type), intent(inout) :: recorders(:)
@@ -302,23 +304,32 @@ contains
       scene%interference = 1.0_wp
       if (scene%step == 1) scene%interference = frame%step_time/loading%period
       call solve_path(scene, model, plan, progress%f, prescribed, error)
+      call say_iterations(recorders, scene, frame)
       if (allocated(error)) return
+      if (.not. scene%finite%in_use) then
+         call close_condensed(scene, model, plan, prescribed, progress, recorders, summary, forces, &
+            & frame, error)
+         if (allocated(error)) return
+         if (slides_away(scene, model, plan)) then
+            call change_to_finite(scene, model, plan, recorders, summary, error)
+            if (allocated(error)) return
+            call solve_path(scene, model, plan, progress%f, prescribed, error)
+            call say_iterations(recorders, scene, frame)
+            if (allocated(error)) return
+         end if
+      end if
       if (scene%finite%in_use) then
          call find_finite_forces(forces, scene, progress%f)
          progress%residual = forces%residual
          call certify_finite(frame%certificate, frame%energy, scene, model, forces)
          frame%iterations = scene%finite%iterations
          frame%augmentations = scene%finite%augmentations
-      else
-         call close_condensed(scene, model, plan, prescribed, progress, recorders, summary, forces, &
-            & frame, error)
-         if (allocated(error)) return
       end if
       call scene%clock%stop_in(phase%solve)
       call warn_of(scene, model, frame)
       call add_work(scene, progress, frame)
       call accept(scene, progress, steady)
-      if (.not. scene%finite%in_use) call look_at_pairs(progress%seen, scene, model)
+      call look_at_pairs(progress%seen, scene, model)
       call record(scene, model, forces%reaction, recorders, frame, error)
       if (allocated(error)) return
       call progress%checksum%add(frame%u(:3, :))
@@ -329,6 +340,54 @@ contains
          & frame%certificate%reason, &
          & model%step(scene%step)%at, help='see lopin explain E0504')
    end subroutine solve_increment
+
+   !> What the iterations of the finite path did.
+   subroutine say_iterations(recorders, scene, frame)
+      type(recorder_holder_type), intent(inout) :: recorders(:)
+      type(scene_type), intent(in) :: scene
+      type(frame_type), intent(in) :: frame
+      integer :: i
+
+      if (.not. scene%finite%in_use .or. scene%finite%nline == 0) return
+      call say(recorders, 'step '//to_text(frame%step)//', increment '//to_text(frame%increment)// &
+         & ', attempt '//to_text(frame%attempt)//', time increment '// &
+         & to_text(frame%time_increment, 4))
+      call say(recorders, iteration_header)
+      do i = 1, scene%finite%nline
+         call say(recorders, trim(scene%finite%line(i)))
+      end do
+   end subroutine say_iterations
+
+   !> The trial slides farther than the linear path follows, and nothing forbids to change the path:
+   !> contact without friction has no history that would be lost.
+   logical function slides_away(scene, model, plan)
+      type(scene_type), intent(in) :: scene
+      type(model_type), intent(in) :: model
+      type(plan_type), intent(in) :: plan
+      integer :: pair
+
+      slides_away = .false.
+      if (plan%by_user .or. plan%path /= path_of%condensed) return
+      do pair = 1, size(model%pair)
+         if (has_friction(model%interaction(model%pair(pair)%interaction)%friction)) return
+      end do
+      slides_away = pair_that_slid(scene, model) > 0
+   end function slides_away
+
+   !> From the accepted state on, contact is followed on the present shape.
+   subroutine change_to_finite(scene, model, plan, recorders, summary, error)
+      type(scene_type), intent(inout) :: scene
+      type(model_type), intent(in) :: model
+      type(plan_type), intent(inout) :: plan
+      type(recorder_holder_type), intent(inout) :: recorders(:)
+      type(summary_type), intent(inout) :: summary
+      type(error_type), allocatable, intent(out) :: error
+
+      plan%path = path_of%finite
+      plan%reason = 'a node slides by more than a quarter of its facet'
+      scene%u = scene%accepted
+      call prepare(scene, model, plan, recorders, summary, error)
+   end subroutine change_to_finite
 
    !> Look at the points without a row, and certify what the condensed paths found.
    subroutine close_condensed(scene, model, plan, prescribed, progress, recorders, summary, forces, &
