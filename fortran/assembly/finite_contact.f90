@@ -1,46 +1,72 @@
-!> Contact of slave nodes with surfaces and tools on the present shape (helper POINTS fills it).
+!> Contact on the present shape: which points there are, what they remember, what they press with.
+!>
+!> One point is one slave node of one pair (two near a concave corner of a tool). Within an
+!> increment nothing is committed: `evaluate` may be called for any trial displacements, `accept`
+!> makes the last evaluation the history, and a failed increment simply starts again from it.
 module lopin_finite_contact
    use lopin_kinds, only : wp
-   use lopin_error, only : error_type, error_code, raise, log_type
-   use lopin_model, only : model_type
+   use lopin_error, only : error_type, log_type, severity
+   use lopin_text, only : to_text
+   use lopin_facet_basis, only : facet_basis_type
+   use lopin_model, only : model_type, method_of, overclosure_of
    use lopin_dofs, only : dofs_type
+   use lopin_friction, only : friction_type, condition_type, has_friction
+   use lopin_contact_traction, only : grip_type, grip_kind
+   use lopin_contact_points, only : pair_is_tied
+   use lopin_enforcement_law, only : law_type, new_exponential, new_tabular
+   use lopin_finite_points, only : finite_points_type, new_finite_points
+   use lopin_finite_opposite, only : opposite_type, anchor_type, masters_type, new_masters, &
+      & move_masters, find_opposite, anchor_of
+   use lopin_finite_kernel, only : local_matrix_type, point_state_type, evaluate_point
    implicit none
    private
    public :: local_matrix_type, finite_contact_type, new_finite_contact, start_increment
    public :: evaluate, augment, accept, reject
 
-   !> The exact tangent of one contact point.
-   type :: local_matrix_type
-      integer, allocatable :: dof(:)           !! physical dofs, then ndof + multiplier row
-      real(wp), allocatable :: k(:, :)         !! d(-force, row)/d(u, multiplier)
-      integer :: nu = 0                        !! entries that are displacements
-      real(wp), allocatable :: spring(:, :)    !! (nu, nu) positive semidefinite part, for a factor
-   end type local_matrix_type
+   !> Penalty without a slope, beside the modulus over the facet; stiffness of exact methods that
+   !> only conditions the system; shear beside normal stiffness.
+   real(wp), parameter :: default_penalty = 100.0_wp, scale_of_exact = 10.0_wp
+   real(wp), parameter :: shear_share = 1.0_wp/3.0_wp
 
-   type :: finite_contact_type
-      integer :: n = 0                         !! points
+   type, extends(finite_points_type) :: finite_contact_type
       integer :: nmultiplier = 0               !! rows: ndim per point whose method solves for it
       integer :: nlocal = 0
       real(wp), allocatable :: force(:)        !! (ndof) of the contacts on the dofs [force]
       real(wp), allocatable :: row(:)          !! (nmultiplier) residuals [length]
       integer, allocatable :: point_of_row(:)  !! (nmultiplier)
+      integer, allocatable :: first_row(:)     !! (n) first row of a point; 0: none
       type(local_matrix_type), allocatable :: local(:)
-      ! of each point
-      integer, allocatable :: pair(:), node(:)
+      ! results of the last evaluation
       integer, allocatable :: facet(:)         !! 0: no master opposite
       integer, allocatable :: status(:)        !! 0 open, 1 stick or closed, 2 slip
       logical, allocatable :: bilateral(:)
-      real(wp), allocatable :: weight(:)       !! tributary area [length^2]
-      real(wp), allocatable :: size(:)         !! of the slave's facets [length]
       real(wp), allocatable :: c(:), ct(:)     !! normal and tangential stiffness [stress/length]
       real(wp), allocatable :: gap(:), pressure(:)
       real(wp), allocatable :: traction(:, :)  !! (3, n) on the slave [stress]
       real(wp), allocatable :: normal(:, :)    !! (3, n)
-      real(wp), allocatable :: slip(:, :)      !! (3, n) since the start of the run, accumulated
+      real(wp), allocatable :: slip(:, :)      !! (3, n) of the accepted increments together [length]
       real(wp), allocatable :: xi(:, :)        !! (2, n)
       real(wp), allocatable :: slip_path(:)    !! (n) its length
       real(wp), allocatable :: friction_work(:) !! (n) dissipated per area [stress*length]
       real(wp) :: soft_error = 0.0_wp          !! estimated pressure error of penalties, relative
+      ! set from outside
+      real(wp) :: interference = 1.0_wp        !! share of initial overclosures that is applied
+      logical, allocatable :: pair_active(:)   !! *MODEL CHANGE
+      type(friction_type), allocatable :: friction(:)   !! (npair) in force
+      ! inside
+      real(wp) :: dt = 1.0_wp
+      type(dofs_type) :: dofs
+      type(facet_basis_type) :: basis
+      type(masters_type) :: masters
+      type(grip_type), allocatable :: grip(:)          !! (n)
+      type(anchor_type), allocatable :: anchor(:)      !! (n)
+      type(opposite_type), allocatable :: opposite(:)  !! (n) of the last evaluation
+      type(point_state_type), allocatable :: trial(:)  !! (n)
+      ! committed
+      real(wp), allocatable :: lambda(:, :)    !! (3, n) tractions [stress]
+      real(wp), allocatable :: last_normal(:, :)
+      real(wp), allocatable :: creep(:, :)     !! (3, n) slip from the stick anchor [length]
+      logical, allocatable :: closed(:)
    end type finite_contact_type
 
 contains
@@ -51,31 +77,146 @@ contains
       type(dofs_type), intent(in) :: dofs
       type(log_type), intent(inout) :: log
       type(error_type), allocatable, intent(out) :: error
+      integer :: i, n, pair
 
-      associate (unused => log)
-      end associate
-      allocate (self%force(dofs%n), source=0.0_wp)
-      allocate (self%row(0), self%point_of_row(0), self%local(0), self%pair(0), self%node(0))
-      allocate (self%facet(0), self%status(0), self%bilateral(0), self%weight(0), self%size(0))
-      allocate (self%c(0), self%ct(0), self%gap(0), self%pressure(0), self%traction(3, 0))
-      allocate (self%normal(3, 0), self%slip(3, 0), self%xi(2, 0), self%slip_path(0))
-      allocate (self%friction_work(0))
-      if (size(model%pair) > 0) call raise(error, error_code%deck, 'E0108', &
-         & 'contact on the finite path is not in this version', model%pair(1)%at)
+      call new_finite_points(self%finite_points_type, model, log, error)
+      if (allocated(error)) return
+      call new_masters(self%masters, model, self%basis, error)
+      if (allocated(error)) return
+      n = self%n
+      self%dofs = dofs
+      allocate (self%force(dofs%n), self%gap(n), self%pressure(n), self%traction(3, n), &
+         & self%normal(3, n), self%slip(3, n), self%xi(2, n), self%slip_path(n), &
+         & self%friction_work(n), self%lambda(3, n), self%last_normal(3, n), self%creep(3, n), &
+         & self%c(n), self%ct(n), source=0.0_wp)
+      allocate (self%facet(n), self%status(n), self%first_row(n), source=0)
+      allocate (self%bilateral(n), self%closed(n), source=.false.)
+      allocate (self%pair_active(size(model%pair)), source=.true.)
+      allocate (self%grip(n), self%anchor(n), self%opposite(n), self%trial(n), self%local(n))
+      allocate (self%friction(size(model%pair)))
+      do pair = 1, size(model%pair)
+         self%friction(pair) = model%interaction(model%pair(pair)%interaction)%friction
+         call choose_grips(self, model, pair, log)
+      end do
+      do i = 1, n
+         self%closed(i) = self%touches(i)
+         if (.not. solves(self%grip(i)%kind)) cycle
+         self%first_row(i) = self%nmultiplier + 1
+         self%nmultiplier = self%nmultiplier + model%mesh%ndim
+      end do
+      allocate (self%row(self%nmultiplier), source=0.0_wp)
+      allocate (self%point_of_row(self%nmultiplier))
+      do i = 1, n
+         if (self%first_row(i) > 0) self%point_of_row(self%first_row(i): &
+            & self%first_row(i) + model%mesh%ndim - 1) = i
+      end do
    end subroutine new_finite_contact
 
-   !> Search from the accepted state and set the anchors of friction.
+   pure logical function solves(kind)
+      integer, intent(in) :: kind
+      solves = kind == grip_kind%lagrange .or. kind == grip_kind%perturbed .or. kind == grip_kind%tied
+   end function solves
+
+   !> How the points of a pair press; stiffnesses that the deck leaves open come from the modulus.
+   subroutine choose_grips(self, model, pair, log)
+      type(finite_contact_type), intent(inout) :: self
+      type(model_type), intent(in) :: model
+      integer, intent(in) :: pair
+      type(log_type), intent(inout) :: log
+      type(law_type) :: law
+      real(wp) :: slope
+      integer :: i
+      logical :: said
+
+      said = .false.
+      associate (way => model%interaction(model%pair(pair)%interaction), f => self%friction(pair))
+         do i = 1, self%n
+            if (self%pair(i) /= pair) cycle
+            associate (g => self%grip(i), own => self%modulus(i)/self%size(i))
+               g%kind = way%method
+               g%c = scale_of_exact*own
+               g%ct = g%c*shear_share
+               slope = way%slope*way%scale
+               if (.not. slope > 0.0_wp) slope = default_penalty*own*way%scale
+               if (way%method /= method_of%lagrange) then
+                  if (.not. way%slope > 0.0_wp .and. .not. said) then
+                     said = .true.
+                     call log%say(severity%note, 'N0405', 'pair ('// &
+                        & model%surface(model%pair(pair)%slave)%name//', '// &
+                        & model%surface(model%pair(pair)%master)%name//'): slope '// &
+                        & to_text(slope, 4)//' = 100 moduli over a facet', model%pair(pair)%at)
+                  end if
+                  g%slope = slope
+                  g%shear_slope = slope*shear_share
+                  if (f%stick_slope > 0.0_wp) g%shear_slope = f%stick_slope
+                  if (way%method /= method_of%perturbed) then
+                     g%c = slope
+                     g%ct = g%shear_slope
+                  end if
+               end if
+               if (way%overclosure == overclosure_of%exponential) then
+                  g%kind = grip_kind%overclosure
+                  call new_exponential(law, way%table(1, 1), way%table(2, 1))
+                  g%law = law
+               else if (way%overclosure == overclosure_of%tabular) then
+                  g%kind = grip_kind%overclosure
+                  call new_tabular(law, way%table(1, :), way%table(2, :))
+                  g%law = law
+               end if
+               if (pair_is_tied(model, model%pair(pair))) g%kind = grip_kind%tied
+               self%c(i) = g%c
+               self%ct(i) = g%ct
+            end associate
+         end do
+      end associate
+   end subroutine choose_grips
+
+   !> Search from the accepted state; anchors of friction; tractions turned with the normals.
    subroutine start_increment(self, model, u, dt, error)
       type(finite_contact_type), intent(inout) :: self
       type(model_type), intent(in) :: model
       real(wp), intent(in) :: u(:)             !! (ndof) accepted displacements
       real(wp), intent(in) :: dt               !! [time]
       type(error_type), allocatable, intent(out) :: error
+      integer :: i
 
-      associate (unused => model, also => u, more => dt)
-      end associate
-      if (allocated(error)) self%nlocal = 0
+      self%dt = dt
+      call move_masters(self%masters, model, self%dofs, self%finite_points_type, u, .true., error)
+      if (allocated(error)) return
+      do i = 1, self%n
+         call find_opposite(self%opposite(i), self%masters, model, self%finite_points_type, i)
+         if (.not. (self%grip(i)%kind == grip_kind%tied .and. self%anchor(i)%set)) &
+            & call anchor_of(self%anchor(i), self%opposite(i))
+         associate (g => self%grip(i))
+            g%ct = self%ct(i)
+            g%c = self%c(i)
+            g%committed = self%lambda(:, i)
+            g%creep = self%creep(:, i)
+            if (self%opposite(i)%facet > 0) then
+               call turn(self%last_normal(:, i), self%opposite(i)%normal, g%committed)
+               call turn(self%last_normal(:, i), self%opposite(i)%normal, g%creep)
+            end if
+            g%frozen = g%committed
+            g%bilateral = self%closed(i) &
+               & .and. model%interaction(model%pair(self%pair(i))%interaction)%no_separation
+            self%bilateral(i) = g%bilateral .or. g%kind == grip_kind%tied
+         end associate
+      end do
    end subroutine start_increment
+
+   !> The least rotation that takes one unit vector to another, applied to a third vector.
+   pure subroutine turn(from, to, v)
+      real(wp), intent(in) :: from(3), to(3)
+      real(wp), intent(inout) :: v(3)
+      real(wp) :: c, axis(3)
+
+      c = dot_product(from, to)
+      if (.not. c > -0.5_wp .or. .not. any(abs(v) > 0.0_wp)) return
+      axis = [from(2)*to(3) - from(3)*to(2), from(3)*to(1) - from(1)*to(3), &
+         & from(1)*to(2) - from(2)*to(1)]
+      v = c*v + [axis(2)*v(3) - axis(3)*v(2), axis(3)*v(1) - axis(1)*v(3), &
+         & axis(1)*v(2) - axis(2)*v(1)] + axis*dot_product(axis, v)/(1.0_wp + c)
+   end subroutine turn
 
    !> Project at x = X + u, apply the laws: force, row and, if asked, the local matrices.
    subroutine evaluate(self, model, u, multiplier, with_tangent, error)
@@ -85,33 +226,163 @@ contains
       real(wp), intent(in) :: multiplier(:)    !! (nmultiplier) tractions, global axes [stress]
       logical, intent(in) :: with_tangent
       type(error_type), allocatable, intent(out) :: error
+      type(condition_type) :: at
+      real(wp) :: lambda(3), shift
+      integer :: i, k, d
 
-      associate (unused => model, also => u, more => multiplier, last => with_tangent)
-      end associate
+      d = model%mesh%ndim
       self%force = 0.0_wp
-      if (allocated(error)) self%nlocal = 0
+      self%row = 0.0_wp
+      self%nlocal = 0
+      self%soft_error = 0.0_wp
+      call move_masters(self%masters, model, self%dofs, self%finite_points_type, u, .false., error)
+      if (allocated(error)) return
+      at%dt = self%dt
+      do i = 1, self%n
+         lambda = 0.0_wp
+         k = self%first_row(i)
+         if (k > 0) lambda(:d) = multiplier(k:k + d - 1)
+         if (self%pair_active(self%pair(i))) then
+            call find_opposite(self%opposite(i), self%masters, model, self%finite_points_type, i)
+         else
+            self%opposite(i)%facet = 0
+         end if
+         self%facet(i) = self%opposite(i)%facet
+         if (self%facet(i) == 0) then
+            call stay_open(self, i, d, lambda, with_tangent)
+            cycle
+         end if
+         if (.not. self%anchor(i)%set) call anchor_of(self%anchor(i), self%opposite(i))
+         shift = self%shift(i) + (1.0_wp - self%interference)*self%overclosure(i) &
+            & - model%interaction(model%pair(self%pair(i))%interaction)%clearance
+         at%yield = self%yield(i)
+         self%nlocal = self%nlocal + 1
+         call evaluate_point(self%trial(i), self%local(self%nlocal), model, self%dofs, self%basis, &
+            & self%masters, self%finite_points_type, i, self%opposite(i), self%anchor(i), &
+            & self%grip(i), self%friction(self%pair(i)), at, shift, lambda, self%first_row(i), &
+            & with_tangent)
+         call collect(self, i, d)
+      end do
+      call estimate_softness(self)
    end subroutine evaluate
+
+   !> A point with no master opposite has no traction; its multiplier is sent to zero.
+   subroutine stay_open(self, i, d, lambda, with_tangent)
+      type(finite_contact_type), intent(inout) :: self
+      integer, intent(in) :: i, d
+      real(wp), intent(in) :: lambda(3)
+      logical, intent(in) :: with_tangent
+      integer :: k
+
+      self%status(i) = 0
+      self%gap(i) = 0.0_wp
+      self%pressure(i) = 0.0_wp
+      self%traction(:, i) = 0.0_wp
+      self%trial(i) = point_state_type()
+      if (self%first_row(i) == 0) return
+      self%row(self%first_row(i):self%first_row(i) + d - 1) = lambda(:d)/self%grip(i)%c
+      if (.not. with_tangent) return
+      self%nlocal = self%nlocal + 1
+      associate (l => self%local(self%nlocal))
+         l%nu = 0
+         l%dof = [(self%dofs%n + self%first_row(i) + k, k=0, d - 1)]
+         if (allocated(l%k)) deallocate (l%k)
+         if (allocated(l%spring)) deallocate (l%spring)
+         allocate (l%k(d, d), l%spring(0, 0), source=0.0_wp)
+         do k = 1, d
+            l%k(k, k) = 1.0_wp/self%grip(i)%c
+         end do
+      end associate
+   end subroutine stay_open
+
+   !> Forces, row and results of one evaluated point.
+   subroutine collect(self, i, d)
+      type(finite_contact_type), intent(inout) :: self
+      integer, intent(in) :: i, d
+      integer :: k
+
+      associate (l => self%local(self%nlocal), t => self%trial(i))
+         do k = 1, l%nu
+            self%force(l%dof(k)) = self%force(l%dof(k)) + t%force(k)
+         end do
+         if (self%first_row(i) > 0) self%row(self%first_row(i):self%first_row(i) + d - 1) = &
+            & t%row(:d)
+         self%status(i) = t%status
+         self%gap(i) = t%gap
+         self%normal(:, i) = t%normal
+         self%traction(:, i) = t%traction
+         self%pressure(i) = dot_product(t%traction, t%normal)
+         self%xi(:, i) = self%opposite(i)%found%xi
+      end associate
+   end subroutine collect
+
+   !> One augmentation would change the pressure by slope times penetration beside the compliance;
+   !> the compliance of a facet, 1/(2 moduli over facet), stands for it.
+   subroutine estimate_softness(self)
+      type(finite_contact_type), intent(inout) :: self
+      real(wp) :: most
+      integer :: i
+
+      most = 0.0_wp
+      if (self%n > 0) most = maxval(abs(self%pressure))
+      if (.not. most > 0.0_wp) return
+      do i = 1, self%n
+         if (self%grip(i)%kind /= grip_kind%penalty .and. self%grip(i)%kind /= &
+            & grip_kind%perturbed) cycle
+         if (self%status(i) == 0) cycle
+         self%soft_error = max(self%soft_error, abs(self%pressure(i))/most &
+            & /(1.0_wp + 2.0_wp*self%grip(i)%slope*self%size(i)/self%modulus(i)))
+      end do
+   end subroutine estimate_softness
 
    !> Augmented Lagrangian: take the present tractions for the next solve.
    subroutine augment(self, change)
       type(finite_contact_type), intent(inout) :: self
       real(wp), intent(out) :: change          !! relative, of the tractions
+      real(wp) :: most, moved
+      integer :: i
 
-      self%nlocal = 0
+      most = 0.0_wp
+      moved = 0.0_wp
+      do i = 1, self%n
+         if (self%grip(i)%kind /= grip_kind%augmented) cycle
+         most = max(most, norm2(self%traction(:, i)))
+         moved = max(moved, norm2(self%traction(:, i) - self%grip(i)%frozen))
+         self%grip(i)%frozen = self%traction(:, i)
+      end do
       change = 0.0_wp
+      if (most > 0.0_wp) change = moved/most
    end subroutine augment
 
-   !> Commit the history of the trial state.
+   !> Commit the history of the last evaluation.
    subroutine accept(self, u, multiplier)
       type(finite_contact_type), intent(inout) :: self
       real(wp), intent(in) :: u(:), multiplier(:)
+      integer :: i
 
       associate (unused => u, also => multiplier)
       end associate
-      self%nlocal = 0
+      do i = 1, self%n
+         associate (t => self%trial(i))
+            if (self%facet(i) == 0 .or. t%status == 0) then
+               self%lambda(:, i) = 0.0_wp
+               self%creep(:, i) = 0.0_wp
+               if (self%facet(i) > 0) self%last_normal(:, i) = t%normal
+               cycle
+            end if
+            self%closed(i) = .true.
+            self%lambda(:, i) = t%traction
+            self%last_normal(:, i) = t%normal
+            self%slip(:, i) = self%slip(:, i) + t%slip
+            self%creep(:, i) = self%grip(i)%creep + t%slip
+            self%slip_path(i) = self%slip_path(i) + norm2(t%slip)
+            if (has_friction(self%friction(self%pair(i)))) self%friction_work(i) = &
+               & self%friction_work(i) - dot_product(t%traction, t%slip)
+         end associate
+      end do
    end subroutine accept
 
-   !> Back to the history that was committed last; the same bits.
+   !> Back to the history that was committed last: what is not committed is only overwritten.
    subroutine reject(self)
       type(finite_contact_type), intent(inout) :: self
       self%nlocal = 0

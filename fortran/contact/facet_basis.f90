@@ -8,7 +8,7 @@ module lopin_facet_basis
    use lopin_cells, only : cell_type, new_cell_of
    implicit none
    private
-   public :: facet_basis_type, new_facet_basis, coefficients_of, shape_values
+   public :: facet_basis_type, new_facet_basis, coefficients_of, shape_values, shape_derivatives
    public :: facet_point_of, facet_tangents, facet_seconds, ncoefficient, nfacet_cell
 
    integer, parameter :: ncoefficient = 8
@@ -123,6 +123,35 @@ contains
          n(i) = dot_product(m, self%transform(:, i, cell))
       end do
    end function shape_values
+
+   !> Shape functions with their first and second derivatives; zeros behind the last node.
+   pure subroutine shape_derivatives(self, cell, xi, n, n1, n2, n11, n12, n22)
+      type(facet_basis_type), intent(in) :: self
+      integer, intent(in) :: cell
+      real(wp), intent(in) :: xi(2)
+      real(wp), intent(out) :: n(8), n1(8), n2(8), n11(8), n12(8), n22(8)
+      real(wp) :: m(ncoefficient, 6)
+      integer :: i
+
+      associate (a => xi(1), b => xi(2))
+         m(:, 1) = monomials(xi)
+         m(:, 2) = [0.0_wp, 1.0_wp, 0.0_wp, b, 2.0_wp*a, 0.0_wp, 2.0_wp*a*b, b**2]
+         m(:, 3) = [0.0_wp, 0.0_wp, 1.0_wp, a, 0.0_wp, 2.0_wp*b, a**2, 2.0_wp*a*b]
+         m(:, 4) = [0.0_wp, 0.0_wp, 0.0_wp, 0.0_wp, 2.0_wp, 0.0_wp, 2.0_wp*b, 0.0_wp]
+         m(:, 5) = [0.0_wp, 0.0_wp, 0.0_wp, 1.0_wp, 0.0_wp, 0.0_wp, 2.0_wp*a, 2.0_wp*b]
+         m(:, 6) = [0.0_wp, 0.0_wp, 0.0_wp, 0.0_wp, 0.0_wp, 2.0_wp, 0.0_wp, 2.0_wp*a]
+      end associate
+      do i = 1, 8
+         associate (t => self%transform(:, i, cell))
+            n(i) = dot_product(m(:, 1), t)
+            n1(i) = dot_product(m(:, 2), t)
+            n2(i) = dot_product(m(:, 3), t)
+            n11(i) = dot_product(m(:, 4), t)
+            n12(i) = dot_product(m(:, 5), t)
+            n22(i) = dot_product(m(:, 6), t)
+         end associate
+      end do
+   end subroutine shape_derivatives
 
    pure function facet_point_of(c, xi) result(x)
       real(wp), intent(in) :: c(3, ncoefficient)

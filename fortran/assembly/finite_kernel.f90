@@ -1,0 +1,266 @@
+!> One contact point: which dofs it couples, its forces, and their exact derivatives by dual numbers.
+module lopin_finite_kernel
+   use lopin_kinds, only : wp
+   use lopin_dual, only : dual_type, dual_width, variable, constant, dual_dot, dual_cross, &
+      & operator(+), operator(-), operator(*), operator(/), assignment(=)
+   use lopin_facet_basis, only : facet_basis_type
+   use lopin_model, only : model_type
+   use lopin_dofs, only : dofs_type
+   use lopin_friction, only : friction_type, condition_type
+   use lopin_contact_traction, only : grip_type, grip_kind, grip_status, traction_of
+   use lopin_contact_foot, only : facet_foot, tool_foot, tool_motion, turned, turned_back
+   use lopin_finite_points, only : finite_points_type
+   use lopin_finite_opposite, only : opposite_type, anchor_type, masters_type
+   implicit none
+   private
+   public :: local_matrix_type, point_state_type, evaluate_point
+
+   !> The exact tangent of one contact point.
+   type :: local_matrix_type
+      integer, allocatable :: dof(:)           !! physical dofs, then ndof + multiplier row
+      real(wp), allocatable :: k(:, :)         !! d(-force, row)/d(u, multiplier)
+      integer :: nu = 0                        !! entries that are displacements
+      real(wp), allocatable :: spring(:, :)    !! (nu, nu) positive semidefinite part, for a factor
+   end type local_matrix_type
+
+   !> Results of an evaluation.
+   type :: point_state_type
+      integer :: status = 0
+      real(wp) :: gap = 0.0_wp
+      real(wp) :: normal(3) = 0.0_wp
+      real(wp) :: traction(3) = 0.0_wp         !! on the slave [stress]
+      real(wp) :: slip(3) = 0.0_wp             !! of the increment [length]
+      real(wp) :: row(3) = 0.0_wp
+      real(wp), allocatable :: force(:)        !! on the first nu dofs of the local matrix [force]
+   end type point_state_type
+
+   !> The inputs of a point in the order of its local dofs.
+   type :: inputs_type
+      integer :: n = 0, nu = 0
+      integer :: dof(96) = 0
+      integer :: slave(3) = 0                  !! input of each component; 0: it is held
+      integer :: master(3, 8) = 0, anchor(3, 8) = 0
+      integer :: reference(3) = 0, rotation(3) = 0, multiplier(3) = 0
+   end type inputs_type
+
+contains
+
+   subroutine evaluate_point(state, local, model, dofs, basis, masters, points, i, opposite, anchor, &
+      & grip, friction, at, shift, lambda, first_row, with_tangent)
+      type(point_state_type), intent(inout) :: state
+      type(local_matrix_type), intent(inout) :: local
+      type(model_type), intent(in) :: model
+      type(dofs_type), intent(in) :: dofs
+      type(facet_basis_type), intent(in) :: basis
+      type(masters_type), intent(in) :: masters
+      type(finite_points_type), intent(in) :: points
+      integer, intent(in) :: i
+      type(opposite_type), intent(in) :: opposite
+      type(anchor_type), intent(in) :: anchor
+      type(grip_type), intent(in) :: grip
+      type(friction_type), intent(in) :: friction
+      type(condition_type), intent(in) :: at
+      real(wp), intent(in) :: shift            !! added to the gap [length]
+      real(wp), intent(in) :: lambda(3)        !! multiplier, if it is an unknown [stress]
+      integer, intent(in) :: first_row         !! of the multiplier; 0: none
+      logical, intent(in) :: with_tangent
+      type(inputs_type) :: inputs
+      type(dual_type) :: force(96), row(3), gap, slip(3)
+      real(wp) :: shear(3, 3)
+      real(wp), allocatable :: along_gap(:), along_slip(:, :)
+      integer :: block, from, width, d, k
+
+      d = model%mesh%ndim
+      call list_inputs(inputs, model, dofs, masters, points, i, opposite, anchor, first_row)
+      local%dof = inputs%dof(:inputs%n)
+      local%nu = inputs%nu
+      if (with_tangent) then
+         if (allocated(local%k)) deallocate (local%k)
+         allocate (local%k(inputs%n, inputs%n), along_gap(inputs%nu), along_slip(d, inputs%nu))
+      end if
+      do block = 1, merge((inputs%n + dual_width - 1)/dual_width, 1, with_tangent)
+         from = (block - 1)*dual_width
+         call point_forces(merge(from, inputs%n, with_tangent))
+         if (.not. with_tangent) exit
+         width = min(dual_width, inputs%n - from)
+         do k = 1, inputs%nu
+            local%k(k, from + 1:from + width) = -force(k)%d(:width)
+         end do
+         do k = inputs%nu + 1, inputs%n
+            local%k(k, from + 1:from + width) = row(k - inputs%nu)%d(:width)
+         end do
+         do k = from + 1, min(from + width, inputs%nu)
+            along_gap(k) = gap%d(k - from)
+            along_slip(:, k) = slip(:d)%d(k - from)
+         end do
+      end do
+      state%force = force(:inputs%nu)%v
+      state%row = row%v
+      state%gap = gap%v
+      state%slip = slip%v
+      if (with_tangent) call make_spring()
+
+   contains
+
+      !> Forces on the inputs, rows, gap and slip, with slopes along inputs from+1 and on.
+      subroutine point_forces(from)
+         integer, intent(in) :: from
+         type(dual_type) :: x(3), n(3), z(3), node(3, 8), shares(8), multiplier(3), to_anchor(3), &
+            & rotation(3, 3), reference(3), y(3), arm(3), moment(3), turn(3)
+         integer :: k, m
+
+         x = 0.0_wp
+         multiplier = 0.0_wp
+         do k = 1, d
+            x(k) = variable(masters%x(k, points%node(i)), inputs%slave(k) - from)
+            multiplier(k) = variable(lambda(k), inputs%multiplier(k) - from)
+         end do
+         force(:inputs%nu) = constant(0.0_wp)
+         shares = 0.0_wp
+         if (opposite%nnode > 0) then
+            node = 0.0_wp
+            do m = 1, opposite%nnode
+               do k = 1, d
+                  node(k, m) = variable(masters%x(k, opposite%node(m)), inputs%master(k, m) - from)
+               end do
+            end do
+            call facet_foot(basis, opposite%cell, opposite%found, opposite%feature, opposite%size, &
+               & x, node(:, :opposite%nnode), gap, n, shares(:opposite%nnode))
+            to_anchor = x
+            do m = 1, anchor%nnode
+               do k = 1, d
+                  to_anchor(k) = to_anchor(k) - anchor%share(m)*variable(masters%x(k, &
+                     & anchor%node(m)), inputs%anchor(k, m) - from)
+               end do
+            end do
+         else
+            associate (motion => masters%of(points%pair(i))%motion, &
+               & body => masters%of(points%pair(i))%body)
+               turn = 0.0_wp
+               reference = constant(motion%reference + motion%displacement)
+               rotation = constant(motion%rotation)
+               if (body > 0) then
+                  do k = 1, d
+                     reference(k) = variable(motion%reference(k) + motion%displacement(k), &
+                        & inputs%reference(k) - from)
+                  end do
+                  do k = 1, 3
+                     turn(k) = variable(masters%of(points%pair(i))%rotation(k), inputs%rotation(k) - from)
+                  end do
+                  rotation = tool_motion(turn)
+               end if
+               arm = x - reference
+               y = constant(motion%reference) + turned_back(rotation, arm)
+               call tool_foot(opposite%foot, y, gap, turn)
+               n = turned(rotation, turn)
+               to_anchor = arm - turned(rotation, constant(anchor%y - motion%reference))
+            end associate
+         end if
+         slip = to_anchor - n*dual_dot(to_anchor, n)
+         if (grip%kind == grip_kind%tied) then
+            ! Glued: all directions, from where the point was at the start.
+            z = multiplier - grip%c*(to_anchor - anchor%gap*n)
+            row = (multiplier - z)/grip%c
+            state%status = grip_status%stick
+            shear = 0.0_wp
+            do k = 1, d
+               shear(k, k) = grip%c
+            end do
+         else
+            call traction_of(grip, friction, at, gap + shift, n(:d), slip(:d), multiplier(:d), &
+               & z(:d), row(:d), state%status, shear(:d, :d))
+         end if
+         if (d == 2) z(3) = constant(0.0_wp)
+         z = points%weight(i)*z
+         do k = 1, d
+            call push(inputs%slave(k), z(k))
+            do m = 1, opposite%nnode
+               call push(inputs%master(k, m), (-1.0_wp)*(shares(m)*z(k)))
+            end do
+            call push(inputs%reference(k), (-1.0_wp)*z(k))
+         end do
+         if (any(inputs%rotation > 0)) then
+            moment = dual_cross(arm - n*gap, z)
+            do k = 1, 3
+               call push(inputs%rotation(k), (-1.0_wp)*moment(k))
+            end do
+         end if
+         state%normal = n%v
+         state%traction = z%v/points%weight(i)
+      end subroutine point_forces
+
+      subroutine push(input, f)
+         integer, intent(in) :: input
+         type(dual_type), intent(in) :: f
+         if (input > 0) force(input) = force(input) + f
+      end subroutine push
+
+      !> w (c g' g'^T + s'^T shear s') for a closed point.
+      subroutine make_spring()
+         integer :: j
+
+         if (allocated(local%spring)) deallocate (local%spring)
+         allocate (local%spring(inputs%nu, inputs%nu), source=0.0_wp)
+         if (state%status == grip_status%open) return
+         do j = 1, inputs%nu
+            local%spring(:, j) = points%weight(i)*(grip%c*along_gap*along_gap(j) &
+               & + matmul(transpose(along_slip), matmul(shear(:d, :d), along_slip(:, j))))
+         end do
+      end subroutine make_spring
+   end subroutine evaluate_point
+
+   !> The dofs of a point: slave, master nodes, anchor nodes or tool, then multipliers.
+   subroutine list_inputs(self, model, dofs, masters, points, i, opposite, anchor, first_row)
+      type(inputs_type), intent(out) :: self
+      type(model_type), intent(in) :: model
+      type(dofs_type), intent(in) :: dofs
+      type(masters_type), intent(in) :: masters
+      type(finite_points_type), intent(in) :: points
+      integer, intent(in) :: i
+      type(opposite_type), intent(in) :: opposite
+      type(anchor_type), intent(in) :: anchor
+      integer, intent(in) :: first_row
+      integer :: k, m, d
+
+      d = model%mesh%ndim
+      do k = 1, d
+         call take(dofs%id(k, points%node(i)), self%slave(k))
+      end do
+      do m = 1, opposite%nnode
+         do k = 1, d
+            call take(dofs%id(k, opposite%node(m)), self%master(k, m))
+         end do
+      end do
+      do m = 1, anchor%nnode
+         do k = 1, d
+            call take(dofs%id(k, anchor%node(m)), self%anchor(k, m))
+         end do
+      end do
+      if (masters%of(points%pair(i))%body > 0) then
+         associate (node => model%rigid_body(masters%of(points%pair(i))%body)%reference)
+            do k = 1, d
+               call take(dofs%id(k, node), self%reference(k))
+            end do
+            do k = 4, 6
+               call take(dofs%id(k, node), self%rotation(k - 3))
+            end do
+         end associate
+      end if
+      self%nu = self%n
+      if (first_row == 0) return
+      do k = 1, d
+         call take(dofs%n + first_row + k - 1, self%multiplier(k))
+      end do
+
+   contains
+
+      subroutine take(dof, input)
+         integer, intent(in) :: dof
+         integer, intent(inout) :: input
+         if (dof == 0) return
+         self%n = self%n + 1
+         self%dof(self%n) = dof
+         input = self%n
+      end subroutine take
+   end subroutine list_inputs
+end module lopin_finite_kernel

@@ -1,0 +1,273 @@
+!> What lies opposite each contact point now: master surfaces and tools where they stand.
+module lopin_finite_opposite
+   use lopin_kinds, only : wp
+   use lopin_error, only : error_type
+   use lopin_cells, only : cell_type, cell_family
+   use lopin_element_type, only : cells_of_words
+   use lopin_facets, only : facets_type, facet_rule_type, new_facets, new_facet_rules, nodal_normals
+   use lopin_facet_basis, only : facet_basis_type, new_facet_basis
+   use lopin_surface, only : surface_type, new_surface, update_surface
+   use lopin_projection, only : place
+   use lopin_feature, only : projection_type, limits_type
+   use lopin_search, only : tree_type, build_tree, refit_tree, find_projection
+   use lopin_tool, only : foot_type
+   use lopin_rigid_motion, only : rigid_motion_type, new_rigid_motion
+   use lopin_model, only : model_type, surface_of, kind_of
+   use lopin_dofs, only : dofs_type
+   use lopin_finite_points, only : finite_points_type, is_self_contact
+   implicit none
+   private
+   public :: masters_type, opposite_type, anchor_type
+   public :: new_masters, move_masters, find_opposite, anchor_of
+
+   !> Slave and master must face each other better than this.
+   real(wp), parameter :: facing = -0.2_wp
+
+   type :: master_type
+      integer :: tool = 0, body = 0                !! of the model; 0: none
+      type(surface_type) :: surface
+      type(tree_type) :: tree
+      type(limits_type) :: limits
+      type(rigid_motion_type) :: motion
+      real(wp) :: rotation(3) = 0.0_wp             !! its rotation vector [rad]
+      logical :: has_slave_faces = .false.
+      type(facets_type) :: slave                   !! for the slave's normals
+   end type master_type
+
+   type :: masters_type
+      type(master_type), allocatable :: of(:)      !! (npair)
+      type(facet_rule_type) :: rules(6)
+      real(wp), allocatable :: x(:, :)             !! (ndim, nnode) present places [length]
+      real(wp), allocatable :: side(:, :)          !! (3, npoint) slave normals, start of increment
+   end type masters_type
+
+   type :: opposite_type
+      integer :: facet = 0                         !! 0: none
+      integer :: feature = 0                       !! edge of the facet, if the foot is on one
+      real(wp) :: normal(3) = 0.0_wp               !! in the present
+      type(projection_type) :: found               !! on a surface
+      type(foot_type) :: foot                      !! on a tool, in its frame
+      integer :: nnode = 0
+      integer :: node(8) = 0                       !! of the facet
+      integer :: cell = 0
+      real(wp) :: size = 1.0_wp                    !! of the facet [length]
+   end type opposite_type
+
+   !> The material point of the master that friction measures slip from.
+   type :: anchor_type
+      logical :: set = .false.
+      integer :: nnode = 0
+      integer :: node(8) = 0
+      real(wp) :: share(8) = 0.0_wp
+      real(wp) :: y(3) = 0.0_wp                    !! in a tool's frame [length]
+      real(wp) :: gap = 0.0_wp                     !! of the point then [length]
+   end type anchor_type
+
+contains
+
+   subroutine new_masters(self, model, basis, error)
+      type(masters_type), intent(out) :: self
+      type(model_type), intent(in) :: model
+      type(facet_basis_type), intent(out) :: basis
+      type(error_type), allocatable, intent(out) :: error
+      type(cell_type), allocatable :: cells(:)
+      type(facets_type) :: facets
+      integer :: pair
+
+      call cells_of_words(model%element_word, cells)
+      call new_facet_basis(basis)
+      call new_facet_rules(self%rules)
+      self%x = model%mesh%x
+      allocate (self%of(size(model%pair)))
+      do pair = 1, size(model%pair)
+         associate (m => self%of(pair), p => model%pair(pair), &
+            & master => model%surface(model%pair(pair)%master), &
+            & slave => model%surface(model%pair(pair)%slave))
+            m%limits%extension = p%extension
+            m%limits%cosine = facing
+            m%has_slave_faces = slave%kind == surface_of%faces
+            if (m%has_slave_faces) call new_facets(m%slave, model%mesh, cells, slave%element, &
+               & slave%face)
+            if (master%kind == surface_of%tool) then
+               m%tool = master%tool
+               m%body = model%tool(m%tool)%rigid_body
+               cycle
+            end if
+            call new_facets(facets, model%mesh, cells, master%element, master%face)
+            call new_surface(m%surface, model%mesh%ndim, facets)
+            call update_surface(m%surface, model%mesh%x, error)
+            if (allocated(error)) return
+            call build_tree(m%tree, m%surface%low, m%surface%high)
+         end associate
+      end do
+   end subroutine new_masters
+
+   !> Everything to where displacements u put it; at the start of an increment the slave normals too.
+   subroutine move_masters(self, model, dofs, points, u, start, error)
+      type(masters_type), intent(inout) :: self
+      type(model_type), intent(in) :: model
+      type(dofs_type), intent(in) :: dofs
+      type(finite_points_type), intent(in) :: points
+      real(wp), intent(in) :: u(:)             !! (ndof)
+      logical, intent(in) :: start
+      type(error_type), allocatable, intent(out) :: error
+      integer :: pair, k, node
+
+      do node = 1, model%mesh%nnode
+         do k = 1, model%mesh%ndim
+            if (dofs%id(k, node) > 0) self%x(k, node) = model%mesh%x(k, node) + u(dofs%id(k, node))
+         end do
+      end do
+      do pair = 1, size(model%pair)
+         associate (m => self%of(pair))
+            if (m%tool > 0) then
+               call move_tool(m, model, dofs, u)
+            else
+               call update_surface(m%surface, self%x, error)
+               if (allocated(error)) return
+               call refit_tree(m%tree, m%surface%low, m%surface%high)
+            end if
+         end associate
+      end do
+      if (start) call find_sides(self, model, points)
+   end subroutine move_masters
+
+   subroutine move_tool(m, model, dofs, u)
+      type(master_type), intent(inout) :: m
+      type(model_type), intent(in) :: model
+      type(dofs_type), intent(in) :: dofs
+      real(wp), intent(in) :: u(:)
+      real(wp) :: place(6)
+      integer :: k, d
+
+      place = 0.0_wp
+      d = model%mesh%ndim
+      if (m%body == 0) then
+         call new_rigid_motion(m%motion, spread(0.0_wp, 1, d), place(:d), [real(wp) ::])
+         return
+      end if
+      associate (node => model%rigid_body(m%body)%reference)
+         do k = 1, 6
+            if (dofs%id(k, node) > 0) place(k) = u(dofs%id(k, node))
+         end do
+         m%rotation = place(4:6)
+         if (d == 2) then
+            call new_rigid_motion(m%motion, model%mesh%x(:, node), place(:2), place(6:6))
+         else
+            call new_rigid_motion(m%motion, model%mesh%x(:, node), place(:3), place(4:6))
+         end if
+      end associate
+   end subroutine move_tool
+
+   !> The outward normals of the slaves now.
+   subroutine find_sides(self, model, points)
+      type(masters_type), intent(inout) :: self
+      type(model_type), intent(in) :: model
+      type(finite_points_type), intent(in) :: points
+      real(wp), allocatable :: normal(:, :)
+      integer :: pair, i
+
+      if (.not. allocated(self%side)) allocate (self%side(3, points%n))
+      self%side = 0.0_wp
+      allocate (normal(model%mesh%ndim, model%mesh%nnode))
+      do pair = 1, size(model%pair)
+         if (.not. self%of(pair)%has_slave_faces) cycle
+         call nodal_normals(self%of(pair)%slave, self%rules, self%x, &
+            & model%kind == kind_of%axisymmetric, normal)
+         do i = 1, points%n
+            if (points%pair(i) == pair) self%side(:model%mesh%ndim, i) = normal(:, points%node(i))
+         end do
+      end do
+   end subroutine find_sides
+
+   subroutine find_opposite(self, masters, model, points, i)
+      type(opposite_type), intent(out) :: self
+      type(masters_type), intent(in) :: masters
+      type(model_type), intent(in) :: model
+      type(finite_points_type), intent(in) :: points
+      integer, intent(in) :: i
+
+      associate (m => masters%of(points%pair(i)), x => masters%x(:, points%node(i)))
+         if (m%tool > 0) then
+            call find_on_tool(self, m, model, masters%side(:, i), points%size(i), points%entry(i), x)
+         else if (.not. is_self_contact(model%pair(points%pair(i)))) then
+            call find_projection(m%surface, m%tree, x, masters%side(:model%mesh%ndim, i), &
+               & m%limits, self%found)
+            call take_facet(self, m%surface)
+         end if
+      end associate
+   end subroutine find_opposite
+
+   subroutine take_facet(self, surface)
+      type(opposite_type), intent(inout) :: self
+      type(surface_type), intent(in) :: surface
+
+      self%facet = self%found%facet
+      if (self%facet == 0) return
+      self%normal = self%found%normal
+      self%cell = surface%facets%cell(self%facet)
+      self%nnode = surface%facets%nnode(self%facet)
+      self%node(:self%nnode) = surface%facets%node(:self%nnode, self%facet)
+      self%size = surface%size(self%facet)
+      if (self%found%place == place%edge) self%feature = edge_at(surface%basis%family(self%cell), &
+         & self%found%xi)
+   end subroutine take_facet
+
+   !> The edge of a cell that a point of its reference lies on.
+   pure integer function edge_at(family, xi) result(edge)
+      integer, intent(in) :: family
+      real(wp), intent(in) :: xi(2)
+
+      if (family == cell_family%triangle) then
+         edge = minloc(abs([xi(2), 1.0_wp - xi(1) - xi(2), xi(1)]), 1)
+      else
+         edge = minloc(abs([xi(2) + 1.0_wp, xi(1) - 1.0_wp, xi(2) - 1.0_wp, xi(1) + 1.0_wp]), 1)
+      end if
+   end function edge_at
+
+   !> A foot counts if it is not past the end of the tool and the slave faces it.
+   subroutine find_on_tool(self, m, model, side, size_, entry, x)
+      type(opposite_type), intent(inout) :: self
+      type(master_type), intent(in) :: m
+      type(model_type), intent(in) :: model
+      real(wp), intent(in) :: side(3), size_
+      integer, intent(in) :: entry
+      real(wp), intent(in) :: x(:)
+      type(foot_type) :: feet(2)
+      real(wp) :: turned(3)
+      integer :: n, d
+
+      d = size(x)
+      call model%tool(m%tool)%shape%project_all(m%motion%to_tool(x), size_, feet, n)
+      if (entry > n) return
+      self%foot = feet(entry)
+      if (self%foot%overhang > m%limits%extension*size_) return
+      self%normal(:d) = m%motion%turn(self%foot%normal(:d))
+      if (self%foot%cone < 1.0_wp .and. -dot_product(side, self%normal) >= &
+         & self%foot%cone - 1.0e-6_wp) then
+         turned = 0.0_wp
+         turned(:d) = -matmul(transpose(m%motion%rotation(:d, :d)), side(:d))
+         self%foot%normal = turned
+         self%foot%hessian = 0.0_wp
+         self%foot%gap = dot_product(m%motion%to_tool(x) - self%foot%point(:d), turned(:d))
+         self%normal = -side
+      end if
+      if (dot_product(side, self%normal) > -facing .and. any(abs(side) > 0.0_wp)) return
+      self%facet = max(1, self%foot%segment)
+      self%size = size_
+   end subroutine find_on_tool
+
+   pure subroutine anchor_of(self, opposite)
+      type(anchor_type), intent(out) :: self
+      type(opposite_type), intent(in) :: opposite
+
+      self%set = opposite%facet > 0
+      if (.not. self%set) return
+      self%nnode = opposite%nnode
+      self%node = opposite%node
+      self%share = opposite%found%shape
+      self%y = opposite%foot%point
+      self%gap = opposite%found%gap
+      if (self%nnode == 0) self%gap = opposite%foot%gap
+   end subroutine anchor_of
+end module lopin_finite_opposite

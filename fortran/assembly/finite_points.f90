@@ -1,0 +1,182 @@
+!> The points of finite contact: slave nodes of all pairs, with areas, sizes, moduli, initial gaps.
+module lopin_finite_points
+   use lopin_kinds, only : wp
+   use lopin_error, only : error_type, log_type
+   use lopin_cells, only : cell_type
+   use lopin_element_type, only : cells_of_words
+   use lopin_model, only : model_type, pair_type, surface_of
+   use lopin_slave_points, only : slave_type, new_slave
+   use lopin_contact_points, only : contact_points_type, new_contact_points
+   use lopin_contact_rows, only : initial_gap_type, new_initial_gaps
+   implicit none
+   private
+   public :: finite_points_type, new_finite_points, is_self_contact
+
+   type :: finite_points_type
+      integer :: n = 0
+      integer, allocatable :: pair(:), node(:)
+      integer, allocatable :: entry(:)         !! 1, or 2 for the second wall of a concave corner
+      real(wp), allocatable :: weight(:)       !! tributary area at the start [length^2]
+      real(wp), allocatable :: size(:)         !! of the slave's facets [length]
+      real(wp), allocatable :: side(:, :)      !! (3, n) slave's outward normal; 0: unknown
+      real(wp), allocatable :: shift(:)        !! added to gaps: ADJUST, CLEARANCE [length]
+      real(wp), allocatable :: overclosure(:)  !! at the start, ramped in [length]
+      logical, allocatable :: touches(:)       !! closed at the start
+      real(wp), allocatable :: modulus(:)      !! of the softer side, 1D [stress]
+      real(wp), allocatable :: yield(:)        !! at the slave; 0: unknown [stress]
+   end type finite_points_type
+
+contains
+
+   subroutine new_finite_points(self, model, log, error)
+      type(finite_points_type), intent(out) :: self
+      type(model_type), intent(in) :: model
+      type(log_type), intent(inout) :: log
+      type(error_type), allocatable, intent(out) :: error
+      type(model_type) :: plain
+      type(contact_points_type) :: points
+      type(initial_gap_type) :: initial
+      type(cell_type), allocatable :: cells(:)
+      integer, allocatable :: number(:)
+      integer :: pair, i
+
+      ! What the start says is said as for node to segment; a surface against itself starts free.
+      plain = model
+      plain%pair%surface_to_surface = .false.
+      plain%pair = pack(plain%pair, .not. is_self_contact(model%pair))
+      number = pack([(i, i=1, size(model%pair))], .not. is_self_contact(model%pair))
+      call new_contact_points(points, plain, log, error)
+      if (allocated(error)) return
+      call new_initial_gaps(initial, plain, points, log, error)
+      if (allocated(error)) return
+      self%n = points%n
+      self%pair = number(points%pair(:self%n))
+      self%node = points%node(:self%n)
+      self%weight = points%weight(:self%n)
+      self%size = points%size(:self%n)
+      self%side = points%side(:, :self%n)
+      self%shift = initial%shift
+      self%overclosure = initial%overclosure
+      self%touches = initial%touches
+      allocate (self%entry(self%n), source=1)
+      do i = 2, self%n
+         if (self%node(i) == self%node(i - 1) .and. self%pair(i) == self%pair(i - 1)) &
+            & self%entry(i) = 2
+      end do
+      call cells_of_words(model%element_word, cells)
+      do pair = 1, size(model%pair)
+         if (.not. is_self_contact(model%pair(pair))) cycle
+         call add_self(self, model, cells, pair, error)
+         if (allocated(error)) return
+      end do
+      call find_moduli(self, model)
+   end subroutine new_finite_points
+
+   !> A surface against itself.
+   elemental logical function is_self_contact(pair)
+      type(pair_type), intent(in) :: pair
+      is_self_contact = pair%slave == pair%master
+   end function is_self_contact
+
+   subroutine add_self(self, model, cells, pair, error)
+      type(finite_points_type), intent(inout) :: self
+      type(model_type), intent(in) :: model
+      type(cell_type), intent(in) :: cells(:)
+      integer, intent(in) :: pair
+      type(error_type), allocatable, intent(out) :: error
+      type(slave_type) :: slave
+      integer :: m
+
+      call new_slave(slave, model, cells, model%surface(model%pair(pair)%slave), error)
+      if (allocated(error)) return
+      m = size(slave%node)
+      self%pair = [self%pair, spread(pair, 1, m)]
+      self%node = [self%node, slave%node]
+      self%entry = [self%entry, spread(1, 1, m)]
+      self%weight = [self%weight, slave%weight]
+      self%size = [self%size, slave%size]
+      self%side = reshape([self%side, slave%normal], [3, self%n + m])
+      self%shift = [self%shift, spread(0.0_wp, 1, m)]
+      self%overclosure = [self%overclosure, spread(0.0_wp, 1, m)]
+      self%touches = [self%touches, spread(.false., 1, m)]
+      self%n = self%n + m
+   end subroutine add_self
+
+   !> The modulus at every point, the softer of the two sides, and the slave's yield stress.
+   subroutine find_moduli(self, model)
+      type(finite_points_type), intent(inout) :: self
+      type(model_type), intent(in) :: model
+      real(wp) :: own, other, typical
+      integer :: i, pair
+      real(wp), allocatable :: at_node(:), yield(:)
+
+      call nodal_moduli(model, at_node, yield)
+      typical = 1.0_wp
+      if (any(at_node > 0.0_wp)) typical = minval(at_node, mask=at_node > 0.0_wp)
+      allocate (self%modulus(self%n), self%yield(self%n))
+      do pair = 1, size(model%pair)
+         other = huge(1.0_wp)
+         associate (master => model%surface(model%pair(pair)%master))
+            if (master%kind == surface_of%faces .and. allocated(master%element)) &
+               & other = softest(model, master%element)
+         end associate
+         do i = 1, self%n
+            if (self%pair(i) /= pair) cycle
+            own = at_node(self%node(i))
+            if (.not. own > 0.0_wp) own = huge(1.0_wp)
+            own = min(own, other)
+            if (.not. own < huge(1.0_wp)) own = typical
+            self%modulus(i) = own
+            self%yield(i) = yield(self%node(i))
+         end do
+      end do
+   end subroutine find_moduli
+
+   subroutine nodal_moduli(model, modulus, yield)
+      type(model_type), intent(in) :: model
+      real(wp), allocatable, intent(out) :: modulus(:), yield(:)
+      integer :: e, k
+
+      allocate (modulus(model%mesh%nnode), yield(model%mesh%nnode), source=0.0_wp)
+      do e = 1, model%mesh%nelement
+         if (model%mesh%section(e) == 0) cycle
+         associate (material => model%material(model%section(model%mesh%section(e))%material))
+            do k = 1, size(model%mesh%conn, 1)
+               if (model%mesh%conn(k, e) == 0) exit
+               modulus(model%mesh%conn(k, e)) = max(modulus(model%mesh%conn(k, e)), &
+                  & stiffness_of(model, e))
+               yield(model%mesh%conn(k, e)) = max(yield(model%mesh%conn(k, e)), material%yield)
+            end do
+         end associate
+      end do
+   end subroutine nodal_moduli
+
+   !> Young's modulus of an element, also of a neo-Hookean one.
+   pure real(wp) function stiffness_of(model, e)
+      type(model_type), intent(in) :: model
+      integer, intent(in) :: e
+      real(wp) :: g, k
+
+      associate (m => model%material(model%section(model%mesh%section(e))%material))
+         stiffness_of = m%young
+         if (.not. m%has_neo_hooke) return
+         g = 2.0_wp*m%c10
+         stiffness_of = 3.0_wp*g
+         if (.not. m%d1 > 0.0_wp) return
+         k = 2.0_wp/m%d1
+         stiffness_of = 9.0_wp*k*g/(3.0_wp*k + g)
+      end associate
+   end function stiffness_of
+
+   pure real(wp) function softest(model, element)
+      type(model_type), intent(in) :: model
+      integer, intent(in) :: element(:)
+      integer :: i
+
+      softest = huge(1.0_wp)
+      do i = 1, size(element)
+         if (model%mesh%section(element(i)) == 0) cycle
+         softest = min(softest, stiffness_of(model, element(i)))
+      end do
+   end function softest
+end module lopin_finite_points

@@ -1,0 +1,186 @@
+!> What a contact point presses with, in dual numbers: four methods, all laws of friction.
+!>
+!> In vectors, without tangent bases: with the trial pressure phat and the trial shear that,
+!>
+!>    p = max(0, phat)  (bilateral: phat),   t = that F(|that|)/|that|,   z = p n + t,
+!>
+!> and the methods differ in the trials (seed J; Alart and Curnier 1991):
+!>
+!>    penalty     phat = -c g                     that = P l - ct s     l: committed traction
+!>    augmented   phat = l.n - c g                that = P l - ct s     l: frozen, updated outside
+!>    Lagrange    phat = l.n - c g                that = P l - ct s     l: unknown, row (l - z)/c
+!>    perturbed   phat = l.n - c (g + l.n/eps)    that = P l - ct (s + P (l - l0)/epst)   as Lagrange
+!>
+!> P = I - n n^T; s is the slip since the increment began, P (x_slave - x_anchor).
+module lopin_contact_traction
+   use lopin_kinds, only : wp
+   use lopin_dual, only : dual_type, constant, dual_dot, dual_norm, operator(+), operator(-), &
+      & operator(*), operator(/), assignment(=)
+   use lopin_friction, only : friction_type, condition_type, has_friction, is_regularised, &
+      & by_rate, return_to_disc, regularised_traction
+   use lopin_enforcement, only : enforcement_type
+   implicit none
+   private
+   public :: grip_type, traction_of, grip_kind, grip_status
+
+   type :: kinds_of_grip
+      integer :: lagrange = 1, penalty = 2, perturbed = 3, augmented = 4, overclosure = 5, tied = 6
+   end type kinds_of_grip
+   type(kinds_of_grip), parameter :: grip_kind = kinds_of_grip()
+
+   type :: statuses
+      integer :: open = 0, stick = 1, slip = 2
+   end type statuses
+   type(statuses), parameter :: grip_status = statuses()
+
+   !> The enforcement at one point.
+   type :: grip_type
+      integer :: kind = 1                          !! grip_kind%...
+      logical :: bilateral = .false.
+      real(wp) :: c = 1.0_wp, ct = 1.0_wp          !! [stress/length]
+      real(wp) :: slope = 0.0_wp                   !! perturbed: eps [stress/length]
+      real(wp) :: shear_slope = 0.0_wp             !! perturbed: epst [stress/length]
+      real(wp) :: committed(3) = 0.0_wp            !! traction at the start of the increment [stress]
+      real(wp) :: frozen(3) = 0.0_wp               !! augmented: multiplier [stress]
+      real(wp) :: creep(3) = 0.0_wp                !! regularised by slip: slip from the stick anchor
+      class(enforcement_type), allocatable :: law  !! pressure-overclosure
+   end type grip_type
+
+contains
+
+   !> The traction on the slave and the residual of the multiplier's rows.
+   pure subroutine traction_of(grip, friction, at, g, n, s, lambda, z, row, status, shear)
+      type(grip_type), intent(in) :: grip
+      type(friction_type), intent(in) :: friction
+      type(condition_type), intent(in) :: at
+      type(dual_type), intent(in) :: g             !! gap [length]
+      type(dual_type), intent(in) :: n(:), s(:)    !! (ndim) normal, slip of the increment [length]
+      type(dual_type), intent(in) :: lambda(:)     !! (ndim) multiplier, if it is an unknown
+      type(dual_type), intent(out) :: z(:)         !! (ndim) [stress]
+      type(dual_type), intent(out) :: row(:)       !! (ndim) [length]
+      integer, intent(out) :: status
+      real(wp), intent(out) :: shear(:, :)   !! (ndim, ndim) -dt/ds without the coupling to pressure
+      type(dual_type) :: held(size(n)), phat, p, trial(size(n)), t(size(n)), normal_part
+      logical :: closed
+      integer :: d
+
+      d = size(n)
+      row = 0.0_wp
+      shear = 0.0_wp
+      select case (grip%kind)
+      case (grip_kind%lagrange, grip_kind%perturbed)
+         held = lambda
+      case (grip_kind%augmented)
+         held = constant(grip%frozen(:d))
+      case default
+         held = constant(grip%committed(:d))
+      end select
+      normal_part = dual_dot(held, n)
+      select case (grip%kind)
+      case (grip_kind%penalty)
+         phat = (-grip%c)*g
+      case (grip_kind%perturbed)
+         phat = normal_part - grip%c*(g + normal_part/grip%slope)
+      case (grip_kind%overclosure)
+         phat = pressed(grip, g)
+      case default
+         phat = normal_part - grip%c*g
+      end select
+      closed = phat%v > 0.0_wp .or. grip%bilateral
+      status = merge(grip_status%stick, grip_status%open, closed)
+      p = constant(0.0_wp)
+      if (closed) p = phat
+      t = 0.0_wp
+      if (closed .and. has_friction(friction)) then
+         trial = held - n*normal_part - grip%ct*s
+         if (grip%kind == grip_kind%perturbed) trial = trial - (grip%ct/grip%shear_slope) &
+            & *tangential(held - constant(grip%committed(:d)), n)
+         call shear_of(grip, friction, at, p, trial, s, n, t, status, shear)
+      end if
+      z = p*n + t
+      if (grip%kind == grip_kind%lagrange .or. grip%kind == grip_kind%perturbed) &
+         & row = (lambda - z)/grip%c
+   end subroutine traction_of
+
+   !> A pressure-overclosure law as a function of the gap.
+   pure function pressed(grip, g) result(p)
+      type(grip_type), intent(in) :: grip
+      type(dual_type), intent(in) :: g
+      type(dual_type) :: p
+      real(wp) :: force, stiffness
+
+      call grip%law%forces(g%v, 1.0_wp, 0.0_wp, .false., force, stiffness)
+      p%v = force
+      p%d = -stiffness*g%d
+   end function pressed
+
+   pure function tangential(a, n) result(b)
+      type(dual_type), intent(in) :: a(:), n(:)
+      type(dual_type) :: b(size(a))
+      b = a - n*dual_dot(a, n)
+   end function tangential
+
+   !> Shear of a closed point by the law of friction.
+   pure subroutine shear_of(grip, friction, at, p, trial, s, n, t, status, shear)
+      type(grip_type), intent(in) :: grip
+      type(friction_type), intent(in) :: friction
+      type(condition_type), intent(in) :: at
+      type(dual_type), intent(in) :: p, trial(:), s(:), n(:)
+      type(dual_type), intent(out) :: t(:)
+      integer, intent(out) :: status
+      real(wp), intent(out) :: shear(:, :)
+      type(dual_type) :: magnitude, f, way(size(trial))
+      real(wp) :: slope, slope_p, direction(size(trial)), share
+      logical :: slips
+      integer :: i, d
+
+      d = size(trial)
+      status = grip_status%stick
+      if (is_regularised(friction)) then
+         status = grip_status%slip
+         way = s
+         if (.not. by_rate(friction)) way = tangential(s + constant(grip%creep(:d)), n)
+      else
+         way = trial
+      end if
+      share = norm2(way%v)
+      magnitude = constant(0.0_wp)
+      if (share > 0.0_wp) magnitude = dual_norm(way)
+      if (is_regularised(friction)) then
+         call regularised_traction(friction, magnitude%v, p%v, at, f%v, slope, slope_p)
+         f%d = slope*magnitude%d + slope_p*p%d
+         t = 0.0_wp
+         if (share > 0.0_wp) t = (-1.0_wp)*(f/magnitude)*way
+         if (.not. share > 0.0_wp) then
+            do i = 1, d
+               t(i) = (-slope)*way(i)
+            end do
+         end if
+      else
+         call return_to_disc(friction, magnitude%v, grip%ct, p%v, at, f%v, slope, slope_p, slips)
+         if (slips) status = grip_status%slip
+         t = trial
+         if (f%v >= magnitude%v) then
+            slope = grip%ct
+            f%v = magnitude%v
+         else
+            f%d = slope*magnitude%d + slope_p*p%d
+            t = (f/magnitude)*trial
+            slope = slope*grip%ct
+         end if
+      end if
+      ! Positive semidefinite: slope along the direction, secant across it.
+      do i = 1, d
+         shear(i, i) = slope
+      end do
+      if (.not. share > 0.0_wp .or. f%v >= magnitude%v .and. .not. is_regularised(friction)) return
+      direction = way%v/share
+      share = f%v/magnitude%v
+      if (.not. is_regularised(friction)) share = share*grip%ct
+      shear = 0.0_wp
+      do i = 1, d
+         shear(i, i) = share
+         shear(:, i) = shear(:, i) + (slope - share)*direction*direction(i)
+      end do
+   end subroutine shear_of
+end module lopin_contact_traction
