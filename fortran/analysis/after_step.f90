@@ -51,7 +51,7 @@ contains
          call look_at_finite(self, scene)
          return
       end if
-      do row = 1, scene%rows%n
+      do row = 1, scene%rows%nnormal
          pair = scene%points%pair(scene%rows%point(row))
          self%closed(pair) = self%closed(pair) .or. scene%rows%tied(row) &
             & .or. scene%answer%force(row) > 0.0_wp &
@@ -145,7 +145,7 @@ contains
 
       largest = slip_limit
       worst = 0
-      do row = 1, scene%rows%n
+      do row = 1, scene%rows%nnormal
          if (scene%rows%tied(row) .or. .not. scene%answer%force(row) > 0.0_wp) cycle
          point = scene%rows%point(row)
          if (.not. asked(scene%points%pair(point))) cycle

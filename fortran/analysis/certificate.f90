@@ -15,6 +15,7 @@ module lopin_certificate
 
    !> PASS up to these, WARN above, FAIL above ten times (conventions, frozen).
    real(wp), parameter :: complementarity_limit = 1.0e-6_wp, equilibrium_limit = 1.0e-6_wp
+   real(wp), parameter :: cone_limit = 1.0e-6_wp, dissipation_limit = 1.0e-9_wp
    real(wp), parameter :: balance_limit = 1.0e-3_wp, penalty_limit = 2.0e-2_wp
 
    !> All forces of a state, on the physical dofs: residual = internal - load - pressed.
@@ -144,6 +145,9 @@ contains
          end do
       end do
       if (.not. p_ref > 0.0_wp) self%complementarity = max(0.0_wp, self%penetration)
+      energy%friction = sum(scene%friction%trial%work)
+      self%cone = scene%friction%cone_excess
+      self%dissipation = scene%friction%least_work
    end subroutine judge_contact
 
    !> Force per gap: the compliance's own where it is known, else the largest force over a facet.
@@ -190,6 +194,8 @@ contains
 
       self%reason = ''
       call hold('complementarity', self%complementarity, complementarity_limit)
+      call hold('friction beyond its bound', self%cone, cone_limit)
+      call hold('negative dissipation', -self%dissipation, dissipation_limit)
       call hold('tension', self%tension, complementarity_limit)
       call hold('equilibrium', self%equilibrium, equilibrium_limit)
       call hold('action and reaction', self%action_reaction, equilibrium_limit)

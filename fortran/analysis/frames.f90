@@ -113,20 +113,30 @@ contains
                c%gap(i) = gap_of(scene, model, from + i - 1)
                if (c%status(i) < 0) c%gap(i) = 0.0_wp
             end do
+            do row = scene%rows%nnormal + 1, scene%rows%n
+               point = scene%rows%point(row) - from + 1
+               if (point < 1 .or. point > n) cycle
+               c%force(:, point) = c%force(:, point) &
+                  & + scene%answer%force(row)*scene%rows%direction(:ndim, row)
+            end do
             do row = scene%rows%group_first(pair), scene%rows%group_first(pair + 1) - 1
                point = scene%rows%point(row) - from + 1
                c%force(:, point) = c%force(:, point) &
                   & + scene%answer%force(row)*scene%rows%direction(:ndim, row)
                if (scene%rows%tied(row)) then
-                  c%status(point) = 2
+                  c%status(point) = 3
                else
                   c%gap(point) = scene%answer%gap(row) &
                      & + model%interaction(model%pair(pair)%interaction)%clearance
                   ! A law has no set of closed points: it presses or it does not.
                   if (scene%answer%force(row) > 0.0_wp .or. (scene%answer%active(row) &
-                     & .and. .not. has_law(model, pair))) c%status(point) = 1
+                     & .and. .not. has_law(model, pair))) c%status(point) = 2
+                  if (scene%rows%tangent(row) > 0) c%status(point) &
+                     & = scene%friction%trial%status(scene%rows%point(row))
                end if
             end do
+            c%slip_path = scene%friction%trial%path(from:from + n - 1)
+            c%friction_work = scene%friction%trial%work(from:from + n - 1)
             do i = 1, n
                c%pressure(i) = dot_product(c%force(:, i), c%normal(:, i))/c%weight(i)
             end do

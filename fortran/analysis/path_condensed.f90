@@ -18,6 +18,7 @@ module lopin_path_condensed
    use lopin_linear_system, only : new_linear_system, condense_load, recover
    use lopin_automatic_penalty, only : set_stiffness
    use lopin_methods, only : choose_methods
+   use lopin_contact_friction, only : slides_with_friction, contact_with_friction
    use lopin_contact_failure, only : check_held, explain_outcome
    implicit none
    private
@@ -82,7 +83,13 @@ contains
       call rebuild_rows(scene, model, prescribed)
       call fill_problem(scene, model, u_known, gap, error)
       if (allocated(error)) return
-      call contact_by_continuation(scene, model, gap, load, moving, error)
+      if (slides_with_friction(scene)) then
+         scene%gap = gap
+         call contact_with_friction(scene, model, gap, load, moving, error)
+         if (.not. allocated(error)) call explain_outcome(scene, model, error)
+      else
+         call contact_by_continuation(scene, model, gap, load, moving, error)
+      end if
       call scene%clock%stop_in(phase%contact)
       if (allocated(error)) return
       call recover(scene%system, y, columns_times(scene%problem, scene%answer%force), v)

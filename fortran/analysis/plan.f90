@@ -4,6 +4,7 @@ module lopin_plan
    use lopin_error, only : error_type, error_code, raise
    use lopin_friction, only : has_friction
    use lopin_model, only : model_type
+   use lopin_contact_rows, only : pair_slides_with_friction
    implicit none
    private
    public :: plan_type, new_plan, plan_line, finite_line, path_of
@@ -25,9 +26,17 @@ contains
       type(plan_type), intent(out) :: self
       type(model_type), intent(in) :: model
       type(error_type), allocatable, intent(out) :: error
+      logical :: friction
+      integer :: pair
 
       self%reason = 'linear elastic, small strain'
-      if (size(model%pair) == 0) then
+      friction = .false.
+      do pair = 1, size(model%pair)
+         friction = friction .or. pair_slides_with_friction(model, pair)
+      end do
+      if (friction) then
+         self%reason = self%reason//', small sliding, friction: whole history on one factorisation'
+      else if (size(model%pair) == 0) then
          self%reason = self%reason//', no contact: one linear solve a load'
       else
          self%reason = self%reason// &
@@ -48,6 +57,11 @@ contains
          self%reason = 'PATH=FINITE asks for it'
       case ('NEWTON')
          self%path = path_of%newton
+         if (friction) then
+            call raise(error, error_code%deck, 'E0521', 'PATH=NEWTON solves contact without '// &
+               & 'friction only', help='leave out PATH=, or PATH=FINITE')
+            return
+         end if
          self%reason = 'PATH=NEWTON asks for the whole system, factorised again at every '// &
             & 'change of contact'
       case default

@@ -19,6 +19,8 @@ module lopin_run_analysis
    use lopin_finite_contact, only : accept_contact => accept, reject_contact => reject
    use lopin_finite_state, only : iteration_header
    use lopin_finite_results, only : find_finite_forces, certify_finite
+   use lopin_contact_friction, only : slides_with_friction
+   use lopin_friction_state, only : commit_friction => commit, roll_back_friction => roll_back
    use lopin_frames, only : fill_frame
    use lopin_after_step, only : seen_type, look_at_pairs, judge_step, say_once, pair_that_slid
    implicit none
@@ -250,7 +252,7 @@ contains
                & error)
             if (.not. allocated(error)) exit
             if (frame%certificate%verdict == 2) return
-            if (.not. may_cut(plan, step, increment, error)) return
+            if (.not. may_cut(plan, scene, step, increment, error)) return
             call reject(scene)
             call say(recorders, 'step '//to_text(scene%step)//', increment '// &
                & to_text(frame%increment)//', attempt '//to_text(frame%attempt)//': cut to '// &
@@ -264,13 +266,14 @@ contains
    end subroutine advance
 
    !> What did not converge may do so in smaller increments, where the path depends on them.
-   logical function may_cut(plan, step, increment, error)
+   logical function may_cut(plan, scene, step, increment, error)
       type(plan_type), intent(in) :: plan
+      type(scene_type), intent(in) :: scene
       type(step_type), intent(in) :: step
       real(wp), intent(in) :: increment
       type(error_type), intent(in) :: error
 
-      may_cut = plan%path == path_of%finite .and. error%code == error_code%not_converged &
+      may_cut = (plan%path == path_of%finite .or. slides_with_friction(scene)) .and. error%code == error_code%not_converged &
          & .and. .not. step%direct &
          & .and. cut*increment >= max(step%smallest, smallest*step%period)
    end function may_cut
@@ -280,6 +283,7 @@ contains
       type(scene_type), intent(inout) :: scene
 
       scene%u = scene%accepted
+      call roll_back_friction(scene%friction)
       if (scene%finite%in_use) call reject_contact(scene%finite%contact)
    end subroutine reject
 
@@ -447,7 +451,8 @@ contains
          call accept_contact(scene%finite%contact, scene%u, scene%finite%multiplier)
          return
       end if
-      do row = 1, scene%rows%n
+      call commit_friction(scene%friction)
+      do row = 1, scene%rows%nnormal
          if (scene%answer%active(row)) scene%sticks(scene%rows%point(row)) = .true.
       end do
    end subroutine accept

@@ -15,6 +15,7 @@ module lopin_scene
       & new_contact_rows
    use lopin_condensed, only : condensed_type
    use lopin_active_set, only : contact_result_type
+   use lopin_friction_state, only : friction_state_type, new_friction_state
    use lopin_linear_system, only : linear_system_type
    use lopin_full_system, only : full_system_type
    use lopin_finite_state, only : finite_state_type
@@ -42,6 +43,7 @@ module lopin_scene
       type(contact_rows_type) :: rows
       type(condensed_type) :: problem
       type(contact_result_type) :: answer
+      type(friction_state_type) :: friction        !! its history
       integer, allocatable :: kept_equation(:)     !! rows in which the problem stands
       real(wp), allocatable :: kept_value(:)
       real(wp), allocatable :: gap(:)              !! (nrow) gaps at zero equations
@@ -83,6 +85,7 @@ contains
          & source=0.0_wp)
       allocate (self%place(6, size(model%rigid_body)), source=0.0_wp)
       self%sticks = self%initial%touches
+      call new_friction_state(self%friction, self%points%n)
       call choose_reach(self, model)
    end subroutine new_scene
 
@@ -314,7 +317,7 @@ contains
       call new_contact_rows(self%rows, model, self%dofs, self%points, self%initial, self%place, &
          & self%sticks, &
          & self%candidate)
-      do row = 1, self%rows%n
+      do row = 1, self%rows%nnormal
          if (self%rows%tied(row)) cycle
          associate (point => self%rows%point(row))
             self%rows%gap0(row) = self%rows%gap0(row) &

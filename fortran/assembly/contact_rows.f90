@@ -1,20 +1,22 @@
 !> Contact constraints as rows: gap = gap0 + sum coefficient * u(dof).
 !>
-!> A sliding point has one row along the master's normal, a tied point one a direction. The frozen
-!> rule for initial gaps is applied here, and never silently.
+!> A sliding point has one row along the master's normal, a tied point one a direction; behind the
+!> rows of all pairs stand the tangential rows of the points with friction, whose gaps are relative
+!> displacements since the start. The frozen rule for initial gaps is applied here, and never silently.
 module lopin_contact_rows
    use lopin_kinds, only : wp
    use lopin_error, only : error_type, error_code, raise, log_type, severity
    use lopin_text, only : to_text
    use lopin_model, only : model_type, initial_of
    use lopin_dofs, only : dofs_type
+   use lopin_friction, only : friction_type, has_friction, law_of
    use lopin_constraint_rules, only : follower_rule
    use lopin_constraints, only : constraints_type
    use lopin_contact_points, only : contact_points_type, pair_is_tied
    implicit none
    private
    public :: initial_gap_type, new_initial_gaps, contact_rows_type, new_contact_rows, reduce_rows, &
-      & row_forces
+      & row_forces, friction_in_step, pair_slides_with_friction
 
    !> Overclosures below this share of a facet are inexact geometry, not interference (frozen).
    real(wp), parameter :: inexact = 1.0e-3_wp
@@ -33,6 +35,8 @@ module lopin_contact_rows
 
    type :: contact_rows_type
       integer :: n = 0
+      integer :: nnormal = 0                   !! rows of the pairs; tangential ones stand behind
+      integer, allocatable :: tangent(:)   !! (nnormal) first tangential row of the point; 0: none
       integer, allocatable :: point(:)         !! (n)
       integer, allocatable :: group_first(:)   !! (npair+1)
       real(wp), allocatable :: direction(:, :) !! (3, n)
@@ -218,6 +222,8 @@ contains
          end do
       end do
       self%group_first(size(model%pair) + 1) = self%n + 1
+      self%nnormal = self%n
+      call add_tangents(self, model, dofs, points, place, terms)
       self%point = self%point(:self%n)
       self%bilateral = self%bilateral(:self%n)
       self%tied = self%tied(:self%n)
@@ -227,6 +233,80 @@ contains
       self%dof = self%dof(:terms)
       self%coefficient = self%coefficient(:terms)
    end subroutine new_contact_rows
+
+   !> Tangential rows of the points with friction.
+   subroutine add_tangents(self, model, dofs, points, place, terms)
+      type(contact_rows_type), intent(inout) :: self
+      type(model_type), intent(in) :: model
+      type(dofs_type), intent(in) :: dofs
+      type(contact_points_type), intent(in) :: points
+      real(wp), intent(in) :: place(:, :)
+      integer, intent(inout) :: terms
+      real(wp) :: frame(3, 3), here(6)
+      integer :: row, d, pair
+
+      allocate (self%tangent(self%nnormal), source=0)
+      do pair = 1, size(model%pair)
+         if (.not. pair_slides_with_friction(model, pair)) cycle
+         here = 0.0_wp
+         if (points%body(pair) > 0) here = place(:, points%body(pair))
+         do row = self%group_first(pair), self%group_first(pair + 1) - 1
+            call frame_of(points%normal(:, self%point(row)), model%mesh%ndim, frame)
+            self%tangent(row) = self%n + 1
+            do d = 2, model%mesh%ndim
+               self%n = self%n + 1
+               self%point(self%n) = self%point(row)
+               self%direction(:, self%n) = frame(:, d)
+               self%tied(self%n) = .false.
+               self%bilateral(self%n) = .false.
+               self%gap0(self%n) = 0.0_wp
+               call add_terms(self, model, dofs, points, self%point(row), frame(:, d), here, terms)
+               self%gap0(self%n) = 0.0_wp
+               self%first(self%n + 1) = terms + 1
+            end do
+         end do
+      end do
+   end subroutine add_tangents
+
+   !> The friction of an interaction in a step, after the changes of that and all earlier steps.
+   pure function friction_in_step(model, interaction, step) result(friction)
+      type(model_type), intent(in) :: model
+      integer, intent(in) :: interaction, step
+      type(friction_type) :: friction
+      integer :: i, k
+
+      friction = model%interaction(interaction)%friction
+      do i = 1, step
+         if (.not. allocated(model%step(i)%friction_change)) cycle
+         associate (change => model%step(i)%friction_change)
+            do k = 1, size(change)
+               if (change(k)%interaction == interaction) friction = change(k)%friction
+            end do
+         end associate
+      end do
+   end function friction_in_step
+
+   !> The pair has friction in some step: its points keep tangential rows in all of them.
+   pure logical function pair_slides_with_friction(model, pair) result(slides)
+      type(model_type), intent(in) :: model
+      integer, intent(in) :: pair
+      integer :: step
+
+      slides = .false.
+      if (pair_is_tied(model, model%pair(pair))) return
+      do step = 1, size(model%step)
+         slides = slides .or. resists(friction_in_step(model, model%pair(pair)%interaction, step))
+      end do
+   end function pair_slides_with_friction
+
+   !> mu = 0 is no friction at all: the frictionless kernel solves it.
+   pure logical function resists(friction)
+      type(friction_type), intent(in) :: friction
+
+      resists = has_friction(friction)
+      if (friction%rough .or. friction%law /= law_of%coulomb) return
+      resists = friction%mu > 0.0_wp .or. (friction%decay > 0.0_wp .and. friction%mu_static > 0.0_wp)
+   end function resists
 
    !> Unit normal and tangents, as columns.
    pure subroutine frame_of(normal, ndim, frame)

@@ -58,6 +58,14 @@ contains
          & 'The determinant of the deformation gradient is not positive at an integration '// &
          & 'point of the named element, however short the step.', &
          & 'smaller increments, or a mesh that bears the strain.')
+      call add_explanation(list, 'E0520', 'stick and slip cycle', &
+         & 'The states of the points with friction change for ever between the same ones, with '// &
+         & 'every cure that Lopin knows: the damped tangent, one row at a time, fixed bounds. '// &
+         & 'Often no unique state exists: see W0520.', &
+         & 'take smaller increments, or look whether the coefficient of friction is meant.')
+      call add_explanation(list, 'E0521', 'the path newton has no friction', &
+         & 'PATH=NEWTON is the literal system of contact without friction.', &
+         & 'leave out PATH= on *LOPIN: friction is solved on the condensed or the finite path.')
       call add_explanation(list, 'W0314', 'a pair never closed', &
          & 'No point of the slave met the master in the whole run. The smallest gap is told.', &
          & 'look at units and positions; take the pair out if it is not needed.')

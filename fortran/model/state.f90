@@ -15,8 +15,8 @@ module lopin_state
    type :: contact_field_type
       integer, allocatable :: node(:)        !! slave node index
       integer, allocatable :: facet(:)       !! master facet; 0: none found (never touches)
-      integer, allocatable :: status(:)   !! 0 open, 1 closed (sliding), 2 tied; -1: no master
-                                          !! opposite
+      integer, allocatable :: status(:)   !! 0 open, 1 stick, 2 slip (or closed without friction),
+                                          !! 3 tied; -1: no master opposite
       real(wp), allocatable :: weight(:)   !! tributary area [length^2]; plane: times thickness; 1
                                            !! if unknown
       real(wp), allocatable :: gap(:)        !! signed, >= 0 open [length]
@@ -29,6 +29,8 @@ module lopin_state
                                         !! start [length]
       real(wp), allocatable :: u_t(:, :)   !! (ndim, npoint) tangential relative displacement
                                            !! [length]
+      real(wp), allocatable :: slip_path(:)      !! length of the way slid in contact [length]
+      real(wp), allocatable :: friction_work(:)  !! dissipated at the point [force*length]
    end type contact_field_type
 
    !> The frozen tests of an accepted increment; every number is dimensionless.
@@ -36,6 +38,8 @@ module lopin_state
       real(wp) :: penetration = 0.0_wp       !! deepest penetration / slave facet size
       real(wp) :: tension = 0.0_wp   !! largest tension / largest pressure, unilateral points
       real(wp) :: complementarity = 0.0_wp   !! max |min(p, c g)| / p_ref over the exact pairs
+      real(wp) :: cone = 0.0_wp   !! largest tangential force beyond its bound / largest bound
+      real(wp) :: dissipation = 0.0_wp   !! least friction work of a point in the increment / most
       real(wp) :: pressure_error = 0.0_wp    !! estimate for rows that allow penetration
       real(wp) :: equilibrium = 0.0_wp       !! largest residual / reference force
       real(wp) :: action_reaction = 0.0_wp   !! |sum of slave and master forces| / sum of |forces|
@@ -49,7 +53,7 @@ module lopin_state
       real(wp) :: strain = 0.0_wp            !! [force*length]
       real(wp) :: external = 0.0_wp   !! work of loads and prescribed displacements since the start
       real(wp) :: contact = 0.0_wp           !! stored by penalty springs
-      real(wp) :: friction = 0.0_wp          !! dissipated; 0 as no interface has friction yet
+      real(wp) :: friction = 0.0_wp          !! dissipated since the start
    end type energy_type
 
    !> One accepted increment, as handed to the recorders. Displacements and reactions by node:

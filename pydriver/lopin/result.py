@@ -13,7 +13,7 @@ WORDS = {"displacement": "U", "reaction": "RF", "stress": "S", "mises": "Mises",
          "pressure": "CPRESS", "gap": "COPEN", "status": "CSTATUS", "force": "R_n",
          "normal": "NORMAL", "weight": "WEIGHT", "normal_displacement": "u_n",
          "tangential_displacement": "u_t", "x": "X"}
-OPEN, CLOSED, TIED = 0, 1, 2
+OPEN, STICK, SLIP, TIED = 0, 1, 2, 3
 
 
 @dataclass(frozen=True)

@@ -1,0 +1,278 @@
+!> One increment of contact with friction on the condensed equations: points from the rows and the
+!> history, the solve, the history that it leaves.
+module lopin_contact_friction
+   use lopin_kinds, only : wp
+   use lopin_error, only : error_type, error_code, raise, severity
+   use lopin_text, only : to_text
+   use lopin_model, only : model_type, method_of
+   use lopin_friction, only : friction_type, is_regularised, by_rate, friction_radius, has_friction
+   use lopin_contact_rows, only : friction_in_step
+   use lopin_active_set, only : outcome
+   use lopin_friction_rows, only : friction_points_type, elastic_compliance, drag_limit
+   use lopin_friction_set, only : solve_friction, friction_result_type
+   use lopin_scene, only : scene_type
+   implicit none
+   private
+   public :: slides_with_friction, contact_with_friction
+
+   !> Elastic slip of penalty pairs that the deck leaves open, beside the facet (frozen).
+   real(wp), parameter :: default_slip = 5.0e-3_wp
+
+contains
+
+   !> Some pair has rows along its tangents.
+   pure logical function slides_with_friction(scene) result(slides)
+      type(scene_type), intent(in) :: scene
+      slides = scene%rows%n > scene%rows%nnormal
+   end function slides_with_friction
+
+   !> Forces of all rows for the gaps, condensed loads and loads on floating motions given.
+   subroutine contact_with_friction(scene, model, gap, load, moving, error)
+      type(scene_type), intent(inout) :: scene
+      type(model_type), intent(in) :: model
+      real(wp), intent(in) :: gap(:), load(:), moving(:)
+      type(error_type), allocatable, intent(out) :: error
+      type(friction_points_type) :: points
+      type(friction_result_type) :: friction
+
+      call new_points(scene, model, points)
+      if (allocated(scene%friction%accepted%force)) then
+         scene%answer%force = scene%friction%accepted%force
+         scene%answer%q = scene%friction%accepted%q
+      else
+         if (allocated(scene%answer%force)) deallocate (scene%answer%force)
+      end if
+      call solve_friction(scene%problem, points, gap, load, moving, scene%answer, friction)
+      scene%counter%iterations = scene%counter%iterations + scene%answer%iterations
+      scene%counter%augmentations = scene%counter%augmentations + scene%answer%augmentations
+      call explain(scene, model, points, friction, error)
+      if (allocated(error)) return
+      call remember(scene, points, friction)
+   end subroutine contact_with_friction
+
+   !> Points of the pairs with friction, with what they keep from the last accepted increment.
+   subroutine new_points(scene, model, points)
+      type(scene_type), intent(in) :: scene
+      type(model_type), intent(in) :: model
+      type(friction_points_type), intent(out) :: points
+      type(friction_type) :: law
+      integer :: n, nt, pair, row, k, i, d
+
+      n = count(scene%rows%tangent > 0)
+      nt = model%mesh%ndim - 1
+      points%n = n
+      points%nt = nt
+      allocate (points%normal(n), points%tangent(n), points%law(n), points%at(n))
+      allocate (points%weight(n), points%stiffness(n), points%elastic_slip(n), source=0.0_wp)
+      allocate (points%traction(nt, n), points%start(nt, n), points%anchor(nt, n), &
+         & points%elastic(nt, n), source=0.0_wp)
+      allocate (points%augmented(n), source=.false.)
+      k = 0
+      do pair = 1, size(model%pair)
+         law = friction_in_step(model, model%pair(pair)%interaction, scene%step)
+         do row = scene%rows%group_first(pair), scene%rows%group_first(pair + 1) - 1
+            if (scene%rows%tangent(row) == 0) cycle
+            k = k + 1
+            i = scene%rows%point(row)
+            points%normal(k) = row
+            points%tangent(k) = scene%rows%tangent(row)
+            points%law(k) = law
+            points%weight(k) = scene%points%weight(i)
+            call elastic_stick(scene, model, pair, row, points, k)
+            points%at(k)%dt = scene%finite%dt
+            points%at(k)%held = scene%rows%bilateral(row)
+            points%at(k)%mises = scene%friction%mises(i)
+            points%at(k)%speed = scene%friction%accepted%speed(i)
+            do d = 1, nt
+               associate (t => scene%rows%direction(:, points%tangent(k) + d - 1))
+                  points%traction(d, k) = dot_product(t, scene%friction%accepted%traction(:, i))
+                  points%anchor(d, k) = dot_product(t, scene%friction%accepted%anchor(:, i))
+                  points%elastic(d, k) = dot_product(t, scene%friction%accepted%elastic(:, i))
+               end associate
+               points%start(d, k) = displaced(scene, points%tangent(k) + d - 1)
+            end do
+            if (points%augmented(k)) points%elastic(:, k) = -points%traction(:, k)/&
+               & points%stiffness(k)
+         end do
+      end do
+      call set_yield(scene, model, points)
+   end subroutine new_points
+
+   !> Relative displacement along a tangential row at the last accepted increment.
+   pure real(wp) function displaced(scene, row)
+      type(scene_type), intent(in) :: scene
+      integer, intent(in) :: row
+      integer :: j
+
+      displaced = 0.0_wp
+      do j = scene%rows%first(row), scene%rows%first(row + 1) - 1
+         displaced = displaced + scene%rows%coefficient(j)*scene%accepted(scene%rows%dof(j))
+      end do
+   end function displaced
+
+   !> Exact stick unless the deck gives an elastic slip or the pair is a penalty pair.
+   subroutine elastic_stick(scene, model, pair, row, points, k)
+      type(scene_type), intent(in) :: scene
+      type(model_type), intent(in) :: model
+      integer, intent(in) :: pair, row, k
+      type(friction_points_type), intent(inout) :: points
+
+      associate (law => points%law(k), method => &
+         & model%interaction(model%pair(pair)%interaction)%method, &
+         & facet => scene%points%size(scene%rows%point(row)))
+         if (law%exact_stick .or. is_regularised(law)) return
+         points%augmented(k) = method == method_of%augmented .and. .not. law%elastic_slip > 0.0_wp &
+            & .and. .not. law%slip_tolerance > 0.0_wp
+         if (law%stick_slope > 0.0_wp) then
+            points%stiffness(k) = law%stick_slope*points%weight(k)
+         else if (points%augmented(k)) then
+            points%stiffness(k) = scene%problem%alpha(row)
+         else if (law%elastic_slip > 0.0_wp) then
+            points%elastic_slip(k) = law%elastic_slip
+         else if (law%slip_tolerance > 0.0_wp) then
+            points%elastic_slip(k) = law%slip_tolerance*facet
+         else if (method == method_of%penalty .or. method == method_of%perturbed) then
+            points%elastic_slip(k) = default_slip*facet
+         end if
+      end associate
+   end subroutine elastic_stick
+
+   !> Yield stress of the material behind each point: of the element that holds the slave node.
+   subroutine set_yield(scene, model, points)
+      type(scene_type), intent(in) :: scene
+      type(model_type), intent(in) :: model
+      type(friction_points_type), intent(inout) :: points
+      real(wp) :: yield(model%mesh%nnode)
+      integer :: e, k, node
+
+      yield = 0.0_wp
+      do e = 1, model%mesh%nelement
+         if (model%mesh%section(e) == 0) cycle
+         do k = 1, size(model%mesh%conn, 1)
+            node = model%mesh%conn(k, e)
+            if (node == 0) exit
+            yield(node) = max(yield(node), &
+               & model%material(model%section(model%mesh%section(e))%material)%yield)
+         end do
+      end do
+      do k = 1, points%n
+         points%at(k)%yield = yield(scene%points%node(scene%rows%point(points%normal(k))))
+      end do
+   end subroutine set_yield
+
+   !> The history that the answer leaves, as a trial, and the tests of friction.
+   subroutine remember(scene, points, friction)
+      type(scene_type), intent(inout) :: scene
+      type(friction_points_type), intent(in) :: points
+      type(friction_result_type), intent(in) :: friction
+      real(wp) :: slip(3), slid(points%nt), elastic(points%nt), done, radius, slope, press, force(3)
+      real(wp) :: most_work, most_bound, excess
+      integer :: k, i
+
+      associate (s => scene%friction, old => scene%friction%accepted, new => scene%friction%trial)
+         new = old
+         new%force = scene%answer%force
+         new%q = scene%answer%q
+         s%slid = 0.0_wp
+         s%least_work = 0.0_wp
+         most_work = 0.0_wp
+         most_bound = 0.0_wp
+         excess = 0.0_wp
+         do k = 1, points%n
+            i = scene%rows%point(points%normal(k))
+            new%status(i) = friction%status(k)
+            new%traction(:, i) = 0.0_wp
+            new%elastic(:, i) = 0.0_wp
+            new%anchor(:, i) = 0.0_wp
+            new%speed(i) = 0.0_wp
+            if (friction%status(k) == 0) cycle
+            associate (from => points%tangent(k), to => points%tangent(k) + points%nt - 1)
+               press = max(scene%answer%force(points%normal(k)), 0.0_wp)
+               elastic = -elastic_compliance(points, k, press)*scene%answer%force(from:to)
+               slid = scene%answer%gap(from:to) - points%start(:, k)
+               if (is_regularised(points%law(k))) then
+                  new%anchor(:, i) = global(drawn(points, k, slid + points%anchor(:, k)))
+               else
+                  ! Stick leaves no slip: its residual is rounding.
+                  if (.not. points%augmented(k)) slid = slid - (elastic - points%elastic(:, k))
+                  if (friction%status(k) == 1) slid = 0.0_wp
+               end if
+               force = global(scene%answer%force(from:to))
+               slip = global(slid)
+               new%elastic(:, i) = global(elastic)
+            end associate
+            new%traction(:, i) = force
+            s%slid(:, i) = slip
+            new%slip(:, i) = old%slip(:, i) + slip
+            new%path(i) = old%path(i) + norm2(slip)
+            new%speed(i) = norm2(slip)/points%at(k)%dt
+            done = -dot_product(force, slip)
+            new%work(i) = old%work(i) + done
+            most_work = max(most_work, abs(done))
+            s%least_work = min(s%least_work, done)
+            call friction_radius(points%law(k), press/points%weight(k), points%at(k), radius, slope)
+            if (radius < huge(1.0_wp)/max(points%weight(k), 1.0_wp)) then
+               most_bound = max(most_bound, radius*points%weight(k))
+               excess = max(excess, norm2(force) - radius*points%weight(k))
+            end if
+         end do
+         if (most_work > 0.0_wp) s%least_work = s%least_work/most_work
+         s%cone_excess = 0.0_wp
+         if (most_bound > 0.0_wp) s%cone_excess = max(excess, 0.0_wp)/most_bound
+      end associate
+
+   contains
+
+      !> A tangential vector of point k in global axes.
+      function global(t) result(v)
+         real(wp), intent(in) :: t(:)
+         real(wp) :: v(3)
+         integer :: d
+
+         v = 0.0_wp
+         do d = 1, size(t)
+            v = v + t(d)*scene%rows%direction(:, points%tangent(k) + d - 1)
+         end do
+      end function global
+   end subroutine remember
+
+   !> Slip from the anchor after the anchor has followed.
+   function drawn(points, k, slip) result(left)
+      type(friction_points_type), intent(in) :: points
+      integer, intent(in) :: k
+      real(wp), intent(in) :: slip(:)
+      real(wp) :: left(size(slip)), limit
+
+      left = slip
+      if (by_rate(points%law(k))) left = 0.0_wp
+      limit = drag_limit(points%law(k))
+      if (norm2(left) > limit) left = left*(limit/norm2(left))
+   end function drawn
+
+   !> What the outcome means, as an error, and what is doubtful, as warnings.
+   subroutine explain(scene, model, points, friction, error)
+      type(scene_type), intent(inout) :: scene
+      type(model_type), intent(in) :: model
+      type(friction_points_type), intent(in) :: points
+      type(friction_result_type), intent(in) :: friction
+      type(error_type), allocatable, intent(out) :: error
+      character(len=:), allocatable :: nodes
+      integer :: i
+
+      select case (scene%answer%outcome)
+      case (outcome%cycling)
+         nodes = ''
+         do i = 1, min(8, size(friction%changing))
+            nodes = nodes//' '//to_text(model%mesh%node_label(scene%points%node(scene%rows%point( &
+               & points%normal(friction%changing(i))))))
+         end do
+         if (len(nodes) > 0) nodes = ', last at the nodes'//nodes
+         call raise(error, error_code%not_converged, 'E0520', 'stick and slip cycle after '// &
+            & to_text(scene%answer%iterations)//' iterations'//nodes, &
+            & model%step(scene%step)%at, &
+            & note='Newton, its damped tangent, single changes and fixed bounds were all tried', &
+            & help='smaller increments, or a smaller coefficient of friction')
+      case default
+      end select
+   end subroutine explain
+end module lopin_contact_friction

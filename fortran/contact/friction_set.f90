@@ -1,0 +1,642 @@
+!> Open, stick or slip: contact with friction on the condensed compliance, all points together.
+!>
+!> Semismooth Newton on the equations of lopin_friction_rows, reduced to the closed rows, with a
+!> non-monotone line search on their residual (memory 4, steps 1 to 1/32). The tangential scaling is
+!> the collective compliance, c_t = 1/lambda_max(S_tt) over the closed points: with the nodal one
+!> Newton cycles. Where states repeat without progress, in order: the tangent of Hueeber, Stadler
+!> and Wohlmuth; one normal row at a time; a fixed point on the bounds (Tresca), whose problems are
+!> convex. Bodies that only contact and friction hold move with the unknown motions q, C^T lambda =
+!> -moving.
+module lopin_friction_set
+   use, intrinsic :: iso_fortran_env, only : int64
+   use lopin_kinds, only : wp
+   use lopin_vectors, only : largest
+   use lopin_blas, only : dgetrf, dgetrs
+   use lopin_condensed, only : condensed_type, form_compliance, rows_times
+   use lopin_dense, only : cholesky_solve
+   use lopin_active_set, only : contact_result_type, outcome
+   use lopin_friction_rows, only : friction_points_type, equations_type, new_equations, &
+      & form_equations
+   implicit none
+   private
+   public :: solve_friction, friction_result_type
+
+   integer, parameter :: most_iterations = 40, memory = 4, halvings = 5, remembered = 32
+   integer, parameter :: most_bounds = 60
+   !> Residuals below this share of the largest force, or of what rounding of the gaps makes.
+   real(wp), parameter :: exact = 1.0e-13_wp, accepted = 1.0e-10_wp, rounding = 1.0e-14_wp
+   real(wp), parameter :: settled = 1.0e-10_wp
+   !> Pivots below this share of the largest are dependent rows.
+   real(wp), parameter :: no_pivot = 1.0e-14_wp
+
+   !> The cures, in order.
+   type :: ladder
+      integer :: newton = 1, damped = 2, single = 3, bounds = 4
+   end type ladder
+   type(ladder), parameter :: rung = ladder()
+
+   type :: friction_result_type
+      integer, allocatable :: status(:)            !! (npoint) 0 open, 1 stick, 2 slip
+      integer :: cure = 1                          !! rung of the ladder that solved it
+      integer :: sign_of_determinant = 1   !! of the tangent at the answer; < 0: not the only one
+      integer, allocatable :: changing(:)          !! points whose state still changed at the end
+      real(wp), allocatable :: norms(:)            !! residuals of the iterations
+   end type friction_result_type
+
+   !> A state, and what one solve carries around.
+   type :: trial_type
+      real(wp), allocatable :: force(:), gap(:), q(:)
+   end type trial_type
+
+   type :: work_type
+      type(equations_type) :: equations
+      real(wp), allocatable :: free_gap(:), moving(:), q_scale(:)
+      real(wp) :: gap_scale = 0.0_wp
+      logical :: force_closed = .false.            !! take all rows as closed and sticking, once
+      logical :: one_by_one = .false.
+      logical :: singular = .false.
+      integer :: sign_of_determinant = 1, dependent = 0
+   end type work_type
+
+contains
+
+   !> Forces, gaps and motions for gaps without displacement, condensed loads and loads on the
+   !> floating motions. `result` may hold forces and motions to start from.
+   subroutine solve_friction(self, points, gap0, load, moving, result, friction)
+      type(condensed_type), intent(inout) :: self
+      type(friction_points_type), intent(inout) :: points
+      real(wp), intent(in) :: gap0(:)      !! (nrow) [length]
+      real(wp), intent(in) :: load(:)      !! (n) [force]
+      real(wp), intent(in) :: moving(:)    !! (nq) [force]
+      type(contact_result_type), intent(inout) :: result
+      type(friction_result_type), intent(out) :: friction
+      type(work_type) :: work
+      type(trial_type) :: x
+      real(wp) :: moved, last, size_
+      integer :: pass, most
+
+      call prepare(self, points, gap0, load, moving, result, work, x)
+      last = 0.0_wp
+      size_ = 0.0_wp
+      most = max(1, maxval(self%max_augmentations))
+      do pass = 1, most
+         call climb(self, points, work, x, result, friction)
+         if (result%outcome /= outcome%solved) exit
+         size_ = max(size_, largest(x%force))
+         call augment(self, points, work, x, moved)
+         if (.not. moved > 0.0_wp) exit
+         result%augmentations = pass
+         if (last > 0.0_wp) result%rate = min(moved/last, 0.999_wp)
+         if (moved <= settled*size_ .and. last > 0.0_wp) exit
+         last = moved
+         if (pass == most) result%outcome = outcome%not_augmented
+      end do
+      result%force = x%force
+      result%gap = x%gap
+      result%q = x%q
+      result%active = work%equations%closed
+      result%dependent = work%dependent
+      result%opening = largest(matmul(self%s, x%force))
+      result%opening = max(result%opening, 1.0e-6_wp*work%gap_scale)
+      friction%status = work%equations%status
+      friction%sign_of_determinant = work%sign_of_determinant
+      if (result%outcome == outcome%solved) call estimate_soft_error(self, points, work, x, result)
+   end subroutine solve_friction
+
+   subroutine prepare(self, points, gap0, load, moving, result, work, x)
+      type(condensed_type), intent(inout) :: self
+      type(friction_points_type), intent(in) :: points
+      real(wp), intent(in) :: gap0(:), load(:), moving(:)
+      type(contact_result_type), intent(inout) :: result
+      type(work_type), intent(out) :: work
+      type(trial_type), intent(out) :: x
+      real(wp), allocatable :: u(:)
+      integer :: i, group
+      logical :: warm
+
+      call form_compliance(self)
+      u = load
+      call cholesky_solve(self%l, u)
+      work%free_gap = gap0 + rows_times(self, u)
+      work%gap_scale = largest(gap0) + largest(work%free_gap - gap0)
+      work%moving = moving
+      allocate (work%q_scale(self%nq))
+      do i = 1, self%nq
+         work%q_scale(i) = 1.0_wp/max(maxval(abs(self%c(:, i))), tiny(1.0_wp))
+      end do
+      call new_equations(work%equations, self, points)
+      warm = allocated(result%force) .and. allocated(result%q)
+      if (warm) warm = size(result%force) == self%nrow .and. size(result%q) == self%nq
+      allocate (x%force(self%nrow), x%q(self%nq), source=0.0_wp)
+      if (warm) then
+         x%force = result%force
+         x%q = result%q
+      end if
+      work%force_closed = self%nq > 0 .and. .not. any(abs(x%force) > 0.0_wp)
+      x%gap = work%free_gap + matmul(self%s, x%force) + matmul(self%c, x%q)
+      do group = 1, self%ngroup
+         if (self%max_augmentations(group) == 0) cycle
+         associate (from => self%group_first(group), to => self%group_first(group + 1) - 1)
+            work%equations%shift(from:to) = work%equations%compliance(from:to)*x%force(from:to)
+         end associate
+      end do
+      result%outcome = outcome%solved
+      result%iterations = 0
+      result%augmentations = 0
+      result%single_pivots = 0
+      result%soft_error = 0.0_wp
+   end subroutine prepare
+
+   !> The ladder of cures: each rung starts from the state that the last accepted increment left.
+   subroutine climb(self, points, work, x, result, friction)
+      type(condensed_type), intent(in) :: self
+      type(friction_points_type), intent(in) :: points
+      type(work_type), intent(inout) :: work
+      type(trial_type), intent(inout) :: x
+      type(contact_result_type), intent(inout) :: result
+      type(friction_result_type), intent(inout) :: friction
+      type(trial_type) :: start
+      logical :: solved, cold
+      integer :: cure
+
+      start = x
+      cold = work%force_closed
+      do cure = rung%newton, rung%bounds
+         x = start
+         work%force_closed = cold
+         work%equations%damped = cure == rung%damped
+         work%one_by_one = cure == rung%single
+         if (allocated(work%equations%set)) deallocate (work%equations%set)
+         friction%cure = cure
+         if (cure == rung%bounds) then
+            call fix_bounds(self, points, work, x, result, friction, solved)
+         else
+            call newton(self, points, work, x, result, friction, solved)
+         end if
+         if (solved) exit
+      end do
+      work%force_closed = .false.
+      work%equations%damped = .false.
+      work%one_by_one = .false.
+      if (allocated(work%equations%set)) deallocate (work%equations%set)
+      result%outcome = outcome%solved
+      if (solved) return
+      result%outcome = outcome%cycling
+      if (work%singular .and. self%nq > 0) result%outcome = outcome%not_held
+   end subroutine climb
+
+   !> Tresca's fixed point: bounds from the pressures found last, until they stay.
+   subroutine fix_bounds(self, points, work, x, result, friction, solved)
+      type(condensed_type), intent(in) :: self
+      type(friction_points_type), intent(in) :: points
+      type(work_type), intent(inout) :: work
+      type(trial_type), intent(inout) :: x
+      type(contact_result_type), intent(inout) :: result
+      type(friction_result_type), intent(inout) :: friction
+      logical, intent(out) :: solved
+      real(wp) :: press(points%n), moved, last, share
+      integer :: pass
+
+      last = huge(1.0_wp)
+      share = 1.0_wp
+      press = max(x%force(points%normal), 0.0_wp)
+      solved = .false.
+      do pass = 1, most_bounds
+         work%equations%frozen = press
+         call newton(self, points, work, x, result, friction, solved)
+         if (.not. solved) exit
+         moved = largest(max(x%force(points%normal), 0.0_wp) - press)
+         solved = moved <= accepted*largest(x%force)
+         if (solved) exit
+         if (moved > 0.7_wp*last) share = 0.5_wp
+         press = press + share*(max(x%force(points%normal), 0.0_wp) - press)
+         last = moved
+      end do
+      deallocate (work%equations%frozen)
+      if (solved) call newton(self, points, work, x, result, friction, solved)
+   end subroutine fix_bounds
+
+   !> Newton from x; .false. in `solved` if states repeat without progress or time is up.
+   subroutine newton(self, points, work, x, result, friction, solved)
+      type(condensed_type), intent(in) :: self
+      type(friction_points_type), intent(in) :: points
+      type(work_type), intent(inout) :: work
+      type(trial_type), intent(inout) :: x
+      type(contact_result_type), intent(inout) :: result
+      type(friction_result_type), intent(inout) :: friction
+      logical, intent(out) :: solved
+      type(trial_type) :: next
+      real(wp) :: norm, before, history(memory), norms(most_iterations + 1), norm_at(remembered)
+      integer(int64) :: seen(remembered), hash
+      integer :: pass, place, before_status(points%n)
+
+      solved = .false.
+      seen = 0_int64
+      history = -1.0_wp
+      call form_equations(work%equations, self, points, x%force, x%gap)
+      call scale_tangents(self, work)
+      call judge(self, points, work, x, norm)
+      norms(1) = norm
+      before = huge(1.0_wp)
+      before_status = work%equations%status
+      do pass = 1, most_iterations
+         if (.not. work%force_closed) then
+            solved = is_small(work, x, norm, exact) .or. (norm > 0.1_wp*before &
+               & .and. is_small(work, x, norm, accepted))
+            if (allocated(work%equations%set)) solved = solved &
+               & .and. all(work%equations%set .eqv. work%equations%natural)
+            if (solved) exit
+         end if
+         before = norm
+         before_status = work%equations%status
+         history(1 + mod(pass, memory)) = norm
+         if (work%force_closed) call stick_all(points, work%equations)
+         call step_to(self, points, work, x, next)
+         if (work%force_closed .or. work%one_by_one) then
+            x = next
+            call judge(self, points, work, x, norm)
+         else
+            call search_line(self, points, work, x, next, maxval(history), norm)
+         end if
+         if (work%force_closed) then
+            work%force_closed = .false.
+            call scale_tangents(self, work)
+            call judge(self, points, work, x, norm)
+            history = -1.0_wp
+            before = huge(1.0_wp)
+         end if
+         if (work%one_by_one) call change_last(work%equations, result)
+         result%iterations = result%iterations + 1
+         norms(pass + 1) = norm
+         hash = hash_of(work%equations)
+         place = findloc(seen, hash, 1)
+         if (place > 0 .and. place /= 1 + mod(pass - 1, remembered)) then
+            if (norm > 0.5_wp*norm_at(place)) exit
+         end if
+         seen(1 + mod(pass, remembered)) = hash
+         norm_at(1 + mod(pass, remembered)) = norm
+      end do
+      if (.not. work%one_by_one) solved = solved .or. is_small(work, x, norm, accepted)
+      friction%norms = norms(:min(pass, most_iterations + 1))
+      friction%changing = pack([(place, place=1, points%n)], work%equations%status /= before_status)
+   end subroutine newton
+
+   !> c_t of all tangential rows: one over the collective compliance of the closed points.
+   subroutine scale_tangents(self, work)
+      type(condensed_type), intent(in) :: self
+      type(work_type), intent(inout) :: work
+      integer, parameter :: powers = 8
+      logical :: wanted(self%nrow)
+      real(wp), allocatable :: v(:)
+      integer, allocatable :: rows(:)
+      integer :: i
+      real(wp) :: size_
+
+      wanted = work%equations%group == 0
+      if (any(wanted .and. work%equations%closed)) wanted = wanted .and. work%equations%closed
+      rows = pack([(i, i=1, self%nrow)], wanted)
+      if (size(rows) == 0) return
+      ! Rows move together; the rest keeps the vector off every symmetry.
+      v = [(1.0_wp + 0.25_wp*modulo(0.618_wp*i, 1.0_wp), i=1, size(rows))]
+      size_ = 0.0_wp
+      do i = 1, powers
+         v = v/norm2(v)
+         v = matmul(self%s(rows, rows), v)
+         size_ = norm2(v)
+         if (.not. size_ > 0.0_wp) exit
+      end do
+      if (size_ > 0.0_wp) then
+         where (work%equations%group == 0) work%equations%c = 1.0_wp/size_
+      else
+         where (work%equations%group == 0) work%equations%c = maxval(work%equations%c)
+      end if
+   end subroutine scale_tangents
+
+   !> Natural residual of a state, in force.
+   subroutine judge(self, points, work, x, norm)
+      type(condensed_type), intent(in) :: self
+      type(friction_points_type), intent(in) :: points
+      type(work_type), intent(inout) :: work
+      type(trial_type), intent(in) :: x
+      real(wp), intent(out) :: norm
+
+      call form_equations(work%equations, self, points, x%force, x%gap)
+      norm = norm2(work%equations%residual)
+      if (self%nq > 0) norm = hypot(norm, norm2(work%q_scale*(matmul(x%force, self%c) &
+         & + work%moving)))
+   end subroutine judge
+
+   !> A residual beside the forces, or beside what rounding of the gaps makes.
+   pure logical function is_small(work, x, norm, limit)
+      type(work_type), intent(in) :: work
+      type(trial_type), intent(in) :: x
+      real(wp), intent(in) :: norm, limit
+      real(wp) :: noise
+
+      noise = rounding*max(work%gap_scale, largest(x%gap))*maxval(work%equations%c)
+      is_small = norm <= limit*largest(x%force) + noise*sqrt(real(size(x%force), wp))
+   end function is_small
+
+   !> For the first step of bodies that nothing else holds: every point presses and sticks.
+   subroutine stick_all(points, equations)
+      type(friction_points_type), intent(in) :: points
+      type(equations_type), intent(inout) :: equations
+      integer :: k, i
+
+      equations%closed = .true.
+      where (equations%group > 0)
+         equations%residual = 0.0_wp
+      end where
+      do k = 1, points%n
+         equations%p(:, :, k) = 0.0_wp
+         equations%q(:, :, k) = 0.0_wp
+         do i = 1, points%nt
+            equations%q(i, i, k) = equations%c(points%tangent(k))
+         end do
+      end do
+   end subroutine stick_all
+
+   !> Of the normal rows in the wrong set, the last one changes.
+   subroutine change_last(equations, result)
+      type(equations_type), intent(inout) :: equations
+      type(contact_result_type), intent(inout) :: result
+      integer :: row
+
+      if (.not. allocated(equations%set)) then
+         equations%set = equations%closed
+         return
+      end if
+      row = findloc(equations%set .neqv. equations%natural, .true., 1, back=.true.)
+      if (row == 0) return
+      equations%set(row) = equations%natural(row)
+      result%single_pivots = result%single_pivots + 1
+   end subroutine change_last
+
+   !> The state that the equations linearised at x ask for.
+   subroutine step_to(self, points, work, x, next)
+      type(condensed_type), intent(in) :: self
+      type(friction_points_type), intent(in) :: points
+      type(work_type), intent(inout) :: work
+      type(trial_type), intent(in) :: x
+      type(trial_type), intent(out) :: next
+      real(wp), allocatable :: a(:, :), right(:)
+      integer, allocatable :: rows(:), place(:)
+      integer :: i, m
+
+      rows = pack([(i, i=1, self%nrow)], work%equations%closed)
+      m = size(rows)
+      allocate (place(self%nrow), source=0)
+      place(rows) = [(i, i=1, m)]
+      allocate (a(m + self%nq, m + self%nq), right(m + self%nq), source=0.0_wp)
+      call fill_matrix(self, points, work, x, rows, place, a, right)
+      call solve_matrix(self, work, x, rows, a, right)
+      allocate (next%force(self%nrow), source=0.0_wp)
+      next%force(rows) = right(:m)
+      next%q = right(m + 1:)
+      next%gap = work%free_gap
+      do i = 1, m
+         next%gap = next%gap + self%s(:, rows(i))*right(i)
+      end do
+      if (self%nq > 0) next%gap = next%gap + matmul(self%c, next%q)
+   end subroutine step_to
+
+   !> Rows P force + Q gap = P force_x + Q gap_x - residual with gap = free_gap + S force + C q, and
+   !> the balance of the floating motions.
+   subroutine fill_matrix(self, points, work, x, rows, place, a, right)
+      type(condensed_type), intent(in) :: self
+      type(friction_points_type), intent(in) :: points
+      type(work_type), intent(in) :: work
+      type(trial_type), intent(in) :: x
+      integer, intent(in) :: rows(:), place(:)
+      real(wp), intent(inout) :: a(:, :), right(:)
+      integer :: i, j, k, m, row, other, from
+
+      m = size(rows)
+      associate (e => work%equations)
+         do i = 1, m
+            row = rows(i)
+            right(i) = -e%residual(row)
+            if (e%group(row) == 0) cycle
+            a(i, i) = e%diagonal(row)
+            right(i) = right(i) + e%diagonal(row)*x%force(row)
+            call add_gap(i, row, e%gap_diagonal(row))
+         end do
+         do k = 1, points%n
+            from = points%tangent(k)
+            if (place(from) == 0) cycle
+            do i = 1, points%nt
+               row = place(from + i - 1)
+               do j = 0, points%nt
+                  other = from + j - 1
+                  if (j == 0) other = points%normal(k)
+                  a(row, place(other)) = a(row, place(other)) + e%p(i, j, k)
+                  right(row) = right(row) + e%p(i, j, k)*x%force(other)
+                  if (abs(e%q(i, j, k)) > 0.0_wp) call add_gap(row, other, e%q(i, j, k))
+               end do
+            end do
+         end do
+      end associate
+      do i = 1, self%nq
+         a(m + i, :m) = self%c(rows, i)*work%q_scale(i)
+         right(m + i) = -work%moving(i)*work%q_scale(i)
+      end do
+
+   contains
+
+      !> factor*gap(of) in equation i.
+      subroutine add_gap(i, of, factor)
+         integer, intent(in) :: i, of
+         real(wp), intent(in) :: factor
+
+         a(i, :m) = a(i, :m) + factor*self%s(rows, of)
+         a(i, m + 1:) = a(i, m + 1:) + factor*self%c(of, :)
+         right(i) = right(i) + factor*(x%gap(of) - work%free_gap(of))
+      end subroutine add_gap
+   end subroutine fill_matrix
+
+   !> Solve, or, where rows depend on each other or motions are not held, the nearest problem that
+   !> has one answer: rows yield a trace, motions stay near those of x.
+   subroutine solve_matrix(self, work, x, rows, a, right)
+      type(condensed_type), intent(in) :: self
+      type(work_type), intent(inout) :: work
+      type(trial_type), intent(in) :: x
+      integer, intent(in) :: rows(:)
+      real(wp), intent(in) :: a(:, :)
+      real(wp), intent(inout) :: right(:)
+      real(wp), allocatable :: lu(:, :)
+      integer :: pivot(size(right)), i, m, n, status
+      real(wp) :: most, ground
+
+      m = size(rows)
+      n = size(right)
+      work%singular = .false.
+      if (n == 0) return
+      lu = a
+      call dgetrf(n, n, lu, n, pivot, status)
+      if (status /= 0 .or. lost(lu)) then
+         lu = a
+         most = 0.0_wp
+         do i = 1, m
+            most = max(most, abs(a(i, i)))
+         end do
+         do i = 1, m
+            lu(i, i) = lu(i, i) + 1.0e-11_wp*most
+         end do
+         work%singular = self%nq > 0
+         do i = 1, self%nq
+            ground = sum((self%c(rows, i)*work%q_scale(i))**2*work%equations%c(rows))
+            if (.not. ground > 0.0_wp) ground = 1.0_wp
+            ground = 1.0e-2_wp*ground/work%q_scale(i)
+            lu(m + i, m + i) = lu(m + i, m + i) - ground
+            right(m + i) = right(m + i) - ground*x%q(i)
+         end do
+         if (.not. work%singular) work%dependent = max(work%dependent, 1)
+         call dgetrf(n, n, lu, n, pivot, status)
+      end if
+      work%sign_of_determinant = 1
+      do i = 1, n
+         if (pivot(i) /= i) work%sign_of_determinant = -work%sign_of_determinant
+         if (lu(i, i) < 0.0_wp) work%sign_of_determinant = -work%sign_of_determinant
+      end do
+      if (mod(self%nq, 2) == 1) work%sign_of_determinant = -work%sign_of_determinant
+      if (status /= 0) then
+         right = [x%force(rows), x%q]
+         return
+      end if
+      call dgetrs('N', n, 1, lu, n, pivot, right, n, status)
+   end subroutine solve_matrix
+
+   !> A pivot lost all its digits.
+   pure logical function lost(lu)
+      real(wp), intent(in) :: lu(:, :)
+      real(wp) :: least, most
+      integer :: i
+
+      least = huge(1.0_wp)
+      most = 0.0_wp
+      do i = 1, size(lu, 1)
+         least = min(least, abs(lu(i, i)))
+         most = max(most, abs(lu(i, i)))
+      end do
+      lost = .not. least > no_pivot*most
+   end function lost
+
+   !> The longest of the steps 1, 1/2 ... that lowers the residual below the worst of the last few.
+   subroutine search_line(self, points, work, x, next, worst, norm)
+      type(condensed_type), intent(in) :: self
+      type(friction_points_type), intent(in) :: points
+      type(work_type), intent(inout) :: work
+      type(trial_type), intent(inout) :: x
+      type(trial_type), intent(in) :: next
+      real(wp), intent(in) :: worst
+      real(wp), intent(out) :: norm
+      type(trial_type) :: trial
+      real(wp) :: step, best, best_step
+      integer :: i
+
+      step = 1.0_wp
+      best = huge(1.0_wp)
+      best_step = 1.0_wp
+      do i = 0, halvings
+         call on_the_way(step, trial)
+         call judge(self, points, work, trial, norm)
+         if (norm <= (1.0_wp - 1.0e-4_wp*step)*worst) exit
+         if (norm < best) then
+            best = norm
+            best_step = step
+         end if
+         step = 0.5_wp*step
+      end do
+      if (i > halvings) then
+         call on_the_way(best_step, trial)
+         call judge(self, points, work, trial, norm)
+      end if
+      x = trial
+
+   contains
+
+      subroutine on_the_way(share, trial)
+         real(wp), intent(in) :: share
+         type(trial_type), intent(out) :: trial
+
+         trial = next
+         if (share >= 1.0_wp) return
+         trial%force = x%force + share*(next%force - x%force)
+         trial%gap = x%gap + share*(next%gap - x%gap)
+         trial%q = x%q + share*(next%q - x%q)
+      end subroutine on_the_way
+   end subroutine search_line
+
+   !> A number that two states share only by chance.
+   pure integer(int64) function hash_of(equations) result(hash)
+      type(equations_type), intent(in) :: equations
+      integer :: i
+
+      hash = 1_int64
+      do i = 1, size(equations%closed)
+         hash = mix(hash, merge(1_int64, 2_int64, equations%closed(i)))
+      end do
+      do i = 1, size(equations%status)
+         hash = mix(hash, int(equations%status(i), int64))
+      end do
+      if (hash == 0_int64) hash = 1_int64
+   end function hash_of
+
+   !> Shifts and products modulo a prime below 2^31: no overflow.
+   pure integer(int64) function mix(hash, value)
+      integer(int64), intent(in) :: hash, value
+      mix = mod(hash*69069_int64 + value + 12345_int64, 2147483647_int64)
+   end function mix
+
+   !> Uzawa's update of the augmented groups, normal and tangential; `moved` is by how much.
+   subroutine augment(self, points, work, x, moved)
+      type(condensed_type), intent(in) :: self
+      type(friction_points_type), intent(inout) :: points
+      type(work_type), intent(inout) :: work
+      type(trial_type), intent(in) :: x
+      real(wp), intent(out) :: moved
+      real(wp) :: elastic(points%nt)
+      integer :: group, k
+
+      moved = 0.0_wp
+      associate (e => work%equations)
+         do group = 1, self%ngroup
+            if (self%max_augmentations(group) == 0) cycle
+            associate (from => self%group_first(group), to => self%group_first(group + 1) - 1)
+               moved = max(moved, largest((e%shift(from:to) - e%compliance(from:to) &
+                  & *x%force(from:to))/e%compliance(from:to)))
+               e%shift(from:to) = e%compliance(from:to)*x%force(from:to)
+            end associate
+         end do
+         do k = 1, points%n
+            if (.not. points%augmented(k)) cycle
+            elastic = -x%force(points%tangent(k):points%tangent(k) + points%nt - 1)/&
+               & points%stiffness(k)
+            moved = max(moved, points%stiffness(k)*largest(elastic - points%elastic(:, k)))
+            points%elastic(:, k) = elastic
+         end do
+      end associate
+   end subroutine augment
+
+   !> One augmentation of what allows penetration or elastic slip, linearised: what it changes is
+   !> the error of these forces.
+   subroutine estimate_soft_error(self, points, work, x, result)
+      type(condensed_type), intent(in) :: self
+      type(friction_points_type), intent(in) :: points
+      type(work_type), intent(inout) :: work
+      type(trial_type), intent(in) :: x
+      type(contact_result_type), intent(inout) :: result
+      type(trial_type) :: once
+      logical :: soft(self%nrow)
+      real(wp) :: size_
+
+      result%soft_error = 0.0_wp
+      soft = work%equations%compliance > 0.0_wp
+      size_ = norm2(pack(x%force, soft))
+      if (.not. size_ > 0.0_wp) return
+      where (soft) work%equations%shift = work%equations%compliance*x%force
+      call form_equations(work%equations, self, points, x%force, x%gap)
+      call step_to(self, points, work, x, once)
+      result%soft_error = norm2(pack(once%force - x%force, soft))/size_
+   end subroutine estimate_soft_error
+end module lopin_friction_set

@@ -1,0 +1,58 @@
+!> What friction remembers of each point: accepted with the increment, or forgotten with it.
+!>
+!> Vectors are in global axes, so that a tool may turn between increments. A trial never touches
+!> what is accepted: an increment that is given up leaves nothing behind.
+module lopin_friction_state
+   use lopin_kinds, only : wp
+   implicit none
+   private
+   public :: friction_state_type, history_type, new_friction_state, commit, roll_back
+
+   type :: history_type
+      real(wp), allocatable :: traction(:, :)   !! (3, npoint) tangential force on the slave [force]
+      real(wp), allocatable :: elastic(:, :)    !! (3, npoint) elastic slip [length]
+      real(wp), allocatable :: anchor(:, :)     !! (3, npoint) slip from the anchor [length]
+      real(wp), allocatable :: slip(:, :)       !! (3, npoint) sum of the slips in contact [length]
+      real(wp), allocatable :: path(:)          !! (npoint) length of the way slid [length]
+      real(wp), allocatable :: work(:)          !! (npoint) dissipated >= 0 [force*length]
+      real(wp), allocatable :: speed(:)         !! (npoint) of slip in the increment [length/time]
+      integer, allocatable :: status(:)         !! (npoint) 0 open, 1 stick, 2 slip
+      real(wp), allocatable :: force(:)         !! (nrow) forces of all rows [force]
+      real(wp), allocatable :: q(:)             !! (nq) motions that nothing else holds
+   end type history_type
+
+   type :: friction_state_type
+      type(history_type) :: accepted, trial
+      real(wp), allocatable :: slid(:, :)       !! (3, npoint) slip of the increment [length]
+      real(wp), allocatable :: mises(:)         !! (npoint) of the last iteration [stress]
+      real(wp) :: cone_excess = 0.0_wp          !! largest, beside the largest bound [-]
+      real(wp) :: least_work = 0.0_wp           !! least dissipation of a point, beside the most [-]
+   end type friction_state_type
+
+contains
+
+   subroutine new_friction_state(self, npoint)
+      type(friction_state_type), intent(out) :: self
+      integer, intent(in) :: npoint
+
+      associate (h => self%accepted)
+         allocate (h%traction(3, npoint), h%elastic(3, npoint), h%anchor(3, npoint), &
+            & h%slip(3, npoint), h%path(npoint), h%work(npoint), h%speed(npoint), source=0.0_wp)
+         allocate (h%status(npoint), source=0)
+      end associate
+      allocate (self%slid(3, npoint), self%mises(npoint), source=0.0_wp)
+      self%trial = self%accepted
+   end subroutine new_friction_state
+
+   !> The increment is accepted.
+   subroutine commit(self)
+      type(friction_state_type), intent(inout) :: self
+      self%accepted = self%trial
+   end subroutine commit
+
+   !> The increment is given up.
+   subroutine roll_back(self)
+      type(friction_state_type), intent(inout) :: self
+      self%trial = self%accepted
+   end subroutine roll_back
+end module lopin_friction_state
