@@ -2,7 +2,6 @@
 module lopin_plan
    use lopin_text, only : to_text
    use lopin_error, only : error_type, error_code, raise
-   use lopin_friction, only : has_friction
    use lopin_model, only : model_type
    use lopin_contact_rows, only : pair_slides_with_friction
    implicit none
@@ -73,33 +72,27 @@ contains
       if (self%path /= path_of%finite .and. needs_finite(model)) call raise(error, &
          & error_code%deck, 'E0116', 'PATH='//model%path//' cannot solve this scene: ' &
          & //why_finite(model), help='leave out PATH=')
-      if (.not. allocated(error)) call refuse_unsolved(model, error)
+      if (.not. allocated(error)) call refuse_unsolved(model, self%path, error)
    end subroutine new_plan
 
    !> Friction and changes of pairs that no path follows yet: said here and nowhere else.
-   subroutine refuse_unsolved(model, error)
+   subroutine refuse_unsolved(model, path, error)
       type(model_type), intent(in) :: model
+      integer, intent(in) :: path
       type(error_type), allocatable, intent(out) :: error
       integer :: i, s
 
       do i = 1, size(model%pair)
+         if (path == path_of%condensed .or. .not. pair_slides_with_friction(model, i)) cycle
          associate (interaction => model%interaction(model%pair(i)%interaction))
-            if (model%pair(i)%tied .or. .not. has_friction(interaction%friction)) cycle
             call raise(error, error_code%deck, 'E0324', 'the friction of interaction `'// &
-               & interaction%name//'` cannot be solved yet', interaction%friction%at, &
-               & help='contact without friction can: remove *FRICTION, or write mu = 0')
+               & interaction%name//'` cannot be solved yet on this path', &
+               & interaction%friction%at, help='contact without friction can: remove '// &
+               & '*FRICTION, or write mu = 0')
             return
          end associate
       end do
       do s = 1, size(model%step)
-         do i = 1, size(model%step(s)%friction_change)
-            associate (change => model%step(s)%friction_change(i))
-               if (.not. has_friction(change%friction)) cycle
-               call raise(error, error_code%deck, 'E0324', 'a change of friction cannot be '// &
-                  & 'solved yet', change%at)
-               return
-            end associate
-         end do
          if (size(model%step(s)%pair_change) == 0) cycle
          call raise(error, error_code%deck, 'E0324', 'a change of contact pairs cannot be '// &
             & 'solved yet', model%step(s)%pair_change(1)%at)
