@@ -11,7 +11,7 @@ module lopin_feature
    use lopin_surface, only : surface_type, slack_of
    implicit none
    private
-   public :: projection_type, limits_type, settle
+   public :: projection_type, limits_type, settle, along_edge
 
    !> What a facet must fulfil to be opposite a point.
    type :: limits_type
@@ -25,6 +25,8 @@ module lopin_feature
    type :: projection_type
       integer :: place = 0 !! lopin_projection's place%...; none: no facet is opposite
       integer :: facet = 0                  !! index into surface%facets; 0: none
+      integer :: kind = 0 !! place%inside: moves on the face; %edge: along it; %vertex: fixed
+      integer :: feature = 0                !! number of that edge or vertex in the facet
       real(wp) :: xi(2) = 0.0_wp            !! may pass the bounds of the cell when extended
       real(wp) :: shape(8) = 0.0_wp         !! values of the facet's nodes at the foot; sum 1
       real(wp) :: point(3) = 0.0_wp         !! foot [length]
@@ -51,6 +53,8 @@ contains
 
       result%facet = facet
       result%place = closest%place
+      result%kind = closest%place
+      result%feature = closest%feature
       result%xi = closest%xi
       result%point = closest%point
       admitted = .true.
@@ -200,6 +204,8 @@ contains
       end do
       if (.not. admitted) return
       result%place = place%extended
+      result%kind = chosen%place
+      result%feature = chosen%feature
       if (chosen%place == place%inside) then
          call take_facet_normal(surface, x, result)
       else

@@ -10,10 +10,12 @@ module lopin_search
    use lopin_feature, only : projection_type, limits_type, settle
    implicit none
    private
-   public :: tree_type, build_tree, refit_tree, find_projection, find_projections
+   public :: tree_type, cost_type, build_tree, refit_tree, find_projection, find_projections
+   public :: find_near, disc_distance2, box_distance2
 
    integer, parameter :: leaf = 4
    integer, parameter :: deepest = 64        !! entries of the stack; the tree has at most 31 levels
+   real(wp), parameter :: turned = 0.5_wp  !! n_slave.axis above which no point of a facet faces it
    real(wp), parameter :: tie = 1.0e-12_wp !! relative rounding of squared distances
 
    !> Boxes in heap order: children of node k are 2k and 2k+1; the leaves are the last half.
@@ -25,6 +27,13 @@ module lopin_search
       real(wp), allocatable :: high(:, :)     !! the same
    end type tree_type
 
+   !> What a search did, for benchmarks and tests.
+   type :: cost_type
+      integer(lk) :: query = 0                !! walks through the tree
+      integer(lk) :: box = 0                  !! distances to boxes
+      integer(lk) :: projection = 0           !! closest points of one facet
+   end type cost_type
+
    !> One point on its way through the tree.
    type :: query_type
       real(wp) :: x(3) = 0.0_wp
@@ -35,6 +44,7 @@ module lopin_search
       integer :: top = 0
       integer :: stack(deepest)
       real(wp) :: distance2(deepest)
+      type(cost_type) :: cost
    end type query_type
 
 contains
@@ -154,13 +164,15 @@ contains
    !> The projection of one point; `result%facet` = 0 when nothing is opposite.
    !>
    !> The facets must have been updated (`update_surface`) and the tree built or refitted since.
-   pure subroutine find_projection(surface, tree, x, n_slave, limits, result)
+   pure subroutine find_projection(surface, tree, x, n_slave, limits, result, excluded, cost)
       type(surface_type), intent(in) :: surface
       type(tree_type), intent(in) :: tree
       real(wp), intent(in) :: x(:)                !! (ndim) [length]
       real(wp), intent(in) :: n_slave(:) !! (ndim) outward unit normal of the slave; 0: any side
       type(limits_type), intent(in) :: limits
       type(projection_type), intent(out) :: result
+      integer, intent(in), optional :: excluded(:)   !! facets that do not count
+      type(cost_type), intent(inout), optional :: cost
       type(query_type) :: query
       integer :: k
 
@@ -175,13 +187,18 @@ contains
          query%top = query%top - 1
          if (query%distance2(query%top + 1) > query%best%distance2*(1.0_wp + tie)) cycle
          if (k >= tree%nleaf) then
-            call try_leaf(query, surface, tree, k - tree%nleaf + 1, limits)
+            call try_leaf(query, surface, tree, k - tree%nleaf + 1, limits, excluded)
          else
             call push_children(query, tree, 2*k, 2*k + 1)
          end if
       end do
       if (query%facet > 0) call settle(surface, query%facet, query%best, query%x, query%sided, &
          & limits, result)
+      if (present(cost)) then
+         cost%query = cost%query + 1
+         cost%box = cost%box + query%cost%box
+         cost%projection = cost%projection + query%cost%projection
+      end if
    end subroutine find_projection
 
    pure subroutine push(query, tree, node)
@@ -189,6 +206,7 @@ contains
       type(tree_type), intent(in) :: tree
       integer, intent(in) :: node
 
+      query%cost%box = query%cost%box + 1
       query%top = query%top + 1
       query%stack(query%top) = node
       query%distance2(query%top) = box_distance2(tree%low(:, node), tree%high(:, node), query%x)
@@ -201,6 +219,7 @@ contains
       integer, intent(in) :: one, two
       real(wp) :: d1, d2
 
+      query%cost%box = query%cost%box + 2
       d1 = box_distance2(tree%low(:, one), tree%high(:, one), query%x)
       d2 = box_distance2(tree%low(:, two), tree%high(:, two), query%x)
       query%stack(query%top + 1) = merge(two, one, d1 <= d2)
@@ -210,12 +229,13 @@ contains
       query%top = query%top + 2
    end subroutine push_children
 
-   pure subroutine try_leaf(query, surface, tree, i, limits)
+   pure subroutine try_leaf(query, surface, tree, i, limits, excluded)
       type(query_type), intent(inout) :: query
       type(surface_type), intent(in) :: surface
       type(tree_type), intent(in) :: tree
       integer, intent(in) :: i                   !! leaf
       type(limits_type), intent(in) :: limits
+      integer, intent(in), optional :: excluded(:)
       integer :: first, last, j, n, next
       real(wp) :: bound(leaf)
 
@@ -227,22 +247,27 @@ contains
       do j = 1, n
          next = minloc(bound(:n), dim=1)
          if (bound(next) > query%best%distance2*(1.0_wp + tie)) return
-         call try_facet(query, surface, tree%facet(first + next - 1), limits)
+         call try_facet(query, surface, tree%facet(first + next - 1), limits, excluded)
          bound(next) = huge(1.0_wp)
       end do
    end subroutine try_leaf
 
-   pure subroutine try_facet(query, surface, f, limits)
+   pure subroutine try_facet(query, surface, f, limits, excluded)
       type(query_type), intent(inout) :: query
       type(surface_type), intent(in) :: surface
       integer, intent(in) :: f
       type(limits_type), intent(in) :: limits
+      integer, intent(in), optional :: excluded(:)
       type(closest_type) :: trial
       integer :: family
       real(wp) :: n(3)
       real(wp), parameter :: none(4) = 0.0_wp
 
+      if (present(excluded)) then
+         if (any(excluded == f)) return
+      end if
       family = surface%basis%family(surface%facets%cell(f))
+      query%cost%projection = query%cost%projection + 1
       call project_on_facet(surface%coefficient(:, :, f), family, &
          & surface%basis%centre(:, surface%facets%cell(f)), none, query%x, trial)
       if (trial%place == place%none) return
@@ -251,8 +276,7 @@ contains
          & .and. f > query%facet) return
       n = facet_unit_normal(surface%coefficient(:, :, f), family, trial%xi)
       if (query%sided .and. dot_product(query%normal, n) > limits%cosine) return
-      if (trial%place == place%inside .and. dot_product(query%x - trial%point, &
-         & n) < -limits%depth) return
+      if (dot_product(query%x - trial%point, n) < -limits%depth) return
       query%best = trial
       query%facet = f
    end subroutine try_facet
@@ -275,6 +299,42 @@ contains
       beside = sqrt(max(arm(1)*arm(1) + arm(2)*arm(2) + arm(3)*arm(3) - height*height, 0.0_wp))
       disc_distance2 = max(abs(height) - disc(8), 0.0_wp)**2 + max(beside - disc(7), 0.0_wp)**2
    end function disc_distance2
+
+   !> Facets whose discs come within a radius of a point, on the side that the slave may face.
+   pure subroutine find_near(surface, tree, x, n_slave, radius, list, n, cost)
+      type(surface_type), intent(in) :: surface
+      type(tree_type), intent(in) :: tree
+      real(wp), intent(in) :: x(3)                !! [length]
+      real(wp), intent(in) :: n_slave(3)          !! unit; 0: any side
+      real(wp), intent(in) :: radius              !! [length]
+      integer, intent(out) :: list(:)             !! the first ones, in the order of the tree
+      integer, intent(out) :: n                   !! how many there are, perhaps more than fit
+      type(cost_type), intent(inout) :: cost
+      integer :: stack(deepest), top, k, j, last, f
+
+      n = 0
+      top = min(tree%n, 1)
+      stack(1) = 1
+      do while (top > 0)
+         k = stack(top)
+         top = top - 1
+         cost%box = cost%box + 1
+         if (box_distance2(tree%low(:, k), tree%high(:, k), x) > radius**2) cycle
+         if (k < tree%nleaf) then
+            stack(top + 1:top + 2) = [2*k + 1, 2*k]
+            top = top + 2
+            cycle
+         end if
+         call leaf_span(tree, k - tree%nleaf + 1, j, last)
+         do j = j, last
+            f = tree%facet(j)
+            if (disc_distance2(surface%disc(:, f), x) > radius**2) cycle
+            if (dot_product(surface%disc(4:6, f), n_slave) > turned) cycle
+            n = n + 1
+            if (n <= size(list)) list(n) = f
+         end do
+      end do
+   end subroutine find_near
 
    !> The projections of many points, in parallel; the answers do not depend on the number of
    !> threads.
