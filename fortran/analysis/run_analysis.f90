@@ -23,6 +23,7 @@ module lopin_run_analysis
    use lopin_friction_state, only : commit_friction => commit, roll_back_friction => roll_back
    use lopin_frames, only : fill_frame
    use lopin_after_step, only : seen_type, look_at_pairs, judge_step, say_once, pair_that_slid
+   use lopin_judge_yield, only : judge_yield
    implicit none
    private
    public :: run_analysis
@@ -199,6 +200,7 @@ contains
             call advance(scene, model, plan, loading, progress, recorders, summary, time, &
                & increment, frame, error)
             if (allocated(error)) return
+            call judge_yield(scene, model, frame%u)
             summary%step(scene%step)%increments = number
             if (frame%last_of_step) exit
             if (.not. step%direct .and. (plan%path /= path_of%finite &

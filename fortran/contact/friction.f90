@@ -77,7 +77,7 @@ module lopin_friction
    !> has no stress, and a disc without radius would let everything slide.
    real(wp), parameter :: least_equivalent = 1.0e-3_wp
    real(wp), parameter :: pi = acos(-1.0_wp), root_3 = sqrt(3.0_wp)
-   integer, parameter :: most_iterations = 100   !! of Newton in `rate_bound`; 4 to 8 are usual
+   integer, parameter :: most_iterations = 100   !! of Newton in `rate_bound`; 2 to 9 are usual
 
 contains
 

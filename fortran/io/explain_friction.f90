@@ -33,6 +33,11 @@ contains
          & 'Norton-Hoff, V0 and EXPONENTIAL DECAY need the speed of slip. A step whose *STATIC '// &
          & 'gives no period lasts 1 by default, so that the speed is what the unit of time '// &
          & 'makes of it.', 'write initial increment and period after *STATIC.')
+      call add_explanation(list, 'W0508', 'a body would yield', &
+         & 'The von Mises stress at an integration point is above the first row of *PLASTIC. '// &
+         & 'This version computes bodies as elastic and reads the yield stress for laws of '// &
+         & 'friction only, so that stresses and contact pressures there are too high.', &
+         & 'judge by the share that the message names; lower the load.')
       call add_explanation(list, 'N0321', 'the law that LAW=AUTO chose', &
          & 'An elastic slave rubs by Coulomb, a perfectly plastic one by Tresca, a hardening '// &
          & 'one by Cristescu, a viscoplastic one by Norton-Hoff: each with what it needs and no '// &

@@ -9,6 +9,7 @@ module lopin_vtu_parts
    use lopin_model, only : model_type, surface_of
    use lopin_state, only : frame_type, contact_field_type
    use lopin_vtu_writer, only : vtu_writer_type, vtu_cells_type, three_components
+   use lopin_von_mises, only : von_mises
    implicit none
    private
    public :: surface_part_type, new_solid_cells, new_surface_part, write_solid, write_surface, &
@@ -300,9 +301,7 @@ contains
 
       allocate (q(1, size(s, 2)))
       do i = 1, size(s, 2)
-         q(1, i) = sqrt(0.5_wp*((s(1, i) - s(2, i))**2 + (s(2, i) - s(3, i))**2 &
-            & + (s(3, i) - s(1, i))**2) &
-            & + 3.0_wp*sum(s(4:6, i)**2))
+         q(1, i) = von_mises(s(:, i))
       end do
    end function mises
 end module lopin_vtu_parts

@@ -116,3 +116,14 @@ def test_friction_and_pairs_may_change_in_a_step(check):
         assert check("", step=f"*MODEL CHANGE, TYPE=CONTACT PAIR, {word}\nSLAVE, MASTER\n").returncode == 0
     assert "needs one of ADD and REMOVE" in check("", step="*MODEL CHANGE, TYPE=CONTACT PAIR\nSLAVE, MASTER\n").stderr
     assert "E0107" in check("", step="*FRICTION\n0.\n").stderr
+
+
+def test_a_body_that_would_yield_is_named(executable, tmp_path):
+    text = BASE.replace("*FRICTION\n-0.1\n", "*FRICTION, LAW=TRESCA\n0.4\n")
+    text = text.replace("INTERACTION=GREASE\nSLAVE", "INTERACTION=GREASE, TIED\nSLAVE")
+    for stress, warned in [(500.0, True), (1.0e4, False)]:
+        plastic = f"*PLASTIC\n{stress}, 0.\n"
+        (tmp_path / "deck.inp").write_text(text.replace("*SOLID SECTION, ELSET=UP", plastic + "*SOLID SECTION, ELSET=UP"))
+        run = subprocess.run([executable, "run", "deck.inp", "-o", f"out{warned}"], capture_output=True, text=True, timeout=20, cwd=tmp_path)
+        assert run.returncode == 0, run.stderr
+        assert ("warning[W0508]: material `STEEL` passes its yield stress" in run.stderr) == warned, run.stderr

@@ -1,0 +1,56 @@
+!> Bodies that would yield: *PLASTIC gives friction its yield stress, the bodies stay elastic.
+module lopin_judge_yield
+   use lopin_kinds, only : wp
+   use lopin_text, only : to_text
+   use lopin_assemble_finite, only : recover_finite
+   use lopin_model, only : model_type
+   use lopin_recover_stress, only : recover_stress
+   use lopin_scene, only : scene_type
+   use lopin_after_step, only : say_once
+   use lopin_von_mises, only : von_mises
+   implicit none
+   private
+   public :: judge_yield
+
+contains
+
+   !> Warn once of each material whose von Mises stress passes its yield stress.
+   subroutine judge_yield(scene, model, u)
+      type(scene_type), intent(inout) :: scene
+      type(model_type), intent(in) :: model
+      real(wp), intent(in) :: u(:, :)      !! (>= ndim, nnode) accepted displacements [length]
+      real(wp), allocatable :: stress(:, :), strain(:, :)
+      real(wp) :: share, most(size(model%material))
+      integer :: e, k, point, worst(size(model%material))
+
+      if (.not. any(model%material%yield > 0.0_wp)) return
+      if (scene%finite%in_use) then
+         call recover_finite(scene%solids, model%mesh, u, stress, strain)
+      else
+         call recover_stress(scene%solids, model%mesh, u, stress, strain)
+      end if
+      most = 1.0_wp
+      worst = 0
+      do e = 1, model%mesh%nelement
+         if (model%mesh%section(e) == 0) cycle
+         k = model%section(model%mesh%section(e))%material
+         if (.not. model%material(k)%yield > 0.0_wp) cycle
+         do point = scene%solids%first_point(e), scene%solids%first_point(e + 1) - 1
+            share = von_mises(stress(:, point))/model%material(k)%yield
+            if (share <= most(k)) cycle
+            most(k) = share
+            worst(k) = e
+         end do
+      end do
+      do k = 1, size(worst)
+         if (worst(k) == 0) cycle
+         call say_once(scene%log, 'W0508', 'material `'//model%material(k)%name// &
+            & '` passes its yield stress in step '//to_text(scene%step)//' (first seen: '// &
+            & to_text(most(k), 3)//' times, at element '// &
+            & to_text(model%mesh%element_label(worst(k)))//'); it is computed as elastic', &
+            & model%material(k)%plastic_at, &
+            & help='plasticity comes with a later version: where this share is large the '// &
+            & 'stresses are wrong')
+      end do
+   end subroutine judge_yield
+end module lopin_judge_yield
