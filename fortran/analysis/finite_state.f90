@@ -4,6 +4,7 @@ module lopin_finite_state
    use lopin_csc, only : csc_type
    use lopin_finite_contact, only : finite_contact_type
    use lopin_finite_system, only : finite_system_type
+   use lopin_follower_loading, only : follower_type
    implicit none
    private
    public :: finite_state_type, add_line, iteration_header
@@ -17,6 +18,7 @@ module lopin_finite_state
       logical :: nlgeom = .false.              !! of the present step
       type(finite_contact_type) :: contact
       type(finite_system_type) :: system
+      type(follower_type) :: follower          !! pressures under NLGEOM
       type(csc_type) :: k                      !! (ndof) tangent of the solids; small strain: unused
       real(wp), allocatable :: multiplier(:)   !! (nmultiplier) tractions, global axes [stress]
       real(wp), allocatable :: accepted_multiplier(:)

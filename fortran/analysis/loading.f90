@@ -89,6 +89,7 @@ contains
 
       if (size(self%amplitude) == 0) return
       allocate (ended%point_load(0), ended%face_load(0), ended%body_load(0))
+      ended%nlgeom = old%nlgeom
       do i = 1, size(old%point_load)
          associate (load => old%point_load(i), list => new%point_load)
             if (.not. any(list%node == load%node .and. list%dof == load%dof &
@@ -117,7 +118,8 @@ contains
       end do
    end subroutine add_ended_loads
 
-   !> Add the loads of a step that follow one amplitude (0: none).
+   !> Add the loads of a step that follow one amplitude (0: none). Under NLGEOM pressures follow
+   !> their faces and are not among them (see lopin_follower_loading).
    subroutine add_loads(f, model, dofs, constraints, solids, step, amplitude)
       real(wp), intent(inout) :: f(:)
       type(model_type), intent(in) :: model
@@ -152,8 +154,8 @@ contains
          density(:, i) = step%face_load(chosen(i))%traction
       end do
       if (size(chosen) > 0) call add_face_loads(solids, model%mesh, &
-         & step%face_load(chosen)%element, &
-         & step%face_load(chosen)%face, step%face_load(chosen)%pressure, density, f)
+         & step%face_load(chosen)%element, step%face_load(chosen)%face, &
+         & merge(0.0_wp, 1.0_wp, step%nlgeom)*step%face_load(chosen)%pressure, density, f)
       chosen = pack([(i, i=1, size(step%body_load))], step%body_load%amplitude == amplitude)
       deallocate (density)
       allocate (density(3, size(chosen)))

@@ -12,9 +12,11 @@ module lopin_path_finite
    use lopin_clock, only : phase
    use lopin_model, only : model_type, method_of
    use lopin_constraints, only : expand, reduce, prescribed_part, raw_displacement
-   use lopin_finite_contact, only : new_finite_contact, start_increment, evaluate, augment
+   use lopin_finite_contact, only : new_finite_contact, start_increment, evaluate, augment, &
+      & local_matrix_type
    use lopin_finite_system, only : set_tangent, put_on_ground, solve_step, apply_locals, as_forces
    use lopin_finite_state, only : add_line
+   use lopin_follower_loads, only : add_follower_loads
    use lopin_assemble_finite, only : assemble_finite, bad_element_type
    use lopin_scene, only : scene_type
    implicit none
@@ -209,6 +211,10 @@ contains
       if (allocated(error)) return
       call scene%clock%stop_in(phase%contact)
       residual = look%internal - f - scene%finite%contact%force
+      if (scene%finite%nlgeom) then
+         call push_faces(scene, model, with_tangent)
+         residual = residual - scene%finite%follower%force
+      end if
       call reduce(scene%constraints, residual, look%free)
       allocate (reaction(scene%constraints%nprescribed))
       call prescribed_part(scene%constraints, residual, reaction)
@@ -217,7 +223,41 @@ contains
       look%merit = sqrt(sum(look%free**2) + sum(look%row**2))
       look%reference = max(largest(f), largest(reaction), largest(look%internal), &
          & largest(scene%finite%contact%force))
+      if (scene%finite%nlgeom) look%reference = max(look%reference, &
+         & largest(scene%finite%follower%force))
    end subroutine look_at
+
+   !> Pressures at the trial displacements.
+   subroutine push_faces(scene, model, with_tangent)
+      type(scene_type), intent(inout) :: scene
+      type(model_type), intent(in) :: model
+      logical, intent(in) :: with_tangent
+
+      associate (follower => scene%finite%follower)
+         follower%force = 0.0_wp
+         if (with_tangent) then
+            call add_follower_loads(scene%solids, model%mesh, scene%u, follower%element, &
+               & follower%face, follower%pressure, follower%force, follower%local)
+         else
+            call add_follower_loads(scene%solids, model%mesh, scene%u, follower%element, &
+               & follower%face, follower%pressure, follower%force)
+         end if
+      end associate
+   end subroutine push_faces
+
+   !> Tangents of the contact points and, under NLGEOM, of the pressures.
+   subroutine collect_locals(scene, local)
+      type(scene_type), intent(in) :: scene
+      type(local_matrix_type), allocatable, intent(out) :: local(:)
+      integer :: n, m
+
+      n = scene%finite%contact%nlocal
+      m = 0
+      if (scene%finite%nlgeom) m = size(scene%finite%follower%local)
+      allocate (local(n + m))
+      local(:n) = scene%finite%contact%local(:n)
+      if (m > 0) local(n + 1:) = scene%finite%follower%local
+   end subroutine collect_locals
 
    !> Stiffness c times area of every multiplier row.
    function row_scale(scene) result(scale)
@@ -269,6 +309,7 @@ contains
       real(wp), allocatable, intent(out) :: step(:)
       type(error_type), allocatable, intent(out) :: error
       real(wp), allocatable :: right(:), pushed(:), reduced(:)
+      type(local_matrix_type), allocatable :: local(:)
       real(wp) :: tolerance
       integer :: bad, pass
 
@@ -277,6 +318,7 @@ contains
          allocate (step(neq + contact%nmultiplier), right(neq + contact%nmultiplier))
          right(:neq) = -look%free
          right(neq + 1:) = -contact%row
+         call collect_locals(scene, local)
          if (any(abs(jump) > 0.0_wp)) then
             allocate (pushed(ndof + contact%nmultiplier), reduced(neq))
             pushed = 0.0_wp
@@ -285,16 +327,16 @@ contains
             else
                call scene%k%multiply(jump, pushed(:ndof))
             end if
-            call apply_locals(contact%nlocal, contact%local, jump, pushed)
+            call apply_locals(size(local), local, jump, pushed)
             call reduce(scene%constraints, pushed(:ndof), reduced)
             right(:neq) = right(:neq) - reduced
             right(neq + 1:) = right(neq + 1:) - pushed(ndof + 1:)
          end if
          if (scene%finite%nlgeom) then
-            call set_tangent(system, scene%finite%k, scene%constraints, contact%nlocal, &
-               & contact%local, of_rows(scene, contact%c), of_rows(scene, contact%weight))
+            call set_tangent(system, scene%finite%k, scene%constraints, size(local), local, &
+               & of_rows(scene, contact%c), of_rows(scene, contact%weight))
          else
-            call set_tangent(system, scene%k, scene%constraints, contact%nlocal, contact%local, &
+            call set_tangent(system, scene%k, scene%constraints, size(local), local, &
                & of_rows(scene, contact%c), of_rows(scene, contact%weight))
          end if
          tolerance = 1.0e-9_wp

@@ -9,6 +9,7 @@ module lopin_run_analysis
    use lopin_model, only : model_type, step_type
    use lopin_state, only : frame_type, summary_type
    use lopin_recorder, only : recorder_holder_type, wants_type
+   use lopin_follower_loading, only : new_followers, set_followers
    use lopin_loading, only : loading_type, new_loading, loads_at, prescribed_at, add_ended_loads
    use lopin_friction, only : has_friction
    use lopin_plan, only : plan_type, new_plan, path_of
@@ -195,6 +196,8 @@ contains
          time = 0.0_wp
          increment = min(step%initial, step%period)
          scene%finite%nlgeom = step%nlgeom
+         if (step%nlgeom) call new_followers(scene%finite%follower, step, progress%time, &
+            & scene%dofs%n)
          do number = 1, step%max_increments
             frame%increment = number
             call advance(scene, model, plan, loading, progress, recorders, summary, time, &
@@ -307,6 +310,7 @@ contains
       allocate (prescribed(scene%constraints%nprescribed), steady(scene%dofs%n))
       call loads_at(loading, model, frame%step_time, progress%f, steady)
       call prescribed_at(loading, model, frame%step_time, prescribed)
+      if (scene%finite%nlgeom) call set_followers(scene%finite%follower, model, frame%step_time)
       scene%interference = 1.0_wp
       if (scene%step == 1) scene%interference = frame%step_time/loading%period
       call solve_path(scene, model, plan, progress%f, prescribed, error)
@@ -325,6 +329,7 @@ contains
          end if
       end if
       if (scene%finite%in_use) then
+         if (scene%finite%nlgeom) progress%f = progress%f + scene%finite%follower%force
          call find_finite_forces(forces, scene, progress%f)
          progress%residual = forces%residual
          call certify_finite(frame%certificate, frame%energy, scene, model, forces)

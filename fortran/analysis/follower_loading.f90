@@ -1,0 +1,138 @@
+!> Pressures under NLGEOM as functions of time; they follow their faces.
+!>
+!> Time rules are those of all loads (see lopin_loading): without an amplitude a pressure goes
+!> linearly from its value at the end of the last step to its new one, a pressure that is no longer
+!> in force to zero; with an amplitude it is value times amplitude.
+module lopin_follower_loading
+   use lopin_kinds, only : wp
+   use lopin_model, only : model_type, step_type, amplitude_value
+   use lopin_finite_contact, only : local_matrix_type
+   implicit none
+   private
+   public :: follower_type, new_followers, set_followers
+
+   !> One entry for each face and load.
+   type :: follower_type
+      integer, allocatable :: element(:), face(:)
+      real(wp), allocatable :: from(:), to(:)    !! without amplitude [stress]
+      real(wp), allocatable :: varying(:)        !! times amplitude [stress]
+      integer, allocatable :: amplitude(:)       !! 0: none
+      real(wp), allocatable :: steady(:)         !! part without amplitude now [stress]
+      real(wp), allocatable :: pressure(:)       !! now [stress]
+      real(wp) :: start = 0.0_wp, period = 1.0_wp
+      logical :: ramp = .true.
+      ! at the trial displacements
+      real(wp), allocatable :: force(:)               !! (ndof) [force]
+      type(local_matrix_type), allocatable :: local(:)   !! tangents, one for each entry
+   end type follower_type
+
+contains
+
+   !> Pressures of a step; before the call `self` are those at the end of the last step.
+   subroutine new_followers(self, step, start, ndof)
+      type(follower_type), intent(inout) :: self
+      type(step_type), intent(in) :: step
+      real(wp), intent(in) :: start              !! total time
+      integer, intent(in) :: ndof
+      type(follower_type) :: old
+      integer :: i, k
+
+      if (.not. allocated(self%element)) call clear(self, ndof)
+      old = self
+      call clear(self, ndof)
+      self%start = start
+      self%period = step%period
+      self%ramp = step%ramp
+      do i = 1, size(step%face_load)
+         associate (load => step%face_load(i))
+            if (.not. abs(load%pressure) > 0.0_wp) cycle
+            if (load%amplitude > 0) then
+               call add(self, load%element, load%face, 0.0_wp, 0.0_wp, load%pressure, &
+                  & load%amplitude)
+            else
+               call add(self, load%element, load%face, 0.0_wp, load%pressure, 0.0_wp, 0)
+            end if
+         end associate
+      end do
+      do k = 1, size(old%element)
+         call go_on(self, old, k)
+      end do
+   end subroutine new_followers
+
+   subroutine clear(self, ndof)
+      type(follower_type), intent(inout) :: self
+      integer, intent(in) :: ndof
+
+      self%element = [integer ::]
+      self%face = self%element
+      self%amplitude = self%element
+      self%from = [real(wp) ::]
+      self%to = self%from
+      self%varying = self%from
+      self%steady = self%from
+      self%pressure = self%from
+      if (allocated(self%force)) deallocate (self%force)
+      allocate (self%force(ndof), source=0.0_wp)
+      if (allocated(self%local)) deallocate (self%local)
+      allocate (self%local(0))
+   end subroutine clear
+
+   subroutine add(self, element, face, from, to, varying, amplitude)
+      type(follower_type), intent(inout) :: self
+      integer, intent(in) :: element, face, amplitude
+      real(wp), intent(in) :: from, to, varying
+
+      self%element = [self%element, element]
+      self%face = [self%face, face]
+      self%from = [self%from, from]
+      self%to = [self%to, to]
+      self%varying = [self%varying, varying]
+      self%amplitude = [self%amplitude, amplitude]
+      self%steady = [self%steady, from]
+      self%pressure = [self%pressure, from]
+   end subroutine add
+
+   !> What an old pressure leaves to the new step: the part without amplitude; all of it where the
+   !> face no longer follows an amplitude.
+   subroutine go_on(self, old, k)
+      type(follower_type), intent(inout) :: self
+      type(follower_type), intent(in) :: old
+      integer, intent(in) :: k
+      logical :: same(size(self%element))
+      real(wp) :: last
+      integer :: i
+
+      same = self%element == old%element(k) .and. self%face == old%face(k)
+      last = old%pressure(k)
+      if (any(same .and. self%amplitude > 0)) last = old%steady(k)
+      if (.not. abs(last) > 0.0_wp) return
+      i = findloc(same .and. self%amplitude == 0, .true., dim=1)
+      if (i > 0) then
+         self%from(i) = self%from(i) + last
+      else
+         call add(self, old%element(k), old%face(k), last, 0.0_wp, 0.0_wp, 0)
+      end if
+   end subroutine go_on
+
+   !> Pressures at a time of the step.
+   subroutine set_followers(self, model, step_time)
+      type(follower_type), intent(inout) :: self
+      type(model_type), intent(in) :: model
+      real(wp), intent(in) :: step_time
+      real(wp) :: share, time
+      integer :: k
+
+      share = 1.0_wp
+      if (self%ramp) share = min(1.0_wp, step_time/self%period)
+      self%steady = self%from + share*(self%to - self%from)
+      if (.not. share < 1.0_wp) self%steady = self%to
+      self%pressure = self%steady
+      do k = 1, size(self%element)
+         if (self%amplitude(k) == 0) cycle
+         time = step_time
+         if (model%amplitude(self%amplitude(k))%total_time) time = time + self%start
+         self%pressure(k) = self%pressure(k) + self%varying(k) &
+            & *amplitude_value(model%amplitude(self%amplitude(k)), time)
+      end do
+   end subroutine set_followers
+end module lopin_follower_loading
