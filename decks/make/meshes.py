@@ -161,6 +161,17 @@ def patch_test() -> Deck:
     return mesh_deck(Model("mesh", mesh))
 
 
+def two_blocks_mortar() -> Deck:
+    """A block of 6 by 4 on one of 10 by 4, cut differently."""
+    low = mesh_make.block((10.0, 4.0), (5, 3))
+    up = mesh_make.block((6.0, 4.0), (7, 3), origin=(2.0, 4.0))
+    low = low.with_points("PIN", lambda x: np.abs(x).max(axis=1) < 1e-9)
+    low = low.with_surface("FREE", lambda x: (x[:, 1] > 3.9) & (np.abs(x[:, 0] - 5.0) > 2.9))
+    up = up.with_points("PIN", lambda x: (x[:, 0] < 2.0 + 1e-9) & (x[:, 1] > 7.9))
+    mesh = together(UP=lean(up, "BOTTOM TOP", "PIN"), LOW=lean(low, "TOP FREE", "BOTTOM PIN"))
+    return mesh_deck(Model("mesh", mesh))
+
+
 def signorini() -> Deck:
     """A unit square whose sides but the lower one move as the exact solution does."""
     mesh = mesh_make.block((1.0, 1.0), (16, 16))
@@ -228,7 +239,7 @@ def beam_on_roller() -> Deck:
 MESHES = {f.__name__: f for f in (hertz_sphere, hertz_sphere_3d, nafems_cylinder,
                                   cylinder_on_plane, flat_punch, lifted_beam,
                                   patch_test, signorini, strip_bending,
-                                  glued_beam, shrink_fit, ball_on_ball, beam_on_roller)}
+                                  glued_beam, two_blocks_mortar, shrink_fit, ball_on_ball, beam_on_roller)}
 
 
 def main(names: list[str]) -> None:

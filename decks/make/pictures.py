@@ -155,6 +155,26 @@ def patch_test() -> None:
     save(fig, "patch_test")
 
 
+def two_blocks_mortar() -> None:
+    """Pressure along the interface, by mortar and node to segment."""
+    fig, (left, ax) = figure(8.4, 3.6, columns=2)
+    words = "TYPE=SURFACE TO SURFACE"
+    mortar = solved("two_blocks_mortar")
+    nodes = solved("two_blocks_mortar", **{words: "TYPE=NODE TO SURFACE"})
+    drawn = deformed(left, mortar, -mortar["S"][:, 1], scale=200.0, limits=(0.8, 1.2), grid=0.8,
+                     colours=SIGNED)
+    left.set(xlabel="x", ylabel="y (deformation x 200)")
+    coloured(fig, drawn, left, "- vertical stress, mortar")
+    for result, label, colour in ((nodes, "node to segment", EXACT), (mortar, "mortar", DOTS)):
+        contact = result.contact(0).last
+        order = np.argsort(contact.x[:, 0])
+        ax.plot(contact.x[order, 0], contact.pressure[order], "o-", ms=4.5, lw=1.0, color=colour,
+                label=label)
+    ax.set(xlabel="x", ylabel="contact pressure, exact: 1", ylim=(0.9, 1.06))
+    ax.legend(frameon=False)
+    save(fig, "two_blocks_mortar")
+
+
 def signorini() -> None:
     """Pressure against the closed form."""
     contact = solved("signorini").contact(0).last
@@ -291,7 +311,7 @@ def beam_on_roller() -> None:
 
 DRAWN = {f.__name__: f for f in (
     bar_gap, two_springs, cylinder_on_plane, flat_punch, hertz_sphere, hertz_sphere_3d, lifted_beam,
-    nafems_cylinder, patch_test, signorini, strip_bending, glued_beam, shrink_fit, no_separation,
+    nafems_cylinder, patch_test, two_blocks_mortar, signorini, strip_bending, glued_beam, shrink_fit, no_separation,
     ball_on_ball, beam_on_roller)}
 
 

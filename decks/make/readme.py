@@ -18,7 +18,7 @@ GROUPS = {
                                      "cylinder_on_plane", "nafems_cylinder", "flat_punch",
                                      "shrink_fit", "signorini"),
     "Beams and strips": ("strip_bending", "glued_beam", "beam_on_roller", "lifted_beam"),
-    "What the method cannot do": ("patch_test",),
+    "Meshes that do not match": ("patch_test", "two_blocks_mortar"),
 }
 HEAD = """# Decks
 
