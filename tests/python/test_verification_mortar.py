@@ -4,6 +4,11 @@ import pytest
 
 import lopin
 from blocks_2d import NU, YOUNG, Pair
+from lopin import mesh_make
+from lopin.laws import Elastic, Lagrange
+from lopin.mesh import together
+from lopin.model import Model
+from scenes import METHODS
 
 CASE = "B1 patch test, mortar"
 def in_process(deck):
@@ -98,3 +103,107 @@ def test_matching_meshes_are_as_node_to_segment(core, sheet, tmp_path, kind):
     mortar, nodes = energy.values()
     sheet.compare("B1 patch test, mortar", f"{kind}, 6/6, point force besides: strain energy", mortar, nodes, 1e-12,
                   "node to segment")
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_all_methods_have_the_same_rows(core, sheet, tmp_path, method):
+    """A slope of 1e4 gives 1e-4 of penetration, evenly: the pressure stays uniform."""
+    pair = Pair("CPE8", 7, 10, 3, uneven=0.3).pressed()
+    slope = "" if method == "DIRECT" else "\n1.e4"
+    result = pair.solve(lopin.run, tmp_path, behaviour=method + slope)
+    tolerance = 1e-6 if method == "AUGMENTED LAGRANGE" else 1e-10
+    sheet.compare(CASE, f"CPE8, 7/10 uneven, {method.lower()}: worst stress error",
+                  pair.stress_error(result, PRESSED), 0.0, tolerance, "exact", absolute=True)
+    if method in ("PENALTY", "PERTURBED LAGRANGE"):
+        sheet.compare(CASE, f"CPE8, 7/10 uneven, {method.lower()}: penetration",
+                      -result.contact(0).last.gap.min(), 1e-4, 1e-10, "pressure over slope")
+
+
+@pytest.mark.parametrize("tie", [False, True])
+@pytest.mark.parametrize("cells", [(6, 6), (7, 10)])
+def test_a_node_of_two_slave_surfaces(core, sheet, tmp_path, cells, tie):
+    """The upper face cut into two pairs: its middle node has a share in both."""
+    pair = Pair("CPE4", *cells, 3).pressed()
+    deck = pair.deck(tie=tie, words="" if tie else "TYPE=SURFACE TO SURFACE")
+    faces = [f"{e}, S{f}" for e, f in pair.up.bottom]
+    half = len(faces)//2
+    deck = deck.replace("*SURFACE, NAME=UP_TOP", "\n".join(
+        ["*SURFACE, NAME=ONE", *faces[:half], "*SURFACE, NAME=TWO", *faces[half:], "*SURFACE, NAME=UP_TOP"]))
+    deck = deck.replace("UP_BOTTOM, LOW_TOP", "ONE, LOW_TOP\nTWO, LOW_TOP")
+    result = lopin.run(lopin.Deck.parse(deck, "halves", tmp_path))
+    sheet.compare(CASE, f"CPE4, {cells[0]}/{cells[1]}, slave in two halves{', tied' if tie else ''}: "
+                  "worst stress error", pair.stress_error(result, PRESSED), 0.0, 1e-10, "exact", absolute=True)
+
+
+def rings(out, inside, mortar, slave, quadratic):
+    """Concentric rings 1.0/0.6 and 0.6/0.2, a quarter; adjusted: their facets are chords of one circle."""
+    mesh = together(
+        OUT=mesh_make.ring(0.6, 1.0, (max(2, out//4), out), quadratic=quadratic),
+        IN=mesh_make.ring(0.2, 0.6, (max(2, inside//4), inside), quadratic=quadratic))
+    model = Model("rings", mesh)
+    for body in ("OUT", "IN"):
+        model.section(body, Elastic(1e9, 0.2))
+        model.fix(f"{body}.START", "y")
+        model.fix(f"{body}.END", "x")
+    model.contact(*("OUT.INNER", "IN.OUTER")[::1 if slave == "outer" else -1], Lagrange(), adjust=1.0,
+                  surface_to_surface=mortar)
+    model.step().pressure("OUT.OUTER", 1e6)
+    result = lopin.run(model.to_deck())
+    pressed = result.contact(0).last
+    weight, error = pressed["weight"], pressed.pressure/925925.9259259259 - 1.0
+    points = result.to_meshio().points
+    middle = np.abs(np.linalg.norm(points[:, :2], axis=1) - 0.6) < 1e-6
+    moved = np.linalg.norm(np.asarray(result["U"])[middle, :2], axis=1)
+    return (np.abs(error).max(), np.sqrt((weight*error**2).sum()/weight.sum()),
+            np.abs(moved/(0.0016/3.0) - 1.0).max(), pressed.pressure.max()/pressed.pressure.min())
+
+
+@pytest.mark.parametrize("slave", ["outer", "inner"])
+@pytest.mark.parametrize("quadratic", [False, True])
+def test_rings(core, sheet, quadratic, slave):
+    """Uniform pressure on a curved interface; displacements converge with h^2 although facets do not match."""
+    case, name = "B4 concentric rings", f"{'CPE8' if quadratic else 'CPE4'}, {slave} slave"
+    found = [rings(n, 2*n//3, True, slave, quadratic) for n in (12, 24, 48)]
+    worst, mean, moved, ratio = found[-1]
+    sheet.compare(case, f"{name}, 48/32: worst pressure error", worst, 0.0, 2e-4 if quadratic else 2e-3,
+                  absolute=True)
+    sheet.compare(case, f"{name}, 48/32: radial displacement, worst error", moved, 0.0, 1e-5 if quadratic else 6e-4,
+                  absolute=True)
+    sheet.compare(case, f"{name}, 48/32: largest over smallest pressure", ratio, 1.0, 3e-4 if quadratic else 4e-3)
+    rate = np.log(found[0][2]/moved)/np.log(4.0)
+    sheet.compare(case, f"{name}: rate of the radial displacement", rate, 1.8, 0.0, "h^2", at_least=True)
+    rate = np.log(found[0][1]/mean)/np.log(4.0)
+    sheet.compare(case, f"{name}: rate of the pressure, root mean square", rate, 1.8 if quadratic else 0.95, 0.0,
+                  "h^2 and h", at_least=True)
+    node = rings(48, 32, False, slave, quadratic)
+    sheet.compare(case, f"{name}, 48/32, node to segment: largest over smallest pressure", node[3], 1.0, 1.5,
+                  "a property of the method")
+
+
+@pytest.mark.parametrize("kind", ["CPE4", "CPE8", "CPE6"])
+def test_node_to_segment_beside_it(solve, sheet, tmp_path, kind):
+    """What mortar is for: the same blocks at the nodes."""
+    for slave in ("lower", "upper"):
+        pair = Pair(kind, 7, 10, 3, uneven=0.3).pressed()
+        result = pair.solve(solve, tmp_path, slave=slave, words="TYPE=NODE TO SURFACE")
+        error = pair.stress_error(result, PRESSED)
+        case = CASE if kind == "CPE4" else "B5 patch test with other elements, mortar"
+        sheet.compare(case, f"{kind}, 7/10 uneven, {slave} slave, node to segment: worst stress error", error, 0.0,
+                      1.0, "a property of the method", absolute=True)
+        assert error > 0.01
+
+
+def test_swapping_the_sides_of_a_line_contact(core, root, sheet):
+    """NAFEMS R0094-1: cylinder or block as slave; the normals are those of the slave."""
+    text = (root/"decks"/"nafems_cylinder.inp").read_text(encoding="utf-8")
+    pair = "*CONTACT PAIR, INTERACTION=SMOOTH\nBLOCK.NEAR, CYLINDER.ARC"
+    assert pair in text
+    found = []
+    for sides in ("BLOCK.NEAR, CYLINDER.ARC", "CYLINDER.ARC, BLOCK.NEAR"):
+        words = f"*CONTACT PAIR, INTERACTION=SMOOTH, TYPE=SURFACE TO SURFACE\n{sides}"
+        result = lopin.run(lopin.Deck.parse(text.replace(pair, words), "swap", root/"decks"))
+        found.append((result.contact(0).last.pressure.max(), result.history["energy.strain"][-1]))
+        sheet.compare("A3 cylinder on block, mortar", f"{sides.split('.')[0].lower()} as slave: largest pressure",
+                      found[-1][0], 3585.36, 0.01, "Hertz 1882")
+    for name, first, second in zip(("largest pressure", "strain energy"), *found):
+        sheet.compare("A3 cylinder on block, mortar", f"sides swapped: {name}", second, first, 0.01, "the other side")
