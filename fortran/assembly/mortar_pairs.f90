@@ -1,13 +1,16 @@
 !> Surface-to-surface pairs of a model: search, integrate, couple.
 module lopin_mortar_pairs
    use lopin_kinds, only : wp
-   use lopin_error, only : error_type
+   use lopin_error, only : error_type, error_code, raise
+   use lopin_text, only : to_text
    use lopin_cells, only : cell_type
    use lopin_facets, only : facets_type, facet_rule_type, new_facets, new_facet_rules
    use lopin_surface, only : surface_type, new_surface, update_surface
    use lopin_search, only : tree_type, build_tree
    use lopin_mortar_overlap, only : overlap_list_type
    use lopin_mortar_overlaps_2d, only : find_overlaps_2d
+   use lopin_mortar_cells_3d, only : mortar_kernel_type, new_mortar_kernel
+   use lopin_mortar_overlaps_3d, only : find_overlaps_3d
    use lopin_mortar, only : mortar_coupling_type, couple
    use lopin_model, only : model_type, pair_type, surface_of, kind_of
    implicit none
@@ -25,7 +28,7 @@ contains
    pure logical function is_mortar(model, pair)
       type(model_type), intent(in) :: model
       type(pair_type), intent(in) :: pair
-      is_mortar = pair%surface_to_surface .and. model%mesh%ndim == 2 &
+      is_mortar = pair%surface_to_surface &
          & .and. model%surface(pair%slave)%kind == surface_of%faces &
          & .and. model%surface(pair%master)%kind == surface_of%faces
    end function is_mortar
@@ -43,7 +46,9 @@ contains
       type(tree_type) :: tree
       type(overlap_list_type) :: list
       real(wp), allocatable :: thickness(:)
+      type(mortar_kernel_type) :: kernel
       real(wp) :: reach
+      integer :: lost
       logical :: axisymmetric
 
       call shape_of(slave, model, cells, pair%slave, error)
@@ -57,8 +62,23 @@ contains
       axisymmetric = model%kind == kind_of%axisymmetric
       reach = norm2(max(maxval(slave%high, 2), maxval(master%high, 2)) &
          & - min(minval(slave%low, 2), minval(master%low, 2)))
-      call find_overlaps_2d(slave, normal, master, tree, model%mesh%x, axisymmetric, thickness, &
-         & reach, facing, list)
+      if (model%mesh%ndim == 2) then
+         call find_overlaps_2d(slave, normal, master, tree, model%mesh%x, axisymmetric, &
+            & thickness, reach, facing, list)
+      else
+         call new_mortar_kernel(kernel, model%mortar_degree)
+         call find_overlaps_3d(kernel, slave, normal, master, tree, model%mesh%x, reach, facing, &
+            & list, lost)
+         if (lost > 0) then
+            call raise(error, error_code%deck, 'E0316', 'a point of face S'// &
+               & to_text(slave%facets%face(lost))//' of element '// &
+               & to_text(model%mesh%element_label(slave%facets%element(lost)))// &
+               & ' of '//model%surface(pair%slave)%name//' has no place on the face opposite', &
+               & pair%at, help='the faces are too distorted to be integrated: make them convex, '// &
+               & 'or use TYPE=NODE TO SURFACE')
+            return
+         end if
+      end if
       call couple(self, rules, slave, normal, master, model%mesh%x, axisymmetric, thickness, list)
    end subroutine couple_pair
 

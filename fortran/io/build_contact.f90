@@ -92,8 +92,6 @@ contains
       if (.not. pair%surface_to_surface .or. pair%tied) return
       if (model%surface(pair%slave)%kind == surface_of%nodes) then
          why = 'its slave is made of nodes'
-      else if (model%mesh%ndim == 3 .and. model%surface(pair%master)%kind == surface_of%faces) then
-         why = 'it is not in this version in 3D'
       else
          return
       end if

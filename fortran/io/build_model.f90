@@ -102,6 +102,10 @@ contains
             if (found .and. model%continuation < 1) call complain(model%log, 'E0408', &
                & 'CONTINUATION='//word &
                & //' is less than 1', at)
+            call get_word(block, 'MORTAR DEGREE', word, at, found)
+            if (found) call parse_integer(word, model%mortar_degree, found)
+            if (found .and. (model%mortar_degree < 5 .or. model%mortar_degree > 40)) call &
+               & complain(model%log, 'E0408', 'MORTAR DEGREE='//word//' is not 5 to 40', at)
          end associate
       end do
    end subroutine read_general

@@ -99,6 +99,10 @@ contains
          & 'An analytical surface is one-sided: its normal is on the left of the way along '// &
          & 'the profile and must point to the deformable body.', &
          & 'reverse the order of START, LINE, CIRCL.')
+      call add_explanation(list, 'E0316', 'a face too distorted for surface-to-surface contact', &
+         & 'Points of the slave''s faces are carried to the faces opposite along the normal; '// &
+         & 'on a face that is folded or not convex there may be no such place.', &
+         & 'improve the mesh of the two surfaces, or use TYPE=NODE TO SURFACE.')
       call add_explanation(list, 'E0313', 'a tool that has no shape', &
          & 'The data of the tool are degenerate: a radius that is not positive, an axis '// &
          & 'without length, an arc whose ends are not on one circle.', &

@@ -153,6 +153,9 @@ contains
          & 'automatic slope aims at.')
       call whole(table, 'CONTINUATION', '1', 'Number of growing penalties tried one after the '// &
          & 'other.')
+      call whole(table, 'MORTAR DEGREE', '5', 'Degree to which the cells of '// &
+         & 'surface-to-surface pairs in space are integrated, 5 to 40: 5 is exact on '// &
+         & 'triangles and parallelograms, 1e-6 on distorted faces; 12 is 1e-12 there.')
       call example(table, '*LOPIN, PATH=NEWTON, TARGET ERROR=0.001')
       call about(table, 'J')
    end subroutine add_run

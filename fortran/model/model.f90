@@ -255,6 +255,7 @@ module lopin_model
       real(wp) :: target_error = 0.01_wp   !! relative pressure error that the automatic penalty
                                            !! aims at [-]
       integer :: continuation = 1   !! number of penalties of the sequence of problems (seed J.1)
+      integer :: mortar_degree = 5  !! exactness of the cells of surface-to-surface pairs in space
       type(log_type) :: log                             !! notes and warnings met while building
    end type model_type
 

@@ -1,0 +1,155 @@
+"""B2: patch tests of surface-to-surface contact in space, on meshes that do not match.
+
+Blocks of 10 by 10 by 4 on each other under a pressure of 1; exact: -1 along z at every point.
+"""
+import numpy as np
+import pytest
+
+from lopin import mesh_make
+from lopin.deck import Block
+from lopin.laws import Augmented, Elastic, Lagrange
+from lopin.mesh import Mesh, together
+from lopin.model import Model
+
+SIZE = (10.0, 10.0, 4.0)
+
+
+def swirled(mesh, angle):
+    """Turn the middle of a block about its axis; its sides stay: distorted, in-plane faces."""
+    def turn(x):
+        u = x[:, :2]/5.0 - 1.0
+        t = np.radians(angle)*((1.0 - u**2).prod(axis=1))
+        moved = np.stack([u[:, 0]*np.cos(t) - u[:, 1]*np.sin(t),
+                          u[:, 0]*np.sin(t) + u[:, 1]*np.cos(t), x[:, 2]], axis=1)
+        moved[:, :2] = 5.0*(moved[:, :2] + 1.0)
+        return moved
+    return mesh.mapped(turn)
+
+
+def diamond(layers):
+    """The block by bricks turned by 45 degrees, wedges in its corners."""
+    points = np.array([[i, j] for i in range(5) for j in range(5)], float)*2.5
+    def at(i, j):
+        return 5*i + j
+    quads = [[at(i, j), at(i + 1, j - 1), at(i + 2, j), at(i + 1, j + 1)]
+             for i, j in [(0, 2), (1, 1), (1, 3), (2, 2)]]
+    triangles = [[at(0, 0), at(2, 0), at(1, 1)], [at(0, 0), at(1, 1), at(0, 2)],
+                 [at(4, 0), at(4, 2), at(3, 1)], [at(4, 0), at(3, 1), at(2, 0)],
+                 [at(4, 4), at(2, 4), at(3, 3)], [at(4, 4), at(3, 3), at(4, 2)],
+                 [at(0, 4), at(0, 2), at(1, 3)], [at(0, 4), at(1, 3), at(2, 4)]]
+    used, number = np.unique(np.concatenate([np.ravel(quads), np.ravel(triangles)]),
+                             return_inverse=True)
+    flat = Mesh(points[used], [("quad", number[:16].reshape(4, 4)),
+                               ("triangle", number[16:].reshape(8, 3))],
+                element_sets={"ALL": np.arange(12)})
+    return mesh_make.extruded(flat, 4.0, layers)
+
+
+def upper_block(kind, cells):
+    up = diamond(cells[2]) if kind == "turned" else mesh_make.block(SIZE, cells)
+    if kind == "tet":
+        up = mesh_make.simplices(up)
+    return up
+
+
+def blocks(lower, upper, kind, slave="upper", *, quadratic=False, swirl=0.0, method=None,
+           degree=None, mortar=True, tied=False, stiff=1.0):
+    """`stiff`: of the upper block over the lower."""
+    low = mesh_make.block(SIZE, lower)
+    up = upper_block(kind, upper).moved(0.0, 0.0, 4.0)
+    if swirl:
+        low, up = swirled(low, swirl), swirled(up, -1.3*swirl)
+    if quadratic:
+        low, up = low.quadratic(), up.quadratic()
+    def corner(mesh, name, x):
+        return mesh.with_points(name, lambda p: np.linalg.norm(p - np.array(x), axis=1) < 1e-9)
+    for name, x in (("PIN", (0.0, 0.0)), ("GUIDE", (10.0, 0.0))):
+        low, up = corner(low, name, (*x, 0.0)), corner(up, name, (*x, 8.0))
+    model = Model("patch", together(UP=up, LOW=low), kind="3d")
+    for body in ("UP", "LOW"):
+        model.section(body, Elastic(1000.0*(stiff if body == "UP" else 1.0), 0.3))
+    surfaces = ("UP.BOTTOM", "LOW.TOP")
+    model.contact(*surfaces[::1 if slave == "upper" else -1], method or Lagrange(),
+                  surface_to_surface=mortar, tied=tied)
+    model.fix("LOW.BOTTOM", "z")
+    for body in ("LOW",) if tied else ("UP", "LOW"):
+        model.fix(f"{body}.PIN", "x", "y")
+        model.fix(f"{body}.GUIDE", "y")
+    model.step().pressure("UP.TOP", 1.0)
+    deck = model.to_deck()
+    if degree:
+        deck.blocks.insert(1, Block("LOPIN", {"MORTAR DEGREE": str(degree)}, []))
+    end = deck.blocks.index(deck["*END STEP"])
+    deck.blocks[end:end] = [Block("EL PRINT", {"ELSET": body}, [["S"]]) for body in ("UP", "LOW")]
+    return deck
+
+
+def worst_stress(result):
+    """Largest error of all stresses, from the .dat file: the five zeros are printed in full."""
+    text = (result.source.folder/"patch.dat").read_text(encoding="utf-8")
+    values = []
+    for table in text.split(" stresses (")[1:]:
+        for line in table.splitlines()[2:]:
+            if not line.strip():
+                break
+            values.append([float(v) for v in line.split()[2:8]])
+    assert len(values) > 8
+    return np.abs(np.array(values) - [0.0, 0.0, -1.0, 0.0, 0.0, 0.0]).max()
+
+
+PAIRS = [("hex", (3, 3, 2), (4, 4, 2)), ("hex", (2, 5, 2), (3, 2, 2)),
+         ("tet", (3, 3, 2), (4, 4, 2)),
+         ("turned", (3, 3, 2), (4, 4, 2))]
+
+
+CASE = "B2 patch test in space, mortar"
+
+
+def compare(sheet, result, name, tolerance):
+    sheet.compare(CASE, f"{name}: worst stress error", worst_stress(result), 0.0, tolerance,
+                  "exact", absolute=True)
+    assert result.summary["certificate"]["verdict"] == "PASS"
+
+
+@pytest.mark.parametrize("slave", ["upper", "lower"])
+@pytest.mark.parametrize(("kind", "lower", "upper"), PAIRS)
+def test_flat_parallelograms_have_no_error(solve, sheet, kind, lower, upper, slave):
+    name = f"{kind} {upper[0]}x{upper[1]} on hex {lower[0]}x{lower[1]}, {slave} slave"
+    compare(sheet, solve(blocks(lower, upper, kind, slave)), name, 1e-10)
+    if kind == "hex" or lower[0] == 3:
+        error = worst_stress(solve(blocks(lower, upper, kind, slave, mortar=False)))
+        sheet.compare("B2 patch test in space, node to segment", name + ": worst stress error",
+                      error, 0.1, 0.0, "not passed, a property of the method", at_least=True)
+
+
+@pytest.mark.parametrize("slave", ["upper", "lower"])
+@pytest.mark.parametrize("kind", ["hex", "tet", "turned"])
+def test_distorted_faces_cost_what_the_rule_leaves(solve, sheet, kind, slave):
+    for degree, tolerance in ((None, 1e-6), (8, 1e-8), (12, 1e-10)):
+        result = solve(blocks((3, 3, 2), (4, 4, 2), kind, slave, swirl=15.0, degree=degree))
+        compare(sheet, result, f"{kind} on hex, distorted, {slave} slave, degree {degree or 5}",
+                tolerance)
+
+
+@pytest.mark.parametrize("slave", ["upper", "lower"])
+@pytest.mark.parametrize("kind", ["hex", "tet", "turned"])
+def test_quadratic_faces_have_no_error(solve, sheet, kind, slave):
+    result = solve(blocks((3, 3, 2), (4, 4, 2), kind, slave, quadratic=True))
+    compare(sheet, result, f"B5 quadratic {kind} on hex, {slave} slave", 1e-10)
+
+
+@pytest.mark.parametrize("options", [{"tied": True}, {"tied": True, "quadratic": True},
+                                     {"method": Augmented()}, {"stiff": 1e3}, {"stiff": 1e-3}])
+def test_ties_methods_and_stiffness(solve, sheet, options):
+    name = ", ".join(f"{k} {type(v).__name__ if k == 'method' else v}".strip()
+                     for k, v in options.items())
+    for kind, slave in (("hex", "upper"), ("tet", "lower")):
+        if "stiff" in options and slave == "lower":
+            continue
+        result = solve(blocks((3, 3, 2), (4, 4, 2), kind, slave, **options))
+        compare(sheet, result, f"{kind} on hex, {slave} slave, {name}", 1e-10)
+
+
+def test_a_degree_out_of_range_is_refused(solve):
+    with pytest.raises(Exception, match="E0408"):
+        solve(blocks((1, 1, 1), (1, 1, 1), "hex", degree=3))
