@@ -67,7 +67,7 @@ def blocks(lower, upper, kind, slave="upper", *, quadratic=False, swirl=0.0, met
         low, up = corner(low, name, (*x, 0.0)), corner(up, name, (*x, 8.0))
     model = Model("patch", together(UP=up, LOW=low), kind="3d")
     for body in ("UP", "LOW"):
-        model.section(body, Elastic(1000.0*(stiff if body == "UP" else 1.0), 0.3))
+        model.section(body, Elastic(1e6*(stiff if body == "UP" else 1.0), 0.3))
     surfaces = ("UP.BOTTOM", "LOW.TOP")
     model.contact(*surfaces[::1 if slave == "upper" else -1], method or Lagrange(),
                   surface_to_surface=mortar, tied=tied)
