@@ -25,6 +25,11 @@ class Block:
                 faces = ((labels[0], 1), (labels[-1], 2)) if kind in TRIANGLES else ((labels[0], 1), (labels[0], 3))
                 if j == 0:
                     self.bottom.append(faces[0])
+                sides = ((labels[0], 2), (labels[-1], 3)) if kind in TRIANGLES else ((labels[0], 2), (labels[0], 4))
+                if i == len(x) - 2:
+                    self.right.append(sides[0])
+                if i == 0:
+                    self.left.append(sides[1])
                 if j == len(y) - 2:
                     self.top.append(faces[1])
 
@@ -78,17 +83,25 @@ class Pair:
         self.turn = np.array([[np.cos(a), -np.sin(a)], [np.sin(a), np.cos(a)]])
         return self
 
-    def pressed(self, pressure=1.0):
+    def pressed(self, pressure=1.0, held=True):
         """A pressure above, rollers below, and on the free part of the lower block the same pressure."""
         self.lines += ["*BOUNDARY", "LOW_BASE, 2"]
         if not self.axisymmetric:
-            self.lines += ["LOW_PIN, 1", "UP_PIN, 1"]
+            self.lines += ["LOW_PIN, 1", *(["UP_PIN, 1"] if held else [])]
         elif self.inner == 0.0:
             self.lines += ["LOW_AXIS, 1", "UP_AXIS, 1"]
         self.loads += ["*DSLOAD", f"UP_TOP, P, {pressure}"]
         force = self.free_part(pressure)
         if force:
             self.loads += ["*CLOAD", *(f"{label}, 2, {value!r}" for label, value in force.items())]
+        return self
+
+    def sheared(self, shear):
+        """A uniform shear stress, by tractions on all faces but the two of the interface."""
+        for name, along in (("UP_TOP", (1.0, 0.0)), ("UP_RIGHT", (0.0, 1.0)), ("UP_LEFT", (0.0, -1.0)),
+                            ("LOW_RIGHT", (0.0, 1.0)), ("LOW_LEFT", (0.0, -1.0)), ("LOW_BOTTOM", (-1.0, 0.0))):
+            x, y = (float(v) for v in self.turn @ np.array(along))
+            self.loads += ["*DSLOAD", f"{name}, TRVEC, {shear!r}, {x!r}, {y!r}, 0."]
         return self
 
     def free_part(self, pressure):
@@ -109,7 +122,7 @@ class Pair:
                         force[n] = force.get(n, 0.0) - float(pressure*w*shape*self.thickness)
         return force
 
-    def deck(self, slave="upper", words="TYPE=SURFACE TO SURFACE", behaviour="DIRECT", tie=False):
+    def deck(self, slave="upper", words="TYPE=SURFACE TO SURFACE", behaviour="DIRECT", tie=False, friction=None):
         out = ["*HEADING", "Two blocks", "*NODE"]
         for body in self.bodies:
             out += [f"{body.first + 1 + i}, " + ", ".join(repr(float(v)) for v in self.turn @ p)
@@ -125,7 +138,8 @@ class Pair:
             for name, members in sets.items():
                 if members:
                     out += [f"*NSET, NSET={body.name}_{name}", *(f"{m}," for m in members)]
-            for name, faces in (("TOP", body.top), ("BOTTOM", body.bottom)):
+            for name, faces in (("TOP", body.top), ("BOTTOM", body.bottom), ("LEFT", body.left),
+                                ("RIGHT", body.right)):
                 out += [f"*SURFACE, NAME={body.name}_{name}", *(f"{e}, S{f}" for e, f in faces)]
             out += [f"*MATERIAL, NAME=M{body.name}", "*ELASTIC", f"{young!r}, {NU!r}"]
             if self.full:
@@ -143,6 +157,7 @@ class Pair:
             out += [f"*TIE, NAME=GLUE{', ' + words if words else ''}", ", ".join(names)]
         else:
             out += ["*SURFACE INTERACTION, NAME=I", f"*SURFACE BEHAVIOR, {behaviour}",
+                    *([] if friction is None else ["*FRICTION", friction]),
                     f"*CONTACT PAIR, INTERACTION=I, {words}", ", ".join(names)]
         out += [*self.lines, "*STEP", "*STATIC, DIRECT", "1., 1.", *self.loads]
         out += ["*EL PRINT, ELSET=LOW", "S", "*EL PRINT, ELSET=UP", "S", "*NODE FILE", "U", "*EL FILE", "S",

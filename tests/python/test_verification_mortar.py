@@ -207,3 +207,19 @@ def test_swapping_the_sides_of_a_line_contact(core, root, sheet):
                       found[-1][0], 3585.36, 0.01, "Hertz 1882")
     for name, first, second in zip(("largest pressure", "strain energy"), *found):
         sheet.compare("A3 cylinder on block, mortar", f"sides swapped: {name}", second, first, 0.01, "the other side")
+
+
+@pytest.mark.parametrize("kind", ["CPE4", "CPE8", "CPE6"])
+@pytest.mark.parametrize("slave", ["lower", "upper"])
+@pytest.mark.parametrize("turn", [0.0, 27.0])
+def test_friction_holds_a_uniform_shear(core, sheet, tmp_path, kind, slave, turn):
+    """Pressure 1 and shear 0.25 with mu = 0.5: all sticks, and friction alone holds the upper block."""
+    pair = Pair(kind, 7, 10, 3, uneven=0.3).turned(turn).pressed(held=False).sheared(0.25)
+    result = pair.solve(lopin.run, tmp_path, slave=slave, friction="0.5")
+    name = f"{kind}, 7/10 uneven, {slave} slave{', turned by 27 degrees' if turn else ''}"
+    sheet.compare("B3 patch test with friction, mortar", f"{name}: worst stress error",
+                  pair.stress_error(result, (0.0, -1.0, -NU, 0.25)), 0.0, 1e-10, "exact", absolute=True)
+    pressed = result.contact(0).last
+    assert (pressed.status == 1).all()
+    sheet.compare("B3 patch test with friction, mortar", f"{name}: largest slip",
+                  np.abs(pressed["tangential_displacement"]).max(), 0.0, 1e-10, "stick", absolute=True)
