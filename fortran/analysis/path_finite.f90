@@ -31,6 +31,8 @@ module lopin_path_finite
    integer, parameter :: most_iterations = 30, memory = 4, most_halvings = 6
    !> A Newton step that lowers the merit by less than this is not worth a halving.
    real(wp), parameter :: sufficient = 1.0e-4_wp
+   !> Tolerance of GMRES where only the length of a correction matters.
+   real(wp), parameter :: coarse = 1.0e-4_wp
    !> Springs to the ground of a body that nothing holds, beside its stiffness; how far one
    !> iteration may move it, beside its length.
    real(wp), parameter :: soft = 1.0e-4_wp, most_motion = 0.1_wp
@@ -369,6 +371,28 @@ contains
       if (way > most_motion*scene%bodies%length) step = step*(most_motion*scene%bodies%length/way)
    end subroutine limit_motion
 
+   !> Natural monotonicity (Deuflhard 2011, 3.3): the next correction, by the same tangent, is
+   !> shorter than this one. Forces of an almost incompressible solid grow on the best of ways; its
+   !> corrections do not.
+   logical function contracts(scene, model, look, step, share)
+      type(scene_type), intent(inout) :: scene
+      type(model_type), intent(in) :: model
+      type(look_type), intent(in) :: look      !! at this share of the step
+      real(wp), intent(in) :: step(:), share
+      real(wp) :: next(size(step)), right(size(step))
+      type(error_type), allocatable :: error
+      integer :: bad
+
+      associate (neq => scene%constraints%neq)
+         right(:neq) = -look%free
+         right(neq + 1:) = -scene%finite%contact%row
+         call solve_step(scene%finite%system, right, coarse, model%solver, next, scene%clock, &
+            & scene%counter, bad, error)
+         contracts = .not. allocated(error) .and. bad == 0
+         if (contracts) contracts = norm2(next(:neq)) <= (1.0_wp - 0.25_wp*share)*norm2(step(:neq))
+      end associate
+   end function contracts
+
    !> Take the step, shortened until the merit is acceptable; the best try if none is.
    subroutine take_step(scene, model, f, v, prescribed, step, first, merit, look, size_, share, error)
       type(scene_type), intent(inout) :: scene
@@ -397,6 +421,7 @@ contains
          if (allocated(error)) return
          if (look%inverted == 0) then
             if (first .or. look%merit <= (1.0_wp - sufficient*share)*merit) exit
+            if (contracts(scene, model, look, step, share)) exit
             if (look%merit < best) then
                best = look%merit
                best_share = share
