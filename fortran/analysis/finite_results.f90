@@ -6,6 +6,7 @@ module lopin_finite_results
    use lopin_state, only : certificate_type, energy_type, contact_field_type
    use lopin_constraints, only : reduce, prescribed_part
    use lopin_certificate, only : forces_type, give_verdict
+   use lopin_finite_state, only : forgotten
    use lopin_scene, only : scene_type
    implicit none
    private
@@ -43,7 +44,7 @@ contains
       allocate (free(scene%constraints%neq))
       call reduce(scene%constraints, forces%residual, free)
       reference = max(largest(forces%load), largest(forces%reaction), largest(forces%pressed), &
-         & largest(forces%internal), 1.0e-8_wp*largest(scene%k%value)*largest(scene%u))
+         & largest(forces%internal), forgotten*scene%finite%force_seen)
       if (reference > 0.0_wp) self%equilibrium = largest(free)/reference
       energy%strain = scene%finite%energy
       call judge_points(self, energy, scene, model)

@@ -7,7 +7,10 @@ module lopin_finite_state
    use lopin_follower_loading, only : follower_type
    implicit none
    private
-   public :: finite_state_type, add_line, iteration_header
+   public :: finite_state_type, add_line, iteration_header, forgotten
+
+   !> Forces below this share of those seen before are nothing: a scene that is unloaded.
+   real(wp), parameter :: forgotten = 1.0e-4_wp
 
    !> What the columns of the lines are.
    character(len=*), parameter :: iteration_header = '  it  equilibrium      contact   '// &
@@ -25,6 +28,7 @@ module lopin_finite_state
       real(wp), allocatable :: internal(:)     !! (ndof) forces of the solids [force]
       real(wp) :: energy = 0.0_wp              !! strain energy of the solids [force*length]
       real(wp) :: dt = 1.0_wp                  !! time increment [time]
+      real(wp) :: force_seen = 0.0_wp          !! largest of the increments solved so far [force]
       integer :: most_augmentations = 0
       real(wp) :: augment_until = 0.0_wp       !! relative change of the tractions
       ! of the last increment

@@ -15,19 +15,21 @@ module lopin_path_finite
    use lopin_finite_contact, only : new_finite_contact, start_increment, evaluate, augment, &
       & local_matrix_type
    use lopin_finite_system, only : set_tangent, put_on_ground, solve_step, apply_locals, as_forces
-   use lopin_finite_state, only : add_line
+   use lopin_finite_state, only : add_line, forgotten
    use lopin_follower_loads, only : add_follower_loads
    use lopin_assemble_finite, only : assemble_finite, bad_element_type
    use lopin_scene, only : scene_type
    implicit none
    private
-   public :: solve_finite, begin_finite
+   public :: solve_finite, begin_finite, start_step
 
    !> Convergence, all dimensionless (conventions, frozen): equilibrium, contact, correction.
    real(wp), parameter :: equilibrium = 1.0e-8_wp, complementarity = 1.0e-8_wp
    real(wp), parameter :: correction = 1.0e-6_wp
    !> What rounding leaves of the equilibrium of a long or stiff body.
    real(wp), parameter :: floor_of_rounding = 1.0e-11_wp
+   !> Displacements that are no more than rounding, beside the scene.
+   real(wp), parameter :: motionless = 1.0e-9_wp
    integer, parameter :: most_iterations = 30, memory = 4, most_halvings = 6
    !> A Newton step that lowers the merit by less than this is not worth a halving.
    real(wp), parameter :: sufficient = 1.0e-4_wp
@@ -56,11 +58,11 @@ contains
       type(error_type), allocatable, intent(out) :: error
       integer :: pair
 
-      scene%finite%nlgeom = model%step(scene%step)%nlgeom
       if (scene%finite%in_use) return
       call new_finite_contact(scene%finite%contact, model, scene%dofs, scene%log, error)
       if (allocated(error)) return
       scene%finite%in_use = .true.
+      call start_step(scene, model)
       allocate (scene%finite%multiplier(scene%finite%contact%nmultiplier), &
          & scene%finite%accepted_multiplier(scene%finite%contact%nmultiplier), source=0.0_wp)
       scene%finite%augment_until = complementarity
@@ -70,6 +72,30 @@ contains
             & model%pair(pair)%control%max_augmentations)
       end do
    end subroutine begin_finite
+
+   !> What steps change up to the present one: friction, pairs, NLGEOM.
+   subroutine start_step(scene, model)
+      type(scene_type), intent(inout) :: scene
+      type(model_type), intent(in) :: model
+      integer :: s, i, pair
+
+      scene%finite%nlgeom = model%step(scene%step)%nlgeom
+      if (.not. scene%finite%in_use) return
+      associate (contact => scene%finite%contact)
+         do s = 1, scene%step
+            do i = 1, size(model%step(s)%pair_change)
+               contact%pair_active(model%step(s)%pair_change(i)%pair) = &
+                  & model%step(s)%pair_change(i)%active
+            end do
+            do i = 1, size(model%step(s)%friction_change)
+               do pair = 1, size(model%pair)
+                  if (model%pair(pair)%interaction == model%step(s)%friction_change(i)%interaction) &
+                     & contact%friction(pair) = model%step(s)%friction_change(i)%friction
+               end do
+            end do
+         end do
+      end associate
+   end subroutine start_step
 
    !> Displacements and tractions for the loads and prescribed values of one increment.
    subroutine solve_finite(scene, model, f, prescribed, error)
@@ -136,7 +162,10 @@ contains
       do iteration = 1, most_iterations
          scene%finite%history = [scene%finite%history, look%merit/max(look%reference, &
             & tiny(1.0_wp))]
-         if (settled(look, jump, iteration, last)) return
+         if (settled(look, jump, iteration, last)) then
+            scene%finite%force_seen = max(scene%finite%force_seen, look%reference)
+            return
+         end if
          scene%finite%iterations = scene%finite%iterations + 1
          merits(1 + mod(iteration, memory)) = look%merit
          call find_step(scene, model, look, jump, step, error)
@@ -224,7 +253,7 @@ contains
       look%row = scene%finite%contact%row*row_scale(scene)
       look%merit = sqrt(sum(look%free**2) + sum(look%row**2))
       look%reference = max(largest(f), largest(reaction), largest(look%internal), &
-         & largest(scene%finite%contact%force))
+         & largest(scene%finite%contact%force), forgotten*scene%finite%force_seen)
       if (scene%finite%nlgeom) look%reference = max(look%reference, &
          & largest(scene%finite%follower%force))
    end subroutine look_at
@@ -438,7 +467,8 @@ contains
       end if
       if (try > most_halvings) share = best_share
       call go(.true.)
-      size_ = share*largest(step(:scene%constraints%neq))/max(largest(scene%u), tiny(1.0_wp))
+      size_ = share*largest(step(:scene%constraints%neq))/max(largest(scene%u), &
+         & motionless*scene%bodies%length)
 
    contains
 

@@ -72,47 +72,27 @@ contains
       if (self%path /= path_of%finite .and. needs_finite(model)) call raise(error, &
          & error_code%deck, 'E0116', 'PATH='//model%path//' cannot solve this scene: ' &
          & //why_finite(model), help='leave out PATH=')
-      if (.not. allocated(error)) call refuse_unsolved(model, self%path, error)
    end subroutine new_plan
 
-   !> Friction and changes of pairs that no path follows yet: said here and nowhere else.
-   subroutine refuse_unsolved(model, path, error)
-      type(model_type), intent(in) :: model
-      integer, intent(in) :: path
-      type(error_type), allocatable, intent(out) :: error
-      integer :: i, s
-
-      do i = 1, size(model%pair)
-         if (path == path_of%condensed .or. .not. pair_slides_with_friction(model, i)) cycle
-         associate (interaction => model%interaction(model%pair(i)%interaction))
-            call raise(error, error_code%deck, 'E0324', 'the friction of interaction `'// &
-               & interaction%name//'` cannot be solved yet on this path', &
-               & interaction%friction%at, help='contact without friction can: remove '// &
-               & '*FRICTION, or write mu = 0')
-            return
-         end associate
-      end do
-      do s = 1, size(model%step)
-         if (size(model%step(s)%pair_change) == 0) cycle
-         call raise(error, error_code%deck, 'E0324', 'a change of contact pairs cannot be '// &
-            & 'solved yet', model%step(s)%pair_change(1)%at)
-         return
-      end do
-   end subroutine refuse_unsolved
-
    !> Linear solutions on the shape at the start do not hold.
-   pure logical function needs_finite(model)
+   logical function needs_finite(model)
       type(model_type), intent(in) :: model
-      needs_finite = any(model%step%nlgeom) .or. any(model%pair%slave == model%pair%master)
+      needs_finite = why_finite(model) /= ''
    end function needs_finite
 
    function why_finite(model) result(reason)
       type(model_type), intent(in) :: model
       character(len=:), allocatable :: reason
+      integer :: i
 
-      reason = 'NLGEOM: finite rotation and sliding'
-      if (.not. any(model%step%nlgeom)) reason = 'self-contact is searched on the present shape'
-      reason = reason//', Newton with exact tangents'
+      reason = ''
+      do i = 1, size(model%step)
+         if (size(model%step(i)%pair_change) > 0) reason = 'contact pairs change'
+      end do
+      if (any(model%pair%slave == model%pair%master)) &
+         & reason = 'self-contact is searched on the present shape'
+      if (any(model%step%nlgeom)) reason = 'NLGEOM: finite rotation and sliding'
+      if (reason /= '') reason = reason//', Newton with exact tangents'
    end function why_finite
 
    !> One line: what was chosen, and why.

@@ -19,6 +19,7 @@ module lopin_run_analysis
    use lopin_certificate, only : forces_type, find_forces, certify, worst_unrowed
    use lopin_finite_contact, only : accept_contact => accept, reject_contact => reject
    use lopin_finite_state, only : iteration_header
+   use lopin_path_finite, only : start_step
    use lopin_finite_results, only : find_finite_forces, certify_finite
    use lopin_contact_friction, only : slides_with_friction
    use lopin_friction_state, only : commit_friction => commit, roll_back_friction => roll_back
@@ -195,7 +196,7 @@ contains
             & progress%steady, scene%accepted)
          time = 0.0_wp
          increment = min(step%initial, step%period)
-         scene%finite%nlgeom = step%nlgeom
+         call start_step(scene, model)
          if (step%nlgeom) call new_followers(scene%finite%follower, step, progress%time, &
             & scene%dofs%n)
          do number = 1, step%max_increments

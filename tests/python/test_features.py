@@ -719,12 +719,19 @@ def test_nothing_opposite_warns(go):
 # What the end of a step says ------------------------------------------------------------------------------
 
 def test_sliding_far_is_told(go):
-    s = two_blocks(3, 3, shift=0.1)
-    s.add("*BOUNDARY\nLOW_BOTTOM, 1, 2\nUP_TOP, 2, 2, -0.001")
-    s.step("*BOUNDARY\nUP_TOP, 1, 1, 0.3\nUP_LEFT, 1, 1, 0.3\nUP_TOP, 2, 2, -0.01", "0.5, 1.", ", DIRECT")
-    r = go(s)
+    def run(extra):
+        s = two_blocks(3, 3, shift=0.1)
+        s.head = [line.replace("*CONTACT PAIR", "*CONTACT PAIR" + extra) for line in s.head]
+        s.add("*BOUNDARY\nLOW_BOTTOM, 1, 2\nUP_TOP, 2, 2, -0.001")
+        s.step("*BOUNDARY\nUP_TOP, 1, 1, 0.3\nUP_LEFT, 1, 1, 0.3\nUP_TOP, 2, 2, -0.01", "0.5, 1.", ", DIRECT")
+        return go(s)
+
+    r = run(", SMALL SLIDING")
     assert r.ids().count("W0505") == 1, r.output
     assert "45 %" in r.message("W0505") and "W0506" not in r.ids()
+    # Where the deck does not ask for small sliding, the path changes and follows the slave.
+    r = run("")
+    assert "W0505" not in r.ids() and "path finite" in r.output and "quarter of its facet" in r.output
 
 
 def test_turning_far_is_told(go):
