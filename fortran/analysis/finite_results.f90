@@ -7,6 +7,7 @@ module lopin_finite_results
    use lopin_constraints, only : reduce, prescribed_part
    use lopin_certificate, only : forces_type, give_verdict
    use lopin_finite_state, only : forgotten
+   use lopin_contact_traction, only : grip_kind
    use lopin_scene, only : scene_type
    implicit none
    private
@@ -134,6 +135,7 @@ contains
                f%node = c%node(at)
                f%facet = c%facet(at)
                f%status = merge(c%status(at), -1, f%facet > 0)
+               where (f%status > 0 .and. c%grip(at)%kind == grip_kind%tied) f%status = 3
                f%weight = c%weight(at)
                f%gap = c%gap(at)
                f%pressure = c%pressure(at)

@@ -87,7 +87,7 @@ contains
          phat = normal_part - grip%c*g
       end select
       closed = phat%v > 0.0_wp .or. grip%bilateral
-      status = merge(grip_status%stick, grip_status%open, closed)
+      status = merge(grip_status%slip, grip_status%open, closed)
       p = constant(0.0_wp)
       if (closed) p = phat
       t = 0.0_wp

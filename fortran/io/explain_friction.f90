@@ -23,9 +23,6 @@ contains
          & 'Some words exclude each other, as ROUGH and a law, and some need another, as a '// &
          & 'regularisation needs the slip or the speed at which it bends.', &
          & 'the message names the words.')
-      call add_explanation(list, 'E0324', 'a change of contact that cannot be solved yet', &
-         & 'The deck is right, but no way of solution of this version follows this friction or '// &
-         & 'this change of pairs.', 'take it out of the deck, or wait for the next version.')
       call add_explanation(list, 'W0321', 'a coefficient of friction above 1', &
          & 'Coefficients run from 0 (lubricated) to 1 (dry) in forming; larger ones exist, and '// &
          & 'so do coefficients written in percent.', 'check it.')
