@@ -9,6 +9,7 @@ module lopin_contact_friction
    use lopin_contact_rows, only : friction_in_step
    use lopin_active_set, only : outcome
    use lopin_friction_rows, only : friction_points_type, elastic_compliance, drag_limit
+   use lopin_friction_limits, only : find_wedging
    use lopin_friction_set, only : solve_friction, friction_result_type
    use lopin_scene, only : scene_type
    implicit none
@@ -38,6 +39,7 @@ contains
       call new_points(scene, model, points)
       if (allocated(scene%friction%accepted%force)) then
          scene%answer%force = scene%friction%accepted%force
+         scene%answer%gap = scene%friction%accepted%gap
          scene%answer%q = scene%friction%accepted%q
       else
          if (allocated(scene%answer%force)) deallocate (scene%answer%force)
@@ -48,6 +50,8 @@ contains
       call explain(scene, model, points, friction, error)
       if (allocated(error)) return
       call remember(scene, points, friction)
+      call warn_of_wedging(scene, model, points, friction)
+      call warn_of_tension(scene, model, points)
    end subroutine contact_with_friction
 
    !> Points of the pairs with friction, with what they keep from the last accepted increment.
@@ -165,13 +169,15 @@ contains
       type(scene_type), intent(inout) :: scene
       type(friction_points_type), intent(in) :: points
       type(friction_result_type), intent(in) :: friction
-      real(wp) :: slip(3), slid(points%nt), elastic(points%nt), done, radius, slope, press, force(3)
+      real(wp) :: slip(3), slid(points%nt), lost(points%nt), elastic(points%nt), done, radius, slope, &
+         & press, force(3)
       real(wp) :: most_work, most_bound, excess
       integer :: k, i
 
       associate (s => scene%friction, old => scene%friction%accepted, new => scene%friction%trial)
          new = old
          new%force = scene%answer%force
+         new%gap = scene%answer%gap
          new%q = scene%answer%q
          s%slid = 0.0_wp
          s%least_work = 0.0_wp
@@ -190,12 +196,17 @@ contains
                press = max(scene%answer%force(points%normal(k)), 0.0_wp)
                elastic = -elastic_compliance(points, k, press)*scene%answer%force(from:to)
                slid = scene%answer%gap(from:to) - points%start(:, k)
+               lost = 0.0_wp
                if (is_regularised(points%law(k))) then
-                  new%anchor(:, i) = global(drawn(points, k, slid + points%anchor(:, k)))
+                  lost = slid + points%anchor(:, k)
+                  new%anchor(:, i) = global(drawn(points, k, lost))
+                  ! What the anchor does not keep is dissipated; the rest is a spring's.
+                  lost = lost - drawn(points, k, lost)
                else
                   ! Stick leaves no slip: its residual is rounding.
                   if (.not. points%augmented(k)) slid = slid - (elastic - points%elastic(:, k))
                   if (friction%status(k) == 1) slid = 0.0_wp
+                  lost = slid
                end if
                force = global(scene%answer%force(from:to))
                slip = global(slid)
@@ -206,7 +217,7 @@ contains
             new%slip(:, i) = old%slip(:, i) + slip
             new%path(i) = old%path(i) + norm2(slip)
             new%speed(i) = norm2(slip)/points%at(k)%dt
-            done = -dot_product(force, slip)
+            done = -dot_product(force, global(lost))
             new%work(i) = old%work(i) + done
             most_work = max(most_work, abs(done))
             s%least_work = min(s%least_work, done)
@@ -215,6 +226,13 @@ contains
                most_bound = max(most_bound, radius*points%weight(k))
                excess = max(excess, norm2(force) - radius*points%weight(k))
             end if
+         end do
+         ! Rounding of slips that add up to nothing is no dissipation.
+         do k = 1, points%n
+            associate (from => points%tangent(k), to => points%tangent(k) + points%nt - 1)
+               most_work = max(most_work, 1.0e-3_wp*norm2(scene%answer%force(from:to)) &
+                  & *norm2(scene%answer%gap(from:to)))
+            end associate
          end do
          if (most_work > 0.0_wp) s%least_work = s%least_work/most_work
          s%cone_excess = 0.0_wp
@@ -249,7 +267,70 @@ contains
       if (norm2(left) > limit) left = left*(limit/norm2(left))
    end function drawn
 
-   !> What the outcome means, as an error, and what is doubtful, as warnings.
+   !> Several answers may exist: said once a step, with the node and its critical coefficient.
+   subroutine warn_of_wedging(scene, model, points, friction)
+      type(scene_type), intent(inout) :: scene
+      type(model_type), intent(in) :: model
+      type(friction_points_type), intent(in) :: points
+      type(friction_result_type), intent(in) :: friction
+      real(wp) :: coefficient, critical
+      integer :: worst
+
+      if (scene%answer%outcome /= outcome%solved) return
+      call find_wedging(scene%problem%s, points, friction%status, worst, coefficient, critical)
+      if (worst > 0) then
+         call warn(scene, model, 'W0520', 'frictional wedging: several equilibria are possible '// &
+            & 'at the coefficient '//to_text(coefficient, 4)//'; node '//label_of(scene, model, &
+            & points, worst)//' has one below '//to_text(critical, 6), 'the answer is the '// &
+            & 'one that the load history leads to; smaller increments follow it more surely')
+      else if (friction%sign_of_determinant < 0) then
+         call warn(scene, model, 'W0520', 'frictional wedging: several equilibria are possible, '// &
+            & 'because the slipping points together press themselves on', 'the answer is the '// &
+            & 'one that the load history leads to; smaller increments follow it more surely')
+      end if
+   end subroutine warn_of_wedging
+
+   !> What never separates may pull: friction then has no bound to read.
+   subroutine warn_of_tension(scene, model, points)
+      type(scene_type), intent(inout) :: scene
+      type(model_type), intent(in) :: model
+      type(friction_points_type), intent(in) :: points
+      integer :: k
+
+      do k = 1, points%n
+         if (.not. points%at(k)%held .or. points%law(k)%rough) cycle
+         if (.not. scene%answer%force(points%normal(k)) < 0.0_wp) cycle
+         call warn(scene, model, 'W0521', 'node '//label_of(scene, model, points, k)// &
+            & ' is pulled by NO SEPARATION: friction there is that of no pressure', &
+            & 'TIED or ROUGH also hold along the face')
+         return
+      end do
+   end subroutine warn_of_tension
+
+   !> A warning of the run, once for each step.
+   subroutine warn(scene, model, id, message, help)
+      type(scene_type), intent(inout) :: scene
+      type(model_type), intent(in) :: model
+      character(len=*), intent(in) :: id, message, help
+      integer :: i
+
+      do i = 1, scene%log%n
+         if (scene%log%item(i)%id == id .and. scene%log%item(i)%at%line &
+            & == model%step(scene%step)%at%line) return
+      end do
+      call scene%log%say(severity%warning, id, message, model%step(scene%step)%at, help=help)
+   end subroutine warn
+
+   function label_of(scene, model, points, k) result(label)
+      type(scene_type), intent(in) :: scene
+      type(model_type), intent(in) :: model
+      type(friction_points_type), intent(in) :: points
+      integer, intent(in) :: k
+      character(len=:), allocatable :: label
+      label = to_text(model%mesh%node_label(scene%points%node(scene%rows%point(points%normal(k)))))
+   end function label_of
+
+   !> What the outcome means, as an error.
    subroutine explain(scene, model, points, friction, error)
       type(scene_type), intent(inout) :: scene
       type(model_type), intent(in) :: model
@@ -263,8 +344,7 @@ contains
       case (outcome%cycling)
          nodes = ''
          do i = 1, min(8, size(friction%changing))
-            nodes = nodes//' '//to_text(model%mesh%node_label(scene%points%node(scene%rows%point( &
-               & points%normal(friction%changing(i))))))
+            nodes = nodes//' '//label_of(scene, model, points, friction%changing(i))
          end do
          if (len(nodes) > 0) nodes = ', last at the nodes'//nodes
          call raise(error, error_code%not_converged, 'E0520', 'stick and slip cycle after '// &

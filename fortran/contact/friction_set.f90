@@ -51,8 +51,11 @@ module lopin_friction_set
    type :: work_type
       type(equations_type) :: equations
       real(wp), allocatable :: free_gap(:), moving(:), q_scale(:)
+      real(wp), allocatable :: old_gap(:)          !! (nrow) accepted last [length]
       real(wp) :: gap_scale = 0.0_wp
-      logical :: force_closed = .false.            !! take all rows as closed and sticking, once
+      logical :: predict = .false.                 !! first step with the states accepted last
+      logical :: cold = .false.                    !! there are none: these press and stick
+      logical, allocatable :: touching(:)          !! (nrow) rows without a gap before loading
       logical :: one_by_one = .false.
       logical :: singular = .false.
       integer :: sign_of_determinant = 1, dependent = 0
@@ -132,8 +135,16 @@ contains
          x%force = result%force
          x%q = result%q
       end if
-      work%force_closed = self%nq > 0 .and. .not. any(abs(x%force) > 0.0_wp)
+      ! Of several answers the first is the one of points that touch and stick.
+      work%touching = gap0 <= 0.0_wp .or. self%nq > 0
+      work%cold = .not. any(abs(x%force) > 0.0_wp)
+      work%predict = .not. work%cold .or. any(work%touching .and. work%equations%group > 0)
       x%gap = work%free_gap + matmul(self%s, x%force) + matmul(self%c, x%q)
+      work%old_gap = x%gap
+      if (.not. work%cold) work%old_gap = result%gap
+      do i = 1, points%n
+         work%old_gap(points%tangent(i):points%tangent(i) + points%nt - 1) = points%start(:, i)
+      end do
       do group = 1, self%ngroup
          if (self%max_augmentations(group) == 0) cycle
          associate (from => self%group_first(group), to => self%group_first(group + 1) - 1)
@@ -156,14 +167,14 @@ contains
       type(contact_result_type), intent(inout) :: result
       type(friction_result_type), intent(inout) :: friction
       type(trial_type) :: start
-      logical :: solved, cold
+      logical :: solved, predict
       integer :: cure
 
       start = x
-      cold = work%force_closed
+      predict = work%predict
       do cure = rung%newton, rung%bounds
          x = start
-         work%force_closed = cold
+         work%predict = predict .and. cure /= rung%single
          work%equations%damped = cure == rung%damped
          work%one_by_one = cure == rung%single
          if (allocated(work%equations%set)) deallocate (work%equations%set)
@@ -175,7 +186,7 @@ contains
          end if
          if (solved) exit
       end do
-      work%force_closed = .false.
+      work%predict = .false.
       work%equations%damped = .false.
       work%one_by_one = .false.
       if (allocated(work%equations%set)) deallocate (work%equations%set)
@@ -240,7 +251,7 @@ contains
       before = huge(1.0_wp)
       before_status = work%equations%status
       do pass = 1, most_iterations
-         if (.not. work%force_closed) then
+         if (.not. work%predict) then
             solved = is_small(work, x, norm, exact) .or. (norm > 0.1_wp*before &
                & .and. is_small(work, x, norm, accepted))
             if (allocated(work%equations%set)) solved = solved &
@@ -250,16 +261,21 @@ contains
          before = norm
          before_status = work%equations%status
          history(1 + mod(pass, memory)) = norm
-         if (work%force_closed) call stick_all(points, work%equations)
+         if (work%predict .and. work%cold) then
+            call stick_all(points, work%touching, x, work%equations)
+         else if (work%predict) then
+            x%gap = work%old_gap
+            call judge(self, points, work, x, norm)
+         end if
          call step_to(self, points, work, x, next)
-         if (work%force_closed .or. work%one_by_one) then
+         if (work%predict .or. work%one_by_one) then
             x = next
             call judge(self, points, work, x, norm)
          else
             call search_line(self, points, work, x, next, maxval(history), norm)
          end if
-         if (work%force_closed) then
-            work%force_closed = .false.
+         if (work%predict) then
+            work%predict = .false.
             call scale_tangents(self, work)
             call judge(self, points, work, x, norm)
             history = -1.0_wp
@@ -337,22 +353,29 @@ contains
       is_small = norm <= limit*largest(x%force) + noise*sqrt(real(size(x%force), wp))
    end function is_small
 
-   !> For the first step of bodies that nothing else holds: every point presses and sticks.
-   subroutine stick_all(points, equations)
+   !> For the first step: points that touch, or all if bodies float, press and stick.
+   subroutine stick_all(points, touching, x, equations)
       type(friction_points_type), intent(in) :: points
+      logical, intent(in) :: touching(:)
+      type(trial_type), intent(in) :: x            !! without forces
       type(equations_type), intent(inout) :: equations
       integer :: k, i
 
-      equations%closed = .true.
-      where (equations%group > 0)
-         equations%residual = 0.0_wp
+      where (equations%group > 0 .and. touching .and. equations%linear)
+         equations%closed = .true.
+         equations%residual = equations%c*(x%gap - equations%shift)
       end where
       do k = 1, points%n
-         equations%p(:, :, k) = 0.0_wp
-         equations%q(:, :, k) = 0.0_wp
-         do i = 1, points%nt
-            equations%q(i, i, k) = equations%c(points%tangent(k))
-         end do
+         associate (from => points%tangent(k), to => points%tangent(k) + points%nt - 1)
+            equations%closed(from:to) = equations%closed(points%normal(k))
+            equations%residual(from:to) = equations%c(from)*(x%gap(from:to) - points%start(:, k))
+            equations%p(:, :, k) = 0.0_wp
+            equations%q(:, :, k) = 0.0_wp
+            do i = 1, points%nt
+               equations%p(i, i, k) = equations%c(from)*equations%extra(from + i - 1)
+               equations%q(i, i, k) = equations%c(from)
+            end do
+         end associate
       end do
    end subroutine stick_all
 

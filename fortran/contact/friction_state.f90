@@ -18,6 +18,7 @@ module lopin_friction_state
       real(wp), allocatable :: speed(:)         !! (npoint) of slip in the increment [length/time]
       integer, allocatable :: status(:)         !! (npoint) 0 open, 1 stick, 2 slip
       real(wp), allocatable :: force(:)         !! (nrow) forces of all rows [force]
+      real(wp), allocatable :: gap(:)           !! (nrow) their gaps [length]
       real(wp), allocatable :: q(:)             !! (nq) motions that nothing else holds
    end type history_type
 

@@ -63,6 +63,16 @@ contains
          & 'every cure that Lopin knows: the damped tangent, one row at a time, fixed bounds. '// &
          & 'Often no unique state exists: see W0520.', &
          & 'take smaller increments, or look whether the coefficient of friction is meant.')
+      call add_explanation(list, 'W0520', 'frictional wedging', &
+         & 'Coulomb friction beyond a critical coefficient has several equilibria: a node that '// &
+         & 'slides presses itself on. Critical is K_tt/|K_nt| of the node''s own stiffness; near '// &
+         & 'incompressibility and at sheared elements ordinary coefficients exceed it.', &
+         & 'the answer is an equilibrium, the one that the load history leads to; judge it by '// &
+         & 'another history, or refine the mesh there.')
+      call add_explanation(list, 'W0521', 'friction under tension', &
+         & 'NO SEPARATION holds a point that is pulled; the bound of friction is that of no '// &
+         & 'pressure, so nothing holds it along the face.', &
+         & 'use TIED or ROUGH where it should stick under tension too.')
       call add_explanation(list, 'E0521', 'the path newton has no friction', &
          & 'PATH=NEWTON is the literal system of contact without friction.', &
          & 'leave out PATH= on *LOPIN: friction is solved on the condensed or the finite path.')
