@@ -16,7 +16,7 @@ GROUPS = {
     "By hand": ("bar_gap", "two_springs", "no_separation"),
     "Hertz and other closed forms": ("hertz_sphere", "hertz_sphere_3d", "ball_on_ball",
                                      "cylinder_on_plane", "nafems_cylinder", "flat_punch",
-                                     "shrink_fit", "signorini"),
+                                     "shrink_fit", "signorini", "ball_of_facets"),
     "Beams and strips": ("strip_bending", "glued_beam", "beam_on_roller", "lifted_beam"),
     "Meshes that do not match": ("patch_test", "two_blocks_mortar"),
 }

@@ -395,7 +395,10 @@ contains
 
       associate (p => model%pair(pair), slave => model%surface(model%pair(pair)%slave)%name, &
          & master => model%surface(model%pair(pair)%master)%name)
-         if (any(self%facet(self%first(pair):self%n) > 0)) return
+         if (any(self%facet(self%first(pair):self%n) > 0)) then
+            if (self%tool(pair) > 0) call check_chord(self, model, pair, log)
+            return
+         end if
          behind = 0
          do i = self%first(pair), self%n
             if (dot_product(self%side(:, i), self%normal(:, i)) > 0.2_wp) behind = behind + 1
@@ -405,7 +408,8 @@ contains
                & ' slave nodes of '//slave// &
                & ' lie behind '//master, p%at, &
                & help='reverse the order of its segments (the outward normal is on ' &
-               & //'the left of the way), or use the other side of its faces')
+               & //'the left of the way) or the corners of its facets, or use the other side '// &
+               & 'of its faces')
          else
             call log%say(severity%warning, 'W0315', 'no node of '//slave//' has a point of '// &
                & master// &
@@ -415,6 +419,30 @@ contains
          end if
       end associate
    end subroutine check_sides
+
+   !> Facets of a tool that are coarse beside those of the slave press their edges into it.
+   subroutine check_chord(self, model, pair, log)
+      type(contact_points_type), intent(in) :: self
+      type(model_type), intent(in) :: model
+      integer, intent(in) :: pair
+      type(log_type), intent(inout) :: log
+      real(wp), parameter :: coarse = 0.02_wp
+      real(wp) :: ratio
+      integer :: i
+
+      associate (tool => model%tool(self%tool(pair)))
+         if (.not. allocated(tool%shape%chord)) return
+         ratio = 0.0_wp
+         do i = self%first(pair), self%n
+            if (self%facet(i) == 0 .or. self%gap(i) > self%size(i)) cycle
+            ratio = max(ratio, tool%shape%chord(self%facet(i))/self%size(i))
+         end do
+         if (ratio > coarse) call log%say(severity%warning, 'W0332', 'the facets of '// &
+            & tool%name//' stand up to '//to_text(100.0_wp*ratio)//' % of a slave facet off the '// &
+            & 'curved surface they mean', model%pair(pair)%at, &
+            & help='finer triangles, or an analytical tool')
+      end associate
+   end subroutine check_chord
 
    !> The pair glues: all directions, both ways.
    pure logical function pair_is_tied(model, pair)

@@ -10,6 +10,7 @@ module lopin_build_surfaces
    use lopin_block, only : deck_type, block_type, field_type, split_fields, field_real, complain
    use lopin_build_scene, only : scene_type, list_type, name_type, push, scoped, need_word, &
       & get_word, nodes_of, elements_of, find_name, no_such
+   use lopin_build_stl, only : build_stl_tool
    use lopin_build_tools, only : build_tool
    implicit none
    private
@@ -58,12 +59,14 @@ contains
                call read_surface_nodes(surface, model, scene, block, scope)
             case default
                surface%kind = surface_of%tool
-               if (any(tool_kinds == word)) then
+               if (word == 'STL') then
+                  call build_stl_tool(surface%tool, model, deck, scene, block, scope, surface%name)
+               else if (any(tool_kinds == word)) then
                   call build_tool(surface%tool, model, scene, block, scope, word, surface%name)
                else
                   call complain(model%log, 'E0301', 'surfaces of type `'//word &
                      & //'` are not known', word_at, &
-                     & help='ELEMENT, NODE, SEGMENTS, CYLINDER, REVOLUTION')
+                     & help='ELEMENT, NODE, SEGMENTS, CYLINDER, REVOLUTION, STL')
                end if
             end select
             model%surface = [model%surface, surface]

@@ -111,6 +111,15 @@ contains
          & 'A profile begins with START and goes on with LINE and CIRCL; arcs are shorter '// &
          & 'than half a circle, and a fillet must fit between its neighbours.', &
          & 'see `lopin doc ''*SURFACE''`.')
+      call add_explanation(list, 'E0331', 'the file of a tool cannot be used', &
+         & 'A binary STL file has 84 bytes and 50 more for each facet, no more and no less; one '// &
+         & 'in words begins with solid and ends with endsolid. This file is neither, or it is '// &
+         & 'cut off, or it is not there.', &
+         & 'export it again; the path counts from the deck.')
+      call add_explanation(list, 'E0332', 'the facets do not make a surface', &
+         & 'A tool needs an outside. Corners nearer than 1e-6 of the size are one; then each edge '// &
+         & 'must belong to two facets that look to the same side.', &
+         & 'mend it where it was made. OPEN allows a sheet, REPAIR turns facets.')
    end subroutine contact
 
    !> What the first look at the pairs says.
@@ -144,6 +153,17 @@ contains
       call add_explanation(list, 'W0315', 'a pair can never touch', &
          & 'No slave node has a point of the master opposite.', &
          & 'check positions and units, and that the slave''s faces look at the master.')
+      call add_explanation(list, 'W0331', 'the normals of an STL file contradict its corners', &
+         & 'The outward side of a facet is that from which its corners turn anticlockwise. The '// &
+         & 'file also says a normal, and it is the other one.', &
+         & 'look at the tool in the results, or export it again.')
+      call add_explanation(list, 'W0332', 'the facets of a tool are coarse beside the slave', &
+         & 'The facets stand off the curved surface they mean by more than a fiftieth of a slave '// &
+         & 'facet: pressures will show the facets.', &
+         & 'export the tool with a smaller chord error, or use an analytical tool.')
+      call add_explanation(list, 'N0331', 'facets of a tool were mended', &
+         & 'Facets without area were dropped, or facets were turned because REPAIR asks for it.', &
+         & '')
       call add_explanation(list, 'N0304', 'a contact card is read in another way', &
          & 'The message says how; the answer is the same up to the discretisation of contact.', '')
       call add_explanation(list, 'N0306', 'a datum of the contact law is not used', &

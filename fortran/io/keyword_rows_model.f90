@@ -137,9 +137,16 @@ contains
          & 'rigid tool.')
       call word(table, 'NAME', 'Name of the surface.')
       call required(table)
-      call choice(table, 'TYPE', 'ELEMENT,NODE,SEGMENTS,CYLINDER,REVOLUTION', 'ELEMENT', &
+      call choice(table, 'TYPE', 'ELEMENT,NODE,SEGMENTS,CYLINDER,REVOLUTION,STL', &
+         & 'ELEMENT', &
          & 'SEGMENTS: profile in the plane or in (r, z); CYLINDER: profile swept along local '// &
-         & 'z; REVOLUTION: profile turned about local z.')
+         & 'z; REVOLUTION: profile turned about local z; STL: triangles of a file.')
+      call word(table, 'INPUT', 'STL: the file, binary or in words, beside this one or the deck.')
+      call number(table, 'SCALE', '1', 'STL: factor on the lengths of the file.')
+      call flag(table, 'OPEN', 'STL: a sheet, such as the face of a die; without it a surface '// &
+         & 'with a hole is refused.')
+      call flag(table, 'REPAIR', 'STL: facets that look against the greater area are turned; '// &
+         & 'without it they are refused.')
       call number(table, 'FILLET RADIUS', '0', 'Rounds the corners of a profile [length].')
       call flag(table, 'INTERNAL', 'Mark of Abaqus/CAE; accepted.')
       call later_flag(table, 'COMBINE', 'Union, intersection or difference of surfaces.')

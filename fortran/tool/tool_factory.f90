@@ -2,15 +2,19 @@
 module lopin_tool_factory
    use lopin_kinds, only : wp
    use lopin_error, only : error_type, error_code, raise, location_type
+   use lopin_text, only : to_text
    use lopin_tool, only : tool_type
    use lopin_profile, only : profile_type, segment_card_type, new_profile
    use lopin_tool_plane, only : plane_type, new_plane
    use lopin_tool_sphere, only : sphere_type, new_sphere
    use lopin_tool_cylinder, only : cylinder_type, new_cylinder
    use lopin_tool_profile, only : profile_tool_type, extruded_type, revolved_type
+   use lopin_facet_mesh, only : facet_mesh_type, facet_flaws_type, new_facet_mesh
+   use lopin_tool_facets, only : facets_tool_type, new_facets_tool
    implicit none
    private
-   public :: new_tool_from_segments, new_tool_plane, new_tool_sphere, new_tool_cylinder, tool_kinds
+   public :: new_tool_from_segments, new_tool_plane, new_tool_sphere, new_tool_cylinder, &
+      & new_tool_from_facets, tool_kinds
 
    !> Words after TYPE= that make a rigid tool.
    character(len=*), parameter :: tool_kinds(3) = [character(len=10) :: 'SEGMENTS', 'CYLINDER', &
@@ -123,6 +127,56 @@ contains
             & 'a profile of revolution has a negative radius', at)
       end if
    end subroutine set_revolution
+
+   !> A tool from triangles, if they make one surface with two sides.
+   subroutine new_tool_from_facets(tool, corner, may_be_open, may_turn, flaws, error)
+      class(tool_type), allocatable, intent(out) :: tool
+      real(wp), intent(in) :: corner(:, :, :)   !! (3, 3, n): coordinate, corner, facet [length]
+      logical, intent(in) :: may_be_open        !! a sheet, not a body: edges of one facet
+      logical, intent(in) :: may_turn           !! facets that look the wrong way are turned
+      type(facet_flaws_type), intent(out) :: flaws
+      type(error_type), allocatable, intent(out) :: error
+      type(facet_mesh_type) :: mesh
+      type(facets_tool_type), allocatable :: facets
+
+      call new_facet_mesh(mesh, corner, flaws)
+      if (mesh%nfacet == 0) then
+         call raise(error, error_code%deck, 'E0332', 'the tool has no facet with an area')
+      else if (flaws%crowded > 0) then
+         call raise(error, error_code%deck, 'E0332', counted(flaws%crowded, 'edge')// &
+            & ' shared by three or more facets, one at '//place_text(flaws%crowded_at), &
+            & help='a tool is the surface of one body: unite overlapping bodies before the export')
+      else if (flaws%hole > 0 .and. .not. may_be_open) then
+         call raise(error, error_code%deck, 'E0332', 'the surface has a hole: '// &
+            & counted(flaws%hole, 'edge')//' of one facet only, one at '// &
+            & place_text(flaws%hole_at), help='close it where it was made; if it is a sheet and '// &
+            & 'not a body, such as the face of a die, say so by OPEN')
+      else if (flaws%loop > 0) then
+         call raise(error, error_code%deck, 'E0332', 'the surface has one side only, as a '// &
+            & 'Moebius strip: no facet knows where outside is')
+      else if (flaws%against > 0 .and. .not. may_turn) then
+         call raise(error, error_code%deck, 'E0332', counted(flaws%against, 'facet')// &
+            & ' looking against the others, one at '//place_text(flaws%against_at), &
+            & help='export it again, or have the lesser area turned by REPAIR')
+      else
+         allocate (facets)
+         call new_facets_tool(facets, mesh)
+         call move_alloc(facets, tool)
+      end if
+   end subroutine new_tool_from_facets
+
+   pure function counted(n, word) result(text)
+      integer, intent(in) :: n
+      character(len=*), intent(in) :: word
+      character(len=:), allocatable :: text
+      text = to_text(n)//' '//word//trim(merge('s', ' ', n /= 1))
+   end function counted
+
+   function place_text(x) result(text)
+      real(wp), intent(in) :: x(3)   !! [length]
+      character(len=:), allocatable :: text
+      text = '('//to_text(x(1))//', '//to_text(x(2))//', '//to_text(x(3))//')'
+   end function place_text
 
    subroutine new_tool_plane(tool, origin, normal, error)
       class(tool_type), allocatable, intent(out) :: tool

@@ -1,0 +1,305 @@
+!> A rigid tool of triangles, as an STL file brings it.
+!>
+!> Inside a facet the gap is along its normal. On an edge or a corner the point belongs to its
+!> Voronoi region: the normal is the direction to the point, and the angle-weighted normal of the
+!> feature says on which side it is (Baerentzen and Aanaes 2005).
+module lopin_tool_facets
+   use lopin_kinds, only : wp
+   use lopin_facet_mesh, only : facet_mesh_type
+   use lopin_facet_tree, only : facet_tree_type, new_facet_tree, box_distance2, deepest
+   use lopin_tool, only : tool_type, foot_type, coincidence, outer_product
+   use lopin_triangle, only : closest_on_triangle
+   implicit none
+   private
+   public :: facets_tool_type, new_facets_tool
+
+   real(wp), parameter :: sharp = cos(acos(-1.0_wp)/6.0_wp)   !! 30 degrees: two walls, not one
+   real(wp), parameter :: tie = 1.0e-12_wp   !! relative: of equal distances the least facet wins
+
+   type, extends(tool_type) :: facets_tool_type
+      type(facet_mesh_type) :: mesh
+      type(facet_tree_type) :: tree
+      logical :: hollow_edges = .false.   !! some edge is a concave corner of two walls
+   contains
+      procedure :: project
+      procedure :: project_all => project_walls
+      procedure :: tessellate
+      procedure :: describe
+   end type facets_tool_type
+
+   !> The closest point found so far.
+   type :: nearest_type
+      integer :: facet = 0
+      integer :: feature = 0
+      real(wp) :: distance2 = huge(1.0_wp)   !! [length**2]
+      real(wp) :: point(3) = 0.0_wp          !! [length]
+   end type nearest_type
+
+contains
+
+   subroutine new_facets_tool(self, mesh)
+      type(facets_tool_type), intent(out) :: self
+      type(facet_mesh_type), intent(in) :: mesh
+      real(wp), allocatable :: low(:, :), high(:, :)
+      integer :: f, k
+
+      self%ndim = 3
+      self%name = 'facets'
+      self%size = mesh%size
+      self%mesh = mesh
+      allocate (low(3, mesh%nfacet), high(3, mesh%nfacet))
+      allocate (self%chord(mesh%nfacet), source=0.0_wp)
+      do f = 1, mesh%nfacet
+         low(:, f) = minval(mesh%x(:, mesh%vertex(:, f)), dim=2)
+         high(:, f) = maxval(mesh%x(:, mesh%vertex(:, f)), dim=2)
+         do k = 1, 3
+            if (is_hollow(mesh, f, k)) self%hollow_edges = .true.
+            self%chord(f) = max(self%chord(f), chord_of(mesh, f, k))
+         end do
+      end do
+      call new_facet_tree(self%tree, low, high)
+   end subroutine new_facets_tool
+
+   !> The two facets of edge k meet in a concave corner.
+   pure logical function is_hollow(mesh, f, k)
+      type(facet_mesh_type), intent(in) :: mesh
+      integer, intent(in) :: f, k
+      integer :: g
+
+      g = mesh%neighbour(k, f)
+      is_hollow = g > 0
+      if (.not. is_hollow) return
+      is_hollow = dot_product(mesh%normal(:, f), mesh%normal(:, g)) < sharp .and. &
+         & dot_product(mesh%normal(:, f), sum(mesh%x(:, mesh%vertex(:, g)), dim=2)/3.0_wp &
+         & - mesh%x(:, mesh%vertex(k, f))) > 0.0_wp
+   end function is_hollow
+
+   !> Facets that meet at less than 30 degrees mean a curved surface: of radius r = c/angle, with c
+   !> between the middles of the facets. Equal sides have their corners at c from the middle, and the
+   !> surface rises c**2/(2 r) = c*angle/2 above a disc of that radius.
+   pure real(wp) function chord_of(mesh, f, k)
+      type(facet_mesh_type), intent(in) :: mesh
+      integer, intent(in) :: f, k
+      real(wp) :: along(3), across(3), angle
+      integer :: g
+
+      chord_of = 0.0_wp
+      g = mesh%neighbour(k, f)
+      if (g == 0) return
+      if (dot_product(mesh%normal(:, f), mesh%normal(:, g)) < sharp) return
+      angle = 2.0_wp*asin(min(1.0_wp, 0.5_wp*norm2(mesh%normal(:, f) - mesh%normal(:, g))))
+      along = mesh%x(:, mesh%vertex(1 + mod(k, 3), f)) - mesh%x(:, mesh%vertex(k, f))
+      across = (sum(mesh%x(:, mesh%vertex(:, f)), dim=2) - sum(mesh%x(:, mesh%vertex(:, g)), &
+         & dim=2))/3.0_wp
+      across = across - dot_product(across, along)/dot_product(along, along)*along
+      chord_of = 0.5_wp*norm2(across)*angle
+   end function chord_of
+
+   pure subroutine project(self, x, foot)
+      class(facets_tool_type), intent(in) :: self
+      real(wp), intent(in) :: x(:)
+      type(foot_type), intent(out) :: foot
+      type(nearest_type) :: nearest
+
+      call find_nearest(self, x, nearest)
+      if (nearest%facet > 0) call settle(self, x, nearest, foot)
+   end subroutine project
+
+   !> Near a concave corner the other wall counts too: the nearest facet within reach that looks
+   !> elsewhere, is met inside, and faces the first.
+   pure subroutine project_walls(self, x, reach, feet, nfeet)
+      class(facets_tool_type), intent(in) :: self
+      real(wp), intent(in) :: x(:), reach
+      type(foot_type), intent(out) :: feet(2)
+      integer, intent(out) :: nfeet
+      type(nearest_type) :: other
+
+      nfeet = 0
+      if (reach < 0.0_wp) return
+      call self%project(x, feet(1))
+      if (.not. feet(1)%found) return
+      nfeet = 1
+      if (.not. self%hollow_edges) return
+      if (reach >= huge(1.0_wp)) then
+         ! Room is asked for, not a place.
+         feet(2) = feet(1)
+         nfeet = 2
+         return
+      end if
+      if (feet(1)%corner) return
+      other%distance2 = min(reach, sqrt(huge(1.0_wp)))**2
+      call find_nearest(self, x, other, feet(1))
+      if (other%facet == 0) return
+      call settle(self, x, other, feet(2))
+      nfeet = 2
+      if (feet(2)%gap < feet(1)%gap) feet = feet([2, 1])
+   end subroutine project_walls
+
+   !> Nearest of all facets, or of those that make a concave corner with the wall of a foot.
+   pure subroutine find_nearest(self, x, nearest, wall)
+      class(facets_tool_type), intent(in) :: self
+      real(wp), intent(in) :: x(3)
+      type(nearest_type), intent(inout) :: nearest   !! distance2: how far to look
+      type(foot_type), intent(in), optional :: wall
+      integer :: stack(deepest), top, k, i, near, far
+      real(wp) :: bound(deepest), d(2)
+
+      top = merge(1, 0, self%tree%nnode > 0)
+      stack(1) = 1
+      bound(1) = 0.0_wp
+      associate (tree => self%tree)
+         do while (top > 0)
+            k = stack(top)
+            top = top - 1
+            if (bound(top + 1) > nearest%distance2*(1.0_wp + tie)) cycle
+            if (tree%second(k) == 0) then
+               do i = tree%first(k), tree%last(k)
+                  call try_facet(self%mesh, tree%facet(i), x, nearest, wall)
+               end do
+               cycle
+            end if
+            near = k + 1
+            far = tree%second(k)
+            d(1) = box_distance2(tree%low(:, near), tree%high(:, near), x)
+            d(2) = box_distance2(tree%low(:, far), tree%high(:, far), x)
+            if (d(2) < d(1)) then
+               near = far
+               far = k + 1
+               d = d([2, 1])
+            end if
+            stack(top + 1:top + 2) = [far, near]
+            bound(top + 1:top + 2) = d([2, 1])
+            top = top + 2
+         end do
+      end associate
+   end subroutine find_nearest
+
+   pure subroutine try_facet(mesh, f, x, nearest, wall)
+      type(facet_mesh_type), intent(in) :: mesh
+      integer, intent(in) :: f
+      real(wp), intent(in) :: x(3)
+      type(nearest_type), intent(inout) :: nearest
+      type(foot_type), intent(in), optional :: wall
+      real(wp) :: point(3), distance2, arm(3)
+      integer :: feature
+
+      if (present(wall)) then
+         if (dot_product(mesh%normal(:, f), wall%normal) > sharp) return
+      end if
+      associate (v => mesh%vertex(:, f))
+         call closest_on_triangle(mesh%x(:, v(1)), mesh%x(:, v(2)), mesh%x(:, v(3)), x, point, &
+            & feature)
+      end associate
+      arm = x - point
+      distance2 = arm(1)*arm(1) + arm(2)*arm(2) + arm(3)*arm(3)
+      if (distance2 > nearest%distance2*(1.0_wp + tie)) return
+      if (distance2 >= nearest%distance2*(1.0_wp - tie) .and. nearest%facet > 0 .and. f > &
+         & nearest%facet) return
+      if (present(wall)) then
+         if (feature /= 0 .or. dot_product(point - wall%point, wall%normal) < 0.0_wp .or. &
+            & dot_product(wall%point - point, mesh%normal(:, f)) < 0.0_wp) return
+      end if
+      nearest = nearest_type(f, feature, distance2, point)
+   end subroutine try_facet
+
+   pure subroutine settle(self, x, nearest, foot)
+      class(facets_tool_type), intent(in) :: self
+      real(wp), intent(in) :: x(3)
+      type(nearest_type), intent(in) :: nearest
+      type(foot_type), intent(out) :: foot
+      real(wp) :: pseudo(3)
+      logical :: perimeter
+      integer :: k, g
+
+      foot%found = .true.
+      foot%segment = nearest%facet
+      foot%point = nearest%point
+      foot%normal = self%mesh%normal(:, nearest%facet)
+      if (nearest%feature > 0) then
+         k = nearest%feature
+         if (k <= 3) then
+            g = self%mesh%neighbour(k, nearest%facet)
+            perimeter = g == 0
+            if (.not. perimeter) then
+               pseudo = foot%normal + self%mesh%normal(:, g)
+               if (norm2(pseudo) > 0.0_wp) pseudo = pseudo/norm2(pseudo)
+            end if
+         else
+            associate (v => self%mesh%vertex(k - 3, nearest%facet))
+               perimeter = self%mesh%on_perimeter(v)
+               pseudo = self%mesh%vertex_normal(:, v)
+            end associate
+         end if
+         if (.not. perimeter) then
+            call take_direction(self, x, nearest, pseudo, foot)
+            return
+         end if
+         pseudo = x - foot%point
+         foot%overhang = norm2(pseudo - dot_product(pseudo, foot%normal)*foot%normal)
+      end if
+      foot%gap = dot_product(x - foot%point, foot%normal)
+   end subroutine settle
+
+   !> The normal is the direction to the point, unless that lies on the feature itself.
+   pure subroutine take_direction(self, x, nearest, pseudo, foot)
+      class(facets_tool_type), intent(in) :: self
+      real(wp), intent(in) :: x(3), pseudo(3)
+      type(nearest_type), intent(in) :: nearest
+      type(foot_type), intent(inout) :: foot
+      real(wp) :: distance, side, along(3)
+      integer :: k, i, v
+
+      distance = sqrt(nearest%distance2)
+      side = sign(1.0_wp, dot_product(x - foot%point, pseudo))
+      k = nearest%feature
+      associate (mesh => self%mesh)
+         v = mesh%vertex(merge(k, k - 3, k <= 3), nearest%facet)
+         if (distance <= coincidence*self%size) then
+            foot%normal = pseudo
+            foot%gap = dot_product(x - foot%point, pseudo)
+            if (k <= 3) then
+               foot%cone = dot_product(pseudo, mesh%normal(:, nearest%facet))
+            else
+               do i = mesh%ring_first(v), mesh%ring_first(v + 1) - 1
+                  foot%cone = min(foot%cone, dot_product(pseudo, mesh%normal(:, mesh%ring(i))))
+               end do
+            end if
+            foot%corner = foot%cone < sharp
+            return
+         end if
+         foot%normal = side*(x - foot%point)/distance
+         foot%gap = side*distance
+         foot%corner = dot_product(foot%normal, mesh%normal(:, nearest%facet)) < sharp
+         foot%hessian = -outer_product(foot%normal, foot%normal)
+         do i = 1, 3
+            foot%hessian(i, i) = foot%hessian(i, i) + 1.0_wp
+         end do
+         if (k <= 3) then
+            along = mesh%x(:, mesh%vertex(1 + mod(k, 3), nearest%facet)) - mesh%x(:, v)
+            foot%hessian = foot%hessian - outer_product(along, along)/dot_product(along, along)
+         end if
+         foot%hessian = foot%hessian*side/distance
+      end associate
+   end subroutine take_direction
+
+   pure subroutine tessellate(self, box, points, cells)
+      class(facets_tool_type), intent(in) :: self
+      real(wp), intent(in) :: box(:, :)
+      real(wp), allocatable, intent(out) :: points(:, :)
+      integer, allocatable, intent(out) :: cells(:, :)
+
+      points = self%mesh%x(:size(box, 1), :)
+      allocate (cells(4, self%mesh%nfacet), source=0)
+      cells(:3, :) = self%mesh%vertex
+   end subroutine tessellate
+
+   function describe(self) result(text)
+      class(facets_tool_type), intent(in) :: self
+      character(len=:), allocatable :: text
+      character(len=20) :: buffer
+
+      write (buffer, '(i0)') self%mesh%nfacet
+      text = trim(buffer)//' triangles'
+      if (any(self%mesh%on_perimeter)) text = text//', open'
+   end function describe
+end module lopin_tool_facets
