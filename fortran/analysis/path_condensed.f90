@@ -19,6 +19,9 @@ module lopin_path_condensed
    use lopin_automatic_penalty, only : set_stiffness
    use lopin_methods, only : choose_methods
    use lopin_contact_friction, only : slides_with_friction, contact_with_friction
+   use lopin_friction_stress, only : friction_reads_stress, update_friction_stress, &
+      & most_stress_passes, stress_tolerance
+   use lopin_after_step, only : say_once
    use lopin_contact_failure, only : check_held, explain_outcome
    implicit none
    private
@@ -69,6 +72,9 @@ contains
       real(wp), allocatable :: u_known(:), internal(:), right(:), y(:), load(:), moving(:), &
          & gap(:)
       real(wp), allocatable :: v(:)
+      real(wp) :: change
+      integer :: pass
+      logical :: reads_stress
 
       allocate (u_known(scene%dofs%n), internal(scene%dofs%n), right(scene%constraints%neq), &
          & v(scene%constraints%neq))
@@ -83,20 +89,41 @@ contains
       call rebuild_rows(scene, model, prescribed)
       call fill_problem(scene, model, u_known, gap, error)
       if (allocated(error)) return
-      if (slides_with_friction(scene)) then
-         scene%gap = gap
+      if (.not. slides_with_friction(scene)) then
+         call contact_by_continuation(scene, model, gap, load, moving, error)
+         if (.not. allocated(error)) call recover_all()
+         return
+      end if
+      scene%gap = gap
+      reads_stress = friction_reads_stress(scene, model)
+      ! From what is accepted: an increment tried again has the same bits.
+      if (reads_stress) call update_friction_stress(scene, model, scene%accepted, change)
+      do pass = 1, most_stress_passes
          call contact_with_friction(scene, model, gap, load, moving, error)
          if (.not. allocated(error)) call explain_outcome(scene, model, error)
-      else
-         call contact_by_continuation(scene, model, gap, load, moving, error)
-      end if
-      call scene%clock%stop_in(phase%contact)
-      if (allocated(error)) return
-      call recover(scene%system, y, columns_times(scene%problem, scene%answer%force), v)
-      scene%counter%back_solves = scene%counter%back_solves + 1
-      if (scene%bodies%nq > 0) v = v + matmul(scene%bodies%motion, scene%answer%q)
-      call expand(scene%constraints, v, prescribed, scene%u)
-      call scene%clock%stop_in(phase%solve)
+         if (allocated(error)) exit
+         call recover_all()
+         if (.not. reads_stress) exit
+         call update_friction_stress(scene, model, scene%u, change)
+         if (change <= stress_tolerance) exit
+      end do
+      if (allocated(error) .or. pass <= most_stress_passes) return
+      call say_once(scene%log, 'W0509', 'the von Mises stress that friction reads still changes '// &
+         & 'by '//to_text(change, 3)//' of its largest value after '// &
+         & to_text(most_stress_passes)//' passes of an increment of step '//to_text(scene%step), &
+         & model%step(scene%step)%at)
+
+   contains
+
+      !> All displacements from the forces of contact.
+      subroutine recover_all()
+         call scene%clock%stop_in(phase%contact)
+         call recover(scene%system, y, columns_times(scene%problem, scene%answer%force), v)
+         scene%counter%back_solves = scene%counter%back_solves + 1
+         if (scene%bodies%nq > 0) v = v + matmul(scene%bodies%motion, scene%answer%q)
+         call expand(scene%constraints, v, prescribed, scene%u)
+         call scene%clock%stop_in(phase%solve)
+      end subroutine recover_all
    end subroutine solve_condensed
 
    !> Rows of the contact problem on the equations kept last; the compliance is kept if they did not

@@ -35,6 +35,10 @@ contains
          & 'This version computes bodies as elastic and reads the yield stress for laws of '// &
          & 'friction only, so that stresses and contact pressures there are too high.', &
          & 'judge by the share that the message names; lower the load.')
+      call add_explanation(list, 'W0509', 'the stress that friction reads has not settled', &
+         & 'Cristescu''s law bounds the shear by the von Mises stress at the slave, which '// &
+         & 'contains that shear. The two are solved in turn; here they still change.', &
+         & 'the message has the size of the change; LAW=TRESCA does not read the stress.')
       call add_explanation(list, 'N0321', 'the law that LAW=AUTO chose', &
          & 'An elastic slave rubs by Coulomb, a perfectly plastic one by Tresca, a hardening '// &
          & 'one by Cristescu, a viscoplastic one by Norton-Hoff: each with what it needs and no '// &
