@@ -18,6 +18,8 @@ module lopin_contact_friction
 
    !> Elastic slip of penalty pairs that the deck leaves open, beside the facet (frozen).
    real(wp), parameter :: default_slip = 5.0e-3_wp
+   !> Work of a force over this share of a facet is rounding.
+   real(wp), parameter :: rounding = 1.0e-14_wp
 
 contains
 
@@ -234,6 +236,9 @@ contains
                   & *norm2(scene%answer%gap(from:to)))
             end associate
          end do
+         ! Slips and shears that are rounding do rounding's work.
+         if (points%n > 0) most_work = max(most_work, rounding*maxval(abs(scene%answer%force)) &
+            & *maxval(scene%points%size))
          if (most_work > 0.0_wp) s%least_work = s%least_work/most_work
          s%cone_excess = 0.0_wp
          if (most_bound > 0.0_wp) s%cone_excess = max(excess, 0.0_wp)/most_bound
