@@ -8,13 +8,16 @@ module lopin_contact_foot
    use lopin_dual, only : dual_type, constant, dual_dot, dual_cross, dual_norm, operator(+), &
       & operator(-), operator(*), operator(/), assignment(=), sqrt, sin
    use lopin_cells, only : cell_family
-   use lopin_facet_basis, only : facet_basis_type, shape_derivatives
+   use lopin_facet_basis, only : facet_basis_type, shape_derivatives, monomial_derivatives, &
+      & ncoefficient
+   use lopin_smooth_facet, only : stencil_type
+   use lopin_smooth_dual, only : dual_coefficients
    use lopin_projection, only : place, edge_ends
    use lopin_feature, only : projection_type
    use lopin_tool, only : foot_type
    implicit none
    private
-   public :: facet_foot, tool_motion, tool_foot, turned, turned_back
+   public :: facet_foot, smooth_facet_foot, tool_motion, tool_foot, turned, turned_back
 
    !> Distances below this share of the facet have no direction of their own.
    real(wp), parameter :: coincident = 1.0e-9_wp
@@ -31,19 +34,68 @@ contains
       type(dual_type), intent(in) :: slave(3), node(:, :)   !! (3, nnode) places [length]
       type(dual_type), intent(out) :: gap, normal(3)
       type(dual_type), intent(out) :: shares(:)    !! (nnode)
-      real(wp) :: n(8), n1(8), n2(8), n11(8), n12(8), n22(8), a(3), det, e(2), sign_
-      type(dual_type) :: foot(3), t1(3), t2(3), r(3), d1, d2, g1, g2, long
-      integer :: i, m
+      real(wp) :: m(8, 6)
+      type(dual_type) :: d(2)
+      integer :: i, k
 
-      m = size(node, 2)
-      call shape_derivatives(basis, cell, found%xi, n, n1, n2, n11, n12, n22)
+      call shape_derivatives(basis, cell, found%xi, m(:, 1), m(:, 2), m(:, 3), m(:, 4), m(:, 5), &
+         & m(:, 6))
+      k = size(node, 2)
+      call foot_of_points(basis%family(cell), m(:k, :), found, feature, size_, slave, node, gap, &
+         & normal, d)
+      do i = 1, k
+         shares(i) = m(i, 1) + m(i, 2)*d(1) + m(i, 3)*d(2)
+      end do
+   end subroutine facet_foot
+
+   !> The same on a smoothed facet: shaped by its stencil, carried by the facet's own nodes.
+   pure subroutine smooth_facet_foot(basis, cell, found, feature, size_, slave, node, stencil, gap, &
+      & normal, shares)
+      type(facet_basis_type), intent(in) :: basis
+      integer, intent(in) :: cell                  !! id of the facet's cell (linear)
+      type(projection_type), intent(in) :: found   !! of the values, on the smoothed facet
+      integer, intent(in) :: feature               !! edge of the foot, if it is on one
+      real(wp), intent(in) :: size_                !! of the facet [length]
+      type(dual_type), intent(in) :: slave(3), node(:, :)   !! (3, stencil%n) places [length]
+      type(stencil_type), intent(in) :: stencil    !! its first nodes are the facet's
+      type(dual_type), intent(out) :: gap, normal(3)
+      type(dual_type), intent(out) :: shares(:)    !! (nodes of the facet)
+      real(wp) :: m(8, 6)
+      type(dual_type) :: c(3, ncoefficient), d(2)
+      integer :: i
+
+      call dual_coefficients(stencil, basis, cell, node, c)
+      call foot_of_points(basis%family(cell), monomial_derivatives(found%xi), found, feature, size_, &
+         & slave, c, gap, normal, d)
+      call shape_derivatives(basis, cell, found%xi, m(:, 1), m(:, 2), m(:, 3), m(:, 4), m(:, 5), &
+         & m(:, 6))
+      do i = 1, basis%nnode(cell)
+         shares(i) = m(i, 1) + m(i, 2)*d(1) + m(i, 3)*d(2)
+      end do
+   end subroutine smooth_facet_foot
+
+   !> Foot on sum_i m(i, 1) node(:, i); `m` has that and its derivatives by xi, eta, xi xi, xi eta,
+   !> eta eta.
+   pure subroutine foot_of_points(family, m, found, feature, size_, slave, node, gap, normal, d)
+      integer, intent(in) :: family                !! of the cell
+      real(wp), intent(in) :: m(:, :)              !! (number of points, 6)
+      type(projection_type), intent(in) :: found
+      integer, intent(in) :: feature
+      real(wp), intent(in) :: size_                !! [length]
+      type(dual_type), intent(in) :: slave(3), node(:, :)   !! [length]
+      type(dual_type), intent(out) :: gap, normal(3)
+      type(dual_type), intent(out) :: d(2)         !! change of xi, eta; its value is 0
+      real(wp) :: a(3), det, e(2), sign_
+      type(dual_type) :: foot(3), t1(3), t2(3), r(3), g1, g2, long
+      integer :: i
+
       foot = 0.0_wp
       t1 = 0.0_wp
       t2 = 0.0_wp
-      do i = 1, m
-         foot = foot + n(i)*node(:, i)
-         t1 = t1 + n1(i)*node(:, i)
-         t2 = t2 + n2(i)*node(:, i)
+      do i = 1, size(node, 2)
+         foot = foot + m(i, 1)*node(:, i)
+         t1 = t1 + m(i, 2)*node(:, i)
+         t2 = t2 + m(i, 3)*node(:, i)
       end do
       r = slave - foot
       g1 = dual_dot(r, t1)
@@ -51,36 +103,34 @@ contains
       g1%v = 0.0_wp
       g2%v = 0.0_wp
       a = [sum(t1%v**2), sum(t1%v*t2%v), sum(t2%v**2)]
-      do i = 1, m
-         a = a - dot_product(r%v, node(:, i)%v)*[n11(i), n12(i), n22(i)]
+      do i = 1, size(node, 2)
+         a = a - dot_product(r%v, node(:, i)%v)*m(i, 4:6)
       end do
-      d1 = constant(0.0_wp)
-      d2 = constant(0.0_wp)
+      d = constant(0.0_wp)
       select case (found%place)
       case (place%vertex)
       case (place%edge)
-         e = edge_ends(basis%family(cell), feature, 1.0_wp) - edge_ends(basis%family(cell), feature, &
+         e = edge_ends(family, feature, 1.0_wp) - edge_ends(family, feature, &
             & 0.0_wp)
          det = a(1)*e(1)**2 + 2.0_wp*a(2)*e(1)*e(2) + a(3)*e(2)**2
-         d1 = (e(1)*g1 + e(2)*g2)*(e(1)/det)
-         d2 = (e(1)*g1 + e(2)*g2)*(e(2)/det)
+         d(1) = (e(1)*g1 + e(2)*g2)*(e(1)/det)
+         d(2) = (e(1)*g1 + e(2)*g2)*(e(2)/det)
       case default
-         if (basis%family(cell) == cell_family%line) then
-            d1 = g1/a(1)
+         if (family == cell_family%line) then
+            d(1) = g1/a(1)
          else
             det = a(1)*a(3) - a(2)**2
-            d1 = (a(3)*g1 - a(2)*g2)/det
-            d2 = (a(1)*g2 - a(2)*g1)/det
+            d(1) = (a(3)*g1 - a(2)*g2)/det
+            d(2) = (a(1)*g2 - a(2)*g1)/det
          end if
       end select
-      do i = 1, m
-         shares(i) = n(i) + n1(i)*d1 + n2(i)*d2
-         t1 = t1 + (n11(i)*d1 + n12(i)*d2)*node(:, i)%v
-         t2 = t2 + (n12(i)*d1 + n22(i)*d2)*node(:, i)%v
+      do i = 1, size(node, 2)
+         t1 = t1 + (m(i, 4)*d(1) + m(i, 5)*d(2))*node(:, i)%v
+         t2 = t2 + (m(i, 5)*d(1) + m(i, 6)*d(2))*node(:, i)%v
       end do
-      foot = foot + d1*t1 + d2*t2
+      foot = foot + d(1)*t1 + d(2)*t2
       r = slave - foot
-      if (basis%family(cell) == cell_family%line) then
+      if (family == cell_family%line) then
          t2 = 0.0_wp
          t2(3) = constant(1.0_wp)
       end if
@@ -97,7 +147,7 @@ contains
          normal = normal/dual_norm(normal)
       end if
       gap = dual_dot(normal, r)
-   end subroutine facet_foot
+   end subroutine foot_of_points
 
    !> Rotation matrix of a rotation vector (2D: about z), exact also at rest.
    pure function tool_motion(rotation) result(matrix)

@@ -1,6 +1,7 @@
 !> Facets as polynomials: all six cells in one list of monomials, with two derivatives.
 !>
-!> x(xi, eta) = sum_k c(:, k) m_k,   m = 1, xi, eta, xi eta, xi^2, eta^2, xi^2 eta, xi eta^2.
+!> x(xi, eta) = sum_k c(:, k) m_k,   m = 1, xi, eta, xi eta, xi^2, eta^2, xi^2 eta, xi eta^2,
+!> xi^3 (the last only on smoothed lines).
 !> The closest-point iterations work on the coefficients c; shape functions are needed only at its
 !> end.
 module lopin_facet_basis
@@ -9,9 +10,10 @@ module lopin_facet_basis
    implicit none
    private
    public :: facet_basis_type, new_facet_basis, coefficients_of, shape_values, shape_derivatives
-   public :: facet_point_of, facet_tangents, facet_seconds, ncoefficient, nfacet_cell
+   public :: facet_point_of, facet_tangents, facet_seconds, ncoefficient, nfacet_cell, &
+      & monomial_derivatives
 
-   integer, parameter :: ncoefficient = 8
+   integer, parameter :: ncoefficient = 9
    integer, parameter :: nfacet_cell = 6   !! line2, line3, triangle, triangle6, quad, quad8
 
    !> Tables of the six facet cells, indexed by cell id.
@@ -61,7 +63,8 @@ contains
       real(wp), intent(in) :: xi(2)
       real(wp) :: m(ncoefficient)
 
-      m = [1.0_wp, xi(1), xi(2), xi(1)*xi(2), xi(1)**2, xi(2)**2, xi(1)**2*xi(2), xi(1)*xi(2)**2]
+      m = [1.0_wp, xi(1), xi(2), xi(1)*xi(2), xi(1)**2, xi(2)**2, xi(1)**2*xi(2), xi(1)*xi(2)**2, &
+         & xi(1)**3]
    end function monomials
 
    !> Gauss-Jordan with column pivots: small matrices of small integers and halves.
@@ -133,14 +136,7 @@ contains
       real(wp) :: m(ncoefficient, 6)
       integer :: i
 
-      associate (a => xi(1), b => xi(2))
-         m(:, 1) = monomials(xi)
-         m(:, 2) = [0.0_wp, 1.0_wp, 0.0_wp, b, 2.0_wp*a, 0.0_wp, 2.0_wp*a*b, b**2]
-         m(:, 3) = [0.0_wp, 0.0_wp, 1.0_wp, a, 0.0_wp, 2.0_wp*b, a**2, 2.0_wp*a*b]
-         m(:, 4) = [0.0_wp, 0.0_wp, 0.0_wp, 0.0_wp, 2.0_wp, 0.0_wp, 2.0_wp*b, 0.0_wp]
-         m(:, 5) = [0.0_wp, 0.0_wp, 0.0_wp, 1.0_wp, 0.0_wp, 0.0_wp, 2.0_wp*a, 2.0_wp*b]
-         m(:, 6) = [0.0_wp, 0.0_wp, 0.0_wp, 0.0_wp, 0.0_wp, 2.0_wp, 0.0_wp, 2.0_wp*a]
-      end associate
+      m = monomial_derivatives(xi)
       do i = 1, 8
          associate (t => self%transform(:, i, cell))
             n(i) = dot_product(m(:, 1), t)
@@ -153,12 +149,28 @@ contains
       end do
    end subroutine shape_derivatives
 
+   !> The monomials, and their derivatives by xi, eta, xi xi, xi eta, eta eta.
+   pure function monomial_derivatives(xi) result(m)
+      real(wp), intent(in) :: xi(2)
+      real(wp) :: m(ncoefficient, 6)
+      real(wp), parameter :: o = 0.0_wp, two = 2.0_wp
+
+      associate (a => xi(1), b => xi(2))
+         m(:, 1) = monomials(xi)
+         m(:, 2) = [o, 1.0_wp, o, b, two*a, o, two*a*b, b**2, 3.0_wp*a**2]
+         m(:, 3) = [o, o, 1.0_wp, a, o, two*b, a**2, two*a*b, o]
+         m(:, 4) = [o, o, o, o, two, o, two*b, o, 6.0_wp*a]
+         m(:, 5) = [o, o, o, 1.0_wp, o, o, two*a, two*b, o]
+         m(:, 6) = [o, o, o, o, o, two, o, two*a, o]
+      end associate
+   end function monomial_derivatives
+
    pure function facet_point_of(c, xi) result(x)
       real(wp), intent(in) :: c(3, ncoefficient)
       real(wp), intent(in) :: xi(2)
       real(wp) :: x(3)
 
-      x = c(:, 1) + xi(1)*(c(:, 2) + xi(1)*(c(:, 5) + xi(2)*c(:, 7))) &
+      x = c(:, 1) + xi(1)*(c(:, 2) + xi(1)*(c(:, 5) + xi(2)*c(:, 7) + xi(1)*c(:, 9))) &
          & + xi(2)*(c(:, 3) + xi(2)*(c(:, 6) + xi(1)*c(:, 8))) + xi(1)*xi(2)*c(:, 4)
    end function facet_point_of
 
@@ -168,7 +180,8 @@ contains
       real(wp), intent(out) :: t1(3)   !! d x/d xi [length]
       real(wp), intent(out) :: t2(3)   !! d x/d eta [length]
 
-      t1 = c(:, 2) + xi(2)*(c(:, 4) + 2.0_wp*xi(1)*c(:, 7) + xi(2)*c(:, 8)) + 2.0_wp*xi(1)*c(:, 5)
+      t1 = c(:, 2) + xi(2)*(c(:, 4) + 2.0_wp*xi(1)*c(:, 7) + xi(2)*c(:, 8)) + 2.0_wp*xi(1)*c(:, 5) &
+         & + 3.0_wp*xi(1)**2*c(:, 9)
       t2 = c(:, 3) + xi(1)*(c(:, 4) + 2.0_wp*xi(2)*c(:, 8) + xi(1)*c(:, 7)) + 2.0_wp*xi(2)*c(:, 6)
    end subroutine facet_tangents
 
@@ -177,7 +190,7 @@ contains
       real(wp), intent(in) :: xi(2)
       real(wp), intent(out) :: x11(3), x12(3), x22(3)   !! second derivatives [length]
 
-      x11 = 2.0_wp*(c(:, 5) + xi(2)*c(:, 7))
+      x11 = 2.0_wp*(c(:, 5) + xi(2)*c(:, 7)) + 6.0_wp*xi(1)*c(:, 9)
       x22 = 2.0_wp*(c(:, 6) + xi(1)*c(:, 8))
       x12 = c(:, 4) + 2.0_wp*(xi(1)*c(:, 7) + xi(2)*c(:, 8))
    end subroutine facet_seconds

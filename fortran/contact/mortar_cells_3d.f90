@@ -298,10 +298,13 @@ contains
       real(wp) :: m(ncoefficient, 0:2)
       integer :: i, top
 
-      m(:, 0) = [1.0_wp, xi(1), xi(2), xi(1)*xi(2), xi(1)**2, xi(2)**2, xi(1)**2*xi(2), &
+      m = 0.0_wp
+      m(:8, 0) = [1.0_wp, xi(1), xi(2), xi(1)*xi(2), xi(1)**2, xi(2)**2, xi(1)**2*xi(2), &
          & xi(1)*xi(2)**2]
-      m(:, 1) = [0.0_wp, 1.0_wp, 0.0_wp, xi(2), 2.0_wp*xi(1), 0.0_wp, 2.0_wp*xi(1)*xi(2), xi(2)**2]
-      m(:, 2) = [0.0_wp, 0.0_wp, 1.0_wp, xi(1), 0.0_wp, 2.0_wp*xi(2), xi(1)**2, 2.0_wp*xi(1)*xi(2)]
+      m(:8, 1) = [0.0_wp, 1.0_wp, 0.0_wp, xi(2), 2.0_wp*xi(1), 0.0_wp, 2.0_wp*xi(1)*xi(2), &
+         & xi(2)**2]
+      m(:8, 2) = [0.0_wp, 0.0_wp, 1.0_wp, xi(1), 0.0_wp, 2.0_wp*xi(2), xi(1)**2, &
+         & 2.0_wp*xi(1)*xi(2)]
       top = merge(4, ncoefficient, order(cell) < 2 .or. basis%nnode(cell) == 4)
       n = 0.0_wp
       do i = 1, basis%nnode(cell)

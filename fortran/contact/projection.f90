@@ -110,7 +110,7 @@ contains
 
       low = corner(1, 1)
       high = corner(1, 2)
-      bent = any(abs(c(:, 5)) > 0.0_wp)
+      bent = any(abs(c(:, [5, 9])) > 0.0_wp)
       t = start
       if (bent) then
          best = huge(1.0_wp)
@@ -126,7 +126,7 @@ contains
          r = x - facet_point_of(c, [t, 0.0_wp])
          call facet_tangents(c, [t, 0.0_wp], t1, t2)
          slope = -dot_product(r, t1)
-         curve = dot_product(t1, t1) - 2.0_wp*dot_product(r, c(:, 5))
+         curve = dot_product(t1, t1) - dot_product(r, 2.0_wp*c(:, 5) + 6.0_wp*t*c(:, 9))
          if (.not. curve > 0.1_wp*dot_product(t1, t1)) curve = dot_product(t1, t1)
          if (.not. curve > 0.0_wp) return
          step = min(max(t - slope/curve, low), high) - t

@@ -7,8 +7,10 @@ module lopin_surface
    use lopin_cells, only : cell_family
    use lopin_facets, only : facets_type
    use lopin_facet_basis, only : facet_basis_type, new_facet_basis, coefficients_of, ncoefficient, &
-      & facet_tangents
-   use lopin_projection, only : facet_unit_normal
+      & facet_tangents, facet_point_of
+   use lopin_projection, only : facet_unit_normal, edge_ends
+   use lopin_smooth_facet, only : stencil_type, find_stencil, smooth_coefficients, is_smoothed, &
+      & twin_of, feature_cosine, most_stencil
    implicit none
    private
    public :: surface_type, new_surface, update_surface, slack_of
@@ -24,8 +26,10 @@ module lopin_surface
       integer, allocatable :: ring_first(:)    !! (nnode+1) first entry of `ring` of each node
       integer, allocatable :: ring(:)          !! facets that have the node as a corner
       type(facet_basis_type) :: basis
+      logical :: smooth = .false.              !! curved facets, see lopin_smooth_facet
+      type(stencil_type), allocatable :: stencil(:)  !! (n) of smoothed facets
       ! Present shape
-      real(wp), allocatable :: coefficient(:, :, :)  !! (3, 8, n) see lopin_facet_basis [length]
+      real(wp), allocatable :: coefficient(:, :, :)  !! (3, 9, n) see lopin_facet_basis [length]
       real(wp), allocatable :: low(:, :), high(:, :) !! (3, n) box of each facet [length]
       real(wp), allocatable :: disc(:, :) !! (8, n) centre, axis, radius, half height [length]
       real(wp), allocatable :: size(:)               !! (n) mean edge length [length]
@@ -34,12 +38,14 @@ module lopin_surface
 
 contains
 
-   subroutine new_surface(self, ndim, facets)
+   subroutine new_surface(self, ndim, facets, smooth)
       type(surface_type), intent(out) :: self
       integer, intent(in) :: ndim                !! 2 or 3
       type(facets_type), intent(in) :: facets    !! outward, see lopin_facets
+      logical, intent(in), optional :: smooth    !! curve linear facets by averaged normals
 
       self%ndim = ndim
+      if (present(smooth)) self%smooth = smooth
       self%facets = facets
       call new_facet_basis(self%basis)
       call number_nodes(self)
@@ -158,31 +164,27 @@ contains
       real(wp), intent(in) :: x(:, :) !! (ndim, all mesh nodes) present coordinates [length]
       type(error_type), allocatable, intent(out) :: error
       integer :: i, cell, n, nc
-      real(wp) :: own(3, 8), length, normal(3), t1(3), t2(3), bulge(3)
-      logical :: degenerate
+      real(wp) :: own(3, 8), normal(3), bulge(3)
       character(len=60) :: text
 
+      if (self%smooth .and. .not. allocated(self%stencil)) call find_stencils(self, x)
       do i = 1, self%facets%n
          cell = self%facets%cell(i)
-         n = self%facets%nnode(i)
          nc = self%basis%ncorner(cell)
-         own = 0.0_wp
-         own(:self%ndim, :n) = x(:, self%facets%node(:n, i))
-         self%coefficient(:, :, i) = coefficients_of(self%basis, cell, own(:, :n))
+         call shape_facet(self, i, x, n, own)
          call bound_facet(nc, n, own, self%low(:, i), self%high(:, i), bulge)
+         if (self%smooth) then
+            bulge = bulge + abs(self%coefficient(:, 9, i))
+            self%low(:, i) = self%low(:, i) - abs(self%coefficient(:, 9, i))
+            self%high(:, i) = self%high(:, i) + abs(self%coefficient(:, 9, i))
+         end if
          self%size(i) = norm2(own(:, 2) - own(:, 1))
          if (nc > 2) self%size(i) = sum(norm2(own(:, :nc) - cshift(own(:, :nc), 1, dim=2), &
             & dim=1))/real(nc, wp)
          normal = facet_unit_normal(self%coefficient(:, :, i), self%basis%family(cell), &
             & self%basis%centre(:, cell))
          self%disc(:, i) = enclosing_disc(own(:, :n), nc, normal, norm2(bulge))
-         call facet_tangents(self%coefficient(:, :, i), self%basis%centre(:, cell), t1, t2)
-         length = dot_product(t1, t1)
-         degenerate = .not. length > 0.0_wp .or. .not. norm2(normal) > 0.5_wp
-         if (nc > 2) degenerate = degenerate .or. &
-            & .not. length*dot_product(t2, t2) - dot_product(t1, &
-            & t2)**2 > (1.0e-10_wp*self%size(i)**2)**2
-         if (degenerate) then
+         if (degenerate(self, i, normal)) then
             write (text, '("face S",i0)') self%facets%face(i)
             call raise(error, error_code%deck, 'E0304', &
                & trim(text)//' of a contact surface has no area', &
@@ -192,6 +194,92 @@ contains
       end do
       call weigh_normals(self)
    end subroutine update_surface
+
+   pure logical function degenerate(self, i, normal)
+      type(surface_type), intent(in) :: self
+      integer, intent(in) :: i
+      real(wp), intent(in) :: normal(3)      !! at the centre
+      real(wp) :: length, t1(3), t2(3)
+      integer :: cell
+
+      cell = self%facets%cell(i)
+      call facet_tangents(self%coefficient(:, :, i), self%basis%centre(:, cell), t1, t2)
+      length = dot_product(t1, t1)
+      degenerate = .not. length > 0.0_wp .or. .not. norm2(normal) > 0.5_wp
+      if (self%basis%ncorner(cell) > 2) degenerate = degenerate .or. &
+         & .not. length*dot_product(t2, t2) - dot_product(t1, &
+         & t2)**2 > (1.0e-10_wp*self%size(i)**2)**2
+   end function degenerate
+
+   !> Coefficients of a facet, and the points that bound it: its nodes, or those of its smooth twin.
+   pure subroutine shape_facet(self, i, x, n, own)
+      type(surface_type), intent(inout) :: self
+      integer, intent(in) :: i
+      real(wp), intent(in) :: x(:, :)
+      integer, intent(out) :: n
+      real(wp), intent(out) :: own(3, 8)
+      real(wp) :: around(3, most_stencil)
+      integer :: cell, k
+
+      cell = self%facets%cell(i)
+      n = self%facets%nnode(i)
+      own = 0.0_wp
+      own(:self%ndim, :n) = x(:, self%facets%node(:n, i))
+      if (.not. self%smooth .or. .not. is_smoothed(cell)) then
+         self%coefficient(:, :, i) = coefficients_of(self%basis, cell, own(:, :n))
+         return
+      end if
+      associate (stencil => self%stencil(i))
+         around = 0.0_wp
+         around(:self%ndim, :stencil%n) = x(:, stencil%node(:stencil%n))
+         self%coefficient(:, :, i) = smooth_coefficients(stencil, self%basis, cell, &
+            & around(:, :stencil%n))
+      end associate
+      do k = 1, merge(1, n, n == 2)
+         own(:, n + k) = facet_point_of(self%coefficient(:, :, i), &
+            & merge([0.0_wp, 0.0_wp], self%basis%xi(:, min(8, n + k), twin_of(cell)), n == 2))
+      end do
+      n = n + merge(1, n, n == 2)
+   end subroutine shape_facet
+
+   !> What smoothing needs of the neighbourhood; edges sharp at the start stay so.
+   subroutine find_stencils(self, x)
+      type(surface_type), intent(inout) :: self
+      real(wp), intent(in) :: x(:, :)
+      logical :: feature(4, self%facets%n)
+      real(wp) :: own(3, 8)
+      integer :: i, k, n, other
+
+      allocate (self%stencil(self%facets%n))
+      do i = 1, self%facets%n
+         n = self%facets%nnode(i)
+         own = 0.0_wp
+         own(:self%ndim, :n) = x(:, self%facets%node(:n, i))
+         self%coefficient(:, :, i) = coefficients_of(self%basis, self%facets%cell(i), own(:, :n))
+      end do
+      feature = .false.
+      do i = 1, self%facets%n
+         do k = 1, self%basis%ncorner(self%facets%cell(i))
+            other = self%neighbour(k, i)
+            if (other == 0) cycle
+            feature(k, i) = dot_product(edge_normal(self, i, k), edge_normal(self, other, &
+               & self%twin(k, i))) < feature_cosine
+         end do
+      end do
+      do i = 1, self%facets%n
+         call find_stencil(self%stencil(i), self%facets, self%basis, self%neighbour, feature, i)
+      end do
+   end subroutine find_stencils
+
+   pure function edge_normal(self, facet, edge) result(n)
+      type(surface_type), intent(in) :: self
+      integer, intent(in) :: facet, edge
+      real(wp) :: n(3)
+      integer :: family
+
+      family = self%basis%family(self%facets%cell(facet))
+      n = facet_unit_normal(self%coefficient(:, :, facet), family, edge_ends(family, edge, 0.5_wp))
+   end function edge_normal
 
    !> A box that holds the whole facet: a curved edge bulges beyond its nodes by less than the
    !> distance from its mid-side node to its chord; a curved quad by less than twice that.
