@@ -49,8 +49,8 @@ contains
    end subroutine facet_foot
 
    !> The same on a smoothed facet: shaped by its stencil, carried by the facet's own nodes.
-   pure subroutine smooth_facet_foot(basis, cell, found, feature, size_, slave, node, stencil, gap, &
-      & normal, shares)
+   pure subroutine smooth_facet_foot(basis, cell, found, feature, size_, slave, node, stencil, &
+      & gap, normal, shares)
       type(facet_basis_type), intent(in) :: basis
       integer, intent(in) :: cell                  !! id of the facet's cell (linear)
       type(projection_type), intent(in) :: found   !! of the values, on the smoothed facet
@@ -65,8 +65,8 @@ contains
       integer :: i
 
       call dual_coefficients(stencil, basis, cell, node, c)
-      call foot_of_points(basis%family(cell), monomial_derivatives(found%xi), found, feature, size_, &
-         & slave, c, gap, normal, d)
+      call foot_of_points(basis%family(cell), monomial_derivatives(found%xi), found, feature, &
+         & size_, slave, c, gap, normal, d)
       call shape_derivatives(basis, cell, found%xi, m(:, 1), m(:, 2), m(:, 3), m(:, 4), m(:, 5), &
          & m(:, 6))
       do i = 1, basis%nnode(cell)

@@ -62,7 +62,7 @@ contains
    end subroutine polynomials_equal_the_shape_functions
 
    subroutine slopes_are_derivatives()
-      real(wp) :: c(3, 8), x(3, 8), xi(2), t1(3), t2(3), a(3), b(3), x11(3), x12(3), x22(3)
+      real(wp) :: c(3, 9), x(3, 8), xi(2), t1(3), t2(3), a(3), b(3), x11(3), x12(3), x22(3)
       real(wp) :: tangent(3, 2), metric(2, 2), curvature(2, 2)
       real(wp), parameter :: h = 1.0e-5_wp
       integer :: id
@@ -96,7 +96,7 @@ contains
 
    !> Least distance over a grid of the cell.
    function sampled(c, id, x) result(least)
-      real(wp), intent(in) :: c(3, 8), x(3)
+      real(wp), intent(in) :: c(3, 9), x(3)
       integer, intent(in) :: id
       real(wp) :: least, xi(2)
       integer, parameter :: n = 60
@@ -119,7 +119,7 @@ contains
    end function sampled
 
    subroutine feet_are_closer_than_any_sample()
-      real(wp) :: c(3, 8), x(3)
+      real(wp) :: c(3, 9), x(3)
       type(closest_type) :: foot
       integer :: id, i
 
@@ -145,7 +145,7 @@ contains
    end subroutine feet_are_closer_than_any_sample
 
    subroutine a_point_raised_along_the_normal_comes_back()
-      real(wp) :: c(3, 8), x(3), xi(2), n(3), gap
+      real(wp) :: c(3, 9), x(3), xi(2), n(3), gap
       type(closest_type) :: foot
       integer :: id, i
 
@@ -172,7 +172,7 @@ contains
    end subroutine a_point_raised_along_the_normal_comes_back
 
    subroutine places_are_named()
-      real(wp) :: c(3, 8), x(3, 8)
+      real(wp) :: c(3, 9), x(3, 8)
       integer, parameter :: quad = 5, triangle = 3, line = 1
 
       call test('feet on edges and vertices say so')
@@ -208,7 +208,7 @@ contains
    end subroutine places_are_named
 
    subroutine at(c, id, point, expected, feature)
-      real(wp), intent(in) :: c(3, 8), point(3)
+      real(wp), intent(in) :: c(3, 9), point(3)
       integer, intent(in) :: id, expected, feature
       type(closest_type) :: foot
 
@@ -217,7 +217,7 @@ contains
    end subroutine at
 
    subroutine rotation_and_unit_change_nothing()
-      real(wp) :: c(3, 8), x(3, 8), p(3), turn(3, 3)
+      real(wp) :: c(3, 9), x(3, 8), p(3), turn(3, 3)
       real(wp), parameter :: scale(2) = [1.0e-9_wp, 1.0e9_wp]
       type(closest_type) :: a, b
       integer :: id, i, k
@@ -248,7 +248,7 @@ contains
    end subroutine rotation_and_unit_change_nothing
 
    subroutine warped_quads_take_few_iterations()
-      real(wp) :: c(3, 8), p(3)
+      real(wp) :: c(3, 9), p(3)
       type(closest_type) :: foot
       integer :: i, most
 
@@ -266,7 +266,7 @@ contains
    end subroutine warped_quads_take_few_iterations
 
    subroutine degenerate_facets_are_refused()
-      real(wp) :: c(3, 8), x(3, 8)
+      real(wp) :: c(3, 9), x(3, 8)
       type(closest_type) :: foot
       integer :: id
 
@@ -291,7 +291,7 @@ contains
    end subroutine degenerate_facets_are_refused
 
    subroutine slack_lets_the_foot_out()
-      real(wp) :: c(3, 8), x(3, 8)
+      real(wp) :: c(3, 9), x(3, 8)
       type(closest_type) :: foot
 
       call test('slack moves the bounds of the cell outward')

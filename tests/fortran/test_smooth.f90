@@ -178,9 +178,10 @@ contains
       x = reshape([0.0_wp, 0.0_wp, -1.0_wp, 0.0_wp, -2.0_wp, -0.1_wp, -2.0_wp, -1.0_wp], [2, 4])
       call new_surface(surface, 2, facets, .true.)
       call update_surface(surface, x, error)
-      call close_to('the last line', surface%coefficient(:, 3:, 3), spread(spread(0.0_wp, 1, 3), 2, &
-         & ncoefficient - 2), 1.0e-14_wp)
-      call is_true('the first ones are curved', maxval(abs(surface%coefficient(:, 5, :2))) > 1.0e-3_wp)
+      call close_to('the last line', surface%coefficient(:, 3:, 3), &
+         & spread(spread(0.0_wp, 1, 3), 2, ncoefficient - 2), 1.0e-14_wp)
+      call is_true('the first ones are curved', &
+         & maxval(abs(surface%coefficient(:, 5, :2))) > 1.0e-3_wp)
    end subroutine feature_edges_stay
 
    subroutine gap_follows_over_joints()
