@@ -1,12 +1,13 @@
 !> The points of finite contact: slave nodes of all pairs, with areas, sizes, moduli, initial gaps.
 module lopin_finite_points
    use lopin_kinds, only : wp
-   use lopin_error, only : error_type, log_type
+   use lopin_error, only : error_type, log_type, severity
    use lopin_cells, only : cell_type
    use lopin_element_type, only : cells_of_words
    use lopin_model, only : model_type, pair_type, surface_of
    use lopin_slave_points, only : slave_type, new_slave
    use lopin_contact_points, only : contact_points_type, new_contact_points
+   use lopin_mortar_pairs, only : is_mortar
    use lopin_contact_rows, only : initial_gap_type, new_initial_gaps
    implicit none
    private
@@ -41,6 +42,12 @@ contains
       integer :: pair, i
 
       ! What the start says is said as for node to segment; a surface against itself starts free.
+      do pair = 1, size(model%pair)
+         if (is_mortar(model, model%pair(pair))) call log%say(severity%note, 'N0304', 'pair ('// &
+            & model%surface(model%pair(pair)%slave)%name//', '// &
+            & model%surface(model%pair(pair)%master)%name//') of surface to surface is read as '// &
+            & 'NODE TO SURFACE where bodies move far', model%pair(pair)%at)
+      end do
       plain = model
       plain%pair%surface_to_surface = .false.
       plain%pair = pack(plain%pair, .not. is_self_contact(model%pair))
