@@ -18,7 +18,7 @@ module lopin_mortar
    use lopin_mortar_overlap, only : overlap_type, overlap_list_type
    implicit none
    private
-   public :: mortar_coupling_type, couple, dual_matrix, take_blend
+   public :: mortar_coupling_type, couple, dual_matrix, take_blend, thin
 
    !> gap = n.(x_node - sum p x_other); forces: weight p n on the node, the opposite on the others.
    type :: mortar_coupling_type

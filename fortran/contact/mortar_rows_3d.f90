@@ -1,0 +1,240 @@
+!> Mortar rows of slave nodes at any shape in space, with their exact slopes: for finite sliding.
+!>
+!> Row j: weighted gap vector G = sum_i c_i x_i (c: the slave's side positive, -M_jl on masters,
+!> sum 0), D_j, normal n out of the master (minus the mean of the slave's facet normals there), gap
+!> g = n.G/D. A traction t of node j puts c_i t on node i. Slopes by the coordinates of all nodes
+!> on which the row depends: the moving edges of the cells, the planes of the pieces and the
+!> normals included; the topology of the cells is held.
+module lopin_mortar_rows_3d
+   use lopin_kinds, only : wp
+   use lopin_cells, only : shape_functions
+   use lopin_facets, only : facet_rule_type
+   use lopin_surface, only : surface_type
+   use lopin_mortar_overlap, only : overlap_list_type
+   use lopin_mortar_cells_3d, only : mortar_kernel_type
+   use lopin_mortar_facet_3d, only : facet_coupling_type, couple_facet
+   implicit none
+   private
+   public :: mortar_row_type, new_mortar_rows
+
+   !> Directions: x, y, z of of(1), of of(2), ...
+   type :: mortar_row_type
+      integer :: node = 0                          !! mesh node of the slave; 0: it meets nothing
+      integer, allocatable :: of(:)                !! (n) mesh nodes that the row depends on
+      real(wp), allocatable :: c(:)                !! (n) [length^2]
+      real(wp), allocatable :: c_slope(:, :)       !! (3n, n) [length]
+      real(wp) :: weight = 0.0_wp                  !! D [length^2]
+      real(wp), allocatable :: weight_slope(:)     !! (3n) [length]
+      real(wp) :: normal(3) = 0.0_wp               !! unit, out of the master
+      real(wp), allocatable :: normal_slope(:, :)  !! (3, 3n) [1/length]
+      real(wp) :: gap = 0.0_wp                     !! >= 0 open [length]
+      real(wp), allocatable :: gap_slope(:)        !! (3n) [-]
+   end type mortar_row_type
+
+contains
+
+   !> Rows of all slave nodes; the overlaps are those found at x.
+   subroutine new_mortar_rows(row, kernel, rules, slave, master, x, list)
+      type(mortar_row_type), allocatable, intent(out) :: row(:)   !! (slave%nnode)
+      type(mortar_kernel_type), intent(in) :: kernel
+      type(facet_rule_type), intent(in) :: rules(:)     !! from new_facet_rules
+      type(surface_type), intent(in) :: slave, master
+      real(wp), intent(in) :: x(:, :)                   !! (3, all mesh nodes) [length]
+      type(overlap_list_type), intent(in) :: list
+      type(facet_coupling_type) :: facet
+      integer :: from, to, i
+
+      allocate (row(slave%nnode))
+      call reserve_rows(row, slave, master, list)
+      from = 1
+      do while (from <= list%n)
+         to = from
+         do while (to < list%n)
+            if (list%item(to + 1)%slave /= list%item(from)%slave) exit
+            to = to + 1
+         end do
+         i = list%item(from)%slave
+         call couple_facet(facet, kernel, rules(slave%facets%cell(i)), slave, master, x, &
+            & list%item(from:to))
+         call add_facet(row, rules(slave%facets%cell(i)), slave, i, facet)
+         from = to + 1
+      end do
+      do i = 1, slave%facets%n
+         call add_normals(row, rules(slave%facets%cell(i)), slave, i, x)
+      end do
+      do i = 1, size(row)
+         if (row(i)%node > 0) call close_row(row(i), x)
+      end do
+   end subroutine new_mortar_rows
+
+   !> The nodes of each row: all of its facets, and of the masters that those meet.
+   subroutine reserve_rows(row, slave, master, list)
+      type(mortar_row_type), intent(inout) :: row(:)
+      type(surface_type), intent(in) :: slave, master
+      type(overlap_list_type), intent(in) :: list
+      integer :: i, j, k, n
+
+      do i = 1, list%n
+         associate (s => list%item(i)%slave, m => list%item(i)%master)
+            do k = 1, slave%facets%nnode(s)
+               j = slave%local(k, s)
+               row(j)%node = slave%node(j)
+               call join(row(j)%of, master%facets%node(:master%facets%nnode(m), m))
+            end do
+         end associate
+      end do
+      do i = 1, slave%facets%n
+         do k = 1, slave%facets%nnode(i)
+            j = slave%local(k, i)
+            if (row(j)%node > 0) call join(row(j)%of, &
+               & slave%facets%node(:slave%facets%nnode(i), i))
+         end do
+      end do
+      do j = 1, size(row)
+         if (row(j)%node == 0) cycle
+         n = size(row(j)%of)
+         allocate (row(j)%c(n), row(j)%c_slope(3*n, n), row(j)%weight_slope(3*n), &
+            & row(j)%normal_slope(3, 3*n), row(j)%gap_slope(3*n), source=0.0_wp)
+      end do
+   end subroutine reserve_rows
+
+   pure subroutine join(list, node)
+      integer, allocatable, intent(inout) :: list(:)
+      integer, intent(in) :: node(:)
+      integer :: k
+
+      if (.not. allocated(list)) allocate (list(0))
+      do k = 1, size(node)
+         if (any(list == node(k))) cycle
+         list = [list, node(k)]
+      end do
+   end subroutine join
+
+   !> What a facet adds to the rows of its nodes.
+   subroutine add_facet(row, rule, slave, number, facet)
+      type(mortar_row_type), intent(inout) :: row(:)
+      type(facet_rule_type), intent(in) :: rule
+      type(surface_type), intent(in) :: slave
+      integer, intent(in) :: number
+      type(facet_coupling_type), intent(in) :: facet
+      integer :: at(size(facet%node)), way(3*size(facet%node)), end(3)
+      real(wp) :: factor(3)
+      integer :: j, k
+
+      do j = 1, facet%ns
+         associate (r => row(slave%local(j, number)))
+            do k = 1, size(at)
+               at(k) = findloc(r%of, facet%node(k), dim=1)
+               way(3*k - 2:3*k) = 3*at(k) + [-2, -1, 0]
+            end do
+            r%weight = r%weight + facet%d(j)
+            r%weight_slope(way) = r%weight_slope(way) + facet%d_slope(:, j)
+            call own_terms(rule, j, end, factor)
+            do k = 1, 3
+               if (end(k) == 0) cycle
+               r%c(at(end(k))) = r%c(at(end(k))) + factor(k)*facet%d(j)
+               r%c_slope(way, at(end(k))) = r%c_slope(way, at(end(k))) &
+                  & + factor(k)*facet%d_slope(:, j)
+            end do
+            do k = 1, facet%nm
+               associate (l => at(facet%ns + k))
+                  r%c(l) = r%c(l) - facet%m(j, k)
+                  r%c_slope(way, l) = r%c_slope(way, l) - facet%m_slope(:, j, k)
+               end associate
+            end do
+         end associate
+      end do
+   end subroutine add_facet
+
+   !> The coefficient of Phi_j by the slave's nodes: itself, or in a transformed basis
+   !> (u_mid - share (u_1 + u_2))/(1 - 2 share).
+   pure subroutine own_terms(rule, j, node, factor)
+      type(facet_rule_type), intent(in) :: rule
+      integer, intent(in) :: j
+      integer, intent(out) :: node(3)
+      real(wp), intent(out) :: factor(3)
+
+      node = [j, 0, 0]
+      factor = [1.0_wp, 0.0_wp, 0.0_wp]
+      if (.not. rule%cell%quadratic .or. j <= rule%cell%ncorner) return
+      node(2:) = rule%cell%edge(:, j - rule%cell%ncorner)
+      factor(1) = 1.0_wp/rule%blend(j, j)
+      factor(2:) = 0.5_wp*(1.0_wp - factor(1))
+   end subroutine own_terms
+
+   !> Minus the unit normals of a facet at its nodes, and their slopes, to the sums of the rows.
+   subroutine add_normals(row, rule, slave, number, x)
+      type(mortar_row_type), intent(inout) :: row(:)
+      type(facet_rule_type), intent(in) :: rule
+      type(surface_type), intent(in) :: slave
+      integer, intent(in) :: number
+      real(wp), intent(in) :: x(:, :)
+      real(wp) :: n(8), dn(2, 8), t(3, 2), v(3), length, across(3, 3)
+      integer :: j, k, m, at
+
+      m = slave%facets%nnode(number)
+      associate (node => slave%facets%node(:m, number))
+         do j = 1, m
+            associate (r => row(slave%local(j, number)))
+               if (r%node == 0) cycle
+               call shape_functions(rule%cell, rule%cell%xi(:2, j), n(:m), dn(:, :m))
+               t = matmul(x(:, node), transpose(dn(:, :m)))
+               v = cross(t(:, 1), t(:, 2))
+               length = norm2(v)
+               if (.not. length > 0.0_wp) cycle
+               v = v/length
+               r%normal = r%normal - v
+               across = -(unity() - spread(v, 2, 3)*spread(v, 1, 3))/length
+               do k = 1, m
+                  at = 3*findloc(r%of, node(k), dim=1) - 2
+                  r%normal_slope(:, at:at + 2) = r%normal_slope(:, at:at + 2) &
+                     & + matmul(across, dn(2, k)*turning(t(:, 1)) - dn(1, k)*turning(t(:, 2)))
+               end do
+            end associate
+         end do
+      end associate
+   end subroutine add_normals
+
+   !> Unit normal, gap, and their slopes.
+   subroutine close_row(row, x)
+      type(mortar_row_type), intent(inout) :: row
+      real(wp), intent(in) :: x(:, :)
+      real(wp) :: length, mean(3)
+      integer :: i
+
+      length = norm2(row%normal)
+      if (length > 0.0_wp) then
+         row%normal = row%normal/length
+         row%normal_slope = matmul(unity() - spread(row%normal, 2, 3)*spread(row%normal, 1, 3), &
+            & row%normal_slope)/length
+      end if
+      if (.not. row%weight > 0.0_wp) return
+      mean = matmul(x(:, row%of), row%c)/row%weight
+      row%gap = dot_product(row%normal, mean)
+      row%gap_slope = matmul(mean, row%normal_slope) &
+         & + (matmul(row%c_slope, matmul(row%normal, x(:, row%of))) &
+         & - row%gap*row%weight_slope)/row%weight
+      do i = 1, size(row%of)
+         row%gap_slope(3*i - 2:3*i) = row%gap_slope(3*i - 2:3*i) &
+            & + row%c(i)/row%weight*row%normal
+      end do
+   end subroutine close_row
+
+   pure function unity() result(i)
+      real(wp) :: i(3, 3)
+      i = reshape([1.0_wp, 0.0_wp, 0.0_wp, 0.0_wp, 1.0_wp, 0.0_wp, 0.0_wp, 0.0_wp, 1.0_wp], [3, 3])
+   end function unity
+
+   !> The matrix of v cross.
+   pure function turning(v) result(w)
+      real(wp), intent(in) :: v(3)
+      real(wp) :: w(3, 3)
+      w = reshape([0.0_wp, v(3), -v(2), -v(3), 0.0_wp, v(1), v(2), -v(1), 0.0_wp], [3, 3])
+   end function turning
+
+   pure function cross(a, b) result(c)
+      real(wp), intent(in) :: a(3), b(3)
+      real(wp) :: c(3)
+      c = [a(2)*b(3) - a(3)*b(2), a(3)*b(1) - a(1)*b(3), a(1)*b(2) - a(2)*b(1)]
+   end function cross
+end module lopin_mortar_rows_3d
