@@ -1,4 +1,4 @@
-"""Write the files of triangles that decks of this folder use as tools: `python decks/make/tools.py`."""
+"""Write the STL files that decks of this folder use as tools: `python decks/make/tools.py`."""
 from __future__ import annotations
 
 import struct
@@ -50,8 +50,8 @@ def box(low, high) -> np.ndarray:
 def ball(radius: float, angles: np.ndarray, sectors: int) -> np.ndarray:
     """A closed ball that stands on the origin; angles of the rings from its lowest point, < pi."""
     turn = 2.0*np.pi*np.arange(sectors)/sectors
-    ring = radius*np.stack([np.sin(angles)[:, None]*np.cos(turn), np.sin(angles)[:, None]*np.sin(turn),
-                            1.0 - np.cos(angles)[:, None]*np.ones(sectors)], axis=2)
+    out, up = np.sin(angles)[:, None], 1.0 - np.cos(angles)[:, None]
+    ring = radius*np.stack([out*np.cos(turn), out*np.sin(turn), up + 0.0*turn], axis=2)
     south, north = np.zeros(3), np.array([0.0, 0.0, 2.0*radius])
     facets = []
     for i in range(sectors):

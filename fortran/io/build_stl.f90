@@ -45,8 +45,8 @@ contains
       end if
       call tell(model, path, flaws, contrary, at)
       if (model%mesh%ndim /= 3) then
-         call complain(model%log, 'E0314', 'TYPE=STL makes a tool of 3 dimensions; the mesh has 2', &
-            & at, help='TYPE=SEGMENTS in two dimensions')
+         call complain(model%log, 'E0314', 'TYPE=STL makes a tool of 3 dimensions; the mesh '// &
+            & 'has 2', at, help='TYPE=SEGMENTS in two dimensions')
          return
       end if
       holder%name = name

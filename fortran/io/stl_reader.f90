@@ -50,7 +50,7 @@ contains
       end if
       if (reason /= '') return
       if (size(corner, 3) == 0) reason = 'it has no facet'
-      if (.not. all(abs(corner) <= huge(1.0_real32))) reason = 'it has a corner that is not a number'
+      if (.not. all(abs(corner) <= huge(1.0_real32))) reason = 'a corner is not a number'
    end subroutine read_stl
 
    !> A binary file says how many facets it has, and has exactly as many bytes as they need; some

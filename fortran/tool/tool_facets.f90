@@ -75,7 +75,7 @@ contains
    end function is_hollow
 
    !> Facets that meet at less than 30 degrees mean a curved surface: of radius r = c/angle, with c
-   !> between the middles of the facets. Equal sides have their corners at c from the middle, and the
+   !> between the middles of the facets. Equal sides have their corners at c from the middle: the
    !> surface rises c**2/(2 r) = c*angle/2 above a disc of that radius.
    pure real(wp) function chord_of(mesh, f, k)
       type(facet_mesh_type), intent(in) :: mesh

@@ -149,8 +149,8 @@ contains
       else if (flaws%hole > 0 .and. .not. may_be_open) then
          call raise(error, error_code%deck, 'E0332', 'the surface has a hole: '// &
             & counted(flaws%hole, 'edge')//' of one facet only, one at '// &
-            & place_text(flaws%hole_at), help='close it where it was made; if it is a sheet and '// &
-            & 'not a body, such as the face of a die, say so by OPEN')
+            & place_text(flaws%hole_at), help='close it where it was made; if it is a sheet, '// &
+            & 'such as the face of a die, say so by OPEN')
       else if (flaws%loop > 0) then
          call raise(error, error_code%deck, 'E0332', 'the surface has one side only, as a '// &
             & 'Moebius strip: no facet knows where outside is')
