@@ -277,6 +277,9 @@ contains
       n = facet_unit_normal(surface%coefficient(:, :, f), family, trial%xi)
       if (query%sided .and. dot_product(query%normal, n) > limits%cosine) return
       if (dot_product(query%x - trial%point, n) < -limits%depth) return
+      if (limits%behind) then
+         if (trial%place /= place%inside .or. dot_product(query%x - trial%point, n) >= 0.0_wp) return
+      end if
       query%best = trial
       query%facet = f
    end subroutine try_facet

@@ -5,7 +5,7 @@ program test_tracker
    use lopin_cells, only : cell_type, cell_id, cell_names, new_cell_of
    use lopin_facets, only : facets_type
    use lopin_projection, only : place
-   use lopin_surface, only : surface_type
+   use lopin_surface, only : surface_type, new_surface, update_surface
    use lopin_feature, only : projection_type, limits_type
    use lopin_search, only : find_projection, refit_tree
    use lopin_tracker, only : tracker_type, new_tracker, begin, track, commit, restore
@@ -27,6 +27,7 @@ program test_tracker
    call a_thin_plate_is_left_on_the_side_of_entry()
    call nobody_is_caught_from_behind()
    call a_restored_tracker_repeats_its_bits()
+   call a_hairpin_meets_itself_and_not_through_its_walls()
    call finish()
 
 contains
@@ -403,4 +404,98 @@ contains
          call is_true('feet', .not. any(abs(first%point(k) - again%point(k)) > 0.0_wp))
       end do
    end subroutine a_restored_tracker_repeats_its_bits
+
+   !> The skin of a U of two arms of thickness t and length 4, its slot of width w open at x = 4;
+   !> in space one unit deep.
+   subroutine make_hairpin(facets, x, ndim, t, w)
+      type(facets_type), intent(out) :: facets
+      real(wp), allocatable, intent(out) :: x(:, :)
+      integer, intent(in) :: ndim
+      real(wp), intent(in) :: t, w
+      type(cell_type) :: shape
+      real(wp) :: corner(2, 9)
+      real(wp), allocatable :: outline(:, :)
+      integer :: i, k, m, n, parts
+      integer, parameter :: layers = 4
+
+      corner(1, :) = [-t, 4.0_wp, 4.0_wp, 0.0_wp, 0.0_wp, 4.0_wp, 4.0_wp, -t, -t]
+      corner(2, :) = [0.0_wp, 0.0_wp, t, t, t + w, t + w, 2*t + w, 2*t + w, 0.0_wp]
+      allocate (outline(2, 0))
+      do k = 1, 8
+         parts = max(2, nint(norm2(corner(:, k + 1) - corner(:, k))/0.25_wp))
+         do i = 0, parts - 1
+            outline = reshape([outline, corner(:, k) + real(i, wp)/real(parts, wp)*(corner(:, &
+               & k + 1) - corner(:, k))], [2, size(outline, 2) + 1])
+         end do
+      end do
+      n = size(outline, 2)
+      m = merge(0, layers, ndim == 2)
+      allocate (x(ndim, n*(m + 1)))
+      do k = 0, m
+         x(:2, k*n + 1:(k + 1)*n) = outline
+         if (ndim == 3) x(3, k*n + 1:(k + 1)*n) = real(k, wp)/real(layers, wp)
+      end do
+      call new_cell_of(shape, merge(cell_id%line2, cell_id%quad, ndim == 2))
+      call allocate_facets(facets, n*max(m, 1), shape)
+      do k = 0, max(m, 1) - 1
+         do i = 1, n
+            facets%node(:2, k*n + i) = k*n + [i, 1 + mod(i, n)]
+            if (ndim == 3) facets%node(3:4, k*n + i) = (k + 1)*n + [1 + mod(i, n), i]
+         end do
+      end do
+   end subroutine make_hairpin
+
+   subroutine a_hairpin_meets_itself_and_not_through_its_walls()
+      type(facets_type) :: facets
+      type(tracker_type) :: tracker
+      type(limits_type) :: limits
+      type(surface_type) :: skin
+      type(projection_type), allocatable :: result(:, :)
+      type(error_type), allocatable :: error
+      real(wp), allocatable :: x(:, :), moved(:, :)
+      real(wp), parameter :: t = 0.1_wp, w = 0.5_wp
+      real(wp) :: gap, height
+      integer :: ndim, i, k, inner, outer, wrong
+
+      call test('a thin hairpin meets itself across its slot, never through its walls')
+      do ndim = 2, 3
+         call make_hairpin(facets, x, ndim, t, w)
+         call new_surface(skin, ndim, facets)
+         call update_surface(skin, x, error)
+         call new_tracker(tracker, ndim, facets, skin%nnode, limits, 1, own_node=skin%node)
+         allocate (result(1, skin%nnode))
+         moved = x
+         do k = 0, 5
+            ! The upper arm comes down by w in five strokes, and enters by a fifth of the wall.
+            gap = w*(1.0_wp - real(k, wp)/5.0_wp)
+            if (k == 5) gap = -0.02_wp
+            where (x(2, :) > t + 0.5_wp*w) moved(2, :) = x(2, :) + gap - w
+            if (k == 0) then
+               call begin(tracker, moved, moved(:, skin%node), skin%pseudo(:ndim, :), 0.1_wp, &
+                  & result, error)
+               call commit(tracker)
+            else
+               call track(tracker, moved, moved(:, skin%node), skin%pseudo(:ndim, :), result, error)
+            end if
+            inner = 0
+            outer = 0
+            wrong = 0
+            do i = 1, skin%nnode
+               if (x(1, skin%node(i)) < 0.6_wp .or. x(1, skin%node(i)) > 3.8_wp) cycle
+               height = x(2, skin%node(i)) - t
+               if (abs(height) < 1.0e-9_wp .or. abs(height - w) < 1.0e-9_wp) then
+                  inner = inner + 1
+                  if (result(1, i)%facet == 0 .or. abs(result(1, i)%gap - gap) > 1.0e-9_wp) &
+                     & wrong = wrong + 1
+               else
+                  outer = outer + 1
+                  if (result(1, i)%facet > 0) wrong = wrong + 1
+               end if
+            end do
+            call is_true('faces of both kinds', inner > 20 .and. outer > 20)
+            call is_true('all right', wrong == 0)
+         end do
+         deallocate (result)
+      end do
+   end subroutine a_hairpin_meets_itself_and_not_through_its_walls
 end program test_tracker
