@@ -115,7 +115,8 @@ contains
          & 'card may be empty.')
       call word(table, 'AMPLITUDE', 'Name of an *AMPLITUDE.')
       call data_line(table, 'element or element set, face, pressure [stress]', &
-         & 'P1 to P6: pressure on face S1 to S6, positive into the element.')
+         & 'P1 to P6: pressure on face S1 to S6, positive into the element; it follows the '// &
+         & 'face under NLGEOM.')
       call data_line(table, 'element or element set, direction, force [force/length^3]', &
          & 'BX, BY, BZ.')
       call data_line(table, 'element or element set, GRAV, value [acceleration], x, y, z', &
@@ -130,7 +131,8 @@ contains
       call choice(table, 'FOLLOWER', 'NO', 'NO', 'Whether the direction turns with the surface.')
       call bare_value(table, 'YES')
       call refuses(table, 'YES')
-      call data_line(table, 'surface, P, pressure [stress]', 'Pressure, positive into the body.')
+      call data_line(table, 'surface, P, pressure [stress]', 'Pressure, positive into the '// &
+         & 'body; it follows the surface under NLGEOM.')
       call data_line(table, 'surface, TRVEC, traction [stress], x, y, z', &
          & 'Traction along (x, y, z).')
       call example(table, '*DSLOAD|TOP, P, 12.')
