@@ -1,0 +1,290 @@
+!> One slave point opposite one facet of any kind, or one tool of any kind, that all may move.
+module point_scenes
+   use lopin_kinds, only : wp
+   use lopin_error, only : error_type
+   use lopin_facets, only : facets_type
+   use lopin_facet_basis, only : facet_basis_type, new_facet_basis
+   use lopin_surface, only : new_surface, update_surface
+   use lopin_search, only : build_tree
+   use lopin_tool, only : foot_type, tool_type
+   use lopin_tool_plane, only : plane_type, new_plane
+   use lopin_tool_sphere, only : sphere_type, new_sphere
+   use lopin_tool_cylinder, only : cylinder_type, new_cylinder
+   use lopin_tool_profile, only : profile_tool_type, extruded_type, revolved_type
+   use lopin_profile, only : profile_type, segment_card_type, new_profile
+   use lopin_model, only : model_type
+   use lopin_dofs, only : dofs_type
+   use lopin_friction, only : friction_type, condition_type
+   use lopin_contact_traction, only : grip_type, grip_kind
+   use lopin_enforcement_law, only : law_type, new_exponential
+   use lopin_finite_points, only : finite_points_type
+   use lopin_finite_opposite, only : opposite_type, anchor_type, masters_type, move_masters, &
+      & find_opposite, anchor_of
+   use lopin_finite_kernel, only : local_matrix_type, point_state_type, evaluate_point
+   implicit none
+   private
+   public :: point_scene_type, master_names, new_point_scene, look, random, grip_names
+
+   !> The six cells of facets in the order of their ids, then tools.
+   character(len=*), parameter :: master_names(14) = [character(len=9) :: 'line2', 'line3', 'tri3', &
+      & 'tri6', 'quad4', 'quad8', 'plane2', 'plane3', 'circle', 'sphere', 'cylinder', 'profile', &
+      & 'extruded', 'revolved']
+   !> In the order of grip_kind.
+   character(len=*), parameter :: grip_names(6) = [character(len=11) :: 'lagrange', 'penalty', &
+      & 'perturbed', 'augmented', 'overclosure', 'tied']
+
+   type :: point_scene_type
+      integer :: ndim = 3
+      logical :: is_tool = .false.
+      type(model_type) :: model
+      type(dofs_type) :: dofs
+      type(masters_type) :: masters
+      type(finite_points_type) :: points
+      type(facet_basis_type) :: basis
+      type(grip_type) :: grip
+      type(friction_type) :: friction
+      type(condition_type) :: at
+      type(anchor_type) :: anchor
+      real(wp) :: shift = 0.0_wp
+      ! of the last look
+      type(opposite_type) :: opposite
+      type(point_state_type) :: state
+      real(wp), allocatable :: k(:, :), spring(:, :), residual(:)   !! (ndof + ndim)
+   end type point_scene_type
+
+contains
+
+   !> Uniform numbers between -size and size.
+   function random(n, size_) result(x)
+      integer, intent(in) :: n
+      real(wp), intent(in) :: size_
+      real(wp) :: x(n)
+      call random_number(x)
+      x = size_*(2.0_wp*x - 1.0_wp)
+   end function random
+
+   subroutine new_point_scene(self, name, kind)
+      type(point_scene_type), intent(out) :: self
+      character(len=*), intent(in) :: name
+      integer, intent(in) :: kind              !! grip_kind%...
+      type(law_type) :: law
+      integer :: cell, i
+
+      cell = findloc(master_names, name, dim=1)
+      self%is_tool = cell > 6
+      self%ndim = 3
+      if (any(name == [character(len=9) :: 'line2', 'line3', 'plane2', 'circle', 'profile'])) &
+         & self%ndim = 2
+      call new_facet_basis(self%basis)
+      self%model%mesh%ndim = self%ndim
+      allocate (self%masters%of(1), self%model%pair(1), self%model%tool(0), self%model%rigid_body(0))
+      self%model%pair(1)%slave = 1
+      self%model%pair(1)%master = 2
+      if (self%is_tool) then
+         call make_tool(self, name)
+      else
+         call make_facet(self, cell)
+      end if
+      allocate (self%masters%side(3, 1), source=0.0_wp)
+      self%points%n = 1
+      self%points%pair = [1]
+      self%points%node = [1]
+      self%points%entry = [1]
+      self%points%weight = [0.7_wp]
+      self%points%size = [1.0_wp]
+      self%grip%kind = kind
+      self%grip%c = 100.0_wp
+      self%grip%ct = 40.0_wp
+      self%grip%slope = 300.0_wp
+      self%grip%shear_slope = 90.0_wp
+      call new_exponential(law, 5.0_wp, 0.3_wp)
+      if (kind == grip_kind%overclosure) self%grip%law = law
+      self%grip%committed(:self%ndim) = random(self%ndim, 2.0_wp)
+      self%grip%frozen(:self%ndim) = random(self%ndim, 2.0_wp)
+      self%grip%creep(:self%ndim) = random(self%ndim, 0.02_wp)
+      self%at = condition_type(yield=8.0_wp, mises=6.0_wp, dt=0.5_wp, speed=0.7_wp)
+      self%dofs%n = maxval(self%dofs%id)
+      ! The anchor is where the point is at rest.
+      associate (still => [(0.0_wp, i=1, self%dofs%n)])
+         call place_all(self, still)
+      end associate
+      call anchor_of(self%anchor, self%opposite)
+   end subroutine new_point_scene
+
+   !> Node 1 is the slave, the others are the facet's, moved a little from a flat one.
+   subroutine make_facet(self, cell)
+      type(point_scene_type), intent(inout) :: self
+      integer, intent(in) :: cell
+      type(facets_type) :: facets
+      type(error_type), allocatable :: error
+      real(wp) :: xi(2), x(3), n(3), t1(3), t2(3)
+      integer :: m, i, k
+
+      m = self%basis%nnode(cell)
+      facets%n = 1
+      facets%element = [1]
+      facets%face = [1]
+      facets%cell = [cell]
+      facets%nnode = [m]
+      allocate (facets%node(8, 1), source=0)
+      facets%node(:m, 1) = [(i + 1, i=1, m)]
+      allocate (self%model%mesh%x(self%ndim, m + 1), source=0.0_wp)
+      self%model%mesh%nnode = m + 1
+      associate (at => self%model%mesh%x)
+         do i = 1, m
+            at(:, i + 1) = random(self%ndim, 0.06_wp)
+            at(:min(2, self%ndim), i + 1) = at(:min(2, self%ndim), i + 1) + self%basis%xi(: &
+               & min(2, self%ndim), i, cell)
+         end do
+         call new_surface(self%masters%of(1)%surface, self%ndim, facets)
+         call update_surface(self%masters%of(1)%surface, at, error)
+         call build_tree(self%masters%of(1)%tree, self%masters%of(1)%surface%low, &
+            & self%masters%of(1)%surface%high)
+         xi = self%basis%centre(:, cell) + random(2, 0.1_wp)
+         if (self%ndim == 2) xi(2) = 0.0_wp
+         associate (c => self%masters%of(1)%surface%coefficient(:, :, 1))
+            x = c(:, 1) + xi(1)*c(:, 2) + xi(2)*c(:, 3) + xi(1)*xi(2)*c(:, 4) + xi(1)**2*c(:, 5) &
+               & + xi(2)**2*c(:, 6) + xi(1)**2*xi(2)*c(:, 7) + xi(1)*xi(2)**2*c(:, 8)
+            t1 = c(:, 2) + xi(2)*c(:, 4) + 2.0_wp*xi(1)*c(:, 5)
+            t2 = c(:, 3) + xi(1)*c(:, 4) + 2.0_wp*xi(2)*c(:, 6)
+         end associate
+         if (self%ndim == 2) t2 = [0.0_wp, 0.0_wp, 1.0_wp]
+         n = [t1(2)*t2(3) - t1(3)*t2(2), t1(3)*t2(1) - t1(1)*t2(3), t1(1)*t2(2) - t1(2)*t2(1)]
+         x = x - 0.12_wp*n/norm2(n)
+         at(:, 1) = x(:self%ndim)
+      end associate
+      allocate (self%dofs%id(6, m + 1), source=0)
+      do i = 1, m + 1
+         do k = 1, self%ndim
+            self%dofs%id(k, i) = self%ndim*(i - 1) + k
+         end do
+      end do
+   end subroutine make_facet
+
+   !> Node 1 is the slave, node 2 the reference node of the tool.
+   subroutine make_tool(self, name)
+      type(point_scene_type), intent(inout) :: self
+      character(len=*), intent(in) :: name
+      type(foot_type) :: foot
+      real(wp) :: x(3)
+      integer :: k, d
+
+      d = self%ndim
+      deallocate (self%model%tool, self%model%rigid_body)
+      allocate (self%model%tool(1), self%model%rigid_body(1))
+      call make_shape(name, self%model%tool(1)%shape)
+      self%model%tool(1)%rigid_body = 1
+      self%model%rigid_body(1)%reference = 2
+      self%masters%of(1)%tool = 1
+      self%masters%of(1)%body = 1
+      self%model%mesh%nnode = 2
+      x = [0.9_wp, 1.1_wp, 0.7_wp] + random(3, 0.1_wp)
+      call self%model%tool(1)%shape%project(x(:d), foot)
+      x = foot%point - 0.12_wp*foot%normal
+      self%model%mesh%x = reshape([x(:d), random(d, 1.0_wp)], [d, 2])
+      allocate (self%dofs%id(6, 2), source=0)
+      self%dofs%id(:d, 1) = [(k, k=1, d)]
+      self%dofs%id(:d, 2) = [(d + k, k=1, d)]
+      if (d == 2) self%dofs%id(6, 2) = 5
+      if (d == 3) self%dofs%id(4:6, 2) = [7, 8, 9]
+   end subroutine make_tool
+
+   subroutine make_shape(name, shape)
+      character(len=*), intent(in) :: name
+      class(tool_type), allocatable, intent(out) :: shape
+      type(plane_type) :: plane
+      type(sphere_type) :: sphere
+      type(cylinder_type) :: cylinder
+      type(profile_tool_type) :: flat
+      type(extruded_type) :: extruded
+      type(revolved_type) :: revolved
+      type(error_type), allocatable :: error
+      real(wp), parameter :: one = 1.0_wp
+
+      select case (name)
+      case ('plane2')
+         call new_plane(plane, [0.2_wp, 0.5_wp], [0.3_wp, one], error)
+         allocate (shape, source=plane)
+      case ('plane3')
+         call new_plane(plane, [0.2_wp, 0.5_wp, 0.1_wp], [0.3_wp, one, -0.4_wp], error)
+         allocate (shape, source=plane)
+      case ('circle')
+         call new_sphere(sphere, [0.1_wp, 0.2_wp], one, error)
+         allocate (shape, source=sphere)
+      case ('sphere')
+         call new_sphere(sphere, [0.1_wp, 0.2_wp, -0.1_wp], 1.3_wp, error, cavity=.true.)
+         allocate (shape, source=sphere)
+      case ('cylinder')
+         call new_cylinder(cylinder, [0.1_wp, 0.2_wp, -0.1_wp], [0.2_wp, 0.1_wp, one], one, error)
+         allocate (shape, source=cylinder)
+      case ('profile')
+         call make_profile(flat%profile)
+         flat%ndim = 2
+         allocate (shape, source=flat)
+      case ('extruded')
+         call make_profile(extruded%profile)
+         extruded%frame = reshape([0.6_wp, 0.8_wp, 0.0_wp, -0.8_wp, 0.6_wp, 0.0_wp, 0.0_wp, &
+            & 0.0_wp, one], [3, 3])
+         allocate (shape, source=extruded)
+      case ('revolved')
+         call make_profile(revolved%profile)
+         revolved%axis = [0.0_wp, 0.0_wp, one]
+         allocate (shape, source=revolved)
+      end select
+   end subroutine make_shape
+
+   !> An arc about (1, 3), seen from below.
+   subroutine make_profile(profile)
+      type(profile_type), intent(out) :: profile
+      type(segment_card_type) :: cards(2)
+      type(error_type), allocatable :: error
+
+      cards%word = ['START   ', 'CIRCL   ']
+      cards(1)%value(:2) = [2.6_wp, 1.8_wp]
+      cards(2)%value = [-0.6_wp, 1.8_wp, 1.0_wp, 3.0_wp]
+      call new_profile(profile, cards, 0.0_wp, error)
+   end subroutine make_profile
+
+   !> Everything to X + u, and what is opposite there.
+   subroutine place_all(self, u)
+      type(point_scene_type), intent(inout) :: self
+      real(wp), intent(in) :: u(:)
+      type(error_type), allocatable :: error
+
+      self%masters%x = self%model%mesh%x
+      call move_masters(self%masters, self%model, self%dofs, self%points, u, .false., error)
+      call find_opposite(self%opposite, self%masters, self%model, self%points, 1)
+   end subroutine place_all
+
+   !> -force and row at u, and the tangent.
+   subroutine look(self, u, lambda)
+      type(point_scene_type), intent(inout) :: self
+      real(wp), intent(in) :: u(:)             !! (ndof)
+      real(wp), intent(in) :: lambda(3)
+      type(local_matrix_type) :: local
+      integer :: a, b, n, first
+
+      call place_all(self, u)
+      first = 0
+      if (any(self%grip%kind == [grip_kind%lagrange, grip_kind%perturbed, grip_kind%tied])) first = 1
+      call evaluate_point(self%state, local, self%model, self%dofs, self%basis, self%masters, &
+         & self%points, 1, self%opposite, self%anchor, self%grip, self%friction, self%at, &
+         & self%shift, lambda, first, .true.)
+      n = self%dofs%n + self%ndim
+      self%residual = spread(0.0_wp, 1, n)
+      self%k = reshape(spread(0.0_wp, 1, n*n), [n, n])
+      self%spring = self%k
+      do a = 1, size(local%dof)
+         if (a <= local%nu) then
+            self%residual(local%dof(a)) = self%residual(local%dof(a)) - self%state%force(a)
+         else
+            self%residual(local%dof(a)) = self%state%row(a - local%nu)
+         end if
+         do b = 1, size(local%dof)
+            self%k(local%dof(a), local%dof(b)) = self%k(local%dof(a), local%dof(b)) + local%k(a, b)
+            if (max(a, b) <= local%nu) self%spring(local%dof(a), local%dof(b)) = &
+               & self%spring(local%dof(a), local%dof(b)) + local%spring(a, b)
+         end do
+      end do
+   end subroutine look
+end module point_scenes

@@ -1,0 +1,251 @@
+!> One contact point at finite sliding: exact tangents of every method, law, facet and tool.
+program test_contact_point
+   use lopin_kinds, only : wp
+   use lopin_dense, only : symmetric_eigen
+   use lopin_friction, only : friction_type, law_of, law_names, regularization_names, &
+      & regularization_of
+   use lopin_contact_traction, only : grip_kind
+   use lopin_rigid_motion, only : rotation_matrix
+   use point_scenes, only : point_scene_type, master_names, grip_names, new_point_scene, look, random
+   use check, only : test, close_to, is_true, finish
+   implicit none
+
+   integer :: i, n
+
+   call random_seed(size=n)
+   call random_seed(put=[(4711*i, i=1, n)])
+   call tangents()
+   call perturbed_is_penalty()
+   call no_coefficient()
+   call turned_scene()
+   call finish()
+
+contains
+
+   pure type(friction_type) function law_with(number, regularization) result(law)
+      integer, intent(in) :: number, regularization
+      law%law = number
+      law%mu = 0.3_wp
+      law%m = 0.2_wp
+      law%alpha = 1.0_wp
+      law%q = 0.4_wp
+      law%elastic_slip = 0.03_wp
+      law%regularization = regularization
+      if (number == law_of%norton_hoff .and. regularization /= regularization_of%linear) &
+         & law%v0 = 0.05_wp
+   end function law_with
+
+   subroutine tangents()
+      type(point_scene_type) :: scene
+      integer :: kind, master, law, regularization, draw
+
+      do kind = 1, size(grip_names)
+         do master = 1, size(master_names)
+            do law = 0, size(law_names)
+               do regularization = 1, size(regularization_names)
+                  if (law == 0 .and. regularization > 1) cycle
+                  if (kind == grip_kind%tied .and. law > 0) cycle
+                  do draw = 1, 2
+                     call new_point_scene(scene, trim(master_names(master)), kind)
+                     scene%friction = law_with(law, regularization)
+                     if (law == 0) scene%friction%law = law_of%none
+                     call one_tangent(scene, trim(grip_names(kind))//' on '// &
+                        & trim(master_names(master))//', law '//achar(48 + law)//achar(48 &
+                        & + regularization), draw)
+                  end do
+               end do
+            end do
+         end do
+      end do
+   end subroutine tangents
+
+   !> Fourth-order differences; a draw near a kink is drawn again.
+   subroutine one_tangent(scene, name, draw)
+      type(point_scene_type), intent(inout) :: scene
+      character(len=*), intent(in) :: name
+      integer, intent(in) :: draw
+      real(wp), parameter :: h = 1.0e-4_wp, far(4) = [-2.0_wp, -1.0_wp, 1.0_wp, 2.0_wp], &
+         & share(4) = [1.0_wp, -8.0_wp, 8.0_wp, -1.0_wp]/12.0_wp
+      real(wp), allocatable :: u(:), k(:, :), difference(:, :), spring(:, :), value(:), x(:)
+      real(wp) :: lambda(3), total(3), moment(3), force(3), scale, place(3), arm(3), shear(3)
+      integer :: i, j, n, m, status, try, d, node
+      logical :: kink, smooth
+
+      d = scene%ndim
+      n = scene%dofs%n
+      do try = 1, 50
+         u = random(n, 0.02_wp*(1.0_wp + 0.1_wp*try))
+         if (scene%is_tool) u(2*d + 1:) = random(n - 2*d, 0.03_wp)
+         lambda = 0.0_wp
+         call look(scene, u, lambda)
+         lambda(:d) = 5.0_wp*scene%state%normal(:d) + random(d, real(draw*draw, wp))
+         call look(scene, u, lambda)
+         status = scene%state%status
+         k = scene%k
+         spring = scene%spring
+         ! Without shear the direction of friction is not smooth.
+         shear = scene%state%traction - dot_product(scene%state%traction, scene%state%normal) &
+            & *scene%state%normal
+         smooth = scene%friction%law == law_of%none .or. norm2(shear) > 0.2_wp
+         difference = 0.0_wp*k
+         kink = .not. smooth .or. scene%opposite%facet == 0
+         if (kink) cycle
+         do i = 1, n + d
+            do j = 1, 4
+               x = [u, lambda(:d)]
+               x(i) = x(i) + far(j)*h
+               call look(scene, x(:n), [x(n + 1:), spread(0.0_wp, 1, 3 - d)])
+               kink = kink .or. scene%state%status /= status
+               difference(:, i) = difference(:, i) + share(j)/h*scene%residual
+            end do
+         end do
+         if (.not. kink) exit
+      end do
+      call test(name//': the tangent is exact')
+      call is_true('there is a smooth draw', .not. kink)
+      call is_true('closed', status > 0)
+      scale = maxval(abs(difference(:n, :)))
+      call close_to('d force', k(:n, :)/scale, difference(:n, :)/scale, 1.0e-8_wp)
+      call close_to('d row', k(n + 1:, :), difference(n + 1:, :), 1.0e-8_wp)
+      call test(name//': the spring is symmetric and pushes back')
+      scale = maxval(abs(spring))
+      call close_to('symmetric', spring/scale, transpose(spring)/scale, 1.0e-13_wp)
+      allocate (value(n))
+      k = spring(:n, :n)/scale
+      call symmetric_eigen(k, value, i)
+      call is_true('semidefinite', minval(value) > -1.0e-13_wp)
+      call test(name//': forces balance, and moments up to the arm of the gap')
+      call look(scene, u, lambda)
+      total = 0.0_wp
+      moment = 0.0_wp
+      do node = 1, size(scene%dofs%id, 2)
+         force = 0.0_wp
+         place = 0.0_wp
+         do i = 1, d
+            m = scene%dofs%id(i, node)
+            force(i) = -scene%residual(m)
+            place(i) = scene%model%mesh%x(i, node) + u(m)
+         end do
+         total = total + force
+         moment = moment + cross(place, force)
+         do i = 4, 6
+            m = scene%dofs%id(i, node)
+            if (m > 0) moment(i - 3) = moment(i - 3) - scene%residual(m)
+         end do
+      end do
+      scale = norm2(scene%state%traction)
+      arm = scene%points%weight(1)*scene%state%gap*cross(scene%state%normal, scene%state%traction)
+      call close_to('forces', total/scale, 0.0_wp*total, 1.0e-12_wp)
+      call close_to('moments', moment/scale, arm/scale, 1.0e-12_wp)
+   end subroutine one_tangent
+
+   pure function cross(a, b) result(c)
+      real(wp), intent(in) :: a(3), b(3)
+      real(wp) :: c(3)
+      c = [a(2)*b(3) - a(3)*b(2), a(3)*b(1) - a(1)*b(3), a(1)*b(2) - a(2)*b(1)]
+   end function cross
+
+   !> The traction of the penalty solves the rows of the perturbed Lagrangian, whatever c.
+   subroutine perturbed_is_penalty()
+      type(point_scene_type) :: scene
+      real(wp) :: z(3)
+      real(wp), allocatable :: u(:), force(:)
+      integer :: master, law
+
+      do master = 1, size(master_names)
+         do law = 0, size(law_names)
+            call test('perturbed is penalty on '//trim(master_names(master))//', law '// &
+               & achar(48 + law))
+            call new_point_scene(scene, trim(master_names(master)), grip_kind%penalty)
+            scene%friction = law_with(law, 1)
+            u = random(scene%dofs%n, 0.02_wp)
+            scene%grip%c = 300.0_wp
+            scene%grip%ct = 90.0_wp
+            call look(scene, u, [0.0_wp, 0.0_wp, 0.0_wp])
+            z = scene%state%traction
+            force = scene%state%force
+            scene%grip%kind = grip_kind%perturbed
+            scene%grip%c = 50.0_wp
+            scene%grip%ct = 20.0_wp
+            call look(scene, u, z)
+            call close_to('row', scene%grip%c*scene%state%row(:scene%ndim)/norm2(z), &
+               & 0.0_wp*z(:scene%ndim), 1.0e-12_wp)
+            call close_to('force', scene%state%force/norm2(z), force/norm2(z), 1.0e-12_wp)
+         end do
+      end do
+   end subroutine perturbed_is_penalty
+
+   subroutine no_coefficient()
+      type(point_scene_type) :: scene
+      real(wp), allocatable :: u(:), force(:)
+      real(wp) :: lambda(3)
+      integer :: master, kind
+
+      call test('coefficient 0 gives the bits of no friction')
+      do master = 1, size(master_names)
+         do kind = 1, 5
+            call new_point_scene(scene, trim(master_names(master)), kind)
+            u = random(scene%dofs%n, 0.02_wp)
+            call look(scene, u, [0.0_wp, 0.0_wp, 0.0_wp])
+            lambda = 5.0_wp*scene%state%normal
+            call look(scene, u, lambda)
+            force = scene%state%force
+            scene%friction%law = law_of%coulomb
+            call look(scene, u, lambda)
+            call is_true(trim(master_names(master)), all(abs(force - scene%state%force) <= 0.0_wp))
+         end do
+      end do
+   end subroutine no_coefficient
+
+   !> The whole scene turned: forces turn with it, gap and lengths of slip stay.
+   subroutine turned_scene()
+      type(point_scene_type) :: scene
+      real(wp) :: lambda(3), q(3, 3), vector(3), gap, slip
+      real(wp), allocatable :: u(:), force(:), moved(:)
+      integer :: master, kind, i, m, node, d
+
+      do kind = 1, size(grip_names)
+         do master = 1, size(master_names)
+            call test('turned as a whole: '//trim(grip_names(kind))//' on '// &
+               & trim(master_names(master)))
+            call new_point_scene(scene, trim(master_names(master)), kind)
+            scene%friction = law_with(law_of%coulomb, 1)
+            d = scene%ndim
+            u = random(scene%dofs%n, 0.02_wp)
+            if (scene%is_tool) u(d + 1:) = 0.0_wp
+            vector = random(3, 1.5_wp)
+            if (d == 2) vector(:2) = 0.0_wp
+            q = rotation_matrix(vector)
+            lambda = 0.0_wp
+            lambda(:d) = random(d, 4.0_wp)
+            call look(scene, u, lambda)
+            force = scene%residual
+            gap = scene%state%gap
+            slip = norm2(scene%state%slip)
+            moved = u
+            do node = 1, size(scene%dofs%id, 2)
+               do i = 1, d
+                  m = scene%dofs%id(i, node)
+                  moved(m) = dot_product(q(i, :d), scene%model%mesh%x(:, node) &
+                     & + u(scene%dofs%id(:d, node))) - scene%model%mesh%x(i, node)
+                  force(m) = dot_product(q(i, :d), scene%residual(scene%dofs%id(:d, node)))
+               end do
+               if (d == 3 .and. scene%dofs%id(4, node) > 0) then
+                  moved(scene%dofs%id(4:6, node)) = vector
+                  force(scene%dofs%id(4:6, node)) = matmul(q, &
+                     & scene%residual(scene%dofs%id(4:6, node)))
+               else if (scene%dofs%id(6, node) > 0) then
+                  moved(scene%dofs%id(6, node)) = vector(3)
+               end if
+            end do
+            force(scene%dofs%n + 1:) = matmul(q(:d, :d), scene%residual(scene%dofs%n + 1:))
+            scene%grip%committed = matmul(q, scene%grip%committed)
+            scene%grip%frozen = matmul(q, scene%grip%frozen)
+            call look(scene, moved, matmul(q, lambda))
+            call close_to('forces', scene%residual, force, 1.0e-10_wp)
+            call close_to('gap', scene%state%gap, gap, 1.0e-12_wp)
+            call close_to('slip', norm2(scene%state%slip), slip, 1.0e-12_wp)
+         end do
+      end do
+   end subroutine turned_scene
+end program test_contact_point
