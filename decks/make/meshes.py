@@ -126,6 +126,24 @@ def nafems_cylinder() -> Deck:
     return mesh_deck(Model("mesh", mesh.mapped(lambda x: np.round(x, 9))))
 
 
+def cattaneo() -> Deck:
+    """Two cylinders of radius 200 on each other, as blocks of 50 by 25 with a crown each."""
+    half = fine_then_spread(0.035, 1.365, 25.0, 1.4)
+    across = np.concatenate([-half[:0:-1], half])
+    up = np.concatenate([[0.0], spread(0.035, 0.0, 25.0, 1.3)])
+    shape = (len(across) - 1, len(up) - 1)
+    upper = mesh_make.block((50.0, 25.0), shape, origin=(-25.0, 0.0),
+                            grading=((across + 25.0)/50.0, up/25.0))
+    crown = lambda x: np.column_stack([x[:, 0], x[:, 1] + x[:, 0]**2/400.0*(1.0 - x[:, 1]/25.0)])  # noqa: E731
+    near = upper.with_surface("NEAR", lambda x: (x[:, 1] < 1e-9) & (np.abs(x[:, 0]) < 2.5)).mapped(crown)
+    lower = mesh_make.block((50.0, 25.0), shape, origin=(-25.0, -25.0),
+                            grading=((across + 25.0)/50.0, 1.0 - up[::-1]/25.0))
+    lower = lower.with_surface("NEAR", lambda x: (x[:, 1] > -1e-9) & (np.abs(x[:, 0]) < 2.5))
+    lower = lower.mapped(lambda x: crown(x*[1.0, -1.0])*[1.0, -1.0])
+    mesh = together(UP=lean(near, "NEAR", "TOP"), LOW=lean(lower, "NEAR", "BOTTOM"))
+    return mesh_deck(Model("mesh", mesh.mapped(lambda x: np.round(x, 9))))
+
+
 def cylinder_on_plane() -> Deck:
     """Half of a cylinder of radius 100, cut at 20."""
     mesh = crowned(100.0, (20.0, 40.0), 1.0, 1/16, 1.2)
@@ -236,7 +254,7 @@ def beam_on_roller() -> Deck:
     return mesh_deck(Model("mesh", lean(mesh, "BOTTOM RIGHT", "LEFT TIP"), kind="3d"))
 
 
-MESHES = {f.__name__: f for f in (hertz_sphere, hertz_sphere_3d, nafems_cylinder,
+MESHES = {f.__name__: f for f in (cattaneo, hertz_sphere, hertz_sphere_3d, nafems_cylinder,
                                   cylinder_on_plane, flat_punch, lifted_beam,
                                   patch_test, signorini, strip_bending,
                                   glued_beam, two_blocks_mortar, shrink_fit, ball_on_ball, beam_on_roller)}

@@ -143,6 +143,22 @@ def nafems_cylinder() -> None:
     save(fig, "nafems_cylinder")
 
 
+def cattaneo() -> None:
+    """Shear over the contact, stick inside and slip outside, beside the closed form."""
+    result = solved("cattaneo")
+    c = result.contact().last
+    x = c.x[:, 0]
+    shear = np.abs(np.asarray(c["R_t"])[:, 0])/np.asarray(c["WEIGHT"]).ravel()
+    a, edge, p0 = 1.050464, 0.742790, 606.037
+    at = np.linspace(-a, a, 401)
+    exact = 0.3*p0*(np.sqrt(1.0 - (at/a)**2)
+                    - np.where(np.abs(at) < edge, edge/a*np.sqrt(np.maximum(0.0, 1.0 - (at/edge)**2)), 0.0))
+    fig, ax = figure()
+    near = np.abs(x) < 1.2*a
+    curve(ax, at, exact, x[near], shear[near], closed="Cattaneo, Mindlin", xlabel="x [mm]", ylabel="shear [MPa]")
+    save(fig, "cattaneo")
+
+
 def patch_test() -> None:
     """Vertical stress; exact would be one colour."""
     result = solved("patch_test")
@@ -311,7 +327,7 @@ def beam_on_roller() -> None:
 
 DRAWN = {f.__name__: f for f in (
     bar_gap, two_springs, cylinder_on_plane, flat_punch, hertz_sphere, hertz_sphere_3d, lifted_beam,
-    nafems_cylinder, patch_test, two_blocks_mortar, signorini, strip_bending, glued_beam, shrink_fit, no_separation,
+    nafems_cylinder, cattaneo, patch_test, two_blocks_mortar, signorini, strip_bending, glued_beam, shrink_fit, no_separation,
     ball_on_ball, beam_on_roller)}
 
 

@@ -14,7 +14,7 @@ module lopin_contact_friction
    use lopin_scene, only : scene_type
    implicit none
    private
-   public :: slides_with_friction, contact_with_friction
+   public :: slides_with_friction, contact_with_friction, start_speed, renew_speed
 
    !> Elastic slip of penalty pairs that the deck leaves open, beside the facet (frozen).
    real(wp), parameter :: default_slip = 5.0e-3_wp
@@ -56,6 +56,35 @@ contains
       call warn_of_tension(scene, model, points)
    end subroutine contact_with_friction
 
+   !> The speed that decaying friction reads begins with that of the accepted increment.
+   subroutine start_speed(scene)
+      type(scene_type), intent(inout) :: scene
+      scene%friction%speed = scene%friction%accepted%speed
+   end subroutine start_speed
+
+   !> Speeds of slip for the next iteration; `change` is how far they moved, beside the largest: 0
+   !> where no law reads them.
+   subroutine renew_speed(scene, model, change)
+      type(scene_type), intent(inout) :: scene
+      type(model_type), intent(in) :: model
+      real(wp), intent(out) :: change
+      type(friction_type) :: law
+      integer :: pair
+      logical :: decays
+
+      change = 0.0_wp
+      decays = .false.
+      do pair = 1, size(model%pair)
+         law = friction_in_step(model, model%pair(pair)%interaction, scene%step)
+         decays = decays .or. (law%decay > 0.0_wp .and. .not. law%rough)
+      end do
+      if (.not. decays) return
+      associate (s => scene%friction)
+         change = maxval(abs(s%trial%speed - s%speed))/max(maxval(s%trial%speed), tiny(1.0_wp))
+         s%speed = s%trial%speed
+      end associate
+   end subroutine renew_speed
+
    !> Points of the pairs with friction, with what they keep from the last accepted increment.
    subroutine new_points(scene, model, points)
       type(scene_type), intent(in) :: scene
@@ -88,7 +117,7 @@ contains
             points%at(k)%dt = scene%finite%dt
             points%at(k)%held = scene%rows%bilateral(row)
             points%at(k)%mises = scene%friction%mises(i)
-            points%at(k)%speed = scene%friction%accepted%speed(i)
+            points%at(k)%speed = scene%friction%speed(i)
             do d = 1, nt
                associate (t => scene%rows%direction(:, points%tangent(k) + d - 1))
                   points%traction(d, k) = dot_product(t, scene%friction%accepted%traction(:, i))

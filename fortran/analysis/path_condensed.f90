@@ -18,7 +18,8 @@ module lopin_path_condensed
    use lopin_linear_system, only : new_linear_system, condense_load, recover
    use lopin_automatic_penalty, only : set_stiffness
    use lopin_methods, only : choose_methods
-   use lopin_contact_friction, only : slides_with_friction, contact_with_friction
+   use lopin_contact_friction, only : slides_with_friction, contact_with_friction, start_speed, &
+      & renew_speed
    use lopin_friction_stress, only : friction_reads_stress, update_friction_stress, &
       & most_stress_passes, stress_tolerance
    use lopin_after_step, only : say_once
@@ -26,6 +27,7 @@ module lopin_path_condensed
    implicit none
    private
    public :: prepare_condensed, solve_condensed
+
 
 contains
 
@@ -89,42 +91,61 @@ contains
       call rebuild_rows(scene, model, prescribed)
       call fill_problem(scene, model, u_known, gap, error)
       if (allocated(error)) return
-      if (.not. slides_with_friction(scene)) then
-         call contact_by_continuation(scene, model, gap, load, moving, error)
-         if (.not. allocated(error)) call recover_all()
+      if (slides_with_friction(scene)) then
+         call solve_friction_history(scene, model, gap, y, load, moving, prescribed, error)
          return
       end if
+      call contact_by_continuation(scene, model, gap, load, moving, error)
+      call scene%clock%stop_in(phase%contact)
+      if (allocated(error)) return
+      call displace(scene, y, prescribed)
+   end subroutine solve_condensed
+
+   !> The same with friction, repeated where a law reads what the last solve gave.
+   subroutine solve_friction_history(scene, model, gap, y, load, moving, prescribed, error)
+      type(scene_type), intent(inout) :: scene
+      type(model_type), intent(in) :: model
+      real(wp), intent(in) :: gap(:), y(:), load(:), moving(:), prescribed(:)
+      type(error_type), allocatable, intent(out) :: error
+      real(wp) :: change, slower
+      logical :: reads_stress
+      integer :: pass
+
       scene%gap = gap
       reads_stress = friction_reads_stress(scene, model)
       ! From what is accepted: an increment tried again has the same bits.
+      call start_speed(scene)
       if (reads_stress) call update_friction_stress(scene, model, scene%accepted, change)
       do pass = 1, most_stress_passes
          call contact_with_friction(scene, model, gap, load, moving, error)
          if (.not. allocated(error)) call explain_outcome(scene, model, error)
-         if (allocated(error)) exit
-         call recover_all()
-         if (.not. reads_stress) exit
-         call update_friction_stress(scene, model, scene%u, change)
-         if (change <= stress_tolerance) exit
+         call scene%clock%stop_in(phase%contact)
+         if (allocated(error)) return
+         call displace(scene, y, prescribed)
+         call renew_speed(scene, model, slower)
+         change = 0.0_wp
+         if (reads_stress) call update_friction_stress(scene, model, scene%u, change)
+         change = max(change, slower)
+         if (change <= stress_tolerance) return
       end do
-      if (allocated(error) .or. pass <= most_stress_passes) return
-      call say_once(scene%log, 'W0509', 'the von Mises stress that friction reads still changes '// &
-         & 'by '//to_text(change, 3)//' of its largest value after '// &
+      call say_once(scene%log, 'W0509', 'the von Mises stress or the speed of slip that friction '// &
+         & 'reads still changes by '//to_text(change, 3)//' of its largest value after '// &
          & to_text(most_stress_passes)//' passes of an increment of step '//to_text(scene%step), &
          & model%step(scene%step)%at)
+   end subroutine solve_friction_history
 
-   contains
+   !> Displacements from the condensed load and the contact forces.
+   subroutine displace(scene, y, prescribed)
+      type(scene_type), intent(inout) :: scene
+      real(wp), intent(in) :: y(:), prescribed(:)
+      real(wp) :: v(scene%constraints%neq)
 
-      !> All displacements from the forces of contact.
-      subroutine recover_all()
-         call scene%clock%stop_in(phase%contact)
-         call recover(scene%system, y, columns_times(scene%problem, scene%answer%force), v)
-         scene%counter%back_solves = scene%counter%back_solves + 1
-         if (scene%bodies%nq > 0) v = v + matmul(scene%bodies%motion, scene%answer%q)
-         call expand(scene%constraints, v, prescribed, scene%u)
-         call scene%clock%stop_in(phase%solve)
-      end subroutine recover_all
-   end subroutine solve_condensed
+      call recover(scene%system, y, columns_times(scene%problem, scene%answer%force), v)
+      scene%counter%back_solves = scene%counter%back_solves + 1
+      if (scene%bodies%nq > 0) v = v + matmul(scene%bodies%motion, scene%answer%q)
+      call expand(scene%constraints, v, prescribed, scene%u)
+      call scene%clock%stop_in(phase%solve)
+   end subroutine displace
 
    !> Rows of the contact problem on the equations kept last; the compliance is kept if they did not
    !> change.

@@ -25,7 +25,7 @@ module lopin_friction_state
    type :: friction_state_type
       type(history_type) :: accepted, trial
       real(wp), allocatable :: slid(:, :)       !! (3, npoint) slip of the increment [length]
-      real(wp), allocatable :: mises(:)         !! (npoint) of the last iteration [stress]
+      real(wp), allocatable :: mises(:), speed(:)   !! (npoint) of the last iteration, read by laws
       real(wp) :: cone_excess = 0.0_wp          !! largest, beside the largest bound [-]
       real(wp) :: least_work = 0.0_wp           !! least dissipation of a point, beside the most [-]
    end type friction_state_type
@@ -41,7 +41,7 @@ contains
             & h%slip(3, npoint), h%path(npoint), h%work(npoint), h%speed(npoint), source=0.0_wp)
          allocate (h%status(npoint), source=0)
       end associate
-      allocate (self%slid(3, npoint), self%mises(npoint), source=0.0_wp)
+      allocate (self%slid(3, npoint), self%mises(npoint), self%speed(npoint), source=0.0_wp)
       self%trial = self%accepted
    end subroutine new_friction_state
 

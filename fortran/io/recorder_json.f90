@@ -205,6 +205,7 @@ contains
             call json%add('max_pressure', self%pair(i)%max_pressure)
             call json%add('max_penetration', self%pair(i)%max_penetration)
             call json%add('closed', self%pair(i)%closed)
+            call json%add('sticking', self%pair(i)%sticking)
          end if
          call json%close('}')
       end do
@@ -221,6 +222,8 @@ contains
       call json%add('penetration', certificate%penetration)
       call json%add('tension', certificate%tension)
       call json%add('complementarity', certificate%complementarity)
+      call json%add('cone', certificate%cone)
+      call json%add('dissipation', certificate%dissipation)
       call json%add('pressure_error', certificate%pressure_error)
       call json%add('equilibrium', certificate%equilibrium)
       call json%add('action_reaction', certificate%action_reaction)

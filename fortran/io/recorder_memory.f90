@@ -18,8 +18,8 @@ module lopin_recorder_memory
    public :: memory_recorder_type, new_memory_recorder
 
    character(len=1), parameter :: nl = achar(10)
-   character(len=*), parameter :: contact_words = 'CPRESS COPEN WEIGHT u_n R_n u_t NORMAL X XI '// &
-      & 'CSTATUS FACET LABEL'
+   character(len=*), parameter :: contact_words = 'CPRESS COPEN WEIGHT u_n FORCE R_n R_t u_t NORMAL X XI '// &
+      & 'SLIP_PATH FRICTION_WORK CSTATUS FACET LABEL'
 
    type :: kept_type
       real(wp) :: time = 0.0_wp
@@ -262,6 +262,17 @@ contains
       end associate
    end subroutine get_integer
 
+   !> The part of the contact forces along the normals.
+   pure function normal_force(field) result(force)
+      type(contact_field_type), intent(in) :: field
+      real(wp) :: force(size(field%force, 1), size(field%force, 2))
+      integer :: i
+
+      do i = 1, size(force, 2)
+         force(:, i) = dot_product(field%force(:, i), field%normal(:, i))*field%normal(:, i)
+      end do
+   end function normal_force
+
    subroutine contact_real(self, field, word, values)
       class(memory_recorder_type), intent(in) :: self
       type(contact_field_type), intent(in) :: field
@@ -279,8 +290,19 @@ contains
          values = reshape(field%u_n, [1, size(field%u_n)])
       case ('NORMAL')
          values = field%normal
-      case ('R_n')
+      case ('FORCE')
          values = field%force
+      case ('R_n')
+         values = normal_force(field)
+      case ('R_t')
+         values = field%force - normal_force(field)
+      case ('SLIP_PATH')
+         allocate (values(1, size(field%node)), source=0.0_wp)
+         if (allocated(field%slip_path)) values = reshape(field%slip_path, [1, size(field%node)])
+      case ('FRICTION_WORK')
+         allocate (values(1, size(field%node)), source=0.0_wp)
+         if (allocated(field%friction_work)) values = reshape(field%friction_work, &
+            & [1, size(field%node)])
       case ('u_t')
          values = field%u_t
       case ('XI')

@@ -16,7 +16,7 @@ module lopin_recorder_table
       real(wp) :: area = 0.0_wp                !! of the closed points [length^2]
       real(wp) :: max_pressure = 0.0_wp        !! [stress]
       real(wp) :: max_penetration = 0.0_wp     !! >= 0 [length]
-      integer :: closed = 0
+      integer :: closed = 0, sticking = 0
    end type pair_summary_type
 
    type :: column_type
@@ -42,6 +42,7 @@ contains
          end if
          if (field%status(i) <= 0) cycle
          summary%closed = summary%closed + 1
+         if (field%status(i) == 1) summary%sticking = summary%sticking + 1
          summary%area = summary%area + field%weight(i)
          summary%max_pressure = max(summary%max_pressure, field%pressure(i))
       end do

@@ -155,14 +155,18 @@ contains
       integer :: n
 
       n = size(part%node)
-      allocate (scalar(4, n), vector(3, n, 3), xi(2, n), status(n))
+      allocate (scalar(6, n), vector(3, n, 4), xi(2, n), status(n))
       call scatter(part, field, scalar, vector, xi, status)
       call writer%start(n, size(part%cells%types), frame%total_time)
       call writer%section('PointData')
       call writer%reals('CPRESS', scalar(1:1, :))
       call writer%reals('COPEN', scalar(2:2, :))
       call writer%integers('CSTATUS', status)
-      call writer%reals('R_n', vector(:, :, 1))
+      call writer%reals('FORCE', vector(:, :, 1))
+      call writer%reals('R_n', vector(:, :, 4))
+      call writer%reals('R_t', vector(:, :, 1) - vector(:, :, 4))
+      call writer%reals('SLIP_PATH', scalar(5:5, :))
+      call writer%reals('FRICTION_WORK', scalar(6:6, :))
       call writer%reals('u_n', scalar(3:3, :))
       call writer%reals('u_t', vector(:, :, 2))
       call writer%reals('NORMAL', vector(:, :, 3))
@@ -266,8 +270,8 @@ contains
    subroutine scatter(part, field, scalar, vector, xi, status)
       type(surface_part_type), intent(in) :: part
       type(contact_field_type), intent(in) :: field
-      real(wp), intent(out) :: scalar(:, :)      !! (4, n) pressure, gap, u_n, weight
-      real(wp), intent(out) :: vector(:, :, :)   !! (3, n, 3) force, u_t, normal
+      real(wp), intent(out) :: scalar(:, :)      !! (6, n) pressure, gap, u_n, weight, path, work
+      real(wp), intent(out) :: vector(:, :, :)   !! (3, n, 4) force, u_t, normal, normal force
       real(wp), intent(out) :: xi(:, :)          !! (2, n)
       integer, intent(out) :: status(:)
       integer :: i, k, d
@@ -282,11 +286,15 @@ contains
          k = part%point_of(field%node(i))
          if (k == 0) cycle
          vector(:d, k, 1) = vector(:d, k, 1) + field%force(:, i)
+         vector(:d, k, 4) = vector(:d, k, 4) + dot_product(field%force(:, i), &
+            & field%normal(:, i))*field%normal(:, i)
+         if (allocated(field%friction_work)) scalar(6, k) = scalar(6, k) + field%friction_work(i)
          if (field%status(i) < 0) cycle
          if (status(k) >= 0) then
             if (field%gap(i) > scalar(2, k)) cycle
          end if
-         scalar(:, k) = [field%pressure(i), field%gap(i), field%u_n(i), field%weight(i)]
+         if (allocated(field%slip_path)) scalar(5, k) = field%slip_path(i)
+         scalar(:4, k) = [field%pressure(i), field%gap(i), field%u_n(i), field%weight(i)]
          vector(:d, k, 2) = field%u_t(:, i)
          vector(:d, k, 3) = field%normal(:, i)
          xi(:, k) = field%xi(:, i)

@@ -57,6 +57,7 @@ def test_the_path_decides_the_force(pull, sheet):
 YIELD = "*PLASTIC\n200., 0.\n"
 LAWS = {"coulomb": ("*FRICTION\n0.3,", 30.0), "tresca": ("*FRICTION, LAW=TRESCA\n0.2,", 23.0940107675850),
         "orowan": ("*FRICTION, LAW=COULOMB-OROWAN\n0.3, 0.2", 23.0940107675850),
+        "cristescu": ("*FRICTION, LAW=CRISTESCU\n0.2,", 0.2*100.0/3.0**0.5),
         "norton-hoff": ("*FRICTION, LAW=NORTON-HOFF\n5., 0.2", 5.74349177498517),
         "arctan": ("*FRICTION, REGULARIZATION=ARCTAN, V0=2.\n0.3,", 15.0),
         "rough": ("*FRICTION, ROUGH", None)}
