@@ -74,9 +74,6 @@ contains
       real(wp), allocatable :: u_known(:), internal(:), right(:), y(:), load(:), moving(:), &
          & gap(:)
       real(wp), allocatable :: v(:)
-      real(wp) :: change
-      integer :: pass
-      logical :: reads_stress
 
       allocate (u_known(scene%dofs%n), internal(scene%dofs%n), right(scene%constraints%neq), &
          & v(scene%constraints%neq))

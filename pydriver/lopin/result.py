@@ -10,8 +10,9 @@ from .errors import UsageError
 
 #: Full words for the words of the deck; both are understood.
 WORDS = {"displacement": "U", "reaction": "RF", "stress": "S", "mises": "Mises",
-         "pressure": "CPRESS", "gap": "COPEN", "status": "CSTATUS", "force": "FORCE", "normal_force": "R_n",
-         "tangential_force": "R_t", "slip_path": "SLIP_PATH", "friction_work": "FRICTION_WORK",
+         "pressure": "CPRESS", "gap": "COPEN", "status": "CSTATUS", "force": "FORCE",
+         "normal_force": "R_n", "tangential_force": "R_t", "slip_path": "SLIP_PATH",
+         "friction_work": "FRICTION_WORK",
          "normal": "NORMAL", "weight": "WEIGHT", "normal_displacement": "u_n",
          "tangential_displacement": "u_t", "x": "X"}
 OPEN, STICK, SLIP, TIED = 0, 1, 2, 3
