@@ -18,7 +18,7 @@ from .errors import (
     UsageError,
 )
 from .folder import Folder
-from .laws import Augmented, Elastic, Lagrange, Penalty, Perturbed
+from .laws import Augmented, Elastic, Lagrange, NeoHooke, Penalty, Perturbed
 from .mesh import Mesh, together
 from .mesh_read import from_meshio, read_mesh
 from .model import Model
@@ -28,8 +28,9 @@ from .run import check, run
 __version__ = "0.1.0"
 __all__ = [
     "Augmented", "Block", "Deck", "DeckError", "Elastic", "Folder", "InternalError", "Interrupted",
-    "Lagrange", "LopinError", "Mesh", "Model", "ModelError", "NotConvergedError", "Penalty",
-    "Perturbed", "ResourceError", "Result", "SingularError", "UsageError", "check", "closed_form",
+    "Lagrange", "LopinError", "Mesh", "Model", "ModelError", "NeoHooke", "NotConvergedError",
+    "Penalty", "Perturbed", "ResourceError", "Result", "SingularError", "UsageError", "check",
+    "closed_form",
     "from_meshio", "keywords", "mesh_make", "open_result", "profile", "read_mesh", "reference",
     "run", "together",
 ]

@@ -28,6 +28,34 @@ class Elastic:
 
 
 @dataclass(frozen=True)
+class NeoHooke:
+    """Rubber: W = c10 (I1bar - 3) + (J - 1)^2/d1; needs ``step(nlgeom=True)``.
+
+    >>> round(NeoHooke(0.5, 0.02).poisson, 4)
+    0.495
+    """
+
+    c10: float              #: half the shear modulus, > 0 [stress]
+    d1: float               #: twice the inverse of the bulk modulus, > 0 [1/stress]
+    density: float = 0.0    #: for gravity [mass/length^3]
+
+    def __post_init__(self):
+        if not self.c10 > 0.0 or not self.d1 > 0.0:
+            raise UsageError(f"C10 and D1 must be positive, not {self.c10:g} and {self.d1:g}")
+
+    @property
+    def poisson(self) -> float:
+        """Poisson's ratio of small strains."""
+        ratio = self.c10*self.d1        # shear over bulk modulus
+        return (3.0 - 2.0*ratio)/(6.0 + 2.0*ratio)
+
+    def add_to(self, deck: Deck) -> None:
+        deck.add("HYPERELASTIC", [[self.c10, self.d1]], neo_hooke=True)
+        if self.density:
+            deck.add("DENSITY", [[self.density]])
+
+
+@dataclass(frozen=True)
 class Lagrange:
     """Exact contact: multipliers are unknowns, nothing penetrates."""
 

@@ -8,7 +8,7 @@ import numpy as np
 
 from .deck import Deck
 from .errors import ModelError, UsageError
-from .laws import Elastic, Lagrange, method_of
+from .laws import Elastic, Lagrange, NeoHooke, method_of
 from .mesh import Mesh
 from .profile import Profile
 from .step import Step, direction
@@ -54,7 +54,7 @@ class Model:
     mesh: Mesh
     kind: str = "plane strain"
     units: str = ""
-    sections: list[tuple[str, Elastic, float, bool]] = field(default_factory=list)
+    sections: list[tuple[str, Elastic | NeoHooke, float, bool]] = field(default_factory=list)
     tools: list[Tool] = field(default_factory=list)
     contacts: list[dict] = field(default_factory=list)
     fixed: list[tuple[str, int]] = field(default_factory=list)
@@ -69,7 +69,7 @@ class Model:
             least = self.mesh.points[:, 0].min()
             raise ModelError(f"axisymmetric points need r >= 0, not {least:g}")
 
-    def section(self, elements: str, material: Elastic, thickness: float = 1.0, *,
+    def section(self, elements: str, material: Elastic | NeoHooke, thickness: float = 1.0, *,
                 full_integration: bool = False) -> None:
         """Give a material to an element set; linear quads and bricks use B-bar by default."""
         self._known(elements, "element")
@@ -107,9 +107,12 @@ class Model:
         name = self.point_set(points)
         self.fixed += [(name, self.dof(d)) for d in directions]
 
-    def step(self, increments: int = 1, time: float = 1.0) -> Step:
-        """Append a step: what changes until its end, linearly in time."""
-        self.steps.append(Step(self, increments, time))
+    def step(self, increments: int = 1, time: float = 1.0, *, nlgeom: bool = False) -> Step:
+        """Append a step: what changes until its end, linearly in time.
+
+        `nlgeom`: finite rotation, strain and sliding, in this step and all later ones.
+        """
+        self.steps.append(Step(self, increments, time, nlgeom))
         return self.steps[-1]
 
     def dof(self, name: str | int) -> int:

@@ -104,7 +104,7 @@ def _write_supports(deck: Deck, model: Model) -> None:
 
 def _write_step(deck: Deck, step: Step) -> None:
     size = step.time/step.increments
-    deck.add("STEP", inc=max(100, 20*step.increments))
+    deck.add("STEP", nlgeom=step.nlgeom, inc=max(100, 20*step.increments))
     deck.add("STATIC", [[size, step.time, 1e-6*step.time, size]])
     if step.moves:
         deck.add("BOUNDARY", [[name, dof, dof, value] for name, dof, value in step.moves])

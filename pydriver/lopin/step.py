@@ -31,11 +31,12 @@ def direction(name: str | int, kind: str) -> int:
 class Step:
     """Made by `Model.step`; every method returns the step."""
 
-    def __init__(self, model: Model, increments: int, time: float):
+    def __init__(self, model: Model, increments: int, time: float, nlgeom: bool = False):
         if increments < 1 or time <= 0.0:
             raise UsageError(
                 f"a step needs increments >= 1 and time > 0, not {increments} and {time}")
         self.model, self.increments, self.time = model, increments, time
+        self.nlgeom = nlgeom
         self.moves: list[tuple[str, int, float]] = []
         self.forces: list[tuple[str, int, float]] = []
         self.pressures: list[tuple[str, float]] = []
