@@ -1,8 +1,29 @@
 """Closed-form solutions to compare with: functions of the scene's parameters.
 
 Half-spaces are in `closed_hertz`, bodies and structures in `closed_solids`, exact fields of a
-unilateral support in `closed_signorini`; all are named here.
+unilateral support in `closed_signorini`, friction in `closed_friction` and `closed_punch`; all are
+named here.
 """
+from .closed_friction import (
+    CattaneoLine,
+    MindlinPoint,
+    NodeState,
+    RotatingSlider,
+    arctan_creep,
+    capstan,
+    cattaneo_line,
+    dragged_tractions,
+    mindlin_point,
+    one_node,
+    rotating_slider,
+    shrink_fit_torque,
+    slider_path,
+    stick_slip_energy,
+    triangle_unique_below,
+    triangle_unique_below_least,
+    unique_below,
+    wedge_stays,
+)
 from .closed_hertz import (
     RIGID,
     ConeContact,
@@ -23,6 +44,12 @@ from .closed_hertz import (
     hertz_point_approach,
     hertz_sphere_plane,
     relative_radius,
+)
+from .closed_punch import (
+    dundurs_rigid,
+    punch_stick,
+    punch_stick_uncoupled,
+    punch_tractions,
 )
 from .closed_signorini import PlaneField, signorini_singular, signorini_smooth
 from .closed_solids import (
