@@ -20,6 +20,7 @@ module lopin_mortar_facet_3d
    type :: facet_coupling_type
       integer :: ns = 0                              !! nodes of the slave facet
       integer :: nm = 0                              !! different nodes of its masters
+      integer :: topology = 0                        !! changes where the slopes jump
       integer, allocatable :: node(:)                !! (ns + nm) mesh nodes, the slave's first
       real(wp), allocatable :: d(:)                  !! (ns) [length^2]
       real(wp), allocatable :: m(:, :)               !! (ns, nm) [length^2]
@@ -94,6 +95,7 @@ contains
       n = size(way)
       call integrate_overlap(kernel, slave, x(:, self%node(:ns)), normal(:, :ns), master, &
          & x(:, node), own, slopes)
+      self%topology = mod(31*self%topology + own%topology, 1000003)
       sums%me = sums%me + own%me(:ns, :ns)
       self%d = self%d + own%d(:ns)
       do j = 1, ns

@@ -20,6 +20,7 @@ module lopin_mortar_rows_3d
    !> Directions: x, y, z of of(1), of of(2), ...
    type :: mortar_row_type
       integer :: node = 0                          !! mesh node of the slave; 0: it meets nothing
+      integer :: topology = 0                      !! of its cells: the slopes jump where it changes
       integer, allocatable :: of(:)                !! (n) mesh nodes that the row depends on
       real(wp), allocatable :: c(:)                !! (n) [length^2]
       real(wp), allocatable :: c_slope(:, :)       !! (3n, n) [length]
@@ -33,19 +34,21 @@ module lopin_mortar_rows_3d
 
 contains
 
-   !> Rows of all slave nodes; the overlaps are those found at x.
-   subroutine new_mortar_rows(row, kernel, rules, slave, master, x, list)
+   !> Rows of all slave nodes; the overlaps are those found at x. With the rows of the last
+   !> increment, those nodes count as well (for lopin_mortar_traction_3d).
+   subroutine new_mortar_rows(row, kernel, rules, slave, master, x, list, before)
       type(mortar_row_type), allocatable, intent(out) :: row(:)   !! (slave%nnode)
       type(mortar_kernel_type), intent(in) :: kernel
       type(facet_rule_type), intent(in) :: rules(:)     !! from new_facet_rules
       type(surface_type), intent(in) :: slave, master
       real(wp), intent(in) :: x(:, :)                   !! (3, all mesh nodes) [length]
       type(overlap_list_type), intent(in) :: list
+      type(mortar_row_type), intent(in), optional :: before(:)    !! (slave%nnode)
       type(facet_coupling_type) :: facet
       integer :: from, to, i
 
       allocate (row(slave%nnode))
-      call reserve_rows(row, slave, master, list)
+      call reserve_rows(row, slave, master, list, before)
       from = 1
       do while (from <= list%n)
          to = from
@@ -68,10 +71,11 @@ contains
    end subroutine new_mortar_rows
 
    !> The nodes of each row: all of its facets, and of the masters that those meet.
-   subroutine reserve_rows(row, slave, master, list)
+   subroutine reserve_rows(row, slave, master, list, before)
       type(mortar_row_type), intent(inout) :: row(:)
       type(surface_type), intent(in) :: slave, master
       type(overlap_list_type), intent(in) :: list
+      type(mortar_row_type), intent(in), optional :: before(:)
       integer :: i, j, k, n
 
       do i = 1, list%n
@@ -92,6 +96,9 @@ contains
       end do
       do j = 1, size(row)
          if (row(j)%node == 0) cycle
+         if (present(before)) then
+            if (before(j)%node > 0) call join(row(j)%of, before(j)%of)
+         end if
          n = size(row(j)%of)
          allocate (row(j)%c(n), row(j)%c_slope(3*n, n), row(j)%weight_slope(3*n), &
             & row(j)%normal_slope(3, 3*n), row(j)%gap_slope(3*n), source=0.0_wp)
@@ -127,6 +134,7 @@ contains
                at(k) = findloc(r%of, facet%node(k), dim=1)
                way(3*k - 2:3*k) = 3*at(k) + [-2, -1, 0]
             end do
+            r%topology = mod(31*r%topology + facet%topology, 1000003)
             r%weight = r%weight + facet%d(j)
             r%weight_slope(way) = r%weight_slope(way) + facet%d_slope(:, j)
             call own_terms(rule, j, end, factor)

@@ -10,6 +10,7 @@ program test_mortar_rows_3d
    use lopin_mortar_cells_3d, only : mortar_kernel_type, new_mortar_kernel
    use lopin_mortar_overlaps_3d, only : find_overlaps_3d
    use lopin_mortar_rows_3d, only : mortar_row_type, new_mortar_rows
+   use lopin_mortar_traction_3d, only : slip_of_row, forces_of_row
    use lopin_mortar, only : mortar_coupling_type, couple
    use lopin_rigid_motion, only : rotation_matrix
    use check, only : test, close_to, is_true, finish
@@ -32,6 +33,7 @@ program test_mortar_rows_3d
          call set_scene(i, j)
          call rows_close(trim(cell_names(i))//' on '//trim(cell_names(j)))
          call slopes_equal_differences(trim(cell_names(i))//' on '//trim(cell_names(j)))
+         call forces_follow(trim(cell_names(i))//' on '//trim(cell_names(j)))
       end do
    end do
    print '("   largest difference of slopes ",es9.1)', worst
@@ -247,6 +249,73 @@ contains
          deallocate (c, g, d, n)
       end do
    end subroutine slopes_equal_differences
+
+   !> Springs along the normal and along the slip: forces, their sum, their tangent.
+   subroutine forces_follow(name)
+      character(len=*), intent(in) :: name
+      type(mortar_row_type), allocatable :: before(:), row(:)
+      real(wp), parameter :: w(4) = [1.0_wp, -8.0_wp, 8.0_wp, -1.0_wp]/12.0_wp
+      real(wp), parameter :: h = 5.0e-5_wp
+      real(wp), allocatable :: force(:), k(:, :), slope(:, :), difference(:), other(:, :)
+      real(wp) :: slip(3), turn(3, 3), way(3), start(3, size(x, 2))
+      integer :: a, at, m, n, q, topology
+      logical :: kink
+
+      call test(name//': slip and forces')
+      call new_mortar_rows(before, kernel, rules, slave, master, x, list)
+      start = x
+      turn = rotation_matrix([0.2_wp, 0.9_wp, -0.4_wp])
+      x = matmul(turn, x) + 0.3_wp
+      call new_mortar_rows(row, kernel, rules, slave, master, x, list, before)
+      m = (size(row) + 1)/2
+      allocate (slope(3, 3*size(row(m)%of)))
+      call slip_of_row(row(m), before(m), x, slip, slope)
+      call close_to('a rigid motion slips nowhere', slip, spread(0.0_wp, 1, 3), 1.0e-12_wp)
+      x = start
+      way = 0.01_wp*cross(before(m)%normal, [0.3_wp, 0.5_wp, 0.9_wp])
+      x(:, slave%node) = x(:, slave%node) + spread(way, 2, slave%nnode)
+      call new_mortar_rows(row, kernel, rules, slave, master, x, list, before)
+      call slip_of_row(row(m), before(m), x, slip, slope)
+      call close_to('the slip of the slave', slip/norm2(way), way/norm2(way), 0.2_wp)
+      n = 3*size(row(m)%of)
+      allocate (force(n), k(n, n), other(n, n), difference(n))
+      call press(row(m), before(m), force, k)
+      topology = row(m)%topology
+      do a = 1, 3
+         call close_to('equilibrium', sum(force(a::3)), 0.0_wp, 1.0e-12_wp)
+      end do
+      do a = 1, n, 7
+         difference = 0.0_wp
+         kink = .false.
+         at = row(m)%of((a + 2)/3)
+         do q = 1, 4
+            x(1 + mod(a - 1, 3), at) = x(1 + mod(a - 1, 3), at) + h*real(merge(q - 3, q - 2, &
+               & q < 3), wp)
+            call new_mortar_rows(row, kernel, rules, slave, master, x, list, before)
+            call press(row(m), before(m), force, other)
+            x(1 + mod(a - 1, 3), at) = x(1 + mod(a - 1, 3), at) - h*real(merge(q - 3, q - 2, &
+               & q < 3), wp)
+            difference = difference - w(q)/h*force
+            kink = kink .or. row(m)%topology /= topology
+         end do
+         if (kink) cycle
+         worst = max(worst, maxval(abs(difference - k(:, a))))
+         call close_to('tangent', difference, k(:, a), 1.0e-8_wp)
+      end do
+      x = start
+   end subroutine forces_follow
+
+   !> A normal and a tangential spring.
+   subroutine press(row, before, force, k)
+      type(mortar_row_type), intent(in) :: row, before
+      real(wp), intent(out) :: force(:), k(:, :)
+      real(wp) :: slip(3), slope(3, size(force))
+
+      call slip_of_row(row, before, x, slip, slope)
+      call forces_of_row(row, (0.4_wp - row%gap)*row%normal - 2.0_wp*slip, &
+         & (0.4_wp - row%gap)*row%normal_slope - spread(row%normal, 2, size(force)) &
+         & *spread(row%gap_slope, 1, 3) - 2.0_wp*slope, force, k)
+   end subroutine press
 
    pure function cross(a, b) result(c)
       real(wp), intent(in) :: a(3), b(3)
