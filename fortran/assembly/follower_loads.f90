@@ -11,8 +11,8 @@ module lopin_follower_loads
 
 contains
 
-   !> Add the forces of pressures on deformed faces to a vector of equations; `local` gets one matrix
-   !> d(-force)/du per load, with a spring of zero.
+   !> Add the forces of pressures on deformed faces to a vector of equations; `local` gets one
+   !> matrix d(-force)/du per load, with a spring of zero.
    subroutine add_follower_loads(self, mesh, u, element, face, pressure, force, local)
       type(solids_type), intent(in) :: self
       type(mesh_type), intent(in) :: mesh

@@ -170,8 +170,8 @@ contains
       end do
    end subroutine push_forward
 
-   !> Mean dilatation: the pressures of the points act on the volume of the element as one. Kirchhoff
-   !> stress that does the same work.
+   !> Mean dilatation: the pressures of the points act on the volume of the element as one. The
+   !> Kirchhoff stress that does the same work.
    pure subroutine share_pressure(element, point, stress)
       type(element_type), intent(in) :: element
       type(point_type), intent(in) :: point(element%ngauss)
@@ -298,9 +298,9 @@ contains
       end if
    end subroutine strain_rows
 
-   !> Mean dilatation: the rate of the scaled deformation is the deviator of the rate plus a third of
-   !> the rate of ln v. Quadratic form of the energy in both: `c` on the strain rows, `coupling` between
-   !> them and ln v, `corner` on ln v, the change of the scaling included.
+   !> Mean dilatation: the rate of the scaled deformation is the deviator of the rate plus a third
+   !> of the rate of ln v. Quadratic form of the energy in both: `c` on the strain rows, `coupling`
+   !> between them and ln v, `corner` on ln v, the change of the scaling included.
    pure subroutine average_tangent(tangent, stress, mean, point, c, coupling, corner)
       real(wp), intent(in) :: tangent(:, :), stress(:)
       real(wp), intent(in) :: mean             !! of mean_pressure

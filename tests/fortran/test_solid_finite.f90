@@ -165,8 +165,8 @@ contains
          turned = matmul(q(:d, :d), x + u) - x
          call finite_element(element, law, x, turned, thickness, other, same, bad)
          call close_to('force', reshape(other, [element%ndof])/young, &
-            & reshape(matmul(q(:d, :d), reshape(force, [d, element%nnode])), [element%ndof])/young, &
-            & 1.0e-12_wp)
+            & reshape(matmul(q(:d, :d), reshape(force, [d, element%nnode])), &
+            & [element%ndof])/young, 1.0e-12_wp)
          call close_to('energy', same/young, energy/young, 1.0e-13_wp)
       end associate
    end subroutine rotations_need_no_force_and_turn_the_rest
