@@ -186,7 +186,7 @@ contains
       associate (surface => model%surface(model%pair(pair)%master))
          call new_facets(facets, model%mesh, cells, surface%element, surface%face)
       end associate
-      call new_surface(master, ndim, facets)
+      call new_surface(master, ndim, facets, model%pair(pair)%smooth)
       call update_surface(master, model%mesh%x, error)
       if (allocated(error)) return
       call build_tree(tree, master%low, master%high)

@@ -8,12 +8,15 @@ module lopin_finite_kernel
    use lopin_dofs, only : dofs_type
    use lopin_friction, only : friction_type, condition_type
    use lopin_contact_traction, only : grip_type, grip_kind, grip_status, traction_of
-   use lopin_contact_foot, only : facet_foot, tool_foot, tool_motion, turned, turned_back
+   use lopin_smooth_facet, only : most_stencil
+   use lopin_contact_foot, only : facet_foot, smooth_facet_foot, tool_foot, tool_motion, turned, turned_back
    use lopin_finite_points, only : finite_points_type
    use lopin_finite_opposite, only : opposite_type, anchor_type, masters_type
    implicit none
    private
    public :: local_matrix_type, point_state_type, evaluate_point
+
+   integer, parameter :: most_dofs = 3*(most_stencil + 8) + 12
 
    !> The exact tangent of one contact point.
    type :: local_matrix_type
@@ -37,9 +40,9 @@ module lopin_finite_kernel
    !> The inputs of a point in the order of its local dofs.
    type :: inputs_type
       integer :: n = 0, nu = 0
-      integer :: dof(96) = 0
+      integer :: dof(most_dofs) = 0
       integer :: slave(3) = 0                  !! input of each component; 0: it is held
-      integer :: master(3, 8) = 0, anchor(3, 8) = 0
+      integer :: master(3, most_stencil) = 0, anchor(3, 8) = 0
       integer :: reference(3) = 0, rotation(3) = 0, multiplier(3) = 0
    end type inputs_type
 
@@ -65,7 +68,7 @@ contains
       integer, intent(in) :: first_row         !! of the multiplier; 0: none
       logical, intent(in) :: with_tangent
       type(inputs_type) :: inputs
-      type(dual_type) :: force(96), row(3), gap, slip(3)
+      type(dual_type) :: force(most_dofs), row(3), gap, slip(3)
       real(wp) :: shear(3, 3)
       real(wp), allocatable :: along_gap(:), along_slip(:, :)
       integer :: block, from, width, d, k
@@ -105,7 +108,8 @@ contains
       !> Forces on the inputs, rows, gap and slip, with slopes along inputs from+1 and on.
       subroutine point_forces(from)
          integer, intent(in) :: from
-         type(dual_type) :: x(3), n(3), z(3), node(3, 8), shares(8), multiplier(3), to_anchor(3), &
+         type(dual_type) :: x(3), n(3), z(3), node(3, most_stencil), &
+            & shares(most_stencil), multiplier(3), to_anchor(3), &
             & rotation(3, 3), reference(3), y(3), arm(3), moment(3), turn(3)
          integer :: k, m
 
@@ -124,8 +128,14 @@ contains
                   node(k, m) = variable(masters%x(k, opposite%node(m)), inputs%master(k, m) - from)
                end do
             end do
-            call facet_foot(basis, opposite%cell, opposite%found, opposite%feature, opposite%size, &
-               & x, node(:, :opposite%nnode), gap, n, shares(:opposite%nnode))
+            if (allocated(opposite%stencil)) then
+               call smooth_facet_foot(basis, opposite%cell, opposite%found, opposite%feature, &
+                  & opposite%size, x, node(:, :opposite%nnode), opposite%stencil, gap, n, &
+                  & shares(:opposite%ncarry))
+            else
+               call facet_foot(basis, opposite%cell, opposite%found, opposite%feature, &
+                  & opposite%size, x, node(:, :opposite%nnode), gap, n, shares(:opposite%nnode))
+            end if
             to_anchor = x
             do m = 1, anchor%nnode
                do k = 1, d
@@ -174,7 +184,7 @@ contains
          z = points%weight(i)*z
          do k = 1, d
             call push(inputs%slave(k), z(k))
-            do m = 1, opposite%nnode
+            do m = 1, opposite%ncarry
                call push(inputs%master(k, m), (-1.0_wp)*(shares(m)*z(k)))
             end do
             call push(inputs%reference(k), (-1.0_wp)*z(k))

@@ -8,6 +8,7 @@ module lopin_finite_opposite
    use lopin_facet_basis, only : facet_basis_type, new_facet_basis
    use lopin_surface, only : surface_type, new_surface, update_surface
    use lopin_projection, only : place
+   use lopin_smooth_facet, only : stencil_type, most_stencil, is_smoothed
    use lopin_feature, only : projection_type, limits_type
    use lopin_search, only : tree_type, build_tree, refit_tree, find_projection
    use lopin_tool, only : foot_type
@@ -47,8 +48,10 @@ module lopin_finite_opposite
       real(wp) :: normal(3) = 0.0_wp               !! in the present
       type(projection_type) :: found               !! on a surface
       type(foot_type) :: foot                      !! on a tool, in its frame
-      integer :: nnode = 0
-      integer :: node(8) = 0                       !! of the facet
+      integer :: nnode = 0                         !! nodes that shape the facet
+      integer :: ncarry = 0                        !! the first of them carry it
+      integer :: node(most_stencil) = 0
+      type(stencil_type), allocatable :: stencil   !! of a smoothed facet
       integer :: cell = 0
       real(wp) :: size = 1.0_wp                    !! of the facet [length]
    end type opposite_type
@@ -94,7 +97,7 @@ contains
                cycle
             end if
             call new_facets(facets, model%mesh, cells, master%element, master%face)
-            call new_surface(m%surface, model%mesh%ndim, facets)
+            call new_surface(m%surface, model%mesh%ndim, facets, p%smooth)
             call update_surface(m%surface, model%mesh%x, error)
             if (allocated(error)) return
             call build_tree(m%tree, m%surface%low, m%surface%high)
@@ -207,7 +210,13 @@ contains
       self%normal = self%found%normal
       self%cell = surface%facets%cell(self%facet)
       self%nnode = surface%facets%nnode(self%facet)
+      self%ncarry = self%nnode
       self%node(:self%nnode) = surface%facets%node(:self%nnode, self%facet)
+      if (surface%smooth .and. is_smoothed(self%cell)) then
+         self%stencil = surface%stencil(self%facet)
+         self%nnode = self%stencil%n
+         self%node = self%stencil%node
+      end if
       self%size = surface%size(self%facet)
       if (self%found%place == place%edge) self%feature = edge_at(surface%basis%family(self%cell), &
          & self%found%xi)
@@ -263,8 +272,8 @@ contains
 
       self%set = opposite%facet > 0
       if (.not. self%set) return
-      self%nnode = opposite%nnode
-      self%node = opposite%node
+      self%nnode = opposite%ncarry
+      self%node = opposite%node(:8)
       self%share = opposite%found%shape
       self%y = opposite%foot%point
       self%gap = opposite%found%gap

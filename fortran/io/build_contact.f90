@@ -128,6 +128,10 @@ contains
       call get_word(block, 'TYPE', word, at, found)
       pair%surface_to_surface = pair%tied
       if (found) pair%surface_to_surface = word /= 'NODE TO SURFACE'
+      call get_word(block, 'SMOOTH', word, at, found)
+      if (found) pair%smooth = word == 'YES'
+      if (pair%smooth .and. pair%surface_to_surface) call model%log%say(severity%note, 'N0304', &
+         & 'SMOOTH curves the master where contact is at the nodes: mortar keeps its facets', at)
       call read_number(block, 'EXTENSION ZONE', pair%extension, model%log)
       if (pair%extension < 0.0_wp .or. pair%extension > 0.2_wp) then
          call get_word(block, 'EXTENSION ZONE', word, at, found)

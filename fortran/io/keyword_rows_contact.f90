@@ -40,7 +40,9 @@ contains
          & 'of a facet, 0 to 0.2.')
       call flag(table, 'NO THICKNESS', 'Shell thickness does not count; accepted.')
       call ignored_flag(table, 'HCRIT', 'Distance of an old search.')
-      call ignored_flag(table, 'SMOOTH', 'Smoothing of master edges.')
+      call choice(table, 'SMOOTH', 'YES,NO', 'NO', 'YES: linear facets of the master are curved '// &
+         & 'by averaged normals, joints up to 30 degrees; where contact is at the nodes.')
+      call bare_value(table, 'YES')
       call ignored_flag(table, 'MECHANICAL CONSTRAINT', 'Choice of Abaqus/Explicit.')
       call data_line(table, 'slave surface, master surface', 'One pair a line.')
       call example(table, '*CONTACT PAIR, INTERACTION=SMOOTH, TYPE=NODE TO SURFACE|TOP, PUNCH')
