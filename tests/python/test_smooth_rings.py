@@ -47,7 +47,8 @@ def pressures(folder, smooth, turn, finite=False, around=(48, 60)):
         "*ELEMENT, TYPE=CPE4, ELSET=OUTER", *others,
         "*MATERIAL, NAME=STEEL", "*ELASTIC", f"{E}, {NU}",
         "*SOLID SECTION, ELSET=INNER, MATERIAL=STEEL", "1.",
-        "*SOLID SECTION, ELSET=OUTER, MATERIAL=STEEL", "1.", "*SURFACE, NAME=SHAFT", "INNER,", "*SURFACE, NAME=HUB", "OUTER,"])
+        "*SOLID SECTION, ELSET=OUTER, MATERIAL=STEEL", "1.",
+        "*SURFACE, NAME=SHAFT", "INNER,", "*SURFACE, NAME=HUB", "OUTER,"])
     deck += "\n" + equations
     deck += "*NSET, NSET=FIT, GENERATE\n" + f"{last + 1}, {last + n_in}\n"
     deck += "*SURFACE INTERACTION, NAME=DRY\n*SURFACE BEHAVIOR, PRESSURE-OVERCLOSURE=HARD\n"
@@ -56,8 +57,9 @@ def pressures(folder, smooth, turn, finite=False, around=(48, 60)):
         deck += "*LOPIN, PATH=FINITE\n"
     deck += "*STEP\n*STATIC\n*CONTACT FILE\nCDIS, CSTR\n*CONTACT PRINT\nCDIS, CSTR\n*END STEP\n"
     (folder/"rings.inp").write_text(deck)
-    done = subprocess.run([find_executable(), "run", "rings.inp", "-o", ".", "--overwrite", "--quiet"],
-                          cwd=folder, capture_output=True, text=True, check=False)
+    done = subprocess.run(
+        [find_executable(), "run", "rings.inp", "-o", ".", "--overwrite", "--quiet"], cwd=folder,
+        capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr + deck[-800:]
     block = (folder/"rings.dat").read_text().split("contact stress")[1]
     rows = [line.split() for line in block.splitlines()[1:]]
