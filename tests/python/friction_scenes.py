@@ -90,3 +90,83 @@ S
 CDIS, CSTR
 *END STEP
 {steps}"""
+
+
+def rotating(steps: int, turns: int, friction: str = "*FRICTION\n0.3,", method: str = "DIRECT", radius: float = 0.2) -> str:
+    """A node pressed by 100 N on a floor, dragged by springs across whose ends go round in a circle."""
+    import math
+    cube = [(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0), (0, 0, 1), (1, 0, 1), (1, 1, 1), (0, 1, 1)]
+    bodies = {11: (0.0, 0.0, 0.0), 21: (-3.0, 0.0, 5.0), 31: (0.0, -3.0, 5.0)}
+    nodes = "\n".join(f"{first + i}, " + ", ".join(repr(float(a + b)) for a, b in zip(c, at))
+                      for first, at in bodies.items() for i, c in enumerate(cube))
+    links = [(n, d) for d in (1, 2) for n in range(12, 19)] + [(n, 3) for n in (12, 13, 14)]
+    links += [(21 + i, 1) for i, c in enumerate(cube) if c[0] == 1] + [(31 + i, 2) for i, c in enumerate(cube) if c[1] == 1]
+    equations = "".join(f"*EQUATION\n2\n{n}, {d}, 1., 11, {d}, -1.\n" for n, d in links)
+    angle = [2.0*math.pi*i/steps for i in range(turns*steps + 1)]
+    time = [2.0 + i/steps for i in range(turns*steps + 1)]
+    east = [(0.0, 0.0), (1.0, 0.0), *((t, radius*math.cos(a)) for t, a in zip(time, angle))]
+    north = [(0.0, 0.0), (2.0, 0.0), *((t, radius*math.sin(a)) for t, a in zip(time[1:], angle[1:]))]
+    return f"""*HEADING
+A slider whose load turns, N mm
+*NODE
+{nodes}
+9, 0., 0., 0.
+*ELEMENT, TYPE=C3D8, ELSET=ALL
+1, 11, 12, 13, 14, 15, 16, 17, 18
+2, 21, 22, 23, 24, 25, 26, 27, 28
+3, 31, 32, 33, 34, 35, 36, 37, 38
+*NSET, NSET=TOP
+15, 16, 17, 18
+*NSET, NSET=WEST
+21, 24, 25, 28
+*NSET, NSET=SOUTH
+31, 32, 35, 36
+*NSET, NSET=EASTERLY, GENERATE
+21, 28, 1
+*NSET, NSET=NORTHERLY, GENERATE
+31, 38, 1
+*NSET, NSET=REF
+9,
+*MATERIAL, NAME=M
+*ELASTIC
+1000., 0.
+*SOLID SECTION, ELSET=ALL, MATERIAL=M
+{equations}*SURFACE, NAME=FOOT, TYPE=NODE
+11, 1.
+*SURFACE, NAME=FLOOR, TYPE=CYLINDER
+0., 0., 0., 1., 0., 0.
+0., -1., 0.
+START, -10., 0.
+LINE, 10., 0.
+*RIGID BODY, ANALYTICAL SURFACE=FLOOR, REF NODE=REF
+*SURFACE INTERACTION, NAME=I
+*SURFACE BEHAVIOR, {method}
+{friction}
+*CONTACT PAIR, INTERACTION=I, SMALL SLIDING
+FOOT, FLOOR
+*AMPLITUDE, NAME=EAST
+{table(east)}
+*AMPLITUDE, NAME=NORTH
+{table(north)}
+*AMPLITUDE, NAME=PUSH
+0., 0., 1., 1., 100., 1.
+*BOUNDARY
+EASTERLY, 2, 3
+NORTHERLY, 1
+NORTHERLY, 3
+REF, 1, 6
+*STEP, INC={(turns + 4)*steps}
+*STATIC, DIRECT
+{1.0/steps!r}, {2.0 + turns!r}
+*BOUNDARY, AMPLITUDE=PUSH
+TOP, 3, 3, -0.1
+*BOUNDARY, AMPLITUDE=EAST
+WEST, 1, 1, 1.
+*BOUNDARY, AMPLITUDE=NORTH
+SOUTH, 2, 2, 1.
+*NODE FILE, FREQUENCY=1000
+U
+*CONTACT FILE, FREQUENCY=1000
+CDIS
+*END STEP
+"""

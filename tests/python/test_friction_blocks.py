@@ -102,3 +102,199 @@ def test_plate_on_a_rigid_plane(solve, sheet):
     for at, reference in ((0.0, 2.86e-2), (1.25, 2.72e-2), (5.0, 2.28e-2), (7.5, 1.98e-2), (11.25, 1.50e-2)):
         sheet.compare("C1 SSNV128", f"u_x at {at} mm", np.interp(at, x[order], u[order]), reference, 0.05,
                       source="mean of several codes (SSNV128, v6.04.128)")
+
+
+def test_a_load_that_turns_drags_the_node_behind(solve, sheet):
+    """C8: the lag and the energy of a turn; the error of backward steps is linear in their size."""
+    from friction_scenes import rotating
+    case, energy, lag = "C8 rotating load", [], []
+    for steps in (180, 360):
+        h = solve(lopin.Deck.parse(rotating(steps, 2), name="rotating")).history
+        at = [int(np.argmin(abs(h["time"] - t))) for t in (3.0, 4.0)]
+        energy.append(float(np.diff(h["energy.friction"][at])[0]))
+        lag.append(180.0 + np.degrees(np.arctan2(h["FLOOR.rf2"][-1], h["FLOOR.rf1"][-1])))
+        sheet.compare(case, f"{steps} increments a turn: size of the force",
+                      np.hypot(h["FLOOR.rf1"][-1], h["FLOOR.rf2"][-1]), 30.0, 1e-12)
+        assert max(h["iterations"]) <= 6
+    sheet.compare(case, "energy of a turn, 360 increments", energy[1], 37.2726, 3e-3)
+    sheet.compare(case, "energy of a turn, extrapolated", 2*energy[1] - energy[0], 37.2726, 1e-4)
+    sheet.compare(case, "lag in degrees, extrapolated", 2*lag[1] - lag[0], np.degrees(np.arccos(0.15)), 1e-3)
+
+
+def element(friction, kind="CPE3"):
+    """C4: one triangle whose free node stands on a floor; nearly incompressible and sheared."""
+    return f"""*HEADING
+One element
+*NODE
+1, 0., 0.
+2, 1., 0.
+3, -6., 1.
+9, 0., 0.
+*ELEMENT, TYPE={kind}, ELSET=ALL
+1, 1, 2, 3
+*MATERIAL, NAME=M
+*ELASTIC
+1000., 0.49
+*SOLID SECTION, ELSET=ALL, MATERIAL=M
+1.,
+*SURFACE, NAME=FOOT, TYPE=NODE
+1, 1.
+*SURFACE, NAME=FLOOR, TYPE=SEGMENTS
+START, -10., 0.
+LINE, 10., 0.
+*RIGID BODY, ANALYTICAL SURFACE=FLOOR, REF NODE=9
+*SURFACE INTERACTION, NAME=I
+*SURFACE BEHAVIOR, DIRECT
+*FRICTION
+{friction}
+*CONTACT PAIR, INTERACTION=I, SMALL SLIDING
+FOOT, FLOOR
+*BOUNDARY
+2, 1, 2
+3, 1, 2
+9, 1, 2
+9, 6
+*STEP
+*STATIC
+1., 1.
+*CLOAD
+1, 2, -1.
+1, 1, 0.1
+*CONTACT FILE
+CDIS
+*END STEP
+"""
+
+
+@pytest.mark.parametrize("mu", [0.2, 0.3])
+def test_wedging_is_said_with_its_critical_coefficient(solve, sheet, mu):
+    result = solve(lopin.Deck.parse(element(f"{mu},"), name="element"))
+    said = [d for d in result.summary["diagnostics"] if d["code"] == "W0520"]
+    assert len(said) == (mu > 0.2857)
+    if said:
+        assert "node 1 " in said[0]["message"]
+        sheet.compare("C4 one element", "critical coefficient as said",
+                      float(said[0]["message"].split()[-1]), 0.285714, 1e-5)
+
+
+def wedge(mu):
+    """C5: half of a wedge of 10 degrees on a wall; a weak spring would lift it."""
+    s, c = (float(f(np.radians(10.0))) for f in (np.sin, np.cos))
+    links = "".join(f"*EQUATION\n2\n{n}, 2, 1., 2, 2, -1.\n" for n in (1, 3, 4))
+    return f"""*HEADING
+A wedge
+*NODE
+1, 0., 0.
+2, 1., 0.
+3, 1., 1.
+4, 0., 1.
+5, 0., 5.
+6, 1., 5.
+7, 1., 6.
+8, 0., 6.
+9, 1., 0.
+*ELEMENT, TYPE=CPS4, ELSET=BODY
+1, 1, 2, 3, 4
+*ELEMENT, TYPE=CPS4, ELSET=SPRING
+2, 5, 6, 7, 8
+*MATERIAL, NAME=M
+*ELASTIC
+1000., 0.
+*SOLID SECTION, ELSET=BODY, MATERIAL=M
+1.,
+*MATERIAL, NAME=W
+*ELASTIC
+0.01, 0.
+*SOLID SECTION, ELSET=SPRING, MATERIAL=W
+1.,
+{links}*EQUATION
+2
+3, 1, 1., 2, 1, -1.
+*EQUATION
+2
+5, 2, 1., 2, 2, -1.
+*EQUATION
+2
+6, 2, 1., 2, 2, -1.
+*SURFACE, NAME=FOOT, TYPE=NODE
+2, 1.
+*SURFACE, NAME=WALL, TYPE=SEGMENTS
+START, {1 - s!r}, {-c!r}
+LINE, {1 + s!r}, {c!r}
+*RIGID BODY, ANALYTICAL SURFACE=WALL, REF NODE=9
+*SURFACE INTERACTION, NAME=I
+*SURFACE BEHAVIOR, DIRECT
+*FRICTION
+{mu},
+*CONTACT PAIR, INTERACTION=I, SMALL SLIDING
+FOOT, WALL
+*AMPLITUDE, NAME=PUSH
+0., 0., 1., 1., 2., 0.
+*BOUNDARY
+1, 1
+4, 1
+5, 1
+6, 1
+7, 1, 2
+8, 1, 2
+9, 1, 2
+9, 6
+*STEP, INC=100
+*STATIC, DIRECT
+0.1, 2.
+*CLOAD, AMPLITUDE=PUSH
+2, 2, -20.
+*CONTACT FILE
+CDIS
+*END STEP
+"""
+
+
+@pytest.mark.parametrize("mu", [0.17, 0.2])
+def test_a_wedge_stays_where_its_angle_is_below_that_of_friction(solve, sheet, mu):
+    result = solve(lopin.Deck.parse(wedge(mu), name="wedge"))
+    h = result.history
+    pressed = h["FOOT-WALL.max_pressure"]
+    assert pressed.max() > 10.0
+    if mu > np.tan(np.radians(10.0)):
+        assert pressed[-1] > 10.0
+    else:
+        sheet.compare("C5 wedge", "tan 10 > mu: pressure left", pressed[-1]/pressed.max(), 0.0, 1e-3, absolute=True)
+
+
+def test_a_block_dragged_by_its_sole_slips_under_mu_p(solve, sheet):
+    """B3: displacements along the floor are prescribed at all slave nodes: nothing there deforms."""
+    text = plate(4, "*FRICTION\n0.3,", increments=4)
+    text = text[:text.index("*BOUNDARY\n5, 1")] + "*BOUNDARY\n99999, 1, 2\n99999, 6\n*STEP\n*STATIC, DIRECT\n0.25, 1.\n" \
+        "*BOUNDARY\nSOLE, 1, 1, 0.01\n*DLOAD\nHIGH, P3, 50.\n*NODE FILE\nU\n*CONTACT FILE\nCDIS\n*END STEP\n"
+    text = text.replace("*MATERIAL, NAME=M", "*NSET, NSET=SOLE\n1, 2, 3, 4, 5\n*MATERIAL, NAME=M")
+    result = solve(lopin.Deck.parse(text, name="dragged"))
+    x, status, q, p = field(result)
+    sheet.compare("B3 friction patch", "dragged: largest | |t|/(mu p) - 1 |", abs(abs(q)/(0.3*p) - 1).max(), 0.0, 1e-10,
+                  absolute=True)
+    assert (status == 2).all()
+
+
+def test_a_patch_that_sticks_carries_uniform_shear(solve, sheet):
+    """B3: a block that sticks under tau = 0.5 mu p on all its outer faces: sigma_xy is uniform."""
+    n, p, tau = 4, 50.0, 7.5
+    size = 40.0/n
+    force = {}
+    for i in range(n):
+        for a, b in ((i, i + 1),):
+            for k in (a, b):
+                force[n*(n + 1) + k + 1, 1] = force.get((n*(n + 1) + k + 1, 1), 0.0) + 0.5*size*tau
+                force[k*(n + 1) + n + 1, 2] = force.get((k*(n + 1) + n + 1, 2), 0.0) + 0.5*size*tau
+                force[k*(n + 1) + 1, 2] = force.get((k*(n + 1) + 1, 2), 0.0) - 0.5*size*tau
+    loads = "\n".join(f"{node}, {d}, {v!r}" for (node, d), v in force.items())
+    text = plate(n, "*FRICTION\n0.3,", increments=1)
+    head = text[:text.index("*BOUNDARY\n5, 1")] + "*BOUNDARY\n99999, 1, 2\n99999, 6\n"
+    head = head.replace("130000., 0.2", "130000., 0.")
+    steps = "*STEP\n*STATIC\n1., 1.\n*DLOAD\nHIGH, P3, 50.\n*END STEP\n*STEP\n*STATIC, DIRECT\n0.5, 1.\n*CLOAD\n" + loads \
+        + "\n*NODE FILE\nU\n*EL FILE\nS\n*CONTACT FILE\nCDIS\n*END STEP\n"
+    result = solve(lopin.Deck.parse(head + steps, name="patch"))
+    x, status, q, pressure = field(result)
+    assert (status == 1).all()
+    sheet.compare("B3 friction patch", "stuck: largest error of the shear", abs(abs(q) - tau).max()/tau, 0.0, 1e-10, absolute=True)
+    slip = np.asarray(result.contact().last["SLIP_PATH"]).ravel()
+    sheet.compare("B3 friction patch", "stuck: largest slip [mm]", slip.max(), 0.0, 1e-10, absolute=True)
