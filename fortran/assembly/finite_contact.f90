@@ -10,7 +10,7 @@ module lopin_finite_contact
    use lopin_facet_basis, only : facet_basis_type
    use lopin_model, only : model_type, method_of, overclosure_of
    use lopin_dofs, only : dofs_type
-   use lopin_friction, only : friction_type, condition_type, has_friction
+   use lopin_friction, only : friction_type, condition_type, has_friction, friction_radius
    use lopin_contact_traction, only : grip_type, grip_kind
    use lopin_contact_points, only : pair_is_tied
    use lopin_enforcement_law, only : law_type, new_exponential, new_tabular
@@ -27,6 +27,8 @@ module lopin_finite_contact
    !> only conditions the system; shear beside normal stiffness.
    real(wp), parameter :: default_penalty = 100.0_wp, scale_of_exact = 10.0_wp
    real(wp), parameter :: shear_share = 1.0_wp/3.0_wp
+   !> A point farther from its master, in facets, is not tied unless ADJUST says so.
+   real(wp), parameter :: too_far = 0.5_wp
    !> Penalties up to this, in moduli over a facet, are springs.
    real(wp), parameter :: soft_enough = 20.0_wp
 
@@ -69,6 +71,7 @@ module lopin_finite_contact
       real(wp), allocatable :: last_normal(:, :)
       real(wp), allocatable :: creep(:, :)     !! (3, n) slip from the stick anchor [length]
       logical, allocatable :: closed(:)
+      logical, allocatable :: loose(:)         !! of a tied pair, but too far to be tied
    end type finite_contact_type
 
 contains
@@ -92,7 +95,7 @@ contains
          & self%friction_work(n), self%lambda(3, n), self%last_normal(3, n), self%creep(3, n), &
          & self%c(n), self%ct(n), source=0.0_wp)
       allocate (self%facet(n), self%status(n), self%first_row(n), source=0)
-      allocate (self%bilateral(n), self%closed(n), source=.false.)
+      allocate (self%bilateral(n), self%closed(n), self%loose(n), source=.false.)
       allocate (self%pair_active(size(model%pair)), source=.true.)
       allocate (self%grip(n), self%anchor(n), self%opposite(n), self%trial(n), self%local(n))
       allocate (self%friction(size(model%pair)))
@@ -142,7 +145,9 @@ contains
                if (.not. slope > 0.0_wp) slope = default_penalty*own*way%scale
                ! A stiff penalty in its mixed form: the same equations, without its loss of digits,
                ! and Newton does not hop between stick and slip (measured: 5 iterations for 24).
-               if (g%kind == grip_kind%penalty .and. slope > soft_enough*own) &
+               ! So is one that sticks exactly, or by a slip that the deck gives.
+               if (g%kind == grip_kind%penalty .and. (slope > soft_enough*own .or. f%exact_stick &
+                  & .or. f%elastic_slip > 0.0_wp .or. f%slip_tolerance > 0.0_wp)) &
                   & g%kind = grip_kind%perturbed
                if (way%method /= method_of%lagrange) then
                   if (.not. way%slope > 0.0_wp .and. .not. said) then
@@ -160,6 +165,7 @@ contains
                      g%ct = g%shear_slope
                   end if
                end if
+               call choose_stick(g, f, self%size(i))
                if (way%overclosure == overclosure_of%exponential) then
                   g%kind = grip_kind%overclosure
                   call new_exponential(law, way%table(1, 1), way%table(2, 1))
@@ -177,6 +183,36 @@ contains
       end associate
    end subroutine choose_grips
 
+   !> What the deck says of the slip before sliding, where the traction is an unknown.
+   subroutine choose_stick(grip, friction, facet)
+      type(grip_type), intent(inout) :: grip
+      type(friction_type), intent(in) :: friction
+      real(wp), intent(in) :: facet            !! [length]
+
+      if (grip%kind /= grip_kind%lagrange .and. grip%kind /= grip_kind%perturbed) return
+      grip%elastic_slip = friction%elastic_slip
+      if (.not. grip%elastic_slip > 0.0_wp) grip%elastic_slip = friction%slip_tolerance*facet
+      if (friction%stick_slope > 0.0_wp) grip%shear_slope = friction%stick_slope
+      if (friction%stick_slope > 0.0_wp .or. friction%exact_stick) grip%elastic_slip = 0.0_wp
+      if (friction%exact_stick .or. grip%elastic_slip > 0.0_wp) grip%shear_slope = 0.0_wp
+   end subroutine choose_stick
+
+   !> The elastic slip that the committed traction holds.
+   pure subroutine remember_elastic(grip, friction, normal)
+      type(grip_type), intent(inout) :: grip
+      type(friction_type), intent(in) :: friction
+      real(wp), intent(in) :: normal(3)
+      real(wp) :: p, radius, slope
+
+      grip%elastic = 0.0_wp
+      if (.not. grip%elastic_slip > 0.0_wp) return
+      p = dot_product(grip%committed, normal)
+      call friction_radius(friction, p, condition_type(held=grip%bilateral, yield=grip%yield), &
+         & radius, slope)
+      if (.not. radius > 0.0_wp .or. .not. radius < huge(1.0_wp)) return
+      grip%elastic = -grip%elastic_slip/radius*(grip%committed - p*normal)
+   end subroutine remember_elastic
+
    !> Search from the accepted state; anchors of friction; tractions turned with the normals.
    subroutine start_increment(self, model, u, dt, error)
       type(finite_contact_type), intent(inout) :: self
@@ -192,7 +228,8 @@ contains
       do i = 1, self%n
          call find_opposite(self%opposite(i), self%masters, model, self%finite_points_type, i)
          if (.not. (self%grip(i)%kind == grip_kind%tied .and. self%anchor(i)%set)) &
-            & call anchor_of(self%anchor(i), self%opposite(i))
+            & call take_anchor(self, model, i)
+         if (self%opposite(i)%facet > 0) self%masters%part(i) = self%opposite(i)%foot%segment
          associate (g => self%grip(i))
             g%ct = self%ct(i)
             g%c = self%c(i)
@@ -206,9 +243,24 @@ contains
             g%bilateral = self%closed(i) &
                & .and. model%interaction(model%pair(self%pair(i))%interaction)%no_separation
             self%bilateral(i) = g%bilateral .or. g%kind == grip_kind%tied
+            g%yield = self%yield(i)
+            call remember_elastic(g, self%friction(self%pair(i)), self%opposite(i)%normal)
          end associate
       end do
    end subroutine start_increment
+
+   !> The point opposite; tied points keep it, and those too far from it are never tied.
+   subroutine take_anchor(self, model, i)
+      type(finite_contact_type), intent(inout) :: self
+      type(model_type), intent(in) :: model
+      integer, intent(in) :: i
+
+      call anchor_of(self%anchor(i), self%opposite(i))
+      if (self%grip(i)%kind /= grip_kind%tied) return
+      self%loose(i) = .not. self%anchor(i)%set
+      if (self%anchor(i)%set) self%loose(i) = abs(self%anchor(i)%gap) > max(too_far*self%size(i), &
+         & model%pair(self%pair(i))%adjust)
+   end subroutine take_anchor
 
    !> The least rotation that takes one unit vector to another, applied to a third vector.
    pure subroutine turn(from, to, v)
@@ -253,6 +305,7 @@ contains
          else
             self%opposite(i)%facet = 0
          end if
+         if (self%loose(i)) self%opposite(i)%facet = 0
          self%facet(i) = self%opposite(i)%facet
          if (self%facet(i) == 0) then
             call stay_open(self, i, d, lambda, with_tangent)
@@ -262,6 +315,7 @@ contains
          shift = self%shift(i) + (1.0_wp - self%interference)*self%overclosure(i) &
             & - model%interaction(model%pair(self%pair(i))%interaction)%clearance
          at%yield = self%yield(i)
+         at%held = self%grip(i)%bilateral
          self%nlocal = self%nlocal + 1
          call evaluate_point(self%trial(i), self%local(self%nlocal), model, self%dofs, self%basis, &
             & self%masters, self%finite_points_type, i, self%opposite(i), self%anchor(i), &

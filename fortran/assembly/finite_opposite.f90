@@ -7,7 +7,7 @@ module lopin_finite_opposite
    use lopin_facets, only : facets_type, facet_rule_type, new_facets, new_facet_rules, nodal_normals
    use lopin_facet_basis, only : facet_basis_type, new_facet_basis
    use lopin_surface, only : surface_type, new_surface, update_surface
-   use lopin_projection, only : place
+   use lopin_projection, only : place, facet_unit_normal
    use lopin_smooth_facet, only : stencil_type, most_stencil, is_smoothed
    use lopin_feature, only : projection_type, limits_type
    use lopin_search, only : tree_type, build_tree, refit_tree, find_projection
@@ -23,6 +23,8 @@ module lopin_finite_opposite
 
    !> Slave and master must face each other better than this.
    real(wp), parameter :: facing = -0.2_wp
+   !> Sine below which an arm is square to its facet.
+   real(wp), parameter :: square = 1.0e-6_wp
 
    type :: master_type
       integer :: tool = 0, body = 0                !! of the model; 0: none
@@ -40,6 +42,7 @@ module lopin_finite_opposite
       type(facet_rule_type) :: rules(6)
       real(wp), allocatable :: x(:, :)             !! (ndim, nnode) present places [length]
       real(wp), allocatable :: side(:, :)          !! (3, npoint) slave normals, start of increment
+      integer, allocatable :: part(:)   !! (npoint) segment of the tool met last; 0: none yet
    end type masters_type
 
    type :: opposite_type
@@ -170,7 +173,10 @@ contains
       real(wp), allocatable :: normal(:, :)
       integer :: pair, i
 
-      if (.not. allocated(self%side)) allocate (self%side(3, points%n))
+      if (.not. allocated(self%side)) then
+         allocate (self%side(3, points%n))
+         allocate (self%part(points%n), source=0)
+      end if
       self%side = 0.0_wp
       allocate (normal(model%mesh%ndim, model%mesh%nnode))
       do pair = 1, size(model%pair)
@@ -192,11 +198,13 @@ contains
 
       associate (m => masters%of(points%pair(i)), x => masters%x(:, points%node(i)))
          if (m%tool > 0) then
-            call find_on_tool(self, m, model, masters%side(:, i), points%size(i), points%entry(i), x)
+            call find_on_tool(self, m, model, masters%side(:, i), points%size(i), points%entry(i), &
+               & parts_of(masters, points, i), x)
          else if (.not. is_self_contact(model%pair(points%pair(i)))) then
             call find_projection(m%surface, m%tree, x, masters%side(:model%mesh%ndim, i), &
                & m%limits, self%found)
             call take_facet(self, m%surface)
+            if (self%facet > 0) call mark_shared_edge(self, m%surface, x)
          end if
       end associate
    end subroutine find_opposite
@@ -222,6 +230,25 @@ contains
          & self%found%xi)
    end subroutine take_facet
 
+   !> Beyond the perimeter a foot may lie on an edge that two continued facets share: the arm is not
+   !> square to the facet then, and the foot moves along that edge only.
+   subroutine mark_shared_edge(self, surface, x)
+      type(opposite_type), intent(inout) :: self
+      type(surface_type), intent(in) :: surface
+      real(wp), intent(in) :: x(:)
+      real(wp) :: arm(3), n(3)
+      integer :: family
+
+      if (self%found%place /= place%extended) return
+      family = surface%basis%family(self%cell)
+      arm = -self%found%point
+      arm(:size(x)) = arm(:size(x)) + x
+      n = facet_unit_normal(surface%coefficient(:, :, self%facet), family, self%found%xi)
+      if (norm2(arm - dot_product(arm, n)*n) <= square*max(norm2(arm), square*self%size)) return
+      self%found%place = merge(place%vertex, place%edge, family == cell_family%line)
+      self%feature = edge_at(family, self%found%xi)
+   end subroutine mark_shared_edge
+
    !> The edge of a cell that a point of its reference lies on.
    pure integer function edge_at(family, xi) result(edge)
       integer, intent(in) :: family
@@ -234,22 +261,62 @@ contains
       end if
    end function edge_at
 
+   !> Segments that the two points of a node met last; negative: the node has one point.
+   pure function parts_of(masters, points, i) result(part)
+      type(masters_type), intent(in) :: masters
+      type(finite_points_type), intent(in) :: points
+      integer, intent(in) :: i
+      integer :: part(2)
+
+      part = -1
+      if (.not. allocated(masters%part)) return
+      if (points%entry(i) == 2) then
+         part = masters%part(i - 1:i)
+      else if (i < points%n) then
+         if (points%entry(i + 1) == 2) part = masters%part(i:i + 1)
+      end if
+   end function parts_of
+
+   !> Near a concave corner the feet come by distance, and the points keep their walls: whether the
+   !> first foot belongs to the second point, because that is less far from where they were.
+   pure logical function crossed(part, feet, n)
+      integer, intent(in) :: part(2)
+      type(foot_type), intent(in) :: feet(2)
+      integer, intent(in) :: n
+      integer :: straight, cross, k
+
+      crossed = .false.
+      if (n == 0 .or. any(part < 0) .or. all(part == 0)) return
+      straight = 0
+      cross = 0
+      do k = 1, n
+         if (part(k) > 0) straight = straight + abs(part(k) - feet(k)%segment)
+         if (part(3 - k) > 0) cross = cross + abs(part(3 - k) - feet(k)%segment)
+      end do
+      ! A point that met nothing yet does not take the only foot from one that did.
+      if (n == 1 .and. part(1) == 0) straight = huge(1)
+      if (n == 1 .and. part(2) == 0) cross = huge(1)
+      crossed = cross < straight
+   end function crossed
+
    !> A foot counts if it is not past the end of the tool and the slave faces it.
-   subroutine find_on_tool(self, m, model, side, size_, entry, x)
+   subroutine find_on_tool(self, m, model, side, size_, entry, part, x)
       type(opposite_type), intent(inout) :: self
       type(master_type), intent(in) :: m
       type(model_type), intent(in) :: model
       real(wp), intent(in) :: side(3), size_
-      integer, intent(in) :: entry
+      integer, intent(in) :: entry, part(2)
       real(wp), intent(in) :: x(:)
       type(foot_type) :: feet(2)
       real(wp) :: turned(3)
-      integer :: n, d
+      integer :: n, d, which
 
       d = size(x)
       call model%tool(m%tool)%shape%project_all(m%motion%to_tool(x), size_, feet, n)
-      if (entry > n) return
-      self%foot = feet(entry)
+      which = entry
+      if (crossed(part, feet, n)) which = 3 - entry
+      if (which > n) return
+      self%foot = feet(which)
       if (self%foot%overhang > m%limits%extension*size_) return
       self%normal(:d) = m%motion%turn(self%foot%normal(:d))
       if (self%foot%cone < 1.0_wp .and. -dot_product(side, self%normal) >= &

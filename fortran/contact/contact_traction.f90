@@ -11,13 +11,15 @@
 !>    Lagrange    phat = l.n - c g                that = P l - ct s     l: unknown, row (l - z)/c
 !>    perturbed   phat = l.n - c (g + l.n/eps)    that = P l - ct (s + P (l - l0)/epst)   as Lagrange
 !>
-!> P = I - n n^T; s is the slip since the increment began, P (x_slave - x_anchor).
+!> P = I - n n^T; s is the slip since the increment began, P (x_slave - x_anchor). Where the deck
+!> gives an elastic slip u0, that = P l - ct (s + u0 P l/radius + P e0): a traction on the disc holds
+!> u0, e0 what the committed one held.
 module lopin_contact_traction
    use lopin_kinds, only : wp
    use lopin_dual, only : dual_type, constant, dual_dot, dual_norm, operator(+), operator(-), &
       & operator(*), operator(/), assignment(=)
    use lopin_friction, only : friction_type, condition_type, has_friction, is_regularised, &
-      & by_rate, return_to_disc, regularised_traction
+      & by_rate, return_to_disc, regularised_traction, friction_radius
    use lopin_enforcement, only : enforcement_type
    implicit none
    private
@@ -39,7 +41,10 @@ module lopin_contact_traction
       logical :: bilateral = .false.
       real(wp) :: c = 1.0_wp, ct = 1.0_wp          !! [stress/length]
       real(wp) :: slope = 0.0_wp                   !! perturbed: eps [stress/length]
-      real(wp) :: shear_slope = 0.0_wp             !! perturbed: epst [stress/length]
+      real(wp) :: shear_slope = 0.0_wp   !! unknown traction: epst; 0: exact stick [stress/length]
+      real(wp) :: elastic_slip = 0.0_wp   !! the same: u0, slip before sliding; 0: none [length]
+      real(wp) :: elastic(3) = 0.0_wp              !! of it, committed [length]
+      real(wp) :: yield = 0.0_wp                   !! of the slave; 0: unknown [stress]
       real(wp) :: committed(3) = 0.0_wp            !! traction at the start of the increment [stress]
       real(wp) :: frozen(3) = 0.0_wp               !! augmented: multiplier [stress]
       real(wp) :: creep(3) = 0.0_wp                !! regularised by slip: slip from the stick anchor
@@ -93,14 +98,37 @@ contains
       t = 0.0_wp
       if (closed .and. has_friction(friction)) then
          trial = held - n*normal_part - grip%ct*s
-         if (grip%kind == grip_kind%perturbed) trial = trial - (grip%ct/grip%shear_slope) &
-            & *tangential(held - constant(grip%committed(:d)), n)
+         if (any(grip%kind == [grip_kind%lagrange, grip_kind%perturbed])) then
+            if (grip%shear_slope > 0.0_wp) trial = trial - (grip%ct/grip%shear_slope) &
+               & *tangential(held - constant(grip%committed(:d)), n)
+            if (grip%elastic_slip > 0.0_wp) call give_way(grip, friction, at, p, held, n, trial)
+         end if
          call shear_of(grip, friction, at, p, trial, s, n, t, status, shear)
       end if
       z = p*n + t
       if (grip%kind == grip_kind%lagrange .or. grip%kind == grip_kind%perturbed) &
          & row = (lambda - z)/grip%c
    end subroutine traction_of
+
+   !> The elastic slip of an unknown traction, in the measure of the disc's present radius.
+   pure subroutine give_way(grip, friction, at, p, held, n, trial)
+      type(grip_type), intent(in) :: grip
+      type(friction_type), intent(in) :: friction
+      type(condition_type), intent(in) :: at
+      type(dual_type), intent(in) :: p, held(:), n(:)
+      type(dual_type), intent(inout) :: trial(:)
+      type(dual_type) :: compliance
+      real(wp) :: radius, slope
+
+      call friction_radius(friction, p%v, at, radius, slope)
+      if (.not. radius > 0.0_wp .or. .not. radius < huge(1.0_wp)) return
+      compliance = p
+      compliance%v = radius
+      compliance%d = slope*p%d
+      compliance = (grip%ct*grip%elastic_slip)/compliance
+      trial = trial - compliance*tangential(held, n) &
+         & - grip%ct*tangential(constant(grip%elastic(:size(n))), n)
+   end subroutine give_way
 
    !> A pressure-overclosure law as a function of the gap.
    pure function pressed(grip, g) result(p)

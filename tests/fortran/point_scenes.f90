@@ -99,6 +99,7 @@ contains
       self%grip%shear_slope = 90.0_wp
       call new_exponential(law, 5.0_wp, 0.3_wp)
       if (kind == grip_kind%overclosure) self%grip%law = law
+      if (kind == grip_kind%lagrange) self%grip%shear_slope = 0.0_wp
       self%grip%committed(:self%ndim) = random(self%ndim, 2.0_wp)
       self%grip%frozen(:self%ndim) = random(self%ndim, 2.0_wp)
       self%grip%creep(:self%ndim) = random(self%ndim, 0.02_wp)

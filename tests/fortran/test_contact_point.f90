@@ -49,6 +49,10 @@ contains
                      call new_point_scene(scene, trim(master_names(master)), kind)
                      scene%friction = law_with(law, regularization)
                      if (law == 0) scene%friction%law = law_of%none
+                     if (draw == 2) then
+                        scene%grip%elastic_slip = 0.01_wp
+                        scene%grip%elastic(:scene%ndim) = random(scene%ndim, 0.01_wp)
+                     end if
                      call one_tangent(scene, trim(grip_names(kind))//' on '// &
                         & trim(master_names(master))//', law '//achar(48 + law)//achar(48 &
                         & + regularization), draw)
