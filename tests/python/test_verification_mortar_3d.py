@@ -79,6 +79,11 @@ def blocks(lower, upper, kind, slave="upper", *, quadratic=False, swirl=0.0, met
     deck = model.to_deck()
     if degree:
         deck.blocks.insert(1, Block("LOPIN", {"MORTAR DEGREE": str(degree)}, []))
+    return with_stresses(deck)
+
+
+def with_stresses(deck):
+    """Print the stresses of all integration points of both bodies."""
     end = deck.blocks.index(deck["*END STEP"])
     deck.blocks[end:end] = [Block("EL PRINT", {"ELSET": body}, [["S"]]) for body in ("UP", "LOW")]
     return deck
@@ -150,6 +155,85 @@ def test_ties_methods_and_stiffness(solve, sheet, options):
         compare(sheet, result, f"{kind} on hex, {slave} slave, {name}", 1e-10)
 
 
+def small_on_large(slave, kind, quadratic):
+    """The upper block covers the middle of the lower, whose rim carries the pressure itself."""
+    def rim(x):
+        return (x[:, 2] > 4.0 - 1e-9) & (np.abs(x[:, :2] - 5.0).max(axis=1) > 3.0)
+    low = mesh_make.block(SIZE, (5, 5, 2)).with_surface("RIM", rim)
+    up = mesh_make.block((6.0, 6.0, 4.0), (4, 4, 2), origin=(2.0, 2.0, 4.0))
+    if kind == "tet":
+        up = mesh_make.simplices(up)
+    if quadratic:
+        low, up = low.quadratic(), up.quadratic()
+    def corner(mesh, name, *x):
+        return mesh.with_points(name, lambda p: np.linalg.norm(p - np.array(x), axis=1) < 1e-9)
+    low = corner(corner(low, "PIN", 2.0, 2.0, 0.0), "GUIDE", 8.0, 2.0, 0.0)
+    up = corner(corner(up, "PIN", 2.0, 2.0, 8.0), "GUIDE", 8.0, 2.0, 8.0)
+    model = Model("patch", together(UP=up, LOW=low), kind="3d")
+    for body in ("UP", "LOW"):
+        model.section(body, Elastic(1000.0, 0.3))
+        model.fix(f"{body}.PIN", "x", "y")
+        model.fix(f"{body}.GUIDE", "y")
+    model.contact(*("UP.BOTTOM", "LOW.TOP")[::1 if slave == "upper" else -1],
+                  surface_to_surface=True)
+    model.fix("LOW.BOTTOM", "z")
+    model.step().pressure("UP.TOP", 1.0).pressure("LOW.RIM", 1.0)
+    return with_stresses(model.to_deck())
+
+
+@pytest.mark.parametrize("quadratic", [False, True])
+@pytest.mark.parametrize("kind", ["hex", "tet"])
+@pytest.mark.parametrize("slave", ["upper", "lower"])
+def test_a_small_block_on_a_large_one(solve, sheet, slave, kind, quadratic):
+    name = f"{'quadratic ' if quadratic else ''}{kind} on the middle of a larger hex, {slave} slave"
+    compare(sheet, solve(small_on_large(slave, kind, quadratic)), name, 1e-10)
+
+
 def test_a_degree_out_of_range_is_refused(solve):
     with pytest.raises(Exception, match="E0408"):
         solve(blocks((1, 1, 1), (1, 1, 1), "hex", degree=3))
+
+
+def crown_on_block(cells, slave="crown", *, quadratic=False, mortar=True):
+    """A quarter of a spherical crown, R = 20, pressed into a flat block of the same steel."""
+    def ticks(fine, coarse, share):
+        return np.concatenate([np.linspace(0.0, share, fine + 1),
+                               share + (1.0 - share)*mesh_make.graded(coarse, 4.0)[1:]])
+    up = mesh_make.crowned_block((6.0, 6.0, 6.0), (2*cells, 2*cells, 2*cells), 20.0,
+                                 grading=[ticks(cells, cells, 0.233)]*3, quadratic=quadratic)
+    low = mesh_make.block((6.0, 6.0, 6.0), (2*cells, 2*cells, 2*cells), origin=(0.0, 0.0, -6.0),
+                          grading=[ticks(cells, cells, 0.245)]*2
+                          + [1.0 - ticks(cells, cells, 0.233)[::-1]], quadratic=quadratic)
+    model = Model("crown", together(UP=up, LOW=low), kind="3d")
+    for body in ("UP", "LOW"):
+        model.section(body, Elastic(200e3, 0.3))
+        model.fix(f"{body}.LEFT", "x")
+        model.fix(f"{body}.FRONT", "y")
+    surfaces = ("UP.BOTTOM", "LOW.TOP")
+    model.contact(*surfaces[::1 if slave == "crown" else -1], surface_to_surface=mortar)
+    model.fix("LOW.BOTTOM", "z")
+    model.step().move("UP.TOP", z=-0.065)
+    return model
+
+
+@pytest.mark.parametrize("quadratic", [False, True])
+def test_hertz_in_space_with_sides_swapped(solve, sheet, quadratic):
+    case, cells = "A4 crown on a block in space, mortar", 4 if quadratic else 7
+    force = {}
+    for slave in ("crown", "block"):
+        result = solve(crown_on_block(cells, slave, quadratic=quadratic))
+        assert result.summary["certificate"]["verdict"] == "PASS"
+        contact = result.contact(0).last
+        force[slave] = 4.0*abs(float(np.sum(contact.force[:, 2].astype(float))))
+        name = f"{'second' if quadratic else 'first'} order, {slave} slave"
+        a = (0.75*force[slave]*20.0*2.0*(1.0 - 0.09)/200e3)**(1/3)
+        peak = 1.5*force[slave]/(np.pi*a**2)
+        r = np.linalg.norm(contact.x[:, :2], axis=1)
+        p = contact.pressure.astype(float)
+        hertz = peak*np.sqrt(np.maximum(0.0, 1.0 - (r/a)**2))
+        sheet.compare(case, f"{name}: largest pressure", p.max(), peak, 0.02,
+                      "Hertz for the computed force")
+        sheet.compare(case, f"{name}: L2 error of the pressure",
+                      np.linalg.norm(p - hertz)/np.linalg.norm(hertz), 0.0, 0.07, absolute=True)
+    sheet.compare(case, f"{'second' if quadratic else 'first'} order: force with sides swapped",
+                  force["block"], force["crown"], 0.01, "crown slave")
