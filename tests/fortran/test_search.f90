@@ -19,6 +19,7 @@ program test_search
 
    call random_init(.true., .false.)
    call the_tree_misses_nothing()
+   call no_miss_in_random_configurations()
    call a_closed_cube_has_its_exact_signed_distance()
    call the_normal_is_the_gradient_of_the_gap()
    call shape_values_carry_the_foot()
@@ -86,6 +87,48 @@ contains
          call is_true(trim(cell_names(cell))//' no miss', misses == 0)
       end do
    end subroutine the_tree_misses_nothing
+
+   !> More than 1e5 points over more than 1000 different rough surfaces of every facet cell.
+   subroutine no_miss_in_random_configurations()
+      type(scene_type) :: scene
+      type(projection_type) :: found
+      type(limits_type) :: limits
+      real(wp), allocatable :: noise(:, :), flat(:, :)
+      real(wp) :: x(3)
+      integer :: cell, k, i, n, misses, claimed
+      integer, parameter :: surfaces = 180, points = 100
+
+      call test('no miss against brute force in 1e5 random configurations')
+      claimed = 0
+      do cell = 1, 6
+         call make_sheet(scene, cell, merge(20, 6, cell <= 2), 0.1_wp)
+         n = scene%surface%ndim
+         flat = scene%x
+         allocate (noise(n, size(flat, 2)))
+         misses = 0
+         do k = 1, surfaces
+            call random_number(noise)
+            scene%x = flat + merge(0.01_wp, 0.03_wp, n == 2 .or. cell == 4 .or. cell == 6)*(noise - &
+               & 0.5_wp)
+            call follow(scene)
+            call build_tree(scene%tree, scene%surface%low, scene%surface%high)
+            do i = 1, points
+               call random_number(x)
+               x(:n - 1) = 0.3_wp + 0.4_wp*x(:n - 1)
+               x(n) = 0.4_wp*x(n) - 0.2_wp
+               call find_projection(scene%surface, scene%tree, x(:n), any_side(:n), limits, found)
+               if (found%facet == 0) cycle
+               claimed = claimed + 1
+               if (.not. norm2(x(:n) - found%point(:n)) <= sqrt(brute_distance2(scene%surface, &
+                  & x(:n))) + 1.0e-10_wp) misses = misses + 1
+               if (.not. abs(norm2(found%normal) - 1.0_wp) < 1.0e-9_wp) misses = misses + 1
+            end do
+         end do
+         call is_true(trim(cell_names(cell))//' no miss', misses == 0)
+         deallocate (noise)
+      end do
+      call is_true('1e5 points', claimed >= 100000)
+   end subroutine no_miss_in_random_configurations
 
    subroutine a_closed_cube_has_its_exact_signed_distance()
       type(scene_type) :: scene
