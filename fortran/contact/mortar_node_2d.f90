@@ -1,0 +1,272 @@
+!> The mortar row of one slave node in the plane, in dual numbers: for exact tangents of finite
+!> sliding.
+!>
+!> The row depends on the facets at the node, on their other neighbours by the nodal normals, and on
+!> the master facets that these cover. `new_patch` lists them, `mortar_row` gives the weight, normal,
+!> mean gap and coefficients with their slopes by all places of the list: those of the dual basis,
+!> of the normals and of the moving ends of the segments. Values are those of lopin_mortar before
+!> hardly covered nodes hand their rows over.
+module lopin_mortar_node_2d
+   use lopin_kinds, only : wp
+   use lopin_dual, only : dual_type, constant, dual_norm, operator(+), operator(-), operator(*), &
+      & operator(/), assignment(=)
+   use lopin_surface, only : surface_type
+   use lopin_mortar_overlap, only : overlap_list_type
+   use lopin_mortar_cells_2d, only : segment_type, integrate_segment, line_shape
+   implicit none
+   private
+   public :: patch_type, new_patch, mortar_row_type, mortar_row
+
+   integer, parameter :: most_facets = 4
+
+   !> What is around a slave node; places are numbers in `node`.
+   type :: patch_type
+      integer, allocatable :: node(:)              !! mesh node of each place; the first: the node
+      integer :: nchain = 0                        !! slave facets: at the node, then beside those
+      integer :: nnode(most_facets) = 0
+      integer :: chain(3, most_facets) = 0
+      integer :: own(most_facets) = 0              !! the node in each facet; 0: it is beside
+      integer :: ncover = 0                        !! pairs of a slave facet and a master facet
+      integer, allocatable :: over(:)              !! the slave facet, in the chain
+      integer, allocatable :: ncovered(:)          !! nodes of the master facet
+      integer, allocatable :: cover(:, :)          !! (3, ncover) places of them
+   end type patch_type
+
+   !> gap vector = sum coefficient*x / weight.
+   type :: mortar_row_type
+      type(dual_type) :: weight                    !! D [area]
+      type(dual_type) :: normal(2)                 !! out of the master
+      type(dual_type) :: gap                       !! mean by the dual function [length]
+      type(dual_type), allocatable :: coefficient(:)   !! of each place; their sum is 0 [area]
+   end type mortar_row_type
+
+   !> Below this share of a facet the standard basis stays, as in lopin_mortar.
+   real(wp), parameter :: thin = 0.1_wp
+   real(wp), parameter :: pi = acos(-1.0_wp)
+
+contains
+
+   !> The neighbourhood of a slave node; the overlaps are those found on the present shape.
+   subroutine new_patch(self, slave, master, list, node)
+      type(patch_type), intent(out) :: self
+      type(surface_type), intent(in) :: slave, master
+      type(overlap_list_type), intent(in) :: list
+      integer, intent(in) :: node                  !! mesh node
+      integer :: facet(most_facets)
+      integer :: i, k, n, pass
+
+      self%node = [node]
+      do pass = 1, 2
+         do i = 1, slave%facets%n
+            n = slave%facets%nnode(i)
+            if (self%nchain == most_facets) exit
+            if (any(facet(:self%nchain) == i)) cycle
+            if (pass == 1 .and. .not. any(slave%facets%node(:n, i) == node)) cycle
+            if (pass == 2 .and. .not. any([(any(self%node == slave%facets%node(k, i)), k=1, n)])) &
+               & cycle
+            call add_chain(self, slave%facets%node(:n, i), pass == 1)
+            facet(self%nchain) = i
+         end do
+         if (pass == 1) call add_covers(self, master, list, facet(:self%nchain))
+      end do
+   end subroutine new_patch
+
+   subroutine add_chain(self, nodes, at_node)
+      type(patch_type), intent(inout) :: self
+      integer, intent(in) :: nodes(:)
+      logical, intent(in) :: at_node
+      integer :: k
+
+      self%nchain = self%nchain + 1
+      self%nnode(self%nchain) = size(nodes)
+      do k = 1, size(nodes)
+         call take_place(self, nodes(k), self%chain(k, self%nchain))
+         if (at_node .and. self%chain(k, self%nchain) == 1) self%own(self%nchain) = k
+      end do
+   end subroutine add_chain
+
+   subroutine add_covers(self, master, list, facet)
+      type(patch_type), intent(inout) :: self
+      type(surface_type), intent(in) :: master
+      type(overlap_list_type), intent(in) :: list
+      integer, intent(in) :: facet(:)
+      integer :: i, k, most
+
+      most = 0
+      do i = 1, list%n
+         if (any(facet == list%item(i)%slave)) most = most + 1
+      end do
+      allocate (self%over(most), self%ncovered(most), self%cover(3, most), source=0)
+      do i = 1, list%n
+         if (.not. any(facet == list%item(i)%slave)) cycle
+         self%ncover = self%ncover + 1
+         self%over(self%ncover) = findloc(facet, list%item(i)%slave, 1)
+         self%ncovered(self%ncover) = master%facets%nnode(list%item(i)%master)
+         do k = 1, self%ncovered(self%ncover)
+            call take_place(self, master%facets%node(k, list%item(i)%master), &
+               & self%cover(k, self%ncover))
+         end do
+      end do
+   end subroutine add_covers
+
+   subroutine take_place(self, node, place)
+      type(patch_type), intent(inout) :: self
+      integer, intent(in) :: node
+      integer, intent(out) :: place
+
+      place = findloc(self%node, node, 1)
+      if (place > 0) return
+      self%node = [self%node, node]
+      place = size(self%node)
+   end subroutine take_place
+
+   !> The row at present places.
+   subroutine mortar_row(self, patch, x, axisymmetric, thickness, facing)
+      type(mortar_row_type), intent(out) :: self
+      type(patch_type), intent(in) :: patch
+      type(dual_type), intent(in) :: x(:, :)       !! (2, places) [length]
+      logical, intent(in) :: axisymmetric
+      real(wp), intent(in) :: thickness            !! not read if axisymmetric [length]
+      real(wp), intent(in) :: facing               !! n_slave.n_master must be below this [-]
+      type(dual_type) :: gap
+      integer :: i
+
+      allocate (self%coefficient(size(x, 2)))
+      self%normal = constant([0.0_wp, 0.0_wp]) - nodal_normal(patch, x, 1, axisymmetric)
+      gap = constant(0.0_wp)
+      do i = 1, patch%nchain
+         if (patch%own(i) > 0) call add_facet(self, patch, x, axisymmetric, thickness, facing, i, &
+            & gap)
+      end do
+      if (self%weight%v > 0.0_wp) self%gap = gap/self%weight
+   end subroutine mortar_row
+
+   !> Mean of the unit normals of the facets at a place, as nodal_normals of lopin_facets.
+   function nodal_normal(patch, x, place, axisymmetric) result(normal)
+      type(patch_type), intent(in) :: patch
+      type(dual_type), intent(in) :: x(:, :)
+      integer, intent(in) :: place
+      logical, intent(in) :: axisymmetric
+      type(dual_type) :: normal(2), n(3), dn(3), tangent(2), length
+      real(wp), parameter :: at(3) = [-1.0_wp, 1.0_wp, 0.0_wp]
+      integer :: i, k, m
+
+      normal = constant([0.0_wp, 0.0_wp])
+      do i = 1, patch%nchain
+         do k = 1, patch%nnode(i)
+            if (patch%chain(k, i) /= place) cycle
+            call line_shape(patch%nnode(i), constant(at(k)), n, dn)
+            tangent = constant([0.0_wp, 0.0_wp])
+            do m = 1, patch%nnode(i)
+               tangent = tangent + x(:, patch%chain(m, i))*dn(m)
+            end do
+            length = dual_norm(tangent)
+            normal(1) = normal(1) + tangent(2)/length
+            normal(2) = normal(2) - tangent(1)/length
+         end do
+      end do
+      if (axisymmetric .and. abs(x(1, place)%v) <= 1.0e-10_wp*maxval(abs(x(1, :)%v)) &
+         & .and. abs(normal(2)%v) > 0.0_wp) normal(1) = constant(0.0_wp)
+      length = dual_norm(normal)
+      normal(1) = normal(1)/length
+      normal(2) = normal(2)/length
+   end function nodal_normal
+
+   !> What one facet at the node adds.
+   subroutine add_facet(self, patch, x, axisymmetric, thickness, facing, i, gap)
+      type(mortar_row_type), intent(inout) :: self
+      type(patch_type), intent(in) :: patch
+      type(dual_type), intent(in) :: x(:, :)
+      logical, intent(in) :: axisymmetric
+      real(wp), intent(in) :: thickness, facing
+      integer, intent(in) :: i
+      type(dual_type), intent(inout) :: gap
+      type(segment_type) :: segment(patch%ncover)
+      type(dual_type) :: normal(2, 3), me(3, 3), d(3), a(3), area
+      integer :: c, j, k, l, n
+
+      n = patch%nnode(i)
+      do k = 1, n
+         normal(:, k) = nodal_normal(patch, x, patch%chain(k, i), axisymmetric)
+      end do
+      do c = 1, patch%ncover
+         if (patch%over(c) /= i) cycle
+         call integrate_segment(x(:, patch%chain(:n, i)), normal(:, :n), &
+            & x(:, patch%cover(:patch%ncovered(c), c)), axisymmetric, thickness, facing, segment(c))
+         if (.not. segment(c)%overlaps) cycle
+         me = me + segment(c)%me
+         d = d + segment(c)%d
+         area = area + segment(c)%area
+      end do
+      if (.not. area%v > 0.0_wp) return
+      j = patch%own(i)
+      a = constant([0.0_wp, 0.0_wp, 0.0_wp])
+      a(j) = constant(1.0_wp)
+      if (area%v >= thin*whole(x(:, patch%chain(:n, i))%v, axisymmetric, thickness)) &
+         & call dual_function(me(:n, :n), d(j), j, a(:n))
+      self%weight = self%weight + d(j)
+      self%coefficient(1) = self%coefficient(1) + d(j)
+      do c = 1, patch%ncover
+         if (patch%over(c) /= i .or. .not. segment(c)%overlaps) cycle
+         do k = 1, n
+            gap = gap + a(k)*segment(c)%gap(k)
+            do l = 1, patch%ncovered(c)
+               associate (to => self%coefficient(patch%cover(l, c)))
+                  to = to - a(k)*segment(c)%b(k, l)
+               end associate
+            end do
+         end do
+      end do
+   end subroutine add_facet
+
+   !> Area of a whole facet.
+   real(wp) function whole(x, axisymmetric, thickness) result(area)
+      real(wp), intent(in) :: x(:, :)
+      logical, intent(in) :: axisymmetric
+      real(wp), intent(in) :: thickness
+      real(wp), parameter :: at(3) = [-sqrt(0.6_wp), 0.0_wp, sqrt(0.6_wp)]
+      real(wp), parameter :: weight(3) = [5.0_wp, 8.0_wp, 5.0_wp]/9.0_wp
+      type(dual_type) :: n(3), dn(3)
+      real(wp) :: length
+      integer :: k
+
+      area = 0.0_wp
+      do k = 1, 3
+         call line_shape(size(x, 2), constant(at(k)), n, dn)
+         length = weight(k)*norm2(matmul(x, dn(:size(x, 2))%v))
+         if (axisymmetric) then
+            area = area + 2.0_wp*pi*dot_product(x(1, :), n(:size(x, 2))%v)*length
+         else
+            area = area + thickness*length
+         end if
+      end do
+   end function whole
+
+   !> Row j of diag(d) me^-1: Gauss elimination of a positive matrix.
+   subroutine dual_function(me, d, j, a)
+      type(dual_type), intent(in) :: me(:, :), d
+      integer, intent(in) :: j
+      type(dual_type), intent(out) :: a(:)
+      type(dual_type) :: m(size(a), size(a)), factor
+      integer :: i, k, l, n
+
+      n = size(a)
+      m = me
+      a(j) = d
+      do k = 1, n
+         do i = k + 1, n
+            factor = m(i, k)/m(k, k)
+            do l = k, n
+               m(i, l) = m(i, l) - factor*m(k, l)
+            end do
+            a(i) = a(i) - factor*a(k)
+         end do
+      end do
+      do k = n, 1, -1
+         do l = k + 1, n
+            a(k) = a(k) - m(k, l)*a(l)
+         end do
+         a(k) = a(k)/m(k, k)
+      end do
+   end subroutine dual_function
+end module lopin_mortar_node_2d
