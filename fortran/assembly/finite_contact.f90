@@ -18,6 +18,9 @@ module lopin_finite_contact
    use lopin_finite_opposite, only : opposite_type, anchor_type, masters_type, new_masters, &
       & move_masters, find_opposite, anchor_of
    use lopin_finite_kernel, only : local_matrix_type, point_state_type, evaluate_point
+   use lopin_mortar_node_2d, only : patch_type, mortar_row_type
+   use lopin_finite_mortar, only : present_mortar_type, mortar_anchor_type, new_present_mortar, &
+      & update_mortar, find_row, evaluate_mortar_point
    implicit none
    private
    public :: local_matrix_type, finite_contact_type, new_finite_contact, start_increment
@@ -65,6 +68,10 @@ module lopin_finite_contact
       type(grip_type), allocatable :: grip(:)          !! (n)
       type(anchor_type), allocatable :: anchor(:)      !! (n)
       type(opposite_type), allocatable :: opposite(:)  !! (n) of the last evaluation
+      type(present_mortar_type), allocatable :: mortar(:)        !! (npair)
+      type(mortar_anchor_type), allocatable :: mortar_anchor(:)  !! (n)
+      type(patch_type), allocatable :: patch(:)        !! (n) of the last evaluation
+      real(wp), allocatable :: area(:)                 !! (n) tributary at the start [length^2]
       type(point_state_type), allocatable :: trial(:)  !! (n)
       ! committed
       real(wp), allocatable :: lambda(:, :)    !! (3, n) tractions [stress]
@@ -99,9 +106,13 @@ contains
       allocate (self%pair_active(size(model%pair)), source=.true.)
       allocate (self%grip(n), self%anchor(n), self%opposite(n), self%trial(n), self%local(n))
       allocate (self%friction(size(model%pair)))
+      allocate (self%mortar(size(model%pair)), self%mortar_anchor(n), self%patch(n))
+      self%area = self%weight
       do pair = 1, size(model%pair)
          self%friction(pair) = model%interaction(model%pair(pair)%interaction)%friction
          call choose_grips(self, model, pair, log)
+         if (self%masters%of(pair)%has_slave_faces) call new_present_mortar(self%mortar(pair), &
+            & model, model%pair(pair), self%masters%of(pair)%slave)
       end do
       do i = 1, n
          self%closed(i) = self%touches(i)
@@ -225,8 +236,10 @@ contains
       self%dt = dt
       call move_masters(self%masters, model, self%dofs, self%finite_points_type, u, .true., error)
       if (allocated(error)) return
+      call find_present(self, error)
+      if (allocated(error)) return
       do i = 1, self%n
-         call find_opposite(self%opposite(i), self%masters, model, self%finite_points_type, i)
+         call meet(self, model, i, .true.)
          if (.not. (self%grip(i)%kind == grip_kind%tied .and. self%anchor(i)%set)) &
             & call take_anchor(self, model, i)
          if (self%opposite(i)%facet > 0) self%masters%part(i) = self%opposite(i)%foot%segment
@@ -295,13 +308,15 @@ contains
       self%soft_error = 0.0_wp
       call move_masters(self%masters, model, self%dofs, self%finite_points_type, u, .false., error)
       if (allocated(error)) return
+      call find_present(self, error)
+      if (allocated(error)) return
       at%dt = self%dt
       do i = 1, self%n
          lambda = 0.0_wp
          k = self%first_row(i)
          if (k > 0) lambda(:d) = multiplier(k:k + d - 1)
          if (self%pair_active(self%pair(i))) then
-            call find_opposite(self%opposite(i), self%masters, model, self%finite_points_type, i)
+            call meet(self, model, i, .false.)
          else
             self%opposite(i)%facet = 0
          end if
@@ -317,6 +332,14 @@ contains
          at%yield = self%yield(i)
          at%held = self%grip(i)%bilateral
          self%nlocal = self%nlocal + 1
+         if (self%mortar(self%pair(i))%is_on) then
+            call evaluate_mortar_point(self%trial(i), self%local(self%nlocal), &
+               & self%mortar(self%pair(i)), self%dofs, self%masters%x, self%patch(i), &
+               & self%mortar_anchor(i), self%grip(i), self%friction(self%pair(i)), at, shift, &
+               & lambda, self%first_row(i), with_tangent, self%weight(i))
+            call collect(self, i, d)
+            cycle
+         end if
          call evaluate_point(self%trial(i), self%local(self%nlocal), model, self%dofs, self%basis, &
             & self%masters, self%finite_points_type, i, self%opposite(i), self%anchor(i), &
             & self%grip(i), self%friction(self%pair(i)), at, shift, lambda, self%first_row(i), &
@@ -325,6 +348,47 @@ contains
       end do
       call estimate_softness(self)
    end subroutine evaluate
+
+   !> The overlaps of the pairs by mortar.
+   subroutine find_present(self, error)
+      type(finite_contact_type), intent(inout) :: self
+      type(error_type), allocatable, intent(out) :: error
+      integer :: pair
+
+      do pair = 1, size(self%mortar)
+         if (.not. self%mortar(pair)%is_on) cycle
+         call update_mortar(self%mortar(pair), self%masters%rules, self%masters%of(pair)%surface, &
+            & self%masters%of(pair)%tree, self%masters%x, error)
+         if (allocated(error)) return
+      end do
+   end subroutine find_present
+
+   !> What lies opposite a point now; by mortar its row, kept as the anchor at the start.
+   subroutine meet(self, model, i, start)
+      type(finite_contact_type), intent(inout) :: self
+      type(model_type), intent(in) :: model
+      integer, intent(in) :: i
+      logical, intent(in) :: start             !! of an increment
+      type(mortar_row_type) :: row
+      logical :: covered
+
+      associate (pair => self%pair(i), anchor => self%mortar_anchor(i))
+         if (.not. self%mortar(pair)%is_on) then
+            call find_opposite(self%opposite(i), self%masters, model, self%finite_points_type, i)
+            return
+         end if
+         call find_row(self%mortar(pair), self%masters%of(pair)%surface, self%masters%x, &
+            & self%node(i), self%area(i), self%patch(i), row, covered)
+         self%opposite(i)%facet = merge(1, 0, covered)
+         if (start) anchor%set = .false.
+         if (.not. covered) return
+         self%opposite(i)%normal(:2) = row%normal%v
+         if (anchor%set) return
+         anchor%set = .true.
+         anchor%node = self%patch(i)%node
+         anchor%coefficient = row%coefficient%v
+      end associate
+   end subroutine meet
 
    !> A point with no master opposite has no traction; its multiplier is sent to zero.
    subroutine stay_open(self, i, d, lambda, with_tangent)

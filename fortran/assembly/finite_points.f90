@@ -6,12 +6,12 @@ module lopin_finite_points
    use lopin_element_type, only : cells_of_words
    use lopin_model, only : model_type, pair_type, surface_of
    use lopin_slave_points, only : slave_type, new_slave
-   use lopin_contact_points, only : contact_points_type, new_contact_points
+   use lopin_contact_points, only : contact_points_type, new_contact_points, pair_is_tied
    use lopin_mortar_pairs, only : is_mortar
    use lopin_contact_rows, only : initial_gap_type, new_initial_gaps
    implicit none
    private
-   public :: finite_points_type, new_finite_points, is_self_contact
+   public :: finite_points_type, new_finite_points, is_self_contact, stays_mortar
 
    type :: finite_points_type
       integer :: n = 0
@@ -43,13 +43,16 @@ contains
 
       ! What the start says is said as for node to segment; a surface against itself starts free.
       do pair = 1, size(model%pair)
-         if (is_mortar(model, model%pair(pair))) call log%say(severity%note, 'N0304', 'pair ('// &
+         if (.not. is_mortar(model, model%pair(pair))) cycle
+         if (.not. stays_mortar(model, model%pair(pair))) call log%say(severity%note, 'N0304', 'pair ('// &
             & model%surface(model%pair(pair)%slave)%name//', '// &
             & model%surface(model%pair(pair)%master)%name//') of surface to surface is read as '// &
             & 'NODE TO SURFACE where bodies move far', model%pair(pair)%at)
       end do
       plain = model
-      plain%pair%surface_to_surface = .false.
+      do pair = 1, size(model%pair)
+         plain%pair(pair)%surface_to_surface = stays_mortar(model, model%pair(pair))
+      end do
       plain%pair = pack(plain%pair, .not. is_self_contact(model%pair))
       number = pack([(i, i=1, size(model%pair))], .not. is_self_contact(model%pair))
       call new_contact_points(points, plain, log, error)
@@ -78,6 +81,15 @@ contains
       end do
       call find_moduli(self, model)
    end subroutine new_finite_points
+
+   !> Surface to surface where bodies move far: in the plane, not of ties, not of self-contact.
+   pure logical function stays_mortar(model, pair)
+      type(model_type), intent(in) :: model
+      type(pair_type), intent(in) :: pair
+      stays_mortar = is_mortar(model, pair) .and. model%mesh%ndim == 2 &
+         & .and. .not. is_self_contact(pair)
+      if (stays_mortar) stays_mortar = .not. pair_is_tied(model, pair)
+   end function stays_mortar
 
    !> A surface against itself.
    elemental logical function is_self_contact(pair)

@@ -15,7 +15,7 @@ module lopin_mortar_pairs
    use lopin_model, only : model_type, pair_type, surface_of, kind_of
    implicit none
    private
-   public :: couple_pair, is_mortar
+   public :: couple_pair, is_mortar, thickness_of
 
    !> n_slave.n_master must be below this for the two to face each other.
    real(wp), parameter :: facing = -0.2_wp

@@ -1,0 +1,239 @@
+!> Mortar on the present shape, in the plane: overlaps, rows with exact slopes, forces and tangents.
+!>
+!> Weights, normals and couplings follow the motion. Slip is the frame-indifferent increment of the
+!> weighted positions: with the coefficients c of a row (lopin_mortar_node_2d) and those at the start
+!> of the increment, s = P_n sum (c_start - c) x / D (Puso and Laursen 2004; Gitterle et al. 2010).
+module lopin_finite_mortar
+   use lopin_kinds, only : wp
+   use lopin_dual, only : dual_type, dual_width, variable, constant, dual_dot, operator(+), &
+      & operator(-), operator(*), operator(/), assignment(=)
+   use lopin_facets, only : facets_type, facet_rule_type, nodal_normals
+   use lopin_surface, only : surface_type, new_surface, update_surface
+   use lopin_search, only : tree_type
+   use lopin_error, only : error_type
+   use lopin_model, only : model_type, pair_type, kind_of
+   use lopin_dofs, only : dofs_type
+   use lopin_friction, only : friction_type, condition_type
+   use lopin_contact_traction, only : grip_type, grip_status, traction_of
+   use lopin_mortar_pairs, only : thickness_of
+   use lopin_mortar_overlap, only : overlap_list_type
+   use lopin_mortar_overlaps_2d, only : find_overlaps_2d
+   use lopin_mortar_node_2d, only : patch_type, new_patch, mortar_row_type, mortar_row
+   use lopin_finite_points, only : stays_mortar
+   use lopin_finite_kernel, only : local_matrix_type, point_state_type
+   implicit none
+   private
+   public :: present_mortar_type, mortar_anchor_type, new_present_mortar
+   public :: update_mortar, find_row, evaluate_mortar_point
+
+   !> n_slave.n_master must be below this for the two to face each other.
+   real(wp), parameter :: facing = -0.2_wp
+   !> Nodes covered by less than this share of their area are open.
+   real(wp), parameter :: hardly = 0.01_wp
+
+   !> A pair on the present shape.
+   type :: present_mortar_type
+      logical :: is_on = .false.
+      type(surface_type) :: slave
+      real(wp), allocatable :: thickness(:)    !! (slave facets) [length]
+      type(overlap_list_type) :: list
+      logical :: axisymmetric = .false.
+   end type present_mortar_type
+
+   !> The row of a node when the increment began.
+   type :: mortar_anchor_type
+      logical :: set = .false.
+      integer, allocatable :: node(:)
+      real(wp), allocatable :: coefficient(:)  !! [area]
+   end type mortar_anchor_type
+
+contains
+
+   subroutine new_present_mortar(self, model, pair, facets)
+      type(present_mortar_type), intent(out) :: self
+      type(model_type), intent(in) :: model
+      type(pair_type), intent(in) :: pair
+      type(facets_type), intent(in) :: facets     !! of the slave
+
+      self%is_on = stays_mortar(model, pair)
+      if (.not. self%is_on) return
+      call new_surface(self%slave, model%mesh%ndim, facets)
+      self%thickness = thickness_of(model, facets)
+      self%axisymmetric = model%kind == kind_of%axisymmetric
+   end subroutine new_present_mortar
+
+   !> The overlaps at present places.
+   subroutine update_mortar(self, rules, master, tree, x, error)
+      type(present_mortar_type), intent(inout) :: self
+      type(facet_rule_type), intent(in) :: rules(:)
+      type(surface_type), intent(in) :: master
+      type(tree_type), intent(in) :: tree
+      real(wp), intent(in) :: x(:, :)             !! (2, nnode) [length]
+      type(error_type), allocatable, intent(out) :: error
+      real(wp) :: normal(2, size(x, 2)), reach
+
+      call update_surface(self%slave, x, error)
+      if (allocated(error)) return
+      call nodal_normals(self%slave%facets, rules, x, self%axisymmetric, normal)
+      reach = norm2(max(maxval(self%slave%high, 2), maxval(master%high, 2)) &
+         & - min(minval(self%slave%low, 2), minval(master%low, 2)))
+      self%list = overlap_list_type()
+      call find_overlaps_2d(self%slave, normal(:, self%slave%node), master, tree, x, &
+         & self%axisymmetric, self%thickness, reach, facing, self%list)
+   end subroutine update_mortar
+
+   !> The row of a node by values, and whether enough of it is covered.
+   subroutine find_row(self, master, x, node, area, patch, row, covered)
+      type(present_mortar_type), intent(in) :: self
+      type(surface_type), intent(in) :: master
+      real(wp), intent(in) :: x(:, :)
+      integer, intent(in) :: node
+      real(wp), intent(in) :: area                !! of the node at the start [area]
+      type(patch_type), intent(out) :: patch
+      type(mortar_row_type), intent(out) :: row
+      logical, intent(out) :: covered
+
+      call new_patch(patch, self%slave, master, self%list, node)
+      call mortar_row(row, patch, constant(x(:2, patch%node)), self%axisymmetric, &
+         & self%thickness(1), facing)
+      covered = row%weight%v > hardly*area
+   end subroutine find_row
+
+   !> Forces and exact tangent of one node, as evaluate_point of lopin_finite_kernel.
+   subroutine evaluate_mortar_point(state, local, self, dofs, x, patch, anchor, grip, friction, &
+      & at, shift, lambda, first_row, with_tangent, weight)
+      type(point_state_type), intent(inout) :: state
+      type(local_matrix_type), intent(inout) :: local
+      type(present_mortar_type), intent(in) :: self
+      type(dofs_type), intent(in) :: dofs
+      real(wp), intent(in) :: x(:, :)          !! (2, nnode) present places [length]
+      type(patch_type), intent(in) :: patch
+      type(mortar_anchor_type), intent(in) :: anchor
+      type(grip_type), intent(in) :: grip
+      type(friction_type), intent(in) :: friction
+      type(condition_type), intent(in) :: at
+      real(wp), intent(in) :: shift            !! added to the gap [length]
+      real(wp), intent(in) :: lambda(3)        !! multiplier, if it is an unknown [stress]
+      integer, intent(in) :: first_row         !! of the multiplier; 0: none
+      logical, intent(in) :: with_tangent
+      real(wp), intent(out) :: weight          !! D [area]
+      integer, allocatable :: node(:), input(:, :)
+      type(dual_type), allocatable :: force(:)
+      type(dual_type) :: gap, slip(2), row(2)
+      real(wp), allocatable :: along_gap(:), along_slip(:, :)
+      real(wp) :: shear(2, 2)
+      integer :: from, width, n, k
+
+      call list_inputs()
+      n = size(local%dof)
+      allocate (force(local%nu))
+      if (with_tangent) then
+         if (allocated(local%k)) deallocate (local%k)
+         allocate (local%k(n, n), along_gap(local%nu), along_slip(2, local%nu))
+      end if
+      from = 0
+      do
+         call forces(merge(from, n, with_tangent))
+         if (.not. with_tangent) exit
+         width = min(dual_width, n - from)
+         do k = 1, local%nu
+            local%k(k, from + 1:from + width) = -force(k)%d(:width)
+         end do
+         do k = local%nu + 1, n
+            local%k(k, from + 1:from + width) = row(k - local%nu)%d(:width)
+         end do
+         do k = from + 1, min(from + width, local%nu)
+            along_gap(k) = gap%d(k - from)
+            along_slip(:, k) = slip%d(k - from)
+         end do
+         from = from + dual_width
+         if (from >= n) exit
+      end do
+      state%force = force%v
+      state%row = 0.0_wp
+      state%row(:2) = row%v
+      state%gap = gap%v
+      state%slip = 0.0_wp
+      state%slip(:2) = slip%v
+      if (with_tangent) call make_spring()
+
+   contains
+
+      !> Places of the patch, then those that only the anchor has; their free dofs are the inputs.
+      subroutine list_inputs()
+         integer :: m, j
+
+         node = patch%node
+         do m = 1, size(anchor%node)
+            if (.not. any(node == anchor%node(m))) node = [node, anchor%node(m)]
+         end do
+         allocate (input(2, size(node)), source=0)
+         local%dof = [integer ::]
+         do m = 1, size(node)
+            do j = 1, 2
+               if (dofs%id(j, node(m)) == 0) cycle
+               local%dof = [local%dof, dofs%id(j, node(m))]
+               input(j, m) = size(local%dof)
+            end do
+         end do
+         local%nu = size(local%dof)
+         if (first_row > 0) local%dof = [local%dof, dofs%n + first_row, dofs%n + first_row + 1]
+      end subroutine list_inputs
+
+      subroutine forces(from)
+         integer, intent(in) :: from
+         type(dual_type) :: place(2, size(node)), multiplier(2), z(2), moved(2)
+         type(mortar_row_type) :: own
+         integer :: m, j
+
+         do m = 1, size(node)
+            do j = 1, 2
+               place(j, m) = variable(x(j, node(m)), merge(input(j, m) - from, 0, input(j, m) > 0))
+            end do
+         end do
+         do j = 1, 2
+            multiplier(j) = variable(lambda(j), merge(local%nu + j - from, 0, first_row > 0))
+         end do
+         call mortar_row(own, patch, place(:, :size(patch%node)), self%axisymmetric, &
+            & self%thickness(1), facing)
+         moved = constant([0.0_wp, 0.0_wp])
+         do m = 1, size(anchor%node)
+            moved = moved + place(:, findloc(node, anchor%node(m), 1))*anchor%coefficient(m)
+         end do
+         do m = 1, size(patch%node)
+            moved = moved - place(:, m)*own%coefficient(m)
+         end do
+         moved(1) = moved(1)/own%weight
+         moved(2) = moved(2)/own%weight
+         slip = moved - own%normal*dual_dot(moved, own%normal)
+         gap = own%gap
+         call traction_of(grip, friction, at, gap + shift, own%normal, slip, multiplier, z, row, &
+            & state%status, shear)
+         force = constant(spread(0.0_wp, 1, local%nu))
+         do m = 1, size(patch%node)
+            do j = 1, 2
+               if (input(j, m) > 0) force(input(j, m)) = force(input(j, m)) &
+                  & + own%coefficient(m)*z(j)
+            end do
+         end do
+         weight = own%weight%v
+         state%normal = 0.0_wp
+         state%normal(:2) = own%normal%v
+         state%traction = 0.0_wp
+         state%traction(:2) = z%v
+      end subroutine forces
+
+      !> w (c g' g'^T + s'^T shear s') for a closed point.
+      subroutine make_spring()
+         integer :: j
+
+         if (allocated(local%spring)) deallocate (local%spring)
+         allocate (local%spring(local%nu, local%nu), source=0.0_wp)
+         if (state%status == grip_status%open) return
+         do j = 1, local%nu
+            local%spring(:, j) = weight*(grip%c*along_gap*along_gap(j) &
+               & + matmul(transpose(along_slip), matmul(shear, along_slip(:, j))))
+         end do
+      end subroutine make_spring
+   end subroutine evaluate_mortar_point
+end module lopin_finite_mortar
