@@ -71,7 +71,6 @@ module lopin_finite_contact
       type(present_mortar_type), allocatable :: mortar(:)        !! (npair)
       type(mortar_anchor_type), allocatable :: mortar_anchor(:)  !! (n)
       type(patch_type), allocatable :: patch(:)        !! (n) of the last evaluation
-      real(wp), allocatable :: area(:)                 !! (n) tributary at the start [length^2]
       type(point_state_type), allocatable :: trial(:)  !! (n)
       ! committed
       real(wp), allocatable :: lambda(:, :)    !! (3, n) tractions [stress]
@@ -107,12 +106,11 @@ contains
       allocate (self%grip(n), self%anchor(n), self%opposite(n), self%trial(n), self%local(n))
       allocate (self%friction(size(model%pair)))
       allocate (self%mortar(size(model%pair)), self%mortar_anchor(n), self%patch(n))
-      self%area = self%weight
       do pair = 1, size(model%pair)
          self%friction(pair) = model%interaction(model%pair(pair)%interaction)%friction
          call choose_grips(self, model, pair, log)
          if (self%masters%of(pair)%has_slave_faces) call new_present_mortar(self%mortar(pair), &
-            & model, model%pair(pair), self%masters%of(pair)%slave)
+            & model, model%pair(pair), self%masters%of(pair)%slave, self%masters%rules)
       end do
       do i = 1, n
          self%closed(i) = self%touches(i)
@@ -378,7 +376,7 @@ contains
             return
          end if
          call find_row(self%mortar(pair), self%masters%of(pair)%surface, self%masters%x, &
-            & self%node(i), self%area(i), self%patch(i), row, covered)
+            & self%node(i), self%patch(i), row, covered)
          self%opposite(i)%facet = merge(1, 0, covered)
          if (start) anchor%set = .false.
          if (.not. covered) return

@@ -7,7 +7,7 @@ module lopin_finite_mortar
    use lopin_kinds, only : wp
    use lopin_dual, only : dual_type, dual_width, variable, constant, dual_dot, operator(+), &
       & operator(-), operator(*), operator(/), assignment(=)
-   use lopin_facets, only : facets_type, facet_rule_type, nodal_normals
+   use lopin_facets, only : facets_type, facet_rule_type, nodal_normals, nodal_weights
    use lopin_surface, only : surface_type, new_surface, update_surface
    use lopin_search, only : tree_type
    use lopin_error, only : error_type
@@ -28,8 +28,8 @@ module lopin_finite_mortar
 
    !> n_slave.n_master must be below this for the two to face each other.
    real(wp), parameter :: facing = -0.2_wp
-   !> Nodes covered by less than this share of their area are open.
-   real(wp), parameter :: hardly = 0.01_wp
+   !> A node covered less than this share of its best neighbour hands its row to its neighbours.
+   real(wp), parameter :: weak = 0.05_wp
 
    !> A pair on the present shape.
    type :: present_mortar_type
@@ -38,6 +38,9 @@ module lopin_finite_mortar
       real(wp), allocatable :: thickness(:)    !! (slave facets) [length]
       type(overlap_list_type) :: list
       logical :: axisymmetric = .false.
+      real(wp), allocatable :: full(:)         !! (slave nodes) area at the start [area]
+      real(wp), allocatable :: ratio(:)        !! (slave nodes) covered share of it
+      real(wp), allocatable :: best(:)         !! the largest share on the facets of each
    end type present_mortar_type
 
    !> The row of a node when the increment began.
@@ -49,17 +52,21 @@ module lopin_finite_mortar
 
 contains
 
-   subroutine new_present_mortar(self, model, pair, facets)
+   subroutine new_present_mortar(self, model, pair, facets, rules)
       type(present_mortar_type), intent(out) :: self
       type(model_type), intent(in) :: model
       type(pair_type), intent(in) :: pair
       type(facets_type), intent(in) :: facets     !! of the slave
+      type(facet_rule_type), intent(in) :: rules(:)
+      real(wp) :: weight(model%mesh%nnode)
 
       self%is_on = stays_mortar(model, pair)
       if (.not. self%is_on) return
       call new_surface(self%slave, model%mesh%ndim, facets)
       self%thickness = thickness_of(model, facets)
       self%axisymmetric = model%kind == kind_of%axisymmetric
+      call nodal_weights(facets, rules, model%mesh%x, self%axisymmetric, self%thickness, weight)
+      self%full = weight(self%slave%node)
    end subroutine new_present_mortar
 
    !> The overlaps at present places.
@@ -80,23 +87,102 @@ contains
       self%list = overlap_list_type()
       call find_overlaps_2d(self%slave, normal(:, self%slave%node), master, tree, x, &
          & self%axisymmetric, self%thickness, reach, facing, self%list)
+      call measure_cover(self)
    end subroutine update_mortar
 
+   !> Which share of each node is covered, and of its best neighbour.
+   subroutine measure_cover(self)
+      type(present_mortar_type), intent(inout) :: self
+      integer :: i, n
+
+      self%ratio = 0.0_wp*self%full
+      do i = 1, self%list%n
+         associate (o => self%list%item(i))
+            n = self%slave%facets%nnode(o%slave)
+            associate (own => self%slave%local(:n, o%slave))
+               self%ratio(own) = self%ratio(own) + o%d(:n)/self%full(own)
+            end associate
+         end associate
+      end do
+      self%best = self%ratio
+      do i = 1, self%slave%facets%n
+         n = self%slave%facets%nnode(i)
+         associate (own => self%slave%local(:n, i))
+            self%best(own) = max(self%best(own), maxval(self%ratio(own)))
+         end associate
+      end do
+   end subroutine measure_cover
+
+   !> Nodes whose rows this one takes over, in equal parts with their other strong neighbours.
+   subroutine take_over(self, node, also, share)
+      type(present_mortar_type), intent(in) :: self
+      integer, intent(in) :: node                 !! number on the slave surface
+      integer, allocatable, intent(out) :: also(:)
+      real(wp), allocatable, intent(out) :: share(:)
+      integer, allocatable :: heir(:)
+      integer :: i, k, j, n
+
+      also = [integer ::]
+      share = [real(wp) ::]
+      do i = 1, self%slave%facets%n
+         n = self%slave%facets%nnode(i)
+         if (.not. any(self%slave%local(:n, i) == node)) cycle
+         do k = 1, n
+            j = self%slave%local(k, i)
+            if (strong(self, j) .or. any(also == self%slave%node(j))) cycle
+            heir = heirs_of(self, j)
+            if (.not. any(heir == node)) cycle
+            also = [also, self%slave%node(j)]
+            share = [share, 1.0_wp/real(size(heir), wp)]
+         end do
+      end do
+   end subroutine take_over
+
+   pure function heirs_of(self, node) result(heir)
+      type(present_mortar_type), intent(in) :: self
+      integer, intent(in) :: node
+      integer, allocatable :: heir(:)
+      integer :: i, k, n
+
+      heir = [integer ::]
+      do i = 1, self%slave%facets%n
+         n = self%slave%facets%nnode(i)
+         if (.not. any(self%slave%local(:n, i) == node)) cycle
+         do k = 1, n
+            associate (j => self%slave%local(k, i))
+               if (strong(self, j) .and. .not. any(heir == j)) heir = [heir, j]
+            end associate
+         end do
+      end do
+   end function heirs_of
+
+   pure logical function strong(self, node)
+      type(present_mortar_type), intent(in) :: self
+      integer, intent(in) :: node
+      strong = self%ratio(node) > weak*self%best(node)
+   end function strong
+
    !> The row of a node by values, and whether enough of it is covered.
-   subroutine find_row(self, master, x, node, area, patch, row, covered)
+   subroutine find_row(self, master, x, node, patch, row, covered)
       type(present_mortar_type), intent(in) :: self
       type(surface_type), intent(in) :: master
       real(wp), intent(in) :: x(:, :)
       integer, intent(in) :: node
-      real(wp), intent(in) :: area                !! of the node at the start [area]
       type(patch_type), intent(out) :: patch
       type(mortar_row_type), intent(out) :: row
       logical, intent(out) :: covered
+      integer, allocatable :: also(:)
+      real(wp), allocatable :: share(:)
+      integer :: k
 
-      call new_patch(patch, self%slave, master, self%list, node)
+      k = findloc(self%slave%node, node, 1)
+      covered = strong(self, k)
+      if (.not. covered) return
+      call take_over(self, k, also, share)
+      call new_patch(patch, self%slave, master, self%list, node, also, share)
       call mortar_row(row, patch, constant(x(:2, patch%node)), self%axisymmetric, &
          & self%thickness(1), facing)
-      covered = row%weight%v > hardly*area
+      covered = row%weight%v > 0.0_wp
    end subroutine find_row
 
    !> Forces and exact tangent of one node, as evaluate_point of lopin_finite_kernel.

@@ -4,8 +4,8 @@
 !> The row depends on the facets at the node, on their other neighbours by the nodal normals, and on
 !> the master facets that these cover. `new_patch` lists them, `mortar_row` gives the weight, normal,
 !> mean gap and coefficients with their slopes by all places of the list: those of the dual basis,
-!> of the normals and of the moving ends of the segments. Values are those of lopin_mortar before
-!> hardly covered nodes hand their rows over.
+!> of the normals and of the moving ends of the segments. A node may take over the rows of hardly
+!> covered neighbours, as in lopin_mortar.
 module lopin_mortar_node_2d
    use lopin_kinds, only : wp
    use lopin_dual, only : dual_type, constant, dual_norm, operator(+), operator(-), operator(*), &
@@ -17,7 +17,7 @@ module lopin_mortar_node_2d
    private
    public :: patch_type, new_patch, mortar_row_type, mortar_row
 
-   integer, parameter :: most_facets = 4
+   integer, parameter :: most_facets = 8
 
    !> What is around a slave node; places are numbers in `node`.
    type :: patch_type
@@ -25,7 +25,9 @@ module lopin_mortar_node_2d
       integer :: nchain = 0                        !! slave facets: at the node, then beside those
       integer :: nnode(most_facets) = 0
       integer :: chain(3, most_facets) = 0
-      integer :: own(most_facets) = 0              !! the node in each facet; 0: it is beside
+      logical :: at_node(most_facets) = .false.    !! integrated; others only have the normals
+      integer, allocatable :: function(:)          !! places whose functions the row has
+      real(wp), allocatable :: share(:)            !! of each; the first: 1
       integer :: ncover = 0                        !! pairs of a slave facet and a master facet
       integer, allocatable :: over(:)              !! the slave facet, in the chain
       integer, allocatable :: ncovered(:)          !! nodes of the master facet
@@ -47,26 +49,31 @@ module lopin_mortar_node_2d
 contains
 
    !> The neighbourhood of a slave node; the overlaps are those found on the present shape.
-   subroutine new_patch(self, slave, master, list, node)
+   subroutine new_patch(self, slave, master, list, node, also, share)
       type(patch_type), intent(out) :: self
       type(surface_type), intent(in) :: slave, master
       type(overlap_list_type), intent(in) :: list
       integer, intent(in) :: node                  !! mesh node
+      integer, intent(in) :: also(:)               !! nodes whose rows it takes over
+      real(wp), intent(in) :: share(:)             !! of each
       integer :: facet(most_facets)
+      integer, allocatable :: near(:)
       integer :: i, k, n, pass
 
-      self%node = [node]
+      self%node = [node, also]
+      self%function = [(k, k=1, size(also) + 1)]
+      self%share = [1.0_wp, share]
+      near = self%node
       do pass = 1, 2
          do i = 1, slave%facets%n
             n = slave%facets%nnode(i)
             if (self%nchain == most_facets) exit
             if (any(facet(:self%nchain) == i)) cycle
-            if (pass == 1 .and. .not. any(slave%facets%node(:n, i) == node)) cycle
-            if (pass == 2 .and. .not. any([(any(self%node == slave%facets%node(k, i)), k=1, n)])) &
-               & cycle
+            if (.not. any([(any(near == slave%facets%node(k, i)), k=1, n)])) cycle
             call add_chain(self, slave%facets%node(:n, i), pass == 1)
             facet(self%nchain) = i
          end do
+         near = self%node
          if (pass == 1) call add_covers(self, master, list, facet(:self%nchain))
       end do
    end subroutine new_patch
@@ -79,9 +86,9 @@ contains
 
       self%nchain = self%nchain + 1
       self%nnode(self%nchain) = size(nodes)
+      self%at_node(self%nchain) = at_node
       do k = 1, size(nodes)
          call take_place(self, nodes(k), self%chain(k, self%nchain))
-         if (at_node .and. self%chain(k, self%nchain) == 1) self%own(self%nchain) = k
       end do
    end subroutine add_chain
 
@@ -135,7 +142,7 @@ contains
       self%normal = constant([0.0_wp, 0.0_wp]) - nodal_normal(patch, x, 1, axisymmetric)
       gap = constant(0.0_wp)
       do i = 1, patch%nchain
-         if (patch%own(i) > 0) call add_facet(self, patch, x, axisymmetric, thickness, facing, i, &
+         if (patch%at_node(i)) call add_facet(self, patch, x, axisymmetric, thickness, facing, i, &
             & gap)
       end do
       if (self%weight%v > 0.0_wp) self%gap = gap/self%weight
@@ -183,7 +190,8 @@ contains
       type(dual_type), intent(inout) :: gap
       type(segment_type) :: segment(patch%ncover)
       type(dual_type) :: normal(2, 3), me(3, 3), d(3), a(3), area
-      integer :: c, j, k, l, n
+      integer :: c, f, j, k, l, n
+      logical :: dual
 
       n = patch%nnode(i)
       do k = 1, n
@@ -199,13 +207,20 @@ contains
          area = area + segment(c)%area
       end do
       if (.not. area%v > 0.0_wp) return
-      j = patch%own(i)
+      dual = area%v >= thin*whole(x(:, patch%chain(:n, i))%v, axisymmetric, thickness)
       a = constant([0.0_wp, 0.0_wp, 0.0_wp])
-      a(j) = constant(1.0_wp)
-      if (area%v >= thin*whole(x(:, patch%chain(:n, i))%v, axisymmetric, thickness)) &
-         & call dual_function(me(:n, :n), d(j), j, a(:n))
-      self%weight = self%weight + d(j)
-      self%coefficient(1) = self%coefficient(1) + d(j)
+      do f = 1, size(patch%function)
+         j = findloc(patch%chain(:n, i), patch%function(f), 1)
+         if (j == 0) cycle
+         self%weight = self%weight + patch%share(f)*d(j)
+         self%coefficient(patch%function(f)) = self%coefficient(patch%function(f)) &
+            & + patch%share(f)*d(j)
+         if (dual) then
+            call dual_function(me(:n, :n), patch%share(f)*d(j), j, a(:n))
+         else
+            a(j) = a(j) + patch%share(f)
+         end if
+      end do
       do c = 1, patch%ncover
          if (patch%over(c) /= i .or. .not. segment(c)%overlaps) cycle
          do k = 1, n
@@ -242,15 +257,15 @@ contains
       end do
    end function whole
 
-   !> Row j of diag(d) me^-1: Gauss elimination of a positive matrix.
-   subroutine dual_function(me, d, j, a)
+   !> Add row j of diag(d) me^-1: Gauss elimination of a positive matrix.
+   subroutine dual_function(me, d, j, sum_)
       type(dual_type), intent(in) :: me(:, :), d
       integer, intent(in) :: j
-      type(dual_type), intent(out) :: a(:)
-      type(dual_type) :: m(size(a), size(a)), factor
+      type(dual_type), intent(inout) :: sum_(:)
+      type(dual_type) :: m(size(sum_), size(sum_)), a(size(sum_)), factor
       integer :: i, k, l, n
 
-      n = size(a)
+      n = size(sum_)
       m = me
       a(j) = d
       do k = 1, n
@@ -268,5 +283,6 @@ contains
          end do
          a(k) = a(k)/m(k, k)
       end do
+      sum_ = sum_ + a
    end subroutine dual_function
 end module lopin_mortar_node_2d

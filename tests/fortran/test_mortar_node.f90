@@ -116,7 +116,8 @@ contains
       call test('the row of a node in dual numbers has the values of the coupling')
       call is_true('all nodes', coupling%n == slave%nnode)
       do j = 1, coupling%n
-         call new_patch(patch, slave, master, list, coupling%node(j))
+         call new_patch(patch, slave, master, list, coupling%node(j), &
+            & [integer ::], [real(wp) ::])
          call row_at(patch, x(:, patch%node), 0, row)
          call close_to('weight', row%weight%v, coupling%weight(j), 1.0e-13_wp)
          call close_to('gap', row%gap%v, coupling%gap(j), 1.0e-13_wp)
@@ -144,7 +145,8 @@ contains
 
       call test('slopes of weight, normal, gap and coefficients are their differences')
       do j = 1, coupling%n, 2
-         call new_patch(patch, slave, master, list, coupling%node(j))
+         call new_patch(patch, slave, master, list, coupling%node(j), &
+            & [integer ::], [real(wp) ::])
          place = x(:, patch%node)
          do m = 1, size(place, 2)
             do k = 1, 2
