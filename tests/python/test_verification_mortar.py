@@ -223,3 +223,44 @@ def test_friction_holds_a_uniform_shear(core, sheet, tmp_path, kind, slave, turn
     assert (pressed.status == 1).all()
     sheet.compare("B3 patch test with friction, mortar", f"{name}: largest slip",
                   np.abs(pressed["tangential_displacement"]).max(), 0.0, 1e-10, "stick", absolute=True)
+
+
+@pytest.mark.parametrize("kind", ["CPE4", "CPE8", "CPE6", "CAX4"])
+@pytest.mark.parametrize("slave", ["lower", "upper"])
+def test_uniform_pressure_on_the_present_shape(solve, sheet, tmp_path, kind, slave):
+    """NLGEOM: the blocks swell and slide on each other; stresses stay uniform."""
+    pair = Pair(kind, 7, 10, 3, uneven=0.3, inner=3.0 if kind == "CAX4" else 0.0).pressed(20.0)
+    path = tmp_path/"far.inp"
+    path.write_text(pair.deck(slave=slave).replace("*STEP\n", "*STEP, NLGEOM\n"), encoding="utf-8")
+    result = solve(lopin.Deck.read(path))
+    stress = pair.stresses(result)
+    sheet.compare("B1 patch test with NLGEOM, mortar", f"{kind}, 7/10 uneven, {slave} slave: spread of the stresses "
+                  "over the largest", np.ptp(stress, axis=0).max()/np.abs(stress).max(), 0.0, 1e-6,
+                  "uniform; printed to seven digits", absolute=True)
+
+
+@pytest.mark.parametrize("method", ["DIRECT", "PENALTY\n1.e5", "AUGMENTED LAGRANGE\n1.e5"])
+@pytest.mark.parametrize("kind", ["CPE4", "CPE8"])
+def test_a_block_dragged_over_many_facets(core, sheet, tmp_path, kind, method):
+    """Full slip by Coulomb's law over joints of a mesh that does not match, 1.4 facets in 8 increments."""
+    pair = Pair(kind, 10, 5, 2, left=2.1, right=5.0).pressed(held=False)
+    deck = pair.deck(behaviour=method, friction="0.3").replace("*STEP\n", "*STEP, NLGEOM\n")
+    deck = deck.replace("1., 1.\n", "0.125, 1.\n")
+    top = "\n".join(f"{n}," for n in pair.up.where(lambda p: abs(p[1] - 8.0) < 1e-9))
+    deck = deck[:deck.index("*CLOAD")] + deck[deck.index("*EL PRINT"):]
+    deck = deck.replace("*STEP,", f"*NSET, NSET=GRIP\n{top}\n*BOUNDARY\nLOW_BASE, 1\n*STEP,", 1)
+    deck = deck.replace("*DSLOAD", "*BOUNDARY\nGRIP, 1, 1, 1.4\nGRIP, 2, 2, -0.05\n*DSLOAD", 1)
+    result = lopin.run(lopin.Deck.parse(deck, "drag", tmp_path))
+    name = method.split("\n")[0].lower()
+    worst = 0.0
+    for k in range(1, 8):
+        pressed = result.contact(0).at(k)
+        shut = pressed.status == 2
+        normal, force = pressed["normal"], pressed.force
+        along = np.linalg.norm(np.atleast_2d(np.asarray(pressed["R_t"]))[shut], axis=1) if "R_t" in pressed.fields \
+            else np.linalg.norm(force[shut] - (force[shut]*normal[shut]).sum(1)[:, None]*normal[shut], axis=1)
+        push = np.abs((force[shut]*normal[shut]).sum(1))
+        worst = max(worst, np.abs(along/push - 0.3).max())
+        assert shut.any()
+    sheet.compare("D6 sliding over joints, mortar", f"{kind}, {name}: worst |t| over p - mu of closed nodes", worst,
+                  0.0, 1e-10, "Coulomb", absolute=True)
