@@ -44,7 +44,8 @@ contains
       ! What the start says is said as for node to segment; a surface against itself starts free.
       do pair = 1, size(model%pair)
          if (.not. is_mortar(model, model%pair(pair))) cycle
-         if (.not. stays_mortar(model, model%pair(pair))) call log%say(severity%note, 'N0304', 'pair ('// &
+         if (stays_mortar(model, model%pair(pair))) cycle
+         call log%say(severity%note, 'N0304', 'pair ('// &
             & model%surface(model%pair(pair)%slave)%name//', '// &
             & model%surface(model%pair(pair)%master)%name//') of surface to surface is read as '// &
             & 'NODE TO SURFACE where bodies move far', model%pair(pair)%at)
