@@ -52,6 +52,7 @@ contains
       call explain(scene, model, points, friction, error)
       if (allocated(error)) return
       call remember(scene, points, friction)
+      call tell_elastic_slip(scene, model, points)
       call warn_of_wedging(scene, model, points, friction)
       call warn_of_tension(scene, model, points)
    end subroutine contact_with_friction
@@ -300,6 +301,29 @@ contains
       limit = drag_limit(points%law(k))
       if (norm2(left) > limit) left = left*(limit/norm2(left))
    end function drawn
+
+   !> The elastic slip of penalty pairs, where it was not given, is said once.
+   subroutine tell_elastic_slip(scene, model, points)
+      type(scene_type), intent(inout) :: scene
+      type(model_type), intent(in) :: model
+      type(friction_points_type), intent(in) :: points
+      integer :: k, i, pair
+
+      do i = 1, scene%log%n
+         if (scene%log%item(i)%id == 'N0520') return
+      end do
+      do k = 1, points%n
+         associate (law => points%law(k))
+            if (.not. points%elastic_slip(k) > 0.0_wp) cycle
+            if (law%elastic_slip > 0.0_wp .or. law%slip_tolerance > 0.0_wp) cycle
+         end associate
+         pair = scene%points%pair(scene%rows%point(points%normal(k)))
+         call scene%log%say(severity%note, 'N0520', 'sticking points of this penalty pair give '// &
+            & 'way by up to '//to_text(points%elastic_slip(k), 4)//', 0.5 % of a facet', &
+            & model%pair(pair)%at, help='ELASTIC SLIP= on *FRICTION sets it; DIRECT sticks exactly')
+         return
+      end do
+   end subroutine tell_elastic_slip
 
    !> Several answers may exist: said once a step, with the node and its critical coefficient.
    subroutine warn_of_wedging(scene, model, points, friction)

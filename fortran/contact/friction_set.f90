@@ -11,24 +11,21 @@ module lopin_friction_set
    use, intrinsic :: iso_fortran_env, only : int64
    use lopin_kinds, only : wp
    use lopin_vectors, only : largest
-   use lopin_blas, only : dgetrf, dgetrs
    use lopin_condensed, only : condensed_type, form_compliance, rows_times
    use lopin_dense, only : cholesky_solve
    use lopin_active_set, only : contact_result_type, outcome
    use lopin_friction_rows, only : friction_points_type, equations_type, new_equations, &
       & form_equations
+   use lopin_friction_step, only : trial_type, work_type, step_to, judge, search_line
    implicit none
    private
    public :: solve_friction, friction_result_type
 
-   integer, parameter :: most_iterations = 40, memory = 4, halvings = 5, remembered = 32
+   integer, parameter :: most_iterations = 40, memory = 4, remembered = 32
    integer, parameter :: most_bounds = 60
    !> Residuals below this share of the largest force, or of what rounding of the gaps makes.
    real(wp), parameter :: exact = 1.0e-13_wp, accepted = 1.0e-10_wp, rounding = 1.0e-14_wp
    real(wp), parameter :: settled = 1.0e-10_wp
-   !> Pivots below this share of the largest are dependent rows.
-   real(wp), parameter :: no_pivot = 1.0e-14_wp
-
    !> The cures, in order.
    type :: ladder
       integer :: newton = 1, damped = 2, single = 3, bounds = 4
@@ -42,24 +39,6 @@ module lopin_friction_set
       integer, allocatable :: changing(:)          !! points whose state still changed at the end
       real(wp), allocatable :: norms(:)            !! residuals of the iterations
    end type friction_result_type
-
-   !> A state, and what one solve carries around.
-   type :: trial_type
-      real(wp), allocatable :: force(:), gap(:), q(:)
-   end type trial_type
-
-   type :: work_type
-      type(equations_type) :: equations
-      real(wp), allocatable :: free_gap(:), moving(:), q_scale(:)
-      real(wp), allocatable :: old_gap(:)          !! (nrow) accepted last [length]
-      real(wp) :: gap_scale = 0.0_wp
-      logical :: predict = .false.                 !! first step with the states accepted last
-      logical :: cold = .false.                    !! there are none: these press and stick
-      logical, allocatable :: touching(:)          !! (nrow) rows without a gap before loading
-      logical :: one_by_one = .false.
-      logical :: singular = .false.
-      integer :: sign_of_determinant = 1, dependent = 0
-   end type work_type
 
 contains
 
@@ -328,20 +307,6 @@ contains
       end if
    end subroutine scale_tangents
 
-   !> Natural residual of a state, in force.
-   subroutine judge(self, points, work, x, norm)
-      type(condensed_type), intent(in) :: self
-      type(friction_points_type), intent(in) :: points
-      type(work_type), intent(inout) :: work
-      type(trial_type), intent(in) :: x
-      real(wp), intent(out) :: norm
-
-      call form_equations(work%equations, self, points, x%force, x%gap)
-      norm = norm2(work%equations%residual)
-      if (self%nq > 0) norm = hypot(norm, norm2(work%q_scale*(matmul(x%force, self%c) &
-         & + work%moving)))
-   end subroutine judge
-
    !> A residual beside the forces, or beside what rounding of the gaps makes.
    pure logical function is_small(work, x, norm, limit)
       type(work_type), intent(in) :: work
@@ -394,201 +359,6 @@ contains
       equations%set(row) = equations%natural(row)
       result%single_pivots = result%single_pivots + 1
    end subroutine change_last
-
-   !> The state that the equations linearised at x ask for.
-   subroutine step_to(self, points, work, x, next)
-      type(condensed_type), intent(in) :: self
-      type(friction_points_type), intent(in) :: points
-      type(work_type), intent(inout) :: work
-      type(trial_type), intent(in) :: x
-      type(trial_type), intent(out) :: next
-      real(wp), allocatable :: a(:, :), right(:)
-      integer, allocatable :: rows(:), place(:)
-      integer :: i, m
-
-      rows = pack([(i, i=1, self%nrow)], work%equations%closed)
-      m = size(rows)
-      allocate (place(self%nrow), source=0)
-      place(rows) = [(i, i=1, m)]
-      allocate (a(m + self%nq, m + self%nq), right(m + self%nq), source=0.0_wp)
-      call fill_matrix(self, points, work, x, rows, place, a, right)
-      call solve_matrix(self, work, x, rows, a, right)
-      allocate (next%force(self%nrow), source=0.0_wp)
-      next%force(rows) = right(:m)
-      next%q = right(m + 1:)
-      next%gap = work%free_gap
-      do i = 1, m
-         next%gap = next%gap + self%s(:, rows(i))*right(i)
-      end do
-      if (self%nq > 0) next%gap = next%gap + matmul(self%c, next%q)
-   end subroutine step_to
-
-   !> Rows P force + Q gap = P force_x + Q gap_x - residual with gap = free_gap + S force + C q, and
-   !> the balance of the floating motions.
-   subroutine fill_matrix(self, points, work, x, rows, place, a, right)
-      type(condensed_type), intent(in) :: self
-      type(friction_points_type), intent(in) :: points
-      type(work_type), intent(in) :: work
-      type(trial_type), intent(in) :: x
-      integer, intent(in) :: rows(:), place(:)
-      real(wp), intent(inout) :: a(:, :), right(:)
-      integer :: i, j, k, m, row, other, from
-
-      m = size(rows)
-      associate (e => work%equations)
-         do i = 1, m
-            row = rows(i)
-            right(i) = -e%residual(row)
-            if (e%group(row) == 0) cycle
-            a(i, i) = e%diagonal(row)
-            right(i) = right(i) + e%diagonal(row)*x%force(row)
-            call add_gap(i, row, e%gap_diagonal(row))
-         end do
-         do k = 1, points%n
-            from = points%tangent(k)
-            if (place(from) == 0) cycle
-            do i = 1, points%nt
-               row = place(from + i - 1)
-               do j = 0, points%nt
-                  other = from + j - 1
-                  if (j == 0) other = points%normal(k)
-                  a(row, place(other)) = a(row, place(other)) + e%p(i, j, k)
-                  right(row) = right(row) + e%p(i, j, k)*x%force(other)
-                  if (abs(e%q(i, j, k)) > 0.0_wp) call add_gap(row, other, e%q(i, j, k))
-               end do
-            end do
-         end do
-      end associate
-      do i = 1, self%nq
-         a(m + i, :m) = self%c(rows, i)*work%q_scale(i)
-         right(m + i) = -work%moving(i)*work%q_scale(i)
-      end do
-
-   contains
-
-      !> factor*gap(of) in equation i.
-      subroutine add_gap(i, of, factor)
-         integer, intent(in) :: i, of
-         real(wp), intent(in) :: factor
-
-         a(i, :m) = a(i, :m) + factor*self%s(rows, of)
-         a(i, m + 1:) = a(i, m + 1:) + factor*self%c(of, :)
-         right(i) = right(i) + factor*(x%gap(of) - work%free_gap(of))
-      end subroutine add_gap
-   end subroutine fill_matrix
-
-   !> Solve, or, where rows depend on each other or motions are not held, the nearest problem that
-   !> has one answer: rows yield a trace, motions stay near those of x.
-   subroutine solve_matrix(self, work, x, rows, a, right)
-      type(condensed_type), intent(in) :: self
-      type(work_type), intent(inout) :: work
-      type(trial_type), intent(in) :: x
-      integer, intent(in) :: rows(:)
-      real(wp), intent(in) :: a(:, :)
-      real(wp), intent(inout) :: right(:)
-      real(wp), allocatable :: lu(:, :)
-      integer :: pivot(size(right)), i, m, n, status
-      real(wp) :: most, ground
-
-      m = size(rows)
-      n = size(right)
-      work%singular = .false.
-      if (n == 0) return
-      lu = a
-      call dgetrf(n, n, lu, n, pivot, status)
-      if (status /= 0 .or. lost(lu)) then
-         lu = a
-         most = 0.0_wp
-         do i = 1, m
-            most = max(most, abs(a(i, i)))
-         end do
-         do i = 1, m
-            lu(i, i) = lu(i, i) + 1.0e-11_wp*most
-         end do
-         work%singular = self%nq > 0
-         do i = 1, self%nq
-            ground = sum((self%c(rows, i)*work%q_scale(i))**2*work%equations%c(rows))
-            if (.not. ground > 0.0_wp) ground = 1.0_wp
-            ground = 1.0e-2_wp*ground/work%q_scale(i)
-            lu(m + i, m + i) = lu(m + i, m + i) - ground
-            right(m + i) = right(m + i) - ground*x%q(i)
-         end do
-         if (.not. work%singular) work%dependent = max(work%dependent, 1)
-         call dgetrf(n, n, lu, n, pivot, status)
-      end if
-      work%sign_of_determinant = 1
-      do i = 1, n
-         if (pivot(i) /= i) work%sign_of_determinant = -work%sign_of_determinant
-         if (lu(i, i) < 0.0_wp) work%sign_of_determinant = -work%sign_of_determinant
-      end do
-      if (mod(self%nq, 2) == 1) work%sign_of_determinant = -work%sign_of_determinant
-      if (status /= 0) then
-         right = [x%force(rows), x%q]
-         return
-      end if
-      call dgetrs('N', n, 1, lu, n, pivot, right, n, status)
-   end subroutine solve_matrix
-
-   !> A pivot lost all its digits.
-   pure logical function lost(lu)
-      real(wp), intent(in) :: lu(:, :)
-      real(wp) :: least, most
-      integer :: i
-
-      least = huge(1.0_wp)
-      most = 0.0_wp
-      do i = 1, size(lu, 1)
-         least = min(least, abs(lu(i, i)))
-         most = max(most, abs(lu(i, i)))
-      end do
-      lost = .not. least > no_pivot*most
-   end function lost
-
-   !> The longest of the steps 1, 1/2 ... that lowers the residual below the worst of the last few.
-   subroutine search_line(self, points, work, x, next, worst, norm)
-      type(condensed_type), intent(in) :: self
-      type(friction_points_type), intent(in) :: points
-      type(work_type), intent(inout) :: work
-      type(trial_type), intent(inout) :: x
-      type(trial_type), intent(in) :: next
-      real(wp), intent(in) :: worst
-      real(wp), intent(out) :: norm
-      type(trial_type) :: trial
-      real(wp) :: step, best, best_step
-      integer :: i
-
-      step = 1.0_wp
-      best = huge(1.0_wp)
-      best_step = 1.0_wp
-      do i = 0, halvings
-         call on_the_way(step, trial)
-         call judge(self, points, work, trial, norm)
-         if (norm <= (1.0_wp - 1.0e-4_wp*step)*worst) exit
-         if (norm < best) then
-            best = norm
-            best_step = step
-         end if
-         step = 0.5_wp*step
-      end do
-      if (i > halvings) then
-         call on_the_way(best_step, trial)
-         call judge(self, points, work, trial, norm)
-      end if
-      x = trial
-
-   contains
-
-      subroutine on_the_way(share, trial)
-         real(wp), intent(in) :: share
-         type(trial_type), intent(out) :: trial
-
-         trial = next
-         if (share >= 1.0_wp) return
-         trial%force = x%force + share*(next%force - x%force)
-         trial%gap = x%gap + share*(next%gap - x%gap)
-         trial%q = x%q + share*(next%q - x%q)
-      end subroutine on_the_way
-   end subroutine search_line
 
    !> A number that two states share only by chance.
    pure integer(int64) function hash_of(equations) result(hash)

@@ -63,6 +63,10 @@ contains
          & 'every cure that Lopin knows: the damped tangent, one row at a time, fixed bounds. '// &
          & 'Often no unique state exists: see W0520.', &
          & 'take smaller increments, or look whether the coefficient of friction is meant.')
+      call add_explanation(list, 'N0520', 'elastic slip of a penalty pair', &
+         & 'A pair that lets penetrate also lets slip a little where it sticks: 0.5 % of the '// &
+         & 'facet at the bound, unless ELASTIC SLIP, SLIP TOLERANCE or a stick slope is given.', &
+         & 'give one of them on *FRICTION, or use DIRECT: it sticks exactly.')
       call add_explanation(list, 'W0520', 'frictional wedging', &
          & 'Coulomb friction beyond a critical coefficient has several equilibria: a node that '// &
          & 'slides presses itself on. Critical is K_tt/|K_nt| of the node''s own stiffness; near '// &
