@@ -11,6 +11,7 @@ module lopin_finite_opposite
    use lopin_smooth_facet, only : stencil_type, most_stencil, is_smoothed
    use lopin_feature, only : projection_type, limits_type
    use lopin_search, only : tree_type, build_tree, refit_tree, find_projection
+   use lopin_self_contact, only : self_contact_type, new_self_contact, measure_thickness
    use lopin_tool, only : foot_type
    use lopin_rigid_motion, only : rigid_motion_type, new_rigid_motion
    use lopin_model, only : model_type, surface_of, kind_of
@@ -33,6 +34,9 @@ module lopin_finite_opposite
       type(limits_type) :: limits
       type(rigid_motion_type) :: motion
       real(wp) :: rotation(3) = 0.0_wp             !! its rotation vector [rad]
+      logical :: against_itself = .false.
+      type(self_contact_type) :: itself            !! of the points of a surface against itself
+      integer :: first_point = 0                   !! the first of them
       logical :: has_slave_faces = .false.
       type(facets_type) :: slave                   !! for the slave's normals
    end type master_type
@@ -136,6 +140,10 @@ contains
          end associate
       end do
       if (start) call find_sides(self, model, points)
+      do pair = 1, size(model%pair)
+         if (is_self_contact(model%pair(pair)) .and. .not. self%of(pair)%against_itself) &
+            & call know_itself(self, points, pair)
+      end do
    end subroutine move_masters
 
    subroutine move_tool(m, model, dofs, u)
@@ -164,6 +172,26 @@ contains
          end if
       end associate
    end subroutine move_tool
+
+   !> What a surface must know to meet itself: the neighbours and the wall of each of its points.
+   subroutine know_itself(self, points, pair)
+      type(masters_type), intent(inout) :: self
+      type(finite_points_type), intent(in) :: points
+      integer, intent(in) :: pair
+      integer, allocatable :: node(:)
+      integer :: first, last
+
+      node = pack(points%node, points%pair == pair)
+      first = findloc(points%pair, pair, dim=1)
+      last = first + size(node) - 1
+      associate (m => self%of(pair))
+         m%first_point = first
+         m%against_itself = .true.
+         call new_self_contact(m%itself, m%surface, node)
+         call measure_thickness(m%itself, m%surface, m%tree, self%x(:, node), &
+            & self%side(:size(self%x, 1), first:last), m%limits%cosine)
+      end associate
+   end subroutine know_itself
 
    !> The outward normals of the slaves now.
    subroutine find_sides(self, model, points)
@@ -200,14 +228,35 @@ contains
          if (m%tool > 0) then
             call find_on_tool(self, m, model, masters%side(:, i), points%size(i), points%entry(i), &
                & parts_of(masters, points, i), x)
-         else if (.not. is_self_contact(model%pair(points%pair(i)))) then
-            call find_projection(m%surface, m%tree, x, masters%side(:model%mesh%ndim, i), &
-               & m%limits, self%found)
+         else
+            if (m%against_itself) then
+               call find_on_itself(self, m, masters%side(:model%mesh%ndim, i), i, x)
+            else
+               call find_projection(m%surface, m%tree, x, masters%side(:model%mesh%ndim, i), &
+                  & m%limits, self%found)
+            end if
             call take_facet(self, m%surface)
             if (self%facet > 0) call mark_shared_edge(self, m%surface, x)
          end if
       end associate
    end subroutine find_opposite
+
+   !> Neighbours are left out, and nothing is entered deeper than half of the point's own wall.
+   subroutine find_on_itself(self, m, side, i, x)
+      type(opposite_type), intent(inout) :: self
+      type(master_type), intent(in) :: m
+      real(wp), intent(in) :: side(:)
+      integer, intent(in) :: i
+      real(wp), intent(in) :: x(:)
+      type(limits_type) :: limits
+      integer :: k
+
+      k = i - m%first_point + 1
+      limits = m%limits
+      limits%depth = min(limits%depth, m%itself%depth(k))
+      call find_projection(m%surface, m%tree, x, side, limits, self%found, &
+         & m%itself%neighbour(m%itself%first(k):m%itself%first(k + 1) - 1))
+   end subroutine find_on_itself
 
    subroutine take_facet(self, surface)
       type(opposite_type), intent(inout) :: self
