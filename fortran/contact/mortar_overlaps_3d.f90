@@ -82,22 +82,22 @@ contains
       integer, intent(in) :: i
       type(mortar_sums_type), allocatable, intent(out) :: found(:)
       integer, intent(out) :: n
-      real(wp) :: low(3), high(3), own(3, 8), nu(3, 8), other(3, 8)
+      real(wp) :: own(3, 8), nu(3, 8), other(3, 8)
       integer, allocatable :: candidate(:)
       integer :: k, ns, nm
 
       ns = slave%facets%nnode(i)
       own(:, :ns) = x(:, slave%facets%node(:ns, i))
       nu(:, :ns) = normal(:3, slave%local(:ns, i))
-      low = slave%low(:, i) - reach*abs(slave%disc(4:6, i))
-      high = slave%high(:, i) + reach*abs(slave%disc(4:6, i))
-      call facets_in_box(tree, master%low, master%high, low, high, candidate)
+      call facets_along(tree, master, slave%low(:, i), slave%high(:, i), slave%disc(4:6, i), &
+         & reach, 4.0_wp*slave%size(i), candidate)
       allocate (found(size(candidate)))
       n = 0
       do k = 1, size(candidate)
          associate (j => candidate(k))
             nm = master%facets%nnode(j)
             if (.not. dot_product(slave%disc(4:6, i), master%disc(4:6, j)) < facing) cycle
+            if (beside(slave%disc(:, i), master%disc(:, j))) cycle
             if (same_nodes(slave%facets%node(:3, i), master%facets%node(:nm, j))) cycle
             other(:, :nm) = x(:, master%facets%node(:nm, j))
             call integrate_overlap(kernel, slave%facets%cell(i), own(:, :ns), nu(:, :ns), &
@@ -109,6 +109,58 @@ contains
          end associate
       end do
    end subroutine overlaps_of_facet
+
+   !> The masters whose boxes meet a box on its way along an axis, both ways as far as `reach`.
+   !>
+   !> The way is cut into steps, so that a slanting one does not meet the box around all of it; it
+   !> begins and ends with the box of the whole master.
+   subroutine facets_along(tree, master, low, high, axis, reach, step, found)
+      type(tree_type), intent(in) :: tree
+      type(surface_type), intent(in) :: master
+      real(wp), intent(in) :: low(3), high(3), axis(3)
+      real(wp), intent(in) :: reach, step             !! [length]
+      integer, allocatable, intent(out) :: found(:)
+      integer, allocatable :: some(:)
+      logical, allocatable :: new(:)
+      real(wp) :: from, to, t, next, a, b
+      integer :: k
+
+      allocate (found(0))
+      from = -reach
+      to = reach
+      do k = 1, 3
+         a = tree%low(k, 1) - high(k)
+         b = tree%high(k, 1) - low(k)
+         if (abs(axis(k)) > 1.0e-12_wp) then
+            from = max(from, min(a/axis(k), b/axis(k)))
+            to = min(to, max(a/axis(k), b/axis(k)))
+         else if (a > 0.0_wp .or. b < 0.0_wp) then
+            return
+         end if
+      end do
+      t = from
+      do while (t <= to)
+         next = min(t + step, to)
+         call facets_in_box(tree, master%low, master%high, low + min(t*axis, next*axis), &
+            & high + max(t*axis, next*axis), some)
+         new = [(.not. any(found == some(k)), k=1, size(some))]
+         found = [found, pack(some, new)]
+         if (.not. next < to) exit
+         t = next
+      end do
+   end subroutine facets_along
+
+   !> A master facet that is surely not met along the slave's axis: its ball is off the cylinder.
+   pure logical function beside(slave, master)
+      real(wp), intent(in) :: slave(8), master(8)     !! discs: centre, axis, radius, half height
+      real(wp) :: arm(3), along
+
+      arm = master(:3) - slave(:3)
+      along = dot_product(arm, slave(4:6))
+      ! The pieces of a curved facet look a little elsewhere than the whole.
+      beside = norm2(arm - along*slave(4:6)) > slave(7) + norm2(master(7:8)) &
+         & + 8.0_wp*slave(8)/slave(7)*abs(along)
+   end function beside
 
    !> The two sides of one element face are no pair.
    pure logical function same_nodes(a, b)
