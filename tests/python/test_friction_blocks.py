@@ -298,3 +298,47 @@ def test_a_patch_that_sticks_carries_uniform_shear(solve, sheet):
     sheet.compare("B3 friction patch", "stuck: largest error of the shear", abs(abs(q) - tau).max()/tau, 0.0, 1e-10, absolute=True)
     slip = np.asarray(result.contact().last["SLIP_PATH"]).ravel()
     sheet.compare("B3 friction patch", "stuck: largest slip [mm]", slip.max(), 0.0, 1e-10, absolute=True)
+
+
+def pushed(share, behaviour="DIRECT", friction="*FRICTION\n0.3,"):
+    """A block that only a floor and its friction hold, pressed by 2000 N and pushed by a share of it."""
+    n = 8
+    text = plate(n, friction, increments=4)
+    text = text[:text.index("*BOUNDARY\n9, 1")] + "*BOUNDARY\n99999, 1, 2\n99999, 6\n"
+    text = text.replace("*SURFACE BEHAVIOR, DIRECT", f"*SURFACE BEHAVIOR, {behaviour}")
+    return lopin.Deck.parse(text + f"""*STEP
+*STATIC
+1., 1.
+*DLOAD
+HIGH, P3, 50.
+*END STEP
+*STEP, INC=100
+*STATIC, DIRECT
+0.25, 1.
+*CLOAD
+1, 1, {share*2000.0!r}
+*CONTACT FILE
+CDIS
+*END STEP
+""", name="pushed")
+
+
+@pytest.mark.parametrize("behaviour", ["DIRECT", "PENALTY", "PERTURBED LAGRANGE", "AUGMENTED LAGRANGE", "NO SEPARATION",
+                                       "PRESSURE-OVERCLOSURE=EXPONENTIAL\n1e-3, 10."])
+def test_friction_alone_holds_a_block(solve, behaviour):
+    h = solve(pushed(0.2, behaviour)).history
+    assert abs(h["FLOOR.rf1"][-1]) == pytest.approx(400.0, rel=1e-9)
+    assert abs(h["FLOOR.rf2"][-1]) == pytest.approx(2000.0, rel=1e-9)
+    assert max(h["iterations"]) <= 16
+
+
+def test_a_block_pushed_beyond_friction_is_not_held(solve):
+    with pytest.raises(lopin.LopinError, match="E0310.*move along x"):
+        solve(pushed(0.31))
+    assert abs(solve(pushed(0.29)).history["FLOOR.rf1"][-1]) == pytest.approx(580.0, rel=1e-9)
+
+
+def test_perturbed_is_penalty(solve):
+    one, two = (solve(pushed(0.2, f"{word}\n1e6,")).history for word in ("PENALTY", "PERTURBED LAGRANGE"))
+    for name in ("FLOOR.rf1", "energy.strain", "energy.friction", "SOLE-FLOOR.max_pressure"):
+        assert one[name] == pytest.approx(two[name], rel=1e-11, abs=1e-12)
