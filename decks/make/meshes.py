@@ -144,6 +144,12 @@ def cattaneo() -> Deck:
     return mesh_deck(Model("mesh", mesh.mapped(lambda x: np.round(x, 9))))
 
 
+def capstan() -> Deck:
+    """A quarter of a ring from 100 to 101, quadratic."""
+    mesh = mesh_make.ring(100.0, 101.0, (2, 90), quadratic=True).mapped(lambda x: np.round(x, 9))
+    return mesh_deck(Model("mesh", lean(mesh, "INNER END", "START"), kind="plane stress"))
+
+
 def cylinder_on_plane() -> Deck:
     """Half of a cylinder of radius 100, cut at 20."""
     mesh = crowned(100.0, (20.0, 40.0), 1.0, 1/16, 1.2)
@@ -257,7 +263,7 @@ def beam_on_roller() -> Deck:
 MESHES = {f.__name__: f for f in (cattaneo, hertz_sphere, hertz_sphere_3d, nafems_cylinder,
                                   cylinder_on_plane, flat_punch, lifted_beam,
                                   patch_test, signorini, strip_bending,
-                                  glued_beam, two_blocks_mortar, shrink_fit, ball_on_ball, beam_on_roller)}
+                                  glued_beam, two_blocks_mortar, shrink_fit, ball_on_ball, beam_on_roller, capstan)}
 
 
 def main(names: list[str]) -> None:
