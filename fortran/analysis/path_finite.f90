@@ -30,7 +30,7 @@ module lopin_path_finite
    real(wp), parameter :: floor_of_rounding = 1.0e-11_wp
    !> Displacements that are no more than rounding, beside the scene.
    real(wp), parameter :: motionless = 1.0e-9_wp
-   integer, parameter :: most_iterations = 30, memory = 4, most_halvings = 6
+   integer, parameter :: most_sets = 400, most_iterations = 30, memory = 4, most_halvings = 6
    !> A Newton step that lowers the merit by less than this is not worth a halving.
    real(wp), parameter :: sufficient = 1.0e-4_wp
    !> Tolerance of GMRES where only the length of a correction matters.
@@ -38,6 +38,8 @@ module lopin_path_finite
    !> Springs to the ground of a body that nothing holds, beside its stiffness; how far one
    !> iteration may move it, beside its length.
    real(wp), parameter :: soft = 1.0e-4_wp, most_motion = 0.1_wp
+   !> A free body whose step is longer than this many scenes is held by nothing but rounding.
+   real(wp), parameter :: beyond = 1.0e3_wp
 
    !> What one evaluation at (u, multiplier) gives.
    type :: look_type
@@ -150,7 +152,7 @@ contains
       type(look_type) :: look
       real(wp), allocatable :: step(:), jump(:)
       real(wp) :: merits(memory), last, share
-      integer :: iteration
+      integer :: iteration, stale, seen(most_sets)
 
       merits = 0.0_wp
       last = huge(1.0_wp)
@@ -159,7 +161,9 @@ contains
       if (size(prescribed) > 0) call expand(scene%constraints, 0.0_wp*v, prescribed - before, jump)
       call look_at(scene, model, f, .true., look, error)
       if (allocated(error)) return
-      do iteration = 1, most_iterations
+      stale = 0
+      seen = 0
+      do iteration = 1, most_sets
          scene%finite%history = [scene%finite%history, look%merit/max(look%reference, &
             & tiny(1.0_wp))]
          if (settled(look, jump, iteration, last)) then
@@ -167,6 +171,10 @@ contains
             return
          end if
          scene%finite%iterations = scene%finite%iterations + 1
+         ! A front of contact may open point by point: sets not met before are progress.
+         seen(iteration) = hash_of(scene%finite%contact%status)
+         if (any(seen(:iteration - 1) == seen(iteration))) stale = stale + 1
+         if (stale > most_iterations) exit
          merits(1 + mod(iteration, memory)) = look%merit
          call find_step(scene, model, look, jump, step, error)
          if (allocated(error)) return
@@ -177,10 +185,21 @@ contains
          jump = 0.0_wp
       end do
       call raise(error, error_code%not_converged, 'E0510', 'Newton has not converged in '// &
-         & to_text(most_iterations)//' iterations: residual '//to_text(look%merit &
+         & to_text(scene%finite%iterations)//' iterations: residual '//to_text(look%merit &
          & /max(look%reference, tiny(1.0_wp)), 3)//' of the largest force', &
          & model%step(scene%step)%at, help='smaller increments on *STATIC')
    end subroutine newton
+
+   !> A number that differs where statuses do, but for chance.
+   pure integer function hash_of(status) result(hash)
+      integer, intent(in) :: status(:)
+      integer :: i
+
+      hash = 17
+      do i = 1, size(status)
+         hash = ieor(ishftc(hash, 5), 31*status(i) + i)
+      end do
+   end function hash_of
 
    !> One line of the log: the three numbers, the share of the step taken, the points, GMRES.
    subroutine log_iteration(scene, look, iteration, last, share)
@@ -375,7 +394,9 @@ contains
             call solve_step(system, right, tolerance, model%solver, step, scene%clock, &
                & scene%counter, bad, error)
             if (allocated(error)) return
-            if (bad == 0) exit
+            if (bad == 0 .and. .not. (scene%bodies%nq > 0 .and. pass == 1 .and. &
+               & largest(step(:neq)) > beyond*scene%bodies%length)) exit
+            if (bad == 0) bad = 1
             if (pass == 2 .or. scene%bodies%nq == 0) then
                call raise(error, error_code%not_converged, 'E0511', &
                   & 'the tangent is singular: a limit load, or a part that is free to move', &

@@ -32,6 +32,8 @@ module lopin_finite_contact
    real(wp), parameter :: shear_share = 1.0_wp/3.0_wp
    !> A point farther from its master, in facets, is not tied unless ADJUST says so.
    real(wp), parameter :: too_far = 0.5_wp
+   !> A gap below this share of the facet touches.
+   real(wp), parameter :: touching = 1.0e-10_wp
    !> Penalties up to this, in moduli over a facet, are springs.
    real(wp), parameter :: soft_enough = 20.0_wp
 
@@ -244,6 +246,7 @@ contains
          associate (g => self%grip(i))
             g%ct = self%ct(i)
             g%c = self%c(i)
+            g%grazing = touching*g%c*self%size(i)
             g%committed = self%lambda(:, i)
             g%creep = self%creep(:, i)
             if (self%opposite(i)%facet > 0) then
@@ -345,6 +348,8 @@ contains
          call collect(self, i, d)
       end do
       call estimate_softness(self)
+      ! Touching counts as closed where Newton starts, and no longer.
+      self%grip%grazing = 0.0_wp
    end subroutine evaluate
 
    !> The overlaps of the pairs by mortar.

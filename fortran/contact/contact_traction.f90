@@ -45,6 +45,8 @@ module lopin_contact_traction
       real(wp) :: elastic_slip = 0.0_wp   !! the same: u0, slip before sliding; 0: none [length]
       real(wp) :: elastic(3) = 0.0_wp              !! of it, committed [length]
       real(wp) :: yield = 0.0_wp                   !! of the slave; 0: unknown [stress]
+      real(wp) :: grazing = 0.0_wp   !! trial pressures down to minus this count as closed: a point
+                                     !! that just touches holds a body that nothing else holds
       real(wp) :: committed(3) = 0.0_wp            !! traction at the start of the increment [stress]
       real(wp) :: frozen(3) = 0.0_wp               !! augmented: multiplier [stress]
       real(wp) :: creep(3) = 0.0_wp                !! regularised by slip: slip from the stick anchor
@@ -91,7 +93,7 @@ contains
       case default
          phat = normal_part - grip%c*g
       end select
-      closed = phat%v > 0.0_wp .or. grip%bilateral
+      closed = phat%v > -grip%grazing .or. grip%bilateral
       status = merge(grip_status%slip, grip_status%open, closed)
       p = constant(0.0_wp)
       if (closed) p = phat
