@@ -262,20 +262,20 @@ def test_a_wedge_stays_where_its_angle_is_below_that_of_friction(solve, sheet, m
         sheet.compare("C5 wedge", "tan 10 > mu: pressure left", pressed[-1]/pressed.max(), 0.0, 1e-3, absolute=True)
 
 
-def test_a_block_dragged_by_its_sole_slips_under_mu_p(solve, sheet):
+def test_a_block_dragged_by_its_sole_slips_under_mu_p(core, sheet):
     """B3: displacements along the floor are prescribed at all slave nodes: nothing there deforms."""
     text = plate(4, "*FRICTION\n0.3,", increments=4)
     text = text[:text.index("*BOUNDARY\n5, 1")] + "*BOUNDARY\n99999, 1, 2\n99999, 6\n*STEP\n*STATIC, DIRECT\n0.25, 1.\n" \
         "*BOUNDARY\nSOLE, 1, 1, 0.01\n*DLOAD\nHIGH, P3, 50.\n*NODE FILE\nU\n*CONTACT FILE\nCDIS\n*END STEP\n"
     text = text.replace("*MATERIAL, NAME=M", "*NSET, NSET=SOLE\n1, 2, 3, 4, 5\n*MATERIAL, NAME=M")
-    result = solve(lopin.Deck.parse(text, name="dragged"))
+    result = lopin.run(lopin.Deck.parse(text, name="dragged"))   # in memory: double precision
     x, status, q, p = field(result)
     sheet.compare("B3 friction patch", "dragged: largest | |t|/(mu p) - 1 |", abs(abs(q)/(0.3*p) - 1).max(), 0.0, 1e-10,
                   absolute=True)
     assert (status == 2).all()
 
 
-def test_a_patch_that_sticks_carries_uniform_shear(solve, sheet):
+def test_a_patch_that_sticks_carries_uniform_shear(core, sheet):
     """B3: a block that sticks under tau = 0.5 mu p on all its outer faces: sigma_xy is uniform."""
     n, p, tau = 4, 50.0, 7.5
     size = 40.0/n
@@ -292,7 +292,7 @@ def test_a_patch_that_sticks_carries_uniform_shear(solve, sheet):
     head = head.replace("130000., 0.2", "130000., 0.")
     steps = "*STEP\n*STATIC\n1., 1.\n*DLOAD\nHIGH, P3, 50.\n*END STEP\n*STEP\n*STATIC, DIRECT\n0.5, 1.\n*CLOAD\n" + loads \
         + "\n*NODE FILE\nU\n*EL FILE\nS\n*CONTACT FILE\nCDIS\n*END STEP\n"
-    result = solve(lopin.Deck.parse(head + steps, name="patch"))
+    result = lopin.run(lopin.Deck.parse(head + steps, name="patch"))
     x, status, q, pressure = field(result)
     assert (status == 1).all()
     sheet.compare("B3 friction patch", "stuck: largest error of the shear", abs(abs(q) - tau).max()/tau, 0.0, 1e-10, absolute=True)
