@@ -7,12 +7,17 @@ module lopin_after_step
    use lopin_model, only : model_type, kind_of
    use lopin_scene, only : scene_type, relative_motion, gap_of
    use lopin_methods, only : has_law
+   use lopin_tool, only : foot_type, project_moved
+   use lopin_rigid_motion, only : rigid_motion_type, new_rigid_motion
    implicit none
    private
    public :: seen_type, look_at_pairs, judge_step, say_once, pair_that_slid
 
    !> Limits of small displacement: slip over facet, rotation [rad], strain [-].
    real(wp), parameter :: slip_limit = 0.25_wp, rotation_limit = 0.05_wp, strain_limit = 0.05_wp
+
+   !> Normals are parallel up to this.
+   real(wp), parameter :: parallel = 1.0e-8_wp
 
    !> What was seen of the pairs so far.
    type :: seen_type
@@ -128,18 +133,50 @@ contains
       real(wp) :: largest
       integer :: worst
 
-      call worst_slip(scene, model, .not. model%pair%small_sliding, worst, largest)
+      call worst_slip(scene, model, .not. model%pair%small_sliding, worst, largest, turning=.true.)
       pair = 0
       if (worst > 0) pair = scene%points%pair(worst)
    end function pair_that_slid
 
+   !> The tool's normal where the point is now is not that where it was projected: along a plane
+   !> sliding changes nothing.
+   logical function turns(scene, model, point)
+      type(scene_type), intent(in) :: scene
+      type(model_type), intent(in) :: model
+      integer, intent(in) :: point
+      type(rigid_motion_type) :: motion
+      type(foot_type) :: foot
+      real(wp) :: x(model%mesh%ndim), own(3), at(model%mesh%ndim), place(6)
+      integer :: body, d
+
+      turns = .true.
+      d = model%mesh%ndim
+      associate (pair => scene%points%pair(point))
+         if (scene%points%tool(pair) == 0) return
+         own = own_motion(scene, model, scene%points%node(point))
+         x = model%mesh%x(:, scene%points%node(point)) + own(:d)
+         body = scene%points%body(pair)
+         place = 0.0_wp
+         at = 0.0_wp
+         if (body > 0) then
+            place = scene%place(:, body)
+            at = model%mesh%x(:, model%rigid_body(body)%reference)
+         end if
+         if (d == 2) call new_rigid_motion(motion, at, place(:2), place(6:6))
+         if (d == 3) call new_rigid_motion(motion, at, place(:3), place(4:6))
+         call project_moved(model%tool(scene%points%tool(pair))%shape, motion, x, foot)
+         turns = dot_product(foot%normal(:d), scene%points%normal(:d, point)) < 1.0_wp - parallel
+      end associate
+   end function turns
+
    !> The closed point of the asked pairs that slid farthest beyond the limit; 0: none did.
-   subroutine worst_slip(scene, model, asked, worst, largest)
+   subroutine worst_slip(scene, model, asked, worst, largest, turning)
       type(scene_type), intent(in) :: scene
       type(model_type), intent(in) :: model
       logical, intent(in) :: asked(:)          !! (npair)
       integer, intent(out) :: worst
       real(wp), intent(out) :: largest         !! slip over facet
+      logical, intent(in), optional :: turning !! only where the normal has changed
       real(wp) :: motion(3), slip
       integer :: row, point
 
@@ -160,6 +197,9 @@ contains
             & - dot_product(motion, scene%points%normal(:, point))*scene%points%normal(:, point)
          slip = norm2(motion)/scene%points%size(point)
          if (slip <= largest) cycle
+         if (present(turning)) then
+            if (.not. turns(scene, model, point)) cycle
+         end if
          largest = slip
          worst = point
       end do
