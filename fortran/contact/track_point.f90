@@ -153,7 +153,7 @@ contains
          if (.not. lost) exit
       end do
       if (lost .or. holds(self, i, facet) .or. .not. faces(self, facet, closest, n_slave)) return
-      if (sqrt(closest%distance2) > (self%distance(i) + motion)*(1.0_wp + 1.0e-9_wp)) return
+      if (sqrt(closest%distance2)*(1.0_wp - 1.0e-9_wp) > self%distance(i) + motion) return
       call settle(self%surface, facet, closest, x, sided, limits_of(self, i), result(1))
       if (result(1)%facet == 0) return
       call take_walls(self, i, x, n_slave, result, tried)

@@ -151,7 +151,7 @@ contains
          do while (top > 0)
             k = stack(top)
             top = top - 1
-            if (bound(top + 1) > nearest%distance2*(1.0_wp + tie)) cycle
+            if (bound(top + 1)*(1.0_wp - tie) > nearest%distance2) cycle
             if (tree%second(k) == 0) then
                do i = tree%first(k), tree%last(k)
                   call try_facet(self%mesh, tree%facet(i), x, nearest, wall)
@@ -192,7 +192,7 @@ contains
       end associate
       arm = x - point
       distance2 = arm(1)*arm(1) + arm(2)*arm(2) + arm(3)*arm(3)
-      if (distance2 > nearest%distance2*(1.0_wp + tie)) return
+      if (distance2*(1.0_wp - tie) > nearest%distance2) return
       if (distance2 >= nearest%distance2*(1.0_wp - tie) .and. nearest%facet > 0 .and. f > &
          & nearest%facet) return
       if (present(wall)) then
