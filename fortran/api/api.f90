@@ -5,6 +5,7 @@
 module lopin_api
    use lopin_probes, only : cell_functions, facet_projection, tool_gaps, skyline_solution, &
       & contact_forces, moduli, element_stiffness
+   use lopin_probes_friction_set, only : friction_increment
    use lopin_probes_friction, only : friction_tractions
    use lopin_session, only : session_type, deck_text_type, new_session, keep_session, &
       & forget_session, session_text, session_real, session_integer
@@ -13,7 +14,7 @@ module lopin_api
    public :: run_deck, check_deck, close_session
    public :: text_length, copy_text, result_shape, get_real, get_integer
    public :: probe_shape, probe_project, probe_tool_gap, probe_skyline_solve, probe_contact
-   public :: probe_hooke, probe_stiffness, probe_friction, echo
+   public :: probe_hooke, probe_stiffness, probe_friction, probe_friction_increment, echo
 
 contains
 
@@ -227,4 +228,19 @@ contains
       call friction_tractions(law, regularization, data, condition, stiffness, argument, pressure, &
          & answer, code)
    end subroutine probe_friction
+
+   subroutine probe_friction_increment(compliance, gap, mu, alpha, switches, scaling, force0, gaps0, &
+      & n, force, gaps, info, critical, code)
+      integer, intent(in) :: n
+      double precision, intent(in) :: compliance(n, n), gap(n), mu, alpha, scaling, force0(n), &
+         & gaps0(n)
+      integer, intent(in) :: switches(4)
+      double precision, intent(out) :: force(n), gaps(n), critical
+      integer, intent(out) :: info(6), code
+      !f2py threadsafe
+      force = force0
+      gaps = gaps0
+      call friction_increment(compliance, gap, mu, alpha, switches, scaling, force, gaps, info, &
+         & critical, code)
+   end subroutine probe_friction_increment
 end module lopin_api

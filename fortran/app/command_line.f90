@@ -24,8 +24,8 @@ module lopin_command_line
    character(len=*), parameter :: own_words(8) = [character(len=8) :: 'run', 'check', 'info', &
       & 'explain', 'doc', &
       & 'selftest', 'help', 'version']
-   character(len=*), parameter :: python_words(4) = [character(len=7) :: 'plot', 'chart', &
-      & 'convert', 'example']
+   character(len=*), parameter :: python_words(5) = [character(len=7) :: 'plot', 'chart', &
+      & 'atlas', 'convert', 'example']
    character(len=*), parameter :: option_words(15) = [character(len=15) :: '--output', &
       & '--threads', '--solver', &
       & '--overwrite', '--deterministic', '--json', '--quiet', '--verbose', '--no-color', &

@@ -16,10 +16,11 @@ module lopin_friction_set
    use lopin_active_set, only : contact_result_type, outcome
    use lopin_friction_rows, only : friction_points_type, equations_type, new_equations, &
       & form_equations
-   use lopin_friction_step, only : trial_type, work_type, step_to, judge, search_line
+   use lopin_friction_step, only : trial_type, work_type, friction_controls_type, step_to, &
+      & judge, search_line
    implicit none
    private
-   public :: solve_friction, friction_result_type
+   public :: solve_friction, friction_result_type, friction_controls_type
 
    integer, parameter :: most_iterations = 40, memory = 4, remembered = 32
    integer, parameter :: most_bounds = 60
@@ -44,7 +45,7 @@ contains
 
    !> Forces, gaps and motions for gaps without displacement, condensed loads and loads on the
    !> floating motions. `result` may hold forces and motions to start from.
-   subroutine solve_friction(self, points, gap0, load, moving, result, friction)
+   subroutine solve_friction(self, points, gap0, load, moving, result, friction, controls)
       type(condensed_type), intent(inout) :: self
       type(friction_points_type), intent(inout) :: points
       real(wp), intent(in) :: gap0(:)      !! (nrow) [length]
@@ -52,12 +53,15 @@ contains
       real(wp), intent(in) :: moving(:)    !! (nq) [force]
       type(contact_result_type), intent(inout) :: result
       type(friction_result_type), intent(out) :: friction
+      type(friction_controls_type), intent(in), optional :: controls
       type(work_type) :: work
       type(trial_type) :: x
       real(wp) :: moved, last, size_
       integer :: pass, most
 
       call prepare(self, points, gap0, load, moving, result, work, x)
+      if (present(controls)) work%controls = controls
+      work%predict = work%predict .and. work%controls%predict
       last = 0.0_wp
       size_ = 0.0_wp
       most = max(1, maxval(self%max_augmentations))
@@ -163,7 +167,7 @@ contains
          else
             call newton(self, points, work, x, result, friction, solved)
          end if
-         if (solved) exit
+         if (solved .or. .not. work%controls%ladder) exit
       end do
       work%predict = .false.
       work%equations%damped = .false.
@@ -247,7 +251,7 @@ contains
             call judge(self, points, work, x, norm)
          end if
          call step_to(self, points, work, x, next)
-         if (work%predict .or. work%one_by_one) then
+         if (work%predict .or. work%one_by_one .or. .not. work%controls%line_search) then
             x = next
             call judge(self, points, work, x, norm)
          else
@@ -276,7 +280,8 @@ contains
       friction%changing = pack([(place, place=1, points%n)], work%equations%status /= before_status)
    end subroutine newton
 
-   !> c_t of all tangential rows: one over the collective compliance of the closed points.
+   !> c_t of all tangential rows: one over the collective compliance of the closed points, or, if
+   !> told, a multiple of one over the mean nodal compliance.
    subroutine scale_tangents(self, work)
       type(condensed_type), intent(in) :: self
       type(work_type), intent(inout) :: work
@@ -288,6 +293,11 @@ contains
       real(wp) :: size_
 
       wanted = work%equations%group == 0
+      if (work%controls%scaling > 0.0_wp) then
+         where (wanted) work%equations%c = work%controls%scaling*count(wanted) &
+            & /sum([(self%s(i, i), i=1, self%nrow)], mask=wanted)
+         return
+      end if
       if (any(wanted .and. work%equations%closed)) wanted = wanted .and. work%equations%closed
       rows = pack([(i, i=1, self%nrow)], wanted)
       if (size(rows) == 0) return

@@ -7,7 +7,7 @@ module lopin_friction_step
    use lopin_friction_rows, only : friction_points_type, equations_type, form_equations
    implicit none
    private
-   public :: trial_type, work_type, step_to, judge, search_line
+   public :: trial_type, work_type, friction_controls_type, step_to, judge, search_line
 
    integer, parameter :: halvings = 5
    !> Pivots below this share of the largest are dependent rows.
@@ -18,8 +18,17 @@ module lopin_friction_step
       real(wp), allocatable :: force(:), gap(:), q(:)
    end type trial_type
 
+   !> What an atlas of failures turns off; the defaults are what every run has.
+   type :: friction_controls_type
+      real(wp) :: scaling = 0.0_wp   !! c_t times the mean nodal S_tt; 0: the collective rule [-]
+      logical :: line_search = .true.
+      logical :: predict = .true.                  !! first step with the states accepted last
+      logical :: ladder = .true.                   !! cures where states repeat
+   end type friction_controls_type
+
    type :: work_type
       type(equations_type) :: equations
+      type(friction_controls_type) :: controls
       real(wp), allocatable :: free_gap(:), moving(:), q_scale(:)
       real(wp), allocatable :: old_gap(:)          !! (nrow) accepted last [length]
       real(wp) :: gap_scale = 0.0_wp

@@ -1,7 +1,7 @@
 """``lopin`` and ``python -m lopin``: one command for the executable and for the Python side.
 
-run, check, info, explain, doc and selftest are the executable's; plot, chart, convert and example
-are answered here.
+run, check, info, explain, doc and selftest are the executable's; plot, chart, atlas, convert and
+example are answered here.
 """
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from pathlib import Path
 
 from .errors import LopinError
 
-PYTHON_COMMANDS = ("plot", "chart", "convert", "example")
+PYTHON_COMMANDS = ("plot", "chart", "atlas", "convert", "example")
 
 
 def main(arguments: list[str] | None = None) -> int:
@@ -40,7 +40,7 @@ def forward(arguments: list[str]) -> int:
 
 
 def python_command(arguments: list[str]) -> int:
-    """plot, chart, convert, example."""
+    """plot, chart, atlas, convert, example."""
     parser = argparse.ArgumentParser(prog="lopin", description=__doc__)
     commands = parser.add_subparsers(dest="command", required=True)
     plot = commands.add_parser("plot", help="picture of the contact pressure of a result folder")
@@ -54,6 +54,7 @@ def python_command(arguments: list[str]) -> int:
                        "forms), or the table of an earlier chart to draw again")
     chart.add_argument("-o", "--output", type=Path, default=Path("charts"), help="a folder")
     chart.add_argument("--repetitions", type=int, default=5, help="times are the least of so many")
+    _add_atlas(commands)
     convert = commands.add_parser("convert", help="mesh of another tool to a deck or VTU")
     convert.add_argument("source", type=Path)
     convert.add_argument("target", type=Path)
@@ -66,6 +67,19 @@ def python_command(arguments: list[str]) -> int:
     from . import commands as module
 
     return getattr(module, options.command)(options)
+
+
+def _add_atlas(commands) -> None:
+    """The options of atlas."""
+    atlas = commands.add_parser("atlas", help="maps of where the methods work, and where not")
+    atlas.add_argument("--map", type=int, action="append", metavar="N",
+                       help="a map of this number; again for more; default: all")
+    atlas.add_argument("--small", action="store_true", help="few cells, as the tests have them")
+    atlas.add_argument("--cell", type=int, default=None, metavar="ROW",
+                       help="write the deck of one cell of --map, by its row in the table")
+    atlas.add_argument("--no-picture", action="store_true", help="tables only")
+    atlas.add_argument("-o", "--out", "--output", dest="output", type=Path, default=Path("atlas"),
+                       help="a folder")
 
 
 if __name__ == "__main__":

@@ -233,6 +233,28 @@ def probe_friction(law: str, argument: ArrayLike, pressure: ArrayLike, *,
     return answer
 
 
+def probe_friction_increment(compliance: ArrayLike, gap: ArrayLike, mu: float, force: ArrayLike,
+                             gaps: ArrayLike, *, stiffness: float = 0.0, warm: bool = True,
+                             line_search: bool = True, predict: bool = True, ladder: bool = True,
+                             scaling: float = 0.0) -> tuple[NDArray, NDArray, dict]:
+    """One increment with Coulomb friction of points in the plane, from `force` and `gaps` before.
+
+    Rows: the pressing ones of all points, then the sliding ones. `stiffness`: springs instead of
+    exact contact. `scaling`: c_t times the mean nodal compliance, 0 for the rule of the code. In
+    the dict: iterations, cure, sticking, slipping, wedging (a point or 0), sign (of the
+    determinant), critical (coefficient of friction), code (0 solved, 3 states do not settle).
+    """
+    force, gaps, info, critical, code = core().probe_friction_increment(
+        compliance=np.asfortranarray(compliance, float), gap=np.asarray(gap, float), mu=mu,
+        alpha=stiffness, switches=[int(v) for v in (warm, line_search, predict, ladder)],
+        scaling=scaling, force0=np.asarray(force, float), gaps0=np.asarray(gaps, float))
+    if code not in (0, 3):
+        _answered(code, "no friction of such sizes")
+    names = ("iterations", "cure", "sticking", "slipping", "wedging", "sign")
+    said = dict(zip(names, map(int, info))) | {"critical": float(critical), "code": int(code)}
+    return force, gaps, said
+
+
 def _cell_name(cell: str) -> str:
     """meshio's "line" is "line2" in Fortran; the other names are the same."""
     return "line2" if cell == "line" else cell

@@ -1,4 +1,4 @@
-"""The commands that Python answers: plot, chart, convert, example."""
+"""The commands that Python answers: plot, chart, atlas, convert, example."""
 from __future__ import annotations
 
 import os
@@ -51,6 +51,31 @@ def chart(options) -> int:
     print("\n".join(facts))
     print(options.output/f"{name}.png")
     return 1 if any(row.silent for row in every) else 0
+
+
+def atlas(options) -> int:
+    """Maps of where the methods work: tables, pictures, and the figures in words."""
+    for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS"):
+        os.environ.setdefault(name, "1")
+    from . import atlas as maps
+
+    charts = [maps.map_of(number) for number in options.map or maps.MAPS]
+    if options.cell is not None:
+        print(*(maps.again(c, options.cell, options.output, options.small) for c in charts))
+        return 0
+    options.output.mkdir(parents=True, exist_ok=True)
+    silent = 0
+    for chart in charts:
+        cells = maps.measure(chart, options.small)
+        stem = options.output/f"map_{chart.number}_{chart.name}"
+        maps.write_table(cells, stem.with_suffix(".csv"))
+        if not options.no_picture:
+            from .atlas_draw import draw
+
+            draw(chart, cells, stem.with_suffix(".svg"))
+        print("\n".join(maps.summary(chart, cells)))
+        silent += sum(cell.kind == "F1" for cell in cells)
+    return 1 if silent else 0
 
 
 def convert(options) -> int:

@@ -1,0 +1,115 @@
+!> One increment of contact with friction on a plain compliance, with the switches of an atlas.
+module lopin_probes_friction_set
+   use lopin_active_set, only : contact_result_type, outcome
+   use lopin_condensed, only : condensed_type
+   use lopin_enforcement_factory, only : new_enforcement, method_names
+   use lopin_error, only : error_code
+   use lopin_friction, only : law_of
+   use lopin_friction_limits, only : find_wedging
+   use lopin_friction_rows, only : friction_points_type
+   use lopin_friction_set, only : solve_friction, friction_result_type, friction_controls_type
+   use lopin_kinds, only : wp
+   implicit none
+   private
+   public :: friction_increment
+
+contains
+
+   !> Coulomb's friction at points in the plane: the first half of the rows presses, the other
+   !> slides. `code` is 0, 2 for sizes that do not fit, 3 for states that do not settle.
+   subroutine friction_increment(compliance, gap, mu, alpha, switch, scaling, force, gaps, info, &
+      & critical, code)
+      real(wp), intent(in) :: compliance(:, :)     !! (2 n, 2 n) symmetric [length/force]
+      real(wp), intent(in) :: gap(:)               !! (2 n) without forces [length]
+      real(wp), intent(in) :: mu                   !! [-]
+      real(wp), intent(in) :: alpha   !! springs, normal and tangential [force/length]; 0: exact
+      integer, intent(in) :: switch(:)   !! warm, line search, predict, ladder: 1 on, 0 off
+      real(wp), intent(in) :: scaling    !! c_t times the mean nodal compliance; 0: the rule
+      real(wp), intent(inout) :: force(:)          !! (2 n) accepted last, then the answer [force]
+      real(wp), intent(inout) :: gaps(:)           !! (2 n) accepted last, then the answer [length]
+      integer, intent(out) :: info(:)   !! iterations, cure, sticking, slipping, wedging point, sign
+      real(wp), intent(out) :: critical            !! coefficient of that point [-]
+      integer, intent(out) :: code
+      type(condensed_type) :: problem
+      type(friction_points_type) :: points
+      type(contact_result_type) :: result
+      type(friction_result_type) :: friction
+      type(friction_controls_type) :: controls
+      real(wp) :: coefficient
+
+      info = 0
+      critical = 0.0_wp
+      code = error_code%usage
+      if (size(gap) == 0 .or. mod(size(gap), 2) /= 0) return
+      call new_problem(problem, compliance, alpha)
+      call new_points(points, size(gap)/2, mu, alpha, force, gaps)
+      controls = friction_controls_type(scaling, switch(2) == 1, switch(3) == 1, switch(4) == 1)
+      if (switch(1) == 1) then
+         result%force = force
+         result%gap = gaps
+         allocate (result%q(0))
+      end if
+      call solve_friction(problem, points, gap, spread(0.0_wp, 1, size(gap)), [real(wp) ::], &
+         & result, friction, controls)
+      code = merge(0, error_code%not_converged, result%outcome == outcome%solved)
+      force = result%force
+      gaps = result%gap
+      call find_wedging(problem%s, points, friction%status, info(5), coefficient, critical)
+      info(:4) = [result%iterations, friction%cure, count(friction%status == 1), &
+         & count(friction%status == 2)]
+      info(6) = friction%sign_of_determinant
+   end subroutine friction_increment
+
+   !> A unit stiffness under every row, and the compliance as it is.
+   subroutine new_problem(problem, compliance, alpha)
+      type(condensed_type), intent(out) :: problem
+      real(wp), intent(in) :: compliance(:, :), alpha
+      integer :: i, n, number
+
+      n = size(compliance, 1)
+      problem%n = n
+      problem%nrow = n
+      problem%ngroup = 1
+      allocate (problem%l(n, n), problem%c(n, 0), source=0.0_wp)
+      do i = 1, n
+         problem%l(i, i) = 1.0_wp
+      end do
+      problem%first = [(i, i=1, n + 1)]
+      problem%column = [(i, i=1, n)]
+      problem%value = spread(1.0_wp, 1, n)
+      problem%s = compliance
+      problem%bilateral = spread(.false., 1, n)
+      problem%alpha = spread(alpha, 1, n)
+      problem%group_first = [1, n/2 + 1]
+      problem%max_augmentations = [0]
+      problem%penetration = [0.0_wp]
+      allocate (problem%group(1))
+      number = findloc(method_names, merge('penalty ', 'lagrange', alpha > 0.0_wp), dim=1)
+      call new_enforcement(problem%group(1)%method, number)
+   end subroutine new_problem
+
+   !> Points that keep what the last increment left.
+   subroutine new_points(points, n, mu, alpha, force, gaps)
+      type(friction_points_type), intent(out) :: points
+      integer, intent(in) :: n
+      real(wp), intent(in) :: mu, alpha, force(:), gaps(:)
+      integer :: i
+
+      points%n = n
+      points%nt = 1
+      points%normal = [(i, i=1, n)]
+      points%tangent = [(n + i, i=1, n)]
+      allocate (points%law(n), points%at(n))
+      points%law%law = law_of%coulomb
+      points%law%mu = mu
+      points%weight = spread(1.0_wp, 1, n)
+      points%stiffness = spread(alpha, 1, n)
+      points%elastic_slip = spread(0.0_wp, 1, n)
+      points%augmented = spread(.false., 1, n)
+      allocate (points%traction(1, n), points%start(1, n), points%anchor(1, n), &
+         & points%elastic(1, n), source=0.0_wp)
+      points%traction(1, :) = force(n + 1:)
+      points%start(1, :) = gaps(n + 1:)
+      if (alpha > 0.0_wp) points%elastic(1, :) = -force(n + 1:)/alpha
+   end subroutine new_points
+end module lopin_probes_friction_set

@@ -1,0 +1,103 @@
+"""The stability atlas: where the methods work, where they fail, and whether they say so.
+
+A map is a grid of two parameters for methods side by side. Every cell is solved twice: as it is,
+and turned by a random angle in random units, which must not change its class.
+"""
+from __future__ import annotations
+
+import csv
+import sys
+import time
+from collections import Counter
+from pathlib import Path
+
+import numpy as np
+
+from .atlas_cells import CLASSES, Cell
+from .atlas_friction import FrictionMap
+from .atlas_penalty import AugmentedMap, PenaltyMap
+from .atlas_scenes import Frame
+from .atlas_uzawa import UzawaMap
+from .errors import UsageError
+
+MAPS = {m.number: m for m in (PenaltyMap(), UzawaMap(), AugmentedMap(), FrictionMap())}
+
+
+def map_of(number: int):
+    """A map by its number."""
+    if number not in MAPS:
+        raise UsageError(f"no map {number}; maps: {', '.join(map(str, MAPS))}")
+    return MAPS[number]
+
+
+def places(chart, small: bool = False) -> list[Cell]:
+    """All cells of a map, not solved yet, in the order of their numbers."""
+    cells = []
+    for panel in chart.panels:
+        x, y = chart.grid(panel, small)
+        for level in y:
+            cells += [Cell(len(cells) + k, panel, float(v), float(level)) for k, v in enumerate(x)]
+    return cells
+
+
+def frame_of(chart, cell: Cell) -> Frame:
+    """The other frame of a cell: random, but the same for a scene each time."""
+    return Frame.random(np.random.default_rng([chart.number, int(1e3*cell.y)]))
+
+
+def measure(chart, small: bool = False) -> list[Cell]:
+    """Solve all cells of a map."""
+    cells, begin = places(chart, small), time.perf_counter()
+    for cell in cells:
+        first = chart.solve(cell.panel, cell.x, cell.y)
+        cell.kind, cell.error = first.kind, first.error
+        cell.iterations, cell.said = first.iterations, first.said
+        cell.turned = chart.solve(cell.panel, cell.x, cell.y, frame_of(chart, cell)).kind
+    say(f"map {chart.number}: {len(cells)} cells, {time.perf_counter() - begin:.0f} s")
+    return cells
+
+
+def counts(cells: list[Cell]) -> dict[str, dict[str, int]]:
+    """Numbers of cells by panel and class."""
+    table: dict[str, Counter] = {}
+    for cell in cells:
+        table.setdefault(cell.panel, Counter())[cell.kind] += 1
+    return {panel: {k: found[k] for k in CLASSES if found[k]} for panel, found in table.items()}
+
+
+def write_table(cells: list[Cell], path: Path) -> None:
+    """All cells as CSV."""
+    with path.open("w", newline="", encoding="utf-8") as file:
+        writer = csv.writer(file, lineterminator="\n")
+        writer.writerow(Cell.columns())
+        writer.writerows(cell.values() for cell in cells)
+
+
+def again(chart, number: int, folder: Path, small: bool = False) -> Path:
+    """Write the deck of a cell, so that anyone can run it."""
+    cells = places(chart, small)
+    if not 0 <= number < len(cells):
+        raise UsageError(f"map {chart.number} has the cells 0 to {len(cells) - 1}, not {number}")
+    cell = cells[number]
+    folder.mkdir(parents=True, exist_ok=True)
+    stem = f"map{chart.number}_cell{number}"
+    if not hasattr(chart, "deck"):
+        return chart.write(cell.panel, cell.x, cell.y, folder/f"{stem}.json")
+    return chart.deck(cell.panel, cell.x, cell.y).write(folder/f"{stem}.inp")
+
+
+def summary(chart, cells: list[Cell]) -> list[str]:
+    """What was found, in words."""
+    found = Counter(cell.kind for cell in cells)
+    other = sum(cell.turned != cell.kind for cell in cells)
+    lines = [f"map {chart.number}, {chart.name}: {len(cells)} cells, " + ", ".join(
+        f"{found[k]} {k} ({CLASSES[k]})" for k in CLASSES if found[k] or k == "F1")
+        + f"; {other} change their class when turned and in other units"]
+    for panel, table in counts(cells).items():
+        lines.append(f"  {panel}: " + ", ".join(f"{n} {k}" for k, n in table.items()))
+    return lines
+
+
+def say(text: str) -> None:
+    """Progress, where it does not get into the way of the answer."""
+    print(text, file=sys.stderr, flush=True)

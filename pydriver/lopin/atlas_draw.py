@@ -1,0 +1,104 @@
+"""Drawing of the atlas: a panel a method, a sign a class, colour for what F0 cells cost or miss."""
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .atlas_cells import CLASSES, Cell
+
+COLOR = {"W": "#f0e2b6", "F1": "#ff0000", "F2": "#c9c9c9", "F3": "#e6a8d7", "F4": "#f4a582",
+         "F5": "#a6a6a6", "F6": "#b2182b", "F7": "#bfa5e0"}
+SIGN = {"W": "w", "F1": "1!", "F2": "2", "F3": "3", "F4": "4", "F5": "5", "F6": "6", "F7": "7"}
+LINES = ("-", "--", ":", "-.")
+
+
+#: By what F0 cells are coloured: label, value of a cell, range.
+SHADE = {
+    "error": (r"F0: $\log_{10}$ of the error", lambda c: np.log10(max(c.error, 1e-16)), (-16, -1)),
+    "iterations": ("F0: most iterations of an increment", lambda c: c.iterations, (0, 40)),
+    "passes": (r"F0: $\log_{10}$ of the passes", lambda c: np.log10(max(c.iterations, 1)),
+               (0.0, 3.5)),
+}
+
+
+def edges(values: NDArray, linear: bool = False) -> NDArray:
+    """Borders between values, half way on the axis."""
+    x = values if linear else np.log10(values)
+    middle = 0.5*(x[1:] + x[:-1])
+    if len(x) == 1:
+        ends = np.array([x[0] - 0.5, x[0] + 0.5])
+    else:
+        ends = np.concatenate([[2*x[0] - middle[0]], middle, [2*x[-1] - middle[-1]]])
+    return ends if linear else 10.0**ends
+
+
+def draw(chart, cells: list[Cell], path: Path) -> None:
+    """All panels of a map, as SVG."""
+    import matplotlib
+
+    matplotlib.rcParams["svg.hashsalt"] = "lopin"
+    matplotlib.rcParams["svg.fonttype"] = "none"
+    from matplotlib.figure import Figure
+
+    across = getattr(chart, "across", 3)
+    rows = -(-len(chart.panels)//across)
+    figure = Figure(figsize=(4.2*across, 3.3*rows + 1.0), layout="constrained")
+    axes = figure.subplots(rows, across, squeeze=False, sharey=False)
+    image = None
+    for k, ax in enumerate(axes.flat):
+        if k >= len(chart.panels):
+            ax.set_axis_off()
+            continue
+        image = _panel(ax, chart, chart.panels[k], [c for c in cells
+                                                    if c.panel == chart.panels[k]])
+        if k >= len(chart.panels) - across:
+            ax.set_xlabel(chart.labels[0])
+        if k % across == 0:
+            ax.set_ylabel(chart.labels[1])
+    figure.colorbar(image, ax=axes, label=SHADE[chart.colour][0], shrink=0.6, aspect=40)
+    _legend(figure, cells, axes[0, 0])
+    figure.suptitle(chart.title)
+    figure.savefig(path, metadata={"Date": None, "Creator": "lopin atlas"})
+
+
+def _panel(ax, chart, panel: str, cells: list[Cell]):
+    """One method."""
+    x, y = np.unique([c.x for c in cells]), np.unique([c.y for c in cells])
+    shade = np.full((len(y), len(x)), np.nan)
+    linear = getattr(chart, "linear", False)
+    ax.set(xscale="log", yscale="linear" if linear else "log", title=panel)
+    borders = edges(x), edges(y, linear)
+    for cell in cells:
+        i, j = np.searchsorted(y, cell.y), np.searchsorted(x, cell.x)
+        if cell.kind == "F0":
+            shade[i, j] = SHADE[chart.colour][1](cell)
+        else:
+            ax.fill_between(borders[0][j:j + 2], *borders[1][i:i + 2], color=COLOR[cell.kind],
+                            lw=0)
+            ax.text(cell.x, cell.y, SIGN[cell.kind], ha="center", va="center", fontsize=7,
+                    color="white" if cell.kind in ("F1", "F6") else "#444444")
+    low, high = SHADE[chart.colour][2]
+    image = ax.pcolormesh(*borders, shade, cmap="YlGn_r", vmin=low, vmax=high)
+    ax.set_xlim(borders[0][0], borders[0][-1])
+    ax.set_ylim(borders[1][0], borders[1][-1])
+    if len(x) == 1:
+        ax.set_xticks([], minor=False)
+        ax.set_xticks([], minor=True)
+    for style, (name, xs, ys) in zip(LINES, chart.theory(panel) if len(x) > 1 else ()):
+        ax.plot(xs, ys, "k", ls=style, lw=1.3, label=name)
+    if ax.lines:
+        ax.legend(fontsize=6.5, loc="upper left", framealpha=0.85, handlelength=2.2)
+    return image
+
+
+def _legend(figure, cells: list[Cell], ax) -> None:
+    """Signs of the classes that occur, below."""
+    from matplotlib.patches import Patch
+
+    present = [k for k in CLASSES if k != "F0" and any(c.kind == k for c in cells)]
+    marks = [Patch(color=COLOR[k], label=f"{k} ({SIGN[k]}): {CLASSES[k]}") for k in present]
+    if marks:
+        figure.legend(handles=marks, loc="outside lower center", ncols=len(marks), fontsize=8,
+                      frameon=False)

@@ -1,0 +1,77 @@
+"""A small stability atlas: nothing wrong and silent, nothing lost, no answer hangs on the frame."""
+import json
+from pathlib import Path
+
+import pytest
+
+from lopin import atlas
+from lopin.__main__ import main
+
+pytestmark = pytest.mark.usefixtures("core")
+#: Numbers of F0 cells by map and panel; they may grow, and are then written again by hand.
+KNOWN = json.loads((Path(__file__).parent/"atlas_f0.json").read_text(encoding="utf-8"))
+#: Beyond, answers of penalties in the matrix are rounding, which turns with the scene.
+ROUNDED = 1e6
+
+
+@pytest.fixture(scope="module", params=sorted(atlas.MAPS))
+def small(request):
+    """A map of few cells."""
+    pytest.importorskip("lopin._core")
+    chart = atlas.MAPS[request.param]
+    return chart, atlas.measure(chart, small=True)
+
+
+def test_nothing_is_wrong_and_silent_and_nothing_is_lost(small):
+    chart, cells = small
+    assert not [cell for cell in cells if cell.kind == "F1"]
+    assert len({cell.row for cell in cells}) == len(cells)
+    found = {panel: n.get("F0", 0) for panel, n in atlas.counts(cells).items()}
+    lost = {panel: (found[panel], n) for panel, n in KNOWN[str(chart.number)].items()
+            if found[panel] < n}
+    assert not lost
+
+
+def test_no_class_depends_on_angle_and_units(small):
+    _, cells = small
+    assert not [cell for cell in cells if cell.turned != cell.kind and cell.x <= ROUNDED]
+
+
+def test_the_code_as_shipped_never_cycles(small):
+    _, cells = small
+    shipped = [cell for cell in cells if "shipped" in cell.panel or "lagrange" in cell.panel]
+    assert {cell.kind for cell in shipped} <= {"F0", "F7", "W"}
+
+
+def test_uzawa_is_stable_up_to_its_bound():
+    """The strip rho < 2/lambda_max, exactly: an algorithm that only this map has."""
+    chart = atlas.map_of(2)
+    for condition in (1.0, 10.0, 100.0):
+        kinds = [chart.solve("Uzawa, all points held", 2.0*x, condition).kind for x in (0.98, 1.02)]
+        assert kinds == ["F0", "F4"]
+
+
+def test_a_cell_is_a_deck_again(tmp_path, capsys):
+    """Every cell can be run by itself."""
+    import lopin
+
+    chart = atlas.map_of(1)
+    cell = next(c for c in atlas.places(chart, small=True) if c.x == 1e-2)
+    words = ["atlas", "--map", "1", "--small", "--cell", str(cell.row), "-o", str(tmp_path)]
+    assert main(words) == 0
+    path = Path(capsys.readouterr().out.strip())
+    kind = chart.solve(cell.panel, cell.x, cell.y).kind
+    assert kind == "W"
+    try:
+        verdict = lopin.run(path).summary["certificate"]["verdict"]
+    except lopin.NotConvergedError as problem:
+        verdict = problem.result.summary["certificate"]["verdict"]
+    assert verdict != "PASS"
+
+
+def test_the_command_draws(tmp_path, capsys):
+    pytest.importorskip("matplotlib")
+    assert main(["atlas", "--map", "4", "--small", "-o", str(tmp_path)]) == 0
+    assert "0 F1 (wrong and silent)" in capsys.readouterr().out
+    assert (tmp_path/"map_4_friction.svg").stat().st_size > 10000
+    assert (tmp_path/"map_4_friction.csv").is_file()
