@@ -153,7 +153,8 @@ contains
                g%c = scale_of_exact*own
                g%ct = g%c*shear_share
                slope = way%slope*way%scale
-               if (.not. slope > 0.0_wp) slope = default_penalty*own*way%scale
+               if (.not. slope > 0.0_wp) slope = default_penalty*way%scale*merge(own, &
+                  & self%slave_modulus(i)/self%size(i), way%method == method_of%augmented)
                ! A stiff penalty in its mixed form: the same equations, without its loss of digits,
                ! and Newton does not hop between stick and slip (measured: 5 iterations for 24).
                ! So is one that sticks exactly, or by a slip that the deck gives.
@@ -444,7 +445,8 @@ contains
    end subroutine collect
 
    !> One augmentation would change the pressure by slope times penetration beside the compliance;
-   !> the compliance of a facet, 1/(2 moduli over facet), stands for it.
+   !> the compliance of a facet, 1/(2 moduli over facet), stands for it. The slave's own: pressures
+   !> of nodes that share a master facet can change without moving the master.
    subroutine estimate_softness(self)
       type(finite_contact_type), intent(inout) :: self
       real(wp) :: most
@@ -458,7 +460,7 @@ contains
             & grip_kind%perturbed) cycle
          if (self%status(i) == 0) cycle
          self%soft_error = max(self%soft_error, abs(self%pressure(i))/most &
-            & /(1.0_wp + 2.0_wp*self%grip(i)%slope*self%size(i)/self%modulus(i)))
+            & /(1.0_wp + 2.0_wp*self%grip(i)%slope*self%size(i)/self%slave_modulus(i)))
       end do
    end subroutine estimate_softness
 

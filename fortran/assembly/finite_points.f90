@@ -24,6 +24,7 @@ module lopin_finite_points
       real(wp), allocatable :: overclosure(:)  !! at the start, ramped in [length]
       logical, allocatable :: touches(:)       !! closed at the start
       real(wp), allocatable :: modulus(:)      !! of the softer side, 1D [stress]
+      real(wp), allocatable :: slave_modulus(:)   !! of the slave side [stress]
       real(wp), allocatable :: yield(:)        !! at the slave; 0: unknown [stress]
    end type finite_points_type
 
@@ -133,7 +134,7 @@ contains
       call nodal_moduli(model, at_node, yield)
       typical = 1.0_wp
       if (any(at_node > 0.0_wp)) typical = minval(at_node, mask=at_node > 0.0_wp)
-      allocate (self%modulus(self%n), self%yield(self%n))
+      allocate (self%modulus(self%n), self%slave_modulus(self%n), self%yield(self%n))
       do pair = 1, size(model%pair)
          other = huge(1.0_wp)
          associate (master => model%surface(model%pair(pair)%master))
@@ -147,6 +148,7 @@ contains
             own = min(own, other)
             if (.not. own < huge(1.0_wp)) own = typical
             self%modulus(i) = own
+            self%slave_modulus(i) = max(own, at_node(self%node(i)))
             self%yield(i) = yield(self%node(i))
          end do
       end do
