@@ -25,7 +25,8 @@ module lopin_finite_system
    use lopin_finite_contact, only : local_matrix_type
    implicit none
    private
-   public :: finite_system_type, set_tangent, put_on_ground, solve_step, apply_locals, as_forces
+   public :: finite_system_type, set_tangent, put_on_ground, solve_step, solve_whole
+   public :: apply_locals, as_forces
 
    !> Iterations before the whole matrix is factorised instead.
    integer, parameter :: most_iterations = 60
@@ -186,7 +187,8 @@ contains
       if (.not. self%factorised) call factorise_springs(self, wish, clock, counter, bad, error)
       if (allocated(error)) return
       if (bad == 0) then
-         call gmres(self, as_forces(self, right), tolerance, most_iterations, step, self%krylov, ratio)
+         call gmres(self, as_forces(self, right), tolerance, most_iterations, step, self%krylov, &
+            & ratio)
          counter%back_solves = counter%back_solves + self%krylov + 1
          self%most_krylov = max(self%most_krylov, self%krylov)
          call clock%stop_in(phase%solve)
