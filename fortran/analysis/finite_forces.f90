@@ -1,0 +1,125 @@
+!> All forces of a trial state of the finite path, and how far it is from equilibrium.
+module lopin_finite_forces
+   use lopin_kinds, only : wp
+   use lopin_error, only : error_type
+   use lopin_vectors, only : largest
+   use lopin_clock, only : phase
+   use lopin_model, only : model_type
+   use lopin_constraints, only : reduce, prescribed_part
+   use lopin_finite_contact, only : evaluate
+   use lopin_finite_state, only : forgotten
+   use lopin_follower_loads, only : add_follower_loads
+   use lopin_assemble_finite, only : assemble_finite, bad_element_type
+   use lopin_scene, only : scene_type
+   implicit none
+   private
+   public :: look_type, look_at, of_rows
+
+   !> What one evaluation at (u, multiplier) gives.
+   type :: look_type
+      real(wp), allocatable :: internal(:)     !! (ndof) [force]
+      real(wp), allocatable :: free(:)         !! (neq) residual [force]
+      real(wp), allocatable :: row(:)          !! (nmultiplier) as forces [force]
+      real(wp) :: merit = 0.0_wp               !! [force]
+      real(wp) :: reference = 0.0_wp           !! largest force about [force]
+      integer :: inverted = 0                  !! element that turned inside out
+   end type look_type
+
+contains
+
+   !> Forces, residuals and, if asked, the tangent at the trial state.
+   subroutine look_at(scene, model, f, with_tangent, look, error)
+      type(scene_type), intent(inout) :: scene
+      type(model_type), intent(in) :: model
+      real(wp), intent(in) :: f(:)
+      logical, intent(in) :: with_tangent
+      type(look_type), intent(inout) :: look
+      type(error_type), allocatable, intent(out) :: error
+      real(wp), allocatable :: residual(:), reaction(:)
+
+      call scene%clock%stop_in(phase%solve)
+      if (.not. allocated(look%internal)) allocate (look%internal(scene%dofs%n), &
+         & look%free(scene%constraints%neq))
+      call internal_forces(scene, model, with_tangent, look%internal, look%inverted)
+      if (look%inverted > 0) return
+      call scene%clock%stop_in(phase%assemble)
+      call evaluate(scene%finite%contact, model, scene%u, scene%finite%multiplier, with_tangent, &
+         & error)
+      if (allocated(error)) return
+      call scene%clock%stop_in(phase%contact)
+      residual = look%internal - f - scene%finite%contact%force
+      if (scene%finite%nlgeom) then
+         call push_faces(scene, model, with_tangent)
+         residual = residual - scene%finite%follower%force
+      end if
+      call reduce(scene%constraints, residual, look%free)
+      allocate (reaction(scene%constraints%nprescribed))
+      call prescribed_part(scene%constraints, residual, reaction)
+      scene%finite%internal = look%internal
+      look%row = scene%finite%contact%row*row_scale(scene)
+      look%merit = sqrt(sum(look%free**2) + sum(look%row**2))
+      look%reference = max(largest(f), largest(reaction), largest(look%internal), &
+         & largest(scene%finite%contact%force), forgotten*scene%finite%force_seen)
+      if (scene%finite%nlgeom) look%reference = max(look%reference, &
+         & largest(scene%finite%follower%force))
+   end subroutine look_at
+
+   !> Pressures at the trial displacements.
+   subroutine push_faces(scene, model, with_tangent)
+      type(scene_type), intent(inout) :: scene
+      type(model_type), intent(in) :: model
+      logical, intent(in) :: with_tangent
+
+      associate (follower => scene%finite%follower)
+         follower%force = 0.0_wp
+         if (with_tangent) then
+            call add_follower_loads(scene%solids, model%mesh, scene%u, follower%element, &
+               & follower%face, follower%pressure, follower%force, follower%local)
+         else
+            call add_follower_loads(scene%solids, model%mesh, scene%u, follower%element, &
+               & follower%face, follower%pressure, follower%force)
+         end if
+      end associate
+   end subroutine push_faces
+
+   !> Stiffness c times area of every multiplier row.
+   function row_scale(scene) result(scale)
+      type(scene_type), intent(in) :: scene
+      real(wp) :: scale(scene%finite%contact%nmultiplier)
+      scale = of_rows(scene, scene%finite%contact%c)*of_rows(scene, scene%finite%contact%weight)
+   end function row_scale
+
+   !> Values of points at their multiplier rows.
+   function of_rows(scene, value) result(at_row)
+      type(scene_type), intent(in) :: scene
+      real(wp), intent(in) :: value(:)
+      real(wp) :: at_row(scene%finite%contact%nmultiplier)
+      at_row = value(scene%finite%contact%point_of_row)
+   end function of_rows
+
+   !> Internal forces of the solids at the trial displacements, and their tangent in finite%k.
+   subroutine internal_forces(scene, model, with_tangent, internal, inverted)
+      type(scene_type), intent(inout) :: scene
+      type(model_type), intent(in) :: model
+      logical, intent(in) :: with_tangent
+      real(wp), intent(out) :: internal(:)
+      integer, intent(out) :: inverted
+
+      type(bad_element_type) :: bad
+
+      inverted = 0
+      if (.not. scene%finite%nlgeom) then
+         call scene%k%multiply(scene%u, internal)
+         scene%finite%energy = 0.5_wp*dot_product(scene%u, internal)
+         return
+      end if
+      if (with_tangent) then
+         if (.not. allocated(scene%finite%k%value)) scene%finite%k = scene%k
+         call assemble_finite(scene%solids, model%mesh, scene%u, internal, scene%finite%energy, &
+            & bad, scene%finite%k)
+      else
+         call assemble_finite(scene%solids, model%mesh, scene%u, internal, scene%finite%energy, bad)
+      end if
+      inverted = bad%element
+   end subroutine internal_forces
+end module lopin_finite_forces
