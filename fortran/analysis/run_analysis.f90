@@ -1,31 +1,23 @@
 !> The only loop a reader must understand: steps, increments, solve, certify, accept, record.
 module lopin_run_analysis
    use lopin_kinds, only : wp
-   use lopin_error, only : error_type, error_code, raise, log_type, severity
+   use lopin_error, only : error_type, error_code, raise, log_type
    use lopin_text, only : to_text
-   use lopin_checksum, only : checksum_type
-   use lopin_clock, only : phase, clock_type
+   use lopin_clock, only : clock_type
    use lopin_memory, only : peak_memory
    use lopin_model, only : model_type, step_type
    use lopin_state, only : frame_type, summary_type
-   use lopin_recorder, only : recorder_holder_type, wants_type
-   use lopin_follower_loading, only : new_followers, set_followers
-   use lopin_loading, only : loading_type, new_loading, loads_at, prescribed_at, add_ended_loads
-   use lopin_friction, only : has_friction
+   use lopin_recorder, only : recorder_holder_type
+   use lopin_follower_loading, only : new_followers
+   use lopin_loading, only : loading_type, new_loading, add_ended_loads
    use lopin_plan, only : plan_type, new_plan, path_of
-   use lopin_scene, only : scene_type, new_scene, set_supports, widen_reach
-   use lopin_solve_path, only : prepare_path, solve_path
+   use lopin_scene, only : scene_type, new_scene, set_supports
    use lopin_bodies, only : describe_motion
-   use lopin_certificate, only : forces_type, find_forces, certify, worst_unrowed
-   use lopin_finite_contact, only : accept_contact => accept, reject_contact => reject
-   use lopin_finite_state, only : iteration_header
    use lopin_path_finite, only : start_step
-   use lopin_finite_results, only : find_finite_forces, certify_finite
    use lopin_contact_friction, only : slides_with_friction
-   use lopin_friction_state, only : commit_friction => commit, roll_back_friction => roll_back
-   use lopin_frames, only : fill_frame
-   use lopin_after_step, only : seen_type, look_at_pairs, judge_step, say_once, pair_that_slid
+   use lopin_after_step, only : judge_step
    use lopin_judge_yield, only : judge_yield
+   use lopin_increment, only : progress_type, solve_increment, reject, prepare, say
    implicit none
    private
    public :: run_analysis
@@ -34,17 +26,6 @@ module lopin_run_analysis
    !> than the last, beside the period, unless the deck says otherwise.
    real(wp), parameter :: cut = 0.25_wp, growth = 1.5_wp, smallest = 1.0e-6_wp
    integer, parameter :: few_iterations = 8
-
-   !> What goes on from step to step.
-   type :: progress_type
-      real(wp) :: time = 0.0_wp
-      real(wp), allocatable :: steady(:)       !! (ndof) loads to go on from
-      real(wp), allocatable :: f(:), residual(:)
-      real(wp) :: work = 0.0_wp                !! of loads and prescribed displacements
-      type(seen_type) :: seen                  !! how near the pairs came
-      real(wp), allocatable :: f_before(:), u_before(:), r_before(:)
-      type(checksum_type) :: checksum          !! of the displacements of all nodes so far
-   end type progress_type
 
 contains
 
@@ -104,15 +85,6 @@ contains
       end do
    end subroutine begin_all
 
-   subroutine say(recorders, line)
-      type(recorder_holder_type), intent(inout) :: recorders(:)
-      character(len=*), intent(in) :: line
-      integer :: i
-      do i = 1, size(recorders)
-         call recorders(i)%recorder%line(line)
-      end do
-   end subroutine say
-
    subroutine run_steps(scene, model, plan, recorders, summary, error)
       type(scene_type), intent(inout) :: scene
       type(model_type), intent(in) :: model
@@ -163,18 +135,6 @@ contains
          & model%step(scene%step)%at, note=to_text(scene%bodies%nq)//' rigid motions are free', &
          & help='fix degrees of freedom by *BOUNDARY, or add the contact that holds the body')
    end subroutine check_supports
-
-   subroutine prepare(scene, model, plan, recorders, summary, error)
-      type(scene_type), intent(inout) :: scene
-      type(model_type), intent(in) :: model
-      type(plan_type), intent(in) :: plan
-      type(recorder_holder_type), intent(inout) :: recorders(:)
-      type(summary_type), intent(inout) :: summary
-      type(error_type), allocatable, intent(out) :: error
-
-      call prepare_path(scene, model, plan, summary, error)
-      if (.not. allocated(error)) call say(recorders, summary%plan)
-   end subroutine prepare
 
    subroutine run_step(scene, model, plan, progress, recorders, summary, error)
       type(scene_type), intent(inout) :: scene
@@ -284,225 +244,4 @@ contains
          & .and. cut*increment >= max(step%smallest, smallest*step%period)
    end function may_cut
 
-   !> Back to the accepted state.
-   subroutine reject(scene)
-      type(scene_type), intent(inout) :: scene
-
-      scene%u = scene%accepted
-      call roll_back_friction(scene%friction)
-      if (scene%finite%in_use) call reject_contact(scene%finite%contact)
-   end subroutine reject
-
-   !> Solve, look at every gap, certify, accept, record.
-   subroutine solve_increment(scene, model, plan, loading, progress, recorders, summary, frame, &
-      & error)
-      type(scene_type), intent(inout) :: scene
-      type(model_type), intent(in) :: model
-      type(plan_type), intent(inout) :: plan
-      type(loading_type), intent(in) :: loading
-      type(progress_type), intent(inout) :: progress
-      type(recorder_holder_type), intent(inout) :: recorders(:)
-      type(summary_type), intent(inout) :: summary
-      type(frame_type), intent(inout) :: frame
-      type(error_type), allocatable, intent(out) :: error
-      type(forces_type) :: forces
-      real(wp), allocatable :: prescribed(:), steady(:)
-
-      allocate (prescribed(scene%constraints%nprescribed), steady(scene%dofs%n))
-      call loads_at(loading, model, frame%step_time, progress%f, steady)
-      call prescribed_at(loading, model, frame%step_time, prescribed)
-      if (scene%finite%nlgeom) call set_followers(scene%finite%follower, model, frame%step_time)
-      scene%interference = 1.0_wp
-      if (scene%step == 1) scene%interference = frame%step_time/loading%period
-      call solve_path(scene, model, plan, progress%f, prescribed, error)
-      call say_iterations(recorders, scene, frame)
-      if (allocated(error)) return
-      if (.not. scene%finite%in_use) then
-         call close_condensed(scene, model, plan, prescribed, progress, recorders, summary, forces, &
-            & frame, error)
-         if (allocated(error)) return
-         if (slides_away(scene, model, plan)) then
-            call change_to_finite(scene, model, plan, recorders, summary, error)
-            if (allocated(error)) return
-            call solve_path(scene, model, plan, progress%f, prescribed, error)
-            call say_iterations(recorders, scene, frame)
-            if (allocated(error)) return
-         end if
-      end if
-      if (scene%finite%in_use) then
-         if (scene%finite%nlgeom) progress%f = progress%f + scene%finite%follower%force
-         call find_finite_forces(forces, scene, progress%f)
-         progress%residual = forces%residual
-         call certify_finite(frame%certificate, frame%energy, scene, model, forces)
-         frame%iterations = scene%finite%iterations
-         frame%augmentations = scene%finite%augmentations
-      end if
-      call scene%clock%stop_in(phase%solve)
-      call warn_of(scene, model, frame)
-      call add_work(scene, progress, frame)
-      call accept(scene, progress, steady)
-      call look_at_pairs(progress%seen, scene, model)
-      call record(scene, model, forces%reaction, recorders, frame, error)
-      if (allocated(error)) return
-      call progress%checksum%add(frame%u(:3, :))
-      summary%checksum = progress%checksum%text()
-      if (frame%certificate%verdict == 2) call raise(error, error_code%not_converged, 'E0504', &
-         & 'the certificate of step '// &
-         & to_text(frame%step)//', increment '//to_text(frame%increment)//' fails: '// &
-         & frame%certificate%reason, &
-         & model%step(scene%step)%at, help='see lopin explain E0504')
-   end subroutine solve_increment
-
-   !> What the iterations of the finite path did.
-   subroutine say_iterations(recorders, scene, frame)
-      type(recorder_holder_type), intent(inout) :: recorders(:)
-      type(scene_type), intent(in) :: scene
-      type(frame_type), intent(in) :: frame
-      integer :: i
-
-      if (.not. scene%finite%in_use .or. scene%finite%nline == 0) return
-      call say(recorders, 'step '//to_text(frame%step)//', increment '//to_text(frame%increment)// &
-         & ', attempt '//to_text(frame%attempt)//', time increment '// &
-         & to_text(frame%time_increment, 4))
-      call say(recorders, iteration_header)
-      do i = 1, scene%finite%nline
-         call say(recorders, trim(scene%finite%line(i)))
-      end do
-   end subroutine say_iterations
-
-   !> The trial slides farther than the linear path follows, and nothing forbids to change the path:
-   !> contact without friction has no history that would be lost.
-   logical function slides_away(scene, model, plan)
-      type(scene_type), intent(in) :: scene
-      type(model_type), intent(in) :: model
-      type(plan_type), intent(in) :: plan
-      integer :: pair
-
-      slides_away = .false.
-      if (plan%by_user .or. plan%path /= path_of%condensed) return
-      do pair = 1, size(model%pair)
-         if (has_friction(model%interaction(model%pair(pair)%interaction)%friction)) return
-      end do
-      slides_away = pair_that_slid(scene, model) > 0
-   end function slides_away
-
-   !> From the accepted state on, contact is followed on the present shape.
-   subroutine change_to_finite(scene, model, plan, recorders, summary, error)
-      type(scene_type), intent(inout) :: scene
-      type(model_type), intent(in) :: model
-      type(plan_type), intent(inout) :: plan
-      type(recorder_holder_type), intent(inout) :: recorders(:)
-      type(summary_type), intent(inout) :: summary
-      type(error_type), allocatable, intent(out) :: error
-
-      plan%path = path_of%finite
-      plan%reason = 'a node slides by more than a quarter of its facet'
-      scene%u = scene%accepted
-      call prepare(scene, model, plan, recorders, summary, error)
-   end subroutine change_to_finite
-
-   !> Look at the points without a row, and certify what the condensed paths found.
-   subroutine close_condensed(scene, model, plan, prescribed, progress, recorders, summary, forces, &
-      & frame, error)
-      type(scene_type), intent(inout) :: scene
-      type(model_type), intent(in) :: model
-      type(plan_type), intent(in) :: plan
-      real(wp), intent(in) :: prescribed(:)
-      type(progress_type), intent(inout) :: progress
-      type(recorder_holder_type), intent(inout) :: recorders(:)
-      type(summary_type), intent(inout) :: summary
-      type(forces_type), intent(out) :: forces
-      type(frame_type), intent(inout) :: frame
-      type(error_type), allocatable, intent(out) :: error
-
-      if (worst_unrowed(scene, model) > 0.0_wp) then
-         call widen_reach(scene)
-         call say(recorders, 'points beyond the first reach penetrate: all slave points get a '// &
-            & 'row, factorised again')
-         call prepare(scene, model, plan, recorders, summary, error)
-         if (allocated(error)) return
-         call solve_path(scene, model, plan, progress%f, prescribed, error)
-         if (allocated(error)) return
-      end if
-      call find_forces(forces, scene, progress%f)
-      progress%residual = forces%residual
-      call certify(frame%certificate, frame%energy, scene, model, forces, prescribed)
-      frame%iterations = scene%answer%iterations
-      frame%augmentations = scene%answer%augmentations
-   end subroutine close_condensed
-
-   !> Work of everything that moves the boundary, by the trapezoidal rule over the increment.
-   subroutine add_work(scene, progress, frame)
-      type(scene_type), intent(in) :: scene
-      type(progress_type), intent(inout) :: progress
-      type(frame_type), intent(inout) :: frame
-
-      progress%work = progress%work + 0.5_wp*dot_product(progress%f + progress%f_before &
-         & + progress%residual &
-         & + progress%r_before, scene%u - progress%u_before)
-      frame%energy%external = progress%work
-      progress%f_before = progress%f
-      progress%r_before = progress%residual
-      progress%u_before = scene%u
-   end subroutine add_work
-
-   subroutine accept(scene, progress, steady)
-      type(scene_type), intent(inout) :: scene
-      type(progress_type), intent(inout) :: progress
-      real(wp), intent(in) :: steady(:)
-      integer :: row
-
-      scene%accepted = scene%u
-      progress%steady = steady
-      if (scene%finite%in_use) then
-         scene%finite%accepted_multiplier = scene%finite%multiplier
-         call accept_contact(scene%finite%contact, scene%u, scene%finite%multiplier)
-         return
-      end if
-      call commit_friction(scene%friction)
-      do row = 1, scene%rows%nnormal
-         if (scene%answer%active(row)) scene%sticks(scene%rows%point(row)) = .true.
-      end do
-   end subroutine accept
-
-   subroutine warn_of(scene, model, frame)
-      type(scene_type), intent(inout) :: scene
-      type(model_type), intent(in) :: model
-      type(frame_type), intent(in) :: frame
-
-      if (frame%certificate%verdict == 1) call say_once(scene%log, 'W0504', &
-         & 'certificate of step '// &
-         & to_text(frame%step)//', increment '//to_text(frame%increment)//': '// &
-         & frame%certificate%reason, &
-         & model%step(scene%step)%at)
-      if (scene%answer%dependent > 0) call say_once(scene%log, 'W0403', &
-         & to_text(scene%answer%dependent)// &
-         & ' contact rows depend on supports or on other rows: their forces are '// &
-         & 'shared in the way of least norm', model%step(scene%step)%at, &
-         & help='do not fix slave nodes along the contact normal, and list a pair of surfaces once')
-   end subroutine warn_of
-
-   subroutine record(scene, model, reaction, recorders, frame, error)
-      type(scene_type), intent(inout) :: scene
-      type(model_type), intent(in) :: model
-      real(wp), intent(in) :: reaction(:)
-      type(recorder_holder_type), intent(inout) :: recorders(:)
-      type(frame_type), intent(inout) :: frame
-      type(error_type), allocatable, intent(out) :: error
-      type(wants_type) :: wants, more
-      integer :: i
-
-      do i = 1, size(recorders)
-         more = recorders(i)%recorder%wants(model, frame)
-         wants%stress = wants%stress .or. more%stress
-         wants%strain = wants%strain .or. more%strain
-         wants%nodal_stress = wants%nodal_stress .or. more%nodal_stress
-      end do
-      call fill_frame(frame, scene, model, reaction, wants)
-      do i = 1, size(recorders)
-         call recorders(i)%recorder%increment(model, frame, error)
-         if (allocated(error)) exit
-      end do
-      call scene%clock%stop_in(phase%output)
-   end subroutine record
 end module lopin_run_analysis
