@@ -17,6 +17,7 @@ module lopin_contact_points
    use lopin_tool, only : foot_type, project_all_moved
    use lopin_rigid_motion, only : rigid_motion_type, new_rigid_motion
    use lopin_mortar, only : mortar_coupling_type
+   use lopin_uneven_pressure, only : warn_of_uneven_pressure
    use lopin_mortar_pairs, only : couple_pair, is_mortar
    use lopin_model, only : model_type, pair_type, surface_of, kind_of, overclosure_of
    implicit none
@@ -77,6 +78,11 @@ contains
             else
                call pair_with_surface(self, model, cells, pair, slave, error)
                if (allocated(error)) return
+               associate (from => self%first(pair), to => self%n)
+                  call warn_of_uneven_pressure(model, cells, pair, self%facet(from:to), &
+                     & self%master(:, from:to), self%shape(:, from:to), self%weight(from:to), &
+                     & self%size(from:to), log)
+               end associate
             end if
             self%first(pair + 1) = self%n + 1
             call check_sides(self, model, pair, log, error)

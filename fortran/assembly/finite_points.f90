@@ -9,6 +9,7 @@ module lopin_finite_points
    use lopin_contact_points, only : contact_points_type, new_contact_points, pair_is_tied
    use lopin_mortar_pairs, only : is_mortar
    use lopin_contact_rows, only : initial_gap_type, new_initial_gaps
+   use lopin_surface_material, only : youngs_modulus, extreme_moduli
    implicit none
    private
    public :: finite_points_type, new_finite_points, is_self_contact, stays_mortar
@@ -139,7 +140,7 @@ contains
          other = huge(1.0_wp)
          associate (master => model%surface(model%pair(pair)%master))
             if (master%kind == surface_of%faces .and. allocated(master%element)) &
-               & other = softest(model, master%element)
+               & call extreme_moduli(model, master%element, other, own)
          end associate
          do i = 1, self%n
             if (self%pair(i) /= pair) cycle
@@ -166,39 +167,10 @@ contains
             do k = 1, size(model%mesh%conn, 1)
                if (model%mesh%conn(k, e) == 0) exit
                modulus(model%mesh%conn(k, e)) = max(modulus(model%mesh%conn(k, e)), &
-                  & stiffness_of(model, e))
+                  & youngs_modulus(model, e))
                yield(model%mesh%conn(k, e)) = max(yield(model%mesh%conn(k, e)), material%yield)
             end do
          end associate
       end do
    end subroutine nodal_moduli
-
-   !> Young's modulus of an element, also of a neo-Hookean one.
-   pure real(wp) function stiffness_of(model, e)
-      type(model_type), intent(in) :: model
-      integer, intent(in) :: e
-      real(wp) :: g, k
-
-      associate (m => model%material(model%section(model%mesh%section(e))%material))
-         stiffness_of = m%young
-         if (.not. m%has_neo_hooke) return
-         g = 2.0_wp*m%c10
-         stiffness_of = 3.0_wp*g
-         if (.not. m%d1 > 0.0_wp) return
-         k = 2.0_wp/m%d1
-         stiffness_of = 9.0_wp*k*g/(3.0_wp*k + g)
-      end associate
-   end function stiffness_of
-
-   pure real(wp) function softest(model, element)
-      type(model_type), intent(in) :: model
-      integer, intent(in) :: element(:)
-      integer :: i
-
-      softest = huge(1.0_wp)
-      do i = 1, size(element)
-         if (model%mesh%section(element(i)) == 0) cycle
-         softest = min(softest, stiffness_of(model, element(i)))
-      end do
-   end function softest
 end module lopin_finite_points

@@ -161,6 +161,13 @@ contains
          & 'The facets stand off the curved surface they mean by more than a fiftieth of a slave '// &
          & 'facet: pressures will show the facets.', &
          & 'export the tool with a smaller chord error, or use an analytical tool.')
+      call add_explanation(list, 'W0333', 'facets that do not match make the pressure uneven', &
+         & 'Contact is at the nodes of the slave. Where its facets and those of the master do not '// &
+         & 'match, or are longer, a uniform load gives no uniform pressure, and master nodes that '// &
+         & 'no slave node meets go in. The figure is an estimate for uniform pressure, from the '// &
+         & 'meshes and the moduli (docs/atlas.md, map 9); forces as a whole are right.', &
+         & 'TYPE=SURFACE TO SURFACE is exact there; or take the softer side, with facets at most '// &
+         & 'half as long, as the slave.')
       call add_explanation(list, 'N0331', 'facets of a tool were mended', &
          & 'Facets without area were dropped, or facets were turned because REPAIR asks for it.', &
          & '')

@@ -4,7 +4,7 @@ module lopin_surface_material
    use lopin_model, only : model_type, surface_of
    implicit none
    private
-   public :: pair_materials, slave_yields
+   public :: pair_materials, slave_yields, youngs_modulus, extreme_moduli
 
 contains
 
@@ -86,4 +86,37 @@ contains
          end do
       end do
    end subroutine slave_yields
+
+   !> Young's modulus of an element that has a section, also of a neo-Hookean one.
+   pure real(wp) function youngs_modulus(model, element) result(young)
+      type(model_type), intent(in) :: model
+      integer, intent(in) :: element
+      real(wp) :: g, k
+
+      associate (m => model%material(model%section(model%mesh%section(element))%material))
+         young = m%young
+         if (.not. m%has_neo_hooke) return
+         g = 2.0_wp*m%c10
+         young = 3.0_wp*g
+         if (.not. m%d1 > 0.0_wp) return
+         k = 2.0_wp/m%d1
+         young = 9.0_wp*k*g/(3.0_wp*k + g)
+      end associate
+   end function youngs_modulus
+
+   !> The softest and the stiffest of some elements; huge and 0 where all are rigid.
+   pure subroutine extreme_moduli(model, element, softest, stiffest)
+      type(model_type), intent(in) :: model
+      integer, intent(in) :: element(:)
+      real(wp), intent(out) :: softest, stiffest   !! [stress]
+      integer :: i
+
+      softest = huge(1.0_wp)
+      stiffest = 0.0_wp
+      do i = 1, size(element)
+         if (model%mesh%section(element(i)) == 0) cycle
+         softest = min(softest, youngs_modulus(model, element(i)))
+         stiffest = max(stiffest, youngs_modulus(model, element(i)))
+      end do
+   end subroutine extreme_moduli
 end module lopin_surface_material

@@ -15,12 +15,13 @@ import numpy as np
 
 from .atlas_cells import CLASSES, Cell
 from .atlas_friction import FrictionMap
+from .atlas_mesh import MeshMap
 from .atlas_penalty import AugmentedMap, PenaltyMap
 from .atlas_scenes import Frame
 from .atlas_uzawa import UzawaMap
 from .errors import UsageError
 
-MAPS = {m.number: m for m in (PenaltyMap(), UzawaMap(), AugmentedMap(), FrictionMap())}
+MAPS = {m.number: m for m in (PenaltyMap(), UzawaMap(), AugmentedMap(), FrictionMap(), MeshMap())}
 
 
 def map_of(number: int):

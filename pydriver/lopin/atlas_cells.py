@@ -31,6 +31,8 @@ CLASSES = {
 _CODES = {"E0501": "F3", "E0502": "F2", "E0503": "F2", "E0505": "F2", "E0510": "F2", "E0512": "F4",
           "E0520": "F3"}
 _WEDGING = "W0520"
+#: Facets that do not match make the pressure uneven.
+_UNEVEN = "W0333"
 
 
 @dataclass
@@ -94,7 +96,9 @@ def _kind(pressure: NDArray, exact: NDArray, error: float, verdict: str, said: s
         return "F7"
     if pressure.min() < -1e-6*np.abs(exact).max():
         return "F6"
-    return "F1" if error > WRONG else "F0"
+    if error <= WRONG:
+        return "F0"
+    return "W" if _UNEVEN in said else "F1"
 
 
 def exact_pressures(deck: Deck) -> NDArray:

@@ -75,3 +75,21 @@ def test_the_command_draws(tmp_path, capsys):
     assert "0 F1 (wrong and silent)" in capsys.readouterr().out
     assert (tmp_path/"map_4_friction.svg").stat().st_size > 10000
     assert (tmp_path/"map_4_friction.csv").is_file()
+
+
+@pytest.mark.parametrize("facets", [(9, 15), (15, 9), (12, 12), (20, 5), (6, 24)])
+@pytest.mark.parametrize("ratio", [1e-3, 1.0, 100.0])
+def test_uneven_pressure_is_said_where_it_is(core, facets, ratio):
+    """W0333 for contact at the nodes, whenever it is wrong by 5 %, and never for mortar."""
+    import lopin
+    from lopin.atlas_scenes import flat
+    from lopin.chart_run import pressures
+
+    pressure = 0.002/(0.5 + 0.5/ratio)
+    for mortar in (False, True):
+        result = lopin.run(flat(*facets, ratio, mortar=mortar, depth=0.002))
+        found, weight = pressures(result)
+        error = (weight @ (found/pressure - 1.0)**2/weight.sum())**0.5
+        said = any("W0333" in text for text in result.warnings)
+        assert error < 1e-8 if mortar else said or error < 0.05
+        assert not said or (error > 0.01 and not mortar)
