@@ -268,8 +268,11 @@ MESHES = {f.__name__: f for f in (cattaneo, hertz_sphere, hertz_sphere_3d, nafem
 
 def main(names: list[str]) -> None:
     """Write the meshes of these names, or all."""
-    for name in names or MESHES:
-        text = f"** Written by decks/make/meshes.py\n{MESHES[name]().text()}"
+    from friction_meshes import MESHES as of_friction   # which takes its tools from here
+
+    meshes = MESHES | of_friction
+    for name in names or meshes:
+        text = f"** Written by decks/make/meshes.py\n{meshes[name]().text()}"
         (FOLDER/f"{name}.mesh").write_text(text, encoding="ascii")
         print(f"{name}.mesh: {len(text)//1000} kB")
 

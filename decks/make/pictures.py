@@ -159,6 +159,38 @@ def cattaneo() -> None:
     save(fig, "cattaneo")
 
 
+def rough_punch() -> None:
+    """Pressure and shear under the rough punch, beside boundary elements with the full coupling."""
+    from lopin.closed_punch import punch_stick, punch_tractions
+    c = solved("rough_punch").contact().last
+    x, w = c.x[:, 0], np.asarray(c["WEIGHT"]).ravel()
+    touch = (x < 10.0) & (x > 1e-9)
+    shear = np.abs(np.asarray(c["R_t"])[touch, 0])/w[touch]
+    at, pressure, traction = punch_tractions(punch_stick(0.3, 0.3), 0.3, 0.3)
+    fig, (left, right) = figure(8.4, 3.6, columns=2)
+    curve(left, 10.0*at, 100.0*pressure, x[touch], c.pressure.ravel()[touch], closed="boundary elements",
+          xlabel="x [mm]", ylabel="pressure [MPa]")
+    curve(right, 10.0*at, 100.0*np.abs(traction), x[touch], shear, closed="boundary elements",
+          xlabel="x [mm]", ylabel="shear [MPa]")
+    left.set(ylim=(0.0, 150.0))
+    right.set(ylim=(0.0, 45.0))
+    save(fig, "rough_punch")
+
+
+def nafems_punch() -> None:
+    """Pressure and shear over the radius."""
+    c = solved("nafems_punch").contact().last
+    order = np.argsort(c.x[:, 0])
+    w = np.asarray(c["WEIGHT"]).ravel()[order]
+    fig, ax = figure()
+    ax.plot(c.x[order, 0], c.pressure.ravel()[order], "o-", ms=4, lw=1.0, color=DOTS, label="pressure")
+    ax.plot(c.x[order, 0], np.linalg.norm(np.asarray(c["R_t"])[order], axis=1)/w, "o-", ms=4, lw=1.0, color=EXACT,
+            label="shear, mu = 0.1")
+    ax.set(xlabel="radius [mm]", ylabel="[MPa]", xlim=(0.0, 48.0), ylim=(0.0, None))
+    ax.legend(frameon=False)
+    save(fig, "nafems_punch")
+
+
 def patch_test() -> None:
     """Vertical stress; exact would be one colour."""
     result = solved("patch_test")
@@ -327,7 +359,7 @@ def beam_on_roller() -> None:
 
 DRAWN = {f.__name__: f for f in (
     bar_gap, two_springs, cylinder_on_plane, flat_punch, hertz_sphere, hertz_sphere_3d, lifted_beam,
-    nafems_cylinder, cattaneo, patch_test, two_blocks_mortar, signorini, strip_bending, glued_beam, shrink_fit, no_separation,
+    nafems_cylinder, cattaneo, rough_punch, nafems_punch, patch_test, two_blocks_mortar, signorini, strip_bending, glued_beam, shrink_fit, no_separation,
     ball_on_ball, beam_on_roller)}
 
 

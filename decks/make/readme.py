@@ -18,7 +18,7 @@ GROUPS = {
                                      "cylinder_on_plane", "nafems_cylinder", "flat_punch",
                                      "shrink_fit", "signorini", "ball_of_facets"),
     "Beams and strips": ("strip_bending", "glued_beam", "beam_on_roller", "lifted_beam"),
-    "Friction": ("cattaneo", "capstan"),
+    "Friction": ("cattaneo", "rough_punch", "nafems_punch", "capstan"),
     "Meshes that do not match": ("patch_test", "two_blocks_mortar"),
 }
 HEAD = """# Decks

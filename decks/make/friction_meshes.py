@@ -1,0 +1,84 @@
+"""Meshes of the decks with friction; meshes.py writes them with the others."""
+from __future__ import annotations
+
+import numpy as np
+from meshes import fine_then_spread, half_space, lean, spread
+
+from lopin import mesh_make
+from lopin.deck import Deck
+from lopin.mesh import Mesh, together
+from lopin.model import Model
+from lopin.model_deck import mesh_deck
+
+#: Edge of the rough punch lies in the middle between two nodes.
+PUNCH_SIZE = 10.0/120.5
+
+
+def rough_punch() -> Deck:
+    """Half of a half-plane under a punch of half width 10; 121 nodes touch it."""
+    across = fine_then_spread(PUNCH_SIZE, 10.6, 1000.0, 1.25)
+    down = np.concatenate([[0.0], spread(PUNCH_SIZE, 0.0, 1000.0, 1.25)])
+    mesh, deck, sides = half_space([across, down], 10.5, "plane strain")
+    half = lean(mesh.with_points("FAR", lambda x: (x[:, 0] > 999.9) | (x[:, 1] < -999.9)), "NEAR", "LEFT FAR")
+    return mesh_deck(Model("mesh", half))
+
+
+def mindlin() -> Deck:
+    """Halves of two balls of radius 20, as blocks with a crown each; y = 0 is their plane of symmetry."""
+    half = fine_then_spread(0.402/6.5, 0.43, 40.0, 2.2)
+    across = np.concatenate([-half[:0:-1], half])
+    up = np.concatenate([[0.0], spread(0.06, 0.0, 40.0, 2.0)])
+    shape = (len(across) - 1, len(half) - 1, len(up) - 1)
+    end, grading = half[-1], ((across + half[-1])/(2.0*half[-1]), half/half[-1], up/up[-1])
+
+    def crown(x):
+        reach = (x[:, :2]**2).sum(axis=1)
+        height = np.where(reach < 1.0, reach, 1.0)/40.0*(1.0 - x[:, 2]/40.0)
+        return np.column_stack([x[:, 0], x[:, 1], x[:, 2] + height])
+
+    upper = mesh_make.block((2.0*end, end, 40.0), shape, origin=(-end, 0.0, 0.0), grading=grading)
+    near = upper.with_surface("NEAR", lambda x: (x[:, 2] < 1e-9) & (np.abs(x[:, :2]).max(axis=1) < 0.55))
+    lower = mesh_make.block((2.0*end, end, 40.0), shape, origin=(-end, 0.0, -40.0),
+                            grading=(*grading[:2], 1.0 - up[::-1]/up[-1]))
+    low = lower.with_surface("NEAR", lambda x: (x[:, 2] > -1e-9) & (np.abs(x[:, :2]).max(axis=1) < 0.55))
+    low = low.mapped(lambda x: crown(x*[1.0, 1.0, -1.0])*[1.0, 1.0, -1.0])
+    mesh = together(UP=lean(near.mapped(crown), "NEAR", "TOP FRONT"), LOW=lean(low, "NEAR", "BOTTOM FRONT"))
+    return mesh_deck(Model("mesh", mesh.mapped(lambda x: np.round(x, 9)), kind="3d"))
+
+
+def _punch(fine: float) -> Mesh:
+    """A punch of radius 50 and height 100 whose lower edge is rounded by 10."""
+    arc = 5.0*np.pi
+    flat = 40.0 - fine_then_spread(fine, 6.0, 40.0, 1.2)[::-1]
+    turn = 40.0 + np.linspace(0.0, arc, round(arc/fine) + 1)
+    along = np.concatenate([flat, turn[1:]])
+    up = np.concatenate([[0.0], spread(fine, 0.0, 100.0, 1.25)])
+    mesh = mesh_make.block((1.0, 1.0), (len(along) - 1, len(up) - 1), grading=(along/along[-1], up/100.0))
+
+    def round_off(x):
+        s = x[:, 0]*along[-1]
+        angle = np.maximum(0.0, s - 40.0)/10.0
+        low = np.column_stack([np.minimum(s, 40.0) + 10.0*np.sin(angle), 10.0*(1.0 - np.cos(angle))])
+        top = np.column_stack([x[:, 0]*50.0, np.full(len(s), 100.0)])
+        return low + (top - low)*x[:, 1:]
+
+    mesh = mesh.with_surface("FACE", lambda x: (x[:, 1] < 1e-9) & (x[:, 0]*along[-1] < 48.0))
+    return mesh.mapped(round_off)
+
+
+def nafems_punch() -> Deck:
+    """The punch on a block of radius 100 and height 200."""
+    punch = _punch(0.5)
+    inner = 40.0 - fine_then_spread(0.5, 6.0, 40.0, 1.2)[::-1]
+    outer = 40.0 + fine_then_spread(0.5, 8.0, 60.0, 1.2)
+    across = np.concatenate([inner, outer[1:]])
+    down = np.concatenate([[0.0], spread(0.5, 0.0, 200.0, 1.2)])
+    block = mesh_make.block((100.0, 200.0), (len(across) - 1, len(down) - 1), origin=(0.0, -200.0),
+                            grading=(across/100.0, 1.0 - down[::-1]/200.0))
+    block = block.with_surface("NEAR", lambda x: (x[:, 1] > -1e-9) & (x[:, 0] < 50.0))
+    block = block.with_points("M", lambda x: (x[:, 1] > -1e-9) & (x[:, 0] < 1e-9))
+    mesh = together(PUNCH=lean(punch, "FACE TOP", "LEFT"), BLOCK=lean(block, "NEAR", "LEFT BOTTOM RIGHT M"))
+    return mesh_deck(Model("mesh", mesh.mapped(lambda x: np.round(x, 9)), kind="axisymmetric"))
+
+
+MESHES = {f.__name__: f for f in (rough_punch, nafems_punch)}
