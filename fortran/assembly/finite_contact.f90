@@ -436,7 +436,7 @@ contains
          if (self%first_row(i) > 0) self%row(self%first_row(i):self%first_row(i) + d - 1) = &
             & t%row(:d)
          self%status(i) = t%status
-         self%gap(i) = t%gap
+         self%gap(i) = t%gap + self%shift(i) + (1.0_wp - self%interference)*self%overclosure(i)
          self%normal(:, i) = t%normal
          self%traction(:, i) = t%traction
          self%pressure(i) = dot_product(t%traction, t%normal)
