@@ -5,37 +5,29 @@
 !> makes the last evaluation the history, and a failed increment simply starts again from it.
 module lopin_finite_contact
    use lopin_kinds, only : wp
-   use lopin_error, only : error_type, log_type, severity
-   use lopin_text, only : to_text
+   use lopin_error, only : error_type, log_type
    use lopin_facet_basis, only : facet_basis_type
-   use lopin_model, only : model_type, method_of, overclosure_of
+   use lopin_model, only : model_type
    use lopin_dofs, only : dofs_type
-   use lopin_friction, only : friction_type, condition_type, has_friction, friction_radius
+   use lopin_friction, only : friction_type, condition_type, has_friction
    use lopin_contact_traction, only : grip_type, grip_kind
-   use lopin_contact_points, only : pair_is_tied
-   use lopin_enforcement_law, only : law_type, new_exponential, new_tabular
+   use lopin_finite_grips, only : choose_grips, remember_elastic
    use lopin_finite_points, only : finite_points_type, new_finite_points
    use lopin_finite_opposite, only : opposite_type, anchor_type, masters_type, new_masters, &
       & move_masters, find_opposite, anchor_of
    use lopin_finite_kernel, only : local_matrix_type, point_state_type, evaluate_point
-   use lopin_mortar_node_2d, only : patch_type, mortar_row_type
+   use lopin_mortar_node_2d, only : patch_type
    use lopin_finite_mortar, only : present_mortar_type, mortar_anchor_type, new_present_mortar, &
-      & update_mortar, find_row, evaluate_mortar_point
+      & update_mortar, meet_row, evaluate_mortar_point
    implicit none
    private
    public :: local_matrix_type, finite_contact_type, new_finite_contact, start_increment
    public :: evaluate, augment, accept, reject
 
-   !> Penalty without a slope, beside the modulus over the facet; stiffness of exact methods that
-   !> only conditions the system; shear beside normal stiffness.
-   real(wp), parameter :: default_penalty = 100.0_wp, scale_of_exact = 10.0_wp
-   real(wp), parameter :: shear_share = 1.0_wp/3.0_wp
    !> A point farther from its master, in facets, is not tied unless ADJUST says so.
    real(wp), parameter :: too_far = 0.5_wp
    !> A gap below this share of the facet touches.
    real(wp), parameter :: touching = 1.0e-10_wp
-   !> Penalties up to this, in moduli over a facet, are springs.
-   real(wp), parameter :: soft_enough = 20.0_wp
 
    type, extends(finite_points_type) :: finite_contact_type
       integer :: nmultiplier = 0               !! rows: ndim per point whose method solves for it
@@ -110,12 +102,14 @@ contains
       allocate (self%mortar(size(model%pair)), self%mortar_anchor(n), self%patch(n))
       do pair = 1, size(model%pair)
          self%friction(pair) = model%interaction(model%pair(pair)%interaction)%friction
-         call choose_grips(self, model, pair, log)
+         call choose_grips(self%grip, self%finite_points_type, self%friction(pair), model, pair, log)
          if (self%masters%of(pair)%has_slave_faces) call new_present_mortar(self%mortar(pair), &
             & model, model%pair(pair), self%masters%of(pair)%slave, self%masters%rules)
       end do
       do i = 1, n
          self%closed(i) = self%touches(i)
+         self%c(i) = self%grip(i)%c
+         self%ct(i) = self%grip(i)%ct
          if (.not. solves(self%grip(i)%kind)) cycle
          self%first_row(i) = self%nmultiplier + 1
          self%nmultiplier = self%nmultiplier + model%mesh%ndim
@@ -133,98 +127,6 @@ contains
       solves = kind == grip_kind%lagrange .or. kind == grip_kind%perturbed .or. kind == grip_kind%tied
    end function solves
 
-   !> How the points of a pair press; stiffnesses that the deck leaves open come from the modulus.
-   subroutine choose_grips(self, model, pair, log)
-      type(finite_contact_type), intent(inout) :: self
-      type(model_type), intent(in) :: model
-      integer, intent(in) :: pair
-      type(log_type), intent(inout) :: log
-      type(law_type) :: law
-      real(wp) :: slope
-      integer :: i
-      logical :: said
-
-      said = .false.
-      associate (way => model%interaction(model%pair(pair)%interaction), f => self%friction(pair))
-         do i = 1, self%n
-            if (self%pair(i) /= pair) cycle
-            associate (g => self%grip(i), own => self%modulus(i)/self%size(i))
-               g%kind = way%method
-               g%c = scale_of_exact*own
-               g%ct = g%c*shear_share
-               slope = way%slope*way%scale
-               if (.not. slope > 0.0_wp) slope = default_penalty*way%scale*merge(own, &
-                  & self%slave_modulus(i)/self%size(i), way%method == method_of%augmented)
-               ! A stiff penalty in its mixed form: the same equations, without its loss of digits,
-               ! and Newton does not hop between stick and slip (measured: 5 iterations for 24).
-               ! So is one that sticks exactly, or by a slip that the deck gives.
-               if (g%kind == grip_kind%penalty .and. (slope > soft_enough*own .or. f%exact_stick &
-                  & .or. f%elastic_slip > 0.0_wp .or. f%slip_tolerance > 0.0_wp)) &
-                  & g%kind = grip_kind%perturbed
-               if (way%method /= method_of%lagrange) then
-                  if (.not. way%slope > 0.0_wp .and. .not. said) then
-                     said = .true.
-                     call log%say(severity%note, 'N0405', 'pair ('// &
-                        & model%surface(model%pair(pair)%slave)%name//', '// &
-                        & model%surface(model%pair(pair)%master)%name//'): slope '// &
-                        & to_text(slope, 4)//' = 100 moduli over a facet', model%pair(pair)%at)
-                  end if
-                  g%slope = slope
-                  g%shear_slope = slope*shear_share
-                  if (f%stick_slope > 0.0_wp) g%shear_slope = f%stick_slope
-                  if (g%kind /= grip_kind%perturbed) then
-                     g%c = slope
-                     g%ct = g%shear_slope
-                  end if
-               end if
-               call choose_stick(g, f, self%size(i))
-               if (way%overclosure == overclosure_of%exponential) then
-                  g%kind = grip_kind%overclosure
-                  call new_exponential(law, way%table(1, 1), way%table(2, 1))
-                  g%law = law
-               else if (way%overclosure == overclosure_of%tabular) then
-                  g%kind = grip_kind%overclosure
-                  call new_tabular(law, way%table(1, :), way%table(2, :))
-                  g%law = law
-               end if
-               if (pair_is_tied(model, model%pair(pair))) g%kind = grip_kind%tied
-               self%c(i) = g%c
-               self%ct(i) = g%ct
-            end associate
-         end do
-      end associate
-   end subroutine choose_grips
-
-   !> What the deck says of the slip before sliding, where the traction is an unknown.
-   subroutine choose_stick(grip, friction, facet)
-      type(grip_type), intent(inout) :: grip
-      type(friction_type), intent(in) :: friction
-      real(wp), intent(in) :: facet            !! [length]
-
-      if (grip%kind /= grip_kind%lagrange .and. grip%kind /= grip_kind%perturbed) return
-      grip%elastic_slip = friction%elastic_slip
-      if (.not. grip%elastic_slip > 0.0_wp) grip%elastic_slip = friction%slip_tolerance*facet
-      if (friction%stick_slope > 0.0_wp) grip%shear_slope = friction%stick_slope
-      if (friction%stick_slope > 0.0_wp .or. friction%exact_stick) grip%elastic_slip = 0.0_wp
-      if (friction%exact_stick .or. grip%elastic_slip > 0.0_wp) grip%shear_slope = 0.0_wp
-   end subroutine choose_stick
-
-   !> The elastic slip that the committed traction holds.
-   pure subroutine remember_elastic(grip, friction, normal)
-      type(grip_type), intent(inout) :: grip
-      type(friction_type), intent(in) :: friction
-      real(wp), intent(in) :: normal(3)
-      real(wp) :: p, radius, slope
-
-      grip%elastic = 0.0_wp
-      if (.not. grip%elastic_slip > 0.0_wp) return
-      p = dot_product(grip%committed, normal)
-      call friction_radius(friction, p, condition_type(held=grip%bilateral, yield=grip%yield), &
-         & radius, slope)
-      if (.not. radius > 0.0_wp .or. .not. radius < huge(1.0_wp)) return
-      grip%elastic = -grip%elastic_slip/radius*(grip%committed - p*normal)
-   end subroutine remember_elastic
-
    !> Search from the accepted state; anchors of friction; tractions turned with the normals.
    subroutine start_increment(self, model, u, dt, error)
       type(finite_contact_type), intent(inout) :: self
@@ -237,7 +139,7 @@ contains
       self%dt = dt
       call move_masters(self%masters, model, self%dofs, self%finite_points_type, u, .true., error)
       if (allocated(error)) return
-      call find_present(self, error)
+      call find_present(self, .true., error)
       if (allocated(error)) return
       do i = 1, self%n
          call meet(self, model, i, .true.)
@@ -310,7 +212,7 @@ contains
       self%soft_error = 0.0_wp
       call move_masters(self%masters, model, self%dofs, self%finite_points_type, u, .false., error)
       if (allocated(error)) return
-      call find_present(self, error)
+      call find_present(self, .false., error)
       if (allocated(error)) return
       at%dt = self%dt
       do i = 1, self%n
@@ -354,15 +256,16 @@ contains
    end subroutine evaluate
 
    !> The overlaps of the pairs by mortar.
-   subroutine find_present(self, error)
+   subroutine find_present(self, start, error)
       type(finite_contact_type), intent(inout) :: self
+      logical, intent(in) :: start             !! of an increment
       type(error_type), allocatable, intent(out) :: error
       integer :: pair
 
       do pair = 1, size(self%mortar)
          if (.not. self%mortar(pair)%is_on) cycle
          call update_mortar(self%mortar(pair), self%masters%rules, self%masters%of(pair)%surface, &
-            & self%masters%of(pair)%tree, self%masters%x, error)
+            & self%masters%of(pair)%tree, self%masters%x, start, error)
          if (allocated(error)) return
       end do
    end subroutine find_present
@@ -373,24 +276,17 @@ contains
       type(model_type), intent(in) :: model
       integer, intent(in) :: i
       logical, intent(in) :: start             !! of an increment
-      type(mortar_row_type) :: row
       logical :: covered
 
-      associate (pair => self%pair(i), anchor => self%mortar_anchor(i))
+      associate (pair => self%pair(i))
          if (.not. self%mortar(pair)%is_on) then
             call find_opposite(self%opposite(i), self%masters, model, self%finite_points_type, i)
             return
          end if
-         call find_row(self%mortar(pair), self%masters%of(pair)%surface, self%masters%x, &
-            & self%node(i), self%patch(i), row, covered)
+         call meet_row(self%mortar(pair), self%masters%of(pair)%surface, self%masters%x, &
+            & self%node(i), start, self%patch(i), self%mortar_anchor(i), covered, &
+            & self%opposite(i)%normal, self%opposite(i)%found%gap)
          self%opposite(i)%facet = merge(1, 0, covered)
-         if (start) anchor%set = .false.
-         if (.not. covered) return
-         self%opposite(i)%normal(:2) = row%normal%v
-         if (anchor%set) return
-         anchor%set = .true.
-         anchor%node = self%patch(i)%node
-         anchor%coefficient = row%coefficient%v
       end associate
    end subroutine meet
 

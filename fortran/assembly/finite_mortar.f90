@@ -1,4 +1,4 @@
-!> Mortar on the present shape, in the plane: overlaps, rows with exact slopes, forces and tangents.
+!> Mortar on the present shape: overlaps, rows with exact slopes; in the plane forces and tangents.
 !>
 !> Weights, normals and couplings follow the motion. Slip is the frame-indifferent increment of
 !> the weighted positions: with the coefficients c of a row (lopin_mortar_node_2d) and those at the start
@@ -21,10 +21,12 @@ module lopin_finite_mortar
    use lopin_mortar_node_2d, only : patch_type, new_patch, mortar_row_type, mortar_row
    use lopin_finite_points, only : stays_mortar
    use lopin_finite_kernel, only : local_matrix_type, point_state_type
+   use lopin_mortar_cells_3d, only : new_mortar_kernel
+   use lopin_finite_mortar_3d, only : space_mortar_type, update_space_mortar, evaluate_space_point
    implicit none
    private
    public :: present_mortar_type, mortar_anchor_type, new_present_mortar
-   public :: update_mortar, find_row, evaluate_mortar_point
+   public :: update_mortar, meet_row, evaluate_mortar_point
 
    !> n_slave.n_master must be below this for the two to face each other.
    real(wp), parameter :: facing = -0.2_wp
@@ -41,11 +43,14 @@ module lopin_finite_mortar
       real(wp), allocatable :: full(:)         !! (slave nodes) area at the start [area]
       real(wp), allocatable :: ratio(:)        !! (slave nodes) covered share of it
       real(wp), allocatable :: best(:)         !! the largest share on the facets of each
+      logical :: in_space = .false.
+      type(space_mortar_type) :: space
    end type present_mortar_type
 
    !> The row of a node when the increment began.
    type :: mortar_anchor_type
       logical :: set = .false.
+      integer :: place = 0                     !! in space: number of the node on the slave
       integer, allocatable :: node(:)
       real(wp), allocatable :: coefficient(:)  !! [area]
    end type mortar_anchor_type
@@ -67,20 +72,28 @@ contains
       self%axisymmetric = model%kind == kind_of%axisymmetric
       call nodal_weights(facets, rules, model%mesh%x, self%axisymmetric, self%thickness, weight)
       self%full = weight(self%slave%node)
+      self%in_space = model%mesh%ndim == 3
+      if (self%in_space) call new_mortar_kernel(self%space%kernel, model%mortar_degree)
    end subroutine new_present_mortar
 
    !> The overlaps at present places.
-   subroutine update_mortar(self, rules, master, tree, x, error)
+   subroutine update_mortar(self, rules, master, tree, x, start, error)
       type(present_mortar_type), intent(inout) :: self
       type(facet_rule_type), intent(in) :: rules(:)
       type(surface_type), intent(in) :: master
       type(tree_type), intent(in) :: tree
-      real(wp), intent(in) :: x(:, :)             !! (2, nnode) [length]
+      real(wp), intent(in) :: x(:, :)             !! (ndim, nnode) [length]
+      logical, intent(in) :: start                !! of an increment
       type(error_type), allocatable, intent(out) :: error
-      real(wp) :: normal(2, size(x, 2)), reach
+      real(wp) :: normal(size(x, 1), size(x, 2)), reach
 
       call update_surface(self%slave, x, error)
       if (allocated(error)) return
+      if (self%in_space) then
+         call update_space_mortar(self%space, self%slave, self%full, rules, master, tree, x, facing, &
+            & start, error)
+         return
+      end if
       call nodal_normals(self%slave%facets, rules, x, self%axisymmetric, normal)
       reach = norm2(max(maxval(self%slave%high, 2), maxval(master%high, 2)) &
          & - min(minval(self%slave%low, 2), minval(master%low, 2)))
@@ -162,20 +175,37 @@ contains
       strong = self%ratio(node) > weak*self%best(node)
    end function strong
 
-   !> The row of a node by values, and whether enough of it is covered.
-   subroutine find_row(self, master, x, node, patch, row, covered)
+   !> The row of a node by values, if enough of it is covered; the first one within an increment
+   !> is the anchor of its slip.
+   subroutine meet_row(self, master, x, node, start, patch, anchor, covered, normal, gap)
       type(present_mortar_type), intent(in) :: self
       type(surface_type), intent(in) :: master
       real(wp), intent(in) :: x(:, :)
       integer, intent(in) :: node
+      logical, intent(in) :: start                !! of an increment
       type(patch_type), intent(out) :: patch
-      type(mortar_row_type), intent(out) :: row
+      type(mortar_anchor_type), intent(inout) :: anchor
       logical, intent(out) :: covered
+      real(wp), intent(inout) :: normal(3)        !! out of the master
+      real(wp), intent(out) :: gap                !! [length]
+      type(mortar_row_type) :: row
       integer, allocatable :: also(:)
       real(wp), allocatable :: share(:)
       integer :: k
 
+      gap = 0.0_wp
       k = findloc(self%slave%node, node, 1)
+      if (self%in_space) then
+         anchor%place = k
+         associate (own => self%space%row(k))
+            covered = own%node > 0 .and. own%weight > 0.0_wp
+            if (.not. covered) return
+            normal = own%normal
+            gap = own%gap
+         end associate
+         return
+      end if
+      if (start) anchor%set = .false.
       covered = strong(self, k)
       if (.not. covered) return
       call take_over(self, k, also, share)
@@ -183,7 +213,14 @@ contains
       call mortar_row(row, patch, constant(x(:2, patch%node)), self%axisymmetric, &
          & self%thickness(1), facing)
       covered = row%weight%v > 0.0_wp
-   end subroutine find_row
+      if (.not. covered) return
+      normal(:2) = row%normal%v
+      gap = row%gap%v
+      if (anchor%set) return
+      anchor%set = .true.
+      anchor%node = patch%node
+      anchor%coefficient = row%coefficient%v
+   end subroutine meet_row
 
    !> Forces and exact tangent of one node, as evaluate_point of lopin_finite_kernel.
    subroutine evaluate_mortar_point(state, local, self, dofs, x, patch, anchor, grip, friction, &
@@ -192,7 +229,7 @@ contains
       type(local_matrix_type), intent(inout) :: local
       type(present_mortar_type), intent(in) :: self
       type(dofs_type), intent(in) :: dofs
-      real(wp), intent(in) :: x(:, :)          !! (2, nnode) present places [length]
+      real(wp), intent(in) :: x(:, :)          !! (ndim, nnode) present places [length]
       type(patch_type), intent(in) :: patch
       type(mortar_anchor_type), intent(in) :: anchor
       type(grip_type), intent(in) :: grip
@@ -210,6 +247,14 @@ contains
       real(wp) :: shear(2, 2)
       integer :: from, width, n, k
 
+      if (self%in_space) then
+         associate (own => self%space%row(anchor%place))
+            call evaluate_space_point(state, local, own, self%space%before(anchor%place), dofs, x, &
+               & grip, friction, at, shift, lambda, first_row, with_tangent)
+            weight = own%weight
+         end associate
+         return
+      end if
       call list_inputs()
       n = size(local%dof)
       allocate (force(local%nu))

@@ -85,12 +85,11 @@ contains
       call find_moduli(self, model)
    end subroutine new_finite_points
 
-   !> Surface to surface where bodies move far: in the plane, not of ties, not of self-contact.
+   !> Surface to surface where bodies move far: but for ties and self-contact.
    pure logical function stays_mortar(model, pair)
       type(model_type), intent(in) :: model
       type(pair_type), intent(in) :: pair
-      stays_mortar = is_mortar(model, pair) .and. model%mesh%ndim == 2 &
-         & .and. .not. is_self_contact(pair)
+      stays_mortar = is_mortar(model, pair) .and. .not. is_self_contact(pair)
       if (stays_mortar) stays_mortar = .not. pair_is_tied(model, pair)
    end function stays_mortar
 

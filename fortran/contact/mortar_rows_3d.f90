@@ -12,31 +12,18 @@ module lopin_mortar_rows_3d
    use lopin_surface, only : surface_type
    use lopin_mortar_overlap, only : overlap_list_type
    use lopin_mortar_cells_3d, only : mortar_kernel_type
+   use lopin_mortar_row_3d, only : mortar_row_type, join, share_weak_rows
    use lopin_mortar_facet_3d, only : facet_coupling_type, couple_facet
    implicit none
    private
    public :: mortar_row_type, new_mortar_rows
 
-   !> Directions: x, y, z of of(1), of of(2), ...
-   type :: mortar_row_type
-      integer :: node = 0                          !! mesh node of the slave; 0: it meets nothing
-      integer :: topology = 0                      !! of its cells: the slopes jump where it changes
-      integer, allocatable :: of(:)                !! (n) mesh nodes that the row depends on
-      real(wp), allocatable :: c(:)                !! (n) [length^2]
-      real(wp), allocatable :: c_slope(:, :)       !! (3n, n) [length]
-      real(wp) :: weight = 0.0_wp                  !! D [length^2]
-      real(wp), allocatable :: weight_slope(:)     !! (3n) [length]
-      real(wp) :: normal(3) = 0.0_wp               !! unit, out of the master
-      real(wp), allocatable :: normal_slope(:, :)  !! (3, 3n) [1/length]
-      real(wp) :: gap = 0.0_wp                     !! >= 0 open [length]
-      real(wp), allocatable :: gap_slope(:)        !! (3n) [-]
-   end type mortar_row_type
-
 contains
 
    !> Rows of all slave nodes; the overlaps are those found at x. With the rows of the last
-   !> increment, those nodes count as well (for lopin_mortar_traction_3d).
-   subroutine new_mortar_rows(row, kernel, rules, slave, master, x, list, before)
+   !> increment, those nodes count as well (for lopin_mortar_traction_3d). With `full`, hardly covered
+   !> nodes hand their rows over.
+   subroutine new_mortar_rows(row, kernel, rules, slave, master, x, list, before, full)
       type(mortar_row_type), allocatable, intent(out) :: row(:)   !! (slave%nnode)
       type(mortar_kernel_type), intent(in) :: kernel
       type(facet_rule_type), intent(in) :: rules(:)     !! from new_facet_rules
@@ -44,6 +31,7 @@ contains
       real(wp), intent(in) :: x(:, :)                   !! (3, all mesh nodes) [length]
       type(overlap_list_type), intent(in) :: list
       type(mortar_row_type), intent(in), optional :: before(:)    !! (slave%nnode)
+      real(wp), intent(in), optional :: full(:)   !! (slave%nnode) weights if all were covered
       type(facet_coupling_type) :: facet
       integer :: from, to, i
 
@@ -62,6 +50,7 @@ contains
          call add_facet(row, rules(slave%facets%cell(i)), slave, i, facet)
          from = to + 1
       end do
+      if (present(full)) call share_weak_rows(row, slave, full)
       do i = 1, slave%facets%n
          call add_normals(row, rules(slave%facets%cell(i)), slave, i, x)
       end do
@@ -104,18 +93,6 @@ contains
             & row(j)%normal_slope(3, 3*n), row(j)%gap_slope(3*n), source=0.0_wp)
       end do
    end subroutine reserve_rows
-
-   pure subroutine join(list, node)
-      integer, allocatable, intent(inout) :: list(:)
-      integer, intent(in) :: node(:)
-      integer :: k
-
-      if (.not. allocated(list)) allocate (list(0))
-      do k = 1, size(node)
-         if (any(list == node(k))) cycle
-         list = [list, node(k)]
-      end do
-   end subroutine join
 
    !> What a facet adds to the rows of its nodes.
    subroutine add_facet(row, rule, slave, number, facet)

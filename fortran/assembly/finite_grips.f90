@@ -1,0 +1,116 @@
+!> How the points of finite contact press: methods and stiffnesses by the deck and the moduli.
+module lopin_finite_grips
+   use lopin_kinds, only : wp
+   use lopin_error, only : log_type, severity
+   use lopin_text, only : to_text
+   use lopin_model, only : model_type, method_of, overclosure_of
+   use lopin_friction, only : friction_type, condition_type, friction_radius
+   use lopin_contact_traction, only : grip_type, grip_kind
+   use lopin_contact_points, only : pair_is_tied
+   use lopin_enforcement_law, only : law_type, new_exponential, new_tabular
+   use lopin_finite_points, only : finite_points_type
+   implicit none
+   private
+   public :: choose_grips, remember_elastic
+
+   !> Penalty without a slope, beside the modulus over the facet; stiffness of exact methods that
+   !> only conditions the system; shear beside normal stiffness.
+   real(wp), parameter :: default_penalty = 100.0_wp, scale_of_exact = 10.0_wp
+   real(wp), parameter :: shear_share = 1.0_wp/3.0_wp
+   !> Penalties up to this, in moduli over a facet, are springs.
+   real(wp), parameter :: soft_enough = 20.0_wp
+
+contains
+
+   !> How the points of a pair press; stiffnesses that the deck leaves open come from the modulus.
+   subroutine choose_grips(grip, points, friction, model, pair, log)
+      type(grip_type), intent(inout) :: grip(:)            !! (points%n); only those of the pair
+      type(finite_points_type), intent(in) :: points
+      type(friction_type), intent(in) :: friction
+      type(model_type), intent(in) :: model
+      integer, intent(in) :: pair
+      type(log_type), intent(inout) :: log
+      type(law_type) :: law
+      real(wp) :: slope
+      integer :: i
+      logical :: said
+
+      said = .false.
+      associate (way => model%interaction(model%pair(pair)%interaction), f => friction)
+         do i = 1, points%n
+            if (points%pair(i) /= pair) cycle
+            associate (g => grip(i), own => points%modulus(i)/points%size(i))
+               g%kind = way%method
+               g%c = scale_of_exact*own
+               g%ct = g%c*shear_share
+               slope = way%slope*way%scale
+               if (.not. slope > 0.0_wp) slope = default_penalty*way%scale*merge(own, &
+                  & points%slave_modulus(i)/points%size(i), way%method == method_of%augmented)
+               ! A stiff penalty in its mixed form: the same equations, without its loss of digits,
+               ! and Newton does not hop between stick and slip (measured: 5 iterations for 24).
+               ! So is one that sticks exactly, or by a slip that the deck gives.
+               if (g%kind == grip_kind%penalty .and. (slope > soft_enough*own .or. f%exact_stick &
+                  & .or. f%elastic_slip > 0.0_wp .or. f%slip_tolerance > 0.0_wp)) &
+                  & g%kind = grip_kind%perturbed
+               if (way%method /= method_of%lagrange) then
+                  if (.not. way%slope > 0.0_wp .and. .not. said) then
+                     said = .true.
+                     call log%say(severity%note, 'N0405', 'pair ('// &
+                        & model%surface(model%pair(pair)%slave)%name//', '// &
+                        & model%surface(model%pair(pair)%master)%name//'): slope '// &
+                        & to_text(slope, 4)//' = 100 moduli over a facet', model%pair(pair)%at)
+                  end if
+                  g%slope = slope
+                  g%shear_slope = slope*shear_share
+                  if (f%stick_slope > 0.0_wp) g%shear_slope = f%stick_slope
+                  if (g%kind /= grip_kind%perturbed) then
+                     g%c = slope
+                     g%ct = g%shear_slope
+                  end if
+               end if
+               call choose_stick(g, f, points%size(i))
+               if (way%overclosure == overclosure_of%exponential) then
+                  g%kind = grip_kind%overclosure
+                  call new_exponential(law, way%table(1, 1), way%table(2, 1))
+                  g%law = law
+               else if (way%overclosure == overclosure_of%tabular) then
+                  g%kind = grip_kind%overclosure
+                  call new_tabular(law, way%table(1, :), way%table(2, :))
+                  g%law = law
+               end if
+               if (pair_is_tied(model, model%pair(pair))) g%kind = grip_kind%tied
+            end associate
+         end do
+      end associate
+   end subroutine choose_grips
+
+   !> What the deck says of the slip before sliding, where the traction is an unknown.
+   subroutine choose_stick(grip, friction, facet)
+      type(grip_type), intent(inout) :: grip
+      type(friction_type), intent(in) :: friction
+      real(wp), intent(in) :: facet            !! [length]
+
+      if (grip%kind /= grip_kind%lagrange .and. grip%kind /= grip_kind%perturbed) return
+      grip%elastic_slip = friction%elastic_slip
+      if (.not. grip%elastic_slip > 0.0_wp) grip%elastic_slip = friction%slip_tolerance*facet
+      if (friction%stick_slope > 0.0_wp) grip%shear_slope = friction%stick_slope
+      if (friction%stick_slope > 0.0_wp .or. friction%exact_stick) grip%elastic_slip = 0.0_wp
+      if (friction%exact_stick .or. grip%elastic_slip > 0.0_wp) grip%shear_slope = 0.0_wp
+   end subroutine choose_stick
+
+   !> The elastic slip that the committed traction holds.
+   pure subroutine remember_elastic(grip, friction, normal)
+      type(grip_type), intent(inout) :: grip
+      type(friction_type), intent(in) :: friction
+      real(wp), intent(in) :: normal(3)
+      real(wp) :: p, radius, slope
+
+      grip%elastic = 0.0_wp
+      if (.not. grip%elastic_slip > 0.0_wp) return
+      p = dot_product(grip%committed, normal)
+      call friction_radius(friction, p, condition_type(held=grip%bilateral, yield=grip%yield), &
+         & radius, slope)
+      if (.not. radius > 0.0_wp .or. .not. radius < huge(1.0_wp)) return
+      grip%elastic = -grip%elastic_slip/radius*(grip%committed - p*normal)
+   end subroutine remember_elastic
+end module lopin_finite_grips
