@@ -146,6 +146,7 @@ contains
       end do
       if (.not. p_ref > 0.0_wp) self%complementarity = max(0.0_wp, self%penetration)
       energy%friction = sum(scene%friction%trial%work)
+      self%complementarity = max(self%complementarity, scene%friction%misfit)
       self%cone = scene%friction%cone_excess
       self%dissipation = scene%friction%least_work
    end subroutine judge_contact

@@ -5,7 +5,8 @@ module lopin_contact_friction
    use lopin_error, only : error_type, error_code, raise, severity
    use lopin_text, only : to_text
    use lopin_model, only : model_type, method_of
-   use lopin_friction, only : friction_type, is_regularised, by_rate, friction_radius, has_friction
+   use lopin_friction, only : friction_type, is_regularised, by_rate, friction_radius, has_friction, &
+      & return_to_disc
    use lopin_contact_rows, only : friction_in_step
    use lopin_active_set, only : outcome
    use lopin_friction_rows, only : friction_points_type, elastic_compliance, drag_limit
@@ -252,7 +253,9 @@ contains
             done = -dot_product(force, global(lost))
             new%work(i) = old%work(i) + done
             most_work = max(most_work, abs(done))
-            s%least_work = min(s%least_work, done)
+            ! Slips that are rounding do rounding's work.
+            s%least_work = min(s%least_work, done + norm2(force)*maxval(friction%noise( &
+               & points%tangent(k):points%tangent(k) + points%nt - 1)))
             call friction_radius(points%law(k), press/points%weight(k), points%at(k), radius, slope)
             if (radius < huge(1.0_wp)/max(points%weight(k), 1.0_wp)) then
                most_bound = max(most_bound, radius*points%weight(k))
@@ -270,6 +273,7 @@ contains
          if (points%n > 0) most_work = max(most_work, rounding*maxval(abs(scene%answer%force)) &
             & *maxval(scene%points%size))
          if (most_work > 0.0_wp) s%least_work = s%least_work/most_work
+         s%misfit = largest_misfit(scene, points, friction%noise)
          s%cone_excess = 0.0_wp
          if (most_bound > 0.0_wp) s%cone_excess = max(excess, 0.0_wp)/most_bound
       end associate
@@ -288,6 +292,39 @@ contains
          end do
       end function global
    end subroutine remember
+
+   !> How far the tractions are from what their slips ask for, point by point, beside the largest
+   !> force: stick that slips, slip that is not along its traction.
+   real(wp) function largest_misfit(scene, points, noise) result(worst)
+      type(scene_type), intent(in) :: scene
+      type(friction_points_type), intent(in) :: points
+      real(wp), intent(in) :: noise(:)             !! (nrow) of the gaps [length]
+      real(wp) :: press, stiffness, slip(points%nt), q(points%nt), bound, slope_q, slope_p, w, size_
+      integer :: k
+      logical :: slips
+
+      worst = 0.0_wp
+      size_ = maxval(abs(scene%answer%force))
+      if (.not. size_ > 0.0_wp .or. .not. allocated(scene%problem%s)) return
+      do k = 1, points%n
+         if (is_regularised(points%law(k))) cycle
+         w = points%weight(k)
+         associate (from => points%tangent(k), to => points%tangent(k) + points%nt - 1)
+            press = max(scene%answer%force(points%normal(k)), 0.0_wp)
+            if (.not. press > 0.0_wp .or. .not. scene%problem%s(from, from) > 0.0_wp) cycle
+            stiffness = 1.0_wp/scene%problem%s(from, from)
+            slip = scene%answer%gap(from:to) - points%start(:, k) + points%elastic(:, k) &
+               & + elastic_compliance(points, k, press)*scene%answer%force(from:to)
+            q = scene%answer%force(from:to) - stiffness*slip
+            call return_to_disc(points%law(k), norm2(q)/w, stiffness/w, press/w, points%at(k), &
+               & bound, slope_q, slope_p, slips)
+            if (norm2(q) > 0.0_wp) q = q*(bound*w/norm2(q))
+            worst = max(worst, norm2(scene%answer%force(from:to) - q) &
+               & - stiffness*maxval(noise(from:to)))
+         end associate
+      end do
+      worst = worst/size_
+   end function largest_misfit
 
    !> Slip from the anchor after the anchor has followed.
    function drawn(points, k, slip) result(left)

@@ -17,8 +17,7 @@ module lopin_friction_rows
    implicit none
    private
    public :: friction_points_type, equations_type, new_equations, form_equations, slip_of
-   public :: elastic_compliance, drag_limit
-
+   public :: elastic_compliance, drag_limit, no_deformation
 
    !> Points with friction, and what they keep from the last accepted increment.
    type :: friction_points_type

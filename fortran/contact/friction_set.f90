@@ -2,10 +2,11 @@
 !>
 !> Semismooth Newton on the equations of lopin_friction_rows, reduced to the closed rows, with a
 !> non-monotone line search on their residual (memory 4, steps 1 to 1/32). The tangential scaling is
-!> the collective compliance, c_t = 1/lambda_max(S_tt) over the closed points: with the nodal one
-!> Newton cycles. Where states repeat without progress, in order: the tangent of Hueeber, Stadler
-!> and Wohlmuth; one normal row at a time; a fixed point on the bounds (Tresca), whose problems are
-!> convex. Bodies that only contact and friction hold move with the unknown motions q, C^T lambda =
+!> the collective compliance of the closed points (lopin_friction_scaling): with the nodal one
+!> Newton cycles. Where states repeat without progress, in order: the load of the increment in
+!> parts; the tangent of Hueeber, Stadler and Wohlmuth; one normal row at a time; a fixed point on
+!> the bounds (Tresca), whose problems are convex. Whatever found it, an answer counts only if it
+!> fits the equations point by point. Bodies that only contact and friction hold move with the unknown motions q, C^T lambda =
 !> -moving.
 module lopin_friction_set
    use, intrinsic :: iso_fortran_env, only : int64
@@ -18,18 +19,20 @@ module lopin_friction_set
       & form_equations
    use lopin_friction_step, only : trial_type, work_type, friction_controls_type, step_to, &
       & judge, search_line
+   use lopin_friction_scaling, only : scale_tangents, fits, noise_of
    implicit none
    private
    public :: solve_friction, friction_result_type, friction_controls_type
 
    integer, parameter :: most_iterations = 40, memory = 4, remembered = 32
-   integer, parameter :: most_bounds = 60
-   !> Residuals below this share of the largest force, or of what rounding of the gaps makes.
-   real(wp), parameter :: exact = 1.0e-13_wp, accepted = 1.0e-10_wp, rounding = 1.0e-14_wp
+   integer, parameter :: most_bounds = 60, most_parts = 60
+   real(wp), parameter :: least_part = 1.0e-4_wp
+   !> Residuals below this share of the largest force.
+   real(wp), parameter :: exact = 1.0e-13_wp, accepted = 1.0e-10_wp
    real(wp), parameter :: settled = 1.0e-10_wp
    !> The cures, in order.
    type :: ladder
-      integer :: newton = 1, damped = 2, single = 3, bounds = 4
+      integer :: newton = 1, load = 2, damped = 3, single = 4, bounds = 5
    end type ladder
    type(ladder), parameter :: rung = ladder()
 
@@ -39,6 +42,7 @@ module lopin_friction_set
       integer :: sign_of_determinant = 1   !! of the tangent at the answer; < 0: not the only one
       integer, allocatable :: changing(:)          !! points whose state still changed at the end
       real(wp), allocatable :: norms(:)            !! residuals of the iterations
+      real(wp), allocatable :: noise(:)            !! (nrow) rounding of the gaps [length]
    end type friction_result_type
 
 contains
@@ -84,6 +88,7 @@ contains
       result%dependent = work%dependent
       result%opening = largest(matmul(self%s, x%force))
       result%opening = max(result%opening, 1.0e-6_wp*work%gap_scale)
+      friction%noise = noise_of(self, work, x)
       friction%status = work%equations%status
       friction%sign_of_determinant = work%sign_of_determinant
       if (result%outcome == outcome%solved) call estimate_soft_error(self, points, work, x, result)
@@ -111,6 +116,7 @@ contains
          work%q_scale(i) = 1.0_wp/max(maxval(abs(self%c(:, i))), tiny(1.0_wp))
       end do
       call new_equations(work%equations, self, points)
+      work%nodal = work%equations%c
       warm = allocated(result%force) .and. allocated(result%q)
       if (warm) warm = size(result%force) == self%nrow .and. size(result%q) == self%nq
       allocate (x%force(self%nrow), x%q(self%nq), source=0.0_wp)
@@ -123,7 +129,7 @@ contains
       work%cold = .not. any(abs(x%force) > 0.0_wp)
       work%predict = .not. work%cold .or. any(work%touching .and. work%equations%group > 0)
       x%gap = work%free_gap + matmul(self%s, x%force) + matmul(self%c, x%q)
-      work%old_gap = x%gap
+      work%old_gap = max(gap0, 0.0_wp)
       if (.not. work%cold) work%old_gap = result%gap
       do i = 1, points%n
          work%old_gap(points%tangent(i):points%tangent(i) + points%nt - 1) = points%start(:, i)
@@ -157,13 +163,15 @@ contains
       predict = work%predict
       do cure = rung%newton, rung%bounds
          x = start
-         work%predict = predict .and. cure /= rung%single
+         work%predict = predict .and. cure /= rung%single .and. cure /= rung%load
          work%equations%damped = cure == rung%damped
          work%one_by_one = cure == rung%single
          if (allocated(work%equations%set)) deallocate (work%equations%set)
          friction%cure = cure
          if (cure == rung%bounds) then
             call fix_bounds(self, points, work, x, result, friction, solved)
+         else if (cure == rung%load) then
+            call follow_load(self, points, work, x, result, friction, solved)
          else
             call newton(self, points, work, x, result, friction, solved)
          end if
@@ -178,6 +186,54 @@ contains
       result%outcome = outcome%cycling
       if (work%singular .and. self%nq > 0) result%outcome = outcome%not_held
    end subroutine climb
+
+   !> The load of the increment bit by bit, all bits from the same accepted state: each answer starts
+   !> the next one, and the last is that of the whole increment.
+   subroutine follow_load(self, points, work, x, result, friction, solved)
+      type(condensed_type), intent(in) :: self
+      type(friction_points_type), intent(in) :: points
+      type(work_type), intent(inout) :: work
+      type(trial_type), intent(inout) :: x
+      type(contact_result_type), intent(inout) :: result
+      type(friction_result_type), intent(inout) :: friction
+      logical, intent(out) :: solved
+      type(trial_type) :: next
+      real(wp) :: free_end(self%nrow), moving_end(self%nq), free_start(self%nrow), &
+         & moving_start(self%nq), reached, share, part
+      integer :: pass
+
+      free_end = work%free_gap
+      moving_end = work%moving
+      free_start = work%old_gap - (x%gap - free_end)
+      moving_start = -matmul(x%force, self%c)
+      reached = 0.0_wp
+      share = 0.25_wp
+      do pass = 1, most_parts
+         part = min(1.0_wp, reached + share)
+         if (part > 0.999_wp) part = 1.0_wp
+         work%free_gap = free_end
+         work%moving = moving_end
+         if (part < 1.0_wp) then
+            work%free_gap = free_start + part*(free_end - free_start)
+            work%moving = moving_start + part*(moving_end - moving_start)
+         end if
+         next = x
+         next%gap = work%free_gap + matmul(self%s, x%force) + matmul(self%c, x%q)
+         call newton(self, points, work, next, result, friction, solved)
+         if (solved) then
+            x = next
+            reached = part
+            if (part >= 1.0_wp) exit
+            share = 2.0_wp*share
+         else
+            share = 0.25_wp*share
+            if (share < least_part) exit
+         end if
+      end do
+      work%free_gap = free_end
+      work%moving = moving_end
+      solved = solved .and. reached >= 1.0_wp
+   end subroutine follow_load
 
    !> Tresca's fixed point: bounds from the pressures found last, until they stay.
    subroutine fix_bounds(self, points, work, x, result, friction, solved)
@@ -235,8 +291,9 @@ contains
       before_status = work%equations%status
       do pass = 1, most_iterations
          if (.not. work%predict) then
-            solved = is_small(work, x, norm, exact) .or. (norm > 0.1_wp*before &
-               & .and. is_small(work, x, norm, accepted))
+            solved = fits(self, points, work, x, exact)
+            if (.not. solved .and. norm > 0.1_wp*before) &
+               & solved = fits(self, points, work, x, accepted)
             if (allocated(work%equations%set)) solved = solved &
                & .and. all(work%equations%set .eqv. work%equations%natural)
             if (solved) exit
@@ -275,58 +332,10 @@ contains
          seen(1 + mod(pass, remembered)) = hash
          norm_at(1 + mod(pass, remembered)) = norm
       end do
-      if (.not. work%one_by_one) solved = solved .or. is_small(work, x, norm, accepted)
+      if (.not. work%one_by_one) solved = solved .or. fits(self, points, work, x, accepted)
       friction%norms = norms(:min(pass, most_iterations + 1))
       friction%changing = pack([(place, place=1, points%n)], work%equations%status /= before_status)
    end subroutine newton
-
-   !> c_t of all tangential rows: one over the collective compliance of the closed points, or, if
-   !> told, a multiple of one over the mean nodal compliance.
-   subroutine scale_tangents(self, work)
-      type(condensed_type), intent(in) :: self
-      type(work_type), intent(inout) :: work
-      integer, parameter :: powers = 8
-      logical :: wanted(self%nrow)
-      real(wp), allocatable :: v(:)
-      integer, allocatable :: rows(:)
-      integer :: i
-      real(wp) :: size_
-
-      wanted = work%equations%group == 0
-      if (work%controls%scaling > 0.0_wp) then
-         where (wanted) work%equations%c = work%controls%scaling*count(wanted) &
-            & /sum([(self%s(i, i), i=1, self%nrow)], mask=wanted)
-         return
-      end if
-      if (any(wanted .and. work%equations%closed)) wanted = wanted .and. work%equations%closed
-      rows = pack([(i, i=1, self%nrow)], wanted)
-      if (size(rows) == 0) return
-      ! Rows move together; the rest keeps the vector off every symmetry.
-      v = [(1.0_wp + 0.25_wp*modulo(0.618_wp*i, 1.0_wp), i=1, size(rows))]
-      size_ = 0.0_wp
-      do i = 1, powers
-         v = v/norm2(v)
-         v = matmul(self%s(rows, rows), v)
-         size_ = norm2(v)
-         if (.not. size_ > 0.0_wp) exit
-      end do
-      if (size_ > 0.0_wp) then
-         where (work%equations%group == 0) work%equations%c = 1.0_wp/size_
-      else
-         where (work%equations%group == 0) work%equations%c = maxval(work%equations%c)
-      end if
-   end subroutine scale_tangents
-
-   !> A residual beside the forces, or beside what rounding of the gaps makes.
-   pure logical function is_small(work, x, norm, limit)
-      type(work_type), intent(in) :: work
-      type(trial_type), intent(in) :: x
-      real(wp), intent(in) :: norm, limit
-      real(wp) :: noise
-
-      noise = rounding*max(work%gap_scale, largest(x%gap))*maxval(work%equations%c)
-      is_small = norm <= limit*largest(x%force) + noise*sqrt(real(size(x%force), wp))
-   end function is_small
 
    !> For the first step: points that touch, or all if bodies float, press and stick.
    subroutine stick_all(points, touching, x, equations)

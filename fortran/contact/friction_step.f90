@@ -10,7 +10,7 @@ module lopin_friction_step
    public :: trial_type, work_type, friction_controls_type, step_to, judge, search_line
 
    integer, parameter :: halvings = 5
-   !> Pivots below this share of the largest are dependent rows.
+   !> Pivots below this share of their column are dependent rows.
    real(wp), parameter :: no_pivot = 1.0e-14_wp
 
    !> A state, and what one solve carries around.
@@ -30,6 +30,7 @@ module lopin_friction_step
       type(equations_type) :: equations
       type(friction_controls_type) :: controls
       real(wp), allocatable :: free_gap(:), moving(:), q_scale(:)
+      real(wp), allocatable :: nodal(:)            !! (nrow) scaling of each row alone [force/length]
       real(wp), allocatable :: old_gap(:)          !! (nrow) accepted last [length]
       real(wp) :: gap_scale = 0.0_wp
       logical :: predict = .false.                 !! first step with the states accepted last
@@ -133,7 +134,7 @@ contains
       integer, intent(in) :: rows(:)
       real(wp), intent(in) :: a(:, :)
       real(wp), intent(inout) :: right(:)
-      real(wp), allocatable :: lu(:, :)
+      real(wp), allocatable :: lu(:, :), moved(:)
       integer :: pivot(size(right)), i, m, n, status
       real(wp) :: most, ground
 
@@ -143,7 +144,8 @@ contains
       if (n == 0) return
       lu = a
       call dgetrf(n, n, lu, n, pivot, status)
-      if (status /= 0 .or. lost(lu)) then
+      moved = [(maxval([0.0_wp, abs(self%c(rows, i))*work%equations%c(rows)]), i=1, self%nq)]
+      if (status /= 0 .or. lost(lu, a, moved)) then
          lu = a
          most = 0.0_wp
          do i = 1, m
@@ -176,19 +178,20 @@ contains
       call dgetrs('N', n, 1, lu, n, pivot, right, n, status)
    end subroutine solve_matrix
 
-   !> A pivot lost all its digits.
-   pure logical function lost(lu)
-      real(wp), intent(in) :: lu(:, :)
-      real(wp) :: least, most
-      integer :: i
+   !> A pivot lost all the digits of its column; those of the motions also beside what they would do
+   !> to rows that stick.
+   pure logical function lost(lu, a, moved)
+      real(wp), intent(in) :: lu(:, :), a(:, :), moved(:)
+      real(wp) :: most
+      integer :: i, m
 
-      least = huge(1.0_wp)
-      most = 0.0_wp
+      lost = .false.
+      m = size(lu, 1) - size(moved)
       do i = 1, size(lu, 1)
-         least = min(least, abs(lu(i, i)))
-         most = max(most, abs(lu(i, i)))
+         most = maxval(abs(a(:, i)))
+         if (i > m) most = max(most, moved(i - m))
+         lost = lost .or. .not. abs(lu(i, i)) > no_pivot*most
       end do
-      lost = .not. least > no_pivot*most
    end function lost
 
    !> Natural residual of a state, in force.
