@@ -65,9 +65,11 @@ contains
       call clear(self, size(model%pair))
       do pair = 1, size(model%pair)
          associate (p => model%pair(pair))
+            self%first(pair:pair + 1) = self%n + 1
+            ! A surface meets itself on its present shape only, see lopin_finite_points.
+            if (p%slave == p%master) cycle
             call new_slave(slave, model, cells, model%surface(p%slave), error)
             if (allocated(error)) return
-            self%first(pair) = self%n + 1
             if (model%surface(p%master)%kind == surface_of%tool) then
                self%tool(pair) = model%surface(p%master)%tool
                self%body(pair) = model%tool(self%tool(pair))%rigid_body

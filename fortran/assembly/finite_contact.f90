@@ -12,9 +12,10 @@ module lopin_finite_contact
    use lopin_friction, only : friction_type, condition_type, has_friction
    use lopin_contact_traction, only : grip_type, grip_kind
    use lopin_finite_grips, only : choose_grips, remember_elastic
-   use lopin_finite_points, only : finite_points_type, new_finite_points
+   use lopin_finite_points, only : finite_points_type, new_finite_points, is_self_contact
    use lopin_finite_opposite, only : opposite_type, anchor_type, masters_type, new_masters, &
       & move_masters, find_opposite, anchor_of
+   use lopin_finite_roles, only : choose_roles
    use lopin_finite_kernel, only : local_matrix_type, point_state_type, evaluate_point
    use lopin_mortar_node_2d, only : patch_type
    use lopin_finite_mortar, only : present_mortar_type, mortar_anchor_type, new_present_mortar, &
@@ -72,6 +73,8 @@ module lopin_finite_contact
       real(wp), allocatable :: creep(:, :)     !! (3, n) slip from the stick anchor [length]
       logical, allocatable :: closed(:)
       logical, allocatable :: loose(:)         !! of a tied pair, but too far to be tied
+      logical, allocatable :: yields(:)        !! of self-contact: only pressed upon
+      integer, allocatable :: pressing(:)      !! (nnode) pair of self-contact whose node presses
    end type finite_contact_type
 
 contains
@@ -95,7 +98,9 @@ contains
          & self%friction_work(n), self%lambda(3, n), self%last_normal(3, n), self%creep(3, n), &
          & self%c(n), self%ct(n), source=0.0_wp)
       allocate (self%facet(n), self%status(n), self%first_row(n), source=0)
-      allocate (self%bilateral(n), self%closed(n), self%loose(n), source=.false.)
+      allocate (self%pressing(model%mesh%nnode), source=0)
+      allocate (self%bilateral(n), self%closed(n), self%loose(n), &
+         & self%yields(n), source=.false.)
       allocate (self%pair_active(size(model%pair)), source=.true.)
       allocate (self%grip(n), self%anchor(n), self%opposite(n), self%trial(n), self%local(n))
       allocate (self%friction(size(model%pair)))
@@ -164,7 +169,42 @@ contains
             call remember_elastic(g, self%friction(self%pair(i)), self%opposite(i)%normal)
          end associate
       end do
+      call share_roles(self, model)
    end subroutine start_increment
+
+   !> Of two sides of one surface that face each other only one presses.
+   subroutine share_roles(self, model)
+      type(finite_contact_type), intent(inout) :: self
+      type(model_type), intent(in) :: model
+      integer :: pair, first, last, k
+
+      self%pressing = 0
+      do pair = 1, size(model%pair)
+         if (.not. is_self_contact(model%pair(pair))) cycle
+         first = findloc(self%pair, pair, dim=1)
+         if (first == 0) cycle
+         last = first + count(self%pair == pair) - 1
+         call choose_roles(self%masters%of(pair)%surface, self%node(first:last), &
+            & self%opposite(first:last)%facet, self%size(first:last), &
+            & [(any(abs(self%lambda(:, k)) > 0.0_wp), k=first, last)], self%yields(first:last))
+         do k = first, last
+            if (self%opposite(k)%facet > 0 .and. .not. self%yields(k)) &
+               & self%pressing(self%node(k)) = pair
+         end do
+      end do
+   end subroutine share_roles
+
+   !> A point of self-contact that yields does so only to nodes that press.
+   pure logical function is_left_out(self, i)
+      type(finite_contact_type), intent(in) :: self
+      integer, intent(in) :: i
+
+      is_left_out = .false.
+      if (.not. self%yields(i)) return
+      associate (o => self%opposite(i))
+         is_left_out = any(self%pressing(o%node(:o%ncarry)) == self%pair(i))
+      end associate
+   end function is_left_out
 
    !> The point opposite; tied points keep it, and those too far from it are never tied.
    subroutine take_anchor(self, model, i)
@@ -225,6 +265,7 @@ contains
             self%opposite(i)%facet = 0
          end if
          if (self%loose(i)) self%opposite(i)%facet = 0
+         if (is_left_out(self, i)) self%opposite(i)%facet = 0
          self%facet(i) = self%opposite(i)%facet
          if (self%facet(i) == 0) then
             call stay_open(self, i, d, lambda, with_tangent)

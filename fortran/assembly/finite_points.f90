@@ -40,7 +40,6 @@ contains
       type(contact_points_type) :: points
       type(initial_gap_type) :: initial
       type(cell_type), allocatable :: cells(:)
-      integer, allocatable :: number(:)
       integer :: pair, i
 
       ! What the start says is said as for node to segment; a surface against itself starts free.
@@ -56,14 +55,12 @@ contains
       do pair = 1, size(model%pair)
          plain%pair(pair)%surface_to_surface = stays_mortar(model, model%pair(pair))
       end do
-      plain%pair = pack(plain%pair, .not. is_self_contact(model%pair))
-      number = pack([(i, i=1, size(model%pair))], .not. is_self_contact(model%pair))
       call new_contact_points(points, plain, log, error)
       if (allocated(error)) return
       call new_initial_gaps(initial, plain, points, log, error)
       if (allocated(error)) return
       self%n = points%n
-      self%pair = number(points%pair(:self%n))
+      self%pair = points%pair(:self%n)
       self%node = points%node(:self%n)
       self%weight = points%weight(:self%n)
       self%size = points%size(:self%n)

@@ -259,6 +259,7 @@ contains
       type(limits_type), intent(in) :: limits
       integer, intent(in), optional :: excluded(:)
       type(closest_type) :: trial
+      type(projection_type) :: settled
       integer :: family
       real(wp) :: n(3)
       real(wp), parameter :: none(4) = 0.0_wp
@@ -278,7 +279,12 @@ contains
       if (query%sided .and. dot_product(query%normal, n) > limits%cosine) return
       if (dot_product(query%x - trial%point, n) < -limits%depth) return
       if (limits%behind) then
-         if (trial%place /= place%inside .or. dot_product(query%x - trial%point, n) >= 0.0_wp) return
+         if (dot_product(query%x - trial%point, n) >= 0.0_wp) return
+         if (trial%place /= place%inside) then
+            ! Which side of an edge or a corner is told by all the facets around it.
+            call settle(surface, f, trial, query%x, query%sided, limits, settled)
+            if (settled%facet == 0 .or. settled%gap >= 0.0_wp) return
+         end if
       end if
       query%best = trial
       query%facet = f

@@ -50,7 +50,7 @@ contains
       integer, intent(in) :: scope
       type(pair_type) :: common, pair
       type(field_type), allocatable :: field(:)
-      integer :: j, n
+      integer :: j, n, twin
       logical :: ok
 
       call read_pair_words(common, model, scene, block, scope)
@@ -62,26 +62,33 @@ contains
          if (n == 0) cycle
          pair = common
          pair%at = line_place(block%line(j))
-         if (n < 2) then
-            call complain(model%log, 'E0304', 'a pair needs two surfaces: slave, master; `' &
-               & //upper(field(1)%text) &
-               & //'` alone would be self-contact, which is not in this version', pair%at)
-            cycle
-         end if
-         if (upper(field(1)%text) == upper(field(2)%text)) then
-            call complain(model%log, 'E0304', 'surface `'//upper(field(1)%text) &
-               & //'` stands on both sides: ' &
-               & //'self-contact is not in this version', pair%at)
-            cycle
+         ! One name, or the same twice: the surface against itself.
+         twin = 1
+         if (n > 1) then
+            if (len(field(2)%text) > 0) twin = 2
          end if
          pair%slave = surface_named(model, scene, field(1)%text, scope, field(1)%at)
-         pair%master = surface_named(model, scene, field(2)%text, scope, field(2)%at)
+         pair%master = surface_named(model, scene, field(twin)%text, scope, field(twin)%at)
          if (pair%slave == 0 .or. pair%master == 0) cycle
-         call check_sides(model, pair, field(1), field(2), ok)
+         call check_sides(model, pair, field(1), field(twin), ok)
+         if (ok) call check_itself(model, pair, field(1), ok)
          call note_nodes(model, pair)
          if (ok) model%pair = [model%pair, pair]
       end do
    end subroutine read_pairs
+
+   !> A surface against itself slides; glued to itself it has no meaning.
+   subroutine check_itself(model, pair, name, ok)
+      type(model_type), intent(inout) :: model
+      type(pair_type), intent(in) :: pair
+      type(field_type), intent(in) :: name
+      logical, intent(inout) :: ok
+
+      if (pair%slave /= pair%master .or. .not. pair%tied) return
+      ok = .false.
+      call complain(model%log, 'E0304', 'surface `'//upper(name%text)// &
+         & '` cannot be tied to itself', name%at, help='leave out TIED, or name two surfaces')
+   end subroutine check_itself
 
    !> Where surface to surface cannot be what it says.
    subroutine note_nodes(model, pair)

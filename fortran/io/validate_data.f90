@@ -32,12 +32,7 @@ contains
          end if
          if (count_fields(block%line(i)%text) > most) call too_many(block%line(i), known, most, log)
       end do
-      select case (known%name)
-      case ('ELASTIC')
-         call check_elastic(block, log)
-      case ('CONTACT PAIR')
-         call check_pair(block, log)
-      end select
+      if (known%name == 'ELASTIC') call check_elastic(block, log)
    end subroutine check_data
 
    subroutine check_quotes(line, known, log)
@@ -147,27 +142,6 @@ contains
             & quoted(field(1)%text//', 0.'//field(3)%text))
       end do
    end subroutine check_elastic
-
-   !> A pair needs two surfaces; the same one twice, or one alone, is self-contact.
-   subroutine check_pair(block, log)
-      type(block_type), intent(in) :: block
-      type(log_type), intent(inout) :: log
-      type(field_type), allocatable :: field(:)
-      integer :: n, i
-      logical :: alone
-
-      do i = 1, block%nline
-         call split_fields(block%line(i), field, n)
-         alone = n == 1
-         if (n == 2) alone = len(field(2)%text) == 0 .or. &
-            & upper(without_blanks(field(1)%text)) == upper(without_blanks(field(2)%text))
-         if (alone .and. len(field(1)%text) > 0) call complain(log, 'E0108', &
-            & 'self-contact of surface '// &
-            & quoted(field(1)%text)// &
-            & ' comes with a later version', line_place(block%line(i)), &
-            & help='write the slave and the master surface: TOP, PUNCH')
-      end do
-   end subroutine check_pair
 
    pure logical function is_whole(text)
       character(len=*), intent(in) :: text

@@ -1,0 +1,123 @@
+"""Self-contact: the arms of a hairpin are pressed on one another, and not through; walls stay walls.
+
+One surface stands on both sides of its pair. The reference is symmetry, and the mesh itself: no node of one
+arm may lie behind the other arm.
+"""
+import json
+import subprocess
+
+import numpy as np
+import pytest
+
+THICK, OPEN, LONG, H = 0.5, 0.5, 4.0, 0.25
+PENETRATION = 1e-8
+PRINTED = 1e-6    # of displacements in .dat
+
+
+class Hairpin:
+    """A U of two arms that lie along x, or closed on the right too; `depth` elements across (0: plane strain)."""
+
+    def __init__(self, depth=0, closed=False):
+        self.number, self.elements, self.depth, self.closed = {}, [], depth, closed
+        self.top = round((2*THICK + OPEN)/H)
+        self.low, self.high = round(THICK/H), round((THICK + OPEN)/H)
+        self.left, self.right = -round(THICK/H), round(LONG/H)
+        end = self.end = self.right
+        if closed:
+            self.right -= self.left
+        for i in range(self.left, self.right):
+            for j in range(self.top):
+                if 0 <= i < end and self.low <= j < self.high:
+                    continue
+                quad = [(i, j), (i + 1, j), (i + 1, j + 1), (i, j + 1)]
+                for k in range(max(depth, 1)):
+                    layers = [0] if depth == 0 else [k, k + 1]
+                    self.elements.append([self.node(*at, layer) for layer in layers for at in quad])
+
+    def node(self, *at):
+        return self.number.setdefault(at, len(self.number) + 1)
+
+    def set(self, name, keep):
+        return f"*NSET, NSET={name}\n" + "".join(f"{n}\n" for at, n in self.number.items() if keep(*at))
+
+    def deck(self, both, pair, law="", inc="0.1, 1., 1e-5, 0.1", beyond=0.05):
+        """`both` arms are moved, or the upper one alone; pressed on by `beyond` more than the opening."""
+        solid = self.depth > 0
+        text = "*NODE, NSET=ALL\n"
+        for (i, j, k), n in self.number.items():
+            text += f"{n}, {i*H}, {j*H}" + (f", {k*H}\n" if solid else "\n")
+        text += f"*ELEMENT, TYPE={'C3D8' if solid else 'CPE4'}, ELSET=PIN\n"
+        text += "".join(f"{k}, {', '.join(map(str, e))}\n" for k, e in enumerate(self.elements, 1))
+        text += "*MATERIAL, NAME=M\n*ELASTIC\n1000., 0.3\n*SOLID SECTION, ELSET=PIN, MATERIAL=M\n1.\n"
+        text += "*SURFACE, NAME=SKIN\nPIN,\n*SURFACE INTERACTION, NAME=DRY\n"
+        text += f"*SURFACE BEHAVIOR, PRESSURE-OVERCLOSURE=HARD\n{law}"
+        text += f"*CONTACT PAIR, INTERACTION=DRY, TYPE=NODE TO SURFACE\n{pair}\n"
+        tip = range(self.end - 2, self.end + 1) if not self.closed else range(self.end//2 - 1, self.end//2 + 2)
+        text += self.set("TIP", lambda i, j, k: j == self.top and i in tip)
+        text += self.set("FOOT", lambda i, j, k: j == 0 and (i in tip or not both))
+        text += f"*STEP, NLGEOM, INC=200\n*STATIC\n{inc}\n*BOUNDARY\n"
+        share = 0.5 if both else 1.0
+        text += f"TIP, 2, 2, {-share*(OPEN + beyond)}\nFOOT, 2, 2, {(1.0 - share)*(OPEN + beyond)}\n"
+        text += "FOOT, 1, 1\n"
+        if both:
+            text += "TIP, 1, 1\n"
+        if solid:
+            text += "ALL, 3\n"
+        return text + "*NODE PRINT, NSET=ALL\nU\n*END STEP\n"
+
+    def run(self, executable, folder, **options):
+        (folder/"pin.inp").write_text(self.deck(**options))
+        done = subprocess.run([executable, "run", "pin.inp", "-o", ".", "--overwrite", "--quiet"], cwd=folder,
+                              capture_output=True, text=True, check=False)
+        assert done.returncode == 0, done.stderr
+        block = (folder/"pin.dat").read_text().split("displacements")[-1]
+        rows = [line.split() for line in block.splitlines()[1:]]
+        u = {int(r[0]): np.array(r[1:4], float) for r in rows if len(r) >= 3 and r[0].isdigit()}
+        return json.loads((folder/"pin.json").read_text()), u
+
+    def wall(self, u, level, layer):
+        """Present places of the inner face of an arm, from the fold to the tip."""
+        nodes = {i: n for (i, j, k), n in self.number.items() if j == level and k == layer and 0 <= i <= self.end}
+        return np.array([[i*H + u[n][0], level*H + u[n][1]] for i, n in sorted(nodes.items())])
+
+
+def gaps(upper, lower):
+    """Of the upper nodes over the polygon below, and of the lower nodes under the one above."""
+    first = upper[:, 1] - np.interp(upper[:, 0], *lower.T)
+    second = np.interp(lower[:, 0], *upper.T) - lower[:, 1]
+    return first, second
+
+
+@pytest.mark.parametrize(("depth", "pair"), [(0, "SKIN, SKIN"), (1, "SKIN,")])
+def test_the_arms_of_a_hairpin_meet_from_both_sides(executable, tmp_path, depth, pair):
+    pin = Hairpin(depth, closed=True)
+    job, u = pin.run(executable, tmp_path, both=True, pair=pair)
+    assert job["contact"][0]["closed"] > 0
+    # Exact at the nodes that press; those pressed upon keep within what facets cut off.
+    assert job["contact"][0]["max_penetration"] < PENETRATION
+    for layer in range(depth + 1):
+        first, second = gaps(pin.wall(u, pin.high, layer), pin.wall(u, pin.low, layer))
+        assert min(first.min(), second.min()) > -1e-3*H
+        assert max(first.min(), second.min()) < PRINTED
+    # One side presses along the normals of the other: symmetry is kept but for how facets tilt.
+    mirror = {n: pin.number[i, pin.top - j, k] for (i, j, k), n in pin.number.items()}
+    most = max(np.abs(v).max() for v in u.values())
+    odd = max(max(abs(u[n][0] - u[m][0]), abs(u[n][1] + u[m][1])) for n, m in mirror.items())
+    assert odd < 0.02*most
+
+
+def test_one_arm_is_bent_onto_the_other(executable, tmp_path):
+    pin = Hairpin()
+    job, u = pin.run(executable, tmp_path, both=False, pair="SKIN, SKIN")
+    first, second = gaps(pin.wall(u, pin.high, 0), pin.wall(u, pin.low, 0))
+    assert job["contact"][0]["closed"] > 0
+    assert job["contact"][0]["max_penetration"] < PENETRATION
+    assert min(first.min(), second.min()) > -1e-2*H
+    assert abs(max(first.min(), second.min())) < PRINTED
+
+
+def test_a_thin_wall_is_not_its_own_contact(executable, tmp_path):
+    """Opened instead of closed, nothing touches: the faces of a wall never meet through it."""
+    pin = Hairpin()
+    job, _ = pin.run(executable, tmp_path, both=True, pair="SKIN, SKIN", beyond=-2*OPEN)
+    assert job["contact"][0]["closed"] == 0
