@@ -5,11 +5,12 @@ module lopin_contact_friction
    use lopin_error, only : error_type, error_code, raise, severity
    use lopin_text, only : to_text
    use lopin_model, only : model_type, method_of
-   use lopin_friction, only : friction_type, is_regularised, by_rate, friction_radius, has_friction, &
-      & return_to_disc
+   use lopin_friction, only : friction_type, is_regularised, by_rate, friction_radius, &
+      & has_friction, drag_limit, reads_speed, return_to_disc
    use lopin_contact_rows, only : friction_in_step
+   use lopin_surface_material, only : slave_yields
    use lopin_active_set, only : outcome
-   use lopin_friction_rows, only : friction_points_type, elastic_compliance, drag_limit
+   use lopin_friction_rows, only : friction_points_type, elastic_compliance
    use lopin_friction_limits, only : find_wedging
    use lopin_friction_set, only : solve_friction, friction_result_type
    use lopin_scene, only : scene_type
@@ -78,7 +79,7 @@ contains
       decays = .false.
       do pair = 1, size(model%pair)
          law = friction_in_step(model, model%pair(pair)%interaction, scene%step)
-         decays = decays .or. (law%decay > 0.0_wp .and. .not. law%rough)
+         decays = decays .or. reads_speed(law)
       end do
       if (.not. decays) return
       associate (s => scene%friction)
@@ -174,26 +175,22 @@ contains
       end associate
    end subroutine elastic_stick
 
-   !> Yield stress of the material behind each point: of the element that holds the slave node.
+   !> Yield stress behind the slave at each point.
    subroutine set_yield(scene, model, points)
       type(scene_type), intent(in) :: scene
       type(model_type), intent(in) :: model
       type(friction_points_type), intent(inout) :: points
       real(wp) :: yield(model%mesh%nnode)
-      integer :: e, k, node
+      integer :: k, pair, last
 
-      yield = 0.0_wp
-      do e = 1, model%mesh%nelement
-         if (model%mesh%section(e) == 0) cycle
-         do k = 1, size(model%mesh%conn, 1)
-            node = model%mesh%conn(k, e)
-            if (node == 0) exit
-            yield(node) = max(yield(node), &
-               & model%material(model%section(model%mesh%section(e))%material)%yield)
-         end do
-      end do
+      last = 0
       do k = 1, points%n
-         points%at(k)%yield = yield(scene%points%node(scene%rows%point(points%normal(k))))
+         associate (i => scene%rows%point(points%normal(k)))
+            pair = scene%points%pair(i)
+            if (pair /= last) call slave_yields(model, pair, yield)
+            last = pair
+            points%at(k)%yield = yield(scene%points%node(i))
+         end associate
       end do
    end subroutine set_yield
 

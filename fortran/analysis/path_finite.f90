@@ -17,6 +17,7 @@ module lopin_path_finite
    use lopin_finite_system, only : set_tangent, put_on_ground, solve_step, apply_locals
    use lopin_finite_state, only : add_line
    use lopin_finite_forces, only : look_type, look_at, of_rows
+   use lopin_finite_lagged, only : reads_lagged, start_lagged, renew_lagged
    use lopin_scene, only : scene_type
    implicit none
    private
@@ -29,7 +30,7 @@ module lopin_path_finite
    real(wp), parameter :: floor_of_rounding = 1.0e-11_wp
    !> Displacements that are no more than rounding, beside the scene.
    real(wp), parameter :: motionless = 1.0e-9_wp
-   integer, parameter :: most_sets = 400, most_iterations = 30, memory = 4, most_halvings = 6
+   integer, parameter :: most_sets = 400, most_iterations = 30, most_lagged = 200, memory = 4, most_halvings = 6
    !> A Newton step that lowers the merit by less than this is not worth a halving.
    real(wp), parameter :: sufficient = 1.0e-4_wp
    !> Tolerance of GMRES where only the length of a correction matters.
@@ -113,9 +114,10 @@ contains
       scene%finite%nline = 0
       call start_increment(scene%finite%contact, model, scene%u, scene%finite%dt, error)
       if (allocated(error)) return
+      call start_lagged(scene, model)
       call scene%clock%stop_in(phase%search)
       do loop = 0, scene%finite%most_augmentations
-         call newton(scene, model, f, v, before, prescribed, error)
+         call newton(scene, model, f, v, before, prescribed, loop, error)
          if (allocated(error)) return
          before = prescribed
          call augment(scene%finite%contact, change)
@@ -131,19 +133,22 @@ contains
    end subroutine solve_finite
 
    !> Newton from (v, before) to equilibrium at the prescribed values.
-   subroutine newton(scene, model, f, v, before, prescribed, error)
+   subroutine newton(scene, model, f, v, before, prescribed, loop, error)
       type(scene_type), intent(inout) :: scene
       type(model_type), intent(in) :: model
       real(wp), intent(in) :: f(:)
       real(wp), intent(inout) :: v(:)
       real(wp), intent(in) :: before(:), prescribed(:)
+      integer, intent(in) :: loop              !! augmentations so far
       type(error_type), allocatable, intent(out) :: error
       type(look_type) :: look
       real(wp), allocatable :: step(:), jump(:)
       real(wp) :: merits(memory), last, share
       integer :: iteration, stale, seen(most_sets)
+      logical :: lagged
 
       merits = 0.0_wp
+      lagged = reads_lagged(scene)
       last = huge(1.0_wp)
       scene%finite%history = [real(wp) ::]
       allocate (jump(scene%dofs%n), source=0.0_wp)
@@ -155,7 +160,7 @@ contains
       do iteration = 1, most_sets
          scene%finite%history = [scene%finite%history, look%merit/max(look%reference, &
             & tiny(1.0_wp))]
-         if (settled(look, jump, iteration, last)) then
+         if (settled(look, jump, iteration, loop, last)) then
             scene%finite%force_seen = max(scene%finite%force_seen, look%reference)
             return
          end if
@@ -163,13 +168,18 @@ contains
          ! A front of contact may open point by point: sets not met before are progress.
          seen(iteration) = hash_of(scene%finite%contact%status)
          if (any(seen(:iteration - 1) == seen(iteration))) stale = stale + 1
-         if (stale > most_iterations) exit
+         if (stale > merge(most_lagged, most_iterations, lagged)) exit
          merits(1 + mod(iteration, memory)) = look%merit
          call find_step(scene, model, look, jump, step, error)
          if (allocated(error)) return
          call take_step(scene, model, f, v, prescribed, step, any(abs(jump) > 0.0_wp), &
             & maxval(merits), look, last, share, error)
          if (allocated(error)) return
+         if (lagged) then
+            call renew_lagged(scene, model)
+            call look_at(scene, model, f, .true., look, error)
+            if (allocated(error)) return
+         end if
          call log_iteration(scene, look, iteration, last, share)
          jump = 0.0_wp
       end do
@@ -210,10 +220,10 @@ contains
    end subroutine log_iteration
 
    !> The three dimensionless tests; the correction may stay large if the residual is all rounding.
-   logical function settled(look, jump, iteration, last)
+   logical function settled(look, jump, iteration, loop, last)
       type(look_type), intent(in) :: look
       real(wp), intent(in) :: jump(:)
-      integer, intent(in) :: iteration
+      integer, intent(in) :: iteration, loop
       real(wp), intent(in) :: last             !! size of the last correction beside u
       real(wp) :: e1, e2
 
@@ -226,7 +236,8 @@ contains
          e2 = largest(look%row)/look%reference
       end if
       settled = e1 <= equilibrium .and. e2 <= complementarity &
-         & .and. (last <= correction .or. max(e1, e2) <= floor_of_rounding .or. iteration == 1)
+         & .and. (last <= correction .or. max(e1, e2) <= floor_of_rounding &
+         & .or. iteration == 1 .and. loop == 0)
    end function settled
 
    !> Tangents of the contact points and, under NLGEOM, of the pressures.

@@ -4,8 +4,7 @@ module lopin_plan
    use lopin_text, only : to_text
    use lopin_error, only : error_type, error_code, raise
    use lopin_model, only : model_type
-   use lopin_contact_rows, only : pair_slides_with_friction, friction_in_step
-   use lopin_friction, only : friction_type, reads_mises
+   use lopin_contact_rows, only : pair_slides_with_friction
    implicit none
    private
    public :: plan_type, new_plan, plan_line, finite_line, path_of
@@ -74,33 +73,7 @@ contains
       if (self%path /= path_of%finite .and. needs_finite(model)) call raise(error, &
          & error_code%deck, 'E0116', 'PATH='//model%path//' cannot solve this scene: ' &
          & //why_finite(model), help='leave out PATH=')
-      if (.not. allocated(error) .and. self%path == path_of%finite) call refuse_lagged(model, error)
    end subroutine new_plan
-
-   !> The finite path has neither the stress nor the speed of the last iteration that a law reads.
-   subroutine refuse_lagged(model, error)
-      type(model_type), intent(in) :: model
-      type(error_type), allocatable, intent(out) :: error
-      type(friction_type) :: friction
-      character(len=:), allocatable :: what
-      integer :: i, s
-
-      do i = 1, size(model%pair)
-         if (.not. pair_slides_with_friction(model, i)) cycle
-         do s = 1, size(model%step)
-            friction = friction_in_step(model, model%pair(i)%interaction, s)
-            what = ''
-            if (reads_mises(friction)) what = 'LAW=CRISTESCU'
-            if (friction%decay > 0.0_wp) what = 'EXPONENTIAL DECAY'
-            if (what == '') cycle
-            call raise(error, error_code%deck, 'E0324', what//' of interaction `'// &
-               & model%interaction(model%pair(i)%interaction)%name// &
-               & '` cannot be solved on the finite path yet', friction%at, &
-               & help='another law, or small sliding without NLGEOM')
-            return
-         end do
-      end do
-   end subroutine refuse_lagged
 
    !> Linear solutions on the shape at the start do not hold.
    logical function needs_finite(model)

@@ -9,8 +9,9 @@ module lopin_finite_contact
    use lopin_facet_basis, only : facet_basis_type
    use lopin_model, only : model_type
    use lopin_dofs, only : dofs_type
-   use lopin_friction, only : friction_type, condition_type, has_friction
-   use lopin_contact_traction, only : grip_type, grip_kind
+   use lopin_friction, only : friction_type, condition_type, has_friction, is_regularised, &
+      & drag_limit
+   use lopin_contact_traction, only : grip_type, grip_kind, grip_status, elastic_slip_of
    use lopin_finite_grips, only : choose_grips, remember_elastic
    use lopin_finite_points, only : finite_points_type, new_finite_points, is_self_contact
    use lopin_finite_opposite, only : opposite_type, anchor_type, masters_type, new_masters, &
@@ -23,7 +24,7 @@ module lopin_finite_contact
    implicit none
    private
    public :: local_matrix_type, finite_contact_type, new_finite_contact, start_increment
-   public :: evaluate, augment, accept, reject
+   public :: evaluate, augment, accept, reject, speed_of
 
    !> A point farther from its master, in facets, is not tied unless ADJUST says so.
    real(wp), parameter :: too_far = 0.5_wp
@@ -50,11 +51,14 @@ module lopin_finite_contact
       real(wp), allocatable :: xi(:, :)        !! (2, n)
       real(wp), allocatable :: slip_path(:)    !! (n) its length
       real(wp), allocatable :: friction_work(:) !! (n) dissipated per area [stress*length]
+      real(wp), allocatable :: energy(:)       !! (n) held by penalties per area [stress*length]
       real(wp) :: soft_error = 0.0_wp          !! estimated pressure error of penalties, relative
       ! set from outside
       real(wp) :: interference = 1.0_wp        !! share of initial overclosures that is applied
       logical, allocatable :: pair_active(:)   !! *MODEL CHANGE
       type(friction_type), allocatable :: friction(:)   !! (npair) in force
+      real(wp), allocatable :: mises(:)        !! (n) of the last iteration [stress]
+      real(wp), allocatable :: speed(:)        !! (n) of slip, of the last iteration [length/time]
       ! inside
       real(wp) :: dt = 1.0_wp
       type(dofs_type) :: dofs
@@ -72,6 +76,7 @@ module lopin_finite_contact
       real(wp), allocatable :: last_normal(:, :)
       real(wp), allocatable :: creep(:, :)     !! (3, n) slip from the stick anchor [length]
       logical, allocatable :: closed(:)
+      real(wp), allocatable :: last_speed(:)   !! (n) of slip, of the last increment [length/time]
       logical, allocatable :: loose(:)         !! of a tied pair, but too far to be tied
       logical, allocatable :: yields(:)        !! of self-contact: only pressed upon
       integer, allocatable :: pressing(:)      !! (nnode) pair of self-contact whose node presses
@@ -96,7 +101,8 @@ contains
       allocate (self%force(dofs%n), self%gap(n), self%pressure(n), self%traction(3, n), &
          & self%normal(3, n), self%slip(3, n), self%xi(2, n), self%slip_path(n), &
          & self%friction_work(n), self%lambda(3, n), self%last_normal(3, n), self%creep(3, n), &
-         & self%c(n), self%ct(n), source=0.0_wp)
+         & self%c(n), self%ct(n), self%mises(n), self%speed(n), self%last_speed(n), &
+         & self%energy(n), source=0.0_wp)
       allocate (self%facet(n), self%status(n), self%first_row(n), source=0)
       allocate (self%pressing(model%mesh%nnode), source=0)
       allocate (self%bilateral(n), self%closed(n), self%loose(n), &
@@ -254,7 +260,6 @@ contains
       if (allocated(error)) return
       call find_present(self, .false., error)
       if (allocated(error)) return
-      at%dt = self%dt
       do i = 1, self%n
          lambda = 0.0_wp
          k = self%first_row(i)
@@ -274,8 +279,7 @@ contains
          if (.not. self%anchor(i)%set) call anchor_of(self%anchor(i), self%opposite(i))
          shift = self%shift(i) + (1.0_wp - self%interference)*self%overclosure(i) &
             & - model%interaction(model%pair(self%pair(i))%interaction)%clearance
-         at%yield = self%yield(i)
-         at%held = self%grip(i)%bilateral
+         at = condition_at(self, i)
          self%nlocal = self%nlocal + 1
          if (self%mortar(self%pair(i))%is_on) then
             call evaluate_mortar_point(self%trial(i), self%local(self%nlocal), &
@@ -295,6 +299,81 @@ contains
       ! Touching counts as closed where Newton starts, and no longer.
       self%grip%grazing = 0.0_wp
    end subroutine evaluate
+
+   !> What the law of friction reads at a point besides pressure and slip.
+   pure function condition_at(self, i) result(at)
+      type(finite_contact_type), intent(in) :: self
+      integer, intent(in) :: i
+      type(condition_type) :: at
+      at = condition_type(yield=self%yield(i), mises=self%mises(i), dt=self%dt, &
+         & speed=self%speed(i), held=self%grip(i)%bilateral)
+   end function condition_at
+
+   !> The slip of the trial state that is not given back: what it is more than elastic slip.
+   pure function lost_slip(self, i) result(slip)
+      type(finite_contact_type), intent(in) :: self
+      integer, intent(in) :: i
+      real(wp) :: slip(3)
+
+      slip = 0.0_wp
+      if (self%facet(i) == 0 .or. self%trial(i)%status /= grip_status%slip) return
+      associate (t => self%trial(i), g => self%grip(i), law => self%friction(self%pair(i)))
+         if (.not. has_friction(law)) return
+         slip = t%slip
+         if (is_regularised(law)) then
+            if (drag_limit(law) < huge(1.0_wp)) slip = g%creep + t%slip &
+               & - drawn(law, g%creep + t%slip)
+            return
+         end if
+         slip = slip - elastic_slip_of(g, law, condition_at(self, i), self%pressure(i), &
+            & t%traction - self%pressure(i)*t%normal)
+         if (g%elastic_slip > 0.0_wp) slip = slip + g%elastic
+         if (.not. g%elastic_slip > 0.0_wp) slip = slip + elastic_slip_of(g, law, &
+            & condition_at(self, i), self%pressure(i), along(g%committed, t%normal))
+      end associate
+   end function lost_slip
+
+   !> Slip from the stick anchor after the anchor has followed.
+   pure function drawn(law, slip) result(left)
+      type(friction_type), intent(in) :: law
+      real(wp), intent(in) :: slip(3)          !! [length]
+      real(wp) :: left(3), limit
+
+      left = slip
+      limit = drag_limit(law)
+      if (norm2(slip) > limit) left = slip*(limit/norm2(slip))
+   end function drawn
+
+   !> Way slid in the increment, with friction only what is not given back.
+   pure real(wp) function path_of(self, i) result(way)
+      type(finite_contact_type), intent(in) :: self
+      integer, intent(in) :: i
+
+      way = norm2(self%trial(i)%slip)
+      associate (law => self%friction(self%pair(i)))
+         if (has_friction(law) .and. .not. is_regularised(law)) way = norm2(lost_slip(self, i))
+      end associate
+   end function path_of
+
+   !> Friction work per area of the trial state, in this increment [stress*length].
+   pure real(wp) function dissipated(self, i)
+      type(finite_contact_type), intent(in) :: self
+      integer, intent(in) :: i
+      dissipated = -dot_product(self%trial(i)%traction, lost_slip(self, i))
+   end function dissipated
+
+   pure function along(v, normal) result(t)
+      real(wp), intent(in) :: v(3), normal(3)
+      real(wp) :: t(3)
+      t = v - dot_product(v, normal)*normal
+   end function along
+
+   !> Speed of slip of the trial state [length/time].
+   pure real(wp) function speed_of(self, i) result(speed)
+      type(finite_contact_type), intent(in) :: self
+      integer, intent(in) :: i
+      speed = norm2(lost_slip(self, i))/self%dt
+   end function speed_of
 
    !> The overlaps of the pairs by mortar.
    subroutine find_present(self, start, error)
@@ -431,6 +510,7 @@ contains
       do i = 1, self%n
          associate (t => self%trial(i))
             if (self%facet(i) == 0 .or. t%status == 0) then
+               self%last_speed(i) = 0.0_wp
                self%lambda(:, i) = 0.0_wp
                self%creep(:, i) = 0.0_wp
                if (self%facet(i) > 0) self%last_normal(:, i) = t%normal
@@ -440,10 +520,10 @@ contains
             self%lambda(:, i) = t%traction
             self%last_normal(:, i) = t%normal
             self%slip(:, i) = self%slip(:, i) + t%slip
-            self%creep(:, i) = self%grip(i)%creep + t%slip
-            self%slip_path(i) = self%slip_path(i) + norm2(t%slip)
-            if (has_friction(self%friction(self%pair(i)))) self%friction_work(i) = &
-               & self%friction_work(i) - dot_product(t%traction, t%slip)
+            self%creep(:, i) = drawn(self%friction(self%pair(i)), self%grip(i)%creep + t%slip)
+            self%slip_path(i) = self%slip_path(i) + path_of(self, i)
+            self%last_speed(i) = speed_of(self, i)
+            self%friction_work(i) = self%friction_work(i) + dissipated(self, i)
          end associate
       end do
    end subroutine accept

@@ -7,7 +7,8 @@ module lopin_finite_kernel
    use lopin_model, only : model_type
    use lopin_dofs, only : dofs_type
    use lopin_friction, only : friction_type, condition_type
-   use lopin_contact_traction, only : grip_type, grip_kind, grip_status, traction_of
+   use lopin_contact_traction, only : grip_type, grip_kind, grip_status, traction_of, &
+      & normal_stiffness
    use lopin_smooth_facet, only : most_stencil
    use lopin_contact_foot, only : facet_foot, smooth_facet_foot, tool_foot, tool_motion, turned, turned_back
    use lopin_finite_points, only : finite_points_type
@@ -207,13 +208,15 @@ contains
 
       !> w (c g' g'^T + s'^T shear s') for a closed point.
       subroutine make_spring()
+         real(wp) :: press
          integer :: j
 
          if (allocated(local%spring)) deallocate (local%spring)
          allocate (local%spring(inputs%nu, inputs%nu), source=0.0_wp)
          if (state%status == grip_status%open) return
+         press = normal_stiffness(grip, state%gap + shift)
          do j = 1, inputs%nu
-            local%spring(:, j) = points%weight(i)*(grip%c*along_gap*along_gap(j) &
+            local%spring(:, j) = points%weight(i)*(press*along_gap*along_gap(j) &
                & + matmul(transpose(along_slip), matmul(shear(:d, :d), along_slip(:, j))))
          end do
       end subroutine make_spring

@@ -14,7 +14,8 @@ module lopin_finite_mortar
    use lopin_model, only : model_type, pair_type, kind_of
    use lopin_dofs, only : dofs_type
    use lopin_friction, only : friction_type, condition_type
-   use lopin_contact_traction, only : grip_type, grip_status, traction_of
+   use lopin_contact_traction, only : grip_type, grip_status, traction_of, &
+      & normal_stiffness
    use lopin_mortar_pairs, only : thickness_of
    use lopin_mortar_overlap, only : overlap_list_type
    use lopin_mortar_overlaps_2d, only : find_overlaps_2d
@@ -356,13 +357,15 @@ contains
 
       !> w (c g' g'^T + s'^T shear s') for a closed point.
       subroutine make_spring()
+         real(wp) :: press
          integer :: j
 
          if (allocated(local%spring)) deallocate (local%spring)
          allocate (local%spring(local%nu, local%nu), source=0.0_wp)
          if (state%status == grip_status%open) return
+         press = normal_stiffness(grip, state%gap + shift)
          do j = 1, local%nu
-            local%spring(:, j) = weight*(grip%c*along_gap*along_gap(j) &
+            local%spring(:, j) = weight*(press*along_gap*along_gap(j) &
                & + matmul(transpose(along_slip), matmul(shear, along_slip(:, j))))
          end do
       end subroutine make_spring

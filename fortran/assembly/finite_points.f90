@@ -5,6 +5,7 @@ module lopin_finite_points
    use lopin_cells, only : cell_type
    use lopin_element_type, only : cells_of_words
    use lopin_model, only : model_type, pair_type, surface_of
+   use lopin_surface_material, only : slave_yields
    use lopin_slave_points, only : slave_type, new_slave
    use lopin_contact_points, only : contact_points_type, new_contact_points, pair_is_tied
    use lopin_mortar_pairs, only : is_mortar
@@ -126,13 +127,15 @@ contains
       type(model_type), intent(in) :: model
       real(wp) :: own, other, typical
       integer :: i, pair
-      real(wp), allocatable :: at_node(:), yield(:)
+      real(wp) :: yield(model%mesh%nnode)
+      real(wp), allocatable :: at_node(:)
 
-      call nodal_moduli(model, at_node, yield)
+      call nodal_moduli(model, at_node)
       typical = 1.0_wp
       if (any(at_node > 0.0_wp)) typical = minval(at_node, mask=at_node > 0.0_wp)
       allocate (self%modulus(self%n), self%slave_modulus(self%n), self%yield(self%n))
       do pair = 1, size(model%pair)
+         call slave_yields(model, pair, yield)
          other = huge(1.0_wp)
          associate (master => model%surface(model%pair(pair)%master))
             if (master%kind == surface_of%faces .and. allocated(master%element)) &
@@ -151,22 +154,19 @@ contains
       end do
    end subroutine find_moduli
 
-   subroutine nodal_moduli(model, modulus, yield)
+   subroutine nodal_moduli(model, modulus)
       type(model_type), intent(in) :: model
-      real(wp), allocatable, intent(out) :: modulus(:), yield(:)
+      real(wp), allocatable, intent(out) :: modulus(:)
       integer :: e, k
 
-      allocate (modulus(model%mesh%nnode), yield(model%mesh%nnode), source=0.0_wp)
+      allocate (modulus(model%mesh%nnode), source=0.0_wp)
       do e = 1, model%mesh%nelement
          if (model%mesh%section(e) == 0) cycle
-         associate (material => model%material(model%section(model%mesh%section(e))%material))
-            do k = 1, size(model%mesh%conn, 1)
-               if (model%mesh%conn(k, e) == 0) exit
-               modulus(model%mesh%conn(k, e)) = max(modulus(model%mesh%conn(k, e)), &
-                  & youngs_modulus(model, e))
-               yield(model%mesh%conn(k, e)) = max(yield(model%mesh%conn(k, e)), material%yield)
-            end do
-         end associate
+         do k = 1, size(model%mesh%conn, 1)
+            if (model%mesh%conn(k, e) == 0) exit
+            modulus(model%mesh%conn(k, e)) = max(modulus(model%mesh%conn(k, e)), &
+               & youngs_modulus(model, e))
+         end do
       end do
    end subroutine nodal_moduli
 end module lopin_finite_points

@@ -19,11 +19,12 @@ module lopin_contact_traction
    use lopin_dual, only : dual_type, constant, dual_dot, dual_norm, operator(+), operator(-), &
       & operator(*), operator(/), assignment(=)
    use lopin_friction, only : friction_type, condition_type, has_friction, is_regularised, &
-      & by_rate, return_to_disc, regularised_traction, friction_radius
+      & by_rate, return_to_disc, regularised_traction, friction_radius, drag_limit
    use lopin_enforcement, only : enforcement_type
    implicit none
    private
-   public :: grip_type, traction_of, grip_kind, grip_status
+   public :: grip_type, traction_of, grip_kind, grip_status, elastic_slip_of, normal_stiffness
+   public :: stored_energy
 
    type :: kinds_of_grip
       integer :: lagrange = 1, penalty = 2, perturbed = 3, augmented = 4, overclosure = 5, tied = 6
@@ -112,6 +113,64 @@ contains
          & row = (lambda - z)/grip%c
    end subroutine traction_of
 
+   !> The slip that a traction along the face holds elastically, and gives back.
+   pure function elastic_slip_of(grip, friction, at, p, t) result(slip)
+      type(grip_type), intent(in) :: grip
+      type(friction_type), intent(in) :: friction
+      type(condition_type), intent(in) :: at
+      real(wp), intent(in) :: p                !! [stress]
+      real(wp), intent(in) :: t(3)             !! along the face [stress]
+      real(wp) :: slip(3)                      !! [length]
+      slip = -shear_compliance(grip, friction, at, p)*t
+   end function elastic_slip_of
+
+   !> Elastic slip per shear; 0: the point sticks exactly.
+   pure real(wp) function shear_compliance(grip, friction, at, p) result(compliance)
+      type(grip_type), intent(in) :: grip
+      type(friction_type), intent(in) :: friction
+      type(condition_type), intent(in) :: at
+      real(wp), intent(in) :: p                !! [stress]
+      real(wp) :: radius, slope
+
+      compliance = 0.0_wp
+      if (is_regularised(friction)) return
+      select case (grip%kind)
+      case (grip_kind%penalty, grip_kind%overclosure)
+         compliance = 1.0_wp/grip%ct
+      case (grip_kind%lagrange, grip_kind%perturbed)
+         if (grip%shear_slope > 0.0_wp) compliance = 1.0_wp/grip%shear_slope
+         if (.not. grip%elastic_slip > 0.0_wp) return
+         call friction_radius(friction, p, at, radius, slope)
+         if (radius > 0.0_wp .and. radius < huge(1.0_wp)) compliance = compliance &
+            & + grip%elastic_slip/radius
+      end select
+   end function shear_compliance
+
+   !> Energy per area that the springs of a pair hold, normal and along the face.
+   pure real(wp) function stored_energy(grip, friction, at, p, t) result(energy)
+      type(grip_type), intent(in) :: grip
+      type(friction_type), intent(in) :: friction
+      type(condition_type), intent(in) :: at
+      real(wp), intent(in) :: p                !! [stress]
+      real(wp), intent(in) :: t(3)             !! along the face [stress]
+
+      energy = 0.0_wp
+      if (grip%kind == grip_kind%penalty) energy = 0.5_wp*p**2/grip%c
+      if (grip%kind == grip_kind%perturbed) energy = 0.5_wp*p**2/grip%slope
+      energy = energy + 0.5_wp*shear_compliance(grip, friction, at, p)*dot_product(t, t)
+   end function stored_energy
+
+   !> -dp/dg of a closed point, for a factor: the law's own slope, else the grip's.
+   pure real(wp) function normal_stiffness(grip, g) result(stiffness)
+      type(grip_type), intent(in) :: grip
+      real(wp), intent(in) :: g                !! gap [length]
+      real(wp) :: force
+
+      stiffness = grip%c
+      if (grip%kind == grip_kind%overclosure) call grip%law%forces(g, 1.0_wp, 0.0_wp, .false., &
+         & force, stiffness)
+   end function normal_stiffness
+
    !> The elastic slip of an unknown traction, in the measure of the disc's present radius.
    pure subroutine give_way(grip, friction, at, p, held, n, trial)
       type(grip_type), intent(in) :: grip
@@ -160,7 +219,7 @@ contains
       integer, intent(out) :: status
       real(wp), intent(out) :: shear(:, :)
       type(dual_type) :: magnitude, f, way(size(trial))
-      real(wp) :: slope, slope_p, direction(size(trial)), share
+      real(wp) :: slope, slope_p, direction(size(trial)), share, reach
       logical :: slips
       integer :: i, d
 
@@ -177,7 +236,10 @@ contains
       magnitude = constant(0.0_wp)
       if (share > 0.0_wp) magnitude = dual_norm(way)
       if (is_regularised(friction)) then
-         call regularised_traction(friction, magnitude%v, p%v, at, f%v, slope, slope_p)
+         ! Beyond the drag limit the anchor follows with the whole of its traction.
+         reach = min(magnitude%v, drag_limit(friction))
+         call regularised_traction(friction, reach, p%v, at, f%v, slope, slope_p)
+         if (reach < magnitude%v) slope = 0.0_wp
          f%d = slope*magnitude%d + slope_p*p%d
          t = 0.0_wp
          if (share > 0.0_wp) t = (-1.0_wp)*(f/magnitude)*way

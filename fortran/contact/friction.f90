@@ -21,7 +21,8 @@ module lopin_friction
    private
    public :: friction_type, condition_type, law_of, regularization_of
    public :: law_names, regularization_names, law_number, regularization_number, automatic_law
-   public :: has_friction, is_regularised, by_rate, reads_yield, reads_mises, depends_on_time
+   public :: has_friction, is_regularised, by_rate, reads_yield, reads_mises, reads_speed
+   public :: depends_on_time, drag_limit
    public :: coefficient, friction_radius, return_to_disc, regularised_traction
 
    type :: laws
@@ -76,6 +77,8 @@ module lopin_friction
    !> Least equivalent stress of Cristescu as a fraction of the pressure: at first touch the body
    !> has no stress, and a disc without radius would let everything slide.
    real(wp), parameter :: least_equivalent = 1.0e-3_wp
+   !> Regularised laws with a length: the anchor follows where this share of the bound acts.
+   real(wp), parameter :: saturated = 0.999_wp
    real(wp), parameter :: pi = acos(-1.0_wp), root_3 = sqrt(3.0_wp)
    integer, parameter :: most_iterations = 100   !! of Newton in `rate_bound`; 2 to 9 are usual
 
@@ -149,10 +152,17 @@ contains
    end function reads_yield
 
    !> Whether the law reads `condition_type%mises`.
-   pure logical function reads_mises(law)
+   elemental logical function reads_mises(law)
       type(friction_type), intent(in) :: law
       reads_mises = .not. law%rough .and. law%law == law_of%cristescu
    end function reads_mises
+
+   !> Whether the law reads `condition_type%speed`.
+   elemental logical function reads_speed(law)
+      type(friction_type), intent(in) :: law
+      reads_speed = .not. law%rough .and. law%decay > 0.0_wp &
+         & .and. (law%law == law_of%coulomb .or. law%law == law_of%orowan)
+   end function reads_speed
 
    !> Whether the answer depends on the speed of slip, hence on a real scale of time.
    pure logical function depends_on_time(law)
@@ -323,6 +333,23 @@ contains
       slope_slip = radius*slope/u0 + growth*share
       slope_p = slope_p*share
    end subroutine regularised_traction
+
+   !> Slip from the anchor beyond which a regularised law draws the anchor along: where it has all
+   !> but its whole bound, so that a reversal finds it near. A law of rate has no anchor.
+   pure real(wp) function drag_limit(law) result(limit)
+      type(friction_type), intent(in) :: law
+
+      limit = huge(1.0_wp)
+      if (by_rate(law)) return
+      select case (law%regularization)
+      case (regularization_of%tanh)
+         limit = law%elastic_slip*atanh(saturated)
+      case (regularization_of%sqrt)
+         limit = law%elastic_slip*saturated/sqrt(1.0_wp - saturated**2)
+      case default
+         limit = law%elastic_slip*tan(0.5_wp*acos(-1.0_wp)*saturated)
+      end select
+   end function drag_limit
 
    !> alpha (v^2 + v0^2)^(q/2) and its slope in the slip, under the cap that `radius` holds; times
    !> v/sqrt(v^2 + v0^2), the square root's share, it is alpha (v^2 + v0^2)^((q-1)/2) v.

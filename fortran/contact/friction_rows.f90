@@ -13,11 +13,11 @@ module lopin_friction_rows
    use lopin_kinds, only : wp
    use lopin_condensed, only : condensed_type
    use lopin_friction, only : friction_type, condition_type, friction_radius, return_to_disc, &
-      & regularised_traction, is_regularised, by_rate, regularization_of
+      & regularised_traction, is_regularised, drag_limit
    implicit none
    private
    public :: friction_points_type, equations_type, new_equations, form_equations, slip_of
-   public :: elastic_compliance, drag_limit, no_deformation
+   public :: elastic_compliance, no_deformation
 
    !> Points with friction, and what they keep from the last accepted increment.
    type :: friction_points_type
@@ -58,8 +58,6 @@ module lopin_friction_rows
                                                          !! column 0: the normal row
    end type equations_type
 
-   !> Regularised laws with a length: the anchor follows where this share of the bound acts.
-   real(wp), parameter :: saturated = 0.999_wp
    !> What a row that nothing deforms yields by, beside the mean compliance.
    real(wp), parameter :: no_deformation = 1.0e-12_wp
 
@@ -321,23 +319,6 @@ contains
          self%q(:, 0, k) = slope_p*by_gap*m
       end associate
    end subroutine regularised_rows
-
-   !> Slip from the anchor beyond which a regularised law draws the anchor along: where it has all
-   !> but its whole bound, so that a reversal finds it near. A law of rate has no anchor.
-   pure real(wp) function drag_limit(law) result(limit)
-      type(friction_type), intent(in) :: law
-
-      limit = huge(1.0_wp)
-      if (by_rate(law)) return
-      select case (law%regularization)
-      case (regularization_of%tanh)
-         limit = law%elastic_slip*atanh(saturated)
-      case (regularization_of%sqrt)
-         limit = law%elastic_slip*saturated/sqrt(1.0_wp - saturated**2)
-      case default
-         limit = law%elastic_slip*tan(0.5_wp*acos(-1.0_wp)*saturated)
-      end select
-   end function drag_limit
 
    pure function outer(a, b) result(c)
       real(wp), intent(in) :: a(:), b(:)

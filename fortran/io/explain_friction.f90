@@ -23,10 +23,6 @@ contains
          & 'Some words exclude each other, as ROUGH and a law, and some need another, as a '// &
          & 'regularisation needs the slip or the speed at which it bends.', &
          & 'the message names the words.')
-      call add_explanation(list, 'E0324', 'a law of friction that this path cannot follow', &
-         & 'CRISTESCU reads the von Mises stress at the slave and EXPONENTIAL DECAY the speed of '// &
-         & 'slip, both of the last iteration; the finite path has them not yet.', &
-         & 'another law, or a scene of small sliding without NLGEOM.')
       call add_explanation(list, 'W0321', 'a coefficient of friction above 1', &
          & 'Coefficients run from 0 (lubricated) to 1 (dry) in forming; larger ones exist, and '// &
          & 'so do coefficients written in percent.', 'check it.')

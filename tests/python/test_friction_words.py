@@ -129,10 +129,9 @@ def test_a_body_that_would_yield_is_named(executable, tmp_path):
         assert ("warning[W0508]: material `STEEL` passes its yield stress" in run.stderr) == warned, run.stderr
 
 
-@pytest.mark.parametrize("card, refused", [("*FRICTION, LAW=CRISTESCU\n0.4\n", True), ("*FRICTION\n0.1\n", False),
-                                           ("*FRICTION, EXPONENTIAL DECAY\n0.3, 0.1, 2.\n", True)])
-def test_what_the_finite_path_does_not_read_is_refused_there(executable, tmp_path, card, refused):
+@pytest.mark.parametrize("card", ["*FRICTION, LAW=CRISTESCU\n0.4\n", "*FRICTION\n0.1\n", "*FRICTION, EXPONENTIAL DECAY\n0.3, 0.1, 2.\n"])
+def test_the_finite_path_reads_stress_and_speed(executable, tmp_path, card):
     text = BASE.replace("*FRICTION\n-0.1\n", card).replace("*STEP\n", "*STEP, NLGEOM\n")
     (tmp_path / "deck.inp").write_text(text)
     run = subprocess.run([executable, "run", "deck.inp", "-o", "out"], capture_output=True, text=True, timeout=20, cwd=tmp_path)
-    assert ("error[E0324]" in run.stderr) == refused, run.stderr
+    assert run.returncode == 0, run.stderr

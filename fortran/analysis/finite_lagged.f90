@@ -1,0 +1,79 @@
+!> What friction reads from the last iteration of Newton on the finite path: stress and speed.
+!>
+!> Cristescu's law reads the von Mises stress at the slave, EXPONENTIAL DECAY the speed of slip. Both
+!> are put in place between iterations and stay in a line search: tangents do not know them, and the
+!> residual that Newton ends with is that of the stress and the speed which it ends with.
+module lopin_finite_lagged
+   use lopin_kinds, only : wp
+   use lopin_model, only : model_type
+   use lopin_dofs, only : dofs_type
+   use lopin_friction, only : reads_mises, reads_speed
+   use lopin_nodal_mises, only : nodal_mises
+   use lopin_finite_contact, only : speed_of
+   use lopin_scene, only : scene_type
+   implicit none
+   private
+   public :: reads_lagged, start_lagged, renew_lagged
+
+contains
+
+   !> Some law in force reads what the last iteration gave.
+   pure logical function reads_lagged(scene)
+      type(scene_type), intent(in) :: scene
+      reads_lagged = any(reads_mises(scene%finite%contact%friction)) &
+         & .or. any(reads_speed(scene%finite%contact%friction))
+   end function reads_lagged
+
+   !> From what is accepted: an increment tried again has the same bits.
+   subroutine start_lagged(scene, model)
+      type(scene_type), intent(inout) :: scene
+      type(model_type), intent(in) :: model
+
+      associate (contact => scene%finite%contact)
+         contact%speed = contact%last_speed
+         if (any(reads_mises(contact%friction))) call put_mises(scene, model, scene%accepted)
+      end associate
+   end subroutine start_lagged
+
+   !> From the trial state.
+   subroutine renew_lagged(scene, model)
+      type(scene_type), intent(inout) :: scene
+      type(model_type), intent(in) :: model
+      integer :: i
+
+      associate (contact => scene%finite%contact)
+         if (any(reads_speed(contact%friction))) contact%speed = &
+            & [(speed_of(contact, i), i=1, contact%n)]
+         if (any(reads_mises(contact%friction))) call put_mises(scene, model, scene%u)
+      end associate
+   end subroutine renew_lagged
+
+   !> The stress of these displacements at the slave points.
+   subroutine put_mises(scene, model, displacement)
+      type(scene_type), intent(inout) :: scene
+      type(model_type), intent(in) :: model
+      real(wp), intent(in) :: displacement(:)  !! (ndof) [length]
+      real(wp) :: u(3, model%mesh%nnode), mises(model%mesh%nnode)
+
+      u = at_nodes(scene%dofs, displacement, model%mesh%nnode, model%mesh%ndim)
+      call nodal_mises(scene%solids, model%mesh, u, scene%finite%nlgeom, mises)
+      associate (contact => scene%finite%contact)
+         contact%mises = mises(contact%node(:contact%n))
+      end associate
+   end subroutine put_mises
+
+   pure function at_nodes(dofs, displacement, nnode, ndim) result(u)
+      type(dofs_type), intent(in) :: dofs
+      real(wp), intent(in) :: displacement(:)
+      integer, intent(in) :: nnode, ndim
+      real(wp) :: u(3, nnode)
+      integer :: node, k
+
+      u = 0.0_wp
+      do node = 1, nnode
+         do k = 1, ndim
+            if (dofs%id(k, node) > 0) u(k, node) = displacement(dofs%id(k, node))
+         end do
+      end do
+   end function at_nodes
+end module lopin_finite_lagged

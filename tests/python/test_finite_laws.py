@@ -1,0 +1,60 @@
+"""The methods by the laws of friction on the finite path: the block of test_friction_laws, pressed and dragged."""
+import numpy as np
+import pytest
+
+from test_friction_laws import AREA, CURVES, ELEMENTS, LAWS, METHODS, Q, SPEED, block
+
+
+@pytest.fixture
+def drag(solve):
+    """Forces of the floor along and across, and what the law says of the nodes."""
+    from lopin import Deck
+
+    def run(law, words="", method="DIRECT", change=None, **options):
+        text = block(law, words, method, **options)
+        if change:
+            text = text.replace(*change)
+        result = solve(Deck.parse("*LOPIN, PATH=FINITE\n" + text, name="block"))
+        h = result.history
+        contact = result.contact(0).last
+        foot = result["Mises"].ravel()[:2*(ELEMENTS + 1):2]
+        pressure = np.asarray(contact.pressure)[np.argsort(contact.x[:, 0])]
+        weight = np.full(ELEMENTS + 1, AREA/ELEMENTS)
+        weight[[0, -1]] *= 0.5
+        return abs(h["FLOOR.rf1"][-1]), abs(h["FLOOR.rf2"][-1]), weight @ LAWS[law][1](pressure, foot), pressure
+
+    return run
+
+
+@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("law", LAWS)
+def test_every_law_by_every_method(drag, sheet, law, method):
+    along, across, expected, _ = drag(law, method=method)
+    sheet.compare("C9 law zoo, finite path", f"{law}, {method}: force that drags", along, expected, 1e-7)
+
+
+@pytest.mark.parametrize("curve", CURVES)
+@pytest.mark.parametrize("law", LAWS)
+def test_every_law_regularised_by_speed(drag, sheet, law, curve):
+    along, _, expected, _ = drag(law, f", REGULARIZATION={curve}, V0={SPEED}")
+    expected *= CURVES[curve](1.0)
+    if law == "NORTON-HOFF":
+        expected *= 2.0**(0.5*Q)
+    sheet.compare("C9 law zoo, finite path", f"{law}, {curve} at V0: force that drags", along, expected, 1e-6)
+
+
+@pytest.mark.parametrize("law", LAWS)
+def test_the_number_of_increments_does_not_matter(drag, law):
+    few, many = drag(law, increments=3)[0], drag(law, increments=12)[0]
+    assert few == pytest.approx(many, rel=1e-7)
+
+
+DECAY = ("*FRICTION, EXPONENTIAL DECAY\n0.3,", "*FRICTION, EXPONENTIAL DECAY\n0.4, 0.2, 0.7")
+
+
+@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("increments", [3, 12])
+def test_decay_reads_the_speed_of_the_last_iteration(drag, method, increments):
+    along, across, _, _ = drag("COULOMB", ", EXPONENTIAL DECAY", method, change=DECAY, increments=increments)
+    mu = 0.2 + (0.4 - 0.2)*np.exp(-0.7*SPEED)
+    assert along == pytest.approx(mu*across, rel=1e-7)
