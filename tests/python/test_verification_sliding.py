@@ -5,7 +5,7 @@ import pytest
 from lopin import mesh_make
 from lopin.mesh import together
 from sliding_rings import FIT, PRESSURE, pressures_and_torques, rings
-from sliding_scenes import LAGRANGE, deck, material, pair, sections, step
+from sliding_scenes import LAGRANGE, deck, material, pair, rotation, sections, step, turned
 
 BEHAVIOURS = (LAGRANGE, "*SURFACE BEHAVIOR, PENALTY\n1.e6", "*SURFACE BEHAVIOR, PERTURBED LAGRANGE\n1.e6",
               "*SURFACE BEHAVIOR, AUGMENTED LAGRANGE\n1.e5")
@@ -82,3 +82,150 @@ def test_a_shaft_slips_in_its_hub(solve, sheet, mu):
                   abs(torque[-1])/(2.0*np.pi*mu*p[-1, 2]*FIT**2), 1.0, 2e-3, "closed form")
     sheet.compare("D5 rotating rings", f"mu = {mu}: torque over 2 pi mu p R^2", abs(torque[-1]),
                   2.0*np.pi*mu*PRESSURE*FIT**2, 0.02, "Lame, Coulomb")
+
+
+def crowned_pair(kind="quad", radius=20.0):
+    """A crowned block on a flat one; the lower sides of the contact as they stand at turn 0."""
+    up = mesh_make.block((4.0, 2.0), (13, 5), origin=(-2.0, 0.0))
+    up = up.mapped(lambda x: np.column_stack([x[:, 0], x[:, 1] + x[:, 0]**2/(2.0*radius)*(1.0 - x[:, 1]/2.0)]))
+    low = mesh_make.block((5.0, 2.0), (12, 5), origin=(-2.5, -2.0))
+    return together(UP=up, LOW=low)
+
+
+def pressed_and_drawn(degrees, behaviour, words, friction):
+    """Pressed by 0.05, drawn by 0.3, all of it turned by an angle."""
+    turn = rotation(degrees)
+    down, along = turn @ [0.0, -0.05], turn @ [0.3, -0.05]
+    moved = ["".join(f"UP.TOP, {d + 1}, {d + 1}, {float(v[d])!r}\n" for d in (0, 1)) for v in (down, along)]
+    cards = (material(1e4) + sections({"UP": "M", "LOW": "M"})
+             + pair("UP.BOTTOM", "LOW.TOP", behaviour=behaviour, words=words, friction=friction)
+             + "*BOUNDARY\nLOW.BOTTOM, 1, 2\n"
+             + step("0.5, 1.", "*BOUNDARY\n" + moved[0]) + step("0.25, 1.", "*BOUNDARY\n" + moved[1], direct=True))
+    return deck(turned(crowned_pair(), degrees), cards)
+
+
+@pytest.mark.parametrize("words", ["", MORTAR, ", SMOOTH=YES"])
+@pytest.mark.parametrize("behaviour", BEHAVIOURS)
+def test_turning_the_scene_changes_nothing(solve, sheet, behaviour, words):
+    """D7: Hertz with friction under finite sliding, turned by 37 and by 123 degrees."""
+    found = []
+    for degrees in (0.0, 37.0, 123.0):
+        history = solve(pressed_and_drawn(degrees, behaviour, words, 0.3)).history
+        head = "UP.BOTTOM-LOW.TOP."
+        force = np.hypot(history[head + "force1"], history[head + "force2"])
+        found.append(np.array([force, history[head + "max_pressure"], history["energy.strain"],
+                               history["energy.friction"], history[head + "area"]]))
+    name = (f"{behaviour.split(', ')[1].split(chr(10))[0].lower()}, "
+            f"{'mortar' if 'SURFACE' in words else 'smoothed' if words else 'node to segment'}")
+    size = np.abs(found[0]).max(axis=1)[:, None]
+    for degrees, other in zip((37, 123), found[1:]):
+        sheet.compare("D7 objectivity", f"{name}, {degrees} degrees: force, pressure, energies, area, worst",
+                      np.abs((other - found[0])/size).max(), 0.0, 1e-10, "not turned", absolute=True)
+
+
+def diamond(half=1.0):
+    """One element standing on a corner at the origin."""
+    mesh = turned(mesh_make.block((np.sqrt(2.0)*half,)*2, (1, 1)), 45.0)
+    return mesh.with_points("TIP", lambda x: np.hypot(*x.T) < 1e-9).with_points(
+        "HEAD", lambda x: x[:, 1] > 0.5*half)
+
+
+def profile(points, behaviour=LAGRANGE, friction=0.0):
+    """A fixed rigid profile and the node at the tip of the diamond as its slave."""
+    lines = [f"{'LINE' if k else 'START'}, {x!r}, {y!r}" for k, (x, y) in enumerate(points)]
+    return ("*NODE, NSET=REF\n9001, 0., 0.\n*SURFACE, NAME=TOOL, TYPE=SEGMENTS\n" + "\n".join(lines)
+            + "\n*RIGID BODY, ANALYTICAL SURFACE=TOOL, REF NODE=9001\n*SURFACE, NAME=FOOT, TYPE=NODE\nTIP, 1.\n"
+            + pair("FOOT", "TOOL", behaviour=behaviour, friction=friction) + "*BOUNDARY\nREF, 1, 2\nREF, 6\n")
+
+
+def heights(slope, first=-3.0, last=3.0):
+    s = np.tan(np.radians(slope))
+    return [(first, float(s*abs(first))), (0.0, 0.0), (last, float(s*abs(last)))]
+
+
+@pytest.mark.parametrize("slope", [10.0, -10.0])
+@pytest.mark.parametrize("behaviour", BEHAVIOURS)
+def test_a_node_on_a_valley_or_a_ridge(solve, sheet, behaviour, slope):
+    """F11: two facets at 10 degrees; a node pressed into their joint does not alternate.
+
+    On a ridge only exact contact is symmetric: a node that penetrates belongs to one of its faces.
+    """
+    if slope < 0.0 and behaviour != LAGRANGE:
+        pytest.skip("a penetrating node is on one side of a ridge")
+    cards = (material(1e3) + sections({"ALL": "M"}) + profile(heights(slope), behaviour)
+             + step("1., 1.", "*BOUNDARY\nHEAD, 1, 1, 0.\nHEAD, 2, 2, -0.1\n"))
+    history = solve(deck(diamond(), cards)).history
+    name = f"{'valley' if slope > 0 else 'ridge'}, {behaviour.split(', ')[1].split(chr(10))[0].lower()}"
+    case = "F11 joint of two facets"
+    sheet.compare(case, f"{name}: side force over force", history["FOOT-TOOL.force1"][-1]
+                  / history["FOOT-TOOL.force2"][-1], 0.0, 1e-10, "symmetry", absolute=True)
+    assert history["FOOT-TOOL.force2"][-1] > 1.0
+    if "AUGMENTED" not in behaviour:
+        sheet.compare(case, f"{name}: iterations", history["iterations"][-1], 5, 5, "at most 10", absolute=True)
+
+
+@pytest.mark.parametrize("aside", [-1e-12, 0.0, 1e-12])
+def test_a_node_on_a_sharp_corner(solve, sheet, aside):
+    """F8: dropped on a convex right angle: the force lies in the cone of the two normals."""
+    cards = (material(1e3) + sections({"ALL": "M"})
+             + profile([(-3.0, -3.0), (aside, 0.0), (3.0, -3.0)])
+             + step("1., 1.", "*BOUNDARY\nHEAD, 1, 1, 0.\nHEAD, 2, 2, -0.1\n"))
+    result = solve(deck(diamond(), cards))
+    side, up = (result.history[f"FOOT-TOOL.force{d}"][-1] for d in (1, 2))
+    assert up > 1.0
+    sheet.compare("F8 corners", f"convex, {aside:g} aside: |side| over upward force, at most 1", abs(side)/up, 0.5, 0.5,
+                  "cone of normals", absolute=True)
+
+
+def test_a_block_in_a_concave_corner(solve, sheet):
+    """F8: two constraints at the corner, one reaction each: R = (3, 4) to the digit."""
+    mesh = mesh_make.block((4.0, 4.0), (3, 3))
+    sides = mesh.replaced(surfaces=mesh.surfaces | {"SLAVE": np.vstack([mesh.surfaces["LEFT"], mesh.surfaces["BOTTOM"]])})
+    tool = ("*NODE, NSET=REF\n9001, 0., 0.\n*SURFACE, NAME=TOOL, TYPE=SEGMENTS\nSTART, 0., 9.\nLINE, 0., 0.\nLINE, 9., 0.\n"
+            "*RIGID BODY, ANALYTICAL SURFACE=TOOL, REF NODE=9001\n")
+    cards = (material(1e6, 0.3) + sections({"ALL": "M"}) + tool + pair("SLAVE", "TOOL") + "*BOUNDARY\nREF, 1, 2\nREF, 6\n"
+             + step("1., 1.", "*CLOAD\nTOP, 2, -1.\nRIGHT, 1, -0.75\n"))
+    history = solve(deck(sides, cards)).history
+    for d, exact in ((1, 3.0), (2, 4.0)):
+        sheet.compare("F8 corners", f"concave: force {d} of the corner", history[f"SLAVE-TOOL.force{d}"][-1], exact, 1e-8,
+                      "equilibrium")
+
+
+@pytest.mark.parametrize("behaviour", BEHAVIOURS)
+def test_a_floating_block_finds_the_floor(solve, sheet, behaviour):
+    """F9: a gap of 1e-3 under a block that nothing else holds up."""
+    mesh = together(UP=mesh_make.block((4.0, 2.0), (4, 2), origin=(0.0, 1e-3)).with_points(
+        "PIN", lambda x: (x[:, 0] < 1e-9) & (x[:, 1] < 2e-3)), LOW=mesh_make.block((6.0, 1.0), (5, 1), origin=(-1.0, -1.0)))
+    cards = (material(1e5) + sections({"UP": "M", "LOW": "M"}) + pair("UP.BOTTOM", "LOW.TOP", behaviour=behaviour)
+             + "*BOUNDARY\nLOW.BOTTOM, 1, 2\nUP.PIN, 1\n" + step("1., 1.", "*DSLOAD\nUP.TOP, P, 10.\n"))
+    result = solve(deck(mesh, cards))
+    name = behaviour.split(", ")[1].split("\n")[0].lower()
+    width = result.history["UP.BOTTOM-LOW.TOP.force2"][-1]/10.0
+    moved = np.asarray(result["U"])
+    top = mesh.point_sets["UP.TOP"]
+    exact = 4.0 + np.ptp(moved[top, 0])
+    sheet.compare("F9 floating block", f"{name}: force over pressure", width, exact, 1e-6, "width of the top as it stands")
+    if "AUGMENTED" not in behaviour:
+        sheet.compare("F9 floating block", f"{name}: iterations", result.history["iterations"][0], 10, 10, "at most 20",
+                      absolute=True)
+
+
+@pytest.mark.parametrize("words", ["", MORTAR])
+@pytest.mark.parametrize("adjust", [False, True])
+def test_a_block_is_pushed_out_of_a_thin_sheet(solve, sheet, words, adjust):
+    """F10: 0.6 deep in a sheet 1 thick, nearer to its far face; it leaves by the face it entered,
+    as an interference or moved without strain."""
+    low = mesh_make.block((10.0, 1.0), (20, 1))
+    skin = low.replaced(surfaces=low.surfaces | {"SKIN": np.vstack([low.surfaces[k] for k in ("TOP", "BOTTOM", "LEFT",
+                                                                                             "RIGHT")])})
+    mesh = together(SHEET=skin, UP=mesh_make.block((3.0, 2.0), (2, 3), origin=(3.3, 0.4)))
+    cards = (material(1e5, 0.0) + sections({"SHEET": "M", "UP": "M"}) + pair("UP.BOTTOM", "SHEET.SKIN", words=words + (", ADJUST=0.7" if adjust else ""))
+             + "*BOUNDARY\nSHEET.TOP, 1, 2\nSHEET.BOTTOM, 1, 2\nUP.LEFT, 1\n"
+             + step("0.25, 1.", f"*BOUNDARY\nUP.TOP, 2, 2, {-0.02 if adjust else 0.58}\n"))
+    result = solve(deck(mesh, cards))
+    bottom = np.asarray(result["U"])[mesh.point_sets["UP.BOTTOM"], 1]
+    name = f"{'mortar' if words else 'node to segment'}, {'adjusted' if adjust else 'interference'}"
+    sheet.compare("F10 thin sheet", f"{name}: displacement of the lower face, worst", np.abs(bottom - (0.0 if adjust else 0.6)).max(), 0.0, 1e-6,
+                  "pushed out", absolute=True)
+    sheet.compare("F10 thin sheet", f"{name}: largest pressure", result.contact(0).last.pressure.max(),
+                  1e5*np.log(2.0/1.98)/0.99, 1e-6, "Hencky, uniaxial")
