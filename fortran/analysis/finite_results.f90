@@ -67,7 +67,7 @@ contains
 
       associate (c => scene%finite%contact)
          if (c%n == 0) return
-         p_ref = largest(c%pressure(:c%n))
+         p_ref = max(largest(c%pressure(:c%n)), forgotten*scene%finite%force_seen/sum(c%weight(:c%n)))
          energy%contact = 0.0_wp
          energy%friction = sum(c%friction_work(:c%n)*c%weight(:c%n))
          do i = 1, c%n

@@ -113,7 +113,8 @@ contains
       allocate (self%mortar(size(model%pair)), self%mortar_anchor(n), self%patch(n))
       do pair = 1, size(model%pair)
          self%friction(pair) = model%interaction(model%pair(pair)%interaction)%friction
-         call choose_grips(self%grip, self%finite_points_type, self%friction(pair), model, pair, log)
+         call choose_grips(self%grip, self%finite_points_type, self%friction(pair), model, pair, &
+            & log)
          if (self%masters%of(pair)%has_slave_faces) call new_present_mortar(self%mortar(pair), &
             & model, model%pair(pair), self%masters%of(pair)%slave, self%masters%rules)
       end do
@@ -403,10 +404,11 @@ contains
             call find_opposite(self%opposite(i), self%masters, model, self%finite_points_type, i)
             return
          end if
-         call meet_row(self%mortar(pair), self%masters%of(pair)%surface, self%masters%x, &
-            & self%node(i), start, self%patch(i), self%mortar_anchor(i), covered, &
+         call meet_row(self%mortar(pair), self%masters%of(pair)%surface, self%masters%rules, &
+            & self%masters%x, self%node(i), start, self%patch(i), self%mortar_anchor(i), covered, &
             & self%opposite(i)%normal, self%opposite(i)%found%gap)
          self%opposite(i)%facet = merge(1, 0, covered)
+         self%opposite(i)%foot%gap = self%opposite(i)%found%gap
       end associate
    end subroutine meet
 

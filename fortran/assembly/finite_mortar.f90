@@ -1,8 +1,8 @@
 !> Mortar on the present shape: overlaps, rows with exact slopes; in the plane forces and tangents.
 !>
 !> Weights, normals and couplings follow the motion. Slip is the frame-indifferent increment of
-!> the weighted positions: with the coefficients c of a row (lopin_mortar_node_2d) and those at the start
-!> of the increment, s = P_n sum (c_start - c) x / D (Puso and Laursen 2004; Gitterle et al. 2010).
+!> the weighted positions: with the coefficients c of a row (lopin_mortar_node_2d) and those at the
+!> start of the increment, s = P_n sum (c_start - c) x / D (Puso and Laursen 2004; Gitterle et al. 2010).
 module lopin_finite_mortar
    use lopin_kinds, only : wp
    use lopin_dual, only : dual_type, dual_width, variable, constant, dual_dot, operator(+), &
@@ -14,8 +14,9 @@ module lopin_finite_mortar
    use lopin_model, only : model_type, pair_type, kind_of
    use lopin_dofs, only : dofs_type
    use lopin_friction, only : friction_type, condition_type
-   use lopin_contact_traction, only : grip_type, grip_status, traction_of, &
+   use lopin_contact_traction, only : grip_type, grip_kind, grip_status, traction_of, &
       & normal_stiffness
+   use lopin_contact_points, only : pair_is_tied
    use lopin_mortar_pairs, only : thickness_of
    use lopin_mortar_overlap, only : overlap_list_type
    use lopin_mortar_overlaps_2d, only : find_overlaps_2d
@@ -24,6 +25,7 @@ module lopin_finite_mortar
    use lopin_finite_kernel, only : local_matrix_type, point_state_type
    use lopin_mortar_cells_3d, only : new_mortar_kernel
    use lopin_finite_mortar_3d, only : space_mortar_type, update_space_mortar, evaluate_space_point
+   use lopin_finite_tie, only : tie_type, new_tie, evaluate_tie
    implicit none
    private
    public :: present_mortar_type, mortar_anchor_type, new_present_mortar
@@ -45,6 +47,8 @@ module lopin_finite_mortar
       real(wp), allocatable :: ratio(:)        !! (slave nodes) covered share of it
       real(wp), allocatable :: best(:)         !! the largest share on the facets of each
       logical :: in_space = .false.
+      logical :: tied = .false.
+      logical :: is_ready = .false.            !! ties keep their first rows
       type(space_mortar_type) :: space
    end type present_mortar_type
 
@@ -54,6 +58,7 @@ module lopin_finite_mortar
       integer :: place = 0                     !! in space: number of the node on the slave
       integer, allocatable :: node(:)
       real(wp), allocatable :: coefficient(:)  !! [area]
+      type(tie_type) :: tie
    end type mortar_anchor_type
 
 contains
@@ -74,6 +79,7 @@ contains
       call nodal_weights(facets, rules, model%mesh%x, self%axisymmetric, self%thickness, weight)
       self%full = weight(self%slave%node)
       self%in_space = model%mesh%ndim == 3
+      self%tied = pair_is_tied(model, pair)
       if (self%in_space) call new_mortar_kernel(self%space%kernel, model%mortar_degree)
    end subroutine new_present_mortar
 
@@ -88,11 +94,13 @@ contains
       type(error_type), allocatable, intent(out) :: error
       real(wp) :: normal(size(x, 1), size(x, 2)), reach
 
+      if (self%tied .and. self%is_ready) return
+      self%is_ready = .true.
       call update_surface(self%slave, x, error)
       if (allocated(error)) return
       if (self%in_space) then
-         call update_space_mortar(self%space, self%slave, self%full, rules, master, tree, x, facing, &
-            & start, error)
+         call update_space_mortar(self%space, self%slave, self%full, rules, master, tree, x, &
+            & facing, start, error)
          return
       end if
       call nodal_normals(self%slave%facets, rules, x, self%axisymmetric, normal)
@@ -178,9 +186,10 @@ contains
 
    !> The row of a node by values, if enough of it is covered; the first one within an increment
    !> is the anchor of its slip.
-   subroutine meet_row(self, master, x, node, start, patch, anchor, covered, normal, gap)
+   subroutine meet_row(self, master, rules, x, node, start, patch, anchor, covered, normal, gap)
       type(present_mortar_type), intent(in) :: self
       type(surface_type), intent(in) :: master
+      type(facet_rule_type), intent(in) :: rules(:)
       real(wp), intent(in) :: x(:, :)
       integer, intent(in) :: node
       logical, intent(in) :: start                !! of an increment
@@ -188,13 +197,14 @@ contains
       type(mortar_anchor_type), intent(inout) :: anchor
       logical, intent(out) :: covered
       real(wp), intent(inout) :: normal(3)        !! out of the master
-      real(wp), intent(out) :: gap                !! [length]
+      real(wp), intent(inout) :: gap              !! [length]
       type(mortar_row_type) :: row
       integer, allocatable :: also(:)
       real(wp), allocatable :: share(:)
       integer :: k
 
-      gap = 0.0_wp
+      covered = anchor%tie%set
+      if (covered) return
       k = findloc(self%slave%node, node, 1)
       if (self%in_space) then
          anchor%place = k
@@ -203,6 +213,8 @@ contains
             if (.not. covered) return
             normal = own%normal
             gap = own%gap
+            if (self%tied) call new_tie(anchor%tie, node, own%of, own%c, own%weight, &
+               & self%slave%facets, rules, x)
          end associate
          return
       end if
@@ -217,6 +229,8 @@ contains
       if (.not. covered) return
       normal(:2) = row%normal%v
       gap = row%gap%v
+      if (self%tied) call new_tie(anchor%tie, node, patch%node, row%coefficient%v, row%weight%v, &
+         & self%slave%facets, rules, x)
       if (anchor%set) return
       anchor%set = .true.
       anchor%node = patch%node
@@ -248,6 +262,11 @@ contains
       real(wp) :: shear(2, 2)
       integer :: from, width, n, k
 
+      if (grip%kind == grip_kind%tied) then
+         call evaluate_tie(state, local, anchor%tie, dofs, x, grip, lambda, first_row, with_tangent)
+         weight = anchor%tie%weight
+         return
+      end if
       if (self%in_space) then
          associate (own => self%space%row(anchor%place))
             call evaluate_space_point(state, local, own, self%space%before(anchor%place), dofs, x, &

@@ -11,7 +11,7 @@ module lopin_finite_mortar_3d
    use lopin_search, only : tree_type
    use lopin_dofs, only : dofs_type
    use lopin_friction, only : friction_type, condition_type
-   use lopin_contact_traction, only : grip_type, grip_status, traction_of
+   use lopin_contact_traction, only : grip_type, grip_status, traction_of, normal_stiffness
    use lopin_mortar_overlap, only : overlap_list_type
    use lopin_mortar_cells_3d, only : mortar_kernel_type
    use lopin_mortar_overlaps_3d, only : find_overlaps_3d
@@ -131,8 +131,8 @@ contains
 
       subroutine press()
          integer :: way(3*size(row%of))        !! places of the local dofs
-         real(wp) :: force(size(way)), along(3, size(way)), k_all(merge(size(way), 0, with_tangent), &
-            & merge(size(way), 0, with_tangent))
+         real(wp) :: force(size(way)), along(3, size(way)), stiffness
+         real(wp) :: k_all(merge(size(way), 0, with_tangent), merge(size(way), 0, with_tangent))
          integer :: i, q
 
          call list_dofs(way)
@@ -145,10 +145,11 @@ contains
          call chain(z, along)
          call forces_of_row(row, z%v, along, force, k_all)
          state%force = force(way(:local%nu))
+         stiffness = normal_stiffness(grip, row%gap + shift)
          associate (nu => local%nu)
             local%k(:nu, :nu) = k_all(way(:nu), way(:nu))
             do q = 1, nu
-               local%spring(:, q) = row%weight*(grip%c*row%gap_slope(way(:nu)) &
+               local%spring(:, q) = row%weight*(stiffness*row%gap_slope(way(:nu)) &
                   & *row%gap_slope(way(q)) + matmul(transpose(slip_slope(:, way(:nu))), &
                   & matmul(shear, slip_slope(:, way(q)))))
             end do

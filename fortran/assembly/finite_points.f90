@@ -7,7 +7,7 @@ module lopin_finite_points
    use lopin_model, only : model_type, pair_type, surface_of
    use lopin_surface_material, only : slave_yields
    use lopin_slave_points, only : slave_type, new_slave
-   use lopin_contact_points, only : contact_points_type, new_contact_points, pair_is_tied
+   use lopin_contact_points, only : contact_points_type, new_contact_points
    use lopin_mortar_pairs, only : is_mortar
    use lopin_contact_rows, only : initial_gap_type, new_initial_gaps
    use lopin_surface_material, only : youngs_modulus, extreme_moduli
@@ -50,7 +50,7 @@ contains
          call log%say(severity%note, 'N0304', 'pair ('// &
             & model%surface(model%pair(pair)%slave)%name//', '// &
             & model%surface(model%pair(pair)%master)%name//') of surface to surface is read as '// &
-            & 'NODE TO SURFACE where bodies move far', model%pair(pair)%at)
+            & 'NODE TO SURFACE against itself', model%pair(pair)%at)
       end do
       plain = model
       do pair = 1, size(model%pair)
@@ -83,12 +83,11 @@ contains
       call find_moduli(self, model)
    end subroutine new_finite_points
 
-   !> Surface to surface where bodies move far: but for ties and self-contact.
+   !> Surface to surface where bodies move far: not against itself.
    pure logical function stays_mortar(model, pair)
       type(model_type), intent(in) :: model
       type(pair_type), intent(in) :: pair
       stays_mortar = is_mortar(model, pair) .and. .not. is_self_contact(pair)
-      if (stays_mortar) stays_mortar = .not. pair_is_tied(model, pair)
    end function stays_mortar
 
    !> A surface against itself.

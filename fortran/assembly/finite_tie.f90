@@ -1,0 +1,205 @@
+!> A slave node tied by mortar where bodies move far: all directions, turning with the slave.
+!>
+!> The row of the shape at the start is kept: what it averages is always the same material. With its
+!> shares s (sum 0) the tie says sum s x = Q a: a is what the sum was at the start in a frame of one
+!> slave facet at the node, Q that frame now. Bodies that fit have a = 0.
+module lopin_finite_tie
+   use lopin_kinds, only : wp
+   use lopin_dual, only : dual_type, dual_width, variable, dual_cross, dual_norm, &
+      & operator(+), operator(-), operator(*), operator(/), assignment(=)
+   use lopin_cells, only : shape_functions
+   use lopin_facets, only : facets_type, facet_rule_type
+   use lopin_dofs, only : dofs_type
+   use lopin_contact_traction, only : grip_type, grip_status
+   use lopin_finite_kernel, only : local_matrix_type, point_state_type
+   implicit none
+   private
+   public :: tie_type, new_tie, evaluate_tie
+
+   type :: tie_type
+      logical :: set = .false.
+      integer, allocatable :: node(:)
+      real(wp), allocatable :: share(:)        !! of each; their sum is 0 [-]
+      real(wp), allocatable :: along(:, :)     !! (ndim-1, nodes) tangents of the frame's facet
+      real(wp) :: weight = 0.0_wp              !! D [area]
+      real(wp) :: offset(3) = 0.0_wp           !! a [length]
+   end type tie_type
+
+contains
+
+   subroutine new_tie(self, slave_node, node, coefficient, weight, facets, rules, x)
+      type(tie_type), intent(out) :: self
+      integer, intent(in) :: slave_node
+      integer, intent(in) :: node(:)
+      real(wp), intent(in) :: coefficient(:), weight    !! of the row [area]
+      type(facets_type), intent(in) :: facets           !! of the slave
+      type(facet_rule_type), intent(in) :: rules(:)
+      real(wp), intent(in) :: x(:, :)                   !! (ndim, nnode) [length]
+      real(wp) :: n(8), dn(size(x, 1) - 1, 8)
+      type(dual_type) :: place(3, size(node)), frame(3, 3)
+      logical :: kept(size(node))
+      integer :: i, k, m, at, d
+
+      d = size(x, 1)
+      do i = 1, facets%n
+         if (any(facets%node(:facets%nnode(i), i) == slave_node)) exit
+      end do
+      m = facets%nnode(i)
+      kept = [(any(facets%node(:m, i) == node(k)), k=1, size(node))]
+      kept = kept .or. abs(coefficient) > 0.0_wp
+      self%node = pack(node, kept)
+      self%share = pack(coefficient, kept)/weight
+      self%weight = weight
+      allocate (self%along(d - 1, size(self%node)), source=0.0_wp)
+      at = findloc(facets%node(:m, i), slave_node, 1)
+      associate (cell => rules(facets%cell(i))%cell)
+         call shape_functions(cell, cell%xi(:d - 1, at), n(:m), dn(:, :m))
+      end associate
+      do k = 1, m
+         self%along(:, findloc(self%node, facets%node(k, i), 1)) = dn(:, k)
+      end do
+      place = 0.0_wp
+      place(:d, :size(self%node))%v = x(:, self%node)
+      call lay_frame(self, place(:, :size(self%node)), frame)
+      do k = 1, 3
+         self%offset(k) = dot_product(frame(:d, k)%v, matmul(x(:, self%node), self%share))
+      end do
+      self%set = .true.
+   end subroutine new_tie
+
+   !> Columns: along the facet, across (in space), outward.
+   subroutine lay_frame(self, place, frame)
+      type(tie_type), intent(in) :: self
+      type(dual_type), intent(in) :: place(:, :)
+      type(dual_type), intent(out) :: frame(3, 3)
+      type(dual_type) :: t(3, 2), length
+      integer :: m, k, i
+
+      t = 0.0_wp
+      do m = 1, size(self%node)
+         do k = 1, size(self%along, 1)
+            if (.not. abs(self%along(k, m)) > 0.0_wp) cycle
+            do i = 1, 3
+               t(i, k) = t(i, k) + self%along(k, m)*place(i, m)
+            end do
+         end do
+      end do
+      ! In the plane the second tangent is the axis that looks at the reader, turned round.
+      if (size(self%along, 1) == 1) t(3, 2)%v = -1.0_wp
+      frame(:, 3) = dual_cross(t(:, 2), t(:, 1))
+      if (size(self%along, 1) == 2) frame(:, 3) = dual_cross(t(:, 1), t(:, 2))
+      length = dual_norm(t(:, 1))
+      do i = 1, 3
+         frame(i, 1) = t(i, 1)/length
+      end do
+      length = dual_norm(frame(:, 3))
+      do i = 1, 3
+         frame(i, 3) = frame(i, 3)/length
+      end do
+      frame(:, 2) = dual_cross(frame(:, 3), frame(:, 1))
+   end subroutine lay_frame
+
+   !> Forces and exact tangent, as evaluate_point of lopin_finite_kernel.
+   subroutine evaluate_tie(state, local, self, dofs, x, grip, lambda, first_row, with_tangent)
+      type(point_state_type), intent(inout) :: state
+      type(local_matrix_type), intent(inout) :: local
+      type(tie_type), intent(in) :: self
+      type(dofs_type), intent(in) :: dofs
+      real(wp), intent(in) :: x(:, :)          !! (ndim, nnode) present places [length]
+      type(grip_type), intent(in) :: grip
+      real(wp), intent(in) :: lambda(3)        !! [stress]
+      integer, intent(in) :: first_row
+      logical, intent(in) :: with_tangent
+      type(dual_type) :: apart(3), frame(3, 3)
+      real(wp), allocatable :: slope(:, :)     !! (d, local dofs) of the row
+      integer :: input(size(x, 1), size(self%node)), from, width, i, m, d, n
+
+      d = size(x, 1)
+      call list_inputs()
+      n = size(local%dof)
+      allocate (slope(d, n), source=0.0_wp)
+      do from = 0, merge(local%nu - 1, 0, with_tangent), dual_width
+         call part(from)
+         width = min(dual_width, local%nu - from)
+         do i = 1, d
+            slope(i, from + 1:from + width) = apart(i)%d(:width)
+         end do
+      end do
+      state%row = 0.0_wp
+      state%row(:d) = apart(:d)%v
+      state%traction = 0.0_wp
+      state%traction(:d) = lambda(:d) - grip%c*apart(:d)%v
+      state%normal = -frame(:, 3)%v
+      state%gap = dot_product(state%normal(:d), apart(:d)%v)
+      state%slip = 0.0_wp
+      state%status = grip_status%stick
+      state%force = spread(0.0_wp, 1, local%nu)
+      do m = 1, size(self%node)
+         do i = 1, d
+            if (input(i, m) > 0) state%force(input(i, m)) = self%weight*self%share(m) &
+               & *state%traction(i)
+         end do
+      end do
+      if (with_tangent) call make_matrix()
+
+   contains
+
+      subroutine list_inputs()
+         integer :: free(size(input)), k, j
+
+         local%nu = 0
+         input = 0
+         do j = 1, size(self%node)
+            do k = 1, d
+               if (dofs%id(k, self%node(j)) == 0) cycle
+               local%nu = local%nu + 1
+               free(local%nu) = dofs%id(k, self%node(j))
+               input(k, j) = local%nu
+            end do
+         end do
+         local%dof = [free(:local%nu), (dofs%n + first_row + k, k=0, d - 1)]
+      end subroutine list_inputs
+
+      !> What the two sides are apart beyond the offset, with slopes by inputs from + 1 and on.
+      subroutine part(from)
+         integer, intent(in) :: from
+         type(dual_type) :: place(3, size(self%node))
+         integer :: k, j
+
+         place = 0.0_wp
+         apart = 0.0_wp
+         do j = 1, size(self%node)
+            do k = 1, d
+               place(k, j) = variable(x(k, self%node(j)), merge(input(k, j) - from, 0, &
+                  & input(k, j) > 0))
+               apart(k) = apart(k) + self%share(j)*place(k, j)
+            end do
+         end do
+         call lay_frame(self, place, frame)
+         do j = 1, 3
+            do k = 1, d
+               apart(k) = apart(k) - self%offset(j)*frame(k, j)
+            end do
+         end do
+      end subroutine part
+
+      subroutine make_matrix()
+         integer :: j, k
+
+         associate (nu => local%nu)
+            if (allocated(local%k)) deallocate (local%k)
+            if (allocated(local%spring)) deallocate (local%spring)
+            allocate (local%k(n, n), local%spring(nu, nu), source=0.0_wp)
+            do j = 1, size(self%node)
+               do k = 1, d
+                  if (input(k, j) == 0) cycle
+                  local%k(input(k, j), :nu) = self%weight*self%share(j)*grip%c*slope(k, :nu)
+                  local%k(input(k, j), nu + k) = -self%weight*self%share(j)
+               end do
+            end do
+            local%k(nu + 1:, :nu) = slope(:, :nu)
+            local%spring = self%weight*grip%c*matmul(transpose(slope(:, :nu)), slope(:, :nu))
+         end associate
+      end subroutine make_matrix
+   end subroutine evaluate_tie
+end module lopin_finite_tie
