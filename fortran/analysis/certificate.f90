@@ -145,6 +145,7 @@ contains
          end do
       end do
       if (.not. p_ref > 0.0_wp) self%complementarity = max(0.0_wp, self%penetration)
+      energy%contact = energy%contact + scene%friction%stored
       energy%friction = sum(scene%friction%trial%work)
       self%complementarity = max(self%complementarity, scene%friction%misfit)
       self%cone = scene%friction%cone_excess

@@ -28,6 +28,7 @@ module lopin_friction_state
       real(wp), allocatable :: mises(:), speed(:)   !! (npoint) of the last iteration, read by laws
       real(wp) :: cone_excess = 0.0_wp          !! largest, beside the largest bound [-]
       real(wp) :: misfit = 0.0_wp               !! of tractions and slips, beside the largest force
+      real(wp) :: stored = 0.0_wp               !! in elastic stick [force*length]
       real(wp) :: least_work = 0.0_wp           !! least dissipation of a point, beside the most [-]
    end type friction_state_type
 

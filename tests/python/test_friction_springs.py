@@ -90,3 +90,16 @@ def test_a_regularised_law_creeps_by_its_formula(pull, sheet, share):
                                   [(0.0, 0.0), (1.0, 0.0), (2.0, 30.0*share/KT + creep)], 1.0/steps)
         sheet.compare("F12 creep of the arctangent", f"T/(mu N) = {share}, {steps} increments: slip",
                       30.0*share/KT + creep - abs(t[-1])/KT, creep, 1e-9)
+
+
+@pytest.mark.parametrize("friction, method, slope, steps", [
+    ("*FRICTION\n0.3,", "PENALTY", 1e5, 1e-5), ("*FRICTION\n0.3, 2000.", "DIRECT", None, 1e-12),
+    ("*FRICTION, REGULARIZATION=TANH, ELASTIC SLIP=0.02\n0.3,", "DIRECT", None, 1e-4)])
+def test_elastic_stick_stores_what_the_springs_do_not(solve, friction, method, slope, steps):
+    """Work done is stored in bodies and contact or lost: what elastic stick and regularised laws hold is not missing."""
+    from lopin import Deck
+
+    deck = slider(friction, [(0.0, 0.0), (1.0, 0.1), (2.0, 0.1)], [(0.0, 0.0), (1.0, 0.0), (2.0, 0.06)], 0.01, method, slope)
+    energy = solve(Deck.parse(deck, name="slider")).summary["energy"]
+    assert energy["contact"] > 0.2
+    assert energy["strain"] + energy["contact"] + energy["friction"] == pytest.approx(energy["external"], rel=10.0*steps)

@@ -1,0 +1,187 @@
+!> What an increment of friction leaves: tractions, slips, work; and the tests of it.
+module lopin_friction_history
+   use lopin_kinds, only : wp
+   use lopin_friction, only : is_regularised, by_rate, drag_limit, friction_radius, &
+      & return_to_disc, regularised_traction
+   use lopin_friction_rows, only : friction_points_type, elastic_compliance
+   use lopin_friction_set, only : friction_result_type
+   use lopin_scene, only : scene_type
+   implicit none
+   private
+   public :: remember
+
+   !> Work of a force over this share of a facet is rounding.
+   real(wp), parameter :: rounding = 1.0e-14_wp
+
+contains
+
+   !> The history that the answer leaves, as a trial, and the tests of friction.
+   subroutine remember(scene, points, friction)
+      type(scene_type), intent(inout) :: scene
+      type(friction_points_type), intent(in) :: points
+      type(friction_result_type), intent(in) :: friction
+      real(wp) :: slip(3), slid(points%nt), lost(points%nt), elastic(points%nt), done, radius, slope, &
+         & press, force(3)
+      real(wp) :: most_work, most_bound, excess
+      integer :: k, i
+
+      associate (s => scene%friction, old => scene%friction%accepted, new => scene%friction%trial)
+         new = old
+         new%force = scene%answer%force
+         new%gap = scene%answer%gap
+         new%q = scene%answer%q
+         s%slid = 0.0_wp
+         s%stored = 0.0_wp
+         s%least_work = 0.0_wp
+         most_work = 0.0_wp
+         most_bound = 0.0_wp
+         excess = 0.0_wp
+         do k = 1, points%n
+            i = scene%rows%point(points%normal(k))
+            new%status(i) = friction%status(k)
+            new%traction(:, i) = 0.0_wp
+            new%elastic(:, i) = 0.0_wp
+            new%anchor(:, i) = 0.0_wp
+            new%speed(i) = 0.0_wp
+            if (friction%status(k) == 0) cycle
+            associate (from => points%tangent(k), to => points%tangent(k) + points%nt - 1)
+               press = max(scene%answer%force(points%normal(k)), 0.0_wp)
+               elastic = -elastic_compliance(points, k, press)*scene%answer%force(from:to)
+               slid = scene%answer%gap(from:to) - points%start(:, k)
+               lost = 0.0_wp
+               if (is_regularised(points%law(k))) then
+                  lost = slid + points%anchor(:, k)
+                  new%anchor(:, i) = global(drawn(points, k, lost))
+                  ! What the anchor does not keep is dissipated; the rest is a spring's.
+                  lost = lost - drawn(points, k, lost)
+               else
+                  ! Stick leaves no slip: its residual is rounding.
+                  if (.not. points%augmented(k)) slid = slid - (elastic - points%elastic(:, k))
+                  if (friction%status(k) == 1) slid = 0.0_wp
+                  lost = slid
+               end if
+               force = global(scene%answer%force(from:to))
+               slip = global(slid)
+               new%elastic(:, i) = global(elastic)
+            end associate
+            new%traction(:, i) = force
+            s%slid(:, i) = slip
+            new%slip(:, i) = old%slip(:, i) + slip
+            new%path(i) = old%path(i) + norm2(slip)
+            new%speed(i) = norm2(slip)/points%at(k)%dt
+            done = -dot_product(force, global(lost))
+            new%work(i) = old%work(i) + done
+            s%stored = s%stored + stored_energy(points, k, press, force, new%anchor(:, i))
+            most_work = max(most_work, abs(done))
+            ! Slips that are rounding do rounding's work.
+            s%least_work = min(s%least_work, done + norm2(force)*maxval(friction%noise( &
+               & points%tangent(k):points%tangent(k) + points%nt - 1)))
+            call friction_radius(points%law(k), press/points%weight(k), points%at(k), radius, slope)
+            if (radius < huge(1.0_wp)/max(points%weight(k), 1.0_wp)) then
+               most_bound = max(most_bound, radius*points%weight(k))
+               excess = max(excess, norm2(force) - radius*points%weight(k))
+            end if
+         end do
+         ! Rounding of slips that add up to nothing is no dissipation.
+         do k = 1, points%n
+            associate (from => points%tangent(k), to => points%tangent(k) + points%nt - 1)
+               most_work = max(most_work, 1.0e-3_wp*norm2(scene%answer%force(from:to)) &
+                  & *norm2(scene%answer%gap(from:to)))
+            end associate
+         end do
+         ! Slips and shears that are rounding do rounding's work.
+         if (points%n > 0) most_work = max(most_work, rounding*maxval(abs(scene%answer%force)) &
+            & *maxval(scene%points%size))
+         if (most_work > 0.0_wp) s%least_work = s%least_work/most_work
+         s%misfit = largest_misfit(scene, points, friction%noise)
+         s%cone_excess = 0.0_wp
+         if (most_bound > 0.0_wp) s%cone_excess = max(excess, 0.0_wp)/most_bound
+      end associate
+
+   contains
+
+      !> A tangential vector of point k in global axes.
+      function global(t) result(v)
+         real(wp), intent(in) :: t(:)
+         real(wp) :: v(3)
+         integer :: d
+
+         v = 0.0_wp
+         do d = 1, size(t)
+            v = v + t(d)*scene%rows%direction(:, points%tangent(k) + d - 1)
+         end do
+      end function global
+   end subroutine remember
+
+   !> Energy that a point gives back when its traction goes: of elastic stick, or of a regularised
+   !> law between its anchor and the slip that it keeps [force*length].
+   real(wp) function stored_energy(points, k, press, force, kept) result(energy)
+      type(friction_points_type), intent(in) :: points
+      integer, intent(in) :: k
+      real(wp), intent(in) :: press, force(3)      !! [force]
+      real(wp), intent(in) :: kept(3)              !! slip from the anchor [length]
+      integer, parameter :: parts = 64
+      real(wp) :: traction, slope, slope_p, reach
+      integer :: i
+
+      energy = 0.0_wp
+      if (is_regularised(points%law(k))) then
+         reach = norm2(kept)
+         if (by_rate(points%law(k)) .or. .not. reach > 0.0_wp) return
+         ! The curves are smooth: midpoints on a grid that is finer near the anchor.
+         do i = 1, parts
+            call regularised_traction(points%law(k), reach*((i - 0.5_wp)/parts)**2, &
+               & press/points%weight(k), points%at(k), traction, slope, slope_p)
+            energy = energy + traction*points%weight(k)*reach*2.0_wp*(i - 0.5_wp)/parts**2
+         end do
+      else if (.not. points%augmented(k)) then
+         energy = 0.5_wp*elastic_compliance(points, k, press)*dot_product(force, force)
+      end if
+   end function stored_energy
+
+   !> How far the tractions are from what their slips ask for, point by point, beside the largest
+   !> force: stick that slips, slip that is not along its traction.
+   real(wp) function largest_misfit(scene, points, noise) result(worst)
+      type(scene_type), intent(in) :: scene
+      type(friction_points_type), intent(in) :: points
+      real(wp), intent(in) :: noise(:)             !! (nrow) of the gaps [length]
+      real(wp) :: press, stiffness, slip(points%nt), q(points%nt), bound, slope_q, slope_p, w, size_
+      integer :: k
+      logical :: slips
+
+      worst = 0.0_wp
+      size_ = maxval(abs(scene%answer%force))
+      if (.not. size_ > 0.0_wp .or. .not. allocated(scene%problem%s)) return
+      do k = 1, points%n
+         if (is_regularised(points%law(k))) cycle
+         w = points%weight(k)
+         associate (from => points%tangent(k), to => points%tangent(k) + points%nt - 1)
+            press = max(scene%answer%force(points%normal(k)), 0.0_wp)
+            if (.not. press > 0.0_wp .or. .not. scene%problem%s(from, from) > 0.0_wp) cycle
+            stiffness = 1.0_wp/scene%problem%s(from, from)
+            slip = scene%answer%gap(from:to) - points%start(:, k) + points%elastic(:, k) &
+               & + elastic_compliance(points, k, press)*scene%answer%force(from:to)
+            q = scene%answer%force(from:to) - stiffness*slip
+            call return_to_disc(points%law(k), norm2(q)/w, stiffness/w, press/w, points%at(k), &
+               & bound, slope_q, slope_p, slips)
+            if (norm2(q) > 0.0_wp) q = q*(bound*w/norm2(q))
+            worst = max(worst, norm2(scene%answer%force(from:to) - q) &
+               & - stiffness*maxval(noise(from:to)))
+         end associate
+      end do
+      worst = worst/size_
+   end function largest_misfit
+
+   !> Slip from the anchor after the anchor has followed.
+   function drawn(points, k, slip) result(left)
+      type(friction_points_type), intent(in) :: points
+      integer, intent(in) :: k
+      real(wp), intent(in) :: slip(:)
+      real(wp) :: left(size(slip)), limit
+
+      left = slip
+      if (by_rate(points%law(k))) left = 0.0_wp
+      limit = drag_limit(points%law(k))
+      if (norm2(left) > limit) left = left*(limit/norm2(left))
+   end function drawn
+end module lopin_friction_history
