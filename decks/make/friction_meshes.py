@@ -24,7 +24,10 @@ def rough_punch() -> Deck:
 
 
 def mindlin() -> Deck:
-    """Halves of two balls of radius 20, as blocks with a crown each; y = 0 is their plane of symmetry."""
+    """Half of a ball of radius 10, as a block with a crown, on half of a block; y = 0 is their plane of symmetry.
+
+    The flat one is the master: normals stay in the plane of symmetry.
+    """
     half = fine_then_spread(0.402/6.5, 0.43, 40.0, 2.2)
     across = np.concatenate([-half[:0:-1], half])
     up = np.concatenate([[0.0], spread(0.06, 0.0, 40.0, 2.0)])
@@ -33,15 +36,17 @@ def mindlin() -> Deck:
 
     def crown(x):
         reach = (x[:, :2]**2).sum(axis=1)
-        height = np.where(reach < 1.0, reach, 1.0)/40.0*(1.0 - x[:, 2]/40.0)
+        height = np.where(reach < 1.0, reach, 1.0)/20.0*(1.0 - x[:, 2]/40.0)
         return np.column_stack([x[:, 0], x[:, 1], x[:, 2] + height])
 
     upper = mesh_make.block((2.0*end, end, 40.0), shape, origin=(-end, 0.0, 0.0), grading=grading)
     near = upper.with_surface("NEAR", lambda x: (x[:, 2] < 1e-9) & (np.abs(x[:, :2]).max(axis=1) < 0.55))
+    # The rigid upper face has its own supports.
+    near = near.with_points("FRONT", lambda x: (x[:, 1] < 1e-9) & (x[:, 2] < 39.9))
     lower = mesh_make.block((2.0*end, end, 40.0), shape, origin=(-end, 0.0, -40.0),
                             grading=(*grading[:2], 1.0 - up[::-1]/up[-1]))
     low = lower.with_surface("NEAR", lambda x: (x[:, 2] > -1e-9) & (np.abs(x[:, :2]).max(axis=1) < 0.55))
-    low = low.mapped(lambda x: crown(x*[1.0, 1.0, -1.0])*[1.0, 1.0, -1.0])
+    low = low.with_points("FRONT", lambda x: (x[:, 1] < 1e-9) & (x[:, 2] > -39.9))
     mesh = together(UP=lean(near.mapped(crown), "NEAR", "TOP FRONT"), LOW=lean(low, "NEAR", "BOTTOM FRONT"))
     return mesh_deck(Model("mesh", mesh.mapped(lambda x: np.round(x, 9)), kind="3d"))
 
