@@ -28,6 +28,7 @@ module lopin_finite_state
       real(wp), allocatable :: internal(:)     !! (ndof) forces of the solids [force]
       real(wp) :: energy = 0.0_wp              !! strain energy of the solids [force*length]
       real(wp) :: dt = 1.0_wp                  !! time increment [time]
+      logical :: frictionless = .true.         !! of the present step
       real(wp) :: force_seen = 0.0_wp          !! largest of the increments solved so far [force]
       integer :: most_augmentations = 0
       real(wp) :: augment_until = 0.0_wp       !! relative change of the tractions

@@ -62,7 +62,7 @@ module lopin_finite_system
 contains
 
    !> Take a tangent; nothing is factorised yet.
-   subroutine set_tangent(self, k, constraints, nlocal, local, stiffness, area)
+   subroutine set_tangent(self, k, constraints, nlocal, local, stiffness, area, flat)
       type(finite_system_type), intent(inout) :: self
       type(csc_type), intent(in) :: k                    !! (ndof) solids, lower triangle
       type(constraints_type), intent(in) :: constraints
@@ -70,6 +70,8 @@ contains
       type(local_matrix_type), intent(in) :: local(:)    !! nlocal of them
       real(wp), intent(in) :: stiffness(:)   !! (nmultiplier) c of its row [stress/length]
       real(wp), intent(in) :: area(:)                    !! (nmultiplier) of its point [length^2]
+      logical, intent(in) :: flat             !! forces by the springs alone, as if normals stood
+                                              !! still: where pressures are still guesses
       integer :: i
 
       self%neq = constraints%neq
@@ -80,20 +82,21 @@ contains
       if (allocated(self%block)) deallocate (self%block)
       allocate (self%block(nlocal))
       do i = 1, nlocal
-         call reduce_block(self%block(i), local(i), constraints)
+         call reduce_block(self%block(i), local(i), constraints, flat)
       end do
       self%factorised = .false.
       self%direct = .false.
    end subroutine set_tangent
 
    !> T^T k T of one contact point.
-   subroutine reduce_block(block, local, constraints)
+   subroutine reduce_block(block, local, constraints, flat)
       type(block_type), intent(out) :: block
       type(local_matrix_type), intent(in) :: local
       type(constraints_type), intent(in) :: constraints
+      logical, intent(in) :: flat
       integer :: i, c, n, m, dof
       integer, allocatable :: at(:)
-      real(wp), allocatable :: t(:, :)
+      real(wp), allocatable :: t(:, :), k(:, :)
 
       m = 0
       do i = 1, size(local%dof)
@@ -115,7 +118,15 @@ contains
          call put(i, constraints%neq + local%dof(i) - constraints%ndof, 1.0_wp)
       end do
       block%at = at(:n)
-      block%k = matmul(transpose(t(:, :n)), matmul(local%k, t(:, :n)))
+      allocate (k, source=local%k)
+      if (flat) then
+         k(:local%nu, :local%nu) = local%spring
+         if (allocated(local%flat_row)) then
+            if (all(shape(local%flat_row) == [size(k, 1) - local%nu, local%nu])) &
+               & k(local%nu + 1:, :local%nu) = local%flat_row
+         end if
+      end if
+      block%k = matmul(transpose(t(:, :n)), matmul(k, t(:, :n)))
       block%spring = matmul(transpose(t(:local%nu, :block%nu)), matmul(local%spring, &
          & t(:local%nu, :block%nu)))
 

@@ -11,6 +11,8 @@ module lopin_path_finite
    use lopin_text, only : to_text
    use lopin_clock, only : phase
    use lopin_model, only : model_type, method_of
+   use lopin_friction, only : has_friction
+   use lopin_bodies, only : describe_motion
    use lopin_constraints, only : expand, reduce, raw_displacement
    use lopin_finite_contact, only : new_finite_contact, start_increment, augment, &
       & local_matrix_type
@@ -86,6 +88,10 @@ contains
                end do
             end do
          end do
+         scene%finite%frictionless = .true.
+         do pair = 1, size(model%pair)
+            if (has_friction(contact%friction(pair))) scene%finite%frictionless = .false.
+         end do
       end associate
    end subroutine start_step
 
@@ -111,6 +117,7 @@ contains
       scene%finite%multiplier = scene%finite%accepted_multiplier
       scene%finite%iterations = 0
       scene%finite%augmentations = 0
+      scene%finite%grounded = 0
       scene%finite%nline = 0
       call start_increment(scene%finite%contact, model, scene%u, scene%finite%dt, error)
       if (allocated(error)) return
@@ -146,6 +153,7 @@ contains
       real(wp) :: merits(memory), last, share
       integer :: iteration, stale, seen(most_sets)
       logical :: lagged
+      logical :: fresh
 
       merits = 0.0_wp
       lagged = reads_lagged(scene)
@@ -168,11 +176,14 @@ contains
          ! A front of contact may open point by point: sets not met before are progress.
          seen(iteration) = hash_of(scene%finite%contact%status)
          if (any(seen(:iteration - 1) == seen(iteration))) stale = stale + 1
+         fresh = .false.
+         if (iteration > 1) fresh = seen(iteration) /= seen(max(1, iteration - 1))
          if (stale > merge(most_lagged, most_iterations, lagged)) exit
          merits(1 + mod(iteration, memory)) = look%merit
-         call find_step(scene, model, look, jump, step, error)
+         call find_step(scene, model, look, jump, step, error, flat=fresh)
          if (allocated(error)) return
-         call take_step(scene, model, f, v, prescribed, step, any(abs(jump) > 0.0_wp), &
+         call take_step(scene, model, f, v, prescribed, step, any(abs(jump) > 0.0_wp) .or. &
+            & (stale == 0 .and. scene%finite%frictionless), &
             & maxval(merits), look, last, share, error)
          if (allocated(error)) return
          if (lagged) then
@@ -183,11 +194,30 @@ contains
          call log_iteration(scene, look, iteration, last, share)
          jump = 0.0_wp
       end do
+      if (scene%finite%grounded > 0 .and. scene%bodies%nq > 0) then
+         call say_free(scene, model, error)
+         return
+      end if
       call raise(error, error_code%not_converged, 'E0510', 'Newton has not converged in '// &
          & to_text(scene%finite%iterations)//' iterations: residual '//to_text(look%merit &
          & /max(look%reference, tiny(1.0_wp)), 3)//' of the largest force', &
          & model%step(scene%step)%at, help='smaller increments on *STATIC')
    end subroutine newton
+
+   !> A body that only contact could hold, and contact does not.
+   subroutine say_free(scene, model, error)
+      type(scene_type), intent(in) :: scene
+      type(model_type), intent(in) :: model
+      type(error_type), allocatable, intent(out) :: error
+      real(wp) :: q(scene%bodies%nq)
+
+      q = 0.0_wp
+      q(1) = 1.0_wp
+      call raise(error, error_code%not_converged, 'E0511', &
+         & describe_motion(scene%bodies, model, q)//': contact does not hold it under these loads', &
+         & model%step(scene%step)%at, note=to_text(scene%bodies%nq)//' rigid motions are free', &
+         & help='fix it by *BOUNDARY, bring it into contact, or drive it by displacement')
+   end subroutine say_free
 
    !> A number that differs where statuses do, but for chance.
    pure integer function hash_of(status) result(hash)
@@ -255,13 +285,14 @@ contains
    end subroutine collect_locals
 
    !> The Newton direction for free equations and multipliers.
-   subroutine find_step(scene, model, look, jump, step, error)
+   subroutine find_step(scene, model, look, jump, step, error, flat)
       type(scene_type), intent(inout) :: scene
       type(model_type), intent(in) :: model
       type(look_type), intent(in) :: look
       real(wp), intent(in) :: jump(:)          !! (ndof) prescribed displacements still to come
       real(wp), allocatable, intent(out) :: step(:)
       type(error_type), allocatable, intent(out) :: error
+      logical, intent(in) :: flat              !! contact has just changed: normals stand still
       real(wp), allocatable :: right(:), pushed(:), reduced(:)
       type(local_matrix_type), allocatable :: local(:)
       real(wp) :: tolerance
@@ -288,10 +319,10 @@ contains
          end if
          if (scene%finite%nlgeom) then
             call set_tangent(system, scene%finite%k, scene%constraints, size(local), local, &
-               & of_rows(scene, contact%c), of_rows(scene, contact%weight))
+               & of_rows(scene, contact%c), of_rows(scene, contact%weight), flat)
          else
             call set_tangent(system, scene%k, scene%constraints, size(local), local, &
-               & of_rows(scene, contact%c), of_rows(scene, contact%weight))
+               & of_rows(scene, contact%c), of_rows(scene, contact%weight), flat)
          end if
          tolerance = 1.0e-9_wp
          do pass = 1, 2

@@ -434,6 +434,7 @@ contains
          l%dof = [(self%dofs%n + self%first_row(i) + k, k=0, d - 1)]
          if (allocated(l%k)) deallocate (l%k)
          if (allocated(l%spring)) deallocate (l%spring)
+         if (allocated(l%flat_row)) deallocate (l%flat_row)
          allocate (l%k(d, d), l%spring(0, 0), source=0.0_wp)
          do k = 1, d
             l%k(k, k) = 1.0_wp/self%grip(i)%c

@@ -15,7 +15,7 @@ module lopin_finite_grips
 
    !> Penalty without a slope, beside the modulus over the facet; stiffness of exact methods that
    !> only conditions the system; shear beside normal stiffness.
-   real(wp), parameter :: default_penalty = 100.0_wp, scale_of_exact = 10.0_wp
+   real(wp), parameter :: default_penalty = 100.0_wp, scale_of_exact = 1.0_wp
    real(wp), parameter :: shear_share = 1.0_wp/3.0_wp
    !> Penalties up to this, in moduli over a facet, are springs.
    real(wp), parameter :: soft_enough = 20.0_wp

@@ -25,6 +25,7 @@ module lopin_finite_kernel
       real(wp), allocatable :: k(:, :)         !! d(-force, row)/d(u, multiplier)
       integer :: nu = 0                        !! entries that are displacements
       real(wp), allocatable :: spring(:, :)    !! (nu, nu) positive semidefinite part, for a factor
+      real(wp), allocatable :: flat_row(:, :)  !! (ndim, nu) multiplier rows as if normals stood still
    end type local_matrix_type
 
    !> Results of an evaluation.
@@ -213,8 +214,16 @@ contains
 
          if (allocated(local%spring)) deallocate (local%spring)
          allocate (local%spring(inputs%nu, inputs%nu), source=0.0_wp)
+         if (allocated(local%flat_row)) deallocate (local%flat_row)
+         if (first_row > 0) allocate (local%flat_row(d, inputs%nu), source=0.0_wp)
          if (state%status == grip_status%open) return
          press = normal_stiffness(grip, state%gap + shift)
+         if (first_row > 0) then
+            do j = 1, inputs%nu
+               local%flat_row(:, j) = state%normal(:d)*along_gap(j) &
+                  & + matmul(shear(:d, :d), along_slip(:, j))/grip%c
+            end do
+         end if
          do j = 1, inputs%nu
             local%spring(:, j) = points%weight(i)*(press*along_gap*along_gap(j) &
                & + matmul(transpose(along_slip), matmul(shear(:d, :d), along_slip(:, j))))

@@ -381,8 +381,16 @@ contains
 
          if (allocated(local%spring)) deallocate (local%spring)
          allocate (local%spring(local%nu, local%nu), source=0.0_wp)
+         if (allocated(local%flat_row)) deallocate (local%flat_row)
+         if (first_row > 0) allocate (local%flat_row(2, local%nu), source=0.0_wp)
          if (state%status == grip_status%open) return
          press = normal_stiffness(grip, state%gap + shift)
+         if (first_row > 0) then
+            do j = 1, local%nu
+               local%flat_row(:, j) = state%normal(:2)*along_gap(j) &
+                  & + matmul(shear, along_slip(:, j))/grip%c
+            end do
+         end if
          do j = 1, local%nu
             local%spring(:, j) = weight*(press*along_gap*along_gap(j) &
                & + matmul(transpose(along_slip), matmul(shear, along_slip(:, j))))
