@@ -177,7 +177,8 @@ contains
          seen(iteration) = hash_of(scene%finite%contact%status)
          if (any(seen(:iteration - 1) == seen(iteration))) stale = stale + 1
          fresh = .false.
-         if (iteration > 1) fresh = seen(iteration) /= seen(max(1, iteration - 1))
+         if (iteration > 1 .and. scene%finite%frictionless) fresh = seen(iteration) &
+            & /= seen(max(1, iteration - 1))
          if (stale > merge(most_lagged, most_iterations, lagged)) exit
          merits(1 + mod(iteration, memory)) = look%merit
          call find_step(scene, model, look, jump, step, error, flat=fresh)
