@@ -357,10 +357,62 @@ def beam_on_roller() -> None:
     save(fig, "beam_on_roller")
 
 
+def crushed_ring() -> None:
+    """The ring between its plates, four times."""
+    result = solved("crushed_ring")
+    last = len(result.times) - 1
+    fig, axes = figure(8.6, 3.4, 4)
+    for ax, k in zip(axes, (last//4, last//2, 3*last//4, last)):
+        drawn = deformed(ax, result, result.at(k)["Mises"], scale=1.0, index=k, limits=(0.0, 2.0),
+                         grid=0.2)
+        tools(ax, result, scale=1.0, index=k)
+        ax.set(xlim=(0.0, 33.0), ylim=(-22.0, 20.0), xlabel="x [mm]")
+        ax.set_title(f"{35.0*result.times[k]:.0f} mm", fontsize=9)
+    axes[0].set_ylabel("y [mm]")
+    coloured(fig, drawn, list(axes), "Mises stress [MPa]")
+    save(fig, "crushed_ring")
+
+
+def ironing() -> None:
+    """The die in the slab, and the forces beside those by node to segment."""
+    result = solved("ironing")
+    fig, (left, ax) = figure(8.6, 3.4, 2)
+    drawn = deformed(left, result, result["Mises"], scale=1.0, limits=(0.0, 400.0), grid=0.2)
+    left.set(xlabel="x [mm]", ylabel="y [mm]")
+    coloured(fig, drawn, left, "Mises stress [MPa]")
+    time = result.history["time"]
+    head = "DIE.OUTER-SLAB.TOP.force"
+    ax.plot(time, result.history[head + "2"], "-", color=DOTS, label="down")
+    ax.plot(time, -result.history[head + "1"], "-", color="#1f6f8b", label="along")
+    ax.axvline(1.0, color=INK, lw=0.6, ls=":")
+    ax.set(xlabel="time: pressed until 1, drawn until 2", ylabel="force [N/mm]", ylim=(0.0, None))
+    ax.legend(frameon=False)
+    save(fig, "ironing")
+
+
+def rotating_rings() -> None:
+    """Pressure while the shaft turns, with straight and with curved facets."""
+    fig, (left, ax) = figure(8.6, 3.6, 2)
+    curved = solved("rotating_rings")
+    straight = solved("rotating_rings", **{"SMOOTH=YES\nSHAFT": "SMOOTH=NO\nSHAFT"})
+    drawn = deformed(left, curved, curved["Mises"], scale=1.0, grid=0.2)
+    left.set(xlabel="x [mm]", ylabel="y [mm]")
+    coloured(fig, drawn, left, "Mises stress [MPa]")
+    for result, label, colour in ((straight, "48 straight facets", EXACT),
+                                  (curved, "SMOOTH=YES", DOTS)):
+        turned = np.maximum(result.history["time"] - 1.0, 0.0)*90.0
+        ax.plot(turned, result.history["SHAFT.OUTER-HUB.INNER.max_pressure"], color=colour,
+                label=label)
+    ax.axhline(22.792, color=INK, lw=0.8, ls="--", label="Lamé")
+    ax.set(xlabel="angle of the shaft [degrees]", ylabel="largest pressure [MPa]", ylim=(0.0, None))
+    ax.legend(frameon=False)
+    save(fig, "rotating_rings")
+
+
 DRAWN = {f.__name__: f for f in (
     bar_gap, two_springs, cylinder_on_plane, flat_punch, hertz_sphere, hertz_sphere_3d, lifted_beam,
     nafems_cylinder, cattaneo, rough_punch, nafems_punch, patch_test, two_blocks_mortar, signorini, strip_bending, glued_beam, shrink_fit, no_separation,
-    ball_on_ball, beam_on_roller)}
+    ball_on_ball, beam_on_roller, crushed_ring, ironing, rotating_rings)}
 
 
 def main(names: list[str]) -> None:

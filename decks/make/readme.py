@@ -19,6 +19,7 @@ GROUPS = {
                                      "shrink_fit", "signorini", "ball_of_facets"),
     "Beams and strips": ("strip_bending", "glued_beam", "beam_on_roller", "lifted_beam"),
     "Friction": ("cattaneo", "rough_punch", "nafems_punch", "capstan"),
+    "Far sliding and large strain": ("rotating_rings", "ironing", "crushed_ring"),
     "Meshes that do not match": ("patch_test", "two_blocks_mortar"),
 }
 HEAD = """# Decks

@@ -2,7 +2,7 @@
 import numpy as np
 import pytest
 
-from lopin import mesh_make
+from lopin import Deck, mesh_make
 from lopin.mesh import together
 from sliding_rings import FIT, PRESSURE, pressures_and_torques, rings
 from sliding_scenes import LAGRANGE, deck, material, pair, rotation, sections, step, turned
@@ -229,3 +229,69 @@ def test_a_block_is_pushed_out_of_a_thin_sheet(solve, sheet, words, adjust):
                   "pushed out", absolute=True)
     sheet.compare("F10 thin sheet", f"{name}: largest pressure", result.contact(0).last.pressure.max(),
                   1e5*np.log(2.0/1.98)/0.99, 1e-6, "Hencky, uniaxial")
+
+
+def line_of(size, fine, end, growth):
+    """Ticks of one size up to `fine`, growing to `end`, over `end`."""
+    x = [size*k for k in range(round(fine/size) + 1)]
+    while x[-1] < end:
+        x.append(x[-1] + (x[-1] - x[-2])*growth)
+    x = np.array(x)
+    return np.where(x <= fine*(1 + 1e-9), x, fine + (x - fine)*(end - fine)/(x[-1] - fine))/end
+
+
+@pytest.mark.parametrize("nlgeom", [False, True])
+def test_hertz_of_12000_dofs_in_one_increment(solve, sheet, nlgeom):
+    """Half a cylinder on a rigid plane, one increment from touching at a point: the whole zone of contact at once."""
+    across, up = line_of(1/72, 1.2, 20.0, 1.12), line_of(1/72, 0.4, 40.0, 1.12)
+    mesh = mesh_make.crowned_block((20.0, 40.0), (len(across) - 1, len(up) - 1), 100.0, grading=(across, up))
+    mesh = mesh.with_surface("ARC", lambda x: (x[:, 0] < 1.6) & (x[:, 1] < 0.1))
+    cards = (material() + sections({"ALL": "M"})
+             + "*NODE, NSET=REF\n90001, 0., 0.\n*SURFACE, NAME=TOOL, TYPE=SEGMENTS\nSTART, 9., 0.\nLINE, -9., 0.\n"
+             "*RIGID BODY, ANALYTICAL SURFACE=TOOL, REF NODE=90001\n".replace("9., 0.\nLINE, -9.", "-9., 0.\nLINE, 9.")
+             + pair("ARC", "TOOL") + "*BOUNDARY\nLEFT, 1\nREF, 1, 2\nREF, 6\n"
+             + step("1., 1.", "*DSLOAD\nTOP, P, 25.\n"))
+    scene = deck(mesh, cards)
+    if not nlgeom:
+        scene = type(scene).parse(scene.text().replace(", NLGEOM", ""), "scene", ".")
+    result = solve(scene)
+    assert 2*mesh.n_point > 12000 and len(result.times) == 1
+    history, case = result.history, "A3 cylinder on plane, 12 k dofs, one increment from one point"
+    name = "NLGEOM" if nlgeom else "small sliding"
+    sheet.compare(case, f"{name}: largest pressure", history["ARC-TOOL.max_pressure"][-1], 857.0655, 0.01, "Hertz 1882")
+    sheet.compare(case, f"{name}: half width of contact", history["ARC-TOOL.area"][-1], 0.742790, 0.02, "Hertz 1882")
+    wide = 20.0 + (np.asarray(result["U"])[mesh.point_sets["TOP"], 0].max() if nlgeom else 0.0)
+    sheet.compare(case, f"{name}: force", history["ARC-TOOL.force2"][-1], 25.0*wide, 1e-6, "pressure on what is there")
+    if not nlgeom:
+        assert result.summary["certificate"]["verdict"] == "PASS"
+
+
+def nafems(root, sides, words):
+    """The deck of NAFEMS' cylinder under finite rotation and strain."""
+    text = (root/"decks"/"nafems_cylinder.inp").read_text(encoding="utf-8")
+    found = "*CONTACT PAIR, INTERACTION=SMOOTH\nBLOCK.NEAR, CYLINDER.ARC"
+    assert found in text and "*STEP, NAME=PRESS\n" in text
+    text = text.replace(found, f"*CONTACT PAIR, INTERACTION=SMOOTH{words}\n{sides}")
+    return Deck.parse(text.replace("*STEP, NAME=PRESS\n", "*STEP, NAME=PRESS, NLGEOM\n"), "nafems", root/"decks")
+
+
+@pytest.mark.parametrize("words", ["", MORTAR])
+def test_nafems_cylinder_at_finite_strain(solve, root, sheet, words):
+    """A3 under NLGEOM, the cylinder held by contact alone; sides swapped (F20).
+
+    MARC and code_aster have DY = -1.307 of other laws of finite elasticity; Hencky's is stiffer in
+    compression: -1.270, beside -1.279 in small strain.
+    """
+    found = []
+    name = "mortar" if words else "node to segment"
+    for sides in ("BLOCK.NEAR, CYLINDER.ARC", "CYLINDER.ARC, BLOCK.NEAR"):
+        result = solve(nafems(root, sides, words))
+        points = result.to_meshio().points
+        b = np.argmin(np.hypot(points[:, 0], points[:, 1]) + np.where(np.arange(len(points)) < 2160, 1e3, 0.0))
+        down = np.asarray(result["U"])[b, 1]
+        head = sides.replace(", ", "-")
+        found.append((down, result.history[f"{head}.max_pressure"][-1], result.history["energy.strain"][-1]))
+        assert down == pytest.approx(-1.279, rel=0.01)
+    if words:
+        for what, first, second in zip(("DY of B", "largest pressure", "strain energy"), *found):
+            sheet.compare("A3 under NLGEOM", f"{name}, sides swapped: {what}", second, first, 0.01, "the other side")
