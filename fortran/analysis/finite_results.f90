@@ -1,6 +1,9 @@
 !> Forces, certificate and contact fields of an increment of the finite path.
 module lopin_finite_results
    use lopin_kinds, only : wp
+   use lopin_error, only : severity
+   use lopin_text, only : to_text
+   use lopin_friction, only : has_friction
    use lopin_vectors, only : largest
    use lopin_model, only : model_type, method_of
    use lopin_state, only : certificate_type, energy_type, contact_field_type
@@ -8,6 +11,7 @@ module lopin_finite_results
    use lopin_certificate, only : forces_type, give_verdict
    use lopin_finite_state, only : forgotten
    use lopin_contact_traction, only : grip_kind
+   use lopin_finite_contact, only : finite_contact_type, dissipated, held_energy, shear_bound
    use lopin_scene, only : scene_type
    implicit none
    private
@@ -15,7 +19,10 @@ module lopin_finite_results
    !> fail (verdict FAIL from 0.2).
    real(wp), parameter :: only_warns = 0.19_wp
 
-   public :: find_finite_forces, certify_finite, finite_contact_fields
+   public :: find_finite_forces, certify_finite, finite_contact_fields, tell_finite
+
+   !> Work of a traction over this share of a facet is rounding.
+   real(wp), parameter :: rounding = 1.0e-14_wp
 
 contains
 
@@ -52,14 +59,48 @@ contains
          & largest(forces%internal), forgotten*scene%finite%force_seen)
       if (reference > 0.0_wp) self%equilibrium = largest(free)/reference
       energy%strain = scene%finite%energy
-      call judge_points(self, energy, scene, model)
+      call judge_points(self, scene, model)
+      call judge_friction(self, energy, scene%finite%contact)
       call judge_balance(self, scene, model, forces%pressed)
       call give_verdict(self)
    end subroutine certify_finite
 
-   subroutine judge_points(self, energy, scene, model)
+   !> Shear within its bound, work of friction not negative, and the energies of the trial state.
+   subroutine judge_friction(self, energy, contact)
       type(certificate_type), intent(inout) :: self
       type(energy_type), intent(inout) :: energy
+      type(finite_contact_type), intent(in) :: contact
+      real(wp) :: work(contact%n), beyond(contact%n), bound(contact%n), shear(3), most
+      integer :: i
+
+      energy%contact = 0.0_wp
+      energy%friction = 0.0_wp
+      work = 0.0_wp
+      beyond = 0.0_wp
+      bound = 0.0_wp
+      most = 0.0_wp
+      associate (c => contact)
+         do i = 1, c%n
+            energy%friction = energy%friction + c%friction_work(i)*c%weight(i)
+            if (c%facet(i) == 0 .or. c%grip(i)%kind == grip_kind%tied) cycle
+            work(i) = dissipated(c, i)*c%weight(i)
+            energy%friction = energy%friction + work(i)
+            energy%contact = energy%contact + held_energy(c, i)*c%weight(i)
+            shear = c%traction(:, i) - c%pressure(i)*c%normal(:, i)
+            ! Slips that add up to nothing, and shears that are rounding, do rounding's work.
+            most = max(most, abs(work(i)), c%weight(i)*max(1.0e-3_wp*norm2(shear) &
+               & *norm2(c%trial(i)%slip), rounding*norm2(c%traction(:, i))*c%size(i)))
+            if (.not. shear_bound(c, i) < huge(1.0_wp)) cycle
+            bound(i) = shear_bound(c, i)
+            beyond(i) = norm2(shear) - bound(i)
+         end do
+      end associate
+      if (most > 0.0_wp) self%dissipation = minval(work)/most
+      if (largest(bound) > 0.0_wp) self%cone = max(maxval(beyond), 0.0_wp)/largest(bound)
+   end subroutine judge_friction
+
+   subroutine judge_points(self, scene, model)
+      type(certificate_type), intent(inout) :: self
       type(scene_type), intent(in) :: scene
       type(model_type), intent(in) :: model
       real(wp) :: p_ref
@@ -67,9 +108,8 @@ contains
 
       associate (c => scene%finite%contact)
          if (c%n == 0) return
-         p_ref = max(largest(c%pressure(:c%n)), forgotten*scene%finite%force_seen/sum(c%weight(:c%n)))
-         energy%contact = 0.0_wp
-         energy%friction = sum(c%friction_work(:c%n)*c%weight(:c%n))
+         p_ref = max(largest(c%pressure(:c%n)), forgotten*scene%finite%force_seen &
+            & /sum(c%weight(:c%n)))
          do i = 1, c%n
             if (c%facet(i) == 0) cycle
             method = model%interaction(model%pair(c%pair(i))%interaction)%method
@@ -118,6 +158,44 @@ contains
       if (any(scene%dofs%id(1, :) == 0 .and. scene%dofs%id(2, :) > 0)) total(1) = 0.0_wp
       if (largest(pressed) > 0.0_wp) self%action_reaction = norm2(total)/sum(abs(pressed))
    end subroutine judge_balance
+
+   !> Warnings and notes of the trial state, once for each step.
+   subroutine tell_finite(scene, model)
+      type(scene_type), intent(inout) :: scene
+      type(model_type), intent(in) :: model
+      integer :: i
+
+      associate (c => scene%finite%contact)
+         if (scene%finite%grounded > 0) call once(severity%note, 'N0511', to_text( &
+            & scene%finite%grounded)//' iterations held a free body by soft springs to the '// &
+            & 'ground: none is in the answer', 'the springs did no work')
+         do i = 1, c%n
+            if (.not. c%bilateral(i) .or. c%facet(i) == 0) cycle
+            if (c%grip(i)%kind == grip_kind%tied .or. .not. c%pressure(i) < 0.0_wp) cycle
+            associate (law => c%friction(c%pair(i)))
+               if (.not. has_friction(law) .or. law%rough) cycle
+            end associate
+            call once(severity%warning, 'W0521', 'node '// &
+               & to_text(model%mesh%node_label(c%node(i)))//' is pulled by NO SEPARATION: '// &
+               & 'friction there is that of no pressure', 'TIED or ROUGH also hold along the face')
+            exit
+         end do
+      end associate
+
+   contains
+
+      subroutine once(level, id, message, help)
+         integer, intent(in) :: level
+         character(len=*), intent(in) :: id, message, help
+         integer :: k
+
+         do k = 1, scene%log%n
+            if (scene%log%item(k)%id == id .and. scene%log%item(k)%at%line &
+               & == model%step(scene%step)%at%line) return
+         end do
+         call scene%log%say(level, id, message, model%step(scene%step)%at, help=help)
+      end subroutine once
+   end subroutine tell_finite
 
    !> What recorders see of the contacts, by pair.
    subroutine finite_contact_fields(field, closed, scene, model)

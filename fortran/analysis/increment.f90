@@ -19,7 +19,7 @@ module lopin_increment
    use lopin_certificate, only : forces_type, find_forces, certify, worst_unrowed
    use lopin_finite_contact, only : accept_contact => accept, reject_contact => reject
    use lopin_finite_state, only : iteration_header
-   use lopin_finite_results, only : find_finite_forces, certify_finite
+   use lopin_finite_results, only : find_finite_forces, certify_finite, tell_finite
    use lopin_contact_friction, only : slides_with_friction
    use lopin_friction_state, only : commit_friction => commit, roll_back_friction => roll_back
    use lopin_frames, only : fill_frame
@@ -91,6 +91,7 @@ contains
          call find_finite_forces(forces, scene, progress%f)
          progress%residual = forces%residual
          call certify_finite(frame%certificate, frame%energy, scene, model, forces)
+         call tell_finite(scene, model)
          frame%iterations = scene%finite%iterations
          frame%augmentations = scene%finite%augmentations
       end if

@@ -116,6 +116,7 @@ contains
       scene%u = scene%accepted
       scene%finite%multiplier = scene%finite%accepted_multiplier
       scene%finite%iterations = 0
+      scene%finite%grounded = 0
       scene%finite%augmentations = 0
       scene%finite%grounded = 0
       scene%finite%nline = 0

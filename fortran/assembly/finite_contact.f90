@@ -10,8 +10,9 @@ module lopin_finite_contact
    use lopin_model, only : model_type
    use lopin_dofs, only : dofs_type
    use lopin_friction, only : friction_type, condition_type, has_friction, is_regularised, &
-      & drag_limit
-   use lopin_contact_traction, only : grip_type, grip_kind, grip_status, elastic_slip_of
+      & drag_limit, friction_radius
+   use lopin_contact_traction, only : grip_type, grip_kind, grip_status, elastic_slip_of, &
+      & stored_energy
    use lopin_finite_grips, only : choose_grips, remember_elastic
    use lopin_finite_points, only : finite_points_type, new_finite_points, is_self_contact
    use lopin_finite_opposite, only : opposite_type, anchor_type, masters_type, new_masters, &
@@ -24,7 +25,7 @@ module lopin_finite_contact
    implicit none
    private
    public :: local_matrix_type, finite_contact_type, new_finite_contact, start_increment
-   public :: evaluate, augment, accept, reject, speed_of
+   public :: evaluate, augment, accept, reject, speed_of, dissipated, held_energy, shear_bound
 
    !> A point farther from its master, in facets, is not tied unless ADJUST says so.
    real(wp), parameter :: too_far = 0.5_wp
@@ -51,7 +52,6 @@ module lopin_finite_contact
       real(wp), allocatable :: xi(:, :)        !! (2, n)
       real(wp), allocatable :: slip_path(:)    !! (n) its length
       real(wp), allocatable :: friction_work(:) !! (n) dissipated per area [stress*length]
-      real(wp), allocatable :: energy(:)       !! (n) held by penalties per area [stress*length]
       real(wp) :: soft_error = 0.0_wp          !! estimated pressure error of penalties, relative
       ! set from outside
       real(wp) :: interference = 1.0_wp        !! share of initial overclosures that is applied
@@ -102,7 +102,7 @@ contains
          & self%normal(3, n), self%slip(3, n), self%xi(2, n), self%slip_path(n), &
          & self%friction_work(n), self%lambda(3, n), self%last_normal(3, n), self%creep(3, n), &
          & self%c(n), self%ct(n), self%mises(n), self%speed(n), self%last_speed(n), &
-         & self%energy(n), source=0.0_wp)
+         & source=0.0_wp)
       allocate (self%facet(n), self%status(n), self%first_row(n), source=0)
       allocate (self%pressing(model%mesh%nnode), source=0)
       allocate (self%bilateral(n), self%closed(n), self%loose(n), &
@@ -363,6 +363,32 @@ contains
       dissipated = -dot_product(self%trial(i)%traction, lost_slip(self, i))
    end function dissipated
 
+   !> Energy per area that a point's springs hold [stress*length].
+   pure real(wp) function held_energy(self, i) result(energy)
+      type(finite_contact_type), intent(in) :: self
+      integer, intent(in) :: i
+
+      energy = 0.0_wp
+      if (self%facet(i) == 0 .or. self%trial(i)%status == 0) return
+      associate (t => self%trial(i), p => self%pressure(i), law => self%friction(self%pair(i)))
+         energy = stored_energy(self%grip(i), law, condition_at(self, i), p, &
+            & merge(1.0_wp, 0.0_wp, has_friction(law))*along(t%traction, t%normal))
+      end associate
+   end function held_energy
+
+   !> Largest shear that the law of friction allows a point; huge: no bound [stress].
+   pure real(wp) function shear_bound(self, i) result(radius)
+      type(finite_contact_type), intent(in) :: self
+      integer, intent(in) :: i
+      real(wp) :: slope
+
+      radius = huge(1.0_wp)
+      associate (law => self%friction(self%pair(i)))
+         if (has_friction(law)) call friction_radius(law, self%pressure(i), condition_at(self, i), &
+            & radius, slope)
+      end associate
+   end function shear_bound
+
    pure function along(v, normal) result(t)
       real(wp), intent(in) :: v(3), normal(3)
       real(wp) :: t(3)
@@ -514,6 +540,8 @@ contains
          associate (t => self%trial(i))
             if (self%facet(i) == 0 .or. t%status == 0) then
                self%last_speed(i) = 0.0_wp
+               ! A pair that is taken away has no memory when it comes back.
+               if (.not. self%pair_active(self%pair(i))) self%closed(i) = .false.
                self%lambda(:, i) = 0.0_wp
                self%creep(:, i) = 0.0_wp
                if (self%facet(i) > 0) self%last_normal(:, i) = t%normal

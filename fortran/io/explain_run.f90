@@ -54,6 +54,11 @@ contains
          & 'At the trial state a motion meets no resistance: a limit load under force control, '// &
          & 'or a part that nothing holds.', &
          & 'drive by displacement instead of force, or hold the part.')
+      call add_explanation(list, 'N0511', 'soft springs held a free body', &
+         & 'Where nothing but contact still to come holds a body, an iteration of Newton stands '// &
+         & 'on soft springs to the ground. They are in the matrix of that iteration only: the '// &
+         & 'equilibrium that is accepted has none.', &
+         & 'drive the body by displacement until it touches, to spare these iterations.')
       call add_explanation(list, 'E0512', 'an element would turn inside out', &
          & 'The determinant of the deformation gradient is not positive at an integration '// &
          & 'point of the named element, however short the step.', &
