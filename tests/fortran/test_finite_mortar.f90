@@ -241,8 +241,8 @@ contains
       turned = matmul(turn(:d, :d), x)
       call look(turned, matmul(turn, lambda), still, local, .false.)
       call close_to('force turns', maxval(abs(reshape(still%force, [d, local%nu/d]) &
-         & - matmul(turn(:d, :d), reshape(state%force, [d, local%nu/d]))))/maxval(abs(state%force)), &
-         & 0.0_wp, 1.0e-11_wp)
+         & - matmul(turn(:d, :d), reshape(state%force, [d, local%nu/d])))) &
+         & /maxval(abs(state%force)), 0.0_wp, 1.0e-11_wp)
    end subroutine one_point
 
    integer function topology_now()
