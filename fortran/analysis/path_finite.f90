@@ -132,6 +132,7 @@ contains
          if (change <= scene%finite%augment_until) exit
          scene%finite%augmentations = scene%finite%augmentations + 1
       end do
+      call count_searches(scene)
       if (change > scene%finite%augment_until) call raise(error, error_code%not_converged, &
          & 'E0502', 'the augmented Lagrangian has not settled in '// &
          & to_text(scene%finite%most_augmentations)//' augmentations', model%step(scene%step)%at, &
@@ -139,6 +140,20 @@ contains
       scene%counter%iterations = scene%counter%iterations + scene%finite%iterations
       scene%counter%augmentations = scene%counter%augmentations + scene%finite%augmentations
    end subroutine solve_finite
+
+   !> What the contacts asked since this was called last.
+   subroutine count_searches(scene)
+      type(scene_type), intent(inout) :: scene
+
+      associate (cost => scene%finite%contact%cost)
+         scene%counter%queries = scene%counter%queries + cost%query
+         scene%counter%projections = scene%counter%projections + cost%projection
+         scene%counter%boxes = scene%counter%boxes + cost%box
+         cost%query = 0
+         cost%projection = 0
+         cost%box = 0
+      end associate
+   end subroutine count_searches
 
    !> Newton from (v, before) to equilibrium at the prescribed values.
    subroutine newton(scene, model, f, v, before, prescribed, loop, error)

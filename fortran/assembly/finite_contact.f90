@@ -15,6 +15,7 @@ module lopin_finite_contact
       & stored_energy
    use lopin_finite_grips, only : choose_grips, remember_elastic
    use lopin_finite_points, only : finite_points_type, new_finite_points, is_self_contact
+   use lopin_search, only : cost_type
    use lopin_finite_opposite, only : opposite_type, anchor_type, masters_type, new_masters, &
       & move_masters, find_opposite, anchor_of
    use lopin_finite_roles, only : choose_roles
@@ -53,6 +54,7 @@ module lopin_finite_contact
       real(wp), allocatable :: slip_path(:)    !! (n) its length
       real(wp), allocatable :: friction_work(:) !! (n) dissipated per area [stress*length]
       real(wp) :: soft_error = 0.0_wp          !! estimated pressure error of penalties, relative
+      type(cost_type) :: cost                  !! of the search so far
       ! set from outside
       real(wp) :: interference = 1.0_wp        !! share of initial overclosures that is applied
       logical, allocatable :: pair_active(:)   !! *MODEL CHANGE
@@ -149,7 +151,8 @@ contains
       integer :: i
 
       self%dt = dt
-      call move_masters(self%masters, model, self%dofs, self%finite_points_type, u, .true., error)
+      call move_masters(self%masters, model, self%dofs, self%finite_points_type, u, .true., &
+         & self%cost, error)
       if (allocated(error)) return
       call find_present(self, .true., error)
       if (allocated(error)) return
@@ -257,7 +260,8 @@ contains
       self%row = 0.0_wp
       self%nlocal = 0
       self%soft_error = 0.0_wp
-      call move_masters(self%masters, model, self%dofs, self%finite_points_type, u, .false., error)
+      call move_masters(self%masters, model, self%dofs, self%finite_points_type, u, .false., &
+         & self%cost, error)
       if (allocated(error)) return
       call find_present(self, .false., error)
       if (allocated(error)) return
@@ -427,7 +431,8 @@ contains
 
       associate (pair => self%pair(i))
          if (.not. self%mortar(pair)%is_on) then
-            call find_opposite(self%opposite(i), self%masters, model, self%finite_points_type, i)
+            call find_opposite(self%opposite(i), self%masters, model, self%finite_points_type, i, &
+               & self%cost)
             return
          end if
          call meet_row(self%mortar(pair), self%masters%of(pair)%surface, self%masters%rules, &
@@ -448,6 +453,8 @@ contains
 
       self%status(i) = 0
       self%gap(i) = 0.0_wp
+      ! Of a surface too far to be asked, at least so much.
+      if (self%masters%of(self%pair(i))%asleep) self%gap(i) = self%masters%of(self%pair(i))%distance
       self%pressure(i) = 0.0_wp
       self%traction(:, i) = 0.0_wp
       self%trial(i) = point_state_type()

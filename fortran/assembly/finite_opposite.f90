@@ -10,13 +10,14 @@ module lopin_finite_opposite
    use lopin_projection, only : place, facet_unit_normal
    use lopin_smooth_facet, only : stencil_type, most_stencil, is_smoothed
    use lopin_feature, only : projection_type, limits_type
-   use lopin_search, only : tree_type, build_tree, refit_tree, find_projection
+   use lopin_search, only : tree_type, cost_type, build_tree, refit_tree, find_projection
    use lopin_self_contact, only : self_contact_type, new_self_contact, measure_thickness
    use lopin_tool, only : foot_type
    use lopin_rigid_motion, only : rigid_motion_type, new_rigid_motion
-   use lopin_model, only : model_type, surface_of, kind_of
+   use lopin_model, only : model_type, surface_of, kind_of, overclosure_of
    use lopin_dofs, only : dofs_type
-   use lopin_finite_points, only : finite_points_type, is_self_contact
+   use lopin_contact_points, only : pair_is_tied
+   use lopin_finite_points, only : finite_points_type, is_self_contact, stays_mortar
    implicit none
    private
    public :: masters_type, opposite_type, anchor_type
@@ -24,6 +25,8 @@ module lopin_finite_opposite
 
    !> Slave and master must face each other better than this.
    real(wp), parameter :: facing = -0.2_wp
+   !> Facets, of both sides, that keep two boxes from meeting: quadratic facets bulge less.
+   real(wp), parameter :: apart = 2.0_wp
    !> Sine below which an arm is square to its facet.
    real(wp), parameter :: square = 1.0e-6_wp
 
@@ -34,6 +37,10 @@ module lopin_finite_opposite
       type(limits_type) :: limits
       type(rigid_motion_type) :: motion
       real(wp) :: rotation(3) = 0.0_wp             !! its rotation vector [rad]
+      logical :: may_sleep = .false.               !! far from all its points, it is left alone
+      logical :: asleep = .false.
+      real(wp) :: distance = 0.0_wp                !! of the boxes of points and surface [length]
+      real(wp) :: coarsest = 0.0_wp                !! facet at the start [length]
       logical :: against_itself = .false.
       type(self_contact_type) :: itself            !! of the points of a surface against itself
       integer :: first_point = 0                   !! the first of them
@@ -108,18 +115,65 @@ contains
             call update_surface(m%surface, model%mesh%x, error)
             if (allocated(error)) return
             call build_tree(m%tree, m%surface%low, m%surface%high)
+            m%coarsest = maxval([0.0_wp, m%surface%size])
+            m%may_sleep = can_sleep(model, pair)
          end associate
       end do
    end subroutine new_masters
 
-   !> Everything to where displacements u put it; at the start of an increment the slave normals too.
-   subroutine move_masters(self, model, dofs, points, u, start, error)
+   !> Pairs of nodes with faces whose contacts do nothing from afar.
+   pure logical function can_sleep(model, pair)
+      type(model_type), intent(in) :: model
+      integer, intent(in) :: pair
+
+      can_sleep = .not. is_self_contact(model%pair(pair)) &
+         & .and. .not. stays_mortar(model, model%pair(pair)) &
+         & .and. .not. pair_is_tied(model, model%pair(pair))
+      if (.not. can_sleep) return
+      associate (way => model%interaction(model%pair(pair)%interaction))
+         can_sleep = way%overclosure /= overclosure_of%exponential &
+            & .and. way%overclosure /= overclosure_of%tabular
+      end associate
+   end function can_sleep
+
+   !> Compare the box of the points with that of the surface, as they are now.
+   subroutine look_from_afar(m, x, points, pair, clearance)
+      type(master_type), intent(inout) :: m
+      real(wp), intent(in) :: x(:, :)          !! (ndim, nnode) present [length]
+      type(finite_points_type), intent(in) :: points
+      integer, intent(in) :: pair
+      real(wp), intent(in) :: clearance        !! [length]
+      real(wp) :: low(size(x, 1)), high(size(x, 1)), from(size(x, 1)), to(size(x, 1)), reach
+      integer :: i
+
+      from = huge(1.0_wp)
+      to = -huge(1.0_wp)
+      low = from
+      high = to
+      reach = 0.0_wp
+      do i = 1, points%n
+         if (points%pair(i) /= pair) cycle
+         from = min(from, x(:, points%node(i)))
+         to = max(to, x(:, points%node(i)))
+         reach = max(reach, apart*points%size(i) + abs(points%shift(i)) + points%overclosure(i))
+      end do
+      do i = 1, m%surface%nnode
+         low = min(low, x(:, m%surface%node(i)))
+         high = max(high, x(:, m%surface%node(i)))
+      end do
+      m%distance = norm2(max(0.0_wp, from - high, low - to))
+      m%asleep = m%distance > reach + apart*m%coarsest + abs(clearance)
+   end subroutine look_from_afar
+
+   !> All to where displacements u put it; at the start of an increment the slave normals too.
+   subroutine move_masters(self, model, dofs, points, u, start, cost, error)
       type(masters_type), intent(inout) :: self
       type(model_type), intent(in) :: model
       type(dofs_type), intent(in) :: dofs
       type(finite_points_type), intent(in) :: points
       real(wp), intent(in) :: u(:)             !! (ndof)
       logical, intent(in) :: start
+      type(cost_type), intent(inout) :: cost
       type(error_type), allocatable, intent(out) :: error
       integer :: pair, k, node
 
@@ -133,6 +187,12 @@ contains
             if (m%tool > 0) then
                call move_tool(m, model, dofs, u)
             else
+               if (m%may_sleep) then
+                  cost%box = cost%box + 1
+                  call look_from_afar(m, self%x, points, pair, &
+                     & model%interaction(model%pair(pair)%interaction)%clearance)
+                  if (m%asleep) cycle
+               end if
                call update_surface(m%surface, self%x, error)
                if (allocated(error)) return
                call refit_tree(m%tree, m%surface%low, m%surface%high)
@@ -217,23 +277,24 @@ contains
       end do
    end subroutine find_sides
 
-   subroutine find_opposite(self, masters, model, points, i)
+   subroutine find_opposite(self, masters, model, points, i, cost)
       type(opposite_type), intent(out) :: self
       type(masters_type), intent(in) :: masters
       type(model_type), intent(in) :: model
       type(finite_points_type), intent(in) :: points
       integer, intent(in) :: i
+      type(cost_type), intent(inout) :: cost
 
       associate (m => masters%of(points%pair(i)), x => masters%x(:, points%node(i)))
          if (m%tool > 0) then
             call find_on_tool(self, m, model, masters%side(:, i), points%size(i), points%entry(i), &
                & parts_of(masters, points, i), x)
-         else
+         else if (.not. m%asleep) then
             if (m%against_itself) then
-               call find_on_itself(self, m, masters%side(:model%mesh%ndim, i), i, x)
+               call find_on_itself(self, m, masters%side(:model%mesh%ndim, i), i, x, cost)
             else
                call find_projection(m%surface, m%tree, x, masters%side(:model%mesh%ndim, i), &
-                  & m%limits, self%found)
+                  & m%limits, self%found, cost=cost)
             end if
             call take_facet(self, m%surface)
             if (self%facet > 0) call mark_shared_edge(self, m%surface, x)
@@ -242,12 +303,13 @@ contains
    end subroutine find_opposite
 
    !> Neighbours are left out, and nothing is entered deeper than half of the point's own wall.
-   subroutine find_on_itself(self, m, side, i, x)
+   subroutine find_on_itself(self, m, side, i, x, cost)
       type(opposite_type), intent(inout) :: self
       type(master_type), intent(in) :: m
       real(wp), intent(in) :: side(:)
       integer, intent(in) :: i
       real(wp), intent(in) :: x(:)
+      type(cost_type), intent(inout) :: cost
       type(limits_type) :: limits
       integer :: k
 
@@ -255,7 +317,7 @@ contains
       limits = m%limits
       limits%depth = min(limits%depth, m%itself%depth(k))
       call find_projection(m%surface, m%tree, x, side, limits, self%found, &
-         & m%itself%neighbour(m%itself%first(k):m%itself%first(k + 1) - 1))
+         & m%itself%neighbour(m%itself%first(k):m%itself%first(k + 1) - 1), cost)
    end subroutine find_on_itself
 
    subroutine take_facet(self, surface)

@@ -1,8 +1,8 @@
 !> `job.json`: what a run did, for programs. Written at the start with status `running`, and at the
 !> end; without a path the text is only kept.
 module lopin_recorder_json
-   use lopin_kinds, only : wp
-   use lopin_clock, only : phase_names, nphase
+   use lopin_kinds, only : wp, lk
+   use lopin_clock, only : phase_names, nphase, counter_type
    use lopin_error, only : error_type, diagnostic_type
    use lopin_model, only : model_type, kind_of
    use lopin_state, only : frame_type, summary_type, certificate_type, energy_type, verdict_words
@@ -177,12 +177,32 @@ contains
                call json%add('factorisations', step%counter%factorisations)
                call json%add('back_solves', step%counter%back_solves)
                call json%add('augmentations', step%counter%augmentations)
+               if (summary%path == 'finite') call add_search(json, step%counter)
                call json%close('}')
             end associate
          end do
       end if
       call json%close(']')
    end subroutine add_run
+
+   !> What the contacts of the finite path asked in a step.
+   subroutine add_search(json, counter)
+      type(json_writer_type), intent(inout) :: json
+      type(counter_type), intent(in) :: counter
+
+      call json%open('{', 'search')
+      call json%add('queries', within(counter%queries))
+      call json%add('projections', within(counter%projections))
+      call json%add('boxes', within(counter%boxes))
+      call json%close('}')
+
+   contains
+
+      pure integer function within(many)
+         integer(lk), intent(in) :: many
+         within = int(min(many, int(huge(1), lk)))
+      end function within
+   end subroutine add_search
 
    subroutine add_contact(self, json, model)
       type(json_recorder_type), intent(in) :: self

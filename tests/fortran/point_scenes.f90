@@ -5,7 +5,7 @@ module point_scenes
    use lopin_facets, only : facets_type
    use lopin_facet_basis, only : facet_basis_type, new_facet_basis
    use lopin_surface, only : new_surface, update_surface
-   use lopin_search, only : build_tree
+   use lopin_search, only : build_tree, cost_type
    use lopin_tool, only : foot_type, tool_type
    use lopin_tool_plane, only : plane_type, new_plane
    use lopin_tool_sphere, only : sphere_type, new_sphere
@@ -251,10 +251,12 @@ contains
       type(point_scene_type), intent(inout) :: self
       real(wp), intent(in) :: u(:)
       type(error_type), allocatable :: error
+      type(cost_type) :: cost
 
       self%masters%x = self%model%mesh%x
-      call move_masters(self%masters, self%model, self%dofs, self%points, u, .false., error)
-      call find_opposite(self%opposite, self%masters, self%model, self%points, 1)
+      call move_masters(self%masters, self%model, self%dofs, self%points, u, .false., cost, &
+         & error)
+      call find_opposite(self%opposite, self%masters, self%model, self%points, 1, cost)
    end subroutine place_all
 
    !> -force and row at u, and the tangent.
