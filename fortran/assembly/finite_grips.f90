@@ -16,7 +16,7 @@ module lopin_finite_grips
    !> Penalty without a slope, beside the modulus over the facet; stiffness of exact methods that
    !> only conditions the system; shear beside normal stiffness.
    real(wp), parameter :: default_penalty = 100.0_wp, scale_of_exact = 1.0_wp
-   real(wp), parameter :: shear_share = 1.0_wp/3.0_wp
+   real(wp), parameter :: shear_share = 1.0_wp/3.0_wp, share_augmented = 0.1_wp
    !> Penalties up to this, in moduli over a facet, are springs.
    real(wp), parameter :: soft_enough = 20.0_wp
 
@@ -44,8 +44,7 @@ contains
                g%c = scale_of_exact*own
                g%ct = g%c*shear_share
                slope = way%slope*way%scale
-               if (.not. slope > 0.0_wp) slope = default_penalty*way%scale*merge(own, &
-                  & points%slave_modulus(i)/points%size(i), way%method == method_of%augmented)
+               if (.not. slope > 0.0_wp) slope = way%scale*default_slope(points, i, way%method)
                ! A stiff penalty in its mixed form: the same equations, without its loss of digits,
                ! and Newton does not hop between stick and slip (measured: 5 iterations for 24).
                ! So is one that sticks exactly, or by a slip that the deck gives.
@@ -83,6 +82,18 @@ contains
          end do
       end associate
    end subroutine choose_grips
+
+   !> By the slave's own modulus, which bounds the error; augmentation needs less, and Newton
+   !> dislikes springs that are stiff beside a soft master.
+   pure real(wp) function default_slope(points, i, method)
+      type(finite_points_type), intent(in) :: points
+      integer, intent(in) :: i, method
+      real(wp) :: modulus
+
+      modulus = points%slave_modulus(i)
+      if (method == method_of%augmented) modulus = max(points%modulus(i), share_augmented*modulus)
+      default_slope = default_penalty*modulus/points%size(i)
+   end function default_slope
 
    !> What the deck says of the slip before sliding, where the traction is an unknown.
    subroutine choose_stick(grip, friction, facet)

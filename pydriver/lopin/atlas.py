@@ -74,6 +74,12 @@ def write_table(cells: list[Cell], path: Path) -> None:
         writer.writerows(cell.values() for cell in cells)
 
 
+def read_table(path: Path) -> list[Cell]:
+    """The cells of a table, to be drawn again."""
+    with path.open(newline="", encoding="utf-8") as file:
+        return [Cell.read(row) for row in csv.DictReader(file)]
+
+
 def again(chart, number: int, folder: Path, small: bool = False) -> Path:
     """Write the deck of a cell, so that anyone can run it."""
     cells = places(chart, small)

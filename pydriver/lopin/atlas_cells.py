@@ -53,6 +53,13 @@ class Cell:
     def columns(cls) -> list[str]:
         return [f.name for f in fields(cls)]
 
+    @classmethod
+    def read(cls, texts: dict[str, str]) -> Cell:
+        """The cell of texts that `values` gave."""
+        kinds = {f.name: str(f.type) for f in fields(cls)}
+        read = {"float": lambda t: float(t or "nan"), "int": int, "str": str}
+        return cls(**{name: read[kinds[name]](text) for name, text in texts.items()})
+
     def values(self) -> list[str]:
         return [f"{v:.6g}" if isinstance(v, float) and np.isfinite(v) else
                 "" if isinstance(v, float) else str(v)

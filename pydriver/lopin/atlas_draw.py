@@ -17,7 +17,7 @@ LINES = ("-", "--", ":", "-.")
 #: By what F0 cells are coloured: label, value of a cell, range.
 SHADE = {
     "error": (r"F0: $\log_{10}$ of the error", lambda c: np.log10(max(c.error, 1e-16)), (-16, -1)),
-    "iterations": ("F0: most iterations of an increment", lambda c: c.iterations, (0, 40)),
+    "iterations": ("F0: most iterations of an increment", lambda c: c.iterations, (0, 20)),
     "passes": (r"F0: $\log_{10}$ of the passes", lambda c: np.log10(max(c.iterations, 1)),
                (0.0, 3.5)),
 }
@@ -46,13 +46,17 @@ def draw(chart, cells: list[Cell], path: Path) -> None:
     rows = -(-len(chart.panels)//across)
     figure = Figure(figsize=(4.2*across, 3.3*rows + 1.0), layout="constrained")
     axes = figure.subplots(rows, across, squeeze=False, sharey=False)
-    image = None
+    image, named = None, set()
     for k, ax in enumerate(axes.flat):
         if k >= len(chart.panels):
             ax.set_axis_off()
             continue
         image = _panel(ax, chart, chart.panels[k], [c for c in cells
                                                     if c.panel == chart.panels[k]])
+        names = tuple(line.get_label() for line in ax.lines)
+        if names and names not in named:
+            named.add(names)
+            ax.legend(fontsize=6.5, loc="upper left", framealpha=0.85, handlelength=2.2)
         if k >= len(chart.panels) - across:
             ax.set_xlabel(chart.labels[0])
         if k % across == 0:
@@ -60,7 +64,8 @@ def draw(chart, cells: list[Cell], path: Path) -> None:
     figure.colorbar(image, ax=axes, label=SHADE[chart.colour][0], shrink=0.6, aspect=40)
     _legend(figure, cells, axes[0, 0])
     figure.suptitle(chart.title)
-    figure.savefig(path, metadata={"Date": None, "Creator": "lopin atlas"})
+    words = {"Date": None, "Creator": "lopin atlas"} if path.suffix == ".svg" else None
+    figure.savefig(path, metadata=words, dpi=100)
 
 
 def _panel(ax, chart, panel: str, cells: list[Cell]):
@@ -70,17 +75,17 @@ def _panel(ax, chart, panel: str, cells: list[Cell]):
     linear = getattr(chart, "linear", False)
     ax.set(xscale="log", yscale="linear" if linear else "log", title=panel)
     borders = edges(x), edges(y, linear)
+    kinds = np.full(shade.shape, "", dtype=object)
     for cell in cells:
         i, j = np.searchsorted(y, cell.y), np.searchsorted(x, cell.x)
+        kinds[i, j] = cell.kind
         if cell.kind == "F0":
             shade[i, j] = SHADE[chart.colour][1](cell)
-        else:
-            ax.fill_between(borders[0][j:j + 2], *borders[1][i:i + 2], color=COLOR[cell.kind],
-                            lw=0)
-            ax.text(cell.x, cell.y, SIGN[cell.kind], ha="center", va="center", fontsize=7,
-                    color="white" if cell.kind in ("F1", "F6") else "#444444")
+    for region in regions(kinds):
+        _mark(ax, region, kinds[region[0]], borders, (x, y))
     low, high = SHADE[chart.colour][2]
-    image = ax.pcolormesh(*borders, shade, cmap="YlGn_r", vmin=low, vmax=high)
+    image = ax.pcolormesh(*borders, np.ma.masked_invalid(shade), cmap="YlGn_r", vmin=low,
+                          vmax=high, zorder=2, rasterized=True)
     ax.set_xlim(borders[0][0], borders[0][-1])
     ax.set_ylim(borders[1][0], borders[1][-1])
     if len(x) == 1:
@@ -88,9 +93,47 @@ def _panel(ax, chart, panel: str, cells: list[Cell]):
         ax.set_xticks([], minor=True)
     for style, (name, xs, ys) in zip(LINES, chart.theory(panel) if len(x) > 1 else ()):
         ax.plot(xs, ys, "k", ls=style, lw=1.3, label=name)
-    if ax.lines:
-        ax.legend(fontsize=6.5, loc="upper left", framealpha=0.85, handlelength=2.2)
     return image
+
+
+def regions(kinds: NDArray) -> list[list[tuple[int, int]]]:
+    """Neighbours of one class but F0, as lists of (row, column), in order.
+
+    >>> regions(np.array([["F0", "F2", "F2"], ["F3", "F0", "F2"]], dtype=object))
+    [[(0, 1), (0, 2), (1, 2)], [(1, 0)]]
+    """
+    left = {(i, j) for i, j in np.ndindex(kinds.shape) if kinds[i, j] not in ("F0", "")}
+    found = []
+    for start in sorted(left):
+        if start not in left:
+            continue
+        left.discard(start)
+        region, front = [start], [start]
+        while front:
+            i, j = front.pop()
+            for near in ((i + 1, j), (i - 1, j), (i, j + 1), (i, j - 1)):
+                if near in left and kinds[near] == kinds[i, j]:
+                    left.discard(near)
+                    region.append(near)
+                    front.append(near)
+        found.append(sorted(region))
+    return found
+
+
+def _mark(ax, region: list[tuple[int, int]], kind: str, borders, places) -> None:
+    """Colour a region by runs of its rows, and put its sign at its middle."""
+    (across, along), (x, y) = borders, places
+    style = {"facecolor": COLOR[kind], "edgecolor": COLOR[kind], "lw": 0.4}
+    start = region[0]
+    for k, (i, j) in enumerate(region):
+        last = k + 1 == len(region) or region[k + 1] != (i, j + 1)
+        if last:
+            ax.fill_between([across[start[1]], across[j + 1]], along[i], along[i + 1], **style)
+            start = region[k + 1] if k + 1 < len(region) else start
+    middle = np.mean(region, axis=0)
+    i, j = min(region, key=lambda at: float(np.sum((np.array(at) - middle)**2)))
+    ax.text(x[j], y[i], SIGN[kind], ha="center", va="center", fontsize=8,
+            color="white" if kind in ("F1", "F6") else "#333333")
 
 
 def _legend(figure, cells: list[Cell], ax) -> None:

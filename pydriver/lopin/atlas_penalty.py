@@ -46,7 +46,7 @@ class PenaltyMap:
     number, name = 1, "penalty"
     title = "Map 1: stiffness of the penalty and ratio of the moduli"
     labels = (r"$r=\varepsilon h/E_1$", r"$E_2/E_1$ (master/slave)")
-    colour = "error"
+    colour, across = "error", 4
     panels = tuple(f"{method}, {path}" for path in PATHS
                    for method in ("penalty", "perturbed", "augmented", "lagrange"))
 
@@ -74,13 +74,13 @@ class PenaltyMap:
         """Boundaries: named curves (x, y)."""
         y = 10.0**np.linspace(-3.0, 6.0, 10)
         compliance = np.array([least(v) for v in y])/FACET
-        method = panel.split(", ")[0]
+        method, path = panel.split(", ")
         curves = []
         if method in ("penalty", "perturbed"):
             curves.append(("$1/(1+\\varepsilon s_{min})$ = 2 %", 49.0/compliance, y))
             curves.append(("rule of the code", 99.0/compliance, y))
-        if method in ("penalty", "augmented"):
-            loose = 1e-2 if method == "penalty" else 1e-6
+        if method == "augmented" or (method == "penalty" and path != "finite"):
+            loose = 1e-5 if method == "penalty" else 1e-6
             curves.append((f"rounding {loose:.0e}", loose/ROUNDING*np.minimum(1.0, y), y))
         return curves
 

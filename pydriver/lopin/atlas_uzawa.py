@@ -18,7 +18,7 @@ from .atlas_scenes import PLAIN, Frame
 from .errors import NotConvergedError
 from .reference_contact import contact_oracle
 
-POINTS, PASSES, SETTLED = 16, 3000, 1e-8
+POINTS, PASSES, SETTLED = 16, 1000, 1e-8
 
 
 @cache
@@ -58,6 +58,8 @@ def uzawa(s: NDArray, g: NDArray, rho: float, held: bool) -> tuple[str, NDArray,
             return "F4", p, k
         if left < SETTLED*first*s.diagonal().min():
             return "F0", p, k
+    if left > 2.0*first:
+        return "F4", p, PASSES
     return ("F3" if change @ before < 0.0 else "F2"), p, PASSES
 
 

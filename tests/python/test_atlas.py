@@ -46,7 +46,7 @@ def test_the_code_as_shipped_never_cycles(small):
 def test_uzawa_is_stable_up_to_its_bound():
     """The strip rho < 2/lambda_max, exactly: an algorithm that only this map has."""
     chart = atlas.map_of(2)
-    for condition in (1.0, 10.0, 100.0):
+    for condition in (1.0, 10.0, 30.0):
         kinds = [chart.solve("Uzawa, all points held", 2.0*x, condition).kind for x in (0.98, 1.02)]
         assert kinds == ["F0", "F4"]
 
@@ -93,3 +93,13 @@ def test_uneven_pressure_is_said_where_it_is(core, facets, ratio):
         said = any("W0333" in text for text in result.warnings)
         assert error < 1e-8 if mortar else said or error < 0.05
         assert not said or (error > 0.01 and not mortar)
+
+
+def test_the_published_maps_have_nothing_wrong_and_silent(root):
+    """docs/atlas/*.csv: every map, its cells all there; classes that turn are rounding."""
+    for chart in atlas.MAPS.values():
+        cells = atlas.read_table(root/"docs"/"atlas"/f"map_{chart.number}_{chart.name}.csv")
+        assert [(c.panel, c.row) for c in cells] == [(c.panel, c.row) for c in atlas.places(chart)]
+        assert not [c for c in cells if c.kind == "F1" or c.turned == "F1"]
+        picture = root/"docs"/"atlas"/f"map_{chart.number}_{chart.name}.svg"
+        assert picture.stat().st_size > 10000
