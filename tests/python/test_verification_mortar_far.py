@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 import lopin
+from blocks_2d import YOUNG, Pair
 from test_verification_mortar_3d import blocks
 
 TURN = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]])
@@ -135,3 +136,22 @@ def test_swapping_the_sides_of_a_dragged_block(core, sheet, tmp_path):
         total.append(np.abs(np.asarray(result.contact(0).at(-1).force).sum(0)))
     sheet.compare("Sides swapped under NLGEOM, mortar in space", "dragged block: force by axis",
                   np.abs(total[1]/total[0] - 1.0).max(), 0.0, 0.01, "the same", absolute=True)
+
+
+@pytest.mark.parametrize("kind", ["CPE4", "CPE8", "CPE6"])
+@pytest.mark.parametrize("slave", ["lower", "upper"])
+def test_a_tie_turns_in_the_plane(core, sheet, tmp_path, kind, slave):
+    """As in space: the base turns by 90 degrees."""
+    pair = Pair(kind, 5, 4, 2, uneven=0.3)
+    held = []
+    for i, x in enumerate(pair.low.nodes):
+        if abs(x[1] - pair.low.x[:, 1].min()) < 1e-9:
+            u = np.array([-x[1], x[0]]) - x
+            held += [f"{pair.low.first + 1 + i}, {k}, {k}, {u[k - 1]:.17g}" for k in (1, 2)]
+    pair.loads += ["*BOUNDARY", *held]
+    text = pair.deck(slave=slave, tie=True, words="").replace("*STEP\n", "*STEP, NLGEOM\n")
+    text = text.replace("1., 1.\n", "0.1, 1.\n")
+    result = lopin.run(lopin.Deck.parse(text, "turn", tmp_path))
+    sheet.compare("Ties by mortar turn by 90 degrees", f"{kind}, {slave} slave: stress",
+                  np.abs(pair.stresses(result)).max()/YOUNG, 0.0, 1e-10, "no stress", absolute=True)
+    assert np.linalg.norm(result["U"], axis=1).max() > 5.0
