@@ -267,6 +267,7 @@ contains
       if (present(excluded)) then
          if (any(excluded == f)) return
       end if
+      if (dot_product(surface%disc(4:6, f), query%normal) > turned) return
       family = surface%basis%family(surface%facets%cell(f))
       query%cost%projection = query%cost%projection + 1
       call project_on_facet(surface%coefficient(:, :, f), family, &
