@@ -24,6 +24,7 @@ module lopin_build_model
    use lopin_build_steps, only : build_steps
    use lopin_build_changes, only : build_changes
    use lopin_settle_friction, only : settle_friction
+   use lopin_check_rigid_pairs, only : check_rigid_pairs
    implicit none
    private
    public :: new_model
@@ -63,6 +64,7 @@ contains
       call build_steps(model, deck, scene, absolute)
       call build_changes(model, deck, scene)
       if (model%log%count_of(severity%error) == 0) call settle_friction(model)
+      if (model%log%count_of(severity%error) == 0) call check_rigid_pairs(model)
       call check_units(model)
       call raise_all(error, error_code%deck, model%log)
    end subroutine new_model

@@ -103,6 +103,10 @@ contains
          & 'Points of the slave''s faces are carried to the faces opposite along the normal; '// &
          & 'on a face that is folded or not convex there may be no such place.', &
          & 'improve the mesh of the two surfaces, or use TYPE=NODE TO SURFACE.')
+      call add_explanation(list, 'E0317', 'a pair of which nothing deforms', &
+         & 'Both sides follow rigid bodies or are tools. Equilibrium alone does not say how the '// &
+         & 'nodes share the force: there is no answer to compute.', &
+         & 'give one of the two bodies an elastic material and leave it out of *RIGID BODY.')
       call add_explanation(list, 'E0313', 'a tool that has no shape', &
          & 'The data of the tool are degenerate: a radius that is not positive, an axis '// &
          & 'without length, an arc whose ends are not on one circle.', &
