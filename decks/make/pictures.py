@@ -409,10 +409,27 @@ def rotating_rings() -> None:
     save(fig, "rotating_rings")
 
 
+def sliding_ball() -> None:
+    """Pressure on the block where the ball was put down and where it has come to."""
+    result = solved("sliding_ball")
+    fig, axes = figure(8.6, 2.6, 2)
+    shown = [k for k in range(len(result.times)) if "CPRESS" in result.contact(0).at(k).fields]
+    for ax, k in zip(axes, (shown[0], shown[-1])):
+        contact = result.contact(0).at(k)
+        drawn = ax.tricontourf(contact.x[:, 0], contact.x[:, 1], contact.pressure, levels=12, cmap=MAP)
+        ax.plot(contact.x[:, 0], contact.x[:, 1], ".", ms=2, color="w", alpha=0.6)
+        ax.set(xlabel="x [mm]", aspect="equal")
+        ax.set_title(f"time {result.times[k]:.1f}", fontsize=9)
+    axes[0].set_ylabel("y [mm]")
+    coloured(fig, drawn, list(axes), "contact pressure [MPa]")
+    save(fig, "sliding_ball")
+
+
 DRAWN = {f.__name__: f for f in (
     bar_gap, two_springs, cylinder_on_plane, flat_punch, hertz_sphere, hertz_sphere_3d, lifted_beam,
     nafems_cylinder, cattaneo, rough_punch, nafems_punch, patch_test, two_blocks_mortar, signorini, strip_bending, glued_beam, shrink_fit, no_separation,
-    ball_on_ball, beam_on_roller, crushed_ring, ironing, rotating_rings)}
+    ball_on_ball, beam_on_roller, crushed_ring, ironing, rotating_rings,
+    sliding_ball)}
 
 
 def main(names: list[str]) -> None:

@@ -19,7 +19,8 @@ GROUPS = {
                                      "shrink_fit", "signorini", "ball_of_facets"),
     "Beams and strips": ("strip_bending", "glued_beam", "beam_on_roller", "lifted_beam"),
     "Friction": ("cattaneo", "rough_punch", "nafems_punch", "capstan"),
-    "Far sliding and large strain": ("rotating_rings", "ironing", "crushed_ring"),
+    "Far sliding and large strain": ("rotating_rings", "ironing", "crushed_ring",
+                                     "sliding_ball"),
     "Meshes that do not match": ("patch_test", "two_blocks_mortar"),
 }
 HEAD = """# Decks

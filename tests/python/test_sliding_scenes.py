@@ -7,7 +7,7 @@ from conftest import ROOT
 
 sys.path.insert(0, str(ROOT/"decks"/"make"))
 
-NAMES = ["ironing", "rotating_rings", "crushed_ring", "folded_strip"]
+NAMES = ["ironing", "rotating_rings", "crushed_ring", "folded_strip", "sliding_ball"]
 
 
 @pytest.mark.parametrize("name", NAMES)
@@ -18,7 +18,7 @@ def test_the_reader_knows_every_word(core, name):
     sliding = pytest.importorskip("sliding")
     assert list(sliding.SCENES) == NAMES
     try:
-        _bridge.check_deck(sliding.SCENES[name](), name, ".")
+        _bridge.check_deck(sliding.SCENES[name](), name, str(ROOT/"decks"))
     except LopinError as problem:
         # Self-contact is known and comes later; nothing else may be wrong.
         assert str(problem).startswith("E0108: self-contact"), problem
