@@ -13,6 +13,7 @@ module lopin_path_finite
    use lopin_model, only : model_type, method_of
    use lopin_friction, only : has_friction
    use lopin_bodies, only : describe_motion
+   use lopin_finite_points, only : is_self_contact
    use lopin_constraints, only : expand, reduce, raw_displacement
    use lopin_finite_contact, only : new_finite_contact, start_increment, augment, &
       & local_matrix_type
@@ -91,6 +92,8 @@ contains
          scene%finite%frictionless = .true.
          do pair = 1, size(model%pair)
             if (has_friction(contact%friction(pair))) scene%finite%frictionless = .false.
+            ! A surface that meets itself is as far from flat.
+            if (is_self_contact(model%pair(pair))) scene%finite%frictionless = .false.
          end do
       end associate
    end subroutine start_step
