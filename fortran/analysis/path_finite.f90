@@ -202,8 +202,7 @@ contains
          merits(1 + mod(iteration, memory)) = look%merit
          call find_step(scene, model, look, jump, step, error, flat=fresh)
          if (allocated(error)) return
-         call take_step(scene, model, f, v, prescribed, step, any(abs(jump) > 0.0_wp) .or. &
-            & (stale == 0 .and. scene%finite%frictionless), &
+         call take_step(scene, model, f, v, prescribed, step, any(abs(jump) > 0.0_wp), &
             & maxval(merits), look, last, share, error)
          if (allocated(error)) return
          if (lagged) then

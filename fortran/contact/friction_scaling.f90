@@ -136,12 +136,15 @@ contains
       type(work_type), intent(in) :: work
       type(trial_type), intent(in) :: x
       real(wp) :: noise(self%nrow)
-      integer :: i
+      integer :: i, q
 
       noise = abs(work%free_gap)
       do i = 1, self%nrow
          if (abs(x%force(i)) > 0.0_wp) noise = noise + abs(self%s(:, i)*x%force(i))
       end do
-      noise = rounding*(noise + matmul(abs(self%c), abs(x%q)))
+      do q = 1, self%nq
+         noise = noise + abs(self%c(:, q)*x%q(q))
+      end do
+      noise = rounding*noise
    end function noise_of
 end module lopin_friction_scaling

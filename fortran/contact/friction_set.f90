@@ -334,7 +334,7 @@ contains
          seen(1 + mod(pass, remembered)) = hash
          norm_at(1 + mod(pass, remembered)) = norm
       end do
-      if (.not. work%one_by_one) solved = solved .or. fits(self, points, work, x, stalled)
+      if (.not. (work%one_by_one .or. solved)) solved = fits(self, points, work, x, stalled)
       friction%norms = norms(:min(pass, most_iterations + 1))
       friction%changing = pack([(place, place=1, points%n)], work%equations%status /= before_status)
    end subroutine newton
