@@ -188,6 +188,8 @@ contains
          scene%finite%history = [scene%finite%history, look%merit/max(look%reference, &
             & tiny(1.0_wp))]
          if (settled(look, jump, iteration, loop, last)) then
+            if (iteration > 1 .and. look%merit > floor_of_rounding*look%reference) &
+               & call polish(scene, model, f, v, prescribed, look, error)
             scene%finite%force_seen = max(scene%finite%force_seen, look%reference)
             return
          end if
@@ -222,6 +224,52 @@ contains
          & /max(look%reference, tiny(1.0_wp)), 3)//' of the largest force', &
          & model%step(scene%step)%at, help='smaller increments on *STATIC')
    end subroutine newton
+
+   !> One more correction by the factor at hand: converged answers become as good as rounding lets
+   !> them, for a few back-solves. Kept only if it is better.
+   subroutine polish(scene, model, f, v, prescribed, look, error)
+      type(scene_type), intent(inout) :: scene
+      type(model_type), intent(in) :: model
+      real(wp), intent(in) :: f(:)
+      real(wp), intent(inout) :: v(:)
+      real(wp), intent(in) :: prescribed(:)
+      type(look_type), intent(inout) :: look
+      type(error_type), allocatable, intent(out) :: error
+      real(wp), allocatable :: right(:), step(:), from(:), traction(:)
+      integer, allocatable :: status(:)
+      real(wp) :: merit
+      integer :: bad
+
+      merit = look%merit
+      allocate (from, source=v)
+      allocate (traction, source=scene%finite%multiplier)
+      allocate (status, source=scene%finite%contact%status)
+      allocate (right(size(v) + size(traction)), step(size(v) + size(traction)))
+      right(:size(v)) = -look%free
+      right(size(v) + 1:) = -scene%finite%contact%row
+      call solve_step(scene%finite%system, right, coarse, model%solver, step, scene%clock, &
+         & scene%counter, bad, error)
+      if (allocated(error) .or. bad > 0) then
+         if (allocated(error)) deallocate (error)
+         return
+      end if
+      call go(1.0_wp)
+      if (allocated(error)) return
+      if (look%inverted == 0 .and. look%merit < merit &
+         & .and. all(status == scene%finite%contact%status)) return
+      call go(0.0_wp)
+
+   contains
+
+      subroutine go(share)
+         real(wp), intent(in) :: share
+
+         v = from + share*step(:size(v))
+         call expand(scene%constraints, v, prescribed, scene%u)
+         scene%finite%multiplier = traction + share*step(size(v) + 1:)
+         call look_at(scene, model, f, .false., look, error)
+      end subroutine go
+   end subroutine polish
 
    !> A body that only contact could hold, and contact does not.
    subroutine say_free(scene, model, error)

@@ -57,7 +57,8 @@ def run(executable, tmp_path):
 def test_cut_to_the_smallest_and_stopped_with_the_last_good_state(run, method):
     done, job, log, rows, folder = run("slide", pulled(1.0, method=method))
     assert done.returncode == 3 and job["status"] == "not converged", done.stderr
-    assert "E05" in done.stderr and ": cut to " in log and "because the tangent is singular" in log or "Newton has not" in log, log[-2000:]
+    assert "E05" in done.stderr and ": cut to " in log, log[-2000:]
+    assert any(f"because {reason}" in log for reason in ("the tangent is singular", "Newton has not", "body"))
     time = float(rows[-1].split(",")[rows[0].split(",").index("time [time]")]) - 1.0
     assert 0.0 <= time*FORCE <= 0.3*80.0*(1.0 + 1e-9)
     assert time*FORCE == pytest.approx(0.3*80.0, rel=1e-3), "friction holds all but what the smallest increment adds"
