@@ -4,7 +4,8 @@ module lopin_after_step
    use lopin_kinds, only : wp
    use lopin_error, only : location_type, log_type, severity
    use lopin_text, only : to_text
-   use lopin_model, only : model_type, kind_of
+   use lopin_model, only : model_type, kind_of, method_of
+   use lopin_friction, only : has_friction
    use lopin_scene, only : scene_type, relative_motion, gap_of
    use lopin_methods, only : has_law
    use lopin_tool, only : foot_type, project_moved
@@ -16,6 +17,8 @@ module lopin_after_step
    !> Limits of small displacement: slip over facet, rotation [rad], strain [-].
    real(wp), parameter :: slip_limit = 0.25_wp, rotation_limit = 0.05_wp, strain_limit = 0.05_wp
 
+   !> The elastic slip that penalty pairs choose, in facets; slips this many times it dwarf it.
+   real(wp), parameter :: chosen_slip = 0.005_wp, slips = 20.0_wp
    !> Normals are parallel up to this.
    real(wp), parameter :: parallel = 1.0e-8_wp
 
@@ -104,7 +107,67 @@ contains
       end if
       if (.not. scene%finite%in_use) call judge_slip(scene, model)
       if (.not. scene%finite%nlgeom) call judge_elements(scene, model)
+      call judge_rigid_bodies(scene, model)
+      call judge_elastic_slip(scene, model)
    end subroutine judge_step
+
+   !> The nodes of a rigid body follow its rotation linearly: on tangents, not on circles.
+   subroutine judge_rigid_bodies(scene, model)
+      type(scene_type), intent(inout) :: scene
+      type(model_type), intent(in) :: model
+      real(wp) :: turn(3)
+      integer :: body, k
+
+      do body = 1, size(model%rigid_body)
+         associate (rigid => model%rigid_body(body))
+            if (size(rigid%node) == 0) cycle
+            turn = 0.0_wp
+            do k = 4, 6
+               if (scene%dofs%id(k, rigid%reference) > 0) turn(k - 3) = &
+                  & scene%u(scene%dofs%id(k, rigid%reference))
+            end do
+            if (norm2(turn) <= rotation_limit) cycle
+            call say_once(scene%log, 'W0513', 'rigid body '//rigid%name//' turns by '// &
+               & to_text(norm2(turn), 3)//' rad, and its nodes follow on tangents instead of '// &
+               & 'circles: the body swells by '//to_text(100.0_wp*(sqrt(1.0_wp &
+               & + norm2(turn)**2) - 1.0_wp), 3)//' %', rigid%at, &
+               & help='prescribe the displacements of the nodes, or use an analytic or STL tool')
+         end associate
+      end do
+   end subroutine judge_rigid_bodies
+
+   !> An elastic slip that was chosen must be small beside the slips that it stands in for.
+   subroutine judge_elastic_slip(scene, model)
+      type(scene_type), intent(inout) :: scene
+      type(model_type), intent(in) :: model
+      real(wp) :: facet
+      integer :: point, pair
+
+      if (.not. allocated(scene%friction%trial%path)) return
+      do pair = 1, size(model%pair)
+         associate (way => model%interaction(model%pair(pair)%interaction))
+            if (way%method /= method_of%penalty .and. way%method /= method_of%perturbed) cycle
+            if (.not. has_friction(way%friction) .or. way%friction%exact_stick) cycle
+            if (way%friction%elastic_slip + way%friction%slip_tolerance &
+               & + way%friction%stick_slope > 0.0_wp) cycle
+         end associate
+         facet = 0.0_wp
+         do point = scene%points%first(pair), scene%points%first(pair + 1) - 1
+            facet = max(facet, scene%points%size(point))
+         end do
+         if (scene%points%first(pair + 1) == scene%points%first(pair)) cycle
+         associate (path => scene%friction%trial%path(scene%points%first(pair): &
+            & scene%points%first(pair + 1) - 1))
+            if (maxval(path) > slips*chosen_slip*facet) cycle
+            call say_once(scene%log, 'W0514', 'no node of '// &
+               & model%surface(model%pair(pair)%slave)%name//' slips farther than '// &
+               & to_text(maxval(path), 3)//', and sticking ones give way by up to '// &
+               & to_text(chosen_slip*facet, 3)//' (0.5 % of a facet, chosen): the zones of stick '// &
+               & 'and slip are blurred', model%pair(pair)%at, &
+               & help='DIRECT sticks exactly; or give ELASTIC SLIP= on *FRICTION')
+         end associate
+      end do
+   end subroutine judge_elastic_slip
 
    !> Closed points that have slid far on their facet: the normal and the place are those of the
    !> start.

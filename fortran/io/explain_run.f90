@@ -101,6 +101,15 @@ contains
          & 'Stresses are linear in strains that are linear in displacements: beyond 5 % the '// &
          & 'answer differs from that of finite strains by as much.', &
          & 'look at units, loads and modulus.')
+      call add_explanation(list, 'W0513', 'a rigid body of nodes turns far', &
+         & 'The nodes of *RIGID BODY, NSET= or ELSET= follow their reference node by linear '// &
+         & 'equations, which hold for small rotations: turned by t they stand sqrt(1 + t^2) '// &
+         & 'times too far out.', &
+         & 'prescribe the displacements of the nodes, or use an analytic or STL tool.')
+      call add_explanation(list, 'W0514', 'the elastic slip is not small beside the slips', &
+         & 'A penalty pair whose deck gives no elastic slip takes 0.5 % of a facet. Here nothing '// &
+         & 'slips much farther than that, so that zones of stick and slip mix.', &
+         & 'use DIRECT, which sticks exactly, or give ELASTIC SLIP= on *FRICTION.')
       call add_explanation(list, 'W0403', 'contact forces are not unique', &
          & 'Some contact points are held twice: by a support or by another contact. The '// &
          & 'displacement is '// &
