@@ -264,8 +264,6 @@ contains
          & '`TRESKA` is not a value of LAW of *FRICTION')
       call says('*FRICTION'//nl//'0.1', 'E0107', &
          & '*FRICTION must follow *SURFACE INTERACTION or *CHANGE FRICTION')
-      call says('*CONTACT PAIR, INTERACTION=I'//nl//'A, a', 'E0108', &
-         & 'self-contact of surface `A` comes with a later version')
       call says('*MATERIAL'//nl, 'E0106', '*MATERIAL needs the parameter NAME')
       call says('*MATERIAL, NAME=A'//nl//'3.', 'E0103', '*MATERIAL takes no data lines')
 
