@@ -159,6 +159,37 @@ def cattaneo() -> None:
     save(fig, "cattaneo")
 
 
+def capstan() -> None:
+    """Pressure of the belt around the drum beside Euler's law."""
+    contact = solved("capstan").contact(0).last
+    angle = np.arctan2(contact.x[:, 1], contact.x[:, 0])
+    pressed = contact.pressure > 0.0
+    angle, pressure = angle[pressed], contact.pressure[pressed]
+    order = np.argsort(angle)
+    angle, pressure = angle[order], pressure[order]
+    if pressure[len(pressure)//4] > pressure[3*len(pressure)//4]:
+        angle = angle.max() - angle
+    angle = angle - angle.min()
+    fig, ax = figure()
+    at = np.linspace(0.0, np.pi/2, 200)
+    curve(ax, np.degrees(at), 10.0*np.exp(0.3*at)/100.0, np.degrees(angle), pressure, closed="Euler: T/(R b)",
+          xlabel="angle around the drum [degrees]", ylabel="contact pressure [MPa]")
+    ax.set(ylim=(0.0, 0.25))
+    save(fig, "capstan")
+
+
+def ball_of_facets() -> None:
+    """Pressure under a ball of triangles beside that of the round one."""
+    ball = hertz_point_approach(0.02, 50.0, contact_modulus(20e3, 0.3))
+    contact = solved("ball_of_facets").contact(0).last
+    fig, ax = figure()
+    r = np.linspace(0.0, 1.5, 500)
+    curve(ax, r, ball.pressure(r), np.hypot(*contact.x[:, :2].T), contact.pressure,
+          closed="Hertz 1882", xlabel="distance from the axis [mm]", ylabel="contact pressure [MPa]")
+    ax.set(xlim=(0.0, 1.6))
+    save(fig, "ball_of_facets")
+
+
 def rough_punch() -> None:
     """Pressure and shear under the rough punch, beside boundary elements with the full coupling."""
     from lopin.closed_punch import punch_stick, punch_tractions
@@ -427,7 +458,8 @@ def sliding_ball() -> None:
 
 DRAWN = {f.__name__: f for f in (
     bar_gap, two_springs, cylinder_on_plane, flat_punch, hertz_sphere, hertz_sphere_3d, lifted_beam,
-    nafems_cylinder, cattaneo, rough_punch, nafems_punch, patch_test, two_blocks_mortar, signorini, strip_bending, glued_beam, shrink_fit, no_separation,
+    nafems_cylinder, cattaneo, capstan, ball_of_facets, rough_punch, nafems_punch, patch_test,
+    two_blocks_mortar, signorini, strip_bending, glued_beam, shrink_fit, no_separation,
     ball_on_ball, beam_on_roller, crushed_ring, ironing, rotating_rings,
     sliding_ball)}
 
