@@ -13,7 +13,11 @@ module lopin_finite_forces
    use lopin_scene, only : scene_type
    implicit none
    private
-   public :: look_type, look_at, of_rows
+   public :: look_type, look_at, of_rows, above_rounding
+
+   !> Forces below the first share of stiffness times displacement are rounding; the second is then
+   !> what they are judged beside: a body that moves without force.
+   real(wp), parameter :: rounding = 1.0e-10_wp, judged_beside = 1.0e-6_wp
 
    !> What one evaluation at (u, multiplier) gives.
    type :: look_type
@@ -62,7 +66,17 @@ contains
          & largest(scene%finite%contact%force), forgotten*scene%finite%force_seen)
       if (scene%finite%nlgeom) look%reference = max(look%reference, &
          & largest(scene%finite%follower%force))
+      look%reference = above_rounding(scene, look%reference)
    end subroutine look_at
+
+   !> A reference force; where forces are rounding alone, what the stiffness makes of the motion.
+   pure real(wp) function above_rounding(scene, reference) result(force)
+      type(scene_type), intent(in) :: scene
+      real(wp), intent(in) :: reference        !! largest force about [force]
+
+      force = largest(scene%k%value)*largest(scene%u)
+      force = merge(judged_beside*force, reference, reference < rounding*force)
+   end function above_rounding
 
    !> Pressures at the trial displacements.
    subroutine push_faces(scene, model, with_tangent)

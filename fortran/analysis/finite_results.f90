@@ -10,6 +10,7 @@ module lopin_finite_results
    use lopin_constraints, only : reduce, prescribed_part
    use lopin_certificate, only : forces_type, give_verdict
    use lopin_finite_state, only : forgotten
+   use lopin_finite_forces, only : above_rounding
    use lopin_contact_traction, only : grip_kind
    use lopin_finite_contact, only : finite_contact_type, dissipated, held_energy, shear_bound
    use lopin_scene, only : scene_type
@@ -57,6 +58,7 @@ contains
       call reduce(scene%constraints, forces%residual, free)
       reference = max(largest(forces%load), largest(forces%reaction), largest(forces%pressed), &
          & largest(forces%internal), forgotten*scene%finite%force_seen)
+      reference = above_rounding(scene, reference)
       if (reference > 0.0_wp) self%equilibrium = largest(free)/reference
       energy%strain = scene%finite%energy
       call judge_points(self, scene, model)

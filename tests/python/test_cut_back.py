@@ -81,3 +81,30 @@ def test_an_increment_tried_again_has_the_same_bits(run):
     def plain(rows):
         return [[v for k, v in enumerate(row.split(",")) if k not in drop] for row in rows]
     assert len(first[3]) > 4 and plain(first[3]) == plain(second[3])
+
+
+def test_a_body_that_moves_without_force_is_no_trouble(run):
+    """All forces are rounding: judged beside what the stiffness makes of the motion, and accepted."""
+    text = """*NODE
+1, 0., 0.
+2, 1., 0.
+3, 1.3, 1.
+4, 0., 1.1
+*ELEMENT, TYPE=CPE4, ELSET=E
+1, 1, 2, 3, 4
+*MATERIAL, NAME=M
+*ELASTIC
+210000., 0.3
+*SOLID SECTION, ELSET=E, MATERIAL=M
+1.,
+*STEP, NLGEOM
+*STATIC
+0.1, 1.
+*BOUNDARY
+4, 1, 1, 33.3
+4, 2, 2, -2.
+3, 2, 2, -2.
+*END STEP
+"""
+    done, job, _, _, _ = run("moved", text)
+    assert done.returncode == 0 and job["status"] == "finished", done.stderr
