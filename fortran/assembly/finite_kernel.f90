@@ -15,7 +15,7 @@ module lopin_finite_kernel
    use lopin_finite_opposite, only : opposite_type, anchor_type, masters_type
    implicit none
    private
-   public :: local_matrix_type, point_state_type, evaluate_point
+   public :: local_matrix_type, point_state_type, evaluate_point, set_spring
 
    integer, parameter :: most_dofs = 3*(most_stencil + 8) + 12
 
@@ -103,7 +103,9 @@ contains
       state%row = row%v
       state%gap = gap%v
       state%slip = slip%v
-      if (with_tangent) call make_spring()
+      if (with_tangent) call set_spring(local, grip, points%weight(i), normal_stiffness(grip, &
+         & state%gap + shift), state%normal(:d), along_gap, along_slip, shear(:d, :d), &
+         & state%status /= grip_status%open, first_row > 0)
 
    contains
 
@@ -206,30 +208,36 @@ contains
          type(dual_type), intent(in) :: f
          if (input > 0) force(input) = force(input) + f
       end subroutine push
-
-      !> w (c g' g'^T + s'^T shear s') for a closed point.
-      subroutine make_spring()
-         real(wp) :: press
-         integer :: j
-
-         if (allocated(local%spring)) deallocate (local%spring)
-         allocate (local%spring(inputs%nu, inputs%nu), source=0.0_wp)
-         if (allocated(local%flat_row)) deallocate (local%flat_row)
-         if (first_row > 0) allocate (local%flat_row(d, inputs%nu), source=0.0_wp)
-         if (state%status == grip_status%open) return
-         press = normal_stiffness(grip, state%gap + shift)
-         if (first_row > 0) then
-            do j = 1, inputs%nu
-               local%flat_row(:, j) = state%normal(:d)*along_gap(j) &
-                  & + matmul(shear(:d, :d), along_slip(:, j))/grip%c
-            end do
-         end if
-         do j = 1, inputs%nu
-            local%spring(:, j) = points%weight(i)*(press*along_gap*along_gap(j) &
-               & + matmul(transpose(along_slip), matmul(shear(:d, :d), along_slip(:, j))))
-         end do
-      end subroutine make_spring
    end subroutine evaluate_point
+
+   !> w (c g' g'^T + s'^T shear s') for a closed point, and its multiplier rows as if normals stood
+   !> still.
+   pure subroutine set_spring(local, grip, weight, press, normal, along_gap, along_slip, shear, &
+      & closed, has_rows)
+      type(local_matrix_type), intent(inout) :: local
+      type(grip_type), intent(in) :: grip
+      real(wp), intent(in) :: weight           !! [area]
+      real(wp), intent(in) :: press            !! -dp/dg [stress/length]
+      real(wp), intent(in) :: normal(:)        !! (ndim)
+      real(wp), intent(in) :: along_gap(:)     !! (nu) slopes of the gap
+      real(wp), intent(in) :: along_slip(:, :) !! (ndim, nu) of the slip
+      real(wp), intent(in) :: shear(:, :)      !! (ndim, ndim) [stress/length]
+      logical, intent(in) :: closed, has_rows
+      integer :: j, nu
+
+      nu = size(along_gap)
+      if (allocated(local%spring)) deallocate (local%spring)
+      if (allocated(local%flat_row)) deallocate (local%flat_row)
+      allocate (local%spring(nu, nu), source=0.0_wp)
+      if (has_rows) allocate (local%flat_row(size(normal), nu), source=0.0_wp)
+      if (.not. closed) return
+      do j = 1, nu
+         local%spring(:, j) = weight*(press*along_gap*along_gap(j) &
+            & + matmul(transpose(along_slip), matmul(shear, along_slip(:, j))))
+         if (has_rows) local%flat_row(:, j) = normal*along_gap(j) &
+            & + matmul(shear, along_slip(:, j))/grip%c
+      end do
+   end subroutine set_spring
 
    !> The dofs of a point: slave, master nodes, anchor nodes or tool, then multipliers.
    subroutine list_inputs(self, model, dofs, masters, points, i, opposite, anchor, first_row)

@@ -22,7 +22,7 @@ module lopin_finite_mortar
    use lopin_mortar_overlaps_2d, only : find_overlaps_2d
    use lopin_mortar_node_2d, only : patch_type, new_patch, mortar_row_type, mortar_row
    use lopin_finite_points, only : stays_mortar
-   use lopin_finite_kernel, only : local_matrix_type, point_state_type
+   use lopin_finite_kernel, only : local_matrix_type, point_state_type, set_spring
    use lopin_mortar_cells_3d, only : new_mortar_kernel
    use lopin_finite_mortar_3d, only : space_mortar_type, update_space_mortar, evaluate_space_point
    use lopin_finite_tie, only : tie_type, new_tie, evaluate_tie
@@ -306,7 +306,9 @@ contains
       state%gap = gap%v
       state%slip = 0.0_wp
       state%slip(:2) = slip%v
-      if (with_tangent) call make_spring()
+      if (with_tangent) call set_spring(local, grip, weight, normal_stiffness(grip, &
+         & state%gap + shift), state%normal(:2), along_gap, along_slip, shear, &
+         & state%status /= grip_status%open, first_row > 0)
 
    contains
 
@@ -373,28 +375,5 @@ contains
          state%traction = 0.0_wp
          state%traction(:2) = z%v
       end subroutine forces
-
-      !> w (c g' g'^T + s'^T shear s') for a closed point.
-      subroutine make_spring()
-         real(wp) :: press
-         integer :: j
-
-         if (allocated(local%spring)) deallocate (local%spring)
-         allocate (local%spring(local%nu, local%nu), source=0.0_wp)
-         if (allocated(local%flat_row)) deallocate (local%flat_row)
-         if (first_row > 0) allocate (local%flat_row(2, local%nu), source=0.0_wp)
-         if (state%status == grip_status%open) return
-         press = normal_stiffness(grip, state%gap + shift)
-         if (first_row > 0) then
-            do j = 1, local%nu
-               local%flat_row(:, j) = state%normal(:2)*along_gap(j) &
-                  & + matmul(shear, along_slip(:, j))/grip%c
-            end do
-         end if
-         do j = 1, local%nu
-            local%spring(:, j) = weight*(press*along_gap*along_gap(j) &
-               & + matmul(transpose(along_slip), matmul(shear, along_slip(:, j))))
-         end do
-      end subroutine make_spring
    end subroutine evaluate_mortar_point
 end module lopin_finite_mortar

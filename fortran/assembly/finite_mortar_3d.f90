@@ -205,6 +205,7 @@ contains
 
       if (allocated(local%k)) deallocate (local%k)
       if (allocated(local%spring)) deallocate (local%spring)
+      if (allocated(local%flat_row)) deallocate (local%flat_row)
       allocate (local%k(n, n), local%spring(local%nu, local%nu), source=0.0_wp)
    end subroutine clear
 end module lopin_finite_mortar_3d

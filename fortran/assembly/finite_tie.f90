@@ -189,6 +189,7 @@ contains
          associate (nu => local%nu)
             if (allocated(local%k)) deallocate (local%k)
             if (allocated(local%spring)) deallocate (local%spring)
+            if (allocated(local%flat_row)) deallocate (local%flat_row)
             allocate (local%k(n, n), local%spring(nu, nu), source=0.0_wp)
             do j = 1, size(self%node)
                do k = 1, d

@@ -14,6 +14,7 @@ module lopin_friction_rows
    use lopin_condensed, only : condensed_type
    use lopin_friction, only : friction_type, condition_type, friction_radius, return_to_disc, &
       & regularised_traction, is_regularised, drag_limit
+   use lopin_tool, only : outer => outer_product
    implicit none
    private
    public :: friction_points_type, equations_type, new_equations, form_equations, slip_of
@@ -319,13 +320,4 @@ contains
          self%q(:, 0, k) = slope_p*by_gap*m
       end associate
    end subroutine regularised_rows
-
-   pure function outer(a, b) result(c)
-      real(wp), intent(in) :: a(:), b(:)
-      real(wp) :: c(size(a), size(b))
-      integer :: j
-      do j = 1, size(b)
-         c(:, j) = a*b(j)
-      end do
-   end function outer
 end module lopin_friction_rows
