@@ -143,7 +143,7 @@ contains
       real(wp) :: facet
       integer :: point, pair
 
-      if (.not. allocated(scene%friction%trial%path)) return
+      if (scene%finite%in_use .or. .not. allocated(scene%friction%trial%path)) return
       do pair = 1, size(model%pair)
          associate (way => model%interaction(model%pair(pair)%interaction))
             if (way%method /= method_of%penalty .and. way%method /= method_of%perturbed) cycle
