@@ -33,7 +33,8 @@ module lopin_path_finite
    real(wp), parameter :: floor_of_rounding = 1.0e-11_wp
    !> Displacements that are no more than rounding, beside the scene.
    real(wp), parameter :: motionless = 1.0e-9_wp
-   integer, parameter :: most_sets = 400, most_iterations = 30, most_lagged = 200, memory = 4, most_halvings = 6
+   integer, parameter :: most_sets = 400, most_iterations = 30, most_lagged = 200, memory = 4, &
+      & most_halvings = 6
    !> A Newton step that lowers the merit by less than this is not worth a halving.
    real(wp), parameter :: sufficient = 1.0e-4_wp
    !> Tolerance of GMRES where only the length of a correction matters.

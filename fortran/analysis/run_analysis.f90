@@ -239,7 +239,8 @@ contains
       real(wp), intent(in) :: increment
       type(error_type), intent(in) :: error
 
-      may_cut = (plan%path == path_of%finite .or. slides_with_friction(scene)) .and. error%code == error_code%not_converged &
+      may_cut = (plan%path == path_of%finite .or. slides_with_friction(scene)) &
+         & .and. error%code == error_code%not_converged &
          & .and. .not. step%direct &
          & .and. cut*increment >= max(step%smallest, smallest*step%period)
    end function may_cut

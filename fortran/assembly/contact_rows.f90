@@ -2,7 +2,8 @@
 !>
 !> A sliding point has one row along the master's normal, a tied point one a direction; behind the
 !> rows of all pairs stand the tangential rows of the points with friction, whose gaps are relative
-!> displacements since the start. The frozen rule for initial gaps is applied here, and never silently.
+!> displacements since the start. The frozen rule for initial gaps is applied here, and never
+!> silently.
 module lopin_contact_rows
    use lopin_kinds, only : wp
    use lopin_error, only : error_type, error_code, raise, log_type, severity

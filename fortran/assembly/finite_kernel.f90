@@ -10,7 +10,8 @@ module lopin_finite_kernel
    use lopin_contact_traction, only : grip_type, grip_kind, grip_status, traction_of, &
       & normal_stiffness
    use lopin_smooth_facet, only : most_stencil
-   use lopin_contact_foot, only : facet_foot, smooth_facet_foot, tool_foot, tool_motion, turned, turned_back
+   use lopin_contact_foot, only : facet_foot, smooth_facet_foot, tool_foot, tool_motion, turned, &
+      & turned_back
    use lopin_finite_points, only : finite_points_type
    use lopin_finite_opposite, only : opposite_type, anchor_type, masters_type
    implicit none

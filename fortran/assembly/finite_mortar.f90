@@ -2,7 +2,8 @@
 !>
 !> Weights, normals and couplings follow the motion. Slip is the frame-indifferent increment of
 !> the weighted positions: with the coefficients c of a row (lopin_mortar_node_2d) and those at the
-!> start of the increment, s = P_n sum (c_start - c) x / D (Puso and Laursen 2004; Gitterle et al. 2010).
+!> start of the increment, s = P_n sum (c_start - c) x / D (Puso and Laursen 2004; Gitterle et al.
+!> 2010).
 module lopin_finite_mortar
    use lopin_kinds, only : wp
    use lopin_dual, only : dual_type, dual_width, variable, constant, dual_dot, operator(+), &

@@ -6,7 +6,8 @@
 !> Newton cycles. Where states repeat without progress, in order: the load of the increment in
 !> parts; the tangent of Hueeber, Stadler and Wohlmuth; one normal row at a time; a fixed point on
 !> the bounds (Tresca), whose problems are convex. Whatever found it, an answer counts only if it
-!> fits the equations point by point. Bodies that only contact and friction hold move with the unknown motions q, C^T lambda =
+!> fits the equations point by point. Bodies that only contact and friction hold move with the
+!> unknown motions q, C^T lambda =
 !> -moving.
 module lopin_friction_set
    use, intrinsic :: iso_fortran_env, only : int64

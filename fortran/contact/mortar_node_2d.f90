@@ -2,7 +2,8 @@
 !> sliding.
 !>
 !> The row depends on the facets at the node, on their other neighbours by the nodal normals, and
-!> on the master facets that these cover. `new_patch` lists them, `mortar_row` gives the weight, normal,
+!> on the master facets that these cover. `new_patch` lists them, `mortar_row` gives the weight,
+!> normal,
 !> mean gap and coefficients with their slopes by all places of the list: those of the dual basis,
 !> of the normals and of the moving ends of the segments. A node may take over the rows of hardly
 !> covered neighbours, as in lopin_mortar.
