@@ -26,7 +26,7 @@ module lopin_finite_system
    implicit none
    private
    public :: finite_system_type, set_tangent, put_on_ground, solve_step, solve_whole
-   public :: apply_locals, as_forces
+   public :: apply_locals
 
    !> Iterations before the whole matrix is factorised instead.
    integer, parameter :: most_iterations = 60
@@ -153,11 +153,14 @@ contains
       type(local_matrix_type), intent(in) :: local(:)
       real(wp), intent(in) :: u(:)               !! (ndof)
       real(wp), intent(inout) :: force(:)        !! (ndof + nmultiplier) added to
-      integer :: i
+      integer :: i, j
 
       do i = 1, nlocal
          associate (l => local(i))
-            force(l%dof) = force(l%dof) + matmul(l%k(:, :l%nu), u(l%dof(:l%nu)))
+            ! A node of the facet may be one of the anchor too: its dof stands twice.
+            do j = 1, size(l%dof)
+               force(l%dof(j)) = force(l%dof(j)) + dot_product(l%k(j, :l%nu), u(l%dof(:l%nu)))
+            end do
          end associate
       end do
    end subroutine apply_locals
