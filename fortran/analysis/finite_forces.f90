@@ -7,7 +7,7 @@ module lopin_finite_forces
    use lopin_model, only : model_type
    use lopin_constraints, only : reduce, prescribed_part
    use lopin_finite_contact, only : evaluate
-   use lopin_finite_state, only : forgotten
+   use lopin_finite_state, only : forgotten, is_nonlinear
    use lopin_follower_loads, only : add_follower_loads
    use lopin_assemble_finite, only : assemble_finite, bad_element_type
    use lopin_scene, only : scene_type
@@ -122,17 +122,18 @@ contains
       type(bad_element_type) :: bad
 
       inverted = 0
-      if (.not. scene%finite%nlgeom) then
+      if (.not. is_nonlinear(scene%finite)) then
          call scene%k%multiply(scene%u, internal)
          scene%finite%energy = 0.5_wp*dot_product(scene%u, internal)
          return
       end if
       if (with_tangent) then
          if (.not. allocated(scene%finite%k%value)) scene%finite%k = scene%k
-         call assemble_finite(scene%solids, model%mesh, scene%u, internal, scene%finite%energy, &
-            & bad, scene%finite%k)
+         call assemble_finite(scene%solids, model%mesh, scene%u, scene%finite%memory, internal, &
+            & scene%finite%energy, bad, scene%finite%k)
       else
-         call assemble_finite(scene%solids, model%mesh, scene%u, internal, scene%finite%energy, bad)
+         call assemble_finite(scene%solids, model%mesh, scene%u, scene%finite%memory, internal, &
+            & scene%finite%energy, bad)
       end if
       inverted = bad%element
    end subroutine internal_forces

@@ -56,7 +56,7 @@ contains
       real(wp) :: u(3, model%mesh%nnode), mises(model%mesh%nnode)
 
       u = at_nodes(scene%dofs, displacement, model%mesh%nnode, model%mesh%ndim)
-      call nodal_mises(scene%solids, model%mesh, u, scene%finite%nlgeom, mises)
+      call nodal_mises(scene%solids, model%mesh, u, scene%finite%memory, mises)
       associate (contact => scene%finite%contact)
          contact%mises = mises(contact%node(:contact%n))
       end associate

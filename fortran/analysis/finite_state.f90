@@ -5,9 +5,10 @@ module lopin_finite_state
    use lopin_finite_contact, only : finite_contact_type
    use lopin_finite_system, only : finite_system_type
    use lopin_follower_loading, only : follower_type
+   use lopin_solid_memory, only : solid_memory_type
    implicit none
    private
-   public :: finite_state_type, add_line, iteration_header, forgotten
+   public :: finite_state_type, add_line, is_nonlinear, iteration_header, forgotten
 
    !> Forces below this share of those seen before are nothing: a scene that is unloaded.
    real(wp), parameter :: forgotten = 1.0e-4_wp
@@ -22,7 +23,8 @@ module lopin_finite_state
       type(finite_contact_type) :: contact
       type(finite_system_type) :: system
       type(follower_type) :: follower          !! pressures under NLGEOM
-      type(csc_type) :: k                      !! (ndof) tangent of the solids; small strain: unused
+      type(csc_type) :: k                      !! (ndof) tangent of the solids, if not linear
+      type(solid_memory_type) :: memory        !! of solids that flow
       real(wp), allocatable :: multiplier(:)   !! (nmultiplier) tractions, global axes [stress]
       real(wp), allocatable :: accepted_multiplier(:)
       real(wp), allocatable :: internal(:)     !! (ndof) forces of the solids [force]
@@ -40,6 +42,12 @@ module lopin_finite_state
       character(len=100), allocatable :: line(:)   !! what each iteration did, for the log
    end type finite_state_type
 contains
+
+   !> The solids are not linear: finite strain, or flow.
+   pure logical function is_nonlinear(self)
+      type(finite_state_type), intent(in) :: self
+      is_nonlinear = self%nlgeom .or. self%memory%in_use
+   end function is_nonlinear
 
    !> Keep a line for the log of the increment.
    subroutine add_line(self, text)

@@ -8,6 +8,7 @@ module lopin_frames
    use lopin_recorder, only : wants_type
    use lopin_scene, only : scene_type, relative_motion, gap_of
    use lopin_methods, only : has_law
+   use lopin_finite_state, only : is_nonlinear
    use lopin_finite_results, only : finite_contact_fields
    implicit none
    private
@@ -31,8 +32,9 @@ contains
       end if
       frame%first_point = scene%solids%first_point
       if (.not. (wants%stress .or. wants%strain .or. wants%nodal_stress)) return
-      if (scene%finite%nlgeom) then
-         call recover_finite(scene%solids, model%mesh, frame%u(:3, :), stress, strain)
+      if (is_nonlinear(scene%finite)) then
+         call recover_finite(scene%solids, model%mesh, frame%u(:3, :), scene%finite%memory, stress, &
+            & strain)
       else
          call recover_stress(scene%solids, model%mesh, frame%u(:3, :), stress, strain)
       end if

@@ -19,6 +19,8 @@ module lopin_increment
    use lopin_certificate, only : forces_type, find_forces, certify, worst_unrowed
    use lopin_finite_contact, only : accept_contact => accept, reject_contact => reject
    use lopin_finite_state, only : iteration_header
+   use lopin_solid_memory, only : keep
+   use lopin_assemble_finite, only : remember
    use lopin_finite_results, only : find_finite_forces, certify_finite, tell_finite
    use lopin_contact_friction, only : slides_with_friction
    use lopin_friction_state, only : commit_friction => commit, roll_back_friction => roll_back
@@ -98,10 +100,15 @@ contains
       call scene%clock%stop_in(phase%solve)
       call warn_of(scene, model, frame)
       call add_work(scene, progress, frame)
+      if (scene%finite%in_use) then
+         call remember(scene%solids, model%mesh, scene%u, scene%finite%memory)
+         frame%energy%plastic = scene%finite%memory%work
+      end if
       call accept(scene, progress, steady)
       call look_at_pairs(progress%seen, scene, model)
       call record(scene, model, forces%reaction, recorders, frame, error)
       if (allocated(error)) return
+      if (scene%finite%in_use) call keep(scene%finite%memory)
       call progress%checksum%add(frame%u(:3, :))
       summary%checksum = progress%checksum%text()
       if (frame%certificate%verdict == 2) call raise(error, error_code%not_converged, 'E0504', &

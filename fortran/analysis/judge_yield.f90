@@ -1,4 +1,4 @@
-!> Bodies that would yield: *PLASTIC gives friction its yield stress, the bodies stay elastic.
+!> Bodies that would yield, and that the deck computes as elastic.
 module lopin_judge_yield
    use lopin_kinds, only : wp
    use lopin_text, only : to_text
@@ -7,6 +7,7 @@ module lopin_judge_yield
    use lopin_recover_stress, only : recover_stress
    use lopin_scene, only : scene_type
    use lopin_after_step, only : say_once
+   use lopin_flow_curve, only : flows
    use lopin_von_mises, only : von_mises
    implicit none
    private
@@ -22,10 +23,14 @@ contains
       real(wp), allocatable :: stress(:, :), strain(:, :)
       real(wp) :: share, most(size(model%material))
       integer :: e, k, point, worst(size(model%material))
+      logical :: judged(size(model%material))
 
-      if (.not. any(model%material%yield > 0.0_wp)) return
+      judged = [(model%material(k)%yield > 0.0_wp .and. &
+         & .not. (scene%finite%in_use .and. flows(model%material(k)%flow)), &
+         & k=1, size(model%material))]
+      if (.not. any(judged)) return
       if (scene%finite%in_use) then
-         call recover_finite(scene%solids, model%mesh, u, stress, strain)
+         call recover_finite(scene%solids, model%mesh, u, scene%finite%memory, stress, strain)
       else
          call recover_stress(scene%solids, model%mesh, u, stress, strain)
       end if
@@ -34,7 +39,7 @@ contains
       do e = 1, model%mesh%nelement
          if (model%mesh%section(e) == 0) cycle
          k = model%section(model%mesh%section(e))%material
-         if (.not. model%material(k)%yield > 0.0_wp) cycle
+         if (.not. judged(k)) cycle
          do point = scene%solids%first_point(e), scene%solids%first_point(e + 1) - 1
             share = von_mises(stress(:, point))/model%material(k)%yield
             if (share <= most(k)) cycle
@@ -49,8 +54,8 @@ contains
             & to_text(most(k), 3)//' times, at element '// &
             & to_text(model%mesh%element_label(worst(k)))//'); it is computed as elastic', &
             & model%material(k)%plastic_at, &
-            & help='plasticity comes with a later version: where this share is large the '// &
-            & 'stresses are wrong')
+            & help='leave out ONLY=FRICTION of *PLASTIC and PATH=CONDENSED: the stresses are wrong '// &
+            & 'where they pass it')
       end do
    end subroutine judge_yield
 end module lopin_judge_yield

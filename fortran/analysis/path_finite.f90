@@ -18,7 +18,8 @@ module lopin_path_finite
    use lopin_finite_contact, only : new_finite_contact, start_increment, augment, &
       & local_matrix_type
    use lopin_finite_system, only : set_tangent, put_on_ground, solve_step, apply_locals
-   use lopin_finite_state, only : add_line
+   use lopin_finite_state, only : add_line, is_nonlinear
+   use lopin_solid_memory, only : new_solid_memory
    use lopin_finite_forces, only : look_type, look_at, of_rows
    use lopin_finite_lagged, only : reads_lagged, start_lagged, renew_lagged
    use lopin_scene, only : scene_type
@@ -58,6 +59,7 @@ contains
       call new_finite_contact(scene%finite%contact, model, scene%dofs, scene%log, error)
       if (allocated(error)) return
       scene%finite%in_use = .true.
+      call new_solid_memory(scene%finite%memory, scene%solids, model%mesh)
       call start_step(scene, model)
       allocate (scene%finite%multiplier(scene%finite%contact%nmultiplier), &
          & scene%finite%accepted_multiplier(scene%finite%contact%nmultiplier), source=0.0_wp)
@@ -76,6 +78,7 @@ contains
       integer :: s, i, pair
 
       scene%finite%nlgeom = model%step(scene%step)%nlgeom
+      scene%finite%memory%finite = scene%finite%nlgeom
       if (.not. scene%finite%in_use) return
       associate (contact => scene%finite%contact)
          do s = 1, scene%step
@@ -124,6 +127,7 @@ contains
       scene%finite%augmentations = 0
       scene%finite%grounded = 0
       scene%finite%nline = 0
+      scene%finite%memory%dt = scene%finite%dt
       call start_increment(scene%finite%contact, model, scene%u, scene%finite%dt, error)
       if (allocated(error)) return
       call start_lagged(scene, model)
@@ -375,7 +379,7 @@ contains
          if (any(abs(jump) > 0.0_wp)) then
             allocate (pushed(ndof + contact%nmultiplier), reduced(neq))
             pushed = 0.0_wp
-            if (scene%finite%nlgeom) then
+            if (is_nonlinear(scene%finite)) then
                call scene%finite%k%multiply(jump, pushed(:ndof))
             else
                call scene%k%multiply(jump, pushed(:ndof))
@@ -385,7 +389,7 @@ contains
             right(:neq) = right(:neq) - reduced
             right(neq + 1:) = right(neq + 1:) - pushed(ndof + 1:)
          end if
-         if (scene%finite%nlgeom) then
+         if (is_nonlinear(scene%finite)) then
             call set_tangent(system, scene%finite%k, scene%constraints, size(local), local, &
                & of_rows(scene, contact%c), of_rows(scene, contact%weight), flat)
          else

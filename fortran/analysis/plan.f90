@@ -4,6 +4,7 @@ module lopin_plan
    use lopin_text, only : to_text
    use lopin_error, only : error_type, error_code, raise
    use lopin_model, only : model_type
+   use lopin_flow_curve, only : flows
    use lopin_contact_rows, only : pair_slides_with_friction
    implicit none
    private
@@ -70,7 +71,8 @@ contains
          return
       end select
       self%by_user = model%path /= 'AUTO'
-      if (self%path /= path_of%finite .and. needs_finite(model)) call raise(error, &
+      if (self%path /= path_of%finite .and. needs_finite(model) .and. .not. only_flows(model)) &
+         & call raise(error, &
          & error_code%deck, 'E0116', 'PATH='//model%path//' cannot solve this scene: ' &
          & //why_finite(model), help='leave out PATH=')
    end subroutine new_plan
@@ -80,6 +82,12 @@ contains
       type(model_type), intent(in) :: model
       needs_finite = why_finite(model) /= ''
    end function needs_finite
+
+   !> Plastic materials alone ask for Newton: a user who knows that they stay elastic may say so.
+   logical function only_flows(model)
+      type(model_type), intent(in) :: model
+      only_flows = index(why_finite(model), 'plastic') == 1
+   end function only_flows
 
    function why_finite(model) result(reason)
       type(model_type), intent(in) :: model
@@ -92,6 +100,9 @@ contains
       end do
       if (any(model%pair%slave == model%pair%master)) &
          & reason = 'self-contact is searched on the present shape'
+      do i = 1, size(model%section)
+         if (flows(model%material(model%section(i)%material)%flow)) reason = 'plastic flow'
+      end do
       if (any(model%step%nlgeom)) reason = 'NLGEOM: finite rotation and sliding'
       if (reason /= '') reason = reason//', Newton with exact tangents'
    end function why_finite

@@ -103,6 +103,7 @@ contains
             section(i)%neo_hooke = material%has_neo_hooke
             section(i)%c10 = material%c10
             section(i)%d1 = material%d1
+            section(i)%flow = material%flow
          end associate
       end do
    end function sections_of

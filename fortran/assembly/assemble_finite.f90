@@ -1,5 +1,5 @@
-!> Assembly of solids at finite strain: internal force, energy and tangent of a whole mesh, stresses
-!> for output.
+!> Assembly of solids that are not linear, at finite strain or because they flow: internal force,
+!> energy and tangent of a whole mesh, stresses for output, memory of what is accepted.
 !>
 !> Groups, colours and slots are those of the small-strain stiffness, so that the tangent has the
 !> pattern of that matrix and the bits do not depend on the number of threads.
@@ -7,11 +7,13 @@ module lopin_assemble_finite
    use lopin_kinds, only : wp, ik
    use lopin_mesh, only : mesh_type
    use lopin_csc, only : csc_type
-   use lopin_solid_finite, only : finite_element, finite_stresses
+   use lopin_solid_finite, only : finite_element, finite_stresses, finite_memory
+   use lopin_solid_flow, only : flow_element, flow_stresses, flow_memory
    use lopin_assemble_solids, only : solids_type, group_type, add_slots
+   use lopin_solid_memory, only : solid_memory_type
    implicit none
    private
-   public :: assemble_finite, recover_finite, bad_element_type
+   public :: assemble_finite, recover_finite, remember, bad_element_type
 
    !> An element that the displacements turn inside out.
    type :: bad_element_type
@@ -25,10 +27,11 @@ contains
    !> Internal force and energy of all solid elements and, if asked for, their tangent.
    !>
    !> Where `bad` names an element, nothing else is defined: the step was too large.
-   subroutine assemble_finite(self, mesh, u, force, energy, bad, matrix)
+   subroutine assemble_finite(self, mesh, u, memory, force, energy, bad, matrix)
       type(solids_type), intent(in) :: self
       type(mesh_type), intent(in) :: mesh
       real(wp), intent(in) :: u(:)             !! (n) total displacements by equation [length]
+      type(solid_memory_type), intent(in) :: memory   !! of the accepted state
       real(wp), intent(out) :: force(:)        !! (n) internal forces [force]
       real(wp), intent(out) :: energy          !! strain energy [force length]
       type(bad_element_type), intent(out) :: bad
@@ -50,11 +53,11 @@ contains
             e = self%order(k)
             if (present(matrix)) then
                call add_tangent(self%group(self%which(e)), mesh%x, mesh%conn(:, e), self%dof, u, &
-                  & self%slot(self%first_slot(e):self%first_slot(e + 1) - 1), force, part(e), &
+                  & memory, e, self%slot(self%first_slot(e):self%first_slot(e + 1) - 1), force, part(e), &
                   & point(e), matrix%value)
             else
                call add_force(self%group(self%which(e)), mesh%x, mesh%conn(:, e), self%dof, u, &
-                  & force, part(e), point(e))
+                  & memory, e, force, part(e), point(e))
             end if
          end do
          !$omp end parallel do
@@ -66,26 +69,28 @@ contains
       bad%point = point(bad%element)
    end subroutine assemble_finite
 
-   subroutine add_force(group, x, conn, dof, u, force, energy, bad)
+   subroutine add_force(group, x, conn, dof, u, memory, e, force, energy, bad)
       type(group_type), intent(in) :: group
       real(wp), intent(in) :: x(:, :), u(:)
-      integer, intent(in) :: conn(:), dof(:, :)
+      integer, intent(in) :: conn(:), dof(:, :), e
+      type(solid_memory_type), intent(in) :: memory
       real(wp), intent(inout) :: force(:)
       real(wp), intent(out) :: energy
       integer, intent(out) :: bad
       real(wp) :: own(group%element%ndof)
 
       associate (m => group%element%nnode, d => group%element%ndim)
-         call finite_element(group%element, group%law, x(:, conn(:m)), &
-            & displacements(dof(:d, conn(:m)), u), group%thickness, own, energy, bad)
+         call own_element(group, x(:, conn(:m)), displacements(dof(:d, conn(:m)), u), memory, e, &
+            & own, energy, bad)
          if (bad == 0) call scatter(dof(:d, conn(:m)), own, force)
       end associate
    end subroutine add_force
 
-   subroutine add_tangent(group, x, conn, dof, u, slot, force, energy, bad, value)
+   subroutine add_tangent(group, x, conn, dof, u, memory, e, slot, force, energy, bad, value)
       type(group_type), intent(in) :: group
       real(wp), intent(in) :: x(:, :), u(:)
-      integer, intent(in) :: conn(:), dof(:, :)
+      integer, intent(in) :: conn(:), dof(:, :), e
+      type(solid_memory_type), intent(in) :: memory
       integer(ik), intent(in) :: slot(:)
       real(wp), intent(inout) :: force(:), value(:)
       real(wp), intent(out) :: energy
@@ -93,13 +98,42 @@ contains
       real(wp) :: own(group%element%ndof), ke(group%element%ndof, group%element%ndof)
 
       associate (m => group%element%nnode, d => group%element%ndim)
-         call finite_element(group%element, group%law, x(:, conn(:m)), &
-            & displacements(dof(:d, conn(:m)), u), group%thickness, own, energy, bad, ke)
+         call own_element(group, x(:, conn(:m)), displacements(dof(:d, conn(:m)), u), memory, e, &
+            & own, energy, bad, ke)
          if (bad > 0) return
          call scatter(dof(:d, conn(:m)), own, force)
          call add_slots(slot, ke, value)
       end associate
    end subroutine add_tangent
+
+   !> One element, by the kinematics of the step.
+   subroutine own_element(group, x, u, memory, e, force, energy, bad, ke)
+      type(group_type), intent(in) :: group
+      real(wp), intent(in) :: x(:, :), u(:, :)
+      type(solid_memory_type), intent(in) :: memory
+      integer, intent(in) :: e
+      real(wp), intent(out) :: force(:), energy
+      integer, intent(out) :: bad
+      real(wp), intent(out), optional :: ke(:, :)
+      integer :: p
+
+      p = memory%first(e)
+      associate (q => p + group%element%ngauss - 1)
+         if (memory%finite .and. group%law%flows) then
+            call finite_element(group%element, group%law, x, u, group%thickness, &
+               & memory%value(:, p:q), memory%dt, force, energy, bad, ke)
+         else if (memory%finite) then
+            call finite_element(group%element, group%law, x, u, group%thickness, &
+               & memory%none, memory%dt, force, energy, bad, ke)
+         else if (group%law%flows) then
+            call flow_element(group%element, group%law, x, u, group%thickness, &
+               & memory%value(:, p:q), memory%dt, force, energy, bad, ke)
+         else
+            call flow_element(group%element, group%law, x, u, group%thickness, &
+               & memory%none, memory%dt, force, energy, bad, ke)
+         end if
+      end associate
+   end subroutine own_element
 
    pure function displacements(equation, u) result(own)
       integer, intent(in) :: equation(:, :)
@@ -128,29 +162,90 @@ contains
       end do
    end subroutine scatter
 
-   !> Cauchy stresses and logarithmic strains at all Gauss points, laid out as by recover_stress.
-   subroutine recover_finite(self, mesh, u, stress, strain)
+   !> Stresses and strains at all Gauss points, laid out as by recover_stress: Cauchy and
+   !> logarithmic at finite strain.
+   subroutine recover_finite(self, mesh, u, memory, stress, strain)
       type(solids_type), intent(in) :: self
       type(mesh_type), intent(in) :: mesh
       real(wp), intent(in) :: u(:, :)                      !! (>= ndim, nnode) [length]
-      real(wp), allocatable, intent(out) :: stress(:, :)   !! (6, npoint) Cauchy [stress]
+      type(solid_memory_type), intent(in) :: memory        !! of the accepted state
+      real(wp), allocatable, intent(out) :: stress(:, :)   !! (6, npoint) [stress]
       real(wp), allocatable, intent(out) :: strain(:, :)   !! (6, npoint) engineering shears [-]
-      integer :: e, npoint, p, q, bad
+      integer :: e, npoint, p, q
 
       npoint = self%first_point(mesh%nelement + 1) - 1
       allocate (stress(6, npoint), strain(6, npoint))
-      !$omp parallel do schedule(static) private(p, q, bad)
+      !$omp parallel do schedule(static) private(p, q)
       do e = 1, mesh%nelement
          if (self%which(e) == 0) cycle
          p = self%first_point(e)
          q = self%first_point(e + 1) - 1
          associate (group => self%group(self%which(e)))
-            call finite_stresses(group%element, group%law, &
-               & mesh%x(:, mesh%conn(:group%element%nnode, e)), &
-               & u(:group%element%ndim, mesh%conn(:group%element%nnode, e)), group%thickness, &
-               & stress(:, p:q), strain(:, p:q), bad)
+            call own_stresses(group, mesh%x(:, mesh%conn(:group%element%nnode, e)), &
+               & u(:group%element%ndim, mesh%conn(:group%element%nnode, e)), memory, e, &
+               & stress(:, p:q), strain(:, p:q))
          end associate
       end do
       !$omp end parallel do
    end subroutine recover_finite
+
+   subroutine own_stresses(group, x, u, memory, e, stress, strain)
+      type(group_type), intent(in) :: group
+      real(wp), intent(in) :: x(:, :), u(:, :)
+      type(solid_memory_type), intent(in) :: memory
+      integer, intent(in) :: e
+      real(wp), intent(out) :: stress(:, :), strain(:, :)
+      integer :: p, bad
+
+      p = memory%first(e)
+      associate (q => p + group%element%ngauss - 1)
+         if (memory%finite .and. group%law%flows) then
+            call finite_stresses(group%element, group%law, x, u, group%thickness, &
+               & memory%value(:, p:q), memory%dt, stress, strain, bad)
+         else if (memory%finite) then
+            call finite_stresses(group%element, group%law, x, u, group%thickness, &
+               & memory%none, memory%dt, stress, strain, bad)
+         else if (group%law%flows) then
+            call flow_stresses(group%element, group%law, x, u, group%thickness, &
+               & memory%value(:, p:q), memory%dt, stress, strain, bad)
+         else
+            call flow_stresses(group%element, group%law, x, u, group%thickness, &
+               & memory%none, memory%dt, stress, strain, bad)
+         end if
+      end associate
+   end subroutine own_stresses
+
+   !> The memory of a state that will be accepted, into `next`, and its plastic work.
+   subroutine remember(self, mesh, u, memory)
+      type(solids_type), intent(in) :: self
+      type(mesh_type), intent(in) :: mesh
+      real(wp), intent(in) :: u(:)             !! (n) total displacements by equation [length]
+      type(solid_memory_type), intent(inout) :: memory
+      real(wp), allocatable :: work(:)
+      integer :: e, p, q, bad
+
+      if (.not. memory%in_use) return
+      allocate (work(mesh%nelement), source=0.0_wp)
+      memory%next = memory%value
+      !$omp parallel do schedule(static) private(p, q, bad)
+      do e = 1, mesh%nelement
+         p = memory%first(e)
+         q = memory%first(e + 1) - 1
+         if (q < p) cycle
+         associate (group => self%group(self%which(e)))
+            associate (x => mesh%x(:, mesh%conn(:group%element%nnode, e)), own => displacements( &
+               & self%dof(:group%element%ndim, mesh%conn(:group%element%nnode, e)), u))
+               if (memory%finite) then
+                  call finite_memory(group%element, group%law, x, own, group%thickness, memory%dt, &
+                     & memory%next(:, p:q), work(e), bad)
+               else
+                  call flow_memory(group%element, group%law, x, own, group%thickness, memory%dt, &
+                     & memory%next(:, p:q), work(e), bad)
+               end if
+            end associate
+         end associate
+      end do
+      !$omp end parallel do
+      memory%work = memory%work + sum(work)
+   end subroutine remember
 end module lopin_assemble_finite

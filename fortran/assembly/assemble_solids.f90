@@ -11,7 +11,9 @@ module lopin_assemble_solids
    use lopin_csc, only : csc_type, storage
    use lopin_element_type, only : element_type, element_kind, new_element_type
    use lopin_elastic, only : hooke_matrix, plane_stress_matrix
-   use lopin_finite_elastic, only : finite_law_type, hencky_law, neo_hooke_law, elastic_constants
+   use lopin_flow_curve, only : flow_type
+   use lopin_finite_elastic, only : finite_law_type, hencky_law, neo_hooke_law, give_flow, &
+      & elastic_constants
    use lopin_facets, only : facet_rule_type, new_facet_rules
    use lopin_solid_small, only : stiffness, strain_matrices, body_force, face_force
    implicit none
@@ -28,6 +30,7 @@ module lopin_assemble_solids
       logical :: neo_hooke = .false.         !! then c10 and d1 in the place of young and poisson
       real(wp) :: c10 = 0.0_wp               !! [stress]
       real(wp) :: d1 = 0.0_wp                !! [1/stress]
+      type(flow_type) :: flow                !! of a plastic or viscous material
    end type solid_section_type
 
    !> Elements of one word in one section.
@@ -133,6 +136,7 @@ contains
          call elastic_constants(new%law, young, poisson)
       else
          new%law = hencky_law(young, poisson)
+         call give_flow(new%law, section%flow)
       end if
       new%poisson = poisson
       allocate (new%d(new%element%nstress, new%element%nstress))

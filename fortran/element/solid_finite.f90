@@ -1,7 +1,8 @@
 !> Solids at finite strain: internal force, consistent tangent, energy and stress of one element.
 !>
-!> Total displacements in, nothing else: elastic laws have no memory. Integration is over the
-!> reference volume, stress is Kirchhoff stress, gradients are taken in the deformed place.
+!> Total displacements and the memory of the accepted state in, nothing else; the memory of the next
+!> one is asked for when it is accepted. Integration is over the reference volume, stress is
+!> Kirchhoff stress, gradients are taken in the deformed place.
 !>
 !> Mean dilatation (Q1P0; Nagtegaal 1974, Simo 1985): the deformation gradient of a point is scaled
 !> to the volume ratio of the element, v/V, and the energy is that of the scaled one. Force and
@@ -15,16 +16,19 @@ module lopin_solid_finite
    use lopin_element_type, only : element_type, element_kind, element_formulation
    use lopin_solid_small, only : gradients, fill_solid, fill_plane, add_product
    use lopin_finite_elastic, only : finite_law_type, finite_response, log_strain, &
-      & thickness_change, condense_thickness, volume_change
+      & thickness_change, condense_thickness, volume_change, flow_of_trial
+   use lopin_radial_return, only : return_type
+   use lopin_material_memory, only : past_of, metric_of, put_metric, strain_at, stress_at, work_at
    implicit none
    private
-   public :: finite_element, finite_stresses
+   public :: finite_element, finite_stresses, finite_memory
 
    real(wp), parameter :: pi = acos(-1.0_wp)
 
    !> Where the deformation has brought a Gauss point.
    type :: point_type
-      real(wp) :: change(3, 3) = 0.0_wp     !! b - 1
+      real(wp) :: h(3, 3) = 0.0_wp          !! F - 1
+      real(wp) :: change(3, 3) = 0.0_wp     !! b - 1, of the elastic part if no point flowed
       real(wp) :: own = 0.0_wp              !! J - 1
       real(wp) :: weight = 0.0_wp           !! reference volume
       real(wp) :: radius = 0.0_wp           !! deformed; axisymmetric only [length]
@@ -33,12 +37,16 @@ module lopin_solid_finite
 contains
 
    !> Force, energy and, if asked for, tangent of an element.
-   pure subroutine finite_element(element, law, x, u, thickness, force, energy, bad, ke)
+   pure subroutine finite_element(element, law, x, u, thickness, memory, dt, force, energy, bad, &
+      & ke)
       type(element_type), intent(in) :: element
       type(finite_law_type), intent(in) :: law
       real(wp), intent(in) :: x(:, :)        !! (ndim, nnode) reference coordinates [length]
       real(wp), intent(in) :: u(:, :)        !! (ndim, nnode) displacements [length]
       real(wp), intent(in) :: thickness      !! plane kinds [length]
+      real(wp), intent(in) :: memory(:, :)   !! (nmemory, ngauss) of the accepted state; (0, ngauss)
+                                             !! if the law does not flow
+      real(wp), intent(in) :: dt             !! since the accepted state [time]
       real(wp), intent(out) :: force(element%ndof)   !! internal forces [force]
       real(wp), intent(out) :: energy                !! [force length]
       integer, intent(out) :: bad            !! Gauss point turned inside out, else 0; then nothing
@@ -51,7 +59,7 @@ contains
       logical :: averaged
       integer :: k
 
-      call deform(element, law, x, u, thickness, point, g, bad)
+      call deform(element, law, x, u, thickness, memory, point, g, bad)
       if (bad > 0) return
       averaged = element%formulation == element_formulation%bbar
       if (averaged) mean = sum(point%weight*point%own)/sum(point%weight)
@@ -60,11 +68,12 @@ contains
          volume = point(k)%own
          if (averaged) volume = mean
          if (present(ke)) then
-            call finite_response(law, point(k)%change, point(k)%own, volume, stress(:, k), &
-               & density, tangent(:, :, k))
+            call finite_response(law, past_of(memory(:, k), element%nstress, dt), &
+               & point(k)%change, point(k)%own, volume, stress(:, k), density, tangent(:, :, k))
             if (element%kind == element_kind%plane_stress) call condense_thickness(tangent(:, :, k))
          else
-            call finite_response(law, point(k)%change, point(k)%own, volume, stress(:, k), density)
+            call finite_response(law, past_of(memory(:, k), element%nstress, dt), &
+               & point(k)%change, point(k)%own, volume, stress(:, k), density)
          end if
          energy = energy + point(k)%weight*density
       end do
@@ -75,11 +84,13 @@ contains
 
    !> Cauchy stress and logarithmic strain (engineering shears) at the Gauss points, in the order
    !> xx yy zz xy xz yz.
-   pure subroutine finite_stresses(element, law, x, u, thickness, stress, strain, bad)
+   pure subroutine finite_stresses(element, law, x, u, thickness, memory, dt, stress, strain, bad)
       type(element_type), intent(in) :: element
       type(finite_law_type), intent(in) :: law
       real(wp), intent(in) :: x(:, :), u(:, :)               !! (ndim, nnode) [length]
       real(wp), intent(in) :: thickness                      !! plane kinds [length]
+      real(wp), intent(in) :: memory(:, :)                   !! as for finite_element
+      real(wp), intent(in) :: dt                             !! since the accepted state [time]
       real(wp), intent(out) :: stress(6, element%ngauss)     !! [stress]
       real(wp), intent(out) :: strain(6, element%ngauss)     !! [-]
       integer, intent(out) :: bad                            !! Gauss point turned inside out, or 0
@@ -89,24 +100,78 @@ contains
 
       stress = 0.0_wp
       strain = 0.0_wp
-      call deform(element, law, x, u, thickness, point, g, bad)
+      call deform(element, law, x, u, thickness, memory, point, g, bad)
       if (bad > 0) return
       mean = sum(point%weight*point%own)/sum(point%weight)
       do k = 1, element%ngauss
          volume = point(k)%own
          if (element%formulation == element_formulation%bbar) volume = mean
-         call finite_response(law, point(k)%change, point(k)%own, volume, &
-            & stress(:element%nstress, k), energy)
+         call finite_response(law, past_of(memory(:, k), element%nstress, dt), point(k)%change, &
+            & point(k)%own, volume, stress(:element%nstress, k), energy)
          stress(:, k) = stress(:, k)/(1.0_wp + volume)
-         strain(:, k) = log_strain(point(k)%change, volume)
+         associate (h => point(k)%h)
+            strain(:, k) = log_strain(h + transpose(h) + matmul(h, transpose(h)), volume)
+         end associate
       end do
    end subroutine finite_stresses
 
-   !> Gradients of the shape functions in the deformed place and the deformation of every point.
-   pure subroutine deform(element, law, x, u, thickness, point, g, bad)
+   !> The memory of this state, to be kept once it is accepted, and the plastic work since the last.
+   !>
+   !> The metric changes by F**-1 (b after flow - b of the trial) F**-T. The work is that of the
+   !> mean of the stresses before and after.
+   pure subroutine finite_memory(element, law, x, u, thickness, dt, memory, work, bad)
       type(element_type), intent(in) :: element
       type(finite_law_type), intent(in) :: law
-      real(wp), intent(in) :: x(:, :), u(:, :), thickness
+      real(wp), intent(in) :: x(:, :), u(:, :)               !! (ndim, nnode) [length]
+      real(wp), intent(in) :: thickness                      !! plane kinds [length]
+      real(wp), intent(in) :: dt                             !! since the accepted state [time]
+      real(wp), intent(inout) :: memory(:, :)                !! of the accepted state, then of this
+      real(wp), intent(out) :: work                          !! [force length]
+      integer, intent(out) :: bad                            !! Gauss point turned inside out, or 0
+      type(point_type) :: point(element%ngauss)
+      type(return_type) :: back
+      real(wp) :: g(element%ndim, element%nnode, element%ngauss), taken(3, 3), inverse(3, 3), density
+      integer :: k, m
+
+      work = 0.0_wp
+      call deform(element, law, x, u, thickness, memory, point, g, bad)
+      if (bad > 0) return
+      m = element%nstress
+      do k = 1, element%ngauss
+         call flow_of_trial(law, past_of(memory(:, k), m, dt), point(k)%change, back, taken)
+         if (.not. back%step > 0.0_wp) cycle
+         inverse = inverse_of(point(k)%h)
+         call put_metric(memory(:, k), m, metric_of(memory(:, k), m) &
+            & + matmul(inverse, matmul(taken, transpose(inverse))))
+         density = 0.5_wp*(memory(stress_at(m), k) + back%stress)*back%step
+         memory(strain_at(m), k) = memory(strain_at(m), k) + back%step
+         memory(stress_at(m), k) = back%stress
+         memory(work_at(m), k) = memory(work_at(m), k) + density
+         work = work + point(k)%weight*density
+      end do
+   end subroutine finite_memory
+
+   !> (1 + h)**-1 of a regular deformation.
+   pure function inverse_of(h) result(inverse)
+      real(wp), intent(in) :: h(3, 3)
+      real(wp) :: inverse(3, 3), f(3, 3)
+      integer :: k
+
+      f = h
+      do k = 1, 3
+         f(k, k) = f(k, k) + 1.0_wp
+      end do
+      inverse(1, :) = cross(f(:, 2), f(:, 3))
+      inverse(2, :) = cross(f(:, 3), f(:, 1))
+      inverse(3, :) = cross(f(:, 1), f(:, 2))
+      inverse = inverse/dot_product(f(:, 1), inverse(1, :))
+   end function inverse_of
+
+   !> Gradients of the shape functions in the deformed place and the deformation of every point.
+   pure subroutine deform(element, law, x, u, thickness, memory, point, g, bad)
+      type(element_type), intent(in) :: element
+      type(finite_law_type), intent(in) :: law
+      real(wp), intent(in) :: x(:, :), u(:, :), thickness, memory(:, :)
       type(point_type), intent(out) :: point(element%ngauss)
       real(wp), intent(out) :: g(element%ndim, element%nnode, element%ngauss)
       integer, intent(out) :: bad
@@ -132,6 +197,8 @@ contains
             point(k)%weight = point(k)%weight*thickness
          end if
          point(k)%change = h + transpose(h) + matmul(h, transpose(h))
+         if (size(memory, 1) > 0) point(k)%change = point(k)%change &
+            & + pushed(h, metric_of(memory(:, k), element%nstress))
          point(k)%own = volume_change(h)
          if (.not. 1.0_wp + point(k)%own > 0.0_wp) return
          call push_forward(d, m, h, g(:, :, k))
@@ -140,33 +207,33 @@ contains
             point(k)%change(3, 3) = h(3, 3)*(2.0_wp + h(3, 3))
             point(k)%own = point(k)%own + h(3, 3)*(1.0_wp + point(k)%own)
          end if
+         point(k)%h = h
       end do
       bad = 0
    end subroutine deform
+
+   !> F P F^T of a metric P.
+   pure function pushed(h, metric) result(p)
+      real(wp), intent(in) :: h(3, 3), metric(3, 3)
+      real(wp) :: p(3, 3), half(3, 3)
+
+      half = metric + matmul(h, metric)
+      p = half + matmul(half, transpose(h))
+   end function pushed
 
    !> g <- F**-T g with F = 1 + h, regular.
    pure subroutine push_forward(d, m, h, g)
       integer, intent(in) :: d, m
       real(wp), intent(in) :: h(3, 3)
       real(wp), intent(inout) :: g(d, m)
-      real(wp) :: f(3, 3), c(3, 3), old(3), determinant
-      integer :: a, k
+      real(wp) :: inverse(3, 3), old(3)
+      integer :: a
 
-      f = h
-      do k = 1, 3
-         f(k, k) = f(k, k) + 1.0_wp
-      end do
-      if (d == 2) f(3, :) = [0.0_wp, 0.0_wp, 1.0_wp]
-      if (d == 2) f(:2, 3) = 0.0_wp
-      c(:, 1) = cross(f(:, 2), f(:, 3))
-      c(:, 2) = cross(f(:, 3), f(:, 1))
-      c(:, 3) = cross(f(:, 1), f(:, 2))
-      determinant = dot_product(f(:, 1), c(:, 1))
-      c = c/determinant
+      inverse = inverse_of(h)
       old = 0.0_wp
       do a = 1, m
          old(:d) = g(:, a)
-         g(:, a) = c(:d, 1)*old(1) + c(:d, 2)*old(2) + c(:d, 3)*old(3)
+         g(:, a) = matmul(old, inverse(:, :d))
       end do
    end subroutine push_forward
 

@@ -5,6 +5,7 @@ module lopin_build_materials
    use lopin_text, only : to_text, plural
    use lopin_model, only : model_type, material_type, section_type
    use lopin_element_type, only : element_kind
+   use lopin_flow_curve, only : flows
    use lopin_finite_elastic, only : neo_hooke_law, elastic_constants
    use lopin_block, only : deck_type, block_type, field_type, split_fields, field_real, &
       & complain, line_place, has_parameter
@@ -295,6 +296,29 @@ contains
       end do
    end subroutine give_section
 
+   !> No element of plane stress has a material that flows.
+   subroutine check_flow(model, scene)
+      type(model_type), intent(inout) :: model
+      type(scene_type), intent(in) :: scene
+      integer :: e, s
+
+      do e = 1, model%mesh%nelement
+         s = model%mesh%section(e)
+         if (s == 0) cycle
+         if (model%section(s)%material == 0) cycle
+         associate (word => scene%etype(model%mesh%etype(e)), &
+            & material => model%material(model%section(s)%material))
+            if (word%kind /= element_kind%plane_stress .or. .not. flows(material%flow)) cycle
+            call complain(model%log, 'E0108', 'plastic flow in plane stress comes with a later '// &
+               & 'version: element '//to_text(model%mesh%element_label(e))//' of type '// &
+               & trim(word%word)//' has material `'//material%name//'`', material%plastic_at, &
+               & help='plane strain (CPE4) or solid elements (C3D8); remove *PLASTIC if the body '// &
+               & 'stays elastic')
+            return
+         end associate
+      end do
+   end subroutine check_flow
+
    !> Every element that deforms has a section, every section a material that can be computed.
    subroutine check_sections(model, scene, rigid)
       type(model_type), intent(inout) :: model
@@ -304,6 +328,7 @@ contains
       logical :: used(size(model%material))
       integer :: e, i
 
+      call check_flow(model, scene)
       used = .false.
       do i = 1, size(model%section)
          if (model%section(i)%material > 0) used(model%section(i)%material) = .true.

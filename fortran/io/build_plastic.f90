@@ -1,11 +1,12 @@
-!> *PLASTIC: the yield stress that laws of friction read, until plasticity itself is computed.
+!> *PLASTIC: the flow curve of a metal.
 module lopin_build_plastic
    use lopin_kinds, only : wp
-   use lopin_error, only : log_type
+   use lopin_error, only : log_type, location_type
    use lopin_text, only : to_text
    use lopin_model, only : material_type
+   use lopin_flow_curve, only : table_flow
    use lopin_block, only : block_type, field_type, split_fields, field_real, complain, line_place
-   use lopin_build_scene, only : need_real
+   use lopin_build_scene, only : need_real, get_word
    implicit none
    private
    public :: read_plastic
@@ -18,9 +19,11 @@ contains
       type(block_type), intent(in) :: block
       type(log_type), intent(inout) :: log
       type(field_type), allocatable :: field(:)
-      real(wp) :: stress, strain, before
+      real(wp) :: stress, strain, before, table(2, block%nline)
       integer :: j, n
-      logical :: found
+      logical :: found, right
+      character(len=:), allocatable :: word
+      type(location_type) :: at
 
       if (material%yield > 0.0_wp) then
          call complain(log, 'E0205', 'material `'//material%name//'` has a second *PLASTIC', &
@@ -29,9 +32,11 @@ contains
       end if
       material%plastic_at = block%at
       if (block%nline == 0) call complain(log, 'E0103', '*PLASTIC needs a yield stress', block%at)
+      right = block%nline > 0
       do j = 1, block%nline
          call split_fields(block%line(j), field, n)
          call need_real(field(1), stress, log, found)
+         right = right .and. found
          strain = 0.0_wp
          if (n > 1) call field_real(field(2), strain, log, found)
          if (.not. stress > 0.0_wp) call complain(log, 'E0203', 'a yield stress of ' &
@@ -47,6 +52,11 @@ contains
             material%hardens = material%hardens .or. stress > material%yield
          end if
          before = strain
+         table(:, j) = [strain, stress]
       end do
+      call get_word(block, 'ONLY', word, at, found)
+      if (found .and. word /= 'FRICTION') call complain(log, 'E0106', 'ONLY='//word// &
+         & ' is not known', at, help='ONLY=FRICTION: the body stays elastic')
+      if (right .and. .not. found) material%flow = table_flow(table(1, :), table(2, :))
    end subroutine read_plastic
 end module lopin_build_plastic

@@ -32,9 +32,9 @@ contains
          & 'makes of it.', 'write initial increment and period after *STATIC.')
       call add_explanation(list, 'W0508', 'a body would yield', &
          & 'The von Mises stress at an integration point is above the first row of *PLASTIC. '// &
-         & 'This version computes bodies as elastic and reads the yield stress for laws of '// &
-         & 'friction only, so that stresses and contact pressures there are too high.', &
-         & 'judge by the share that the message names; lower the load.')
+         & 'The deck computes the body as elastic, by ONLY=FRICTION on *PLASTIC or by '// &
+         & 'PATH=CONDENSED, so that stresses and contact pressures there are too high.', &
+         & 'leave those words out, and the body flows.')
       call add_explanation(list, 'W0509', 'the stress that friction reads has not settled', &
          & 'Cristescu''s law bounds the shear by the von Mises stress at the slave, which '// &
          & 'contains that shear. The two are solved in turn; here they still change.', &

@@ -92,11 +92,13 @@ contains
    subroutine add_plastic(table)
       type(keyword_table_type), intent(inout) :: table
 
-      call key(table, 'PLASTIC', 'M', 'both', 'Yield stress that laws of friction read; '// &
-         & 'plasticity itself comes with a later version.')
+      call key(table, 'PLASTIC', 'M', 'both', 'Flow curve of von Mises plasticity with '// &
+         & 'isotropic hardening; laws of friction read the flow stress at the slave.')
       call under(table, 'MATERIAL')
       call choice(table, 'HARDENING', 'ISOTROPIC', 'ISOTROPIC', 'Kind of hardening.')
       call refuses(table, 'KINEMATIC,COMBINED,JOHNSON COOK,USER')
+      call choice(table, 'ONLY', 'FRICTION', '', 'FRICTION: the body stays elastic, and only '// &
+         & 'laws of friction read the first row.')
       call later_flag(table, 'RATE', 'Rate of the table.')
       call data_line(table, 'yield stress [stress], plastic strain = 0, temperature', &
          & 'True stress against logarithmic plastic strain; strains increase from 0.')

@@ -15,41 +15,30 @@ module lopin_settle_friction
 
 contains
 
-   !> All laws of all pairs, then *PLASTIC: without a law that reads it, it would do nothing.
+   !> All laws of all pairs.
    subroutine settle_friction(model)
       type(model_type), intent(inout) :: model
       type(friction_type) :: friction
-      logical :: reads
       integer :: i, k, s
 
-      reads = .false.
       do i = 1, size(model%interaction)
          friction = model%interaction(i)%friction
-         call settle(model, i, friction, reads)
+         call settle(model, i, friction)
          model%interaction(i)%friction = friction
       end do
       do s = 1, size(model%step)
          do k = 1, size(model%step(s)%friction_change)
             friction = model%step(s)%friction_change(k)%friction
-            call settle(model, model%step(s)%friction_change(k)%interaction, friction, reads)
+            call settle(model, model%step(s)%friction_change(k)%interaction, friction)
             model%step(s)%friction_change(k)%friction = friction
          end do
       end do
-      if (reads) return
-      do k = 1, size(model%material)
-         if (.not. model%material(k)%yield > 0.0_wp) cycle
-         call complain(model%log, 'E0108', 'plasticity comes with a later version: material `'// &
-            & model%material(k)%name//'` would stay elastic', model%material(k)%plastic_at, &
-            & note='for now *PLASTIC only gives a yield stress to laws of friction, and none '// &
-            & 'here reads it', help='remove *PLASTIC if the body stays elastic')
-      end do
    end subroutine settle_friction
 
-   subroutine settle(model, interaction, friction, reads)
+   subroutine settle(model, interaction, friction)
       type(model_type), intent(inout) :: model
       integer, intent(in) :: interaction
       type(friction_type), intent(inout) :: friction
-      logical, intent(inout) :: reads
       logical :: used(size(model%material)), own(size(model%material))
       integer :: i
 
@@ -62,7 +51,6 @@ contains
       if (friction%law == law_of%automatic) call choose(model, interaction, friction, used)
       if (.not. any(used)) return
       if (reads_yield(friction)) then
-         reads = .true.
          call check_yield(model, interaction, friction, used)
       end if
       if (depends_on_time(friction)) call check_time(model, interaction, friction)

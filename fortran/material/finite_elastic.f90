@@ -1,4 +1,4 @@
-!> Elastic laws at finite strain: Kirchhoff stress, spatial tangent and energy of a deformation.
+!> Laws of solids at finite strain: Kirchhoff stress, spatial tangent and energy of a deformation.
 !>
 !> Hencky: the energy is Hooke's in logarithmic strains, W = bulk/2 (ln J)^2 + shear dev e : dev e
 !> per reference volume, so Kirchhoff stress is Hooke's matrix times logarithmic strain. It is how
@@ -13,14 +13,21 @@
 !>
 !> The change of volume is given apart from b, so that an element may replace it by its mean; then
 !> stress and tangent are those of the deformation so scaled.
+!>
+!> Plasticity is a radial return in Hencky's law: b is then that of the elastic part of a trial
+!> deformation in which nothing flows, F Cp^-1 F^T with the plastic metric of the last accepted
+!> increment, and a point remembers what module material_memory lists.
 module lopin_finite_elastic
    use lopin_kinds, only : wp
    use lopin_log_strain, only : log_frame_type, new_log_frame, frame_stress, frame_tangent, &
       & frame_strain, log_one_plus, exp_minus_one
+   use lopin_flow_curve, only : flow_type, flows
+   use lopin_radial_return, only : return_type, return_radially
    implicit none
    private
    public :: finite_law_type, finite_law, hencky_law, neo_hooke_law, finite_response, log_strain
    public :: thickness_change, condense_thickness, volume_change, elastic_constants
+   public :: past_type, give_flow, flow_of_trial, answer_of
 
    type :: laws
       integer :: hencky = 1, neo_hooke = 2
@@ -31,7 +38,15 @@ module lopin_finite_elastic
       integer :: kind = 1                !! finite_law%...
       real(wp) :: shear = 0.0_wp         !! shear modulus at zero strain [stress]
       real(wp) :: bulk = 0.0_wp          !! bulk modulus at zero strain [stress]
+      logical :: flows = .false.         !! plastic or viscous: Hencky's law with a radial return
+      type(flow_type) :: flow
    end type finite_law_type
+
+   !> What a law that flows reads of the past.
+   type :: past_type
+      real(wp) :: strain = 0.0_wp        !! accumulated plastic strain of the accepted state
+      real(wp) :: dt = 1.0_wp            !! since then, > 0 [time]
+   end type past_type
 
 contains
 
@@ -52,6 +67,14 @@ contains
       law%shear = 2.0_wp*c10
       law%bulk = 2.0_wp/d1
    end function neo_hooke_law
+
+   !> Let the law of an elastic solid flow.
+   pure subroutine give_flow(law, flow)
+      type(finite_law_type), intent(inout) :: law
+      type(flow_type), intent(in) :: flow
+      law%flow = flow
+      law%flows = flows(flow)
+   end subroutine give_flow
 
    !> Young's modulus and Poisson's ratio of small strains.
    pure subroutine elastic_constants(law, young, poisson)
@@ -74,8 +97,9 @@ contains
    end function volume_change
 
    !> Kirchhoff stress, energy per reference volume and, if asked for, the spatial tangent.
-   pure subroutine finite_response(law, change, own, volume, stress, energy, tangent)
+   pure subroutine finite_response(law, past, change, own, volume, stress, energy, tangent)
       type(finite_law_type), intent(in) :: law
+      type(past_type), intent(in) :: past
       real(wp), intent(in) :: change(3, 3)            !! b - 1
       real(wp), intent(in) :: own                     !! J - 1 of b itself
       real(wp), intent(in) :: volume                  !! J - 1 that counts
@@ -86,33 +110,79 @@ contains
       if (law%kind == finite_law%neo_hooke) then
          call neo_hooke_response(law, change, own, volume, stress, energy, tangent)
       else
-         call hencky_response(law, change, volume, stress, energy, tangent)
+         call hencky_response(law, past, change, volume, stress, energy, tangent)
       end if
    end subroutine finite_response
 
-   pure subroutine hencky_response(law, change, volume, stress, energy, tangent)
+   pure subroutine hencky_response(law, past, change, volume, stress, energy, tangent)
       type(finite_law_type), intent(in) :: law
+      type(past_type), intent(in) :: past
       real(wp), intent(in) :: change(3, 3), volume
       real(wp), intent(out) :: stress(:), energy
       real(wp), intent(out), optional :: tangent(:, :)
       type(log_frame_type) :: frame
+      type(return_type) :: back
       real(wp) :: deviator(3), principal(3), slope(3, 3), secant(3), dilatation
       integer :: k
 
       call new_log_frame(frame, change)
       dilatation = log_one_plus(volume)
       deviator = frame%e - sum(frame%e)/3.0_wp
-      principal = 2.0_wp*law%shear*deviator + law%bulk*dilatation
+      back = answer_of(law, past, norm2(deviator))
+      principal = back%secant*deviator + law%bulk*dilatation
       stress = frame_stress(frame, principal, size(stress))
-      energy = 0.5_wp*law%bulk*dilatation**2 + law%shear*dot_product(deviator, deviator)
+      energy = 0.5_wp*law%bulk*dilatation**2 &
+         & + law%shear*back%kept**2*dot_product(deviator, deviator)
       if (.not. present(tangent)) return
-      slope = law%bulk - 2.0_wp/3.0_wp*law%shear
+      slope = law%bulk - back%secant/3.0_wp
       do k = 1, 3
-         slope(k, k) = slope(k, k) + 2.0_wp*law%shear
+         slope(k, k) = slope(k, k) + back%secant
       end do
-      secant = 2.0_wp*law%shear
+      if (abs(back%along) > 0.0_wp) then
+         deviator = deviator/norm2(deviator)
+         do k = 1, 3
+            slope(:, k) = slope(:, k) + back%along*deviator*deviator(k)
+         end do
+      end if
+      secant = back%secant
       call frame_tangent(frame, principal, slope, secant, tangent)
    end subroutine hencky_response
+
+   !> What the law makes of a trial deviator of strain.
+   pure function answer_of(law, past, magnitude) result(back)
+      type(finite_law_type), intent(in) :: law
+      type(past_type), intent(in) :: past
+      real(wp), intent(in) :: magnitude      !! sqrt(e:e)
+      type(return_type) :: back
+
+      if (law%flows) then
+         back = return_radially(law%flow, law%shear, magnitude, past%strain, past%dt)
+      else
+         back%secant = 2.0_wp*law%shear
+      end if
+   end function answer_of
+
+   !> Plastic flow of a trial deformation: its answer, and what it takes from b.
+   pure subroutine flow_of_trial(law, past, change, back, taken)
+      type(finite_law_type), intent(in) :: law
+      type(past_type), intent(in) :: past
+      real(wp), intent(in) :: change(3, 3)   !! b - 1 of the trial
+      type(return_type), intent(out) :: back
+      real(wp), intent(out) :: taken(3, 3)   !! b after flow minus b of the trial
+      type(log_frame_type) :: frame
+      real(wp) :: deviator(3), part(3)
+      integer :: i, j
+
+      call new_log_frame(frame, change)
+      deviator = frame%e - sum(frame%e)/3.0_wp
+      back = answer_of(law, past, norm2(deviator))
+      part = exp(2.0_wp*frame%e)*exp_minus_one(-2.0_wp*(1.0_wp - back%kept)*deviator)
+      do j = 1, 3
+         do i = 1, 3
+            taken(i, j) = sum(part*frame%axis(i, :)*frame%axis(j, :))
+         end do
+      end do
+   end subroutine flow_of_trial
 
    pure subroutine neo_hooke_response(law, change, own, volume, stress, energy, tangent)
       type(finite_law_type), intent(in) :: law

@@ -9,6 +9,7 @@ module lopin_model
    use lopin_mesh, only : mesh_type
    use lopin_tool, only : tool_type
    use lopin_friction, only : friction_type
+   use lopin_flow_curve, only : flow_type
    implicit none
    private
    public :: model_type, material_type, section_type, surface_data_type, rigid_body_type
@@ -66,6 +67,7 @@ module lopin_model
       real(wp) :: d1 = 0.0_wp         !! 2 / bulk modulus [1/stress]
       real(wp) :: yield = 0.0_wp      !! first row of *PLASTIC, read by friction laws; 0: none [stress]
       logical :: hardens = .false.    !! *PLASTIC has a row above the first
+      type(flow_type) :: flow         !! of *PLASTIC and *VISCOPLASTIC
       type(location_type) :: plastic_at
    end type material_type
 

@@ -54,6 +54,7 @@ module lopin_state
       real(wp) :: external = 0.0_wp   !! work of loads and prescribed displacements since the start
       real(wp) :: contact = 0.0_wp           !! stored by penalty springs
       real(wp) :: friction = 0.0_wp          !! dissipated since the start
+      real(wp) :: plastic = 0.0_wp           !! work of plastic and viscous flow since the start
    end type energy_type
 
    !> One accepted increment, as handed to the recorders. Displacements and reactions by node:

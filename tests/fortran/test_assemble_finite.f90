@@ -10,6 +10,7 @@ program test_assemble_finite
       & assemble_stiffness
    use lopin_assemble_finite, only : assemble_finite, recover_finite, bad_element_type
    use lopin_recover_stress, only : recover_stress
+   use lopin_solid_memory, only : solid_memory_type, new_solid_memory
    use blocks, only : new_block, random
    use check, only : test, close_to, is_true, finish
    implicit none
@@ -20,6 +21,7 @@ program test_assemble_finite
    type(mesh_type) :: mesh
    type(element_type) :: element
    type(solids_type) :: solids
+   type(solid_memory_type) :: memory
    type(csc_type) :: matrix
    type(bad_element_type) :: bad
    type(error_type), allocatable :: error
@@ -82,6 +84,8 @@ contains
          & 2.0_wp/bulk)
       call new_solids(solids, mesh, [word], [section], dof, matrix, error)
       call is_true('no error', .not. allocated(error))
+      call new_solid_memory(memory, solids, mesh)
+      memory%finite = .true.
    end subroutine number
 
    !> An affine motion on the skin of a distorted patch; Newton finds that of the inside.
@@ -98,7 +102,7 @@ contains
       u = reshape(exact, [size(u)])
       call solve_inside(u)
       call close_to('u', u, reshape(exact, [size(u)]), 1.0e-12_wp)
-      call recover_finite(solids, mesh, reshape(u, shape(exact)), stress, strain)
+      call recover_finite(solids, mesh, reshape(u, shape(exact)), memory, stress, strain)
       call close_to('stress', stress/young, spread(stress(:, 1), 2, size(stress, 2))/young, &
          & 1.0e-12_wp)
       call close_to('strain', strain, spread(strain(:, 1), 2, size(strain, 2)), 1.0e-12_wp)
@@ -130,7 +134,7 @@ contains
          u(inner(k)) = u(inner(k)) + 0.02_wp*move
       end do
       do pass = 1, 8
-         call assemble_finite(solids, mesh, u, force, energy, bad, matrix)
+         call assemble_finite(solids, mesh, u, memory, force, energy, bad, matrix)
          call is_true('not inside out', bad%element == 0)
          if (allocated(full)) deallocate (full)
          associate (all => dense())
@@ -184,7 +188,7 @@ contains
 
       call test('small displacements have the linear stress: '//trim(element%word)//' '//laws(l))
       u = reshape(wild(small), shape(u))
-      call recover_finite(solids, mesh, u, stress, strain)
+      call recover_finite(solids, mesh, u, memory, stress, strain)
       call recover_stress(solids, mesh, u, linear, linear_strain)
       call close_to('stress', stress/(small*young), linear/(small*young), 1.0e-6_wp)
       call close_to('strain', strain/small, linear_strain/small, 1.0e-6_wp)
@@ -192,7 +196,7 @@ contains
       call assemble_stiffness(solids, mesh, matrix, error)
       linear_k = dense()
       u = 0.0_wp
-      call assemble_finite(solids, mesh, reshape(u, [size(u)]), force, energy, bad, matrix)
+      call assemble_finite(solids, mesh, reshape(u, [size(u)]), memory, force, energy, bad, matrix)
       full = dense()
       call close_to('matrix', full/maxval(linear_k), linear_k/maxval(linear_k), 1.0e-13_wp)
    end subroutine small_displacements_have_the_linear_stress
@@ -208,18 +212,18 @@ contains
       u = wild(0.1_wp)
       way = wild(-1.0_wp)
       way = way(size(way):1:-1)/maxval(abs(way))
-      call assemble_finite(solids, mesh, u, force, energy, bad, matrix)
+      call assemble_finite(solids, mesh, u, memory, force, energy, bad, matrix)
       call is_true('not inside out', bad%element == 0)
       call matrix%multiply(way, product_)
       do k = 1, 4
-         call assemble_finite(solids, mesh, u + step*place(k)*way, f(:, k), e(k), bad)
+         call assemble_finite(solids, mesh, u + step*place(k)*way, memory, f(:, k), e(k), bad)
       end do
       product_ = product_/maxval(abs(product_)) - (f(:, 1) - 8.0_wp*f(:, 2) + 8.0_wp*f(:, 3) &
          & - f(:, 4))/(12.0_wp*step)/maxval(abs(product_))
       call close_to('slope', product_, 0.0_wp*product_, 1.0e-8_wp)
       call close_to('energy', (e(1) - 8.0_wp*e(2) + 8.0_wp*e(3) - e(4))/(12.0_wp*step) &
          & /dot_product(force, way), 1.0_wp, 1.0e-8_wp)
-      call assemble_finite(solids, mesh, u, again, e(1), bad)
+      call assemble_finite(solids, mesh, u, memory, again, e(1), bad)
       call is_true('the same without matrix', all(transfer(again, [1]) == transfer(force, [1])) &
          & .and. e(1) == energy)
    end subroutine the_matrix_is_the_slope_of_the_force
@@ -237,10 +241,10 @@ contains
          if (allocated(force)) deallocate (force, other)
          allocate (force(matrix%n), other(matrix%n))
          call omp_set_num_threads(1)
-         call assemble_finite(solids, mesh, wild(0.05_wp), force, first, bad, matrix)
+         call assemble_finite(solids, mesh, wild(0.05_wp), memory, force, first, bad, matrix)
          one = matrix%value
          call omp_set_num_threads(2)
-         call assemble_finite(solids, mesh, wild(0.05_wp), other, energy, bad, matrix)
+         call assemble_finite(solids, mesh, wild(0.05_wp), memory, other, energy, bad, matrix)
          call is_true('not inside out', bad%element == 0)
          call is_true('matrix', all(transfer(one, [1]) == transfer(matrix%value, [1])))
          call is_true('force', all(transfer(force, [1]) == transfer(other, [1])))
@@ -255,17 +259,17 @@ contains
       call make('CPE4', [3, 2], 0.0_wp, '')
       allocate (u(matrix%n), source=0.0_wp)
       allocate (force(matrix%n))
-      call assemble_finite(solids, mesh, u, force, energy, bad)
+      call assemble_finite(solids, mesh, u, memory, force, energy, bad)
       call is_true('none at rest', bad%element == 0 .and. bad%number == 0)
       u(2*12) = -1.5_wp
-      call assemble_finite(solids, mesh, u, force, energy, bad, matrix)
+      call assemble_finite(solids, mesh, u, memory, force, energy, bad, matrix)
       call is_true('element 6, one', bad%element == 6 .and. bad%number == 1)
       call is_true('a point', bad%point >= 1 .and. bad%point <= 4)
       call test('a ring pushed across the axis is named')
       call make('CAX4', [3, 2], 0.0_wp, '')
       u = 0.0_wp
       u(1::2) = -1.1_wp
-      call assemble_finite(solids, mesh, u, force, energy, bad)
+      call assemble_finite(solids, mesh, u, memory, force, energy, bad)
       call is_true('elements 1 and 4', bad%element == 1 .and. bad%number == 2)
    end subroutine an_element_turned_inside_out_is_named
 
@@ -280,12 +284,12 @@ contains
       mesh%conn(4, 1) = mesh%conn(3, 1)
       call number('CPE4', '')
       u = wild(0.1_wp)
-      call assemble_finite(solids, mesh, u, force, energy, bad, matrix)
+      call assemble_finite(solids, mesh, u, memory, force, energy, bad, matrix)
       do k = 1, 8
          do p = 1, 4
             part = u
             part(k) = part(k) + step*place(p)
-            call assemble_finite(solids, mesh, part, f(:, p), e, bad)
+            call assemble_finite(solids, mesh, part, memory, f(:, p), e, bad)
          end do
          slope(:, k) = (f(:, 1) - 8.0_wp*f(:, 2) + 8.0_wp*f(:, 3) - f(:, 4))/(12.0_wp*step)
       end do

@@ -2,7 +2,7 @@ program test_finite_elastic
    use lopin_kinds, only : wp
    use lopin_log_strain, only : log_one_plus, exp_minus_one
    use lopin_finite_elastic, only : finite_law_type, hencky_law, neo_hooke_law, finite_response, &
-      & log_strain, thickness_change, condense_thickness, volume_change, elastic_constants
+      & past_type, log_strain, thickness_change, condense_thickness, volume_change, elastic_constants
    use lopin_elastic, only : hooke_matrix, plane_stress_matrix
    use check, only : test, close_to, is_true, finish
    implicit none
@@ -36,7 +36,8 @@ contains
       real(wp) :: change(3, 3)
 
       change = h + transpose(h) + matmul(h, transpose(h))
-      call finite_response(law, change, volume_change(h), volume_change(h), stress, energy, tangent)
+      call finite_response(law, past_type(), change, volume_change(h), volume_change(h), stress, &
+         & energy, tangent)
    end subroutine response
 
    subroutine constants_are_those_of_small_strain()
@@ -201,7 +202,7 @@ contains
          h = reshape([0.4_wp, 0.3_wp, -0.1_wp, -0.2_wp, -0.3_wp, 0.1_wp, 0.3_wp, 0.2_wp, 0.1_wp], &
             & [3, 3])
          change = h + transpose(h) + matmul(h, transpose(h))
-         call finite_response(law, change, volume_change(h), volume, one, e1, c1)
+         call finite_response(law, past_type(), change, volume_change(h), volume, one, e1, c1)
          f = ((1.0_wp + volume)/(1.0_wp + volume_change(h)))**(1.0_wp/3.0_wp)*(unit + h)
          call response(law, f - unit, two, e2, c2)
          call close_to('stress', one/young, two/young, 1.0e-13_wp)
@@ -215,10 +216,10 @@ contains
 
       none = 0.0_wp
       call test('at rest the tangents are Hooke''s matrices')
-      call finite_response(hencky, none, 0.0_wp, 0.0_wp, stress, energy, tangent)
+      call finite_response(hencky, past_type(), none, 0.0_wp, 0.0_wp, stress, energy, tangent)
       call hooke_matrix(young, poisson, d)
       call close_to('Hencky', tangent/young, d/young, 1.0e-14_wp)
-      call finite_response(neo_hooke, none, 0.0_wp, 0.0_wp, stress, energy, tangent)
+      call finite_response(neo_hooke, past_type(), none, 0.0_wp, 0.0_wp, stress, energy, tangent)
       call close_to('neo-Hooke', tangent/young, d/young, 1.0e-14_wp)
       call condense_thickness(tangent)
       call plane_stress_matrix(young, poisson, d)

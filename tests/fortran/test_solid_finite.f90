@@ -13,6 +13,7 @@ program test_solid_finite
    character(len=4), parameter :: wishes(2) = [character(len=4) :: '', 'FULL']
    type(element_type) :: element
    type(finite_law_type) :: law, laws(2)
+   real(wp) :: memory(0, 64)
    logical :: found
    integer :: i, j, l
 
@@ -80,7 +81,7 @@ contains
       real(wp), intent(out) :: force(:)
       real(wp) :: energy
       integer :: bad
-      call finite_element(element, law, x, u, thickness, force, energy, bad)
+      call finite_element(element, law, x, u, thickness, memory, 1.0_wp, force, energy, bad)
       call is_true('not inside out', bad == 0)
    end subroutine force_at
 
@@ -95,7 +96,7 @@ contains
       call test('the tangent is the slope of the force: '//element%word//wishes(j))
       x = distorted()
       u = wild()
-      call finite_element(element, law, x, u, thickness, force, energy, bad, ke)
+      call finite_element(element, law, x, u, thickness, memory, 1.0_wp, force, energy, bad, ke)
       call is_true('not inside out', bad == 0)
       do a = 1, element%nnode
          do k = 1, element%ndim
@@ -129,7 +130,8 @@ contains
             do s = 1, 4
                moved = u
                moved(k, a) = moved(k, a) + step*place(s)
-               call finite_element(element, law, x, moved, thickness, none, energy(s), bad)
+               call finite_element(element, law, x, moved, thickness, memory, 1.0_wp, &
+                  & none, energy(s), bad)
             end do
             slope(element%ndim*(a - 1) + k) = (energy(1) - 8.0_wp*energy(2) + 8.0_wp*energy(3) &
                & - energy(4))/(12.0_wp*step)
@@ -161,9 +163,9 @@ contains
          call close_to('force', force/young, spread(0.0_wp, 1, element%ndof), 1.0e-12_wp)
          call test('a rotation turns the forces: '//element%word//wishes(j))
          u = wild()
-         call finite_element(element, law, x, u, thickness, force, energy, bad)
+         call finite_element(element, law, x, u, thickness, memory, 1.0_wp, force, energy, bad)
          turned = matmul(q(:d, :d), x + u) - x
-         call finite_element(element, law, x, turned, thickness, other, same, bad)
+         call finite_element(element, law, x, turned, thickness, memory, 1.0_wp, other, same, bad)
          call close_to('force', reshape(other, [element%ndof])/young, &
             & reshape(matmul(q(:d, :d), reshape(force, [d, element%nnode])), &
             & [element%ndof])/young, 1.0e-12_wp)
@@ -195,7 +197,7 @@ contains
       exact = [s(1, 1), s(2, 2), s(3, 3), s(1, 2), s(1, 3), s(2, 3)]
       log_exact = [e(1, 1), e(2, 2), e(3, 3), 2.0_wp*e(1, 2), 2.0_wp*e(1, 3), 2.0_wp*e(2, 3)]
       call finite_stresses(element, law, x, matmul(f(:element%ndim, :element%ndim), x) - x, &
-         & thickness, stress, strain, bad)
+         & thickness, memory, 1.0_wp, stress, strain, bad)
       call is_true('not inside out', bad == 0)
       do k = 1, element%ngauss
          call close_to('stress', stress(:, k)/young, exact/young, 1.0e-12_wp)
@@ -250,7 +252,7 @@ contains
       end if
       call stiffness(element, x, thickness, d, linear, smallest, point)
       u = 0.0_wp
-      call finite_element(element, law, x, u, thickness, force, energy, bad, ke)
+      call finite_element(element, law, x, u, thickness, memory, 1.0_wp, force, energy, bad, ke)
       call close_to('ke', ke/maxval(linear), linear/maxval(linear), 1.0e-13_wp)
       call close_to('force', maxval(abs(force)) + abs(energy), 0.0_wp, 0.0_wp)
       call test('tiny displacements have the linear forces: '//element%word//wishes(j))
@@ -274,11 +276,12 @@ contains
       call test('units do not matter: '//element%word//wishes(j))
       x = distorted()
       u = wild()
-      call finite_element(element, law, x, u, thickness, force, energy, bad, ke)
+      call finite_element(element, law, x, u, thickness, memory, 1.0_wp, force, energy, bad, ke)
       mine = law
       mine%shear = press*law%shear
       mine%bulk = press*law%bulk
-      call finite_element(element, mine, unit*x, unit*u, unit*thickness, scaled, energy, bad, other)
+      call finite_element(element, mine, unit*x, unit*u, unit*thickness, memory, 1.0_wp, scaled, &
+         & energy, bad, other)
       factor = press*unit**2
       call close_to('force', scaled/factor/young, force/young, 1.0e-11_wp)
       call close_to('ke', other/(press*unit)/young, ke/young, 1.0e-11_wp)

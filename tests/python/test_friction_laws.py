@@ -26,7 +26,7 @@ def block(law: str, words: str = "", method: str = "DIRECT", increments: int = 6
     n = len(x)
     nodes = "".join(f"{k + 1}, {v!r}, 0.\n{k + 1 + n}, {v!r}, {HEIGHT!r}\n" for k, v in enumerate(map(float, x)))
     elements = "".join(f"{k}, {k}, {k + 1}, {k + 1 + n}, {k + n}\n" for k in range(1, n))
-    plastic = f"*PLASTIC\n{YIELD}, 0.\n" if law in ("TRESCA", "COULOMB-OROWAN", "CRISTESCU") else ""
+    plastic = f"*PLASTIC, ONLY=FRICTION\n{YIELD}, 0.\n" if law in ("TRESCA", "COULOMB-OROWAN", "CRISTESCU") else ""
     name = f", LAW={law}" if law != "COULOMB" else ""
     return f"""*NODE
 {nodes}99, 0., 0.

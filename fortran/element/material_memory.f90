@@ -1,0 +1,75 @@
+!> What a Gauss point that flows remembers of the accepted state, as one column of reals.
+!>
+!> The plastic metric Cp^-1 - 1 stands in the order of stress (4 numbers in 2D, 6 in 3D; tensor
+!> components), so that small plastic strains keep their digits: b of the trial is F Cp^-1 F^T. It
+!> belongs to the reference shape, turns with nothing, and is minus twice the plastic strain where
+!> strains are small.
+module lopin_material_memory
+   use lopin_kinds, only : wp
+   use lopin_log_strain, only : first_axis, second_axis
+   use lopin_finite_elastic, only : past_type
+   implicit none
+   private
+   public :: memory_size, past_of, metric_of, put_metric, strain_at, stress_at, work_at
+
+contains
+
+   !> Numbers per point for `nstress` components of stress.
+   pure integer function memory_size(nstress)
+      integer, intent(in) :: nstress
+      memory_size = nstress + 3
+   end function memory_size
+
+   !> Row of the accumulated plastic strain [-].
+   pure integer function strain_at(nstress)
+      integer, intent(in) :: nstress
+      strain_at = nstress + 1
+   end function strain_at
+
+   !> Row of the von Mises stress at the end of the last flow [stress].
+   pure integer function stress_at(nstress)
+      integer, intent(in) :: nstress
+      stress_at = nstress + 2
+   end function stress_at
+
+   !> Row of the plastic work per reference volume [stress].
+   pure integer function work_at(nstress)
+      integer, intent(in) :: nstress
+      work_at = nstress + 3
+   end function work_at
+
+   !> What the law reads; from rest if the column is empty.
+   pure function past_of(memory, nstress, dt) result(past)
+      real(wp), intent(in) :: memory(:)
+      integer, intent(in) :: nstress
+      real(wp), intent(in) :: dt               !! [time]
+      type(past_type) :: past
+      past%dt = dt
+      if (size(memory) > 0) past%strain = memory(strain_at(nstress))
+   end function past_of
+
+   pure function metric_of(memory, nstress) result(metric)
+      real(wp), intent(in) :: memory(:)
+      integer, intent(in) :: nstress
+      real(wp) :: metric(3, 3)
+      integer :: r
+
+      metric = 0.0_wp
+      do r = 1, nstress
+         metric(first_axis(r), second_axis(r)) = memory(r)
+         metric(second_axis(r), first_axis(r)) = memory(r)
+      end do
+   end function metric_of
+
+   pure subroutine put_metric(memory, nstress, metric)
+      real(wp), intent(inout) :: memory(:)
+      integer, intent(in) :: nstress
+      real(wp), intent(in) :: metric(3, 3)
+      integer :: r
+
+      do r = 1, nstress
+         memory(r) = 0.5_wp*(metric(first_axis(r), second_axis(r)) &
+            & + metric(second_axis(r), first_axis(r)))
+      end do
+   end subroutine put_metric
+end module lopin_material_memory

@@ -1,0 +1,194 @@
+!> Solids at small strain whose material flows: force, tangent, stress and memory of one element.
+!>
+!> The same radial return as at finite strain, in the small strains of the B matrices (mean
+!> dilatation included). Arguments are those of module solid_finite, so that an assembly calls
+!> either.
+module lopin_solid_flow
+   use lopin_kinds, only : wp
+   use lopin_element_type, only : element_type, element_kind
+   use lopin_solid_small, only : strain_matrices, strains, internal_force, add_product
+   use lopin_radial_return, only : return_type
+   use lopin_finite_elastic, only : finite_law_type, answer_of, condense_thickness
+   use lopin_material_memory, only : past_of, strain_at, stress_at, work_at
+   implicit none
+   private
+   public :: flow_element, flow_stresses, flow_memory
+
+contains
+
+   !> Force, elastic energy and, if asked for, tangent of an element.
+   pure subroutine flow_element(element, law, x, u, thickness, memory, dt, force, energy, bad, ke)
+      type(element_type), intent(in) :: element
+      type(finite_law_type), intent(in) :: law
+      real(wp), intent(in) :: x(:, :)        !! (ndim, nnode) coordinates [length]
+      real(wp), intent(in) :: u(:, :)        !! (ndim, nnode) displacements [length]
+      real(wp), intent(in) :: thickness      !! plane kinds [length]
+      real(wp), intent(in) :: memory(:, :)   !! (nmemory, ngauss) of the accepted state; (0, ngauss)
+                                             !! if the law does not flow
+      real(wp), intent(in) :: dt             !! since the accepted state [time]
+      real(wp), intent(out) :: force(element%ndof)   !! internal forces [force]
+      real(wp), intent(out) :: energy                !! [force length]
+      integer, intent(out) :: bad            !! 0: small strains turn nothing inside out
+      real(wp), intent(out), optional :: ke(element%ndof, element%ndof)   !! [force/length]
+      real(wp) :: b(element%ndof, element%nstress, element%ngauss), volume(element%ngauss)
+      real(wp) :: stress(element%nstress, element%ngauss), deviator(element%nstress), trace
+      real(wp) :: tangent(element%nstress, element%nstress)
+      real(wp) :: strain(element%nstress, element%ngauss)
+      type(return_type) :: back
+      integer :: i, k
+
+      bad = 0
+      call trial(element, x, u, thickness, memory, b, volume, strain)
+      if (present(ke)) ke = 0.0_wp
+      energy = 0.0_wp
+      do k = 1, element%ngauss
+         call answer(element, law, memory(:, k), dt, strain(:, k), back, deviator, trace)
+         call stress_of(element, law, back, deviator, trace, stress(:, k), tangent)
+         energy = energy + 0.5_wp*volume(k)*law%bulk*trace**2 &
+            & + volume(k)*law%shear*(back%kept*magnitude(deviator))**2
+         if (.not. present(ke)) cycle
+         call add_product(element%ndof, element%nstress, b(:, :, k), volume(k)*tangent, ke)
+      end do
+      call internal_force(element, b, volume, stress, force)
+      if (.not. present(ke)) return
+      do i = 2, element%ndof
+         ke(:i - 1, i) = ke(i, :i - 1)
+      end do
+   end subroutine flow_element
+
+   !> Stress and strain (engineering shears) at the Gauss points: xx yy zz xy xz yz.
+   pure subroutine flow_stresses(element, law, x, u, thickness, memory, dt, stress, strain, bad)
+      type(element_type), intent(in) :: element
+      type(finite_law_type), intent(in) :: law
+      real(wp), intent(in) :: x(:, :), u(:, :)               !! (ndim, nnode) [length]
+      real(wp), intent(in) :: thickness                      !! plane kinds [length]
+      real(wp), intent(in) :: memory(:, :)                   !! as for flow_element
+      real(wp), intent(in) :: dt                             !! since the accepted state [time]
+      real(wp), intent(out) :: stress(6, element%ngauss)     !! [stress]
+      real(wp), intent(out) :: strain(6, element%ngauss)     !! [-]
+      integer, intent(out) :: bad                            !! 0
+      real(wp) :: b(element%ndof, element%nstress, element%ngauss), volume(element%ngauss)
+      real(wp) :: own(element%nstress, element%ngauss), deviator(element%nstress), trace
+      real(wp) :: tangent(element%nstress, element%nstress)
+      type(return_type) :: back
+      integer :: k, m
+
+      bad = 0
+      m = element%nstress
+      stress = 0.0_wp
+      strain = 0.0_wp
+      call trial(element, x, u, thickness, memory, b, volume, own)
+      do k = 1, element%ngauss
+         call answer(element, law, memory(:, k), dt, own(:, k), back, deviator, trace)
+         call stress_of(element, law, back, deviator, trace, stress(:m, k), tangent)
+         strain(:m, k) = own(:, k)
+         if (size(memory, 1) > 0) strain(:m, k) = strain(:m, k) - elastic_share(memory(:m, k))
+         if (element%kind == element_kind%plane_stress) strain(3, k) = &
+            & -(3.0_wp*law%bulk - 2.0_wp*law%shear)/(3.0_wp*law%bulk + 4.0_wp*law%shear) &
+            & *(own(1, k) + own(2, k))
+      end do
+   end subroutine flow_stresses
+
+   !> The memory of this state, to be kept once it is accepted, and the plastic work since the last.
+   pure subroutine flow_memory(element, law, x, u, thickness, dt, memory, work, bad)
+      type(element_type), intent(in) :: element
+      type(finite_law_type), intent(in) :: law
+      real(wp), intent(in) :: x(:, :), u(:, :)               !! (ndim, nnode) [length]
+      real(wp), intent(in) :: thickness                      !! plane kinds [length]
+      real(wp), intent(in) :: dt                             !! since the accepted state [time]
+      real(wp), intent(inout) :: memory(:, :)                !! of the accepted state, then of this
+      real(wp), intent(out) :: work                          !! [force length]
+      integer, intent(out) :: bad                            !! 0
+      real(wp) :: b(element%ndof, element%nstress, element%ngauss), volume(element%ngauss)
+      real(wp) :: own(element%nstress, element%ngauss), deviator(element%nstress), trace, density
+      type(return_type) :: back
+      integer :: k, m
+
+      bad = 0
+      m = element%nstress
+      work = 0.0_wp
+      call trial(element, x, u, thickness, memory, b, volume, own)
+      do k = 1, element%ngauss
+         call answer(element, law, memory(:, k), dt, own(:, k), back, deviator, trace)
+         if (.not. back%step > 0.0_wp) cycle
+         memory(:m, k) = memory(:m, k) - 2.0_wp*(1.0_wp - back%kept)*deviator
+         density = 0.5_wp*(memory(stress_at(m), k) + back%stress)*back%step
+         memory(strain_at(m), k) = memory(strain_at(m), k) + back%step
+         memory(stress_at(m), k) = back%stress
+         memory(work_at(m), k) = memory(work_at(m), k) + density
+         work = work + volume(k)*density
+      end do
+   end subroutine flow_memory
+
+   !> Elastic strain (engineering shears) of every point if nothing flowed.
+   pure subroutine trial(element, x, u, thickness, memory, b, volume, strain)
+      type(element_type), intent(in) :: element
+      real(wp), intent(in) :: x(:, :), u(:, :), thickness, memory(:, :)
+      real(wp), intent(out) :: b(element%ndof, element%nstress, element%ngauss)
+      real(wp), intent(out) :: volume(element%ngauss), strain(element%nstress, element%ngauss)
+      real(wp) :: smallest
+      integer :: k, point
+
+      call strain_matrices(element, x, thickness, b, volume, smallest, point)
+      call strains(element, b, reshape(u(:, :element%nnode), [element%ndof]), strain)
+      if (size(memory, 1) == 0) return
+      do k = 1, element%ngauss
+         strain(:, k) = strain(:, k) + elastic_share(memory(:element%nstress, k))
+      end do
+   end subroutine trial
+
+   !> Minus the plastic strain, engineering shears, of a metric.
+   pure function elastic_share(metric) result(strain)
+      real(wp), intent(in) :: metric(:)
+      real(wp) :: strain(size(metric))
+      strain(:3) = 0.5_wp*metric(:3)
+      strain(4:) = metric(4:)
+   end function elastic_share
+
+   !> The return of an elastic trial strain; its deviator as a tensor.
+   pure subroutine answer(element, law, memory, dt, strain, back, deviator, trace)
+      type(element_type), intent(in) :: element
+      type(finite_law_type), intent(in) :: law
+      real(wp), intent(in) :: memory(:), dt, strain(:)
+      type(return_type), intent(out) :: back
+      real(wp), intent(out) :: deviator(:), trace
+
+      trace = strain(1) + strain(2) + strain(3)
+      deviator(:3) = strain(:3) - trace/3.0_wp
+      deviator(4:) = 0.5_wp*strain(4:)
+      back = answer_of(law, past_of(memory, element%nstress, dt), magnitude(deviator))
+   end subroutine answer
+
+   pure real(wp) function magnitude(deviator)
+      real(wp), intent(in) :: deviator(:)
+      magnitude = sqrt(sum(deviator(:3)**2) + 2.0_wp*sum(deviator(4:)**2))
+   end function magnitude
+
+   pure subroutine stress_of(element, law, back, deviator, trace, stress, tangent)
+      type(element_type), intent(in) :: element
+      type(finite_law_type), intent(in) :: law
+      type(return_type), intent(in) :: back
+      real(wp), intent(in) :: deviator(:), trace
+      real(wp), intent(out) :: stress(:), tangent(:, :)
+      real(wp) :: size_
+      integer :: k
+
+      stress = back%secant*deviator
+      stress(:3) = stress(:3) + law%bulk*trace
+      tangent = 0.0_wp
+      tangent(:3, :3) = law%bulk - back%secant/3.0_wp
+      do k = 1, size(stress)
+         tangent(k, k) = tangent(k, k) + merge(1.0_wp, 0.5_wp, k <= 3)*back%secant
+      end do
+      size_ = magnitude(deviator)
+      if (abs(back%along) > 0.0_wp) then
+         do k = 1, size(stress)
+            tangent(:, k) = tangent(:, k) + back%along*(deviator/size_)*(deviator(k)/size_)
+         end do
+      end if
+      if (element%kind /= element_kind%plane_stress) return
+      ! No stress across the plane: an elastic law, whose stress is its tangent times the strain.
+      call condense_thickness(tangent)
+      stress = matmul(tangent, [deviator(:3) + trace/3.0_wp, 2.0_wp*deviator(4:)])
+   end subroutine stress_of
+end module lopin_solid_flow

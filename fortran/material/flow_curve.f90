@@ -1,0 +1,208 @@
+!> Flow stress of a metal: how it hardens with plastic strain, and what the rate of strain adds.
+!>
+!> One function serves every law: sigma(eps, rate) with its slopes. A law is rate-independent
+!> (sigma does not look at the rate), of the Perzyna kind (an overstress above a threshold that
+!> hardens), or purely viscous (Norton-Hoff: no threshold). The radial return asks for nothing else.
+!>
+!> Hardening by name, eps the accumulated plastic strain:
+!>   TABLE      linear between points, constant beyond the last one
+!>   SWIFT      K (eps0 + eps)^n
+!>   HOLLOMON   K (eps0 + eps)^n with eps0 = (Y/K)^(1/n): K eps^n in the total strain, from yield on
+!>   VOCE       S - (S - Y) exp(-d eps) + H eps
+!> Rates: factor 1 + (rate/D)^(1/p) (power law of Cowper and Symonds), and a viscous part
+!> K sqrt(3)^(m+1) rate^m (Norton-Hoff: s = 2 K (sqrt(3) rate)^(m-1) strain rate; seed section G).
+module lopin_flow_curve
+   use lopin_kinds, only : wp
+   implicit none
+   private
+   public :: flow_type, hardening_of, flow_stress, flow_step, flows, table_flow, swift_flow, &
+      & hollomon_flow, voce_flow, is_viscous
+
+   type :: hardenings
+      integer :: none = 0, table = 1, swift = 2, voce = 3
+   end type hardenings
+   type(hardenings), parameter :: hardening_of = hardenings()
+
+   type :: flow_type
+      integer :: hardening = 0                !! hardening_of%...; none: no threshold
+      real(wp) :: constant(4) = 0.0_wp        !! Swift: K, eps0, n; Voce: S, Y, d, H
+      real(wp), allocatable :: strain(:)      !! table: plastic strains, increasing from 0
+      real(wp), allocatable :: stress(:)      !! table: flow stresses > 0 [stress]
+      real(wp) :: rate = 0.0_wp               !! D of the power law [1/time]; 0: no such factor
+      real(wp) :: power = 1.0_wp              !! p of the power law
+      real(wp) :: consistency = 0.0_wp        !! K of Norton-Hoff [stress time^m]; 0: no such part
+      real(wp) :: sensitivity = 1.0_wp        !! m of Norton-Hoff, in (0, 1]
+      logical :: rigid = .false.              !! no elastic deviator: flow alone
+   end type flow_type
+
+contains
+
+   !> Linear between points of a table; a single point is perfect plasticity.
+   pure function table_flow(strain, stress) result(flow)
+      real(wp), intent(in) :: strain(:)       !! from 0, increasing
+      real(wp), intent(in) :: stress(:)       !! > 0 [stress]
+      type(flow_type) :: flow
+      flow%hardening = hardening_of%table
+      allocate (flow%strain, source=strain)
+      allocate (flow%stress, source=stress)
+   end function table_flow
+
+   pure function swift_flow(k, eps0, n) result(flow)
+      real(wp), intent(in) :: k               !! > 0 [stress]
+      real(wp), intent(in) :: eps0            !! > 0 [-]
+      real(wp), intent(in) :: n               !! in (0, 1]
+      type(flow_type) :: flow
+      flow%hardening = hardening_of%swift
+      flow%constant(:3) = [k, eps0, n]
+   end function swift_flow
+
+   pure function hollomon_flow(k, n, yield) result(flow)
+      real(wp), intent(in) :: k               !! > 0 [stress]
+      real(wp), intent(in) :: n               !! in (0, 1]
+      real(wp), intent(in) :: yield           !! > 0: where K eps^n begins [stress]
+      type(flow_type) :: flow
+      flow = swift_flow(k, (yield/k)**(1.0_wp/n), n)
+   end function hollomon_flow
+
+   pure function voce_flow(saturation, yield, decay, slope) result(flow)
+      real(wp), intent(in) :: saturation      !! >= yield [stress]
+      real(wp), intent(in) :: yield           !! > 0 [stress]
+      real(wp), intent(in) :: decay           !! > 0 [-]
+      real(wp), intent(in) :: slope           !! >= 0 [stress]
+      type(flow_type) :: flow
+      flow%hardening = hardening_of%voce
+      flow%constant = [saturation, yield, decay, slope]
+   end function voce_flow
+
+   !> A law whose stress looks at the rate.
+   pure logical function is_viscous(flow)
+      type(flow_type), intent(in) :: flow
+      is_viscous = flow%rate > 0.0_wp .or. flow%consistency > 0.0_wp
+   end function is_viscous
+
+   !> There is a law at all.
+   pure logical function flows(flow)
+      type(flow_type), intent(in) :: flow
+      flows = flow%hardening /= hardening_of%none .or. flow%consistency > 0.0_wp
+   end function flows
+
+   !> Threshold of flow and its slope.
+   pure subroutine threshold(flow, strain, stress, slope)
+      type(flow_type), intent(in) :: flow
+      real(wp), intent(in) :: strain
+      real(wp), intent(out) :: stress, slope
+      integer :: k, n
+
+      stress = 0.0_wp
+      slope = 0.0_wp
+      select case (flow%hardening)
+      case (hardening_of%swift)
+         stress = flow%constant(1)*(flow%constant(2) + strain)**flow%constant(3)
+         slope = flow%constant(3)*stress/(flow%constant(2) + strain)
+      case (hardening_of%voce)
+         slope = (flow%constant(1) - flow%constant(2))*exp(-flow%constant(3)*strain)
+         stress = flow%constant(1) - slope + flow%constant(4)*strain
+         slope = flow%constant(3)*slope + flow%constant(4)
+      case (hardening_of%table)
+         n = size(flow%strain)
+         k = 1
+         do while (k < n)
+            if (strain < flow%strain(k + 1)) exit
+            k = k + 1
+         end do
+         stress = flow%stress(k)
+         if (k == n) return
+         slope = (flow%stress(k + 1) - stress)/(flow%strain(k + 1) - flow%strain(k))
+         stress = stress + slope*(strain - flow%strain(k))
+      end select
+   end subroutine threshold
+
+   !> Flow stress and its slopes with plastic strain and with the rate.
+   pure subroutine flow_stress(flow, strain, rate, stress, slope, rate_slope)
+      type(flow_type), intent(in) :: flow
+      real(wp), intent(in) :: strain          !! accumulated plastic strain >= 0
+      real(wp), intent(in) :: rate            !! of it, >= 0 [1/time]
+      real(wp), intent(out) :: stress         !! [stress]
+      real(wp), intent(out) :: slope          !! [stress]
+      real(wp), intent(out) :: rate_slope     !! huge at rate 0 where it is infinite [stress time]
+      real(wp) :: part, factor
+
+      call threshold(flow, strain, stress, slope)
+      rate_slope = 0.0_wp
+      if (flow%rate > 0.0_wp) then
+         factor = (rate/flow%rate)**(1.0_wp/flow%power)
+         rate_slope = slope_of_power(stress*factor, rate, 1.0_wp/flow%power, stress/flow%rate)
+         stress = stress*(1.0_wp + factor)
+         slope = slope*(1.0_wp + factor)
+      end if
+      if (flow%consistency > 0.0_wp) then
+         part = flow%consistency*sqrt(3.0_wp)**(flow%sensitivity + 1.0_wp)
+         factor = part*rate**flow%sensitivity
+         rate_slope = rate_slope + slope_of_power(factor, rate, flow%sensitivity, part)
+         stress = stress + factor
+      end if
+   end subroutine flow_stress
+
+   !> Slope of c x^m whose value is given.
+   pure real(wp) function slope_of_power(value, x, m, c) result(slope)
+      real(wp), intent(in) :: value, x, m, c
+      if (x > 0.0_wp) then
+         slope = m*value/x
+      else if (m < 1.0_wp) then
+         slope = huge(1.0_wp)
+      else
+         slope = c
+      end if
+   end function slope_of_power
+
+   !> The plastic strain of one increment: trial - 3 G step = sigma(strain + step, step/dt).
+   !>
+   !> The left side falls and the right side rises (a law may soften by less than 3 G): one root,
+   !> by Newton inside a bracket that only shrinks.
+   pure subroutine flow_step(flow, shear, trial, strain, dt, step, stress, slope)
+      type(flow_type), intent(in) :: flow
+      real(wp), intent(in) :: shear           !! G > 0 [stress]
+      real(wp), intent(in) :: trial           !! von Mises stress without flow >= 0 [stress]
+      real(wp), intent(in) :: strain          !! accumulated plastic strain before
+      real(wp), intent(in) :: dt              !! > 0 [time]
+      real(wp), intent(out) :: step           !! >= 0; 0: elastic
+      real(wp), intent(out) :: stress         !! flow stress after it [stress]
+      real(wp), intent(out) :: slope          !! d stress/d step [stress]
+      integer, parameter :: most = 100
+      real(wp) :: low, high, value, rate_slope, next
+      integer :: i
+
+      step = 0.0_wp
+      call threshold(flow, strain, stress, slope)
+      if (trial <= stress) return
+      low = 0.0_wp
+      high = trial/(3.0_wp*shear)
+      step = 0.0_wp
+      if (is_viscous(flow)) step = 0.5_wp*bound_of_rate(flow, trial, dt, high)
+      do i = 1, most
+         call flow_stress(flow, strain + step, step/dt, stress, slope, rate_slope)
+         if (is_viscous(flow)) slope = slope + rate_slope/dt
+         value = trial - 3.0_wp*shear*step - stress
+         if (value > 0.0_wp) low = step
+         if (value <= 0.0_wp) high = step
+         next = step + value/(3.0_wp*shear + slope)
+         if (.not. (next >= low .and. next <= high)) next = 0.5_wp*(low + high)
+         if (abs(next - step) <= 2.0_wp*epsilon(step)*next) exit
+         step = next
+      end do
+      stress = trial - 3.0_wp*shear*step
+   end subroutine flow_step
+
+   !> Where the viscous part alone would carry the trial stress: no step is longer.
+   pure real(wp) function bound_of_rate(flow, trial, dt, most) result(bound)
+      type(flow_type), intent(in) :: flow
+      real(wp), intent(in) :: trial, dt, most
+      real(wp) :: part
+
+      bound = most
+      if (.not. flow%consistency > 0.0_wp) return
+      part = flow%consistency*sqrt(3.0_wp)**(flow%sensitivity + 1.0_wp)
+      if (log(trial/part)/flow%sensitivity < log(most/dt)) &
+         & bound = dt*(trial/part)**(1.0_wp/flow%sensitivity)
+   end function bound_of_rate
+end module lopin_flow_curve
