@@ -46,7 +46,7 @@ contains
       m = group%element%nnode
       ns = group%element%nstress
       call strain_matrices(group%element, x(:, conn(:m)), group%thickness, b, volume, smallest, &
-         & point)
+         & point, group%d)
       call strains(group%element, b, reshape(u(:group%element%ndim, conn(:m)), &
          & [group%element%ndof]), own)
       do k = 1, group%element%ngauss

@@ -17,9 +17,10 @@ module lopin_element_type
    end type kinds
    type(kinds), parameter :: element_kind = kinds()
 
-   !> bbar: mean dilatation; full: no change; reduced: quadratic with the points of the linear cell.
+   !> bbar: mean dilatation; full: no change; reduced: quadratic with the points of the linear cell;
+   !> enhanced: internal modes, see module enhanced_modes.
    type :: formulations
-      integer :: bbar = 1, full = 2, reduced = 3
+      integer :: bbar = 1, full = 2, reduced = 3, enhanced = 4
    end type formulations
    type(formulations), parameter :: element_formulation = formulations()
 
@@ -46,11 +47,13 @@ module lopin_element_type
       integer :: ndof = 0                     !! ndim*nnode; 0 if rigid
       integer :: nstress = 0                  !! 4 in 2D, 6 in 3D; 0 if rigid
       integer :: ngauss = 0
+      integer :: nmode = 0                    !! internal modes; 0 unless enhanced
       real(wp), allocatable :: xi(:, :)             !! (ndim, ngauss) Gauss points
       real(wp), allocatable :: weight(:)            !! (ngauss) parametric weights
       real(wp), allocatable :: n(:, :)              !! (nnode, ngauss) shape functions
       real(wp), allocatable :: dn(:, :, :)          !! (ndim, nnode, ngauss) parametric slopes
       real(wp), allocatable :: extrapolation(:, :)  !! (nnode, ngauss) from Gauss points to nodes
+      real(wp), allocatable :: n0(:), dn0(:, :)     !! (nnode), (ndim, nnode) centre, if enhanced
    end type element_type
 
 contains
@@ -168,10 +171,10 @@ contains
          self%note = name//' is integrated fully'
          if (averaged) self%note = self%note//' with mean dilatation (B-bar)'
          self%note = self%note//', so it has no hourglass modes'
+      else if (index(letters, 'I') > 0 .and. product) then
+         self%formulation = element_formulation%enhanced
       else if (index(letters, 'I') > 0) then
          self%note = name//' is read without incompatible modes'
-         if (averaged) self%note = self%note//', with mean dilatation (B-bar)'
-         if (product) self%note = self%note//': it is stiffer in bending'
       else if (index(letters, 'M') > 0) then
          self%note = name//' is read as the standard quadratic element'
       end if
@@ -196,7 +199,20 @@ contains
          call shape_functions(self%cell, self%xi(:, k), self%n(:, k), self%dn(:, :, k))
       end do
       call set_extrapolation(self)
+      if (self%formulation == element_formulation%enhanced) call set_modes(self)
    end subroutine tabulate
+
+   subroutine set_modes(self)
+      type(element_type), intent(inout) :: self
+      real(wp) :: centre(self%ndim)
+
+      self%nmode = self%ndim**2
+      if (self%axisymmetric) self%nmode = self%nmode + 1
+      if (self%ndim == 3) self%nmode = self%nmode + 3
+      centre = 0.0_wp
+      allocate (self%n0(self%nnode), self%dn0(self%ndim, self%nnode))
+      call shape_functions(self%cell, centre, self%n0, self%dn0)
+   end subroutine set_modes
 
    !> Degrees that pass the patch test on straight-sided cells; one point more for the axisymmetric
    !> triangle.

@@ -10,7 +10,7 @@ module lopin_material_memory
    use lopin_finite_elastic, only : past_type
    implicit none
    private
-   public :: memory_size, past_of, metric_of, put_metric, strain_at, stress_at, work_at
+   public :: memory_size, past_of, metric_of, put_metric, pushed_metric, strain_at, stress_at, work_at
 
 contains
 
@@ -60,6 +60,18 @@ contains
          metric(second_axis(r), first_axis(r)) = memory(r)
       end do
    end function metric_of
+
+   !> F P F^T of the metric P of a column.
+   pure function pushed_metric(h, memory, nstress) result(pushed)
+      real(wp), intent(in) :: h(3, 3)          !! F - 1
+      real(wp), intent(in) :: memory(:)
+      integer, intent(in) :: nstress
+      real(wp) :: pushed(3, 3), half(3, 3)
+
+      half = metric_of(memory, nstress)
+      half = half + matmul(h, half)
+      pushed = half + matmul(half, transpose(h))
+   end function pushed_metric
 
    pure subroutine put_metric(memory, nstress, metric)
       real(wp), intent(inout) :: memory(:)

@@ -15,10 +15,12 @@ module lopin_solid_finite
    use lopin_vectors, only : cross
    use lopin_element_type, only : element_type, element_kind, element_formulation
    use lopin_solid_small, only : gradients, fill_solid, fill_plane, add_product
+   use lopin_solid_enhanced, only : enhanced_element, enhanced_deformation
    use lopin_finite_elastic, only : finite_law_type, finite_response, log_strain, &
       & thickness_change, condense_thickness, volume_change, flow_of_trial
    use lopin_radial_return, only : return_type
-   use lopin_material_memory, only : past_of, metric_of, put_metric, strain_at, stress_at, work_at
+   use lopin_material_memory, only : past_of, metric_of, put_metric, pushed_metric, &
+      & strain_at, stress_at, work_at
    implicit none
    private
    public :: finite_element, finite_stresses, finite_memory
@@ -59,7 +61,11 @@ contains
       logical :: averaged
       integer :: k
 
-      call deform(element, law, x, u, thickness, memory, point, g, bad)
+      if (element%nmode > 0) then
+         call enhanced_element(element, law, x, u, thickness, memory, dt, force, energy, bad, ke)
+         return
+      end if
+      call deform(element, law, x, u, thickness, memory, dt, point, g, bad)
       if (bad > 0) return
       averaged = element%formulation == element_formulation%bbar
       if (averaged) mean = sum(point%weight*point%own)/sum(point%weight)
@@ -100,7 +106,7 @@ contains
 
       stress = 0.0_wp
       strain = 0.0_wp
-      call deform(element, law, x, u, thickness, memory, point, g, bad)
+      call deform(element, law, x, u, thickness, memory, dt, point, g, bad)
       if (bad > 0) return
       mean = sum(point%weight*point%own)/sum(point%weight)
       do k = 1, element%ngauss
@@ -134,7 +140,7 @@ contains
       integer :: k, m
 
       work = 0.0_wp
-      call deform(element, law, x, u, thickness, memory, point, g, bad)
+      call deform(element, law, x, u, thickness, memory, dt, point, g, bad)
       if (bad > 0) return
       m = element%nstress
       do k = 1, element%ngauss
@@ -168,18 +174,22 @@ contains
    end function inverse_of
 
    !> Gradients of the shape functions in the deformed place and the deformation of every point.
-   pure subroutine deform(element, law, x, u, thickness, memory, point, g, bad)
+   pure subroutine deform(element, law, x, u, thickness, memory, dt, point, g, bad)
       type(element_type), intent(in) :: element
       type(finite_law_type), intent(in) :: law
-      real(wp), intent(in) :: x(:, :), u(:, :), thickness, memory(:, :)
+      real(wp), intent(in) :: x(:, :), u(:, :), thickness, memory(:, :), dt
       type(point_type), intent(out) :: point(element%ngauss)
       real(wp), intent(out) :: g(element%ndim, element%nnode, element%ngauss)
       integer, intent(out) :: bad
-      real(wp) :: h(3, 3), determinant, radius
+      real(wp) :: h(3, 3), determinant, radius, enhanced(3, 3, element%ngauss)
       integer :: k, d, m
 
       d = element%ndim
       m = element%nnode
+      if (element%nmode > 0) then
+         call enhanced_deformation(element, law, x, u, thickness, memory, dt, enhanced, bad)
+         if (bad > 0) return
+      end if
       do bad = 1, element%ngauss
          k = bad
          call gradients(d, m, x, element%dn(:, :, k), g(:, :, k), determinant)
@@ -196,9 +206,10 @@ contains
          else if (d == 2) then
             point(k)%weight = point(k)%weight*thickness
          end if
+         if (element%nmode > 0) h = enhanced(:, :, k)
          point(k)%change = h + transpose(h) + matmul(h, transpose(h))
          if (size(memory, 1) > 0) point(k)%change = point(k)%change &
-            & + pushed(h, metric_of(memory(:, k), element%nstress))
+            & + pushed_metric(h, memory(:, k), element%nstress)
          point(k)%own = volume_change(h)
          if (.not. 1.0_wp + point(k)%own > 0.0_wp) return
          call push_forward(d, m, h, g(:, :, k))
@@ -211,15 +222,6 @@ contains
       end do
       bad = 0
    end subroutine deform
-
-   !> F P F^T of a metric P.
-   pure function pushed(h, metric) result(p)
-      real(wp), intent(in) :: h(3, 3), metric(3, 3)
-      real(wp) :: p(3, 3), half(3, 3)
-
-      half = metric + matmul(h, metric)
-      p = half + matmul(half, transpose(h))
-   end function pushed
 
    !> g <- F**-T g with F = 1 + h, regular.
    pure subroutine push_forward(d, m, h, g)

@@ -6,7 +6,9 @@
 module lopin_solid_flow
    use lopin_kinds, only : wp
    use lopin_element_type, only : element_type, element_kind
-   use lopin_solid_small, only : strain_matrices, strains, internal_force, add_product
+   use lopin_solid_small, only : strain_matrices, strains, internal_force, add_product, &
+      & mode_strains, follow_nodes
+   use lopin_enhanced_modes, only : solve_small
    use lopin_radial_return, only : return_type
    use lopin_finite_elastic, only : finite_law_type, answer_of, condense_thickness
    use lopin_material_memory, only : past_of, strain_at, stress_at, work_at
@@ -28,7 +30,7 @@ contains
       real(wp), intent(in) :: dt             !! since the accepted state [time]
       real(wp), intent(out) :: force(element%ndof)   !! internal forces [force]
       real(wp), intent(out) :: energy                !! [force length]
-      integer, intent(out) :: bad            !! 0: small strains turn nothing inside out
+      integer, intent(out) :: bad            !! 0; 1 where the internal modes find no balance
       real(wp), intent(out), optional :: ke(element%ndof, element%ndof)   !! [force/length]
       real(wp) :: b(element%ndof, element%nstress, element%ngauss), volume(element%ngauss)
       real(wp) :: stress(element%nstress, element%ngauss), deviator(element%nstress), trace
@@ -37,8 +39,8 @@ contains
       type(return_type) :: back
       integer :: i, k
 
-      bad = 0
-      call trial(element, x, u, thickness, memory, b, volume, strain)
+      call trial(element, law, x, u, thickness, memory, dt, b, volume, strain, bad)
+      if (bad > 0) return
       if (present(ke)) ke = 0.0_wp
       energy = 0.0_wp
       do k = 1, element%ngauss
@@ -66,18 +68,18 @@ contains
       real(wp), intent(in) :: dt                             !! since the accepted state [time]
       real(wp), intent(out) :: stress(6, element%ngauss)     !! [stress]
       real(wp), intent(out) :: strain(6, element%ngauss)     !! [-]
-      integer, intent(out) :: bad                            !! 0
+      integer, intent(out) :: bad                            !! as for flow_element
       real(wp) :: b(element%ndof, element%nstress, element%ngauss), volume(element%ngauss)
       real(wp) :: own(element%nstress, element%ngauss), deviator(element%nstress), trace
       real(wp) :: tangent(element%nstress, element%nstress)
       type(return_type) :: back
       integer :: k, m
 
-      bad = 0
       m = element%nstress
       stress = 0.0_wp
       strain = 0.0_wp
-      call trial(element, x, u, thickness, memory, b, volume, own)
+      call trial(element, law, x, u, thickness, memory, dt, b, volume, own, bad)
+      if (bad > 0) return
       do k = 1, element%ngauss
          call answer(element, law, memory(:, k), dt, own(:, k), back, deviator, trace)
          call stress_of(element, law, back, deviator, trace, stress(:m, k), tangent)
@@ -98,16 +100,16 @@ contains
       real(wp), intent(in) :: dt                             !! since the accepted state [time]
       real(wp), intent(inout) :: memory(:, :)                !! of the accepted state, then of this
       real(wp), intent(out) :: work                          !! [force length]
-      integer, intent(out) :: bad                            !! 0
+      integer, intent(out) :: bad                            !! as for flow_element
       real(wp) :: b(element%ndof, element%nstress, element%ngauss), volume(element%ngauss)
       real(wp) :: own(element%nstress, element%ngauss), deviator(element%nstress), trace, density
       type(return_type) :: back
       integer :: k, m
 
-      bad = 0
       m = element%nstress
       work = 0.0_wp
-      call trial(element, x, u, thickness, memory, b, volume, own)
+      call trial(element, law, x, u, thickness, memory, dt, b, volume, own, bad)
+      if (bad > 0) return
       do k = 1, element%ngauss
          call answer(element, law, memory(:, k), dt, own(:, k), back, deviator, trace)
          if (.not. back%step > 0.0_wp) cycle
@@ -121,21 +123,70 @@ contains
    end subroutine flow_memory
 
    !> Elastic strain (engineering shears) of every point if nothing flowed.
-   pure subroutine trial(element, x, u, thickness, memory, b, volume, strain)
+   pure subroutine trial(element, law, x, u, thickness, memory, dt, b, volume, strain, bad)
       type(element_type), intent(in) :: element
-      real(wp), intent(in) :: x(:, :), u(:, :), thickness, memory(:, :)
+      type(finite_law_type), intent(in) :: law
+      real(wp), intent(in) :: x(:, :), u(:, :), thickness, memory(:, :), dt
       real(wp), intent(out) :: b(element%ndof, element%nstress, element%ngauss)
       real(wp), intent(out) :: volume(element%ngauss), strain(element%nstress, element%ngauss)
+      integer, intent(out) :: bad
       real(wp) :: smallest
       integer :: k, point
 
+      bad = 0
       call strain_matrices(element, x, thickness, b, volume, smallest, point)
       call strains(element, b, reshape(u(:, :element%nnode), [element%ndof]), strain)
-      if (size(memory, 1) == 0) return
-      do k = 1, element%ngauss
-         strain(:, k) = strain(:, k) + elastic_share(memory(:element%nstress, k))
-      end do
+      if (size(memory, 1) > 0) then
+         do k = 1, element%ngauss
+            strain(:, k) = strain(:, k) + elastic_share(memory(:element%nstress, k))
+         end do
+      end if
+      if (element%nmode > 0) call relax(element, law, x, memory, dt, volume, b, strain, bad)
    end subroutine trial
+
+   !> Add the strains of the internal modes in balance, and their slopes to B.
+   pure subroutine relax(element, law, x, memory, dt, volume, b, strain, bad)
+      type(element_type), intent(in) :: element
+      type(finite_law_type), intent(in) :: law
+      real(wp), intent(in) :: x(:, :), memory(:, :), dt, volume(element%ngauss)
+      real(wp), intent(inout) :: b(element%ndof, element%nstress, element%ngauss)
+      real(wp), intent(inout) :: strain(element%nstress, element%ngauss)
+      integer, intent(out) :: bad          !! 1: no balance found
+      real(wp) :: own(element%nmode, element%nstress, element%ngauss), alpha(element%nmode)
+      real(wp) :: tangent(element%nstress, element%nstress, element%ngauss)
+      real(wp) :: stress(element%nstress), deviator(element%nstress), trace, size_of
+      real(wp) :: pivot(element%nmode, element%nmode), step(element%nmode, 1)
+      type(return_type) :: back
+      integer, parameter :: most = 40
+      integer :: k, sweep
+      logical :: regular
+
+      call mode_strains(element, x, own)
+      bad = 0
+      alpha = 0.0_wp
+      size_of = maxval(abs(strain))
+      do sweep = 1, most
+         pivot = 0.0_wp
+         step = 0.0_wp
+         do k = 1, element%ngauss
+            call answer(element, law, memory(:, k), dt, strain(:, k), back, deviator, trace)
+            call stress_of(element, law, back, deviator, trace, stress, tangent(:, :, k))
+            step(:, 1) = step(:, 1) + volume(k)*matmul(own(:, :, k), stress)
+            pivot = pivot + volume(k)*matmul(own(:, :, k), matmul(tangent(:, :, k), &
+               & transpose(own(:, :, k))))
+         end do
+         call solve_small(pivot, step, regular)
+         if (.not. regular) exit
+         alpha = alpha - step(:, 1)
+         do k = 1, element%ngauss
+            strain(:, k) = strain(:, k) - matmul(step(:, 1), own(:, :, k))
+         end do
+         if (maxval(abs(step)) > 1.0e-8_wp*maxval(abs(alpha)) + 1.0e-14_wp*size_of) cycle
+         call follow_nodes(element, own, tangent, volume, b)
+         return
+      end do
+      bad = 1
+   end subroutine relax
 
    !> Minus the plastic strain, engineering shears, of a metric.
    pure function elastic_share(metric) result(strain)

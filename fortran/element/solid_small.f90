@@ -9,11 +9,12 @@ module lopin_solid_small
    use lopin_kinds, only : wp
    use lopin_vectors, only : cross
    use lopin_element_type, only : element_type, element_kind, element_formulation
+   use lopin_enhanced_modes, only : modes_type, internal_modes, solve_small
    use lopin_facets, only : facet_rule_type, facet_point
    implicit none
    private
    public :: strain_matrices, stiffness, strains, internal_force, body_force, face_force, &
-      & gauss_points, gradients, fill_solid, fill_plane, add_product
+      & gauss_points, gradients, fill_solid, fill_plane, add_product, mode_strains, follow_nodes
 
    real(wp), parameter :: pi = acos(-1.0_wp)
 
@@ -22,9 +23,10 @@ contains
    !> B at every Gauss point, mean dilatation included, and the volume of each point.
    !>
    !> B-bar (Hughes 1980): the dilatation of a point is replaced by its mean over the element, so
-   !> that nearly incompressible material locks no more. Where `smallest` <= 0 the element is folded
-   !> and nothing else is defined.
-   pure subroutine strain_matrices(element, x, thickness, b, volume, smallest, point)
+   !> that nearly incompressible material locks no more. The internal modes of an enhanced element
+   !> follow the nodes, if `d` says the material. Where `smallest` <= 0 the element is folded and
+   !> nothing else is defined.
+   pure subroutine strain_matrices(element, x, thickness, b, volume, smallest, point, d)
       type(element_type), intent(in) :: element
       real(wp), intent(in) :: x(:, :)          !! (ndim, nnode) coordinates [length]
       real(wp), intent(in) :: thickness        !! plane kinds, else ignored [length]
@@ -32,7 +34,9 @@ contains
       real(wp), intent(out) :: volume(element%ngauss)   !! times thickness or 2 pi r
       real(wp), intent(out) :: smallest        !! least det J [length^ndim]
       integer, intent(out) :: point            !! and its Gauss point
+      real(wp), intent(in), optional :: d(:, :)   !! (nstress, nstress) Hooke [stress]
       real(wp) :: g(element%ndim, element%nnode), determinant, radius
+      real(wp) :: own(element%nmode, element%nstress, element%ngauss)
       integer :: k
 
       smallest = huge(1.0_wp)
@@ -66,7 +70,54 @@ contains
       if (smallest <= 0.0_wp) return
       if (element%formulation == element_formulation%bbar) &
          & call average_dilatation(element, volume, b)
+      if (element%nmode == 0 .or. .not. present(d)) return
+      call mode_strains(element, x, own)
+      call follow_nodes(element, own, spread(d, 3, element%ngauss), volume, b)
    end subroutine strain_matrices
+
+   !> Strains of the internal modes at the Gauss points, laid out as B.
+   pure subroutine mode_strains(element, x, own)
+      type(element_type), intent(in) :: element
+      real(wp), intent(in) :: x(:, :)          !! (ndim, nnode), unfolded [length]
+      real(wp), intent(out) :: own(element%nmode, element%nstress, element%ngauss)
+      type(modes_type) :: modes
+      real(wp) :: smallest
+      integer :: s
+      integer, parameter :: row(6) = [1, 2, 3, 1, 1, 2], column(6) = [1, 2, 3, 2, 3, 3]
+
+      call internal_modes(element, x, modes, smallest)
+      do s = 1, element%nstress
+         own(:, s, :) = modes%e(row(s), column(s), :element%nmode, :element%ngauss)
+         if (s > 3) own(:, s, :) = own(:, s, :) &
+            & + modes%e(column(s), row(s), :element%nmode, :element%ngauss)
+      end do
+   end subroutine mode_strains
+
+   !> Let the internal modes follow the nodes in balance: their strains are added to B.
+   pure subroutine follow_nodes(element, own, d, volume, b)
+      type(element_type), intent(in) :: element
+      real(wp), intent(in) :: own(element%nmode, element%nstress, element%ngauss)
+      real(wp), intent(in) :: d(element%nstress, element%nstress, element%ngauss)   !! [stress]
+      real(wp), intent(in) :: volume(element%ngauss)
+      real(wp), intent(inout) :: b(element%ndof, element%nstress, element%ngauss)
+      real(wp) :: pivot(element%nmode, element%nmode), follow(element%nmode, element%ndof)
+      real(wp) :: half(element%nmode, element%nstress)
+      integer :: k
+      logical :: regular
+
+      pivot = 0.0_wp
+      follow = 0.0_wp
+      do k = 1, element%ngauss
+         half = volume(k)*matmul(own(:, :, k), d(:, :, k))
+         pivot = pivot + matmul(half, transpose(own(:, :, k)))
+         follow = follow + matmul(half, transpose(b(:, :, k)))
+      end do
+      call solve_small(pivot, follow, regular)
+      if (.not. regular) return
+      do k = 1, element%ngauss
+         b(:, :, k) = b(:, :, k) - matmul(transpose(follow), own(:, :, k))
+      end do
+   end subroutine follow_nodes
 
    !> Cartesian slopes of the shape functions: J**-T dN, and det J.
    pure subroutine gradients(ndim, nnode, x, dn, g, determinant)
@@ -173,7 +224,7 @@ contains
       real(wp) :: b(element%ndof, element%nstress, element%ngauss), volume(element%ngauss)
       integer :: i, k
 
-      call strain_matrices(element, x, thickness, b, volume, smallest, point)
+      call strain_matrices(element, x, thickness, b, volume, smallest, point, d)
       if (smallest <= 0.0_wp) return
       ke = 0.0_wp
       do k = 1, element%ngauss

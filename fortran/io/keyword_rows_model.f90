@@ -209,8 +209,8 @@ contains
       call word(table, 'NAME', 'Name that *SOLID SECTION, CONTROLS= refers to.')
       call required(table)
       call choice(table, 'FORMULATION', 'AUTO,FULL', 'AUTO', &
-         & 'AUTO: mean dilatation in linear quads and bricks, as in Abaqus; FULL: plain full '// &
-         & 'integration, as in CalculiX.')
+         & 'AUTO: mean dilatation in linear quads and bricks, as in Abaqus, internal modes in '// &
+         & 'words with I; FULL: plain full integration, as in CalculiX.')
       call ignored_flag(table, 'HOURGLASS', 'Hourglass control of reduced elements.')
       call data_line(table, 'factor, ...', 'Factors of Abaqus; read past.')
       call example(table, '*SECTION CONTROLS, NAME=PLAIN, FORMULATION=FULL')

@@ -13,6 +13,7 @@ from .mesh import Mesh
 from .profile import Profile
 from .step import Step, direction
 
+_LETTERS = {"quad": "I", "hexahedron": "I", "quad8": "R", "hexahedron20": "R"}
 _PREFIX = {"plane strain": "CPE", "plane stress": "CPS", "axisymmetric": "CAX", "3d": "C3D"}
 _NODES = {"triangle": 3, "triangle6": 6, "quad": 4, "quad8": 8, "tetra": 4, "tetra10": 10,
           "wedge": 6, "wedge15": 15, "hexahedron": 8, "hexahedron20": 20}
@@ -38,6 +39,9 @@ class Tool:
 class Model:
     """A scene. `kind`: "plane strain", "plane stress", "axisymmetric" or "3d".
 
+    `letters`: what follows the number of nodes in the element words it fits: "I" has linear quads
+    and bricks bend without locking (sheets), "R" integrates quadratic ones with fewer points.
+
     >>> from .mesh_make import block
     >>> from .profile import plane
     >>> m = Model("press", block((1.0, 1.0), (2, 2)), kind="plane strain")
@@ -59,6 +63,7 @@ class Model:
     contacts: list[dict] = field(default_factory=list)
     fixed: list[tuple[str, int]] = field(default_factory=list)
     steps: list[Step] = field(default_factory=list)
+    letters: str = ""
 
     def __post_init__(self):
         if self.kind not in _PREFIX:
@@ -140,7 +145,8 @@ class Model:
 
     def element_word(self, cell: str) -> str:
         """Element word of the deck: CPE4, C3D20..."""
-        return f"{_PREFIX[self.kind]}{_NODES[cell]}"
+        word = f"{_PREFIX[self.kind]}{_NODES[cell]}"
+        return word + self.letters if self.letters in _LETTERS.get(cell, ()) else word
 
     def tool_directions(self) -> tuple[int, ...]:
         """All dofs of a reference node."""

@@ -17,11 +17,11 @@ program test_convergence
    use blocks, only : new_block
    use check, only : test, close_to, is_true, finish
    implicit none
-   character(len=6), parameter :: words(20) = [character(len=6) :: 'CPE3', 'CPE4', 'CPE6', 'CPE8', &
+   character(len=6), parameter :: words(24) = [character(len=6) :: 'CPE3', 'CPE4', 'CPE6', 'CPE8', &
       & 'CPE8R', &
       & 'CPS4', 'CPS8R', 'CAX3', 'CAX4', 'CAX6', 'CAX8', 'CAX8R', 'C3D4', 'C3D6', 'C3D8', 'C3D10', &
       & 'C3D15', &
-      & 'C3D20', 'C3D20R', 'CPS6']
+      & 'C3D20', 'C3D20R', 'CPS6', 'CPE4I', 'CPS4I', 'CAX4I', 'C3D8I']
    type(mesh_type) :: mesh
    type(solids_type) :: solids
    type(csc_type) :: matrix

@@ -55,6 +55,9 @@ contains
       call expect('CAX8R', '', element_kind%axisymmetric, element_formulation%reduced, 4)
       call expect('CAX8', '', element_kind%axisymmetric, element_formulation%full, 9)
       call expect('C3D8', '', element_kind%solid, element_formulation%bbar, 8)
+      call expect('C3D8I', '', element_kind%solid, element_formulation%enhanced, 8)
+      call expect('CAX4I', '', element_kind%axisymmetric, element_formulation%enhanced, 4)
+      call expect('CPE4I', 'FULL', element_kind%plane_strain, element_formulation%full, 4)
       call expect('C3D20R', '', element_kind%solid, element_formulation%reduced, 8)
       call expect('C3D20', '', element_kind%solid, element_formulation%full, 27)
       call expect('C3D15', '', element_kind%solid, element_formulation%full, 9)
@@ -80,6 +83,8 @@ contains
       call is_true(element%note, index(element%note, 'B-bar') > 0 .and. index(element%note, &
          & 'pressure') > 0)
       call new_element_type(element, 'C3D8I', '', found)
+      call equal_text('C3D8I', element%note, '')
+      call new_element_type(element, 'C3D10I', '', found)
       call is_true(element%note, index(element%note, 'incompatible') > 0)
    end subroutine variants_say_how_they_are_read
 end program test_element_type

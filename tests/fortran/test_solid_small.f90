@@ -107,7 +107,7 @@ contains
          gradient(1, 2) = 0.0_wp
          expected(3:4) = [gradient(1, 1), gradient(2, 1)]
       end if
-      call strain_matrices(element, x, thickness, b, volume, smallest, point)
+      call strain_matrices(element, x, thickness, b, volume, smallest, point, hooke())
       call strains(element, b, reshape(matmul(gradient(:element%ndim, :element%ndim), x), &
          & [element%ndof]), &
          & strain)
@@ -131,7 +131,7 @@ contains
       do k = 1, element%ndof
          call random(seed, u(k))
       end do
-      call strain_matrices(element, x, thickness, b, volume, smallest, point)
+      call strain_matrices(element, x, thickness, b, volume, smallest, point, hooke())
       call strains(element, b, u, strain)
       call internal_force(element, b, volume, matmul(hooke(), strain), force)
       call close_to('force', matmul(ke, u)/young, force/young, 1.0e-12_wp)
@@ -174,7 +174,7 @@ contains
       end if
       if (element%axisymmetric) stress(3:4) = [stress(1), 0.0_wp]
       if (element%kind == element_kind%plane_stress) stress(3) = 0.0_wp
-      call strain_matrices(element, x, thickness, b, volume, smallest, point)
+      call strain_matrices(element, x, thickness, b, volume, smallest, point, hooke())
       call internal_force(element, b, volume, spread(stress, 2, element%ngauss), force)
       held = 0.0_wp
       do point = 1, element%cell%nface
@@ -305,7 +305,7 @@ contains
       points = gauss_points(element, x)
       if (element%axisymmetric) exact = 2.0_wp*pi*dot_product(element%weight, points(1, :))
       if (element%kind <= element_kind%plane_stress) exact = thickness*exact
-      call strain_matrices(element, x, thickness, b, volume, smallest, point)
+      call strain_matrices(element, x, thickness, b, volume, smallest, point, hooke())
       call close_to('smallest det J of the reference', smallest, 1.0_wp, 1.0e-13_wp)
       call body_force(element, volume, [0.0_wp, -9.0_wp, 0.0_wp], force)
       call close_to('weight', sum(force(2, :)), -9.0_wp*exact, 1.0e-13_wp)

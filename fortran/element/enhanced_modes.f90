@@ -1,0 +1,138 @@
+!> Internal modes of the enhanced linear quads and bricks (words with I).
+!>
+!> The gradient of an element is F + F0 E, where F is that of the nodes, F0 its value at the centre
+!> and E = sum alpha_m mode_m. A mode is strain-like: entry (i, j) of its parametric matrix, times
+!> xi_i, carried to the reference shape by the Jacobian of the centre (Simo and Rifai 1990; the
+!> transposed Wilson modes of Glaser and Armero 1997, which stay free of hourglassing in large
+!> compression). Bricks and axisymmetric quads also have the products of two parameters in the
+!> dilatation, so that they do not lock in volume. Every mode has a vanishing integral over the
+!> reference volume, so the patch test passes; no amplitude depends on the frame or on units.
+module lopin_enhanced_modes
+   use lopin_kinds, only : wp
+   use lopin_vectors, only : cross
+   use lopin_element_type, only : element_type
+   implicit none
+   private
+   public :: modes_type, internal_modes, solve_small
+
+   integer, parameter, public :: most_modes = 12, most_nodes = 8, most_points = 8
+
+   !> Modes at the Gauss points and gradients at the centre, in the reference shape.
+   type :: modes_type
+      real(wp) :: e(3, 3, most_modes, most_points)   !! [-]; (3, 3) is the hoop if axisymmetric
+      real(wp) :: g(3, most_nodes)                   !! slopes of the shape functions [1/length]
+      real(wp) :: hoop(most_nodes)                   !! shape function per radius [1/length]
+   end type modes_type
+
+contains
+
+   pure subroutine internal_modes(element, x, self, smallest)
+      type(element_type), intent(in) :: element    !! with nmode > 0
+      real(wp), intent(in) :: x(:, :)              !! (ndim, nnode) reference [length]
+      type(modes_type), intent(out) :: self
+      real(wp), intent(out) :: smallest            !! least det J; nothing is defined unless > 0
+      real(wp) :: inverse(3, 3), centre, here, size_of, scale, other(3, 3)
+      integer :: k, d, m
+
+      d = element%ndim
+      m = element%nnode
+      call invert(d, matmul(x(:, :m), transpose(element%dn0)), inverse, centre)
+      smallest = centre
+      if (.not. centre > 0.0_wp) return
+      self%e = 0.0_wp
+      self%hoop = 0.0_wp
+      self%g(:d, :m) = matmul(transpose(inverse(:d, :d)), element%dn0)
+      if (element%axisymmetric) then
+         self%hoop(:m) = element%n0/dot_product(x(1, :m), element%n0)
+         centre = centre*dot_product(x(1, :m), element%n0)
+      end if
+      size_of = smallest**(1.0_wp/real(d, wp))
+      do k = 1, element%ngauss
+         call invert(d, matmul(x(:, :m), transpose(element%dn(:, :, k))), other, here)
+         smallest = min(smallest, here)
+         if (.not. smallest > 0.0_wp) return
+         if (element%axisymmetric) here = here*dot_product(x(1, :m), element%n(:, k))
+         scale = centre/here
+         call fill(element, size_of*inverse, scale, element%xi(:, k), self%e(:, :, :, k))
+      end do
+   end subroutine internal_modes
+
+   pure subroutine fill(element, inverse, scale, xi, e)
+      type(element_type), intent(in) :: element
+      real(wp), intent(in) :: inverse(3, 3), scale, xi(:)
+      real(wp), intent(inout) :: e(:, :, :)
+      integer :: i, j, p, q, m, d
+
+      d = element%ndim
+      m = 0
+      do j = 1, d
+         do i = 1, d
+            m = m + 1
+            do q = 1, d
+               do p = 1, d
+                  e(p, q, m) = scale*xi(i)*inverse(i, p)*inverse(j, q)
+               end do
+            end do
+         end do
+      end do
+      if (m == element%nmode) return
+      do j = 2, d
+         do i = 1, j - 1
+            m = m + 1
+            do p = 1, 3
+               e(p, p, m) = scale*xi(i)*xi(j)
+            end do
+         end do
+      end do
+   end subroutine fill
+
+   !> Inverse and determinant of the leading block.
+   pure subroutine invert(d, j, inverse, determinant)
+      integer, intent(in) :: d
+      real(wp), intent(in) :: j(d, d)
+      real(wp), intent(out) :: inverse(3, 3)   !! undefined unless the determinant is > 0
+      real(wp), intent(out) :: determinant
+
+      if (d == 2) then
+         inverse(:2, 1) = [j(2, 2), -j(2, 1)]
+         inverse(:2, 2) = [-j(1, 2), j(1, 1)]
+      else
+         inverse(1, :) = cross(j(:, 2), j(:, 3))
+         inverse(2, :) = cross(j(:, 3), j(:, 1))
+         inverse(3, :) = cross(j(:, 1), j(:, 2))
+      end if
+      determinant = dot_product(inverse(1, :d), j(:, 1))
+      if (determinant > 0.0_wp) inverse(:d, :d) = inverse(:d, :d)/determinant
+   end subroutine invert
+
+   !> b <- a^-1 b by elimination with the largest pivot; `regular` is false where there is none.
+   pure subroutine solve_small(a, b, regular)
+      real(wp), intent(inout) :: a(:, :)   !! overwritten
+      real(wp), intent(inout) :: b(:, :)
+      logical, intent(out) :: regular
+      real(wp) :: row(size(a, 1)), right(size(b, 2))
+      integer :: i, k, p, n
+
+      n = size(a, 1)
+      regular = .false.
+      do k = 1, n
+         p = k - 1 + maxloc(abs(a(k:, k)), dim=1)
+         if (.not. abs(a(p, k)) > 0.0_wp) return
+         row = a(k, :)
+         a(k, :) = a(p, :)
+         a(p, :) = row
+         right = b(k, :)
+         b(k, :) = b(p, :)
+         b(p, :) = right
+         do i = k + 1, n
+            row(k) = a(i, k)/a(k, k)
+            a(i, k + 1:) = a(i, k + 1:) - row(k)*a(k, k + 1:)
+            b(i, :) = b(i, :) - row(k)*b(k, :)
+         end do
+      end do
+      do k = n, 1, -1
+         b(k, :) = (b(k, :) - matmul(a(k, k + 1:), b(k + 1:, :)))/a(k, k)
+      end do
+      regular = .true.
+   end subroutine solve_small
+end module lopin_enhanced_modes

@@ -1,0 +1,381 @@
+!> Enhanced linear quads and bricks at finite strain: they bend without shear or thickness locking.
+!>
+!> The deformation gradient of a point is F + F0 E(alpha), see module enhanced_modes. The amplitudes
+!> alpha make the energy stationary at given displacements: a local Newton iteration from zero finds
+!> them at every call, so the element has no state of its own, its force is the slope of an energy
+!> of the displacements alone, and its tangent is the exact one, symmetric.
+!>
+!> A generalised displacement (node or amplitude) has at each point a velocity gradient l, listed as
+!> the entries (i, j), first index fastest, of the plane or of space, and in 2D the hoop as fifth.
+module lopin_solid_enhanced
+   use lopin_kinds, only : wp
+   use lopin_vectors, only : cross
+   use lopin_element_type, only : element_type, element_kind
+   use lopin_enhanced_modes, only : modes_type, internal_modes, solve_small, most_nodes, most_points
+   use lopin_solid_small, only : gradients
+   use lopin_finite_elastic, only : finite_law_type, finite_response, thickness_change, &
+      & condense_thickness, volume_change
+   use lopin_material_memory, only : past_of, pushed_metric
+   implicit none
+   private
+   public :: enhanced_element, enhanced_deformation
+
+   real(wp), parameter :: pi = acos(-1.0_wp)
+
+   !> What the nodes do, and the modes.
+   type :: motion_type
+      type(modes_type) :: modes
+      real(wp) :: g(3, most_nodes, most_points)   !! reference slopes [1/length]
+      real(wp) :: hoop(most_nodes, most_points)   !! shape function per radius [1/length]
+      real(wp) :: weight(most_points)             !! reference volume
+      real(wp) :: h(3, 3, most_points)            !! F - 1
+      real(wp) :: centre(3, 3)                    !! F0
+   end type motion_type
+
+   !> Answer of the material at a point.
+   type :: answer_type
+      real(wp) :: h(3, 3) = 0.0_wp          !! enhanced F - 1
+      real(wp) :: inverse(3, 3) = 0.0_wp    !! of the enhanced F
+      real(wp) :: s(3, 3) = 0.0_wp          !! Kirchhoff stress times volume
+      real(wp) :: a(9, 9) = 0.0_wp          !! quadratic form on velocity gradients, times volume
+      real(wp) :: energy = 0.0_wp
+      logical :: bad = .false.              !! turned inside out
+   end type answer_type
+
+   integer, parameter :: row(6) = [1, 2, 3, 1, 1, 2], column(6) = [1, 2, 3, 2, 3, 3]
+
+contains
+
+   !> Force, energy and, if asked for, tangent of an element.
+   pure subroutine enhanced_element(element, law, x, u, thickness, memory, dt, force, energy, &
+      & bad, ke)
+      type(element_type), intent(in) :: element    !! with nmode > 0
+      type(finite_law_type), intent(in) :: law
+      real(wp), intent(in) :: x(:, :), u(:, :)     !! (ndim, nnode) [length]
+      real(wp), intent(in) :: thickness            !! plane kinds [length]
+      real(wp), intent(in) :: memory(:, :)         !! of the accepted state, or empty
+      real(wp), intent(in) :: dt                   !! since the accepted state [time]
+      real(wp), intent(out) :: force(element%ndof)
+      real(wp), intent(out) :: energy
+      integer, intent(out) :: bad                  !! Gauss point turned inside out, else 0
+      real(wp), intent(out), optional :: ke(element%ndof, element%ndof)
+      type(motion_type) :: motion
+      type(answer_type) :: answer
+      real(wp), dimension(element%ndof + element%nmode, element%ndof + element%nmode) :: whole
+      real(wp) :: alpha(element%nmode), residual(element%ndof + element%nmode)
+      real(wp) :: own(element%nmode, element%nmode), follow(element%nmode, element%ndof)
+      real(wp) :: l(element%ndof + element%nmode, 9)
+      integer :: k, n
+      logical :: regular
+
+      call move(element, x, u, thickness, motion, bad)
+      if (bad > 0) return
+      call relax(element, law, motion, memory, dt, alpha, bad)
+      if (bad > 0) return
+      n = element%ndof
+      energy = 0.0_wp
+      residual = 0.0_wp
+      whole = 0.0_wp
+      do k = 1, element%ngauss
+         call respond(element, law, motion, k, memory(:, k), dt, alpha, answer)
+         energy = energy + answer%energy
+         call node_rows(element, motion, k, alpha, answer, l(:n, :))
+         call mode_rows(element, motion, k, answer, l(n + 1:, :))
+         residual = residual + matmul(l, listed(element%ndim, answer%s))
+         if (.not. present(ke)) cycle
+         whole = whole + matmul(l, matmul(answer%a, transpose(l)))
+         call add_swap(element, motion, k, answer, whole(:n, n + 1:))
+      end do
+      force = residual(:n)
+      if (.not. present(ke)) return
+      own = whole(n + 1:, n + 1:)
+      follow = transpose(whole(:n, n + 1:))
+      call solve_small(own, follow, regular)
+      ke = whole(:n, :n) - matmul(whole(:n, n + 1:), follow)
+      do k = 2, n
+         ke(:k - 1, k) = ke(k, :k - 1)
+      end do
+   end subroutine enhanced_element
+
+   !> Enhanced F - 1 at the Gauss points.
+   pure subroutine enhanced_deformation(element, law, x, u, thickness, memory, dt, h, bad)
+      type(element_type), intent(in) :: element    !! with nmode > 0
+      type(finite_law_type), intent(in) :: law
+      real(wp), intent(in) :: x(:, :), u(:, :)     !! (ndim, nnode) [length]
+      real(wp), intent(in) :: thickness            !! plane kinds [length]
+      real(wp), intent(in) :: memory(:, :)         !! of the accepted state, or empty
+      real(wp), intent(in) :: dt                   !! since the accepted state [time]
+      real(wp), intent(out) :: h(3, 3, element%ngauss)
+      integer, intent(out) :: bad                  !! Gauss point turned inside out, else 0
+      type(motion_type) :: motion
+      real(wp) :: alpha(element%nmode)
+      integer :: k
+
+      h = 0.0_wp
+      call move(element, x, u, thickness, motion, bad)
+      if (bad > 0) return
+      call relax(element, law, motion, memory, dt, alpha, bad)
+      if (bad > 0) return
+      do k = 1, element%ngauss
+         h(:, :, k) = motion%h(:, :, k) &
+            & + matmul(motion%centre, summed(element, motion, k, alpha))
+      end do
+   end subroutine enhanced_deformation
+
+   !> Displacement gradients of the nodes.
+   pure subroutine move(element, x, u, thickness, motion, bad)
+      type(element_type), intent(in) :: element
+      real(wp), intent(in) :: x(:, :), u(:, :), thickness
+      type(motion_type), intent(out) :: motion
+      integer, intent(out) :: bad
+      real(wp) :: determinant, radius
+      integer :: d, k, m
+
+      d = element%ndim
+      m = element%nnode
+      bad = 1
+      call internal_modes(element, x, motion%modes, determinant)
+      if (.not. determinant > 0.0_wp) return
+      bad = 0
+      motion%h = 0.0_wp
+      motion%hoop = 0.0_wp
+      do k = 1, element%ngauss
+         call gradients(d, m, x, element%dn(:, :, k), motion%g(:d, :m, k), determinant)
+         motion%weight(k) = element%weight(k)*determinant
+         motion%h(:d, :d, k) = matmul(u(:, :m), transpose(motion%g(:d, :m, k)))
+         if (element%axisymmetric) then
+            radius = dot_product(x(1, :m), element%n(:, k))
+            motion%hoop(:m, k) = element%n(:, k)/radius
+            motion%h(3, 3, k) = dot_product(u(1, :m), motion%hoop(:m, k))
+            motion%weight(k) = motion%weight(k)*2.0_wp*pi*radius
+         else if (d == 2) then
+            motion%weight(k) = motion%weight(k)*thickness
+         end if
+      end do
+      motion%centre = 0.0_wp
+      motion%centre(:d, :d) = matmul(u(:, :m), transpose(motion%modes%g(:d, :m)))
+      if (d == 2) motion%centre(3, 3) = dot_product(u(1, :m), motion%modes%hoop(:m))
+      do k = 1, 3
+         motion%centre(k, k) = motion%centre(k, k) + 1.0_wp
+      end do
+   end subroutine move
+
+   !> Amplitudes that make the energy stationary.
+   pure subroutine relax(element, law, motion, memory, dt, alpha, bad)
+      type(element_type), intent(in) :: element
+      type(finite_law_type), intent(in) :: law
+      type(motion_type), intent(in) :: motion
+      real(wp), intent(in) :: memory(:, :), dt
+      real(wp), intent(out) :: alpha(element%nmode)
+      integer, intent(out) :: bad
+      real(wp) :: step(element%nmode, 1), pivot(element%nmode, element%nmode), size_of
+      integer, parameter :: most = 40
+      integer :: sweep, turned
+      logical :: regular
+
+      alpha = 0.0_wp
+      step = 0.0_wp
+      size_of = maxval(abs(motion%h(:, :, :element%ngauss)))
+      do sweep = 1, most
+         call balance(element, law, motion, memory, dt, alpha, step, pivot, turned)
+         bad = turned
+         if (turned > 0) then
+            if (sweep == 1) return
+            step = 0.5_wp*step
+            alpha = alpha + step(:, 1)
+            cycle
+         end if
+         call solve_small(pivot, step, regular)
+         bad = 1
+         if (.not. regular) return
+         alpha = alpha - step(:, 1)
+         bad = 0
+         if (maxval(abs(step)) <= 1.0e-8_wp*maxval(abs(alpha)) + 1.0e-14_wp*size_of) return
+      end do
+      bad = 1
+   end subroutine relax
+
+   !> Forces on the amplitudes and their slopes; `force` is kept where a point is `turned`.
+   pure subroutine balance(element, law, motion, memory, dt, alpha, force, pivot, turned)
+      type(element_type), intent(in) :: element
+      type(finite_law_type), intent(in) :: law
+      type(motion_type), intent(in) :: motion
+      real(wp), intent(in) :: memory(:, :), dt, alpha(:)
+      real(wp), intent(inout) :: force(:, :)
+      real(wp), intent(out) :: pivot(:, :)
+      integer, intent(out) :: turned
+      type(answer_type) :: answer
+      real(wp) :: l(element%nmode, 9), sum_of(element%nmode)
+      integer :: k
+
+      pivot = 0.0_wp
+      sum_of = 0.0_wp
+      do k = 1, element%ngauss
+         turned = k
+         call respond(element, law, motion, k, memory(:, k), dt, alpha, answer)
+         if (answer%bad) return
+         call mode_rows(element, motion, k, answer, l)
+         sum_of = sum_of + matmul(l, listed(element%ndim, answer%s))
+         pivot = pivot + matmul(l, matmul(answer%a, transpose(l)))
+      end do
+      turned = 0
+      force(:, 1) = sum_of
+   end subroutine balance
+
+   !> Deformation, stress and stiffness of a point.
+   pure subroutine respond(element, law, motion, k, memory, dt, alpha, answer)
+      type(element_type), intent(in) :: element
+      type(finite_law_type), intent(in) :: law
+      type(motion_type), intent(in) :: motion
+      integer, intent(in) :: k
+      real(wp), intent(in) :: memory(:), dt, alpha(:)
+      type(answer_type), intent(out) :: answer
+      real(wp) :: stress(element%nstress), tangent(element%nstress, element%nstress)
+      real(wp) :: change(3, 3), own, across, f(3, 3), e(3, 3)
+      integer :: i
+
+      e = summed(element, motion, k, alpha)
+      answer%h = motion%h(:, :, k) + matmul(motion%centre, e)
+      own = volume_change(answer%h)
+      answer%bad = .not. 1.0_wp + own > 0.0_wp
+      if (element%ndim == 2) answer%bad = answer%bad .or. .not. 1.0_wp + answer%h(3, 3) > 0.0_wp
+      if (answer%bad) return
+      f = answer%h
+      do i = 1, 3
+         f(i, i) = f(i, i) + 1.0_wp
+      end do
+      answer%inverse(1, :) = cross(f(:, 2), f(:, 3))
+      answer%inverse(2, :) = cross(f(:, 3), f(:, 1))
+      answer%inverse(3, :) = cross(f(:, 1), f(:, 2))
+      answer%inverse = answer%inverse/(1.0_wp + own)
+      change = answer%h + transpose(answer%h) + matmul(answer%h, transpose(answer%h))
+      if (size(memory) > 0) change = change + pushed_metric(answer%h, memory, element%nstress)
+      if (element%kind == element_kind%plane_stress) then
+         across = thickness_change(law, change, own)
+         change(3, 3) = across*(2.0_wp + across)
+         own = own + across*(1.0_wp + own)
+      end if
+      call finite_response(law, past_of(memory, element%nstress, dt), change, own, own, stress, &
+         & answer%energy, tangent)
+      if (element%kind == element_kind%plane_stress) call condense_thickness(tangent)
+      answer%energy = motion%weight(k)*answer%energy
+      call spread_out(element%ndim, motion%weight(k)*stress, motion%weight(k)*tangent, answer)
+   end subroutine respond
+
+   !> Stress as a tensor, and the quadratic form of tangent and stress on velocity gradients.
+   pure subroutine spread_out(d, stress, tangent, answer)
+      integer, intent(in) :: d
+      real(wp), intent(in) :: stress(:), tangent(:, :)
+      type(answer_type), intent(inout) :: answer
+      integer :: which(9), i, m, n, r
+
+      do r = 1, size(stress)
+         answer%s(row(r), column(r)) = stress(r)
+         answer%s(column(r), row(r)) = stress(r)
+      end do
+      n = merge(9, 5, d == 3)
+      which = [1, 4, 4, 2, 3, 0, 0, 0, 0]
+      if (d == 3) which = [1, 4, 5, 4, 2, 6, 5, 6, 3]
+      answer%a(:n, :n) = tangent(which(:n), which(:n))
+      do m = 1, d
+         do r = 1, d
+            do i = 1, d
+               answer%a(i + d*(m - 1), i + d*(r - 1)) = answer%a(i + d*(m - 1), i + d*(r - 1)) &
+                  & + answer%s(m, r)
+            end do
+         end do
+      end do
+      if (d == 2) answer%a(5, 5) = answer%a(5, 5) + answer%s(3, 3)
+   end subroutine spread_out
+
+   !> Gradient of the amplitudes.
+   pure function summed(element, motion, k, alpha) result(e)
+      type(element_type), intent(in) :: element
+      type(motion_type), intent(in) :: motion
+      integer, intent(in) :: k
+      real(wp), intent(in) :: alpha(:)
+      real(wp) :: e(3, 3)
+      integer :: m
+
+      e = 0.0_wp
+      do m = 1, element%nmode
+         e = e + alpha(m)*motion%modes%e(:, :, m, k)
+      end do
+   end function summed
+
+   !> Entries of a tensor in the order of a velocity gradient.
+   pure function listed(d, s) result(list)
+      integer, intent(in) :: d
+      real(wp), intent(in) :: s(3, 3)
+      real(wp) :: list(9)
+
+      list = 0.0_wp
+      list(:d*d) = reshape(s(:d, :d), [d*d])
+      if (d == 2) list(5) = s(3, 3)
+   end function listed
+
+   !> Velocity gradients of the displacements of the nodes.
+   pure subroutine node_rows(element, motion, k, alpha, answer, l)
+      type(element_type), intent(in) :: element
+      type(motion_type), intent(in) :: motion
+      integer, intent(in) :: k
+      real(wp), intent(in) :: alpha(:)
+      type(answer_type), intent(in) :: answer
+      real(wp), intent(out) :: l(:, :)   !! (ndof, 9)
+      real(wp) :: e(3, 3), slope(3)
+      integer :: a, d, i, j
+
+      d = element%ndim
+      e = summed(element, motion, k, alpha)
+      l = 0.0_wp
+      do a = 1, element%nnode
+         slope(:d) = motion%g(:d, a, k) + matmul(motion%modes%g(:d, a), e(:d, :d))
+         slope(:d) = matmul(slope(:d), answer%inverse(:d, :d))
+         do j = 1, d
+            do i = 1, d
+               l(d*(a - 1) + i, i + d*(j - 1)) = slope(j)
+            end do
+         end do
+         if (d == 2) l(2*a - 1, 5) = (motion%hoop(a, k) + e(3, 3)*motion%modes%hoop(a)) &
+            & *answer%inverse(3, 3)
+      end do
+   end subroutine node_rows
+
+   !> Velocity gradients of the amplitudes.
+   pure subroutine mode_rows(element, motion, k, answer, l)
+      type(element_type), intent(in) :: element
+      type(motion_type), intent(in) :: motion
+      integer, intent(in) :: k
+      type(answer_type), intent(in) :: answer
+      real(wp), intent(out) :: l(:, :)   !! (nmode, 9)
+      integer :: m
+
+      do m = 1, element%nmode
+         l(m, :) = listed(element%ndim, matmul(motion%centre, &
+            & matmul(motion%modes%e(:, :, m, k), answer%inverse)))
+      end do
+   end subroutine mode_rows
+
+   !> Stress times the gradient that an amplitude makes of a displacement of the centre.
+   pure subroutine add_swap(element, motion, k, answer, block)
+      type(element_type), intent(in) :: element
+      type(motion_type), intent(in) :: motion
+      integer, intent(in) :: k
+      type(answer_type), intent(in) :: answer
+      real(wp), intent(inout) :: block(:, :)   !! (ndof, nmode)
+      real(wp) :: p(3, 3), half(3, 3)
+      integer :: a, d, m
+
+      d = element%ndim
+      p = matmul(answer%s, transpose(answer%inverse))
+      do m = 1, element%nmode
+         half = matmul(p, transpose(motion%modes%e(:, :, m, k)))
+         do a = 1, element%nnode
+            block(d*(a - 1) + 1:d*a, m) = block(d*(a - 1) + 1:d*a, m) &
+               & + matmul(half(:d, :d), motion%modes%g(:d, a))
+            if (d == 2) block(2*a - 1, m) = block(2*a - 1, m) &
+               & + half(3, 3)*motion%modes%hoop(a)
+         end do
+      end do
+   end subroutine add_swap
+end module lopin_solid_enhanced
