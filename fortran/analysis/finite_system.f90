@@ -259,7 +259,8 @@ contains
       if (same) same = size(before%row) == size(self%matrix%row)
       if (same) same = before%n == self%matrix%n
       if (same) same = all(before%row == self%matrix%row) &
-         & .and. all(before%colptr == self%matrix%colptr)
+         & .and. all(before%colptr == self%matrix%colptr) &
+         & .and. .not. self%solver%orders_by_values()
       call clock%stop_in(phase%assemble)
       if (.not. same) then
          if (.not. allocated(self%solver)) then

@@ -214,7 +214,8 @@ contains
       matrix = self%k
       call stiffen(self, matrix, stiffness)
       if (size(set) == 0) then
-         if (.not. self%analysed) call self%definite%analyse(matrix, &
+         if (.not. self%analysed .or. self%definite%orders_by_values()) &
+            & call self%definite%analyse(matrix, &
             & matrix_class%positive_definite, [integer ::], error)
          self%analysed = .not. allocated(error)
          call self%clock%stop_in(phase%analyse)

@@ -41,6 +41,7 @@ contains
       logical :: threaded
 
       call retained_equations(scene, model, retained)
+      if (allocated(scene%kept_last)) call move_alloc(scene%kept_last, retained)
       if (model%mesh%ndim == 3 .and. scene%constraints%neq >= worth_threads) &
          & threaded = set_blas_threads(model%blas_threads)
       call new_linear_system(scene%system, scene%k, scene%constraints, scene%bodies%support, &

@@ -5,6 +5,7 @@
 !> returns an error which ends the run with the files complete up to the last increment.
 module lopin_recorder
    use lopin_error, only : error_type
+   use lopin_stream, only : stream_type
    use lopin_model, only : model_type
    use lopin_state, only : frame_type, summary_type
    implicit none
@@ -17,11 +18,13 @@ module lopin_recorder
    end type wants_type
 
    type, abstract :: recorder_type
+      logical :: resumes = .false.   !! `begin` leaves files as they are; `keep` cuts them
    contains
       procedure(begin_if), deferred :: begin
       procedure(increment_if), deferred :: increment
       procedure(finish_if), deferred :: finish
       procedure :: line => no_line
+      procedure :: keep => keep_nothing
       procedure :: wants => wants_nothing
    end type recorder_type
 
@@ -65,6 +68,16 @@ contains
       associate (unused => self, also => text)
       end associate
    end subroutine no_line
+
+   !> What it carries from increment to increment, to a stream; or back, after `begin`: files are
+   !> cut to what they were then.
+   subroutine keep_nothing(self, stream, error)
+      class(recorder_type), intent(inout) :: self
+      type(stream_type), intent(inout) :: stream
+      type(error_type), allocatable, intent(out) :: error
+      associate (unused => self, also => stream, none => error)
+      end associate
+   end subroutine keep_nothing
 
    !> What this recorder reads in the increment to come.
    function wants_nothing(self, model, frame) result(wants)

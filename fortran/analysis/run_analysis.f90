@@ -1,15 +1,17 @@
 !> The only loop a reader must understand: steps, increments, solve, certify, accept, record.
 module lopin_run_analysis
    use lopin_kinds, only : wp
-   use lopin_error, only : error_type, error_code, raise, log_type
+   use lopin_error, only : error_type, error_code, raise, log_type, severity
+   use lopin_interrupt, only : is_interrupted
+   use lopin_stream, only : stream_type
    use lopin_text, only : to_text
-   use lopin_clock, only : clock_type
+   use lopin_clock, only : clock_type, phase
    use lopin_memory, only : peak_memory
    use lopin_model, only : model_type, step_type
    use lopin_state, only : frame_type, summary_type
    use lopin_recorder, only : recorder_holder_type
    use lopin_follower_loading, only : new_followers
-   use lopin_loading, only : loading_type, new_loading, add_ended_loads
+   use lopin_loading, only : new_loading, add_ended_loads
    use lopin_plan, only : plan_type, new_plan, path_of
    use lopin_scene, only : scene_type, new_scene, set_supports
    use lopin_bodies, only : describe_motion
@@ -18,6 +20,8 @@ module lopin_run_analysis
    use lopin_after_step, only : judge_step
    use lopin_judge_yield, only : judge_yield
    use lopin_increment, only : progress_type, solve_increment, reject, prepare, say
+   use lopin_keeper, only : keeper_type
+   use lopin_checkpoint, only : march_type, keep_run
    implicit none
    private
    public :: run_analysis
@@ -29,14 +33,16 @@ module lopin_run_analysis
 
 contains
 
-   !> Run all steps. `log` gets the warnings of the run; `error` what ended it.
-   subroutine run_analysis(model, recorders, clock, summary, log, error)
+   !> Run all steps. `log` gets the warnings of the run; `error` what ended it. With a keeper the
+   !> state is kept after increments, and a run that was broken off goes on from it.
+   subroutine run_analysis(model, recorders, clock, summary, log, error, keeper)
       type(model_type), intent(in) :: model
       type(recorder_holder_type), intent(inout) :: recorders(:)
       type(clock_type), intent(in) :: clock              !! with the time spent so far
       type(summary_type), intent(out) :: summary
       type(log_type), intent(inout) :: log
       type(error_type), allocatable, intent(out) :: error
+      class(keeper_type), intent(inout), optional :: keeper
       type(scene_type) :: scene
       type(plan_type) :: plan
       type(error_type), allocatable :: trouble
@@ -50,10 +56,11 @@ contains
       summary%solver = ''
       summary%checksum = ''
       allocate (summary%step(size(model%step)))
-      call begin_all(recorders, model, error)
+      call begin_all(recorders, model, error, keeper)
       if (.not. allocated(error)) call new_plan(plan, model, error)
       if (.not. allocated(error)) call new_scene(scene, model, error)
-      if (.not. allocated(error)) call run_steps(scene, model, plan, recorders, summary, error)
+      if (.not. allocated(error)) call run_steps(scene, model, plan, recorders, summary, log, &
+         & error, keeper)
       do i = 1, scene%log%n
          associate (d => scene%log%item(i))
             call log%say(d%severity, d%id, d%message, d%at, d%label, d%note, d%help)
@@ -62,6 +69,7 @@ contains
       if (allocated(error)) then
          summary%status = 'failed'
          if (error%code == error_code%not_converged) summary%status = 'not converged'
+         if (error%code == error_code%interrupted) summary%status = 'interrupted'
          summary%exit_code = error%code
       end if
       summary%clock = scene%clock
@@ -71,37 +79,62 @@ contains
          call recorders(i)%recorder%finish(model, summary, error, trouble)
          if (allocated(trouble) .and. .not. allocated(error)) call move_alloc(trouble, error)
       end do
+      if (present(keeper) .and. .not. allocated(error)) call keeper%forget()
    end subroutine run_analysis
 
-   subroutine begin_all(recorders, model, error)
+   subroutine begin_all(recorders, model, error, keeper)
       type(recorder_holder_type), intent(inout) :: recorders(:)
       type(model_type), intent(in) :: model
       type(error_type), allocatable, intent(out) :: error
+      class(keeper_type), intent(inout), optional :: keeper
+      logical :: resumes
       integer :: i
 
+      resumes = .false.
+      if (present(keeper)) then
+         resumes = allocated(keeper%found)
+         if (.not. resumes) call keeper%forget()
+      end if
       do i = 1, size(recorders)
+         recorders(i)%recorder%resumes = resumes
          call recorders(i)%recorder%begin(model, error)
          if (allocated(error)) return
       end do
    end subroutine begin_all
 
-   subroutine run_steps(scene, model, plan, recorders, summary, error)
+   subroutine run_steps(scene, model, plan, recorders, summary, log, error, keeper)
       type(scene_type), intent(inout) :: scene
       type(model_type), intent(in) :: model
       type(plan_type), intent(inout) :: plan
       type(recorder_holder_type), intent(inout) :: recorders(:)
       type(summary_type), intent(inout) :: summary
+      type(log_type), intent(inout) :: log
       type(error_type), allocatable, intent(out) :: error
+      class(keeper_type), intent(inout), optional :: keeper
       type(progress_type) :: progress
-      integer :: step
-      logical :: same
+      type(march_type) :: march
+      integer :: step, first
+      logical :: same, resumes
 
       allocate (progress%steady(scene%dofs%n), progress%f(scene%dofs%n), &
          & progress%residual(scene%dofs%n), &
          & progress%f_before(scene%dofs%n), progress%u_before(scene%dofs%n), &
          & progress%r_before(scene%dofs%n), &
          & source=0.0_wp)
-      do step = 1, size(model%step)
+      first = 1
+      resumes = .false.
+      if (present(keeper)) resumes = allocated(keeper%found)
+      if (resumes) then
+         call go_back(keeper%found, model, scene, plan, progress, march, recorders, summary, error)
+         if (allocated(error)) return
+         call log%say(severity%note, 'N0604', 'goes on after increment '// &
+            & to_text(march%number)//' of step '//to_text(scene%step))
+         first = scene%step + 1
+         call run_step(scene, model, plan, progress, march, recorders, summary, error, keeper)
+         summary%step(scene%step)%counter = scene%counter
+         if (allocated(error)) return
+      end if
+      do step = first, size(model%step)
          scene%counter%factorisations = 0
          scene%counter%back_solves = 0
          scene%counter%iterations = 0
@@ -114,11 +147,94 @@ contains
             call prepare(scene, model, plan, recorders, summary, error)
             if (allocated(error)) return
          end if
-         call run_step(scene, model, plan, progress, recorders, summary, error)
+         call start_march(march, scene, model, progress)
+         call run_step(scene, model, plan, progress, march, recorders, summary, error, keeper)
          summary%step(step)%counter = scene%counter
          if (allocated(error)) return
       end do
    end subroutine run_steps
+
+   !> To the state that an earlier run kept; its files are cut to what they were then.
+   subroutine go_back(stream, model, scene, plan, progress, march, recorders, summary, error)
+      type(stream_type), intent(inout) :: stream
+      type(model_type), intent(in) :: model
+      type(scene_type), intent(inout) :: scene
+      type(plan_type), intent(inout) :: plan
+      type(progress_type), intent(inout) :: progress
+      type(march_type), intent(inout) :: march
+      type(recorder_holder_type), intent(inout) :: recorders(:)
+      type(summary_type), intent(inout) :: summary
+      type(error_type), allocatable, intent(out) :: error
+
+      stream%reading = .true.
+      call keep_run(stream, model, scene, plan, progress, march, summary, error)
+      if (.not. allocated(error)) call keep_recorders(recorders, stream, error)
+      if (allocated(error)) return
+      if (stream%broken .or. .not. stream%ended()) call raise(error, error_code%resource, &
+         & 'E0604', 'the checkpoint does not hold what this build of Lopin keeps', &
+         & help='run the deck without --resume')
+   end subroutine go_back
+
+   subroutine keep_recorders(recorders, stream, error)
+      type(recorder_holder_type), intent(inout) :: recorders(:)
+      type(stream_type), intent(inout) :: stream
+      type(error_type), allocatable, intent(out) :: error
+      integer :: i
+
+      do i = 1, size(recorders)
+         call recorders(i)%recorder%keep(stream, error)
+         if (allocated(error)) return
+      end do
+   end subroutine keep_recorders
+
+   !> Keep the state if it is due, or if the run is to end here; then that is the error.
+   subroutine keep_state(scene, model, plan, progress, march, recorders, summary, error, keeper)
+      type(scene_type), intent(inout) :: scene
+      type(model_type), intent(in) :: model
+      type(plan_type), intent(inout) :: plan
+      type(progress_type), intent(inout) :: progress
+      type(march_type), intent(inout) :: march
+      type(recorder_holder_type), intent(inout) :: recorders(:)
+      type(summary_type), intent(inout) :: summary
+      type(error_type), allocatable, intent(out) :: error
+      class(keeper_type), intent(inout), optional :: keeper
+      type(stream_type) :: stream
+      logical :: ends, due
+
+      if (.not. present(keeper)) return
+      if (march%at_end .and. scene%step == size(model%step)) return
+      ends = is_interrupted()
+      associate (every => model%step(scene%step)%checkpoint)
+         due = every > 0
+         if (due) due = march%at_end .or. mod(march%number, every) == 0
+      end associate
+      if (.not. (due .or. ends)) return
+      call keep_run(stream, model, scene, plan, progress, march, summary, error)
+      if (.not. allocated(error)) call keep_recorders(recorders, stream, error)
+      if (.not. allocated(error)) call keeper%save(stream, error)
+      call scene%clock%stop_in(phase%output)
+      if (allocated(error) .or. .not. ends) return
+      call raise(error, error_code%interrupted, 'E0605', 'interrupted after increment '// &
+         & to_text(march%number)//' of step '//to_text(scene%step)//', which is kept', &
+         & help='the same command with --resume goes on from there')
+   end subroutine keep_state
+
+   !> From rest to the step in force.
+   subroutine start_march(march, scene, model, progress)
+      type(march_type), intent(out) :: march
+      type(scene_type), intent(inout) :: scene
+      type(model_type), intent(in) :: model
+      type(progress_type), intent(in) :: progress
+
+      associate (step => model%step(scene%step))
+         call new_loading(march%loading, model, scene%dofs, scene%constraints, scene%solids, &
+            & step, progress%time, progress%steady, scene%accepted)
+         march%increment = min(step%initial, step%period)
+         call start_step(scene, model)
+         if (step%nlgeom) call new_followers(scene%finite%follower, step, progress%time, &
+            & scene%dofs%n)
+      end associate
+   end subroutine start_march
 
    !> Without contact nothing may float.
    subroutine check_supports(scene, model, error)
@@ -136,51 +252,44 @@ contains
          & help='fix degrees of freedom by *BOUNDARY, or add the contact that holds the body')
    end subroutine check_supports
 
-   subroutine run_step(scene, model, plan, progress, recorders, summary, error)
+   !> The increments of a step that are still to be done.
+   subroutine run_step(scene, model, plan, progress, march, recorders, summary, error, keeper)
       type(scene_type), intent(inout) :: scene
       type(model_type), intent(in) :: model
       type(plan_type), intent(inout) :: plan
       type(progress_type), intent(inout) :: progress
+      type(march_type), intent(inout) :: march
       type(recorder_holder_type), intent(inout) :: recorders(:)
       type(summary_type), intent(inout) :: summary
       type(error_type), allocatable, intent(out) :: error
-      type(loading_type) :: loading
+      class(keeper_type), intent(inout), optional :: keeper
       type(frame_type) :: frame
-      real(wp) :: time, increment
       integer :: number
 
-      frame%last_of_step = .false.
       associate (step => model%step(scene%step))
-         call new_loading(loading, model, scene%dofs, scene%constraints, scene%solids, step, &
-            & progress%time, &
-            & progress%steady, scene%accepted)
-         time = 0.0_wp
-         increment = min(step%initial, step%period)
-         call start_step(scene, model)
-         if (step%nlgeom) call new_followers(scene%finite%follower, step, progress%time, &
-            & scene%dofs%n)
-         do number = 1, step%max_increments
+         do number = march%number + 1, step%max_increments
+            if (march%at_end) exit
             frame%increment = number
-            call advance(scene, model, plan, loading, progress, recorders, summary, time, &
-               & increment, frame, error)
+            call advance(scene, model, plan, march, progress, recorders, summary, frame, error)
             if (allocated(error)) return
             call judge_yield(scene, model, frame%u)
             summary%step(scene%step)%increments = number
-            if (frame%last_of_step) exit
-            if (.not. step%direct .and. (plan%path /= path_of%finite &
-               & .or. frame%iterations <= few_iterations)) increment = growth*increment
-            if (step%largest > 0.0_wp) increment = min(increment, step%largest)
+            march%number = number
+            march%at_end = frame%last_of_step
+            if (.not. march%at_end) call grow(march%increment, step, plan, frame%iterations)
+            call keep_state(scene, model, plan, progress, march, recorders, summary, error, keeper)
+            if (allocated(error)) return
          end do
-         if (.not. frame%last_of_step) then
+         if (.not. march%at_end) then
             call raise(error, error_code%not_converged, 'E0503', 'step '//to_text(scene%step)// &
                & ' reached time '// &
-               & to_text(time)//' of '//to_text(step%period)//' in the '// &
+               & to_text(march%time)//' of '//to_text(step%period)//' in the '// &
                & to_text(step%max_increments)// &
                & ' increments that INC= allows', step%at, &
                & help='raise INC= on *STEP, or the increments on *STATIC')
          end if
-         progress%time = progress%time + time
-         if (scene%step < size(model%step)) call add_ended_loads(loading, model, scene%dofs, &
+         progress%time = progress%time + march%time
+         if (scene%step < size(model%step)) call add_ended_loads(march%loading, model, scene%dofs, &
             & scene%constraints, &
             & scene%solids, step, model%step(scene%step + 1), progress%steady)
          call judge_step(scene, model, progress%seen)
@@ -188,21 +297,20 @@ contains
    end subroutine run_step
 
    !> One increment from `time`: tried, cut and tried again until it is accepted or cannot be cut.
-   subroutine advance(scene, model, plan, loading, progress, recorders, summary, time, increment, &
-      & frame, error)
+   subroutine advance(scene, model, plan, march, progress, recorders, summary, frame, error)
       type(scene_type), intent(inout) :: scene
       type(model_type), intent(in) :: model
       type(plan_type), intent(inout) :: plan
-      type(loading_type), intent(in) :: loading
+      type(march_type), intent(inout) :: march
       type(progress_type), intent(inout) :: progress
       type(recorder_holder_type), intent(inout) :: recorders(:)
       type(summary_type), intent(inout) :: summary
-      real(wp), intent(inout) :: time, increment
       type(frame_type), intent(inout) :: frame
       type(error_type), allocatable, intent(out) :: error
       real(wp) :: target_time
 
-      associate (step => model%step(scene%step))
+      associate (step => model%step(scene%step), time => march%time, &
+         & increment => march%increment)
          frame%attempt = 1
          do
             target_time = time + increment
@@ -214,8 +322,8 @@ contains
             frame%time_increment = increment
             frame%last_of_step = .not. target_time < step%period
             scene%finite%dt = increment
-            call solve_increment(scene, model, plan, loading, progress, recorders, summary, frame, &
-               & error)
+            call solve_increment(scene, model, plan, march%loading, progress, recorders, &
+               & summary, frame, error)
             if (.not. allocated(error)) exit
             if (frame%certificate%verdict == 2) return
             if (.not. may_cut(plan, scene, step, increment, error)) return
@@ -230,6 +338,18 @@ contains
          time = target_time
       end associate
    end subroutine advance
+
+   !> The next increment after one that took so many iterations.
+   subroutine grow(increment, step, plan, iterations)
+      real(wp), intent(inout) :: increment
+      type(step_type), intent(in) :: step
+      type(plan_type), intent(in) :: plan
+      integer, intent(in) :: iterations
+
+      if (.not. step%direct .and. (plan%path /= path_of%finite &
+         & .or. iterations <= few_iterations)) increment = growth*increment
+      if (step%largest > 0.0_wp) increment = min(increment, step%largest)
+   end subroutine grow
 
    !> What did not converge may do so in smaller increments, where the path depends on them.
    logical function may_cut(plan, scene, step, increment, error)

@@ -38,6 +38,7 @@ module lopin_scene
       type(linear_system_type) :: system
       type(full_system_type) :: full               !! in the place of `system` on the path newton
       logical :: fresh_factor = .true.
+      integer, allocatable :: kept_last(:)         !! equations, of a factor to be made again
       type(finite_state_type) :: finite            !! of the finite path; else unused
       ! of an increment
       type(contact_rows_type) :: rows

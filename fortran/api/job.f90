@@ -8,6 +8,8 @@ module lopin_job
    use lopin_model, only : model_type
    use lopin_recorder, only : recorder_holder_type
    use lopin_recorder_factory, only : new_recorders, append_memory
+   use lopin_checkpoint_file, only : checkpoint_file_type, new_checkpoint_file
+   use lopin_checksum, only : checksum_type
    use lopin_run_analysis, only : run_analysis
    use lopin_blas_threads, only : set_blas_threads, blas_threads
    use lopin_state, only : summary_type
@@ -26,6 +28,7 @@ module lopin_job
       logical :: deterministic = .false.        !! the same bits for any number of threads
       logical :: strict = .false.               !! warnings are errors
       logical :: in_memory = .false.            !! the last recorder keeps everything
+      logical :: resume = .false.               !! go on from the checkpoint, if there is one
    end type job_type
 
    type :: outcome_type
@@ -62,12 +65,20 @@ contains
       type(model_type), intent(in) :: model
       type(outcome_type), intent(inout) :: outcome
       type(error_type), allocatable, intent(out) :: error
+      type(checkpoint_file_type), allocatable :: checkpoint
       integer :: before, team
       logical :: done
 
       call outcome%clock%stop_in(phase%model)
       outcome%summary%plan = ''
       if (len(self%folder) > 0) then
+         allocate (checkpoint)
+         call new_checkpoint_file(checkpoint, self%folder//'/'//self%stem//'.rst', &
+            & fingerprint_of(deck, model), self%resume, error)
+         if (allocated(error)) return
+         if (self%resume .and. .not. allocated(checkpoint%found)) call outcome%log%say( &
+            & severity%note, 'N0604', 'there is no checkpoint in '//self%folder//': the run '// &
+            & 'starts from its beginning')
          call new_recorders(outcome%recorder, model, self%folder, self%stem, error, names_of(deck))
          if (allocated(error)) return
       end if
@@ -75,12 +86,29 @@ contains
       before = blas_threads()
       team = omp_get_max_threads()
       call set_threads(self, model)
-      call run_analysis(model, outcome%recorder, outcome%clock, outcome%summary, outcome%log, error)
+      ! What is not allocated is absent.
+      call run_analysis(model, outcome%recorder, outcome%clock, outcome%summary, outcome%log, &
+         & error, checkpoint)
       ! The process may go on with other work.
       call omp_set_num_threads(team)
       done = before == 0
       if (.not. done) done = set_blas_threads(before)
    end subroutine run_job
+
+   !> Of all that decides what a run computes: the deck with the files that it includes, STL files,
+   !> the solver.
+   function fingerprint_of(deck, model) result(sum)
+      type(deck_type), intent(in) :: deck
+      type(model_type), intent(in) :: model
+      type(checksum_type) :: sum
+      integer :: i
+
+      sum = model%outside
+      do i = 1, size(deck%source)
+         call sum%add_text(deck%source(i)%text)
+      end do
+      call sum%add_text(model%solver)
+   end function fingerprint_of
 
    !> With `strict`, a warning ends the run.
    subroutine refuse_warnings(log, error)

@@ -13,6 +13,7 @@ module lopin_command_line
       character(len=:), allocatable :: solver      !! '' : as the deck says
       integer :: threads = 0                       !! 0: as the environment says
       integer :: verbosity = 1                     !! 0 quiet, 1 normal, 2 every iteration
+      logical :: resume = .false.                  !! go on from a checkpoint
       logical :: overwrite = .false.
       logical :: deterministic = .false.           !! the same bits for any number of threads
       logical :: json = .false.                    !! one object on stdout at the end
@@ -26,9 +27,9 @@ module lopin_command_line
       & 'selftest', 'help', 'version']
    character(len=*), parameter :: python_words(5) = [character(len=7) :: 'plot', 'chart', &
       & 'atlas', 'convert', 'example']
-   character(len=*), parameter :: option_words(15) = [character(len=15) :: '--output', &
+   character(len=*), parameter :: option_words(16) = [character(len=15) :: '--output', &
       & '--threads', '--solver', &
-      & '--overwrite', '--deterministic', '--json', '--quiet', '--verbose', '--no-color', &
+      & '--resume', '--overwrite', '--deterministic', '--json', '--quiet', '--verbose', '--no-color', &
       & '--strict', '--all', &
       & '--help', '--version', '-o', '-v']
 
@@ -98,6 +99,8 @@ contains
          call parse_integer(value, options%threads, ok)
          if (.not. ok .or. options%threads < 1) call raise(error, error_code%usage, 'E0801', &
             & '--threads needs a number from 1, not '//quoted(value))
+      case ('--resume')
+         options%resume = .true.
       case ('--overwrite')
          options%overwrite = .true.
       case ('--deterministic')
@@ -185,6 +188,7 @@ contains
          & '-o, --output FOLDER   where results go'//nl// &
          & '--threads N           number of threads'//nl// &
          & '--solver WORD         auto, cholmod, umfpack, skyline, dense'//nl// &
+         & '--resume              go on from the checkpoint of a run that was broken off'//nl// &
          & '--overwrite           replace the unfinished run of another deck'//nl// &
          & '--deterministic       the same bits for any number of threads'//nl// &
          & '--strict              warnings are errors'//nl// &

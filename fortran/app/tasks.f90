@@ -8,6 +8,7 @@ module lopin_tasks
    use lopin_solver_factory, only : solver_names
    use lopin_deck, only : deck_type, read_deck
    use lopin_error, only : error_type, error_code, log_type, raise
+   use lopin_interrupt, only : catch_interrupts
    use lopin_job, only : job_type, outcome_type, open_job, run_job, stem_of
    use lopin_explain, only : explain, explained_codes
    use lopin_keywords, only : keyword_sheet, keyword_manual
@@ -35,6 +36,7 @@ contains
       call outcome%clock%start()
       call new_job(job, options)
       call open_model(job, options, terminal, model)
+      call catch_interrupts()
       call run_job(job, terminal%deck, model, outcome, error)
       if (len(outcome%summary%plan) > 0) call terminal%say(outcome%summary%plan)
       call terminal%show_log(outcome%log)
@@ -71,6 +73,7 @@ contains
       job%solver = options%solver
       job%threads = options%threads
       job%deterministic = options%deterministic
+      job%resume = options%resume
    end subroutine new_job
 
    !> lopin check deck.inp: everything but the solution.

@@ -82,6 +82,7 @@ module lopin_finite_contact
       logical, allocatable :: loose(:)         !! of a tied pair, but too far to be tied
       logical, allocatable :: yields(:)        !! of self-contact: only pressed upon
       integer, allocatable :: pressing(:)      !! (nnode) pair of self-contact whose node presses
+      real(wp), allocatable :: tied_at(:, :)   !! (ndim, nnode) places where mortar ties were made
    end type finite_contact_type
 
 contains
@@ -154,6 +155,8 @@ contains
       call move_masters(self%masters, model, self%dofs, self%finite_points_type, u, .true., &
          & self%cost, error)
       if (allocated(error)) return
+      if (any(self%mortar%tied) .and. .not. allocated(self%tied_at)) &
+         & self%tied_at = self%masters%x
       call find_present(self, .true., error)
       if (allocated(error)) return
       do i = 1, self%n

@@ -20,7 +20,7 @@ module lopin_finite_opposite
    use lopin_finite_points, only : finite_points_type, is_self_contact, stays_mortar
    implicit none
    private
-   public :: masters_type, opposite_type, anchor_type
+   public :: masters_type, master_type, opposite_type, anchor_type
    public :: new_masters, move_masters, find_opposite, anchor_of
 
    !> Slave and master must face each other better than this.

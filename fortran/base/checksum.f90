@@ -2,8 +2,9 @@
 !>
 !> FNV-1a with 64 bits over the bytes of the numbers, least significant byte first.
 module lopin_checksum
-   use, intrinsic :: iso_fortran_env, only : int64
+   use, intrinsic :: iso_fortran_env, only : int8, int64
    use lopin_kinds, only : wp
+   use lopin_stream, only : stream_type
    implicit none
    private
    public :: checksum_type
@@ -15,7 +16,10 @@ module lopin_checksum
       integer(int64), private :: high = int(z'cbf29ce4', int64), low = int(z'84222325', int64)
    contains
       procedure :: add
+      procedure :: add_bytes
+      procedure :: add_text
       procedure :: text
+      procedure :: keep
    end type checksum_type
 
 contains
@@ -24,22 +28,61 @@ contains
    pure subroutine add(self, values)
       class(checksum_type), intent(inout) :: self
       real(wp), intent(in) :: values(:, :)
-      integer(int64) :: bits, product
+      integer(int64) :: bits
       integer :: i, j, k
 
       do j = 1, size(values, 2)
          do i = 1, size(values, 1)
             bits = transfer(values(i, j), bits)
             do k = 0, 56, 8
-               self%low = ieor(self%low, ibits(bits, k, 8))
-               ! The prime is 2**40 + 435.
-               product = 435*self%low
-               self%high = modulo(435*self%high + 256*self%low + product/half, half)
-               self%low = modulo(product, half)
+               call add_byte(self, ibits(bits, k, 8))
             end do
          end do
       end do
    end subroutine add
+
+   !> Go on with more bytes, each a number from 0 to 255 whatever its sign.
+   pure subroutine add_bytes(self, bytes)
+      class(checksum_type), intent(inout) :: self
+      integer(int8), intent(in) :: bytes(:)
+      integer(int64) :: i
+
+      do i = 1, size(bytes, kind=int64)
+         call add_byte(self, ibits(int(bytes(i), int64), 0, 8))
+      end do
+   end subroutine add_bytes
+
+   !> Go on with the bytes of a text.
+   pure subroutine add_text(self, text)
+      class(checksum_type), intent(inout) :: self
+      character(len=*), intent(in) :: text
+      integer :: i
+
+      do i = 1, len(text)
+         call add_byte(self, int(ichar(text(i:i)), int64))
+      end do
+   end subroutine add_text
+
+   pure subroutine add_byte(self, byte)
+      class(checksum_type), intent(inout) :: self
+      integer(int64), intent(in) :: byte       !! 0 to 255
+      integer(int64) :: product
+
+      self%low = ieor(self%low, byte)
+      ! The prime is 2**40 + 435.
+      product = 435*self%low
+      self%high = modulo(435*self%high + 256*self%low + product/half, half)
+      self%low = modulo(product, half)
+   end subroutine add_byte
+
+   !> The fingerprint so far, to a stream or back.
+   subroutine keep(self, stream)
+      class(checksum_type), intent(inout) :: self
+      type(stream_type), intent(inout) :: stream
+
+      call stream%pass(self%high)
+      call stream%pass(self%low)
+   end subroutine keep
 
    !> Sixteen hexadecimal digits.
    pure function text(self)

@@ -1,9 +1,10 @@
 !> Wall-clock timers by phase and counters of the expensive operations.
 module lopin_clock
    use lopin_kinds, only : wp, lk
+   use lopin_stream, only : stream_type
    implicit none
    private
-   public :: clock_type, counter_type, phase_names, nphase, phase
+   public :: clock_type, counter_type, phase_names, nphase, phase, keep_counter
 
    integer, parameter :: nphase = 9
 
@@ -38,6 +39,20 @@ module lopin_clock
    end type clock_type
 
 contains
+
+   !> Counts to a stream or back.
+   subroutine keep_counter(self, stream)
+      type(counter_type), intent(inout) :: self
+      type(stream_type), intent(inout) :: stream
+
+      call stream%pass(self%factorisations)
+      call stream%pass(self%back_solves)
+      call stream%pass(self%iterations)
+      call stream%pass(self%augmentations)
+      call stream%pass(self%queries)
+      call stream%pass(self%projections)
+      call stream%pass(self%boxes)
+   end subroutine keep_counter
 
    subroutine start(self)
       class(clock_type), intent(inout) :: self

@@ -4,10 +4,11 @@
 !> `type(error_type), allocatable, intent(out) :: error`; unallocated means success.
 !> Warnings and notes that must reach the user travel in a `log_type`.
 module lopin_error
+   use lopin_stream, only : stream_type
    implicit none
    private
    public :: location_type, diagnostic_type, error_type, log_type
-   public :: error_code, severity, raise, raise_all, nowhere
+   public :: error_code, severity, raise, raise_all, nowhere, keep_log
 
    !> A span of one line of one file of the deck; `file = 0` means "nowhere in the deck".
    type :: location_type
@@ -118,6 +119,36 @@ contains
       self%n = self%n + 1
       call fill(self%item(self%n), level, id, message, at, label, note, help)
    end subroutine say
+
+   !> What was said, to a stream or back.
+   subroutine keep_log(self, stream)
+      type(log_type), intent(inout) :: self
+      type(stream_type), intent(inout) :: stream
+      integer :: i, n
+
+      n = self%n
+      call stream%pass(n)
+      if (stream%broken) return
+      if (stream%reading) then
+         if (allocated(self%item)) deallocate (self%item)
+         allocate (self%item(max(16, n)))
+         self%n = n
+      end if
+      do i = 1, n
+         associate (d => self%item(i))
+            call stream%pass(d%severity)
+            call stream%pass(d%id)
+            call stream%pass(d%message)
+            call stream%pass(d%at%file)
+            call stream%pass(d%at%line)
+            call stream%pass(d%at%first)
+            call stream%pass(d%at%last)
+            call stream%pass(d%label)
+            call stream%pass(d%note)
+            call stream%pass(d%help)
+         end associate
+      end do
+   end subroutine keep_log
 
    pure integer function count_of(self, level)
       class(log_type), intent(in) :: self

@@ -4,9 +4,11 @@
 !> what is accepted: an increment that is given up leaves nothing behind.
 module lopin_friction_state
    use lopin_kinds, only : wp
+   use lopin_stream, only : stream_type
    implicit none
    private
-   public :: friction_state_type, history_type, new_friction_state, commit, roll_back
+   public :: friction_state_type, history_type, new_friction_state, commit, roll_back, &
+      & keep_friction
 
    type :: history_type
       real(wp), allocatable :: traction(:, :)   !! (3, npoint) tangential force on the slave [force]
@@ -52,6 +54,39 @@ contains
       type(friction_state_type), intent(inout) :: self
       self%accepted = self%trial
    end subroutine commit
+
+   !> All of it, to a stream or back.
+   subroutine keep_friction(self, stream)
+      type(friction_state_type), intent(inout) :: self
+      type(stream_type), intent(inout) :: stream
+
+      call keep_history(self%accepted, stream)
+      call keep_history(self%trial, stream)
+      call stream%pass(self%slid)
+      call stream%pass(self%mises)
+      call stream%pass(self%speed)
+      call stream%pass(self%cone_excess)
+      call stream%pass(self%misfit)
+      call stream%pass(self%stored)
+      call stream%pass(self%least_work)
+   end subroutine keep_friction
+
+   subroutine keep_history(self, stream)
+      type(history_type), intent(inout) :: self
+      type(stream_type), intent(inout) :: stream
+
+      call stream%pass(self%traction)
+      call stream%pass(self%elastic)
+      call stream%pass(self%anchor)
+      call stream%pass(self%slip)
+      call stream%pass(self%path)
+      call stream%pass(self%work)
+      call stream%pass(self%speed)
+      call stream%pass(self%status)
+      call stream%pass(self%force)
+      call stream%pass(self%gap)
+      call stream%pass(self%q)
+   end subroutine keep_history
 
    !> The increment is given up.
    subroutine roll_back(self)

@@ -2,9 +2,10 @@
 !>
 !> Logs grow by whole lines, flushed after each call, so that a killed run leaves no torn line.
 module lopin_atomic_file
-   use, intrinsic :: iso_c_binding, only : c_char, c_int, c_null_char
-   use, intrinsic :: iso_fortran_env, only : int8
+   use, intrinsic :: iso_c_binding, only : c_char, c_int, c_long_long, c_null_char
+   use, intrinsic :: iso_fortran_env, only : int8, int64
    use lopin_error, only : error_type, error_code, raise
+   use lopin_stream, only : stream_type
    implicit none
    private
    public :: write_atomically, make_folder, remove_file, file_exists, read_text, log_file_type
@@ -18,8 +19,10 @@ module lopin_atomic_file
       character(len=:), allocatable :: path
       integer :: unit = 0
       logical :: is_open = .false.
+      integer(int64), private :: length = 0    !! bytes written
    contains
       procedure :: open => open_log
+      procedure :: keep => keep_log
       procedure :: append
       procedure :: close => close_log
    end type log_file_type
@@ -45,6 +48,19 @@ module lopin_atomic_file
          integer(c_int) :: status
       end function c_access
 
+      function lopin_sync_file(path) bind(c) result(status)
+         import :: c_char, c_int
+         character(kind=c_char), intent(in) :: path(*)
+         integer(c_int) :: status
+      end function lopin_sync_file
+
+      function lopin_cut_file(path, length) bind(c) result(status)
+         import :: c_char, c_int, c_long_long
+         character(kind=c_char), intent(in) :: path(*)
+         integer(c_long_long), value :: length
+         integer(c_int) :: status
+      end function lopin_cut_file
+
       function c_unlink(path) bind(c, name='unlink') result(status)
          import :: c_char, c_int
          character(kind=c_char), intent(in) :: path(*)
@@ -55,11 +71,12 @@ module lopin_atomic_file
 contains
 
    !> Write text, then bytes, then a tail; the file appears under its name only when it is complete.
-   subroutine write_atomically(path, text, error, bytes, tail)
+   subroutine write_atomically(path, text, error, bytes, tail, lasting)
       character(len=*), intent(in) :: path, text
       type(error_type), allocatable, intent(out) :: error
       integer(int8), intent(in), optional :: bytes(:)
       character(len=*), intent(in), optional :: tail
+      logical, intent(in), optional :: lasting   !! on the disk before it takes its name
       integer :: unit, status, closing
 
       open (newunit=unit, file=path//'.part', access='stream', form='unformatted', &
@@ -73,6 +90,7 @@ contains
       if (present(tail) .and. status == 0) write (unit, iostat=status) tail
       close (unit, iostat=closing)
       if (status == 0) status = closing
+      if (present(lasting) .and. status == 0) status = lopin_sync_file(path//'.part'//c_null_char)
       if (status == 0) status = c_rename(path//'.part'//c_null_char, path//c_null_char)
       if (status /= 0) then
          call remove_file(path//'.part')
@@ -142,23 +160,58 @@ contains
       is_foreign = index(start, written_mark) == 0
    end function is_foreign
 
-   !> Replace a log by its first lines; what follows is appended.
-   subroutine open_log(self, path, header, error)
+   !> Replace a log by its first lines; what follows is appended. A log that goes on is left as it is
+   !> until `keep` says how far it counts.
+   subroutine open_log(self, path, header, error, goes_on)
       class(log_file_type), intent(inout) :: self
       character(len=*), intent(in) :: path
       character(len=*), intent(in) :: header     !! whole lines, or nothing
       type(error_type), allocatable, intent(out) :: error
-      integer :: status
+      logical, intent(in) :: goes_on
 
       call self%close()
+      self%path = path
+      if (goes_on) return
       call write_atomically(path, header, error)
       if (allocated(error)) return
-      self%path = path
-      open (newunit=self%unit, file=path, access='stream', form='unformatted', status='old', &
+      self%length = len(header)
+      call open_at_end(self, error)
+   end subroutine open_log
+
+   !> The length to a stream, or back: the file is cut to it.
+   subroutine keep_log(self, stream, error)
+      class(log_file_type), intent(inout) :: self
+      type(stream_type), intent(inout) :: stream
+      type(error_type), allocatable, intent(out) :: error
+      integer(int64) :: there
+      integer :: status
+
+      call stream%pass(self%length)
+      if (.not. stream%reading .or. stream%broken) return
+      inquire (file=self%path, size=there)
+      if (there < self%length) then
+         call raise(error, error_code%resource, 'E0606', "'"//self%path//"' has lost what was "// &
+            & 'written before the checkpoint', help='run the deck without --resume')
+         return
+      end if
+      status = lopin_cut_file(self%path//c_null_char, int(self%length, c_long_long))
+      if (status /= 0) then
+         call cannot_write(self%path, error)
+         return
+      end if
+      call open_at_end(self, error)
+   end subroutine keep_log
+
+   subroutine open_at_end(self, error)
+      class(log_file_type), intent(inout) :: self
+      type(error_type), allocatable, intent(out) :: error
+      integer :: status
+
+      open (newunit=self%unit, file=self%path, access='stream', form='unformatted', status='old', &
          & position='append', action='write', iostat=status)
       self%is_open = status == 0
-      if (.not. self%is_open) call cannot_write(path, error)
-   end subroutine open_log
+      if (.not. self%is_open) call cannot_write(self%path, error)
+   end subroutine open_at_end
 
    subroutine append(self, lines, error)
       class(log_file_type), intent(inout) :: self
@@ -169,6 +222,7 @@ contains
       if (.not. self%is_open) return
       write (self%unit, iostat=status) lines
       if (status == 0) flush (self%unit, iostat=status)
+      self%length = self%length + len(lines)
       if (status /= 0) call cannot_write(self%path, error)
    end subroutine append
 

@@ -40,6 +40,7 @@ contains
       call refuse_loads_outside(model, deck, scene)
       do s = 1, scene%nstep
          call read_step(model, deck, scene, s)
+         call read_checkpoints(model, deck, scene, s)
          call check_strains(model, s)
          call boundary_of_step(boundary, model, deck, scene, role, absolute, s)
          call check_boundary(boundary, model)
@@ -98,6 +99,36 @@ contains
          & //' has no *STATIC', &
          & model%step(s)%at, help='write *STATIC after *STEP')
    end subroutine read_step
+
+   !> *RESTART holds until another one; one outside the steps, from the first.
+   subroutine read_checkpoints(model, deck, scene, s)
+      type(model_type), intent(inout) :: model
+      type(deck_type), intent(in) :: deck
+      type(scene_type), intent(in) :: scene
+      integer, intent(in) :: s
+      character(len=:), allocatable :: word
+      type(location_type) :: at
+      integer :: k, number
+      logical :: found
+
+      if (s > 1) model%step(s)%checkpoint = model%step(s - 1)%checkpoint
+      do k = 1, scene%ncard
+         if (scene%card(k)%step /= s .and. (s > 1 .or. scene%card(k)%step > 0)) cycle
+         associate (block => deck%block(scene%card(k)%block))
+            if (block%keyword /= 'RESTART') cycle
+            call get_word(block, 'FREQUENCY', word, at, found)
+            model%step(s)%checkpoint = 1
+            if (.not. found) cycle
+            call parse_integer(word, number, found)
+            if (found .and. number >= 0) then
+               model%step(s)%checkpoint = number
+            else
+               call complain(model%log, 'E0408', 'FREQUENCY='//word//' is not a whole number '// &
+                  & 'from 0', at)
+            end if
+         end associate
+      end do
+   end subroutine read_checkpoints
 
    !> A linear step cannot follow a finite one, nor hold a material that has no linear law.
    subroutine check_strains(model, s)

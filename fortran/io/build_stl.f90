@@ -100,6 +100,7 @@ contains
          return
       end if
       do j = 1, size(corner, 3)
+         call model%outside%add(corner(:, :, j))
          do i = 1, 3
             corner(:, i, j) = placed(scene, scope, scale*corner(:, i, j))
          end do

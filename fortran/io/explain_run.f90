@@ -124,6 +124,26 @@ contains
       call add_explanation(list, 'E0603', 'a file that Lopin did not write is in the way', &
          & 'Lopin never overwrites or removes files of others.', &
          & 'move the file, or give another folder with -o.')
+      call add_explanation(list, 'E0604', 'a checkpoint cannot be gone on from', &
+         & 'job.rst is cut short, damaged, not a checkpoint, of another version of Lopin, or of '// &
+         & 'another deck: only the deck that wrote it, with the files that it includes, its STL '// &
+         & 'files and the same --solver, goes on to the same bits.', &
+         & 'restore what has changed, or run the deck from its beginning, without --resume.')
+      call add_explanation(list, 'E0605', 'the run was interrupted', &
+         & 'Ctrl-C (SIGINT) or SIGTERM: the increment in hand was ended, its results and its '// &
+         & 'checkpoint are written. A second signal ends the run at once; then the last '// &
+         & 'checkpoint counts.', &
+         & 'the same command with --resume goes on to the bits of a run without interruption.')
+      call add_explanation(list, 'E0606', 'a result file is shorter than when the checkpoint '// &
+         & 'was written', &
+         & 'A run that goes on cuts its files to what they were at the checkpoint and appends to '// &
+         & 'them; this one was removed, replaced or cut.', &
+         & 'run the deck from its beginning, without --resume.')
+      call add_explanation(list, 'N0604', 'where a resumed run starts', &
+         & 'With --resume a run goes on from job.rst; without one (nothing was accepted yet, or '// &
+         & 'the run was finished) it starts from its beginning, so that the same command may '// &
+         & 'always be repeated.', &
+         & 'nothing.')
       call add_explanation(list, 'E0701', 'a solver cannot take this matrix', &
          & 'Each linear solver takes some classes of matrices: positive definite, symmetric, '// &
          & 'general.', &

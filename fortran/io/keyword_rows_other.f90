@@ -40,18 +40,6 @@ contains
       call past(table, 'SOLVER CONTROLS', 'S', 'Controls of the iterative solver of Abaqus.')
       call past(table, 'DIAGNOSTICS', 'S', 'Messages of Abaqus.')
       call past(table, 'PRINT', 'S', 'Messages of Abaqus.')
-
-      call key(table, 'RESTART', 'MS', 'both', 'Checkpoints of other codes; READ is refused.', &
-         & status_of%ignored)
-      call free_text(table)
-      call ignored_flag(table, 'WRITE', 'Checkpoints of other codes.')
-      call ignored_flag(table, 'FREQUENCY', 'Every so many increments.')
-      call ignored_flag(table, 'NUMBER INTERVAL', 'Number of checkpoints.')
-      call ignored_flag(table, 'TIME MARKS', 'Times of checkpoints.')
-      call ignored_flag(table, 'OVERLAY', 'Keep the last checkpoint only.')
-      call later_flag(table, 'READ', 'Going on from the checkpoint of another run.')
-      call later_flag(table, 'STEP', 'Going on from the checkpoint of another run.')
-      call later_flag(table, 'INC', 'Going on from the checkpoint of another run.')
    end subroutine add_ignored
 
    subroutine past(table, name, levels, sentence)

@@ -57,6 +57,19 @@ contains
          & 'One line; smallest: a millionth of the period unless given.')
       call example(table, '*STATIC|0.1, 1., 1.e-4, 0.2')
 
+      call key(table, 'RESTART', 'MS', 'both', 'How often the state of the run is kept for '// &
+         & '--resume; from this step on.')
+      call flag(table, 'WRITE', 'Keep it; without the card it is kept too.')
+      call whole(table, 'FREQUENCY', '1', 'After every so many increments and each step; 0: '// &
+         & 'only where the run is interrupted.')
+      call ignored_flag(table, 'OVERLAY', 'There is one checkpoint, the last.')
+      call ignored_flag(table, 'NUMBER INTERVAL', 'Write FREQUENCY.')
+      call ignored_flag(table, 'TIME MARKS', 'Times of checkpoints.')
+      call later_flag(table, 'READ', 'Another deck that goes on from a checkpoint.')
+      call later_flag(table, 'STEP', 'Another deck that goes on from a checkpoint.')
+      call later_flag(table, 'INC', 'Another deck that goes on from a checkpoint.')
+      call example(table, '*STEP|*STATIC|0.01, 1.|*RESTART, WRITE, FREQUENCY=10|*END STEP')
+
       call key(table, 'END STEP', 'S', 'both', 'Closes *STEP.')
       call example(table, '*STEP|*STATIC|*END STEP')
    end subroutine add_steps

@@ -6,6 +6,7 @@
 module lopin_recorder_dat
    use lopin_kinds, only : wp
    use lopin_error, only : error_type
+   use lopin_stream, only : stream_type
    use lopin_mesh, only : set_type
    use lopin_model, only : model_type, output_type, output_of
    use lopin_state, only : frame_type, summary_type
@@ -29,6 +30,7 @@ module lopin_recorder_dat
       procedure :: begin
       procedure :: increment
       procedure :: finish
+      procedure :: keep
       procedure :: wants
    end type dat_recorder_type
 
@@ -46,7 +48,7 @@ contains
       type(error_type), allocatable, intent(out) :: error
 
       call new_point_tables(self%points, model)
-      call self%log%open(self%path, '', error)
+      call self%log%open(self%path, '', error, self%resumes)
    end subroutine begin
 
    subroutine increment(self, model, frame, error)
@@ -71,6 +73,14 @@ contains
       end associate
       if (self%text%n > 0) call self%log%append(self%text%text(:self%text%n), error)
    end subroutine increment
+
+   subroutine keep(self, stream, error)
+      class(dat_recorder_type), intent(inout) :: self
+      type(stream_type), intent(inout) :: stream
+      type(error_type), allocatable, intent(out) :: error
+
+      call self%log%keep(stream, error)
+   end subroutine keep
 
    subroutine finish(self, model, summary, failure, error)
       class(dat_recorder_type), intent(inout) :: self

@@ -3,6 +3,7 @@ module lopin_recorder_frd
    use lopin_kinds, only : wp
    use lopin_text, only : to_text
    use lopin_error, only : error_type
+   use lopin_stream, only : stream_type
    use lopin_model, only : model_type, output_of
    use lopin_state, only : frame_type, summary_type
    use lopin_recorder, only : recorder_type, wants_type
@@ -28,6 +29,7 @@ module lopin_recorder_frd
       procedure :: begin
       procedure :: increment
       procedure :: finish
+      procedure :: keep
       procedure :: wants
    end type frd_recorder_type
 
@@ -68,7 +70,7 @@ contains
       call find_nodes(model, self%node)
       call put_nodes(self%text, model, self%node)
       call put_elements(self%text, self%points, model)
-      call self%log%open(self%path, self%text%text(:self%text%n), error)
+      call self%log%open(self%path, self%text%text(:self%text%n), error, self%resumes)
    end subroutine begin
 
    subroutine increment(self, model, frame, error)
@@ -81,6 +83,16 @@ contains
       call put_frame(self, model, frame)
       if (self%text%n > 0) call self%log%append(self%text%text(:self%text%n), error)
    end subroutine increment
+
+   subroutine keep(self, stream, error)
+      class(frd_recorder_type), intent(inout) :: self
+      type(stream_type), intent(inout) :: stream
+      type(error_type), allocatable, intent(out) :: error
+
+      call stream%pass(self%block)
+      call stream%pass(self%frame)
+      call self%log%keep(stream, error)
+   end subroutine keep
 
    subroutine finish(self, model, summary, failure, error)
       class(frd_recorder_type), intent(inout) :: self

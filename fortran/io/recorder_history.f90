@@ -3,6 +3,7 @@ module lopin_recorder_history
    use lopin_kinds, only : wp
    use lopin_text, only : to_text
    use lopin_error, only : error_type
+   use lopin_stream, only : stream_type
    use lopin_model, only : model_type
    use lopin_state, only : frame_type, summary_type
    use lopin_recorder, only : recorder_type
@@ -20,6 +21,7 @@ module lopin_recorder_history
       procedure :: begin
       procedure :: increment
       procedure :: finish
+      procedure :: keep
    end type history_recorder_type
 
 contains
@@ -44,7 +46,7 @@ contains
          if (i > 1) header = header//','
          header = header//column(i)%name//' ['//column(i)%dimension//']'
       end do
-      call self%log%open(self%path, header//achar(10), error)
+      call self%log%open(self%path, header//achar(10), error, self%resumes)
    end subroutine begin
 
    subroutine increment(self, model, frame, error)
@@ -64,6 +66,14 @@ contains
       end do
       call self%log%append(text//achar(10), error)
    end subroutine increment
+
+   subroutine keep(self, stream, error)
+      class(history_recorder_type), intent(inout) :: self
+      type(stream_type), intent(inout) :: stream
+      type(error_type), allocatable, intent(out) :: error
+
+      call self%log%keep(stream, error)
+   end subroutine keep
 
    subroutine finish(self, model, summary, failure, error)
       class(history_recorder_type), intent(inout) :: self

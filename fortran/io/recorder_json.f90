@@ -4,6 +4,7 @@ module lopin_recorder_json
    use lopin_kinds, only : wp, lk
    use lopin_clock, only : phase_names, nphase, counter_type
    use lopin_error, only : error_type, diagnostic_type
+   use lopin_stream, only : stream_type
    use lopin_model, only : model_type, kind_of
    use lopin_state, only : frame_type, summary_type, certificate_type, energy_type, verdict_words
    use lopin_recorder, only : recorder_type
@@ -38,6 +39,7 @@ module lopin_recorder_json
       procedure :: begin
       procedure :: increment
       procedure :: finish
+      procedure :: keep
       procedure :: told
    end type json_recorder_type
 
@@ -89,6 +91,50 @@ contains
          call summarise_pair(frame%contact(i), self%pair(i))
       end do
    end subroutine increment
+
+   subroutine keep(self, stream, error)
+      class(json_recorder_type), intent(inout) :: self
+      type(stream_type), intent(inout) :: stream
+      type(error_type), allocatable, intent(out) :: error
+      integer :: i
+
+      associate (none => error)
+      end associate
+      call stream%pass(self%has_frame)
+      call keep_certificate(self%certificate, stream)
+      call stream%pass(self%energy%strain)
+      call stream%pass(self%energy%external)
+      call stream%pass(self%energy%contact)
+      call stream%pass(self%energy%friction)
+      do i = 1, size(self%pair)
+         associate (pair => self%pair(i))
+            call stream%pass_within(pair%force)
+            call stream%pass(pair%area)
+            call stream%pass(pair%max_pressure)
+            call stream%pass(pair%max_penetration)
+            call stream%pass(pair%closed)
+            call stream%pass(pair%sticking)
+         end associate
+      end do
+   end subroutine keep
+
+   subroutine keep_certificate(self, stream)
+      type(certificate_type), intent(inout) :: self
+      type(stream_type), intent(inout) :: stream
+
+      call stream%pass(self%penetration)
+      call stream%pass(self%tension)
+      call stream%pass(self%complementarity)
+      call stream%pass(self%cone)
+      call stream%pass(self%dissipation)
+      call stream%pass(self%pressure_error)
+      call stream%pass(self%equilibrium)
+      call stream%pass(self%action_reaction)
+      call stream%pass(self%energy)
+      call stream%pass(self%support)
+      call stream%pass(self%verdict)
+      call stream%pass(self%reason)
+   end subroutine keep_certificate
 
    subroutine finish(self, model, summary, failure, error)
       class(json_recorder_type), intent(inout) :: self

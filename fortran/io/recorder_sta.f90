@@ -3,6 +3,7 @@
 !> `job.cvg`: the lines that the run says, iteration by iteration.
 module lopin_recorder_sta
    use lopin_error, only : error_type
+   use lopin_stream, only : stream_type
    use lopin_model, only : model_type
    use lopin_state, only : frame_type, summary_type
    use lopin_recorder, only : recorder_type
@@ -19,6 +20,7 @@ module lopin_recorder_sta
       procedure :: begin
       procedure :: increment
       procedure :: finish
+      procedure :: keep
       procedure :: line
    end type sta_recorder_type
 
@@ -42,9 +44,9 @@ contains
       end associate
       call self%sta%open(self%sta_path, 'SUMMARY OF JOB INFORMATION'//newline// &
          & '  STEP      INC     ATT  ITRS     TOT TIME     STEP TIME      INC TIME  CLOSED   AUG' &
-         & //newline, error)
+         & //newline, error, self%resumes)
       if (allocated(error)) return
-      call self%cvg%open(self%cvg_path, '', error)
+      call self%cvg%open(self%cvg_path, '', error, self%resumes)
    end subroutine begin
 
    subroutine increment(self, model, frame, error)
@@ -62,6 +64,15 @@ contains
          & frame%closed, frame%augmentations
       call self%sta%append(trim(row)//newline, error)
    end subroutine increment
+
+   subroutine keep(self, stream, error)
+      class(sta_recorder_type), intent(inout) :: self
+      type(stream_type), intent(inout) :: stream
+      type(error_type), allocatable, intent(out) :: error
+
+      call self%sta%keep(stream, error)
+      if (.not. allocated(error)) call self%cvg%keep(stream, error)
+   end subroutine keep
 
    subroutine finish(self, model, summary, failure, error)
       class(sta_recorder_type), intent(inout) :: self

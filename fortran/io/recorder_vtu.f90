@@ -5,6 +5,7 @@ module lopin_recorder_vtu
    use lopin_kinds, only : wp
    use lopin_text, only : to_text
    use lopin_error, only : error_type, error_code, raise
+   use lopin_stream, only : stream_type
    use lopin_model, only : model_type, output_of
    use lopin_state, only : frame_type, summary_type
    use lopin_recorder, only : recorder_type, wants_type
@@ -30,6 +31,7 @@ module lopin_recorder_vtu
       procedure :: begin
       procedure :: increment
       procedure :: finish
+      procedure :: keep
       procedure :: wants
    end type vtu_recorder_type
 
@@ -57,6 +59,7 @@ contains
       end do
       self%written = 0
       call self%datasets%clear()
+      if (self%resumes) return
       call read_text(self%folder//'/'//self%stem//'.pvd', old)
       call write_pvd(self, error)
       if (allocated(error)) return
@@ -89,6 +92,16 @@ contains
       end do
       call write_pvd(self, error)
    end subroutine increment
+
+   subroutine keep(self, stream, error)
+      class(vtu_recorder_type), intent(inout) :: self
+      type(stream_type), intent(inout) :: stream
+      type(error_type), allocatable, intent(out) :: error
+
+      call stream%pass(self%written)
+      call self%datasets%keep(stream)
+      if (stream%reading .and. .not. stream%broken) call write_pvd(self, error)
+   end subroutine keep
 
    subroutine finish(self, model, summary, failure, error)
       class(vtu_recorder_type), intent(inout) :: self

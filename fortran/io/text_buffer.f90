@@ -2,6 +2,7 @@
 module lopin_text_buffer
    use, intrinsic :: ieee_arithmetic, only : ieee_is_finite
    use lopin_kinds, only : wp, lk
+   use lopin_stream, only : stream_type
    implicit none
    private
    public :: text_buffer_type
@@ -22,6 +23,7 @@ module lopin_text_buffer
       procedure :: put_exponential
       procedure :: content
       procedure :: clear
+      procedure :: keep
    end type text_buffer_type
 
 contains
@@ -34,6 +36,19 @@ contains
       self%text(self%n + 1:self%n + len(text)) = text
       self%n = self%n + len(text)
    end subroutine put
+
+   !> The text, to a stream or back.
+   subroutine keep(self, stream)
+      class(text_buffer_type), intent(inout) :: self
+      type(stream_type), intent(inout) :: stream
+      character(len=:), allocatable :: text
+
+      if (.not. stream%reading) text = self%content()
+      call stream%pass(text)
+      if (.not. stream%reading .or. stream%broken) return
+      call self%clear()
+      call self%put(text)
+   end subroutine keep
 
    !> Text and the end of the line.
    subroutine put_line(self, text)

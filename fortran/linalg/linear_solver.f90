@@ -32,6 +32,7 @@ module lopin_linear_solver
       procedure(name_if), deferred :: name
       procedure(accepts_if), deferred :: accepts
       procedure :: can_condense
+      procedure :: orders_by_values
       procedure(analyse_if), deferred :: analyse
       procedure(factorise_if), deferred :: factorise
       procedure(solve_if), deferred :: solve
@@ -112,6 +113,14 @@ contains
          can_condense = class_of == matrix_class%positive_definite
       end associate
    end function can_condense
+
+   !> True if `analyse` looks at values too, so that the same pattern may be ordered in two ways.
+   pure logical function orders_by_values(self)
+      class(linear_solver_type), intent(in) :: self
+      associate (unused => self)
+         orders_by_values = .false.
+      end associate
+   end function orders_by_values
 
    !> What a matrix class is called in a message.
    pure function class_name(class_of) result(name)

@@ -33,6 +33,7 @@ module lopin_solver_umfpack
       procedure :: name => umfpack_name
       procedure :: accepts
       procedure :: can_condense
+      procedure :: orders_by_values
       procedure :: analyse
       procedure :: factorise
       procedure :: solve
@@ -120,6 +121,13 @@ contains
          can_condense = .false.   ! L and U are not transposes
       end associate
    end function can_condense
+
+   pure logical function orders_by_values(self)
+      class(solver_umfpack_type), intent(in) :: self
+      associate (unused => self)
+         orders_by_values = .true.
+      end associate
+   end function orders_by_values
 
    subroutine analyse(self, a, class_of, last, error)
       class(solver_umfpack_type), intent(inout) :: self

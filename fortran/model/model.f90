@@ -6,6 +6,7 @@
 module lopin_model
    use lopin_kinds, only : wp
    use lopin_error, only : location_type, log_type
+   use lopin_checksum, only : checksum_type
    use lopin_mesh, only : mesh_type
    use lopin_tool, only : tool_type
    use lopin_friction, only : friction_type
@@ -224,6 +225,7 @@ module lopin_model
       logical :: timed = .false.                        !! the deck gives the period
       real(wp) :: initial = 1.0_wp, period = 1.0_wp, smallest = 0.0_wp, largest = 0.0_wp
       integer :: max_increments = 100
+      integer :: checkpoint = 1                         !! every so many increments; 0: none
       type(prescribed_type), allocatable :: prescribed(:)
       type(point_load_type), allocatable :: point_load(:)
       type(face_load_type), allocatable :: face_load(:)
@@ -258,6 +260,7 @@ module lopin_model
                                            !! aims at [-]
       integer :: continuation = 1   !! number of penalties of the sequence of problems (seed J.1)
       integer :: mortar_degree = 5  !! exactness of the cells of surface-to-surface pairs in space
+      type(checksum_type) :: outside                    !! of what other files than the deck give
       type(log_type) :: log                             !! notes and warnings met while building
    end type model_type
 

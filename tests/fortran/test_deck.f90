@@ -289,7 +289,7 @@ contains
 
    subroutine notes()
       call test('harmless cards are noted once, suspicious data are warned of')
-      call read_text('*PREPRINT, ECHO=NO'//nl//'*PREPRINT'//nl//'*RESTART, WRITE'//nl)
+      call read_text('*PREPRINT, ECHO=NO'//nl//'*PREPRINT'//nl//'*FILE FORMAT, ASCII'//nl)
       call is_true('no error', .not. allocated(error))
       call is_true('two keywords', log%count_of(severity%note) == 2)
       call read_text('*MATERIAL, NAME=A'//nl//'*ELASTIC'//nl//'210000,0,3')

@@ -1,0 +1,263 @@
+!> Everything that lives from increment to increment, to a stream and back.
+!>
+!> One procedure for both directions. What follows from the model and from what is kept (matrices,
+!> factors, rows, surfaces, trees of boxes) is made again on reading, in the order in which the run
+!> made it; what an increment makes anew before reading it is left out.
+module lopin_checkpoint
+   use lopin_kinds, only : wp
+   use lopin_error, only : error_type, keep_log
+   use lopin_clock, only : keep_counter
+   use lopin_stream, only : stream_type
+   use lopin_model, only : model_type
+   use lopin_state, only : summary_type
+   use lopin_plan, only : plan_type, path_of
+   use lopin_active_set, only : contact_result_type
+   use lopin_friction_state, only : keep_friction
+   use lopin_contact_points, only : contact_points_type
+   use lopin_contact_memory, only : keep_contact
+   use lopin_solver_factory, only : new_solver
+   use lopin_finite_system, only : finite_system_type
+   use lopin_follower_loading, only : follower_type
+   use lopin_finite_state, only : finite_state_type
+   use lopin_loading, only : loading_type, new_loading
+   use lopin_scene, only : scene_type, set_supports
+   use lopin_solve_path, only : prepare_path
+   use lopin_path_finite, only : start_step
+   use lopin_increment, only : progress_type
+   implicit none
+   private
+   public :: march_type, keep_run
+
+   !> How far a step has gone.
+   type :: march_type
+      type(loading_type) :: loading
+      integer :: number = 0                    !! increments accepted
+      real(wp) :: time = 0.0_wp                !! of the step, reached [time]
+      real(wp) :: increment = 0.0_wp           !! to be tried next [time]
+      logical :: at_end = .false.              !! the last increment of the step is accepted
+   end type march_type
+
+contains
+
+   !> Keep all of a run, or go back to it in a scene that was just made.
+   subroutine keep_run(stream, model, scene, plan, progress, march, summary, error)
+      type(stream_type), intent(inout) :: stream
+      type(model_type), intent(in) :: model
+      type(scene_type), intent(inout) :: scene
+      type(plan_type), intent(inout) :: plan
+      type(progress_type), intent(inout) :: progress
+      type(march_type), intent(inout) :: march
+      type(summary_type), intent(inout) :: summary
+      type(error_type), allocatable, intent(out) :: error
+      integer :: step
+
+      step = scene%step
+      call stream%pass(step)
+      call stream%pass(plan%path)
+      call stream%pass(plan%by_user)
+      call stream%pass(plan%reason)
+      call keep_progress(progress, stream)
+      call keep_motion(scene, stream)
+      call keep_order(scene, plan, stream)
+      if (stream%reading .and. .not. stream%broken) call remake(scene, model, plan, progress, &
+         & march, step, summary, error)
+      if (allocated(error)) return
+      call keep_march(march, stream)
+      call keep_friction(scene%friction, stream)
+      call keep_answer(scene%answer, stream)
+      call keep_finite(scene%finite, stream, error)
+      if (allocated(error)) return
+      call keep_counter(scene%counter, stream)
+      call keep_log(scene%log, stream)
+      call keep_summary(summary, stream)
+   end subroutine keep_run
+
+   !> Supports, factors and contacts of the step; loads that the rest will set right.
+   subroutine remake(scene, model, plan, progress, march, step, summary, error)
+      type(scene_type), intent(inout) :: scene
+      type(model_type), intent(in) :: model
+      type(plan_type), intent(in) :: plan
+      type(progress_type), intent(in) :: progress
+      type(march_type), intent(inout) :: march
+      integer, intent(in) :: step
+      type(summary_type), intent(inout) :: summary
+      type(error_type), allocatable, intent(out) :: error
+      logical :: same
+
+      call set_supports(scene, model, step, same, error)
+      if (allocated(error)) return
+      call prepare_path(scene, model, plan, summary, error)
+      if (allocated(error)) return
+      call start_step(scene, model)
+      call new_loading(march%loading, model, scene%dofs, scene%constraints, scene%solids, &
+         & model%step(step), progress%time, progress%steady, scene%accepted)
+   end subroutine remake
+
+   subroutine keep_progress(self, stream)
+      type(progress_type), intent(inout) :: self
+      type(stream_type), intent(inout) :: stream
+
+      call stream%pass(self%time)
+      call stream%pass(self%steady)
+      call stream%pass(self%f)
+      call stream%pass(self%residual)
+      call stream%pass(self%work)
+      call stream%pass(self%seen%closed)
+      call stream%pass(self%seen%nearest)
+      call stream%pass(self%f_before)
+      call stream%pass(self%u_before)
+      call stream%pass(self%r_before)
+      call self%checksum%keep(stream)
+   end subroutine keep_progress
+
+   !> Displacements and the places of the tools.
+   subroutine keep_motion(self, stream)
+      type(scene_type), intent(inout) :: self
+      type(stream_type), intent(inout) :: stream
+
+      call stream%pass(self%u)
+      call stream%pass(self%accepted)
+      call stream%pass(self%guess)
+      call stream%pass(self%place)
+      call stream%pass(self%candidate)
+      call stream%pass(self%sticks)
+      call stream%pass(self%interference)
+      call keep_points(self%points, stream)
+   end subroutine keep_motion
+
+   !> What changes where a tool is projected again.
+   subroutine keep_points(self, stream)
+      type(contact_points_type), intent(inout) :: self
+      type(stream_type), intent(inout) :: stream
+
+      call stream%pass(self%facet)
+      call stream%pass(self%xi)
+      call stream%pass(self%normal)
+      call stream%pass(self%foot)
+      call stream%pass(self%gap)
+      call stream%pass(self%start_facet)
+      call stream%pass(self%start_foot)
+      call stream%pass(self%start_normal)
+   end subroutine keep_points
+
+   !> The equations kept last are those that contact touched when the factor was made.
+   subroutine keep_order(self, plan, stream)
+      type(scene_type), intent(inout) :: self
+      type(plan_type), intent(in) :: plan
+      type(stream_type), intent(inout) :: stream
+      integer, allocatable :: last(:)
+      integer :: i
+
+      if (plan%path /= path_of%condensed) return
+      if (.not. stream%reading) last = pack([(i, i=1, size(self%system%place))], &
+         & self%system%place > 0)
+      call stream%pass(last)
+      if (stream%reading) call move_alloc(last, self%kept_last)
+   end subroutine keep_order
+
+   subroutine keep_march(self, stream)
+      type(march_type), intent(inout) :: self
+      type(stream_type), intent(inout) :: stream
+
+      call stream%pass(self%number)
+      call stream%pass(self%time)
+      call stream%pass(self%increment)
+      call stream%pass(self%at_end)
+      call stream%pass(self%loading%start)
+      call stream%pass(self%loading%before)
+      call stream%pass(self%loading%from)
+   end subroutine keep_march
+
+   !> The last answer of the contact problem, from which the next one starts.
+   subroutine keep_answer(self, stream)
+      type(contact_result_type), intent(inout) :: self
+      type(stream_type), intent(inout) :: stream
+
+      call stream%pass(self%outcome)
+      call stream%pass(self%iterations)
+      call stream%pass(self%augmentations)
+      call stream%pass(self%single_pivots)
+      call stream%pass(self%dependent)
+      call stream%pass(self%force)
+      call stream%pass(self%gap)
+      call stream%pass(self%q)
+      call stream%pass(self%u)
+      call stream%pass(self%active)
+      call stream%pass(self%multiplier)
+      call stream%pass(self%rate)
+      call stream%pass(self%opening)
+      call stream%pass(self%soft_error)
+   end subroutine keep_answer
+
+   subroutine keep_finite(self, stream, error)
+      type(finite_state_type), intent(inout) :: self
+      type(stream_type), intent(inout) :: stream
+      type(error_type), allocatable, intent(out) :: error
+
+      call stream%pass(self%dt)
+      if (.not. self%in_use) return
+      call stream%pass(self%multiplier)
+      call stream%pass(self%accepted_multiplier)
+      call stream%pass(self%force_seen)
+      call stream%pass(self%energy)
+      call stream%pass(self%iterations)
+      call stream%pass(self%augmentations)
+      call stream%pass(self%grounded)
+      call keep_followers(self%follower, stream)
+      call keep_system(self%system, stream, error)
+      if (allocated(error)) return
+      call keep_contact(self%contact, stream, error)
+   end subroutine keep_finite
+
+   subroutine keep_followers(self, stream)
+      type(follower_type), intent(inout) :: self
+      type(stream_type), intent(inout) :: stream
+
+      call stream%pass(self%element)
+      call stream%pass(self%face)
+      call stream%pass(self%amplitude)
+      call stream%pass(self%from)
+      call stream%pass(self%to)
+      call stream%pass(self%varying)
+      call stream%pass(self%steady)
+      call stream%pass(self%pressure)
+      call stream%pass(self%start)
+      call stream%pass(self%period)
+      call stream%pass(self%ramp)
+      call stream%pass(self%force)
+   end subroutine keep_followers
+
+   !> The solver stays the one that was chosen at the first factorisation.
+   subroutine keep_system(self, stream, error)
+      type(finite_system_type), intent(inout) :: self
+      type(stream_type), intent(inout) :: stream
+      type(error_type), allocatable, intent(out) :: error
+      character(len=:), allocatable :: name
+
+      if (allocated(self%solver)) name = self%solver%name()
+      call stream%pass(name)
+      call stream%pass(self%reason)
+      call stream%pass(self%krylov)
+      call stream%pass(self%most_krylov)
+      call stream%pass(self%whole_factors)
+      if (stream%reading .and. allocated(name)) call new_solver(self%solver, name, error)
+   end subroutine keep_system
+
+   subroutine keep_summary(self, stream)
+      type(summary_type), intent(inout) :: self
+      type(stream_type), intent(inout) :: stream
+      integer :: i
+
+      call stream%pass(self%plan)
+      call stream%pass(self%path)
+      call stream%pass(self%solver)
+      call stream%pass(self%equations)
+      call stream%pass(self%retained)
+      call stream%pass(self%candidates)
+      call stream%pass(self%checksum)
+      do i = 1, size(self%step)
+         call stream%pass(self%step(i)%increments)
+         call keep_counter(self%step(i)%counter, stream)
+      end do
+   end subroutine keep_summary
+end module lopin_checkpoint

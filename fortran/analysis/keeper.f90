@@ -1,0 +1,33 @@
+!> Where the state of a run is kept between two processes: asked after accepted increments.
+!>
+!> The analysis knows what to keep, a keeper where; a run without a keeper keeps nothing.
+module lopin_keeper
+   use lopin_error, only : error_type
+   use lopin_stream, only : stream_type
+   implicit none
+   private
+   public :: keeper_type
+
+   type, abstract :: keeper_type
+      type(stream_type), allocatable :: found   !! of an earlier run, to go on from; else a new run
+   contains
+      procedure(save_if), deferred :: save
+      procedure(forget_if), deferred :: forget
+   end type keeper_type
+
+   abstract interface
+      !> Replace what is kept: afterwards it is the new state or, on an error, still the old one.
+      subroutine save_if(self, stream, error)
+         import :: keeper_type, stream_type, error_type
+         class(keeper_type), intent(inout) :: self
+         type(stream_type), intent(in) :: stream
+         type(error_type), allocatable, intent(out) :: error
+      end subroutine save_if
+
+      !> The run starts from its beginning, or is finished: nothing is to be resumed.
+      subroutine forget_if(self)
+         import :: keeper_type
+         class(keeper_type), intent(inout) :: self
+      end subroutine forget_if
+   end interface
+end module lopin_keeper

@@ -1,0 +1,124 @@
+!> `job.rst`: the state of a run after an accepted increment, from which `--resume` goes on.
+!>
+!> Five lines (what it is, the version of Lopin, the fingerprints of the deck and of the state, the
+!> number of bytes), then the bytes of lopin_checkpoint. It is replaced whole, and on the disk
+!> before it takes its name, so that there is always one good state; a finished run has none.
+module lopin_checkpoint_file
+   use, intrinsic :: iso_fortran_env, only : int8, int64
+   use lopin_error, only : error_type, error_code, raise
+   use lopin_checksum, only : checksum_type
+   use lopin_stream, only : stream_type
+   use lopin_text, only : to_text
+   use lopin_version, only : version
+   use lopin_keeper, only : keeper_type
+   use lopin_atomic_file, only : write_atomically, remove_file, file_exists, read_text
+   implicit none
+   private
+   public :: checkpoint_file_type, new_checkpoint_file
+
+   !> The number tells layouts of one version apart.
+   character(len=*), parameter :: mark = 'Lopin checkpoint 1', newline = achar(10)
+   integer, parameter :: nline = 5
+
+   type, extends(keeper_type) :: checkpoint_file_type
+      character(len=:), allocatable, private :: path
+      character(len=16), private :: deck = ''      !! fingerprint of the deck
+   contains
+      procedure :: save
+      procedure :: forget
+   end type checkpoint_file_type
+
+contains
+
+   !> With `resume`, `found` is what the file holds; without a file it stays unallocated. A file that
+   !> is not the state of this deck, whole and of this version is refused.
+   subroutine new_checkpoint_file(self, path, deck, resume, error)
+      type(checkpoint_file_type), intent(out) :: self
+      character(len=*), intent(in) :: path
+      type(checksum_type), intent(in) :: deck    !! of all that the deck says
+      logical, intent(in) :: resume
+      type(error_type), allocatable, intent(out) :: error
+      character(len=:), allocatable :: text
+
+      self%path = path
+      self%deck = deck%text()
+      if (.not. file_exists(path)) return
+      call read_text(path, text)
+      if (resume) then
+         call take(self, text, error)
+      else if (index(text, mark(:16)) /= 1) then
+         call raise(error, error_code%resource, 'E0603', "'"//path//"' exists and was not "// &
+            & 'written by Lopin', help='choose another folder with -o, or move the file away')
+      end if
+   end subroutine new_checkpoint_file
+
+   !> The state out of the text of a file.
+   subroutine take(self, text, error)
+      type(checkpoint_file_type), intent(inout) :: self
+      character(len=*), intent(in) :: text
+      type(error_type), allocatable, intent(out) :: error
+      character(len=40) :: line(nline)
+      integer :: at, i, stop_
+      type(checksum_type) :: sum
+      integer(int64) :: n
+      integer :: status
+
+      line = ''
+      at = 1
+      do i = 1, nline
+         stop_ = index(text(at:), newline)
+         if (stop_ == 0) exit
+         line(i) = text(at:at + stop_ - 2)
+         at = at + stop_
+      end do
+      if (line(1)(:16) /= mark(:16)) then
+         call refuse(self%path, 'it is not a checkpoint of Lopin', error)
+      else if (line(2) /= version .or. line(1) /= mark) then
+         call refuse(self%path, 'it was written by Lopin '//trim(line(2))//', and this is '// &
+            & version, error)
+      else if (line(3) /= self%deck) then
+         call refuse(self%path, 'it is of another deck, or the deck, a file it includes, its '// &
+            & 'STL files or --solver have changed since', error)
+      end if
+      if (allocated(error)) return
+      read (line(5), *, iostat=status) n
+      if (status /= 0) n = -1
+      if (n /= len(text, kind=int64) - at + 1) then
+         call refuse(self%path, 'it is cut short: '//to_text(len(text) - at + 1)//' bytes of '// &
+            & trim(line(5)), error)
+         return
+      end if
+      allocate (self%found)
+      self%found%n = n
+      allocate (self%found%bytes(n))
+      self%found%bytes = transfer(text(at:), self%found%bytes)
+      call sum%add_bytes(self%found%bytes)
+      if (sum%text() == line(4)) return
+      deallocate (self%found)
+      call refuse(self%path, 'it is damaged: its bytes are not those of its fingerprint', error)
+   end subroutine take
+
+   subroutine refuse(path, reason, error)
+      character(len=*), intent(in) :: path, reason
+      type(error_type), allocatable, intent(out) :: error
+      call raise(error, error_code%resource, 'E0604', "cannot go on from '"//path//"': "//reason, &
+         & help='run the deck without --resume, or resume the deck that wrote it')
+   end subroutine refuse
+
+   subroutine save(self, stream, error)
+      class(checkpoint_file_type), intent(inout) :: self
+      type(stream_type), intent(in) :: stream
+      type(error_type), allocatable, intent(out) :: error
+      type(checksum_type) :: sum
+
+      call sum%add_bytes(stream%bytes(:stream%n))
+      call write_atomically(self%path, mark//newline//version//newline//self%deck//newline// &
+         & sum%text()//newline//to_text(int(stream%n))//newline, error, stream%bytes(:stream%n), &
+         & lasting=.true.)
+   end subroutine save
+
+   subroutine forget(self)
+      class(checkpoint_file_type), intent(inout) :: self
+      call remove_file(self%path)
+   end subroutine forget
+end module lopin_checkpoint_file
