@@ -203,6 +203,9 @@ contains
       call stream%pass(self%iterations)
       call stream%pass(self%augmentations)
       call stream%pass(self%grounded)
+      call stream%pass(self%memory%value)
+      call stream%pass(self%memory%next)
+      call stream%pass(self%memory%work)
       call keep_followers(self%follower, stream)
       call keep_system(self%system, stream, error)
       if (allocated(error)) return

@@ -6,7 +6,8 @@ module lopin_recorder_json
    use lopin_error, only : error_type, diagnostic_type
    use lopin_stream, only : stream_type
    use lopin_model, only : model_type, kind_of
-   use lopin_state, only : frame_type, summary_type, certificate_type, energy_type, verdict_words
+   use lopin_state, only : frame_type, summary_type, certificate_type, energy_type, verdict_words, &
+      & keep_certificate, keep_energy
    use lopin_recorder, only : recorder_type
    use lopin_atomic_file, only : write_atomically
    use lopin_json_writer, only : json_writer_type
@@ -102,10 +103,7 @@ contains
       end associate
       call stream%pass(self%has_frame)
       call keep_certificate(self%certificate, stream)
-      call stream%pass(self%energy%strain)
-      call stream%pass(self%energy%external)
-      call stream%pass(self%energy%contact)
-      call stream%pass(self%energy%friction)
+      call keep_energy(self%energy, stream)
       do i = 1, size(self%pair)
          associate (pair => self%pair(i))
             call stream%pass_within(pair%force)
@@ -117,24 +115,6 @@ contains
          end associate
       end do
    end subroutine keep
-
-   subroutine keep_certificate(self, stream)
-      type(certificate_type), intent(inout) :: self
-      type(stream_type), intent(inout) :: stream
-
-      call stream%pass(self%penetration)
-      call stream%pass(self%tension)
-      call stream%pass(self%complementarity)
-      call stream%pass(self%cone)
-      call stream%pass(self%dissipation)
-      call stream%pass(self%pressure_error)
-      call stream%pass(self%equilibrium)
-      call stream%pass(self%action_reaction)
-      call stream%pass(self%energy)
-      call stream%pass(self%support)
-      call stream%pass(self%verdict)
-      call stream%pass(self%reason)
-   end subroutine keep_certificate
 
    subroutine finish(self, model, summary, failure, error)
       class(json_recorder_type), intent(inout) :: self

@@ -3,10 +3,11 @@ module lopin_state
    use lopin_kinds, only : wp
    use lopin_error, only : log_type
    use lopin_clock, only : counter_type, clock_type
+   use lopin_stream, only : stream_type
    implicit none
    private
    public :: contact_field_type, certificate_type, frame_type, energy_type, summary_type, &
-      & verdict_words
+      & verdict_words, keep_certificate, keep_energy
 
    character(len=*), parameter :: verdict_words(0:2) = [character(len=4) :: 'PASS', 'WARN', 'FAIL']
 
@@ -100,4 +101,37 @@ module lopin_state
       !> ones.
       character(len=:), allocatable :: checksum
    end type summary_type
+
+contains
+
+   !> The last certificate, to a stream or back.
+   subroutine keep_certificate(self, stream)
+      type(certificate_type), intent(inout) :: self
+      type(stream_type), intent(inout) :: stream
+
+      call stream%pass(self%penetration)
+      call stream%pass(self%tension)
+      call stream%pass(self%complementarity)
+      call stream%pass(self%cone)
+      call stream%pass(self%dissipation)
+      call stream%pass(self%pressure_error)
+      call stream%pass(self%equilibrium)
+      call stream%pass(self%action_reaction)
+      call stream%pass(self%energy)
+      call stream%pass(self%support)
+      call stream%pass(self%verdict)
+      call stream%pass(self%reason)
+   end subroutine keep_certificate
+
+   !> The last energies, to a stream or back.
+   subroutine keep_energy(self, stream)
+      type(energy_type), intent(inout) :: self
+      type(stream_type), intent(inout) :: stream
+
+      call stream%pass(self%strain)
+      call stream%pass(self%external)
+      call stream%pass(self%contact)
+      call stream%pass(self%friction)
+      call stream%pass(self%plastic)
+   end subroutine keep_energy
 end module lopin_state
