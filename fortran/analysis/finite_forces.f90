@@ -13,7 +13,7 @@ module lopin_finite_forces
    use lopin_scene, only : scene_type
    implicit none
    private
-   public :: look_type, look_at, of_rows, above_rounding
+   public :: look_type, look_at, internal_forces, of_rows, above_rounding
 
    !> Forces below the first share of stiffness times displacement are rounding; the second is then
    !> what they are judged beside: a body that moves without force.

@@ -217,6 +217,8 @@ contains
       real(wp), intent(in) :: steady(:)
       integer :: row
 
+      scene%finite%last_motion = scene%u - scene%accepted
+      scene%finite%last_dt = scene%finite%dt
       scene%accepted = scene%u
       progress%steady = steady
       if (scene%finite%in_use) then

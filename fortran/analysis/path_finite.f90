@@ -20,7 +20,7 @@ module lopin_path_finite
    use lopin_finite_system, only : set_tangent, put_on_ground, solve_step, apply_locals
    use lopin_finite_state, only : add_line, is_nonlinear
    use lopin_solid_memory, only : new_solid_memory
-   use lopin_finite_forces, only : look_type, look_at, of_rows
+   use lopin_finite_forces, only : look_type, look_at, internal_forces, of_rows
    use lopin_finite_lagged, only : reads_lagged, start_lagged, renew_lagged
    use lopin_scene, only : scene_type
    implicit none
@@ -43,6 +43,8 @@ module lopin_path_finite
    !> Springs to the ground of a body that nothing holds, beside its stiffness; how far one
    !> iteration may move it, beside its length.
    real(wp), parameter :: soft = 1.0e-4_wp, most_motion = 0.1_wp
+   !> Prescribed motion that goes on as before, up to this share of itself.
+   real(wp), parameter :: same_way = 0.5_wp
    !> A free body whose step is longer than this many scenes is held by nothing but rounding.
    real(wp), parameter :: beyond = 1.0e3_wp
 
@@ -78,6 +80,7 @@ contains
       integer :: s, i, pair
 
       scene%finite%nlgeom = model%step(scene%step)%nlgeom
+      scene%finite%last_dt = 0.0_wp
       scene%finite%memory%finite = scene%finite%nlgeom
       if (.not. scene%finite%in_use) return
       associate (contact => scene%finite%contact)
@@ -110,17 +113,10 @@ contains
       real(wp), intent(in) :: prescribed(:)    !! (nprescribed)
       type(error_type), allocatable, intent(out) :: error
       real(wp), allocatable :: v(:), before(:)
-      integer :: i, loop
+      integer :: loop
       real(wp) :: change
 
-      associate (c => scene%constraints)
-         allocate (v(c%neq), before(c%nprescribed))
-         v(:) = [(raw_displacement(c, scene%dofs, scene%accepted, c%dof_of_equation(i)), &
-            & i=1, c%neq)]
-         before(:) = [(raw_displacement(c, scene%dofs, scene%accepted, c%dof_of_prescribed(i)), &
-            & i=1, c%nprescribed)]
-      end associate
-      scene%u = scene%accepted
+      call predict(scene, model, prescribed, v, before)
       scene%finite%multiplier = scene%finite%accepted_multiplier
       scene%finite%iterations = 0
       scene%finite%grounded = 0
@@ -128,7 +124,7 @@ contains
       scene%finite%grounded = 0
       scene%finite%nline = 0
       scene%finite%memory%dt = scene%finite%dt
-      call start_increment(scene%finite%contact, model, scene%u, scene%finite%dt, error)
+      call start_increment(scene%finite%contact, model, scene%accepted, scene%finite%dt, error)
       if (allocated(error)) return
       call start_lagged(scene, model)
       call scene%clock%stop_in(phase%search)
@@ -148,6 +144,46 @@ contains
       scene%counter%iterations = scene%counter%iterations + scene%finite%iterations
       scene%counter%augmentations = scene%counter%augmentations + scene%finite%augmentations
    end subroutine solve_finite
+
+   !> Where Newton starts: a solid that flows goes on as it did in the last increment, if what is
+   !> prescribed does; everything else starts from the accepted state.
+   subroutine predict(scene, model, prescribed, v, before)
+      type(scene_type), intent(inout) :: scene
+      type(model_type), intent(in) :: model
+      real(wp), intent(in) :: prescribed(:)
+      real(wp), allocatable, intent(out) :: v(:)        !! (neq)
+      real(wp), allocatable, intent(out) :: before(:)   !! (nprescribed) that go with it
+      real(wp), allocatable :: internal(:), from(:)
+      integer :: inverted
+
+      scene%u = scene%accepted
+      call free_and_prescribed(scene, v, before)
+      if (.not. scene%finite%memory%in_use .or. .not. scene%finite%last_dt > 0.0_wp) return
+      scene%u = scene%accepted + scene%finite%dt/scene%finite%last_dt*scene%finite%last_motion
+      call move_alloc(before, from)
+      call free_and_prescribed(scene, v, before)
+      if (norm2(prescribed - before) <= same_way*norm2(prescribed - from)) then
+         allocate (internal(scene%dofs%n))
+         call internal_forces(scene, model, .false., internal, inverted)
+         if (inverted == 0) return
+      end if
+      scene%u = scene%accepted
+      call free_and_prescribed(scene, v, before)
+   end subroutine predict
+
+   !> The free equations and the prescribed dofs of the trial displacements.
+   subroutine free_and_prescribed(scene, v, prescribed)
+      type(scene_type), intent(in) :: scene
+      real(wp), allocatable, intent(out) :: v(:), prescribed(:)
+      integer :: i
+
+      associate (c => scene%constraints)
+         allocate (v(c%neq), prescribed(c%nprescribed))
+         v(:) = [(raw_displacement(c, scene%dofs, scene%u, c%dof_of_equation(i)), i=1, c%neq)]
+         prescribed(:) = [(raw_displacement(c, scene%dofs, scene%u, c%dof_of_prescribed(i)), &
+            & i=1, c%nprescribed)]
+      end associate
+   end subroutine free_and_prescribed
 
    !> What the contacts asked since this was called last.
    subroutine count_searches(scene)
@@ -475,7 +511,7 @@ contains
       size_ = 0.0_wp
       share = 1.0_wp
       do try = 0, most_halvings
-         call go(.false.)
+         call go(with_tangent=try == 0)
          if (allocated(error)) return
          if (look%inverted == 0) then
             if (first .or. look%merit <= (1.0_wp - sufficient*share)*merit) exit
@@ -495,7 +531,7 @@ contains
          return
       end if
       if (try > most_halvings) share = best_share
-      call go(.true.)
+      if (try > 0) call go(with_tangent=.true.)
       size_ = share*largest(step(:scene%constraints%neq))/max(largest(scene%u), &
          & motionless*scene%bodies%length)
 
