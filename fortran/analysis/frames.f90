@@ -8,6 +8,8 @@ module lopin_frames
    use lopin_recorder, only : wants_type
    use lopin_scene, only : scene_type, relative_motion, gap_of
    use lopin_methods, only : has_law
+   use lopin_solid_memory, only : at_all_points
+   use lopin_material_memory, only : strain_at
    use lopin_finite_state, only : is_nonlinear
    use lopin_finite_results, only : finite_contact_fields
    implicit none
@@ -31,6 +33,7 @@ contains
          call contact_values(frame, scene, model)
       end if
       frame%first_point = scene%solids%first_point
+      if (scene%finite%memory%in_use) call plastic_values(frame, scene, model, wants)
       if (.not. (wants%stress .or. wants%strain .or. wants%nodal_stress)) return
       if (is_nonlinear(scene%finite)) then
          call recover_finite(scene%solids, model%mesh, frame%u(:3, :), scene%finite%memory, stress, &
@@ -45,6 +48,23 @@ contains
       if (wants%stress) call move_alloc(stress, frame%stress)
       if (wants%strain) call move_alloc(strain, frame%strain)
    end subroutine fill_frame
+
+   !> Plastic strain at the points and, if stresses are wanted there, at the nodes.
+   subroutine plastic_values(frame, scene, model, wants)
+      type(frame_type), intent(inout) :: frame
+      type(scene_type), intent(in) :: scene
+      type(model_type), intent(in) :: model
+      type(wants_type), intent(in) :: wants
+      integer :: nstress
+
+      nstress = merge(6, 4, model%mesh%ndim == 3)
+      frame%plastic_strain = reshape(at_all_points(scene%finite%memory, scene%solids, &
+         & strain_at(nstress)), [1, frame%first_point(size(frame%first_point)) - 1])
+      if (.not. wants%nodal_stress) return
+      if (.not. allocated(frame%nodal_plastic)) allocate (frame%nodal_plastic(1, model%mesh%nnode))
+      call average_to_nodes(scene%solids, model%mesh, frame%plastic_strain, frame%nodal_plastic)
+      frame%nodal_plastic = max(frame%nodal_plastic, 0.0_wp)
+   end subroutine plastic_values
 
    subroutine nodal_values(frame, scene, model, reaction)
       type(frame_type), intent(inout) :: frame

@@ -103,6 +103,7 @@ contains
       if (scene%finite%in_use) then
          call remember(scene%solids, model%mesh, scene%u, scene%finite%memory)
          frame%energy%plastic = scene%finite%memory%work
+         frame%energy%volume = scene%finite%memory%volume
       end if
       call accept(scene, progress, steady)
       call look_at_pairs(progress%seen, scene, model)

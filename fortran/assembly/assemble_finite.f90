@@ -221,11 +221,11 @@ contains
       type(mesh_type), intent(in) :: mesh
       real(wp), intent(in) :: u(:)             !! (n) total displacements by equation [length]
       type(solid_memory_type), intent(inout) :: memory
-      real(wp), allocatable :: work(:)
+      real(wp), allocatable :: work(:), volume(:)
       integer :: e, p, q, bad
 
       if (.not. memory%in_use) return
-      allocate (work(mesh%nelement), source=0.0_wp)
+      allocate (work(mesh%nelement), volume(mesh%nelement), source=0.0_wp)
       memory%next = memory%value
       !$omp parallel do schedule(static) private(p, q, bad)
       do e = 1, mesh%nelement
@@ -237,15 +237,16 @@ contains
                & self%dof(:group%element%ndim, mesh%conn(:group%element%nnode, e)), u))
                if (memory%finite) then
                   call finite_memory(group%element, group%law, x, own, group%thickness, memory%dt, &
-                     & memory%next(:, p:q), work(e), bad)
+                     & memory%next(:, p:q), work(e), volume(e), bad)
                else
                   call flow_memory(group%element, group%law, x, own, group%thickness, memory%dt, &
-                     & memory%next(:, p:q), work(e), bad)
+                     & memory%next(:, p:q), work(e), volume(e), bad)
                end if
             end associate
          end associate
       end do
       !$omp end parallel do
       memory%work = memory%work + sum(work)
+      memory%volume = sum(volume)
    end subroutine remember
 end module lopin_assemble_finite

@@ -17,6 +17,7 @@ module lopin_solid_memory
       logical :: finite = .false.              !! finite strain; else small strain
       real(wp) :: dt = 1.0_wp                  !! time since the accepted state [time]
       real(wp) :: work = 0.0_wp                !! plastic work so far [force length]
+      real(wp) :: volume = 0.0_wp              !! of the elements that flow, deformed [length^3]
       integer, allocatable :: first(:)         !! (nelement+1) first column of each element
       real(wp), allocatable :: value(:, :)     !! (nmemory, ncolumn) of module material_memory
       real(wp), allocatable :: next(:, :)      !! of the state just found, until it is kept

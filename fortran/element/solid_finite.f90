@@ -121,11 +121,11 @@ contains
       end do
    end subroutine finite_stresses
 
-   !> The memory of this state, to be kept once it is accepted, and the plastic work since the last.
+   !> The memory of this state, to be kept once it is accepted, plastic work since the last, volume.
    !>
    !> The metric changes by F**-1 (b after flow - b of the trial) F**-T. The work is that of the
    !> mean of the stresses before and after.
-   pure subroutine finite_memory(element, law, x, u, thickness, dt, memory, work, bad)
+   pure subroutine finite_memory(element, law, x, u, thickness, dt, memory, work, held, bad)
       type(element_type), intent(in) :: element
       type(finite_law_type), intent(in) :: law
       real(wp), intent(in) :: x(:, :), u(:, :)               !! (ndim, nnode) [length]
@@ -133,6 +133,7 @@ contains
       real(wp), intent(in) :: dt                             !! since the accepted state [time]
       real(wp), intent(inout) :: memory(:, :)                !! of the accepted state, then of this
       real(wp), intent(out) :: work                          !! [force length]
+      real(wp), intent(out) :: held                          !! deformed volume [length^3]
       integer, intent(out) :: bad                            !! Gauss point turned inside out, or 0
       type(point_type) :: point(element%ngauss)
       type(return_type) :: back
@@ -140,8 +141,10 @@ contains
       integer :: k, m
 
       work = 0.0_wp
+      held = 0.0_wp
       call deform(element, law, x, u, thickness, memory, dt, point, g, bad)
       if (bad > 0) return
+      held = sum(point%weight*(1.0_wp + point%own))
       m = element%nstress
       do k = 1, element%ngauss
          call flow_of_trial(law, past_of(memory(:, k), m, dt), point(k)%change, back, taken)

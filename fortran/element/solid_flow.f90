@@ -91,8 +91,8 @@ contains
       end do
    end subroutine flow_stresses
 
-   !> The memory of this state, to be kept once it is accepted, and the plastic work since the last.
-   pure subroutine flow_memory(element, law, x, u, thickness, dt, memory, work, bad)
+   !> The memory of this state, to be kept once it is accepted, plastic work since the last, volume.
+   pure subroutine flow_memory(element, law, x, u, thickness, dt, memory, work, held, bad)
       type(element_type), intent(in) :: element
       type(finite_law_type), intent(in) :: law
       real(wp), intent(in) :: x(:, :), u(:, :)               !! (ndim, nnode) [length]
@@ -100,6 +100,7 @@ contains
       real(wp), intent(in) :: dt                             !! since the accepted state [time]
       real(wp), intent(inout) :: memory(:, :)                !! of the accepted state, then of this
       real(wp), intent(out) :: work                          !! [force length]
+      real(wp), intent(out) :: held                          !! deformed volume [length^3]
       integer, intent(out) :: bad                            !! as for flow_element
       real(wp) :: b(element%ndof, element%nstress, element%ngauss), volume(element%ngauss)
       real(wp) :: own(element%nstress, element%ngauss), deviator(element%nstress), trace, density
@@ -108,8 +109,10 @@ contains
 
       m = element%nstress
       work = 0.0_wp
+      held = 0.0_wp
       call trial(element, law, x, u, thickness, memory, dt, b, volume, own, bad)
       if (bad > 0) return
+      held = sum(volume*(1.0_wp + own(1, :) + own(2, :) + own(3, :)))
       do k = 1, element%ngauss
          call answer(element, law, memory(:, k), dt, own(:, k), back, deviator, trace)
          if (.not. back%step > 0.0_wp) cycle

@@ -148,6 +148,9 @@ contains
          call put_points(text, 'strains (elem, integ.pnt.,exx,eyy,ezz,exy,exz,eyz)', set, item, &
             & 0.5_wp, frame%strain)
       end if
+      if (has_variable(output%variable, ['PEEQ    '])) call put_points(text, &
+         & 'equivalent plastic strain (elem, integ.pnt.,pe)', set, item, 1.0_wp, &
+         & frame%plastic_strain)
       if (.not. has_variable(output%variable, ['ELSE    ', 'EVOL    '])) return
       call element_measures(points, model, item, frame, measure)
       if (has_variable(output%variable, ['ELSE    '])) then
@@ -173,7 +176,7 @@ contains
          character(len=*), intent(in) :: title, set
          integer, intent(in) :: item(:)
          real(wp), intent(in) :: shear                      !! factor on the shears
-         real(wp), allocatable, intent(in) :: values(:, :)  !! (6, npoint)
+         real(wp), allocatable, intent(in) :: values(:, :)  !! (6 or 1, npoint)
          integer :: i, k, j, e
 
          if (.not. allocated(values)) return
@@ -183,7 +186,7 @@ contains
             do k = 1, frame%first_point(e + 1) - frame%first_point(e)
                call text%put_integer(model%mesh%element_label(e), 10)
                call text%put_integer(k, 4)
-               do j = 1, 6
+               do j = 1, size(values, 1)
                   call text%put(' ')
                   call text%put_exponential(merge(1.0_wp, shear, j <= 3) &
                      & *values(j, frame%first_point(e) - 1 + points%order(k, &

@@ -114,7 +114,7 @@ contains
       type(wants_type) :: what
 
       associate (unused => self)
-         what%nodal_stress = frame_asks(model, frame, output_of%element_file, ['S'])
+         what%nodal_stress = frame_asks(model, frame, output_of%element_file, ['S   ', 'PEEQ'])
          what%strain = frame_asks(model, frame, output_of%element_file, ['E'])
       end associate
    end function wants
@@ -209,6 +209,12 @@ contains
          & .and. allocated(frame%strain)) then
          call nodal_average(self%points, model, frame%first_point, frame%strain, strain)
          call put_tensor(self, model, frame, 'TOSTRAIN', 'E', 0.5_wp, strain)
+      end if
+      if (due_variable(model, frame, output_of%element_file, ['PEEQ']) &
+         & .and. allocated(frame%nodal_plastic)) then
+         call put_head(self, frame, size(self%node), 'PE', 1)
+         call put_component(self%text, 'PE', 1, 0, 0)
+         call put_rows(self%text, model%mesh%node_label, self%node, frame%nodal_plastic)
       end if
       if (due_variable(model, frame, output_of%node_file, ['RF'])) then
          call put_vector(self, model, frame, 'FORC', 'F', frame%rf)

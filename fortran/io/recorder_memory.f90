@@ -23,7 +23,7 @@ module lopin_recorder_memory
 
    type :: kept_type
       real(wp) :: time = 0.0_wp
-      real(wp), allocatable :: u(:, :), rf(:, :), stress(:, :), row(:)
+      real(wp), allocatable :: u(:, :), rf(:, :), stress(:, :), plastic(:, :), row(:)
       type(contact_field_type), allocatable :: contact(:)
    end type kept_type
 
@@ -123,6 +123,8 @@ contains
          kept%u = frame%u(:model%mesh%ndim, :)
          kept%rf = frame%rf(:model%mesh%ndim, :)
          if (self%keep_stress .and. allocated(frame%nodal_stress)) kept%stress = frame%nodal_stress
+         if (self%keep_stress .and. allocated(frame%nodal_plastic)) &
+            & kept%plastic = frame%nodal_plastic
          if (allocated(frame%contact)) kept%contact = frame%contact
       end associate
       call history_row(model, frame, self%kept(self%nframe)%row)
@@ -159,6 +161,7 @@ contains
       if (.not. allocated(self%kept)) return
       text = 'TIME'//nl//'U'//nl//'RF'//nl//'LABEL'//nl//'MESH.points'
       if (allocated(self%kept(1)%stress)) text = text//nl//'S'//nl//'Mises'
+      if (allocated(self%kept(1)%plastic)) text = text//nl//'PEEQ'
       do i = 1, ncell
          if (size(self%cells(i)%node) > 0) text = text//nl//'MESH.'//trim(cell_names(i))
       end do
@@ -210,6 +213,8 @@ contains
             if (allocated(kept%stress)) values = kept%stress
          case ('Mises')
             if (allocated(kept%stress)) values = mises(kept%stress)
+         case ('PEEQ')
+            if (allocated(kept%plastic)) values = kept%plastic
          case default
             call find_pair(self, name, pair, word)
             if (pair > 0) call contact_real(self, kept%contact(pair), word, values)
@@ -344,6 +349,7 @@ contains
          call move_alloc(kept(i)%u, larger(i)%u)
          call move_alloc(kept(i)%rf, larger(i)%rf)
          call move_alloc(kept(i)%stress, larger(i)%stress)
+         call move_alloc(kept(i)%plastic, larger(i)%plastic)
          call move_alloc(kept(i)%row, larger(i)%row)
          call move_alloc(kept(i)%contact, larger(i)%contact)
       end do

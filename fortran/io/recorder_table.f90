@@ -4,6 +4,7 @@ module lopin_recorder_table
    use lopin_kinds, only : wp
    use lopin_model, only : model_type, rigid_body_type
    use lopin_state, only : frame_type, contact_field_type
+   use lopin_flow_curve, only : flows
    implicit none
    private
    public :: pair_summary_type, summarise_pair, pair_name, file_word
@@ -172,6 +173,10 @@ contains
       call add('energy.external', 'force*length')
       call add('energy.contact', 'force*length')
       call add('energy.friction', 'force*length')
+      if (model_flows(model)) then
+         call add('energy.plastic', 'force*length')
+         call add('volume', 'length^3')
+      end if
       call add('certificate', '0=PASS 1=WARN 2=FAIL')
    contains
       subroutine add(what, unit)
@@ -183,6 +188,17 @@ contains
          column = [column, one]
       end subroutine add
    end subroutine history_columns
+
+   !> Some material is plastic or viscous.
+   pure logical function model_flows(model)
+      type(model_type), intent(in) :: model
+      integer :: i
+
+      model_flows = .false.
+      do i = 1, size(model%material)
+         model_flows = model_flows .or. flows(model%material(i)%flow)
+      end do
+   end function model_flows
 
    subroutine history_row(model, frame, row)
       type(model_type), intent(in) :: model
@@ -204,7 +220,9 @@ contains
             & real(pair%closed, wp)]
       end do
       row = [row, frame%energy%strain, frame%energy%external, frame%energy%contact, &
-         & frame%energy%friction, real(frame%certificate%verdict, wp)]
+         & frame%energy%friction]
+      if (model_flows(model)) row = [row, frame%energy%plastic, frame%energy%volume]
+      row = [row, real(frame%certificate%verdict, wp)]
    end subroutine history_row
 
    !> Translations, then rotations, of a reference node (or of its rotation node).

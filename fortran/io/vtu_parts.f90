@@ -134,6 +134,7 @@ contains
          call writer%reals('S', frame%nodal_stress([1, 2, 3, 4, 6, 5], :))
          call writer%reals('Mises', mises(frame%nodal_stress))
       end if
+      if (allocated(frame%nodal_plastic)) call writer%reals('PEEQ', frame%nodal_plastic)
       call writer%integers('LABEL', model%mesh%node_label)
       call writer%end_section()
       call writer%section('CellData')

@@ -56,6 +56,7 @@ module lopin_state
       real(wp) :: contact = 0.0_wp           !! stored by penalty springs
       real(wp) :: friction = 0.0_wp          !! dissipated since the start
       real(wp) :: plastic = 0.0_wp           !! work of plastic and viscous flow since the start
+      real(wp) :: volume = 0.0_wp            !! of the bodies that flow, deformed [length^3]
    end type energy_type
 
    !> One accepted increment, as handed to the recorders. Displacements and reactions by node:
@@ -76,6 +77,8 @@ module lopin_state
       integer, allocatable :: first_point(:)   !! (nelement+1) first integration point of each
                                                !! element in `stress`
       real(wp), allocatable :: nodal_stress(:, :) !! (6, nnode) extrapolated and averaged
+      !> (1, npoint) and (1, nnode) accumulated plastic strain, if some material flows
+      real(wp), allocatable :: plastic_strain(:, :), nodal_plastic(:, :)
       type(contact_field_type), allocatable :: contact(:)  !! by pair
       type(certificate_type) :: certificate
       type(energy_type) :: energy
