@@ -7,11 +7,11 @@ module lopin_certificate
    use lopin_constraints, only : reduce, prescribed_part
    use lopin_contact_points, only : pair_is_tied
    use lopin_contact_rows, only : row_forces
-   use lopin_scene, only : scene_type, gap_of
+   use lopin_scene, only : scene_type
    use lopin_methods, only : has_law
    implicit none
    private
-   public :: forces_type, find_forces, certify, worst_unrowed, give_verdict
+   public :: forces_type, find_forces, certify, give_verdict
 
    !> PASS up to these, WARN above, FAIL above ten times (conventions, frozen).
    real(wp), parameter :: complementarity_limit = 1.0e-6_wp, equilibrium_limit = 1.0e-6_wp
@@ -229,22 +229,4 @@ contains
       write (buffer, '(es9.2)') value
       text = trim(adjustl(buffer))
    end function short
-
-   !> Deepest penetration, in facets, of the points that have a master but no row; <= 0: none
-   !> penetrates.
-   real(wp) function worst_unrowed(scene, model) result(worst)
-      type(scene_type), intent(in) :: scene
-      type(model_type), intent(in) :: model
-      logical :: has_row(scene%points%n)
-      integer :: i
-
-      worst = -huge(1.0_wp)
-      has_row = .false.
-      has_row(scene%rows%point) = .true.
-      do i = 1, scene%points%n
-         if (has_row(i) .or. scene%points%facet(i) == 0 .or. scene%candidate(i)) cycle
-         if (pair_is_tied(model, model%pair(scene%points%pair(i)))) cycle
-         worst = max(worst, -gap_of(scene, model, i)/scene%points%size(i))
-      end do
-   end function worst_unrowed
 end module lopin_certificate

@@ -3,7 +3,7 @@
 !> What fails before it is accepted leaves the accepted state untouched; `reject` drops the trial.
 module lopin_increment
    use lopin_kinds, only : wp
-   use lopin_error, only : error_type, error_code, raise
+   use lopin_error, only : error_type, error_code, raise, log_type
    use lopin_text, only : to_text
    use lopin_checksum, only : checksum_type
    use lopin_clock, only : phase
@@ -14,9 +14,10 @@ module lopin_increment
    use lopin_loading, only : loading_type, loads_at, prescribed_at
    use lopin_friction, only : has_friction
    use lopin_plan, only : plan_type, path_of
-   use lopin_scene, only : scene_type, widen_reach
-   use lopin_solve_path, only : prepare_path, solve_path
-   use lopin_certificate, only : forces_type, find_forces, certify, worst_unrowed
+   use lopin_scene, only : scene_type
+   use lopin_reach, only : some_bite, widen_reach, widen_to_nearest, all_within_reach
+   use lopin_solve_path, only : prepare_path, widen_path, solve_path
+   use lopin_certificate, only : forces_type, find_forces, certify
    use lopin_finite_contact, only : accept_contact => accept, reject_contact => reject
    use lopin_finite_state, only : iteration_header
    use lopin_solid_memory, only : keep
@@ -73,13 +74,11 @@ contains
       if (scene%finite%nlgeom) call set_followers(scene%finite%follower, model, frame%step_time)
       scene%interference = 1.0_wp
       if (scene%step == 1) scene%interference = frame%step_time/loading%period
-      call solve_path(scene, model, plan, progress%f, prescribed, error)
+      call solve_within_reach(scene, model, plan, progress%f, prescribed, recorders, summary, error)
       call say_iterations(recorders, scene, frame)
       if (allocated(error)) return
       if (.not. scene%finite%in_use) then
-         call close_condensed(scene, model, plan, prescribed, progress, recorders, summary, forces, &
-            & frame, error)
-         if (allocated(error)) return
+         call close_condensed(scene, model, prescribed, progress, forces, frame)
          if (slides_away(scene, model, plan)) then
             call change_to_finite(scene, model, plan, recorders, summary, error)
             if (allocated(error)) return
@@ -167,29 +166,54 @@ contains
       call prepare(scene, model, plan, recorders, summary, error)
    end subroutine change_to_finite
 
-   !> Look at the points without a row, and certify what the condensed paths found.
-   subroutine close_condensed(scene, model, plan, prescribed, progress, recorders, summary, forces, &
-      & frame, error)
+   !> Solve with rows for the points within reach, and again for more where others would press, or
+   !> where those do not hold the bodies.
+   subroutine solve_within_reach(scene, model, plan, f, prescribed, recorders, summary, error)
       type(scene_type), intent(inout) :: scene
       type(model_type), intent(in) :: model
       type(plan_type), intent(in) :: plan
-      real(wp), intent(in) :: prescribed(:)
-      type(progress_type), intent(inout) :: progress
+      real(wp), intent(in) :: f(:), prescribed(:)
       type(recorder_holder_type), intent(inout) :: recorders(:)
       type(summary_type), intent(inout) :: summary
+      type(error_type), allocatable, intent(out) :: error
+      type(log_type) :: log
+      integer :: round
+
+      round = 0
+      do
+         log = scene%log
+         call solve_path(scene, model, plan, f, prescribed, error)
+         if (plan%path == path_of%finite .or. all_within_reach(scene)) return
+         if (.not. allocated(error)) then
+            if (.not. some_bite(scene, model)) return
+         else if (all(error%code /= [error_code%singular, error_code%not_converged])) then
+            return
+         end if
+         round = round + 1
+         if (allocated(error)) then
+            deallocate (error)
+            call reject(scene)
+            call widen_to_nearest(scene, model, round)
+         else
+            call widen_reach(scene, model, round)
+            call reject(scene)
+         end if
+         scene%log = log
+         call widen_path(scene, model, plan, summary, error)
+         if (allocated(error)) return
+         call say(recorders, 'more slave points come within reach: '//summary%plan)
+      end do
+   end subroutine solve_within_reach
+
+   !> Certify what the condensed paths found.
+   subroutine close_condensed(scene, model, prescribed, progress, forces, frame)
+      type(scene_type), intent(inout) :: scene
+      type(model_type), intent(in) :: model
+      real(wp), intent(in) :: prescribed(:)
+      type(progress_type), intent(inout) :: progress
       type(forces_type), intent(out) :: forces
       type(frame_type), intent(inout) :: frame
-      type(error_type), allocatable, intent(out) :: error
 
-      if (worst_unrowed(scene, model) > 0.0_wp) then
-         call widen_reach(scene)
-         call say(recorders, 'points beyond the first reach penetrate: all slave points get a '// &
-            & 'row, factorised again')
-         call prepare(scene, model, plan, recorders, summary, error)
-         if (allocated(error)) return
-         call solve_path(scene, model, plan, progress%f, prescribed, error)
-         if (allocated(error)) return
-      end if
       call find_forces(forces, scene, progress%f)
       progress%residual = forces%residual
       call certify(frame%certificate, frame%energy, scene, model, forces, prescribed)

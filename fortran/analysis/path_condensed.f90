@@ -13,9 +13,11 @@ module lopin_path_condensed
    use lopin_constraints, only : expand, reduce
    use lopin_condensed, only : columns_times
    use lopin_active_set, only : solve_contact, outcome
-   use lopin_contact_rows, only : reduce_rows
+   use lopin_contact_rows, only : contact_rows_type, reduce_rows
+   use lopin_reach, only : carry_rows
    use lopin_scene, only : scene_type, retained_equations, rebuild_rows
-   use lopin_linear_system, only : new_linear_system, condense_load, recover
+   use lopin_linear_system, only : new_linear_system, condense_load, recover, &
+      & widen_system, joins_cheaply
    use lopin_automatic_penalty, only : set_stiffness
    use lopin_methods, only : choose_methods
    use lopin_contact_friction, only : slides_with_friction, contact_with_friction, start_speed, &
@@ -26,7 +28,7 @@ module lopin_path_condensed
    use lopin_contact_failure, only : check_held, explain_outcome
    implicit none
    private
-   public :: prepare_condensed, solve_condensed
+   public :: prepare_condensed, solve_condensed, widen_condensed
 
 
 contains
@@ -50,6 +52,27 @@ contains
       if (.not. allocated(error)) return
       if (bad > 0) call name_equation(scene, model, bad, error)
    end subroutine prepare_condensed
+
+   !> Rows for the points within reach by now: on the factor that stands if they are few.
+   subroutine widen_condensed(scene, model, error)
+      type(scene_type), intent(inout) :: scene
+      type(model_type), intent(in) :: model
+      type(error_type), allocatable, intent(out) :: error
+      type(contact_rows_type) :: old
+      integer, allocatable :: retained(:), added(:)
+
+      old = scene%rows
+      call retained_equations(scene, model, retained)
+      call carry_rows(scene, model, old)
+      added = pack(retained, scene%system%place(retained) == 0)
+      if (joins_cheaply(scene%system, size(added))) then
+         call widen_system(scene%system, added, scene%counter, error)
+      else
+         call prepare_condensed(scene, model, error)
+      end if
+      scene%fresh_factor = .true.
+      call scene%clock%stop_in(phase%solve)
+   end subroutine widen_condensed
 
    !> A pivot that vanished: say which node and direction.
    subroutine name_equation(scene, model, bad, error)

@@ -108,10 +108,13 @@ contains
    end function why_finite
 
    !> One line: what was chosen, and why.
-   function plan_line(self, solver, solver_reason, equations, retained, rows, nq) result(line)
+   function plan_line(self, solver, solver_reason, equations, retained, rows, nq, reached, points, &
+      & joined) result(line)
       type(plan_type), intent(in) :: self
       character(len=*), intent(in) :: solver, solver_reason
       integer, intent(in) :: equations, retained, rows, nq
+      integer, intent(in) :: reached, points   !! slave points within reach, and all of them
+      integer, intent(in) :: joined            !! equations that came into reach after the factor
       character(len=:), allocatable :: line
 
       line = 'path '
@@ -121,6 +124,9 @@ contains
       line = line//', solver '//solver//' ('//solver_reason//'): '//to_text(equations)//' equations'
       if (rows > 0) line = line//', '//to_text(rows)//' contact rows on '//to_text(retained)// &
          & ' of them'
+      if (joined > 0) line = line//' ('//to_text(joined)//' joined by a back-solve each)'
+      if (reached < points) line = line//', '//to_text(reached)//' of '//to_text(points)// &
+         & ' slave points within reach'
       if (nq > 0) line = line//', '//to_text(nq)//' motions held only by contact'
       line = line//'; because '//self%reason
    end function plan_line

@@ -14,6 +14,7 @@ module lopin_run_analysis
    use lopin_loading, only : new_loading, add_ended_loads
    use lopin_plan, only : plan_type, new_plan, path_of
    use lopin_scene, only : scene_type, new_scene, set_supports
+   use lopin_reach, only : choose_reach
    use lopin_bodies, only : describe_motion
    use lopin_path_finite, only : start_step
    use lopin_contact_friction, only : slides_with_friction
@@ -59,6 +60,7 @@ contains
       call begin_all(recorders, model, error, keeper)
       if (.not. allocated(error)) call new_plan(plan, model, error)
       if (.not. allocated(error)) call new_scene(scene, model, error)
+      if (.not. allocated(error)) call choose_reach(scene, model)
       if (.not. allocated(error)) call run_steps(scene, model, plan, recorders, summary, log, &
          & error, keeper)
       do i = 1, scene%log%n

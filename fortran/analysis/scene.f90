@@ -23,7 +23,7 @@ module lopin_scene
    implicit none
    private
    public :: scene_type, new_scene, set_supports, retained_equations, rebuild_rows
-   public :: relative_motion, gap_of, widen_reach, follow_tools
+   public :: relative_motion, gap_of, follow_tools
 
    type :: scene_type
       type(dofs_type) :: dofs
@@ -60,9 +60,6 @@ module lopin_scene
       type(log_type) :: log
    end type scene_type
 
-   !> Scenes with fewer slave points give every point a row at once.
-   integer, parameter :: few_points = 300
-
 contains
 
    subroutine new_scene(self, model, error)
@@ -87,7 +84,7 @@ contains
       allocate (self%place(6, size(model%rigid_body)), source=0.0_wp)
       self%sticks = self%initial%touches
       call new_friction_state(self%friction, self%points%n)
-      call choose_reach(self, model)
+      allocate (self%candidate(self%points%n), source=.true.)
    end subroutine new_scene
 
    function sections_of(model) result(section)
@@ -108,40 +105,6 @@ contains
          end associate
       end do
    end function sections_of
-
-   !> In a scene that displacements drive, points much farther than anything moves need no row;
-   !> every gap is checked after the solve all the same.
-   subroutine choose_reach(self, model)
-      type(scene_type), intent(inout) :: self
-      type(model_type), intent(in) :: model
-      real(wp) :: largest
-      integer :: i
-      logical :: forced
-
-      allocate (self%candidate(self%points%n), source=.true.)
-      if (self%points%n <= few_points) return
-      forced = .false.
-      largest = 0.0_wp
-      do i = 1, size(model%step)
-         forced = forced .or. size(model%step(i)%point_load) + size(model%step(i)%face_load) &
-            & + size(model%step(i)%body_load) > 0
-         associate (p => model%step(i)%prescribed)
-            ! A turning tool moves its far points by more than its reference.
-            forced = forced .or. any(p%dof > 3 .and. p%value /= 0.0_wp)
-            if (size(p) > 0) largest = max(largest, maxval(abs(p%value)))
-         end associate
-      end do
-      if (forced .or. .not. largest > 0.0_wp) return
-      do i = 1, self%points%n
-         if (pair_is_tied(model, model%pair(self%points%pair(i)))) cycle
-         self%candidate(i) = .not. self%points%gap(i) + self%initial%shift(i) > largest
-      end do
-   end subroutine choose_reach
-
-   subroutine widen_reach(self)
-      type(scene_type), intent(inout) :: self
-      self%candidate = .true.
-   end subroutine widen_reach
 
    !> Constraints and floating motions of a step; `same` if they are those of the step before.
    subroutine set_supports(self, model, step, same, error)

@@ -7,12 +7,12 @@ module lopin_solve_path
    use lopin_state, only : summary_type
    use lopin_plan, only : plan_type, plan_line, finite_line, path_of
    use lopin_scene, only : scene_type, follow_tools
-   use lopin_path_condensed, only : prepare_condensed, solve_condensed
+   use lopin_path_condensed, only : prepare_condensed, solve_condensed, widen_condensed
    use lopin_path_newton, only : prepare_newton, solve_newton
    use lopin_path_finite, only : begin_finite, solve_finite
    implicit none
    private
-   public :: prepare_path, solve_path
+   public :: prepare_path, widen_path, solve_path
 
    !> Projections of a tool that forces move within one increment; a few are the rule.
    integer, parameter :: most_places = 40
@@ -54,15 +54,48 @@ contains
          summary%path = 'condensed'
          summary%solver = scene%system%solver%name()
          reason = scene%system%reason
-         summary%equations = scene%system%n
-         summary%retained = scene%system%nlast
       end if
       scene%fresh_factor = .true.
-      summary%candidates = scene%rows%n
-      summary%plan = plan_line(plan, summary%solver, reason, summary%equations, summary%retained, &
-         & scene%rows%n, &
-         & scene%bodies%nq)
+      call describe(scene, plan, reason, summary)
    end subroutine prepare_path
+
+   !> Rows for the points within reach by now: on the condensed path the factor stands.
+   subroutine widen_path(scene, model, plan, summary, error)
+      type(scene_type), intent(inout) :: scene
+      type(model_type), intent(in) :: model
+      type(plan_type), intent(in) :: plan
+      type(summary_type), intent(inout) :: summary
+      type(error_type), allocatable, intent(out) :: error
+
+      if (plan%path == path_of%newton) then
+         call prepare_path(scene, model, plan, summary, error)
+         return
+      end if
+      call widen_condensed(scene, model, error)
+      if (.not. allocated(error)) call describe(scene, plan, scene%system%reason, summary)
+   end subroutine widen_path
+
+   !> Tell the summary what the linear paths stand on.
+   subroutine describe(scene, plan, reason, summary)
+      type(scene_type), intent(in) :: scene
+      type(plan_type), intent(in) :: plan
+      character(len=*), intent(in) :: reason
+      type(summary_type), intent(inout) :: summary
+      integer :: joined
+
+      joined = 0
+      if (plan%path == path_of%condensed) then
+         summary%equations = scene%system%n
+         summary%retained = scene%system%nlast
+         joined = size(scene%system%late)
+      end if
+      summary%candidates = scene%rows%n
+      associate (met => scene%points%facet(:scene%points%n) > 0)
+         summary%plan = plan_line(plan, summary%solver, reason, summary%equations, &
+            & summary%retained, scene%rows%n, scene%bodies%nq, count(met .and. scene%candidate), &
+            & count(met), joined)
+      end associate
+   end subroutine describe
 
    !> Solve; where a tool that forces move is curved, again for the place it has moved to, until it
    !> rests.
