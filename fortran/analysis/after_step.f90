@@ -10,6 +10,7 @@ module lopin_after_step
    use lopin_methods, only : has_law
    use lopin_tool, only : foot_type, project_moved
    use lopin_rigid_motion, only : rigid_motion_type, new_rigid_motion
+   use lopin_state, only : energy_type
    implicit none
    private
    public :: seen_type, look_at_pairs, judge_step, say_once, pair_that_slid
@@ -21,6 +22,9 @@ module lopin_after_step
    real(wp), parameter :: chosen_slip = 0.005_wp, slips = 20.0_wp
    !> Normals are parallel up to this.
    real(wp), parameter :: parallel = 1.0e-8_wp
+
+   !> Work that may be lost, beside all of it.
+   real(wp), parameter :: balance_limit = 0.01_wp
 
    !> What was seen of the pairs so far.
    type :: seen_type
@@ -88,10 +92,11 @@ contains
 
    !> Say at the end of a step what its answer cannot be trusted in, and after the last what never
    !> met.
-   subroutine judge_step(scene, model, seen)
+   subroutine judge_step(scene, model, seen, energy)
       type(scene_type), intent(inout) :: scene
       type(model_type), intent(in) :: model
       type(seen_type), intent(in) :: seen
+      type(energy_type), intent(in) :: energy      !! of the last increment
       integer :: pair
 
       if (scene%step == size(model%step)) then
@@ -109,7 +114,24 @@ contains
       if (.not. scene%finite%nlgeom) call judge_elements(scene, model)
       call judge_rigid_bodies(scene, model)
       call judge_elastic_slip(scene, model)
+      if (scene%finite%memory%in_use) call judge_balance(scene, model, energy)
    end subroutine judge_step
+
+   !> Work that is neither stored nor dissipated: what the increments were too large for.
+   subroutine judge_balance(scene, model, energy)
+      type(scene_type), intent(inout) :: scene
+      type(model_type), intent(in) :: model
+      type(energy_type), intent(in) :: energy
+      real(wp) :: lost, whole
+
+      lost = energy%external - energy%strain - energy%contact - energy%friction - energy%plastic
+      whole = max(abs(energy%external), energy%strain + energy%plastic + abs(energy%friction))
+      if (.not. abs(lost) > balance_limit*whole) return
+      call say_once(scene%log, 'W0530', to_text(100.0_wp*lost/whole, 3)// &
+         & ' % of the work is neither stored nor dissipated at the end of step '// &
+         & to_text(scene%step), model%step(scene%step)%at, &
+         & help='smaller increments on *STATIC: they are what the energies are integrated over')
+   end subroutine judge_balance
 
    !> The nodes of a rigid body follow its rotation linearly: on tangents, not on circles.
    subroutine judge_rigid_bodies(scene, model)

@@ -31,6 +31,9 @@ module lopin_increment
    private
    public :: progress_type, solve_increment, reject, prepare, say
 
+   !> Largest plastic strain of one increment, where increments may be cut.
+   real(wp), parameter :: most_flow = 0.25_wp
+
    !> What goes on from step to step.
    type :: progress_type
       real(wp) :: time = 0.0_wp
@@ -98,12 +101,14 @@ contains
       end if
       call scene%clock%stop_in(phase%solve)
       call warn_of(scene, model, frame)
-      call add_work(scene, progress, frame)
       if (scene%finite%in_use) then
          call remember(scene%solids, model%mesh, scene%u, scene%finite%memory)
-         frame%energy%plastic = scene%finite%memory%work
+         call limit_flow(scene, model, error)
+         if (allocated(error)) return
+         frame%energy%plastic = scene%finite%memory%next_work
          frame%energy%volume = scene%finite%memory%volume
       end if
+      call add_work(scene, progress, frame)
       call accept(scene, progress, steady)
       call look_at_pairs(progress%seen, scene, model)
       call record(scene, model, forces%reaction, recorders, frame, error)
@@ -117,6 +122,21 @@ contains
          & frame%certificate%reason, &
          & model%step(scene%step)%at, help='see lopin explain E0504')
    end subroutine solve_increment
+
+   !> More plastic flow than one increment follows, where increments may be cut.
+   subroutine limit_flow(scene, model, error)
+      type(scene_type), intent(in) :: scene
+      type(model_type), intent(in) :: model
+      type(error_type), allocatable, intent(out) :: error
+
+      associate (memory => scene%finite%memory, step => model%step(scene%step))
+         if (step%direct .or. .not. memory%most_strain > most_flow) return
+         call raise(error, error_code%not_converged, 'E0513', 'plastic strain grows by '// &
+            & to_text(memory%most_strain, 3)//' in one increment, at element '// &
+            & to_text(model%mesh%element_label(memory%most_element)), step%at, &
+            & help='smaller increments on *STATIC; DIRECT takes them as they are')
+      end associate
+   end subroutine limit_flow
 
    !> What the iterations of the finite path did.
    subroutine say_iterations(recorders, scene, frame)

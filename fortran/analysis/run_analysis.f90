@@ -31,6 +31,8 @@ module lopin_run_analysis
    !> than the last, beside the period, unless the deck says otherwise.
    real(wp), parameter :: cut = 0.25_wp, growth = 1.5_wp, smallest = 1.0e-6_wp
    integer, parameter :: few_iterations = 8
+   !> Plastic strain that increments grow up to.
+   real(wp), parameter :: steady_flow = 0.1_wp
 
 contains
 
@@ -278,7 +280,8 @@ contains
             summary%step(scene%step)%increments = number
             march%number = number
             march%at_end = frame%last_of_step
-            if (.not. march%at_end) call grow(march%increment, step, plan, frame%iterations)
+            if (.not. march%at_end) call grow(march%increment, step, plan, &
+               & frame, scene%finite%memory%most_strain)
             call keep_state(scene, model, plan, progress, march, recorders, summary, error, keeper)
             if (allocated(error)) return
          end do
@@ -294,7 +297,7 @@ contains
          if (scene%step < size(model%step)) call add_ended_loads(march%loading, model, scene%dofs, &
             & scene%constraints, &
             & scene%solids, step, model%step(scene%step + 1), progress%steady)
-         call judge_step(scene, model, progress%seen)
+         call judge_step(scene, model, progress%seen, frame%energy)
       end associate
    end subroutine run_step
 
@@ -341,15 +344,18 @@ contains
       end associate
    end subroutine advance
 
-   !> The next increment after one that took so many iterations.
-   subroutine grow(increment, step, plan, iterations)
+   !> The next increment: larger after few iterations, as long as the metal flows little in it.
+   subroutine grow(increment, step, plan, frame, flow)
       real(wp), intent(inout) :: increment
       type(step_type), intent(in) :: step
       type(plan_type), intent(in) :: plan
-      integer, intent(in) :: iterations
+      type(frame_type), intent(in) :: frame    !! of the last increment
+      real(wp), intent(in) :: flow             !! largest plastic strain in it
 
       if (.not. step%direct .and. (plan%path /= path_of%finite &
-         & .or. iterations <= few_iterations)) increment = growth*increment
+         & .or. frame%iterations <= few_iterations)) increment = growth*increment
+      if (.not. step%direct .and. flow > 0.0_wp) &
+         & increment = min(increment, frame%time_increment*steady_flow/flow)
       if (step%largest > 0.0_wp) increment = min(increment, step%largest)
    end subroutine grow
 

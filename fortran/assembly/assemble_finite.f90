@@ -11,6 +11,7 @@ module lopin_assemble_finite
    use lopin_solid_flow, only : flow_element, flow_stresses, flow_memory
    use lopin_assemble_solids, only : solids_type, group_type, add_slots
    use lopin_solid_memory, only : solid_memory_type
+   use lopin_material_memory, only : strain_at
    implicit none
    private
    public :: assemble_finite, recover_finite, remember, bad_element_type
@@ -221,13 +222,13 @@ contains
       type(mesh_type), intent(in) :: mesh
       real(wp), intent(in) :: u(:)             !! (n) total displacements by equation [length]
       type(solid_memory_type), intent(inout) :: memory
-      real(wp), allocatable :: work(:), volume(:)
-      integer :: e, p, q, bad
+      real(wp), allocatable :: work(:), volume(:), strain(:)
+      integer :: e, p, q, bad, row
 
       if (.not. memory%in_use) return
-      allocate (work(mesh%nelement), volume(mesh%nelement), source=0.0_wp)
+      allocate (work(mesh%nelement), volume(mesh%nelement), strain(mesh%nelement), source=0.0_wp)
       memory%next = memory%value
-      !$omp parallel do schedule(static) private(p, q, bad)
+      !$omp parallel do schedule(static) private(p, q, bad, row)
       do e = 1, mesh%nelement
          p = memory%first(e)
          q = memory%first(e + 1) - 1
@@ -242,11 +243,15 @@ contains
                   call flow_memory(group%element, group%law, x, own, group%thickness, memory%dt, &
                      & memory%next(:, p:q), work(e), volume(e), bad)
                end if
+               row = strain_at(group%element%nstress)
+               strain(e) = maxval(memory%next(row, p:q) - memory%value(row, p:q))
             end associate
          end associate
       end do
       !$omp end parallel do
-      memory%work = memory%work + sum(work)
+      memory%next_work = memory%work + sum(work)
+      memory%most_strain = maxval(strain)
+      memory%most_element = maxloc(strain, dim=1)
       memory%volume = sum(volume)
    end subroutine remember
 end module lopin_assemble_finite

@@ -17,6 +17,9 @@ module lopin_solid_memory
       logical :: finite = .false.              !! finite strain; else small strain
       real(wp) :: dt = 1.0_wp                  !! time since the accepted state [time]
       real(wp) :: work = 0.0_wp                !! plastic work so far [force length]
+      real(wp) :: next_work = 0.0_wp           !! that goes with `next` [force length]
+      real(wp) :: most_strain = 0.0_wp         !! largest plastic strain between the two
+      integer :: most_element = 0              !! where
       real(wp) :: volume = 0.0_wp              !! of the elements that flow, deformed [length^3]
       integer, allocatable :: first(:)         !! (nelement+1) first column of each element
       real(wp), allocatable :: value(:, :)     !! (nmemory, ncolumn) of module material_memory
@@ -63,7 +66,9 @@ contains
    !> What was found by `remember` becomes the accepted state.
    pure subroutine keep(self)
       type(solid_memory_type), intent(inout) :: self
-      if (self%in_use) self%value = self%next
+      if (.not. self%in_use) return
+      self%value = self%next
+      self%work = self%next_work
    end subroutine keep
 
    !> One row of the newest memory at all Gauss points of the mesh; 0 where nothing flows.

@@ -106,6 +106,16 @@ contains
          & 'equations, which hold for small rotations: turned by t they stand sqrt(1 + t^2) '// &
          & 'times too far out.', &
          & 'prescribe the displacements of the nodes, or use an analytic or STL tool.')
+      call add_explanation(list, 'E0513', 'more plastic flow than one increment follows', &
+         & 'The return to the yield surface takes the direction of flow at the end of the '// &
+         & 'increment. Where the strain of one increment is as large as here, the answer '// &
+         & 'depends on it; increments that may be cut are.', &
+         & 'smaller increments on *STATIC; DIRECT takes them as they are.')
+      call add_explanation(list, 'W0530', 'energies do not balance', &
+         & 'The work of loads and prescribed displacements differs from stored energy, plastic '// &
+         & 'work and friction by more than a hundredth. All are integrated over the increments '// &
+         & 'by the trapezoidal rule.', &
+         & 'smaller increments; compare energy.* in the history.')
       call add_explanation(list, 'W0514', 'the elastic slip is not small beside the slips', &
          & 'A penalty pair whose deck gives no elastic slip takes 0.5 % of a facet. Here nothing '// &
          & 'slips much farther than that, so that zones of stick and slip mix.', &
