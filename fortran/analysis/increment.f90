@@ -15,6 +15,7 @@ module lopin_increment
    use lopin_friction, only : has_friction
    use lopin_plan, only : plan_type, path_of
    use lopin_scene, only : scene_type
+   use lopin_overconstrained, only : tell_dependent, refuse_held_penetration
    use lopin_reach, only : some_bite, widen_reach, widen_to_nearest, all_within_reach
    use lopin_solve_path, only : prepare_path, widen_path, solve_path
    use lopin_certificate, only : forces_type, find_forces, certify
@@ -116,7 +117,10 @@ contains
       if (scene%finite%in_use) call keep(scene%finite%memory)
       call progress%checksum%add(frame%u(:3, :))
       summary%checksum = progress%checksum%text()
-      if (frame%certificate%verdict == 2) call raise(error, error_code%not_converged, 'E0504', &
+      if (frame%certificate%verdict /= 2) return
+      if (.not. scene%finite%in_use) call refuse_held_penetration(scene, model, &
+         & frame%certificate%reason, error)
+      if (.not. allocated(error)) call raise(error, error_code%not_converged, 'E0504', &
          & 'the certificate of step '// &
          & to_text(frame%step)//', increment '//to_text(frame%increment)//' fails: '// &
          & frame%certificate%reason, &
@@ -287,11 +291,7 @@ contains
          & to_text(frame%step)//', increment '//to_text(frame%increment)//': '// &
          & frame%certificate%reason, &
          & model%step(scene%step)%at)
-      if (scene%answer%dependent > 0) call say_once(scene%log, 'W0403', &
-         & to_text(scene%answer%dependent)// &
-         & ' contact rows depend on supports or on other rows: their forces are '// &
-         & 'shared in the way of least norm', model%step(scene%step)%at, &
-         & help='do not fix slave nodes along the contact normal, and list a pair of surfaces once')
+      if (scene%answer%dependent > 0) call tell_dependent(scene, model)
    end subroutine warn_of
 
    subroutine record(scene, model, reaction, recorders, frame, error)

@@ -125,6 +125,16 @@ contains
          & 'displacement is '// &
          & 'unique, the split of the forces among them is not; the one of least norm is given.', &
          & 'do not fix slave nodes along the contact normal, and list a pair of surfaces once.')
+      call add_explanation(list, 'W0409', 'a slave node is held twice', &
+         & 'Supports hold a slave node along its contact normal, and the master opposite too, or '// &
+         & 'a tie and another pair hold it at once. Its contact force is then not unique: supports '// &
+         & 'carry what they can, the rest is shared in the way of least norm.', &
+         & 'leave the node out of the support or out of the slave surface.')
+      call add_explanation(list, 'E0506', 'supports press a slave node into its master', &
+         & 'The node and the master opposite are both prescribed along the contact normal, so '// &
+         & 'that they meet whatever contact does: no force can open the penetration.', &
+         & 'leave the direction of the normal out of the support of the node, or stop the tool '// &
+         & 'before it gets there.')
       call add_explanation(list, 'E0601', 'the folder of results cannot be used', &
          & 'The folder cannot be made, or holds the unfinished run of another deck.', &
          & 'give another folder with -o, or --overwrite.')

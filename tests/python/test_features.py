@@ -560,7 +560,8 @@ def test_tie_support_and_contact_on_the_same_nodes(go):
     s.add("*BOUNDARY\nFLOOR_REF, 1, 2\nFLOOR_REF, 6\nLOW_BOTTOM, 2\nLOW_LEFT, 1\nUP_LEFT, 1")
     s.step("*DSLOAD\nUP_TOP, P, 5.")
     r = go(s)
-    assert r.code == 0 and r.ids() == ["W0403"], r.output
+    assert r.code == 0 and r.ids() == ["W0409"], r.output
+    assert "node 1 of pair (LOW_BOTTOM, FLOOR)" in r.message("W0409") and "(and 2 more)" in r.message("W0409")
     assert r.history["UP_BOTTOM-LOW_TOP.force2"][0] == approx(10.0, rel=1e-10)
     assert r.field("S")[:12, 1] == approx(-5.0, rel=1e-6)
 
@@ -574,7 +575,22 @@ def test_a_tool_cannot_be_driven_through_what_is_fixed(go):
     s.add("*BOUNDARY\nB, 1, 2\nFLOOR_REF, 1\nFLOOR_REF, 6")
     s.step("*BOUNDARY\nFLOOR_REF, 2, 2, 0.05")
     r = go(s)
-    assert r.code == 3 and "complementarity" in r.output and "W0403" in r.ids()
+    assert r.code == 3 and "complementarity" in r.output and "W0409" in r.ids()
+    assert "E0506" in r.output and "node 1 of pair (B_BOTTOM, FLOOR)" in r.output and "by 0.05" in r.output
+
+
+def test_a_tied_node_that_another_pair_holds_as_well_is_named(go):
+    """The lower face of the upper block is tied to the lower block and touches the same face again."""
+    s = two_blocks(2, 2, words="TIED")
+    s.add("*SURFACE INTERACTION, NAME=AGAIN\n*SURFACE BEHAVIOR, DIRECT\n"
+          "*CONTACT PAIR, INTERACTION=AGAIN, TYPE=NODE TO SURFACE\nUP_SAME, LOW_TOP")
+    s.add("*SURFACE, NAME=UP_SAME\nUP, S1")
+    s.add("*BOUNDARY\nLOW_BOTTOM, 2\nLOW_LEFT, 1\nUP_LEFT, 1")
+    s.step("*DSLOAD\nUP_TOP, P, 5.")
+    r = go(s)
+    assert r.code == 0 and r.ids().count("W0409") == 1 and "W0403" not in r.ids(), r.output
+    assert "is tied by pair (UP_BOTTOM, LOW_TOP) and touches by pair (UP_SAME, LOW_TOP)" in r.message("W0409")
+    assert r.field("S")[:, 1] == approx(-5.0, rel=1e-6)
 
 
 def test_slave_node_on_two_symmetry_planes_in_3d(go):

@@ -1,0 +1,192 @@
+!> Slave nodes that are held twice: by supports along the direction in which contact would act, or by
+!> a tie and another pair at once. One message with the node, the pair and the lines of the deck.
+module lopin_overconstrained
+   use lopin_kinds, only : wp
+   use lopin_error, only : error_type, error_code, raise
+   use lopin_text, only : to_text
+   use lopin_model, only : model_type
+   use lopin_contact_points, only : pair_is_tied
+   use lopin_scene, only : scene_type
+   use lopin_after_step, only : say_once
+   implicit none
+   private
+   public :: tell_dependent, refuse_held_penetration
+
+   !> Terms of a row that cancel to this share are gone.
+   real(wp), parameter :: cancelled = 1.0e-12_wp
+   !> Penetration beyond this share of a facet is no rounding.
+   real(wp), parameter :: penetrates = 1.0e-6_wp
+
+contains
+
+   !> Why rows of the answer depend on each other, said once for each pair or step.
+   subroutine tell_dependent(scene, model)
+      type(scene_type), intent(inout) :: scene
+      type(model_type), intent(in) :: model
+      integer :: row, first, number, other, pair
+
+      first = 0
+      number = 0
+      do row = 1, scene%rows%nnormal
+         if (scene%rows%tied(row) .or. .not. scene%answer%active(row)) cycle
+         if (.not. is_held(scene, row)) cycle
+         number = number + 1
+         if (first == 0) first = row
+      end do
+      if (first > 0) then
+         call say_held(scene, model, first, number)
+         return
+      end if
+      do row = 1, scene%rows%nnormal
+         if (scene%rows%tied(row) .or. .not. scene%answer%active(row)) cycle
+         other = tie_of(scene, model, row)
+         if (other == 0) cycle
+         pair = pair_of(scene, row)
+         call say_once(scene%log, 'W0409', 'node '//label_of(scene, model, row)// &
+            & ' is tied by pair '//name_of(model, other)//' and touches by pair '// &
+            & name_of(model, pair)//': both hold it, and how they share the force cannot be told', &
+            & model%pair(pair)%at, help='take the node out of the slave surface '// &
+            & model%surface(model%pair(pair)%slave)%name//'; the tie is on line '// &
+            & to_text(model%pair(other)%at%line))
+         return
+      end do
+      call say_once(scene%log, 'W0403', to_text(scene%answer%dependent)// &
+         & ' contact rows depend on supports or on other rows: their forces are '// &
+         & 'shared in the way of least norm', model%step(scene%step)%at, &
+         & help='do not fix slave nodes along the contact normal, and list a pair of surfaces once')
+   end subroutine tell_dependent
+
+   subroutine say_held(scene, model, row, number)
+      type(scene_type), intent(inout) :: scene
+      type(model_type), intent(in) :: model
+      integer, intent(in) :: row, number
+      character(len=:), allocatable :: others
+
+      others = ''
+      if (number > 1) others = ' (and '//to_text(number - 1)//' more)'
+      call say_once(scene%log, 'W0409', describe(scene, model, row)//others// &
+         & ': what the supports carry there and what contact carries cannot be told apart', &
+         & model%pair(pair_of(scene, row))%at, help=remedy(scene, model, row))
+   end subroutine say_held
+
+   !> Supports press a held node into its master: nothing can open that.
+   subroutine refuse_held_penetration(scene, model, reason, error)
+      type(scene_type), intent(in) :: scene
+      type(model_type), intent(in) :: model
+      character(len=*), intent(in) :: reason   !! of the certificate that fails
+      type(error_type), allocatable, intent(inout) :: error
+      integer :: row
+
+      do row = 1, scene%rows%nnormal
+         if (scene%rows%tied(row)) cycle
+         associate (gap => scene%answer%gap(row))
+            if (.not. -gap > penetrates*scene%points%size(scene%rows%point(row))) cycle
+            if (.not. is_held(scene, row)) cycle
+            call raise(error, error_code%not_converged, 'E0506', describe(scene, model, row)// &
+               & ', and they press it into its master by '//to_text(-gap, 4)// &
+               & ': no contact force can open that', model%pair(pair_of(scene, row))%at, &
+               & note='certificate: '//reason, help=remedy(scene, model, row))
+            return
+         end associate
+      end do
+   end subroutine refuse_held_penetration
+
+   function describe(scene, model, row) result(text)
+      type(scene_type), intent(in) :: scene
+      type(model_type), intent(in) :: model
+      integer, intent(in) :: row
+      character(len=:), allocatable :: text
+
+      text = 'node '//label_of(scene, model, row)//' of pair '// &
+         & name_of(model, pair_of(scene, row))//' is overconstrained: supports hold it along its '// &
+         & 'contact normal, and the master opposite'
+   end function describe
+
+   !> What to change, with the line of the support where there is one.
+   function remedy(scene, model, row) result(text)
+      type(scene_type), intent(in) :: scene
+      type(model_type), intent(in) :: model
+      integer, intent(in) :: row
+      character(len=:), allocatable :: text
+      integer :: i, direction
+
+      direction = maxloc(abs(scene%rows%direction(:, row)), 1)
+      associate (node => scene%points%node(scene%rows%point(row)), &
+         & held => model%step(scene%step)%prescribed)
+         text = 'let it move along direction '//to_text(direction)
+         do i = 1, size(held)
+            if (held(i)%node /= node .or. held(i)%dof /= direction) cycle
+            text = 'leave out direction '//to_text(direction)//' of its support on line '// &
+               & to_text(held(i)%at%line)
+            exit
+         end do
+      end associate
+      text = text//', or take it out of the slave surface '// &
+         & model%surface(model%pair(pair_of(scene, row))%slave)%name
+   end function remedy
+
+   !> No free equation moves the row.
+   pure logical function is_held(scene, row) result(held)
+      type(scene_type), intent(in) :: scene
+      integer, intent(in) :: row
+      integer :: k, c
+      real(wp) :: most
+      integer, allocatable :: equation(:)
+      real(wp), allocatable :: value(:)
+
+      allocate (equation(0), value(0))
+      do k = scene%rows%first(row), scene%rows%first(row + 1) - 1
+         associate (dof => scene%rows%dof(k))
+            do c = scene%constraints%first(dof), scene%constraints%first(dof + 1) - 1
+               equation = [equation, scene%constraints%equation(c)]
+               value = [value, scene%rows%coefficient(k)*scene%constraints%coefficient(c)]
+            end do
+         end associate
+      end do
+      most = 0.0_wp
+      do k = 1, size(value)
+         most = max(most, abs(sum(value, mask=equation == equation(k))))
+      end do
+      held = .not. most > cancelled
+   end function is_held
+
+   !> The pair that ties the node of a row; 0: none.
+   pure integer function tie_of(scene, model, row) result(pair)
+      type(scene_type), intent(in) :: scene
+      type(model_type), intent(in) :: model
+      integer, intent(in) :: row
+      integer :: other
+
+      pair = 0
+      do other = 1, scene%rows%nnormal
+         if (.not. scene%rows%tied(other)) cycle
+         if (scene%points%node(scene%rows%point(other)) &
+            & /= scene%points%node(scene%rows%point(row))) cycle
+         pair = pair_of(scene, other)
+         if (pair_is_tied(model, model%pair(pair))) return
+      end do
+      pair = 0
+   end function tie_of
+
+   pure integer function pair_of(scene, row) result(pair)
+      type(scene_type), intent(in) :: scene
+      integer, intent(in) :: row
+      pair = scene%points%pair(scene%rows%point(row))
+   end function pair_of
+
+   pure function name_of(model, pair) result(name)
+      type(model_type), intent(in) :: model
+      integer, intent(in) :: pair
+      character(len=:), allocatable :: name
+      name = '('//model%surface(model%pair(pair)%slave)%name//', '// &
+         & model%surface(model%pair(pair)%master)%name//')'
+   end function name_of
+
+   pure function label_of(scene, model, row) result(label)
+      type(scene_type), intent(in) :: scene
+      type(model_type), intent(in) :: model
+      integer, intent(in) :: row
+      character(len=:), allocatable :: label
+      label = to_text(model%mesh%node_label(scene%points%node(scene%rows%point(row))))
+   end function label_of
+end module lopin_overconstrained
