@@ -9,7 +9,9 @@ module lopin_assemble_finite
    use lopin_csc, only : csc_type
    use lopin_solid_finite, only : finite_element, finite_stresses, finite_memory
    use lopin_solid_flow, only : flow_element, flow_stresses, flow_memory
-   use lopin_assemble_solids, only : solids_type, group_type, add_slots
+   use lopin_element_type, only : element_type
+   use lopin_simplex_patches, only : patch_element
+   use lopin_assemble_solids, only : solids_type, group_type, add_slots, unit_nodes, unit_points
    use lopin_solid_memory, only : solid_memory_type
    use lopin_material_memory, only : strain_at
    implicit none
@@ -52,14 +54,7 @@ contains
          !$omp parallel do schedule(static) private(e) if(shared_out)
          do k = self%colour_start(c), self%colour_start(c + 1) - 1
             e = self%order(k)
-            if (present(matrix)) then
-               call add_tangent(self%group(self%which(e)), mesh%x, mesh%conn(:, e), self%dof, u, &
-                  & memory, e, self%slot(self%first_slot(e):self%first_slot(e + 1) - 1), force, part(e), &
-                  & point(e), matrix%value)
-            else
-               call add_force(self%group(self%which(e)), mesh%x, mesh%conn(:, e), self%dof, u, &
-                  & memory, e, force, part(e), point(e))
-            end if
+            call add_unit(self, mesh, e, u, memory, force, part(e), point(e), matrix)
          end do
          !$omp end parallel do
       end do
@@ -68,72 +63,105 @@ contains
       if (bad%number == 0) return
       bad%element = findloc(point > 0, .true., dim=1)
       bad%point = point(bad%element)
+      if (self%patches%of(bad%element) == 0) return
+      ! The point is one of its patch.
+      associate (p => self%patches, n => self%group(self%which(bad%element))%element%ngauss)
+         bad%element = p%member(p%start(p%of(bad%element)) + (bad%point - 1)/n)
+         bad%point = 1 + mod(bad%point - 1, n)
+      end associate
    end subroutine assemble_finite
 
-   subroutine add_force(group, x, conn, dof, u, memory, e, force, energy, bad)
-      type(group_type), intent(in) :: group
-      real(wp), intent(in) :: x(:, :), u(:)
-      integer, intent(in) :: conn(:), dof(:, :), e
+   !> An element, or the patch that it stands for.
+   subroutine add_unit(self, mesh, e, u, memory, force, energy, bad, matrix)
+      type(solids_type), intent(in) :: self
+      type(mesh_type), intent(in) :: mesh
+      integer, intent(in) :: e
+      real(wp), intent(in) :: u(:)
       type(solid_memory_type), intent(in) :: memory
       real(wp), intent(inout) :: force(:)
       real(wp), intent(out) :: energy
       integer, intent(out) :: bad
-      real(wp) :: own(group%element%ndof)
+      type(csc_type), intent(inout), optional :: matrix
+      type(element_type) :: element
 
-      associate (m => group%element%nnode, d => group%element%ndim)
-         call own_element(group, x(:, conn(:m)), displacements(dof(:d, conn(:m)), u), memory, e, &
-            & own, energy, bad)
-         if (bad == 0) call scatter(dof(:d, conn(:m)), own, force)
+      associate (group => self%group(self%which(e)), patches => self%patches, &
+         & p => self%patches%of(e), &
+         & slot => self%slot(self%first_slot(e):self%first_slot(e + 1) - 1))
+         if (p == 0) then
+            associate (node => mesh%conn(:group%element%nnode, e))
+               call add_element(group, group%element, mesh%x(:, node), &
+                  & self%dof(:group%element%ndim, node), u, columns(self, memory, e), memory, &
+                  & slot, force, energy, bad, matrix)
+            end associate
+         else
+            call patch_element(patches, p, mesh%conn, group%element, element)
+            associate (node => patches%node(patches%first(p):patches%first(p + 1) - 1))
+               call add_element(group, element, mesh%x(:, node), self%dof(:element%ndim, node), u, &
+                  & columns(self, memory, e), memory, slot, force, energy, bad, matrix)
+            end associate
+         end if
       end associate
-   end subroutine add_force
+   end subroutine add_unit
 
-   subroutine add_tangent(group, x, conn, dof, u, memory, e, slot, force, energy, bad, value)
-      type(group_type), intent(in) :: group
-      real(wp), intent(in) :: x(:, :), u(:)
-      integer, intent(in) :: conn(:), dof(:, :), e
-      type(solid_memory_type), intent(in) :: memory
-      integer(ik), intent(in) :: slot(:)
-      real(wp), intent(inout) :: force(:), value(:)
-      real(wp), intent(out) :: energy
-      integer, intent(out) :: bad
-      real(wp) :: own(group%element%ndof), ke(group%element%ndof, group%element%ndof)
-
-      associate (m => group%element%nnode, d => group%element%ndim)
-         call own_element(group, x(:, conn(:m)), displacements(dof(:d, conn(:m)), u), memory, e, &
-            & own, energy, bad, ke)
-         if (bad > 0) return
-         call scatter(dof(:d, conn(:m)), own, force)
-         call add_slots(slot, ke, value)
-      end associate
-   end subroutine add_tangent
-
-   !> One element, by the kinematics of the step.
-   subroutine own_element(group, x, u, memory, e, force, energy, bad, ke)
-      type(group_type), intent(in) :: group
-      real(wp), intent(in) :: x(:, :), u(:, :)
+   !> What the points of an element or of its patch remember.
+   pure function columns(self, memory, e) result(past)
+      type(solids_type), intent(in) :: self
       type(solid_memory_type), intent(in) :: memory
       integer, intent(in) :: e
+      real(wp), allocatable :: past(:, :)   !! (nmemory, ngauss); (0, enough) of what does not flow
+
+      if (.not. self%group(self%which(e))%law%flows) then
+         allocate (past, source=memory%none)
+      else if (self%patches%of(e) == 0) then
+         allocate (past, source=memory%value(:, memory%first(e):memory%first(e + 1) - 1))
+      else
+         allocate (past, source=memory%value(:, unit_points(self, memory%first, e)))
+      end if
+   end function columns
+
+   subroutine add_element(group, element, x, equation, u, past, memory, slot, force, energy, bad, &
+      & matrix)
+      type(group_type), intent(in) :: group
+      type(element_type), intent(in) :: element
+      real(wp), intent(in) :: x(:, :), u(:), past(:, :)
+      integer, intent(in) :: equation(:, :)
+      type(solid_memory_type), intent(in) :: memory
+      integer(ik), intent(in) :: slot(:)
+      real(wp), intent(inout) :: force(:)
+      real(wp), intent(out) :: energy
+      integer, intent(out) :: bad
+      type(csc_type), intent(inout), optional :: matrix
+      real(wp) :: own(element%ndof), ke(element%ndof, element%ndof)
+
+      if (present(matrix)) then
+         call own_element(group, element, x, displacements(equation, u), past, memory, own, &
+            & energy, bad, ke)
+      else
+         call own_element(group, element, x, displacements(equation, u), past, memory, own, &
+            & energy, bad)
+      end if
+      if (bad > 0) return
+      call scatter(equation, own, force)
+      if (present(matrix)) call add_slots(slot, ke, matrix%value)
+   end subroutine add_element
+
+   !> One element, by the kinematics of the step.
+   subroutine own_element(group, element, x, u, past, memory, force, energy, bad, ke)
+      type(group_type), intent(in) :: group
+      type(element_type), intent(in) :: element
+      real(wp), intent(in) :: x(:, :), u(:, :), past(:, :)
+      type(solid_memory_type), intent(in) :: memory
       real(wp), intent(out) :: force(:), energy
       integer, intent(out) :: bad
       real(wp), intent(out), optional :: ke(:, :)
-      integer :: p
 
-      p = memory%first(e)
-      associate (q => p + group%element%ngauss - 1)
-         if (memory%finite .and. group%law%flows) then
-            call finite_element(group%element, group%law, x, u, group%thickness, &
-               & memory%value(:, p:q), memory%dt, force, energy, bad, ke)
-         else if (memory%finite) then
-            call finite_element(group%element, group%law, x, u, group%thickness, &
-               & memory%none, memory%dt, force, energy, bad, ke)
-         else if (group%law%flows) then
-            call flow_element(group%element, group%law, x, u, group%thickness, &
-               & memory%value(:, p:q), memory%dt, force, energy, bad, ke)
-         else
-            call flow_element(group%element, group%law, x, u, group%thickness, &
-               & memory%none, memory%dt, force, energy, bad, ke)
-         end if
-      end associate
+      if (memory%finite) then
+         call finite_element(element, group%law, x, u, group%thickness, past, memory%dt, force, &
+            & energy, bad, ke)
+      else
+         call flow_element(element, group%law, x, u, group%thickness, past, memory%dt, force, &
+            & energy, bad, ke)
+      end if
    end subroutine own_element
 
    pure function displacements(equation, u) result(own)
@@ -172,48 +200,63 @@ contains
       type(solid_memory_type), intent(in) :: memory        !! of the accepted state
       real(wp), allocatable, intent(out) :: stress(:, :)   !! (6, npoint) [stress]
       real(wp), allocatable, intent(out) :: strain(:, :)   !! (6, npoint) engineering shears [-]
-      integer :: e, npoint, p, q
+      integer :: e, npoint
 
       npoint = self%first_point(mesh%nelement + 1) - 1
       allocate (stress(6, npoint), strain(6, npoint))
-      !$omp parallel do schedule(static) private(p, q)
+      !$omp parallel do schedule(static)
       do e = 1, mesh%nelement
-         if (self%which(e) == 0) cycle
-         p = self%first_point(e)
-         q = self%first_point(e + 1) - 1
-         associate (group => self%group(self%which(e)))
-            call own_stresses(group, mesh%x(:, mesh%conn(:group%element%nnode, e)), &
-               & u(:group%element%ndim, mesh%conn(:group%element%nnode, e)), memory, e, &
-               & stress(:, p:q), strain(:, p:q))
-         end associate
+         call recover_unit(self, mesh, u, memory, e, stress, strain)
       end do
       !$omp end parallel do
    end subroutine recover_finite
 
-   subroutine own_stresses(group, x, u, memory, e, stress, strain)
-      type(group_type), intent(in) :: group
-      real(wp), intent(in) :: x(:, :), u(:, :)
+   subroutine recover_unit(self, mesh, u, memory, e, stress, strain)
+      type(solids_type), intent(in) :: self
+      type(mesh_type), intent(in) :: mesh
+      real(wp), intent(in) :: u(:, :)
       type(solid_memory_type), intent(in) :: memory
       integer, intent(in) :: e
-      real(wp), intent(out) :: stress(:, :), strain(:, :)
-      integer :: p, bad
+      real(wp), intent(inout) :: stress(:, :), strain(:, :)
+      type(element_type) :: element
+      integer, allocatable :: node(:), point(:)
+      real(wp), allocatable :: own(:, :), elongation(:, :)
 
-      p = memory%first(e)
-      associate (q => p + group%element%ngauss - 1)
-         if (memory%finite .and. group%law%flows) then
-            call finite_stresses(group%element, group%law, x, u, group%thickness, &
-               & memory%value(:, p:q), memory%dt, stress, strain, bad)
-         else if (memory%finite) then
-            call finite_stresses(group%element, group%law, x, u, group%thickness, &
-               & memory%none, memory%dt, stress, strain, bad)
-         else if (group%law%flows) then
-            call flow_stresses(group%element, group%law, x, u, group%thickness, &
-               & memory%value(:, p:q), memory%dt, stress, strain, bad)
+      allocate (node, source=unit_nodes(self, mesh, e))
+      if (size(node) == 0) return
+      associate (group => self%group(self%which(e)), p => self%patches%of(e))
+         if (p == 0) then
+            call own_stresses(group, group%element, mesh%x(:, node), &
+               & u(:group%element%ndim, node), columns(self, memory, e), memory, &
+               & stress(:, self%first_point(e):self%first_point(e + 1) - 1), &
+               & strain(:, self%first_point(e):self%first_point(e + 1) - 1))
          else
-            call flow_stresses(group%element, group%law, x, u, group%thickness, &
-               & memory%none, memory%dt, stress, strain, bad)
+            call patch_element(self%patches, p, mesh%conn, group%element, element)
+            allocate (own(6, element%ngauss), elongation(6, element%ngauss))
+            call own_stresses(group, element, mesh%x(:, node), u(:element%ndim, node), &
+               & columns(self, memory, e), memory, own, elongation)
+            allocate (point, source=unit_points(self, self%first_point, e))
+            stress(:, point) = own
+            strain(:, point) = elongation
          end if
       end associate
+   end subroutine recover_unit
+
+   subroutine own_stresses(group, element, x, u, past, memory, stress, strain)
+      type(group_type), intent(in) :: group
+      type(element_type), intent(in) :: element
+      real(wp), intent(in) :: x(:, :), u(:, :), past(:, :)
+      type(solid_memory_type), intent(in) :: memory
+      real(wp), intent(out) :: stress(:, :), strain(:, :)
+      integer :: bad
+
+      if (memory%finite) then
+         call finite_stresses(element, group%law, x, u, group%thickness, past, memory%dt, stress, &
+            & strain, bad)
+      else
+         call flow_stresses(element, group%law, x, u, group%thickness, past, memory%dt, stress, &
+            & strain, bad)
+      end if
    end subroutine own_stresses
 
    !> The memory of a state that will be accepted, into `next`, and its plastic work.
@@ -223,35 +266,75 @@ contains
       real(wp), intent(in) :: u(:)             !! (n) total displacements by equation [length]
       type(solid_memory_type), intent(inout) :: memory
       real(wp), allocatable :: work(:), volume(:), strain(:)
-      integer :: e, p, q, bad, row
+      integer :: e, p, q, row
 
       if (.not. memory%in_use) return
       allocate (work(mesh%nelement), volume(mesh%nelement), strain(mesh%nelement), source=0.0_wp)
       memory%next = memory%value
-      !$omp parallel do schedule(static) private(p, q, bad, row)
+      !$omp parallel do schedule(static)
+      do e = 1, mesh%nelement
+         if (memory%first(e + 1) > memory%first(e)) call remember_unit(self, mesh, u, e, memory, &
+            & work(e), volume(e))
+      end do
+      !$omp end parallel do
       do e = 1, mesh%nelement
          p = memory%first(e)
          q = memory%first(e + 1) - 1
          if (q < p) cycle
-         associate (group => self%group(self%which(e)))
-            associate (x => mesh%x(:, mesh%conn(:group%element%nnode, e)), own => displacements( &
-               & self%dof(:group%element%ndim, mesh%conn(:group%element%nnode, e)), u))
-               if (memory%finite) then
-                  call finite_memory(group%element, group%law, x, own, group%thickness, memory%dt, &
-                     & memory%next(:, p:q), work(e), volume(e), bad)
-               else
-                  call flow_memory(group%element, group%law, x, own, group%thickness, memory%dt, &
-                     & memory%next(:, p:q), work(e), volume(e), bad)
-               end if
-               row = strain_at(group%element%nstress)
-               strain(e) = maxval(memory%next(row, p:q) - memory%value(row, p:q))
-            end associate
-         end associate
+         row = strain_at(self%group(self%which(e))%element%nstress)
+         strain(e) = maxval(memory%next(row, p:q) - memory%value(row, p:q))
       end do
-      !$omp end parallel do
       memory%next_work = memory%work + sum(work)
       memory%most_strain = maxval(strain)
       memory%most_element = maxloc(strain, dim=1)
       memory%volume = sum(volume)
    end subroutine remember
+
+   subroutine remember_unit(self, mesh, u, e, memory, work, volume)
+      type(solids_type), intent(in) :: self
+      type(mesh_type), intent(in) :: mesh
+      real(wp), intent(in) :: u(:)
+      integer, intent(in) :: e
+      type(solid_memory_type), intent(inout) :: memory
+      real(wp), intent(inout) :: work, volume
+      type(element_type) :: element
+      integer, allocatable :: node(:), point(:)
+      real(wp), allocatable :: past(:, :)
+
+      allocate (node, source=unit_nodes(self, mesh, e))
+      if (size(node) == 0) return
+      allocate (past, source=columns(self, memory, e))
+      associate (group => self%group(self%which(e)), p => self%patches%of(e))
+         if (p == 0) then
+            call own_memory(group, group%element, mesh%x(:, node), &
+               & displacements(self%dof(:group%element%ndim, node), u), memory, past, work, &
+               & volume)
+            memory%next(:, memory%first(e):memory%first(e + 1) - 1) = past
+         else
+            call patch_element(self%patches, p, mesh%conn, group%element, element)
+            call own_memory(group, element, mesh%x(:, node), &
+               & displacements(self%dof(:element%ndim, node), u), memory, past, work, &
+               & volume)
+            allocate (point, source=unit_points(self, memory%first, e))
+            memory%next(:, point) = past
+         end if
+      end associate
+   end subroutine remember_unit
+
+   subroutine own_memory(group, element, x, u, memory, past, work, volume)
+      type(group_type), intent(in) :: group
+      type(element_type), intent(in) :: element
+      real(wp), intent(in) :: x(:, :), u(:, :)
+      type(solid_memory_type), intent(in) :: memory
+      real(wp), intent(inout) :: past(:, :), work, volume
+      integer :: bad
+
+      if (memory%finite) then
+         call finite_memory(element, group%law, x, u, group%thickness, memory%dt, past, work, &
+            & volume, bad)
+      else
+         call flow_memory(element, group%law, x, u, group%thickness, memory%dt, past, work, &
+            & volume, bad)
+      end if
+   end subroutine own_memory
 end module lopin_assemble_finite

@@ -15,11 +15,12 @@ module lopin_assemble_solids
    use lopin_finite_elastic, only : finite_law_type, hencky_law, neo_hooke_law, give_flow, &
       & elastic_constants
    use lopin_facets, only : facet_rule_type, new_facet_rules
+   use lopin_simplex_patches, only : patches_type, new_patches, patch_element
    use lopin_solid_small, only : stiffness, strain_matrices, body_force, face_force
    implicit none
    private
    public :: solids_type, solid_section_type, group_type, new_solids, assemble_stiffness
-   public :: add_body_loads, add_face_loads, add_slots
+   public :: add_body_loads, add_face_loads, add_slots, unit_nodes, unit_points
 
    !> What the elements of one section have in common.
    type :: solid_section_type
@@ -41,7 +42,11 @@ module lopin_assemble_solids
       type(finite_law_type) :: law           !! at finite strain
       real(wp) :: poisson = 0.0_wp
       real(wp) :: thickness = 1.0_wp
+      logical :: patched = .false.           !! neighbours share their change of volume
    end type group_type
+
+   !> Poisson's ratio above which elements that lock in volume are averaged over patches.
+   real(wp), parameter, public :: keeps_volume = 0.4_wp
 
    !> Tables of a mesh; disposable, and the same for every increment of small strains.
    type :: solids_type
@@ -49,6 +54,7 @@ module lopin_assemble_solids
       type(group_type), allocatable :: group(:)
       integer, allocatable :: which(:)     !! (nelement) group; 0: rigid, no stiffness
       integer, allocatable :: dof(:, :)    !! (6, nnode) equation of each dof, 0: none
+      type(patches_type) :: patches        !! each is assembled with its first element
       integer, allocatable :: first_point(:) !! (nelement+1) first Gauss point of each element
       integer, allocatable :: colour_start(:) !! (ncolour+1) into `order`
       integer, allocatable :: order(:)     !! elements by colour
@@ -76,6 +82,7 @@ contains
       call new_facet_rules(self%rules)
       call set_groups(self, mesh, word, section, error)
       if (allocated(error)) return
+      call set_patches(self, mesh)
       call set_colours(self, mesh)
       call list_equations(self, mesh, start, equation)
       call matrix%new_from_lists(self%n, storage%symmetric_lower, start, equation)
@@ -110,6 +117,53 @@ contains
       end do
    end subroutine set_groups
 
+   subroutine set_patches(self, mesh)
+      type(solids_type), intent(inout) :: self
+      type(mesh_type), intent(in) :: mesh
+      integer :: key(mesh%nelement), e, k
+
+      key = 0
+      do e = 1, mesh%nelement
+         if (self%which(e) == 0) cycle
+         if (self%group(self%which(e))%patched) key(e) = self%which(e)
+      end do
+      call new_patches(self%patches, mesh, key, [(self%group(k)%element%cell, k=1, &
+         & size(self%group))])
+   end subroutine set_patches
+
+   !> Nodes of what is assembled with an element: its own, those of its patch, or none where another
+   !> element of the patch stands for it.
+   pure function unit_nodes(self, mesh, e) result(node)
+      type(solids_type), intent(in) :: self
+      type(mesh_type), intent(in) :: mesh
+      integer, intent(in) :: e
+      integer, allocatable :: node(:)
+      integer :: p
+
+      allocate (node(0))
+      if (self%which(e) == 0) return
+      p = self%patches%of(e)
+      if (p == 0) then
+         node = mesh%conn(:self%group(self%which(e))%element%nnode, e)
+      else if (self%patches%member(self%patches%start(p)) == e) then
+         node = self%patches%node(self%patches%first(p):self%patches%first(p + 1) - 1)
+      end if
+   end function unit_nodes
+
+   !> `first`, where the Gauss points of an element begin in a table, for every point of its patch.
+   pure function unit_points(self, first, e) result(point)
+      type(solids_type), intent(in) :: self
+      integer, intent(in) :: first(:)        !! (nelement+1)
+      integer, intent(in) :: e               !! first element of a patch
+      integer, allocatable :: point(:)
+      integer :: k, i
+
+      associate (p => self%patches)
+         point = [((k, k=first(p%member(i)), first(p%member(i) + 1) - 1), &
+            & i=p%start(p%of(e)), p%start(p%of(e) + 1) - 1)]
+      end associate
+   end function unit_points
+
    !> `number` stays 0 for rigid words.
    subroutine add_group(self, word, section, number, error)
       type(solids_type), intent(inout) :: self
@@ -139,6 +193,7 @@ contains
          call give_flow(new%law, section%flow)
       end if
       new%poisson = poisson
+      new%patched = new%element%patched .and. (poisson > keeps_volume .or. new%law%flows)
       allocate (new%d(new%element%nstress, new%element%nstress))
       if (new%element%kind == element_kind%plane_stress) then
          call plane_stress_matrix(young, poisson, new%d)
@@ -156,24 +211,25 @@ contains
       integer, parameter :: most = 63
       integer(lk) :: taken(mesh%nnode), near
       integer :: colour(mesh%nelement), fill(0:most + 1)
-      integer :: e, a, c, m, ncolour
+      integer, allocatable :: node(:)
+      integer :: e, a, c, ncolour
 
       taken = 0
       colour = 0
       fill = 0
       do e = 1, mesh%nelement
-         if (self%which(e) == 0) cycle
-         m = self%group(self%which(e))%element%nnode
+         node = unit_nodes(self, mesh, e)
+         if (size(node) == 0) cycle
          near = 0
-         do a = 1, m
-            near = ior(near, taken(mesh%conn(a, e)))
+         do a = 1, size(node)
+            near = ior(near, taken(node(a)))
          end do
          c = trailz(not(near)) + 1
          colour(e) = min(c, most + 1)
          fill(colour(e)) = fill(colour(e)) + 1
          if (c > most) cycle
-         do a = 1, m
-            taken(mesh%conn(a, e)) = ibset(taken(mesh%conn(a, e)), c - 1)
+         do a = 1, size(node)
+            taken(node(a)) = ibset(taken(node(a)), c - 1)
          end do
       end do
       self%last_is_serial = fill(most + 1) > 0
@@ -197,20 +253,22 @@ contains
       type(solids_type), intent(in) :: self
       type(mesh_type), intent(in) :: mesh
       integer, allocatable, intent(out) :: start(:), equation(:)
-      integer :: e, m, d
+      integer, allocatable :: node(:)
+      integer :: e, d
 
       allocate (start(mesh%nelement + 1))
       start(1) = 1
       do e = 1, mesh%nelement
          start(e + 1) = start(e)
-         if (self%which(e) > 0) start(e + 1) = start(e) + self%group(self%which(e))%element%ndof
+         if (self%which(e) > 0) start(e + 1) = start(e) &
+            & + size(unit_nodes(self, mesh, e))*self%group(self%which(e))%element%ndim
       end do
       allocate (equation(start(mesh%nelement + 1) - 1))
       do e = 1, mesh%nelement
          if (self%which(e) == 0) cycle
-         m = self%group(self%which(e))%element%nnode
+         node = unit_nodes(self, mesh, e)
          d = self%group(self%which(e))%element%ndim
-         equation(start(e):start(e + 1) - 1) = reshape(self%dof(:d, mesh%conn(:m, e)), [m*d])
+         equation(start(e):start(e + 1) - 1) = reshape(self%dof(:d, node), [size(node)*d])
       end do
    end subroutine list_equations
 
@@ -263,26 +321,46 @@ contains
          !$omp parallel do schedule(static) private(e) reduction(min:folded) if(shared_out)
          do k = self%colour_start(c), self%colour_start(c + 1) - 1
             e = self%order(k)
-            call add_element(self%group(self%which(e)), mesh%x, mesh%conn(:, e), &
-               & self%slot(self%first_slot(e):self%first_slot(e + 1) - 1), e, matrix%value, folded)
+            call add_unit(self, mesh, e, matrix%value, folded)
          end do
          !$omp end parallel do
       end do
       if (folded < huge(1)) call report_folded(self, mesh, folded, error)
    end subroutine assemble_stiffness
 
-   subroutine add_element(group, x, conn, slot, e, value, folded)
+   subroutine add_unit(self, mesh, e, value, folded)
+      type(solids_type), intent(in) :: self
+      type(mesh_type), intent(in) :: mesh
+      integer, intent(in) :: e
+      real(wp), intent(inout) :: value(:)
+      integer, intent(inout) :: folded      !! least element with det J <= 0, or first of its patch
+      type(element_type) :: element
+
+      associate (group => self%group(self%which(e)), &
+         & slot => self%slot(self%first_slot(e):self%first_slot(e + 1) - 1))
+         if (self%patches%of(e) == 0) then
+            call add_element(group, group%element, mesh%x(:, mesh%conn(:group%element%nnode, e)), &
+               & slot, e, value, folded)
+         else
+            call patch_element(self%patches, self%patches%of(e), mesh%conn, group%element, element)
+            call add_element(group, element, mesh%x(:, unit_nodes(self, mesh, e)), slot, e, value, &
+               & folded)
+         end if
+      end associate
+   end subroutine add_unit
+
+   subroutine add_element(group, element, x, slot, e, value, folded)
       type(group_type), intent(in) :: group
+      type(element_type), intent(in) :: element
       real(wp), intent(in) :: x(:, :)
-      integer, intent(in) :: conn(:), e
+      integer, intent(in) :: e
       integer(ik), intent(in) :: slot(:)
       real(wp), intent(inout) :: value(:)
-      integer, intent(inout) :: folded      !! least element with det J <= 0
-      real(wp) :: ke(group%element%ndof, group%element%ndof), smallest
+      integer, intent(inout) :: folded
+      real(wp) :: ke(element%ndof, element%ndof), smallest
       integer :: point
 
-      call stiffness(group%element, x(:, conn(:group%element%nnode)), group%thickness, group%d, &
-         & ke, smallest, point)
+      call stiffness(element, x, group%thickness, group%d, ke, smallest, point)
       if (smallest <= 0.0_wp) then
          folded = min(folded, e)
          return
@@ -314,26 +392,29 @@ contains
    subroutine report_folded(self, mesh, first, error)
       type(solids_type), intent(in) :: self
       type(mesh_type), intent(in) :: mesh
-      integer, intent(in) :: first
+      integer, intent(in) :: first      !! none before it is folded
       type(error_type), allocatable, intent(out) :: error
       character(len=160) :: text
       character(len=:), allocatable :: help
       real(wp) :: smallest, worst
-      integer :: e, point, at, number
+      integer :: e, point, at, number, named
 
       number = 0
       worst = 0.0_wp
       at = 1
+      named = first
       do e = first, mesh%nelement
          if (self%which(e) == 0) cycle
          call jacobian_of(self%group(self%which(e)), mesh%x, mesh%conn(:, e), smallest, point)
          if (smallest > 0.0_wp) cycle
          number = number + 1
-         if (e == first) worst = smallest
-         if (e == first) at = point
+         if (number > 1) cycle
+         named = e
+         worst = smallest
+         at = point
       end do
-      write (text, '(a,i0,3a,i0,a,es10.3)') 'element ', mesh%element_label(first), ' (', &
-         & trim(self%group(self%which(first))%element%word), ') is folded: at integration point ', &
+      write (text, '(a,i0,3a,i0,a,es10.3)') 'element ', mesh%element_label(named), ' (', &
+         & trim(self%group(self%which(named))%element%word), ') is folded: at integration point ', &
          & at, ' the Jacobian is ', worst
       help = 'list its nodes in the order of the element: counter-clockwise in the plane, nodes' &
          & //' of the first face before those of the second in space'

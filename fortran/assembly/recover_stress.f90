@@ -2,10 +2,11 @@
 module lopin_recover_stress
    use lopin_kinds, only : wp
    use lopin_mesh, only : mesh_type
-   use lopin_element_type, only : element_kind
+   use lopin_element_type, only : element_type, element_kind
    use lopin_elastic, only : thickness_strain
    use lopin_solid_small, only : strain_matrices, strains
-   use lopin_assemble_solids, only : solids_type, group_type
+   use lopin_assemble_solids, only : solids_type, group_type, unit_nodes, unit_points
+   use lopin_simplex_patches, only : patch_element
    implicit none
    private
    public :: recover_stress, average_to_nodes
@@ -26,35 +27,60 @@ contains
       allocate (stress(6, npoint), strain(6, npoint))
       !$omp parallel do schedule(static)
       do e = 1, mesh%nelement
-         if (self%which(e) == 0) cycle
-         call recover_element(self%group(self%which(e)), mesh%x, u, mesh%conn(:, e), &
-            & stress(:, self%first_point(e):), strain(:, self%first_point(e):))
+         call recover_unit(self, mesh, u, e, stress, strain)
       end do
       !$omp end parallel do
    end subroutine recover_stress
 
-   pure subroutine recover_element(group, x, u, conn, stress, strain)
-      type(group_type), intent(in) :: group
-      real(wp), intent(in) :: x(:, :), u(:, :)
-      integer, intent(in) :: conn(:)
+   pure subroutine recover_unit(self, mesh, u, e, stress, strain)
+      type(solids_type), intent(in) :: self
+      type(mesh_type), intent(in) :: mesh
+      real(wp), intent(in) :: u(:, :)
+      integer, intent(in) :: e
       real(wp), intent(inout) :: stress(:, :), strain(:, :)
-      real(wp) :: b(group%element%ndof, group%element%nstress, group%element%ngauss)
-      real(wp) :: volume(group%element%ngauss), smallest
-      real(wp) :: own(group%element%nstress, group%element%ngauss)
-      integer :: k, m, ns, point
+      type(element_type) :: element
+      integer, allocatable :: node(:), point(:)
+      real(wp), allocatable :: own(:, :), elongation(:, :)
 
-      m = group%element%nnode
-      ns = group%element%nstress
-      call strain_matrices(group%element, x(:, conn(:m)), group%thickness, b, volume, smallest, &
-         & point, group%d)
-      call strains(group%element, b, reshape(u(:group%element%ndim, conn(:m)), &
-         & [group%element%ndof]), own)
-      do k = 1, group%element%ngauss
-         stress(:, k) = 0.0_wp
-         strain(:, k) = 0.0_wp
+      allocate (node, source=unit_nodes(self, mesh, e))
+      if (size(node) == 0) return
+      associate (group => self%group(self%which(e)), p => self%patches%of(e))
+         if (p == 0) then
+            call recover_element(group, group%element, mesh%x(:, node), &
+               & u(:group%element%ndim, node), &
+               & stress(:, self%first_point(e):self%first_point(e + 1) - 1), &
+               & strain(:, self%first_point(e):self%first_point(e + 1) - 1))
+         else
+            call patch_element(self%patches, p, mesh%conn, group%element, element)
+            allocate (own(6, element%ngauss), elongation(6, element%ngauss))
+            call recover_element(group, element, mesh%x(:, node), u(:element%ndim, node), own, &
+               & elongation)
+            allocate (point, source=unit_points(self, self%first_point, e))
+            stress(:, point) = own
+            strain(:, point) = elongation
+         end if
+      end associate
+   end subroutine recover_unit
+
+   pure subroutine recover_element(group, element, x, u, stress, strain)
+      type(group_type), intent(in) :: group
+      type(element_type), intent(in) :: element
+      real(wp), intent(in) :: x(:, :), u(:, :)
+      real(wp), intent(out) :: stress(:, :), strain(:, :)
+      real(wp) :: b(element%ndof, element%nstress, element%ngauss)
+      real(wp) :: volume(element%ngauss), smallest
+      real(wp) :: own(element%nstress, element%ngauss)
+      integer :: k, ns, point
+
+      ns = element%nstress
+      call strain_matrices(element, x, group%thickness, b, volume, smallest, point, group%d)
+      call strains(element, b, reshape(u, [element%ndof]), own)
+      stress = 0.0_wp
+      strain = 0.0_wp
+      do k = 1, element%ngauss
          stress(:ns, k) = matmul(group%d, own(:, k))
          strain(:ns, k) = own(:, k)
-         if (group%element%kind == element_kind%plane_stress) strain(3, k) = &
+         if (element%kind == element_kind%plane_stress) strain(3, k) = &
             & thickness_strain(group%poisson, own(:, k))
       end do
    end subroutine recover_element

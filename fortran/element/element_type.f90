@@ -41,6 +41,8 @@ module lopin_element_type
       type(cell_type) :: cell
       integer :: kind = 0                     !! one of element_kind
       integer :: formulation = 0              !! one of element_formulation
+      logical :: patched = .false.            !! shares its change of volume with its neighbours
+                                              !! where the material keeps its volume
       logical :: axisymmetric = .false.       !! also of the rigid RAX2
       integer :: ndim = 0                     !! displacement components of a node, 2 or 3
       integer :: nnode = 0
@@ -166,6 +168,8 @@ contains
          return
       end if
       if (averaged) self%formulation = element_formulation%bbar
+      self%patched = .not. (product .or. self%cell%quadratic) &
+         & .and. self%kind /= element_kind%plane_stress
       if (reduced) self%formulation = element_formulation%reduced
       if (index(letters, 'R') > 0 .and. .not. reduced) then
          self%note = name//' is integrated fully'

@@ -28,13 +28,12 @@ program test_locking
    do i = 1, size(element_words)
       call new_element_type(element, trim(element_words(i)), '', found)
       if (element%kind == element_kind%rigid .or. element%kind == element_kind%plane_stress) cycle
-      if (any(element%cell%name == [character(len=12) :: 'triangle', 'tetra', 'wedge'])) cycle
       if (any(element%cell%name == [character(len=12) :: 'quad8', 'hexahedron20']) &
          & .and. element%formulation == element_formulation%full) cycle
       do k = 1, 4
          call test('a thick tube under pressure does not lock: '//element_words(i))
          call solve_tube(trim(element_words(i)), nu(k), ratio)
-         call close_to('u_r(a)/exact', ratio, 1.0_wp, 0.01_wp)
+         call close_to('u_r(a)/exact', ratio, 1.0_wp, merge(0.012_wp, 0.01_wp, nu(k) < 0.4_wp))
       end do
    end do
    call finish()
