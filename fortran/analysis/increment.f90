@@ -27,6 +27,7 @@ module lopin_increment
    use lopin_contact_friction, only : slides_with_friction
    use lopin_friction_state, only : commit_friction => commit, roll_back_friction => roll_back
    use lopin_frames, only : fill_frame
+   use lopin_judge_mesh, only : judge_mesh
    use lopin_after_step, only : seen_type, look_at_pairs, say_once, pair_that_slid
    implicit none
    private
@@ -112,6 +113,7 @@ contains
       call add_work(scene, progress, frame)
       call accept(scene, progress, steady)
       call look_at_pairs(progress%seen, scene, model)
+      if (scene%finite%nlgeom) call judge_mesh(scene, model, frame%increment)
       call record(scene, model, forces%reaction, recorders, frame, error)
       if (allocated(error)) return
       if (scene%finite%in_use) call keep(scene%finite%memory)

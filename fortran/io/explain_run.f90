@@ -111,6 +111,11 @@ contains
          & 'increment. Where the strain of one increment is as large as here, the answer '// &
          & 'depends on it; increments that may be cut are.', &
          & 'smaller increments on *STATIC; DIRECT takes them as they are.')
+      call add_explanation(list, 'W0531', 'an element is about to fold', &
+         & 'The scaled Jacobian of an element at one corner (1 where it is square, 0 where two '// &
+         & 'edges lie on one line) has fallen below 0.1. The strains there lose their meaning, '// &
+         & 'and the element will soon turn inside out.', &
+         & 'a mesh made for the deformed shape, finer where the body turns round an edge.')
       call add_explanation(list, 'W0530', 'energies do not balance', &
          & 'The work of loads and prescribed displacements differs from stored energy, plastic '// &
          & 'work and friction by more than a hundredth. All are integrated over the increments '// &

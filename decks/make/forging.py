@@ -1,0 +1,91 @@
+"""Decks of bulk forming: `python decks/make/forging.py name > deck.inp`.
+
+Each function returns the text of a whole deck; its first comment says what to expect.
+"""
+from __future__ import annotations
+
+import sys
+from math import hypot, pi, tan
+
+import numpy as np
+from sliding import lean, text
+
+from lopin import mesh_make
+from lopin.mesh import together
+
+
+def segments(name: str, corners: list[tuple[float, float, float]]) -> str:
+    """A rigid profile through corners (r, z, fillet radius); the material is on its left."""
+    lines = [f"*SURFACE, NAME={name}, TYPE=SEGMENTS", f"START, {corners[0][0]:.9g}, {corners[0][1]:.9g}"]
+    for before, (r, z, fillet), after in zip(corners, corners[1:], corners[2:]):
+        if fillet == 0.0:
+            lines.append(f"LINE, {r:.9g}, {z:.9g}")
+            continue
+        a, b = direction((r, z), before), direction((r, z), after)
+        bisector = direction((0.0, 0.0), (a[0] + b[0], a[1] + b[1]))
+        half = a[0]*bisector[0] + a[1]*bisector[1]           # cosine of half the corner
+        sine = (1.0 - half**2)**0.5
+        foot, centre = fillet*half/sine, fillet/sine
+        lines.append(f"LINE, {r + foot*a[0]:.9g}, {z + foot*a[1]:.9g}")
+        lines.append(f"CIRCL, {r + foot*b[0]:.9g}, {z + foot*b[1]:.9g}, "
+                     f"{r + centre*bisector[0]:.9g}, {z + centre*bisector[1]:.9g}")
+    lines.append(f"LINE, {corners[-1][0]:.9g}, {corners[-1][1]:.9g}")
+    return "\n".join(lines) + "\n"
+
+
+def direction(start, end) -> tuple[float, float]:
+    """Unit vector from one point to another."""
+    x, y = end[0] - start[0], end[1] - start[1]
+    return x/hypot(x, y), y/hypot(x, y)
+
+
+def closed_die(cells: int = 24, stroke: float = 5.0) -> str:
+    """A disc with a hub-less web and a flash, forged between two equal dies."""
+    draft = 6.0*tan(20.0*pi/180.0)
+    die = [(40.0, 5.0, 0.0), (27.5, 5.0, 0.0), (26.5, 1.0, 0.5), (20.0, 1.0, 1.5), (20.0 - draft, 7.0, 2.0),
+           (-1.0, 7.0, 0.0)]
+    billet = mesh_make.block((15.0, 12.0), (cells, round(0.8*cells)))
+    skin = np.concatenate([billet.surfaces["TOP"], billet.surfaces["RIGHT"]])
+    billet = billet.replaced(surfaces={"SKIN": skin})
+    mesh = together(BILLET=lean(billet, "SKIN", "LEFT BOTTOM"))
+    return text(mesh, f"""
+A disc forged in a closed die with a flash: a billet 30 mm across and 24 mm high, one half by symmetry.
+
+expect: certificate.verdict = PASS
+""", f"""*MATERIAL, NAME=HOT
+*ELASTIC
+150000., 0.3
+*PLASTIC
+80., 0.
+100., 1.
+*SOLID SECTION, ELSET=BILLET, MATERIAL=HOT
+*NODE, NSET=DIE_REF
+900001, 0., 20.
+{segments("DIE", [(r, z + stroke, f) for r, z, f in die])}*RIGID BODY, ANALYTICAL SURFACE=DIE, REF NODE=DIE_REF
+*SURFACE INTERACTION, NAME=GRAPHITE
+*SURFACE BEHAVIOR, DIRECT
+*FRICTION
+0.1,
+*CONTACT PAIR, INTERACTION=GRAPHITE
+BILLET.SKIN, DIE
+*BOUNDARY
+BILLET.LEFT, 1
+BILLET.BOTTOM, 2
+DIE_REF, 1
+DIE_REF, 6
+*STEP, NAME=FORGE, NLGEOM, INC=1000
+*STATIC
+0.01, 1., 1e-5, 0.02
+*BOUNDARY
+DIE_REF, 2, 2, {-stroke:g}
+*OUTPUT, FIELD, FREQUENCY=10
+*NODE OUTPUT
+U
+*ELEMENT OUTPUT
+S, PEEQ
+*END STEP
+""", "axisymmetric")
+
+
+if __name__ == "__main__":
+    print(globals()[sys.argv[1]](), end="")
