@@ -2,14 +2,14 @@
 !>
 !> FNV-1a with 64 bits over the bytes of the numbers, least significant byte first.
 module lopin_checksum
-   use, intrinsic :: iso_fortran_env, only : int8, int64
+   use, intrinsic :: iso_fortran_env, only : int8, int32, int64
    use lopin_kinds, only : wp
    use lopin_stream, only : stream_type
    implicit none
    private
    public :: checksum_type
 
-   integer(int64), parameter :: half = 2_int64**32
+   integer(int64), parameter :: lower_half = 2_int64**32 - 1
 
    !> The 64 bits in two halves, so that no product overflows.
    type :: checksum_type
@@ -35,20 +35,24 @@ contains
          do i = 1, size(values, 1)
             bits = transfer(values(i, j), bits)
             do k = 0, 56, 8
-               call add_byte(self, ibits(bits, k, 8))
+               call add_word(self, ibits(bits, k, 8))
             end do
          end do
       end do
    end subroutine add
 
-   !> Go on with more bytes, each a number from 0 to 255 whatever its sign.
+   !> Go on with many bytes, four at a time, and what is left one by one.
    pure subroutine add_bytes(self, bytes)
       class(checksum_type), intent(inout) :: self
       integer(int8), intent(in) :: bytes(:)
-      integer(int64) :: i
+      integer(int64) :: i, n
 
-      do i = 1, size(bytes, kind=int64)
-         call add_byte(self, ibits(int(bytes(i), int64), 0, 8))
+      n = 4*(size(bytes, kind=int64)/4)
+      do i = 1, n, 4
+         call add_word(self, iand(int(transfer(bytes(i:i + 3), 0_int32), int64), lower_half))
+      end do
+      do i = n + 1, size(bytes, kind=int64)
+         call add_word(self, iand(int(bytes(i), int64), 255_int64))
       end do
    end subroutine add_bytes
 
@@ -59,21 +63,21 @@ contains
       integer :: i
 
       do i = 1, len(text)
-         call add_byte(self, int(ichar(text(i:i)), int64))
+         call add_word(self, int(ichar(text(i:i)), int64))
       end do
    end subroutine add_text
 
-   pure subroutine add_byte(self, byte)
+   pure subroutine add_word(self, word)
       class(checksum_type), intent(inout) :: self
-      integer(int64), intent(in) :: byte       !! 0 to 255
+      integer(int64), intent(in) :: word       !! >= 0, below 2**32; FNV-1a takes bytes
       integer(int64) :: product
 
-      self%low = ieor(self%low, byte)
+      self%low = ieor(self%low, word)
       ! The prime is 2**40 + 435.
       product = 435*self%low
-      self%high = modulo(435*self%high + 256*self%low + product/half, half)
-      self%low = modulo(product, half)
-   end subroutine add_byte
+      self%high = iand(435*self%high + 256*self%low + shiftr(product, 32), lower_half)
+      self%low = iand(product, lower_half)
+   end subroutine add_word
 
    !> The fingerprint so far, to a stream or back.
    subroutine keep(self, stream)

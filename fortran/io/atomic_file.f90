@@ -90,7 +90,9 @@ contains
       if (present(tail) .and. status == 0) write (unit, iostat=status) tail
       close (unit, iostat=closing)
       if (status == 0) status = closing
-      if (present(lasting) .and. status == 0) status = lopin_sync_file(path//'.part'//c_null_char)
+      if (present(lasting) .and. status == 0) then
+         if (lasting) status = lopin_sync_file(path//'.part'//c_null_char)
+      end if
       if (status == 0) status = c_rename(path//'.part'//c_null_char, path//c_null_char)
       if (status /= 0) then
          call remove_file(path//'.part')
@@ -160,8 +162,8 @@ contains
       is_foreign = index(start, written_mark) == 0
    end function is_foreign
 
-   !> Replace a log by its first lines; what follows is appended. A log that goes on is left as it is
-   !> until `keep` says how far it counts.
+   !> Replace a log by its first lines; what follows is appended. A log that goes on is left as it
+   !> is until `keep` says how far it counts.
    subroutine open_log(self, path, header, error, goes_on)
       class(log_file_type), intent(inout) :: self
       character(len=*), intent(in) :: path

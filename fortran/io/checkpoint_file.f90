@@ -1,10 +1,13 @@
 !> `job.rst`: the state of a run after an accepted increment, from which `--resume` goes on.
 !>
 !> Five lines (what it is, the version of Lopin, the fingerprints of the deck and of the state, the
-!> number of bytes), then the bytes of lopin_checkpoint. It is replaced whole, and on the disk
-!> before it takes its name, so that there is always one good state; a finished run has none.
+!> number of bytes), then the bytes of lopin_checkpoint. It is replaced whole, so that there is
+!> always one good state whenever the process dies; a finished run has none. Once a second it is
+!> also on the disk before it takes its name, which a power failure asks for and which takes
+!> milliseconds.
 module lopin_checkpoint_file
    use, intrinsic :: iso_fortran_env, only : int8, int64
+   use lopin_kinds, only : wp
    use lopin_error, only : error_type, error_code, raise
    use lopin_checksum, only : checksum_type
    use lopin_stream, only : stream_type
@@ -19,10 +22,12 @@ module lopin_checkpoint_file
    !> The number tells layouts of one version apart.
    character(len=*), parameter :: mark = 'Lopin checkpoint 1', newline = achar(10)
    integer, parameter :: nline = 5
+   real(wp), parameter :: between = 1.0_wp      !! waits for the disk, at least [s]
 
    type, extends(keeper_type) :: checkpoint_file_type
       character(len=:), allocatable, private :: path
       character(len=16), private :: deck = ''      !! fingerprint of the deck
+      integer(int64), private :: waited = -1       !! clock when the disk was waited for; < 0: never
    contains
       procedure :: save
       procedure :: forget
@@ -30,8 +35,8 @@ module lopin_checkpoint_file
 
 contains
 
-   !> With `resume`, `found` is what the file holds; without a file it stays unallocated. A file that
-   !> is not the state of this deck, whole and of this version is refused.
+   !> With `resume`, `found` is what the file holds; without a file it stays unallocated. A file
+   !> that is not the state of this deck, whole and of this version is refused.
    subroutine new_checkpoint_file(self, path, deck, resume, error)
       type(checkpoint_file_type), intent(out) :: self
       character(len=*), intent(in) :: path
@@ -110,15 +115,22 @@ contains
       type(stream_type), intent(in) :: stream
       type(error_type), allocatable, intent(out) :: error
       type(checksum_type) :: sum
+      integer(int64) :: now, rate
+      logical :: wait
 
+      call system_clock(now, rate)
+      wait = self%waited < 0 .or. real(now - self%waited, wp) > between*real(rate, wp)
+      if (wait) self%waited = now
       call sum%add_bytes(stream%bytes(:stream%n))
       call write_atomically(self%path, mark//newline//version//newline//self%deck//newline// &
-         & sum%text()//newline//to_text(int(stream%n))//newline, error, stream%bytes(:stream%n), &
-         & lasting=.true.)
+         & sum%text()//newline//to_text(stream%n)//newline, error, stream%bytes(:stream%n), &
+         & lasting=wait)
    end subroutine save
 
    subroutine forget(self)
       class(checkpoint_file_type), intent(inout) :: self
       call remove_file(self%path)
+      ! What a killed run was writing.
+      call remove_file(self%path//'.part')
    end subroutine forget
 end module lopin_checkpoint_file
