@@ -9,13 +9,14 @@ module lopin_checkpoint
    use lopin_clock, only : keep_counter
    use lopin_stream, only : stream_type
    use lopin_model, only : model_type
-   use lopin_state, only : summary_type
+   use lopin_state, only : summary_type, energy_type, keep_energy
    use lopin_plan, only : plan_type, path_of
    use lopin_active_set, only : contact_result_type
    use lopin_friction_state, only : keep_friction
    use lopin_contact_points, only : contact_points_type
    use lopin_contact_memory, only : keep_contact
    use lopin_solver_factory, only : new_solver
+   use lopin_linear_system, only : widen_system
    use lopin_finite_system, only : finite_system_type
    use lopin_follower_loading, only : follower_type
    use lopin_finite_state, only : finite_state_type
@@ -35,6 +36,7 @@ module lopin_checkpoint
       real(wp) :: time = 0.0_wp                !! of the step, reached [time]
       real(wp) :: increment = 0.0_wp           !! to be tried next [time]
       logical :: at_end = .false.              !! the last increment of the step is accepted
+      type(energy_type) :: energy              !! of the last increment
    end type march_type
 
 contains
@@ -49,6 +51,7 @@ contains
       type(march_type), intent(inout) :: march
       type(summary_type), intent(inout) :: summary
       type(error_type), allocatable, intent(out) :: error
+      integer, allocatable :: joined(:)
       integer :: step
 
       step = scene%step
@@ -58,9 +61,9 @@ contains
       call stream%pass(plan%reason)
       call keep_progress(progress, stream)
       call keep_motion(scene, stream)
-      call keep_order(scene, plan, stream)
+      call keep_order(scene, plan, joined, stream)
       if (stream%reading .and. .not. stream%broken) call remake(scene, model, plan, progress, &
-         & march, step, summary, error)
+         & march, step, joined, summary, error)
       if (allocated(error)) return
       call keep_march(march, stream)
       call keep_friction(scene%friction, stream)
@@ -73,13 +76,14 @@ contains
    end subroutine keep_run
 
    !> Supports, factors and contacts of the step; loads that the rest will set right.
-   subroutine remake(scene, model, plan, progress, march, step, summary, error)
+   subroutine remake(scene, model, plan, progress, march, step, joined, summary, error)
       type(scene_type), intent(inout) :: scene
       type(model_type), intent(in) :: model
       type(plan_type), intent(in) :: plan
       type(progress_type), intent(in) :: progress
       type(march_type), intent(inout) :: march
       integer, intent(in) :: step
+      integer, intent(in) :: joined(:)         !! equations that joined the factor
       type(summary_type), intent(inout) :: summary
       type(error_type), allocatable, intent(out) :: error
       logical :: same
@@ -87,6 +91,8 @@ contains
       call set_supports(scene, model, step, same, error)
       if (allocated(error)) return
       call prepare_path(scene, model, plan, summary, error)
+      if (allocated(error)) return
+      call widen_system(scene%system, joined, scene%counter, error)
       if (allocated(error)) return
       call start_step(scene, model)
       call new_loading(march%loading, model, scene%dofs, scene%constraints, scene%solids, &
@@ -140,18 +146,24 @@ contains
       call stream%pass(self%start_normal)
    end subroutine keep_points
 
-   !> The equations kept last are those that contact touched when the factor was made.
-   subroutine keep_order(self, plan, stream)
+   !> The equations kept last are those that contact touched when the factor was made; others joined
+   !> it since.
+   subroutine keep_order(self, plan, joined, stream)
       type(scene_type), intent(inout) :: self
       type(plan_type), intent(in) :: plan
+      integer, allocatable, intent(out) :: joined(:)
       type(stream_type), intent(inout) :: stream
       integer, allocatable :: last(:)
       integer :: i
 
+      allocate (joined(0))
       if (plan%path /= path_of%condensed) return
-      if (.not. stream%reading) last = pack([(i, i=1, size(self%system%place))], &
-         & self%system%place > 0)
+      if (.not. stream%reading) then
+         joined = self%system%late
+         last = pack([(i, i=1, size(self%system%place))], self%system%place > size(joined))
+      end if
       call stream%pass(last)
+      call stream%pass(joined)
       if (stream%reading) call move_alloc(last, self%kept_last)
    end subroutine keep_order
 
@@ -163,6 +175,7 @@ contains
       call stream%pass(self%time)
       call stream%pass(self%increment)
       call stream%pass(self%at_end)
+      call keep_energy(self%energy, stream)
       call stream%pass(self%loading%start)
       call stream%pass(self%loading%before)
       call stream%pass(self%loading%from)
@@ -198,6 +211,8 @@ contains
       if (.not. self%in_use) return
       call stream%pass(self%multiplier)
       call stream%pass(self%accepted_multiplier)
+      call stream%pass(self%last_motion)
+      call stream%pass(self%last_dt)
       call stream%pass(self%force_seen)
       call stream%pass(self%energy)
       call stream%pass(self%iterations)
@@ -206,6 +221,10 @@ contains
       call stream%pass(self%memory%value)
       call stream%pass(self%memory%next)
       call stream%pass(self%memory%work)
+      call stream%pass(self%memory%next_work)
+      call stream%pass(self%memory%most_strain)
+      call stream%pass(self%memory%most_element)
+      call stream%pass(self%memory%volume)
       call keep_followers(self%follower, stream)
       call keep_system(self%system, stream, error)
       if (allocated(error)) return

@@ -280,6 +280,7 @@ contains
             summary%step(scene%step)%increments = number
             march%number = number
             march%at_end = frame%last_of_step
+            march%energy = frame%energy
             if (.not. march%at_end) call grow(march%increment, step, plan, &
                & frame, scene%finite%memory%most_strain)
             call keep_state(scene, model, plan, progress, march, recorders, summary, error, keeper)
@@ -297,7 +298,7 @@ contains
          if (scene%step < size(model%step)) call add_ended_loads(march%loading, model, scene%dofs, &
             & scene%constraints, &
             & scene%solids, step, model%step(scene%step + 1), progress%steady)
-         call judge_step(scene, model, progress%seen, frame%energy)
+         call judge_step(scene, model, progress%seen, march%energy)
       end associate
    end subroutine run_step
 

@@ -136,5 +136,6 @@ contains
       call stream%pass(self%contact)
       call stream%pass(self%friction)
       call stream%pass(self%plastic)
+      call stream%pass(self%volume)
    end subroutine keep_energy
 end module lopin_state
