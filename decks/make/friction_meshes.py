@@ -23,32 +23,52 @@ def rough_punch() -> Deck:
     return mesh_deck(Model("mesh", half))
 
 
-def mindlin() -> Deck:
-    """Half of a ball of radius 10, as a block with a crown, on half of a block; y = 0 is their plane of symmetry.
+#: Radii of contact and of stick of benchmark A8.
+CONTACT, STICK = 0.402073, 0.351243
 
-    The flat one is the master: normals stay in the plane of symmetry.
+
+def mindlin(rings: int = 6) -> Deck:
+    """Half of a ball of radius 10, as a cylinder with a crown, on half of a cylinder; y = 0 is their plane of symmetry.
+
+    `rings` of elements fill the ring that slips; its edges lie in the middle between nodes. The flat
+    one is the master: normals stay in the plane of symmetry.
     """
-    half = fine_then_spread(0.402/6.5, 0.43, 40.0, 2.2)
-    across = np.concatenate([-half[:0:-1], half])
-    up = np.concatenate([[0.0], spread(0.06, 0.0, 40.0, 2.0)])
-    shape = (len(across) - 1, len(half) - 1, len(up) - 1)
-    end, grading = half[-1], ((across + half[-1])/(2.0*half[-1]), half/half[-1], up/up[-1])
+    tall, ring = 40.0, (CONTACT - STICK)/rings
+    fine = np.arange(STICK - 2.5*ring, CONTACT + 1.5001*ring, ring)
+    plane = half_disc(4, np.concatenate([[0.2, 0.5*(0.2 + fine[0])], fine, spread(1.5*ring, fine[-1], tall, 2.0)]))
+    up = np.concatenate([[0.0], spread(0.04 if rings < 4 else 0.03, 0.0, tall, 2.0)])
+    body = mesh_make.extruded(plane, 1.0, len(up) - 1)
+    level = np.rint(body.points[:, 2]*(len(up) - 1)).astype(int)
 
-    def crown(x):
-        reach = (x[:, :2]**2).sum(axis=1)
-        height = np.where(reach < 1.0, reach, 1.0)/20.0*(1.0 - x[:, 2]/40.0)
-        return np.column_stack([x[:, 0], x[:, 1], x[:, 2] + height])
+    def stacked(heights, crown):
+        flat = body.points[:, :2]
+        reach = np.minimum((flat**2).sum(axis=1), 1.0)
+        z = heights[level]
+        low = body.replaced(points=np.column_stack([flat, z]))
+        low = low.with_surface("NEAR", lambda x: (np.abs(x[:, 2]) < 1e-9) & (np.hypot(*x[:, :2].T) < 0.5))
+        # The rigid upper face has its own supports.
+        low = low.with_points("FRONT", lambda x: (x[:, 1] > -1e-9) & (np.abs(x[:, 2]) < tall - 1e-6))
+        low = low.with_points("FAR", lambda x: np.abs(x[:, 2]) > tall - 1e-6)
+        return lean(low, "NEAR", "FAR FRONT").mapped(
+            lambda x: np.column_stack([flat, z + crown*reach/20.0*(1.0 - z/tall)]))
 
-    upper = mesh_make.block((2.0*end, end, 40.0), shape, origin=(-end, 0.0, 0.0), grading=grading)
-    near = upper.with_surface("NEAR", lambda x: (x[:, 2] < 1e-9) & (np.abs(x[:, :2]).max(axis=1) < 0.55))
-    # The rigid upper face has its own supports.
-    near = near.with_points("FRONT", lambda x: (x[:, 1] < 1e-9) & (x[:, 2] < 39.9))
-    lower = mesh_make.block((2.0*end, end, 40.0), shape, origin=(-end, 0.0, -40.0),
-                            grading=(*grading[:2], 1.0 - up[::-1]/up[-1]))
-    low = lower.with_surface("NEAR", lambda x: (x[:, 2] > -1e-9) & (np.abs(x[:, :2]).max(axis=1) < 0.55))
-    low = low.with_points("FRONT", lambda x: (x[:, 1] < 1e-9) & (x[:, 2] > -39.9))
-    mesh = together(UP=lean(near.mapped(crown), "NEAR", "TOP FRONT"), LOW=lean(low, "NEAR", "BOTTOM FRONT"))
+    mesh = together(UP=stacked(up, 1.0), LOW=stacked(-up[::-1], 0.0))
     return mesh_deck(Model("mesh", mesh.mapped(lambda x: np.round(x, 9)), kind="3d"))
+
+
+def half_disc(cells: int, radii: np.ndarray) -> Mesh:
+    """The half y <= 0 of a disc: a core of the first radius, 4 x `cells` around, and rings at the others."""
+    core = mesh_make.disc(radii[0], cells, part="half")
+    around = mesh_make.ring(1.0, 2.0, (len(radii) - 1, 4*cells), angles=(180.0, 360.0))
+
+    def spaced(x):
+        r = np.hypot(*x.T)
+        return x*(radii[np.rint((r - 1.0)*(len(radii) - 1)).astype(int)]/r)[:, None]
+
+    around = around.mapped(spaced)
+    cells_of = np.vstack([core.blocks[0][1], around.blocks[0][1] + core.n_point])
+    return mesh_make.merged(Mesh(np.vstack([core.points, around.points]), [("quad", cells_of)], {},
+                                 {"ALL": np.arange(len(cells_of))}, {}))
 
 
 def _punch(fine: float) -> Mesh:

@@ -147,6 +147,7 @@ contains
       if (.not. p_ref > 0.0_wp) self%complementarity = max(0.0_wp, self%penetration)
       energy%contact = energy%contact + scene%friction%stored
       energy%friction = sum(scene%friction%trial%work)
+      energy%friction_mean = sum(scene%friction%trial%mean_work)
       self%complementarity = max(self%complementarity, scene%friction%misfit)
       self%cone = scene%friction%cone_excess
       self%dissipation = scene%friction%least_work

@@ -12,7 +12,8 @@ module lopin_finite_results
    use lopin_finite_state, only : forgotten
    use lopin_finite_forces, only : above_rounding
    use lopin_contact_traction, only : grip_kind
-   use lopin_finite_contact, only : finite_contact_type, dissipated, held_energy, shear_bound
+   use lopin_finite_contact, only : finite_contact_type, dissipated, mean_work_of, held_energy, &
+      & shear_bound
    use lopin_scene, only : scene_type
    implicit none
    private
@@ -77,6 +78,7 @@ contains
 
       energy%contact = 0.0_wp
       energy%friction = 0.0_wp
+      energy%friction_mean = 0.0_wp
       work = 0.0_wp
       beyond = 0.0_wp
       bound = 0.0_wp
@@ -84,9 +86,11 @@ contains
       associate (c => contact)
          do i = 1, c%n
             energy%friction = energy%friction + c%friction_work(i)*c%weight(i)
+            energy%friction_mean = energy%friction_mean + c%mean_work(i)*c%weight(i)
             if (c%facet(i) == 0 .or. c%grip(i)%kind == grip_kind%tied) cycle
             work(i) = dissipated(c, i)*c%weight(i)
             energy%friction = energy%friction + work(i)
+            energy%friction_mean = energy%friction_mean + mean_work_of(c, i)*c%weight(i)
             energy%contact = energy%contact + held_energy(c, i)*c%weight(i)
             shear = c%traction(:, i) - c%pressure(i)*c%normal(:, i)
             ! Slips that add up to nothing, and shears that are rounding, do rounding's work.

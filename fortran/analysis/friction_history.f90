@@ -71,6 +71,8 @@ contains
             new%speed(i) = norm2(slip)/points%at(k)%dt
             done = -dot_product(force, global(lost))
             new%work(i) = old%work(i) + done
+            new%mean_work(i) = old%mean_work(i) &
+               & - 0.5_wp*dot_product(old%traction(:, i) + force, global(lost))
             s%stored = s%stored + stored_energy(points, k, press, force, new%anchor(:, i))
             most_work = max(most_work, abs(done))
             ! Slips that are rounding do rounding's work.

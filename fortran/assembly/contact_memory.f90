@@ -56,6 +56,7 @@ contains
       call stream%pass(self%slip)
       call stream%pass(self%slip_path)
       call stream%pass(self%friction_work)
+      call stream%pass(self%mean_work)
       call stream%pass(self%weight)
       call stream%pass(self%shift)
       call stream%pass(self%overclosure)

@@ -26,7 +26,8 @@ module lopin_finite_contact
    implicit none
    private
    public :: local_matrix_type, finite_contact_type, new_finite_contact, start_increment
-   public :: evaluate, augment, accept, reject, speed_of, dissipated, held_energy, shear_bound
+   public :: evaluate, augment, accept, reject, speed_of, dissipated, mean_work_of
+   public :: held_energy, shear_bound
 
    !> A point farther from its master, in facets, is not tied unless ADJUST says so.
    real(wp), parameter :: too_far = 0.5_wp
@@ -53,6 +54,7 @@ module lopin_finite_contact
       real(wp), allocatable :: xi(:, :)        !! (2, n)
       real(wp), allocatable :: slip_path(:)    !! (n) its length
       real(wp), allocatable :: friction_work(:) !! (n) dissipated per area [stress*length]
+      real(wp), allocatable :: mean_work(:)     !! (n) the same by mean tractions [stress*length]
       real(wp) :: soft_error = 0.0_wp          !! estimated pressure error of penalties, relative
       type(cost_type) :: cost                  !! of the search so far
       ! set from outside
@@ -103,8 +105,8 @@ contains
       self%dofs = dofs
       allocate (self%force(dofs%n), self%gap(n), self%pressure(n), self%traction(3, n), &
          & self%normal(3, n), self%slip(3, n), self%xi(2, n), self%slip_path(n), &
-         & self%friction_work(n), self%lambda(3, n), self%last_normal(3, n), self%creep(3, n), &
-         & self%c(n), self%ct(n), self%mises(n), self%speed(n), self%last_speed(n), &
+         & self%friction_work(n), self%mean_work(n), self%lambda(3, n), self%last_normal(3, n), &
+         & self%creep(3, n), self%c(n), self%ct(n), self%mises(n), self%speed(n), self%last_speed(n), &
          & source=0.0_wp)
       allocate (self%facet(n), self%status(n), self%first_row(n), source=0)
       allocate (self%pressing(model%mesh%nnode), source=0)
@@ -363,12 +365,23 @@ contains
       end associate
    end function path_of
 
-   !> Friction work per area of the trial state, in this increment [stress*length].
+   !> Friction work per area of the trial state, in this increment, as its law has it: by the
+   !> traction at the end, never negative [stress*length].
    pure real(wp) function dissipated(self, i)
       type(finite_contact_type), intent(in) :: self
       integer, intent(in) :: i
       dissipated = -dot_product(self%trial(i)%traction, lost_slip(self, i))
    end function dissipated
+
+   !> The same by the mean of the tractions at start and end, as the work of external forces is
+   !> counted: negative where friction turns round while the pressure falls [stress*length].
+   pure real(wp) function mean_work_of(self, i) result(work)
+      type(finite_contact_type), intent(in) :: self
+      integer, intent(in) :: i
+      associate (t => self%trial(i), committed => self%grip(i)%committed)
+         work = -0.5_wp*dot_product(t%traction + along(committed, t%normal), lost_slip(self, i))
+      end associate
+   end function mean_work_of
 
    !> Energy per area that a point's springs hold [stress*length].
    pure real(wp) function held_energy(self, i) result(energy)
@@ -565,6 +578,7 @@ contains
             self%slip_path(i) = self%slip_path(i) + path_of(self, i)
             self%last_speed(i) = speed_of(self, i)
             self%friction_work(i) = self%friction_work(i) + dissipated(self, i)
+            self%mean_work(i) = self%mean_work(i) + mean_work_of(self, i)
          end associate
       end do
    end subroutine accept

@@ -17,6 +17,7 @@ module lopin_friction_state
       real(wp), allocatable :: slip(:, :)       !! (3, npoint) sum of the slips in contact [length]
       real(wp), allocatable :: path(:)          !! (npoint) length of the way slid [length]
       real(wp), allocatable :: work(:)          !! (npoint) dissipated >= 0 [force*length]
+      real(wp), allocatable :: mean_work(:)     !! (npoint) the same by mean tractions, of either sign
       real(wp), allocatable :: speed(:)         !! (npoint) of slip in the increment [length/time]
       integer, allocatable :: status(:)         !! (npoint) 0 open, 1 stick, 2 slip
       real(wp), allocatable :: force(:)         !! (nrow) forces of all rows [force]
@@ -42,7 +43,8 @@ contains
 
       associate (h => self%accepted)
          allocate (h%traction(3, npoint), h%elastic(3, npoint), h%anchor(3, npoint), &
-            & h%slip(3, npoint), h%path(npoint), h%work(npoint), h%speed(npoint), source=0.0_wp)
+            & h%slip(3, npoint), h%path(npoint), h%work(npoint), h%mean_work(npoint), &
+            & h%speed(npoint), source=0.0_wp)
          allocate (h%status(npoint), source=0)
       end associate
       allocate (self%slid(3, npoint), self%mises(npoint), self%speed(npoint), source=0.0_wp)
@@ -81,6 +83,7 @@ contains
       call stream%pass(self%slip)
       call stream%pass(self%path)
       call stream%pass(self%work)
+      call stream%pass(self%mean_work)
       call stream%pass(self%speed)
       call stream%pass(self%status)
       call stream%pass(self%force)

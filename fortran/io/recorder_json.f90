@@ -287,6 +287,7 @@ contains
       call json%add('external', energy%external)
       call json%add('contact', energy%contact)
       call json%add('friction', energy%friction)
+      call json%add('friction_mean', energy%friction_mean)
       call json%add('plastic', energy%plastic)
       call json%close('}')
    end subroutine add_energy

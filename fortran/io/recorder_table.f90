@@ -173,6 +173,7 @@ contains
       call add('energy.external', 'force*length')
       call add('energy.contact', 'force*length')
       call add('energy.friction', 'force*length')
+      call add('energy.friction_mean', 'force*length')
       if (model_flows(model)) then
          call add('energy.plastic', 'force*length')
          call add('volume', 'length^3')
@@ -220,7 +221,7 @@ contains
             & real(pair%closed, wp)]
       end do
       row = [row, frame%energy%strain, frame%energy%external, frame%energy%contact, &
-         & frame%energy%friction]
+         & frame%energy%friction, frame%energy%friction_mean]
       if (model_flows(model)) row = [row, frame%energy%plastic, frame%energy%volume]
       row = [row, real(frame%certificate%verdict, wp)]
    end subroutine history_row

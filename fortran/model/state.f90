@@ -54,7 +54,8 @@ module lopin_state
       real(wp) :: strain = 0.0_wp            !! [force*length]
       real(wp) :: external = 0.0_wp   !! work of loads and prescribed displacements since the start
       real(wp) :: contact = 0.0_wp           !! stored by penalty springs
-      real(wp) :: friction = 0.0_wp          !! dissipated since the start
+      real(wp) :: friction = 0.0_wp   !! dissipated since the start, tractions at increments' ends
+      real(wp) :: friction_mean = 0.0_wp   !! the same by mean tractions: balances external
       real(wp) :: plastic = 0.0_wp           !! work of plastic and viscous flow since the start
       real(wp) :: volume = 0.0_wp            !! of the bodies that flow, deformed [length^3]
    end type energy_type
