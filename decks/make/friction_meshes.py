@@ -71,14 +71,10 @@ def half_disc(cells: int, radii: np.ndarray) -> Mesh:
                                  {"ALL": np.arange(len(cells_of))}, {}))
 
 
-def _punch(fine: float) -> Mesh:
-    """A punch of radius 50 and height 100 whose lower edge is rounded by 10."""
-    arc = 5.0*np.pi
-    flat = 40.0 - fine_then_spread(fine, 6.0, 40.0, 1.2)[::-1]
-    turn = 40.0 + np.linspace(0.0, arc, round(arc/fine) + 1)
-    along = np.concatenate([flat, turn[1:]])
-    up = np.concatenate([[0.0], spread(fine, 0.0, 100.0, 1.25)])
-    mesh = mesh_make.block((1.0, 1.0), (len(along) - 1, len(up) - 1), grading=(along/along[-1], up/100.0))
+def _punch(along: np.ndarray, up: np.ndarray, quadratic: bool = False) -> Mesh:
+    """A punch of radius 50 and height 100 whose lower edge is rounded by 10; ticks along its face (with the arc) and up."""
+    mesh = mesh_make.block((1.0, 1.0), (len(along) - 1, len(up) - 1), grading=(along/along[-1], up/100.0),
+                           quadratic=quadratic)
 
     def round_off(x):
         s = x[:, 0]*along[-1]
@@ -91,19 +87,32 @@ def _punch(fine: float) -> Mesh:
     return mesh.mapped(round_off)
 
 
-def nafems_punch() -> Deck:
+def _on_block(punch: Mesh, across: np.ndarray, down: np.ndarray, quadratic: bool = False) -> Deck:
     """The punch on a block of radius 100 and height 200."""
-    punch = _punch(0.5)
-    inner = 40.0 - fine_then_spread(0.5, 6.0, 40.0, 1.2)[::-1]
-    outer = 40.0 + fine_then_spread(0.5, 8.0, 60.0, 1.2)
-    across = np.concatenate([inner, outer[1:]])
-    down = np.concatenate([[0.0], spread(0.5, 0.0, 200.0, 1.2)])
     block = mesh_make.block((100.0, 200.0), (len(across) - 1, len(down) - 1), origin=(0.0, -200.0),
-                            grading=(across/100.0, 1.0 - down[::-1]/200.0))
+                            grading=(across/100.0, 1.0 - down[::-1]/200.0), quadratic=quadratic)
     block = block.with_surface("NEAR", lambda x: (x[:, 1] > -1e-9) & (x[:, 0] < 50.0))
     block = block.with_points("M", lambda x: (x[:, 1] > -1e-9) & (x[:, 0] < 1e-9))
     mesh = together(PUNCH=lean(punch, "FACE TOP", "LEFT"), BLOCK=lean(block, "NEAR", "LEFT BOTTOM RIGHT M"))
     return mesh_deck(Model("mesh", mesh.mapped(lambda x: np.round(x, 9)), kind="axisymmetric"))
+
+
+def nafems_punch(fine: float = 0.5, quadratic: bool = False) -> Deck:
+    """The punch on its block, elements of size `fine` at the rounded edge."""
+    inner = 40.0 - fine_then_spread(fine, 6.0, 40.0, 1.2)[::-1]
+    turn = 40.0 + np.linspace(0.0, 5.0*np.pi, round(5.0*np.pi/fine) + 1)
+    outer = 40.0 + fine_then_spread(fine, 8.0, 60.0, 1.2)
+    up, down = (np.concatenate([[0.0], spread(fine, 0.0, height, growth)]) for height, growth in ((100.0, 1.25), (200.0, 1.2)))
+    return _on_block(_punch(np.concatenate([inner, turn[1:]]), up, quadratic), np.concatenate([inner, outer[1:]]), down,
+                     quadratic)
+
+
+def coarse_punch(cells: int) -> Deck:
+    """The same of even squares: `cells`, an even number, along the flat part of the face."""
+    size = 40.0/cells
+    turn = 40.0 + np.linspace(0.0, 5.0*np.pi, round(5.0*np.pi/size) + 1)
+    even = [np.linspace(0.0, length, round(length/size) + 1) for length in (40.0, 100.0, 200.0)]
+    return _on_block(_punch(np.concatenate([even[0], turn[1:]]), even[1]), even[1], even[2])
 
 
 MESHES = {f.__name__: f for f in (rough_punch, nafems_punch)}
