@@ -98,6 +98,7 @@ contains
          associate (material => model%material(model%section(i)%material))
             section(i)%young = material%young
             section(i)%poisson = material%poisson
+            section(i)%green = material%green
             section(i)%neo_hooke = material%has_neo_hooke
             section(i)%c10 = material%c10
             section(i)%d1 = material%d1

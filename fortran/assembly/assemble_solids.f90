@@ -12,7 +12,7 @@ module lopin_assemble_solids
    use lopin_element_type, only : element_type, element_kind, new_element_type
    use lopin_elastic, only : hooke_matrix, plane_stress_matrix
    use lopin_flow_curve, only : flow_type
-   use lopin_finite_elastic, only : finite_law_type, hencky_law, neo_hooke_law, give_flow, &
+   use lopin_finite_elastic, only : finite_law_type, hencky_law, green_law, neo_hooke_law, give_flow, &
       & elastic_constants
    use lopin_facets, only : facet_rule_type, new_facet_rules
    use lopin_simplex_patches, only : patches_type, new_patches, patch_element
@@ -32,6 +32,7 @@ module lopin_assemble_solids
       real(wp) :: c10 = 0.0_wp               !! [stress]
       real(wp) :: d1 = 0.0_wp                !! [1/stress]
       type(flow_type) :: flow                !! of a plastic or viscous material
+      logical :: green = .false.             !! Hooke's law in Green's strain, not in logarithmic
    end type solid_section_type
 
    !> Elements of one word in one section.
@@ -188,6 +189,8 @@ contains
       if (section%neo_hooke) then
          new%law = neo_hooke_law(section%c10, section%d1)
          call elastic_constants(new%law, young, poisson)
+      else if (section%green) then
+         new%law = green_law(young, poisson)
       else
          new%law = hencky_law(young, poisson)
          call give_flow(new%law, section%flow)

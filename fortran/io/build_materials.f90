@@ -121,6 +121,8 @@ contains
             & help='TYPE=ISOTROPIC: Young''s modulus, Poisson''s ratio')
          return
       end if
+      call get_word(block, 'STRAIN', word, at, found)
+      if (found) material%green = word == 'GREEN'
       call read_one(block, "Young's modulus and Poisson's ratio", material%young, found, log)
       if (.not. found) return
       call split_fields(block%line(1), field, n)
@@ -338,6 +340,9 @@ contains
             if (material%has_elastic .and. material%has_neo_hooke) call complain(model%log, &
                & 'E0205', 'material `'//material%name//'` has both *ELASTIC and *HYPERELASTIC', &
                & material%at, help='keep one of them')
+            if (material%green .and. flows(material%flow)) call complain(model%log, 'E0205', &
+               & 'material `'//material%name//'` has *PLASTIC beside *ELASTIC, STRAIN=GREEN', &
+               & material%plastic_at, help='metals flow in logarithmic strain: leave STRAIN out')
             if (.not. used(i) .or. material%has_elastic .or. material%has_neo_hooke) cycle
             call complain(model%log, 'E0203', 'material `'//material%name//'` has no *ELASTIC', &
                & material%at, help="add *ELASTIC with Young's modulus and Poisson's ratio")

@@ -8,6 +8,8 @@
 !> compression to 1/sqrt(3) and collapses, what an elastic body under a tool must not do. All three
 !> have the same limit at small strain.
 !>
+!> St Venant-Kirchhoff, *ELASTIC, STRAIN=GREEN: W = lame/2 (tr E)^2 + shear E : E of Green's strain.
+!>
 !> Neo-Hooke as *HYPERELASTIC, NEO HOOKE: W = C10 (I1bar - 3) + (J - 1)^2/D1, shear = 2 C10,
 !> bulk = 2/D1.
 !>
@@ -25,12 +27,13 @@ module lopin_finite_elastic
    use lopin_radial_return, only : return_type, return_radially
    implicit none
    private
-   public :: finite_law_type, finite_law, hencky_law, neo_hooke_law, finite_response, log_strain
+   public :: finite_law_type, finite_law, hencky_law, green_law, neo_hooke_law, finite_response
+   public :: log_strain
    public :: thickness_change, condense_thickness, volume_change, elastic_constants
    public :: past_type, give_flow, flow_of_trial, answer_of
 
    type :: laws
-      integer :: hencky = 1, neo_hooke = 2
+      integer :: hencky = 1, neo_hooke = 2, green = 3
    end type laws
    type(laws), parameter :: finite_law = laws()
 
@@ -58,6 +61,15 @@ contains
       law%shear = 0.5_wp*young/(1.0_wp + poisson)
       law%bulk = young/(3.0_wp*(1.0_wp - 2.0_wp*poisson))
    end function hencky_law
+
+   !> Hooke's law in Green's strain, St Venant-Kirchhoff.
+   pure function green_law(young, poisson) result(law)
+      real(wp), intent(in) :: young      !! E > 0 [stress]
+      real(wp), intent(in) :: poisson    !! in (-1, 0.5) [-]
+      type(finite_law_type) :: law
+      law = hencky_law(young, poisson)
+      law%kind = finite_law%green
+   end function green_law
 
    pure function neo_hooke_law(c10, d1) result(law)
       real(wp), intent(in) :: c10        !! > 0 [stress]
@@ -109,6 +121,8 @@ contains
 
       if (law%kind == finite_law%neo_hooke) then
          call neo_hooke_response(law, change, own, volume, stress, energy, tangent)
+      else if (law%kind == finite_law%green) then
+         call green_response(law, change, own, volume, stress, energy, tangent)
       else
          call hencky_response(law, past, change, volume, stress, energy, tangent)
       end if
@@ -217,6 +231,42 @@ contains
       end do
    end subroutine neo_hooke_response
 
+   !> With B = b - 1 of the scaled deformation: E has its invariants, halved, and tau = b S b^T.
+   pure subroutine green_response(law, change, own, volume, stress, energy, tangent)
+      type(finite_law_type), intent(in) :: law
+      real(wp), intent(in) :: change(3, 3), own, volume
+      real(wp), intent(out) :: stress(:), energy
+      real(wp), intent(out), optional :: tangent(:, :)
+      integer, parameter :: row(6) = [1, 2, 3, 1, 1, 2], column(6) = [1, 2, 3, 2, 3, 3]
+      real(wp) :: lame, trace, scaled, big(3, 3), b(3, 3), tau(3, 3)
+      integer :: i, k
+
+      lame = law%bulk - 2.0_wp/3.0_wp*law%shear
+      scaled = exp_minus_one(2.0_wp/3.0_wp*(log_one_plus(volume) - log_one_plus(own)))
+      big = (1.0_wp + scaled)*change
+      do k = 1, 3
+         big(k, k) = big(k, k) + scaled
+      end do
+      b = big
+      do k = 1, 3
+         b(k, k) = b(k, k) + 1.0_wp
+      end do
+      trace = big(1, 1) + big(2, 2) + big(3, 3)
+      tau = 0.5_wp*lame*trace*b + law%shear*matmul(b, big)
+      do k = 1, size(stress)
+         stress(k) = tau(row(k), column(k))
+      end do
+      energy = 0.125_wp*lame*trace**2 + 0.25_wp*law%shear*sum(big**2)
+      if (.not. present(tangent)) return
+      do k = 1, size(stress)
+         do i = 1, size(stress)
+            tangent(i, k) = lame*b(row(i), column(i))*b(row(k), column(k)) &
+               & + law%shear*(b(row(i), row(k))*b(column(i), column(k)) &
+               & + b(row(i), column(k))*b(column(i), row(k)))
+         end do
+      end do
+   end subroutine green_response
+
    !> Logarithmic strain of the deformation scaled to a change of volume; engineering shears.
    pure function log_strain(change, volume) result(strain)
       real(wp), intent(in) :: change(3, 3)   !! b - 1
@@ -240,6 +290,13 @@ contains
       if (law%kind == finite_law%hencky) then
          lame = law%bulk - 2.0_wp/3.0_wp*law%shear
          thickness = exp_minus_one(-lame/(lame + 2.0_wp*law%shear)*log_one_plus(area))
+         return
+      else if (law%kind == finite_law%green) then
+         lame = law%bulk - 2.0_wp/3.0_wp*law%shear
+         d = -lame/(lame + 2.0_wp*law%shear)*(change(1, 1) + change(2, 2))
+         ! Stretched so far in the plane that no thickness is free of stress: nothing is left of it.
+         d = max(d, epsilon(d) - 1.0_wp)
+         thickness = d/(1.0_wp + sqrt(1.0_wp + d))
          return
       end if
       ! shear (2 J**2/A**2 - tr b)/3 + bulk (J**(8/3) - J**(5/3)) = 0 falls, then rises with J: one

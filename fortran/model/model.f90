@@ -62,6 +62,7 @@ module lopin_model
       logical :: has_elastic = .false.
       real(wp) :: young = 0.0_wp      !! [stress]
       real(wp) :: poisson = 0.0_wp    !! [-]
+      logical :: green = .false.      !! under NLGEOM in Green's strain, not in logarithmic
       real(wp) :: density = 0.0_wp    !! [mass/length^3]
       logical :: has_neo_hooke = .false.
       real(wp) :: c10 = 0.0_wp        !! *HYPERELASTIC, NEO HOOKE: half the shear modulus [stress]

@@ -1,7 +1,7 @@
 program test_finite_elastic
    use lopin_kinds, only : wp
    use lopin_log_strain, only : log_one_plus, exp_minus_one
-   use lopin_finite_elastic, only : finite_law_type, hencky_law, neo_hooke_law, finite_response, &
+   use lopin_finite_elastic, only : finite_law_type, hencky_law, green_law, neo_hooke_law, finite_response, &
       & past_type, log_strain, thickness_change, condense_thickness, volume_change, elastic_constants
    use lopin_elastic, only : hooke_matrix, plane_stress_matrix
    use check, only : test, close_to, is_true, finish
@@ -10,14 +10,16 @@ program test_finite_elastic
    real(wp), parameter :: shear = young/2.6_wp, bulk = young/1.2_wp
    real(wp), parameter :: unit(3, 3) = reshape([1.0_wp, 0.0_wp, 0.0_wp, 0.0_wp, 1.0_wp, 0.0_wp, &
       & 0.0_wp, 0.0_wp, 1.0_wp], [3, 3])
-   type(finite_law_type) :: hencky, neo_hooke
+   type(finite_law_type) :: hencky, green, neo_hooke
 
    hencky = hencky_law(young, poisson)
+   green = green_law(young, poisson)
    neo_hooke = neo_hooke_law(0.5_wp*shear, 2.0_wp/bulk)
    call constants_are_those_of_small_strain()
    call small_numbers_keep_their_digits()
    call hencky_in_a_bar()
    call hencky_holds_under_any_compression()
+   call green_in_a_column()
    call rubber_in_a_bar()
    call simple_shear()
    call the_tangent_is_the_rate_of_the_stress()
@@ -101,6 +103,29 @@ contains
       end do
    end subroutine hencky_holds_under_any_compression
 
+   !> Confined: the force of a column is (lame/2 + shear) l (l**2 - 1), least at l = 1/sqrt(3).
+   subroutine green_in_a_column()
+      real(wp) :: h(3, 3), stress(6), energy, l, least
+      integer :: k
+
+      call test('a confined column of St Venant-Kirchhoff is weakest at 1/sqrt(3) of its height')
+      h = 0.0_wp
+      least = 0.0_wp
+      do k = 1, 9
+         l = 1.0_wp - 0.1_wp*k
+         h(3, 3) = l - 1.0_wp
+         call response(green, h, stress, energy)
+         call close_to('force', stress(3)/l, 0.5_wp*(bulk + 4.0_wp*shear/3.0_wp)*l*(l**2 - 1.0_wp), &
+            & 1.0e-14_wp*bulk)
+         call close_to('energy', energy, 0.125_wp*(bulk + 4.0_wp*shear/3.0_wp)*(l**2 - 1.0_wp)**2, &
+            & 1.0e-14_wp*bulk)
+         least = min(least, stress(3)/l)
+      end do
+      h(3, 3) = 1.0_wp/sqrt(3.0_wp) - 1.0_wp
+      call response(green, h, stress, energy)
+      call is_true('least', stress(3)*sqrt(3.0_wp) <= least)
+   end subroutine green_in_a_column
+
    !> Almost incompressible rubber: s = mu (l**2 - 1/l), thickness 1/sqrt(l).
    subroutine rubber_in_a_bar()
       type(finite_law_type) :: rubber
@@ -160,6 +185,8 @@ contains
          h(2, 1) = 0.6_wp*apart(i)
          call response(hencky, h, stress, energy, tangent)
          call compare_rates(hencky, h, stress, tangent)
+         call response(green, h, stress, energy, tangent)
+         call compare_rates(green, h, stress, tangent)
          call response(neo_hooke, h, stress, energy, tangent)
          call compare_rates(neo_hooke, h, stress, tangent)
       end do

@@ -3,7 +3,7 @@ program test_solid_finite
    use lopin_element_type, only : element_type, element_words, element_kind, new_element_type
    use lopin_elastic, only : hooke_matrix, plane_stress_matrix
    use lopin_solid_small, only : stiffness
-   use lopin_finite_elastic, only : finite_law_type, hencky_law, neo_hooke_law
+   use lopin_finite_elastic, only : finite_law_type, hencky_law, green_law, neo_hooke_law
    use lopin_solid_finite, only : finite_element, finite_stresses
    use blocks, only : random
    use check, only : test, close_to, is_true, finish
@@ -12,12 +12,13 @@ program test_solid_finite
    real(wp), parameter :: shear = young/2.6_wp, bulk = young/1.2_wp
    character(len=4), parameter :: wishes(2) = [character(len=4) :: '', 'FULL']
    type(element_type) :: element
-   type(finite_law_type) :: law, laws(2)
+   type(finite_law_type) :: law, laws(3)
    real(wp) :: memory(0, 64)
    logical :: found
    integer :: i, j, l
 
-   laws = [hencky_law(young, poisson), neo_hooke_law(0.5_wp*shear, 2.0_wp/bulk)]
+   laws = [hencky_law(young, poisson), green_law(young, poisson), &
+      & neo_hooke_law(0.5_wp*shear, 2.0_wp/bulk)]
    do i = 1, size(element_words)
       do j = 1, size(wishes)
          call new_element_type(element, trim(element_words(i)), wishes(j), found)
@@ -214,6 +215,9 @@ contains
       volume = product(stretch)
       if (l == 1) then
          principal = ((bulk - 2.0_wp/3.0_wp*shear)*log(volume) + 2.0_wp*shear*log(stretch))/volume
+      else if (l == 2) then
+         principal = (0.5_wp*(bulk - 2.0_wp/3.0_wp*shear)*(sum(stretch**2) - 3.0_wp) &
+            & + shear*(stretch**2 - 1.0_wp))*stretch**2/volume
       else
          principal = shear*volume**(-5.0_wp/3.0_wp)*(stretch**2 - sum(stretch**2)/3.0_wp) &
             & + bulk*(volume - 1.0_wp)
