@@ -12,8 +12,8 @@ module lopin_assemble_solids
    use lopin_element_type, only : element_type, element_kind, new_element_type
    use lopin_elastic, only : hooke_matrix, plane_stress_matrix
    use lopin_flow_curve, only : flow_type
-   use lopin_finite_elastic, only : finite_law_type, hencky_law, green_law, neo_hooke_law, give_flow, &
-      & elastic_constants
+   use lopin_finite_elastic, only : finite_law_type, hencky_law, green_law, neo_hooke_law, &
+      & give_flow, elastic_constants
    use lopin_facets, only : facet_rule_type, new_facet_rules
    use lopin_simplex_patches, only : patches_type, new_patches, patch_element
    use lopin_solid_small, only : stiffness, strain_matrices, body_force, face_force

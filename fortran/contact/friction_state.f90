@@ -17,7 +17,7 @@ module lopin_friction_state
       real(wp), allocatable :: slip(:, :)       !! (3, npoint) sum of the slips in contact [length]
       real(wp), allocatable :: path(:)          !! (npoint) length of the way slid [length]
       real(wp), allocatable :: work(:)          !! (npoint) dissipated >= 0 [force*length]
-      real(wp), allocatable :: mean_work(:)     !! (npoint) the same by mean tractions, of either sign
+      real(wp), allocatable :: mean_work(:)     !! (npoint) the same by mean tractions, any sign
       real(wp), allocatable :: speed(:)         !! (npoint) of slip in the increment [length/time]
       integer, allocatable :: status(:)         !! (npoint) 0 open, 1 stick, 2 slip
       real(wp), allocatable :: force(:)         !! (nrow) forces of all rows [force]

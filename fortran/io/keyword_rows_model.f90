@@ -182,8 +182,8 @@ contains
       call under(table, 'MATERIAL')
       call choice(table, 'TYPE', 'ISOTROPIC,ISO', 'ISOTROPIC', 'Kind of elasticity.')
       call choice(table, 'STRAIN', 'LOGARITHMIC,GREEN', 'LOGARITHMIC', 'Strain that the law is '// &
-         & 'linear in under NLGEOM. GREEN is St Venant-Kirchhoff, what CalculiX, code_aster and '// &
-         & 'MARC do: softer in compression, and without *PLASTIC.')
+         & 'linear in under NLGEOM. GREEN is St Venant-Kirchhoff, as CalculiX has it: softer in '// &
+         & 'compression, and without *PLASTIC.')
       call refuses(table, 'ORTHO,ORTHOTROPIC,ENGINEERING CONSTANTS,ANISO,ANISOTROPIC,LAMINA')
       call data_line(table, 'Young''s modulus [stress], Poisson''s ratio = 0, temperature', &
          & 'One line; a temperature is read past, there is none in the run.')

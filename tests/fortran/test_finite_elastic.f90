@@ -1,8 +1,9 @@
 program test_finite_elastic
    use lopin_kinds, only : wp
    use lopin_log_strain, only : log_one_plus, exp_minus_one
-   use lopin_finite_elastic, only : finite_law_type, hencky_law, green_law, neo_hooke_law, finite_response, &
-      & past_type, log_strain, thickness_change, condense_thickness, volume_change, elastic_constants
+   use lopin_finite_elastic, only : finite_law_type, hencky_law, green_law, neo_hooke_law, &
+      & finite_response, past_type, log_strain, thickness_change, condense_thickness, &
+      & volume_change, elastic_constants
    use lopin_elastic, only : hooke_matrix, plane_stress_matrix
    use check, only : test, close_to, is_true, finish
    implicit none
@@ -115,8 +116,8 @@ contains
          l = 1.0_wp - 0.1_wp*k
          h(3, 3) = l - 1.0_wp
          call response(green, h, stress, energy)
-         call close_to('force', stress(3)/l, 0.5_wp*(bulk + 4.0_wp*shear/3.0_wp)*l*(l**2 - 1.0_wp), &
-            & 1.0e-14_wp*bulk)
+         call close_to('force', stress(3)/l, &
+            & 0.5_wp*(bulk + 4.0_wp*shear/3.0_wp)*l*(l**2 - 1.0_wp), 1.0e-14_wp*bulk)
          call close_to('energy', energy, 0.125_wp*(bulk + 4.0_wp*shear/3.0_wp)*(l**2 - 1.0_wp)**2, &
             & 1.0e-14_wp*bulk)
          least = min(least, stress(3)/l)
