@@ -11,6 +11,7 @@ import pytest
 
 from test_cut_back import pulled
 from test_friction_laws import block
+from test_reach import crown
 
 NX, NY = 8, 4
 
@@ -88,6 +89,7 @@ SCENES = {
     "newton by umfpack": lambda: billet(nlgeom="", law="", path="*LOPIN, PATH=NEWTON, SOLVER=UMFPACK\n", changes=False),
     "lagged law": lambda: block("CRISTESCU"),
     "law of speed": lambda: block("NORTON-HOFF"),
+    "rows that come late": lambda: crown(False, 0.1, 12, friction="*FRICTION\n0.2\n"),
     "changed to finite": lambda: billet(nlgeom="", law="", changes=False, floor=ROUND),
     "model change": lambda: billet(),
     "by umfpack": lambda: billet(path="*LOPIN, SOLVER=UMFPACK\n"),
@@ -178,6 +180,13 @@ def test_changing_to_the_finite_path_is_kept(bench):
     b.run("alone")
     log = (b.place/"alone"/"job.cvg").read_text()
     assert "path condensed" in log and "a node slides by more than a quarter" in log
+
+
+def test_rows_that_come_late_are_kept(bench):
+    """In the scene of that name more points do come within reach on the way."""
+    b = bench(SCENES["rows that come late"]())
+    b.run("alone")
+    assert "more slave points come within reach" in (b.place/"alone"/"job.cvg").read_text()
 
 
 @pytest.mark.parametrize("name", ["condensed friction", "plastic"])
