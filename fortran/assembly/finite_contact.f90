@@ -18,6 +18,7 @@ module lopin_finite_contact
    use lopin_search, only : cost_type
    use lopin_finite_opposite, only : opposite_type, anchor_type, masters_type, new_masters, &
       & move_masters, find_opposite, anchor_of
+   use lopin_finite_owner, only : start_owners, note_owner, commit_owners
    use lopin_finite_roles, only : choose_roles
    use lopin_finite_kernel, only : local_matrix_type, point_state_type, evaluate_point
    use lopin_mortar_node_2d, only : patch_type
@@ -159,6 +160,7 @@ contains
       if (allocated(error)) return
       if (any(self%mortar%tied) .and. .not. allocated(self%tied_at)) &
          & self%tied_at = self%masters%x
+      call start_owners(self%masters%owner)
       call find_present(self, .true., error)
       if (allocated(error)) return
       do i = 1, self%n
@@ -304,6 +306,8 @@ contains
             & self%grip(i), self%friction(self%pair(i)), at, shift, lambda, self%first_row(i), &
             & with_tangent)
          call collect(self, i, d)
+         if (with_tangent .and. self%status(i) /= 0 .and. self%opposite(i)%ncarry > 0) &
+            & call note_owner(self%masters%owner, i, self%opposite(i)%found, self%opposite(i)%kept)
       end do
       call estimate_softness(self)
       ! Touching counts as closed where Newton starts, and no longer.
@@ -560,6 +564,7 @@ contains
       associate (unused => u, also => multiplier)
       end associate
       do i = 1, self%n
+         call commit_owners(self%masters%owner, i, self%opposite(i)%past .and. self%status(i) /= 0)
          associate (t => self%trial(i))
             if (self%facet(i) == 0 .or. t%status == 0) then
                self%last_speed(i) = 0.0_wp

@@ -18,6 +18,7 @@ module lopin_finite_opposite
    use lopin_dofs, only : dofs_type
    use lopin_contact_points, only : pair_is_tied
    use lopin_finite_points, only : finite_points_type, is_self_contact, stays_mortar
+   use lopin_finite_owner, only : owners_type, new_owners, keep_facet
    implicit none
    private
    public :: masters_type, master_type, opposite_type, anchor_type
@@ -54,6 +55,7 @@ module lopin_finite_opposite
       real(wp), allocatable :: x(:, :)             !! (ndim, nnode) present places [length]
       real(wp), allocatable :: side(:, :)          !! (3, npoint) slave normals, start of increment
       integer, allocatable :: part(:)   !! (npoint) segment of the tool met last; 0: none yet
+      type(owners_type) :: owner        !! of points that sit in the joint of two facets
    end type masters_type
 
    type :: opposite_type
@@ -61,6 +63,8 @@ module lopin_finite_opposite
       integer :: feature = 0                       !! edge of the facet, if the foot is on one
       real(wp) :: normal(3) = 0.0_wp               !! in the present
       type(projection_type) :: found               !! on a surface
+      logical :: kept = .false.                    !! on the facet that the point keeps
+      logical :: past = .false.                    !! beyond its end
       type(foot_type) :: foot                      !! on a tool, in its frame
       integer :: nnode = 0                         !! nodes that shape the facet
       integer :: ncarry = 0                        !! the first of them carry it
@@ -264,6 +268,7 @@ contains
       if (.not. allocated(self%side)) then
          allocate (self%side(3, points%n))
          allocate (self%part(points%n), source=0)
+         call new_owners(self%owner, points%n)
       end if
       self%side = 0.0_wp
       allocate (normal(model%mesh%ndim, model%mesh%nnode))
@@ -296,6 +301,10 @@ contains
                call find_projection(m%surface, m%tree, x, masters%side(:model%mesh%ndim, i), &
                   & m%limits, self%found, cost=cost)
             end if
+            associate (held => masters%owner%held(i))
+               if (held > 0) call keep_facet(m%surface, held, x, &
+                  & masters%side(:model%mesh%ndim, i), m%limits, self%found, self%kept, self%past)
+            end associate
             call take_facet(self, m%surface)
             if (self%facet > 0) call mark_shared_edge(self, m%surface, x)
          end if

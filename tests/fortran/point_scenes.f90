@@ -1,4 +1,5 @@
-!> One slave point opposite one facet of any kind, or one tool of any kind, that all may move.
+!> One slave point opposite one facet of any kind, a joint of facets, a smoothed facet among others,
+!> or one tool of any kind, that all may move.
 module point_scenes
    use lopin_kinds, only : wp
    use lopin_error, only : error_type
@@ -18,17 +19,19 @@ module point_scenes
    use lopin_contact_traction, only : grip_type, grip_kind
    use lopin_enforcement_law, only : law_type, new_exponential
    use lopin_finite_points, only : finite_points_type
+   use lopin_finite_owner, only : new_owners
    use lopin_finite_opposite, only : opposite_type, anchor_type, masters_type, move_masters, &
       & find_opposite, anchor_of
    use lopin_finite_kernel, only : local_matrix_type, point_state_type, evaluate_point
+   use patch_scenes, only : patch_names, patch_dimension, is_dome, new_patch
    implicit none
    private
    public :: point_scene_type, master_names, new_point_scene, look, random, grip_names
 
-   !> The six cells of facets in the order of their ids, then tools.
-   character(len=*), parameter :: master_names(14) = [character(len=9) :: 'line2', 'line3', 'tri3', &
+   !> The six cells of facets in the order of their ids, then tools, then patches of facets.
+   character(len=*), parameter :: master_names(14 + size(patch_names)) = [character(len=9) :: 'line2', 'line3', 'tri3', &
       & 'tri6', 'quad4', 'quad8', 'plane2', 'plane3', 'circle', 'sphere', 'cylinder', 'profile', &
-      & 'extruded', 'revolved']
+      & 'extruded', 'revolved', patch_names]
    !> In the order of grip_kind.
    character(len=*), parameter :: grip_names(6) = [character(len=11) :: 'lagrange', 'penalty', &
       & 'perturbed', 'augmented', 'overclosure', 'tied']
@@ -36,6 +39,7 @@ module point_scenes
    type :: point_scene_type
       integer :: ndim = 3
       logical :: is_tool = .false.
+      logical :: is_smooth = .false.
       type(model_type) :: model
       type(dofs_type) :: dofs
       type(masters_type) :: masters
@@ -71,7 +75,7 @@ contains
       integer :: cell, i
 
       cell = findloc(master_names, name, dim=1)
-      self%is_tool = cell > 6
+      self%is_tool = cell > 6 .and. .not. any(patch_names == name)
       self%ndim = 3
       if (any(name == [character(len=9) :: 'line2', 'line3', 'plane2', 'circle', 'profile'])) &
          & self%ndim = 2
@@ -80,12 +84,17 @@ contains
       allocate (self%masters%of(1), self%model%pair(1), self%model%tool(0), self%model%rigid_body(0))
       self%model%pair(1)%slave = 1
       self%model%pair(1)%master = 2
-      if (self%is_tool) then
+      if (any(patch_names == name)) then
+         self%ndim = patch_dimension(name)
+         self%model%mesh%ndim = self%ndim
+         call make_patch(self, name)
+      else if (self%is_tool) then
          call make_tool(self, name)
       else
          call make_facet(self, cell)
       end if
       allocate (self%masters%side(3, 1), source=0.0_wp)
+      call new_owners(self%masters%owner, 1)
       self%points%n = 1
       self%points%pair = [1]
       self%points%node = [1]
@@ -110,7 +119,17 @@ contains
          call place_all(self, still)
       end associate
       call anchor_of(self%anchor, self%opposite)
+      if (any(patch_names == name)) call leave_joint(self%anchor)
    end subroutine new_point_scene
+
+   !> A foot that stays on a vertex slips only from an anchor elsewhere.
+   pure subroutine leave_joint(anchor)
+      type(anchor_type), intent(inout) :: anchor
+
+      associate (share => anchor%share(:anchor%nnode))
+         share = 0.9_wp*share + 0.1_wp/real(anchor%nnode, wp)
+      end associate
+   end subroutine leave_joint
 
    !> Node 1 is the slave, the others are the facet's, moved a little from a flat one.
    subroutine make_facet(self, cell)
@@ -119,7 +138,7 @@ contains
       type(facets_type) :: facets
       type(error_type), allocatable :: error
       real(wp) :: xi(2), x(3), n(3), t1(3), t2(3)
-      integer :: m, i, k
+      integer :: m, i
 
       m = self%basis%nnode(cell)
       facets%n = 1
@@ -154,13 +173,51 @@ contains
          x = x - 0.12_wp*n/norm2(n)
          at(:, 1) = x(:self%ndim)
       end associate
-      allocate (self%dofs%id(6, m + 1), source=0)
-      do i = 1, m + 1
+      call number_dofs(self)
+   end subroutine make_facet
+
+   !> Node 1 is the slave, over the middle of the patch.
+   subroutine make_patch(self, name)
+      type(point_scene_type), intent(inout) :: self
+      character(len=*), intent(in) :: name
+      type(facets_type) :: facets
+      type(error_type), allocatable :: error
+      real(wp), allocatable :: x(:, :)
+      real(wp), parameter :: height = 0.6_wp
+      integer :: i, d
+
+      call new_patch(name, x, facets)
+      d = self%ndim
+      where (facets%node > 0) facets%node = facets%node + 1
+      self%is_smooth = is_dome(name)
+      self%model%mesh%nnode = size(x, 2) + 1
+      allocate (self%model%mesh%x(d, self%model%mesh%nnode))
+      associate (at => self%model%mesh%x)
+         at(:, 1) = random(d, 0.03_wp)
+         at(d, 1) = at(d, 1) + height
+         do i = 1, size(x, 2)
+            at(:, i + 1) = x(:, i) + random(d, 0.03_wp)
+         end do
+         call new_surface(self%masters%of(1)%surface, d, facets, self%is_smooth)
+         call update_surface(self%masters%of(1)%surface, at, error)
+      end associate
+      call build_tree(self%masters%of(1)%tree, self%masters%of(1)%surface%low, &
+         & self%masters%of(1)%surface%high)
+      self%shift = -height - 0.12_wp
+      call number_dofs(self)
+   end subroutine make_patch
+
+   subroutine number_dofs(self)
+      type(point_scene_type), intent(inout) :: self
+      integer :: i, k
+
+      allocate (self%dofs%id(6, self%model%mesh%nnode), source=0)
+      do i = 1, self%model%mesh%nnode
          do k = 1, self%ndim
             self%dofs%id(k, i) = self%ndim*(i - 1) + k
          end do
       end do
-   end subroutine make_facet
+   end subroutine number_dofs
 
    !> Node 1 is the slave, node 2 the reference node of the tool.
    subroutine make_tool(self, name)
@@ -259,20 +316,24 @@ contains
       call find_opposite(self%opposite, self%masters, self%model, self%points, 1, cost)
    end subroutine place_all
 
-   !> -force and row at u, and the tangent.
-   subroutine look(self, u, lambda)
+   !> -force and row at u, and the tangent if it is wanted.
+   subroutine look(self, u, lambda, tangent)
       type(point_scene_type), intent(inout) :: self
       real(wp), intent(in) :: u(:)             !! (ndof)
       real(wp), intent(in) :: lambda(3)
+      logical, intent(in), optional :: tangent
       type(local_matrix_type) :: local
       integer :: a, b, n, first
+      logical :: wanted
 
+      wanted = .true.
+      if (present(tangent)) wanted = tangent
       call place_all(self, u)
       first = 0
       if (any(self%grip%kind == [grip_kind%lagrange, grip_kind%perturbed, grip_kind%tied])) first = 1
       call evaluate_point(self%state, local, self%model, self%dofs, self%basis, self%masters, &
          & self%points, 1, self%opposite, self%anchor, self%grip, self%friction, self%at, &
-         & self%shift, lambda, first, .true.)
+         & self%shift, lambda, first, wanted)
       n = self%dofs%n + self%ndim
       self%residual = spread(0.0_wp, 1, n)
       self%k = reshape(spread(0.0_wp, 1, n*n), [n, n])
@@ -283,6 +344,7 @@ contains
          else
             self%residual(local%dof(a)) = self%state%row(a - local%nu)
          end if
+         if (.not. wanted) cycle
          do b = 1, size(local%dof)
             self%k(local%dof(a), local%dof(b)) = self%k(local%dof(a), local%dof(b)) + local%k(a, b)
             if (max(a, b) <= local%nu) self%spring(local%dof(a), local%dof(b)) = &
