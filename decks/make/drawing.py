@@ -10,6 +10,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.collections import LineCollection
 from matplotlib.tri import Triangulation
+from mpl_toolkits.mplot3d.art3d import Poly3DCollection
 
 import lopin
 from lopin.cells import CELLS
@@ -73,6 +74,23 @@ def deformed(ax, result, values, *, scale: float, index: int = -1, limits=None, 
     if mesh:
         ax.add_collection(LineCollection(edges, colors="k", linewidths=grid, alpha=0.35))
     ax.set_aspect("equal")
+    return drawn
+
+
+def skin(ax, result, values, *, index: int = -1, limits=None, colours: str = MAP):
+    """The deformed outside of a body of hexahedra in space, coloured by a value at the points."""
+    piece = result.to_meshio(index)
+    x = piece.points + np.asarray(piece.point_data["U"])
+    cells = np.vstack([b.data for b in piece.cells if b.type == "hexahedron"])
+    sides = np.array([[0, 3, 2, 1], [4, 5, 6, 7], [0, 1, 5, 4], [1, 2, 6, 5], [2, 3, 7, 6], [3, 0, 4, 7]])
+    faces = cells[:, sides].reshape(-1, 4)
+    _, first, count = np.unique(np.sort(faces, axis=1), axis=0, return_index=True, return_counts=True)
+    faces = faces[first[count == 1]]
+    low, high = limits or (values.min(), values.max())
+    drawn = Poly3DCollection(x[faces], edgecolors=(0.0, 0.0, 0.0, 0.35), linewidths=0.25)
+    drawn.set_array(values[faces].mean(axis=1))
+    drawn.set(cmap=colours, clim=(low, high))
+    ax.add_collection3d(drawn)
     return drawn
 
 

@@ -9,7 +9,7 @@ import sys
 import numpy as np
 
 from drawing import (DOTS, EXACT, INK, MAP, PICTURES, SIGNED, coloured, curve, deformed, figure,
-                     save, solved, tools)
+                     plt, save, skin, solved, tools)
 from lopin.closed_form import (contact_modulus, flat_punch_axisymmetric_pressure, hertz_line,
                                hertz_point, hertz_point_approach, lifted_beam as lifted_beam_exact,
                                nested_rings)
@@ -440,6 +440,34 @@ def rotating_rings() -> None:
     save(fig, "rotating_rings")
 
 
+def folded_strip() -> None:
+    """The strip in space, open, when its legs meet, and pressed."""
+    result = solved("folded_strip")
+    last = len(result.times) - 1
+    fig = plt.figure(figsize=(8.6, 3.4), layout="constrained")
+    axes = [fig.add_subplot(1, 3, k, projection="3d") for k in (1, 2, 3)]
+    for ax, k in zip(axes, (0, last//2, last)):
+        drawn = skin(ax, result, result.at(k)["Mises"], index=k, limits=(0.0, 2.0))
+        ax.view_init(elev=-62.0, azim=-78.0, roll=12.0)
+        ax.set(xlim=(-7.0, 21.0), ylim=(-9.0, 7.0), zlim=(0.0, 6.0), box_aspect=(28.0, 16.0, 6.0))
+        ax.set_axis_off()
+        ax.set_title(f"{8.5*result.times[k]:.1f} mm", fontsize=9)
+    coloured(fig, drawn, axes, "Mises stress [MPa]")
+    save(fig, "folded_strip")
+
+
+def beam_over_corner() -> None:
+    """The beam as it stands on the corner, and the force of the end."""
+    result = solved("beam_over_corner", **{"FREQUENCY=20": "FREQUENCY=1"})
+    fig, ax = figure(6.4, 3.0)
+    shown = [len(result.times)//3, 2*len(result.times)//3, len(result.times) - 1]
+    for k in shown:
+        drawn = deformed(ax, result, result.at(k)["Mises"], scale=1.0, index=k, limits=(0.0, 1500.0), mesh=False)
+    ax.set(xlabel="x [mm]", ylabel="y [mm]")
+    coloured(fig, drawn, ax, "Mises stress [MPa]")
+    save(fig, "beam_over_corner")
+
+
 def sliding_ball() -> None:
     """Pressure on the block where the ball was put down and where it has come to."""
     result = solved("sliding_ball")
@@ -461,7 +489,7 @@ DRAWN = {f.__name__: f for f in (
     nafems_cylinder, cattaneo, capstan, ball_of_facets, rough_punch, nafems_punch, patch_test,
     two_blocks_mortar, signorini, strip_bending, glued_beam, shrink_fit, no_separation,
     ball_on_ball, beam_on_roller, crushed_ring, ironing, rotating_rings,
-    sliding_ball)}
+    folded_strip, beam_over_corner, sliding_ball)}
 
 
 def main(names: list[str]) -> None:

@@ -20,7 +20,7 @@ GROUPS = {
     "Beams and strips": ("strip_bending", "glued_beam", "beam_on_roller", "lifted_beam"),
     "Friction": ("cattaneo", "rough_punch", "nafems_punch", "capstan"),
     "Far sliding and large strain": ("rotating_rings", "ironing", "crushed_ring",
-                                     "sliding_ball"),
+                                     "folded_strip", "beam_over_corner", "sliding_ball"),
     "Meshes that do not match": ("patch_test", "two_blocks_mortar"),
 }
 HEAD = """# Decks

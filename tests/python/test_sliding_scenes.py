@@ -7,7 +7,7 @@ from conftest import ROOT
 
 sys.path.insert(0, str(ROOT/"decks"/"make"))
 
-NAMES = ["ironing", "rotating_rings", "crushed_ring", "folded_strip", "sliding_ball"]
+NAMES = ["ironing", "rotating_rings", "crushed_ring", "folded_strip", "beam_over_corner", "sliding_ball"]
 
 
 @pytest.mark.parametrize("name", NAMES)
