@@ -3,7 +3,8 @@
 !> The plastic metric Cp^-1 - 1 stands in the order of stress (4 numbers in 2D, 6 in 3D; tensor
 !> components), so that small plastic strains keep their digits: b of the trial is F Cp^-1 F^T. It
 !> belongs to the reference shape, turns with nothing, and is minus twice the plastic strain where
-!> strains are small.
+!> strains are small. The last two rows belong to the element: the amplitudes of its internal modes,
+!> from where the next search for their balance starts.
 module lopin_material_memory
    use lopin_kinds, only : wp
    use lopin_log_strain, only : first_axis, second_axis
@@ -11,13 +12,14 @@ module lopin_material_memory
    implicit none
    private
    public :: memory_size, past_of, metric_of, put_metric, pushed_metric, strain_at, stress_at, work_at
+   public :: amplitudes_of, put_amplitudes
 
 contains
 
    !> Numbers per point for `nstress` components of stress.
    pure integer function memory_size(nstress)
       integer, intent(in) :: nstress
-      memory_size = nstress + 3
+      memory_size = nstress + 5
    end function memory_size
 
    !> Row of the accumulated plastic strain [-].
@@ -37,6 +39,31 @@ contains
       integer, intent(in) :: nstress
       work_at = nstress + 3
    end function work_at
+
+   !> Amplitudes of the internal modes of an element, from the last two rows of all its points.
+   pure function amplitudes_of(memory, nstress, nmode) result(alpha)
+      real(wp), intent(in) :: memory(:, :)     !! (nmemory or 0, ngauss)
+      integer, intent(in) :: nstress, nmode
+      real(wp) :: alpha(nmode)
+      integer :: m
+
+      alpha = 0.0_wp
+      if (size(memory, 1) == 0) return
+      do m = 1, nmode
+         alpha(m) = memory(work_at(nstress) + 1 + mod(m, 2), 1 + (m - 1)/2)
+      end do
+   end function amplitudes_of
+
+   pure subroutine put_amplitudes(memory, nstress, alpha)
+      real(wp), intent(inout) :: memory(:, :)  !! (nmemory, ngauss)
+      integer, intent(in) :: nstress
+      real(wp), intent(in) :: alpha(:)
+      integer :: m
+
+      do m = 1, size(alpha)
+         memory(work_at(nstress) + 1 + mod(m, 2), 1 + (m - 1)/2) = alpha(m)
+      end do
+   end subroutine put_amplitudes
 
    !> What the law reads; from rest if the column is empty.
    pure function past_of(memory, nstress, dt) result(past)

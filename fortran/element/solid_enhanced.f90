@@ -1,9 +1,10 @@
 !> Enhanced linear quads and bricks at finite strain: they bend without shear or thickness locking.
 !>
 !> The deformation gradient of a point is F + F0 E(alpha), see module enhanced_modes. The amplitudes
-!> alpha make the energy stationary at given displacements: a local Newton iteration from zero finds
-!> them at every call, so the element has no state of its own, its force is the slope of an energy
-!> of the displacements alone, and its tangent is the exact one, symmetric.
+!> alpha make the energy stationary at given displacements: a local Newton iteration finds them at
+!> every call, from zero in an elastic solid, from those of the accepted state where it flows. So
+!> the force is the slope of an energy of the displacements alone, and the tangent is the exact one,
+!> symmetric.
 !>
 !> A generalised displacement (node or amplitude) has at each point a velocity gradient l, listed as
 !> the entries (i, j), first index fastest, of the plane or of space, and in 2D the hoop as fifth.
@@ -15,7 +16,7 @@ module lopin_solid_enhanced
    use lopin_solid_small, only : gradients
    use lopin_finite_elastic, only : finite_law_type, finite_response, thickness_change, &
       & condense_thickness, volume_change
-   use lopin_material_memory, only : past_of, pushed_metric
+   use lopin_material_memory, only : past_of, pushed_metric, amplitudes_of
    implicit none
    private
    public :: enhanced_element, enhanced_deformation
@@ -98,7 +99,7 @@ contains
    end subroutine enhanced_element
 
    !> Enhanced F - 1 at the Gauss points.
-   pure subroutine enhanced_deformation(element, law, x, u, thickness, memory, dt, h, bad)
+   pure subroutine enhanced_deformation(element, law, x, u, thickness, memory, dt, h, alpha, bad)
       type(element_type), intent(in) :: element    !! with nmode > 0
       type(finite_law_type), intent(in) :: law
       real(wp), intent(in) :: x(:, :), u(:, :)     !! (ndim, nnode) [length]
@@ -106,12 +107,13 @@ contains
       real(wp), intent(in) :: memory(:, :)         !! of the accepted state, or empty
       real(wp), intent(in) :: dt                   !! since the accepted state [time]
       real(wp), intent(out) :: h(3, 3, element%ngauss)
+      real(wp), intent(out) :: alpha(element%nmode)   !! amplitudes [-]
       integer, intent(out) :: bad                  !! Gauss point turned inside out, else 0
       type(motion_type) :: motion
-      real(wp) :: alpha(element%nmode)
       integer :: k
 
       h = 0.0_wp
+      alpha = 0.0_wp
       call move(element, x, u, thickness, motion, bad)
       if (bad > 0) return
       call relax(element, law, motion, memory, dt, alpha, bad)
@@ -169,18 +171,18 @@ contains
       real(wp), intent(out) :: alpha(element%nmode)
       integer, intent(out) :: bad
       real(wp) :: step(element%nmode, 1), pivot(element%nmode, element%nmode), size_of
-      integer, parameter :: most = 40
+      integer, parameter :: most = 60, patience = 20
       integer :: sweep, turned
       logical :: regular
 
-      alpha = 0.0_wp
-      step = 0.0_wp
+      alpha = amplitudes_of(memory, element%nstress, element%nmode)
+      step = -2.0_wp*spread(alpha, 2, 1)
       size_of = maxval(abs(motion%h(:, :, :element%ngauss)))
       do sweep = 1, most
          call balance(element, law, motion, memory, dt, alpha, step, pivot, turned)
          bad = turned
          if (turned > 0) then
-            if (sweep == 1) return
+            if (.not. any(abs(step) > 0.0_wp)) return
             step = 0.5_wp*step
             alpha = alpha + step(:, 1)
             cycle
@@ -188,6 +190,7 @@ contains
          call solve_small(pivot, step, regular)
          bad = 1
          if (.not. regular) return
+         if (sweep > patience) step = 0.5_wp*step
          alpha = alpha - step(:, 1)
          bad = 0
          if (maxval(abs(step)) <= 1.0e-8_wp*maxval(abs(alpha)) + 1.0e-14_wp*size_of) return

@@ -19,7 +19,7 @@ module lopin_solid_finite
    use lopin_finite_elastic, only : finite_law_type, finite_response, log_strain, &
       & thickness_change, condense_thickness, volume_change, flow_of_trial
    use lopin_radial_return, only : return_type
-   use lopin_material_memory, only : past_of, metric_of, put_metric, pushed_metric, &
+   use lopin_material_memory, only : past_of, metric_of, put_metric, pushed_metric, put_amplitudes, &
       & strain_at, stress_at, work_at
    implicit none
    private
@@ -138,12 +138,18 @@ contains
       type(point_type) :: point(element%ngauss)
       type(return_type) :: back
       real(wp) :: g(element%ndim, element%nnode, element%ngauss), taken(3, 3), inverse(3, 3), density
+      real(wp) :: enhanced(3, 3, element%ngauss), alpha(element%nmode)
       integer :: k, m
 
       work = 0.0_wp
       held = 0.0_wp
+      if (element%nmode > 0) then
+         call enhanced_deformation(element, law, x, u, thickness, memory, dt, enhanced, alpha, bad)
+         if (bad > 0) return
+      end if
       call deform(element, law, x, u, thickness, memory, dt, point, g, bad)
       if (bad > 0) return
+      if (element%nmode > 0) call put_amplitudes(memory, element%nstress, alpha)
       held = sum(point%weight*(1.0_wp + point%own))
       m = element%nstress
       do k = 1, element%ngauss
@@ -185,12 +191,13 @@ contains
       real(wp), intent(out) :: g(element%ndim, element%nnode, element%ngauss)
       integer, intent(out) :: bad
       real(wp) :: h(3, 3), determinant, radius, enhanced(3, 3, element%ngauss)
+      real(wp) :: alpha(element%nmode)
       integer :: k, d, m
 
       d = element%ndim
       m = element%nnode
       if (element%nmode > 0) then
-         call enhanced_deformation(element, law, x, u, thickness, memory, dt, enhanced, bad)
+         call enhanced_deformation(element, law, x, u, thickness, memory, dt, enhanced, alpha, bad)
          if (bad > 0) return
       end if
       do bad = 1, element%ngauss

@@ -11,7 +11,8 @@ module lopin_solid_flow
    use lopin_enhanced_modes, only : solve_small
    use lopin_radial_return, only : return_type
    use lopin_finite_elastic, only : finite_law_type, answer_of, condense_thickness
-   use lopin_material_memory, only : past_of, strain_at, stress_at, work_at
+   use lopin_material_memory, only : past_of, strain_at, stress_at, work_at, amplitudes_of, &
+      & put_amplitudes
    implicit none
    private
    public :: flow_element, flow_stresses, flow_memory
@@ -36,10 +37,11 @@ contains
       real(wp) :: stress(element%nstress, element%ngauss), deviator(element%nstress), trace
       real(wp) :: tangent(element%nstress, element%nstress)
       real(wp) :: strain(element%nstress, element%ngauss)
+      real(wp) :: alpha(element%nmode)
       type(return_type) :: back
       integer :: i, k
 
-      call trial(element, law, x, u, thickness, memory, dt, b, volume, strain, bad)
+      call trial(element, law, x, u, thickness, memory, dt, b, volume, strain, alpha, bad)
       if (bad > 0) return
       if (present(ke)) ke = 0.0_wp
       energy = 0.0_wp
@@ -72,13 +74,14 @@ contains
       real(wp) :: b(element%ndof, element%nstress, element%ngauss), volume(element%ngauss)
       real(wp) :: own(element%nstress, element%ngauss), deviator(element%nstress), trace
       real(wp) :: tangent(element%nstress, element%nstress)
+      real(wp) :: alpha(element%nmode)
       type(return_type) :: back
       integer :: k, m
 
       m = element%nstress
       stress = 0.0_wp
       strain = 0.0_wp
-      call trial(element, law, x, u, thickness, memory, dt, b, volume, own, bad)
+      call trial(element, law, x, u, thickness, memory, dt, b, volume, own, alpha, bad)
       if (bad > 0) return
       do k = 1, element%ngauss
          call answer(element, law, memory(:, k), dt, own(:, k), back, deviator, trace)
@@ -104,14 +107,16 @@ contains
       integer, intent(out) :: bad                            !! as for flow_element
       real(wp) :: b(element%ndof, element%nstress, element%ngauss), volume(element%ngauss)
       real(wp) :: own(element%nstress, element%ngauss), deviator(element%nstress), trace, density
+      real(wp) :: alpha(element%nmode)
       type(return_type) :: back
       integer :: k, m
 
       m = element%nstress
       work = 0.0_wp
       held = 0.0_wp
-      call trial(element, law, x, u, thickness, memory, dt, b, volume, own, bad)
+      call trial(element, law, x, u, thickness, memory, dt, b, volume, own, alpha, bad)
       if (bad > 0) return
+      if (element%nmode > 0) call put_amplitudes(memory, m, alpha)
       held = sum(volume*(1.0_wp + own(1, :) + own(2, :) + own(3, :)))
       do k = 1, element%ngauss
          call answer(element, law, memory(:, k), dt, own(:, k), back, deviator, trace)
@@ -126,12 +131,13 @@ contains
    end subroutine flow_memory
 
    !> Elastic strain (engineering shears) of every point if nothing flowed.
-   pure subroutine trial(element, law, x, u, thickness, memory, dt, b, volume, strain, bad)
+   pure subroutine trial(element, law, x, u, thickness, memory, dt, b, volume, strain, alpha, bad)
       type(element_type), intent(in) :: element
       type(finite_law_type), intent(in) :: law
       real(wp), intent(in) :: x(:, :), u(:, :), thickness, memory(:, :), dt
       real(wp), intent(out) :: b(element%ndof, element%nstress, element%ngauss)
       real(wp), intent(out) :: volume(element%ngauss), strain(element%nstress, element%ngauss)
+      real(wp), intent(out) :: alpha(element%nmode)   !! amplitudes of the internal modes
       integer, intent(out) :: bad
       real(wp) :: smallest
       integer :: k, point
@@ -144,18 +150,19 @@ contains
             strain(:, k) = strain(:, k) + elastic_share(memory(:element%nstress, k))
          end do
       end if
-      if (element%nmode > 0) call relax(element, law, x, memory, dt, volume, b, strain, bad)
+      if (element%nmode > 0) call relax(element, law, x, memory, dt, volume, b, strain, alpha, bad)
    end subroutine trial
 
    !> Add the strains of the internal modes in balance, and their slopes to B.
-   pure subroutine relax(element, law, x, memory, dt, volume, b, strain, bad)
+   pure subroutine relax(element, law, x, memory, dt, volume, b, strain, alpha, bad)
       type(element_type), intent(in) :: element
       type(finite_law_type), intent(in) :: law
       real(wp), intent(in) :: x(:, :), memory(:, :), dt, volume(element%ngauss)
       real(wp), intent(inout) :: b(element%ndof, element%nstress, element%ngauss)
       real(wp), intent(inout) :: strain(element%nstress, element%ngauss)
+      real(wp), intent(out) :: alpha(element%nmode)
       integer, intent(out) :: bad          !! 1: no balance found
-      real(wp) :: own(element%nmode, element%nstress, element%ngauss), alpha(element%nmode)
+      real(wp) :: own(element%nmode, element%nstress, element%ngauss)
       real(wp) :: tangent(element%nstress, element%nstress, element%ngauss)
       real(wp) :: stress(element%nstress), deviator(element%nstress), trace, size_of
       real(wp) :: pivot(element%nmode, element%nmode), step(element%nmode, 1)
@@ -166,8 +173,11 @@ contains
 
       call mode_strains(element, x, own)
       bad = 0
-      alpha = 0.0_wp
       size_of = maxval(abs(strain))
+      alpha = amplitudes_of(memory, element%nstress, element%nmode)
+      do k = 1, element%ngauss
+         strain(:, k) = strain(:, k) + matmul(alpha, own(:, :, k))
+      end do
       do sweep = 1, most
          pivot = 0.0_wp
          step = 0.0_wp
