@@ -87,5 +87,56 @@ S, PEEQ
 """, "axisymmetric")
 
 
+def upset_tetra(cells: tuple[int, int] = (5, 8), share: float = 0.4) -> str:
+    """A quarter of a billet of linear tetrahedra, upset by a plate from an STL file."""
+    billet = mesh_make.simplices(mesh_make.cylinder(10.0, 15.0, cells, part="quarter"))
+    skin = np.concatenate([billet.surfaces["TOP"], billet.surfaces["ARC"]])
+    billet = billet.replaced(surfaces={"SKIN": skin})
+    mesh = together(BILLET=lean(billet, "SKIN", "LEFT BACK BOTTOM"))
+    return text(mesh, f"""
+Upsetting of a billet of linear tetrahedra by {100*share:g} % between dies from an STL file.
+
+expect: certificate.verdict = PASS
+""", f"""*MATERIAL, NAME=STEEL
+*ELASTIC
+200000., 0.3
+*PLASTIC
+700., 0.
+1300., 2.
+*SOLID SECTION, ELSET=BILLET, MATERIAL=STEEL
+*NODE, NSET=DIE_REF
+900001, 0., 0., 20.
+*SURFACE, NAME=DIE, TYPE=STL, INPUT=die_plate.stl
+*RIGID BODY, ANALYTICAL SURFACE=DIE, REF NODE=DIE_REF
+*SURFACE INTERACTION, NAME=OILED
+*SURFACE BEHAVIOR, DIRECT
+*FRICTION
+0.1,
+*CONTACT PAIR, INTERACTION=OILED
+BILLET.SKIN, DIE
+*BOUNDARY
+BILLET.LEFT, 1
+BILLET.BACK, 2
+BILLET.BOTTOM, 3
+DIE_REF, 1, 2
+DIE_REF, 4, 6
+*STEP, NAME=UPSET, NLGEOM, INC=1000
+*STATIC
+0.02, 1., 1.E-5, 0.05
+*BOUNDARY
+DIE_REF, 3, 3, {-15.0*share:g}
+*OUTPUT, FIELD, FREQUENCY=10
+*NODE OUTPUT
+U
+*ELEMENT OUTPUT
+S, PEEQ
+*END STEP
+""", "3d")
+
+
+SCENES = {f.__name__: f for f in (closed_die, upset_tetra)}
+
+
 if __name__ == "__main__":
-    print(globals()[sys.argv[1]](), end="")
+    for scene in sys.argv[1:]:
+        print(SCENES[scene](), end="")

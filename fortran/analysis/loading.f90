@@ -3,10 +3,11 @@
 !> Without an amplitude a load goes linearly from its value at the end of the last step to its new
 !> value (at once if the step says AMPLITUDE=STEP); a load that is no longer in force goes to zero
 !> in the same way. With an amplitude it is value times amplitude; where the next step takes the
-!> amplitude away, the load goes on from its last value.
+!> amplitude away, the load goes on from its last value. A prescribed velocity moves its dof on from
+!> where the step found it, at once, whatever the ramp.
 module lopin_loading
    use lopin_kinds, only : wp
-   use lopin_model, only : model_type, step_type, amplitude_value
+   use lopin_model, only : model_type, step_type, amplitude_value, amplitude_integral
    use lopin_dofs, only : dofs_type
    use lopin_constraints, only : constraints_type, raw_displacement
    use lopin_assemble_solids, only : solids_type, add_body_loads, add_face_loads
@@ -23,6 +24,7 @@ module lopin_loading
       real(wp), allocatable :: varying(:, :)           !! (ndof, namplitude) loads per unit of each
       real(wp), allocatable :: from(:), to(:)          !! (nprescribed)
       integer, allocatable :: follows(:)               !! (nprescribed) amplitude; 0: none
+      logical, allocatable :: moves(:)                 !! (nprescribed) `to` is a velocity
    end type loading_type
 
 contains
@@ -55,11 +57,12 @@ contains
             & self%amplitude(i))
       end do
       allocate (self%from(constraints%nprescribed), self%to(constraints%nprescribed), &
-         & self%follows(constraints%nprescribed))
+         & self%follows(constraints%nprescribed), self%moves(constraints%nprescribed))
       do i = 1, constraints%nprescribed
          associate (entry => step%prescribed(constraints%entry_of_prescribed(i)))
             self%to(i) = entry%value
             self%follows(i) = entry%amplitude
+            self%moves(i) = entry%velocity
             self%from(i) = raw_displacement(constraints, dofs, u, constraints%dof_of_prescribed(i))
          end associate
       end do
@@ -202,7 +205,9 @@ contains
 
       share = ramped(self, step_time)
       do i = 1, size(value)
-         if (self%follows(i) > 0) then
+         if (self%moves(i)) then
+            value(i) = self%from(i) + self%to(i)*time_of(self, model, self%follows(i), step_time)
+         else if (self%follows(i) > 0) then
             value(i) = self%to(i)*factor(self, model, self%follows(i), step_time)
          else if (share < 1.0_wp) then
             value(i) = self%from(i) + share*(self%to(i) - self%from(i))
@@ -211,6 +216,20 @@ contains
          end if
       end do
    end subroutine prescribed_at
+
+   !> Time of the step so far, each moment times its amplitude.
+   pure real(wp) function time_of(self, model, amplitude, step_time) result(time)
+      type(loading_type), intent(in) :: self
+      type(model_type), intent(in) :: model
+      integer, intent(in) :: amplitude         !! 0: none
+      real(wp), intent(in) :: step_time
+      real(wp) :: from
+
+      time = step_time
+      if (amplitude == 0) return
+      from = merge(self%start, 0.0_wp, model%amplitude(amplitude)%total_time)
+      time = amplitude_integral(model%amplitude(amplitude), from, from + step_time)
+   end function time_of
 
    pure real(wp) function factor(self, model, amplitude, step_time)
       type(loading_type), intent(in) :: self

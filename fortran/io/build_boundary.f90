@@ -147,10 +147,14 @@ contains
       integer, allocatable :: node(:)
       integer :: j, n, first, last
       character(len=6) :: mark
+      character(len=:), allocatable :: word
+      type(location_type) :: at
       logical :: found, fixed
 
       item%amplitude = read_amplitude_word(model, block)
       fixed = has_parameter(block, 'FIXED')
+      call get_word(block, 'TYPE', word, at, found)
+      item%velocity = found .and. word == 'VELOCITY'
       do j = 1, block%nline
          call split_fields(block%line(j), field, n)
          if (n == 0) cycle
@@ -280,6 +284,8 @@ contains
                   & //', which was free: that is not in this version', at, &
                   & help='FIXED works for dofs that the step before prescribed')
                return
+            else if (self%item(self%slot(dof, node(i)))%velocity) then
+               self%item(self%slot(dof, node(i)))%value = 0.0_wp
             end if
          end do
       end do

@@ -84,8 +84,9 @@ contains
          & 'card may be empty.')
       call word(table, 'AMPLITUDE', 'Name of an *AMPLITUDE.')
       call flag(table, 'FIXED', 'Hold the values reached at the end of the step before.')
-      call choice(table, 'TYPE', 'DISPLACEMENT', 'DISPLACEMENT', 'What is prescribed.')
-      call refuses(table, 'VELOCITY,ACCELERATION')
+      call choice(table, 'TYPE', 'DISPLACEMENT,VELOCITY', 'DISPLACEMENT', 'What is prescribed; '// &
+         & 'a velocity goes on from where the step finds the dof.')
+      call refuses(table, 'ACCELERATION')
       call data_line(table, 'node or node set, first dof, last dof, value [length] = 0', &
          & 'last dof: the first unless given.')
       call data_line(table, 'node or node set, word', &

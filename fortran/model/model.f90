@@ -19,7 +19,7 @@ module lopin_model
    public :: step_type, prescribed_type, point_load_type, face_load_type, body_load_type, &
       & output_type
    public :: control_type, tool_holder_type
-   public :: kind_of, method_of, overclosure_of, surface_of, output_of, initial_of, amplitude_value
+   public :: kind_of, method_of, overclosure_of, surface_of, output_of, initial_of, amplitude_value, amplitude_integral
 
    !> What the whole scene is; every section of a scene has the same number of dimensions.
    type :: kinds_of
@@ -166,6 +166,7 @@ module lopin_model
       type(location_type) :: at
       integer :: node = 0, dof = 0
       real(wp) :: value = 0.0_wp   !! at the end of the step (times amplitude) [length] or [rad]
+      logical :: velocity = .false.   !! value is a velocity [length/time] or [rad/time]
       integer :: amplitude = 0
    end type prescribed_type
 
@@ -284,5 +285,24 @@ contains
             & *(time - self%time(i - 1))/(self%time(i) - self%time(i - 1))
          return
       end do
-   end function amplitude_value
+   end function amplitude_value, amplitude_integral
+
+   !> Its integral from one time to a later one: exact, straight lines between the points.
+   pure real(wp) function amplitude_integral(self, from, to) result(total)
+      type(amplitude_type), intent(in) :: self
+      real(wp), intent(in) :: from, to         !! [time]
+      real(wp) :: last, next
+      integer :: i
+
+      total = 0.0_wp
+      last = from
+      do i = 1, size(self%time) + 1
+         next = to
+         if (i <= size(self%time)) next = min(to, self%time(i))
+         if (next <= last) cycle
+         total = total + 0.5_wp*(next - last)*(amplitude_value(self, last) &
+            & + amplitude_value(self, next))
+         last = next
+      end do
+   end function amplitude_integral
 end module lopin_model
