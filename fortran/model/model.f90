@@ -19,7 +19,8 @@ module lopin_model
    public :: step_type, prescribed_type, point_load_type, face_load_type, body_load_type, &
       & output_type
    public :: control_type, tool_holder_type
-   public :: kind_of, method_of, overclosure_of, surface_of, output_of, initial_of, amplitude_value, amplitude_integral
+   public :: kind_of, method_of, overclosure_of, surface_of, output_of, initial_of
+   public :: amplitude_value, amplitude_integral
 
    !> What the whole scene is; every section of a scene has the same number of dimensions.
    type :: kinds_of
@@ -285,7 +286,7 @@ contains
             & *(time - self%time(i - 1))/(self%time(i) - self%time(i - 1))
          return
       end do
-   end function amplitude_value, amplitude_integral
+   end function amplitude_value
 
    !> Its integral from one time to a later one: exact, straight lines between the points.
    pure real(wp) function amplitude_integral(self, from, to) result(total)
