@@ -32,6 +32,7 @@ contains
       call stream%pass(self%masters%x)
       call stream%pass(self%masters%side)
       call stream%pass(self%masters%part)
+      call stream%pass(self%masters%owner%committed)
       do i = 1, size(self%masters%of)
          call keep_master(self%masters%of(i), stream)
       end do

@@ -18,7 +18,7 @@ module lopin_finite_contact
    use lopin_search, only : cost_type
    use lopin_finite_opposite, only : opposite_type, anchor_type, masters_type, new_masters, &
       & move_masters, find_opposite, anchor_of
-   use lopin_finite_owner, only : start_owners, note_owner, commit_owners
+   use lopin_finite_owner, only : new_owners, start_owners, note_owner, commit_owners
    use lopin_finite_roles, only : choose_roles
    use lopin_finite_kernel, only : local_matrix_type, point_state_type, evaluate_point
    use lopin_mortar_node_2d, only : patch_type
@@ -103,6 +103,7 @@ contains
       call new_masters(self%masters, model, self%basis, error)
       if (allocated(error)) return
       n = self%n
+      call new_owners(self%masters%owner, n)
       self%dofs = dofs
       allocate (self%force(dofs%n), self%gap(n), self%pressure(n), self%traction(3, n), &
          & self%normal(3, n), self%slip(3, n), self%xi(2, n), self%slip_path(n), &

@@ -18,7 +18,7 @@ module lopin_finite_opposite
    use lopin_dofs, only : dofs_type
    use lopin_contact_points, only : pair_is_tied
    use lopin_finite_points, only : finite_points_type, is_self_contact, stays_mortar
-   use lopin_finite_owner, only : owners_type, new_owners, keep_facet
+   use lopin_finite_owner, only : owners_type, keep_facet
    implicit none
    private
    public :: masters_type, master_type, opposite_type, anchor_type
@@ -268,7 +268,6 @@ contains
       if (.not. allocated(self%side)) then
          allocate (self%side(3, points%n))
          allocate (self%part(points%n), source=0)
-         call new_owners(self%owner, points%n)
       end if
       self%side = 0.0_wp
       allocate (normal(model%mesh%ndim, model%mesh%nnode))
