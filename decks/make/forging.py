@@ -87,7 +87,7 @@ S, PEEQ
 """, "axisymmetric")
 
 
-def upset_tetra(cells: tuple[int, int] = (5, 8), share: float = 0.4) -> str:
+def upset_tetra(cells: tuple[int, int] = (4, 6), share: float = 0.4) -> str:
     """A quarter of a billet of linear tetrahedra, upset by a plate from an STL file."""
     billet = mesh_make.simplices(mesh_make.cylinder(10.0, 15.0, cells, part="quarter"))
     skin = np.concatenate([billet.surfaces["TOP"], billet.surfaces["ARC"]])

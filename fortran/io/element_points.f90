@@ -6,6 +6,7 @@ module lopin_element_points
    use lopin_state, only : frame_type
    use lopin_element_type, only : element_type, new_element_type, element_kind
    use lopin_solid_small, only : strain_matrices
+   use lopin_flow_curve, only : flows
    implicit none
    private
    public :: point_tables_type, new_point_tables, element_measures, nodal_average
@@ -96,11 +97,28 @@ contains
             if (.not. (allocated(frame%stress) .and. allocated(frame%strain))) cycle
             first = frame%first_point(e)
             last = first + element%ngauss - 1
-            measure(1, e) = 0.5_wp*sum(volume*sum(frame%stress(:, first:last) &
-               & *frame%strain(:, first:last), dim=1))
+            associate (material => model%material(model%section(model%mesh%section(e))%material))
+               if (flows(material%flow)) then
+                  measure(1, e) = sum(volume*stored(frame%stress(:, first:last), material%young, &
+                     & material%poisson))
+               else
+                  measure(1, e) = 0.5_wp*sum(volume*sum(frame%stress(:, first:last) &
+                     & *frame%strain(:, first:last), dim=1))
+               end if
+            end associate
          end associate
       end do
    end subroutine element_measures
+
+   !> Energy per volume that stresses store: what flow has taken is gone.
+   pure function stored(stress, young, poisson) result(density)
+      real(wp), intent(in) :: stress(:, :)     !! (6, npoint) [stress]
+      real(wp), intent(in) :: young, poisson
+      real(wp) :: density(size(stress, 2))
+      density = (0.5_wp*(1.0_wp + poisson)*(sum(stress(:3, :)**2, dim=1) &
+         & + 2.0_wp*sum(stress(4:, :)**2, dim=1)) &
+         & - 0.5_wp*poisson*sum(stress(:3, :), dim=1)**2)/young
+   end function stored
 
    !> Values at integration points extrapolated to the nodes and averaged there.
    subroutine nodal_average(self, model, first_point, values, at_node)
