@@ -94,9 +94,15 @@ def upset_tetra(cells: tuple[int, int] = (4, 6), share: float = 0.4) -> str:
     billet = billet.replaced(surfaces={"SKIN": skin})
     mesh = together(BILLET=lean(billet, "SKIN", "LEFT BACK BOTTOM"))
     return text(mesh, f"""
-Upsetting of a billet of linear tetrahedra by {100*share:g} % between dies from an STL file.
+A billet of linear tetrahedra upset by {100*share:g} % between flat dies that come from an STL file.
+
+Radius 10 mm, height 30 mm, a quarter of its upper half; E = 200000 MPa, yield stress 700 + 300 eps MPa,
+mu = 0.1. The same billet of fine axisymmetric quads needs 456 kN, a quarter of it 114 kN: tetrahedra that
+share their volume in patches are within 2 % of it, where plain ones lock. The side rolls onto the die.
 
 expect: certificate.verdict = PASS
+expect: history.DIE.rf3 = -114.e3 +- 2 %
+expect: history.BILLET.SKIN-DIE.max_penetration < 1e-9
 """, f"""*MATERIAL, NAME=STEEL
 *ELASTIC
 200000., 0.3

@@ -484,12 +484,46 @@ def sliding_ball() -> None:
     save(fig, "sliding_ball")
 
 
+def closed_die() -> None:
+    """The billet between its dies three times, and the force of the press."""
+    result = solved("closed_die")
+    last = len(result.times) - 1
+    fig, axes = figure(8.6, 4.6, 4)
+    for ax, k in zip(axes, (0, 3*last//4, last)):
+        drawn = deformed(ax, result, result.at(k)["PEEQ"], scale=1.0, index=k, limits=(0.0, 1.5), grid=0.15)
+        tools(ax, result, scale=1.0, index=k)
+        ax.set(xlim=(0.0, 30.0), ylim=(0.0, 18.0), xlabel="r [mm]")
+        ax.set_title(f"{5.0*result.times[k]/result.times[-1]:.1f} mm", fontsize=9)
+    axes[0].set_ylabel("z [mm]")
+    coloured(fig, drawn, list(axes[:3]), "plastic strain", orientation="horizontal")
+    axes[3].plot(-result.history["DIE.u2"], -result.history["DIE.rf2"]/1e3, color=DOTS)
+    axes[3].set(xlabel="stroke [mm]", ylabel="force [kN]", ylim=(0.0, None))
+    save(fig, "closed_die")
+
+
+def upset_tetra() -> None:
+    """The quarter billet half way and at the end."""
+    result = solved("upset_tetra")
+    last = len(result.times) - 1
+    fig = plt.figure(figsize=(8.6, 3.4), layout="constrained")
+    axes = []
+    for k in (last//2, last):
+        ax = fig.add_subplot(1, 2, len(axes) + 1, projection="3d", proj_type="ortho")
+        drawn = skin(ax, result, result.at(k)["PEEQ"], index=k, limits=(0.0, 0.8))
+        ax.set(xlim=(0.0, 14.0), ylim=(-14.0, 0.0), zlim=(0.0, 14.0), xlabel="x [mm]", zlabel="z [mm]")
+        ax.set_box_aspect((1.0, 1.0, 1.0))
+        ax.view_init(elev=25.0, azim=40.0)
+        axes.append(ax)
+    coloured(fig, drawn, axes, "plastic strain")
+    save(fig, "upset_tetra")
+
+
 DRAWN = {f.__name__: f for f in (
     bar_gap, two_springs, cylinder_on_plane, flat_punch, hertz_sphere, hertz_sphere_3d, lifted_beam,
     nafems_cylinder, cattaneo, capstan, ball_of_facets, rough_punch, nafems_punch, patch_test,
     two_blocks_mortar, signorini, strip_bending, glued_beam, shrink_fit, no_separation,
     ball_on_ball, beam_on_roller, crushed_ring, ironing, rotating_rings,
-    folded_strip, beam_over_corner, sliding_ball)}
+    folded_strip, beam_over_corner, sliding_ball, closed_die, upset_tetra)}
 
 
 def main(names: list[str]) -> None:

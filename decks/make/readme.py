@@ -1,4 +1,4 @@
-"""Write decks/README.md from the decks themselves: `python decks/make/readme.py`.
+"""Write decks/README.md from the decks themselves: `python decks/make/readme.py [name ...]`.
 
 An entry is the first comment of a deck, its expectations with what a run gave, and its picture.
 """
@@ -21,6 +21,7 @@ GROUPS = {
     "Friction": ("cattaneo", "rough_punch", "nafems_punch", "capstan"),
     "Far sliding and large strain": ("rotating_rings", "ironing", "crushed_ring",
                                      "folded_strip", "beam_over_corner", "sliding_ball"),
+    "Metal forming": ("upset_tetra",),
     "Meshes that do not match": ("patch_test", "two_blocks_mortar"),
 }
 HEAD = """# Decks
@@ -73,8 +74,14 @@ def _short(found) -> str:
     return "0" if abs(found) < 1e-12 else f"{found:.6g}"
 
 
-def main() -> None:
-    """Write the catalogue."""
+def kept(name: str) -> str:
+    """The entry that the catalogue has now, or nothing."""
+    old = (ROOT/"decks"/"README.md").read_text(encoding="utf-8").split(f"\n## {name}\n")
+    return f"## {name}\n" + old[1].split("\n## ")[0].rstrip("\n") + "\n" if len(old) > 1 else ""
+
+
+def main(names: list[str]) -> None:
+    """Write the catalogue; if decks are named, only theirs and missing entries are made anew."""
     executable = Path(os.environ.get("LOPIN_EXECUTABLE", ROOT/"build"/"lopin"))
     grouped = [name for names in GROUPS.values() for name in names]
     rest = sorted(p.stem for p in (ROOT/"decks").glob("*.inp") if p.stem not in grouped)
@@ -83,10 +90,11 @@ def main() -> None:
     text.append("\n".join(f"- {group}: " + ", ".join(f"[{n}](#{n})" for n in names)
                           for group, names in groups.items()) + "\n")
     with tempfile.TemporaryDirectory() as folder:
-        text += [entry(ROOT/"decks"/f"{name}.inp", executable, Path(folder))
-                 for names in groups.values() for name in names]
+        for name in [name for group in groups.values() for name in group]:
+            old = kept(name) if names and name not in names else ""
+            text.append(old or entry(ROOT/"decks"/f"{name}.inp", executable, Path(folder)))
     (ROOT/"decks"/"README.md").write_text("\n".join(text), encoding="utf-8")
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    main(sys.argv[1:])
