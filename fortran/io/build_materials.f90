@@ -10,6 +10,7 @@ module lopin_build_materials
    use lopin_block, only : deck_type, block_type, field_type, split_fields, field_real, &
       & complain, line_place, has_parameter
    use lopin_build_plastic, only : read_plastic
+   use lopin_build_locking, only : judge_locking
    use lopin_build_scene, only : need_real, scene_type, name_type, need_word, get_word, &
       & set_named, find_name, no_such
    implicit none
@@ -331,6 +332,7 @@ contains
       integer :: e, i
 
       call check_flow(model, scene)
+      call judge_locking(model, scene)
       used = .false.
       do i = 1, size(model%section)
          if (model%section(i)%material > 0) used(model%section(i)%material) = .true.

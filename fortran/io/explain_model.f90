@@ -52,6 +52,17 @@ contains
          & 'The word after TYPE= is not an element of Lopin, or elements of different kinds '// &
          & '(plane, axisymmetric, solid) stand in one scene.', &
          & 'solids are CPE, CPS, CAX with 3, 4, 6, 8 nodes and C3D with 4, 6, 8, 10, 15, 20.')
+      call add_explanation(list, 'W0211', 'elements that lock', &
+         & 'FORMULATION=FULL takes away the averaging of the change of volume. Where Poisson''s '// &
+         & 'ratio is above 0.4, or the material flows, each point then has to keep its volume by '// &
+         & 'itself, for which the element has not enough freedom.', &
+         & 'leave out FORMULATION=FULL.')
+      call add_explanation(list, 'N0211', 'linear simplices in patches', &
+         & 'A linear triangle, tetrahedron or wedge alone cannot keep its volume and deform. Where '// &
+         & 'Poisson''s ratio is above 0.4, or the material flows, about 2 (8 tetrahedra) '// &
+         & 'neighbours have one change of volume in common; stresses are still those of each '// &
+         & 'element.', &
+         & 'nothing; *SECTION CONTROLS, FORMULATION=FULL leaves every element alone, and locks.')
       call add_explanation(list, 'N0206', 'an element word stands for another formulation', &
          & 'The letters of the word (R, I, H, M) ask for a formulation that Lopin does not '// &
          & 'have; the message says which one is used.', '')

@@ -213,7 +213,8 @@ contains
       call required(table)
       call choice(table, 'FORMULATION', 'AUTO,FULL', 'AUTO', &
          & 'AUTO: mean dilatation in linear quads and bricks, as in Abaqus, internal modes in '// &
-         & 'words with I; FULL: plain full integration, as in CalculiX.')
+         & 'words with I, patches in linear simplices that keep their volume; FULL: plain full '// &
+         & 'integration, as in CalculiX.')
       call ignored_flag(table, 'HOURGLASS', 'Hourglass control of reduced elements.')
       call data_line(table, 'factor, ...', 'Factors of Abaqus; read past.')
       call example(table, '*SECTION CONTROLS, NAME=PLAIN, FORMULATION=FULL')

@@ -1,0 +1,75 @@
+!> Elements that lock where the material keeps its volume: which are cured, which the deck leaves so.
+module lopin_build_locking
+   use lopin_kinds, only : wp
+   use lopin_error, only : severity
+   use lopin_text, only : to_text
+   use lopin_element_type, only : element_kind, element_type
+   use lopin_flow_curve, only : flows
+   use lopin_model, only : model_type
+   use lopin_build_scene, only : scene_type
+   implicit none
+   private
+   public :: judge_locking
+
+   !> As in module assemble_solids, which forms the patches.
+   real(wp), parameter :: keeps_volume = 0.4_wp
+
+contains
+
+   !> Once for each word and section.
+   subroutine judge_locking(model, scene)
+      type(model_type), intent(inout) :: model
+      type(scene_type), intent(in) :: scene
+      integer :: number(size(scene%etype), size(model%section)), e, s, t
+
+      number = 0
+      do e = 1, model%mesh%nelement
+         s = model%mesh%section(e)
+         if (s > 0) number(model%mesh%etype(e), s) = number(model%mesh%etype(e), s) + 1
+      end do
+      do s = 1, size(model%section)
+         if (.not. volume_is_kept(model, s)) cycle
+         do t = 1, size(scene%etype)
+            if (number(t, s) > 0) call judge_word(model, scene%etype(t), s, number(t, s))
+         end do
+      end do
+   end subroutine judge_locking
+
+   pure logical function volume_is_kept(model, section) result(kept)
+      type(model_type), intent(in) :: model
+      integer, intent(in) :: section
+
+      kept = .false.
+      if (model%section(section)%material == 0) return
+      associate (material => model%material(model%section(section)%material))
+         if (material%has_neo_hooke) then
+            ! bulk/shear = (1/d1)/c10 above that of the same Poisson's ratio.
+            kept = 3.0_wp*(1.0_wp - 2.0_wp*keeps_volume) &
+               & > 2.0_wp*(1.0_wp + keeps_volume)*material%c10*material%d1
+         else
+            kept = material%poisson > keeps_volume .or. flows(material%flow)
+         end if
+      end associate
+   end function volume_is_kept
+
+   subroutine judge_word(model, word, section, number)
+      type(model_type), intent(inout) :: model
+      type(element_type), intent(in) :: word
+      integer, intent(in) :: section, number
+
+      if (word%kind == element_kind%plane_stress .or. word%kind == element_kind%rigid) return
+      associate (material => model%material(model%section(section)%material), &
+         & at => model%section(section)%at)
+         if (model%section(section)%formulation == 'FULL') then
+            call model%log%say(severity%warning, 'W0211', to_text(number)//' '//trim(word%word)// &
+               & ' with FORMULATION=FULL and material `'//material%name//'`, which keeps its '// &
+               & 'volume, will lock: too stiff, with pressures that oscillate', at, &
+               & help='leave out FORMULATION=FULL')
+         else if (word%patched) then
+            call model%log%say(severity%note, 'N0211', to_text(number)//' '//trim(word%word)// &
+               & ' of material `'//material%name//'`, which keeps its volume, share their '// &
+               & 'change of volume in patches of neighbours', at)
+         end if
+      end associate
+   end subroutine judge_word
+end module lopin_build_locking

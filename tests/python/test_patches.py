@@ -1,0 +1,70 @@
+"""Meshes of linear simplices and of elements with I under plastic flow, beside quads and bricks."""
+import subprocess
+
+import numpy as np
+import pytest
+
+import lopin
+from lopin import mesh_make
+
+
+def lines(values):
+    return "\n".join(", ".join(map(repr, row)) for row in values)
+
+
+def deck(mesh, word, stroke, *, flow=True, poisson=0.3, controls="", increments=5):
+    """A block pressed between rough plates, plastic unless told."""
+    last = mesh.ndim - 1
+    height = mesh.points[:, last]
+    text = ["*NODE", lines([i + 1, *map(float, p)] for i, p in enumerate(mesh.points)),
+            f"*ELEMENT, TYPE={word}, ELSET=ALL",
+            lines([i + 1, *(int(n) + 1 for n in c)] for i, c in enumerate(mesh.blocks[0][1]))]
+    for name, mask in (("BOTTOM", height < 1e-9), ("TOP", height > height.max() - 1e-9),
+                       ("MIDDLE", mesh.points[:, 0] < 1e-9)):
+        text += [f"*NSET, NSET={name}", lines([i + 1] for i in map(int, np.flatnonzero(mask)))]
+    text += ["*MATERIAL, NAME=STEEL", "*ELASTIC", f"210000., {poisson}"]
+    text += ["*PLASTIC", "300., 0.", "500., 1."] if flow else []
+    text += [f"*SOLID SECTION, ELSET=ALL, MATERIAL=STEEL{controls}", "1.", "*BOUNDARY",
+             f"BOTTOM, 1, {mesh.ndim}", "MIDDLE, 1, 1", f"TOP, 1, {last}",
+             "*STEP, NLGEOM, INC=200", "*STATIC", f"{1.0/increments}, 1.", "*BOUNDARY",
+             f"TOP, {mesh.ndim}, {mesh.ndim}, {stroke*height.max()}", "*NODE FILE", "U, RF",
+             "*EL FILE", "S", "*END STEP"]
+    return "\n".join(text)
+
+
+def force(folder, mesh, word, stroke, **options):
+    path = folder / f"{word}.inp"
+    path.write_text(deck(mesh, word, stroke, **options))
+    height = mesh.points[:, -1]
+    return lopin.run(path).at(-1)["RF"][height > height.max() - 1e-9, -1].sum()
+
+
+@pytest.mark.parametrize("cells, tolerance", [(6, 0.06), (12, 0.02)])
+def test_triangles_upset_as_quads_do(tmp_path, cells, tolerance):
+    quads = mesh_make.block((1.0, 1.0), (cells, cells))
+    reference = force(tmp_path, quads, "CPE4", -0.2)
+    assert force(tmp_path, mesh_make.simplices(quads), "CPE3", -0.2) == pytest.approx(
+        reference, rel=tolerance)
+
+
+def test_words_with_i_converge_to_the_same_force(tmp_path):
+    # 24 x 24 CPE4: 793.2, CPE3: 792.4
+    quads = mesh_make.block((1.0, 1.0), (12, 12))
+    assert force(tmp_path, quads, "CPE4I", -0.2) == pytest.approx(-793.0, rel=0.03)
+
+
+@pytest.mark.parametrize("word, poisson, flow, controls, code", [
+    ("CPE4", 0.499, False, ", CONTROLS=PLAIN", "warning[W0211]"),
+    ("CPE4", 0.3, True, ", CONTROLS=PLAIN", "warning[W0211]"),
+    ("CPE3", 0.499, False, "", "note[N0211]"), ("CPE3", 0.3, False, "", ""),
+    ("CPE4", 0.499, False, "", "")])
+def test_elements_that_lock_are_named(executable, tmp_path, word, poisson, flow, controls, code):
+    mesh = mesh_make.block((1.0, 1.0), (2, 2))
+    mesh = mesh_make.simplices(mesh) if word == "CPE3" else mesh
+    text = deck(mesh, word, -0.01, flow=flow, poisson=poisson, controls=controls)
+    (tmp_path / "locks.inp").write_text(
+        "*SECTION CONTROLS, NAME=PLAIN, FORMULATION=FULL\n" + text)
+    run = subprocess.run([executable, "check", "locks.inp"], capture_output=True, text=True,
+                         timeout=20, cwd=tmp_path)
+    assert run.returncode == 0, run.stderr
+    assert code in run.stderr if code else "0211]" not in run.stderr
