@@ -10,7 +10,7 @@ module lopin_after_step
    use lopin_methods, only : has_law
    use lopin_tool, only : foot_type, project_moved
    use lopin_rigid_motion, only : rigid_motion_type, new_rigid_motion
-   use lopin_state, only : energy_type
+   use lopin_state, only : energy_type, lost_work
    implicit none
    private
    public :: seen_type, look_at_pairs, judge_step, say_once, pair_that_slid
@@ -122,12 +122,11 @@ contains
       type(scene_type), intent(inout) :: scene
       type(model_type), intent(in) :: model
       type(energy_type), intent(in) :: energy
-      real(wp) :: lost, whole
+      real(wp) :: lost
 
-      lost = energy%external - energy%strain - energy%contact - energy%friction - energy%plastic
-      whole = max(abs(energy%external), energy%strain + energy%plastic + abs(energy%friction))
-      if (.not. abs(lost) > balance_limit*whole) return
-      call say_once(scene%log, 'W0530', to_text(100.0_wp*lost/whole, 3)// &
+      lost = lost_work(energy)
+      if (.not. abs(lost) > balance_limit) return
+      call say_once(scene%log, 'W0530', to_text(100.0_wp*lost, 3)// &
          & ' % of the work is neither stored nor dissipated at the end of step '// &
          & to_text(scene%step), model%step(scene%step)%at, &
          & help='smaller increments on *STATIC: they are what the energies are integrated over')

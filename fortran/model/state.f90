@@ -6,6 +6,7 @@ module lopin_state
    use lopin_stream, only : stream_type
    implicit none
    private
+   public :: lost_work
    public :: contact_field_type, certificate_type, frame_type, energy_type, summary_type, &
       & verdict_words, keep_certificate, keep_energy
 
@@ -136,7 +137,19 @@ contains
       call stream%pass(self%external)
       call stream%pass(self%contact)
       call stream%pass(self%friction)
+      call stream%pass(self%friction_mean)
       call stream%pass(self%plastic)
       call stream%pass(self%volume)
    end subroutine keep_energy
+
+   !> Work that is neither stored nor dissipated, beside all of it; 0 where nothing is done.
+   pure real(wp) function lost_work(energy) result(share)
+      type(energy_type), intent(in) :: energy
+      real(wp) :: whole
+
+      share = energy%external - energy%strain - energy%contact - energy%friction_mean &
+         & - energy%plastic
+      whole = max(abs(energy%external), energy%strain + energy%plastic + abs(energy%friction_mean))
+      if (whole > 0.0_wp) share = share/whole
+   end function lost_work
 end module lopin_state

@@ -1,0 +1,88 @@
+"""F17: how many increments an answer needs, and what is said where they are too few."""
+import numpy as np
+import pytest
+
+import lopin
+from lopin import mesh_make
+from lopin.model import Model
+from lopin.model_deck import mesh_deck
+
+METAL = "*MATERIAL, NAME=STEEL\n*ELASTIC\n200000., 0.3\n*PLASTIC\n700., 0.\n1300., 2.\n"
+UPSET = """*SOLID SECTION, ELSET=ALL, MATERIAL=STEEL
+*NODE, NSET=DIE_REF
+900001, 0., 20.
+*SURFACE, NAME=DIE, TYPE=SEGMENTS
+START, 40., 15.
+LINE, -1., 15.
+*RIGID BODY, ANALYTICAL SURFACE=DIE, REF NODE=DIE_REF
+*SURFACE INTERACTION, NAME=OIL
+*SURFACE BEHAVIOR, DIRECT
+*FRICTION
+{mu},
+*CONTACT PAIR, INTERACTION=OIL
+SKIN, DIE
+*BOUNDARY
+LEFT, 1
+BOTTOM, 2
+DIE_REF, 1
+DIE_REF, 6
+*STEP, NLGEOM, INC=1000
+*STATIC{direct}
+{first!r}, 1.
+*BOUNDARY
+DIE_REF, 2, 2, {way!r}
+*END STEP
+"""
+
+
+def billet(increments: int, *, mu: float = 0.0, share: float = 0.3, cells=(4, 6), direct: bool = True) -> lopin.Deck:
+    """Half a billet of radius 10 and height 30, pressed by a share of it."""
+    mesh = mesh_make.block((10.0, 15.0), cells)
+    skin = np.concatenate([mesh.surfaces["TOP"], mesh.surfaces["RIGHT"]])
+    sets = {k: mesh.point_sets[k] for k in ("LEFT", "BOTTOM")}
+    mesh = mesh.replaced(surfaces={"SKIN": skin}, point_sets=sets)
+    head = mesh_deck(Model("mesh", mesh, kind="axisymmetric")).text()
+    rest = UPSET.format(mu=mu, first=1.0/increments, way=-15.0*share, direct=", DIRECT" if direct else "")
+    text = head + METAL + rest
+    if mu == 0.0:
+        text = text.replace("*FRICTION\n0.0,\n", "")
+    return lopin.Deck.parse(text, "billet")
+
+
+def force(*arguments, **options) -> float:
+    """Of the press at the end."""
+    return -float(lopin.run(billet(*arguments, **options)).history["DIE.rf2"][-1])
+
+
+def test_a_straight_path_needs_one_increment():
+    """Without friction the strain is uniform and its path straight: any number of increments, one answer."""
+    forces = [force(n) for n in (1, 2, 5, 20, 100)]
+    assert forces == pytest.approx([forces[0]]*5, rel=1e-9)
+
+
+def test_the_error_falls_with_the_increment_where_the_path_bends():
+    """With friction: halving the increments halves what is missing."""
+    coarse, middle, fine = (force(n, mu=0.1) for n in (20, 40, 80))
+    assert (middle - coarse)/(fine - middle) == pytest.approx(2.0, rel=0.25)
+    assert abs(fine - middle) < 0.01*fine
+
+
+def test_increments_that_are_too_large_are_refused_or_cut():
+    """One increment of 60 % with friction: DIRECT stops and says why, automatic increments go on to the end."""
+    with pytest.raises(lopin.errors.NotConvergedError, match="E05"):
+        lopin.run(billet(1, mu=0.1, share=0.6))
+    result = lopin.run(billet(1, mu=0.1, share=0.5, direct=False))
+    assert result.times[-1] == 1.0
+    assert result.summary["certificate"]["verdict"] == "PASS"
+    assert result.summary["steps"][0]["increments"] > 5
+
+
+def test_the_history_shows_where_the_work_went():
+    """Work is summed by trapezoids: what the first increment, from elastic to plastic, misses is of its own size."""
+    result = lopin.run(billet(200, mu=0.1, direct=False))
+    history = {name: float(result.history[name][-1]) for name in result.history}
+    parts = sum(history["energy." + name] for name in ("strain", "contact", "friction_mean", "plastic"))
+    assert parts == pytest.approx(history["energy.external"], rel=2e-3)
+    assert history["energy.plastic"] > 0.9*history["energy.external"]
+    assert history["volume"] == pytest.approx(np.pi*100.0*15.0, rel=5e-3)
+    assert result.summary["certificate"]["energy"] < 2e-3
