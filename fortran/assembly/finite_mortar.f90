@@ -8,7 +8,7 @@ module lopin_finite_mortar
    use lopin_kinds, only : wp
    use lopin_dual, only : dual_type, dual_width, variable, constant, dual_dot, operator(+), &
       & operator(-), operator(*), operator(/), assignment(=)
-   use lopin_facets, only : facets_type, facet_rule_type, nodal_normals, nodal_weights
+   use lopin_facets, only : facets_type, facet_rule_type, nodal_weights
    use lopin_surface, only : surface_type, new_surface, update_surface
    use lopin_search, only : tree_type
    use lopin_error, only : error_type
@@ -21,6 +21,8 @@ module lopin_finite_mortar
    use lopin_mortar_pairs, only : thickness_of
    use lopin_mortar_overlap, only : overlap_list_type
    use lopin_mortar_overlaps_2d, only : find_overlaps_2d
+   use lopin_slave_pieces, only : slave_pieces_type, new_slave_pieces, piece_normals, &
+      & choose_owners, measure_cover, take_over, is_strong
    use lopin_mortar_node_2d, only : patch_type, new_patch, mortar_row_type, mortar_row
    use lopin_finite_points, only : stays_mortar
    use lopin_finite_kernel, only : local_matrix_type, point_state_type, set_spring
@@ -34,8 +36,6 @@ module lopin_finite_mortar
 
    !> n_slave.n_master must be below this for the two to face each other.
    real(wp), parameter :: facing = -0.2_wp
-   !> A node covered less than this share of its best neighbour hands its row to its neighbours.
-   real(wp), parameter :: weak = 0.05_wp
 
    !> A pair on the present shape.
    type :: present_mortar_type
@@ -44,9 +44,8 @@ module lopin_finite_mortar
       real(wp), allocatable :: thickness(:)    !! (slave facets) [length]
       type(overlap_list_type) :: list
       logical :: axisymmetric = .false.
-      real(wp), allocatable :: full(:)         !! (slave nodes) area at the start [area]
-      real(wp), allocatable :: ratio(:)        !! (slave nodes) covered share of it
-      real(wp), allocatable :: best(:)         !! the largest share on the facets of each
+      type(slave_pieces_type) :: pieces        !! in the plane
+      real(wp), allocatable :: full(:)         !! (slave nodes) area at the start, in space [area]
       logical :: in_space = .false.
       logical :: tied = .false.
       logical :: is_ready = .false.            !! ties keep their first rows
@@ -77,11 +76,16 @@ contains
       call new_surface(self%slave, model%mesh%ndim, facets)
       self%thickness = thickness_of(model, facets)
       self%axisymmetric = model%kind == kind_of%axisymmetric
-      call nodal_weights(facets, rules, model%mesh%x, self%axisymmetric, self%thickness, weight)
-      self%full = weight(self%slave%node)
       self%in_space = model%mesh%ndim == 3
       self%tied = pair_is_tied(model, pair)
-      if (self%in_space) call new_mortar_kernel(self%space%kernel, model%mortar_degree)
+      if (self%in_space) then
+         call new_mortar_kernel(self%space%kernel, model%mortar_degree)
+         call nodal_weights(facets, rules, model%mesh%x, self%axisymmetric, self%thickness, weight)
+         self%full = weight(self%slave%node)
+      else
+         call new_slave_pieces(self%pieces, self%slave, rules, model%mesh%x, self%axisymmetric, &
+            & self%thickness)
+      end if
    end subroutine new_present_mortar
 
    !> The overlaps at present places.
@@ -93,7 +97,7 @@ contains
       real(wp), intent(in) :: x(:, :)             !! (ndim, nnode) [length]
       logical, intent(in) :: start                !! of an increment
       type(error_type), allocatable, intent(out) :: error
-      real(wp) :: normal(size(x, 1), size(x, 2)), reach
+      real(wp) :: normal(2, 3, self%slave%facets%n), reach
 
       if (self%tied .and. self%is_ready) return
       self%is_ready = .true.
@@ -104,86 +108,15 @@ contains
             & facing, start, error)
          return
       end if
-      call nodal_normals(self%slave%facets, rules, x, self%axisymmetric, normal)
+      call piece_normals(self%pieces, self%slave, x, self%axisymmetric, normal)
       reach = norm2(max(maxval(self%slave%high, 2), maxval(master%high, 2)) &
          & - min(minval(self%slave%low, 2), minval(master%low, 2)))
       self%list = overlap_list_type()
-      call find_overlaps_2d(self%slave, normal(:, self%slave%node), master, tree, x, &
-         & self%axisymmetric, self%thickness, reach, facing, self%list)
-      call measure_cover(self)
+      call find_overlaps_2d(self%slave, normal, master, tree, x, self%axisymmetric, &
+         & self%thickness, reach, facing, self%list)
+      if (start) call choose_owners(self%pieces, self%slave, master, self%list, normal, x)
+      call measure_cover(self%pieces, self%slave, self%list)
    end subroutine update_mortar
-
-   !> Which share of each node is covered, and of its best neighbour.
-   subroutine measure_cover(self)
-      type(present_mortar_type), intent(inout) :: self
-      integer :: i, n
-
-      self%ratio = 0.0_wp*self%full
-      do i = 1, self%list%n
-         associate (o => self%list%item(i))
-            n = self%slave%facets%nnode(o%slave)
-            associate (own => self%slave%local(:n, o%slave))
-               self%ratio(own) = self%ratio(own) + o%d(:n)/self%full(own)
-            end associate
-         end associate
-      end do
-      self%best = self%ratio
-      do i = 1, self%slave%facets%n
-         n = self%slave%facets%nnode(i)
-         associate (own => self%slave%local(:n, i))
-            self%best(own) = max(self%best(own), maxval(self%ratio(own)))
-         end associate
-      end do
-   end subroutine measure_cover
-
-   !> Nodes whose rows this one takes over, in equal parts with their other strong neighbours.
-   subroutine take_over(self, node, also, share)
-      type(present_mortar_type), intent(in) :: self
-      integer, intent(in) :: node                 !! number on the slave surface
-      integer, allocatable, intent(out) :: also(:)
-      real(wp), allocatable, intent(out) :: share(:)
-      integer, allocatable :: heir(:)
-      integer :: i, k, j, n
-
-      also = [integer ::]
-      share = [real(wp) ::]
-      do i = 1, self%slave%facets%n
-         n = self%slave%facets%nnode(i)
-         if (.not. any(self%slave%local(:n, i) == node)) cycle
-         do k = 1, n
-            j = self%slave%local(k, i)
-            if (strong(self, j) .or. any(also == self%slave%node(j))) cycle
-            heir = heirs_of(self, j)
-            if (.not. any(heir == node)) cycle
-            also = [also, self%slave%node(j)]
-            share = [share, 1.0_wp/real(size(heir), wp)]
-         end do
-      end do
-   end subroutine take_over
-
-   pure function heirs_of(self, node) result(heir)
-      type(present_mortar_type), intent(in) :: self
-      integer, intent(in) :: node
-      integer, allocatable :: heir(:)
-      integer :: i, k, n
-
-      heir = [integer ::]
-      do i = 1, self%slave%facets%n
-         n = self%slave%facets%nnode(i)
-         if (.not. any(self%slave%local(:n, i) == node)) cycle
-         do k = 1, n
-            associate (j => self%slave%local(k, i))
-               if (strong(self, j) .and. .not. any(heir == j)) heir = [heir, j]
-            end associate
-         end do
-      end do
-   end function heirs_of
-
-   pure logical function strong(self, node)
-      type(present_mortar_type), intent(in) :: self
-      integer, intent(in) :: node
-      strong = self%ratio(node) > weak*self%best(node)
-   end function strong
 
    !> The row of a node by values, if enough of it is covered; the first one within an increment
    !> is the anchor of its slip.
@@ -200,7 +133,7 @@ contains
       real(wp), intent(inout) :: normal(3)        !! out of the master
       real(wp), intent(inout) :: gap              !! [length]
       type(mortar_row_type) :: row
-      integer, allocatable :: also(:)
+      integer, allocatable :: also(:), on(:)
       real(wp), allocatable :: share(:)
       integer :: k
 
@@ -220,10 +153,11 @@ contains
          return
       end if
       if (start) anchor%set = .false.
-      covered = strong(self, k)
+      covered = is_strong(self%pieces, k)
       if (.not. covered) return
-      call take_over(self, k, also, share)
-      call new_patch(patch, self%slave, master, self%list, node, also, share)
+      call take_over(self%pieces, self%slave, k, also, share, on)
+      call new_patch(patch, self%slave, master, self%list, node, also, share, &
+         & self%pieces%piece, on)
       call mortar_row(row, patch, constant(x(:2, patch%node)), self%axisymmetric, &
          & self%thickness(1), facing)
       covered = row%weight%v > 0.0_wp

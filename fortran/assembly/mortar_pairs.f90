@@ -9,6 +9,8 @@ module lopin_mortar_pairs
    use lopin_search, only : tree_type, build_tree
    use lopin_mortar_overlap, only : overlap_list_type
    use lopin_mortar_overlaps_2d, only : find_overlaps_2d
+   use lopin_slave_pieces, only : slave_pieces_type, new_slave_pieces, piece_normals, &
+      & choose_owners, owner_normals
    use lopin_mortar_cells_3d, only : mortar_kernel_type, new_mortar_kernel
    use lopin_mortar_overlaps_3d, only : find_overlaps_3d
    use lopin_mortar, only : mortar_coupling_type, couple
@@ -47,7 +49,7 @@ contains
       type(overlap_list_type) :: list
       real(wp), allocatable :: thickness(:)
       type(mortar_kernel_type) :: kernel
-      real(wp) :: reach
+      real(wp) :: reach, own(3, size(normal, 2))
       integer :: lost
       logical :: axisymmetric
 
@@ -58,13 +60,13 @@ contains
       call build_tree(tree, master%low, master%high)
       allocate (rules(6))
       call new_facet_rules(rules)
+      own = normal
       thickness = thickness_of(model, slave%facets)
       axisymmetric = model%kind == kind_of%axisymmetric
       reach = norm2(max(maxval(slave%high, 2), maxval(master%high, 2)) &
          & - min(minval(slave%low, 2), minval(master%low, 2)))
       if (model%mesh%ndim == 2) then
-         call find_overlaps_2d(slave, normal, master, tree, model%mesh%x, axisymmetric, &
-            & thickness, reach, facing, list)
+         call couple_lines()
       else
          call new_mortar_kernel(kernel, model%mortar_degree)
          call find_overlaps_3d(kernel, slave, normal, master, tree, model%mesh%x, reach, facing, &
@@ -79,7 +81,22 @@ contains
             return
          end if
       end if
-      call couple(self, rules, slave, normal, master, model%mesh%x, axisymmetric, thickness, list)
+      call couple(self, rules, slave, own, master, model%mesh%x, axisymmetric, thickness, list)
+
+   contains
+
+      !> In the plane a sharp corner has the normal of the piece that faces the master.
+      subroutine couple_lines()
+         type(slave_pieces_type) :: pieces
+         real(wp) :: of_facet(2, 3, slave%facets%n)
+
+         call new_slave_pieces(pieces, slave, rules, model%mesh%x, axisymmetric, thickness)
+         call piece_normals(pieces, slave, model%mesh%x, axisymmetric, of_facet)
+         call find_overlaps_2d(slave, of_facet, master, tree, model%mesh%x, axisymmetric, &
+            & thickness, reach, facing, list)
+         call choose_owners(pieces, slave, master, list, of_facet, model%mesh%x)
+         own(:2, :) = owner_normals(pieces, slave, of_facet)
+      end subroutine couple_lines
    end subroutine couple_pair
 
    !> A surface of faces at the start.

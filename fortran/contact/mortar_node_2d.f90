@@ -27,7 +27,9 @@ module lopin_mortar_node_2d
       integer :: nnode(most_facets) = 0
       integer :: chain(3, most_facets) = 0
       logical :: at_node(most_facets) = .false.    !! integrated; others only have the normals
+      integer :: piece(most_facets) = 1            !! smooth pieces: lopin_slave_pieces
       integer, allocatable :: function(:)          !! places whose functions the row has
+      integer, allocatable :: on(:)                !! the piece each of them is integrated on
       real(wp), allocatable :: share(:)            !! of each; the first: 1
       integer :: ncover = 0                        !! pairs of a slave facet and a master facet
       integer, allocatable :: over(:)              !! the slave facet, in the chain
@@ -50,20 +52,24 @@ module lopin_mortar_node_2d
 contains
 
    !> The neighbourhood of a slave node; the overlaps are those found on the present shape.
-   subroutine new_patch(self, slave, master, list, node, also, share)
+   subroutine new_patch(self, slave, master, list, node, also, share, piece, on)
       type(patch_type), intent(out) :: self
       type(surface_type), intent(in) :: slave, master
       type(overlap_list_type), intent(in) :: list
       integer, intent(in) :: node                  !! mesh node
       integer, intent(in) :: also(:)               !! nodes whose rows it takes over
       real(wp), intent(in) :: share(:)             !! of each
+      integer, intent(in), optional :: piece(:)    !! (slave facets) of lopin_slave_pieces
+      integer, intent(in), optional :: on(:)       !! piece of each function, the node's first
       integer :: facet(most_facets)
       integer, allocatable :: near(:)
-      integer :: i, k, n, pass
+      integer :: i, k, n, pass, own
 
       self%node = [node, also]
       self%function = [(k, k=1, size(also) + 1)]
       self%share = [1.0_wp, share]
+      self%on = [(1, k=1, size(also) + 1)]
+      if (present(on)) self%on = on
       near = self%node
       do pass = 1, 2
          do i = 1, slave%facets%n
@@ -71,7 +77,11 @@ contains
             if (self%nchain == most_facets) exit
             if (any(facet(:self%nchain) == i)) cycle
             if (.not. any([(any(near == slave%facets%node(k, i)), k=1, n)])) cycle
-            call add_chain(self, slave%facets%node(:n, i), pass == 1)
+            own = 1
+            if (present(piece)) own = piece(i)
+            if (pass == 1 .and. .not. any([(any(slave%facets%node(:n, i) == near(k) .and. &
+               & self%on(k) == own), k=1, size(near))])) cycle
+            call add_chain(self, slave%facets%node(:n, i), pass == 1, own)
             facet(self%nchain) = i
          end do
          near = self%node
@@ -79,15 +89,17 @@ contains
       end do
    end subroutine new_patch
 
-   subroutine add_chain(self, nodes, at_node)
+   subroutine add_chain(self, nodes, at_node, piece)
       type(patch_type), intent(inout) :: self
       integer, intent(in) :: nodes(:)
       logical, intent(in) :: at_node
+      integer, intent(in) :: piece
       integer :: k
 
       self%nchain = self%nchain + 1
       self%nnode(self%nchain) = size(nodes)
       self%at_node(self%nchain) = at_node
+      self%piece(self%nchain) = piece
       do k = 1, size(nodes)
          call take_place(self, nodes(k), self%chain(k, self%nchain))
       end do
@@ -140,7 +152,8 @@ contains
       integer :: i
 
       allocate (self%coefficient(size(x, 2)))
-      self%normal = constant([0.0_wp, 0.0_wp]) - nodal_normal(patch, x, 1, axisymmetric)
+      self%normal = constant([0.0_wp, 0.0_wp]) - nodal_normal(patch, x, 1, &
+         & patch%on(1), axisymmetric)
       gap = constant(0.0_wp)
       do i = 1, patch%nchain
          if (patch%at_node(i)) call add_facet(self, patch, x, axisymmetric, thickness, facing, i, &
@@ -149,11 +162,11 @@ contains
       if (self%weight%v > 0.0_wp) self%gap = gap/self%weight
    end subroutine mortar_row
 
-   !> Mean of the unit normals of the facets at a place, as nodal_normals of lopin_facets.
-   function nodal_normal(patch, x, place, axisymmetric) result(normal)
+   !> Mean of the unit normals of the facets of a piece at a place, as nodal_normals of lopin_facets.
+   function nodal_normal(patch, x, place, piece, axisymmetric) result(normal)
       type(patch_type), intent(in) :: patch
       type(dual_type), intent(in) :: x(:, :)
-      integer, intent(in) :: place
+      integer, intent(in) :: place, piece
       logical, intent(in) :: axisymmetric
       type(dual_type) :: normal(2), n(3), dn(3), tangent(2), length
       real(wp), parameter :: at(3) = [-1.0_wp, 1.0_wp, 0.0_wp]
@@ -161,6 +174,7 @@ contains
 
       normal = constant([0.0_wp, 0.0_wp])
       do i = 1, patch%nchain
+         if (patch%piece(i) /= piece) cycle
          do k = 1, patch%nnode(i)
             if (patch%chain(k, i) /= place) cycle
             call line_shape(patch%nnode(i), constant(at(k)), n, dn)
@@ -196,7 +210,7 @@ contains
 
       n = patch%nnode(i)
       do k = 1, n
-         normal(:, k) = nodal_normal(patch, x, patch%chain(k, i), axisymmetric)
+         normal(:, k) = nodal_normal(patch, x, patch%chain(k, i), patch%piece(i), axisymmetric)
       end do
       do c = 1, patch%ncover
          if (patch%over(c) /= i) cycle
@@ -211,6 +225,7 @@ contains
       dual = area%v >= thin*whole(x(:, patch%chain(:n, i))%v, axisymmetric, thickness)
       a = constant([0.0_wp, 0.0_wp, 0.0_wp])
       do f = 1, size(patch%function)
+         if (patch%on(f) /= patch%piece(i)) cycle
          j = findloc(patch%chain(:n, i), patch%function(f), 1)
          if (j == 0) cycle
          self%weight = self%weight + patch%share(f)*d(j)

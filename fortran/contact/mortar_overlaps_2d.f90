@@ -20,7 +20,7 @@ contains
    subroutine find_overlaps_2d(slave, normal, master, tree, x, axisymmetric, thickness, reach, &
       & facing, list)
       type(surface_type), intent(in) :: slave, master
-      real(wp), intent(in) :: normal(:, :)        !! (ndim, slave%nnode) outward unit normals
+      real(wp), intent(in) :: normal(:, :, :)     !! (2, 3, slave facets) outward unit normals
       type(tree_type), intent(in) :: tree
       real(wp), intent(in) :: x(:, :)             !! (2, all mesh nodes) [length]
       logical, intent(in) :: axisymmetric
@@ -38,15 +38,15 @@ contains
          n = slave%facets%nnode(i)
          low = slave%low(:, i)
          high = slave%high(:, i)
+         nu(:, :n) = constant(normal(:, :n, i))
          do k = 1, n
             way = 0.0_wp
-            way(:2) = reach*normal(:2, slave%local(k, i))
+            way(:2) = reach*nu(:, k)%v
             low = min(low, slave%low(:, i) + way, slave%low(:, i) - way)
             high = max(high, slave%high(:, i) + way, slave%high(:, i) - way)
          end do
          call facets_in_box(tree, master%low, master%high, low, high, candidate)
          place(:, :n) = constant(x(:2, slave%facets%node(:n, i)))
-         nu(:, :n) = constant(normal(:2, slave%local(:n, i)))
          found = 0
          if (allocated(segment)) deallocate (segment)
          allocate (segment(size(candidate)))

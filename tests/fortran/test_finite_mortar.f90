@@ -13,6 +13,7 @@ program test_finite_mortar
    use lopin_mortar_node_2d, only : patch_type
    use lopin_mortar_cells_3d, only : new_mortar_kernel
    use lopin_finite_kernel, only : local_matrix_type, point_state_type
+   use lopin_slave_pieces, only : new_slave_pieces
    use lopin_finite_mortar, only : present_mortar_type, mortar_anchor_type, update_mortar, &
       & meet_row, evaluate_mortar_point
    use check, only : test, close_to, is_true, finish
@@ -65,6 +66,7 @@ contains
       if (allocated(start)) deallocate (start)
       allocate (start(d, 0))
       call add_sheet(facets, 2, 0.7_wp, .true.)
+      if (bent()) call turn_last_up(facets)
       call new_surface(mortar%slave, d, facets)
       call add_sheet(facets, 3, 1.1_wp, .false.)
       call new_surface(master, d, facets)
@@ -74,6 +76,9 @@ contains
       allocate (weight(size(start, 2)))
       call nodal_weights(mortar%slave%facets, rules, start, .false., mortar%thickness, weight)
       mortar%full = weight(mortar%slave%node)
+      if (d == 2) call new_slave_pieces(mortar%pieces, mortar%slave, rules, start, .false., &
+         & mortar%thickness)
+      if (bent()) call is_true('two pieces', maxval(mortar%pieces%piece) == 2)
       dofs%n = size(start)
       if (allocated(dofs%id)) deallocate (dofs%id)
       allocate (dofs%id(6, size(start, 2)), source=0)
@@ -91,6 +96,20 @@ contains
       if (law == law_of%norton_hoff) friction%v0 = 0.05_wp
       at = condition_type(dt=0.5_wp, yield=2.0_wp)
    end subroutine set_scene
+
+   !> A corner in the middle: the last node takes its function on the steep facet over.
+   logical function bent()
+      bent = d == 2 .and. seed == 2 .and. kind /= grip_kind%tied
+   end function bent
+
+   !> The last facet of the slave rises by 50 degrees and more.
+   subroutine turn_last_up(facets)
+      type(facets_type), intent(in) :: facets
+
+      associate (corner => facets%node(1, facets%n), last => facets%node(2, facets%n))
+         start(:, last) = start(:, corner) + [0.3_wp, 0.4_wp]
+      end associate
+   end subroutine turn_last_up
 
    function random(n, size) result(x)
       integer, intent(in) :: n
@@ -162,11 +181,12 @@ contains
       if (from_start) return
       first = merge(1, 0, any(kind == [grip_kind%lagrange, grip_kind%perturbed, grip_kind%tied]))
       call evaluate_mortar_point(state, local, mortar, dofs, x, patch, anchor, grip, friction, at, &
-         & 0.0_wp, lambda, first, .true., weight)
+         & merge(-0.6_wp, 0.0_wp, bent()), lambda, first, .true., weight)
    end subroutine look
 
    integer function middle()
       middle = merge(2, 5, d == 2)
+      if (bent()) middle = 3
    end function middle
 
    !> -force on all dofs, then the rows.

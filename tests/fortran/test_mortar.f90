@@ -11,6 +11,7 @@ program test_mortar
    use lopin_mortar_cells_2d, only : segment_type, integrate_segment
    use lopin_mortar_overlap, only : overlap_type, overlap_list_type, add_overlap
    use lopin_mortar_overlaps_2d, only : find_overlaps_2d
+   use lopin_slave_pieces, only : slave_pieces_type, new_slave_pieces, piece_normals
    use lopin_mortar, only : mortar_coupling_type, couple, dual_matrix, take_blend
    use check, only : test, close_to, is_true, finish
    implicit none
@@ -294,13 +295,16 @@ contains
       type(mortar_coupling_type), intent(out) :: coupling
       type(tree_type) :: tree
       type(overlap_list_type) :: list
-      real(wp) :: normal(2, size(x, 2)), thickness(slave%facets%n)
+      type(slave_pieces_type) :: pieces
+      real(wp) :: normal(2, size(x, 2)), thickness(slave%facets%n), of_facet(2, 3, slave%facets%n)
 
       thickness = 1.0_wp
       call nodal_normals(slave%facets, rules, x, axisymmetric, normal)
+      call new_slave_pieces(pieces, slave, rules, x, axisymmetric, thickness)
+      call piece_normals(pieces, slave, x, axisymmetric, of_facet)
       call build_tree(tree, master%low, master%high)
-      call find_overlaps_2d(slave, normal(:, slave%node), master, tree, x, axisymmetric, &
-         & thickness, 20.0_wp, facing, list)
+      call find_overlaps_2d(slave, of_facet, master, tree, x, &
+         & axisymmetric, thickness, 20.0_wp, facing, list)
       call couple(coupling, rules, slave, normal(:, slave%node), master, x, axisymmetric, &
          & thickness, list)
    end subroutine couple_lines

@@ -8,6 +8,7 @@ program test_mortar_node
    use lopin_error, only : error_type
    use lopin_mortar_overlap, only : overlap_list_type
    use lopin_mortar_overlaps_2d, only : find_overlaps_2d
+   use lopin_slave_pieces, only : slave_pieces_type, new_slave_pieces, piece_normals
    use lopin_mortar, only : mortar_coupling_type, couple
    use lopin_mortar_node_2d, only : patch_type, new_patch, mortar_row_type, mortar_row
    use check, only : test, close_to, is_true, finish
@@ -39,7 +40,8 @@ contains
       type(facets_type) :: facets
       type(error_type), allocatable :: error
       type(tree_type) :: tree
-      real(wp), allocatable :: normal(:, :), thickness(:)
+      type(slave_pieces_type) :: pieces
+      real(wp), allocatable :: normal(:, :), of_facet(:, :, :), thickness(:)
 
       list = overlap_list_type()
       if (allocated(x)) deallocate (x)
@@ -51,13 +53,15 @@ contains
       call update_surface(master, x, error)
       call is_true('no error', .not. allocated(error))
       call update_surface(slave, x, error)
-      allocate (normal(2, size(x, 2)))
+      allocate (normal(2, size(x, 2)), of_facet(2, 3, slave%facets%n))
       thickness = spread(0.7_wp, 1, slave%facets%n)
       if (axisymmetric) thickness = 1.0_wp
       call nodal_normals(slave%facets, rules, x, axisymmetric, normal)
+      call new_slave_pieces(pieces, slave, rules, x, axisymmetric, thickness)
+      call piece_normals(pieces, slave, x, axisymmetric, of_facet)
       call build_tree(tree, master%low, master%high)
-      call find_overlaps_2d(slave, normal(:, slave%node), master, tree, x, axisymmetric, &
-         & thickness, 5.0_wp, facing, list)
+      call find_overlaps_2d(slave, of_facet, master, tree, x, &
+         & axisymmetric, thickness, 5.0_wp, facing, list)
       call couple(coupling, rules, slave, normal(:, slave%node), master, x, axisymmetric, &
          & thickness, list)
    end subroutine two_curves

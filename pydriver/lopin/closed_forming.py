@@ -1,0 +1,135 @@
+"""Bulk forming: upsetting, rings, discs and strips between plates, wire through a cone.
+
+Stresses in the unit of the yield stress, lengths in one unit, reductions as fractions of the first
+height. Slabs and bounds are for a rigid, perfectly plastic solid of von Mises.
+"""
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from math import cos, exp, log, pi, sin, sqrt, tan
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import minimize_scalar
+
+
+@dataclass(frozen=True)
+class Upset:
+    """A homogeneous billet: the axial Kirchhoff stress follows the flow curve Y + H eps_p."""
+
+    strain: float           #: ln(height at the start/height) [-]
+    kirchhoff: float        #: axial stress times the change of volume, compression > 0 [stress]
+    volume: float           #: change of volume J [-]
+    radius: float           #: [length]
+    force: float            #: [force]
+
+
+def upset(reduction: float, young: float, poisson: float, yield_stress: float, hardening: float,
+          radius: float) -> Upset:
+    """Frictionless upsetting, elastic strain included (Hencky; stress per reference volume).
+
+    >>> at = upset(0.6, 200e3, 0.3, 700.0, 300.0, 10.0)
+    >>> round(at.force/1e3, 3), round(at.radius, 5)
+    (764.528, 15.796)
+    """
+    strain = log(1.0/(1.0 - reduction))
+    kirchhoff = young*strain
+    if kirchhoff > yield_stress:
+        kirchhoff = (yield_stress + hardening*strain)/(1.0 + hardening/young)
+    volume = exp(-(1.0 - 2.0*poisson)*kirchhoff/young)
+    at = radius*sqrt(volume/(1.0 - reduction))
+    return Upset(strain, kirchhoff, volume, at, kirchhoff/volume*pi*at*at)
+
+
+def ring_bore(shear_factor: float, reduction: float, outer: float = 3.0, inner: float = 1.5,
+              height: float = 2.0, steps: int = 1000) -> float:
+    """Change of the bore of a ring between plates with shear m k: fraction, > 0 wider.
+
+    Upper bound with one free number, the neutral radius, chosen at every step; the walls stay
+    straight (Avitzur 1968): without friction exact.
+
+    >>> round(100*ring_bore(0.0, 0.5), 1), round(100*ring_bore(0.2, 0.3), 1)
+    (41.4, 1.0)
+    """
+    bore, fall = inner, height*reduction/steps
+    volume = (outer*outer - inner*inner)*height
+    place, weight = np.polynomial.legendre.leggauss(24)
+    for _ in range(steps):
+        far = sqrt(volume/height + inner*inner)
+        neutral = minimize_scalar(_ring_power, args=(shear_factor, inner, far, height, place, weight),
+                                  bounds=(-0.5*far*far, 0.999*far*far), method="bounded",
+                                  options={"xatol": 1e-10*far*far}).x
+        inner += 0.5*fall/height*(inner - neutral/inner)
+        height -= fall
+    return float(inner/bore - 1.0)
+
+
+def _ring_power(neutral: float, m: float, inner: float, outer: float, height: float,
+                place: NDArray, weight: NDArray) -> float:
+    """Power of a ring at unit speed and unit yield stress; `neutral` = signed square of radius."""
+    def integral(a, b, value):
+        r = 0.5*(a + b) + 0.5*(b - a)*place
+        return 0.5*(b - a)*float(weight @ value(r))
+
+    flow = integral(inner, outer, lambda r: 2.0*pi*r*np.sqrt(1.0 + (neutral/r**2)**2/3.0))
+    ends = [inner, outer]
+    if inner*inner < neutral < outer*outer:
+        ends.insert(1, sqrt(neutral))
+    slip = sum(integral(a, b, lambda r: pi*np.abs(r*r - neutral)/height)
+               for a, b in zip(ends, ends[1:]))
+    return flow + 2.0*m/sqrt(3.0)*slip
+
+
+def ring_chart(shear_factors: Sequence[float], reductions: Sequence[float]) -> NDArray:
+    """Calibration chart of a 6:3:2 ring: change of the bore [%], a row per shear factor."""
+    return np.array([[100.0*ring_bore(m, r) for r in reductions] for m in shear_factors])
+
+
+def strip_pressure(shear_factor: float, width_to_height: float) -> float:
+    """Mean pressure over 2k on a strip in plane strain, shear m k: upper bound with straight walls.
+
+    >>> strip_pressure(1.0, 8.0), strip_pressure(0.2, 4.0)
+    (3.0, 1.2)
+    """
+    return 1.0 + 0.25*shear_factor*width_to_height
+
+
+def strip_pressure_rough(width_to_height: float) -> float:
+    """Mean pressure over 2k on a rough strip, by slip lines (Hill 1950); width/height >= 3.6."""
+    if width_to_height < 3.6:
+        raise ValueError(f"slip lines of this form need width/height >= 3.6, got {width_to_height}")
+    return 0.75 + 0.25*width_to_height
+
+
+def disc_pressure(shear_factor: float, radius_to_height: float) -> float:
+    """Mean pressure over Y on a disc, shear m k: upper bound with straight walls.
+
+    >>> round(disc_pressure(0.2, 1.0), 4)
+    1.077
+    """
+    return 1.0 + 2.0*shear_factor*radius_to_height/(3.0*sqrt(3.0))
+
+
+@dataclass(frozen=True)
+class Drawing:
+    """Mean stress over the drawn wire, over Y."""
+
+    ideal: float            #: homogeneous, a lower bound
+    bound: float            #: Avitzur's upper bound without friction (1968)
+
+
+def wire_drawing(before: float, after: float, half_angle: float) -> Drawing:
+    """Drawing from one diameter to another through a cone without friction; angle in degrees.
+
+    >>> at = wire_drawing(10.0, 9.0, 8.0)
+    >>> round(at.ideal, 4), round(at.bound, 4)
+    (0.2107, 0.3186)
+    """
+    a = half_angle*pi/180.0
+    ideal = 2.0*log(before/after)
+    root = sqrt(1.0 - 11.0/12.0*sin(a)**2)
+    shape = (1.0 - cos(a)*root + log((1.0 + sqrt(11.0/12.0))/(sqrt(11.0/12.0)*cos(a) + root))
+             / sqrt(132.0))/sin(a)**2
+    turning = 2.0/sqrt(3.0)*(a/sin(a)**2 - 1.0/tan(a))
+    return Drawing(ideal, shape*ideal + turning)
