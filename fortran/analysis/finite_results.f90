@@ -85,8 +85,8 @@ contains
       most = 0.0_wp
       associate (c => contact)
          do i = 1, c%n
-            energy%friction = energy%friction + c%friction_work(i)*c%weight(i)
-            energy%friction_mean = energy%friction_mean + c%mean_work(i)*c%weight(i)
+            energy%friction = energy%friction + c%friction_work(i)
+            energy%friction_mean = energy%friction_mean + c%mean_work(i)
             if (c%facet(i) == 0 .or. c%grip(i)%kind == grip_kind%tied) cycle
             work(i) = dissipated(c, i)*c%weight(i)
             energy%friction = energy%friction + work(i)

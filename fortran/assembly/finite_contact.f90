@@ -17,7 +17,7 @@ module lopin_finite_contact
    use lopin_finite_points, only : finite_points_type, new_finite_points, is_self_contact
    use lopin_search, only : cost_type
    use lopin_finite_opposite, only : opposite_type, anchor_type, masters_type, new_masters, &
-      & move_masters, find_opposite, anchor_of
+      & move_masters, find_opposite, anchor_of, area_ratios
    use lopin_finite_owner, only : new_owners, start_owners, note_owner, commit_owners
    use lopin_finite_roles, only : choose_roles
    use lopin_finite_kernel, only : local_matrix_type, point_state_type, evaluate_point
@@ -54,8 +54,8 @@ module lopin_finite_contact
       real(wp), allocatable :: slip(:, :)      !! (3, n) of the accepted increments together [length]
       real(wp), allocatable :: xi(:, :)        !! (2, n)
       real(wp), allocatable :: slip_path(:)    !! (n) its length
-      real(wp), allocatable :: friction_work(:) !! (n) dissipated per area [stress*length]
-      real(wp), allocatable :: mean_work(:)     !! (n) the same by mean tractions [stress*length]
+      real(wp), allocatable :: friction_work(:) !! (n) dissipated [force*length]
+      real(wp), allocatable :: mean_work(:)     !! (n) the same by mean tractions [force*length]
       real(wp) :: soft_error = 0.0_wp          !! estimated pressure error of penalties, relative
       type(cost_type) :: cost                  !! of the search so far
       ! set from outside
@@ -66,6 +66,7 @@ module lopin_finite_contact
       real(wp), allocatable :: speed(:)        !! (n) of slip, of the last iteration [length/time]
       ! inside
       real(wp) :: dt = 1.0_wp
+      real(wp), allocatable :: first_weight(:) !! (n) areas at the start [area]
       type(dofs_type) :: dofs
       type(facet_basis_type) :: basis
       type(masters_type) :: masters
@@ -104,6 +105,7 @@ contains
       if (allocated(error)) return
       n = self%n
       call new_owners(self%masters%owner, n)
+      self%first_weight = self%weight
       self%dofs = dofs
       allocate (self%force(dofs%n), self%gap(n), self%pressure(n), self%traction(3, n), &
          & self%normal(3, n), self%slip(3, n), self%xi(2, n), self%slip_path(n), &
@@ -162,6 +164,7 @@ contains
       if (any(self%mortar%tied) .and. .not. allocated(self%tied_at)) &
          & self%tied_at = self%masters%x
       call start_owners(self%masters%owner)
+      call follow_areas(self, model)
       call find_present(self, .true., error)
       if (allocated(error)) return
       do i = 1, self%n
@@ -189,6 +192,20 @@ contains
       end do
       call share_roles(self, model)
    end subroutine start_increment
+
+   !> Tractions are by the area of the nodes where the increment begins: m k by that of the start
+   !> would fade as a billet spreads.
+   subroutine follow_areas(self, model)
+      type(finite_contact_type), intent(inout) :: self
+      type(model_type), intent(in) :: model
+      real(wp) :: ratio(model%mesh%nnode)
+      integer :: pair
+
+      do pair = 1, size(model%pair)
+         ratio = area_ratios(self%masters, model, pair)
+         where (self%pair == pair) self%weight = self%first_weight*ratio(self%node)
+      end do
+   end subroutine follow_areas
 
    !> Of two sides of one surface that face each other only one presses.
    subroutine share_roles(self, model)
@@ -583,8 +600,8 @@ contains
             self%creep(:, i) = drawn(self%friction(self%pair(i)), self%grip(i)%creep + t%slip)
             self%slip_path(i) = self%slip_path(i) + path_of(self, i)
             self%last_speed(i) = speed_of(self, i)
-            self%friction_work(i) = self%friction_work(i) + dissipated(self, i)
-            self%mean_work(i) = self%mean_work(i) + mean_work_of(self, i)
+            self%friction_work(i) = self%friction_work(i) + dissipated(self, i)*self%weight(i)
+            self%mean_work(i) = self%mean_work(i) + mean_work_of(self, i)*self%weight(i)
          end associate
       end do
    end subroutine accept

@@ -4,7 +4,9 @@ module lopin_finite_opposite
    use lopin_error, only : error_type
    use lopin_cells, only : cell_type, cell_family
    use lopin_element_type, only : cells_of_words
-   use lopin_facets, only : facets_type, facet_rule_type, new_facets, new_facet_rules, nodal_normals
+   use lopin_facets, only : facets_type, facet_rule_type, new_facets, new_facet_rules, nodal_normals, &
+      & nodal_weights
+   use lopin_mortar_pairs, only : thickness_of
    use lopin_facet_basis, only : facet_basis_type, new_facet_basis
    use lopin_surface, only : surface_type, new_surface, update_surface
    use lopin_projection, only : place, facet_unit_normal
@@ -22,7 +24,7 @@ module lopin_finite_opposite
    implicit none
    private
    public :: masters_type, master_type, opposite_type, anchor_type
-   public :: new_masters, move_masters, find_opposite, anchor_of
+   public :: new_masters, move_masters, find_opposite, anchor_of, area_ratios
 
    !> Slave and master must face each other better than this.
    real(wp), parameter :: facing = -0.2_wp
@@ -280,6 +282,26 @@ contains
          end do
       end do
    end subroutine find_sides
+
+   !> Areas of the slave nodes of a pair now, over those at the start; 1 where there are no faces.
+   function area_ratios(self, model, pair) result(ratio)
+      type(masters_type), intent(in) :: self
+      type(model_type), intent(in) :: model
+      integer, intent(in) :: pair
+      real(wp) :: ratio(model%mesh%nnode), before(model%mesh%nnode), now(model%mesh%nnode)
+      real(wp), allocatable :: thickness(:)
+      logical :: axisymmetric
+
+      ratio = 1.0_wp
+      if (.not. self%of(pair)%has_slave_faces) return
+      axisymmetric = model%kind == kind_of%axisymmetric
+      associate (slave => self%of(pair)%slave)
+         thickness = thickness_of(model, slave)
+         call nodal_weights(slave, self%rules, model%mesh%x, axisymmetric, thickness, before)
+         call nodal_weights(slave, self%rules, self%x, axisymmetric, thickness, now)
+      end associate
+      where (before > 0.0_wp .and. now > 0.0_wp) ratio = now/before
+   end function area_ratios
 
    subroutine find_opposite(self, masters, model, points, i, cost)
       type(opposite_type), intent(out) :: self

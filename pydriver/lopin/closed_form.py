@@ -1,9 +1,20 @@
 """Closed-form solutions to compare with: functions of the scene's parameters.
 
 Half-spaces are in `closed_hertz`, bodies and structures in `closed_solids`, exact fields of a
-unilateral support in `closed_signorini`, friction in `closed_friction` and `closed_punch`; all are
-named here.
+unilateral support in `closed_signorini`, friction in `closed_friction` and `closed_punch`, bulk forming
+in `closed_forming`; all are named here.
 """
+from .closed_forming import (
+    Drawing,
+    Upset,
+    disc_pressure,
+    ring_bore,
+    ring_chart,
+    strip_pressure,
+    strip_pressure_rough,
+    upset,
+    wire_drawing,
+)
 from .closed_friction import (
     CattaneoLine,
     MindlinPoint,

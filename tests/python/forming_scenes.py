@@ -43,6 +43,7 @@ def squeezed(mesh: Mesh, law, friction: str, reduction: float, *, kind: str = "a
     text = mesh_deck(Model(name, mesh, kind=kind)).text()
     if reduced:
         text = text.replace("CAX8\n", "CAX8R\n").replace("CAX8,", "CAX8R,")
+    text += "*SECTION CONTROLS, NAME=PLAIN, FORMULATION=FULL\n" if control else ""
     text += metal(law) + f"*SOLID SECTION, ELSET=ALL, MATERIAL=METAL{control}\n"
     text += "1.,\n" if kind != "axisymmetric" else ""
     text += plate(height, reach or 4.0*float(mesh.points[:, 0].max()), -1.0)
@@ -81,3 +82,41 @@ def coulomb(mu: float, words: str = "") -> str:
 def tresca(m: float, words: str = "") -> str:
     """Cards of shear m k, k from the flow curve; none without friction."""
     return f"*FRICTION, LAW=TRESCA{words}\n{m!r}\n" if m else ""
+
+
+def wire(before: float, after: float, half_angle: float, law, friction: str, stroke: float, cells=(8, 60), *,
+         length: float = 0.0, static: str = "0.01, 1., 1e-6, 0.02", pull: bool = True,
+         quadratic: bool = False) -> lopin.Deck:
+    """A wire with a drawn tip, taken through a cone DIE by its end; lengths in diameters of `before`.
+
+    The die runs from inlet to bearing with a round of one radius at both ends; the mesh is drawn already as far as
+    the exit, so that the cone is full at the start.
+    """
+    r0, r1 = 0.5*before, 0.5*after
+    slope = float(np.tan(np.radians(half_angle)))
+    cone = (r0 - r1)/slope
+    inlet = length or 3.0*before
+    mesh = block((1.0, inlet + 1.5*cone + before), cells, origin=(0.0, -inlet), quadratic=quadratic)
+
+    def shaped(x):
+        y = x[:, 1]
+        radius = np.interp(y, [0.0, cone], [r0, r1])
+        return np.column_stack([x[:, 0]*radius, y])
+
+    mesh = mesh.mapped(shaped)
+    end = "TOP" if pull else "BOTTOM"
+    text = mesh_deck(Model("wire", mesh, kind="axisymmetric")).text()
+    text += metal(law) + "*SOLID SECTION, ELSET=ALL, MATERIAL=METAL\n"
+    # Its left, inwards, looks at the metal: up from the inlet.
+    bearing = 0.25*before
+    far = 1.5*before
+    text += ("*NODE, NSET=DIE_REF\n900001, 0., 0.\n*SURFACE, NAME=DIE, TYPE=SEGMENTS, FILLET RADIUS="
+             f"{0.5*before!r}\nSTART, {r0 + far*slope!r}, {-far!r}\nLINE, {r1!r}, {cone!r}\n"
+             f"LINE, {r1!r}, {cone + bearing!r}\nLINE, {r1 + 0.2*before!r}, {cone + bearing + 0.5*before!r}\n"
+             "*RIGID BODY, ANALYTICAL SURFACE=DIE, REF NODE=DIE_REF\n")
+    text += f"*SURFACE INTERACTION, NAME=I\n*SURFACE BEHAVIOR, DIRECT\n{friction}"
+    text += "*CONTACT PAIR, INTERACTION=I, TYPE=NODE TO SURFACE\nRIGHT, DIE\n"
+    text += f"*BOUNDARY\nLEFT, 1\nDIE_REF, 1\nDIE_REF, 2\nDIE_REF, 6\n"
+    text += f"*STEP, NLGEOM, INC=5000\n*STATIC\n{static}\n*BOUNDARY\n{end}, 2, 2, {stroke!r}\n"
+    text += "*NODE FILE\nU\n*EL FILE\nS\n*CONTACT FILE\nCDIS, CSTR\n*END STEP\n"
+    return lopin.Deck.parse(text, "wire", ".")

@@ -10,12 +10,12 @@ import pytest
 from scipy.integrate import quad, solve_ivp
 
 from lopin import closed_form as cf
-from lopin import closed_friction, closed_punch
+from lopin import closed_forming, closed_friction, closed_punch
 
 STEEL = cf.contact_modulus(210e3, 0.3, 210e3, 0.3)
 
 
-@pytest.mark.parametrize("module", [closed_friction, closed_punch])
+@pytest.mark.parametrize("module", [closed_forming, closed_friction, closed_punch])
 def test_examples_in_docstrings(module):
     result = doctest.testmod(module)
     assert result.attempted >= 2
