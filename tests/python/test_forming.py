@@ -42,7 +42,7 @@ def test_a_billet_with_friction_rolls_its_side_onto_the_plate(cells, sheet):
     result = lopin.run(scenes.squeezed(mesh, scenes.E1, scenes.coulomb(0.1), 0.6, static="0.01, 1., 1e-6, 0.05"))
     for share, kilonewton in ((0.2, 306.0), (0.3, 368.0), (0.4, 456.0)):
         sheet.compare("E1 upsetting", f"{cells}, mu 0.1: force at {100*share:.0f} %", force(result, share/0.6)/1e3,
-                      kilonewton, 0.02)
+                      kilonewton, 0.02, source="CalculiX 2.20, 48 x 72")
     assert force(result, 1.0)/1e3 == pytest.approx(800.0, abs=35.0)
     assert 10.0 + moved(result, mesh, "MIDDLE")[1][-1] == pytest.approx(16.35, abs=0.1)
     h = result.history
@@ -70,8 +70,8 @@ def test_a_ring_tells_the_shear_factor(m, reductions, sheet):
     bores, _, _ = ring_bores(scenes.tresca(m), reductions)
     for r, bore in zip(reductions, 100.0*bores/7.5):
         bound = 100.0*ring_bore(m, r)
-        assert bore == pytest.approx(bound, abs=2.0)
-        sheet.compare("E5 ring", f"m {m}: bore + 100 % at {100*r:.0f} %", 100.0 + bore, 100.0 + bound, 0.02)
+        sheet.compare("E5 ring", f"m {m}: change of the bore [%] at {100*r:.0f} %", bore, bound, 2.0,
+                      source="upper bound", absolute=True)
 
 
 def test_a_ring_tells_coulomb_s_coefficient(sheet):
@@ -79,7 +79,8 @@ def test_a_ring_tells_coulomb_s_coefficient(sheet):
                                   static="0.01, 1., 1e-6, 0.01")
     assert bores == pytest.approx([0.1222, 0.1468, 0.0812, -0.606], abs=0.05)
     assert forces/1e3 == pytest.approx([150.1, 173.4, 204.1, 307.7], rel=0.015)
-    sheet.compare("E5 ring", "mu 0.1: force at 33 %", forces[2]/1e3, 204.1, 0.015)
+    sheet.compare("E5 ring", "mu 0.1: force at 33 %", forces[2]/1e3, 204.1, 0.015,
+                  source="CalculiX 2.20, 32 x 20")
 
 
 @pytest.mark.parametrize("card", ["COULOMB-OROWAN\n0.577, 0.1\n", "CRISTESCU\n0.1\n",
@@ -107,7 +108,8 @@ def test_a_strip_stays_below_its_upper_bound(m, width, sheet):
     found, ratio = push/half/(400.0/3**0.5), half/0.99
     assert 1.0 < found <= strip_pressure(m, ratio)
     if m < 1.0:
-        sheet.compare("E2 strip", f"w/h {width}, m {m}: p/2k", found, strip_pressure(m, ratio), 0.03)
+        sheet.compare("E2 strip", f"w/h {width}, m {m}: p/2k", found, strip_pressure(m, ratio), 0.03,
+                      source="upper bound")
     elif width >= 4:
         assert found >= strip_pressure_rough(ratio)
 
@@ -127,7 +129,7 @@ def test_a_disc_stays_below_its_upper_bound(m, ratio, sheet):
     found, bound = push/(np.pi*radius**2)/200.0, disc_pressure(m, radius/1.98)
     assert 1.0 < found <= bound
     if m < 1.0:
-        sheet.compare("E3 disc", f"R/h {ratio}, m {m}: p/Y", found, bound, 0.03)
+        sheet.compare("E3 disc", f"R/h {ratio}, m {m}: p/Y", found, bound, 0.03, source="upper bound")
 
 
 def test_a_wire_draws_between_its_bounds(sheet):
@@ -137,5 +139,5 @@ def test_a_wire_draws_between_its_bounds(sheet):
     steady = stress[len(stress)//2:].mean()
     bounds = wire_drawing(10.0, 9.0, 8.0)
     assert bounds.ideal < steady <= bounds.bound
-    middle = 0.5*(bounds.ideal + bounds.bound)
-    sheet.compare("E13 wire", "mean stress over Y, no friction: half-way between the bounds", steady, middle, 0.2)
+    sheet.compare("E13 wire", "mean stress over Y, no friction", steady, 0.5*(bounds.ideal + bounds.bound), 0.2,
+                  source="half-way between bounds")
