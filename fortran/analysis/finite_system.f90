@@ -30,6 +30,9 @@ module lopin_finite_system
 
    !> Iterations before the whole matrix is factorised instead.
    integer, parameter :: most_iterations = 60
+   !> Corrections of tractions give way so much, beside c, where the whole matrix is factorised: a
+   !> traction that works on supports alone (shear on the axis) is then none, and not undetermined.
+   real(wp), parameter :: give = 1.0e-8_wp
 
    !> A local matrix on free equations and multipliers.
    type :: block_type
@@ -165,20 +168,25 @@ contains
       end do
    end subroutine apply_locals
 
-   !> Soft springs to the ground at some equations, for bodies that nothing holds yet.
+   !> Soft springs to the ground at some equations, for bodies that nothing holds yet. As blocks: a
+   !> tool that only contact holds has no place in K.
    subroutine put_on_ground(self, equation, stiffness)
       type(finite_system_type), intent(inout) :: self
       integer, intent(in) :: equation(:)
       real(wp), intent(in) :: stiffness          !! beside the largest of the diagonal
-      integer :: i
       real(wp), allocatable :: diagonal(:)
-      logical :: found
+      type(block_type) :: spring(size(equation))
+      integer :: i
 
       allocate (diagonal(self%neq))
       call self%k%diagonal(diagonal)
       do i = 1, size(equation)
-         found = self%k%add(equation(i), equation(i), stiffness*maxval(diagonal))
+         spring(i)%at = equation(i:i)
+         spring(i)%nu = 1
+         allocate (spring(i)%k(1, 1), source=stiffness*maxval(diagonal))
+         allocate (spring(i)%spring, source=spring(i)%k)
       end do
+      self%block = [self%block, spring]
       self%factorised = .false.
       self%direct = .false.
    end subroutine put_on_ground
@@ -343,8 +351,15 @@ contains
          do b = 1, size(self%block)
             total = total + size(self%block(b)%at)**2
          end do
+         total = total + self%n - self%neq
          allocate (row(total), column(total), value(total))
          total = 0
+         do i = self%neq + 1, self%n
+            total = total + 1
+            row(total) = i
+            column(total) = i
+            value(total) = give*self%area(i - self%neq)
+         end do
          do b = 1, size(self%block)
             associate (block => self%block(b))
                do j = 1, size(block%at)

@@ -36,6 +36,8 @@ module lopin_path_finite
    real(wp), parameter :: motionless = 1.0e-9_wp
    integer, parameter :: most_sets = 400, most_iterations = 30, most_lagged = 200, memory = 4, &
       & most_halvings = 6
+   !> Solids that flow do better in smaller increments than in more iterations.
+   integer, parameter :: most_of_flow = 40
    !> A Newton step that lowers the merit by less than this is not worth a halving.
    real(wp), parameter :: sufficient = 1.0e-4_wp
    !> Tolerance of GMRES where only the length of a correction matters.
@@ -45,6 +47,8 @@ module lopin_path_finite
    real(wp), parameter :: soft = 1.0e-4_wp, most_motion = 0.1_wp
    !> Prescribed motion that goes on as before, up to this share of itself.
    real(wp), parameter :: same_way = 0.5_wp
+   !> What is left of it then is nothing.
+   real(wp), parameter :: rounding = 1.0e-9_wp
    !> A free body whose step is longer than this many scenes is held by nothing but rounding.
    real(wp), parameter :: beyond = 1.0e3_wp
 
@@ -165,6 +169,7 @@ contains
       if (norm2(prescribed - before) <= same_way*norm2(prescribed - from)) then
          allocate (internal(scene%dofs%n))
          call internal_forces(scene, model, .false., internal, inverted)
+         if (norm2(prescribed - before) <= rounding*norm2(prescribed - from)) before = prescribed
          if (inverted == 0) return
       end if
       scene%u = scene%accepted
@@ -242,6 +247,7 @@ contains
          if (iteration > 1 .and. scene%finite%frictionless) fresh = seen(iteration) &
             & /= seen(max(1, iteration - 1))
          if (stale > merge(most_lagged, most_iterations, lagged)) exit
+         if (scene%finite%memory%in_use .and. iteration > most_of_flow) exit
          merits(1 + mod(iteration, memory)) = look%merit
          call find_step(scene, model, look, jump, step, error, flat=fresh)
          if (allocated(error)) return
@@ -486,6 +492,15 @@ contains
       end associate
    end function contracts
 
+   !> No correction of a solid that flows goes farther than this: beyond it contact knows nothing of
+   !> what lies opposite, and a body that has just lost it flies away.
+   real(wp) function longest_facet(scene)
+      type(scene_type), intent(in) :: scene
+
+      longest_facet = huge(1.0_wp)
+      if (scene%finite%contact%n > 0) longest_facet = maxval(scene%finite%contact%size)
+   end function longest_facet
+
    !> Take the step, shortened until the merit is acceptable; the best try if none is.
    subroutine take_step(scene, model, f, v, prescribed, step, first, merit, look, size_, share, &
       & error)
@@ -510,6 +525,8 @@ contains
       best_share = 0.0_wp
       size_ = 0.0_wp
       share = 1.0_wp
+      if (scene%finite%memory%in_use .and. .not. first) share = min(1.0_wp, &
+         & longest_facet(scene)/max(largest(step(:scene%constraints%neq)), tiny(1.0_wp)))
       do try = 0, most_halvings
          call go(with_tangent=try == 0)
          if (allocated(error)) return

@@ -309,6 +309,15 @@ contains
          if (.not. self%anchor(i)%set) call anchor_of(self%anchor(i), self%opposite(i))
          shift = self%shift(i) + (1.0_wp - self%interference)*self%overclosure(i) &
             & - model%interaction(model%pair(self%pair(i))%interaction)%clearance
+         if (is_clear(self, i, lambda, shift)) then
+            call stay_open(self, i, d, lambda, with_tangent)
+            self%trial(i)%normal = self%opposite(i)%normal
+            self%trial(i)%gap = self%opposite(i)%foot%gap
+            self%normal(:, i) = self%trial(i)%normal
+            self%gap(i) = self%trial(i)%gap + self%shift(i) &
+               & + (1.0_wp - self%interference)*self%overclosure(i)
+            cycle
+         end if
          at = condition_at(self, i)
          self%nlocal = self%nlocal + 1
          if (self%mortar(self%pair(i))%is_on) then
@@ -331,6 +340,25 @@ contains
       ! Touching counts as closed where Newton starts, and no longer.
       self%grip%grazing = 0.0_wp
    end subroutine evaluate
+
+   !> A mortar row that its values already show to be open: its slopes, which cost most of it, are
+   !> not needed.
+   pure logical function is_clear(self, i, lambda, shift)
+      type(finite_contact_type), intent(in) :: self
+      integer, intent(in) :: i
+      real(wp), intent(in) :: lambda(3), shift
+      real(wp) :: along, gap
+
+      is_clear = .false.
+      associate (g => self%grip(i), o => self%opposite(i))
+         if (.not. self%mortar(self%pair(i))%is_on .or. g%bilateral) return
+         along = dot_product(lambda, o%normal)
+         gap = o%foot%gap + shift
+         if (g%kind == grip_kind%perturbed) gap = gap + along/g%slope
+         if (g%kind == grip_kind%lagrange .or. g%kind == grip_kind%perturbed) is_clear = &
+            & along - g%c*gap < -g%grazing .and. gap > 0.0_wp
+      end associate
+   end function is_clear
 
    !> What the law of friction reads at a point besides pressure and slip.
    pure function condition_at(self, i) result(at)

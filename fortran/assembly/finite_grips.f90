@@ -16,6 +16,9 @@ module lopin_finite_grips
    !> Penalty without a slope, beside the modulus over the facet; stiffness of exact methods that
    !> only conditions the system; shear beside normal stiffness.
    real(wp), parameter :: default_penalty = 100.0_wp, scale_of_exact = 1.0_wp
+   !> The same for slaves that may flow, whose tangent is softer than their modulus: a stiffness
+   !> beyond it takes errors of curved tools for a change of contact.
+   real(wp), parameter :: scale_of_flow = 0.03_wp
    real(wp), parameter :: shear_share = 1.0_wp/3.0_wp, share_augmented = 0.1_wp
    !> Penalties up to this, in moduli over a facet, are springs.
    real(wp), parameter :: soft_enough = 20.0_wp
@@ -41,7 +44,7 @@ contains
             if (points%pair(i) /= pair) cycle
             associate (g => grip(i), own => points%modulus(i)/points%size(i))
                g%kind = way%method
-               g%c = scale_of_exact*own
+               g%c = merge(scale_of_flow, scale_of_exact, points%yield(i) > 0.0_wp)*own
                g%ct = g%c*shear_share
                slope = way%slope*way%scale
                if (.not. slope > 0.0_wp) slope = way%scale*default_slope(points, i, way%method)
