@@ -32,7 +32,7 @@ module lopin_finite_system
    integer, parameter :: most_iterations = 60
    !> Corrections of tractions give way so much, beside c, where the whole matrix is factorised: a
    !> traction that works on supports alone (shear on the axis) is then none, and not undetermined.
-   real(wp), parameter :: give = 1.0e-8_wp
+   real(wp), parameter :: give = 1.0e-11_wp
 
    !> A local matrix on free equations and multipliers.
    type :: block_type

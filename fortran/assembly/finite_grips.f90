@@ -18,7 +18,7 @@ module lopin_finite_grips
    real(wp), parameter :: default_penalty = 100.0_wp, scale_of_exact = 1.0_wp
    !> The same for slaves that may flow, whose tangent is softer than their modulus: a stiffness
    !> beyond it takes errors of curved tools for a change of contact.
-   real(wp), parameter :: scale_of_flow = 0.03_wp
+   real(wp), parameter :: scale_of_flow = 0.1_wp
    real(wp), parameter :: shear_share = 1.0_wp/3.0_wp, share_augmented = 0.1_wp
    !> Penalties up to this, in moduli over a facet, are springs.
    real(wp), parameter :: soft_enough = 20.0_wp
