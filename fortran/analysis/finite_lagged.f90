@@ -1,14 +1,15 @@
 !> What friction reads from the last iteration of Newton on the finite path: stress and speed.
 !>
-!> Cristescu's law reads the von Mises stress at the slave, EXPONENTIAL DECAY the speed of slip. Both
-!> are put in place between iterations and stay in a line search: tangents do not know them, and the
+!> Cristescu's law reads the von Mises stress at the slave, Tresca's and Orowan's the flow stress
+!> there where it hardens, EXPONENTIAL DECAY the speed of slip. They are put in place between
+!> iterations and stay in a line search: tangents do not know them, and the
 !> residual that Newton ends with is that of the stress and the speed which it ends with.
 module lopin_finite_lagged
    use lopin_kinds, only : wp
    use lopin_model, only : model_type
    use lopin_dofs, only : dofs_type
-   use lopin_friction, only : reads_mises, reads_speed
-   use lopin_nodal_mises, only : nodal_mises
+   use lopin_friction, only : reads_mises, reads_speed, reads_yield
+   use lopin_nodal_mises, only : nodal_mises, nodal_flow_stress
    use lopin_finite_contact, only : speed_of
    use lopin_scene, only : scene_type
    implicit none
@@ -21,7 +22,8 @@ contains
    pure logical function reads_lagged(scene)
       type(scene_type), intent(in) :: scene
       reads_lagged = any(reads_mises(scene%finite%contact%friction)) &
-         & .or. any(reads_speed(scene%finite%contact%friction))
+         & .or. any(reads_speed(scene%finite%contact%friction)) &
+         & .or. (scene%finite%memory%in_use .and. any(reads_yield(scene%finite%contact%friction)))
    end function reads_lagged
 
    !> From what is accepted: an increment tried again has the same bits.
@@ -33,6 +35,7 @@ contains
          contact%speed = contact%last_speed
          if (any(reads_mises(contact%friction))) call put_mises(scene, model, scene%accepted)
       end associate
+      call put_yields(scene, model, scene%accepted)
    end subroutine start_lagged
 
    !> From the trial state.
@@ -46,6 +49,7 @@ contains
             & [(speed_of(contact, i), i=1, contact%n)]
          if (any(reads_mises(contact%friction))) call put_mises(scene, model, scene%u)
       end associate
+      call put_yields(scene, model, scene%u)
    end subroutine renew_lagged
 
    !> The stress of these displacements at the slave points.
@@ -61,6 +65,29 @@ contains
          contact%mises = mises(contact%node(:contact%n))
       end associate
    end subroutine put_mises
+
+   !> The flow stress that the solids have with these displacements; where nothing flows, that of the
+   !> deck stays. At rest a viscous solid has none: friction never takes less than a trace of it.
+   subroutine put_yields(scene, model, displacement)
+      type(scene_type), intent(inout) :: scene
+      type(model_type), intent(in) :: model
+      real(wp), intent(in) :: displacement(:)  !! (ndof) [length]
+      real(wp), parameter :: trace = 1.0e-6_wp
+      real(wp) :: yield(model%mesh%nnode)
+      integer :: i
+
+      if (.not. scene%finite%memory%in_use) return
+      if (.not. any(reads_yield(scene%finite%contact%friction))) return
+      call nodal_flow_stress(scene%solids, model%mesh, displacement, scene%finite%memory, yield)
+      if (.not. maxval(yield) > 0.0_wp) return
+      associate (contact => scene%finite%contact)
+         do i = 1, contact%n
+            associate (own => yield(contact%node(i)))
+               if (own > 0.0_wp) contact%yield(i) = max(own, trace*maxval(yield))
+            end associate
+         end do
+      end associate
+   end subroutine put_yields
 
    pure function at_nodes(dofs, displacement, nnode, ndim) result(u)
       type(dofs_type), intent(in) :: dofs

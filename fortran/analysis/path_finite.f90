@@ -21,6 +21,7 @@ module lopin_path_finite
    use lopin_finite_state, only : add_line, is_nonlinear
    use lopin_solid_memory, only : new_solid_memory
    use lopin_finite_forces, only : look_type, look_at, internal_forces, of_rows
+   use lopin_heat, only : start_stresses, heat_to
    use lopin_finite_lagged, only : reads_lagged, start_lagged, renew_lagged
    use lopin_scene, only : scene_type
    implicit none
@@ -67,6 +68,7 @@ contains
       scene%finite%in_use = .true.
       call new_solid_memory(scene%finite%memory, scene%solids, model%mesh)
       call start_step(scene, model)
+      call start_stresses(scene, model)
       allocate (scene%finite%multiplier(scene%finite%contact%nmultiplier), &
          & scene%finite%accepted_multiplier(scene%finite%contact%nmultiplier), source=0.0_wp)
       scene%finite%augment_until = complementarity
@@ -128,6 +130,7 @@ contains
       scene%finite%grounded = 0
       scene%finite%nline = 0
       scene%finite%memory%dt = scene%finite%dt
+      call heat_to(scene, model, scene%finite%time)
       call start_increment(scene%finite%contact, model, scene%accepted, scene%finite%dt, error)
       if (allocated(error)) return
       call start_lagged(scene, model)

@@ -103,6 +103,14 @@ contains
       do i = 1, size(model%section)
          if (flows(model%material(model%section(i)%material)%flow)) reason = 'plastic flow'
       end do
+      do i = 1, size(model%step)
+         if (allocated(model%step(i)%temperature)) then
+            if (size(model%step(i)%temperature) > 0) reason = 'temperatures'
+         end if
+      end do
+      if (allocated(model%initial_stress)) then
+         if (size(model%initial_stress) > 0) reason = 'stresses of the start'
+      end if
       if (any(model%step%nlgeom)) reason = 'NLGEOM: finite rotation and sliding'
       if (reason /= '') reason = reason//', Newton with exact tangents'
    end function why_finite

@@ -19,6 +19,7 @@ module lopin_run_analysis
    use lopin_path_finite, only : start_step
    use lopin_contact_friction, only : slides_with_friction
    use lopin_after_step, only : judge_step
+   use lopin_judge_flow, only : judge_flow
    use lopin_judge_yield, only : judge_yield
    use lopin_increment, only : progress_type, solve_increment, reject, prepare, say
    use lopin_keeper, only : keeper_type
@@ -277,6 +278,7 @@ contains
             call advance(scene, model, plan, march, progress, recorders, summary, frame, error)
             if (allocated(error)) return
             call judge_yield(scene, model, frame%u)
+            call judge_flow(scene, model)
             summary%step(scene%step)%increments = number
             march%number = number
             march%at_end = frame%last_of_step
@@ -328,6 +330,7 @@ contains
             frame%time_increment = increment
             frame%last_of_step = .not. target_time < step%period
             scene%finite%dt = increment
+            scene%finite%time = target_time
             call solve_increment(scene, model, plan, march%loading, progress, recorders, &
                & summary, frame, error)
             if (.not. allocated(error)) exit

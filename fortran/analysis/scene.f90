@@ -103,9 +103,27 @@ contains
             section(i)%c10 = material%c10
             section(i)%d1 = material%d1
             section(i)%flow = material%flow
+            section(i)%expansion = material%expansion
+            section(i)%heated = acts_on(model, i)
          end associate
       end do
    end function sections_of
+
+   !> Temperatures or stresses of the start act on a section.
+   pure logical function acts_on(model, section) result(acts)
+      type(model_type), intent(in) :: model
+      integer, intent(in) :: section
+      integer :: s
+
+      acts = .false.
+      do s = 1, size(model%step)
+         if (allocated(model%step(s)%temperature)) acts = acts &
+            & .or. size(model%step(s)%temperature) > 0
+      end do
+      acts = acts .and. model%material(model%section(section)%material)%has_expansion
+      if (allocated(model%initial_stress)) acts = acts &
+         & .or. any(model%mesh%section(model%initial_stress%element) == section)
+   end function acts_on
 
    !> Constraints and floating motions of a step; `same` if they are those of the step before.
    subroutine set_supports(self, model, step, same, error)

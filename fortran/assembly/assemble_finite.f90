@@ -110,7 +110,7 @@ contains
       integer, intent(in) :: e
       real(wp), allocatable :: past(:, :)   !! (nmemory, ngauss); (0, enough) of what does not flow
 
-      if (.not. self%group(self%which(e))%law%flows) then
+      if (.not. self%group(self%which(e))%law%remembers) then
          allocate (past, source=memory%none)
       else if (self%patches%of(e) == 0) then
          allocate (past, source=memory%value(:, memory%first(e):memory%first(e + 1) - 1))

@@ -33,6 +33,8 @@ module lopin_assemble_solids
       real(wp) :: d1 = 0.0_wp                !! [1/stress]
       type(flow_type) :: flow                !! of a plastic or viscous material
       logical :: green = .false.             !! Hooke's law in Green's strain, not in logarithmic
+      real(wp) :: expansion = 0.0_wp         !! thermal strain per degree [1/temperature]
+      logical :: heated = .false.            !! temperatures or stresses of the start act on it
    end type solid_section_type
 
    !> Elements of one word in one section.
@@ -44,6 +46,7 @@ module lopin_assemble_solids
       real(wp) :: poisson = 0.0_wp
       real(wp) :: thickness = 1.0_wp
       logical :: patched = .false.           !! neighbours share their change of volume
+      real(wp) :: expansion = 0.0_wp         !! [1/temperature]
    end type group_type
 
    !> Poisson's ratio above which elements that lock in volume are averaged over patches.
@@ -195,6 +198,8 @@ contains
          new%law = hencky_law(young, poisson)
          call give_flow(new%law, section%flow)
       end if
+      new%law%remembers = new%law%flows .or. section%heated
+      new%expansion = section%expansion
       new%poisson = poisson
       new%patched = new%element%patched .and. (poisson > keeps_volume .or. new%law%flows)
       allocate (new%d(new%element%nstress, new%element%nstress))

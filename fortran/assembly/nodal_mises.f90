@@ -1,15 +1,16 @@
-!> Von Mises stress at the nodes: what Cristescu's law of friction reads at a slave.
+!> Stresses at the nodes that laws of friction read at a slave: von Mises', and that of flow.
 module lopin_nodal_mises
    use lopin_kinds, only : wp
    use lopin_mesh, only : mesh_type
    use lopin_assemble_solids, only : solids_type
-   use lopin_solid_memory, only : solid_memory_type
-   use lopin_assemble_finite, only : recover_finite
+   use lopin_solid_memory, only : solid_memory_type, at_all_points
+   use lopin_material_memory, only : stress_at
+   use lopin_assemble_finite, only : recover_finite, remember
    use lopin_recover_stress, only : recover_stress, average_to_nodes
    use lopin_von_mises, only : von_mises
    implicit none
    private
-   public :: nodal_mises
+   public :: nodal_mises, nodal_flow_stress
 
 contains
 
@@ -34,4 +35,27 @@ contains
          mises(node) = von_mises(at_nodes(:, node))
       end do
    end subroutine nodal_mises
+
+   !> Flow stress of the solids behind each node, averaged over those that flow; 0 where none does.
+   subroutine nodal_flow_stress(solids, mesh, u, memory, stress)
+      type(solids_type), intent(in) :: solids
+      type(mesh_type), intent(in) :: mesh
+      real(wp), intent(in) :: u(:)         !! (n) displacements by equation [length]
+      type(solid_memory_type), intent(inout) :: memory   !! `next` becomes that of u
+      real(wp), intent(out) :: stress(:)   !! (nnode) [stress]
+      real(wp), allocatable :: at_points(:, :)
+      real(wp) :: at_nodes(2, mesh%nnode)
+      integer :: node
+
+      call remember(solids, mesh, u, memory)
+      allocate (at_points(2, solids%first_point(mesh%nelement + 1) - 1))
+      at_points(1, :) = at_all_points(memory, solids, stress_at(merge(4, 6, mesh%ndim == 2)))
+      at_points(2, :) = merge(1.0_wp, 0.0_wp, at_points(1, :) > 0.0_wp)
+      call average_to_nodes(solids, mesh, at_points, at_nodes)
+      stress = 0.0_wp
+      do node = 1, mesh%nnode
+         if (at_nodes(2, node) > 0.0_wp) stress(node) = max(0.0_wp, at_nodes(1, node) &
+            & /at_nodes(2, node))
+      end do
+   end subroutine nodal_flow_stress
 end module lopin_nodal_mises

@@ -13,7 +13,7 @@ module lopin_solid_memory
    integer, parameter :: most_points = 64
 
    type :: solid_memory_type
-      logical :: in_use = .false.              !! some material flows
+      logical :: in_use = .false.              !! some material looks back
       logical :: finite = .false.              !! finite strain; else small strain
       real(wp) :: dt = 1.0_wp                  !! time since the accepted state [time]
       real(wp) :: work = 0.0_wp                !! plastic work so far [force length]
@@ -24,12 +24,13 @@ module lopin_solid_memory
       integer, allocatable :: first(:)         !! (nelement+1) first column of each element
       real(wp), allocatable :: value(:, :)     !! (nmemory, ncolumn) of module material_memory
       real(wp), allocatable :: next(:, :)      !! of the state just found, until it is kept
+      real(wp), allocatable :: pressed(:)      !! (ncolumn) ln J of the stresses of the start [-]
       real(wp), allocatable :: none(:, :)      !! (0, most_points): elements that remember nothing
    end type solid_memory_type
 
 contains
 
-   !> From rest: only elements whose law flows have columns.
+   !> From rest: only elements whose law looks back have columns.
    subroutine new_solid_memory(self, solids, mesh)
       type(solid_memory_type), intent(out) :: self
       type(solids_type), intent(in) :: solids
@@ -44,7 +45,7 @@ contains
          self%first(e + 1) = self%first(e)
          if (solids%which(e) == 0) cycle
          associate (group => solids%group(solids%which(e)))
-            if (.not. group%law%flows) cycle
+            if (.not. group%law%remembers) cycle
             self%first(e + 1) = self%first(e) + group%element%ngauss
             nrow = memory_size(group%element%nstress)
          end associate
@@ -61,6 +62,7 @@ contains
          end associate
       end do
       allocate (self%next, source=self%value)
+      allocate (self%pressed(size(self%value, 2)), source=0.0_wp)
    end subroutine new_solid_memory
 
    !> What was found by `remember` becomes the accepted state.

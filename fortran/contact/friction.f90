@@ -145,7 +145,7 @@ contains
    end function by_rate
 
    !> Whether the law reads `condition_type%yield`.
-   pure logical function reads_yield(law)
+   elemental logical function reads_yield(law)
       type(friction_type), intent(in) :: law
       reads_yield = .not. law%rough .and. law%has_m .and. (law%law == law_of%tresca &
          & .or. law%law == law_of%orowan .or. law%law == law_of%cristescu)

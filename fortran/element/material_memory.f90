@@ -3,15 +3,18 @@
 !> The plastic metric Cp^-1 - 1 stands in the order of stress (4 numbers in 2D, 6 in 3D; tensor
 !> components), so that small plastic strains keep their digits: b of the trial is F Cp^-1 F^T. It
 !> belongs to the reference shape, turns with nothing, and is minus twice the plastic strain where
-!> strains are small. The last two rows belong to the element: the amplitudes of its internal modes,
-!> from where the next search for their balance starts.
+!> strains are small. It keeps the volume: what heat and stresses of the start add to ln J of the
+!> elastic part stands in the last row, which is written before an increment is solved. The two rows
+!> before it belong to the element: the amplitudes of its internal modes, from where the next search
+!> for their balance starts.
 module lopin_material_memory
    use lopin_kinds, only : wp
    use lopin_log_strain, only : first_axis, second_axis
    use lopin_finite_elastic, only : past_type
    implicit none
    private
-   public :: memory_size, past_of, metric_of, put_metric, pushed_metric, strain_at, stress_at, work_at
+   public :: memory_size, past_of, metric_of, put_metric, pushed_metric, strain_at, stress_at, &
+      & work_at, offset_at
    public :: amplitudes_of, put_amplitudes
 
 contains
@@ -19,7 +22,7 @@ contains
    !> Numbers per point for `nstress` components of stress.
    pure integer function memory_size(nstress)
       integer, intent(in) :: nstress
-      memory_size = nstress + 5
+      memory_size = nstress + 6
    end function memory_size
 
    !> Row of the accumulated plastic strain [-].
@@ -65,6 +68,12 @@ contains
       end do
    end subroutine put_amplitudes
 
+   !> Row of what is added to ln J of the elastic part [-].
+   pure integer function offset_at(nstress)
+      integer, intent(in) :: nstress
+      offset_at = nstress + 6
+   end function offset_at
+
    !> What the law reads; from rest if the column is empty.
    pure function past_of(memory, nstress, dt) result(past)
       real(wp), intent(in) :: memory(:)
@@ -72,7 +81,9 @@ contains
       real(wp), intent(in) :: dt               !! [time]
       type(past_type) :: past
       past%dt = dt
-      if (size(memory) > 0) past%strain = memory(strain_at(nstress))
+      if (size(memory) == 0) return
+      past%strain = memory(strain_at(nstress))
+      past%offset = memory(offset_at(nstress))
    end function past_of
 
    pure function metric_of(memory, nstress) result(metric)

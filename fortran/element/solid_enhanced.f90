@@ -254,7 +254,7 @@ contains
       change = answer%h + transpose(answer%h) + matmul(answer%h, transpose(answer%h))
       if (size(memory) > 0) change = change + pushed_metric(answer%h, memory, element%nstress)
       if (element%kind == element_kind%plane_stress) then
-         across = thickness_change(law, change, own)
+         across = thickness_change(law, past_of(memory, element%nstress, dt), change, own)
          change(3, 3) = across*(2.0_wp + across)
          own = own + across*(1.0_wp + own)
       end if

@@ -224,7 +224,8 @@ contains
          if (.not. 1.0_wp + point(k)%own > 0.0_wp) return
          call push_forward(d, m, h, g(:, :, k))
          if (element%kind == element_kind%plane_stress) then
-            h(3, 3) = thickness_change(law, point(k)%change, point(k)%own)
+            h(3, 3) = thickness_change(law, past_of(memory(:, k), element%nstress, 1.0_wp), &
+               & point(k)%change, point(k)%own)
             point(k)%change(3, 3) = h(3, 3)*(2.0_wp + h(3, 3))
             point(k)%own = point(k)%own + h(3, 3)*(1.0_wp + point(k)%own)
          end if

@@ -12,7 +12,7 @@ module lopin_solid_flow
    use lopin_radial_return, only : return_type
    use lopin_finite_elastic, only : finite_law_type, answer_of, condense_thickness
    use lopin_material_memory, only : past_of, strain_at, stress_at, work_at, amplitudes_of, &
-      & put_amplitudes
+      & put_amplitudes, offset_at
    implicit none
    private
    public :: flow_element, flow_stresses, flow_memory
@@ -87,10 +87,10 @@ contains
          call answer(element, law, memory(:, k), dt, own(:, k), back, deviator, trace)
          call stress_of(element, law, back, deviator, trace, stress(:m, k), tangent)
          strain(:m, k) = own(:, k)
-         if (size(memory, 1) > 0) strain(:m, k) = strain(:m, k) - elastic_share(memory(:m, k))
          if (element%kind == element_kind%plane_stress) strain(3, k) = &
             & -(3.0_wp*law%bulk - 2.0_wp*law%shear)/(3.0_wp*law%bulk + 4.0_wp*law%shear) &
             & *(own(1, k) + own(2, k))
+         if (size(memory, 1) > 0) strain(:m, k) = strain(:m, k) - elastic_share(memory(:, k), m)
       end do
    end subroutine flow_stresses
 
@@ -147,7 +147,7 @@ contains
       call strains(element, b, reshape(u(:, :element%nnode), [element%ndof]), strain)
       if (size(memory, 1) > 0) then
          do k = 1, element%ngauss
-            strain(:, k) = strain(:, k) + elastic_share(memory(:element%nstress, k))
+            strain(:, k) = strain(:, k) + elastic_share(memory(:, k), element%nstress)
          end do
       end if
       if (element%nmode > 0) call relax(element, law, x, memory, dt, volume, b, strain, alpha, bad)
@@ -201,12 +201,13 @@ contains
       bad = 1
    end subroutine relax
 
-   !> Minus the plastic strain, engineering shears, of a metric.
-   pure function elastic_share(metric) result(strain)
-      real(wp), intent(in) :: metric(:)
-      real(wp) :: strain(size(metric))
-      strain(:3) = 0.5_wp*metric(:3)
-      strain(4:) = metric(4:)
+   !> Elastic strain minus total strain, engineering shears.
+   pure function elastic_share(memory, nstress) result(strain)
+      real(wp), intent(in) :: memory(:)
+      integer, intent(in) :: nstress
+      real(wp) :: strain(nstress)
+      strain(:3) = 0.5_wp*memory(:3) + memory(offset_at(nstress))/3.0_wp
+      strain(4:) = memory(4:nstress)
    end function elastic_share
 
    !> The return of an elastic trial strain; its deviator as a tensor.

@@ -9,8 +9,9 @@ module lopin_build_materials
    use lopin_finite_elastic, only : neo_hooke_law, elastic_constants
    use lopin_block, only : deck_type, block_type, field_type, split_fields, field_real, &
       & complain, line_place, has_parameter
-   use lopin_build_plastic, only : read_plastic
+   use lopin_build_heat, only : read_expansion
    use lopin_build_locking, only : judge_locking
+   use lopin_build_plastic, only : read_plastic, read_rate_dependent, read_viscoplastic
    use lopin_build_scene, only : need_real, scene_type, name_type, need_word, get_word, &
       & set_named, find_name, no_such
    implicit none
@@ -59,6 +60,15 @@ contains
                if (is_open(open, block, &
                   & model%log)) call read_plastic(model%material(size(model%material)), block, &
                   & model%log)
+            case ('RATE DEPENDENT')
+               if (is_open(open, block, model%log)) call read_rate_dependent( &
+                  & model%material(size(model%material)), block, model%log)
+            case ('VISCOPLASTIC')
+               if (is_open(open, block, model%log)) call read_viscoplastic( &
+                  & model%material(size(model%material)), block, model%log)
+            case ('EXPANSION')
+               if (is_open(open, block, model%log)) call read_expansion( &
+                  & model%material(size(model%material)), block, model%log)
             case ('DENSITY')
                if (.not. is_open(open, block, model%log)) cycle
                associate (rho => model%material(size(model%material))%density)
@@ -345,7 +355,8 @@ contains
             if (material%green .and. flows(material%flow)) call complain(model%log, 'E0205', &
                & 'material `'//material%name//'` has *PLASTIC beside *ELASTIC, STRAIN=GREEN', &
                & material%plastic_at, help='metals flow in logarithmic strain: leave STRAIN out')
-            if (.not. used(i) .or. material%has_elastic .or. material%has_neo_hooke) cycle
+            if (.not. used(i) .or. material%has_elastic .or. material%has_neo_hooke &
+               & .or. material%flow%rigid) cycle
             call complain(model%log, 'E0203', 'material `'//material%name//'` has no *ELASTIC', &
                & material%at, help="add *ELASTIC with Young's modulus and Poisson's ratio")
          end associate

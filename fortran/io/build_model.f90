@@ -11,6 +11,7 @@ module lopin_build_model
    use lopin_block, only : deck_type, complain
    use lopin_build_scene, only : scene_type, get_word
    use lopin_build_parts, only : new_scene
+   use lopin_build_heat, only : build_initial_conditions, build_temperatures
    use lopin_build_mesh, only : build_mesh
    use lopin_build_sets, only : build_sets
    use lopin_build_materials, only : build_materials, build_sections, check_sections
@@ -23,6 +24,7 @@ module lopin_build_model
    use lopin_build_amplitudes, only : build_amplitudes
    use lopin_build_steps, only : build_steps
    use lopin_build_changes, only : build_changes
+   use lopin_settle_flow, only : settle_flow
    use lopin_settle_friction, only : settle_friction
    use lopin_check_rigid_pairs, only : check_rigid_pairs
    implicit none
@@ -55,6 +57,7 @@ contains
       allocate (rigid(model%mesh%nelement))
       call build_rigid_bodies(model, deck, scene, rigid)
       if (model%log%count_of(severity%error) == 0) call check_sections(model, scene, rigid)
+      call build_initial_conditions(model, deck, scene)
       call build_equations(model, deck, scene)
       call build_transforms(model, deck, scene)
       call build_interactions(model, deck, scene)
@@ -62,7 +65,9 @@ contains
       call build_ties(model, deck, scene)
       call build_amplitudes(model, deck, scene, absolute)
       call build_steps(model, deck, scene, absolute)
+      call build_temperatures(model, deck, scene)
       call build_changes(model, deck, scene)
+      if (model%log%count_of(severity%error) == 0) call settle_flow(model)
       if (model%log%count_of(severity%error) == 0) call settle_friction(model)
       if (model%log%count_of(severity%error) == 0) call check_rigid_pairs(model)
       call check_units(model)

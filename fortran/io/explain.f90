@@ -4,6 +4,7 @@
 module lopin_explain
    use lopin_explanation, only : explanation_type
    use lopin_explain_deck, only : deck_explanations
+   use lopin_explain_flow, only : flow_explanations
    use lopin_explain_friction, only : friction_explanations
    use lopin_explain_model, only : model_explanations
    use lopin_explain_run, only : run_explanations
@@ -57,6 +58,7 @@ contains
       call deck_explanations(list)
       call model_explanations(list)
       call friction_explanations(list)
+      call flow_explanations(list)
       call run_explanations(list)
    end subroutine all_explanations
 

@@ -1,4 +1,4 @@
-!> Rows of the keyword table: friction, what changes it in a step, and the yield stress it reads.
+!> Rows of the keyword table: friction, and what changes it in a step.
 module lopin_keyword_rows_friction
    use lopin_friction, only : law_names, regularization_names
    use lopin_keyword_table, only : keyword_table_type, key, flag, word, number, choice, &
@@ -15,7 +15,6 @@ contains
 
       call add_friction(table)
       call add_changes(table)
-      call add_plastic(table)
    end subroutine add_friction_rows
 
    subroutine add_friction(table)
@@ -88,21 +87,4 @@ contains
          & '*END STEP')
       call about(table, 'D')
    end subroutine add_changes
-
-   subroutine add_plastic(table)
-      type(keyword_table_type), intent(inout) :: table
-
-      call key(table, 'PLASTIC', 'M', 'both', 'Flow curve of von Mises plasticity with '// &
-         & 'isotropic hardening; laws of friction read the flow stress at the slave.')
-      call under(table, 'MATERIAL')
-      call choice(table, 'HARDENING', 'ISOTROPIC', 'ISOTROPIC', 'Kind of hardening.')
-      call refuses(table, 'KINEMATIC,COMBINED,JOHNSON COOK,USER')
-      call choice(table, 'ONLY', 'FRICTION', '', 'FRICTION: the body stays elastic, and only '// &
-         & 'laws of friction read the first row.')
-      call later_flag(table, 'RATE', 'Rate of the table.')
-      call data_line(table, 'yield stress [stress], plastic strain = 0, temperature', &
-         & 'True stress against logarithmic plastic strain; strains increase from 0.')
-      call example(table, '*MATERIAL, NAME=DC04|*ELASTIC|210000., 0.3|*PLASTIC|180., 0.|320., 0.2')
-      call about(table, 'E')
-   end subroutine add_plastic
 end module lopin_keyword_rows_friction

@@ -25,8 +25,6 @@ contains
       call past(table, 'PREPRINT', 'M', 'Echo of the input in Abaqus.')
       call past(table, 'PHYSICAL CONSTANTS', 'M', 'Absolute zero and the Stefan-Boltzmann '// &
          & 'constant.')
-      call past(table, 'EXPANSION', 'M', 'Thermal expansion; a deck without temperatures does '// &
-         & 'not expand.')
       call past(table, 'CONDUCTIVITY', 'M', 'Heat conduction; there is none in a static step.')
       call past(table, 'SPECIFIC HEAT', 'M', 'Heat capacity; there is none in a static step.')
       call past(table, 'CONTROLS', 'MS', 'Tolerances of another code''s iterations; Lopin has '// &
@@ -53,8 +51,6 @@ contains
    subroutine add_later_materials(table)
       type(keyword_table_type), intent(inout) :: table
 
-      call later(table, 'VISCOPLASTIC', 'viscoplasticity')
-      call later(table, 'RATE DEPENDENT', 'rate dependent yielding')
       call later(table, 'CREEP', 'creep')
       call later(table, 'HYPERFOAM', 'hyperelastic foam')
       call later(table, 'VISCOELASTIC', 'viscoelasticity')
@@ -105,8 +101,6 @@ contains
       call later(table, 'CONNECTOR SECTION', 'connectors')
       call later(table, 'CYCLIC SYMMETRY MODEL', 'cyclic symmetry')
       call later(table, 'SUBMODEL', 'submodels')
-      call later(table, 'INITIAL CONDITIONS', 'initial stresses, strains and temperatures')
-      call later(table, 'TEMPERATURE', 'temperatures')
       call later(table, 'NGEN', 'mesh generation in the deck')
       call later(table, 'NFILL', 'mesh generation in the deck')
       call later(table, 'NCOPY', 'mesh generation in the deck')

@@ -1,6 +1,7 @@
 !> What a deck may say: the whole table, and its sheets for the terminal and the manual.
 module lopin_keywords
    use lopin_keyword_rows_contact, only : add_contact_rows
+   use lopin_keyword_rows_flow, only : add_flow_rows
    use lopin_keyword_rows_friction, only : add_friction_rows
    use lopin_keyword_rows_model, only : add_model_rows
    use lopin_keyword_rows_other, only : add_other_rows
@@ -23,6 +24,7 @@ contains
       call add_model_rows(table)
       call add_contact_rows(table)
       call add_friction_rows(table)
+      call add_flow_rows(table)
       call add_step_rows(table)
       call add_other_rows(table)
    end subroutine new_keyword_table

@@ -5,6 +5,7 @@ module lopin_settle_friction
    use lopin_text, only : to_text
    use lopin_friction, only : friction_type, law_of, law_names, automatic_law, reads_yield, &
       & depends_on_time
+   use lopin_flow_curve, only : is_viscous
    use lopin_model, only : model_type
    use lopin_surface_material, only : pair_materials
    use lopin_block, only : complain
@@ -70,8 +71,8 @@ contains
       why = 'no pair uses it'
       do k = 1, size(used)
          if (.not. used(k)) cycle
-         call automatic_law(model%material(k)%yield > 0.0_wp, model%material(k)%hardens, .false., &
-            & law, why)
+         call automatic_law(model%material(k)%yield > 0.0_wp, model%material(k)%hardens, &
+            & is_viscous(model%material(k)%flow), law, why)
          why = 'material `'//model%material(k)%name//'` is '//why
          if (first > 0 .and. law /= friction%law) then
             call complain(model%log, 'E0322', 'LAW=AUTO finds '//trim(law_names(friction%law))// &

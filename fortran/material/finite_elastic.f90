@@ -42,13 +42,16 @@ module lopin_finite_elastic
       real(wp) :: shear = 0.0_wp         !! shear modulus at zero strain [stress]
       real(wp) :: bulk = 0.0_wp          !! bulk modulus at zero strain [stress]
       logical :: flows = .false.         !! plastic or viscous: Hencky's law with a radial return
+      logical :: remembers = .false.     !! its points have a memory: it flows, or its stress-free
+                                         !! state is another than the reference shape
       type(flow_type) :: flow
    end type finite_law_type
 
-   !> What a law that flows reads of the past.
+   !> What a law reads of the past, and of the temperature.
    type :: past_type
       real(wp) :: strain = 0.0_wp        !! accumulated plastic strain of the accepted state
       real(wp) :: dt = 1.0_wp            !! since then, > 0 [time]
+      real(wp) :: offset = 0.0_wp        !! elastic ln J beyond that of the deformation [-]
    end type past_type
 
 contains
@@ -86,6 +89,7 @@ contains
       type(flow_type), intent(in) :: flow
       law%flow = flow
       law%flows = flows(flow)
+      law%remembers = law%flows
    end subroutine give_flow
 
    !> Young's modulus and Poisson's ratio of small strains.
@@ -140,7 +144,7 @@ contains
       integer :: k
 
       call new_log_frame(frame, change)
-      dilatation = log_one_plus(volume)
+      dilatation = log_one_plus(volume) + past%offset
       deviator = frame%e - sum(frame%e)/3.0_wp
       back = answer_of(law, past, norm2(deviator))
       principal = back%secant*deviator + law%bulk*dilatation
@@ -279,8 +283,9 @@ contains
    end function log_strain
 
    !> Plane stress: the stretch - 1 through the thickness at which the stress across it vanishes.
-   pure real(wp) function thickness_change(law, change, area) result(thickness)
+   pure real(wp) function thickness_change(law, past, change, area) result(thickness)
       type(finite_law_type), intent(in) :: law
+      type(past_type), intent(in) :: past
       real(wp), intent(in) :: change(3, 3)   !! b - 1 in the plane
       real(wp), intent(in) :: area           !! stretch of the area in the plane - 1
       real(wp) :: lame, low, high, d, new, value, slope, square, scale
@@ -289,7 +294,8 @@ contains
 
       if (law%kind == finite_law%hencky) then
          lame = law%bulk - 2.0_wp/3.0_wp*law%shear
-         thickness = exp_minus_one(-lame/(lame + 2.0_wp*law%shear)*log_one_plus(area))
+         thickness = exp_minus_one(-(lame*log_one_plus(area) + law%bulk*past%offset) &
+            & /(lame + 2.0_wp*law%shear))
          return
       else if (law%kind == finite_law%green) then
          lame = law%bulk - 2.0_wp/3.0_wp*law%shear

@@ -9,6 +9,7 @@
 !>   SWIFT      K (eps0 + eps)^n
 !>   HOLLOMON   K (eps0 + eps)^n with eps0 = (Y/K)^(1/n): K eps^n in the total strain, from yield on
 !>   VOCE       S - (S - Y) exp(-d eps) + H eps
+!>   LINEAR     Y + H eps (Voce without its exponential)
 !> Rates: factor 1 + (rate/D)^(1/p) (power law of Cowper and Symonds), and a viscous part
 !> K sqrt(3)^(m+1) rate^m (Norton-Hoff: s = 2 K (sqrt(3) rate)^(m-1) strain rate; seed section G).
 module lopin_flow_curve
@@ -16,7 +17,7 @@ module lopin_flow_curve
    implicit none
    private
    public :: flow_type, hardening_of, flow_stress, flow_step, flows, table_flow, swift_flow, &
-      & hollomon_flow, voce_flow, is_viscous
+      & hollomon_flow, voce_flow, linear_flow, is_viscous, give_viscosity, least_slope, table_end
 
    type :: hardenings
       integer :: none = 0, table = 1, swift = 2, voce = 3
@@ -33,6 +34,7 @@ module lopin_flow_curve
       real(wp) :: consistency = 0.0_wp        !! K of Norton-Hoff [stress time^m]; 0: no such part
       real(wp) :: sensitivity = 1.0_wp        !! m of Norton-Hoff, in (0, 1]
       logical :: rigid = .false.              !! no elastic deviator: flow alone
+      real(wp) :: slowest = 0.0_wp            !! rigid: the flow is linear in slower rates [1/time]
    end type flow_type
 
 contains
@@ -73,6 +75,51 @@ contains
       flow%hardening = hardening_of%voce
       flow%constant = [saturation, yield, decay, slope]
    end function voce_flow
+
+   pure function linear_flow(yield, slope) result(flow)
+      real(wp), intent(in) :: yield           !! > 0 [stress]
+      real(wp), intent(in) :: slope           !! >= 0 [stress]
+      type(flow_type) :: flow
+      flow = voce_flow(yield, yield, 0.0_wp, slope)
+   end function linear_flow
+
+   !> Add the viscous stress of Norton and Hoff to a law, which becomes its threshold.
+   pure subroutine give_viscosity(flow, consistency, sensitivity)
+      type(flow_type), intent(inout) :: flow
+      real(wp), intent(in) :: consistency     !! K > 0 [stress time^m]
+      real(wp), intent(in) :: sensitivity     !! m in (0, 1]
+      flow%consistency = consistency
+      flow%sensitivity = sensitivity
+   end subroutine give_viscosity
+
+   !> The lowest slope of the threshold, d stress/d strain; negative where the law softens.
+   pure real(wp) function least_slope(flow) result(least)
+      type(flow_type), intent(in) :: flow
+      integer :: n
+
+      least = 0.0_wp
+      select case (flow%hardening)
+      case (hardening_of%table)
+         n = size(flow%strain)
+         if (n > 1) least = min(0.0_wp, minval((flow%stress(2:) - flow%stress(:n - 1)) &
+            & /(flow%strain(2:) - flow%strain(:n - 1))))
+      case (hardening_of%voce)
+         least = min(0.0_wp, flow%constant(4) + flow%constant(3)*(flow%constant(1) &
+            & - flow%constant(2)))
+      end select
+   end function least_slope
+
+   !> Plastic strain at which a table ends while it still rises or falls; huge for the other laws.
+   pure real(wp) function table_end(flow) result(last)
+      type(flow_type), intent(in) :: flow
+      integer :: n
+
+      last = huge(1.0_wp)
+      if (flow%hardening /= hardening_of%table) return
+      n = size(flow%strain)
+      if (n == 1) return
+      if (abs(flow%stress(n) - flow%stress(n - 1)) > 0.0_wp) last = flow%strain(n)
+   end function table_end
 
    !> A law whose stress looks at the rate.
    pure logical function is_viscous(flow)

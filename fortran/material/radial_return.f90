@@ -5,16 +5,13 @@
 !> and the slope of that stress is secant (identity on deviators) + along n n, n the unit direction
 !> of the trial deviator (Simo and Hughes 1998, box 3.2, in these letters). A rigid-viscoplastic
 !> solid has no elastic deviator: its increment of strain is all flow, and the stress that of its
-!> rate.
+!> rate; slower than `slowest` of its law it is a linear fluid, so that parts at rest have a tangent.
 module lopin_radial_return
    use lopin_kinds, only : wp
    use lopin_flow_curve, only : flow_type, flow_step, flow_stress
    implicit none
    private
    public :: return_type, return_radially
-
-   !> Rates below this share of one per increment are regularised in a rigid solid.
-   real(wp), parameter :: rigid_below = 1.0e-6_wp
 
    type :: return_type
       real(wp) :: secant = 0.0_wp      !! deviator of stress per trial deviator [stress]
@@ -61,7 +58,7 @@ contains
       real(wp) :: step, smooth, stress, slope, rate_slope, ratio
 
       step = sqrt(2.0_wp/3.0_wp)*magnitude
-      smooth = hypot(step, rigid_below)
+      smooth = hypot(step, flow%slowest*dt)
       call flow_stress(flow, strain + smooth, smooth/dt, stress, slope, rate_slope)
       slope = slope + rate_slope/dt
       ratio = step/smooth

@@ -17,7 +17,7 @@ module lopin_model
    public :: interaction_type, pair_type, amplitude_type, equation_type
    public :: friction_change_type, pair_change_type
    public :: step_type, prescribed_type, point_load_type, face_load_type, body_load_type, &
-      & output_type
+      & output_type, temperature_type, initial_stress_type
    public :: control_type, tool_holder_type
    public :: kind_of, method_of, overclosure_of, surface_of, output_of, initial_of
    public :: amplitude_value, amplitude_integral
@@ -71,7 +71,10 @@ module lopin_model
       real(wp) :: yield = 0.0_wp      !! first row of *PLASTIC, read by friction laws; 0: none [stress]
       logical :: hardens = .false.    !! *PLASTIC has a row above the first
       type(flow_type) :: flow         !! of *PLASTIC and *VISCOPLASTIC
-      type(location_type) :: plastic_at
+      type(location_type) :: plastic_at, viscous_at
+      logical :: starts_elastic = .false. !! Hollomon without a yield stress: *ELASTIC gives it
+      logical :: has_expansion = .false.
+      real(wp) :: expansion = 0.0_wp  !! thermal strain per degree, *EXPANSION [1/temperature]
    end type material_type
 
    type :: section_type
@@ -194,6 +197,19 @@ module lopin_model
       integer :: amplitude = 0
    end type body_load_type
 
+   !> *TEMPERATURE: of a node at the end of the step.
+   type :: temperature_type
+      integer :: node = 0
+      real(wp) :: value = 0.0_wp                        !! (times amplitude) [temperature]
+      integer :: amplitude = 0
+   end type temperature_type
+
+   !> *INITIAL CONDITIONS, TYPE=STRESS: of all points of an element.
+   type :: initial_stress_type
+      integer :: element = 0
+      real(wp) :: stress(6) = 0.0_wp                    !! xx yy zz xy xz yz [stress]
+   end type initial_stress_type
+
    type :: output_type
       type(location_type) :: at
       integer :: kind = 0                               !! output_of%...
@@ -233,6 +249,7 @@ module lopin_model
       type(point_load_type), allocatable :: point_load(:)
       type(face_load_type), allocatable :: face_load(:)
       type(body_load_type), allocatable :: body_load(:)
+      type(temperature_type), allocatable :: temperature(:)
       type(output_type), allocatable :: output(:)
       type(friction_change_type), allocatable :: friction_change(:)
       type(pair_change_type), allocatable :: pair_change(:)
@@ -254,6 +271,8 @@ module lopin_model
       type(amplitude_type), allocatable :: amplitude(:)
       type(equation_type), allocatable :: equation(:)
       type(transform_type) :: transform
+      real(wp), allocatable :: temperature(:)           !! (nnode) at the start [temperature]
+      type(initial_stress_type), allocatable :: initial_stress(:)
       type(step_type), allocatable :: step(:)
       ! *LOPIN
       character(len=:), allocatable :: path             !! AUTO, CONDENSED, NEWTON

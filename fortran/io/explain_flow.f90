@@ -1,0 +1,33 @@
+!> Explanations: flow, rates and heat.
+module lopin_explain_flow
+   use lopin_explanation, only : explanation_type, add_explanation
+   implicit none
+   private
+   public :: flow_explanations
+
+contains
+
+   subroutine flow_explanations(list)
+      type(explanation_type), allocatable, intent(inout) :: list(:)
+
+      call add_explanation(list, 'W0323', 'a flow stress of the rate without a scale of time', &
+         & '*RATE DEPENDENT and *VISCOPLASTIC read the rate of strain. A step whose *STATIC '// &
+         & 'gives no period lasts 1 by default, so that the rate is what the unit of time '// &
+         & 'makes of it.', 'write initial increment and period after *STATIC.')
+      call add_explanation(list, 'W0324', 'a flow curve that falls', &
+         & 'Where the flow stress falls with strain, equilibrium has answers in which the '// &
+         & 'strain gathers in one row of elements: the load falls faster on finer meshes, and '// &
+         & 'no mesh is fine enough.', 'take a curve that does not fall, or read the result as '// &
+         & 'that of this mesh.')
+      call add_explanation(list, 'W0325', 'temperatures that do nothing', &
+         & 'Temperatures act by thermal expansion alone, and no material has one.', &
+         & 'add *EXPANSION to a material, or leave *TEMPERATURE out.')
+      call add_explanation(list, 'N0325', 'an expansion that does nothing', &
+         & 'A material has *EXPANSION and no step prescribes temperatures: programs that write '// &
+         & 'decks often add the coefficient anyway.', '')
+      call add_explanation(list, 'W0510', 'strain beyond the end of a flow curve', &
+         & 'The accumulated plastic strain is larger than the last one of *PLASTIC. The stress '// &
+         & 'stays that of the last line: perfect plasticity from there on, as in Abaqus.', &
+         & 'add lines, or write a law that has no end.')
+   end subroutine flow_explanations
+end module lopin_explain_flow
