@@ -195,9 +195,10 @@ contains
       end do
       do i = 1, size(model%material)
          associate (material => model%material(i))
-            if (material%has_neo_hooke .and. material%has_expansion .and. heated) call complain( &
-               & model%log, 'E0205', 'material `'//material%name//'` has *HYPERELASTIC, whose '// &
-               & '*EXPANSION is not in this version', material%at)
+            if ((material%has_neo_hooke .or. material%green) .and. material%has_expansion &
+               & .and. heated) call complain(model%log, 'E0205', 'material `'//material%name// &
+               & '` has *HYPERELASTIC or STRAIN=GREEN, whose *EXPANSION is not in this version', &
+               & material%at, help='*ELASTIC alone expands')
          end associate
       end do
       if (any(model%material%has_expansion) .and. .not. heated) call model%log%say(severity%note, &
