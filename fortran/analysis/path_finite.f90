@@ -131,9 +131,9 @@ contains
       scene%finite%nline = 0
       scene%finite%memory%dt = scene%finite%dt
       call heat_to(scene, model, scene%finite%time)
+      call start_lagged(scene, model)
       call start_increment(scene%finite%contact, model, scene%accepted, scene%finite%dt, error)
       if (allocated(error)) return
-      call start_lagged(scene, model)
       call scene%clock%stop_in(phase%search)
       do loop = 0, scene%finite%most_augmentations
          call newton(scene, model, f, v, before, prescribed, loop, error)

@@ -189,7 +189,8 @@ contains
                & .and. model%interaction(model%pair(self%pair(i))%interaction)%no_separation
             self%bilateral(i) = g%bilateral .or. g%kind == grip_kind%tied
             g%yield = self%yield(i)
-            call remember_elastic(g, self%friction(self%pair(i)), self%opposite(i)%normal)
+            call remember_elastic(g, self%friction(self%pair(i)), &
+               & self%opposite(i)%normal, self%stretch(i))
          end associate
       end do
       call share_roles(self, model)

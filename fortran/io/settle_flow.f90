@@ -13,11 +13,9 @@ module lopin_settle_flow
    public :: settle_flow
 
    !> A rigid solid keeps its volume to the inverse of this: bulk modulus beside the flow stress.
-   real(wp), parameter :: keeps_volume = 1.0e7_wp
+   real(wp), parameter :: keeps_volume = 1.0e6_wp
    !> Shear modulus beside the flow stress that only scales penalties and first guesses.
    real(wp), parameter :: stiff = 100.0_wp
-   !> Below this share of its mean rate a rigid solid is a linear fluid.
-   real(wp), parameter :: slow = 1.0e-6_wp
 
 contains
 
@@ -111,7 +109,7 @@ contains
          call flow_stress(material%flow, strain, rate, stress, slope, rate_slope)
          if (.not. material%yield > 0.0_wp) material%yield = stress
          if (.not. material%flow%rigid) return
-         material%flow%slowest = slow*rate
+         material%flow%usual = rate
          law%bulk = keeps_volume*stress
          if (material%has_elastic) law%bulk = material%young/(3.0_wp*(1.0_wp &
             & - 2.0_wp*material%poisson))

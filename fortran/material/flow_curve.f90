@@ -34,7 +34,7 @@ module lopin_flow_curve
       real(wp) :: consistency = 0.0_wp        !! K of Norton-Hoff [stress time^m]; 0: no such part
       real(wp) :: sensitivity = 1.0_wp        !! m of Norton-Hoff, in (0, 1]
       logical :: rigid = .false.              !! no elastic deviator: flow alone
-      real(wp) :: slowest = 0.0_wp            !! rigid: the flow is linear in slower rates [1/time]
+      real(wp) :: usual = 1.0_wp              !! rigid: a rate as it will meet [1/time]
    end type flow_type
 
 contains

@@ -5,13 +5,16 @@
 !> and the slope of that stress is secant (identity on deviators) + along n n, n the unit direction
 !> of the trial deviator (Simo and Hughes 1998, box 3.2, in these letters). A rigid-viscoplastic
 !> solid has no elastic deviator: its increment of strain is all flow, and the stress that of its
-!> rate; slower than `slowest` of its law it is a linear fluid, so that parts at rest have a tangent.
+!> rate; far below the usual rate it is a linear fluid, so that parts at rest have a tangent.
 module lopin_radial_return
    use lopin_kinds, only : wp
    use lopin_flow_curve, only : flow_type, flow_step, flow_stress
    implicit none
    private
    public :: return_type, return_radially
+
+   !> Share of the usual rate below which a rigid solid is a linear fluid.
+   real(wp), parameter :: slow = 1.0e-6_wp
 
    type :: return_type
       real(wp) :: secant = 0.0_wp      !! deviator of stress per trial deviator [stress]
@@ -58,7 +61,9 @@ contains
       real(wp) :: step, smooth, stress, slope, rate_slope, ratio
 
       step = sqrt(2.0_wp/3.0_wp)*magnitude
-      smooth = hypot(step, flow%slowest*dt)
+      smooth = hypot(step, slow*flow%usual*dt)
+      ! Before anything has moved, Newton starts from the viscosity at the usual rate.
+      if (.not. step > 0.0_wp) smooth = flow%usual*dt
       call flow_stress(flow, strain + smooth, smooth/dt, stress, slope, rate_slope)
       slope = slope + rate_slope/dt
       ratio = step/smooth

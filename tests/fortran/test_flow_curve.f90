@@ -205,7 +205,7 @@ contains
 
       flow = law('none', 'norton')
       flow%rigid = .true.
-      flow%slowest = 1.0e-6_wp
+      flow%usual = 1.0_wp
       call test('a rigid solid has the stress of its rate')
       back = return_radially(flow, shear, 0.3_wp, 0.0_wp, dt)
       step = sqrt(2.0_wp/3.0_wp)*0.3_wp

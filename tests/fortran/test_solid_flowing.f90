@@ -60,7 +60,6 @@ contains
       case default
          call give_viscosity(flow, 0.8_wp, 0.3_wp)
          flow%rigid = name == 'rigid'
-         flow%slowest = 1.0e-6_wp
       end select
       call give_flow(law, flow)
    end function flowing

@@ -65,8 +65,8 @@ def orders(result):
     for line in [*lines, "step"]:
         fields = line.split()
         if fields and fields[0] == "step":
-            kept = [r for r in run if r > 1e-13]
-            if len(kept) >= 3 and kept[-1] < kept[-2] < kept[-3] < 0.5:
+            kept = [residual for residual in run if residual > 1e-13]
+            if len(kept) >= 3 and kept[-1] < kept[-2] < kept[-3] < 0.1:
                 found.append(math.log(kept[-1]/kept[-2])/math.log(kept[-2]/kept[-3]))
             run = []
         elif len(fields) == 9 and fields[0].isdigit():
