@@ -207,6 +207,16 @@ contains
       end associate
    end subroutine count_searches
 
+   subroutine refuse_inverted(scene, model, look, error)
+      type(scene_type), intent(in) :: scene
+      type(model_type), intent(in) :: model
+      type(look_type), intent(in) :: look
+      type(error_type), allocatable, intent(out) :: error
+      call raise(error, error_code%not_converged, 'E0512', 'element '// &
+         & to_text(model%mesh%element_label(look%inverted))//' would turn inside out', &
+         & model%step(scene%step)%at, help='smaller increments, or a mesh that bears the strain')
+   end subroutine refuse_inverted
+
    !> Newton from (v, before) to equilibrium at the prescribed values.
    subroutine newton(scene, model, f, v, before, prescribed, loop, error)
       type(scene_type), intent(inout) :: scene
@@ -230,6 +240,8 @@ contains
       allocate (jump(scene%dofs%n), source=0.0_wp)
       if (size(prescribed) > 0) call expand(scene%constraints, 0.0_wp*v, prescribed - before, jump)
       call look_at(scene, model, f, .true., look, error)
+      if (allocated(error)) return
+      if (look%inverted > 0) call refuse_inverted(scene, model, look, error)
       if (allocated(error)) return
       stale = 0
       seen = 0
@@ -545,9 +557,7 @@ contains
          share = 0.5_wp*share
       end do
       if (look%inverted > 0 .and. .not. best_share > 0.0_wp) then
-         call raise(error, error_code%not_converged, 'E0512', 'element '// &
-            & to_text(model%mesh%element_label(look%inverted))//' would turn inside out', &
-            & model%step(scene%step)%at, help='smaller increments, or a mesh that bears the strain')
+         call refuse_inverted(scene, model, look, error)
          return
       end if
       if (try > most_halvings) share = best_share

@@ -16,7 +16,7 @@ module lopin_solid_enhanced
    use lopin_solid_small, only : gradients
    use lopin_finite_elastic, only : finite_law_type, finite_response, thickness_change, &
       & condense_thickness, volume_change
-   use lopin_material_memory, only : past_of, pushed_metric, amplitudes_of
+   use lopin_material_memory, only : past_of, pushed_metric, amplitudes_of, offset_at
    implicit none
    private
    public :: enhanced_element, enhanced_deformation
@@ -177,7 +177,7 @@ contains
 
       alpha = amplitudes_of(memory, element%nstress, element%nmode)
       step = -2.0_wp*spread(alpha, 2, 1)
-      size_of = maxval(abs(motion%h(:, :, :element%ngauss)))
+      size_of = max(maxval(abs(motion%h(:, :, :element%ngauss))), strained(memory, element%nstress))
       do sweep = 1, most
          call balance(element, law, motion, memory, dt, alpha, step, pivot, turned)
          bad = turned
@@ -197,6 +197,16 @@ contains
       end do
       bad = 1
    end subroutine relax
+
+   !> Size of the strains that a point remembers.
+   pure real(wp) function strained(memory, nstress)
+      real(wp), intent(in) :: memory(:, :)
+      integer, intent(in) :: nstress
+
+      strained = 0.0_wp
+      if (size(memory, 1) > 0) strained = max(maxval(abs(memory(:nstress, :))), &
+         & maxval(abs(memory(offset_at(nstress), :))))
+   end function strained
 
    !> Forces on the amplitudes and their slopes; `force` is kept where a point is `turned`.
    pure subroutine balance(element, law, motion, memory, dt, alpha, force, pivot, turned)
