@@ -1,17 +1,16 @@
 !> What friction reads from the last iteration of Newton on the finite path: stress and speed.
 !>
 !> Cristescu's law reads the von Mises stress at the slave, Tresca's and Orowan's the flow stress
-!> there where it hardens, EXPONENTIAL DECAY the speed of slip; laws that bound the shear by a stress
-!> of their own ask for the present area. All are put in place between iterations and stay in a line search: tangents do not know them, and the
+!> there where it hardens, EXPONENTIAL DECAY the speed of slip. They are put in place between
+!> iterations and stay in a line search: tangents do not know them, and the
 !> residual that Newton ends with is that of the stress and the speed which it ends with.
 module lopin_finite_lagged
    use lopin_kinds, only : wp
    use lopin_model, only : model_type
    use lopin_dofs, only : dofs_type
-   use lopin_friction, only : reads_mises, reads_speed, reads_yield, reads_area
+   use lopin_friction, only : reads_mises, reads_speed, reads_yield
    use lopin_nodal_mises, only : nodal_mises, nodal_flow_stress
    use lopin_finite_contact, only : speed_of
-   use lopin_surface_stretch, only : surface_stretch
    use lopin_scene, only : scene_type
    implicit none
    private
@@ -24,8 +23,7 @@ contains
       type(scene_type), intent(in) :: scene
       reads_lagged = any(reads_mises(scene%finite%contact%friction)) &
          & .or. any(reads_speed(scene%finite%contact%friction)) &
-         & .or. (scene%finite%memory%in_use .and. any(reads_yield(scene%finite%contact%friction))) &
-         & .or. (scene%finite%nlgeom .and. any(reads_area(scene%finite%contact%friction)))
+         & .or. (scene%finite%memory%in_use .and. any(reads_yield(scene%finite%contact%friction)))
    end function reads_lagged
 
    !> From what is accepted: an increment tried again has the same bits.
@@ -38,7 +36,6 @@ contains
          if (any(reads_mises(contact%friction))) call put_mises(scene, model, scene%accepted)
       end associate
       call put_yields(scene, model, scene%accepted)
-      call put_stretch(scene, model, scene%accepted)
    end subroutine start_lagged
 
    !> From the trial state.
@@ -53,7 +50,6 @@ contains
          if (any(reads_mises(contact%friction))) call put_mises(scene, model, scene%u)
       end associate
       call put_yields(scene, model, scene%u)
-      call put_stretch(scene, model, scene%u)
    end subroutine renew_lagged
 
    !> The stress of these displacements at the slave points.
@@ -92,28 +88,6 @@ contains
          end do
       end associate
    end subroutine put_yields
-
-   !> How much the slaves of laws that read it have grown with these displacements.
-   subroutine put_stretch(scene, model, displacement)
-      type(scene_type), intent(inout) :: scene
-      type(model_type), intent(in) :: model
-      real(wp), intent(in) :: displacement(:)  !! (ndof) [length]
-      real(wp) :: u(3, model%mesh%nnode), stretch(model%mesh%nnode)
-      integer :: i, pair
-
-      if (.not. scene%finite%nlgeom) return
-      associate (contact => scene%finite%contact)
-         if (.not. any(reads_area(contact%friction))) return
-         u = at_nodes(scene%dofs, displacement, model%mesh%nnode, model%mesh%ndim)
-         do pair = 1, size(model%pair)
-            if (.not. reads_area(contact%friction(pair))) cycle
-            call surface_stretch(model, model%pair(pair)%slave, u, stretch)
-            do i = 1, contact%n
-               if (contact%pair(i) == pair) contact%stretch(i) = stretch(contact%node(i))
-            end do
-         end do
-      end associate
-   end subroutine put_stretch
 
    pure function at_nodes(dofs, displacement, nnode, ndim) result(u)
       type(dofs_type), intent(in) :: dofs
