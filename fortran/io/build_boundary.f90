@@ -279,11 +279,10 @@ contains
             if (.not. fixed) then
                call prescribe(self, item)
             else if (self%slot(dof, node(i)) == 0) then
-               call complain(model%log, 'E0404', 'FIXED holds dof '//to_text(dof)//' of node ' &
-                  & //to_text(model%mesh%node_label(node(i))) &
-                  & //', which was free: that is not in this version', at, &
-                  & help='FIXED works for dofs that the step before prescribed')
-               return
+               ! What was free stays where it is: it has no velocity.
+               item%velocity = .true.
+               item%value = 0.0_wp
+               call prescribe(self, item)
             else if (self%item(self%slot(dof, node(i)))%velocity) then
                self%item(self%slot(dof, node(i)))%value = 0.0_wp
             end if

@@ -105,8 +105,14 @@ contains
          end do
          npoint = min(4, npoint + (n + 2)/3)
       end do
-      frame = point(:, :merge(3, merge(2, 0, npoint >= 2 .and. kind == 'REVOLUTION'), &
-         & npoint >= 3 .and. kind == 'CYLINDER'))
+      select case (kind)
+      case ('REVOLUTION')
+         frame = point(:, :2*(npoint/2))
+      case ('CYLINDER')
+         frame = point(:, :merge(3, 0, npoint >= 3))
+      case default
+         frame = point(:, :0)
+      end select
       if (.not. started) call complain(model%log, 'E0314', &
          & 'the profile of a tool begins with START, x, y', block%at)
    end subroutine read_cards

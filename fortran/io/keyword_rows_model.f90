@@ -164,6 +164,9 @@ contains
       call data_line(table, 'ax [length], ay [length], az [length], bx [length], by [length], '// &
          & 'bz [length]', &
          & 'CYLINDER, REVOLUTION: local axes before START; a second line for CYLINDER.')
+      call data_line(table, 'cx [length], cy [length], cz [length], dx [length], dy [length], '// &
+         & 'dz [length]', 'REVOLUTION: a second line, the middles of two sides of a rectangle '// &
+         & 'about a: the profile runs around it, r is the distance from it.')
       call example(table, '*SURFACE, NAME=PUNCH, TYPE=SEGMENTS|START, 0., 0.|CIRCL, 7., 3., '// &
          & '0., 10.')
       call about(table, 'H')

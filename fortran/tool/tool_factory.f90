@@ -3,6 +3,7 @@ module lopin_tool_factory
    use lopin_kinds, only : wp
    use lopin_error, only : error_type, error_code, raise, location_type
    use lopin_text, only : to_text
+   use lopin_vectors, only : cross
    use lopin_tool, only : tool_type
    use lopin_profile, only : profile_type, segment_card_type, new_profile
    use lopin_tool_plane, only : plane_type, new_plane
@@ -28,11 +29,12 @@ contains
    !> A tool from a profile.
    !>
    !> `frame` holds the points of the data lines before START, one a column: none for SEGMENTS;
-   !> a, b, c for CYLINDER (default: the global frame); a, b for REVOLUTION (default: the y axis).
+   !> a, b, c for CYLINDER (default: the global frame); a, b for REVOLUTION (default: the y axis), and
+   !> c, d where the profile runs around a rectangle: the middles of two of its sides.
    subroutine new_tool_from_segments(tool, kind, frame, cards, fillet, at, error)
       class(tool_type), allocatable, intent(out) :: tool
       character(len=*), intent(in) :: kind               !! one of `tool_kinds`
-      real(wp), intent(in) :: frame(:, :)                !! (3, 0), (3, 2) or (3, 3) [length]
+      real(wp), intent(in) :: frame(:, :)                !! (3, 0), (3, 2), (3, 3) or (3, 4) [length]
       type(segment_card_type), intent(in) :: cards(:)    !! START first
       real(wp), intent(in) :: fillet                     !! radius, 0: none [length]
       type(location_type), intent(in) :: at              !! of the keyword
@@ -118,6 +120,21 @@ contains
          return
       end if
       tool%axis = tool%axis/norm2(tool%axis)
+      if (size(frame, 2) >= 4) then
+         do i = 1, 2
+            tool%side(:, i) = frame(:, i + 2) - tool%origin
+            tool%half(i) = norm2(tool%side(:, i))
+            tool%side(:, i) = tool%side(:, i)/max(tool%half(i), tiny(1.0_wp))
+         end do
+         if (max(maxval(abs(matmul(tool%axis, tool%side))), abs(dot_product(tool%side(:, 1), &
+            & tool%side(:, 2)))) > 1.0e-6_wp .or. .not. minval(tool%half) > 0.0_wp) then
+            call raise(error, error_code%deck, 'E0314', 'the sides of the rectangle of '// &
+               & 'TYPE=REVOLUTION are not at right angles with its axis and each other', at, &
+               & help='after the axis: a line with the middles of two of its sides')
+            return
+         end if
+         tool%side(:, 2) = cross(tool%axis, tool%side(:, 1))
+      end if
       least = huge(1.0_wp)
       do i = 1, size(tool%profile%segment)
          least = min(least, tool%profile%segment(i)%a(1), tool%profile%segment(i)%b(1))

@@ -10,6 +10,8 @@ module lopin_tool_profile
    public :: profile_tool_type, extruded_type, revolved_type
 
    integer, parameter :: ring = 72   !! quads on a full turn when drawn; lines per turn of an arc
+   real(wp), parameter :: corner_sign(2, 4) = reshape([1.0_wp, 1.0_wp, -1.0_wp, 1.0_wp, -1.0_wp, &
+      & -1.0_wp, 1.0_wp, -1.0_wp], [2, 4])
 
    !> The profile in the plane of the model: (x, y), or (r, z) if axisymmetric.
    type, extends(tool_type) :: profile_tool_type
@@ -31,15 +33,27 @@ module lopin_tool_profile
       procedure :: tessellate => tessellate_extruded
    end type extruded_type
 
-   !> The profile in the local (r, z) half-plane, turned about the local z.
+   !> The profile in the local (r, z) half-plane, turned about the local z, or led around a rectangle
+   !> with centre there: r is then the distance from the rectangle, as for the tools of a square cup.
    type, extends(profile_tool_type) :: revolved_type
       real(wp) :: origin(3) = 0.0_wp    !! a point of the axis [length]
       real(wp) :: axis(3) = 0.0_wp      !! unit
+      real(wp) :: side(3, 2) = 0.0_wp   !! unit, along the rectangle; right-handed with the axis
+      real(wp) :: half(2) = 0.0_wp      !! of its length and width; 0: none [length]
    contains
       procedure :: project => project_revolved
       procedure :: project_all => project_all_revolved
       procedure :: tessellate => tessellate_revolved
    end type revolved_type
+
+   !> Where a point lies beside a revolved profile.
+   type :: meridian_type
+      real(wp) :: centre(3) = 0.0_wp   !! of the hoop, at the height of the origin [length]
+      real(wp) :: radial(3) = 0.0_wp   !! unit, from there
+      real(wp) :: r = 0.0_wp           !! [length]
+      real(wp) :: z = 0.0_wp           !! along the axis [length]
+      logical :: is_round = .true.     !! the hoop is curved there
+   end type meridian_type
 
 contains
 
@@ -152,11 +166,11 @@ contains
       real(wp), intent(in) :: x(:)
       type(foot_type), intent(out) :: foot
       type(foot_2d_type) :: flat
-      real(wp) :: radial(3), r, z
+      type(meridian_type) :: at
 
-      call half_plane(self, x, radial, r, z)
-      call project_profile(self%profile, [r, z], flat)
-      call lift_revolved(self, radial, r, flat, foot)
+      at = meridian(self, x)
+      call project_profile(self%profile, [at%r, at%z], flat)
+      call lift_revolved(self, at, flat, foot)
    end subroutine project_revolved
 
    pure subroutine project_all_revolved(self, x, reach, feet, nfeet)
@@ -166,50 +180,60 @@ contains
       type(foot_type), intent(out) :: feet(2)
       integer, intent(out) :: nfeet
       type(foot_2d_type) :: flat(2)
-      real(wp) :: radial(3), r, z
+      type(meridian_type) :: at
       integer :: i
 
-      call half_plane(self, x, radial, r, z)
-      call project_profile_all(self%profile, [r, z], reach, flat, nfeet)
+      at = meridian(self, x)
+      call project_profile_all(self%profile, [at%r, at%z], reach, flat, nfeet)
       do i = 1, nfeet
-         call lift_revolved(self, radial, r, flat(i), feet(i))
+         call lift_revolved(self, at, flat(i), feet(i))
       end do
    end subroutine project_all_revolved
 
-   !> Cylindrical coordinates of a point; on the axis any radial direction will do.
-   pure subroutine half_plane(self, x, radial, r, z)
+   !> Cylindrical coordinates of a point about the axis, or about the nearest point of the
+   !> rectangle; on it any radial direction will do.
+   pure type(meridian_type) function meridian(self, x) result(at)
       class(revolved_type), intent(in) :: self
       real(wp), intent(in) :: x(:)
-      real(wp), intent(out) :: radial(3)   !! unit
-      real(wp), intent(out) :: r, z
+      real(wp) :: along(2)
 
-      radial = x - self%origin
-      z = dot_product(radial, self%axis)
-      radial = radial - z*self%axis
-      r = norm2(radial)
-      if (r > 1.0e-14_wp*self%profile%size) then
-         radial = radial/r
-      else
-         radial = across(self%axis)
-         r = 0.0_wp
+      at%radial = x - self%origin
+      at%z = dot_product(at%radial, self%axis)
+      at%radial = at%radial - at%z*self%axis
+      at%centre = self%origin
+      at%is_round = .true.
+      if (any(self%half > 0.0_wp)) then
+         along = matmul(at%radial, self%side)
+         at%is_round = all(abs(along) > self%half)
+         along = max(-self%half, min(self%half, along))
+         at%centre = at%centre + matmul(self%side, along)
+         at%radial = at%radial - matmul(self%side, along)
       end if
-   end subroutine half_plane
+      at%r = norm2(at%radial)
+      if (at%r > 1.0e-14_wp*self%profile%size) then
+         at%radial = at%radial/at%r
+      else
+         at%radial = across(self%axis)
+         at%r = 0.0_wp
+      end if
+   end function meridian
 
    !> The hoop part of the hessian is n_r/r; on the axis it equals the radial part of the plane one.
-   pure subroutine lift_revolved(self, radial, r, flat, foot)
+   pure subroutine lift_revolved(self, at, flat, foot)
       class(revolved_type), intent(in) :: self
-      real(wp), intent(in) :: radial(3), r
+      type(meridian_type), intent(in) :: at
       type(foot_2d_type), intent(in) :: flat
       type(foot_type), intent(out) :: foot
       real(wp) :: t(3), hoop(3), hoop_bend
 
       call copy_scalars(flat, foot)
-      foot%point = self%origin + flat%point(1)*radial + flat%point(2)*self%axis
-      foot%normal = flat%normal(1)*radial + flat%normal(2)*self%axis
-      t = flat%normal(1)*self%axis - flat%normal(2)*radial
-      hoop = cross(self%axis, radial)
+      foot%point = at%centre + flat%point(1)*at%radial + flat%point(2)*self%axis
+      foot%normal = flat%normal(1)*at%radial + flat%normal(2)*self%axis
+      t = flat%normal(1)*self%axis - flat%normal(2)*at%radial
+      hoop = cross(self%axis, at%radial)
       hoop_bend = flat%bend*flat%normal(2)**2
-      if (r > 1.0e-9_wp*self%profile%size) hoop_bend = flat%normal(1)/r
+      if (at%r > 1.0e-9_wp*self%profile%size) hoop_bend = flat%normal(1)/at%r
+      if (.not. at%is_round) hoop_bend = 0.0_wp
       foot%hessian = flat%bend*outer_product(t, t) + hoop_bend*outer_product(hoop, hoop)
    end subroutine lift_revolved
 
@@ -305,28 +329,44 @@ contains
       integer, allocatable, intent(out) :: cells(:, :)
       real(wp), parameter :: pi = acos(-1.0_wp)
       real(wp), allocatable :: line(:, :)
-      real(wp) :: t1(3), t2(3), a
-      integer :: i, j, k, n, m
+      real(wp) :: t1(3), t2(3), centre(3), a
+      integer :: corners, i, j, k, n, m, turns
 
       call draw_profile(self%profile, line)
       n = size(line, 2)
       t1 = across(self%axis)
+      corners = merge(4, 0, any(self%half > 0.0_wp))
+      if (corners > 0) t1 = self%side(:, 1)
       t2 = cross(self%axis, t1)
-      allocate (points(size(box, 1), n*ring), cells(4, (n - 1)*ring))
-      do j = 1, ring
-         a = 2.0_wp*pi*real(j - 1, wp)/real(ring, wp)
+      turns = ring + corners
+      allocate (points(size(box, 1), n*turns), cells(4, (n - 1)*turns))
+      centre = self%origin
+      do j = 1, turns
+         k = j - 1
+         if (corners > 0) then
+            ! Each corner begins where the one before ended: the sides lie between.
+            k = k - (j - 1)/(ring/4 + 1)
+            centre = self%origin + matmul(self%side, self%half*corner_sign(:, 1 + (j - 1)/(ring/4 &
+               & + 1)))
+         end if
+         a = 2.0_wp*pi*real(k, wp)/real(ring, wp)
          do i = 1, n
-            points(:, (j - 1)*n + i) = self%origin + line(1, i)*(cos(a)*t1 + sin(a)*t2) + line(2, &
+            points(:, (j - 1)*n + i) = centre + line(1, i)*(cos(a)*t1 + sin(a)*t2) + line(2, &
                & i)*self%axis
          end do
       end do
       m = 0
-      do j = 1, ring
-         k = mod(j, ring)
+      do j = 1, turns
+         k = mod(j, turns)
          do i = 1, n - 1
             m = m + 1
             cells(:, m) = [(j - 1)*n + i, (j - 1)*n + i + 1, k*n + i + 1, k*n + i]
          end do
+      end do
+      if (corners == 0) return
+      do i = 1, n, n - 1
+         if (line(1, i) > 1.0e-9_wp*self%profile%size) cycle
+         cells = reshape([cells, i + n*[0, 1, 2, 3]*(ring/4 + 1)], [4, size(cells, 2) + 1])
       end do
    end subroutine tessellate_revolved
 

@@ -15,7 +15,7 @@ program test_tool
    end type holder
 
    real(wp), parameter :: tight = 1.0e-12_wp
-   type(holder) :: tools(10)
+   type(holder) :: tools(12)
 
    call random_init(.true., .false.)
    call make_all()
@@ -34,7 +34,7 @@ contains
    subroutine make_all()
       type(error_type), allocatable :: error
       integer :: i
-      real(wp) :: none(3, 0), frame(3, 3)
+      real(wp) :: none(3, 0), frame(3, 3), around(3, 4)
 
       call new_tool_plane(tools(1)%shape, [1.0_wp, 2.0_wp], [3.0_wp, 4.0_wp], error)
       call new_tool_plane(tools(2)%shape, [1.0_wp, 2.0_wp, 3.0_wp], [1.0_wp, 2.0_wp, 2.0_wp], error)
@@ -55,6 +55,15 @@ contains
       frame(:, 2) = [2.0_wp, 1.0_wp, -1.0_wp]
       call new_tool_from_segments(tools(10)%shape, 'REVOLUTION', frame(:, :2), punch(), 0.0_wp, &
          & nowhere, error)
+      around(:, :2) = frame(:, :2)
+      around(:, 3) = frame(:, 1) + [1.0_wp, 0.0_wp, 1.0_wp]
+      around(:, 4) = frame(:, 1) + [-0.5_wp, 1.0_wp, 0.5_wp]
+      call new_tool_from_segments(tools(11)%shape, 'REVOLUTION', around, punch(), 0.0_wp, nowhere, &
+         & error)
+      around = reshape([0.0_wp, 0.0_wp, 0.0_wp, 0.0_wp, 0.0_wp, 1.0_wp, 2.0_wp, 0.0_wp, 0.0_wp, &
+         & 0.0_wp, 1.0_wp, 0.0_wp], [3, 4])
+      call new_tool_from_segments(tools(12)%shape, 'REVOLUTION', around, post(), 0.0_wp, nowhere, &
+         & error)
       call test('every tool can be made')
       do i = 1, size(tools)
          call is_true('allocated', allocated(tools(i)%shape))
@@ -71,6 +80,13 @@ contains
       cards(4) = segment_card_type('PARAB', [1.5_wp, 0.8_wp, 1.0_wp, 0.9_wp])
       cards(5) = segment_card_type('LINE', [0.0_wp, 0.9_wp, 0.0_wp, 0.0_wp])
    end function punch
+
+   !> A straight wall.
+   function post() result(cards)
+      type(segment_card_type) :: cards(2)
+      cards(1) = segment_card_type('START', [0.5_wp, 30.0_wp, 0.0_wp, 0.0_wp])
+      cards(2) = segment_card_type('LINE', [0.5_wp, -30.0_wp, 0.0_wp, 0.0_wp])
+   end function post
 
    !> Two sharp shoulders, one convex and one concave, which a fillet rounds; then in to the axis.
    function die() result(cards)
@@ -106,6 +122,9 @@ contains
          call close_to('bar', foot%gap, r - 1.5_wp, tight)
          call tools(6)%shape%project(x, foot)
          call close_to('bore', foot%gap, 8.0_wp - hypot(x(2) - 0.2_wp, x(3) - 0.3_wp), tight)
+         call tools(12)%shape%project(x, foot)
+         call close_to('post around a rectangle', foot%gap, norm2(max(abs(x(:2)) - [2.0_wp, &
+            & 1.0_wp], 0.0_wp)) - 0.5_wp, tight)
       end do
    end subroutine gaps_equal_closed_forms
 
@@ -125,6 +144,8 @@ contains
             x = 8.0_wp*x - 3.0_wp
             call tools(k)%shape%project(x(:n), foot)
             if (foot%overhang > 0.0_wp) cycle
+            ! In its rectangle a tool is as flat as its profile there: a wall has no gradient.
+            if (k == 12 .and. all(abs(x(:2)) < [2.0_wp, 1.0_wp])) cycle
             do j = 1, n
                x(j) = x(j) + h
                call tools(k)%shape%project(x(:n), plus)
@@ -253,6 +274,10 @@ contains
       call is_true('plane without normal', allocated(error))
       call new_tool_sphere(tool, [0.0_wp, 0.0_wp], -1.0_wp, .false., error)
       call is_true('negative radius', allocated(error))
+      call new_tool_from_segments(tool, 'REVOLUTION', reshape([0.0_wp, 0.0_wp, 0.0_wp, 0.0_wp, &
+         & 0.0_wp, 1.0_wp, 2.0_wp, 0.0_wp, 0.0_wp, 1.0_wp, 1.0_wp, 0.0_wp], [3, 4]), post(), &
+         & 0.0_wp, nowhere, error)
+      call is_true('a rectangle that is askew', allocated(error))
       cards(1) = segment_card_type('START', [0.0_wp, 0.0_wp, 0.0_wp, 0.0_wp])
       cards(2) = segment_card_type('LINE', [1.0_wp, 0.0_wp, 0.0_wp, 0.0_wp])
       cards(3) = segment_card_type('LINE', [1.0_wp, 1.0_wp, 0.0_wp, 0.0_wp])
