@@ -156,34 +156,68 @@ contains
       type(dual_type), intent(in) :: x(:, :), normal(:, :), point(2)
       type(dual_type), intent(out) :: xi
       type(dual_type) :: ahead, slope
-      real(wp) :: low, high, before, size2
+      real(wp) :: place(2, size(x, 2)), nu(2, size(x, 2)), low, high, at, before, size2, way, turn
       integer :: step
 
-      size2 = sum((x(:, 2)%v - x(:, 1)%v)**2)
+      place = x%v
+      nu = normal%v
+      size2 = sum((place(:, 2) - place(:, 1))**2)
       low = -1.0_wp
       high = 1.0_wp
       xi = constant(low)
-      call offset(x, normal, point, xi, ahead, slope)
-      if (ahead%v <= 0.0_wp) return
+      call offset_value(place, nu, point%v, low, way, turn)
+      if (way <= 0.0_wp) return
       xi = constant(high)
-      call offset(x, normal, point, xi, ahead, slope)
-      if (ahead%v >= 0.0_wp) return
-      xi = constant(0.0_wp)
+      call offset_value(place, nu, point%v, high, way, turn)
+      if (way >= 0.0_wp) return
+      at = 0.0_wp
       do step = 1, most_steps
-         call offset(x, normal, point, xi, ahead, slope)
-         if (ahead%v > 0.0_wp) low = xi%v
-         if (ahead%v <= 0.0_wp) high = xi%v
-         if (abs(ahead%v) <= 4.0_wp*epsilon(1.0_wp)*sqrt(size2)) exit
-         before = xi%v
-         if (slope%v < 0.0_wp) xi = constant(xi%v - ahead%v/slope%v)
-         if (.not. (slope%v < 0.0_wp .and. xi%v > low .and. xi%v < high)) &
-            & xi = constant(0.5_wp*(low + high))
-         if (high - low <= epsilon(1.0_wp) .or. abs(xi%v - before) <= epsilon(1.0_wp)) exit
+         call offset_value(place, nu, point%v, at, way, turn)
+         if (way > 0.0_wp) low = at
+         if (way <= 0.0_wp) high = at
+         if (abs(way) <= 4.0_wp*epsilon(1.0_wp)*sqrt(size2)) exit
+         before = at
+         if (turn < 0.0_wp) at = at - way/turn
+         if (.not. (turn < 0.0_wp .and. at > low .and. at < high)) at = 0.5_wp*(low + high)
+         if (high - low <= epsilon(1.0_wp) .or. abs(at - before) <= epsilon(1.0_wp)) exit
       end do
       ! One more step in dual numbers: the slopes of the implicit function.
+      xi = constant(at)
       call offset(x, normal, point, xi, ahead, slope)
       if (abs(slope%v) > 0.0_wp) xi = xi - ahead/slope%v
    end subroutine slave_parameter
+
+   !> `line_shape` in plain numbers.
+   pure subroutine line_values(nnode, xi, n, dn)
+      integer, intent(in) :: nnode       !! 2 or 3
+      real(wp), intent(in) :: xi
+      real(wp), intent(out) :: n(3), dn(3)
+
+      if (nnode == 2) then
+         n = [0.5_wp*(1.0_wp - xi), 0.5_wp*(1.0_wp + xi), 0.0_wp]
+         dn = [-0.5_wp, 0.5_wp, 0.0_wp]
+      else
+         n = [0.5_wp*xi*(xi - 1.0_wp), 0.5_wp*xi*(xi + 1.0_wp), 1.0_wp - xi*xi]
+         dn = [xi - 0.5_wp, xi + 0.5_wp, -2.0_wp*xi]
+      end if
+   end subroutine line_values
+
+   !> `offset` in plain numbers.
+   pure subroutine offset_value(x, normal, point, xi, ahead, slope)
+      real(wp), intent(in) :: x(:, :), normal(:, :), point(2), xi
+      real(wp), intent(out) :: ahead, slope
+      real(wp) :: n(3), dn(3), way(2), nu(2), turn(2), tangent(2)
+      integer :: m
+
+      m = size(x, 2)
+      call line_values(m, xi, n, dn)
+      way = point - matmul(x, n(:m))
+      tangent = matmul(x, dn(:m))
+      nu = matmul(normal, n(:m))
+      turn = matmul(normal, dn(:m))
+      ahead = way(2)*nu(1) - way(1)*nu(2)
+      slope = tangent(1)*nu(2) - tangent(2)*nu(1) + way(2)*turn(1) - way(1)*turn(2)
+   end subroutine offset_value
 
    !> How far a point is ahead of the normal at a parameter, and the slope of that by the parameter.
    pure subroutine offset(x, normal, point, xi, ahead, slope)
@@ -205,39 +239,54 @@ contains
       type(dual_type), intent(in) :: place(2), direction(2), y(:, :)
       type(dual_type), intent(out) :: eta
       type(dual_type) :: m(3), dm(3), way(2), tangent(2), aside, slope
-      integer :: step
 
-      eta = constant(0.0_wp)
+      eta = constant(master_value(place%v, direction%v, y%v))
+      call line_shape(size(y, 2), eta, m, dm)
+      way = combine(y, m) - place
+      tangent = combine(y, dm)
+      aside = way(1)*direction(2) - way(2)*direction(1)
+      slope = tangent(1)*direction(2) - tangent(2)*direction(1)
+      ! At the root a step in dual numbers gives the slopes of the implicit function.
+      if (abs(slope%v) > 0.0_wp) eta = eta - aside/slope%v
+   end subroutine master_parameter
+
+   !> `master_parameter` in plain numbers.
+   pure real(wp) function master_value(place, direction, y) result(eta)
+      real(wp), intent(in) :: place(2), direction(2), y(:, :)
+      real(wp) :: m(3), dm(3), way(2), tangent(2), aside, slope
+      integer :: step, k
+
+      k = size(y, 2)
+      eta = 0.0_wp
       do step = 1, most_steps
-         eta = constant(eta%v)
-         call line_shape(size(y, 2), eta, m, dm)
-         way = combine(y, m) - place
-         tangent = combine(y, dm)
+         call line_values(k, eta, m, dm)
+         way = matmul(y, m(:k)) - place
+         tangent = matmul(y, dm(:k))
          aside = way(1)*direction(2) - way(2)*direction(1)
          slope = tangent(1)*direction(2) - tangent(2)*direction(1)
-         if (.not. abs(slope%v) > 0.0_wp) return
-         ! At the root a step in dual numbers gives the slopes of the implicit function.
-         eta = eta - aside/slope%v
-         if (step > 1 .and. abs(aside%v) <= 1.0e-15_wp*abs(slope%v)) exit
-         if (abs(eta%v) > 3.0_wp) eta = constant(sign(1.0_wp, eta%v))
+         if (.not. abs(slope) > 0.0_wp) return
+         eta = eta - aside/slope
+         if (step > 1 .and. abs(aside) <= 1.0e-15_wp*abs(slope)) exit
+         if (abs(eta) > 3.0_wp) eta = sign(1.0_wp, eta)
       end do
-   end subroutine master_parameter
+   end function master_value
 
    !> The master's outward normal looks back at the slave's where they are opposite.
    pure logical function faces(x, normal, y, xi, facing)
       type(dual_type), intent(in) :: x(:, :), normal(:, :), y(:, :)
       real(wp), intent(in) :: xi, facing
-      type(dual_type) :: n(3), dn(3), nu(2), place(2), eta, tangent(2)
-      real(wp) :: cosine
+      real(wp) :: n(3), dn(3), nu(2), tangent(2), cosine
+      integer :: k
 
-      call line_shape(size(x, 2), constant(xi), n, dn)
-      place = combine(x, n)
-      nu = combine(normal, n)
-      call master_parameter(place, nu, y, eta)
-      call line_shape(size(y, 2), eta, n, dn)
-      tangent = combine(y, dn)
-      cosine = (tangent(2)%v*nu(1)%v - tangent(1)%v*nu(2)%v) &
-         & /max(tiny(1.0_wp), norm2(tangent%v)*norm2(nu%v))
+      k = size(x, 2)
+      call line_values(k, xi, n, dn)
+      nu = matmul(normal%v, n(:k))
+      associate (eta => master_value(matmul(x%v, n(:k)), nu, y%v))
+         call line_values(size(y, 2), eta, n, dn)
+      end associate
+      tangent = matmul(y%v, dn(:size(y, 2)))
+      cosine = (tangent(2)*nu(1) - tangent(1)*nu(2)) &
+         & /max(tiny(1.0_wp), norm2(tangent)*norm2(nu))
       faces = cosine < facing
    end function faces
 end module lopin_mortar_cells_2d
