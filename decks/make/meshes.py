@@ -268,9 +268,10 @@ MESHES = {f.__name__: f for f in (cattaneo, hertz_sphere, hertz_sphere_3d, nafem
 
 def main(names: list[str]) -> None:
     """Write the meshes of these names, or all."""
-    from friction_meshes import MESHES as of_friction   # which takes its tools from here
+    from bulk_meshes import MESHES as of_bulk   # both take their tools from here
+    from friction_meshes import MESHES as of_friction
 
-    meshes = MESHES | of_friction
+    meshes = MESHES | of_friction | of_bulk
     for name in names or meshes:
         text = f"** Written by decks/make/meshes.py\n{meshes[name]().text()}"
         (FOLDER/f"{name}.mesh").write_text(text, encoding="ascii")

@@ -12,7 +12,7 @@ from drawing import (DOTS, EXACT, INK, MAP, PICTURES, SIGNED, coloured, curve, d
                      plt, save, skin, solved, tools)
 from lopin.closed_form import (contact_modulus, flat_punch_axisymmetric_pressure, hertz_line,
                                hertz_point, hertz_point_approach, lifted_beam as lifted_beam_exact,
-                               nested_rings)
+                               nested_rings, ring_bore, wire_drawing as wire_drawing_bounds)
 
 
 def bar_gap() -> None:
@@ -518,12 +518,67 @@ def upset_tetra() -> None:
     save(fig, "upset_tetra")
 
 
+def upsetting() -> None:
+    """The billet before its last third and at the end, and the force beside CalculiX."""
+    result = solved("upsetting")
+    fig, (left, ax) = figure(8.6, 3.6, 2)
+    drawn = deformed(left, result, result["PEEQ"], scale=1.0)
+    tools(left, result, scale=1.0)
+    left.set(xlabel="r [mm]", ylabel="z [mm]", xlim=(0.0, 20.0), ylim=(0.0, 9.0))
+    coloured(fig, drawn, left, "plastic strain [-]")
+    share = -result.history["PLATE.u2"]/0.15
+    ax.plot(share, -result.history["PLATE.rf2"]/1e3, color=DOTS, label="Lopin, 12 x 18")
+    ax.plot([20.0, 30.0, 40.0, 60.0], [306.0, 368.0, 456.0, 815.3], "o", ms=5, color=EXACT,
+            label="CalculiX 2.20, 48 x 72")
+    ax.set(xlabel="reduction of height [%]", ylabel="force [kN]", xlim=(0.0, 61.0), ylim=(0.0, None))
+    ax.legend(frameon=False)
+    save(fig, "upsetting")
+
+
+def ring_compression() -> None:
+    """The ring at half its height, and its bore beside the upper bound."""
+    result = solved("ring_compression")
+    fig, (left, ax) = figure(8.6, 3.6, 2)
+    drawn = deformed(left, result, result["PEEQ"], scale=1.0)
+    tools(left, result, scale=1.0)
+    left.set(xlabel="r [mm]", ylabel="z [mm]", xlim=(6.0, 22.0), ylim=(0.0, 4.0))
+    coloured(fig, drawn, left, "plastic strain [-]")
+    bore = [result.at(k)["displacement"][0, 0]/0.075 for k in range(len(result.times))]
+    percent = np.arange(0.0, 51.0, 5.0)
+    ax.plot(percent, [100.0*ring_bore(0.1, p/100.0, steps=400) if p else 0.0 for p in percent], color=EXACT,
+            lw=2.5, label="upper bound, straight walls")
+    reduced = np.interp(result.times, result.history["time"], -result.history["PLATE.u2"]/0.05)
+    ax.plot(reduced, bore, "o", ms=3, color=DOTS, label="Lopin, mid-height, m = 0.1")
+    ax.set(xlabel="reduction of height [%]", ylabel="change of the bore [%]", xlim=(0.0, 51.0))
+    ax.legend(frameon=False)
+    save(fig, "ring_compression")
+
+
+def wire_drawing() -> None:
+    """The wire in its die, and the drawing stress between its bounds."""
+    result = solved("wire_drawing")
+    fig, (left, ax) = figure(8.6, 3.6, 2)
+    drawn = deformed(left, result, result["PEEQ"], scale=1.0)
+    tools(left, result, scale=1.0)
+    left.set(xlabel="r [mm]", ylabel="z [mm]", xlim=(0.0, 8.0), ylim=(-9.0, 13.0))
+    coloured(fig, drawn, left, "plastic strain [-]")
+    bounds = wire_drawing_bounds(10.0, 9.0, 8.0)
+    stress = -result.history["DIE.rf2"]/(np.pi*4.5**2*200.0)
+    ax.axhspan(bounds.ideal, bounds.bound, color=EXACT, alpha=0.25, lw=0,
+               label="homogeneous to upper bound (Avitzur)")
+    drawn_by = np.interp(result.history["time"], [0.0, 1.0, 2.0, 3.0], [0.0, 4.0, 6.0, 8.0])
+    ax.plot(drawn_by, stress, color=DOTS, label="Lopin")
+    ax.set(xlabel="drawn [mm]", ylabel="drawing stress over yield stress [-]", ylim=(0.0, 0.4))
+    ax.legend(frameon=False, loc="lower right")
+    save(fig, "wire_drawing")
+
+
 DRAWN = {f.__name__: f for f in (
     bar_gap, two_springs, cylinder_on_plane, flat_punch, hertz_sphere, hertz_sphere_3d, lifted_beam,
     nafems_cylinder, cattaneo, capstan, ball_of_facets, rough_punch, nafems_punch, patch_test,
     two_blocks_mortar, signorini, strip_bending, glued_beam, shrink_fit, no_separation,
     ball_on_ball, beam_on_roller, crushed_ring, ironing, rotating_rings,
-    folded_strip, beam_over_corner, sliding_ball, closed_die, upset_tetra)}
+    folded_strip, beam_over_corner, upsetting, ring_compression, wire_drawing, sliding_ball, closed_die, upset_tetra)}
 
 
 def main(names: list[str]) -> None:

@@ -22,6 +22,7 @@ GROUPS = {
     "Far sliding and large strain": ("rotating_rings", "ironing", "crushed_ring",
                                      "folded_strip", "beam_over_corner", "sliding_ball"),
     "Metal forming": ("upset_tetra",),
+    "Bulk forming": ("upsetting", "ring_compression", "wire_drawing"),
     "Meshes that do not match": ("patch_test", "two_blocks_mortar"),
 }
 HEAD = """# Decks
