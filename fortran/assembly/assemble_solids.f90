@@ -9,7 +9,8 @@ module lopin_assemble_solids
    use lopin_error, only : error_type, error_code, raise
    use lopin_mesh, only : mesh_type
    use lopin_csc, only : csc_type, storage
-   use lopin_element_type, only : element_type, element_kind, new_element_type
+   use lopin_element_type, only : element_type, element_kind, element_formulation, &
+      & new_element_type
    use lopin_elastic, only : hooke_matrix, plane_stress_matrix
    use lopin_flow_curve, only : flow_type
    use lopin_finite_elastic, only : finite_law_type, hencky_law, green_law, neo_hooke_law, &
@@ -49,7 +50,8 @@ module lopin_assemble_solids
       real(wp) :: expansion = 0.0_wp         !! [1/temperature]
    end type group_type
 
-   !> Poisson's ratio above which elements that lock in volume are averaged over patches.
+   !> Poisson's ratio above which elements that lock in volume are averaged over patches, or have
+   !> their change of volume projected.
    real(wp), parameter, public :: keeps_volume = 0.4_wp
 
    !> Tables of a mesh; disposable, and the same for every increment of small strains.
@@ -201,7 +203,10 @@ contains
       new%law%remembers = new%law%flows .or. section%heated
       new%expansion = section%expansion
       new%poisson = poisson
-      new%patched = new%element%patched .and. (poisson > keeps_volume .or. new%law%flows)
+      if (poisson > keeps_volume .or. new%law%flows) then
+         new%patched = new%element%patched
+         if (new%element%projectable) new%element%formulation = element_formulation%projected
+      end if
       allocate (new%d(new%element%nstress, new%element%nstress))
       if (new%element%kind == element_kind%plane_stress) then
          call plane_stress_matrix(young, poisson, new%d)

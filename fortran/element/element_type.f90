@@ -18,9 +18,9 @@ module lopin_element_type
    type(kinds), parameter :: element_kind = kinds()
 
    !> bbar: mean dilatation; full: no change; reduced: quadratic with the points of the linear cell;
-   !> enhanced: internal modes, see module enhanced_modes.
+   !> enhanced: internal modes, see module enhanced_modes; projected: linear dilatation.
    type :: formulations
-      integer :: bbar = 1, full = 2, reduced = 3, enhanced = 4
+      integer :: bbar = 1, full = 2, reduced = 3, enhanced = 4, projected = 5
    end type formulations
    type(formulations), parameter :: element_formulation = formulations()
 
@@ -43,6 +43,7 @@ module lopin_element_type
       integer :: formulation = 0              !! one of element_formulation
       logical :: patched = .false.            !! shares its change of volume with its neighbours
                                               !! where the material keeps its volume
+      logical :: projectable = .false.        !! is `projected` where the material keeps its volume
       logical :: axisymmetric = .false.       !! also of the rigid RAX2
       integer :: ndim = 0                     !! displacement components of a node, 2 or 3
       integer :: nnode = 0
@@ -170,6 +171,8 @@ contains
       if (averaged) self%formulation = element_formulation%bbar
       self%patched = .not. (product .or. self%cell%quadratic) &
          & .and. self%kind /= element_kind%plane_stress
+      self%projectable = self%kind /= element_kind%plane_stress .and. .not. reduced &
+         & .and. (self%cell%name == 'quad8' .or. self%cell%name == 'hexahedron20')
       if (reduced) self%formulation = element_formulation%reduced
       if (index(letters, 'R') > 0 .and. .not. reduced) then
          self%note = name//' is integrated fully'

@@ -5,15 +5,17 @@
 !> Kirchhoff stress, gradients are taken in the deformed place.
 !>
 !> Mean dilatation (Q1P0; Nagtegaal 1974, Simo 1985): the deformation gradient of a point is scaled
-!> to the volume ratio of the element, v/V, and the energy is that of the scaled one. Force and
-!> tangent are its exact derivatives, so the tangent is symmetric; for vanishing displacements it is
-!> the B-bar element of small strain.
+!> to the volume ratio of the element, v/V, or to the linear part of the volume ratios of its points
+!> (module dilatation), and the energy is that of the scaled one. Force and tangent are its exact
+!> derivatives, so the tangent is symmetric; for vanishing displacements it is the B-bar element of
+!> small strain.
 !>
 !> Plane stress: the stretch through the thickness follows from the law at each point.
 module lopin_solid_finite
    use lopin_kinds, only : wp
    use lopin_vectors, only : cross
-   use lopin_element_type, only : element_type, element_kind, element_formulation
+   use lopin_element_type, only : element_type, element_kind
+   use lopin_dilatation, only : dilatation_count, dilatation_functions, projection
    use lopin_solid_small, only : gradients, fill_solid, fill_plane, add_product
    use lopin_solid_enhanced, only : enhanced_element, enhanced_deformation
    use lopin_finite_elastic, only : finite_law_type, finite_response, log_strain, &
@@ -32,6 +34,7 @@ module lopin_solid_finite
       real(wp) :: h(3, 3) = 0.0_wp          !! F - 1
       real(wp) :: change(3, 3) = 0.0_wp     !! b - 1, of the elastic part if no point flowed
       real(wp) :: own = 0.0_wp              !! J - 1
+      real(wp) :: volume = 0.0_wp           !! J - 1 that counts: own, or projected
       real(wp) :: weight = 0.0_wp           !! reference volume
       real(wp) :: radius = 0.0_wp           !! deformed; axisymmetric only [length]
    end type point_type
@@ -56,35 +59,32 @@ contains
       real(wp), intent(out), optional :: ke(element%ndof, element%ndof)   !! [force/length]
       type(point_type) :: point(element%ngauss)
       real(wp) :: g(element%ndim, element%nnode, element%ngauss)
-      real(wp) :: stress(element%nstress, element%ngauss), density, mean, volume
+      real(wp) :: phi(element%ngauss, dilatation_count(element))
+      real(wp) :: stress(element%nstress, element%ngauss), density
       real(wp) :: tangent(element%nstress, element%nstress, element%ngauss)
-      logical :: averaged
       integer :: k
 
       if (element%nmode > 0) then
          call enhanced_element(element, law, x, u, thickness, memory, dt, force, energy, bad, ke)
          return
       end if
-      call deform(element, law, x, u, thickness, memory, dt, point, g, bad)
+      call deform(element, law, x, u, thickness, memory, dt, point, g, phi, bad)
       if (bad > 0) return
-      averaged = element%formulation == element_formulation%bbar
-      if (averaged) mean = sum(point%weight*point%own)/sum(point%weight)
       energy = 0.0_wp
       do k = 1, element%ngauss
-         volume = point(k)%own
-         if (averaged) volume = mean
          if (present(ke)) then
             call finite_response(law, past_of(memory(:, k), element%nstress, dt), &
-               & point(k)%change, point(k)%own, volume, stress(:, k), density, tangent(:, :, k))
+               & point(k)%change, point(k)%own, point(k)%volume, stress(:, k), density, &
+               & tangent(:, :, k))
             if (element%kind == element_kind%plane_stress) call condense_thickness(tangent(:, :, k))
          else
             call finite_response(law, past_of(memory(:, k), element%nstress, dt), &
-               & point(k)%change, point(k)%own, volume, stress(:, k), density)
+               & point(k)%change, point(k)%own, point(k)%volume, stress(:, k), density)
          end if
          energy = energy + point(k)%weight*density
       end do
-      if (present(ke)) call tangent_of(element, averaged, point, g, stress, tangent, ke)
-      if (averaged) call share_pressure(element, point, stress)
+      if (present(ke)) call tangent_of(element, point, g, phi, stress, tangent, ke)
+      if (size(phi, 2) > 0) call share_pressure(point, phi, stress)
       call force_of(element, point, g, stress, force)
    end subroutine finite_element
 
@@ -101,22 +101,20 @@ contains
       real(wp), intent(out) :: strain(6, element%ngauss)     !! [-]
       integer, intent(out) :: bad                            !! Gauss point turned inside out, or 0
       type(point_type) :: point(element%ngauss)
-      real(wp) :: g(element%ndim, element%nnode, element%ngauss), energy, volume, mean
+      real(wp) :: g(element%ndim, element%nnode, element%ngauss), energy
+      real(wp) :: phi(element%ngauss, dilatation_count(element))
       integer :: k
 
       stress = 0.0_wp
       strain = 0.0_wp
-      call deform(element, law, x, u, thickness, memory, dt, point, g, bad)
+      call deform(element, law, x, u, thickness, memory, dt, point, g, phi, bad)
       if (bad > 0) return
-      mean = sum(point%weight*point%own)/sum(point%weight)
       do k = 1, element%ngauss
-         volume = point(k)%own
-         if (element%formulation == element_formulation%bbar) volume = mean
          call finite_response(law, past_of(memory(:, k), element%nstress, dt), point(k)%change, &
-            & point(k)%own, volume, stress(:element%nstress, k), energy)
-         stress(:, k) = stress(:, k)/(1.0_wp + volume)
+            & point(k)%own, point(k)%volume, stress(:element%nstress, k), energy)
+         stress(:, k) = stress(:, k)/(1.0_wp + point(k)%volume)
          associate (h => point(k)%h)
-            strain(:, k) = log_strain(h + transpose(h) + matmul(h, transpose(h)), volume)
+            strain(:, k) = log_strain(h + transpose(h) + matmul(h, transpose(h)), point(k)%volume)
          end associate
       end do
    end subroutine finite_stresses
@@ -139,6 +137,7 @@ contains
       type(return_type) :: back
       real(wp) :: g(element%ndim, element%nnode, element%ngauss), taken(3, 3), inverse(3, 3), density
       real(wp) :: enhanced(3, 3, element%ngauss), alpha(element%nmode)
+      real(wp) :: phi(element%ngauss, dilatation_count(element))
       integer :: k, m
 
       work = 0.0_wp
@@ -147,7 +146,7 @@ contains
          call enhanced_deformation(element, law, x, u, thickness, memory, dt, enhanced, alpha, bad)
          if (bad > 0) return
       end if
-      call deform(element, law, x, u, thickness, memory, dt, point, g, bad)
+      call deform(element, law, x, u, thickness, memory, dt, point, g, phi, bad)
       if (bad > 0) return
       if (element%nmode > 0) call put_amplitudes(memory, element%nstress, alpha)
       held = sum(point%weight*(1.0_wp + point%own))
@@ -183,12 +182,13 @@ contains
    end function inverse_of
 
    !> Gradients of the shape functions in the deformed place and the deformation of every point.
-   pure subroutine deform(element, law, x, u, thickness, memory, dt, point, g, bad)
+   pure subroutine deform(element, law, x, u, thickness, memory, dt, point, g, phi, bad)
       type(element_type), intent(in) :: element
       type(finite_law_type), intent(in) :: law
       real(wp), intent(in) :: x(:, :), u(:, :), thickness, memory(:, :), dt
       type(point_type), intent(out) :: point(element%ngauss)
       real(wp), intent(out) :: g(element%ndim, element%nnode, element%ngauss)
+      real(wp), intent(out) :: phi(element%ngauss, dilatation_count(element))
       integer, intent(out) :: bad
       real(wp) :: h(3, 3), determinant, radius, enhanced(3, 3, element%ngauss)
       real(wp) :: alpha(element%nmode)
@@ -232,6 +232,11 @@ contains
          point(k)%h = h
       end do
       bad = 0
+      point%volume = point%own
+      if (size(phi, 2) == 0) return
+      call dilatation_functions(element, x, point%weight, phi)
+      point%volume = projection(phi, point%weight*point%own)
+      bad = findloc(1.0_wp + point%volume > 0.0_wp, .false., dim=1)
    end subroutine deform
 
    !> g <- F**-T g with F = 1 + h, regular.
@@ -250,30 +255,32 @@ contains
       end do
    end subroutine push_forward
 
-   !> Mean dilatation: the pressures of the points act on the volume of the element as one. The
-   !> Kirchhoff stress that does the same work.
-   pure subroutine share_pressure(element, point, stress)
-      type(element_type), intent(in) :: element
-      type(point_type), intent(in) :: point(element%ngauss)
-      real(wp), intent(inout) :: stress(element%nstress, element%ngauss)
-      real(wp) :: own, mean
+   !> The pressures of the points act on the projected volume ratio. The Kirchhoff stress that does
+   !> the same work.
+   pure subroutine share_pressure(point, phi, stress)
+      type(point_type), intent(in) :: point(:)
+      real(wp), intent(in) :: phi(:, :)
+      real(wp), intent(inout) :: stress(:, :)
+      real(wp) :: own, shared(size(point))
       integer :: k
 
-      mean = mean_pressure(element, point, stress)
-      do k = 1, element%ngauss
+      shared = shared_pressure(point, phi, stress)
+      do k = 1, size(point)
          own = (stress(1, k) + stress(2, k) + stress(3, k))/3.0_wp
-         stress(:3, k) = stress(:3, k) - own + mean*(1.0_wp + point(k)%own)
+         stress(:3, k) = stress(:3, k) - own + shared(k)*(1.0_wp + point(k)%own)
       end do
    end subroutine share_pressure
 
-   !> Integral of the Kirchhoff pressure (tension positive) per deformed volume.
-   pure real(wp) function mean_pressure(element, point, stress) result(mean)
-      type(element_type), intent(in) :: element
-      type(point_type), intent(in) :: point(element%ngauss)
-      real(wp), intent(in) :: stress(element%nstress, element%ngauss)
-      mean = dot_product(point%weight, stress(1, :) + stress(2, :) + stress(3, :)) &
-         & /(3.0_wp*sum(point%weight*(1.0_wp + point%own)))
-   end function mean_pressure
+   !> Projection of the Kirchhoff pressure (tension positive) per volume ratio that counts.
+   pure function shared_pressure(point, phi, stress) result(shared)
+      type(point_type), intent(in) :: point(:)
+      real(wp), intent(in) :: phi(:, :)        !! (ngauss, dilatation_count)
+      real(wp), intent(in) :: stress(:, :)     !! (nstress, ngauss)
+      real(wp) :: shared(size(point))
+
+      shared = (stress(1, :) + stress(2, :) + stress(3, :))/(3.0_wp*(1.0_wp + point%volume))
+      shared = projection(phi, point%weight*shared)
+   end function shared_pressure
 
    pure subroutine force_of(element, point, g, stress, force)
       type(element_type), intent(in) :: element
@@ -314,34 +321,41 @@ contains
    end function tensor
 
    !> The second derivative of the energy.
-   pure subroutine tangent_of(element, averaged, point, g, stress, tangent, ke)
+   pure subroutine tangent_of(element, point, g, phi, stress, tangent, ke)
       type(element_type), intent(in) :: element
-      logical, intent(in) :: averaged
       type(point_type), intent(in) :: point(element%ngauss)
       real(wp), intent(in) :: g(element%ndim, element%nnode, element%ngauss)
+      real(wp), intent(in) :: phi(:, :)                      !! (ngauss, dilatation_count)
       real(wp), intent(in) :: stress(element%nstress, element%ngauss)   !! Kirchhoff
       real(wp), intent(in) :: tangent(element%nstress, element%nstress, element%ngauss)
       real(wp), intent(out) :: ke(element%ndof, element%ndof)
       real(wp) :: b(element%ndof, element%nstress), c(element%nstress, element%nstress)
-      real(wp) :: coupling(element%nstress), swap, mean, corner
-      real(wp) :: theta(element%ndof), mixed(element%ndof)   ! slope of ln v; what couples with it
-      integer :: i, k
+      real(wp) :: coupling(element%nstress), shared(element%ngauss), swap, corner
+      real(wp) :: part(size(phi, 2)), corners(size(phi, 2), size(phi, 2))
+      ! Slopes of the amplitudes of phi in the volume ratio; what couples with them.
+      real(wp) :: theta(element%ndof, size(phi, 2)), mixed(element%ndof, size(phi, 2))
+      integer :: i, k, m
 
       ke = 0.0_wp
       theta = 0.0_wp
       mixed = 0.0_wp
-      corner = 0.0_wp
-      mean = 0.0_wp
-      if (averaged) mean = mean_pressure(element, point, stress)
+      corners = 0.0_wp
+      shared = 0.0_wp
+      if (size(phi, 2) > 0) shared = shared_pressure(point, phi, stress)
       do k = 1, element%ngauss
          call strain_rows(element, k, point(k), g(:, :, k), b)
-         if (averaged) then
-            call average_tangent(tangent(:, :, k), stress(:, k), mean, point(k), c, coupling, &
+         if (size(phi, 2) > 0) then
+            call average_tangent(tangent(:, :, k), stress(:, k), shared(k), point(k), c, coupling, &
                & corner)
-            mixed = mixed + matmul(b, coupling)
-            theta = theta + point(k)%weight*(1.0_wp + point(k)%own)*(b(:, 1) + b(:, 2) + b(:, 3))
+            part = phi(k, :)/(1.0_wp + point(k)%volume)
+            swap = point(k)%weight*(1.0_wp + point(k)%own)
+            do m = 1, size(phi, 2)
+               mixed(:, m) = mixed(:, m) + part(m)*matmul(b, coupling)
+               theta(:, m) = theta(:, m) + phi(k, m)*swap*(b(:, 1) + b(:, 2) + b(:, 3))
+               corners(:, m) = corners(:, m) + part*corner*part(m)
+            end do
             swap = point(k)%weight*((stress(1, k) + stress(2, k) + stress(3, k))/3.0_wp &
-               & - mean*(1.0_wp + point(k)%own))
+               & - shared(k)*(1.0_wp + point(k)%own))
          else
             c = point(k)%weight*tangent(:, :, k)
             swap = 0.0_wp
@@ -349,14 +363,12 @@ contains
          call add_product(element%ndof, element%nstress, b, c, ke)
          call add_geometric(element, k, point(k), g(:, :, k), stress(:, k), swap, ke)
       end do
-      if (averaged) then
-         swap = sum(point%weight*(1.0_wp + point%own))
-         theta = theta/swap
-         corner = corner - mean*swap
+      mixed = mixed + 0.5_wp*matmul(theta, corners)
+      do m = 1, size(phi, 2)
          do i = 1, element%ndof
-            ke(i:, i) = ke(i:, i) + theta(i:)*(mixed(i) + corner*theta(i)) + mixed(i:)*theta(i)
+            ke(i:, i) = ke(i:, i) + theta(i:, m)*mixed(i, m) + mixed(i:, m)*theta(i, m)
          end do
-      end if
+      end do
       do i = 2, element%ndof
          ke(:i - 1, i) = ke(i, :i - 1)
       end do
@@ -378,15 +390,15 @@ contains
       end if
    end subroutine strain_rows
 
-   !> Mean dilatation: the rate of the scaled deformation is the deviator of the rate plus a third
-   !> of the rate of ln v. Quadratic form of the energy in both: `c` on the strain rows, `coupling`
-   !> between them and ln v, `corner` on ln v, the change of the scaling included.
-   pure subroutine average_tangent(tangent, stress, mean, point, c, coupling, corner)
+   !> The rate of the scaled deformation is the deviator of the rate plus a third of the rate of
+   !> ln v, v the volume ratio that counts. Quadratic form of the energy in both: `c` on the strain
+   !> rows, `coupling` between them and ln v, `corner` on ln v, the change of the scaling included.
+   pure subroutine average_tangent(tangent, stress, shared, point, c, coupling, corner)
       real(wp), intent(in) :: tangent(:, :), stress(:)
-      real(wp), intent(in) :: mean             !! of mean_pressure
+      real(wp), intent(in) :: shared           !! of shared_pressure
       type(point_type), intent(in) :: point
       real(wp), intent(out) :: c(:, :), coupling(:)
-      real(wp), intent(inout) :: corner        !! summed over the points
+      real(wp), intent(out) :: corner
       real(wp) :: row(size(stress)), total, trace
       integer :: i
 
@@ -398,12 +410,12 @@ contains
          c(:, i) = c(:, i) - row/3.0_wp - 2.0_wp/3.0_wp*stress
          c(i, :) = c(i, :) - row/3.0_wp - 2.0_wp/3.0_wp*stress
       end do
-      c(:3, :3) = c(:3, :3) + total/9.0_wp + 2.0_wp/9.0_wp*trace + mean*(1.0_wp + point%own)
+      c(:3, :3) = c(:3, :3) + total/9.0_wp + 2.0_wp/9.0_wp*trace + shared*(1.0_wp + point%own)
       c = point%weight*c
       coupling = row/3.0_wp + 2.0_wp/3.0_wp*stress
       coupling(:3) = coupling(:3) - total/9.0_wp - 2.0_wp/9.0_wp*trace
       coupling = point%weight*coupling
-      corner = corner + point%weight*(total + 2.0_wp*trace)/9.0_wp
+      corner = point%weight*((total + 2.0_wp*trace)/9.0_wp - trace/3.0_wp)
    end subroutine average_tangent
 
    !> Lower triangle: stress times the second variation of the place, and `swap` times the trace of

@@ -8,7 +8,8 @@
 module lopin_solid_small
    use lopin_kinds, only : wp
    use lopin_vectors, only : cross
-   use lopin_element_type, only : element_type, element_kind, element_formulation
+   use lopin_element_type, only : element_type, element_kind
+   use lopin_dilatation, only : dilatation_count, dilatation_functions
    use lopin_enhanced_modes, only : modes_type, internal_modes, solve_small
    use lopin_facets, only : facet_rule_type, facet_point
    implicit none
@@ -22,10 +23,10 @@ contains
 
    !> B at every Gauss point, mean dilatation included, and the volume of each point.
    !>
-   !> B-bar (Hughes 1980): the dilatation of a point is replaced by its mean over the element, so
-   !> that nearly incompressible material locks no more. The internal modes of an enhanced element
-   !> follow the nodes, if `d` says the material. Where `smallest` <= 0 the element is folded and
-   !> nothing else is defined.
+   !> B-bar (Hughes 1980): the dilatation of a point is replaced by its mean over the element, or
+   !> its linear part, so that nearly incompressible material locks no more. The internal modes of
+   !> an enhanced element follow the nodes, if `d` says the material. Where `smallest` <= 0 the
+   !> element is folded and nothing else is defined.
    pure subroutine strain_matrices(element, x, thickness, b, volume, smallest, point, d)
       type(element_type), intent(in) :: element
       real(wp), intent(in) :: x(:, :)          !! (ndim, nnode) coordinates [length]
@@ -68,8 +69,7 @@ contains
          end if
       end do
       if (smallest <= 0.0_wp) return
-      if (element%formulation == element_formulation%bbar) &
-         & call average_dilatation(element, volume, b)
+      if (dilatation_count(element) > 0) call average_dilatation(element, x, volume, b)
       if (element%nmode == 0 .or. .not. present(d)) return
       call mode_strains(element, x, own)
       call follow_nodes(element, own, spread(d, 3, element%ngauss), volume, b)
@@ -192,20 +192,24 @@ contains
       b(2::2, 4) = g(1, :)
    end subroutine fill_plane
 
-   pure subroutine average_dilatation(element, volume, b)
+   pure subroutine average_dilatation(element, x, volume, b)
       type(element_type), intent(in) :: element
-      real(wp), intent(in) :: volume(element%ngauss)
+      real(wp), intent(in) :: x(:, :), volume(element%ngauss)
       real(wp), intent(inout) :: b(element%ndof, element%nstress, element%ngauss)
-      real(wp) :: mean(element%ndof), change(element%ndof)
-      integer :: k, s
+      real(wp) :: phi(element%ngauss, dilatation_count(element))
+      real(wp) :: part(element%ndof, dilatation_count(element)), change(element%ndof)
+      integer :: k, m, s
 
-      mean = 0.0_wp
+      call dilatation_functions(element, x, volume, phi)
+      part = 0.0_wp
       do k = 1, element%ngauss
-         mean = mean + volume(k)*(b(:, 1, k) + b(:, 2, k) + b(:, 3, k))
+         change = volume(k)*(b(:, 1, k) + b(:, 2, k) + b(:, 3, k))
+         do m = 1, size(phi, 2)
+            part(:, m) = part(:, m) + phi(k, m)*change
+         end do
       end do
-      mean = mean/sum(volume)
       do k = 1, element%ngauss
-         change = (mean - b(:, 1, k) - b(:, 2, k) - b(:, 3, k))/3.0_wp
+         change = (matmul(part, phi(k, :)) - b(:, 1, k) - b(:, 2, k) - b(:, 3, k))/3.0_wp
          do s = 1, 3
             b(:, s, k) = b(:, s, k) + change
          end do

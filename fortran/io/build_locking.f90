@@ -61,6 +61,7 @@ contains
       associate (material => model%material(model%section(section)%material), &
          & at => model%section(section)%at)
          if (model%section(section)%formulation == 'FULL') then
+            if (.not. locks_alone(word)) return
             call model%log%say(severity%warning, 'W0211', to_text(number)//' '//trim(word%word)// &
                & ' with FORMULATION=FULL and material `'//material%name//'`, which keeps its '// &
                & 'volume, will lock: too stiff, with pressures that oscillate', at, &
@@ -69,7 +70,18 @@ contains
             call model%log%say(severity%note, 'N0211', to_text(number)//' '//trim(word%word)// &
                & ' of material `'//material%name//'`, which keeps its volume, share their '// &
                & 'change of volume in patches of neighbours', at)
+         else if (word%projectable) then
+            call model%log%say(severity%note, 'N0212', to_text(number)//' '//trim(word%word)// &
+               & ' of material `'//material%name//'`, which keeps its volume, change it '// &
+               & 'linearly over each element', at)
          end if
       end associate
    end subroutine judge_word
+
+   !> Fully integrated, with a change of volume at each point.
+   pure logical function locks_alone(word)
+      type(element_type), intent(in) :: word
+      locks_alone = .not. word%cell%quadratic .or. word%cell%name == 'quad8' &
+         & .or. word%cell%name == 'hexahedron20'
+   end function locks_alone
 end module lopin_build_locking

@@ -63,6 +63,11 @@ contains
          & 'neighbours have one change of volume in common; stresses are still those of each '// &
          & 'element.', &
          & 'nothing; *SECTION CONTROLS, FORMULATION=FULL leaves every element alone, and locks.')
+      call add_explanation(list, 'N0212', 'quadratic elements with a linear change of volume', &
+         & 'A fully integrated quadratic quad or brick that has to keep its volume at each of its '// &
+         & 'points is too stiff. Where Poisson''s ratio is above 0.4, or the material flows, its '// &
+         & 'change of volume is projected onto the linear functions of the coordinates.', &
+         & 'nothing; *SECTION CONTROLS, FORMULATION=FULL leaves every point alone, and locks.')
       call add_explanation(list, 'N0206', 'an element word stands for another formulation', &
          & 'The letters of the word (R, I, H, M) ask for a formulation that Lopin does not '// &
          & 'have; the message says which one is used.', '')

@@ -1,6 +1,7 @@
 program test_solid_finite
    use lopin_kinds, only : wp
-   use lopin_element_type, only : element_type, element_words, element_kind, new_element_type
+   use lopin_element_type, only : element_type, element_words, element_kind, &
+      & element_formulation, new_element_type
    use lopin_elastic, only : hooke_matrix, plane_stress_matrix
    use lopin_solid_small, only : stiffness
    use lopin_finite_elastic, only : finite_law_type, hencky_law, green_law, neo_hooke_law
@@ -10,7 +11,8 @@ program test_solid_finite
    implicit none
    real(wp), parameter :: young = 210.0_wp, poisson = 0.3_wp, thickness = 0.7_wp
    real(wp), parameter :: shear = young/2.6_wp, bulk = young/1.2_wp
-   character(len=4), parameter :: wishes(2) = [character(len=4) :: '', 'FULL']
+   ! KEPT: as of a material that keeps its volume.
+   character(len=4), parameter :: wishes(3) = [character(len=4) :: '', 'FULL', 'KEPT']
    type(element_type) :: element
    type(finite_law_type) :: law, laws(3)
    real(wp) :: memory(0, 64)
@@ -22,6 +24,11 @@ program test_solid_finite
    do i = 1, size(element_words)
       do j = 1, size(wishes)
          call new_element_type(element, trim(element_words(i)), wishes(j), found)
+         if (j == 3) then
+            call new_element_type(element, trim(element_words(i)), '', found)
+            if (.not. element%projectable) cycle
+            element%formulation = element_formulation%projected
+         end if
          if (element%kind == element_kind%rigid) cycle
          do l = 1, size(laws)
             law = laws(l)

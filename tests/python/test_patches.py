@@ -57,14 +57,18 @@ def test_words_with_i_converge_to_the_same_force(tmp_path):
     ("CPE4", 0.499, False, ", CONTROLS=PLAIN", "warning[W0211]"),
     ("CPE4", 0.3, True, ", CONTROLS=PLAIN", "warning[W0211]"),
     ("CPE3", 0.499, False, "", "note[N0211]"), ("CPE3", 0.3, False, "", ""),
-    ("CPE4", 0.499, False, "", "")])
+    ("CPE4", 0.499, False, "", ""), ("CPE8", 0.499, False, "", "note[N0212]"),
+    ("CPE8", 0.3, True, "", "note[N0212]"), ("CPE8", 0.3, False, "", ""),
+    ("CPE8R", 0.499, False, "", ""), ("CPE8R", 0.499, False, ", CONTROLS=PLAIN", "warning[W0211]"),
+    ("CPE6", 0.499, False, ", CONTROLS=PLAIN", "")])
 def test_elements_that_lock_are_named(executable, tmp_path, word, poisson, flow, controls, code):
     mesh = mesh_make.block((1.0, 1.0), (2, 2))
-    mesh = mesh_make.simplices(mesh) if word == "CPE3" else mesh
+    mesh = mesh_make.simplices(mesh) if word in ("CPE3", "CPE6") else mesh
+    mesh = mesh.quadratic() if word in ("CPE8", "CPE8R", "CPE6") else mesh
     text = deck(mesh, word, -0.01, flow=flow, poisson=poisson, controls=controls)
     (tmp_path / "locks.inp").write_text(
         "*SECTION CONTROLS, NAME=PLAIN, FORMULATION=FULL\n" + text)
     run = subprocess.run([executable, "check", "locks.inp"], capture_output=True, text=True,
                          timeout=20, cwd=tmp_path)
     assert run.returncode == 0, run.stderr
-    assert code in run.stderr if code else "0211]" not in run.stderr
+    assert code in run.stderr if code else "021" not in run.stderr
