@@ -53,6 +53,13 @@ def test_words_with_i_converge_to_the_same_force(tmp_path):
     assert force(tmp_path, quads, "CPE4I", -0.2) == pytest.approx(-793.0, rel=0.03)
 
 
+@pytest.mark.parametrize("cells, tolerance", [(2, 0.06), (3, 0.015)])
+def test_quadratic_quads_upset_as_linear_ones_do(tmp_path, cells, tolerance):
+    # 24 x 24 CPE4: 793.2; with FORMULATION=FULL 1402 (2 x 2) and 1082 (3 x 3)
+    quads = mesh_make.block((1.0, 1.0), (cells, cells), quadratic=True)
+    assert force(tmp_path, quads, "CPE8", -0.2) == pytest.approx(-793.0, rel=tolerance)
+
+
 @pytest.mark.parametrize("word, poisson, flow, controls, code", [
     ("CPE4", 0.499, False, ", CONTROLS=PLAIN", "warning[W0211]"),
     ("CPE4", 0.3, True, ", CONTROLS=PLAIN", "warning[W0211]"),
