@@ -3,6 +3,9 @@
 Flow curves are read as Kirchhoff stress = Y + H eps_p, stress by the volume at the start. Numbers for mu = 0.1 are
 CalculiX 2.20 on a mesh twice refined; those of rings by Tresca are an upper bound with straight walls.
 """
+import sys
+from pathlib import Path
+
 import numpy as np
 import pytest
 
@@ -52,6 +55,26 @@ def test_a_billet_with_friction_rolls_its_side_onto_the_plate(cells, sheet):
     side = result.contact(0).last
     assert np.count_nonzero((side.x[:, 1] < 14.999) & (side.pressure > 0.0)) >= 1
     assert -side.gap.min() < 1e-3*10.0/cells[0]
+
+
+@pytest.mark.parametrize("cells, quadratic", [((12, 18), False), ((6, 9), True)])
+def test_a_mortar_slave_with_a_sharp_corner_rolls_onto_a_meshed_plate(cells, quadratic):
+    sys.path.insert(0, str(Path(__file__).resolve().parents[1]/"benchmarks"))
+    from forming_decks import deck
+
+    def run(contact):
+        text = deck(scenes.billet(*cells, quadratic=quadratic), scenes.E1, 0.1, 0.6, ("TOP", "RIGHT"), (0.0, 24.0),
+                    contact, quadratic, increments=40)
+        return lopin.run(lopin.Deck.parse(text, "billet", "."))
+
+    mortar, nodes = run("SURFACE TO SURFACE"), run("NODE TO SURFACE")
+    # The side does not look at the plate: its rim is not within it at the start.
+    assert not [said for said in mortar.diagnostics if said["code"] == "W0311"]
+    assert mortar.times[-1] == pytest.approx(1.0)
+    pushed = [np.interp(0.6, r.history["time"], np.abs(r.history["BODY.SKIN-PLATE.FACE.force2"])) for r in (mortar, nodes)]
+    assert pushed[0] == pytest.approx(pushed[1], rel=0.01)
+    rim = mortar.contact(0).last
+    assert np.count_nonzero((rim.x[:, 1] < 14.999) & (rim.pressure > 0.0)) >= 1
 
 
 def ring_bores(friction, reductions, quadratic=False, law=scenes.RIGID_PLASTIC, static="0.01, 1., 1e-6, 0.02"):
