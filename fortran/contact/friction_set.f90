@@ -25,7 +25,9 @@ module lopin_friction_set
    private
    public :: solve_friction, friction_result_type, friction_controls_type
 
-   integer, parameter :: most_iterations = 40, memory = 4, remembered = 32
+   !> The edge of contact under a slender body moves by one point a step, and the residual falls only
+   !> once it arrives: steps allowed grow with the points.
+   integer, parameter :: least_iterations = 40, memory = 4, remembered = 32
    integer, parameter :: most_bounds = 100, most_parts = 60
    real(wp), parameter :: least_part = 1.0e-4_wp
    !> Residuals below this share of the largest force: reached, no longer falling, and repeating in
@@ -279,11 +281,14 @@ contains
       type(friction_result_type), intent(inout) :: friction
       logical, intent(out) :: solved
       type(trial_type) :: next
-      real(wp) :: norm, before, history(memory), norms(most_iterations + 1), norm_at(remembered)
+      real(wp), allocatable :: norms(:)
+      real(wp) :: norm, before, history(memory), norm_at(remembered)
       integer(int64) :: seen(remembered), hash
-      integer :: pass, place, before_status(points%n)
+      integer :: pass, most, place, before_status(points%n)
 
       solved = .false.
+      most = least_iterations + points%n
+      allocate (norms(most + 1))
       seen = 0_int64
       history = -1.0_wp
       call form_equations(work%equations, self, points, x%force, x%gap)
@@ -292,7 +297,7 @@ contains
       norms(1) = norm
       before = huge(1.0_wp)
       before_status = work%equations%status
-      do pass = 1, most_iterations
+      do pass = 1, most
          if (.not. work%predict) then
             solved = fits(self, points, work, x, exact)
             if (.not. solved .and. norm > 0.1_wp*before) &
@@ -336,7 +341,7 @@ contains
          norm_at(1 + mod(pass, remembered)) = norm
       end do
       if (.not. (work%one_by_one .or. solved)) solved = fits(self, points, work, x, stalled)
-      friction%norms = norms(:min(pass, most_iterations + 1))
+      friction%norms = norms(:min(pass, most + 1))
       friction%changing = pack([(place, place=1, points%n)], work%equations%status /= before_status)
    end subroutine newton
 
