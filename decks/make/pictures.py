@@ -484,6 +484,52 @@ def sliding_ball() -> None:
     save(fig, "sliding_ball")
 
 
+def cup() -> None:
+    """The cup at a third of the stroke, at its end and after release; the force of the punch."""
+    result = solved("cup")
+    stroke = -result.history["PUNCH.u2"]
+    last = len(result.times) - 1
+    end = max(k for k, t in enumerate(result.times) if t <= 2.0 + 1e-9)
+    fig, axes = figure(9.6, 3.4, 4)
+    third = min(range(end + 1), key=lambda k: abs(result.times[k] - 4.0/3.0))
+    for ax, k, title in zip(axes, (third, end, last), ("20 mm", "60 mm", "released")):
+        drawn = deformed(ax, result, result.at(k)["PEEQ"], scale=1.0, index=k, limits=(0.0, 0.8),
+                         grid=0.1)
+        if k != last:
+            tools(ax, result, scale=1.0, index=k)
+        ax.set(xlim=(0.0, 105.0), ylim=(-66.0, 25.0), xlabel="r [mm]")
+        ax.set_title(title, fontsize=9)
+    axes[0].set_ylabel("z [mm]")
+    coloured(fig, drawn, list(axes[:3]), "plastic strain", orientation="horizontal")
+    drawing = result.history["time"] <= 2.0 + 1e-9
+    axes[3].plot(stroke[drawing], -result.history["PUNCH.rf2"][drawing]/1e3, color=DOTS)
+    axes[3].set(xlabel="stroke [mm]", ylabel="force [kN]", ylim=(0.0, None))
+    save(fig, "cup")
+
+
+def v_bending() -> None:
+    """The strip at the end of the stroke and after release; the force of the punch."""
+    result = solved("v_bending")
+    last = len(result.times) - 1
+    end = max(k for k, t in enumerate(result.times) if t <= 1.0 + 1e-9)
+    fig, axes = figure(9.0, 3.4, 3)
+    for ax, k, title in zip(axes, (end, last), ("14 mm", "released")):
+        drawn = deformed(ax, result, result.at(k)["PEEQ"], scale=1.0, index=k, limits=(0.0, 0.2),
+                         grid=0.1)
+        tools(ax, result, scale=1.0, index=k)
+        ax.set(xlim=(0.0, 44.0), ylim=(-16.0, 18.0), xlabel="x [mm]")
+        ax.set_title(title, fontsize=9)
+    axes[0].set_ylabel("y [mm]")
+    coloured(fig, drawn, list(axes[:2]), "plastic strain", orientation="horizontal")
+    bending = result.history["time"] <= 1.0 + 1e-9
+    axes[2].plot(-result.history["PUNCH.u2"][bending], -2.0*result.history["PUNCH.rf2"][bending],
+                 color=DOTS)
+    axes[2].axhline(35.66, color=EXACT, lw=2.5, label="1.33 strength t²/W")
+    axes[2].set(xlabel="stroke [mm]", ylabel="force [N/mm]", ylim=(0.0, None))
+    axes[2].legend(frameon=False)
+    save(fig, "v_bending")
+
+
 def closed_die() -> None:
     """The billet between its dies three times, and the force of the press."""
     result = solved("closed_die")
@@ -578,7 +624,8 @@ DRAWN = {f.__name__: f for f in (
     nafems_cylinder, cattaneo, capstan, ball_of_facets, rough_punch, nafems_punch, patch_test,
     two_blocks_mortar, signorini, strip_bending, glued_beam, shrink_fit, no_separation,
     ball_on_ball, beam_on_roller, crushed_ring, ironing, rotating_rings,
-    folded_strip, beam_over_corner, upsetting, ring_compression, wire_drawing, sliding_ball, closed_die, upset_tetra)}
+    folded_strip, beam_over_corner, upsetting, ring_compression, wire_drawing, sliding_ball,
+    closed_die, upset_tetra, cup, v_bending)}
 
 
 def main(names: list[str]) -> None:

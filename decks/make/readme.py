@@ -23,6 +23,7 @@ GROUPS = {
                                      "folded_strip", "beam_over_corner", "sliding_ball"),
     "Metal forming": ("upset_tetra",),
     "Bulk forming": ("upsetting", "ring_compression", "wire_drawing"),
+    "Sheets": ("cup", "v_bending"),
     "Meshes that do not match": ("patch_test", "two_blocks_mortar"),
 }
 HEAD = """# Decks

@@ -17,6 +17,7 @@ module lopin_run_analysis
    use lopin_reach, only : choose_reach
    use lopin_bodies, only : describe_motion
    use lopin_path_finite, only : start_step
+   use lopin_release, only : held_type, remember_held, let_go
    use lopin_contact_friction, only : slides_with_friction
    use lopin_after_step, only : judge_step
    use lopin_judge_flow, only : judge_flow
@@ -118,6 +119,7 @@ contains
       class(keeper_type), intent(inout), optional :: keeper
       type(progress_type) :: progress
       type(march_type) :: march
+      type(held_type) :: held
       integer :: step, first
       logical :: same, resumes
 
@@ -144,6 +146,7 @@ contains
          scene%counter%back_solves = 0
          scene%counter%iterations = 0
          scene%counter%augmentations = 0
+         if (step > 1) call remember_held(held, scene)
          call set_supports(scene, model, step, same, error)
          if (allocated(error)) return
          if (.not. same) then
@@ -153,6 +156,9 @@ contains
             if (allocated(error)) return
          end if
          call start_march(march, scene, model, progress)
+         if (step > 1) call let_go(held, scene, model, progress%residual, march%loading%before, &
+            & progress%f_before, error)
+         if (allocated(error)) return
          call run_step(scene, model, plan, progress, march, recorders, summary, error, keeper)
          summary%step(step)%counter = scene%counter
          if (allocated(error)) return

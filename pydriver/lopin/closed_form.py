@@ -62,6 +62,13 @@ from .closed_punch import (
     punch_stick_uncoupled,
     punch_tractions,
 )
+from .closed_sheet import (
+    BentSheet,
+    air_bending_force,
+    bent_sheet,
+    considere_strength,
+    ideal_cup_force,
+)
 from .closed_signorini import PlaneField, signorini_singular, signorini_smooth
 from .closed_solids import (
     LiftedBeam,

@@ -1,0 +1,57 @@
+!> What a step lets go of - pairs that it takes away, supports that it frees - acts on as a force and
+!> fades over the step: a body that flowed springs back along a path, not in one leap.
+module lopin_release
+   use lopin_kinds, only : wp
+   use lopin_error, only : error_type
+   use lopin_model, only : model_type
+   use lopin_finite_contact, only : evaluate
+   use lopin_scene, only : scene_type
+   implicit none
+   private
+   public :: held_type, remember_held, let_go
+
+   !> What held the scene at the end of a step.
+   type :: held_type
+      integer, allocatable :: prescribed(:)    !! dofs
+      logical, allocatable :: pair_active(:)
+   end type held_type
+
+contains
+
+   subroutine remember_held(self, scene)
+      type(held_type), intent(out) :: self
+      type(scene_type), intent(in) :: scene
+
+      self%prescribed = scene%constraints%dof_of_prescribed
+      if (scene%finite%in_use) self%pair_active = scene%finite%contact%pair_active
+   end subroutine remember_held
+
+   !> Forces of what holds no more, added to those that the step starts from.
+   subroutine let_go(held, scene, model, residual, before, counted, error)
+      type(held_type), intent(in) :: held
+      type(scene_type), intent(inout) :: scene
+      type(model_type), intent(in) :: model
+      real(wp), intent(in) :: residual(:)      !! (ndof) of the supports [force]
+      real(wp), intent(inout) :: before(:)     !! (ndof) loads that the step starts from [force]
+      real(wp), intent(inout) :: counted(:)    !! (ndof) the same in the work, without supports
+      type(error_type), allocatable, intent(out) :: error
+      real(wp), allocatable :: pressed(:)
+      integer :: i
+
+      if (.not. (allocated(held%pair_active) .and. scene%finite%memory%in_use)) return
+      associate (contact => scene%finite%contact, now => scene%constraints%dof_of_prescribed)
+         do i = 1, size(held%prescribed)
+            associate (dof => held%prescribed(i))
+               if (.not. any(now == dof)) before(dof) = before(dof) + residual(dof)
+            end associate
+         end do
+         if (.not. any(held%pair_active .and. .not. contact%pair_active)) return
+         allocate (pressed, source=contact%force)
+         call evaluate(contact, model, scene%u, scene%finite%accepted_multiplier, .false., error)
+         if (allocated(error)) return
+         pressed = pressed - contact%force
+         before = before + pressed
+         counted = counted + pressed
+      end associate
+   end subroutine let_go
+end module lopin_release
