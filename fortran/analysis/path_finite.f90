@@ -212,8 +212,13 @@ contains
       type(model_type), intent(in) :: model
       type(look_type), intent(in) :: look
       type(error_type), allocatable, intent(out) :: error
+      character(len=:), allocatable :: besides
+
+      besides = ''
+      if (scene%solids%group(scene%solids%which(look%inverted))%element%nmode > 0) &
+         & besides = ', or its internal modes find no balance'
       call raise(error, error_code%not_converged, 'E0512', 'element '// &
-         & to_text(model%mesh%element_label(look%inverted))//' would turn inside out', &
+         & to_text(model%mesh%element_label(look%inverted))//' would turn inside out'//besides, &
          & model%step(scene%step)%at, help='smaller increments, or a mesh that bears the strain')
    end subroutine refuse_inverted
 

@@ -170,33 +170,64 @@ contains
       real(wp), intent(in) :: memory(:, :), dt
       real(wp), intent(out) :: alpha(element%nmode)
       integer, intent(out) :: bad
-      real(wp) :: step(element%nmode, 1), pivot(element%nmode, element%nmode), size_of
-      integer, parameter :: most = 60, patience = 20
-      integer :: sweep, turned
+      real(wp), dimension(element%nmode, 1) :: force, step
+      real(wp) :: pivot(element%nmode, element%nmode), size_of
+      integer, parameter :: most = 60
+      integer :: sweep
       logical :: regular
 
       alpha = amplitudes_of(memory, element%nstress, element%nmode)
-      step = -2.0_wp*spread(alpha, 2, 1)
       size_of = max(maxval(abs(motion%h(:, :, :element%ngauss))), strained(memory, element%nstress))
+      call balance(element, law, motion, memory, dt, alpha, force, pivot, bad)
+      if (bad > 0 .and. any(abs(alpha) > 0.0_wp)) then
+         alpha = 0.0_wp
+         call balance(element, law, motion, memory, dt, alpha, force, pivot, bad)
+      end if
       do sweep = 1, most
-         call balance(element, law, motion, memory, dt, alpha, step, pivot, turned)
-         bad = turned
-         if (turned > 0) then
-            if (.not. any(abs(step) > 0.0_wp)) return
-            step = 0.5_wp*step
-            alpha = alpha + step(:, 1)
-            cycle
-         end if
+         if (bad > 0) return
+         step = force
          call solve_small(pivot, step, regular)
          bad = 1
          if (.not. regular) return
-         if (sweep > patience) step = 0.5_wp*step
-         alpha = alpha - step(:, 1)
          bad = 0
-         if (maxval(abs(step)) <= 1.0e-8_wp*maxval(abs(alpha)) + 1.0e-14_wp*size_of) return
+         if (maxval(abs(step)) <= 1.0e-8_wp*maxval(abs(alpha - step(:, 1))) &
+            & + 1.0e-14_wp*size_of) then
+            alpha = alpha - step(:, 1)
+            return
+         end if
+         call advance(element, law, motion, memory, dt, step(:, 1), alpha, force, pivot, bad)
       end do
       bad = 1
    end subroutine relax
+
+   !> Go the Newton step, or as far of it as no point turns and the force along it does not reverse:
+   !> points that unload are stiffer than the tangent says.
+   pure subroutine advance(element, law, motion, memory, dt, step, alpha, force, pivot, turned)
+      type(element_type), intent(in) :: element
+      type(finite_law_type), intent(in) :: law
+      type(motion_type), intent(in) :: motion
+      real(wp), intent(in) :: memory(:, :), dt, step(:)
+      real(wp), intent(inout) :: alpha(:), force(:, :)
+      real(wp), intent(out) :: pivot(:, :)
+      integer, intent(out) :: turned
+      real(wp) :: share, along, ahead
+      integer, parameter :: most = 12
+      integer :: try
+
+      along = dot_product(force(:, 1), step)
+      share = 1.0_wp
+      do try = 1, most
+         call balance(element, law, motion, memory, dt, alpha - share*step, force, pivot, turned)
+         if (turned > 0) then
+            share = 0.5_wp*share
+            cycle
+         end if
+         ahead = dot_product(force(:, 1), step)
+         if (along <= 0.0_wp .or. ahead >= -0.5_wp*along) exit
+         if (try < most) share = share*max(0.1_wp, along/(along - ahead))
+      end do
+      alpha = alpha - share*step
+   end subroutine advance
 
    !> Size of the strains that a point remembers.
    pure real(wp) function strained(memory, nstress)

@@ -61,7 +61,8 @@ contains
          & 'drive the body by displacement until it touches, to spare these iterations.')
       call add_explanation(list, 'E0512', 'an element would turn inside out', &
          & 'The determinant of the deformation gradient is not positive at an integration '// &
-         & 'point of the named element, however short the step.', &
+         & 'point of the named element, however short the step. In elements with I the internal '// &
+         & 'modes may find no balance before that.', &
          & 'smaller increments, or a mesh that bears the strain.')
       call add_explanation(list, 'E0520', 'stick and slip cycle', &
          & 'The states of the points with friction change for ever between the same ones, with '// &

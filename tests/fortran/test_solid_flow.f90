@@ -68,13 +68,14 @@ contains
 
    !> Every point flows: strains of 0.2, the yield strain is 0.0014.
    function strained() result(u)
-      real(wp) :: u(element%ndim, element%nnode), h(3, 3), noise
+      real(wp) :: u(element%ndim, element%nnode), x(element%ndim, element%nnode), h(3, 3), noise
       integer :: a, m, seed
 
       seed = 23
       h = reshape([0.2_wp, 0.1_wp, -0.1_wp, -0.1_wp, -0.15_wp, 0.1_wp, 0.1_wp, 0.1_wp, 0.05_wp], &
          & [3, 3])
-      u = matmul(h(:element%ndim, :element%ndim), distorted())
+      x = distorted()
+      u = matmul(h(:element%ndim, :element%ndim), x)
       do a = 1, element%nnode
          do m = 1, element%ndim
             call random(seed, noise)

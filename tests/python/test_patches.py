@@ -60,6 +60,37 @@ def test_quadratic_quads_upset_as_linear_ones_do(tmp_path, cells, tolerance):
     assert force(tmp_path, quads, "CPE8", -0.2) == pytest.approx(-793.0, rel=tolerance)
 
 
+def bent(folder, word, size, cells, stroke):
+    """A cantilever whose tip goes sideways, plastic from the root: force, number of increments."""
+    mesh = mesh_make.block(size, cells)
+    x, last = mesh.points, mesh.ndim
+    text = deck(mesh, word, 0.0, increments=10).split("*NSET, NSET=BOTTOM")[0].splitlines()
+    for name, mask in (("ROOT", x[:, 0] < 1e-9), ("TIP", x[:, 0] > size[0] - 1e-9)):
+        text += [f"*NSET, NSET={name}", lines([i + 1] for i in map(int, np.flatnonzero(mask)))]
+    text += ["*MATERIAL, NAME=STEEL", "*ELASTIC", "210000., 0.3", "*PLASTIC", "300., 0.", "500., 1.",
+             "*SOLID SECTION, ELSET=ALL, MATERIAL=STEEL", "1.", "*BOUNDARY", f"ROOT, 1, {last}",
+             "*STEP, NLGEOM, INC=200", "*STATIC", "0.1, 1.", "*BOUNDARY",
+             f"TIP, {last}, {last}, {stroke}", "*NODE FILE", "U, RF", "*END STEP"]
+    (folder / "bent.inp").write_text("\n".join(text))
+    results = lopin.run(folder / "bent.inp")
+    return results.at(-1)["RF"][x[:, 0] > size[0] - 1e-9, last - 1].sum(), len(results.times)
+
+
+def test_one_layer_with_i_bends_as_four_do(tmp_path):
+    # One layer of CPE4I took 96 increments before its modes were searched along a line.
+    one, increments = bent(tmp_path, "CPE4I", (100.0, 1.0), (20, 1), -50.0)
+    four, _ = bent(tmp_path, "CPE4I", (100.0, 1.0), (40, 4), -50.0)
+    assert increments <= 24
+    assert one == pytest.approx(four, rel=0.05)
+
+
+def test_bricks_with_i_bend_plastically(tmp_path):
+    # 20 x 2 x 2 C3D8I: 6.0999
+    brick, increments = bent(tmp_path, "C3D8I", (20.0, 1.0, 1.0), (20, 1, 1), -4.0)
+    assert increments <= 24
+    assert brick == pytest.approx(-6.0999, rel=0.06)
+
+
 @pytest.mark.parametrize("word, poisson, flow, controls, code", [
     ("CPE4", 0.499, False, ", CONTROLS=PLAIN", "warning[W0211]"),
     ("CPE4", 0.3, True, ", CONTROLS=PLAIN", "warning[W0211]"),
