@@ -4,8 +4,8 @@ module lopin_finite_opposite
    use lopin_error, only : error_type
    use lopin_cells, only : cell_type, cell_family
    use lopin_element_type, only : cells_of_words
-   use lopin_facets, only : facets_type, facet_rule_type, new_facets, new_facet_rules, nodal_normals, &
-      & nodal_weights
+   use lopin_facets, only : facets_type, facet_rule_type, new_facets, new_facet_rules, &
+      & nodal_normals, nodal_weights
    use lopin_mortar_pairs, only : thickness_of
    use lopin_facet_basis, only : facet_basis_type, new_facet_basis
    use lopin_surface, only : surface_type, new_surface, update_surface

@@ -19,7 +19,7 @@ module lopin_finite_points
       integer :: n = 0
       integer, allocatable :: pair(:), node(:)
       integer, allocatable :: entry(:)         !! 1, or 2 for the second wall of a concave corner
-      real(wp), allocatable :: weight(:)       !! tributary area at the start of the increment [length^2]
+      real(wp), allocatable :: weight(:)       !! area at the start of the increment [length^2]
       real(wp), allocatable :: size(:)         !! of the slave's facets [length]
       real(wp), allocatable :: side(:, :)      !! (3, n) slave's outward normal; 0: unknown
       real(wp), allocatable :: shift(:)        !! added to gaps: ADJUST, CLEARANCE [length]

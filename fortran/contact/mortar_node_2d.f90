@@ -162,7 +162,7 @@ contains
       if (self%weight%v > 0.0_wp) self%gap = gap/self%weight
    end subroutine mortar_row
 
-   !> Mean of the unit normals of the facets of a piece at a place, as nodal_normals of lopin_facets.
+   !> Mean of the unit normals of the facets of a piece at a place.
    function nodal_normal(patch, x, place, piece, axisymmetric) result(normal)
       type(patch_type), intent(in) :: patch
       type(dual_type), intent(in) :: x(:, :)
