@@ -1,52 +1,9 @@
 """F17: how many increments an answer needs, and what is said where they are too few."""
 import numpy as np
 import pytest
+from upset_billet import billet
 
 import lopin
-from lopin import mesh_make
-from lopin.model import Model
-from lopin.model_deck import mesh_deck
-
-METAL = "*MATERIAL, NAME=STEEL\n*ELASTIC\n200000., 0.3\n*PLASTIC\n700., 0.\n1300., 2.\n"
-UPSET = """*SOLID SECTION, ELSET=ALL, MATERIAL=STEEL
-*NODE, NSET=DIE_REF
-900001, 0., 20.
-*SURFACE, NAME=DIE, TYPE=SEGMENTS
-START, 40., 15.
-LINE, -1., 15.
-*RIGID BODY, ANALYTICAL SURFACE=DIE, REF NODE=DIE_REF
-*SURFACE INTERACTION, NAME=OIL
-*SURFACE BEHAVIOR, DIRECT
-*FRICTION
-{mu},
-*CONTACT PAIR, INTERACTION=OIL
-SKIN, DIE
-*BOUNDARY
-LEFT, 1
-BOTTOM, 2
-DIE_REF, 1
-DIE_REF, 6
-*STEP, NLGEOM, INC=1000
-*STATIC{direct}
-{first!r}, 1.
-*BOUNDARY
-DIE_REF, 2, 2, {way!r}
-*END STEP
-"""
-
-
-def billet(increments: int, *, mu: float = 0.0, share: float = 0.3, cells=(4, 6), direct: bool = True) -> lopin.Deck:
-    """Half a billet of radius 10 and height 30, pressed by a share of it."""
-    mesh = mesh_make.block((10.0, 15.0), cells)
-    skin = np.concatenate([mesh.surfaces["TOP"], mesh.surfaces["RIGHT"]])
-    sets = {k: mesh.point_sets[k] for k in ("LEFT", "BOTTOM")}
-    mesh = mesh.replaced(surfaces={"SKIN": skin}, point_sets=sets)
-    head = mesh_deck(Model("mesh", mesh, kind="axisymmetric")).text()
-    rest = UPSET.format(mu=mu, first=1.0/increments, way=-15.0*share, direct=", DIRECT" if direct else "")
-    text = head + METAL + rest
-    if mu == 0.0:
-        text = text.replace("*FRICTION\n0.0,\n", "")
-    return lopin.Deck.parse(text, "billet")
 
 
 def force(*arguments, **options) -> float:
