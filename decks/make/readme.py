@@ -21,8 +21,7 @@ GROUPS = {
     "Friction": ("cattaneo", "rough_punch", "nafems_punch", "capstan"),
     "Far sliding and large strain": ("rotating_rings", "ironing", "crushed_ring",
                                      "folded_strip", "beam_over_corner", "sliding_ball"),
-    "Metal forming": ("upset_tetra",),
-    "Bulk forming": ("upsetting", "ring_compression", "wire_drawing"),
+    "Bulk forming": ("upsetting", "ring_compression", "wire_drawing", "closed_die", "upset_tetra"),
     "Sheets": ("cup", "v_bending"),
     "Meshes that do not match": ("patch_test", "two_blocks_mortar"),
 }
