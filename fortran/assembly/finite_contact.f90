@@ -63,7 +63,6 @@ module lopin_finite_contact
       logical, allocatable :: pair_active(:)   !! *MODEL CHANGE
       type(friction_type), allocatable :: friction(:)   !! (npair) in force
       real(wp), allocatable :: mises(:)        !! (n) of the last iteration [stress]
-      real(wp), allocatable :: stretch(:)      !! (n) of it: present area per area at the start [-]
       real(wp), allocatable :: speed(:)        !! (n) of slip, of the last iteration [length/time]
       ! inside
       real(wp) :: dt = 1.0_wp
@@ -119,7 +118,6 @@ contains
          & self%yields(n), source=.false.)
       allocate (self%pair_active(size(model%pair)), source=.true.)
       allocate (self%grip(n), self%anchor(n), self%opposite(n), self%trial(n), self%local(n))
-      allocate (self%stretch(n), source=1.0_wp)
       allocate (self%friction(size(model%pair)))
       allocate (self%mortar(size(model%pair)), self%mortar_anchor(n), self%patch(n))
       do pair = 1, size(model%pair)
@@ -189,8 +187,7 @@ contains
                & .and. model%interaction(model%pair(self%pair(i))%interaction)%no_separation
             self%bilateral(i) = g%bilateral .or. g%kind == grip_kind%tied
             g%yield = self%yield(i)
-            call remember_elastic(g, self%friction(self%pair(i)), &
-               & self%opposite(i)%normal, self%stretch(i))
+            call remember_elastic(g, self%friction(self%pair(i)), self%opposite(i)%normal)
          end associate
       end do
       call share_roles(self, model)
@@ -369,7 +366,7 @@ contains
       integer, intent(in) :: i
       type(condition_type) :: at
       at = condition_type(yield=self%yield(i), mises=self%mises(i), dt=self%dt, &
-         & speed=self%speed(i), held=self%grip(i)%bilateral, stretch=self%stretch(i))
+         & speed=self%speed(i), held=self%grip(i)%bilateral)
    end function condition_at
 
    !> The slip of the trial state that is not given back: what it is more than elastic slip.

@@ -113,18 +113,17 @@ contains
    end subroutine choose_stick
 
    !> The elastic slip that the committed traction holds.
-   pure subroutine remember_elastic(grip, friction, normal, stretch)
+   pure subroutine remember_elastic(grip, friction, normal)
       type(grip_type), intent(inout) :: grip
       type(friction_type), intent(in) :: friction
       real(wp), intent(in) :: normal(3)
-      real(wp), intent(in) :: stretch          !! present area per area at the start [-]
       real(wp) :: p, radius, slope
 
       grip%elastic = 0.0_wp
       if (.not. grip%elastic_slip > 0.0_wp) return
       p = dot_product(grip%committed, normal)
-      call friction_radius(friction, p, condition_type(held=grip%bilateral, yield=grip%yield, &
-         & stretch=stretch), radius, slope)
+      call friction_radius(friction, p, condition_type(held=grip%bilateral, yield=grip%yield), &
+         & radius, slope)
       if (.not. radius > 0.0_wp .or. .not. radius < huge(1.0_wp)) return
       grip%elastic = -grip%elastic_slip/radius*(grip%committed - p*normal)
    end subroutine remember_elastic

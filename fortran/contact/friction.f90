@@ -21,7 +21,7 @@ module lopin_friction
    private
    public :: friction_type, condition_type, law_of, regularization_of
    public :: law_names, regularization_names, law_number, regularization_number, automatic_law
-   public :: has_friction, is_regularised, by_rate, reads_yield, reads_mises, reads_speed, reads_area
+   public :: has_friction, is_regularised, by_rate, reads_yield, reads_mises, reads_speed
    public :: depends_on_time, drag_limit
    public :: coefficient, friction_radius, return_to_disc, regularised_traction
 
@@ -72,7 +72,6 @@ module lopin_friction
       real(wp) :: dt = 1.0_wp                  !! time increment [time]
       real(wp) :: speed = 0.0_wp   !! slip speed of the last iteration, >= 0 [length/time]
       logical :: held = .false.    !! bilateral: a rough surface sticks under tension too
-      real(wp) :: stretch = 1.0_wp !! present area of the slave per area that tractions count [-]
    end type condition_type
 
    !> Least equivalent stress of Cristescu as a fraction of the pressure: at first touch the body
@@ -152,13 +151,6 @@ contains
          & .or. law%law == law_of%orowan .or. law%law == law_of%cristescu)
    end function reads_yield
 
-   !> Whether the law bounds the shear by a stress of its own, which acts on the present area.
-   elemental logical function reads_area(law)
-      type(friction_type), intent(in) :: law
-      reads_area = has_friction(law) .and. .not. law%rough &
-         & .and. (law%law /= law_of%coulomb .or. law%tau_max < huge(1.0_wp))
-   end function reads_area
-
    !> Whether the law reads `condition_type%mises`.
    elemental logical function reads_mises(law)
       type(friction_type), intent(in) :: law
@@ -197,17 +189,6 @@ contains
       type(condition_type), intent(in) :: at
       real(wp), intent(out) :: radius          !! [stress]
       real(wp), intent(out) :: slope           !! d radius / d p [-]
-
-      call present_radius(law, p/at%stretch, at, radius, slope)
-      if (radius < huge(1.0_wp)) radius = at%stretch*radius
-   end subroutine friction_radius
-
-   !> The same for tractions per present area.
-   pure subroutine present_radius(law, p, at, radius, slope)
-      type(friction_type), intent(in) :: law
-      real(wp), intent(in) :: p
-      type(condition_type), intent(in) :: at
-      real(wp), intent(out) :: radius, slope
       real(wp) :: cap
 
       radius = 0.0_wp
@@ -231,7 +212,7 @@ contains
       if (radius <= cap) return
       radius = cap
       slope = 0.0_wp
-   end subroutine present_radius
+   end subroutine friction_radius
 
    !> m sigma_y / sqrt 3; no bound where the yield stress is unknown.
    pure real(wp) function shear_yield(law, at) result(k)
@@ -281,10 +262,7 @@ contains
       slope_q = 1.0_wp
       slope_p = 0.0_wp
       if (law%law == law_of%norton_hoff .and. law%q > 0.0_wp .and. p > 0.0_wp &
-         & .and. .not. law%rough) then
-         call rate_bound(law, q/at%stretch, ct*at%dt/at%stretch, traction, slope_q)
-         traction = at%stretch*traction
-      end if
+         & .and. .not. law%rough) call rate_bound(law, q, ct*at%dt, traction, slope_q)
       if (traction > radius) then
          traction = radius
          slope_q = 0.0_wp
@@ -350,7 +328,7 @@ contains
       call saturation(law%regularization, slip/u0, share, slope)
       growth = 0.0_wp
       if (law%law == law_of%norton_hoff .and. law%q > 0.0_wp .and. p > 0.0_wp) &
-         & call smoothed_rate(law, slip, u0, at, radius, growth)
+         & call smoothed_rate(law, slip, u0, at%dt, radius, growth)
       traction = radius*share
       slope_slip = radius*slope/u0 + growth*share
       slope_p = slope_p*share
@@ -375,15 +353,15 @@ contains
 
    !> alpha (v^2 + v0^2)^(q/2) and its slope in the slip, under the cap that `radius` holds; times
    !> v/sqrt(v^2 + v0^2), the square root's share, it is alpha (v^2 + v0^2)^((q-1)/2) v.
-   pure subroutine smoothed_rate(law, slip, u0, at, radius, growth)
+   pure subroutine smoothed_rate(law, slip, u0, dt, radius, growth)
       type(friction_type), intent(in) :: law
       real(wp), intent(in) :: slip, u0         !! [length]
-      type(condition_type), intent(in) :: at
+      real(wp), intent(in) :: dt               !! [time]
       real(wp), intent(inout) :: radius        !! in: the cap [stress]
       real(wp), intent(out) :: growth          !! d radius / d slip [stress/length]
       real(wp) :: free
 
-      free = at%stretch*law%alpha*(hypot(slip, u0)/at%dt)**law%q
+      free = law%alpha*(hypot(slip, u0)/dt)**law%q
       growth = 0.0_wp
       if (free > radius) return
       radius = free
