@@ -534,14 +534,14 @@ def closed_die() -> None:
     """The billet between its dies three times, and the force of the press."""
     result = solved("closed_die")
     last = len(result.times) - 1
-    fig, axes = figure(8.6, 4.6, 4)
+    fig, axes = figure(9.6, 2.6, 4)
     for ax, k in zip(axes, (0, 3*last//4, last)):
         drawn = deformed(ax, result, result.at(k)["PEEQ"], scale=1.0, index=k, limits=(0.0, 1.5), grid=0.15)
         tools(ax, result, scale=1.0, index=k)
         ax.set(xlim=(0.0, 30.0), ylim=(0.0, 18.0), xlabel="r [mm]")
         ax.set_title(f"{5.0*result.times[k]/result.times[-1]:.1f} mm", fontsize=9)
     axes[0].set_ylabel("z [mm]")
-    coloured(fig, drawn, list(axes[:3]), "plastic strain", orientation="horizontal")
+    coloured(fig, drawn, list(axes[:3]), "plastic strain")
     axes[3].plot(-result.history["DIE.u2"], -result.history["DIE.rf2"]/1e3, color=DOTS)
     axes[3].set(xlabel="stroke [mm]", ylabel="force [kN]", ylim=(0.0, None))
     save(fig, "closed_die")
