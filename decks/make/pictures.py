@@ -619,13 +619,50 @@ def wire_drawing() -> None:
     save(fig, "wire_drawing")
 
 
+def square_cup() -> None:
+    """The quarter half way and at the end, and the blank seen from above."""
+    result = solved("square_cup")
+    last = len(result.times) - 1
+    half = int(np.argmin(np.abs(np.asarray(result.times) - 1.5)))
+    fig = plt.figure(figsize=(9.6, 3.6), layout="constrained")
+    axes = []
+    for k in (half, last):
+        ax = fig.add_subplot(1, 3, len(axes) + 1, projection="3d", proj_type="ortho")
+        drawn = skin(ax, result, result.at(k)["PEEQ"], index=k, limits=(0.0, 0.3))
+        ax.set(xlim=(0.0, 75.0), ylim=(0.0, 75.0), zlim=(-16.0, 1.0), xlabel="x [mm]", zticks=(-15, 0))
+        ax.set_box_aspect((75.0, 75.0, 17.0))
+        ax.view_init(elev=35.0, azim=-120.0)
+        ax.set_title(f"{15.0*(result.times[k] - 1.0):.1f} mm", fontsize=9, y=0.9)
+        axes.append(ax)
+    coloured(fig, drawn, axes, "plastic strain", orientation="horizontal")
+    ax = fig.add_subplot(1, 3, 3)
+    edge = blank_edge(result)
+    ax.plot(*edge[0].T, ":", color=EXACT, label="blank")
+    ax.plot(*edge[1].T, "-", color=DOTS, label="drawn 15 mm")
+    ax.plot((68.8, 72.74), (0.0, 72.74), "+", color=INK, ms=9, label="recalled")
+    ax.set(xlabel="x [mm]", ylabel="y [mm]", xlim=(0.0, 80.0), ylim=(0.0, 80.0), aspect="equal")
+    ax.legend(frameon=False, loc="center")
+    save(fig, "square_cup")
+
+
+def blank_edge(result) -> tuple[np.ndarray, np.ndarray]:
+    """The lower edge of the blank at first and at last."""
+    piece = result.to_meshio(-1)
+    x, u = piece.points, np.asarray(piece.point_data["U"])
+    low = np.abs(x[:, 2]) < 1e-9
+    side = np.flatnonzero(low & (np.abs(x[:, 0] - 75.0) < 1e-9))
+    back = np.flatnonzero(low & (np.abs(x[:, 1] - 75.0) < 1e-9) & (x[:, 0] < 74.9))
+    around = np.concatenate([side[np.argsort(x[side, 1])], back[np.argsort(-x[back, 0])]])
+    return x[around, :2], (x + u)[around, :2]
+
+
 DRAWN = {f.__name__: f for f in (
     bar_gap, two_springs, cylinder_on_plane, flat_punch, hertz_sphere, hertz_sphere_3d, lifted_beam,
     nafems_cylinder, cattaneo, capstan, ball_of_facets, rough_punch, nafems_punch, patch_test,
     two_blocks_mortar, signorini, strip_bending, glued_beam, shrink_fit, no_separation,
     ball_on_ball, beam_on_roller, crushed_ring, ironing, rotating_rings,
     folded_strip, beam_over_corner, upsetting, ring_compression, wire_drawing, sliding_ball,
-    closed_die, upset_tetra, cup, v_bending)}
+    closed_die, upset_tetra, cup, square_cup, v_bending)}
 
 
 def main(names: list[str]) -> None:

@@ -22,7 +22,7 @@ GROUPS = {
     "Far sliding and large strain": ("rotating_rings", "ironing", "crushed_ring",
                                      "folded_strip", "beam_over_corner", "sliding_ball"),
     "Bulk forming": ("upsetting", "ring_compression", "wire_drawing", "closed_die", "upset_tetra"),
-    "Sheets": ("cup", "v_bending"),
+    "Sheets": ("cup", "square_cup", "v_bending"),
     "Meshes that do not match": ("patch_test", "two_blocks_mortar"),
 }
 HEAD = """# Decks
