@@ -223,7 +223,7 @@ contains
             cycle
          end if
          ahead = dot_product(force(:, 1), step)
-         if (along <= 0.0_wp .or. ahead >= -0.5_wp*along) exit
+         if (along <= 0.0_wp .or. ahead >= -0.2_wp*along) exit
          if (try < most) share = share*max(0.1_wp, along/(along - ahead))
       end do
       alpha = alpha - share*step
