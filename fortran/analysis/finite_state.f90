@@ -33,6 +33,7 @@ module lopin_finite_state
       real(wp), allocatable :: last_motion(:)  !! (ndof) of the last accepted increment [length]
       real(wp) :: last_dt = 0.0_wp             !! and its time; 0: none in this step [time]
       real(wp) :: time = 0.0_wp                !! its end, since the start of the step [time]
+      logical :: parted = .false.              !! a tool has left in this increment
       logical :: frictionless = .true.         !! of the present step
       real(wp) :: force_seen = 0.0_wp          !! largest of the increments solved so far [force]
       integer :: most_augmentations = 0

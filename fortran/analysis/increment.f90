@@ -271,6 +271,8 @@ contains
 
       scene%finite%last_motion = scene%u - scene%accepted
       scene%finite%last_dt = scene%finite%dt
+      ! A body springs back once.
+      if (scene%finite%parted) scene%finite%last_dt = 0.0_wp
       scene%accepted = scene%u
       progress%steady = steady
       if (scene%finite%in_use) then

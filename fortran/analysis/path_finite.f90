@@ -163,6 +163,7 @@ contains
       real(wp), allocatable :: internal(:), from(:)
       integer :: inverted
 
+      scene%finite%parted = .false.
       scene%u = scene%accepted
       call free_and_prescribed(scene, v, before)
       if (.not. scene%finite%memory%in_use .or. .not. scene%finite%last_dt > 0.0_wp) return
@@ -248,6 +249,10 @@ contains
       if (allocated(error)) return
       if (look%inverted > 0) call refuse_inverted(scene, model, look, error)
       if (allocated(error)) return
+      if (loop == 0 .and. scene%finite%memory%in_use .and. any(abs(jump) > 0.0_wp)) then
+         call let_go(scene, model, f, v, before, prescribed, jump, look, error)
+         if (allocated(error)) return
+      end if
       stale = 0
       seen = 0
       do iteration = 1, most_sets
@@ -291,6 +296,42 @@ contains
          & /max(look%reference, tiny(1.0_wp)), 3)//' of the largest force', &
          & model%step(scene%step)%at, help='smaller increments on *STATIC')
    end subroutine newton
+
+   !> A tool that leaves goes first, and the body springs back: contact that is about to open would
+   !> drag a solid that flows along until it flows the other way.
+   subroutine let_go(scene, model, f, v, before, prescribed, jump, look, error)
+      type(scene_type), intent(inout) :: scene
+      type(model_type), intent(in) :: model
+      real(wp), intent(in) :: f(:), v(:), before(:), prescribed(:)
+      real(wp), intent(inout) :: jump(:)       !! (ndof) 0 where the tools have gone
+      type(look_type), intent(inout) :: look
+      type(error_type), allocatable, intent(out) :: error
+      logical, allocatable :: closed(:)
+      logical :: leaves(size(model%pair))
+      integer :: i
+
+      associate (c => scene%finite%contact)
+         allocate (closed, source=c%status(:c%n) > 0)
+         if (.not. any(closed) .or. .not. scene%finite%force_seen > 0.0_wp) return
+         call expand(scene%constraints, v, prescribed, scene%u)
+         call look_at(scene, model, f, .true., look, error)
+         if (allocated(error)) return
+         leaves = .false.
+         do i = 1, c%n
+            if (closed(i) .and. c%status(i) <= 0) leaves(c%pair(i)) = .true.
+         end do
+         if (look%inverted == 0 .and. any(leaves)) then
+            ! Whole pairs open, and nothing else closes.
+            if (all(c%status(:c%n) <= 0 .or. closed .and. .not. leaves(c%pair(:c%n)))) then
+               jump = 0.0_wp
+               scene%finite%parted = .true.
+               return
+            end if
+         end if
+      end associate
+      call expand(scene%constraints, v, before, scene%u)
+      call look_at(scene, model, f, .true., look, error)
+   end subroutine let_go
 
    !> One more correction by the factor at hand: converged answers become as good as rounding lets
    !> them, for a few back-solves. Kept only if it is better.

@@ -153,7 +153,8 @@ contains
       if (element%nmode > 0) call relax(element, law, x, memory, dt, volume, b, strain, alpha, bad)
    end subroutine trial
 
-   !> Add the strains of the internal modes in balance, and their slopes to B.
+   !> Add the strains of the internal modes in balance, and their slopes to B: Newton, half way back
+   !> where the forces on the modes grow.
    pure subroutine relax(element, law, x, memory, dt, volume, b, strain, alpha, bad)
       type(element_type), intent(in) :: element
       type(finite_law_type), intent(in) :: law
@@ -166,40 +167,63 @@ contains
       real(wp) :: tangent(element%nstress, element%nstress, element%ngauss)
       real(wp) :: stress(element%nstress), deviator(element%nstress), trace, size_of
       real(wp) :: pivot(element%nmode, element%nmode), step(element%nmode, 1)
+      real(wp) :: force(element%nmode), before
       type(return_type) :: back
-      integer, parameter :: most = 40
-      integer :: k, sweep
+      integer, parameter :: most = 60, most_halvings = 6
+      integer :: k, sweep, halvings
       logical :: regular
 
       call mode_strains(element, x, own)
       bad = 0
       size_of = maxval(abs(strain))
+      if (size(memory, 1) > 0) size_of = size_of + maxval(abs(memory(:element%nstress, :)))
       alpha = amplitudes_of(memory, element%nstress, element%nmode)
       do k = 1, element%ngauss
          strain(:, k) = strain(:, k) + matmul(alpha, own(:, :, k))
       end do
+      before = huge(1.0_wp)
+      halvings = 0
       do sweep = 1, most
          pivot = 0.0_wp
-         step = 0.0_wp
+         force = 0.0_wp
          do k = 1, element%ngauss
             call answer(element, law, memory(:, k), dt, strain(:, k), back, deviator, trace)
             call stress_of(element, law, back, deviator, trace, stress, tangent(:, :, k))
-            step(:, 1) = step(:, 1) + volume(k)*matmul(own(:, :, k), stress)
+            force = force + volume(k)*matmul(own(:, :, k), stress)
             pivot = pivot + volume(k)*matmul(own(:, :, k), matmul(tangent(:, :, k), &
                & transpose(own(:, :, k))))
          end do
+         if (norm2(force) > before .and. halvings < most_halvings) then
+            halvings = halvings + 1
+            step = 0.5_wp*step
+            call go_back(own, -step(:, 1), alpha, strain)
+            cycle
+         end if
+         halvings = 0
+         before = norm2(force)
+         step(:, 1) = force
          call solve_small(pivot, step, regular)
          if (.not. regular) exit
-         alpha = alpha - step(:, 1)
-         do k = 1, element%ngauss
-            strain(:, k) = strain(:, k) - matmul(step(:, 1), own(:, :, k))
-         end do
+         call go_back(own, step(:, 1), alpha, strain)
          if (maxval(abs(step)) > 1.0e-8_wp*maxval(abs(alpha)) + 1.0e-14_wp*size_of) cycle
          call follow_nodes(element, own, tangent, volume, b)
          return
       end do
       bad = 1
    end subroutine relax
+
+   !> Take `way` from the amplitudes, and what it means from the strains.
+   pure subroutine go_back(own, way, alpha, strain)
+      real(wp), intent(in) :: own(:, :, :)       !! (nmode, nstress, ngauss)
+      real(wp), intent(in) :: way(:)
+      real(wp), intent(inout) :: alpha(:), strain(:, :)
+      integer :: k
+
+      alpha = alpha - way
+      do k = 1, size(strain, 2)
+         strain(:, k) = strain(:, k) - matmul(way, own(:, :, k))
+      end do
+   end subroutine go_back
 
    !> Elastic strain minus total strain, engineering shears.
    pure function elastic_share(memory, nstress) result(strain)

@@ -24,6 +24,9 @@ module lopin_flow_curve
    end type hardenings
    type(hardenings), parameter :: hardening_of = hardenings()
 
+   !> A trial stress beyond yield by no more than this share is rounding: the point is at rest.
+   real(wp), parameter :: rest = 1.0e-9_wp
+
    type :: flow_type
       integer :: hardening = 0                !! hardening_of%...; none: no threshold
       real(wp) :: constant(4) = 0.0_wp        !! Swift: K, eps0, n; Voce: S, Y, d, H
@@ -221,7 +224,7 @@ contains
 
       step = 0.0_wp
       call threshold(flow, strain, stress, slope)
-      if (trial <= stress) return
+      if (trial <= stress*(1.0_wp + rest)) return
       low = 0.0_wp
       high = trial/(3.0_wp*shear)
       step = 0.0_wp
