@@ -60,7 +60,7 @@ A square cup drawn {stroke:g} mm deep from mild steel, a quarter of it, in space
   y |________               Blank 150 x 150 x 0.78 mm, punch 70 x 70 (edge 8, corners 10), die 74 x 74
     |  die   |              (edge 5, corners 12); the holder presses with 19.6 kN. mu = 0.144,
     |___     | blank        sigma = 565.32 (0.007117 + eps)^0.2589 MPa.
-    |   \    |
+    |   \\    |
     |punch|  |              Recalled from the conference: at 15 mm the edge has moved in by 6.2 mm
     |_____|__|___ x         in the middle of a side, by 3.2 at the corner. {cells} cells along a side
                             are few.
