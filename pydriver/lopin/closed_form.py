@@ -1,8 +1,8 @@
 """Closed-form solutions to compare with: functions of the scene's parameters.
 
 Half-spaces are in `closed_hertz`, bodies and structures in `closed_solids`, exact fields of a
-unilateral support in `closed_signorini`, friction in `closed_friction` and `closed_punch`, bulk forming
-in `closed_forming`; all are named here.
+unilateral support in `closed_signorini`, friction in `closed_friction` and `closed_punch`, bulk
+forming in `closed_forming`; all are named here.
 """
 from .closed_forming import (
     Drawing,

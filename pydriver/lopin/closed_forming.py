@@ -11,7 +11,6 @@ from math import cos, exp, log, pi, sin, sqrt, tan
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.optimize import minimize_scalar
 
 
 @dataclass(frozen=True)
@@ -52,12 +51,15 @@ def ring_bore(shear_factor: float, reduction: float, outer: float = 3.0, inner: 
     >>> round(100*ring_bore(0.0, 0.5), 1), round(100*ring_bore(0.2, 0.3), 1)
     (41.4, 1.0)
     """
+    from scipy.optimize import minimize_scalar
+
     bore, fall = inner, height*reduction/steps
     volume = (outer*outer - inner*inner)*height
     place, weight = np.polynomial.legendre.leggauss(24)
     for _ in range(steps):
         far = sqrt(volume/height + inner*inner)
-        neutral = minimize_scalar(_ring_power, args=(shear_factor, inner, far, height, place, weight),
+        neutral = minimize_scalar(_ring_power, args=(shear_factor, inner, far, height,
+                                                     place, weight),
                                   bounds=(-0.5*far*far, 0.999*far*far), method="bounded",
                                   options={"xatol": 1e-10*far*far}).x
         inner += 0.5*fall/height*(inner - neutral/inner)

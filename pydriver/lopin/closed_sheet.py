@@ -7,8 +7,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 from math import exp, inf, log, pi, sqrt
 
-from scipy.integrate import quad
-
 
 @dataclass(frozen=True)
 class BentSheet:
@@ -71,6 +69,8 @@ def ideal_cup_force(punch: float, thickness: float, strength: float, exponent: f
     >>> round(ideal_cup_force(50.0, 0.82, 513.0, 0.223, 100.0, 90.0))
     52763
     """
+    from scipy.integrate import quad
+
     def slope(r: float) -> float:
         return strength*max(log(sqrt(blank**2 - rim**2 + r*r)/r), 0.0)**exponent/r
 
