@@ -43,6 +43,8 @@ module lopin_path_finite
    real(wp), parameter :: sufficient = 1.0e-4_wp
    !> Tolerance of GMRES where only the length of a correction matters.
    real(wp), parameter :: coarse = 1.0e-4_wp
+   !> And of a Newton step.
+   real(wp), parameter :: tight = 1.0e-9_wp
    !> Springs to the ground of a body that nothing holds, beside its stiffness; how far one
    !> iteration may move it, beside its length.
    real(wp), parameter :: soft = 1.0e-4_wp, most_motion = 0.1_wp
@@ -259,7 +261,8 @@ contains
          scene%finite%history = [scene%finite%history, look%merit/max(look%reference, &
             & tiny(1.0_wp))]
          if (settled(look, jump, iteration, loop, last)) then
-            if (iteration > 1 .and. look%merit > floor_of_rounding*look%reference) &
+            if (iteration > 1 .and. look%merit > floor_of_rounding*look%reference &
+               & .and. .not. scene%finite%memory%in_use) &
                & call polish(scene, model, f, v, prescribed, look, error)
             scene%finite%force_seen = max(scene%finite%force_seen, look%reference)
             return
@@ -499,7 +502,7 @@ contains
             call set_tangent(system, scene%k, scene%constraints, size(local), local, &
                & of_rows(scene, contact%c), of_rows(scene, contact%weight), flat)
          end if
-         tolerance = 1.0e-9_wp
+         tolerance = forcing(scene, look)
          do pass = 1, 2
             call solve_step(system, right, tolerance, model%solver, step, scene%clock, &
                & scene%counter, bad, error)
@@ -520,6 +523,17 @@ contains
          if (pass > 1) call limit_motion(scene, step(:neq))
       end associate
    end subroutine find_step
+
+   !> Tolerance of GMRES for one Newton step: tight; looser for solids that flow while the residual
+   !> is large, which keeps the order of Newton (Eisenstat and Walker 1996).
+   pure real(wp) function forcing(scene, look)
+      type(scene_type), intent(in) :: scene
+      type(look_type), intent(in) :: look
+
+      forcing = tight
+      if (scene%finite%memory%in_use .and. look%reference > 0.0_wp) forcing = max(tight, &
+         & min(coarse, 0.1_wp*look%merit/look%reference))
+   end function forcing
 
    !> A body on soft springs goes as far as a search can follow.
    subroutine limit_motion(scene, step)

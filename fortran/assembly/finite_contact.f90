@@ -67,6 +67,7 @@ module lopin_finite_contact
       ! inside
       real(wp) :: dt = 1.0_wp
       real(wp), allocatable :: first_weight(:) !! (n) areas at the start [area]
+      real(wp), allocatable :: start_normal(:, :)   !! (3, n) where the increment begins
       type(dofs_type) :: dofs
       type(facet_basis_type) :: basis
       type(masters_type) :: masters
@@ -110,6 +111,7 @@ contains
       allocate (self%force(dofs%n), self%gap(n), self%pressure(n), self%traction(3, n), &
          & self%normal(3, n), self%slip(3, n), self%xi(2, n), self%slip_path(n), &
          & self%friction_work(n), self%mean_work(n), self%lambda(3, n), self%last_normal(3, n), &
+         & self%start_normal(3, n), &
          & self%creep(3, n), self%c(n), self%ct(n), self%mises(n), self%speed(n), self%last_speed(n), &
          & source=0.0_wp)
       allocate (self%facet(n), self%status(n), self%first_row(n), source=0)
@@ -182,6 +184,7 @@ contains
                call turn(self%last_normal(:, i), self%opposite(i)%normal, g%committed)
                call turn(self%last_normal(:, i), self%opposite(i)%normal, g%creep)
             end if
+            self%start_normal(:, i) = self%opposite(i)%normal
             g%frozen = g%committed
             g%bilateral = self%closed(i) &
                & .and. model%interaction(model%pair(self%pair(i))%interaction)%no_separation
@@ -428,8 +431,13 @@ contains
    pure real(wp) function mean_work_of(self, i) result(work)
       type(finite_contact_type), intent(in) :: self
       integer, intent(in) :: i
-      associate (t => self%trial(i), committed => self%grip(i)%committed)
-         work = -0.5_wp*dot_product(t%traction + along(committed, t%normal), lost_slip(self, i))
+      real(wp) :: before(3)
+
+      associate (t => self%trial(i))
+         before = self%grip(i)%committed
+         ! On a curved master the pressure of the start would work along the chord of the way.
+         if (self%opposite(i)%facet > 0) call turn(self%start_normal(:, i), t%normal, before)
+         work = -0.5_wp*dot_product(t%traction + along(before, t%normal), lost_slip(self, i))
       end associate
    end function mean_work_of
 
