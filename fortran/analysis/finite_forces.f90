@@ -26,6 +26,7 @@ module lopin_finite_forces
       real(wp), allocatable :: row(:)          !! (nmultiplier) as forces [force]
       real(wp) :: merit = 0.0_wp               !! [force]
       real(wp) :: reference = 0.0_wp           !! largest force about [force]
+      real(wp) :: pressed = huge(1.0_wp)       !! largest of contact, where solids flow [force]
       integer :: inverted = 0                  !! element that turned inside out
    end type look_type
 
@@ -67,6 +68,8 @@ contains
       if (scene%finite%nlgeom) look%reference = max(look%reference, &
          & largest(scene%finite%follower%force))
       look%reference = above_rounding(scene, look%reference)
+      if (scene%finite%memory%in_use) look%pressed = max(largest(scene%finite%contact%force), &
+         & forgotten*scene%finite%force_seen)
    end subroutine look_at
 
    !> A reference force; where forces are rounding alone, what the stiffness makes of the motion.

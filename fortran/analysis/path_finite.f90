@@ -31,6 +31,9 @@ module lopin_path_finite
    !> Convergence, all dimensionless (conventions, frozen): equilibrium, contact, correction.
    real(wp), parameter :: equilibrium = 1.0e-8_wp, complementarity = 1.0e-8_wp
    real(wp), parameter :: correction = 1.0e-6_wp
+   !> And contact beside the forces of contact, as the certificate judges it: a body that is all but
+   !> released has large forces of its own.
+   real(wp), parameter :: certified = 1.0e-6_wp
    !> What rounding leaves of the equilibrium of a long or stiff body.
    real(wp), parameter :: floor_of_rounding = 1.0e-11_wp
    !> Displacements that are no more than rounding, beside the scene.
@@ -444,6 +447,7 @@ contains
          e2 = largest(look%row)/look%reference
       end if
       settled = e1 <= equilibrium .and. e2 <= complementarity &
+         & .and. .not. largest(look%row) > certified*look%pressed &
          & .and. (last <= correction .or. max(e1, e2) <= floor_of_rounding &
          & .or. iteration == 1 .and. loop == 0)
    end function settled
@@ -525,14 +529,17 @@ contains
    end subroutine find_step
 
    !> Tolerance of GMRES for one Newton step: tight; looser for solids that flow while the residual
-   !> is large, which keeps the order of Newton (Eisenstat and Walker 1996).
+   !> is large, which keeps the order of Newton (Eisenstat and Walker 1996). The stiff volume of
+   !> solids without an elastic part would hide in it what is left of their flow.
    pure real(wp) function forcing(scene, look)
       type(scene_type), intent(in) :: scene
       type(look_type), intent(in) :: look
+      integer :: i
 
       forcing = tight
+      if (any([(scene%solids%group(i)%law%flow%rigid, i=1, size(scene%solids%group))])) return
       if (scene%finite%memory%in_use .and. look%reference > 0.0_wp) forcing = max(tight, &
-         & min(coarse, 0.1_wp*look%merit/look%reference))
+         & min(coarse, (look%merit/look%reference)**2))
    end function forcing
 
    !> A body on soft springs goes as far as a search can follow.

@@ -328,7 +328,9 @@ contains
          frame%attempt = 1
          do
             target_time = time + increment
-            if (time + increment*(1.0_wp + 1.0e-9_wp) >= step%period) target_time = step%period
+            if (scene%finite%memory%in_use .and. .not. step%direct) target_time = min(target_time, &
+               & next_turn(model, step, progress%time, time))
+            if (target_time + 1.0e-9_wp*increment >= step%period) target_time = step%period
             increment = target_time - time
             frame%step = scene%step
             frame%step_time = target_time
@@ -353,6 +355,27 @@ contains
          time = target_time
       end associate
    end subroutine advance
+
+   !> The next point of an amplitude in use, in step time: what flows remembers each of them.
+   pure real(wp) function next_turn(model, step, start, time) result(turn)
+      type(model_type), intent(in) :: model
+      type(step_type), intent(in) :: step
+      real(wp), intent(in) :: start            !! total time where the step begins [time]
+      real(wp), intent(in) :: time             !! in the step [time]
+      real(wp), allocatable :: point(:)
+      integer :: a
+
+      turn = step%period
+      do a = 1, size(model%amplitude)
+         if (.not. (any(step%prescribed%amplitude == a) .or. any(step%point_load%amplitude == a) &
+            & .or. any(step%face_load%amplitude == a) .or. any(step%body_load%amplitude == a))) cycle
+         allocate (point, source=model%amplitude(a)%time)
+         if (model%amplitude(a)%total_time) point = point - start
+         point = pack(point, point > time + 1.0e-9_wp*step%period)
+         if (size(point) > 0) turn = min(turn, minval(point))
+         deallocate (point)
+      end do
+   end function next_turn
 
    !> The next increment: larger after few iterations, as long as the metal flows little in it.
    subroutine grow(increment, step, plan, frame, flow)

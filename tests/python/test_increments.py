@@ -43,3 +43,12 @@ def test_the_history_shows_where_the_work_went():
     assert history["energy.plastic"] > 0.9*history["energy.external"]
     assert history["volume"] == pytest.approx(np.pi*100.0*15.0, rel=5e-3)
     assert result.summary["certificate"]["energy"] < 2e-3
+
+
+def test_no_point_of_an_amplitude_is_jumped_over():
+    """A saw tooth whose turn is shorter than an increment: the metal remembers it all the same."""
+    deck = billet(10, direct=False, cells=(1, 1)).text()
+    deck = deck.replace("*STEP,", "*AMPLITUDE, NAME=SAW\n0., 0., 0.5, 0.1, 0.51, -0.1, 1., 0.1\n*STEP,", 1)
+    deck = deck.replace("*BOUNDARY\nDIE_REF, 2, 2", "*BOUNDARY, AMPLITUDE=SAW\nDIE_REF, 2, 2")
+    result = lopin.run(lopin.Deck.parse(deck, "saw"))
+    assert {0.5, 0.51} <= {round(float(t), 9) for t in result.times}
