@@ -79,8 +79,10 @@ contains
             if (.not. any([(any(near == slave%facets%node(k, i)), k=1, n)])) cycle
             own = 1
             if (present(piece)) own = piece(i)
-            if (pass == 1 .and. .not. any([(any(slave%facets%node(:n, i) == near(k) .and. &
-               & self%on(k) == own), k=1, size(near))])) cycle
+            if (pass == 1) then
+               if (.not. any([(any(slave%facets%node(:n, i) == near(k) .and. self%on(k) == own), &
+                  & k=1, size(self%on))])) cycle
+            end if
             call add_chain(self, slave%facets%node(:n, i), pass == 1, own)
             facet(self%nchain) = i
          end do

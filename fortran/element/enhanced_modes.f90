@@ -90,9 +90,10 @@ contains
    pure subroutine invert(d, j, inverse, determinant)
       integer, intent(in) :: d
       real(wp), intent(in) :: j(d, d)
-      real(wp), intent(out) :: inverse(3, 3)   !! undefined unless the determinant is > 0
+      real(wp), intent(out) :: inverse(3, 3)   !! meaningless unless the determinant is > 0
       real(wp), intent(out) :: determinant
 
+      inverse = 0.0_wp
       if (d == 2) then
          inverse(:2, 1) = [j(2, 2), -j(2, 1)]
          inverse(:2, 2) = [-j(1, 2), j(1, 1)]

@@ -40,6 +40,9 @@ module lopin_flow_curve
       real(wp) :: usual = 1.0_wp              !! rigid: a rate as it will meet [1/time]
    end type flow_type
 
+   !> A slope without bound, which may still be divided by a time.
+   real(wp), parameter :: infinite = 1.0e154_wp
+
 contains
 
    !> Linear between points of a table; a single point is perfect plasticity.
@@ -174,7 +177,7 @@ contains
       real(wp), intent(in) :: rate            !! of it, >= 0 [1/time]
       real(wp), intent(out) :: stress         !! [stress]
       real(wp), intent(out) :: slope          !! [stress]
-      real(wp), intent(out) :: rate_slope     !! huge at rate 0 where it is infinite [stress time]
+      real(wp), intent(out) :: rate_slope     !! 1e154 where it is infinite [stress time]
       real(wp) :: part, factor
 
       call threshold(flow, strain, stress, slope)
@@ -196,12 +199,11 @@ contains
    !> Slope of c x^m whose value is given.
    pure real(wp) function slope_of_power(value, x, m, c) result(slope)
       real(wp), intent(in) :: value, x, m, c
-      if (x > 0.0_wp) then
+      slope = c
+      if (x > 0.0_wp .and. m*value/infinite < x) then
          slope = m*value/x
-      else if (m < 1.0_wp) then
-         slope = huge(1.0_wp)
-      else
-         slope = c
+      else if (x > 0.0_wp .or. m < 1.0_wp) then
+         slope = infinite
       end if
    end function slope_of_power
 
