@@ -200,7 +200,11 @@ contains
       real(wp) :: part(element%ndof, dilatation_count(element)), change(element%ndof)
       integer :: k, m, s
 
-      call dilatation_functions(element, x, volume, phi)
+      if (size(phi, 2) == 1) then
+         phi = 1.0_wp   ! the mean itself, without the rounding of a square root
+      else
+         call dilatation_functions(element, x, volume, phi)
+      end if
       part = 0.0_wp
       do k = 1, element%ngauss
          change = volume(k)*(b(:, 1, k) + b(:, 2, k) + b(:, 3, k))
@@ -208,6 +212,7 @@ contains
             part(:, m) = part(:, m) + phi(k, m)*change
          end do
       end do
+      if (size(phi, 2) == 1) part = part/sum(volume)
       do k = 1, element%ngauss
          change = (matmul(part, phi(k, :)) - b(:, 1, k) - b(:, 2, k) - b(:, 3, k))/3.0_wp
          do s = 1, 3

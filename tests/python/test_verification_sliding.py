@@ -41,9 +41,10 @@ def test_a_block_slides_over_joints(solve, sheet, graded, behaviour, words):
     assert len(force) == len(result.times) and (closed == 5).all()
     name = (f"{'graded 1:10' if graded else 'joints at slave nodes'}, "
             f"{behaviour.split(', ')[1].split(chr(10))[0].lower()}, {'mortar' if words else 'node to segment'}")
+    # Pressures are per area where the increment begins: the block is pressed on its first area, and slides on that.
     for what, worst in (("drift of the force", np.abs(force/force[0] - 1.0).max()),
                         ("largest pressure over the mean - 1", np.abs(largest*area/force - 1.0).max()),
-                        ("drift of the pressure", np.abs(largest/largest[0] - 1.0).max()),
+                        ("drift of the pressure", np.abs(largest[1:]/largest[1] - 1.0).max()),
                         ("drag over force", np.abs(drag/force).max())):
         sheet.compare("D6 sliding over 40 facets", f"{name}: {what}", worst, 0.0, 1e-10, "exact", absolute=True)
 
