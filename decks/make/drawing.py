@@ -99,7 +99,7 @@ def skin(ax, result, values, *, index: int = -1, limits=None, colours: str = MAP
     return drawn
 
 
-def tools(ax, result, *, scale: float, index: int = -1, mirror: bool = False) -> None:
+def tools(ax, result, *, scale: float, index: int = -1, mirror: bool = False, width: float = 2.2) -> None:
     """The profiles of all tools where they stand."""
     source = result.source
     index %= len(result.times)
@@ -111,7 +111,7 @@ def tools(ax, result, *, scale: float, index: int = -1, mirror: bool = False) ->
         x = (piece.points + (scale - 1.0)*motion)[:, :2]
         lines = np.concatenate([x[block.data] for block in piece.cells if block.type == "line"])
         for sign in (1, -1) if mirror else (1,):
-            ax.add_collection(LineCollection(lines*[sign, 1], colors=TOOL, linewidths=2.2))
+            ax.add_collection(LineCollection(lines*[sign, 1], colors=TOOL, linewidths=width))
 
 
 def coloured(fig, drawn, ax, label: str, **options) -> None:

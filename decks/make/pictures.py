@@ -490,14 +490,14 @@ def cup() -> None:
     stroke = -result.history["PUNCH.u2"]
     last = len(result.times) - 1
     end = max(k for k, t in enumerate(result.times) if t <= 2.0 + 1e-9)
-    fig, axes = figure(9.6, 3.4, 4)
+    fig, axes = figure(9.6, 3.9, 4)
     third = min(range(end + 1), key=lambda k: abs(result.times[k] - 4.0/3.0))
     for ax, k, title in zip(axes, (third, end, last), ("20 mm", "60 mm", "released")):
         drawn = deformed(ax, result, result.at(k)["PEEQ"], scale=1.0, index=k, limits=(0.0, 0.8),
                          grid=0.1)
         if k != last:
-            tools(ax, result, scale=1.0, index=k)
-        ax.set(xlim=(0.0, 105.0), ylim=(-66.0, 25.0), xlabel="r [mm]")
+            tools(ax, result, scale=1.0, index=k, width=0.5)
+        ax.set(xlim=(25.0, 105.0), ylim=(-66.0, 25.0), xlabel="r [mm]")
         ax.set_title(title, fontsize=9)
     axes[0].set_ylabel("z [mm]")
     coloured(fig, drawn, list(axes[:3]), "plastic strain", orientation="horizontal")
