@@ -1,38 +1,28 @@
 !> Open, stick or slip: contact with friction on the condensed compliance, all points together.
 !>
-!> Semismooth Newton on the equations of lopin_friction_rows, reduced to the closed rows, with a
-!> non-monotone line search on their residual (memory 4, steps 1 to 1/32). The tangential scaling is
-!> the collective compliance of the closed points (lopin_friction_scaling): with the nodal one
-!> Newton cycles. Where states repeat without progress, in order: the load of the increment in
-!> parts; the tangent of Hueeber, Stadler and Wohlmuth; one normal row at a time; a fixed point on
-!> the bounds (Tresca), whose problems are convex. Whatever found it, an answer counts only if it
-!> fits the equations point by point. Bodies that only contact and friction hold move with the
-!> unknown motions q, C^T lambda =
-!> -moving.
+!> Newton (lopin_friction_newton) on the equations of lopin_friction_rows, reduced to the closed
+!> rows. The tangential scaling is the collective compliance of the closed points
+!> (lopin_friction_scaling): with the nodal one Newton cycles. Where states repeat without progress,
+!> in order: the load of the increment in parts; the tangent of Hueeber, Stadler and Wohlmuth; one
+!> normal row at a time; a fixed point on the bounds (Tresca), whose problems are convex. Bodies that
+!> only contact and friction hold move with the unknown motions q, C^T lambda = -moving.
 module lopin_friction_set
-   use, intrinsic :: iso_fortran_env, only : int64
    use lopin_kinds, only : wp
    use lopin_vectors, only : largest
    use lopin_condensed, only : condensed_type, form_compliance, rows_times
    use lopin_dense, only : cholesky_solve
    use lopin_active_set, only : contact_result_type, outcome
-   use lopin_friction_rows, only : friction_points_type, equations_type, new_equations, &
-      & form_equations
-   use lopin_friction_step, only : trial_type, work_type, friction_controls_type, step_to, &
-      & judge, search_line
-   use lopin_friction_scaling, only : scale_tangents, fits, noise_of
+   use lopin_friction_rows, only : friction_points_type, new_equations, form_equations
+   use lopin_friction_step, only : trial_type, work_type, friction_controls_type, step_to
+   use lopin_friction_newton, only : newton
+   use lopin_friction_scaling, only : noise_of
    implicit none
    private
    public :: solve_friction, friction_result_type, friction_controls_type
 
-   !> The edge of contact under a slender body moves by one point a step, and the residual falls only
-   !> once it arrives: steps allowed grow with the points.
-   integer, parameter :: least_iterations = 40, memory = 4, remembered = 32
    integer, parameter :: most_bounds = 100, most_parts = 60
    real(wp), parameter :: least_part = 1.0e-4_wp
-   !> Residuals below this share of the largest force: reached, no longer falling, and repeating in
-   !> the same states, as rounding of soft bodies makes them.
-   real(wp), parameter :: exact = 1.0e-13_wp, accepted = 1.0e-10_wp, stalled = 1.0e-7_wp
+   !> Changes below this share of the largest force end the augmentation, and the fixed point.
    real(wp), parameter :: settled = 1.0e-10_wp
    !> The cures, in order.
    type :: ladder
@@ -74,7 +64,7 @@ contains
       size_ = 0.0_wp
       most = max(1, maxval(self%max_augmentations))
       do pass = 1, most
-         call climb(self, points, work, x, result, friction)
+         call climb(self, points, work, x, result%outcome)
          if (result%outcome /= outcome%solved) exit
          size_ = max(size_, largest(x%force))
          call augment(self, points, work, x, moved)
@@ -89,11 +79,16 @@ contains
       result%gap = x%gap
       result%q = x%q
       result%active = work%equations%closed
+      result%iterations = work%iterations
+      result%single_pivots = work%single_pivots
       result%dependent = work%dependent
       result%opening = largest(matmul(self%s, x%force))
       result%opening = max(result%opening, 1.0e-6_wp*work%gap_scale)
       friction%noise = noise_of(self, work, x)
       friction%status = work%equations%status
+      friction%cure = work%cure
+      friction%norms = work%norms
+      friction%changing = work%changing
       friction%sign_of_determinant = work%sign_of_determinant
       if (result%outcome == outcome%solved) call estimate_soft_error(self, points, work, x, result)
    end subroutine solve_friction
@@ -145,20 +140,17 @@ contains
          end associate
       end do
       result%outcome = outcome%solved
-      result%iterations = 0
       result%augmentations = 0
-      result%single_pivots = 0
       result%soft_error = 0.0_wp
    end subroutine prepare
 
    !> The ladder of cures: each rung starts from the state that the last accepted increment left.
-   subroutine climb(self, points, work, x, result, friction)
+   subroutine climb(self, points, work, x, reached)
       type(condensed_type), intent(in) :: self
       type(friction_points_type), intent(in) :: points
       type(work_type), intent(inout) :: work
       type(trial_type), intent(inout) :: x
-      type(contact_result_type), intent(inout) :: result
-      type(friction_result_type), intent(inout) :: friction
+      integer, intent(out) :: reached              !! outcome%...
       type(trial_type) :: start
       logical :: solved, predict
       integer :: cure
@@ -171,13 +163,13 @@ contains
          work%equations%damped = cure == rung%damped
          work%one_by_one = cure == rung%single
          if (allocated(work%equations%set)) deallocate (work%equations%set)
-         friction%cure = cure
+         work%cure = cure
          if (cure == rung%bounds) then
-            call fix_bounds(self, points, work, x, result, friction, solved)
+            call fix_bounds(self, points, work, x, solved)
          else if (cure == rung%load) then
-            call follow_load(self, points, work, x, result, friction, solved)
+            call follow_load(self, points, work, x, solved)
          else
-            call newton(self, points, work, x, result, friction, solved)
+            call newton(self, points, work, x, solved)
          end if
          if (solved .or. .not. work%controls%ladder) exit
       end do
@@ -185,21 +177,19 @@ contains
       work%equations%damped = .false.
       work%one_by_one = .false.
       if (allocated(work%equations%set)) deallocate (work%equations%set)
-      result%outcome = outcome%solved
+      reached = outcome%solved
       if (solved) return
-      result%outcome = outcome%cycling
-      if (work%singular .and. self%nq > 0) result%outcome = outcome%not_held
+      reached = outcome%cycling
+      if (work%singular .and. self%nq > 0) reached = outcome%not_held
    end subroutine climb
 
    !> The load of the increment bit by bit, all bits from the same accepted state: each answer starts
    !> the next one, and the last is that of the whole increment.
-   subroutine follow_load(self, points, work, x, result, friction, solved)
+   subroutine follow_load(self, points, work, x, solved)
       type(condensed_type), intent(in) :: self
       type(friction_points_type), intent(in) :: points
       type(work_type), intent(inout) :: work
       type(trial_type), intent(inout) :: x
-      type(contact_result_type), intent(inout) :: result
-      type(friction_result_type), intent(inout) :: friction
       logical, intent(out) :: solved
       type(trial_type) :: next
       real(wp) :: free_end(self%nrow), moving_end(self%nq), free_start(self%nrow), &
@@ -223,7 +213,7 @@ contains
          end if
          next = x
          next%gap = work%free_gap + matmul(self%s, x%force) + matmul(self%c, x%q)
-         call newton(self, points, work, next, result, friction, solved)
+         call newton(self, points, work, next, solved)
          if (solved) then
             x = next
             reached = part
@@ -240,13 +230,11 @@ contains
    end subroutine follow_load
 
    !> Tresca's fixed point: bounds from the pressures found last, until they stay.
-   subroutine fix_bounds(self, points, work, x, result, friction, solved)
+   subroutine fix_bounds(self, points, work, x, solved)
       type(condensed_type), intent(in) :: self
       type(friction_points_type), intent(in) :: points
       type(work_type), intent(inout) :: work
       type(trial_type), intent(inout) :: x
-      type(contact_result_type), intent(inout) :: result
-      type(friction_result_type), intent(inout) :: friction
       logical, intent(out) :: solved
       real(wp) :: press(points%n), moved, last, share
       integer :: pass
@@ -257,10 +245,10 @@ contains
       solved = .false.
       do pass = 1, most_bounds
          work%equations%frozen = press
-         call newton(self, points, work, x, result, friction, solved)
+         call newton(self, points, work, x, solved)
          if (.not. solved) exit
          moved = largest(max(x%force(points%normal), 0.0_wp) - press)
-         solved = moved <= accepted*largest(x%force)
+         solved = moved <= settled*largest(x%force)
          if (solved) exit
          if (moved > 0.7_wp*last) share = 0.5_wp
          press = press + share*(max(x%force(points%normal), 0.0_wp) - press)
@@ -268,145 +256,8 @@ contains
       end do
       deallocate (work%equations%frozen)
       ! Bounds that all but stay start Newton well; what counts is its residual.
-      call newton(self, points, work, x, result, friction, solved)
+      call newton(self, points, work, x, solved)
    end subroutine fix_bounds
-
-   !> Newton from x; .false. in `solved` if states repeat without progress or time is up.
-   subroutine newton(self, points, work, x, result, friction, solved)
-      type(condensed_type), intent(in) :: self
-      type(friction_points_type), intent(in) :: points
-      type(work_type), intent(inout) :: work
-      type(trial_type), intent(inout) :: x
-      type(contact_result_type), intent(inout) :: result
-      type(friction_result_type), intent(inout) :: friction
-      logical, intent(out) :: solved
-      type(trial_type) :: next
-      real(wp), allocatable :: norms(:)
-      real(wp) :: norm, before, history(memory), norm_at(remembered)
-      integer(int64) :: seen(remembered), hash
-      integer :: pass, most, place, before_status(points%n)
-
-      solved = .false.
-      most = least_iterations + points%n
-      allocate (norms(most + 1))
-      seen = 0_int64
-      history = -1.0_wp
-      call form_equations(work%equations, self, points, x%force, x%gap)
-      call scale_tangents(self, work)
-      call judge(self, points, work, x, norm)
-      norms(1) = norm
-      before = huge(1.0_wp)
-      before_status = work%equations%status
-      do pass = 1, most
-         if (.not. work%predict) then
-            solved = fits(self, points, work, x, exact)
-            if (.not. solved .and. norm > 0.1_wp*before) &
-               & solved = fits(self, points, work, x, accepted)
-            if (allocated(work%equations%set)) solved = solved &
-               & .and. all(work%equations%set .eqv. work%equations%natural)
-            if (solved) exit
-         end if
-         before = norm
-         before_status = work%equations%status
-         history(1 + mod(pass, memory)) = norm
-         if (work%predict .and. work%cold) then
-            call stick_all(points, work%touching, x, work%equations)
-         else if (work%predict) then
-            x%gap = work%old_gap
-            call judge(self, points, work, x, norm)
-         end if
-         call step_to(self, points, work, x, next)
-         if (work%predict .or. work%one_by_one .or. .not. work%controls%line_search) then
-            x = next
-            call judge(self, points, work, x, norm)
-         else
-            call search_line(self, points, work, x, next, maxval(history), norm)
-         end if
-         if (work%predict) then
-            work%predict = .false.
-            call scale_tangents(self, work)
-            call judge(self, points, work, x, norm)
-            history = -1.0_wp
-            before = huge(1.0_wp)
-         end if
-         if (work%one_by_one) call change_last(work%equations, result)
-         result%iterations = result%iterations + 1
-         norms(pass + 1) = norm
-         hash = hash_of(work%equations)
-         place = findloc(seen, hash, 1)
-         if (place > 0 .and. place /= 1 + mod(pass - 1, remembered)) then
-            if (norm > 0.5_wp*norm_at(place)) exit
-         end if
-         seen(1 + mod(pass, remembered)) = hash
-         norm_at(1 + mod(pass, remembered)) = norm
-      end do
-      if (.not. (work%one_by_one .or. solved)) solved = fits(self, points, work, x, stalled)
-      friction%norms = norms(:min(pass, most + 1))
-      friction%changing = pack([(place, place=1, points%n)], work%equations%status /= before_status)
-   end subroutine newton
-
-   !> For the first step: points that touch, or all if bodies float, press and stick.
-   subroutine stick_all(points, touching, x, equations)
-      type(friction_points_type), intent(in) :: points
-      logical, intent(in) :: touching(:)
-      type(trial_type), intent(in) :: x            !! without forces
-      type(equations_type), intent(inout) :: equations
-      integer :: k, i
-
-      where (equations%group > 0 .and. touching .and. equations%linear)
-         equations%closed = .true.
-         equations%residual = equations%c*(x%gap - equations%shift)
-      end where
-      do k = 1, points%n
-         associate (from => points%tangent(k), to => points%tangent(k) + points%nt - 1)
-            equations%closed(from:to) = equations%closed(points%normal(k))
-            equations%residual(from:to) = equations%c(from)*(x%gap(from:to) - points%start(:, k))
-            equations%p(:, :, k) = 0.0_wp
-            equations%q(:, :, k) = 0.0_wp
-            do i = 1, points%nt
-               equations%p(i, i, k) = equations%c(from)*equations%extra(from + i - 1)
-               equations%q(i, i, k) = equations%c(from)
-            end do
-         end associate
-      end do
-   end subroutine stick_all
-
-   !> Of the normal rows in the wrong set, the last one changes.
-   subroutine change_last(equations, result)
-      type(equations_type), intent(inout) :: equations
-      type(contact_result_type), intent(inout) :: result
-      integer :: row
-
-      if (.not. allocated(equations%set)) then
-         equations%set = equations%closed
-         return
-      end if
-      row = findloc(equations%set .neqv. equations%natural, .true., 1, back=.true.)
-      if (row == 0) return
-      equations%set(row) = equations%natural(row)
-      result%single_pivots = result%single_pivots + 1
-   end subroutine change_last
-
-   !> A number that two states share only by chance.
-   pure integer(int64) function hash_of(equations) result(hash)
-      type(equations_type), intent(in) :: equations
-      integer :: i
-
-      hash = 1_int64
-      do i = 1, size(equations%closed)
-         hash = mix(hash, merge(1_int64, 2_int64, equations%closed(i)))
-      end do
-      do i = 1, size(equations%status)
-         hash = mix(hash, int(equations%status(i), int64))
-      end do
-      if (hash == 0_int64) hash = 1_int64
-   end function hash_of
-
-   !> Shifts and products modulo a prime below 2^31: no overflow.
-   pure integer(int64) function mix(hash, value)
-      integer(int64), intent(in) :: hash, value
-      mix = mod(hash*69069_int64 + value + 12345_int64, 2147483647_int64)
-   end function mix
 
    !> Uzawa's update of the augmented groups, normal and tangential; `moved` is by how much.
    subroutine augment(self, points, work, x, moved)

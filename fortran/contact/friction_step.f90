@@ -39,6 +39,10 @@ module lopin_friction_step
       logical :: one_by_one = .false.
       logical :: singular = .false.
       integer :: sign_of_determinant = 1, dependent = 0
+      integer :: cure = 1                          !! rung of the ladder in use
+      integer :: iterations = 0, single_pivots = 0 !! of all rungs
+      real(wp), allocatable :: norms(:)            !! residuals of Newton, last run [force]
+      integer, allocatable :: changing(:)          !! points that changed in its last step
    end type work_type
 
 contains
