@@ -10,7 +10,8 @@ module lopin_loading
    use lopin_model, only : model_type, step_type, amplitude_value, amplitude_integral
    use lopin_dofs, only : dofs_type
    use lopin_constraints, only : constraints_type, raw_displacement
-   use lopin_assemble_solids, only : solids_type, add_body_loads, add_face_loads
+   use lopin_solids, only : solids_type
+   use lopin_solid_loads, only : add_body_loads, add_face_loads
    implicit none
    private
    public :: loading_type, new_loading, loads_at, prescribed_at, add_ended_loads

@@ -9,7 +9,8 @@ module lopin_scene
    use lopin_constraint_rules, only : follower_rule
    use lopin_constraints, only : constraints_type, new_constraints, raw_displacement, expand
    use lopin_bodies, only : bodies_type, new_bodies
-   use lopin_assemble_solids, only : solids_type, solid_section_type, new_solids, assemble_stiffness
+   use lopin_solids, only : solids_type, solid_section_type, new_solids
+   use lopin_assemble_solids, only : assemble_stiffness
    use lopin_contact_points, only : contact_points_type, new_contact_points, move_tool, pair_is_tied
    use lopin_contact_rows, only : initial_gap_type, new_initial_gaps, contact_rows_type, &
       & new_contact_rows

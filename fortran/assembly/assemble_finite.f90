@@ -11,7 +11,7 @@ module lopin_assemble_finite
    use lopin_solid_flow, only : flow_element, flow_stresses, flow_memory
    use lopin_element_type, only : element_type
    use lopin_simplex_patches, only : patch_element
-   use lopin_assemble_solids, only : solids_type, group_type, add_slots, unit_nodes, unit_points
+   use lopin_solids, only : solids_type, group_type, add_slots, unit_nodes, unit_points
    use lopin_solid_memory, only : solid_memory_type
    use lopin_material_memory, only : strain_at
    implicit none

@@ -2,7 +2,7 @@
 module lopin_nodal_mises
    use lopin_kinds, only : wp
    use lopin_mesh, only : mesh_type
-   use lopin_assemble_solids, only : solids_type
+   use lopin_solids, only : solids_type
    use lopin_solid_memory, only : solid_memory_type, at_all_points
    use lopin_material_memory, only : stress_at
    use lopin_assemble_finite, only : recover_finite, remember

@@ -5,7 +5,7 @@ module lopin_recover_stress
    use lopin_element_type, only : element_type, element_kind
    use lopin_elastic, only : thickness_strain
    use lopin_solid_small, only : strain_matrices, strains
-   use lopin_assemble_solids, only : solids_type, group_type, unit_nodes, unit_points
+   use lopin_solids, only : solids_type, group_type, unit_nodes, unit_points
    use lopin_simplex_patches, only : patch_element
    implicit none
    private

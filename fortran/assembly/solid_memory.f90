@@ -3,7 +3,7 @@ module lopin_solid_memory
    use lopin_kinds, only : wp
    use lopin_mesh, only : mesh_type
    use lopin_flow_curve, only : flow_stress
-   use lopin_assemble_solids, only : solids_type
+   use lopin_solids, only : solids_type
    use lopin_material_memory, only : memory_size, stress_at
    implicit none
    private

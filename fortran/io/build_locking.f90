@@ -6,13 +6,11 @@ module lopin_build_locking
    use lopin_element_type, only : element_kind, element_type
    use lopin_flow_curve, only : flows
    use lopin_model, only : model_type
+   use lopin_solids, only : keeps_volume
    use lopin_build_scene, only : scene_type
    implicit none
    private
    public :: judge_locking
-
-   !> As in module assemble_solids, which forms the patches.
-   real(wp), parameter :: keeps_volume = 0.4_wp
 
 contains
 

@@ -6,8 +6,8 @@ program test_assemble_finite
    use lopin_csc, only : csc_type
    use lopin_element_type, only : element_type, element_words, element_kind, new_element_type
    use lopin_facets, only : facets_type, boundary_facets
-   use lopin_assemble_solids, only : solids_type, solid_section_type, new_solids, &
-      & assemble_stiffness
+   use lopin_solids, only : solids_type, solid_section_type, new_solids
+   use lopin_assemble_solids, only : assemble_stiffness
    use lopin_assemble_finite, only : assemble_finite, recover_finite, bad_element_type
    use lopin_recover_stress, only : recover_stress
    use lopin_solid_memory, only : solid_memory_type, new_solid_memory

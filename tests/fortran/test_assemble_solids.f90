@@ -7,9 +7,9 @@ program test_assemble_solids
    use lopin_element_type, only : element_type, element_words, element_kind, new_element_type
    use lopin_facets, only : facets_type, boundary_facets
    use lopin_solid_small, only : stiffness
-   use lopin_assemble_solids, only : solids_type, solid_section_type, new_solids, &
-      & assemble_stiffness, &
-      & add_body_loads, add_face_loads, unit_nodes
+   use lopin_solids, only : solids_type, solid_section_type, new_solids, unit_nodes
+   use lopin_assemble_solids, only : assemble_stiffness
+   use lopin_solid_loads, only : add_body_loads, add_face_loads
    use lopin_recover_stress, only : recover_stress, average_to_nodes
    use blocks, only : new_block
    use check, only : test, close_to, is_true, finish

@@ -5,7 +5,8 @@ program test_follower_loads
    use lopin_csc, only : csc_type
    use lopin_element_type, only : element_type, element_words, element_kind, new_element_type
    use lopin_facets, only : facets_type, boundary_facets
-   use lopin_assemble_solids, only : solids_type, solid_section_type, new_solids, add_face_loads
+   use lopin_solids, only : solids_type, solid_section_type, new_solids
+   use lopin_solid_loads, only : add_face_loads
    use lopin_finite_contact, only : local_matrix_type
    use lopin_follower_loads, only : add_follower_loads
    use blocks, only : new_block, random

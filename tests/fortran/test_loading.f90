@@ -6,7 +6,7 @@ program test_loading
    use lopin_model, only : model_type
    use lopin_dofs, only : dofs_type, new_dofs
    use lopin_constraints, only : constraints_type, new_constraints
-   use lopin_assemble_solids, only : solids_type, solid_section_type, new_solids
+   use lopin_solids, only : solids_type, solid_section_type, new_solids
    use lopin_loading, only : loading_type, new_loading, loads_at, prescribed_at, add_ended_loads
    use constraint_scenes, only : model_of, squares, nl
    use check, only : test, close_to, is_true, finish
