@@ -6,7 +6,7 @@ module lopin_contact_friction
    use lopin_error, only : error_type
    use lopin_model, only : model_type, method_of
    use lopin_friction, only : friction_type, is_regularised, reads_speed
-   use lopin_contact_rows, only : friction_in_step
+   use lopin_pair_friction, only : friction_in_step
    use lopin_surface_material, only : slave_yields
    use lopin_friction_rows, only : friction_points_type
    use lopin_friction_set, only : solve_friction, friction_result_type

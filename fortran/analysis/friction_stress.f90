@@ -4,7 +4,7 @@
 !> the stress settles. Taken from the last increment instead, the answer would depend on the step.
 module lopin_friction_stress
    use lopin_kinds, only : wp
-   use lopin_contact_rows, only : friction_in_step
+   use lopin_pair_friction, only : friction_in_step
    use lopin_friction, only : reads_mises
    use lopin_model, only : model_type
    use lopin_nodal_mises, only : nodal_mises

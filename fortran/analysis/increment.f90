@@ -28,7 +28,9 @@ module lopin_increment
    use lopin_friction_state, only : commit_friction => commit, roll_back_friction => roll_back
    use lopin_frames, only : fill_frame
    use lopin_judge_mesh, only : judge_mesh
-   use lopin_after_step, only : seen_type, look_at_pairs, say_once, pair_that_slid
+   use lopin_after_step, only : seen_type, look_at_pairs
+   use lopin_say_once, only : say_once
+   use lopin_small_theory, only : pair_that_slid
    implicit none
    private
    public :: progress_type, solve_increment, reject, prepare, say

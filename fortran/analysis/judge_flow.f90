@@ -6,7 +6,7 @@ module lopin_judge_flow
    use lopin_solid_memory, only : at_all_points
    use lopin_material_memory, only : strain_at
    use lopin_scene, only : scene_type
-   use lopin_after_step, only : say_once
+   use lopin_say_once, only : say_once
    use lopin_flow_curve, only : table_end
    implicit none
    private

@@ -5,7 +5,7 @@ module lopin_judge_mesh
    use lopin_model, only : model_type
    use lopin_corner_shape, only : worst_corner
    use lopin_scene, only : scene_type
-   use lopin_after_step, only : say_once
+   use lopin_say_once, only : say_once
    implicit none
    private
    public :: judge_mesh

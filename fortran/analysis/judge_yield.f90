@@ -6,7 +6,7 @@ module lopin_judge_yield
    use lopin_model, only : model_type
    use lopin_recover_stress, only : recover_stress
    use lopin_scene, only : scene_type
-   use lopin_after_step, only : say_once
+   use lopin_say_once, only : say_once
    use lopin_flow_curve, only : flows
    use lopin_von_mises, only : von_mises
    implicit none

@@ -7,7 +7,7 @@ module lopin_overconstrained
    use lopin_model, only : model_type
    use lopin_contact_points, only : pair_is_tied
    use lopin_scene, only : scene_type
-   use lopin_after_step, only : say_once
+   use lopin_say_once, only : say_once
    implicit none
    private
    public :: tell_dependent, refuse_held_penetration

@@ -24,7 +24,7 @@ module lopin_path_condensed
       & renew_speed
    use lopin_friction_stress, only : friction_reads_stress, update_friction_stress, &
       & most_stress_passes, stress_tolerance
-   use lopin_after_step, only : say_once
+   use lopin_say_once, only : say_once
    use lopin_contact_failure, only : check_held, explain_outcome
    implicit none
    private

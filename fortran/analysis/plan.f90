@@ -5,7 +5,7 @@ module lopin_plan
    use lopin_error, only : error_type, error_code, raise
    use lopin_model, only : model_type
    use lopin_flow_curve, only : flows
-   use lopin_contact_rows, only : pair_slides_with_friction
+   use lopin_pair_friction, only : pair_slides_with_friction
    implicit none
    private
    public :: plan_type, new_plan, plan_line, finite_line, path_of

@@ -11,9 +11,11 @@ module lopin_scene
    use lopin_bodies, only : bodies_type, new_bodies
    use lopin_solids, only : solids_type, solid_section_type, new_solids
    use lopin_assemble_solids, only : assemble_stiffness
-   use lopin_contact_points, only : contact_points_type, new_contact_points, move_tool, pair_is_tied
-   use lopin_contact_rows, only : initial_gap_type, new_initial_gaps, contact_rows_type, &
-      & new_contact_rows
+   use lopin_contact_points, only : contact_points_type, pair_is_tied
+   use lopin_pairing, only : new_contact_points
+   use lopin_tool_points, only : move_tool
+   use lopin_initial_gaps, only : initial_gap_type, new_initial_gaps
+   use lopin_contact_rows, only : contact_rows_type, new_contact_rows
    use lopin_condensed, only : condensed_type
    use lopin_active_set, only : contact_result_type
    use lopin_friction_state, only : friction_state_type, new_friction_state

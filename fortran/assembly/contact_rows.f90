@@ -2,37 +2,19 @@
 !>
 !> A sliding point has one row along the master's normal, a tied point one a direction; behind the
 !> rows of all pairs stand the tangential rows of the points with friction, whose gaps are relative
-!> displacements since the start. The frozen rule for initial gaps is applied here, and never
-!> silently.
+!> displacements since the start.
 module lopin_contact_rows
    use lopin_kinds, only : wp
-   use lopin_error, only : error_type, error_code, raise, log_type, severity
-   use lopin_text, only : to_text
-   use lopin_model, only : model_type, initial_of
+   use lopin_model, only : model_type
    use lopin_dofs, only : dofs_type
-   use lopin_friction, only : friction_type, has_friction, law_of
    use lopin_constraint_rules, only : follower_rule
    use lopin_constraints, only : constraints_type
    use lopin_contact_points, only : contact_points_type, pair_is_tied
+   use lopin_initial_gaps, only : initial_gap_type, may_tie
+   use lopin_pair_friction, only : pair_slides_with_friction
    implicit none
    private
-   public :: initial_gap_type, new_initial_gaps, contact_rows_type, new_contact_rows, reduce_rows, &
-      & row_forces, friction_in_step, pair_slides_with_friction
-
-   !> Overclosures below this share of a facet are inexact geometry, not interference (frozen).
-   real(wp), parameter :: inexact = 1.0e-3_wp
-   !> Deeper overclosures, in facets, are mistakes.
-   real(wp), parameter :: too_deep = 0.5_wp
-   !> Gaps below this share of a facet are the rounding of coordinates: nothing is said of them.
-   real(wp), parameter :: rounding = 1.0e-9_wp
-
-   type :: initial_gap_type
-      real(wp), allocatable :: shift(:)   !! (npoint) added to the geometric gap: ADJUST, CLEARANCE
-                                          !! [length]
-      real(wp), allocatable :: overclosure(:)   !! (npoint) >= 0, ramped in over the first step
-                                                !! [length]
-      logical, allocatable :: touches(:)       !! (npoint) closed at the start
-   end type initial_gap_type
+   public :: contact_rows_type, new_contact_rows, reduce_rows, row_forces
 
    type :: contact_rows_type
       integer :: n = 0
@@ -49,129 +31,6 @@ module lopin_contact_rows
    end type contact_rows_type
 
 contains
-
-   !> ADJUST, CLEARANCE and the rule for overclosures of every pair.
-   subroutine new_initial_gaps(self, model, points, log, error)
-      type(initial_gap_type), intent(out) :: self
-      type(model_type), intent(in) :: model
-      type(contact_points_type), intent(in) :: points
-      type(log_type), intent(inout) :: log
-      type(error_type), allocatable, intent(out) :: error
-      integer :: pair
-
-      allocate (self%shift(points%n), self%overclosure(points%n), source=0.0_wp)
-      allocate (self%touches(points%n), source=.false.)
-      do pair = 1, size(model%pair)
-         call judge_pair(self, model, points, pair, log, error)
-         if (allocated(error)) return
-      end do
-   end subroutine new_initial_gaps
-
-   subroutine judge_pair(self, model, points, pair, log, error)
-      type(initial_gap_type), intent(inout) :: self
-      type(model_type), intent(in) :: model
-      type(contact_points_type), intent(in) :: points
-      integer, intent(in) :: pair
-      type(log_type), intent(inout) :: log
-      type(error_type), allocatable, intent(out) :: error
-      integer :: i, adjusted, interfering, worst, untied
-      real(wp) :: gap, deepest, moved
-      logical :: adjust, keeps
-
-      adjusted = 0
-      interfering = 0
-      worst = 0
-      deepest = 0.0_wp
-      moved = 0.0_wp
-      untied = 0
-      associate (p => model%pair(pair))
-         keeps = model%interaction(p%interaction)%no_separation
-         do i = points%first(pair), points%first(pair + 1) - 1
-            if (pair_is_tied(model, p)) then
-               if (.not. may_tie(points, i, p%adjust)) untied = untied + 1
-               cycle
-            end if
-            if (points%facet(i) == 0) cycle
-            gap = points%gap(i)
-            if (p%has_clearance) then
-               self%shift(i) = p%clearance - gap
-               gap = p%clearance
-            end if
-            adjust = gap < 0.0_wp .and. gap > -inexact*points%size(i)
-            ! What never separates is not pulled together by inexact geometry either.
-            if (keeps) adjust = adjust .or. abs(gap) < inexact*points%size(i)
-            if (p%adjust >= 0.0_wp) adjust = adjust .or. gap <= p%adjust
-            if (allocated(p%adjust_node)) adjust = adjust .or. any(p%adjust_node == points%node(i))
-            if (p%control%initial == initial_of%adjust) adjust = adjust .or. gap < 0.0_wp
-            if (adjust .and. .not. p%has_clearance) then
-               if (abs(gap) > rounding*points%size(i)) adjusted = adjusted + 1
-               moved = max(moved, abs(gap))
-               self%shift(i) = self%shift(i) - gap
-               gap = 0.0_wp
-            end if
-            self%touches(i) = gap <= inexact*points%size(i)
-            if (gap >= 0.0_wp) cycle
-            self%overclosure(i) = -gap
-            interfering = interfering + 1
-            if (-gap/points%size(i) <= deepest) cycle
-            deepest = -gap/points%size(i)
-            worst = i
-         end do
-         if (adjusted > 0) call log%say(severity%note, 'N0316', to_text(adjusted)// &
-            & ' slave points of '// &
-            & model%surface(p%slave)%name//' were set on '//model%surface(p%master)%name// &
-            & ' without strain, by at most '//to_text(moved), p%at)
-         if (untied > 0) call log%say(severity%warning, 'W0318', to_text(untied)//' of '// &
-            & to_text(points%first(pair + 1) - points%first(pair))//' slave nodes of '// &
-            & model%surface(p%slave)%name// &
-            & ' are not tied: they are farther than half a facet from '// &
-            & model%surface(p%master)%name, p%at, &
-            & help='ADJUST= on *CONTACT PAIR ties what is nearer than its value')
-         if (interfering == 0) return
-         call report_overclosure(model, points, pair, interfering, worst, deepest, log, error)
-      end associate
-   end subroutine judge_pair
-
-   !> A point of a tied pair that has a master near enough.
-   pure logical function may_tie(points, i, adjust)
-      type(contact_points_type), intent(in) :: points
-      integer, intent(in) :: i
-      real(wp), intent(in) :: adjust           !! ADJUST= [length]
-      may_tie = points%facet(i) > 0 .and. abs(points%gap(i)) <= max(too_deep*points%size(i), adjust)
-   end function may_tie
-
-   subroutine report_overclosure(model, points, pair, number, worst, deepest, log, error)
-      type(model_type), intent(in) :: model
-      type(contact_points_type), intent(in) :: points
-      integer, intent(in) :: pair, number, worst
-      real(wp), intent(in) :: deepest
-      type(log_type), intent(inout) :: log
-      type(error_type), allocatable, intent(out) :: error
-      character(len=:), allocatable :: text, help, note
-
-      associate (p => model%pair(pair))
-         text = to_text(number)//' slave points of '//model%surface(p%slave)%name//' penetrate '// &
-            & model%surface(p%master)%name//' at the start, the deepest, node '// &
-            & to_text(model%mesh%node_label(points%node(worst)))//', by '// &
-            & to_text(deepest*points%size(worst))//' ('//to_text(nint(100.0_wp*deepest))// &
-            & ' % of a facet)'
-         help = 'ADJUST='//to_text(1.01_wp*deepest*points%size(worst))// &
-            & ' on *CONTACT PAIR moves them out without strain'
-         if (deepest > too_deep .or. p%control%initial == initial_of%error) then
-            note = 'INITIAL=ERROR asks to refuse it'
-            if (deepest > too_deep) note = 'deeper than half a facet is a mistake of position, unit or side'
-            call raise(error, error_code%deck, 'E0311', text, p%at, help=help, note=note)
-         else if (p%control%initial == initial_of%interference .or. p%has_clearance) then
-            call log%say(severity%note, 'N0311', text// &
-               & ': an interference as meant, ramped in over the first step', &
-               & p%at)
-         else
-            call log%say(severity%warning, 'W0311', text// &
-               & ': treated as interference, ramped in over the first step', &
-               & p%at, help=help//'; *CONTACT CONTROLS, INITIAL=INTERFERENCE says that it is meant')
-         end if
-      end associate
-   end subroutine report_overclosure
 
    !> Rows of all points that have a master opposite.
    !>
@@ -268,46 +127,6 @@ contains
          end do
       end do
    end subroutine add_tangents
-
-   !> The friction of an interaction in a step, after the changes of that and all earlier steps.
-   pure function friction_in_step(model, interaction, step) result(friction)
-      type(model_type), intent(in) :: model
-      integer, intent(in) :: interaction, step
-      type(friction_type) :: friction
-      integer :: i, k
-
-      friction = model%interaction(interaction)%friction
-      do i = 1, step
-         if (.not. allocated(model%step(i)%friction_change)) cycle
-         associate (change => model%step(i)%friction_change)
-            do k = 1, size(change)
-               if (change(k)%interaction == interaction) friction = change(k)%friction
-            end do
-         end associate
-      end do
-   end function friction_in_step
-
-   !> The pair has friction in some step: its points keep tangential rows in all of them.
-   pure logical function pair_slides_with_friction(model, pair) result(slides)
-      type(model_type), intent(in) :: model
-      integer, intent(in) :: pair
-      integer :: step
-
-      slides = .false.
-      if (pair_is_tied(model, model%pair(pair))) return
-      do step = 1, size(model%step)
-         slides = slides .or. resists(friction_in_step(model, model%pair(pair)%interaction, step))
-      end do
-   end function pair_slides_with_friction
-
-   !> mu = 0 is no friction at all: the frictionless kernel solves it.
-   pure logical function resists(friction)
-      type(friction_type), intent(in) :: friction
-
-      resists = has_friction(friction)
-      if (friction%rough .or. friction%law /= law_of%coulomb) return
-      resists = friction%mu > 0.0_wp .or. (friction%decay > 0.0_wp .and. friction%mu_static > 0.0_wp)
-   end function resists
 
    !> Unit normal and tangents, as columns.
    pure subroutine frame_of(normal, ndim, frame)

@@ -7,9 +7,10 @@ module lopin_finite_points
    use lopin_model, only : model_type, pair_type, surface_of
    use lopin_surface_material, only : slave_yields
    use lopin_slave_points, only : slave_type, new_slave
-   use lopin_contact_points, only : contact_points_type, new_contact_points
+   use lopin_contact_points, only : contact_points_type
+   use lopin_pairing, only : new_contact_points
    use lopin_mortar_pairs, only : is_mortar
-   use lopin_contact_rows, only : initial_gap_type, new_initial_gaps
+   use lopin_initial_gaps, only : initial_gap_type, new_initial_gaps
    use lopin_surface_material, only : youngs_modulus, extreme_moduli
    implicit none
    private

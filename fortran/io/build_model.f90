@@ -14,7 +14,8 @@ module lopin_build_model
    use lopin_build_heat, only : build_initial_conditions, build_temperatures
    use lopin_build_mesh, only : build_mesh
    use lopin_build_sets, only : build_sets
-   use lopin_build_materials, only : build_materials, build_sections, check_sections
+   use lopin_build_materials, only : build_materials
+   use lopin_build_sections, only : build_sections, check_sections
    use lopin_build_surfaces, only : build_surfaces
    use lopin_build_constraints, only : build_rigid_bodies, build_equations
    use lopin_build_transforms, only : build_transforms

@@ -4,9 +4,11 @@ program test_contact_rows
    use lopin_error, only : error_type, log_type
    use lopin_model, only : model_type
    use lopin_dofs, only : dofs_type, new_dofs
-   use lopin_contact_points, only : contact_points_type, new_contact_points, move_tool
-   use lopin_contact_rows, only : initial_gap_type, new_initial_gaps, contact_rows_type, &
-      & new_contact_rows, row_forces
+   use lopin_contact_points, only : contact_points_type
+   use lopin_pairing, only : new_contact_points
+   use lopin_tool_points, only : move_tool
+   use lopin_initial_gaps, only : initial_gap_type, new_initial_gaps
+   use lopin_contact_rows, only : contact_rows_type, new_contact_rows, row_forces
    use constraint_scenes, only : model_of, ended, nl
    use check, only : test, close_to, is_true, finish
    implicit none

@@ -1,0 +1,86 @@
+!> When the state of a run is kept, and how a run goes back to what was kept.
+module lopin_keep_state
+   use lopin_error, only : error_type, error_code, raise
+   use lopin_interrupt, only : is_interrupted
+   use lopin_stream, only : stream_type
+   use lopin_text, only : to_text
+   use lopin_clock, only : phase
+   use lopin_model, only : model_type
+   use lopin_state, only : summary_type
+   use lopin_recorder, only : recorder_holder_type
+   use lopin_plan, only : plan_type
+   use lopin_scene, only : scene_type
+   use lopin_increment, only : progress_type
+   use lopin_keeper, only : keeper_type
+   use lopin_checkpoint, only : march_type, keep_run
+   implicit none
+   private
+   public :: keep_state, go_back
+
+contains
+
+   !> To the state that an earlier run kept; its files are cut to what they were then.
+   subroutine go_back(stream, model, scene, plan, progress, march, recorders, summary, error)
+      type(stream_type), intent(inout) :: stream
+      type(model_type), intent(in) :: model
+      type(scene_type), intent(inout) :: scene
+      type(plan_type), intent(inout) :: plan
+      type(progress_type), intent(inout) :: progress
+      type(march_type), intent(inout) :: march
+      type(recorder_holder_type), intent(inout) :: recorders(:)
+      type(summary_type), intent(inout) :: summary
+      type(error_type), allocatable, intent(out) :: error
+
+      stream%reading = .true.
+      call keep_run(stream, model, scene, plan, progress, march, summary, error)
+      if (.not. allocated(error)) call keep_recorders(recorders, stream, error)
+      if (allocated(error)) return
+      if (stream%broken .or. .not. stream%ended()) call raise(error, error_code%resource, &
+         & 'E0604', 'the checkpoint does not hold what this build of Lopin keeps', &
+         & help='run the deck without --resume')
+   end subroutine go_back
+
+   subroutine keep_recorders(recorders, stream, error)
+      type(recorder_holder_type), intent(inout) :: recorders(:)
+      type(stream_type), intent(inout) :: stream
+      type(error_type), allocatable, intent(out) :: error
+      integer :: i
+
+      do i = 1, size(recorders)
+         call recorders(i)%recorder%keep(stream, error)
+         if (allocated(error)) return
+      end do
+   end subroutine keep_recorders
+
+   !> Keep the state if it is due, or if the run is to end here; then that is the error.
+   subroutine keep_state(scene, model, plan, progress, march, recorders, summary, error, keeper)
+      type(scene_type), intent(inout) :: scene
+      type(model_type), intent(in) :: model
+      type(plan_type), intent(inout) :: plan
+      type(progress_type), intent(inout) :: progress
+      type(march_type), intent(inout) :: march
+      type(recorder_holder_type), intent(inout) :: recorders(:)
+      type(summary_type), intent(inout) :: summary
+      type(error_type), allocatable, intent(out) :: error
+      class(keeper_type), intent(inout), optional :: keeper
+      type(stream_type) :: stream
+      logical :: ends, due
+
+      if (.not. present(keeper)) return
+      if (march%at_end .and. scene%step == size(model%step)) return
+      ends = is_interrupted()
+      associate (every => model%step(scene%step)%checkpoint)
+         due = every > 0
+         if (due) due = march%at_end .or. mod(march%number, every) == 0
+      end associate
+      if (.not. (due .or. ends)) return
+      call keep_run(stream, model, scene, plan, progress, march, summary, error)
+      if (.not. allocated(error)) call keep_recorders(recorders, stream, error)
+      if (.not. allocated(error)) call keeper%save(stream, error)
+      call scene%clock%stop_in(phase%output)
+      if (allocated(error) .or. .not. ends) return
+      call raise(error, error_code%interrupted, 'E0605', 'interrupted after increment '// &
+         & to_text(march%number)//' of step '//to_text(scene%step)//', which is kept', &
+         & help='the same command with --resume goes on from there')
+   end subroutine keep_state
+end module lopin_keep_state

@@ -1,0 +1,122 @@
+!> The length of increments: cut where one fails, grown where few iterations did, ended at turns.
+module lopin_time_increment
+   use lopin_kinds, only : wp
+   use lopin_error, only : error_type, error_code
+   use lopin_text, only : to_text
+   use lopin_model, only : model_type, step_type
+   use lopin_state, only : frame_type, summary_type
+   use lopin_recorder, only : recorder_holder_type
+   use lopin_plan, only : plan_type, path_of
+   use lopin_scene, only : scene_type
+   use lopin_contact_friction, only : slides_with_friction
+   use lopin_increment, only : progress_type, solve_increment, reject, say
+   use lopin_checkpoint, only : march_type
+   implicit none
+   private
+   public :: advance, grow
+
+   !> A failed increment is cut to this share; one that took few iterations grows; none is smaller
+   !> than the last, beside the period, unless the deck says otherwise.
+   real(wp), parameter :: cut = 0.25_wp, growth = 1.5_wp, smallest = 1.0e-6_wp
+   integer, parameter :: few_iterations = 8
+   !> Plastic strain that increments grow up to.
+   real(wp), parameter :: steady_flow = 0.1_wp
+
+contains
+
+   !> One increment from `time`: tried, cut and tried again until it is accepted or cannot be cut.
+   subroutine advance(scene, model, plan, march, progress, recorders, summary, frame, error)
+      type(scene_type), intent(inout) :: scene
+      type(model_type), intent(in) :: model
+      type(plan_type), intent(inout) :: plan
+      type(march_type), intent(inout) :: march
+      type(progress_type), intent(inout) :: progress
+      type(recorder_holder_type), intent(inout) :: recorders(:)
+      type(summary_type), intent(inout) :: summary
+      type(frame_type), intent(inout) :: frame
+      type(error_type), allocatable, intent(out) :: error
+      real(wp) :: target_time
+
+      associate (step => model%step(scene%step), time => march%time, &
+         & increment => march%increment)
+         frame%attempt = 1
+         do
+            target_time = time + increment
+            if (scene%finite%memory%in_use .and. .not. step%direct) target_time = min(target_time, &
+               & next_turn(model, step, progress%time, time))
+            if (target_time + 1.0e-9_wp*increment >= step%period) target_time = step%period
+            increment = target_time - time
+            frame%step = scene%step
+            frame%step_time = target_time
+            frame%total_time = progress%time + target_time
+            frame%time_increment = increment
+            frame%last_of_step = .not. target_time < step%period
+            scene%finite%dt = increment
+            scene%finite%time = target_time
+            call solve_increment(scene, model, plan, march%loading, progress, recorders, &
+               & summary, frame, error)
+            if (.not. allocated(error)) exit
+            if (frame%certificate%verdict == 2) return
+            if (.not. may_cut(plan, scene, step, increment, error)) return
+            call reject(scene)
+            call say(recorders, 'step '//to_text(scene%step)//', increment '// &
+               & to_text(frame%increment)//', attempt '//to_text(frame%attempt)//': cut to '// &
+               & to_text(cut*increment, 4)//', because '//error%item(1)%message)
+            deallocate (error)
+            increment = cut*increment
+            frame%attempt = frame%attempt + 1
+         end do
+         time = target_time
+      end associate
+   end subroutine advance
+
+   !> The next point of an amplitude in use, in step time: what flows remembers each of them.
+   pure real(wp) function next_turn(model, step, start, time) result(turn)
+      type(model_type), intent(in) :: model
+      type(step_type), intent(in) :: step
+      real(wp), intent(in) :: start            !! total time where the step begins [time]
+      real(wp), intent(in) :: time             !! in the step [time]
+      real(wp), allocatable :: point(:)
+      integer :: a
+
+      turn = step%period
+      do a = 1, size(model%amplitude)
+         if (.not. (any(step%prescribed%amplitude == a) .or. any(step%point_load%amplitude == a) &
+            & .or. any(step%face_load%amplitude == a) .or. any(step%body_load%amplitude == a))) cycle
+         allocate (point, source=model%amplitude(a)%time)
+         if (model%amplitude(a)%total_time) point = point - start
+         point = pack(point, point > time + 1.0e-9_wp*step%period)
+         if (size(point) > 0) turn = min(turn, minval(point))
+         deallocate (point)
+      end do
+   end function next_turn
+
+   !> The next increment: larger after few iterations, as long as the metal flows little in it.
+   subroutine grow(increment, step, plan, frame, flow)
+      real(wp), intent(inout) :: increment
+      type(step_type), intent(in) :: step
+      type(plan_type), intent(in) :: plan
+      type(frame_type), intent(in) :: frame    !! of the last increment
+      real(wp), intent(in) :: flow             !! largest plastic strain in it
+
+      if (.not. step%direct .and. (plan%path /= path_of%finite &
+         & .or. frame%iterations <= few_iterations)) increment = growth*increment
+      if (.not. step%direct .and. flow > 0.0_wp) &
+         & increment = min(increment, frame%time_increment*steady_flow/flow)
+      if (step%largest > 0.0_wp) increment = min(increment, step%largest)
+   end subroutine grow
+
+   !> What did not converge may do so in smaller increments, where the path depends on them.
+   logical function may_cut(plan, scene, step, increment, error)
+      type(plan_type), intent(in) :: plan
+      type(scene_type), intent(in) :: scene
+      type(step_type), intent(in) :: step
+      real(wp), intent(in) :: increment
+      type(error_type), intent(in) :: error
+
+      may_cut = (plan%path == path_of%finite .or. slides_with_friction(scene)) &
+         & .and. error%code == error_code%not_converged &
+         & .and. .not. step%direct &
+         & .and. cut*increment >= max(step%smallest, smallest*step%period)
+   end function may_cut
+end module lopin_time_increment

@@ -1,0 +1,145 @@
+!> Slave points opposite rigid tools, at rest and where the tool stands at the end of an increment.
+!>
+!> The path of a tool may be long while the piece's is short: the points are projected on it again.
+module lopin_tool_points
+   use lopin_kinds, only : wp
+   use lopin_slave_points, only : slave_type
+   use lopin_tool, only : foot_type, project_all_moved
+   use lopin_rigid_motion, only : rigid_motion_type, new_rigid_motion
+   use lopin_model, only : model_type, kind_of
+   use lopin_contact_points, only : contact_points_type, add_point, facing
+   implicit none
+   private
+   public :: pair_with_tool, move_tool
+
+contains
+
+   !> A tool at rest; in a concave corner a point meets both walls.
+   subroutine pair_with_tool(self, model, pair, slave)
+      type(contact_points_type), intent(inout) :: self
+      type(model_type), intent(in) :: model
+      integer, intent(in) :: pair
+      type(slave_type), intent(in) :: slave
+      type(rigid_motion_type) :: rest
+      type(foot_type) :: feet(2)
+      integer :: i, k, nfeet, ndim, entries
+
+      ndim = model%mesh%ndim
+      entries = 1
+      call new_rigid_motion(rest, spread(0.0_wp, 1, ndim), spread(0.0_wp, 1, ndim), [real(wp) ::])
+      associate (tool => model%tool(self%tool(pair))%shape)
+         if (size(slave%node) > 0 .and. may_move(model, self%body(pair))) then
+            ! A tool that moves may bring a concave corner to any node: room for its second wall.
+            call project_all_moved(tool, rest, model%mesh%x(:, slave%node(1)), huge(1.0_wp), feet, &
+               & nfeet)
+            entries = max(1, nfeet)
+         end if
+         do i = 1, size(slave%node)
+            call project_all_moved(tool, rest, model%mesh%x(:, slave%node(i)), slave%size(i), &
+               & feet, nfeet)
+            do k = 1, max(entries, nfeet)
+               call add_point(self, pair, slave, i)
+               if (k <= nfeet) call take_foot(self, self%n, feet(k), model%pair(pair)%extension)
+            end do
+         end do
+      end associate
+   end subroutine pair_with_tool
+
+   !> A rigid body is free, or prescribed to go somewhere in some step.
+   pure logical function may_move(model, body)
+      type(model_type), intent(in) :: model
+      integer, intent(in) :: body
+      integer :: i, k, dofs
+
+      may_move = .false.
+      if (body == 0) return
+      dofs = 6
+      if (model%mesh%ndim == 2) dofs = 3
+      if (model%kind == kind_of%axisymmetric) dofs = 1
+      associate (rigid => model%rigid_body(body))
+         do i = 1, size(model%step)
+            k = 0
+            associate (p => model%step(i)%prescribed)
+               may_move = may_move &
+                  & .or. any((p%node == rigid%reference .or. p%node == rigid%rotation) &
+                  & .and. abs(p%value) > 0.0_wp)
+               k = count(p%node == rigid%reference) + count(p%node == rigid%rotation &
+                  & .and. rigid%rotation > 0)
+            end associate
+            may_move = may_move .or. k < dofs
+         end do
+      end associate
+   end function may_move
+
+   !> A foot counts if it is not past the end of the tool and the slave faces it.
+   subroutine take_foot(self, n, foot, extension)
+      type(contact_points_type), intent(inout) :: self
+      integer, intent(in) :: n
+      type(foot_type), intent(in) :: foot
+      real(wp), intent(in) :: extension
+
+      self%facet(n) = 0
+      if (.not. foot%found) return
+      self%normal(:, n) = foot%normal
+      self%foot(:, n) = foot%point
+      self%gap(n) = foot%gap
+      if (foot%overhang > extension*self%size(n)) return
+      ! On a corner itself the slave's own side says which of the tool's directions meets it.
+      if (foot%cone < 1.0_wp .and. -dot_product(self%side(:, n), foot%normal) >= &
+         & foot%cone - 1.0e-6_wp) self%normal(:, n) = -self%side(:, n)
+      if (any(abs(self%side(:, n)) > 0.0_wp)) then
+         if (dot_product(self%side(:, n), foot%normal) > facing) return
+      end if
+      self%facet(n) = max(1, foot%segment)
+   end subroutine take_foot
+
+   !> A point deep inside the moved tool may be nearest to a side that it does not face, as beside
+   !> the corner of a punch: it keeps the face that it met at the start, wherever that is now.
+   subroutine keep_start(self, i, motion, x)
+      type(contact_points_type), intent(inout) :: self
+      integer, intent(in) :: i
+      type(rigid_motion_type), intent(in) :: motion
+      real(wp), intent(in) :: x(:)             !! (ndim) the point [length]
+      integer :: n
+
+      if (self%facet(i) > 0 .or. self%start_facet(i) == 0 .or. self%gap(i) >= 0.0_wp) return
+      n = size(x)
+      self%facet(i) = self%start_facet(i)
+      self%normal(:n, i) = motion%turn(self%start_normal(:n, i))
+      self%foot(:n, i) = motion%to_global(self%start_foot(:n, i))
+      self%gap(i) = dot_product(self%normal(:n, i), x - self%foot(:n, i))
+   end subroutine keep_start
+
+   !> Project the points of a pair on its tool in another place.
+   subroutine move_tool(self, model, pair, displacement, rotation)
+      type(contact_points_type), intent(inout) :: self
+      type(model_type), intent(in) :: model
+      integer, intent(in) :: pair
+      real(wp), intent(in) :: displacement(:), rotation(:)  !! of the reference node [length], [rad]
+      type(rigid_motion_type) :: motion
+      type(foot_type) :: feet(2)
+      real(wp) :: reference(model%mesh%ndim)
+      integer :: i, k, nfeet
+
+      reference = model%mesh%x(:, model%rigid_body(self%body(pair))%reference)
+      call new_rigid_motion(motion, reference, displacement, rotation)
+      i = self%first(pair)
+      do while (i < self%first(pair + 1))
+         associate (tool => model%tool(self%tool(pair))%shape)
+            call project_all_moved(tool, motion, model%mesh%x(:, self%node(i)), self%size(i), &
+               & feet, nfeet)
+         end associate
+         do k = 1, 2
+            if (k <= nfeet) then
+               call take_foot(self, i, feet(k), model%pair(pair)%extension)
+               if (feet(k)%overhang <= 0.0_wp) call keep_start(self, i, motion, &
+                  & model%mesh%x(:, self%node(i)))
+            end if
+            i = i + 1
+            if (i >= self%first(pair + 1)) exit
+            if (self%node(i) /= self%node(i - 1)) exit
+            self%facet(i) = 0
+         end do
+      end do
+   end subroutine move_tool
+end module lopin_tool_points
