@@ -1,5 +1,5 @@
-!> What the end of a step tells the user: pairs that never met, work that was lost, motions too large
-!> for the theory.
+!> What the end of a step tells the user: pairs that never met, work that was lost, motions too
+!> large for the theory.
 module lopin_after_step
    use lopin_kinds, only : wp
    use lopin_text, only : to_text
@@ -161,8 +161,8 @@ contains
             call say_once(scene%log, 'W0514', 'no node of '// &
                & model%surface(model%pair(pair)%slave)%name//' slips farther than '// &
                & to_text(maxval(path), 3)//', and sticking ones give way by up to '// &
-               & to_text(chosen_slip*facet, 3)//' (0.5 % of a facet, chosen): the zones of stick '// &
-               & 'and slip are blurred', model%pair(pair)%at, &
+               & to_text(chosen_slip*facet, 3)//' (0.5 % of a facet, chosen): the zones of '// &
+               & 'stick and slip are blurred', model%pair(pair)%at, &
                & help='DIRECT sticks exactly; or give ELASTIC SLIP= on *FRICTION')
          end associate
       end do

@@ -66,8 +66,9 @@ contains
       end associate
    end subroutine put_mises
 
-   !> The flow stress that the solids have with these displacements; where nothing flows, that of the
-   !> deck stays. At rest a viscous solid has none: friction never takes less than a trace of it.
+   !> The flow stress that the solids have with these displacements; where nothing flows, that of
+   !> the deck stays. At rest a viscous solid has none: friction never takes less than a trace of
+   !> it.
    subroutine put_yields(scene, model, displacement)
       type(scene_type), intent(inout) :: scene
       type(model_type), intent(in) :: model

@@ -36,8 +36,8 @@ contains
       if (scene%finite%memory%in_use) call plastic_values(frame, scene, model, wants)
       if (.not. (wants%stress .or. wants%strain .or. wants%nodal_stress)) return
       if (is_nonlinear(scene%finite)) then
-         call recover_finite(scene%solids, model%mesh, frame%u(:3, :), scene%finite%memory, stress, &
-            & strain)
+         call recover_finite(scene%solids, model%mesh, frame%u(:3, :), scene%finite%memory, &
+            & stress, strain)
       else
          call recover_stress(scene%solids, model%mesh, frame%u(:3, :), stress, strain)
       end if

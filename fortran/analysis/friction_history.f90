@@ -20,8 +20,8 @@ contains
       type(scene_type), intent(inout) :: scene
       type(friction_points_type), intent(in) :: points
       type(friction_result_type), intent(in) :: friction
-      real(wp) :: slip(3), slid(points%nt), lost(points%nt), elastic(points%nt), done, radius, slope, &
-         & press, force(3)
+      real(wp) :: slip(3), slid(points%nt), lost(points%nt), elastic(points%nt), done, radius, &
+         & slope, press, force(3)
       real(wp) :: most_work, most_bound, excess
       integer :: k, i
 

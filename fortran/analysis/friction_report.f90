@@ -55,9 +55,10 @@ contains
             & points, worst)//' has one below '//to_text(critical, 6), 'the answer is the '// &
             & 'one that the load history leads to; smaller increments follow it more surely')
       else if (friction%sign_of_determinant < 0) then
-         call warn(scene, model, 'W0520', 'frictional wedging: several equilibria are possible, '// &
-            & 'because the slipping points together press themselves on', 'the answer is the '// &
-            & 'one that the load history leads to; smaller increments follow it more surely')
+         call warn(scene, model, 'W0520', 'frictional wedging: several equilibria are '// &
+            & 'possible, because the slipping points together press themselves on', 'the '// &
+            & 'answer is the one that the load history leads to; smaller increments follow it '// &
+            & 'more surely')
       end if
    end subroutine warn_of_wedging
 
@@ -121,8 +122,8 @@ contains
          call raise(error, error_code%not_converged, 'E0520', 'stick and slip cycle after '// &
             & to_text(scene%answer%iterations)//' iterations'//nodes, &
             & model%step(scene%step)%at, &
-            & note='Newton, the load in parts, a damped tangent, single changes and fixed bounds were '// &
-            & 'all tried', &
+            & note='Newton, the load in parts, a damped tangent, single changes and fixed '// &
+            & 'bounds were all tried', &
             & help='smaller increments, or a smaller coefficient of friction')
       case default
       end select

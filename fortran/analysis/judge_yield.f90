@@ -54,8 +54,8 @@ contains
             & to_text(most(k), 3)//' times, at element '// &
             & to_text(model%mesh%element_label(worst(k)))//'); it is computed as elastic', &
             & model%material(k)%plastic_at, &
-            & help='leave out ONLY=FRICTION of *PLASTIC and PATH=CONDENSED: the stresses are wrong '// &
-            & 'where they pass it')
+            & help='leave out ONLY=FRICTION of *PLASTIC and PATH=CONDENSED: the stresses are '// &
+            & 'wrong where they pass it')
       end do
    end subroutine judge_yield
 end module lopin_judge_yield

@@ -1,5 +1,5 @@
-!> Slave nodes that are held twice: by supports along the direction in which contact would act, or by
-!> a tie and another pair at once. One message with the node, the pair and the lines of the deck.
+!> Slave nodes that are held twice: by supports along the direction in which contact would act, or
+!> by a tie and another pair at once. One message with the node, the pair and the lines of the deck.
 module lopin_overconstrained
    use lopin_kinds, only : wp
    use lopin_error, only : error_type, error_code, raise
@@ -98,8 +98,8 @@ contains
       character(len=:), allocatable :: text
 
       text = 'node '//label_of(scene, model, row)//' of pair '// &
-         & name_of(model, pair_of(scene, row))//' is overconstrained: supports hold it along its '// &
-         & 'contact normal, and the master opposite'
+         & name_of(model, pair_of(scene, row))//' is overconstrained: supports hold it along '// &
+         & 'its contact normal, and the master opposite'
    end function describe
 
    !> What to change, with the line of the support where there is one.

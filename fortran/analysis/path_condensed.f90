@@ -149,10 +149,10 @@ contains
          change = max(change, slower)
          if (change <= stress_tolerance) return
       end do
-      call say_once(scene%log, 'W0509', 'the von Mises stress or the speed of slip that friction '// &
-         & 'reads still changes by '//to_text(change, 3)//' of its largest value after '// &
-         & to_text(most_stress_passes)//' passes of an increment of step '//to_text(scene%step), &
-         & model%step(scene%step)%at)
+      call say_once(scene%log, 'W0509', 'the von Mises stress or the speed of slip that '// &
+         & 'friction reads still changes by '//to_text(change, 3)// &
+         & ' of its largest value after '//to_text(most_stress_passes)// &
+         & ' passes of an increment of step '//to_text(scene%step), model%step(scene%step)%at)
    end subroutine solve_friction_history
 
    !> Displacements from the condensed load and the contact forces.

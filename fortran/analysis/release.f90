@@ -1,5 +1,5 @@
-!> What a step lets go of - pairs that it takes away, supports that it frees - acts on as a force and
-!> fades over the step: a body that flowed springs back along a path, not in one leap.
+!> What a step lets go of - pairs that it takes away, supports that it frees - acts on as a force
+!> and fades over the step: a body that flowed springs back along a path, not in one leap.
 module lopin_release
    use lopin_kinds, only : wp
    use lopin_error, only : error_type

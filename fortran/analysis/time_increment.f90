@@ -82,7 +82,8 @@ contains
       turn = step%period
       do a = 1, size(model%amplitude)
          if (.not. (any(step%prescribed%amplitude == a) .or. any(step%point_load%amplitude == a) &
-            & .or. any(step%face_load%amplitude == a) .or. any(step%body_load%amplitude == a))) cycle
+            & .or. any(step%face_load%amplitude == a) &
+            & .or. any(step%body_load%amplitude == a))) cycle
          allocate (point, source=model%amplitude(a)%time)
          if (model%amplitude(a)%total_time) point = point - start
          point = pack(point, point > time + 1.0e-9_wp*step%period)

@@ -229,8 +229,8 @@ contains
          & answer, code)
    end subroutine probe_friction
 
-   subroutine probe_friction_increment(compliance, gap, mu, alpha, switches, scaling, force0, gaps0, &
-      & n, force, gaps, info, critical, code)
+   subroutine probe_friction_increment(compliance, gap, mu, alpha, switches, scaling, force0, &
+      & gaps0, n, force, gaps, info, critical, code)
       integer, intent(in) :: n
       double precision, intent(in) :: compliance(n, n), gap(n), mu, alpha, scaling, force0(n), &
          & gaps0(n)

@@ -119,8 +119,8 @@ contains
          & plural(log%count_of(severity%warning), 'warning')//' with --strict')
    end subroutine refuse_warnings
 
-   !> Threads of the assembly, where there is enough to share out; the BLAS starts on one, and a large
-   !> system may raise it (lopin_blas_threads says when).
+   !> Threads of the assembly, where there is enough to share out; the BLAS starts on one, and a
+   !> large system may raise it (lopin_blas_threads says when).
    subroutine set_threads(self, model)
       type(job_type), intent(in) :: self
       type(model_type), intent(in) :: model

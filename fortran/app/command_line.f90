@@ -29,8 +29,8 @@ module lopin_command_line
       & 'atlas', 'convert', 'example']
    character(len=*), parameter :: option_words(16) = [character(len=15) :: '--output', &
       & '--threads', '--solver', &
-      & '--resume', '--overwrite', '--deterministic', '--json', '--quiet', '--verbose', '--no-color', &
-      & '--strict', '--all', &
+      & '--resume', '--overwrite', '--deterministic', '--json', '--quiet', '--verbose', &
+      & '--no-color', '--strict', '--all', &
       & '--help', '--version', '-o', '-v']
 
 contains

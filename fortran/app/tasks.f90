@@ -125,7 +125,8 @@ contains
       if (len(options%subject) == 0) then
          print '(a)', 'lopin '//version, 'compiler: '//compiler_version(), &
             & 'solvers: '//join(solver_names), 'methods: '//join(method_names), 'threads: '// &
-            & to_text(omp_get_max_threads())//' of the assembly, '//to_text(blas_threads())//' of the BLAS'
+            & to_text(omp_get_max_threads())//' of the assembly, '//to_text(blas_threads())// &
+            & ' of the BLAS'
          return
       end if
       call open_deck(options, terminal)

@@ -1,4 +1,5 @@
-!> One contact point: which dofs it couples, its forces, and their exact derivatives by dual numbers.
+!> One contact point: which dofs it couples, its forces, and their exact derivatives by dual
+!> numbers.
 module lopin_finite_kernel
    use lopin_kinds, only : wp
    use lopin_dual, only : dual_type, dual_width, variable, constant, dual_dot, dual_cross, &
@@ -26,7 +27,7 @@ module lopin_finite_kernel
       real(wp), allocatable :: k(:, :)         !! d(-force, row)/d(u, multiplier)
       integer :: nu = 0                        !! entries that are displacements
       real(wp), allocatable :: spring(:, :)    !! (nu, nu) positive semidefinite part, for a factor
-      real(wp), allocatable :: flat_row(:, :)  !! (ndim, nu) multiplier rows as if normals stood still
+      real(wp), allocatable :: flat_row(:, :)  !! (ndim, nu) multiplier rows, normals standing still
    end type local_matrix_type
 
    !> Results of an evaluation.
@@ -51,8 +52,8 @@ module lopin_finite_kernel
 
 contains
 
-   subroutine evaluate_point(state, local, model, dofs, basis, masters, points, i, opposite, anchor, &
-      & grip, friction, at, shift, lambda, first_row, with_tangent)
+   subroutine evaluate_point(state, local, model, dofs, basis, masters, points, i, opposite, &
+      & anchor, grip, friction, at, shift, lambda, first_row, with_tangent)
       type(point_state_type), intent(inout) :: state
       type(local_matrix_type), intent(inout) :: local
       type(model_type), intent(in) :: model
@@ -160,7 +161,8 @@ contains
                         & inputs%reference(k) - from)
                   end do
                   do k = 1, 3
-                     turn(k) = variable(masters%of(points%pair(i))%rotation(k), inputs%rotation(k) - from)
+                     turn(k) = variable(masters%of(points%pair(i))%rotation(k), &
+                        & inputs%rotation(k) - from)
                   end do
                   rotation = tool_motion(turn)
                end if

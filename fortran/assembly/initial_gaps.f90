@@ -1,4 +1,5 @@
-!> Gaps at the start: ADJUST, CLEARANCE and the frozen rule for overclosures, never applied silently.
+!> Gaps at the start: ADJUST, CLEARANCE and the frozen rule for overclosures, never applied
+!> silently.
 module lopin_initial_gaps
    use lopin_kinds, only : wp
    use lopin_error, only : error_type, error_code, raise, log_type, severity

@@ -76,8 +76,8 @@ contains
                & to_text(slave%facets%face(lost))//' of element '// &
                & to_text(model%mesh%element_label(slave%facets%element(lost)))// &
                & ' of '//model%surface(pair%slave)%name//' has no place on the face opposite', &
-               & pair%at, help='the faces are too distorted to be integrated: make them convex, '// &
-               & 'or use TYPE=NODE TO SURFACE')
+               & pair%at, help='the faces are too distorted to be integrated: make them '// &
+               & 'convex, or use TYPE=NODE TO SURFACE')
             return
          end if
       end if

@@ -209,8 +209,8 @@ contains
             ratio = max(ratio, tool%shape%chord(self%facet(i))/self%size(i))
          end do
          if (ratio > coarse) call log%say(severity%warning, 'W0332', 'the facets of '// &
-            & tool%name//' stand up to '//to_text(100.0_wp*ratio)//' % of a slave facet off the '// &
-            & 'curved surface they mean', model%pair(pair)%at, &
+            & tool%name//' stand up to '//to_text(100.0_wp*ratio)//' % of a slave facet off '// &
+            & 'the curved surface they mean', model%pair(pair)%at, &
             & help='finer triangles, or an analytical tool')
       end associate
    end subroutine check_chord

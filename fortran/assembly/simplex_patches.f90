@@ -1,10 +1,10 @@
 !> Patches of linear triangles, tetrahedra and wedges that share one change of volume.
 !>
-!> One linear simplex has one volume and as good as no freedom left once that is kept: a mesh of them
-!> locks where the material keeps its volume. A patch of neighbours has the freedom of a quad or a
-!> brick. The mean dilatation of its members makes it an element like any other (Q1P0 on several
-!> cells; the energy form of the F-bar patches of de Souza Neto, Andrade Pires and Owen 2005): the
-!> tangent is symmetric and no unknown is added.
+!> One linear simplex has one volume and as good as no freedom left once that is kept: a mesh of
+!> them locks where the material keeps its volume. A patch of neighbours has the freedom of a quad
+!> or a brick. The mean dilatation of its members makes it an element like any other (Q1P0 on
+!> several cells; the energy form of the F-bar patches of de Souza Neto, Andrade Pires and Owen
+!> 2005): the tangent is symmetric and no unknown is added.
 !>
 !> Patches grow over shared faces from the elements with the fewest free neighbours, taking first
 !> what is enclosed already; remnants join a neighbour. The result depends on the mesh alone.

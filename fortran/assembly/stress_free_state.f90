@@ -6,7 +6,8 @@ module lopin_stress_free_state
    use lopin_kinds, only : wp
    use lopin_mesh, only : mesh_type
    use lopin_element_type, only : element_formulation
-   use lopin_log_strain, only : log_frame_type, new_log_frame, first_axis, second_axis, exp_minus_one
+   use lopin_log_strain, only : log_frame_type, new_log_frame, first_axis, second_axis, &
+      & exp_minus_one
    use lopin_solids, only : solids_type, group_type
    use lopin_solid_memory, only : solid_memory_type
    use lopin_material_memory, only : offset_at, put_metric

@@ -1,11 +1,11 @@
 !> How uneven the pressure of node to segment is where facets do not match.
 !>
-!> Slave nodes hand their forces to the master nodes opposite. A uniform pressure then gives a master
-!> node l the force F_l = sum_j shape_jl weight_j, not its share A_l: what F/A deviates from its mean
-!> the stresses of both bodies must make up for, the less the stiffer the master is (the patch test,
-!> Taylor and Papadopoulos 1991). Where slave facets are the longer ones, most master nodes meet
-!> none: by Poisson's sum of a hat function at the places of the slave nodes, the deviation is
-!> sqrt(2) sinc^2(h_m/h_s). Both are set beside measured errors in the atlas, map 9.
+!> Slave nodes hand their forces to the master nodes opposite. A uniform pressure then gives a
+!> master node l the force F_l = sum_j shape_jl weight_j, not its share A_l: what F/A deviates from
+!> its mean the stresses of both bodies must make up for, the less the stiffer the master is (the
+!> patch test, Taylor and Papadopoulos 1991). Where slave facets are the longer ones, most master
+!> nodes meet none: by Poisson's sum of a hat function at the places of the slave nodes, the
+!> deviation is sqrt(2) sinc^2(h_m/h_s). Both are set beside measured errors in the atlas, map 9.
 module lopin_uneven_pressure
    use lopin_kinds, only : wp
    use lopin_cells, only : cell_type

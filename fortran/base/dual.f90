@@ -8,7 +8,8 @@ module lopin_dual
    implicit none
    private
    public :: dual_type, dual_width, variable, constant, dual_dot, dual_cross, dual_norm
-   public :: operator(+), operator(-), operator(*), operator(/), sqrt, atan, tanh, exp, log, sin, cos
+   public :: operator(+), operator(-), operator(*), operator(/), sqrt, atan, tanh, exp, log, sin, &
+      & cos
    public :: assignment(=), operator(**)
 
    integer, parameter :: dual_width = 16

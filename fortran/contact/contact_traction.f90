@@ -9,11 +9,11 @@
 !>    penalty     phat = -c g                     that = P l - ct s     l: committed traction
 !>    augmented   phat = l.n - c g                that = P l - ct s     l: frozen, updated outside
 !>    Lagrange    phat = l.n - c g                that = P l - ct s     l: unknown, row (l - z)/c
-!>    perturbed   phat = l.n - c (g + l.n/eps)    that = P l - ct (s + P (l - l0)/epst)   as Lagrange
+!>    perturbed   phat = l.n - c (g + l.n/eps)   that = P l - ct (s + P (l - l0)/epst)   as Lagrange
 !>
 !> P = I - n n^T; s is the slip since the increment began, P (x_slave - x_anchor). Where the deck
-!> gives an elastic slip u0, that = P l - ct (s + u0 P l/radius + P e0): a traction on the disc holds
-!> u0, e0 what the committed one held.
+!> gives an elastic slip u0, that = P l - ct (s + u0 P l/radius + P e0): a traction on the disc
+!> holds u0, e0 what the committed one held.
 module lopin_contact_traction
    use lopin_kinds, only : wp
    use lopin_dual, only : dual_type, constant, dual_dot, dual_norm, operator(+), operator(-), &
@@ -48,9 +48,9 @@ module lopin_contact_traction
       real(wp) :: yield = 0.0_wp                   !! of the slave; 0: unknown [stress]
       real(wp) :: grazing = 0.0_wp   !! trial pressures down to minus this count as closed: a point
                                      !! that just touches holds a body that nothing else holds
-      real(wp) :: committed(3) = 0.0_wp            !! traction at the start of the increment [stress]
+      real(wp) :: committed(3) = 0.0_wp           !! traction at the start of the increment [stress]
       real(wp) :: frozen(3) = 0.0_wp               !! augmented: multiplier [stress]
-      real(wp) :: creep(3) = 0.0_wp                !! regularised by slip: slip from the stick anchor
+      real(wp) :: creep(3) = 0.0_wp               !! regularised by slip: slip from the stick anchor
       class(enforcement_type), allocatable :: law  !! pressure-overclosure
    end type grip_type
 

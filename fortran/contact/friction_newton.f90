@@ -1,4 +1,5 @@
-!> Semismooth Newton on the equations of lopin_friction_rows: rows close or open, points slip or not.
+!> Semismooth Newton on the equations of lopin_friction_rows: rows close or open, points slip or
+!> not.
 !>
 !> Non-monotone line search on their residual (memory 4, steps 1 to 1/32). States that repeat
 !> without progress end it; what it found counts only if it fits the equations point by point.
@@ -13,8 +14,8 @@ module lopin_friction_newton
    private
    public :: newton
 
-   !> The edge of contact under a slender body moves by one point a step, and the residual falls only
-   !> once it arrives: steps allowed grow with the points.
+   !> The edge of contact under a slender body moves by one point a step, and the residual falls
+   !> only once it arrives: steps allowed grow with the points.
    integer, parameter :: least_iterations = 40, memory = 4, remembered = 32
    !> Residuals below this share of the largest force: reached, no longer falling, and repeating in
    !> the same states, as rounding of soft bodies makes them.

@@ -237,8 +237,8 @@ contains
       type(friction_points_type), intent(in) :: points
       integer, intent(in) :: k
       real(wp), intent(in) :: force(:), gap(:)
-      real(wp) :: press, by_force, by_gap, c, w, q(points%nt), m(points%nt), size_, bound, slope_q, &
-         & slope_p, turn(points%nt, points%nt), elastic, back
+      real(wp) :: press, by_force, by_gap, c, w, q(points%nt), m(points%nt), size_, bound, &
+         & slope_q, slope_p, turn(points%nt, points%nt), elastic, back
       integer :: i, nt
       logical :: slips
 

@@ -1,8 +1,9 @@
 !> The scaling that decides stick and slip, and when a state is the answer.
 !>
 !> Two scalings of one residual: Newton looks at all closed points together (collective), the answer
-!> is judged point by point (nodal), each row beside its own rounding. The collective one alone would
-!> call a wrong slip small where the bodies are soft together and stiff one by one, as strips are.
+!> is judged point by point (nodal), each row beside its own rounding. The collective one alone
+!> would call a wrong slip small where the bodies are soft together and stiff one by one, as strips
+!> are.
 module lopin_friction_scaling
    use lopin_kinds, only : wp
    use lopin_vectors, only : largest

@@ -4,8 +4,8 @@
 !> rows. The tangential scaling is the collective compliance of the closed points
 !> (lopin_friction_scaling): with the nodal one Newton cycles. Where states repeat without progress,
 !> in order: the load of the increment in parts; the tangent of Hueeber, Stadler and Wohlmuth; one
-!> normal row at a time; a fixed point on the bounds (Tresca), whose problems are convex. Bodies that
-!> only contact and friction hold move with the unknown motions q, C^T lambda = -moving.
+!> normal row at a time; a fixed point on the bounds (Tresca), whose problems are convex. Bodies
+!> that only contact and friction hold move with the unknown motions q, C^T lambda = -moving.
 module lopin_friction_set
    use lopin_kinds, only : wp
    use lopin_vectors, only : largest
@@ -183,8 +183,8 @@ contains
       if (work%singular .and. self%nq > 0) reached = outcome%not_held
    end subroutine climb
 
-   !> The load of the increment bit by bit, all bits from the same accepted state: each answer starts
-   !> the next one, and the last is that of the whole increment.
+   !> The load of the increment bit by bit, all bits from the same accepted state: each answer
+   !> starts the next one, and the last is that of the whole increment.
    subroutine follow_load(self, points, work, x, solved)
       type(condensed_type), intent(in) :: self
       type(friction_points_type), intent(in) :: points

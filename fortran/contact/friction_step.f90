@@ -30,7 +30,7 @@ module lopin_friction_step
       type(equations_type) :: equations
       type(friction_controls_type) :: controls
       real(wp), allocatable :: free_gap(:), moving(:), q_scale(:)
-      real(wp), allocatable :: nodal(:)            !! (nrow) scaling of each row alone [force/length]
+      real(wp), allocatable :: nodal(:)           !! (nrow) scaling of each row alone [force/length]
       real(wp), allocatable :: old_gap(:)          !! (nrow) accepted last [length]
       real(wp) :: gap_scale = 0.0_wp
       logical :: predict = .false.                 !! first step with the states accepted last

@@ -21,8 +21,8 @@ module lopin_mortar_rows_3d
 contains
 
    !> Rows of all slave nodes; the overlaps are those found at x. With the rows of the last
-   !> increment, those nodes count as well (for lopin_mortar_traction_3d). With `full`, hardly covered
-   !> nodes hand their rows over.
+   !> increment, those nodes count as well (for lopin_mortar_traction_3d). With `full`, hardly
+   !> covered nodes hand their rows over.
    subroutine new_mortar_rows(row, kernel, rules, slave, master, x, list, before, full)
       type(mortar_row_type), allocatable, intent(out) :: row(:)   !! (slave%nnode)
       type(mortar_kernel_type), intent(in) :: kernel

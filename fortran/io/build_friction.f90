@@ -56,8 +56,8 @@ contains
       call refuse_table(data, block, log)
       if (log%count_of(severity%error) > errors) return
       if (friction%rough) then
-         if (data%n > 0) call log%say(severity%note, 'N0306', 'ROUGH needs no data: there is no '// &
-            & 'slip', data%at(1))
+         if (data%n > 0) call log%say(severity%note, 'N0306', 'ROUGH needs no data: there is '// &
+            & 'no slip', data%at(1))
          return
       end if
       call take_data(friction, data, block, log)
@@ -276,8 +276,8 @@ contains
       if (mu < 0.0_wp) call complain(log, 'E0321', 'a friction coefficient is not negative: '// &
          & to_text(mu, 6), data%at(i))
       if (mu > 1.0_wp) call log%say(severity%warning, 'W0321', 'a friction coefficient of '// &
-         & to_text(mu, 6)//' is above 1', data%at(i), help='rubber and dry aluminium have such; '// &
-         & 'it may also be meant in percent')
+         & to_text(mu, 6)//' is above 1', data%at(i), help='rubber and dry aluminium have '// &
+         & 'such; it may also be meant in percent')
    end subroutine take_mu
 
    subroutine take_alpha(alpha, data, i, log)
@@ -330,8 +330,9 @@ contains
       type(log_type), intent(inout) :: log
 
       if (any(data%given(3:))) then
-         call log%say(severity%note, 'N0306', 'the line is read as Abaqus'' mu at one slip rate, '// &
-            & 'pressure and temperature: mu = '//to_text(data%value(1), 6)//' everywhere', data%at(1))
+         call log%say(severity%note, 'N0306', 'the line is read as Abaqus'' mu at one slip '// &
+            & 'rate, pressure and temperature: mu = '//to_text(data%value(1), 6)//' everywhere', &
+            & data%at(1))
       else if (data%given(2)) then
          if (data%value(2) > 0.0_wp) friction%stick_slope = data%value(2)
          call log%say(severity%note, 'N0306', 'the second datum '//to_text(data%value(2), 6)// &
@@ -340,8 +341,8 @@ contains
          if (data%value(2) < 0.0_wp) call complain(log, 'E0321', 'a stick slope of '// &
             & to_text(data%value(2), 6)//' is negative', data%at(2))
          if (friction%stick_slope > 0.0_wp .and. (is_regularised(friction) &
-            & .or. friction%exact_stick)) call log%say(severity%note, 'N0306', 'the stick slope '// &
-            & 'is not used: the words of *FRICTION say how it sticks', data%at(2))
+            & .or. friction%exact_stick)) call log%say(severity%note, 'N0306', 'the stick '// &
+            & 'slope is not used: the words of *FRICTION say how it sticks', data%at(2))
       end if
    end subroutine read_second
 end module lopin_build_friction

@@ -84,8 +84,8 @@ contains
          if (n > 2) call field_real(field(3), heat, log, found)
          if (j == 1) first_heat = heat
          if (abs(heat - first_heat) > 0.0_wp) then
-            call complain(log, 'E0203', 'a flow curve that depends on temperature is not in this '// &
-               & 'version', field(min(n, 3))%at, help='the lines of one temperature')
+            call complain(log, 'E0203', 'a flow curve that depends on temperature is not in '// &
+               & 'this version', field(min(n, 3))%at, help='the lines of one temperature')
             right = .false.
             return
          end if

@@ -192,8 +192,8 @@ contains
             call complain(model%log, 'E0108', 'plastic flow in plane stress comes with a later '// &
                & 'version: element '//to_text(model%mesh%element_label(e))//' of type '// &
                & trim(word%word)//' has material `'//material%name//'`', material%plastic_at, &
-               & help='plane strain (CPE4) or solid elements (C3D8); remove *PLASTIC if the body '// &
-               & 'stays elastic')
+               & help='plane strain (CPE4) or solid elements (C3D8); remove *PLASTIC if the '// &
+               & 'body stays elastic')
             return
          end associate
       end do

@@ -105,8 +105,8 @@ contains
          & 'The value belongs to another code, most often the name of a linear solver that is '// &
          & 'not part of Lopin; the default is used.', '')
       call add_explanation(list, 'N0105', 'another spelling', &
-         & 'The value is spelt as in the lecture that Lopin follows, or as in common speech; it '// &
-         & 'is read as the word that the manual has.', '')
+         & 'The value is spelt as in the lecture that Lopin follows, or as in common speech; '// &
+         & 'it is read as the word that the manual has.', '')
       call add_explanation(list, 'N0104', 'a variable is left out of the output', &
          & 'The card asks for a result that Lopin does not compute, such as plastic strain or '// &
          & 'temperature in an elastic run. The others are written.', '')

@@ -41,7 +41,7 @@ contains
          & 'the message has the size of the change; LAW=TRESCA does not read the stress.')
       call add_explanation(list, 'N0321', 'the law that LAW=AUTO chose', &
          & 'An elastic slave rubs by Coulomb, a perfectly plastic one by Tresca, a hardening '// &
-         & 'one by Cristescu, a viscoplastic one by Norton-Hoff: each with what it needs and no '// &
-         & 'more.', 'write LAW= to have another one.')
+         & 'one by Cristescu, a viscoplastic one by Norton-Hoff: each with what it needs and '// &
+         & 'no more.', 'write LAW= to have another one.')
    end subroutine friction_explanations
 end module lopin_explain_friction

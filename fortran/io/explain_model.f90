@@ -53,20 +53,21 @@ contains
          & '(plane, axisymmetric, solid) stand in one scene.', &
          & 'solids are CPE, CPS, CAX with 3, 4, 6, 8 nodes and C3D with 4, 6, 8, 10, 15, 20.')
       call add_explanation(list, 'W0211', 'elements that lock', &
-         & 'FORMULATION=FULL takes away the averaging of the change of volume. Where Poisson''s '// &
-         & 'ratio is above 0.4, or the material flows, each point then has to keep its volume by '// &
-         & 'itself, for which the element has not enough freedom.', &
+         & 'FORMULATION=FULL takes away the averaging of the change of volume. Where '// &
+         & 'Poisson''s ratio is above 0.4, or the material flows, each point then has to keep '// &
+         & 'its volume by itself, for which the element has not enough freedom.', &
          & 'leave out FORMULATION=FULL.')
       call add_explanation(list, 'N0211', 'linear simplices in patches', &
-         & 'A linear triangle, tetrahedron or wedge alone cannot keep its volume and deform. Where '// &
-         & 'Poisson''s ratio is above 0.4, or the material flows, about 2 (8 tetrahedra) '// &
+         & 'A linear triangle, tetrahedron or wedge alone cannot keep its volume and deform. '// &
+         & 'Where Poisson''s ratio is above 0.4, or the material flows, about 2 (8 tetrahedra) '// &
          & 'neighbours have one change of volume in common; stresses are still those of each '// &
          & 'element.', &
          & 'nothing; *SECTION CONTROLS, FORMULATION=FULL leaves every element alone, and locks.')
       call add_explanation(list, 'N0212', 'quadratic elements with a linear change of volume', &
-         & 'A fully integrated quadratic quad or brick that has to keep its volume at each of its '// &
-         & 'points is too stiff. Where Poisson''s ratio is above 0.4, or the material flows, its '// &
-         & 'change of volume is projected onto the linear functions of the coordinates.', &
+         & 'A fully integrated quadratic quad or brick that has to keep its volume at each of '// &
+         & 'its points is too stiff. Where Poisson''s ratio is above 0.4, or the material '// &
+         & 'flows, its change of volume is projected onto the linear functions of the '// &
+         & 'coordinates.', &
          & 'nothing; *SECTION CONTROLS, FORMULATION=FULL leaves every point alone, and locks.')
       call add_explanation(list, 'N0206', 'an element word stands for another formulation', &
          & 'The letters of the word (R, I, H, M) ask for a formulation that Lopin does not '// &
@@ -120,8 +121,8 @@ contains
          & 'on a face that is folded or not convex there may be no such place.', &
          & 'improve the mesh of the two surfaces, or use TYPE=NODE TO SURFACE.')
       call add_explanation(list, 'E0317', 'a pair of which nothing deforms', &
-         & 'Both sides follow rigid bodies or are tools. Equilibrium alone does not say how the '// &
-         & 'nodes share the force: there is no answer to compute.', &
+         & 'Both sides follow rigid bodies or are tools. Equilibrium alone does not say how '// &
+         & 'the nodes share the force: there is no answer to compute.', &
          & 'give one of the two bodies an elastic material and leave it out of *RIGID BODY.')
       call add_explanation(list, 'E0313', 'a tool that has no shape', &
          & 'The data of the tool are degenerate: a radius that is not positive, an axis '// &
@@ -132,13 +133,13 @@ contains
          & 'than half a circle, and a fillet must fit between its neighbours.', &
          & 'see `lopin doc ''*SURFACE''`.')
       call add_explanation(list, 'E0331', 'the file of a tool cannot be used', &
-         & 'A binary STL file has 84 bytes and 50 more for each facet, no more and no less; one '// &
-         & 'in words begins with solid and ends with endsolid. This file is neither, or it is '// &
-         & 'cut off, or it is not there.', &
+         & 'A binary STL file has 84 bytes and 50 more for each facet, no more and no less; '// &
+         & 'one in words begins with solid and ends with endsolid. This file is neither, or it '// &
+         & 'is cut off, or it is not there.', &
          & 'export it again; the path counts from the deck.')
       call add_explanation(list, 'E0332', 'the facets do not make a surface', &
-         & 'A tool needs an outside. Corners nearer than 1e-6 of the size are one; then each edge '// &
-         & 'must belong to two facets that look to the same side.', &
+         & 'A tool needs an outside. Corners nearer than 1e-6 of the size are one; then each '// &
+         & 'edge must belong to two facets that look to the same side.', &
          & 'mend it where it was made. OPEN allows a sheet, REPAIR turns facets.')
    end subroutine contact
 
@@ -178,16 +179,17 @@ contains
          & 'file also says a normal, and it is the other one.', &
          & 'look at the tool in the results, or export it again.')
       call add_explanation(list, 'W0332', 'the facets of a tool are coarse beside the slave', &
-         & 'The facets stand off the curved surface they mean by more than a fiftieth of a slave '// &
-         & 'facet: pressures will show the facets.', &
+         & 'The facets stand off the curved surface they mean by more than a fiftieth of a '// &
+         & 'slave facet: pressures will show the facets.', &
          & 'export the tool with a smaller chord error, or use an analytical tool.')
       call add_explanation(list, 'W0333', 'facets that do not match make the pressure uneven', &
-         & 'Contact is at the nodes of the slave. Where its facets and those of the master do not '// &
-         & 'match, or are longer, a uniform load gives no uniform pressure, and master nodes that '// &
-         & 'no slave node meets go in. The figure is an estimate for uniform pressure, from the '// &
-         & 'meshes and the moduli (docs/atlas.md, map 9); forces as a whole are right.', &
-         & 'TYPE=SURFACE TO SURFACE is exact there; or take the softer side, with facets at most '// &
-         & 'half as long, as the slave.')
+         & 'Contact is at the nodes of the slave. Where its facets and those of the master do '// &
+         & 'not match, or are longer, a uniform load gives no uniform pressure, and master '// &
+         & 'nodes that no slave node meets go in. The figure is an estimate for uniform '// &
+         & 'pressure, from the meshes and the moduli (docs/atlas.md, map 9); forces as a whole '// &
+         & 'are right.', &
+         & 'TYPE=SURFACE TO SURFACE is exact there; or take the softer side, with facets at '// &
+         & 'most half as long, as the slave.')
       call add_explanation(list, 'N0331', 'facets of a tool were mended', &
          & 'Facets without area were dropped, or facets were turned because REPAIR asks for it.', &
          & '')

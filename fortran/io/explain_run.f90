@@ -55,14 +55,14 @@ contains
          & 'or a part that nothing holds.', &
          & 'drive by displacement instead of force, or hold the part.')
       call add_explanation(list, 'N0511', 'soft springs held a free body', &
-         & 'Where nothing but contact still to come holds a body, an iteration of Newton stands '// &
-         & 'on soft springs to the ground. They are in the matrix of that iteration only: the '// &
-         & 'equilibrium that is accepted has none.', &
+         & 'Where nothing but contact still to come holds a body, an iteration of Newton '// &
+         & 'stands on soft springs to the ground. They are in the matrix of that iteration '// &
+         & 'only: the equilibrium that is accepted has none.', &
          & 'drive the body by displacement until it touches, to spare these iterations.')
       call add_explanation(list, 'E0512', 'an element would turn inside out', &
          & 'The determinant of the deformation gradient is not positive at an integration '// &
-         & 'point of the named element, however short the step. In elements with I the internal '// &
-         & 'modes may find no balance before that.', &
+         & 'point of the named element, however short the step. In elements with I the '// &
+         & 'internal modes may find no balance before that.', &
          & 'smaller increments, or a mesh that bears the strain.')
       call add_explanation(list, 'E0520', 'stick and slip cycle', &
          & 'The states of the points with friction change for ever between the same ones, with '// &
@@ -75,8 +75,8 @@ contains
          & 'give one of them on *FRICTION, or use DIRECT: it sticks exactly.')
       call add_explanation(list, 'W0520', 'frictional wedging', &
          & 'Coulomb friction beyond a critical coefficient has several equilibria: a node that '// &
-         & 'slides presses itself on. Critical is K_tt/|K_nt| of the node''s own stiffness; near '// &
-         & 'incompressibility and at sheared elements ordinary coefficients exceed it.', &
+         & 'slides presses itself on. Critical is K_tt/|K_nt| of the node''s own stiffness; '// &
+         & 'near incompressibility and at sheared elements ordinary coefficients exceed it.', &
          & 'the answer is an equilibrium, the one that the load history leads to; judge it by '// &
          & 'another history, or refine the mesh there.')
       call add_explanation(list, 'W0521', 'friction under tension', &
@@ -123,8 +123,8 @@ contains
          & 'by the trapezoidal rule.', &
          & 'smaller increments; compare energy.* in the history.')
       call add_explanation(list, 'W0514', 'the elastic slip is not small beside the slips', &
-         & 'A penalty pair whose deck gives no elastic slip takes 0.5 % of a facet. Here nothing '// &
-         & 'slips much farther than that, so that zones of stick and slip mix.', &
+         & 'A penalty pair whose deck gives no elastic slip takes 0.5 % of a facet. Here '// &
+         & 'nothing slips much farther than that, so that zones of stick and slip mix.', &
          & 'use DIRECT, which sticks exactly, or give ELASTIC SLIP= on *FRICTION.')
       call add_explanation(list, 'W0403', 'contact forces are not unique', &
          & 'Some contact points are held twice: by a support or by another contact. The '// &
@@ -132,9 +132,9 @@ contains
          & 'unique, the split of the forces among them is not; the one of least norm is given.', &
          & 'do not fix slave nodes along the contact normal, and list a pair of surfaces once.')
       call add_explanation(list, 'W0409', 'a slave node is held twice', &
-         & 'Supports hold a slave node along its contact normal, and the master opposite too, or '// &
-         & 'a tie and another pair hold it at once. Its contact force is then not unique: supports '// &
-         & 'carry what they can, the rest is shared in the way of least norm.', &
+         & 'Supports hold a slave node along its contact normal, and the master opposite too, '// &
+         & 'or a tie and another pair hold it at once. Its contact force is then not unique: '// &
+         & 'supports carry what they can, the rest is shared in the way of least norm.', &
          & 'leave the node out of the support or out of the slave surface.')
       call add_explanation(list, 'E0506', 'supports press a slave node into its master', &
          & 'The node and the master opposite are both prescribed along the contact normal, so '// &
@@ -151,9 +151,9 @@ contains
          & 'Lopin never overwrites or removes files of others.', &
          & 'move the file, or give another folder with -o.')
       call add_explanation(list, 'E0604', 'a checkpoint cannot be gone on from', &
-         & 'job.rst is cut short, damaged, not a checkpoint, of another version of Lopin, or of '// &
-         & 'another deck: only the deck that wrote it, with the files that it includes, its STL '// &
-         & 'files and the same --solver, goes on to the same bits.', &
+         & 'job.rst is cut short, damaged, not a checkpoint, of another version of Lopin, or '// &
+         & 'of another deck: only the deck that wrote it, with the files that it includes, its '// &
+         & 'STL files and the same --solver, goes on to the same bits.', &
          & 'restore what has changed, or run the deck from its beginning, without --resume.')
       call add_explanation(list, 'E0605', 'the run was interrupted', &
          & 'Ctrl-C (SIGINT) or SIGTERM: the increment in hand was ended, its results and its '// &
@@ -162,13 +162,13 @@ contains
          & 'the same command with --resume goes on to the bits of a run without interruption.')
       call add_explanation(list, 'E0606', 'a result file is shorter than when the checkpoint '// &
          & 'was written', &
-         & 'A run that goes on cuts its files to what they were at the checkpoint and appends to '// &
-         & 'them; this one was removed, replaced or cut.', &
+         & 'A run that goes on cuts its files to what they were at the checkpoint and appends '// &
+         & 'to them; this one was removed, replaced or cut.', &
          & 'run the deck from its beginning, without --resume.')
       call add_explanation(list, 'N0604', 'where a resumed run starts', &
-         & 'With --resume a run goes on from job.rst; without one (nothing was accepted yet, or '// &
-         & 'the run was finished) it starts from its beginning, so that the same command may '// &
-         & 'always be repeated.', &
+         & 'With --resume a run goes on from job.rst; without one (nothing was accepted yet, '// &
+         & 'or the run was finished) it starts from its beginning, so that the same command '// &
+         & 'may always be repeated.', &
          & 'nothing.')
       call add_explanation(list, 'E0701', 'a solver cannot take this matrix', &
          & 'Each linear solver takes some classes of matrices: positive definite, symmetric, '// &

@@ -26,9 +26,9 @@ contains
       call required(table)
       call choice(table, 'TYPE', 'NODE TO SURFACE,SURFACE TO SURFACE,MORTAR,LINMORTAR,'// &
          & 'PGLINMORTAR', 'NODE TO SURFACE', &
-         & 'NODE TO SURFACE: each slave node meets the facet opposite; the others: dual mortar, '// &
-         & 'each slave node meets the mean of what its share of the surface covers. Rigid '// &
-         & 'tools and slaves of nodes: at the nodes in both.')
+         & 'NODE TO SURFACE: each slave node meets the facet opposite; the others: dual '// &
+         & 'mortar, each slave node meets the mean of what its share of the surface covers. '// &
+         & 'Rigid tools and slaves of nodes: at the nodes in both.')
       call refuses(table, 'MASSLESS')
       call flag(table, 'SMALL SLIDING', 'Each slave node keeps the plane it met at the start.')
       call word(table, 'ADJUST', &
@@ -40,8 +40,8 @@ contains
          & 'of a facet, 0 to 0.2.')
       call flag(table, 'NO THICKNESS', 'Shell thickness does not count; accepted.')
       call ignored_flag(table, 'HCRIT', 'Distance of an old search.')
-      call choice(table, 'SMOOTH', 'YES,NO', 'NO', 'YES: linear facets of the master are curved '// &
-         & 'by averaged normals, joints up to 30 degrees; where contact is at the nodes.')
+      call choice(table, 'SMOOTH', 'YES,NO', 'NO', 'YES: linear facets of the master are '// &
+         & 'curved by averaged normals, joints up to 30 degrees; where contact is at the nodes.')
       call bare_value(table, 'YES')
       call ignored_flag(table, 'MECHANICAL CONSTRAINT', 'Choice of Abaqus/Explicit.')
       call data_line(table, 'slave surface, master surface', 'One pair a line.')
@@ -55,8 +55,8 @@ contains
       call choice(table, 'TYPE', 'SURFACE TO SURFACE,NODE TO SURFACE', 'SURFACE TO SURFACE', &
          & 'Dual mortar, exact for uniform stress, or each slave node on its own; in 3D and '// &
          & 'against rigid tools at the nodes in both.')
-      call number(table, 'POSITION TOLERANCE', '', 'Ties what is nearer than this, or than half '// &
-         & 'a slave facet [length].')
+      call number(table, 'POSITION TOLERANCE', '', 'Ties what is nearer than this, or than '// &
+         & 'half a slave facet [length].')
       call choice(table, 'ADJUST', 'YES,NO', 'YES', 'Accepted: gaps are bridged without strain '// &
          & 'either way.')
       call bare_value(table, 'YES')

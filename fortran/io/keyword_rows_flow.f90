@@ -31,8 +31,8 @@ contains
          & 'laws of friction read the flow stress at plastic strain 0.')
       call later_flag(table, 'RATE', 'Rate of the table.')
       call data_line(table, 'yield stress [stress], plastic strain = 0, temperature', &
-         & 'ISOTROPIC: true stress against logarithmic plastic strain; strains increase from 0, '// &
-         & 'and the stress stays that of the last line beyond it. One temperature at most.')
+         & 'ISOTROPIC: true stress against logarithmic plastic strain; strains increase from '// &
+         & '0, and the stress stays that of the last line beyond it. One temperature at most.')
       call data_line(table, 'K [stress], e0, n', 'SWIFT: one line.')
       call data_line(table, 'S [stress], Y [stress], d, H [stress] = 0', 'VOCE: one line; '// &
          & 'saturation, yield stress, decay, last slope.')
@@ -58,15 +58,15 @@ contains
       call about(table, 'G')
 
       call key(table, 'VISCOPLASTIC', 'M', 'lopin', 'Viscoplastic flow of Norton and Hoff: the '// &
-         & 'flow stress is K sqrt(3)^(m+1) rate^m in uniaxial tension. With *PLASTIC it is added '// &
-         & 'to that curve, which becomes a threshold. Needs steps with a period.')
+         & 'flow stress is K sqrt(3)^(m+1) rate^m in uniaxial tension. With *PLASTIC it is '// &
+         & 'added to that curve, which becomes a threshold. Needs steps with a period.')
       call under(table, 'MATERIAL')
       call choice(table, 'LAW', 'NORTON-HOFF', 'NORTON-HOFF', 'Kind of viscosity.')
-      call flag(table, 'RIGID', 'No elastic deviator: all of the strain is flow, and the volume '// &
-         & 'is kept. *ELASTIC is not needed; where it stands, its bulk modulus is taken.')
+      call flag(table, 'RIGID', 'No elastic deviator: all of the strain is flow, and the '// &
+         & 'volume is kept. *ELASTIC is not needed; where it stands, its bulk modulus is taken.')
       call data_line(table, 'K [stress time^m], m', 'One line; m between 0 and 1.')
-      call example(table, '*MATERIAL, NAME=HOT STEEL|*VISCOPLASTIC, LAW=NORTON-HOFF, RIGID|100., '// &
-         & '0.2')
+      call example(table, '*MATERIAL, NAME=HOT STEEL|*VISCOPLASTIC, LAW=NORTON-HOFF, '// &
+         & 'RIGID|100., 0.2')
       call about(table, 'G')
    end subroutine add_viscous
 
@@ -86,8 +86,8 @@ contains
       call example(table, '*MATERIAL, NAME=STEEL|*ELASTIC|210000., 0.3|*EXPANSION|1.2e-5')
 
       call key(table, 'INITIAL CONDITIONS', 'M', 'both', 'State before the first step.')
-      call choice(table, 'TYPE', 'TEMPERATURE,STRESS', '', 'TEMPERATURE of nodes, where nothing '// &
-         & 'is strained; STRESS in elements, which need not be in balance.')
+      call choice(table, 'TYPE', 'TEMPERATURE,STRESS', '', 'TEMPERATURE of nodes, where '// &
+         & 'nothing is strained; STRESS in elements, which need not be in balance.')
       call required(table)
       call refuses(table, 'HARDENING,PLASTIC STRAIN,DISPLACEMENT,VELOCITY,FIELD,PRESSURE,SOLUTION')
       call data_line(table, 'node or set, temperature [temperature]', 'TEMPERATURE: as many '// &
@@ -96,8 +96,8 @@ contains
          & 'S23 = 0', 'STRESS: as many lines as needed.')
       call example(table, '*INITIAL CONDITIONS, TYPE=TEMPERATURE|BODY, 20.')
 
-      call key(table, 'TEMPERATURE', 'S', 'both', 'Temperatures of nodes at the end of the step; '// &
-         & 'they go there linearly from those before, or with an amplitude.')
+      call key(table, 'TEMPERATURE', 'S', 'both', 'Temperatures of nodes at the end of the '// &
+         & 'step; they go there linearly from those before, or with an amplitude.')
       call choice(table, 'OP', 'MOD,NEW', 'MOD', 'NEW: nodes that are not listed go back to '// &
          & 'their temperature at the start.')
       call word(table, 'AMPLITUDE', 'Amplitude by which the temperatures are multiplied.')

@@ -29,8 +29,8 @@ contains
       call respells(table, 'CRITESCU=CRISTESCU,OROWAN=COULOMB-OROWAN,NORTON=NORTON-HOFF')
       call choice(table, 'REGULARIZATION', trim(regularization_names(1))//',NONE,'// &
          & join(regularization_names(2:), ','), trim(regularization_names(1)), &
-         & 'LINEAR: return to the disc. NONE: the same without elastic slip. The others have no '// &
-         & 'stick: the shear is a function of slip/ELASTIC SLIP or speed/V0.')
+         & 'LINEAR: return to the disc. NONE: the same without elastic slip. The others have '// &
+         & 'no stick: the shear is a function of slip/ELASTIC SLIP or speed/V0.')
       call choice(table, 'EQUIVALENT', 'MISES', '', &
          & 'TRESCA with the von Mises stress in place of the yield stress, which is CRISTESCU.')
       call flag(table, 'ROUGH', 'No slip at all.')

@@ -175,18 +175,19 @@ contains
    subroutine add_materials(table)
       type(keyword_table_type), intent(inout) :: table
 
-      call key(table, 'MATERIAL', 'M', 'both', 'Opens a material; *ELASTIC or *HYPERELASTIC, and *DENSITY, follow.')
+      call key(table, 'MATERIAL', 'M', 'both', 'Opens a material; *ELASTIC or *HYPERELASTIC, '// &
+         & 'and *DENSITY, follow.')
       call word(table, 'NAME', 'Name of the material.')
       call required(table)
       call example(table, '*MATERIAL, NAME=STEEL|*ELASTIC|210000., 0.3')
 
-      call key(table, 'ELASTIC', 'M', 'both', 'Isotropic elasticity: Hooke''s law; under NLGEOM '// &
-         & 'between Kirchhoff stress and logarithmic strain (Hencky).')
+      call key(table, 'ELASTIC', 'M', 'both', 'Isotropic elasticity: Hooke''s law; under '// &
+         & 'NLGEOM between Kirchhoff stress and logarithmic strain (Hencky).')
       call under(table, 'MATERIAL')
       call choice(table, 'TYPE', 'ISOTROPIC,ISO', 'ISOTROPIC', 'Kind of elasticity.')
       call choice(table, 'STRAIN', 'LOGARITHMIC,GREEN', 'LOGARITHMIC', 'Strain that the law is '// &
-         & 'linear in under NLGEOM. GREEN is St Venant-Kirchhoff, as CalculiX has it: softer in '// &
-         & 'compression, and without *PLASTIC.')
+         & 'linear in under NLGEOM. GREEN is St Venant-Kirchhoff, as CalculiX has it: softer '// &
+         & 'in compression, and without *PLASTIC.')
       call refuses(table, 'ORTHO,ORTHOTROPIC,ENGINEERING CONSTANTS,ANISO,ANISOTROPIC,LAMINA')
       call data_line(table, 'Young''s modulus [stress], Poisson''s ratio = 0, temperature', &
          & 'One line; a temperature is read past, there is none in the run.')
@@ -226,8 +227,8 @@ contains
    subroutine add_hyperelastic(table)
       type(keyword_table_type), intent(inout) :: table
 
-      call key(table, 'HYPERELASTIC', 'M', 'both', 'Rubber-like elasticity: W = C10 (I1bar - 3) '// &
-         & '+ (J - 1)^2/D1. Needs *STEP, NLGEOM.')
+      call key(table, 'HYPERELASTIC', 'M', 'both', 'Rubber-like elasticity: '// &
+         & 'W = C10 (I1bar - 3) + (J - 1)^2/D1. Needs *STEP, NLGEOM.')
       call under(table, 'MATERIAL')
       call flag(table, 'NEO HOOKE', 'The form of the energy; must be there.')
       call later_flag(table, 'MOONEY-RIVLIN', 'Energy of Mooney and Rivlin.')

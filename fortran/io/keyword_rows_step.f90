@@ -25,8 +25,8 @@ contains
 
       call key(table, 'STEP', 'M', 'both', 'Opens a step: a stretch of the history of loads.')
       call word(table, 'NAME', 'Name of the step.')
-      call choice(table, 'NLGEOM', 'YES,NO', 'NO', 'Finite rotation, strain and sliding; once on, '// &
-         & 'it stays on in later steps.')
+      call choice(table, 'NLGEOM', 'YES,NO', 'NO', 'Finite rotation, strain and sliding; once '// &
+         & 'on, it stays on in later steps.')
       call bare_value(table, 'YES')
       call missing_means(table, 'Without it the step would be small-strain.')
       call whole(table, 'INC', '100', 'Most increments.')

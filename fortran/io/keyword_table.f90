@@ -11,7 +11,8 @@ module lopin_keyword_table
    private
    public :: keyword_type, keyword_parameter_type, keyword_field_type, keyword_table_type
    public :: status_of, key, flag, word, number, whole, choice, ignored_flag, later_flag
-   public :: bare_value, required, known_as, refuses, replaces, respells, missing_means, data_line, free_text
+   public :: bare_value, required, known_as, refuses, replaces, respells, missing_means, &
+      & data_line, free_text
    public :: example, under, about, find_keyword, find_parameter, suggest_keyword, suggest_parameter
 
    type :: statuses

@@ -18,8 +18,8 @@ module lopin_recorder_memory
    public :: memory_recorder_type, new_memory_recorder
 
    character(len=1), parameter :: nl = achar(10)
-   character(len=*), parameter :: contact_words = 'CPRESS COPEN WEIGHT u_n FORCE R_n R_t u_t NORMAL X XI '// &
-      & 'SLIP_PATH FRICTION_WORK CSTATUS FACET LABEL'
+   character(len=*), parameter :: contact_words = 'CPRESS COPEN WEIGHT u_n FORCE R_n R_t u_t '// &
+      & 'NORMAL X XI SLIP_PATH FRICTION_WORK CSTATUS FACET LABEL'
 
    type :: kept_type
       real(wp) :: time = 0.0_wp

@@ -67,11 +67,11 @@ contains
 
       least = least_slope(material%flow)
       if (.not. least < 0.0_wp) return
-      if (-least >= 1.5_wp*material%young/(1.0_wp + material%poisson) .and. material%young > 0.0_wp) &
-         & then
+      if (-least >= 1.5_wp*material%young/(1.0_wp + material%poisson) &
+         & .and. material%young > 0.0_wp) then
          call complain(model%log, 'E0203', 'the flow curve of material `'//material%name// &
-            & '` falls faster ('//to_text(-least, 4)//' per strain) than elasticity unloads (3 G)', &
-            & material%plastic_at)
+            & '` falls faster ('//to_text(-least, 4)// &
+            & ' per strain) than elasticity unloads (3 G)', material%plastic_at)
          return
       end if
       call model%log%say(severity%warning, 'W0324', 'the flow curve of material `'// &

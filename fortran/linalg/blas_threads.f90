@@ -1,8 +1,8 @@
 !> Threads of the BLAS, where it has such a switch (OpenBLAS; others obey the environment only).
 !>
 !> Handing small blocks from thread to thread costs more than it saves, and threads that were woken
-!> once spin for a while: measured on two cores, a solid of 6000 equations takes twice as long on two
-!> threads as on one, of 24000 as long, of 66000 a tenth less.
+!> once spin for a while: measured on two cores, a solid of 6000 equations takes twice as long on
+!> two threads as on one, of 24000 as long, of 66000 a tenth less.
 module lopin_blas_threads
    use, intrinsic :: iso_c_binding, only : c_int
    implicit none

@@ -68,7 +68,7 @@ module lopin_model
       logical :: has_neo_hooke = .false.
       real(wp) :: c10 = 0.0_wp        !! *HYPERELASTIC, NEO HOOKE: half the shear modulus [stress]
       real(wp) :: d1 = 0.0_wp         !! 2 / bulk modulus [1/stress]
-      real(wp) :: yield = 0.0_wp      !! first row of *PLASTIC, read by friction laws; 0: none [stress]
+      real(wp) :: yield = 0.0_wp   !! first row of *PLASTIC, read by friction laws; 0: none [stress]
       logical :: hardens = .false.    !! *PLASTIC has a row above the first
       type(flow_type) :: flow         !! of *PLASTIC and *VISCOPLASTIC
       type(location_type) :: plastic_at, viscous_at

@@ -29,12 +29,12 @@ contains
    !> A tool from a profile.
    !>
    !> `frame` holds the points of the data lines before START, one a column: none for SEGMENTS;
-   !> a, b, c for CYLINDER (default: the global frame); a, b for REVOLUTION (default: the y axis), and
-   !> c, d where the profile runs around a rectangle: the middles of two of its sides.
+   !> a, b, c for CYLINDER (default: the global frame); a, b for REVOLUTION (default: the y axis),
+   !> and c, d where the profile runs around a rectangle: the middles of two of its sides.
    subroutine new_tool_from_segments(tool, kind, frame, cards, fillet, at, error)
       class(tool_type), allocatable, intent(out) :: tool
       character(len=*), intent(in) :: kind               !! one of `tool_kinds`
-      real(wp), intent(in) :: frame(:, :)                !! (3, 0), (3, 2), (3, 3) or (3, 4) [length]
+      real(wp), intent(in) :: frame(:, :)               !! (3, 0), (3, 2), (3, 3) or (3, 4) [length]
       type(segment_card_type), intent(in) :: cards(:)    !! START first
       real(wp), intent(in) :: fillet                     !! radius, 0: none [length]
       type(location_type), intent(in) :: at              !! of the keyword

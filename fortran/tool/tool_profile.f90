@@ -33,8 +33,9 @@ module lopin_tool_profile
       procedure :: tessellate => tessellate_extruded
    end type extruded_type
 
-   !> The profile in the local (r, z) half-plane, turned about the local z, or led around a rectangle
-   !> with centre there: r is then the distance from the rectangle, as for the tools of a square cup.
+   !> The profile in the local (r, z) half-plane, turned about the local z, or led around a
+   !> rectangle with centre there: r is then the distance from the rectangle, as for the tools of a
+   !> square cup.
    type, extends(profile_tool_type) :: revolved_type
       real(wp) :: origin(3) = 0.0_wp    !! a point of the axis [length]
       real(wp) :: axis(3) = 0.0_wp      !! unit

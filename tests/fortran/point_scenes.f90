@@ -29,9 +29,9 @@ module point_scenes
    public :: point_scene_type, master_names, new_point_scene, look, random, grip_names
 
    !> The six cells of facets in the order of their ids, then tools, then patches of facets.
-   character(len=*), parameter :: master_names(14 + size(patch_names)) = [character(len=9) :: 'line2', 'line3', 'tri3', &
-      & 'tri6', 'quad4', 'quad8', 'plane2', 'plane3', 'circle', 'sphere', 'cylinder', 'profile', &
-      & 'extruded', 'revolved', patch_names]
+   character(len=*), parameter :: master_names(14 + size(patch_names)) = [character(len=9) :: &
+      & 'line2', 'line3', 'tri3', 'tri6', 'quad4', 'quad8', 'plane2', 'plane3', 'circle', &
+      & 'sphere', 'cylinder', 'profile', 'extruded', 'revolved', patch_names]
    !> In the order of grip_kind.
    character(len=*), parameter :: grip_names(6) = [character(len=11) :: 'lagrange', 'penalty', &
       & 'perturbed', 'augmented', 'overclosure', 'tied']
@@ -81,7 +81,8 @@ contains
          & self%ndim = 2
       call new_facet_basis(self%basis)
       self%model%mesh%ndim = self%ndim
-      allocate (self%masters%of(1), self%model%pair(1), self%model%tool(0), self%model%rigid_body(0))
+      allocate (self%masters%of(1), self%model%pair(1), self%model%tool(0))
+      allocate (self%model%rigid_body(0))
       self%model%pair(1)%slave = 1
       self%model%pair(1)%master = 2
       if (any(patch_names == name)) then
@@ -330,7 +331,8 @@ contains
       if (present(tangent)) wanted = tangent
       call place_all(self, u)
       first = 0
-      if (any(self%grip%kind == [grip_kind%lagrange, grip_kind%perturbed, grip_kind%tied])) first = 1
+      if (any(self%grip%kind == [grip_kind%lagrange, grip_kind%perturbed, grip_kind%tied])) &
+         & first = 1
       call evaluate_point(self%state, local, self%model, self%dofs, self%basis, self%masters, &
          & self%points, 1, self%opposite, self%anchor, self%grip, self%friction, self%at, &
          & self%shift, lambda, first, wanted)

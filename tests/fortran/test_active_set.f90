@@ -263,8 +263,9 @@ contains
       end do
    end subroutine augmentations_that_stop_early_know_their_error
 
-   !> Benchmark F4: multipliers moved by rho times the gap, without a spring or beside one of stiffness
-   !> alpha, converge for rho < 2/s_max and rho < 2 (alpha + 1/s_max), s the code's own compliance.
+   !> Benchmark F4: multipliers moved by rho times the gap, without a spring or beside one of
+   !> stiffness alpha, converge for rho < 2/s_max and rho < 2 (alpha + 1/s_max), s the code's own
+   !> compliance.
    subroutine uzawa_converges_below_its_bound()
       real(wp), parameter :: k(2, 2) = reshape([3.0_wp, -1.0_wp, -1.0_wp, 2.0_wp], [2, 2])
       real(wp), parameter :: bound(2) = [2.763932022500210_wp, 4.763932022500210_wp]
@@ -280,7 +281,8 @@ contains
          l(2, 1) = k(2, 1)/l(1, 1)
          l(1, 2) = 0.0_wp
          l(2, 2) = sqrt(k(2, 2) + alpha - l(2, 1)**2)
-         call new_problem(problem, l, reshape([-1.0_wp, 0.0_wp, 0.0_wp, -1.0_wp], [2, 2]), 1, 0.0_wp)
+         call new_problem(problem, l, reshape([-1.0_wp, 0.0_wp, 0.0_wp, -1.0_wp], [2, 2]), 1, &
+            & 0.0_wp)
          if (allocated(problem%s)) deallocate (problem%s)
          call form_compliance(problem)
          call is_true('below', uzawa_gap(problem%s, 0.99_wp*bound(i)) < 1.0e-6_wp)

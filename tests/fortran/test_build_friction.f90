@@ -34,7 +34,8 @@ contains
       character(len=:), allocatable :: text
       integer :: i
 
-      text = '*NODE|1, 0., 1.|2, 1., 1.|3, 1., 2.|4, 0., 2.|5, 0., 0.|6, 1., 0.|7, 1., 1.|8, 0., 1.|' &
+      text = '*NODE|1, 0., 1.|2, 1., 1.|3, 1., 2.|4, 0., 2.|' &
+         & //'5, 0., 0.|6, 1., 0.|7, 1., 1.|8, 0., 1.|' &
          & //'*ELEMENT, TYPE=CPE4, ELSET=UP|1, 1, 2, 3, 4|*ELEMENT, TYPE=CPE4, ELSET=LOW|' &
          & //'2, 5, 6, 7, 8|*SURFACE, NAME=S|UP, S1|*SURFACE, NAME=M|LOW, S3|' &
          & //'*MATERIAL, NAME=HARD|*ELASTIC|210000., 0.3|*MATERIAL, NAME=SOFT|*ELASTIC|7000., 0.3|'

@@ -7,7 +7,8 @@ program test_contact_point
    use lopin_contact_traction, only : grip_kind
    use lopin_projection, only : place
    use lopin_rigid_motion, only : rotation_matrix
-   use point_scenes, only : point_scene_type, master_names, grip_names, new_point_scene, look, random
+   use point_scenes, only : point_scene_type, master_names, grip_names, new_point_scene, look, &
+      & random
    use check, only : test, close_to, is_true, finish
    implicit none
 

@@ -140,8 +140,8 @@ contains
          h = 0.0_wp
          h(1, 1) = stretch - 1.0_wp
          h(2, 2) = 1.0_wp/sqrt(stretch) - 1.0_wp
-         h(3, 3) = thickness_change(rubber, past_type(), h + transpose(h) + matmul(h, transpose(h)), &
-            & volume_change(h))
+         h(3, 3) = thickness_change(rubber, past_type(), h + transpose(h) &
+            & + matmul(h, transpose(h)), volume_change(h))
          call close_to('thickness', h(3, 3), h(2, 2), 1.0e-7_wp)
          call response(rubber, h, stress, energy)
          call close_to('stress', stress(:3), [stretch**2 - 1.0_wp/stretch, 0.0_wp, 0.0_wp], &

@@ -36,7 +36,8 @@ contains
 
       select case (hard)
       case ('table')
-         flow = table_flow([0.0_wp, 0.05_wp, 0.5_wp, 4.0_wp], [200.0_wp, 260.0_wp, 400.0_wp, 600.0_wp])
+         flow = table_flow([0.0_wp, 0.05_wp, 0.5_wp, 4.0_wp], &
+            & [200.0_wp, 260.0_wp, 400.0_wp, 600.0_wp])
       case ('swift')
          flow = swift_flow(550.0_wp, 0.01_wp, 0.22_wp)
       case ('hollomon')
@@ -103,8 +104,8 @@ contains
                high = trial(a)/(3.0_wp*shear)
                do k = 1, 200
                   middle = 0.5_wp*(low + high)
-                  if (trial(a) - 3.0_wp*shear*middle > stress_at(before(b) + middle, middle/dt(c))) &
-                     & then
+                  if (trial(a) - 3.0_wp*shear*middle > stress_at(before(b) + middle, &
+                     & middle/dt(c))) then
                      low = middle
                   else
                      high = middle
@@ -139,10 +140,10 @@ contains
                & 1.0e-13_wp)
             step = 1.0e-3_wp*size_of(i)
             slope = (8.0_wp*(along(size_of(i) + step, dt(k)) - along(size_of(i) - step, dt(k))) &
-               & - along(size_of(i) + 2.0_wp*step, dt(k)) + along(size_of(i) - 2.0_wp*step, dt(k))) &
-               & /(12.0_wp*step)
-            call close_to('slope', (back%secant + back%along)/(2.0_wp*shear), slope/(2.0_wp*shear), &
-               & 1.0e-8_wp)
+               & - along(size_of(i) + 2.0_wp*step, dt(k)) &
+               & + along(size_of(i) - 2.0_wp*step, dt(k)))/(12.0_wp*step)
+            call close_to('slope', (back%secant + back%along)/(2.0_wp*shear), &
+               & slope/(2.0_wp*shear), 1.0e-8_wp)
          end do
       end do
    end subroutine the_return_has_the_slope_of_its_stress
@@ -175,8 +176,8 @@ contains
       type(flow_type) :: thin
 
       call test('linear hardening returns by trial - Y over 3 G + H')
-      call flow_step(linear_flow(700.0_wp, 300.0_wp), shear, 5.0e3_wp, 0.0_wp, 1.0_wp, step, stress, &
-         & slope)
+      call flow_step(linear_flow(700.0_wp, 300.0_wp), shear, 5.0e3_wp, 0.0_wp, 1.0_wp, step, &
+         & stress, slope)
       call close_to('step', step, 4.3e3_wp/(3.0_wp*shear + 300.0_wp), 1.0e-16_wp)
       call close_to('slope', slope, 300.0_wp, 1.0e-9_wp)
       call test('a linear fluid without threshold')

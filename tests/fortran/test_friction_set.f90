@@ -1,4 +1,5 @@
-!> Friction on the dense compliance: Klarbring's node, a matrix that cycles, points without pressure.
+!> Friction on the dense compliance: Klarbring's node, a matrix that cycles, points without
+!> pressure.
 program test_friction_set
    use lopin_kinds, only : wp
    use check, only : test, close_to, is_true, finish

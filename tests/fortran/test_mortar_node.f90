@@ -77,8 +77,8 @@ contains
       first = size(x, 2)
       do k = 0, n*(nnode - 1)
          at = from + (to - from)*k/(n*(nnode - 1))
-         x = reshape([x, [at, height + 0.1_wp*sin(at) + 0.01_wp*sin(7.0_wp*k + n)]], [2, size(x, 2) &
-            & + 1])
+         x = reshape([x, [at, height + 0.1_wp*sin(at) + 0.01_wp*sin(7.0_wp*k + n)]], [2, size(x, &
+            & 2) + 1])
       end do
       facets%n = n
       facets%element = [(k, k=1, n)]

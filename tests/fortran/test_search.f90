@@ -108,8 +108,8 @@ contains
          misses = 0
          do k = 1, surfaces
             call random_number(noise)
-            scene%x = flat + merge(0.01_wp, 0.03_wp, n == 2 .or. cell == 4 .or. cell == 6)*(noise - &
-               & 0.5_wp)
+            scene%x = flat + merge(0.01_wp, 0.03_wp, n == 2 .or. cell == 4 &
+               & .or. cell == 6)*(noise - 0.5_wp)
             call follow(scene)
             call build_tree(scene%tree, scene%surface%low, scene%surface%high)
             do i = 1, points

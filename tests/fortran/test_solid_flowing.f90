@@ -137,8 +137,8 @@ contains
          call finite_element(element, law, distorted(), u, thickness, memory, dt, force, energy, &
             & bad, ke)
       else
-         call flow_element(element, law, distorted(), u, thickness, memory, dt, force, energy, bad, &
-            & ke)
+         call flow_element(element, law, distorted(), u, thickness, memory, dt, force, energy, &
+            & bad, ke)
       end if
       call is_true('not inside out', bad == 0)
    end subroutine answer
@@ -260,8 +260,8 @@ contains
                across = 0.5_wp*(low + high)
                if (across <= low .or. across >= high) exit
                u = pressed(across, 1.0_wp - 0.6_wp*n/increment)
-               call finite_stresses(element, law, disc(), u, 1.0_wp, memory, 1.0_wp, stress, strain, &
-                  & bad)
+               call finite_stresses(element, law, disc(), u, 1.0_wp, memory, 1.0_wp, stress, &
+                  & strain, bad)
                if (stress(1, 1) > 0.0_wp) high = across
                if (.not. stress(1, 1) > 0.0_wp) low = across
             end do
@@ -292,7 +292,8 @@ contains
       u(2, :) = (along - 1.0_wp)*u(2, :)
    end function pressed
 
-   !> Elastic: 2 asinh(g/2)/sqrt(1 + g^2/4) G. Perfectly plastic: the shear stress stays at Y/sqrt 3.
+   !> Elastic: 2 asinh(g/2)/sqrt(1 + g^2/4) G. Perfectly plastic: the shear stress stays at Y/sqrt
+   !> 3.
    subroutine simple_shear_does_not_oscillate()
       real(wp) :: u(2, 4), stress(6, 4), strain(6, 4), work, before, held
       real(wp), parameter :: g(2) = [1.0_wp, 4.0_wp], exact(2) = [0.860818_wp, 1.291227_wp]
