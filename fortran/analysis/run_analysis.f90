@@ -3,7 +3,7 @@ module lopin_run_analysis
    use lopin_kinds, only : wp
    use lopin_error, only : error_type, error_code, raise, log_type, severity
    use lopin_text, only : to_text
-   use lopin_clock, only : clock_type
+   use lopin_clock, only : clock_type, counter_type
    use lopin_memory, only : peak_memory
    use lopin_model, only : model_type
    use lopin_state, only : frame_type, summary_type
@@ -134,10 +134,7 @@ contains
          if (allocated(error)) return
       end if
       do step = first, size(model%step)
-         scene%counter%factorisations = 0
-         scene%counter%back_solves = 0
-         scene%counter%iterations = 0
-         scene%counter%augmentations = 0
+         scene%counter = counter_type()
          if (step > 1) call remember_held(held, scene)
          call set_supports(scene, model, step, same, error)
          if (allocated(error)) return

@@ -85,3 +85,14 @@ def test_a_far_pair_wakes_when_it_comes_near(executable, tmp_path, inc):
     # A bar of modulus E/(1 - nu^2), shortened by 0.01, between smooth ends that are held and free aside.
     assert abs(pair["force"][1]) > 5.0
     assert pair["max_penetration"] < 1e-8
+
+
+def test_every_step_counts_its_own_searches(executable, tmp_path):
+    """The same press in one step and in the first of two: the second does not count the first again."""
+    step = "*STEP, NLGEOM\n*STATIC\n1., 1.\n*END STEP\n"
+    (tmp_path/"two.inp").write_text(deck(0) + step)
+    subprocess.run([executable, "run", "two.inp", "-o", ".", "--quiet"], cwd=tmp_path, check=True)
+    _, alone = solve(executable, tmp_path, "alone", 0)
+    first, second = (s["search"] for s in json.loads((tmp_path/"two.json").read_text())["steps"])
+    assert first == alone
+    assert 0 < second["queries"] < first["queries"]
