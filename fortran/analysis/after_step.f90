@@ -7,7 +7,7 @@ module lopin_after_step
    use lopin_friction, only : has_friction
    use lopin_scene, only : scene_type, gap_of
    use lopin_methods, only : has_law
-   use lopin_state, only : energy_type, lost_work
+   use lopin_state, only : energy_type, lost_work, lost_share
    use lopin_say_once, only : say_once
    use lopin_small_theory, only : judge_slip, judge_elements, rotation_limit
    implicit none
@@ -19,10 +19,11 @@ module lopin_after_step
    !> Work that may be lost, beside all of it.
    real(wp), parameter :: balance_limit = 0.01_wp
 
-   !> What was seen of the pairs so far.
+   !> What was seen so far.
    type :: seen_type
       logical, allocatable :: closed(:)      !! (npair) at some increment
       real(wp), allocatable :: nearest(:)    !! (npair) smallest gap [length]
+      real(wp) :: lost = 0.0_wp              !! work, when last it was said to be lost [energy]
    end type seen_type
 
 contains
@@ -73,7 +74,7 @@ contains
    subroutine judge_step(scene, model, seen, energy)
       type(scene_type), intent(inout) :: scene
       type(model_type), intent(in) :: model
-      type(seen_type), intent(in) :: seen
+      type(seen_type), intent(inout) :: seen
       type(energy_type), intent(in) :: energy      !! of the last increment
       integer :: pair
 
@@ -92,19 +93,24 @@ contains
       if (.not. scene%finite%nlgeom) call judge_elements(scene, model)
       call judge_rigid_bodies(scene, model)
       call judge_elastic_slip(scene, model)
-      if (scene%finite%memory%in_use) call judge_balance(scene, model, energy)
+      if (scene%finite%memory%in_use) call judge_balance(scene, model, energy, seen%lost)
    end subroutine judge_step
 
-   !> Work that is neither stored nor dissipated: what the increments were too large for.
-   subroutine judge_balance(scene, model, energy)
+   !> Work that is neither stored nor dissipated: what the increments were too large for. Of a later
+   !> step it is said where as much was lost again since.
+   subroutine judge_balance(scene, model, energy, lost)
       type(scene_type), intent(inout) :: scene
       type(model_type), intent(in) :: model
       type(energy_type), intent(in) :: energy
-      real(wp) :: lost
+      real(wp), intent(inout) :: lost              !! when last it was said [energy]
+      real(wp) :: share
 
+      share = lost_share(energy)
+      if (.not. abs(share) > balance_limit) return
+      if (.not. abs(lost_work(energy) - lost)*abs(share) &
+         & > balance_limit*abs(lost_work(energy))) return
       lost = lost_work(energy)
-      if (.not. abs(lost) > balance_limit) return
-      call say_once(scene%log, 'W0530', to_text(100.0_wp*lost, 3)// &
+      call say_once(scene%log, 'W0530', to_text(100.0_wp*share, 3)// &
          & ' % of the work is neither stored nor dissipated at the end of step '// &
          & to_text(scene%step), model%step(scene%step)%at, &
          & help='smaller increments on *STATIC: they are what the energies are integrated over')

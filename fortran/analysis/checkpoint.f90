@@ -110,6 +110,7 @@ contains
       call stream%pass(self%work)
       call stream%pass(self%seen%closed)
       call stream%pass(self%seen%nearest)
+      call stream%pass(self%seen%lost)
       call stream%pass(self%f_before)
       call stream%pass(self%u_before)
       call stream%pass(self%r_before)

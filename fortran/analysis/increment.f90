@@ -8,7 +8,7 @@ module lopin_increment
    use lopin_checksum, only : checksum_type
    use lopin_clock, only : phase
    use lopin_model, only : model_type
-   use lopin_state, only : frame_type, summary_type, lost_work
+   use lopin_state, only : frame_type, summary_type, lost_share
    use lopin_recorder, only : recorder_holder_type, wants_type
    use lopin_follower_loading, only : set_followers
    use lopin_loading, only : loading_type, loads_at, prescribed_at
@@ -113,7 +113,7 @@ contains
          frame%energy%volume = scene%finite%memory%volume
       end if
       call add_work(scene, progress, frame)
-      if (scene%finite%memory%in_use) frame%certificate%energy = abs(lost_work(frame%energy))
+      if (scene%finite%memory%in_use) frame%certificate%energy = abs(lost_share(frame%energy))
       call accept(scene, progress, steady)
       call look_at_pairs(progress%seen, scene, model)
       if (scene%finite%nlgeom) call judge_mesh(scene, model, frame%increment)

@@ -120,7 +120,7 @@ contains
       call add_explanation(list, 'W0530', 'energies do not balance', &
          & 'The work of loads and prescribed displacements differs from stored energy, plastic '// &
          & 'work and friction by more than a hundredth. All are integrated over the increments '// &
-         & 'by the trapezoidal rule.', &
+         & 'by the trapezoidal rule. Of later steps it is said where as much was lost again.', &
          & 'smaller increments; compare energy.* in the history.')
       call add_explanation(list, 'W0514', 'the elastic slip is not small beside the slips', &
          & 'A penalty pair whose deck gives no elastic slip takes 0.5 % of a facet. Here '// &

@@ -6,7 +6,7 @@ module lopin_state
    use lopin_stream, only : stream_type
    implicit none
    private
-   public :: lost_work
+   public :: lost_work, lost_share
    public :: contact_field_type, certificate_type, frame_type, energy_type, summary_type, &
       & verdict_words, keep_certificate, keep_energy
 
@@ -143,13 +143,20 @@ contains
    end subroutine keep_energy
 
    !> Work that is neither stored nor dissipated, beside all of it; 0 where nothing is done.
-   pure real(wp) function lost_work(energy) result(share)
+   pure real(wp) function lost_share(energy) result(share)
       type(energy_type), intent(in) :: energy
       real(wp) :: whole
 
-      share = energy%external - energy%strain - energy%contact - energy%friction_mean &
-         & - energy%plastic
+      share = lost_work(energy)
       whole = max(abs(energy%external), energy%strain + energy%plastic + abs(energy%friction_mean))
       if (whole > 0.0_wp) share = share/whole
+   end function lost_share
+
+   !> Work that is neither stored nor dissipated [energy].
+   pure real(wp) function lost_work(energy)
+      type(energy_type), intent(in) :: energy
+
+      lost_work = energy%external - energy%strain - energy%contact - energy%friction_mean &
+         & - energy%plastic
    end function lost_work
 end module lopin_state
