@@ -124,12 +124,14 @@ contains
                job%deterministic = .true.
             case ('strict')
                job%strict = .true.
+            case ('resume')
+               job%resume = .true.
             case default
                ok = len(line) == 0
             end select
             if (.not. ok) then
                call raise(error, error_code%usage, 'E0801', 'no such option: '//quoted(line), &
-                  & help='options are solver=, threads= (from 1), deterministic and strict')
+                  & help='options are solver=, threads= (from 1), deterministic, strict and resume')
                return
             end if
          end associate

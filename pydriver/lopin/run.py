@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 from . import _bridge
 from .deck import Deck
-from .errors import NotConvergedError, ResourceError, error_of
+from .errors import NotConvergedError, ResourceError, UsageError, error_of
 from .folder import Folder
 from .memory import Memory
 from .result import Result
@@ -30,7 +30,9 @@ def run(scene: Deck | Model | str | Path, output: str | Path | None = None, *,
     output : folder for the deck and the result files; in memory only when None
     executable : run the program ``lopin`` instead of the library in this process
     threads : threads of the assembly and of BLAS
-    options : options of the command line, such as ``solver="umfpack"`` or ``deterministic=True``
+    options : options of the command line, such as ``solver="umfpack"`` or ``deterministic=True``;
+        ``resume=True`` goes on from the checkpoint that a broken run left in `output`, and the
+        result, read from the files there, is that of the whole run
 
     Raises
     ------
@@ -39,6 +41,8 @@ def run(scene: Deck | Model | str | Path, output: str | Path | None = None, *,
     """
     deck = as_deck(scene)
     options["threads"] = threads
+    if options.get("resume") and output is None:
+        raise UsageError("resume asks for the output folder of the run that was broken off")
     if executable:
         return _run_executable(deck, output, _option_words(options))
     if output is not None:
@@ -47,7 +51,11 @@ def run(scene: Deck | Model | str | Path, output: str | Path | None = None, *,
                               options)
     if session.code not in (0, NotConvergedError.code):
         raise error_of(session.code, session.diagnostics)
-    result = Result(Memory(session), deck)
+    source = Memory(session)
+    if options.get("resume"):   # in memory is only what this process did
+        source = Folder(output, deck.name)
+        source.diagnostics = session.diagnostics
+    result = Result(source, deck)
     if session.code:
         raise _unfinished(session.code, session.diagnostics, result)
     return result

@@ -4,11 +4,14 @@ import random
 import re
 import signal
 import subprocess
+import sys
 import time
 from pathlib import Path
 
+import numpy as np
 import pytest
 
+import lopin
 from test_cut_back import pulled
 from test_friction_laws import block
 from test_reach import crown
@@ -308,3 +311,22 @@ def test_without_a_checkpoint_the_run_starts_from_its_beginning(bench):
     assert code == 0 and "N0604" in said
     assert b.run("alone")[0] == 0
     assert b.differences("alone", "first") == []
+
+
+def test_python_goes_on_with_a_run_of_this_process_that_was_killed(tmp_path, executable):
+    """The result of the run that went on is that of the whole run, to the bit."""
+    deck = lopin.Deck.parse(billet(changes=False), "job")
+    whole = lopin.run(deck)
+    deck.write(tmp_path/"job.inp")
+    code = "import lopin, sys; lopin.run('job.inp', 'out')"
+    process = subprocess.Popen([sys.executable, "-c", code], cwd=tmp_path)
+    while process.poll() is None and not (tmp_path/"out"/"job.rst").exists():
+        time.sleep(0.001)
+    process.kill()
+    assert process.wait() == -signal.SIGKILL
+    result = lopin.run(deck, tmp_path/"out", resume=True)
+    assert result.summary["checksum"] == whole.summary["checksum"]
+    assert np.array_equal(result.times, whole.times)
+    assert any("goes on after increment" in said["message"] for said in result.diagnostics)
+    with pytest.raises(lopin.UsageError, match="output folder"):
+        lopin.run(deck, resume=True)
