@@ -1,7 +1,7 @@
 """The deck of a sheet bent freely and let go: `python decks/make/bending.py > deck.inp`.
 
-NUMISHEET 2002 (benchmark 3 of NAFEMS): half of an aluminium sheet by symmetry, plane strain; x along
-it, y against the way of the punch.
+NUMISHEET 2002 (benchmark 3 of NAFEMS): half of an aluminium sheet by symmetry, plane strain; x
+along it, y against the way of the punch.
 """
 from __future__ import annotations
 
@@ -17,7 +17,8 @@ PUNCH, SHOULDER, CENTRE, THICK, HALF = 23.5, 4.0, 29.0, 1.0, 60.0   #: radii, of
 STRENGTH, EXPONENT, FLOW = 550.4, 0.223, 194.0                      #: of aluminium
 
 
-def free_bending(cells: tuple[int, int] = (120, 4), mu: float = 0.1348, stroke: float = 28.5) -> str:
+def free_bending(cells: tuple[int, int] = (120, 4), mu: float = 0.1348,
+                 stroke: float = 28.5) -> str:
     """Bending, then the release of all tools; the middle of the sheet stays where it is.
 
     Away from the shoulder the die falls by 1 in 50: a sheet flat on a flat table comes loose of it

@@ -77,19 +77,21 @@ def deformed(ax, result, values, *, scale: float, index: int = -1, limits=None, 
     return drawn
 
 
-SIDES = {"hexahedron": np.array([[0, 3, 2, 1], [4, 5, 6, 7], [0, 1, 5, 4], [1, 2, 6, 5], [2, 3, 7, 6],
-                                 [3, 0, 4, 7]]),
+SIDES = {"hexahedron": np.array([[0, 3, 2, 1], [4, 5, 6, 7], [0, 1, 5, 4], [1, 2, 6, 5],
+                                 [2, 3, 7, 6], [3, 0, 4, 7]]),
          "tetra": np.array([[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]])}   # corners of faces
 
 
 def skin(ax, result, values, *, index: int = -1, limits=None, colours: str = MAP):
-    """The deformed outside of a body of hexahedra or of tetrahedra in space, coloured by a value at the points."""
+    """The deformed outside of a body of hexahedra or of tetrahedra in space, coloured by a value at
+    the points."""
     piece = result.to_meshio(index)
     x = piece.points + np.asarray(piece.point_data["U"])
     kind = max((b.type for b in piece.cells if b.type in SIDES), key=lambda name: len(SIDES[name]))
     cells = np.vstack([b.data for b in piece.cells if b.type == kind])
     faces = cells[:, SIDES[kind]].reshape(-1, SIDES[kind].shape[1])
-    _, first, count = np.unique(np.sort(faces, axis=1), axis=0, return_index=True, return_counts=True)
+    _, first, count = np.unique(np.sort(faces, axis=1), axis=0, return_index=True,
+                                return_counts=True)
     faces = faces[first[count == 1]]
     low, high = limits or (values.min(), values.max())
     drawn = Poly3DCollection(x[faces], edgecolors=(0.0, 0.0, 0.0, 0.35), linewidths=0.25)
@@ -99,7 +101,8 @@ def skin(ax, result, values, *, index: int = -1, limits=None, colours: str = MAP
     return drawn
 
 
-def tools(ax, result, *, scale: float, index: int = -1, mirror: bool = False, width: float = 2.2) -> None:
+def tools(ax, result, *, scale: float, index: int = -1, mirror: bool = False,
+          width: float = 2.2) -> None:
     """The profiles of all tools where they stand."""
     source = result.source
     index %= len(result.times)

@@ -16,7 +16,8 @@ from lopin.mesh import together
 
 def segments(name: str, corners: list[tuple[float, float, float]]) -> str:
     """A rigid profile through corners (r, z, fillet radius); the material is on its left."""
-    lines = [f"*SURFACE, NAME={name}, TYPE=SEGMENTS", f"START, {corners[0][0]:.9g}, {corners[0][1]:.9g}"]
+    lines = [f"*SURFACE, NAME={name}, TYPE=SEGMENTS",
+             f"START, {corners[0][0]:.9g}, {corners[0][1]:.9g}"]
     for before, (r, z, fillet), after in zip(corners, corners[1:], corners[2:]):
         if fillet == 0.0:
             lines.append(f"LINE, {r:.9g}, {z:.9g}")
@@ -42,8 +43,8 @@ def direction(start, end) -> tuple[float, float]:
 def closed_die(cells: int = 24, stroke: float = 5.0) -> str:
     """A disc with a hub-less web and a flash, forged between two equal dies."""
     draft = 6.0*tan(20.0*pi/180.0)
-    die = [(40.0, 5.0, 0.0), (27.5, 5.0, 0.0), (26.5, 1.0, 0.5), (20.0, 1.0, 1.5), (20.0 - draft, 7.0, 2.0),
-           (-1.0, 7.0, 0.0)]
+    die = [(40.0, 5.0, 0.0), (27.5, 5.0, 0.0), (26.5, 1.0, 0.5), (20.0, 1.0, 1.5),
+           (20.0 - draft, 7.0, 2.0), (-1.0, 7.0, 0.0)]
     billet = mesh_make.block((15.0, 12.0), (cells, round(0.8*cells)))
     skin = np.concatenate([billet.surfaces["TOP"], billet.surfaces["RIGHT"]])
     billet = billet.replaced(surfaces={"SKIN": skin})

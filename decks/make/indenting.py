@@ -18,14 +18,17 @@ def ticks(fine: int, part: float, coarse: int) -> np.ndarray:
         ratio = 0.5*(low + high)
         low, high = (ratio, high) if first*sum(ratio**np.arange(coarse)) < rest else (low, ratio)
     steps = first*low**np.arange(coarse)
-    return np.concatenate([np.linspace(0.0, part, fine + 1), part + np.cumsum(steps)*rest/steps.sum()])
+    return np.concatenate([np.linspace(0.0, part, fine + 1),
+                           part + np.cumsum(steps)*rest/steps.sum()])
 
 
-def ball_in_metal(fine: int = 36, depth: float = 100.0, size: float = 3000.0, *, kind: str = "CAX4") -> str:
+def ball_in_metal(fine: int = 36, depth: float = 100.0, size: float = 3000.0, *,
+                  kind: str = "CAX4") -> str:
     """SSNV506 of code_aster: R = 500 mm, perfectly plastic, up to 100 mm deep."""
     part = 1.3*(2.0*500.0*depth)**0.5/size
     across, down = ticks(fine, part, fine//3), ticks(fine, part, fine//3)
-    block = mesh_make.block((size, size), (len(across) - 1, len(down) - 1), grading=(across, 1.0 - down[::-1]))
+    block = mesh_make.block((size, size), (len(across) - 1, len(down) - 1),
+                            grading=(across, 1.0 - down[::-1]))
     block = block.moved(0.0, -size)
     mesh = together(BLOCK=lean(block, "TOP", "LEFT BOTTOM"))
     deck = text(mesh, """

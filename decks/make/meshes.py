@@ -134,8 +134,10 @@ def cattaneo() -> Deck:
     shape = (len(across) - 1, len(up) - 1)
     upper = mesh_make.block((50.0, 25.0), shape, origin=(-25.0, 0.0),
                             grading=((across + 25.0)/50.0, up/25.0))
-    crown = lambda x: np.column_stack([x[:, 0], x[:, 1] + x[:, 0]**2/400.0*(1.0 - x[:, 1]/25.0)])  # noqa: E731
-    near = upper.with_surface("NEAR", lambda x: (x[:, 1] < 1e-9) & (np.abs(x[:, 0]) < 2.5)).mapped(crown)
+    crown = lambda x: np.column_stack([x[:, 0], x[:, 1]
+                                       + x[:, 0]**2/400.0*(1.0 - x[:, 1]/25.0)])  # noqa: E731
+    near = upper.with_surface("NEAR",
+                              lambda x: (x[:, 1] < 1e-9) & (np.abs(x[:, 0]) < 2.5)).mapped(crown)
     lower = mesh_make.block((50.0, 25.0), shape, origin=(-25.0, -25.0),
                             grading=((across + 25.0)/50.0, 1.0 - up[::-1]/25.0))
     lower = lower.with_surface("NEAR", lambda x: (x[:, 1] > -1e-9) & (np.abs(x[:, 0]) < 2.5))
@@ -263,7 +265,8 @@ def beam_on_roller() -> Deck:
 MESHES = {f.__name__: f for f in (cattaneo, hertz_sphere, hertz_sphere_3d, nafems_cylinder,
                                   cylinder_on_plane, flat_punch, lifted_beam,
                                   patch_test, signorini, strip_bending,
-                                  glued_beam, two_blocks_mortar, shrink_fit, ball_on_ball, beam_on_roller, capstan)}
+                                  glued_beam, two_blocks_mortar, shrink_fit, ball_on_ball,
+                                  beam_on_roller, capstan)}
 
 
 def main(names: list[str]) -> None:

@@ -152,10 +152,12 @@ def cattaneo() -> None:
     a, edge, p0 = 1.050464, 0.742790, 606.037
     at = np.linspace(-a, a, 401)
     exact = 0.3*p0*(np.sqrt(1.0 - (at/a)**2)
-                    - np.where(np.abs(at) < edge, edge/a*np.sqrt(np.maximum(0.0, 1.0 - (at/edge)**2)), 0.0))
+                    - np.where(np.abs(at) < edge,
+                               edge/a*np.sqrt(np.maximum(0.0, 1.0 - (at/edge)**2)), 0.0))
     fig, ax = figure()
     near = np.abs(x) < 1.2*a
-    curve(ax, at, exact, x[near], shear[near], closed="Cattaneo, Mindlin", xlabel="x [mm]", ylabel="shear [MPa]")
+    curve(ax, at, exact, x[near], shear[near], closed="Cattaneo, Mindlin", xlabel="x [mm]",
+          ylabel="shear [MPa]")
     save(fig, "cattaneo")
 
 
@@ -172,7 +174,8 @@ def capstan() -> None:
     angle = angle - angle.min()
     fig, ax = figure()
     at = np.linspace(0.0, np.pi/2, 200)
-    curve(ax, np.degrees(at), 10.0*np.exp(0.3*at)/100.0, np.degrees(angle), pressure, closed="Euler: T/(R b)",
+    curve(ax, np.degrees(at), 10.0*np.exp(0.3*at)/100.0, np.degrees(angle), pressure,
+          closed="Euler: T/(R b)",
           xlabel="angle around the drum [degrees]", ylabel="contact pressure [MPa]")
     ax.set(ylim=(0.0, 0.25))
     save(fig, "capstan")
@@ -185,7 +188,8 @@ def ball_of_facets() -> None:
     fig, ax = figure()
     r = np.linspace(0.0, 1.5, 500)
     curve(ax, r, ball.pressure(r), np.hypot(*contact.x[:, :2].T), contact.pressure,
-          closed="Hertz 1882", xlabel="distance from the axis [mm]", ylabel="contact pressure [MPa]")
+          closed="Hertz 1882", xlabel="distance from the axis [mm]",
+          ylabel="contact pressure [MPa]")
     ax.set(xlim=(0.0, 1.6))
     save(fig, "ball_of_facets")
 
@@ -199,8 +203,8 @@ def rough_punch() -> None:
     shear = np.abs(np.asarray(c["R_t"])[touch, 0])/w[touch]
     at, pressure, traction = punch_tractions(punch_stick(0.3, 0.3), 0.3, 0.3)
     fig, (left, right) = figure(8.4, 3.6, columns=2)
-    curve(left, 10.0*at, 100.0*pressure, x[touch], c.pressure.ravel()[touch], closed="boundary elements",
-          xlabel="x [mm]", ylabel="pressure [MPa]")
+    curve(left, 10.0*at, 100.0*pressure, x[touch], c.pressure.ravel()[touch],
+          closed="boundary elements", xlabel="x [mm]", ylabel="pressure [MPa]")
     curve(right, 10.0*at, 100.0*np.abs(traction), x[touch], shear, closed="boundary elements",
           xlabel="x [mm]", ylabel="shear [MPa]")
     left.set(ylim=(0.0, 150.0))
@@ -214,9 +218,10 @@ def nafems_punch() -> None:
     order = np.argsort(c.x[:, 0])
     w = np.asarray(c["WEIGHT"]).ravel()[order]
     fig, ax = figure()
-    ax.plot(c.x[order, 0], c.pressure.ravel()[order], "o-", ms=4, lw=1.0, color=DOTS, label="pressure")
-    ax.plot(c.x[order, 0], np.linalg.norm(np.asarray(c["R_t"])[order], axis=1)/w, "o-", ms=4, lw=1.0, color=EXACT,
-            label="shear, mu = 0.1")
+    ax.plot(c.x[order, 0], c.pressure.ravel()[order], "o-", ms=4, lw=1.0, color=DOTS,
+            label="pressure")
+    ax.plot(c.x[order, 0], np.linalg.norm(np.asarray(c["R_t"])[order], axis=1)/w, "o-", ms=4,
+            lw=1.0, color=EXACT, label="shear, mu = 0.1")
     ax.set(xlabel="radius [mm]", ylabel="[MPa]", xlim=(0.0, 48.0), ylim=(0.0, None))
     ax.legend(frameon=False)
     save(fig, "nafems_punch")
@@ -462,7 +467,8 @@ def beam_over_corner() -> None:
     fig, ax = figure(6.4, 3.0)
     shown = [len(result.times)//3, 2*len(result.times)//3, len(result.times) - 1]
     for k in shown:
-        drawn = deformed(ax, result, result.at(k)["Mises"], scale=1.0, index=k, limits=(0.0, 1500.0), mesh=False)
+        drawn = deformed(ax, result, result.at(k)["Mises"], scale=1.0, index=k,
+                         limits=(0.0, 1500.0), mesh=False)
     ax.set(xlabel="x [mm]", ylabel="y [mm]")
     coloured(fig, drawn, ax, "Mises stress [MPa]")
     save(fig, "beam_over_corner")
@@ -475,7 +481,8 @@ def sliding_ball() -> None:
     shown = [k for k in range(len(result.times)) if "CPRESS" in result.contact(0).at(k).fields]
     for ax, k in zip(axes, (shown[0], shown[-1])):
         contact = result.contact(0).at(k)
-        drawn = ax.tricontourf(contact.x[:, 0], contact.x[:, 1], contact.pressure, levels=12, cmap=MAP)
+        drawn = ax.tricontourf(contact.x[:, 0], contact.x[:, 1], contact.pressure, levels=12,
+                               cmap=MAP)
         ax.plot(contact.x[:, 0], contact.x[:, 1], ".", ms=2, color="w", alpha=0.6)
         ax.set(xlabel="x [mm]", aspect="equal")
         ax.set_title(f"time {result.times[k]:.1f}", fontsize=9)
@@ -536,7 +543,8 @@ def closed_die() -> None:
     last = len(result.times) - 1
     fig, axes = figure(9.6, 2.6, 4)
     for ax, k in zip(axes, (0, 3*last//4, last)):
-        drawn = deformed(ax, result, result.at(k)["PEEQ"], scale=1.0, index=k, limits=(0.0, 1.5), grid=0.15)
+        drawn = deformed(ax, result, result.at(k)["PEEQ"], scale=1.0, index=k, limits=(0.0, 1.5),
+                         grid=0.15)
         tools(ax, result, scale=1.0, index=k)
         ax.set(xlim=(0.0, 30.0), ylim=(0.0, 18.0), xlabel="r [mm]")
         ax.set_title(f"{5.0*result.times[k]/result.times[-1]:.1f} mm", fontsize=9)
@@ -556,7 +564,8 @@ def upset_tetra() -> None:
     for k in (last//2, last):
         ax = fig.add_subplot(1, 2, len(axes) + 1, projection="3d", proj_type="ortho")
         drawn = skin(ax, result, result.at(k)["PEEQ"], index=k, limits=(0.0, 0.8))
-        ax.set(xlim=(0.0, 14.0), ylim=(-14.0, 0.0), zlim=(0.0, 14.0), xlabel="x [mm]", zlabel="z [mm]")
+        ax.set(xlim=(0.0, 14.0), ylim=(-14.0, 0.0), zlim=(0.0, 14.0), xlabel="x [mm]",
+               zlabel="z [mm]")
         ax.set_box_aspect((1.0, 1.0, 1.0))
         ax.view_init(elev=25.0, azim=40.0)
         axes.append(ax)
@@ -576,7 +585,8 @@ def upsetting() -> None:
     ax.plot(share, -result.history["PLATE.rf2"]/1e3, color=DOTS, label="Lopin, 12 x 18")
     ax.plot([20.0, 30.0, 40.0, 60.0], [306.0, 368.0, 456.0, 815.3], "o", ms=5, color=EXACT,
             label="CalculiX 2.20, 48 x 72")
-    ax.set(xlabel="reduction of height [%]", ylabel="force [kN]", xlim=(0.0, 61.0), ylim=(0.0, None))
+    ax.set(xlabel="reduction of height [%]", ylabel="force [kN]", xlim=(0.0, 61.0),
+           ylim=(0.0, None))
     ax.legend(frameon=False)
     save(fig, "upsetting")
 
@@ -591,8 +601,8 @@ def ring_compression() -> None:
     coloured(fig, drawn, left, "plastic strain [-]")
     bore = [result.at(k)["displacement"][0, 0]/0.075 for k in range(len(result.times))]
     percent = np.arange(0.0, 51.0, 5.0)
-    ax.plot(percent, [100.0*ring_bore(0.1, p/100.0, steps=400) if p else 0.0 for p in percent], color=EXACT,
-            lw=2.5, label="upper bound, straight walls")
+    ax.plot(percent, [100.0*ring_bore(0.1, p/100.0, steps=400) if p else 0.0 for p in percent],
+            color=EXACT, lw=2.5, label="upper bound, straight walls")
     reduced = np.interp(result.times, result.history["time"], -result.history["PLATE.u2"]/0.05)
     ax.plot(reduced, bore, "o", ms=3, color=DOTS, label="Lopin, mid-height, m = 0.1")
     ax.set(xlabel="reduction of height [%]", ylabel="change of the bore [%]", xlim=(0.0, 51.0))
@@ -629,7 +639,8 @@ def square_cup() -> None:
     for k in (half, last):
         ax = fig.add_subplot(1, 3, len(axes) + 1, projection="3d", proj_type="ortho")
         drawn = skin(ax, result, result.at(k)["PEEQ"], index=k, limits=(0.0, 0.3))
-        ax.set(xlim=(0.0, 75.0), ylim=(0.0, 75.0), zlim=(-16.0, 1.0), xlabel="x [mm]", zticks=(-15, 0))
+        ax.set(xlim=(0.0, 75.0), ylim=(0.0, 75.0), zlim=(-16.0, 1.0), xlabel="x [mm]",
+               zticks=(-15, 0))
         ax.set_box_aspect((75.0, 75.0, 17.0))
         ax.view_init(elev=35.0, azim=-120.0)
         ax.set_title(f"{15.0*(result.times[k] - 1.0):.1f} mm", fontsize=9, y=0.9)

@@ -40,8 +40,10 @@ def interaction(name: str, mu: float = 0.0) -> str:
     return f"*SURFACE INTERACTION, NAME={name}\n*SURFACE BEHAVIOR, DIRECT\n{rubs}"
 
 
-def ironing(cells: int = 16, travel: float = 4.0, kind: str = "SURFACE TO SURFACE", *, around: int = 0) -> str:
-    """Shallow ironing (Puso and Laursen 2004, Fischer and Wriggers 2006); `around`: cells of the die."""
+def ironing(cells: int = 16, travel: float = 4.0, kind: str = "SURFACE TO SURFACE", *,
+            around: int = 0) -> str:
+    """Shallow ironing (Puso and Laursen 2004, Fischer and Wriggers 2006); `around`: cells of the
+    die."""
     around = around or cells
     die = mesh_make.ring(1.5, 3.0, (max(2, around//8), around), angles=(180.0, 360.0))
     die = die.with_points("GRIP", lambda x: x[:, 1] > -1e-9).moved(3.0, 7.0)
@@ -101,7 +103,8 @@ CDIS, CSTR
 
 def fitted_rings_pressure(radii=(10.0, 30.0, 50.0), overlap: float = 0.01, young: float = 210e3,
                           poisson: float = 0.3) -> tuple[float, float]:
-    """Pressure between rings of one material, plane strain, and what the bore moves outwards (Lame)."""
+    """Pressure between rings of one material, plane strain, and what the bore moves outwards
+    (Lame)."""
     a, b, c = radii
     modulus = young/(1.0 - poisson**2)
     give = b/modulus*((c*c + b*b)/(c*c - b*b) + (b*b + a*a)/(b*b - a*a))
@@ -121,12 +124,14 @@ def rotating_rings(facets: int = 48, mu: float = 0.0, turn: float = 90.0, increm
     for quarter in range(4):
         start = np.radians(1.3) + quarter*pi/2.0
         node = 1 + _nearest(mesh, 10.0*np.array([np.cos(start), np.sin(start)]))
-        outside = 1 + _nearest(mesh, 50.0*np.array([np.cos(quarter*pi/2.0), np.sin(quarter*pi/2.0)]))
+        outside = 1 + _nearest(mesh,
+                               50.0*np.array([np.cos(quarter*pi/2.0), np.sin(quarter*pi/2.0)]))
         held.append(f"{outside}, {2 - quarter % 2}")
         for d, wave in ((1, np.cos), (2, np.sin)):
             way = (10.0 + bore)*wave(start + angle) - 10.0*wave(start)
             fitted.append(f"{node}, {d}, {d}, {way[0]:.12g}")
-            pairs = [f"{t:.10g}, {w:.12g}" for t, w in zip(np.linspace(0.0, 1.0, len(way)), way, strict=True)]
+            pairs = [f"{t:.10g}, {w:.12g}" for t, w in zip(np.linspace(0.0, 1.0, len(way)), way,
+                                                           strict=True)]
             rows = [", ".join(pairs[k:k + 4]) for k in range(0, len(pairs), 4)]
             tables.append("\n".join([f"*AMPLITUDE, NAME=WAY{node}_{d}", *rows]))
             turned.append(f"*BOUNDARY, AMPLITUDE=WAY{node}_{d}\n{node}, {d}, {d}, 1.")
@@ -288,7 +293,8 @@ CDIS, CSTR
 """, "3d")
 
 
-def beam_over_corner(cells: tuple[int, int] = (80, 2), push: float = 60.0, quadratic: bool = True) -> str:
+def beam_over_corner(cells: tuple[int, int] = (80, 2), push: float = 60.0,
+                     quadratic: bool = True) -> str:
     """A cantilever whose end is pushed down over a sharp corner under its middle."""
     beam = mesh_make.block((200.0, 2.0), cells, quadratic=quadratic)
     beam = beam.with_points("END", lambda x: np.hypot(x[:, 0] - 200.0, x[:, 1] - 2.0) < 1e-6)

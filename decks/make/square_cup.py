@@ -1,7 +1,7 @@
 """Decks of a square cup drawn from sheet: `python decks/make/square_cup.py > deck.inp`.
 
-NUMISHEET'93: a blank of 150 x 150 x 0.78 mm, a punch of 70 x 70 mm (edge 8, corners 10 mm), a die of
-74 x 74 mm (edge 5, corners 12 mm), blank holder 19.6 kN. One quarter; z is the way of the punch.
+NUMISHEET'93: a blank of 150 x 150 x 0.78 mm, a punch of 70 x 70 mm (edge 8, corners 10 mm), a die
+of 74 x 74 mm (edge 5, corners 12 mm), blank holder 19.6 kN. One quarter; z is the way of the punch.
 """
 from __future__ import annotations
 
@@ -25,7 +25,8 @@ expect: node.225.u1 = -2.00 +- 3 %
 expect: contact.0.max_penetration < 1e-4"""
 
 
-def swift(strength: float, strain: float, exponent: float, last: float = 2.0, rows: int = 60) -> str:
+def swift(strength: float, strain: float, exponent: float, last: float = 2.0,
+          rows: int = 60) -> str:
     """A table of strength*(strain + eps)**exponent, dense where it bends."""
     eps = last*(np.arange(rows)/(rows - 1.0))**2
     return "\n".join(f"{strength*(strain + e)**exponent:.7g}, {e:.7g}" for e in eps)
@@ -43,7 +44,8 @@ def along_side(cells: int, size: float) -> np.ndarray:
     first, last = (max(1, round(cells*way/ways.sum())) for way in ways[[0, 2]])
     counts = (first, cells - first - last, last)
     ends = (0.0, 28.0, 56.0, size)
-    return np.concatenate([[0.0]] + [np.linspace(a, b, n + 1)[1:] for a, b, n in zip(ends, ends[1:], counts)])/size
+    return np.concatenate([[0.0]] + [np.linspace(a, b, n + 1)[1:]
+                                     for a, b, n in zip(ends, ends[1:], counts)])/size
 
 
 def square_cup(cells: int = 14, stroke: float = 15.0, layers: int = 1, *, holder: float = 19600.0,
@@ -51,7 +53,8 @@ def square_cup(cells: int = 14, stroke: float = 15.0, layers: int = 1, *, holder
     """The quarter; `cells` along a side."""
     side = along_side(cells, 75.0)
     blank = mesh_make.block((75.0, 75.0, THICK), (cells, cells, layers), grading=(side, side, 1.0))
-    blank = blank.with_points("SIDE", lambda x: (x[:, 0] > 74.999) & (x[:, 1] < 1e-9) & (x[:, 2] < 1e-9))
+    blank = blank.with_points("SIDE",
+                              lambda x: (x[:, 0] > 74.999) & (x[:, 1] < 1e-9) & (x[:, 2] < 1e-9))
     blank = blank.with_points("TIP", lambda x: (x[:, :2].min(axis=1) > 74.999) & (x[:, 2] < 1e-9))
     mesh = together(BLANK=lean(blank, "TOP BOTTOM", "LEFT FRONT SIDE TIP"))
     deck = text(mesh, f"""

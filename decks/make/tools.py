@@ -75,7 +75,8 @@ def ball_near_the_pole() -> np.ndarray:
 def main() -> None:
     """Write all of them."""
     (FOLDER/"ball_of_facets.stl").write_bytes(binary(ball_near_the_pole()))
-    (FOLDER/"die_plate.stl").write_text(words(box([-25.0, -25.0, 15.0], [25.0, 25.0, 20.0]), "die"), encoding="ascii")
+    (FOLDER/"die_plate.stl").write_text(words(box([-25.0, -25.0, 15.0], [25.0, 25.0, 20.0]), "die"),
+                                        encoding="ascii")
     bad = FOLDER/"bad"/"stl"
     bad.mkdir(exist_ok=True)
     table = box([-10.0, -10.0, -5.0], [11.0, 11.0, 0.0])

@@ -55,7 +55,8 @@ def frd_block(path: Path, name: str) -> dict[int, list[float]]:
         elif line.startswith(" -3"):
             inside = False
         elif inside and line.startswith(" -1"):
-            values[int(line[3:13])] = [float(line[k:k + 12]) for k in range(13, len(line.rstrip()), 12)]
+            values[int(line[3:13])] = [float(line[k:k + 12])
+                                       for k in range(13, len(line.rstrip()), 12)]
     return values
 
 
@@ -70,7 +71,8 @@ def hertz_error(folder: Path, stem: str, text: str) -> tuple[float, float]:
         r"(?m)^(\d+), (\S+), (\S+), (\S+)$", text.split("*ELEMENT")[0])}
     contact = frd_block(folder/f"{stem}.frd", "CONTACT")
     crown = {n: p for n, p in points.items()
-             if n in contact and abs(p[2] - (radius - np.sqrt(radius**2 - p[0]**2 - p[1]**2))) < 1e-6
+             if n in contact
+             and abs(p[2] - (radius - np.sqrt(radius**2 - p[0]**2 - p[1]**2))) < 1e-6
              and p[2] >= 0.0}
     r = np.array([np.hypot(p[0], p[1]) for p in crown.values()])
     p = np.array([contact[n][3] for n in crown])
@@ -87,7 +89,8 @@ def measure(name: str, deck: Path, arguments: argparse.Namespace, program: str) 
         folder = Path(place)
         (folder/deck.name).write_text(text)
         stem = deck.stem
-        command = [program, stem] if name == "ccx" else [program, "run", deck.name, "-o", ".", "--quiet",
+        command = [program, stem] if name == "ccx" else [program, "run", deck.name, "-o", ".",
+                                                         "--quiet",
                                                          "--overwrite", "--deterministic"]
         times = []
         for _ in range(arguments.repeat):
@@ -102,7 +105,8 @@ def measure(name: str, deck: Path, arguments: argparse.Namespace, program: str) 
             row["factorisations"] = sum(s["factorisations"] for s in said["steps"])
             row["phases"] = {k: v for k, v in said["timing"].items() if v >= 0.005 and k != "total"}
         elif (folder/f"{stem}.sta").exists():
-            lines = [x for x in (folder/f"{stem}.sta").read_text().splitlines() if x.split()[:1] == ["1"]]
+            lines = [x for x in (folder/f"{stem}.sta").read_text().splitlines()
+                     if x.split()[:1] == ["1"]]
             row["factorisations"] = sum(int(x.split()[3]) for x in lines)
         if arguments.hertz and row["cpu"] is not None:
             row["l2"], row["peak"] = hertz_error(folder, stem, text)
@@ -110,7 +114,8 @@ def measure(name: str, deck: Path, arguments: argparse.Namespace, program: str) 
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = argparse.ArgumentParser(description=__doc__,
+                                     formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("decks", nargs="+", type=Path)
     parser.add_argument("--repeat", type=int, default=5)
     parser.add_argument("--limit", type=float, default=600.0)

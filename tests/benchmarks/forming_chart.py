@@ -1,9 +1,11 @@
-"""Speed and accuracy of a forming scene: writes docs/forming-chart.md, docs/charts/forming.csv and forming.png.
+"""Speed and accuracy of a forming scene: writes docs/forming-chart.md, docs/charts/forming.csv and
+forming.png.
 
     python tests/benchmarks/forming_chart.py
 
-A billet of radius 10 and height 30 mm upset by 40 % with mu = 0.1, by element, mesh, increments and method. One thread;
-the error is that of the force against the finest run; the unit of time is one linear solve of the same mesh.
+A billet of radius 10 and height 30 mm upset by 40 % with mu = 0.1, by element, mesh, increments and
+method. One thread; the error is that of the force against the finest run; the unit of time is one
+linear solve of the same mesh.
 """
 from __future__ import annotations
 
@@ -29,7 +31,8 @@ import lopin  # noqa: E402
 FINEST = {"word": "CAX4", "cells": (40, 60), "increments": 200}
 MESHES = ((4, 6), (8, 12), (16, 24))
 METHODS = ("DIRECT", "PENALTY", "PERTURBED LAGRANGE", "AUGMENTED LAGRANGE")
-FIELDS = ("element", "cells", "increments", "method", "force_kN", "error_percent", "iterations", "linear_solves", "seconds")
+FIELDS = ("element", "cells", "increments", "method", "force_kN", "error_percent", "iterations",
+          "linear_solves", "seconds")
 HEAD = """# Metal forming: speed and accuracy
 
 Written by `tests/benchmarks/forming_chart.py`; do not edit. A billet (radius 10, height 30 mm, E = 200000 MPa, yield stress
@@ -51,9 +54,11 @@ is left of it. Rows without a force stopped, with the code that is named.
 
 def measure(word: str, cells: tuple[int, int], increments: int, method: str = "DIRECT") -> dict:
     """One run: force, iterations, seconds, and what one linear solve of its mesh costs."""
-    row = {"element": word, "cells": f"{cells[0]} x {cells[1]}", "increments": increments, "method": method.lower()}
+    row = {"element": word, "cells": f"{cells[0]} x {cells[1]}", "increments": increments,
+           "method": method.lower()}
     try:
-        result = lopin.run(billet(increments, mu=0.1, share=0.4, cells=cells, word=word, method=method), executable=True)
+        result = lopin.run(billet(increments, mu=0.1, share=0.4, cells=cells, word=word,
+                                  method=method), executable=True)
     except lopin.LopinError as problem:
         return row | {"force_kN": None, "stopped": str(problem).split(":")[0]}
     timing, steps = result.summary["timing"], result.summary["steps"]
@@ -61,7 +66,8 @@ def measure(word: str, cells: tuple[int, int], increments: int, method: str = "D
     factorisations = max(1, sum(step["factorisations"] for step in steps))
     iterations = sum(step["iterations"] for step in steps)
     unit = linear_solve(word, cells)
-    return row | {"force_kN": -float(result.history["DIE.rf2"][-1])/1e3, "iterations": iterations, "seconds": seconds,
+    return row | {"force_kN": -float(result.history["DIE.rf2"][-1])/1e3, "iterations": iterations,
+                  "seconds": seconds,
                   "linear_solves": seconds/unit, "factorisations": factorisations}
 
 
@@ -78,7 +84,8 @@ def linear_solve(word: str, cells: tuple[int, int]) -> float:
 def main() -> None:
     """Run all and write the three files."""
     finest = measure(**FINEST)
-    rows = [measure(word, cells, 50) for word in ("CAX4", "CAX8", "CAX8R", "CAX3") for cells in MESHES]
+    rows = [measure(word, cells, 50) for word in ("CAX4", "CAX8", "CAX8R", "CAX3")
+            for cells in MESHES]
     rows += [measure("CAX4", (8, 12), n) for n in (10, 20, 100, 200)]
     rows += [measure("CAX4", (8, 12), 50, method) for method in METHODS[1:]]
     lines = []
@@ -95,22 +102,26 @@ def main() -> None:
         writer.writeheader()
         writer.writerows(rows)
     draw([row for row in rows if row["force_kN"] is not None], folder/"forming.png")
-    head = HEAD.format(word=FINEST["word"], cells="{} x {}".format(*FINEST["cells"]), increments=FINEST["increments"],
-                       force=finest["force_kN"])
-    (ROOT/"docs"/"forming-chart.md").write_text(head + "\n".join(lines) + "\n" + TAIL, encoding="utf-8")
+    head = HEAD.format(word=FINEST["word"], cells="{} x {}".format(*FINEST["cells"]),
+                       increments=FINEST["increments"], force=finest["force_kN"])
+    (ROOT/"docs"/"forming-chart.md").write_text(head + "\n".join(lines) + "\n" + TAIL,
+                                                encoding="utf-8")
 
 
 def draw(rows: list[dict], path: Path) -> None:
     """Error against seconds, a line per element, dots for the other increments and methods."""
     fig, ax = plt.subplots(figsize=(6.4, 4.0), layout="constrained")
     for word in dict.fromkeys(row["element"] for row in rows):
-        mine = [r for r in rows if r["element"] == word and r["increments"] == 50 and r["method"] == "direct"]
-        ax.loglog([r["seconds"] for r in mine], [abs(r["error_percent"]) for r in mine], "o-", label=f"{word}, 50 increments")
+        mine = [r for r in rows if r["element"] == word and r["increments"] == 50
+                and r["method"] == "direct"]
+        ax.loglog([r["seconds"] for r in mine], [abs(r["error_percent"]) for r in mine], "o-",
+                  label=f"{word}, 50 increments")
     others = [r for r in rows if r["increments"] != 50]
-    ax.loglog([r["seconds"] for r in others], [abs(r["error_percent"]) for r in others], "s", mfc="none",
-              label="CAX4 8 x 12, 10 to 200 increments")
+    ax.loglog([r["seconds"] for r in others], [abs(r["error_percent"]) for r in others], "s",
+              mfc="none", label="CAX4 8 x 12, 10 to 200 increments")
     others = [r for r in rows if r["method"] != "direct"]
-    ax.loglog([r["seconds"] for r in others], [abs(r["error_percent"]) for r in others], "x", label="CAX4 8 x 12, other methods")
+    ax.loglog([r["seconds"] for r in others], [abs(r["error_percent"]) for r in others], "x",
+              label="CAX4 8 x 12, other methods")
     ax.set(xlabel="time without output [s]", ylabel="error of the force [%]")
     ax.legend(frameon=False, fontsize=8)
     fig.savefig(path, dpi=110)

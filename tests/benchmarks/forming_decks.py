@@ -1,9 +1,11 @@
-"""Decks of bulk forming that CalculiX and Lopin both read: a billet and a ring under a stiff meshed plate.
+"""Decks of bulk forming that CalculiX and Lopin both read: a billet and a ring under a stiff meshed
+plate.
 
     python tests/benchmarks/forming_decks.py FOLDER [--contact "SURFACE TO SURFACE"]
 
-Writes upset_12x18.inp, upset_24x36.inp (linear) and ring_16x10.inp (quadratic): increments of 1/150.
-The plate, ten times as stiff as steel, is moved as a whole; pressure is 1e7 times the penetration [N, mm].
+Writes upset_12x18.inp, upset_24x36.inp (linear) and ring_16x10.inp (quadratic): increments of
+1/150. The plate, ten times as stiff as steel, is moved as a whole; pressure is 1e7 times the
+penetration [N, mm].
 """
 from __future__ import annotations
 
@@ -24,8 +26,8 @@ from lopin.model import Model  # noqa: E402
 from lopin.model_deck import mesh_deck  # noqa: E402
 
 
-def deck(body: Mesh, law, mu: float, reduction: float, surfaces: tuple[str, ...], span: tuple[float, float],
-         contact: str, quadratic: bool, increments: int = 150) -> str:
+def deck(body: Mesh, law, mu: float, reduction: float, surfaces: tuple[str, ...],
+         span: tuple[float, float], contact: str, quadratic: bool, increments: int = 150) -> str:
     """The text of a deck; `span`: radii of the plate."""
     height = float(body.points[:, 1].max())
     body = body.replaced(surfaces={"SKIN": np.vstack([body.surfaces[s] for s in surfaces])})
@@ -51,16 +53,17 @@ def decks(contact: str) -> dict[str, str]:
     """Texts by name."""
     found = {}
     for nr, nz in ((12, 18), (24, 36)):
-        found[f"upset_{nr}x{nz}"] = deck(scenes.billet(nr, nz), scenes.E1, 0.1, 0.6, ("TOP", "RIGHT"), (0.0, 24.0),
-                                         contact, False)
-    found["ring_16x10"] = deck(scenes.ring(16, 10, quadratic=True), scenes.E5B, 0.1, 0.5, ("TOP", "RIGHT", "LEFT"),
-                               (2.0, 26.0), contact, True)
+        found[f"upset_{nr}x{nz}"] = deck(scenes.billet(nr, nz), scenes.E1, 0.1, 0.6,
+                                         ("TOP", "RIGHT"), (0.0, 24.0), contact, False)
+    found["ring_16x10"] = deck(scenes.ring(16, 10, quadratic=True), scenes.E5B, 0.1, 0.5,
+                               ("TOP", "RIGHT", "LEFT"), (2.0, 26.0), contact, True)
     return found
 
 
 def main() -> None:
     """Write them."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = argparse.ArgumentParser(description=__doc__,
+                                     formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("folder", type=Path)
     parser.add_argument("--contact", default="SURFACE TO SURFACE")
     arguments = parser.parse_args()

@@ -1,4 +1,5 @@
-"""Speed and accuracy of the decks with friction, by method: writes docs/friction-chart.md and docs/charts/friction.csv.
+"""Speed and accuracy of the decks with friction, by method: writes docs/friction-chart.md and
+docs/charts/friction.csv.
 
     python tests/benchmarks/friction_chart.py [--repeat 3]
 
@@ -51,7 +52,8 @@ def edge(result) -> float:
 
 def largest_shear(result) -> float:
     c = result.contact().last
-    return float((np.linalg.norm(np.asarray(c["R_t"]), axis=1)/np.maximum(np.asarray(c["WEIGHT"]).ravel(), 1e-30)).max())
+    return float((np.linalg.norm(np.asarray(c["R_t"]),
+                                 axis=1)/np.maximum(np.asarray(c["WEIGHT"]).ravel(), 1e-30)).max())
 
 
 SCENES = (
@@ -91,17 +93,23 @@ def main() -> None:
                 values, time, steps = run(name, method, repeat)
             except lopin.LopinError as problem:
                 code = str(problem).split(":")[0]
-                rows += [[name, s[1], "", method.lower(), f"refused: {code}", "", "", ""] for s in scenes]
+                rows += [[name, s[1], "", method.lower(), f"refused: {code}", "", "", ""]
+                         for s in scenes]
                 continue
-            total = {k: sum(s[k] for s in steps) for k in ("increments", "factorisations", "iterations")}
+            total = {k: sum(s[k] for s in steps) for k in ("increments", "factorisations",
+                                                           "iterations")}
             for scene, value in zip(scenes, values):
-                rows.append([name, scene[1], total["increments"], method.lower(), f"{100.0*(value/scene[3] - 1.0):+.2f} %",
+                rows.append([name, scene[1], total["increments"], method.lower(),
+                             f"{100.0*(value/scene[3] - 1.0):+.2f} %",
                              f"{time:.2f}", total["factorisations"], total["iterations"]])
     with (ROOT/"docs"/"charts"/"friction.csv").open("w", newline="", encoding="utf-8") as file:
-        csv.writer(file).writerows([["deck", "quantity", "increments", "method", "error", "linear_solves",
-                                     "factorisations", "iterations"], *rows])
+        csv.writer(file).writerows([["deck", "quantity", "increments", "method", "error",
+                                     "linear_solves", "factorisations", "iterations"], *rows])
     lines = ["| " + " | ".join(map(str, row)) + " |" for row in rows]
-    (ROOT/"docs"/"friction-chart.md").write_text(HEAD.format(repeat=repeat) + "\n".join(lines) + "\n" + TAIL.format(table=beside_ccx(repeat), ironing=ironing_beside_ccx(repeat)),
+    (ROOT/"docs"/"friction-chart.md").write_text(HEAD.format(repeat=repeat) + "\n".join(lines)
+                                                 + "\n"
+                                                 + TAIL.format(table=beside_ccx(repeat),
+                                                               ironing=ironing_beside_ccx(repeat)),
                                                  encoding="utf-8")
 
 
@@ -153,8 +161,10 @@ def for_ccx() -> str:
     text = (ROOT/"decks"/"cattaneo.inp").read_text(encoding="utf-8")
     changes = {"*INCLUDE, INPUT=cattaneo.mesh": (ROOT/"decks"/"cattaneo.mesh").read_text(encoding="utf-8"),
                "*SURFACE BEHAVIOR, DIRECT": "*SURFACE BEHAVIOR, PRESSURE-OVERCLOSURE=LINEAR\n5.e7",
-               ", SMALL SLIDING": ", TYPE=NODE TO SURFACE", "*FRICTION\n0.3,": "*FRICTION\n0.3, 5.e6",
-               "90001, 0., 25.": "90001, 0., 25.\n90002, 0., 25.", "REF NODE=90001": "REF NODE=90001, ROT NODE=90002",
+               ", SMALL SLIDING": ", TYPE=NODE TO SURFACE",
+               "*FRICTION\n0.3,": "*FRICTION\n0.3, 5.e6",
+               "90001, 0., 25.": "90001, 0., 25.\n90002, 0., 25.",
+               "REF NODE=90001": "REF NODE=90001, ROT NODE=90002",
                "HANDLE, 6": "90002, 1, 3", "*STATIC, DIRECT\n0.1, 1.": "*STATIC\n0.1, 1.",
                "*STATIC, DIRECT\n0.025, 1.": "*STATIC\n0.025, 1., , 0.025"}
     for old, new in changes.items():
@@ -172,9 +182,11 @@ def beside_ccx(repeat: int) -> str:
         (folder/"c.inp").write_text(for_ccx(), encoding="ascii")
         theirs = cpu_seconds(["ccx", "c"], folder, 300.0)
         shear = max(abs(v[4]) for v in frd_block(folder/"c.frd", "CONTACT").values())
-        turns = [int(line.split()[3]) for line in (folder/"c.sta").read_text().splitlines() if line.split()[0].isdigit()]
+        turns = [int(line.split()[3]) for line in (folder/"c.sta").read_text().splitlines()
+                 if line.split()[0].isdigit()]
         deck = str(ROOT/"decks"/"cattaneo.inp")
-        ours = statistics.median(cpu_seconds([os.environ["LOPIN_EXECUTABLE"], "run", deck, "-o", name], folder, 300.0)
+        ours = statistics.median(cpu_seconds([os.environ["LOPIN_EXECUTABLE"], "run", deck, "-o",
+                                              name], folder, 300.0)
                                  for _ in range(repeat))
         values, _, steps = run("cattaneo", "DIRECT", 1)
     error = [f"{100.0*(value/128.5598 - 1.0):+.2f} %" for value in (shear, values[1])]
@@ -189,9 +201,10 @@ def ironing_for_ccx() -> str:
     text = (ROOT/"decks"/"ironing.inp").read_text(encoding="utf-8")
     text = "".join(line for line in text.splitlines(keepends=True) if not line.startswith("**"))
     changes = {"*SURFACE BEHAVIOR, DIRECT": "*SURFACE BEHAVIOR, PRESSURE-OVERCLOSURE=LINEAR\n1.e5",
-               "*FRICTION\n0.3,": "*FRICTION\n0.3, 1.e4", "*CONTACT FILE, FREQUENCY=5\nCDIS, CSTR\n": "",
-               "*EL FILE, FREQUENCY=5\nS\n": "", "*STEP, NAME=PRESS, ": "*STEP, ", "*STEP, NAME=DRAW, ": "*STEP, ",
-               "DIE.": "DIE", "SLAB.": "SLAB"}
+               "*FRICTION\n0.3,": "*FRICTION\n0.3, 1.e4",
+               "*CONTACT FILE, FREQUENCY=5\nCDIS, CSTR\n": "",
+               "*EL FILE, FREQUENCY=5\nS\n": "", "*STEP, NAME=PRESS, ": "*STEP, ",
+               "*STEP, NAME=DRAW, ": "*STEP, ", "DIE.": "DIE", "SLAB.": "SLAB"}
     for old, new in changes.items():
         assert old in text, old
         text = text.replace(old, new)
@@ -213,14 +226,19 @@ def ironing_beside_ccx(repeat: int) -> str:
         (folder/"c.inp").write_text(ironing_for_ccx(), encoding="ascii")
         theirs = cpu_seconds(["ccx", "c"], folder, 600.0)
         lines = (folder/"c.dat").read_text().splitlines()
-        drawn = np.array([[float(word) for word in lines[i + 2].split()[:2]] for i, line in enumerate(lines)
-                          if line.lstrip().startswith("total force") and float(line.split()[-1]) > 1.2])
-        turns = [int(line.split()[3]) for line in (folder/"c.sta").read_text().splitlines() if line.split()[0].isdigit()]
+        drawn = np.array([[float(word) for word in lines[i + 2].split()[:2]]
+                          for i, line in enumerate(lines)
+                          if line.lstrip().startswith("total force")
+                          and float(line.split()[-1]) > 1.2])
+        turns = [int(line.split()[3]) for line in (folder/"c.sta").read_text().splitlines()
+                 if line.split()[0].isdigit()]
         deck = str(ROOT/"decks"/"ironing.inp")
-        ours = statistics.median(cpu_seconds([os.environ["LOPIN_EXECUTABLE"], "run", deck, "-o", name, "--overwrite"],
+        ours = statistics.median(cpu_seconds([os.environ["LOPIN_EXECUTABLE"], "run", deck, "-o",
+                                              name, "--overwrite"],
                                              folder, 600.0) for _ in range(repeat))
         with (folder/"ironing_history.csv").open(encoding="utf-8") as file:
-            rows = [{key.split(" [")[0]: value for key, value in row.items()} for row in csv.DictReader(file)]
+            rows = [{key.split(" [")[0]: value for key, value in row.items()}
+                    for row in csv.DictReader(file)]
     pair = "DIE.OUTER-SLAB.TOP.force"
     mine = np.array([[float(row[pair + "1"]), float(row[pair + "2"])] for row in rows
                      if any(abs(float(row["time"]) - t) < 1e-9 for t in (1.25, 1.5, 1.75, 2.0))])

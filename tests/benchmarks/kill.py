@@ -51,7 +51,8 @@ def trial(deck: Path, folder: Path, span: float, moments: random.Random, once: b
 
 
 def main() -> int:
-    words = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    words = argparse.ArgumentParser(description=__doc__,
+                                    formatter_class=argparse.RawDescriptionHelpFormatter)
     words.add_argument("deck", nargs="+", type=Path)
     words.add_argument("--kills", type=int, default=20)
     words.add_argument("--once", action="store_true")

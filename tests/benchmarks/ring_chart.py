@@ -1,9 +1,11 @@
-"""Calibration charts of the 6:3:2 ring: writes docs/ring-compression.md, docs/charts/ring.csv, docs/pictures/ring_chart.png.
+"""Calibration charts of the 6:3:2 ring: writes docs/ring-compression.md, docs/charts/ring.csv,
+docs/pictures/ring_chart.png.
 
     python tests/benchmarks/ring_chart.py
 
-A ring 7.5/15/10 mm is pressed to half its height; the change of its bore against that of its height tells the
-friction. Shear factors: rigid, perfectly plastic metal; coefficients: Y = 200 MPa, hardening 50 MPa.
+A ring 7.5/15/10 mm is pressed to half its height; the change of its bore against that of its height
+tells the friction. Shear factors: rigid, perfectly plastic metal; coefficients: Y = 200 MPa,
+hardening 50 MPa.
 """
 from __future__ import annotations
 
@@ -35,19 +37,21 @@ REDUCTIONS = (0.1, 0.2, 0.3, 0.4, 0.5)
 COULOMB_REDUCTIONS = (1/6, 0.25, 1/3, 0.5)
 #: mu, element: change of the bore at mid-height / at the plate [mm], force [kN]; CalculiX 2.20, 150 increments.
 CALCULIX = {
-    ("0.05", "CAX4 32 x 20"): ((0.461, 0.407, 142.5), (0.707, 0.612, 164.1), (0.948, 0.805, 192.2), (1.295, 1.016, 284.7)),
-    ("0.1", "CAX8R 32 x 20"): ((0.1222, 0.0873, 150.1), (0.1468, 0.0838, 173.4), (0.0812, 0.0539, 204.1),
-                               (-0.606, -0.147, 307.7)),
-    ("0.2", "CAX4 32 x 20"): ((-0.266, -0.115, 163.7), (-0.438, -0.246, 192.7), (-0.699, -0.420, 232.8),
-                              (-1.702, -0.876, 391.0)),
+    ("0.05", "CAX4 32 x 20"): ((0.461, 0.407, 142.5), (0.707, 0.612, 164.1), (0.948, 0.805, 192.2),
+                               (1.295, 1.016, 284.7)),
+    ("0.1", "CAX8R 32 x 20"): ((0.1222, 0.0873, 150.1), (0.1468, 0.0838, 173.4),
+                               (0.0812, 0.0539, 204.1), (-0.606, -0.147, 307.7)),
+    ("0.2", "CAX4 32 x 20"): ((-0.266, -0.115, 163.7), (-0.438, -0.246, 192.7),
+                              (-0.699, -0.420, 232.8), (-1.702, -0.876, 391.0)),
 }
 
 
 def compressed(friction: str, law, quadratic: bool) -> dict[str, np.ndarray]:
-    """Through the run: reduction, changes of the bore at mid-height, at the plate and on average [mm], force [N]."""
+    """Through the run: reduction, changes of the bore at mid-height, at the plate and on average
+    [mm], force [N]."""
     mesh = scenes.ring(16, 10, quadratic=quadratic)
-    deck = scenes.squeezed(mesh, law, friction, 0.5, surfaces=("TOP", "RIGHT", "LEFT"), axis=False, reduced=quadratic,
-                           static="0.01, 1., 1e-6, 0.02")
+    deck = scenes.squeezed(mesh, law, friction, 0.5, surfaces=("TOP", "RIGHT", "LEFT"), axis=False,
+                           reduced=quadratic, static="0.01, 1., 1e-6, 0.02")
     try:
         result = lopin.run(deck)
     except lopin.NotConvergedError as stopped:
@@ -55,11 +59,14 @@ def compressed(friction: str, law, quadratic: bool) -> dict[str, np.ndarray]:
     frames = range(len(result.times))
     side = mesh.point_sets["LEFT"]
     moves = np.array([result.at(k)["displacement"][:, 0] for k in frames])
-    heights = np.array([mesh.points[side, 1] + result.at(k)["displacement"][side, 1] for k in frames])
+    heights = np.array([mesh.points[side, 1] + result.at(k)["displacement"][side, 1]
+                        for k in frames])
     order = np.argsort(mesh.points[side, 1])
-    mean = [np.trapezoid(u[side][order], z[order])/(z.max() - z.min()) for u, z in zip(moves, heights)]
+    mean = [np.trapezoid(u[side][order], z[order])/(z.max() - z.min())
+            for u, z in zip(moves, heights)]
     force = np.interp(result.times, result.history["time"], np.abs(result.history["PLATE.rf2"]))
-    return {"reduction": np.r_[0.0, 0.5*result.times], "force": np.r_[0.0, force], "mean": np.r_[0.0, mean],
+    return {"reduction": np.r_[0.0, 0.5*result.times], "force": np.r_[0.0, force],
+            "mean": np.r_[0.0, mean],
             "middle": np.r_[0.0, moves[:, mesh.point_sets["BORE_MIDDLE"][0]]],
             "plate": np.r_[0.0, moves[:, mesh.point_sets["BORE_PLATE"][0]]]}
 
@@ -75,16 +82,19 @@ def draw(runs: dict) -> None:
     """Curves of the mid-height bore, and the upper bound where it holds."""
     fig, axes = plt.subplots(1, 2, figsize=(9.0, 4.6), layout="constrained", sharey=True)
     for ax, kind, title in ((axes[0], "m", "shear factor m, rigid-plastic"),
-                            (axes[1], "mu", "coefficient \N{GREEK SMALL LETTER MU}, Y = 200, H = 50 MPa")):
+                            (axes[1], "mu",
+                             "coefficient \N{GREEK SMALL LETTER MU}, Y = 200, H = 50 MPa")):
         for (word, value), run in runs.items():
             if word != kind:
                 continue
             change = 100.0*run["middle"]/7.5
-            ax.plot(100.0*run["reduction"], change, color=plt.cm.viridis(min(1.0, value*(0.9 if kind == "m" else 4.5))))
+            ax.plot(100.0*run["reduction"], change,
+                    color=plt.cm.viridis(min(1.0, value*(0.9 if kind == "m" else 4.5))))
             ax.annotate(f"{value:g}", (100.0*run["reduction"][-1], change[-1]), xytext=(3, 0),
                         textcoords="offset points", va="center", fontsize=8)
             if kind == "m" and value <= 0.2:
-                ax.plot([100*r for r in REDUCTIONS], [100.0*ring_bore(value, r) for r in REDUCTIONS], "o", ms=3.5,
+                ax.plot([100*r for r in REDUCTIONS],
+                        [100.0*ring_bore(value, r) for r in REDUCTIONS], "o", ms=3.5,
                         color="#888888")
         ax.axhline(0.0, color="k", lw=0.6)
         ax.set(xlabel="reduction of height [%]", title=title, xlim=(0.0, 54.0))
@@ -97,18 +107,21 @@ def draw(runs: dict) -> None:
 def page(runs: dict) -> str:
     """The page of documentation."""
     lines = ["# Ring compression: the bore tells the friction", "",
-             "Written by `tests/benchmarks/ring_chart.py`; do not edit.", "", "![Change of the bore](pictures/ring_chart.png)",
+             "Written by `tests/benchmarks/ring_chart.py`; do not edit.", "",
+             "![Change of the bore](pictures/ring_chart.png)",
              "", "A ring 7.5/15/10 mm, CAX4 16 x 10 on half its height, between flat plates. Change of the bore in per cent of",
              "its first radius: at mid-height / at the plate / mean, and in brackets the upper bound with straight walls",
              "(Avitzur), which has no bulge: it holds for m up to 0.1, and to 30 % for 0.2.", "",
-             "| m | " + " | ".join(f"{100*r:.0f} %" for r in REDUCTIONS) + " |", "| --- "*(1 + len(REDUCTIONS)) + "|"]
+             "| m | " + " | ".join(f"{100*r:.0f} %" for r in REDUCTIONS) + " |",
+             "| --- "*(1 + len(REDUCTIONS)) + "|"]
     for m in FACTORS:
         run = runs["m", m]
         cells = [" / ".join(f"{100*at(run, n, r)/7.5:.2f}" for n in ("middle", "plate", "mean"))
                  + f" ({100*ring_bore(m, r):.2f})" for r in REDUCTIONS]
         lines.append(f"| {m:g} | " + " | ".join(cells) + " |")
     lines += ["", "Coulomb, Y = 200 MPa and H = 50 MPa: change of the bore at mid-height / at the plate [mm], force [kN], and "
-              "CalculiX 2.20.", "", "| mu, mesh | " + " | ".join(f"{100*r:.1f} %" for r in COULOMB_REDUCTIONS) + " |",
+              "CalculiX 2.20.", "", "| mu, mesh | "
+              + " | ".join(f"{100*r:.1f} %" for r in COULOMB_REDUCTIONS) + " |",
               "| --- "*(1 + len(COULOMB_REDUCTIONS)) + "|"]
     for mu in COEFFICIENTS:
         for kind, name in (("mu", "CAX4"), ("mu8", "CAX8R")):
@@ -120,8 +133,10 @@ def page(runs: dict) -> str:
             lines.append(f"| {mu:g}, {name} 16 x 10 | " + " | ".join(cells) + " |")
         for (value, mesh), rows in CALCULIX.items():
             if value == f"{mu:g}":
-                lines.append(f"| {mu:g}, CalculiX, {mesh} | " + " | ".join(f"{a:.3f} / {b:.3f}, {f:.1f}"
-                                                                           for a, b, f in rows) + " |")
+                lines.append(f"| {mu:g}, CalculiX, {mesh} | "
+                             + " | ".join(f"{a:.3f} / {b:.3f}, {f:.1f}"
+                                                                           for a, b, f in rows)
+                             + " |")
     lines += ["", "The row of CalculiX for 0.2 is of full linear elements, which do not bulge enough. Its quadratic ones "
               "(CAX8R 16 x 10)", "give -0.394 / -0.002 mm at 8.3 %, where Lopin has "
               f"{at(runs['mu', 0.2], 'middle', 1/12):.3f} / {at(runs['mu', 0.2], 'plate', 1/12):.3f}, and diverge at 23 %."]
@@ -133,12 +148,15 @@ def main() -> None:
     os.environ.setdefault("OMP_NUM_THREADS", "1")
     runs = {("m", m): compressed(scenes.tresca(m), scenes.RIGID_PLASTIC, False) for m in FACTORS}
     runs |= {("mu", mu): compressed(scenes.coulomb(mu), scenes.E5B, False) for mu in COEFFICIENTS}
-    runs |= {("mu8", mu): compressed(scenes.coulomb(mu), scenes.E5B, True) for mu in COEFFICIENTS[:3]}
+    runs |= {("mu8", mu): compressed(scenes.coulomb(mu), scenes.E5B, True)
+             for mu in COEFFICIENTS[:3]}
     with (ROOT/"docs"/"charts"/"ring.csv").open("w", newline="", encoding="utf-8") as file:
         rows = csv.writer(file)
-        rows.writerow(["law", "value", "reduction", "bore_middle_mm", "bore_plate_mm", "bore_mean_mm", "force_N"])
+        rows.writerow(["law", "value", "reduction", "bore_middle_mm", "bore_plate_mm",
+                       "bore_mean_mm", "force_N"])
         for (word, value), run in runs.items():
-            rows.writerows([word, value, *(f"{run[k][i]:.6g}" for k in ("reduction", "middle", "plate", "mean", "force"))]
+            rows.writerows([word, value, *(f"{run[k][i]:.6g}" for k in ("reduction", "middle",
+                                                                        "plate", "mean", "force"))]
                            for i in range(len(run["reduction"])))
     (ROOT/"docs"/"ring-compression.md").write_text(page(runs), encoding="utf-8")
     draw(runs)

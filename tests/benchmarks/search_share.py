@@ -1,9 +1,11 @@
-"""Share of the wall time that contact search takes in decks above 10 000 dofs: rewrites its table in docs/search.md.
+"""Share of the wall time that contact search takes in decks above 10 000 dofs: rewrites its table
+in docs/search.md.
 
     python tests/benchmarks/search_share.py [--repeat 1]
 
-The decks are made on the fly, one thread. On the linear paths "search" is the projection of every slave point at the start;
-on the finite path "search" is the start of each increment, and what evaluations ask anew is a part of "contact".
+The decks are made on the fly, one thread. On the linear paths "search" is the projection of every
+slave point at the start; on the finite path "search" is the start of each increment, and what
+evaluations ask anew is a part of "contact".
 """
 from __future__ import annotations
 
@@ -50,7 +52,8 @@ def generated(kind: str, name: str, first: int, last: int) -> str:
     return f"*{kind}, {kind}={name}, GENERATE\n{first}, {last}\n"
 
 
-def blocks(lower: tuple, upper: tuple, finite: bool, words: str, friction: str, slide: float) -> str:
+def blocks(lower: tuple, upper: tuple, finite: bool, words: str, friction: str,
+           slide: float) -> str:
     """A block pressed on a longer one, and drawn along it."""
     solid = len(lower) == 3
     low, high = ((6.0, 4.0, 2.0), (4.0, 4.0, 2.0)) if solid else ((6.0, 2.0), (4.0, 2.0))
@@ -65,8 +68,10 @@ def blocks(lower: tuple, upper: tuple, finite: bool, words: str, friction: str, 
         elements = cells[0]*(cells[1] if solid else 1)
         layers.append((nodes, elements, cells[-1]))
     (n1, e1, h1), (n2, e2, h2) = layers
-    text += generated("NSET", "FOOT", 1, n1) + generated("NSET", "HEAD", 500001 + n2*h2, 500000 + n2*(h2 + 1))
-    text += generated("ELSET", "TOP", 1 + e1*(h1 - 1), e1*h1) + generated("ELSET", "BOTTOM", 500001, 500000 + e2)
+    text += generated("NSET", "FOOT", 1, n1) + generated("NSET", "HEAD", 500001 + n2*h2,
+                                                         500000 + n2*(h2 + 1))
+    text += generated("ELSET", "TOP", 1 + e1*(h1 - 1), e1*h1) + generated("ELSET", "BOTTOM", 500001,
+                                                                          500000 + e2)
     text += f"*SURFACE, NAME=UNDER\nBOTTOM, S1\n*SURFACE, NAME=OVER\nTOP, {'S2' if solid else 'S3'}\n"
     text += f"*SURFACE INTERACTION, NAME=TOUCH\n*SURFACE BEHAVIOR, DIRECT\n{friction}"
     text += f"*CONTACT PAIR, INTERACTION=TOUCH, {words}\nUNDER, OVER\n"
@@ -80,7 +85,8 @@ DECKS = (
     ("two blocks in the plane, finite sliding over 8 facets, node to segment",
      lambda: blocks((150, 24), (90, 24), True, "TYPE=NODE TO SURFACE", "*FRICTION\n0.2\n", 0.32)),
     ("the same by mortar",
-     lambda: blocks((150, 24), (90, 24), True, "TYPE=SURFACE TO SURFACE", "*FRICTION\n0.2\n", 0.32)),
+     lambda: blocks((150, 24), (90, 24), True, "TYPE=SURFACE TO SURFACE", "*FRICTION\n0.2\n",
+                    0.32)),
     ("two blocks in space, small sliding, node to segment",
      lambda: blocks((24, 16, 6), (14, 14, 6), False, "TYPE=NODE TO SURFACE", "", 0.0)),
     ("the same by mortar",
@@ -92,8 +98,10 @@ def run(text: str, folder: Path) -> dict:
     """The job.json of a deck."""
     (folder/"job.inp").write_text(text, encoding="utf-8")
     executable = os.environ.get("LOPIN_EXECUTABLE", str(ROOT/"build"/"lopin"))
-    subprocess.run([executable, "run", "job.inp", "-o", ".", "--overwrite", "--quiet"], cwd=folder, check=True,
-                   env=os.environ | {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"}, capture_output=True)
+    subprocess.run([executable, "run", "job.inp", "-o", ".", "--overwrite", "--quiet"], cwd=folder,
+                   check=True,
+                   env=os.environ | {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"},
+                   capture_output=True)
     return json.loads((folder/"job.json").read_text(encoding="utf-8"))
 
 
@@ -109,8 +117,8 @@ def row(name: str, text: str, repeat: int) -> str:
     asked = sum(s.get("search", {}).get("queries", 0) for s in job["steps"])
     iterations = sum(s["iterations"] for s in job["steps"])
     wall = statistics.median(j["timing"]["total"] for j in jobs)
-    cells = [name, job["path"], job["equations"], job["contact"][0]["closed"], iterations, asked or "",
-             f"{wall:.2f}", *(f"{s:.1f}" for s in share)]
+    cells = [name, job["path"], job["equations"], job["contact"][0]["closed"], iterations,
+             asked or "", f"{wall:.2f}", *(f"{s:.1f}" for s in share)]
     return "| " + " | ".join(map(str, cells)) + " |\n"
 
 

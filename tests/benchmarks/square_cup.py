@@ -1,4 +1,5 @@
-"""The square cup of NUMISHEET'93 with any mesh: `python tests/benchmarks/square_cup.py cells [stroke]`.
+"""The square cup of NUMISHEET'93 with any mesh: `python tests/benchmarks/square_cup.py cells
+[stroke]`.
 
 Prints how far the edge has moved in, the sheet at its thinnest and the force, for a few strokes.
 Needs decks/make on the path; results go to out/ of the present folder.
@@ -15,7 +16,8 @@ from square_cup import THICK, square_cup  # noqa: E402
 
 import lopin  # noqa: E402
 
-RECALLED = {15.0: (6.2, 3.2), 40.0: (28.0, 15.4)}   #: middle of a side, diagonal [mm]; means of experiments
+RECALLED = {15.0: (6.2, 3.2),
+            40.0: (28.0, 15.4)}   #: middle of a side, diagonal [mm]; means of experiments
 
 
 def rows(result) -> list[tuple[float, ...]]:
@@ -25,10 +27,12 @@ def rows(result) -> list[tuple[float, ...]]:
         piece = result.to_meshio(k)
         x, u = piece.points, np.asarray(piece.point_data["U"])
         low = np.flatnonzero(np.abs(x[:, 2]) < 1e-9)
-        blank = low[(x[low, 0] > -1e-9) & (x[low, 1] > -1e-9) & (np.max(x[low, :2], axis=1) < 75.001)]
+        blank = low[(x[low, 0] > -1e-9) & (x[low, 1] >
+                                           -1e-9) & (np.max(x[low, :2], axis=1) < 75.001)]
         side = blank[np.argmin(np.abs(x[blank, 0] - 75.0) + np.abs(x[blank, 1]))]
         tip = blank[np.argmin(np.abs(x[blank, :2] - 75.0).sum(axis=1))]
-        above = {tuple(np.round(x[i, :2], 6)): i for i in np.flatnonzero(np.abs(x[:, 2] - THICK) < 1e-9)}
+        above = {tuple(np.round(x[i, :2], 6)): i
+                 for i in np.flatnonzero(np.abs(x[:, 2] - THICK) < 1e-9)}
         thick = min(np.linalg.norm((x + u)[above[key]] - (x + u)[i])
                     for i in blank if (key := tuple(np.round(x[i, :2], 6))) in above)
         history = result.history

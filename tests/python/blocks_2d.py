@@ -1,4 +1,5 @@
-"""Two blocks in the plane, one on the other, with meshes that need not match: decks for patch tests."""
+"""Two blocks in the plane, one on the other, with meshes that need not match: decks for patch
+tests."""
 import numpy as np
 
 from lopin.deck import Deck
@@ -19,13 +20,16 @@ class Block:
         self.bottom, self.top, self.right, self.left = [], [], [], []
         for j in range(len(y) - 1):
             for i in range(len(x) - 1):
-                a, b, c, d = ((x[i], y[j]), (x[i + 1], y[j]), (x[i + 1], y[j + 1]), (x[i], y[j + 1]))
+                a, b, c, d = ((x[i], y[j]), (x[i + 1], y[j]), (x[i + 1], y[j + 1]),
+                              (x[i], y[j + 1]))
                 cells = [(a, b, c), (a, c, d)] if kind in TRIANGLES else [(a, b, c, d)]
                 labels = [self.add(cell) for cell in cells]
-                faces = ((labels[0], 1), (labels[-1], 2)) if kind in TRIANGLES else ((labels[0], 1), (labels[0], 3))
+                faces = ((labels[0], 1), (labels[-1], 2)) if kind in TRIANGLES else ((labels[0], 1),
+                                                                                     (labels[0], 3))
                 if j == 0:
                     self.bottom.append(faces[0])
-                sides = ((labels[0], 2), (labels[-1], 3)) if kind in TRIANGLES else ((labels[0], 2), (labels[0], 4))
+                sides = ((labels[0], 2), (labels[-1], 3)) if kind in TRIANGLES else ((labels[0], 2),
+                                                                                     (labels[0], 4))
                 if i == len(x) - 2:
                     self.right.append(sides[0])
                 if i == 0:
@@ -69,8 +73,10 @@ class Pair:
                  uneven=0.0, kinds=None):
         low, up = kinds or (kind, kind)
         self.height = 4.0
-        self.low = Block(low, inner + ticks(0.0, 10.0, lower, 1, uneven), ticks(0.0, 4.0, layers), 0, "LOW")
-        self.up = Block(up, inner + ticks(left, right, upper, 2, uneven), ticks(4.0, 8.0, layers), 5000, "UP")
+        self.low = Block(low, inner + ticks(0.0, 10.0, lower, 1, uneven), ticks(0.0, 4.0, layers),
+                         0, "LOW")
+        self.up = Block(up, inner + ticks(left, right, upper, 2, uneven), ticks(4.0, 8.0, layers),
+                        5000, "UP")
         self.bodies = (self.low, self.up)
         self.inner, self.left, self.right = inner, left + inner, right + inner
         self.lines, self.loads = [], []
@@ -84,7 +90,8 @@ class Pair:
         return self
 
     def pressed(self, pressure=1.0, held=True):
-        """A pressure above, rollers below, and on the free part of the lower block the same pressure."""
+        """A pressure above, rollers below, and on the free part of the lower block the same
+        pressure."""
         self.lines += ["*BOUNDARY", "LOW_BASE, 2"]
         if not self.axisymmetric:
             self.lines += ["LOW_PIN, 1", *(["UP_PIN, 1"] if held else [])]
@@ -98,14 +105,17 @@ class Pair:
 
     def sheared(self, shear):
         """A uniform shear stress, by tractions on all faces but the two of the interface."""
-        for name, along in (("UP_TOP", (1.0, 0.0)), ("UP_RIGHT", (0.0, 1.0)), ("UP_LEFT", (0.0, -1.0)),
-                            ("LOW_RIGHT", (0.0, 1.0)), ("LOW_LEFT", (0.0, -1.0)), ("LOW_BOTTOM", (-1.0, 0.0))):
+        for name, along in (("UP_TOP", (1.0, 0.0)), ("UP_RIGHT", (0.0, 1.0)),
+                            ("UP_LEFT", (0.0, -1.0)),
+                            ("LOW_RIGHT", (0.0, 1.0)), ("LOW_LEFT", (0.0, -1.0)),
+                            ("LOW_BOTTOM", (-1.0, 0.0))):
             x, y = (float(v) for v in self.turn @ np.array(along))
             self.loads += ["*DSLOAD", f"{name}, TRVEC, {shear!r}, {x!r}, {y!r}, 0."]
         return self
 
     def free_part(self, pressure):
-        """Consistent forces of a pressure on the part of the lower block that the upper leaves free."""
+        """Consistent forces of a pressure on the part of the lower block that the upper leaves
+        free."""
         force = {}
         points, weights = np.polynomial.legendre.leggauss(5)
         for label, _ in self.low.top:
@@ -122,18 +132,21 @@ class Pair:
                         force[n] = force.get(n, 0.0) - float(pressure*w*shape*self.thickness)
         return force
 
-    def deck(self, slave="upper", words="TYPE=SURFACE TO SURFACE", behaviour="DIRECT", tie=False, friction=None):
+    def deck(self, slave="upper", words="TYPE=SURFACE TO SURFACE", behaviour="DIRECT", tie=False,
+             friction=None):
         out = ["*HEADING", "Two blocks", "*NODE"]
         for body in self.bodies:
             out += [f"{body.first + 1 + i}, " + ", ".join(repr(float(v)) for v in self.turn @ p)
                     for i, p in enumerate(body.nodes)]
         for body, young in zip(self.bodies, self.young):
             out.append(f"*ELEMENT, TYPE={body.kind}, ELSET={body.name}")
-            out += [f"{body.first_element + 1 + i}, " + ", ".join(map(str, e)) for i, e in enumerate(body.elements)]
+            out += [f"{body.first_element + 1 + i}, " + ", ".join(map(str, e))
+                    for i, e in enumerate(body.elements)]
             low, high = body.x.min(0), body.x.max(0)
             sets = {"BASE": body.where(lambda p, y=low[1]: abs(p[1] - y) < 1e-9),
                     "AXIS": body.where(lambda p: abs(p[0]) < 1e-9),
-                    "PIN": body.where(lambda p, b=body, lo=low, hi=high: abs(p[0] - lo[0]) < 1e-9 and
+                    "PIN": body.where(lambda p, b=body, lo=low, hi=high: abs(p[0] - lo[0]) < 1e-9
+                                      and
                                       abs(p[1] - (lo[1] if b is self.low else hi[1])) < 1e-9)}
             for name, members in sets.items():
                 if members:
@@ -149,9 +162,11 @@ class Pair:
             if not self.axisymmetric:
                 out.append(f"{self.thickness!r},")
         if np.abs(self.turn - np.eye(2)).max() > 0:
-            out += ["*NSET, NSET=EVERY", *(f"{b.first + 1 + i}," for b in self.bodies for i in range(len(b.nodes)))]
+            out += ["*NSET, NSET=EVERY", *(f"{b.first + 1 + i}," for b in self.bodies
+                                           for i in range(len(b.nodes)))]
             out += ["*TRANSFORM, NSET=EVERY, TYPE=R",
-                    ", ".join(repr(float(v)) for v in (*self.turn[:, 0], 0.0, *self.turn[:, 1], 0.0))]
+                    ", ".join(repr(float(v)) for v in (*self.turn[:, 0], 0.0, *self.turn[:, 1],
+                                                       0.0))]
         names = ("UP_BOTTOM", "LOW_TOP")[::1 if slave == "upper" else -1]
         if tie:
             out += [f"*TIE, NAME=GLUE{', ' + words if words else ''}", ", ".join(names)]
@@ -160,8 +175,8 @@ class Pair:
                     *([] if friction is None else ["*FRICTION", friction]),
                     f"*CONTACT PAIR, INTERACTION=I, {words}", ", ".join(names)]
         out += [*self.lines, "*STEP", "*STATIC, DIRECT", "1., 1.", *self.loads]
-        out += ["*EL PRINT, ELSET=LOW", "S", "*EL PRINT, ELSET=UP", "S", "*NODE FILE", "U", "*EL FILE", "S",
-                "*CONTACT FILE", "CDIS, CSTR", "*END STEP"]
+        out += ["*EL PRINT, ELSET=LOW", "S", "*EL PRINT, ELSET=UP", "S", "*NODE FILE", "U",
+                "*EL FILE", "S", "*CONTACT FILE", "CDIS, CSTR", "*END STEP"]
         return "\n".join(out) + "\n"
 
     def solve(self, solve, tmp_path, **words):
@@ -172,7 +187,8 @@ class Pair:
     def stresses(self, result):
         """(points, 4): stresses on the axes of the blocks: xx, yy, zz, xy.
 
-        Those of all integration points; of a run in this process those of the nodes, to full precision.
+        Those of all integration points; of a run in this process those of the nodes, to full
+        precision.
         """
         if not hasattr(result.source, "folder"):
             return self._on_axes(np.asarray(result["stress"]))

@@ -21,7 +21,8 @@ class Scene:
         self.head += [f"*MATERIAL, NAME={name}", "*ELASTIC", f"{young!r}, {poisson!r}"]
 
     def block(self, name, low, high, boxes, material="M", turn=0.0):
-        """A grid; node sets NAME_LEFT, _RIGHT, _BOTTOM, _TOP (and _BACK, _FRONT) and surfaces NAME_S1..."""
+        """A grid; node sets NAME_LEFT, _RIGHT, _BOTTOM, _TOP (and _BACK, _FRONT) and surfaces
+        NAME_S1..."""
         d = len(low)
         label = {}
         axes = [np.linspace(low[i], high[i], boxes[i] + 1) for i in range(d)]
@@ -87,7 +88,8 @@ class Scene:
     def step(self, text, increments="1., 1.", words="", step_words=""):
         self.head += [f"*STEP{step_words}", f"*STATIC{words}", increments]
         self.add(text)
-        self.head += ["*NODE FILE", "U, RF", "*EL FILE", "S", "*CONTACT FILE", "CDIS, CSTR", "*END STEP"]
+        self.head += ["*NODE FILE", "U, RF", "*EL FILE", "S", "*CONTACT FILE", "CDIS, CSTR",
+                      "*END STEP"]
 
     @property
     def text(self):
@@ -141,6 +143,6 @@ def run(executable, folder, scene, name="feature"):
     folder.mkdir(parents=True, exist_ok=True)
     deck = folder/f"{name}.inp"
     deck.write_text(scene if isinstance(scene, str) else scene.text, encoding="utf-8")
-    done = subprocess.run([str(executable), "run", str(deck), "-o", str(folder/"out"), "--overwrite",
-                           "--no-color"], capture_output=True, text=True, timeout=60)
+    done = subprocess.run([str(executable), "run", str(deck), "-o", str(folder/"out"),
+                           "--overwrite", "--no-color"], capture_output=True, text=True, timeout=60)
     return Outcome(folder/"out", done.returncode, done.stdout + done.stderr)

@@ -28,11 +28,14 @@ def grid(nx, nz, width, height, quadratic=False, inner=0.0):
     return nodes, elements, label
 
 
-def upset(material, *, radius=10.0, height=5.0, inner=0.0, nx=1, nz=1, word="CAX4", friction="", speed=0.5, time=1e-2,
-          increments=1, nlgeom=False, direct=True, output="*EL FILE\nS, E, PEEQ\n*CONTACT FILE\nCDIS, CSTR\n", name="upset"):
-    """The upper half of a disc or ring on its middle plane, pressed by a plate that comes down with a speed."""
+def upset(material, *, radius=10.0, height=5.0, inner=0.0, nx=1, nz=1, word="CAX4", friction="",
+          speed=0.5, time=1e-2, increments=1, nlgeom=False, direct=True,
+          output="*EL FILE\nS, E, PEEQ\n*CONTACT FILE\nCDIS, CSTR\n", name="upset"):
+    """The upper half of a disc or ring on its middle plane, pressed by a plate that comes down with
+    a speed."""
     nodes, elements, label = grid(nx, nz, radius, height, word.startswith("CAX8"), inner)
-    lines = ["*NODE", *(f"{k}, {x!r}, {y!r}" for k, (x, y) in nodes.items()), f"*ELEMENT, TYPE={word}, ELSET=ALL"]
+    lines = ["*NODE", *(f"{k}, {x!r}, {y!r}" for k, (x, y) in nodes.items()),
+             f"*ELEMENT, TYPE={word}, ELSET=ALL"]
     lines += [f"{k + 1}, " + ", ".join(map(str, e)) for k, e in enumerate(elements)]
     axis = [k for (i, _), k in label.items() if i == 0 and inner == 0.0]
     lines += ["*NSET, NSET=BASE", *(f"{k}," for (_, j), k in label.items() if j == 0)]
@@ -41,13 +44,17 @@ def upset(material, *, radius=10.0, height=5.0, inner=0.0, nx=1, nz=1, word="CAX
     lines += ["*SURFACE, NAME=TOP", *(f"{(nz - 1)*nx + i + 1}, S3" for i in range(nx)),
               "*NODE, NSET=PREF", f"90001, 0., {height!r}", "*SURFACE, NAME=PLATE, TYPE=SEGMENTS",
               f"START, {4*radius!r}, {height!r}", f"LINE, {-radius!r}, {height!r}",
-              "*RIGID BODY, ANALYTICAL SURFACE=PLATE, REF NODE=PREF", "*SURFACE INTERACTION, NAME=FILM", friction,
+              "*RIGID BODY, ANALYTICAL SURFACE=PLATE, REF NODE=PREF",
+              "*SURFACE INTERACTION, NAME=FILM", friction,
               "*CONTACT PAIR, INTERACTION=FILM", "TOP, PLATE", "*MATERIAL, NAME=METAL", material,
-              "*SOLID SECTION, ELSET=ALL, MATERIAL=METAL", "*BOUNDARY", "BASE, 2", "PREF, 1", "PREF, 6"]
+              "*SOLID SECTION, ELSET=ALL, MATERIAL=METAL", "*BOUNDARY", "BASE, 2", "PREF, 1",
+              "PREF, 6"]
     if axis:
         lines += ["AXIS, 1"]
-    lines += ["*STEP, INC=1000" + (", NLGEOM" if nlgeom else ""), "*STATIC" + (", DIRECT" if direct else ""),
-              f"{time/increments!r}, {time!r}", "*BOUNDARY", f"PREF, 2, 2, {-speed*time!r}", "*NODE FILE\nU, RF\n" + output
+    lines += ["*STEP, INC=1000" + (", NLGEOM" if nlgeom else ""), "*STATIC"
+              + (", DIRECT" if direct else ""),
+              f"{time/increments!r}, {time!r}", "*BOUNDARY", f"PREF, 2, 2, {-speed*time!r}",
+              "*NODE FILE\nU, RF\n" + output
               + "*END STEP"]
     return Deck.parse("\n".join(line for line in lines if line) + "\n", name=name)
 
@@ -59,7 +66,8 @@ def norton(k=100.0, m=0.2, rigid=True, young=1e11):
 
 
 def orders(result):
-    """Orders of convergence of the increments: of their last three residuals above the floor of rounding."""
+    """Orders of convergence of the increments: of their last three residuals above the floor of
+    rounding."""
     found, run = [], []
     lines = next(result.source.folder.glob("*.cvg")).read_text(encoding="utf-8").splitlines()
     for line in [*lines, "step"]:

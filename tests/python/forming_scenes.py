@@ -1,7 +1,8 @@
 """Bulk forming: billets, rings, discs and strips between flat plates, wire through a cone.
 
-Upper halves, cut at y = 0: the plate is a rigid profile that comes down. Surfaces of the mesh: TOP, RIGHT, and
-LEFT, the bore, of a ring. The lines of the plate run so that its left looks at the metal.
+Upper halves, cut at y = 0: the plate is a rigid profile that comes down. Surfaces of the mesh: TOP,
+RIGHT, and LEFT, the bore, of a ring. The lines of the plate run so that its left looks at the
+metal.
 """
 from __future__ import annotations
 
@@ -33,13 +34,16 @@ def plate(height: float, reach: float, start: float = -1.0) -> str:
             "*RIGID BODY, ANALYTICAL SURFACE=PLATE, REF NODE=PLATE_REF\n")
 
 
-def squeezed(mesh: Mesh, law, friction: str, reduction: float, *, kind: str = "axisymmetric", control: str = "",
-             static: str = "0.01, 1.", behaviour: str = "*SURFACE BEHAVIOR, DIRECT", reach: float = 0.0,
+def squeezed(mesh: Mesh, law, friction: str, reduction: float, *, kind: str = "axisymmetric",
+             control: str = "",
+             static: str = "0.01, 1.", behaviour: str = "*SURFACE BEHAVIOR, DIRECT",
+             reach: float = 0.0,
              prints: str = "", surfaces: tuple[str, ...] = ("TOP", "RIGHT"), name: str = "scene",
              reduced: bool = False, axis: bool = True) -> lopin.Deck:
     """A body over y = 0 pressed by a plate from above; `friction` are the cards of *FRICTION."""
     height = float(mesh.points[:, 1].max())
-    mesh = mesh.replaced(surfaces={**mesh.surfaces, "SKIN": np.vstack([mesh.surfaces[s] for s in surfaces])})
+    mesh = mesh.replaced(surfaces={**mesh.surfaces,
+                                   "SKIN": np.vstack([mesh.surfaces[s] for s in surfaces])})
     text = mesh_deck(Model(name, mesh, kind=kind)).text()
     if reduced:
         text = text.replace("CAX8\n", "CAX8R\n").replace("CAX8,", "CAX8R,")
@@ -55,8 +59,10 @@ def squeezed(mesh: Mesh, law, friction: str, reduction: float, *, kind: str = "a
     return lopin.Deck.parse(text, name, ".")
 
 
-def billet(nr: int, nz: int, *, radius: float = 10.0, half: float = 15.0, quadratic: bool = False) -> Mesh:
-    """A quarter of a round billet; MIDDLE and RIM are its outer points at mid-height and at the top."""
+def billet(nr: int, nz: int, *, radius: float = 10.0, half: float = 15.0,
+           quadratic: bool = False) -> Mesh:
+    """A quarter of a round billet; MIDDLE and RIM are its outer points at mid-height and at the
+    top."""
     mesh = block((radius, half), (nr, nz), quadratic=quadratic)
     return _named(mesh, MIDDLE=(radius, 0.0), RIM=(radius, half))
 
@@ -70,7 +76,8 @@ def ring(nr: int, nz: int, *, inner: float = 7.5, outer: float = 15.0, half: flo
 
 def _named(mesh: Mesh, **places) -> Mesh:
     for name, place in places.items():
-        mesh = mesh.with_points(name, lambda x, place=place: np.linalg.norm(x - np.asarray(place), axis=1) < 1e-9)
+        mesh = mesh.with_points(name, lambda x, place=place: np.linalg.norm(x - np.asarray(place),
+                                                                            axis=1) < 1e-9)
     return mesh
 
 
@@ -84,13 +91,15 @@ def tresca(m: float, words: str = "") -> str:
     return f"*FRICTION, LAW=TRESCA{words}\n{m!r}\n" if m else ""
 
 
-def wire(before: float, after: float, half_angle: float, law, friction: str, stroke: float, cells=(8, 60), *,
+def wire(before: float, after: float, half_angle: float, law, friction: str, stroke: float,
+         cells=(8, 60), *,
          length: float = 0.0, static: str = "0.01, 1., 1e-6, 0.02", pull: bool = True,
          quadratic: bool = False) -> lopin.Deck:
-    """A wire with a drawn tip, taken through a cone DIE by its end; lengths in diameters of `before`.
+    """A wire with a drawn tip, taken through a cone DIE by its end; lengths in diameters of
+    `before`.
 
-    The die runs from inlet to bearing with a round of one radius at both ends; the mesh is drawn already as far as
-    the exit, so that the cone is full at the start.
+    The die runs from inlet to bearing with a round of one radius at both ends; the mesh is drawn
+    already as far as the exit, so that the cone is full at the start.
     """
     r0, r1 = 0.5*before, 0.5*after
     slope = float(np.tan(np.radians(half_angle)))

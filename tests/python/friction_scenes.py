@@ -11,7 +11,8 @@ def table(values) -> str:
     return "\n".join(", ".join(flat[i:i + 8]) for i in range(0, len(flat), 8))
 
 
-def slider(friction: str, push, drag, increment: float, method: str = "DIRECT", slope: float | None = None,
+def slider(friction: str, push, drag, increment: float, method: str = "DIRECT",
+           slope: float | None = None,
            height: float = 0.0, steps: str = "", plastic: str = "", direct: bool = True) -> str:
     """One node on a spring across (kn) and one along (kt) the floor, whose ends are moved.
 
@@ -92,20 +93,24 @@ CDIS, CSTR
 {steps}"""
 
 
-def rotating(steps: int, turns: int, friction: str = "*FRICTION\n0.3,", method: str = "DIRECT", radius: float = 0.2) -> str:
-    """A node pressed by 100 N on a floor, dragged by springs across whose ends go round in a circle."""
+def rotating(steps: int, turns: int, friction: str = "*FRICTION\n0.3,", method: str = "DIRECT",
+             radius: float = 0.2) -> str:
+    """A node pressed by 100 N on a floor, dragged by springs across whose ends go round in a
+    circle."""
     import math
     cube = [(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0), (0, 0, 1), (1, 0, 1), (1, 1, 1), (0, 1, 1)]
     bodies = {11: (0.0, 0.0, 0.0), 21: (-3.0, 0.0, 5.0), 31: (0.0, -3.0, 5.0)}
     nodes = "\n".join(f"{first + i}, " + ", ".join(repr(float(a + b)) for a, b in zip(c, at))
                       for first, at in bodies.items() for i, c in enumerate(cube))
     links = [(n, d) for d in (1, 2) for n in range(12, 19)] + [(n, 3) for n in (12, 13, 14)]
-    links += [(21 + i, 1) for i, c in enumerate(cube) if c[0] == 1] + [(31 + i, 2) for i, c in enumerate(cube) if c[1] == 1]
+    links += [(21 + i, 1) for i, c in enumerate(cube)
+              if c[0] == 1] + [(31 + i, 2) for i, c in enumerate(cube) if c[1] == 1]
     equations = "".join(f"*EQUATION\n2\n{n}, {d}, 1., 11, {d}, -1.\n" for n, d in links)
     angle = [2.0*math.pi*i/steps for i in range(turns*steps + 1)]
     time = [2.0 + i/steps for i in range(turns*steps + 1)]
     east = [(0.0, 0.0), (1.0, 0.0), *((t, radius*math.cos(a)) for t, a in zip(time, angle))]
-    north = [(0.0, 0.0), (2.0, 0.0), *((t, radius*math.sin(a)) for t, a in zip(time[1:], angle[1:]))]
+    north = [(0.0, 0.0), (2.0, 0.0),
+             *((t, radius*math.sin(a)) for t, a in zip(time[1:], angle[1:]))]
     return f"""*HEADING
 A slider whose load turns, N mm
 *NODE

@@ -1,4 +1,5 @@
-"""Small scenes as data, so that tests can scale, turn and renumber them before they become decks."""
+"""Small scenes as data, so that tests can scale, turn and renumber them before they become
+decks."""
 from __future__ import annotations
 
 import copy
@@ -56,7 +57,8 @@ class Scene:
         return x if self.turn is None else self.turn @ x
 
     def tool_line(self, line: str) -> str:
-        """A line of the tool: `word, x, y` with lengths; an oblique tool is turned through its axes."""
+        """A line of the tool: `word, x, y` with lengths; an oblique tool is turned through its
+        axes."""
         word, *values = line.split(",")
         return ", ".join([word, *(repr(float(v)*self.length) for v in values)])
 
@@ -64,7 +66,8 @@ class Scene:
         if self.ndim == 3:
             # Origin, a point on local x, one on the generator: local y, the outside, is +z here.
             a, b, c = (self.turned(v)*self.length for v in ([0., 0, 0], [1., 0, 0], [0, -1., 0]))
-            axes = [", ".join(repr(float(v)) for v in (*a, *b)), ", ".join(repr(float(v)) for v in c)]
+            axes = [", ".join(repr(float(v)) for v in (*a, *b)),
+                    ", ".join(repr(float(v)) for v in c)]
             return axes + [self.tool_line(line) for line in self.tool]
         if self.turn is None:
             return [self.tool_line(line) for line in self.tool]
@@ -83,7 +86,8 @@ class Scene:
                 for k, x in self.nodes.items()]
         for name in self.materials:
             out.append(f"*ELEMENT, TYPE={self.kind}, ELSET={name}")
-            out += [f"{k}, " + ", ".join(map(str, n)) for k, (s, n) in self.elements.items() if s == name]
+            out += [f"{k}, " + ", ".join(map(str, n)) for k, (s, n) in self.elements.items()
+                    if s == name]
         for name, members in self.nsets.items():
             out.append(f"*NSET, NSET={name}")
             out += [f"{k}," for k in members]
@@ -97,13 +101,15 @@ class Scene:
                 out.append(f"{self.length!r},")
         if self.tool:
             label, x = self.reference
-            out += ["*NODE, NSET=REF", f"{label}, " + ", ".join(repr(float(v)) for v in self.turned(x)*self.length),
+            out += ["*NODE, NSET=REF", f"{label}, "
+                    + ", ".join(repr(float(v)) for v in self.turned(x)*self.length),
                     f"*SURFACE, NAME=TOOL, TYPE={self.tool_type}", *self.tool_lines(),
                     "*RIGID BODY, ANALYTICAL SURFACE=TOOL, REF NODE=REF"]
         if self.turn is not None:
             q = np.eye(3)
             q[:self.ndim, :self.ndim] = self.turn
-            out += ["*TRANSFORM, NSET=ALL, TYPE=R", ", ".join(repr(float(v)) for v in (*q[:, 0], *q[:, 1]))]
+            out += ["*TRANSFORM, NSET=ALL, TYPE=R",
+                    ", ".join(repr(float(v)) for v in (*q[:, 0], *q[:, 1]))]
         out += ["*SURFACE INTERACTION, NAME=I", f"*SURFACE BEHAVIOR, {self.method}"]
         if self.slope is not None and self.method != "DIRECT":
             out.append(f"{self.slope*self.modulus/self.length!r}")
@@ -111,7 +117,8 @@ class Scene:
         for slave, master in self.pairs:
             out += ["*CONTACT PAIR, INTERACTION=I, TYPE=NODE TO SURFACE", f"{slave}, {master}"]
         out += [self.extra_model.rstrip()] if self.extra_model else []
-        out += ["*BOUNDARY", *self.fixed, "*STEP, INC=1000", "*STATIC, DIRECT", f"{1.0/self.increments!r}, 1."]
+        out += ["*BOUNDARY", *self.fixed, "*STEP, INC=1000", "*STATIC, DIRECT",
+                f"{1.0/self.increments!r}, 1."]
         if self.moved:
             out += ["*BOUNDARY", *(f"{s}, {d}, {d}, {v*self.length!r}" for s, d, v in self.moved)]
         if self.pushed:
@@ -123,11 +130,13 @@ class Scene:
 
 
 def add_block(scene, name, cells, place, first=1, first_element=None):
-    """A block of cells = (nx, ny[, nz]); `place` maps [0, 1]^d to the body. Returns labels by index."""
+    """A block of cells = (nx, ny[, nz]); `place` maps [0, 1]^d to the body. Returns labels by
+    index."""
     shape = tuple(n + 1 for n in cells)
     labels = np.arange(first, first + int(np.prod(shape))).reshape(shape)
     for index in np.ndindex(shape):
-        scene.nodes[int(labels[index])] = np.array(place(*(i/n for i, n in zip(index, cells))), float)
+        scene.nodes[int(labels[index])] = np.array(place(*(i/n for i, n in zip(index, cells))),
+                                                   float)
     corners = [(0, 0), (1, 0), (1, 1), (0, 1)]
     number = {}
     label = first if first_element is None else first_element
@@ -135,7 +144,8 @@ def add_block(scene, name, cells, place, first=1, first_element=None):
         if len(cells) == 2:
             nodes = [labels[index[0] + a, index[1] + b] for a, b in corners]
         else:
-            nodes = [labels[index[0] + a, index[1] + b, index[2] + c] for c in (0, 1) for a, b in corners]
+            nodes = [labels[index[0] + a, index[1] + b, index[2] + c] for c in (0, 1)
+                     for a, b in corners]
         scene.elements[label] = (name, [int(n) for n in nodes])
         number[index] = label
         label += 1
@@ -148,8 +158,10 @@ def deformable() -> Scene:
     upper, up = add_block(s, "UPPER", (7, 5), lambda a, b: (8*a, (1 - b)*(8*a)**2/120 + 6*b))
     lower, low = add_block(s, "LOWER", (13, 5), lambda a, b: (12*a, -6 + 6*b), first=501)
     s.materials = {"UPPER": (20000.0, 0.3), "LOWER": (7000.0, 0.25)}
-    s.nsets = {"BASE": lower[:, 0].tolist(), "LEFT": [*upper[0, :].tolist(), *lower[0, 1:].tolist()]}
-    s.surfaces = {"CROWN": [(up[i, 0], 1) for i in range(7)], "FACE": [(low[i, 4], 3) for i in range(13)],
+    s.nsets = {"BASE": lower[:, 0].tolist(), "LEFT": [*upper[0, :].tolist(),
+                                                      *lower[0, 1:].tolist()]}
+    s.surfaces = {"CROWN": [(up[i, 0], 1) for i in range(7)],
+                  "FACE": [(low[i, 4], 3) for i in range(13)],
                   "TOP": [(up[i, 4], 3) for i in range(7)]}
     s.pairs = [("CROWN", "FACE")]
     s.fixed = ["BASE, 1, 2", "LEFT, 1"]
@@ -206,7 +218,8 @@ def renumbered(scene: Scene, seed: int = 7) -> Scene:
     """Nodes and elements with other labels and in another order."""
     random = np.random.default_rng(seed)
     node = dict(zip(scene.nodes, (int(k) for k in random.permutation(len(scene.nodes)) + 101)))
-    element = dict(zip(scene.elements, (int(k) for k in random.permutation(len(scene.elements)) + 1)))
+    element = dict(zip(scene.elements, (int(k) for k in random.permutation(len(scene.elements))
+                                        + 1)))
     new = scene.but()
     new.nodes = {node[k]: scene.nodes[k] for k in sorted(scene.nodes, key=node.get)}
     new.elements = {element[k]: (scene.elements[k][0], [node[n] for n in scene.elements[k][1]])
@@ -223,9 +236,11 @@ def cycled(scene: Scene) -> Scene:
     shift = {k: k % 4 for k in scene.elements}
     for k, (name, nodes) in scene.elements.items():
         j = shift[k]
-        new.elements[k] = (name, [n for i in range(0, len(nodes), 4) for n in nodes[i + j:i + 4] + nodes[i:i + j]])
+        new.elements[k] = (name, [n for i in range(0, len(nodes), 4) for n in nodes[i + j:i + 4]
+                                  + nodes[i:i + j]])
     first_side = 3 if scene.ndim == 3 else 1
-    new.surfaces = {name: [(e, f if f < first_side else (f - first_side - shift[e]) % 4 + first_side)
+    new.surfaces = {name: [(e, f if f < first_side else (f - first_side - shift[e]) % 4
+                            + first_side)
                            for e, f in faces] for name, faces in scene.surfaces.items()}
     return new
 
@@ -257,7 +272,8 @@ def run(executable, text, folder, *options, environment=None, accept=(0,)):
     folder.mkdir(parents=True, exist_ok=True)
     deck = folder/"job.inp"
     deck.write_text(text, encoding="utf-8")
-    process = subprocess.run([str(executable), "run", str(deck), "-o", str(folder/"out"), "--overwrite", *options],
+    process = subprocess.run([str(executable), "run", str(deck), "-o", str(folder/"out"),
+                              "--overwrite", *options],
                              capture_output=True, text=True, timeout=60, env=environment)
     assert process.returncode in accept, process.stderr
     return process, folder/"out"
@@ -272,7 +288,8 @@ def history(folder) -> dict:
 
 def answer(executable, scene: Scene, folder, *options, accept=(0,), environment=None) -> Answer:
     """Run a scene and divide out its units."""
-    process, out = run(executable, scene.deck(), folder, *options, accept=accept, environment=environment)
+    process, out = run(executable, scene.deck(), folder, *options, accept=accept,
+                       environment=environment)
     job = json.loads((out/"job.json").read_text(encoding="utf-8"))
     columns = history(out)
     force, energy = scene.modulus*scene.length**2, scene.modulus*scene.length**3
@@ -285,7 +302,8 @@ def answer(executable, scene: Scene, folder, *options, accept=(0,), environment=
         counts[f"{i}.closed"] = pair["closed"]
     for name in ("strain", "contact", "external"):
         values[f"energy.{name}"] = job["energy"][name]/energy
-    reaction = [v[-1] for k, v in columns.items() if k.startswith("TOOL.rf") and int(k[-1]) <= scene.ndim]
+    reaction = [v[-1] for k, v in columns.items() if k.startswith("TOOL.rf")
+                and int(k[-1]) <= scene.ndim]
     if reaction:
         values["reaction"] = np.linalg.norm(reaction)/force
     counts["steps"] = job["steps"]
@@ -293,7 +311,8 @@ def answer(executable, scene: Scene, folder, *options, accept=(0,), environment=
 
 
 def difference(first: Answer, second: Answer, only=None, without=()) -> float:
-    """Largest difference of the values, each over its own size; lengths over the depth that drives the scene."""
+    """Largest difference of the values, each over its own size; lengths over the depth that drives
+    the scene."""
     worst = 0.0
     for name, a in first.values.items():
         if (only and name not in only) or name in without:

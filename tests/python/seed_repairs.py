@@ -1,8 +1,9 @@
-"""The 25 lines of the lecture that cannot be coded as they stand: quotation, what is wrong, both forms, Lopin's answer.
+"""The 25 lines of the lecture that cannot be coded as they stand: quotation, what is wrong, both
+forms, Lopin's answer.
 
-Each entry is one small scene. `printed` is the answer of the line as the lecture has it, `repaired` that of the reading
-which Lopin follows, `lopin` what Lopin's own kernels give. `python tests/python/seed_repairs.py`
-writes the page of the manual.
+Each entry is one small scene. `printed` is the answer of the line as the lecture has it, `repaired`
+that of the reading which Lopin follows, `lopin` what Lopin's own kernels give. `python
+tests/python/seed_repairs.py` writes the page of the manual.
 """
 from __future__ import annotations
 
@@ -119,7 +120,8 @@ def accepts(mu: float) -> float:
 
 
 def tangential(u) -> np.ndarray:
-    """How far the foot of a point on the floor moves when the point moves by u, from Lopin's projections."""
+    """How far the foot of a point on the floor moves when the point moves by u, from Lopin's
+    projections."""
     x = np.array([[0.4, 0.5], [0.4 + u[0], 0.5 + u[1]]])
     g, n = _bridge.probe_tool_gap("plane", FLOOR, x)
     foot = x - g[:, None]*n
@@ -127,7 +129,8 @@ def tangential(u) -> np.ndarray:
 
 
 def along_a_path() -> float:
-    """Springs 1000 across and along, mu 0.3: pressed, moved along, half released and pressed again (C7, path D)."""
+    """Springs 1000 across and along, mu 0.3: pressed, moved along, half released and pressed again
+    (C7, path D)."""
     t = 0.0
     for p, slip in ((100.0, 0.0), (100.0, 0.02), (50.0, 0.0), (100.0, 0.0)):
         t = traction("COULOMB", abs(t + 1000.0*slip), p)
@@ -150,7 +153,8 @@ def signed_planes(x) -> np.ndarray:
     return np.array([x[0] - 1.0, -x[0] - 1.0, x[1] - 1.0, -x[1] - 1.0])
 
 
-SQUARE = [[0, -1.0, -1.0, 0, 0], [1, -1.0, 1.0, 0, 0], [1, 1.0, 1.0, 0, 0], [1, 1.0, -1.0, 0, 0], [1, -1.0, -1.0, 0, 0]]
+SQUARE = [[0, -1.0, -1.0, 0, 0], [1, -1.0, 1.0, 0, 0], [1, 1.0, 1.0, 0, 0], [1, 1.0, -1.0, 0, 0],
+          [1, -1.0, -1.0, 0, 0]]
 
 
 def rebuilt() -> float:
@@ -188,7 +192,8 @@ REPAIRS = [
     Repair("D3", "h = (\\vec{u}_2 - \\vec{u}_1) \\cdot \\vec{n}^c = 0",
            "the order of u1 and u2 is the reverse of that in C: opening would be penetration",
            "a point of the floor rises by 0.2",
-           lambda: float((0.0*N - 0.2*N) @ N), lambda: float((0.2*N - 0.0*N) @ N), lambda: gap([0.0, 0.2])),
+           lambda: float((0.0*N - 0.2*N) @ N), lambda: float((0.2*N - 0.0*N) @ N),
+           lambda: gap([0.0, 0.2])),
     Repair("D4", "**Impénétrabilité** : condition de contact cinématique $$h > 0$$",
            "a point that touches has h = 0: with h > 0 strictly, and h > 0 giving R_n = 0, nothing is "
            "ever carried; h >= 0",
@@ -198,24 +203,30 @@ REPAIRS = [
            "stick means no slip now, not no displacement since the beginning: the slip velocity, or its "
            "increment, decides",
            "a block that slid 0.3 before, held by a trial traction 12 where mu p = 30",
-           lambda: 12.0 if 0.3 == 0.0 else MU_P, lambda: min(12.0, MU_P), lambda: traction("COULOMB", 12.0, 100.0)),
-    Repair("E2", "\\vec{R}_t = -m \\frac{\\sigma_y(\\varepsilon^P)}{\\sqrt{3}} \\frac{\\vec{u}_t}{\\|\\vec{u}_t\\|}",
+           lambda: 12.0 if 0.3 == 0.0 else MU_P, lambda: min(12.0, MU_P),
+           lambda: traction("COULOMB", 12.0, 100.0)),
+    Repair("E2",
+           "\\vec{R}_t = -m \\frac{\\sigma_y(\\varepsilon^P)}{\\sqrt{3}} \\frac{\\vec{u}_t}{\\|\\vec{u}_t\\|}",
            "no gate by contact (it drags at p = 0) and no stick (it slides under any trial): "
            "|R_t| <= m sigma_y/sqrt 3 where p > 0",
            "traction in the open; traction under a trial 12",
            lambda: [SHEAR, SHEAR], lambda: [0.0, min(12.0, SHEAR)],
            lambda: [traction("TRESCA", 1e3, 0.0), traction("TRESCA", 12.0, 100.0)]),
-    Repair("E3", "-\\text{Min} \\left[\\mu |\\mathbf{R}_n| \\frac{\\mathbf{u}_t}{\\|\\mathbf{u}_t\\|}, m \\frac{\\sigma_y",
+    Repair("E3",
+           "-\\text{Min} \\left[\\mu |\\mathbf{R}_n| \\frac{\\mathbf{u}_t}{\\|\\mathbf{u}_t\\|}, m \\frac{\\sigma_y",
            "the least of two vectors depends on the axes; the radius is the least of two numbers",
            "magnitude of the traction, slip along (-0.6, 0.8)",
-           lambda: float(np.linalg.norm(np.minimum(MU_P*np.array([-0.6, 0.8]), SHEAR*np.array([-0.6, 0.8])))),
+           lambda: float(np.linalg.norm(np.minimum(MU_P*np.array([-0.6, 0.8]),
+                                                   SHEAR*np.array([-0.6, 0.8])))),
            lambda: min(MU_P, SHEAR), lambda: traction("COULOMB-OROWAN", 1e3, 100.0)),
-    Repair("E4", "\\vec{R}_t = -m \\frac{|\\bar{\\sigma}|}{\\sqrt{3}} \\frac{\\vec{u}_t}{\\|\\vec{u}_t\\|}",
+    Repair("E4",
+           "\\vec{R}_t = -m \\frac{|\\bar{\\sigma}|}{\\sqrt{3}} \\frac{\\vec{u}_t}{\\|\\vec{u}_t\\|}",
            "nothing holds the stress of a trial below the yield stress, and open surfaces rub; "
            "m min(sigma, sigma_y)/sqrt 3 where p > 0",
            "a trial stress 300 above the yield stress 200; a stress 150 in the open",
            lambda: [0.2*300.0/np.sqrt(3.0), 0.2*150.0/np.sqrt(3.0)], lambda: [SHEAR, 0.0],
-           lambda: [traction("CRISTESCU", 1e3, 100.0, mises=300.0), traction("CRISTESCU", 1e3, 0.0, mises=150.0)]),
+           lambda: [traction("CRISTESCU", 1e3, 100.0, mises=300.0),
+                    traction("CRISTESCU", 1e3, 0.0, mises=150.0)]),
     Repair("E5", "R_t = \\alpha \\dot{u}_t^p",
            "without minus sign the surfaces drive themselves, without direction a speed backwards has no "
            "power; R_t = -alpha |v|^(q-1) v, alpha in Pa (s/m)^q",
@@ -234,7 +245,8 @@ REPAIRS = [
            "only the active part of the surface is at h = 0, and which part that is, is unknown",
            "two unit springs, one pressed 0.5 beyond the floor, one 0.2 above it: the reactions",
            lambda: [0.5, -0.2], lambda: [0.5, 0.0], lambda: force([-0.5, 0.2])),
-    Repair("F3", "W_{\\text{cont}} = \\iint_{\\Gamma_c} \\vec{f}_{\\text{cont}} \\cdot \\vec{u}_n dS",
+    Repair("F3",
+           "W_{\\text{cont}} = \\iint_{\\Gamma_c} \\vec{f}_{\\text{cont}} \\cdot \\vec{u}_n dS",
            "f_cont is an integral already: the work is integrated twice, and a force times an area is no "
            "force; the integral of p u_n",
            "pressure 2 on an area 4 that moves by 0.1",
@@ -251,7 +263,8 @@ REPAIRS = [
            "potential: increments, with the memory of the traction",
            "pressed, moved along, half released, pressed again: the traction",
            lambda: min(1000.0*0.02, MU_P), lambda: 0.3*50.0, along_a_path),
-    Repair("G1", "W_{\\text{solide}} = \\left(\\frac{1}{2} \\underline{u}^T [\\underline{K}] \\underline{u} - "
+    Repair("G1",
+           "W_{\\text{solide}} = \\left(\\frac{1}{2} \\underline{u}^T [\\underline{K}] \\underline{u} - "
            "\\underline{u}^T \\{\\underline{F}\\} \\right)",
            "the contact term is lost on the way to the matrices: nothing stops the body",
            "a unit spring pushed by 0.5 towards a floor that it touches: its gap",
@@ -268,12 +281,14 @@ REPAIRS = [
            "the least of signed distances is the facet farthest behind; the closest point decides",
            "a point 0.2 outside the right side of a square of side 2",
            lambda: float(signed_planes([1.2, 0.3]).min()),
-           lambda: 0.2, lambda: float(_bridge.probe_tool_gap("profile", SQUARE, [[1.2, 0.3]])[0][0])),
+           lambda: 0.2,
+           lambda: float(_bridge.probe_tool_gap("profile", SQUARE, [[1.2, 0.3]])[0][0])),
     Repair("H8", "$h > 0$ pénétration",
            "the reverse of D, where h > 0 is open; the gap is positive when open",
            "a unit spring ends 0.2 above the floor: the reaction that would stop a penetration",
            lambda: 0.2, lambda: 0.0, lambda: float(force([0.2])[0])),
-    Repair("H9", "\\bar{\\mathbf{u}} = -h \\sum_{k=1}^{\\text{Node}} \\mathbf{N}^k(\\xi, \\eta) \\mathbf{n}^{ck}",
+    Repair("H9",
+           "\\bar{\\mathbf{u}} = -h \\sum_{k=1}^{\\text{Node}} \\mathbf{N}^k(\\xi, \\eta) \\mathbf{n}^{ck}",
            "with X_P = X_C - n h this doubles the penetration; the point moves by -g n",
            "a point 0.2 deep is to be set on the surface: its gap after that",
            lambda: -0.2 - 0.2, lambda: 0.0, lambda: set_on_surface(0.2)),
@@ -281,7 +296,8 @@ REPAIRS = [
            "an equality glues; contact is h >= 0, R_n >= 0, h R_n = 0",
            "a unit spring pulled 0.2 away from the floor: the reaction",
            lambda: -0.2, lambda: 0.0, lambda: float(force([0.2])[0])),
-    Repair("J1", "\\left[[\\mathbf{K}] + \\alpha [\\mathbf{G}] [\\mathbf{G}]^T \\right] \\{u\\} = \\{F\\}",
+    Repair("J1",
+           "\\left[[\\mathbf{K}] + \\alpha [\\mathbf{G}] [\\mathbf{G}]^T \\right] \\{u\\} = \\{F\\}",
            "the right-hand side lacks alpha G d, and open points must not count",
            "a unit spring pushed by 1 towards a wall 0.1 away, alpha 100: its displacement",
            lambda: 1.0/(1.0 + 100.0), lambda: (1.0 + 100.0*0.1)/(1.0 + 100.0),
@@ -323,4 +339,5 @@ def page() -> str:
 
 
 if __name__ == "__main__":
-    (Path(__file__).resolve().parents[2]/"docs"/"seed-repairs.md").write_text(page(), encoding="utf-8")
+    (Path(__file__).resolve().parents[2]/"docs"/"seed-repairs.md").write_text(page(),
+                                                                              encoding="utf-8")

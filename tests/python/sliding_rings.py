@@ -30,20 +30,24 @@ def driven(mesh, angle: float, increments: int) -> tuple[str, str]:
         x, y = mesh.points[i]
         start = np.arctan2(y, x)
         for d, wave in ((1, np.cos), (2, np.sin)):
-            way = (BORE + shrink)*wave(start + np.radians(angle)*np.arange(increments + 1)/increments)
+            way = (BORE + shrink)*wave(start
+                                       + np.radians(angle)*np.arange(increments + 1)/increments)
             way -= BORE*wave(start)
             held.append(f"{i + 1}, {d}, {d}, {float(way[0])!r}")
             flat = [f"{v!r}" for k, w in enumerate(way) for v in (float(k)/increments, float(w))]
             amplitudes.append(f"*AMPLITUDE, NAME=A{i}D{d}\n"
                               + "\n".join(", ".join(flat[k:k + 8]) for k in range(0, len(flat), 8)))
             moved.append(f"*BOUNDARY, AMPLITUDE=A{i}D{d}\n{i + 1}, {d}, {d}, 1.")
-    return "\n".join(amplitudes) + "\n", ("*BOUNDARY\n" + "\n".join(held) + "\n", "\n".join(moved) + "\n")
+    return "\n".join(amplitudes) + "\n", ("*BOUNDARY\n" + "\n".join(held) + "\n", "\n".join(moved)
+                                          + "\n")
 
 
-def rings(*, around=(48, 48), layers=4, quadratic=False, words="", friction=0.0, angle=90.0, increments=90,
+def rings(*, around=(48, 48), layers=4, quadratic=False, words="", friction=0.0, angle=90.0,
+          increments=90,
           behaviour="*SURFACE BEHAVIOR, DIRECT", slave="shaft", start=0.0) -> lopin.Deck:
     """Shrink fit in the first step, a turn of the shaft in the second; angles in degrees."""
-    shaft = mesh_make.ring(BORE, FIT + DELTA, (layers, around[0]), angles=(start, 360.0 + start), quadratic=quadratic)
+    shaft = mesh_make.ring(BORE, FIT + DELTA, (layers, around[0]), angles=(start, 360.0 + start),
+                           quadratic=quadratic)
     hub = mesh_make.ring(FIT, RIM, (layers, around[1]), angles=(0.0, 360.0), quadratic=quadratic)
     mesh = together(SHAFT=shaft, HUB=hub)
     amplitudes, (held, moved) = driven(mesh, angle, increments)

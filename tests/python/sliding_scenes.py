@@ -38,7 +38,8 @@ def sections(materials: dict[str, str]) -> str:
     return "".join(f"*SOLID SECTION, ELSET={k}, MATERIAL={v}\n" for k, v in materials.items())
 
 
-def pair(slave: str, master: str, *, behaviour: str = LAGRANGE, friction: float = 0.0, words: str = "") -> str:
+def pair(slave: str, master: str, *, behaviour: str = LAGRANGE, friction: float = 0.0,
+         words: str = "") -> str:
     """An interaction and its pair."""
     rub = f"*FRICTION\n{friction!r},\n" if friction else ""
     return (f"*SURFACE INTERACTION, NAME=I\n{behaviour}\n{rub}"

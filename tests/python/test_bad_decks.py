@@ -1,7 +1,9 @@
-"""Every deck in decks/bad says what is wrong with it, where, and ends with the exit code of its class.
+"""Every deck in decks/bad says what is wrong with it, where, and ends with the exit code of its
+class.
 
-The first line of such a deck is `** expect: CODE | text that must appear | line:column`; the place may be left out.
-Where the second line is `** run`, reading finds nothing wrong: the mistake shows when the deck is run.
+The first line of such a deck is `** expect: CODE | text that must appear | line:column`; the place
+may be left out. Where the second line is `** run`, reading finds nothing wrong: the mistake shows
+when the deck is run.
 """
 
 import json
@@ -20,7 +22,8 @@ pytestmark = pytest.mark.skipif(not EXECUTABLE, reason="LOPIN_EXECUTABLE names n
 
 
 def check(deck):
-    return subprocess.run([EXECUTABLE, "check", str(deck)], capture_output=True, text=True, timeout=20, cwd=FOLDER)
+    return subprocess.run([EXECUTABLE, "check", str(deck)], capture_output=True, text=True,
+                          timeout=20, cwd=FOLDER)
 
 
 def is_run(deck):
@@ -31,13 +34,14 @@ def is_run(deck):
 DECKS = sorted(FOLDER.glob("*.inp"))
 
 
-@pytest.mark.parametrize("deck", [deck for deck in DECKS if is_run(deck)], ids=lambda path: path.stem)
+@pytest.mark.parametrize("deck", [deck for deck in DECKS if is_run(deck)],
+                         ids=lambda path: path.stem)
 def test_a_deck_that_cannot_be_run_ends_with_its_reason(deck, tmp_path):
     lines = deck.read_text(encoding="utf-8").splitlines()
     code, text = [part.strip() for part in lines[0].removeprefix("** expect: ").split("|")][:2]
     assert check(deck.name).returncode == 0, "lopin check has nothing to say"
-    run = subprocess.run([EXECUTABLE, "run", str(deck), "-o", str(tmp_path/"out")], capture_output=True, text=True,
-                         timeout=20)
+    run = subprocess.run([EXECUTABLE, "run", str(deck), "-o", str(tmp_path/"out")],
+                         capture_output=True, text=True, timeout=20)
     # Singular: 4, not converged: 3, a deck whose mistake the geometry shows: 1.
     expected = 4 if code == "E0310" else 3 if code.startswith("E05") else 1
     assert run.returncode == expected, run.stderr
@@ -46,7 +50,8 @@ def test_a_deck_that_cannot_be_run_ends_with_its_reason(deck, tmp_path):
     assert job["exit_code"] == expected and job["status"] in ("failed", "not converged")
 
 
-@pytest.mark.parametrize("deck", [deck for deck in DECKS if not is_run(deck)], ids=lambda path: path.stem)
+@pytest.mark.parametrize("deck", [deck for deck in DECKS if not is_run(deck)],
+                         ids=lambda path: path.stem)
 def test_a_bad_deck_is_refused_with_its_reason_and_place(deck):
     first = deck.read_text(encoding="utf-8").splitlines()[0]
     assert first.startswith("** expect: "), "the first line says what is expected"

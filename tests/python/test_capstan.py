@@ -1,4 +1,5 @@
-"""A strip over a drum: soft as a whole, stiff from point to point. What is pulled farther cannot pull back less."""
+"""A strip over a drum: soft as a whole, stiff from point to point. What is pulled farther cannot
+pull back less."""
 import lopin
 import numpy as np
 import pytest
@@ -8,7 +9,8 @@ SLIDING = 15.9552
 
 @pytest.fixture
 def wound(solve, root):
-    """The deck with another turn of the grip, other increments, other friction while the strip is tightened."""
+    """The deck with another turn of the grip, other increments, other friction while the strip is
+    tightened."""
     text = (root/"decks"/"capstan.inp").read_text()
     text = text.replace("INPUT=capstan.mesh", f"INPUT={root/'decks'/'capstan.mesh'}")
 
@@ -27,7 +29,8 @@ def force_of(result):
 
 
 @pytest.mark.parametrize("turn, first, tightened",
-                         [(0.0003, 1.0, 0.0), (0.0004, 0.01, 0.0), (0.0004, 0.25, 0.0), (0.0003, 0.1, 0.1), (0.003, 0.5, 0.2)])
+                         [(0.0003, 1.0, 0.0), (0.0004, 0.01, 0.0), (0.0004, 0.25, 0.0),
+                          (0.0003, 0.1, 0.1), (0.003, 0.5, 0.2)])
 def test_the_sliding_strip_pulls_the_same_whatever_the_increments(wound, turn, first, tightened):
     result = wound(turn, first, tightened)
     assert result.summary["certificate"]["verdict"] == "PASS"

@@ -1,4 +1,5 @@
-"""Runs that are killed, interrupted or damaged: what goes on ends with the bits of a run left alone, what cannot is refused."""
+"""Runs that are killed, interrupted or damaged: what goes on ends with the bits of a run left
+alone, what cannot is refused."""
 import json
 import random
 import re
@@ -19,13 +20,16 @@ from test_reach import crown
 NX, NY = 8, 4
 
 
-def billet(words: str = "", law: str = "*FRICTION\n0.2,", method: str = "DIRECT", nlgeom: str = ", NLGEOM", path: str = "",
+def billet(words: str = "", law: str = "*FRICTION\n0.2,", method: str = "DIRECT",
+           nlgeom: str = ", NLGEOM", path: str = "",
            pair: str = "", changes: bool = True, steps: tuple = (0.05, 0.1), pressure: str = "",
            floor: str = "START, -10., 0.\nLINE, 20., 0.") -> str:
     """A block pressed on a floor, dragged along it, let go by *MODEL CHANGE and pressed again."""
     node = [(1 + i + (NX + 1)*j, i*0.5, j*0.5) for j in range(NY + 1) for i in range(NX + 1)]
-    element = [(1 + i + NX*j, *(1 + i + k % 2 + (NX + 1)*(j + k // 2) for k in (0, 1, 3, 2))) for j in range(NY) for i in range(NX)]
-    text = path + "*NODE\n" + "".join(f"{n}, {x!r}, {y!r}\n" for n, x, y in node) + "999, 0., 0.\n*ELEMENT, TYPE=CPE4, ELSET=BODY\n"
+    element = [(1 + i + NX*j, *(1 + i + k % 2 + (NX + 1)*(j + k // 2) for k in (0, 1, 3, 2)))
+               for j in range(NY) for i in range(NX)]
+    text = path + "*NODE\n" + "".join(f"{n}, {x!r}, {y!r}\n"
+                                      for n, x, y in node) + "999, 0., 0.\n*ELEMENT, TYPE=CPE4, ELSET=BODY\n"
     text += "".join(", ".join(map(str, e)) + "\n" for e in element)
     top, right = (NX + 1)*NY + 1, NX
     text += f"""*NSET, NSET=TOP, GENERATE
@@ -72,8 +76,11 @@ FOOT, FLOOR
 
 def tied() -> str:
     """Two blocks tied by mortar, bent by large rotations."""
-    text = re.sub(r"^\*\* expect.*\n", "", deck("two_blocks_mortar"), flags=re.M).replace("TYPE=SURFACE TO SURFACE", "TYPE=SURFACE TO SURFACE, TIED")
-    return text.replace("*STEP, NAME=PRESS\n", "*STEP, NAME=PRESS, NLGEOM\n").replace("1., 1.\n*DSLOAD", "0.1, 1., 1.E-5, 0.1\n*DSLOAD")
+    text = re.sub(r"^\*\* expect.*\n", "", deck("two_blocks_mortar"),
+                  flags=re.M).replace("TYPE=SURFACE TO SURFACE", "TYPE=SURFACE TO SURFACE, TIED")
+    return text.replace("*STEP, NAME=PRESS\n",
+                        "*STEP, NAME=PRESS, NLGEOM\n").replace("1., 1.\n*DSLOAD",
+                                                               "0.1, 1., 1.E-5, 0.1\n*DSLOAD")
 
 
 def deck(name: str) -> str:
@@ -89,7 +96,9 @@ SCENES = {
     "penalty": lambda: billet(nlgeom="", pair=", SMALL SLIDING", method="PENALTY", changes=False),
     "augmented": lambda: billet(nlgeom="", method="AUGMENTED LAGRANGE", law="", changes=False),
     "newton": lambda: billet(nlgeom="", law="", path="*LOPIN, PATH=NEWTON\n", changes=False),
-    "newton by umfpack": lambda: billet(nlgeom="", law="", path="*LOPIN, PATH=NEWTON, SOLVER=UMFPACK\n", changes=False),
+    "newton by umfpack": lambda: billet(nlgeom="", law="",
+                                        path="*LOPIN, PATH=NEWTON, SOLVER=UMFPACK\n",
+                                        changes=False),
     "lagged law": lambda: block("CRISTESCU"),
     "law of speed": lambda: block("NORTON-HOFF"),
     "rows that come late": lambda: crown(False, 0.1, 12, friction="*FRICTION\n0.2\n"),
@@ -116,7 +125,8 @@ class Bench:
         (place/"job.inp").write_text(text)
 
     def start(self, folder, *options):
-        return subprocess.Popen([self.executable, "run", "job.inp", "-o", folder, *options], stdout=subprocess.PIPE,
+        return subprocess.Popen([self.executable, "run", "job.inp", "-o", folder, *options],
+                                stdout=subprocess.PIPE,
                                 stderr=subprocess.PIPE, text=True, cwd=self.place)
 
     def run(self, folder, *options):
@@ -140,17 +150,21 @@ class Bench:
         return process.returncode, out + err
 
     def differences(self, one, other):
-        """Names of what differs, but for times; PATH=NEWTON makes its factor again, and counts it."""
+        """Names of what differs, but for times; PATH=NEWTON makes its factor again, and counts
+        it."""
         a, b = self.place/one, self.place/other
         names = sorted(p.name for p in a.iterdir())
         if names != sorted(p.name for p in b.iterdir()):
-            return [p.name for p in b.iterdir() if p.name not in names] + [n for n in names if not (b/n).exists()]
-        found = [n for n in names if not n.endswith(".json") and (a/n).read_bytes() != (b/n).read_bytes()]
+            return [p.name for p in b.iterdir() if p.name not in names] + [n for n in names
+                                                                           if not (b/n).exists()]
+        found = [n for n in names if not n.endswith(".json")
+                 and (a/n).read_bytes() != (b/n).read_bytes()]
         left, right = (json.loads((f/"job.json").read_text()) for f in (a, b))
         for job in (left, right):
             for step in job["steps"] if job["path"] == "newton" else ():
                 step["factorisations"] = step["back_solves"] = 0
-        return found + [k for k in left if k not in ("timing", "peak_memory_mib") and left[k] != right[k]]
+        return found + [k for k in left if k not in ("timing", "peak_memory_mib")
+                        and left[k] != right[k]]
 
 
 @pytest.fixture
@@ -194,8 +208,12 @@ def test_rows_that_come_late_are_kept(bench):
 
 @pytest.mark.parametrize("name", ["condensed friction", "plastic"])
 def test_ten_runs_killed_at_random_moments(bench, name):
-    """With both scenes twenty; the moments are other ones in every session, and said if one fails."""
-    b = bench(SCENES[name]().replace("0.05, 1.", "0.02, 1.").replace("0.1, 1.", "0.02, 1.").replace("0.2\n*BOUND", "0.02\n*BOUND"))
+    """With both scenes twenty; the moments are other ones in every session, and said if one
+    fails."""
+    b = bench(SCENES[name]().replace("0.05, 1.",
+                                     "0.02, 1.").replace("0.1, 1.",
+                                                         "0.02, 1.").replace("0.2\n*BOUND",
+                                                                             "0.02\n*BOUND"))
     begun = time.perf_counter()
     assert b.run("alone")[0] == 0
     span = time.perf_counter() - begun
@@ -212,7 +230,8 @@ def test_ten_runs_killed_at_random_moments(bench, name):
         killed += process.returncode == -signal.SIGKILL
         code, said = b.run(folder, "--resume")
         assert code == 0, said
-        assert b.differences("alone", folder) == [], f"seed {seed}, trial {trial}, killed after {wait:.4f} s of {span:.4f} s"
+        assert b.differences("alone",
+                             folder) == [], f"seed {seed}, trial {trial}, killed after {wait:.4f} s of {span:.4f} s"
         if killed == 10:
             return
     raise AssertionError(f"only {killed} runs were still going when they were killed")
@@ -233,7 +252,9 @@ def test_a_signal_ends_the_increment_and_says_how_to_go_on(bench):
 
 @pytest.mark.parametrize("frequency, kept", [(3, 6), (0, 0)])
 def test_the_deck_says_how_often(bench, frequency, kept):
-    b = bench(billet(steps=(0.01, 0.01), changes=False).replace("*BOUNDARY\nTOP", f"*RESTART, WRITE, FREQUENCY={frequency}\n*BOUNDARY\nTOP", 1))
+    b = bench(billet(steps=(0.01, 0.01),
+                     changes=False).replace("*BOUNDARY\nTOP",
+                                            f"*RESTART, WRITE, FREQUENCY={frequency}\n*BOUNDARY\nTOP", 1))
     assert b.kill_after("broken", 8)[0] == -signal.SIGKILL
     rst = b.place/"broken"/"job.rst"
     assert rst.exists() == (kept > 0)
@@ -261,8 +282,10 @@ def another_version(data: bytes) -> bytes:
     return head + b"\n9.9.9\n" + rest
 
 
-@pytest.mark.parametrize("harm, reason", [(cut, "cut short"), (flipped, "damaged"), (foreign, "not a checkpoint of Lopin"),
-                                          (another_version, "9.9.9"), (lambda data: b"", "not a checkpoint")])
+@pytest.mark.parametrize("harm, reason", [(cut, "cut short"), (flipped, "damaged"),
+                                          (foreign, "not a checkpoint of Lopin"),
+                                          (another_version, "9.9.9"),
+                                          (lambda data: b"", "not a checkpoint")])
 def test_a_checkpoint_that_is_not_right_is_refused(bench, harm, reason):
     b = bench(billet(steps=(0.01, 0.01)))
     assert b.kill_after("broken", 4)[0] == -signal.SIGKILL
@@ -271,7 +294,8 @@ def test_a_checkpoint_that_is_not_right_is_refused(bench, harm, reason):
     before = {p.name: p.read_bytes() for p in (b.place/"broken").iterdir()}
     code, said = b.run("broken", "--resume")
     assert code == 5 and said.count("error[") == 1 and "E0604" in said and reason in said, said
-    assert {p.name: p.read_bytes() for p in (b.place/"broken").iterdir()} == before, "nothing is touched"
+    assert {p.name: p.read_bytes()
+            for p in (b.place/"broken").iterdir()} == before, "nothing is touched"
 
 
 def test_the_checkpoint_of_another_deck_is_refused(bench):

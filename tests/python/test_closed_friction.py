@@ -1,7 +1,8 @@
 """Closed forms with friction against published numbers, and against the equations they solve.
 
-Numbers quoted: Johnson, Contact mechanics (1985), 7.2 to 7.4; Mindlin and Deresiewicz (1953); Spence (1975), and
-boundary elements with the full coupling, n = 160, 320, 640, extrapolated; Klarbring (1990); capstan tables.
+Numbers quoted: Johnson, Contact mechanics (1985), 7.2 to 7.4; Mindlin and Deresiewicz (1953);
+Spence (1975), and boundary elements with the full coupling, n = 160, 320, 640, extrapolated;
+Klarbring (1990); capstan tables.
 """
 import doctest
 
@@ -33,11 +34,13 @@ def test_cattaneo_s_shear_sums_to_the_force_and_stays_in_the_cone():
     total = quad(s.traction, -s.normal.a, s.normal.a, points=[-s.c, s.c])[0]
     assert total == pytest.approx(220.0, rel=1e-6)
     x = np.linspace(-s.normal.a, s.normal.a, 999)
-    assert np.all(s.traction(x) <= 0.3*s.normal.p0*np.sqrt(np.clip(1 - (x/s.normal.a)**2, 0, None)) + 1e-12)
+    assert np.all(s.traction(x) <= 0.3*s.normal.p0*np.sqrt(np.clip(1 - (x/s.normal.a)**2, 0, None))
+                  + 1e-12)
 
 
 def test_cattaneo_s_middle_moves_as_one():
-    """The surface displaces by -1/(pi E*) times the integral of q ln|x - s|: constant where it sticks."""
+    """The surface displaces by -1/(pi E*) times the integral of q ln|x - s|: constant where it
+    sticks."""
     s = cf.cattaneo_line(1000.0, 150.0, 0.3, 100.0, STEEL)
     edges = np.linspace(-s.normal.a, s.normal.a, 8001)
     q = s.traction(0.5*(edges[1:] + edges[:-1]))
@@ -74,7 +77,9 @@ def test_the_punch_sticks_as_the_coupled_solution_says(mu, published):
 
 @pytest.mark.parametrize("mu", [0.2, 0.3, 0.5])
 def test_without_coupling_the_punch_is_spence_s(mu):
-    assert cf.punch_stick(mu, 0.3, coupled=False) == pytest.approx(cf.punch_stick_uncoupled(mu, 0.3), abs=2e-4)
+    assert cf.punch_stick(mu, 0.3,
+                          coupled=False) == pytest.approx(cf.punch_stick_uncoupled(mu, 0.3),
+                                                          abs=2e-4)
 
 
 def test_the_punch_s_tractions_are_admissible():
@@ -91,10 +96,12 @@ def test_capstan(mu, angle, published):
 
 @pytest.mark.parametrize("thickness", [0.01, 0.1])
 def test_a_thick_belt_obeys_its_balances(thickness):
-    """T' = f - Q, T - Q' = f/mu, and the couple of the friction Q (R + t/2) = f t/2, by integration over the angle."""
+    """T' = f - Q, T - Q' = f/mu, and the couple of the friction Q (R + t/2) = f t/2, by integration
+    over the angle."""
     mu, middle = 0.3, 1.0 + 0.5*thickness
     lever = 0.5*thickness/middle
-    # Unknown f: T = f/mu + lever f', so that f'' follows; start on the growing solution by one ratio of T.
+    # Unknown f: T = f/mu + lever f', so that f'' follows; start on the growing solution by one
+    # ratio of T.
     s = np.log(cf.capstan(mu, 1.0, thickness))
 
     def slope(_, y):
@@ -114,7 +121,8 @@ def test_stick_slip_cycle():
 
 def test_rotating_slider_against_many_small_steps():
     s = cf.rotating_slider(1000.0, 30.0, 0.2)
-    assert (np.degrees(s.lag), s.energy) == (pytest.approx(81.37, abs=5e-3), pytest.approx(37.2726, abs=5e-5))
+    assert (np.degrees(s.lag), s.energy) == (pytest.approx(81.37, abs=5e-3),
+                                             pytest.approx(37.2726, abs=5e-5))
     slider, energy, n = np.zeros(2), 0.0, 20000
     for i in range(3*n):
         end = 0.2*np.array([np.cos(2*np.pi*i/n), np.sin(2*np.pi*i/n)])
@@ -129,7 +137,8 @@ def test_rotating_slider_against_many_small_steps():
 
 def test_the_answer_depends_on_the_path():
     down, aside = (0.1, 0.0), (0.1, 0.02)
-    paths = {20.0: [down, aside], 0.0: [(0.0, 0.02), aside], 15.0: [down, aside, (0.05, 0.02), aside]}
+    paths = {20.0: [down, aside], 0.0: [(0.0, 0.02), aside],
+             15.0: [down, aside, (0.05, 0.02), aside]}
     for force, path in paths.items():
         assert cf.slider_path(1000.0, 1000.0, 0.3, path) == pytest.approx(force, abs=1e-12)
 
@@ -149,31 +158,37 @@ def test_klarbring_s_node():
 
 
 @pytest.mark.parametrize("poisson, least, shear", [
-    (0.0, 2.8284, None), (0.3, 1.4967, 1.8708), (0.4, 0.97980, None), (0.49, 0.28566, 7.1414), (0.499, 0.08953, None)])
+    (0.0, 2.8284, None), (0.3, 1.4967, 1.8708), (0.4, 0.97980, None), (0.49, 0.28566, 7.1414),
+                                                   (0.499, 0.08953, None)])
 def test_one_triangle_loses_uniqueness(poisson, least, shear):
     found, at = cf.triangle_unique_below_least(poisson)
     assert found == pytest.approx(least, rel=4e-5)
     assert shear is None or at == pytest.approx(shear, abs=5e-5)
-    assert found <= min(cf.triangle_unique_below(poisson, t) for t in np.linspace(0.2, 60.0, 2000)) + 1e-12
+    assert found <= min(cf.triangle_unique_below(poisson, t)
+                        for t in np.linspace(0.2, 60.0, 2000)) + 1e-12
 
 
 def test_one_triangle_from_its_stiffness(core):
     from lopin import _bridge
 
     k = _bridge.probe_stiffness("CPE3", [[0, 0], [1, 0], [-6, 1]], 1000.0, 0.49)[:2, :2]
-    assert (k[0, 0], abs(k[0, 1]), k[1, 1]) == pytest.approx((16778.523, 58724.832, 419463.09), rel=1e-7)
+    assert (k[0, 0], abs(k[0, 1]), k[1, 1]) == pytest.approx((16778.523, 58724.832, 419463.09),
+                                                             rel=1e-7)
     turned = k[::-1, ::-1]
     assert cf.unique_below(turned) == pytest.approx(0.285714, abs=6e-7)
     assert cf.triangle_unique_below(0.49, 7.0) == pytest.approx(cf.unique_below(turned), rel=1e-12)
 
 
 def test_wedge():
-    assert [cf.wedge_stays(np.radians(10.0), mu) for mu in (0.17, 0.176326, 0.176328, 0.2)] == [False, False, True, True]
+    assert [cf.wedge_stays(np.radians(10.0), mu) for mu in (0.17, 0.176326, 0.176328,
+                                                            0.2)] == [False, False, True, True]
 
 
 def test_the_zoo_of_laws():
-    zoo = cf.dragged_tractions(100.0, 2.0, mu=0.3, m=0.2, yield_stress=200.0, mises=150.0, alpha=5.0, q=0.2)
-    assert list(zoo.values()) == pytest.approx([30.0, 23.0940, 23.0940, 17.3205, 5.743492], rel=2e-6)
+    zoo = cf.dragged_tractions(100.0, 2.0, mu=0.3, m=0.2, yield_stress=200.0, mises=150.0,
+                               alpha=5.0, q=0.2)
+    assert list(zoo.values()) == pytest.approx([30.0, 23.0940, 23.0940, 17.3205, 5.743492],
+                                               rel=2e-6)
 
 
 def test_shrink_fit_and_its_torque():
@@ -181,7 +196,8 @@ def test_shrink_fit_and_its_torque():
     for kind, pressure in (("plane stress", 20.740741), ("plane strain", 22.792022)):
         outer, inner = cf.nested_rings(radii[::-1], 0.0, steel, (0.3, 0.3), kind, interference=0.01)
         assert outer.inside == pytest.approx(pressure, rel=1e-7)
-        assert cf.shrink_fit_torque(outer.inside, 30.0, 0.2) == pytest.approx(2*np.pi*0.2*pressure*900.0, rel=1e-7)
+        assert cf.shrink_fit_torque(outer.inside, 30.0,
+                                    0.2) == pytest.approx(2*np.pi*0.2*pressure*900.0, rel=1e-7)
 
 
 def test_concentric_rings():

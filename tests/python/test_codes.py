@@ -1,4 +1,5 @@
-"""Every diagnostic code in the sources has an explanation, and the table of keywords is complete."""
+"""Every diagnostic code in the sources has an explanation, and the table of keywords is
+complete."""
 
 import os
 import pathlib
@@ -54,7 +55,8 @@ def test_the_manual_in_docs_is_the_one_that_the_table_gives():
 
 
 def test_the_version_is_the_one_of_the_build():
-    version = re.search(r"project\(lopin VERSION (\S+)", (ROOT / "CMakeLists.txt").read_text()).group(1)
+    version = re.search(r"project\(lopin VERSION (\S+)",
+                        (ROOT / "CMakeLists.txt").read_text()).group(1)
     assert lopin("--version").stdout.strip() == f"lopin {version}"
 
 

@@ -1,4 +1,5 @@
-"""Increments that fail: cut with the reason, restored to the bit, stopped clearly at the smallest one."""
+"""Increments that fail: cut with the reason, restored to the bit, stopped clearly at the smallest
+one."""
 import json
 import subprocess
 
@@ -45,7 +46,8 @@ CSTR
 def run(executable, tmp_path):
     def start(name, text):
         (tmp_path/f"{name}.inp").write_text(text)
-        done = subprocess.run([executable, "run", f"{name}.inp", "-o", name], capture_output=True, text=True, timeout=60, cwd=tmp_path)
+        done = subprocess.run([executable, "run", f"{name}.inp", "-o", name], capture_output=True,
+                              text=True, timeout=60, cwd=tmp_path)
         folder = tmp_path/name
         rows = (folder/f"{name}_history.csv").read_text().splitlines()
         return done, json.loads((folder/f"{name}.json").read_text()), (folder/f"{name}.cvg").read_text(), rows, folder
@@ -58,10 +60,12 @@ def test_cut_to_the_smallest_and_stopped_with_the_last_good_state(run, method):
     done, job, log, rows, folder = run("slide", pulled(1.0, method=method))
     assert done.returncode == 3 and job["status"] == "not converged", done.stderr
     assert "E05" in done.stderr and ": cut to " in log, log[-2000:]
-    assert any(f"because {reason}" in log for reason in ("the tangent is singular", "Newton has not", "body"))
+    assert any(f"because {reason}" in log for reason in ("the tangent is singular",
+                                                         "Newton has not", "body"))
     time = float(rows[-1].split(",")[rows[0].split(",").index("time [time]")]) - 1.0
     assert 0.0 <= time*FORCE <= 0.3*80.0*(1.0 + 1e-9)
-    assert time*FORCE == pytest.approx(0.3*80.0, rel=1e-3), "friction holds all but what the smallest increment adds"
+    assert time*FORCE == pytest.approx(0.3*80.0,
+                                       rel=1e-3), "friction holds all but what the smallest increment adds"
     assert (folder/"slide.pvd").read_text().rstrip().endswith("</VTKFile>")
     assert (folder/"slide.frd").read_text().rstrip().endswith("9999")
 
@@ -73,18 +77,21 @@ def test_direct_refuses_to_cut(run):
 
 
 def test_an_increment_tried_again_has_the_same_bits(run):
-    """A first increment that fails and is cut to a quarter is that quarter, to the bit, and so is all that follows."""
+    """A first increment that fails and is cut to a quarter is that quarter, to the bit, and so is
+    all that follows."""
     first = run("first", pulled(0.4))
     second = run("second", pulled(0.1))
     assert "attempt 1: cut to 0.1" in first[2] and "step 2, increment 1, attempt 1: cut" not in second[2]
-    drop = [k for k, word in enumerate(first[3][0].split(",")) if "wall" in word or "seconds" in word or word == "attempt"]
+    drop = [k for k, word in enumerate(first[3][0].split(",")) if "wall" in word
+            or "seconds" in word or word == "attempt"]
     def plain(rows):
         return [[v for k, v in enumerate(row.split(",")) if k not in drop] for row in rows]
     assert len(first[3]) > 4 and plain(first[3]) == plain(second[3])
 
 
 def test_a_body_that_moves_without_force_is_no_trouble(run):
-    """All forces are rounding: judged beside what the stiffness makes of the motion, and accepted."""
+    """All forces are rounding: judged beside what the stiffness makes of the motion, and
+    accepted."""
     text = """*NODE
 1, 0., 0.
 2, 1., 0.

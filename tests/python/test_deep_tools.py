@@ -1,4 +1,5 @@
-"""A sharp tool driven deep in one step: no point near its corner is lost to the side it does not face."""
+"""A sharp tool driven deep in one step: no point near its corner is lost to the side it does not
+face."""
 import json
 import subprocess
 from pathlib import Path
@@ -15,7 +16,8 @@ def punch(folder: Path, depth: float) -> dict:
     text = text.replace("*CLOAD\nPUNCH_REF, 2, -1000.", f"*BOUNDARY\nPUNCH_REF, 2, 2, -{depth}")
     text = text.replace("INPUT=flat_punch.mesh", f"INPUT={DECKS/'flat_punch.mesh'}")
     (folder/"punch.inp").write_text(text)
-    done = subprocess.run([find_executable(), "run", "punch.inp", "-o", ".", "--overwrite", "--quiet"],
+    done = subprocess.run([find_executable(), "run", "punch.inp", "-o", ".", "--overwrite",
+                           "--quiet"],
                           cwd=folder, capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr
     return json.loads((folder/"punch.json").read_text())["contact"][0]

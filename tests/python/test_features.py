@@ -20,7 +20,8 @@ def go(executable, tmp_path):
 
 
 def bar(gap=0.0, behavior="", words="", extra="", load=None, **step):
-    """A block over a fixed tool, held at its top edge's spring side: the bottom row moves freely in y.
+    """A block over a fixed tool, held at its top edge's spring side: the bottom row moves freely in
+    y.
 
     The top is fixed; forces on the bottom row push it down onto the floor at a distance `gap`.
     """
@@ -46,7 +47,8 @@ def two_blocks(low=2, up=2, behavior="", words="", gap=0.0, poisson=0.3, shift=0
     return s
 
 
-# Bilateral pairs ------------------------------------------------------------------------------------------
+# Bilateral pairs
+# ------------------------------------------------------------------------------------------
 
 def test_no_separation_pulls_and_slides(go):
     s = two_blocks(behavior="*SURFACE BEHAVIOR, NO SEPARATION")
@@ -71,7 +73,8 @@ def test_no_separation_waits_until_it_has_touched(go):
     assert h["FLOOR.rf2"] == approx([40 - K*0.01, -(40 + K*0.01)], rel=1e-10)
 
 
-@pytest.mark.parametrize("words, behavior", [("TIED", ""), ("", "*SURFACE BEHAVIOR, PRESSURE-OVERCLOSURE=TIED")])
+@pytest.mark.parametrize("words, behavior",
+                         [("TIED", ""), ("", "*SURFACE BEHAVIOR, PRESSURE-OVERCLOSURE=TIED")])
 @pytest.mark.parametrize("mesh", [(2, 2), (3, 3)])
 def test_tied_blocks_stretch_as_one(go, words, behavior, mesh):
     s = two_blocks(*mesh, behavior, words)
@@ -113,7 +116,8 @@ def test_tied_to_a_tool_follows_it(go):
     assert r.history["FLOOR.rf1"][0] == approx(K/2*0.02, rel=1e-10)
 
 
-# Initial gaps ---------------------------------------------------------------------------------------------
+# Initial gaps
+# ---------------------------------------------------------------------------------------------
 
 def test_clearance_replaces_the_gap_of_the_mesh(go):
     s = bar(0.3, extra="*CLEARANCE, SLAVE=B_BOTTOM, MASTER=FLOOR, VALUE=0.1", load=400.0)
@@ -122,7 +126,8 @@ def test_clearance_replaces_the_gap_of_the_mesh(go):
     assert r.history["FLOOR.rf2"][0] == approx(400 - K*0.1, rel=1e-10)
 
 
-@pytest.mark.parametrize("adjust, reaction", [("0.05", 40.0), ("0.01", 0.0), ("YES", 0.0), ("B_BOTTOM", 40.0)])
+@pytest.mark.parametrize("adjust, reaction", [("0.05", 40.0), ("0.01", 0.0), ("YES", 0.0),
+                                              ("B_BOTTOM", 40.0)])
 def test_adjust_closes_gaps_without_strain(go, adjust, reaction):
     r = go(bar(0.02, words=f"ADJUST={adjust}", load=40.0))
     assert r.code == 0, r.output
@@ -152,7 +157,8 @@ def test_interference_is_ramped_in_with_a_warning(go, method):
     r = go(s)
     assert r.code == 0, r.output
     force = delta/(1/one + 1/two)
-    assert r.history["UP_BOTTOM-LOW_TOP.force2"] == approx(force*np.array([0.25, 0.5, 0.75, 1.0]), rel=1e-9)
+    assert r.history["UP_BOTTOM-LOW_TOP.force2"] == approx(force*np.array([0.25, 0.5, 0.75, 1.0]),
+                                                           rel=1e-9)
     assert "W0311" in r.ids() and "node" in r.message("W0311")
     assert r.history["certificate"] == approx(0.0)
 
@@ -175,7 +181,8 @@ def test_initial_adjust_removes_overclosure(go):
     assert r.code == 0 and r.history["FLOOR.rf2"][0] == approx(40.0, rel=1e-10)
 
 
-# Soft contact ---------------------------------------------------------------------------------------------
+# Soft contact
+# ---------------------------------------------------------------------------------------------
 
 def overclosure_of(law, load, gap):
     """Overclosure where law(overclosure)*W balances what the block leaves of the load."""
@@ -300,7 +307,8 @@ def test_automatic_penalty_meets_its_target(go, target):
     assert "N0317" in r.ids()
 
 
-# Constraints ----------------------------------------------------------------------------------------------
+# Constraints
+# ----------------------------------------------------------------------------------------------
 
 def test_pulley(go):
     """u(left) + u(right) = 0 over a pulley: each bar stretches by what the other shortens."""
@@ -380,7 +388,8 @@ def test_rigid_row_of_nodes_carries_force_and_moment_to_its_reference(go, local,
     assert moment[0] == approx(-(arms[:, 0]*below[:, 1] - arms[:, 1]*below[:, 0]).sum(), rel=1e-5)
 
 
-# Tools ----------------------------------------------------------------------------------------------------
+# Tools
+# ----------------------------------------------------------------------------------------------------
 
 def punch(how):
     s = Scene(E, 0.3)
@@ -401,7 +410,8 @@ def test_driven_by_force_or_by_displacement_is_the_same(go):
     assert two.code == 0, two.output
     # The corner of the punch slides over no node, so that small sliding is the same in both.
     assert two.history["PUNCH.u2"][0] == approx(-0.2, rel=1e-8)
-    assert two.history["B_TOP-PUNCH.force2"][0] == approx(one.history["B_TOP-PUNCH.force2"][0], rel=1e-9)
+    assert two.history["B_TOP-PUNCH.force2"][0] == approx(one.history["B_TOP-PUNCH.force2"][0],
+                                                          rel=1e-9)
 
 
 @pytest.mark.parametrize("flat", [True])
@@ -443,7 +453,8 @@ def test_a_turning_plane_is_a_cam(go, reference):
 
 
 def test_a_turning_plane_slides_the_block_sideways(go):
-    """On a free side the turned normal also pushes along x: equations that the flat normal never touched."""
+    """On a free side the turned normal also pushes along x: equations that the flat normal never
+    touched."""
     t, s = 0.1, Scene(E)
     s.block("B", (0, 0), (W, H), (2, 1))
     s.tool("FLOOR", (1.0, 0.0), [(-9, 0), (9, 0)])
@@ -472,7 +483,8 @@ def test_concave_corner_splits_the_force(go):
     s.step("*CLOAD\n4, 1, 3.\n4, 2, 4.")
     r = go(s)
     assert r.code == 0, r.output
-    assert [r.history["CORNER.rf1"][0], r.history["CORNER.rf2"][0]] == approx([-3.0, -4.0], rel=1e-10)
+    assert [r.history["CORNER.rf1"][0], r.history["CORNER.rf2"][0]] == approx([-3.0, -4.0],
+                                                                              rel=1e-10)
     assert np.abs(r.u(4)[:2]).max() < 1e-12
 
 
@@ -504,7 +516,8 @@ def test_a_tool_that_comes_with_a_concave_corner(go):
     assert r.code == 0, r.output
     assert r.u(4)[:2] == approx([-0.02, -0.01], rel=1e-5)
     # Every wall takes what the block needs to be as wide and as high as it now is.
-    assert [r.history["CORNER.rf1"][-1], r.history["CORNER.rf2"][-1]] == approx([-20.0, -10.0], rel=1e-9)
+    assert [r.history["CORNER.rf1"][-1], r.history["CORNER.rf2"][-1]] == approx([-20.0, -10.0],
+                                                                                rel=1e-9)
 
 
 def test_two_methods_in_one_deck(go):
@@ -524,7 +537,8 @@ def test_two_methods_in_one_deck(go):
     assert r.code in (0, 3)
 
 
-# Supports and contact on one node -------------------------------------------------------------------------
+# Supports and contact on one node
+# -------------------------------------------------------------------------
 
 def test_slave_node_on_a_symmetry_plane_with_a_slanted_tool(go):
     """The row loses its fixed component: n_y R = F for the free one, n_x R goes to the support."""
@@ -553,7 +567,8 @@ def test_slave_node_that_cannot_move_at_all(go):
 
 
 def test_tie_support_and_contact_on_the_same_nodes(go):
-    """Benchmark F15: the supports carry, the redundant rows are counted, nothing is said to be open."""
+    """Benchmark F15: the supports carry, the redundant rows are counted, nothing is said to be
+    open."""
     s = two_blocks(2, 2, words="TIED")
     s.tool("FLOOR", (0, -9), [(-3, 0), (5, 0)])
     s.pair("LOW_BOTTOM", "FLOOR")
@@ -580,7 +595,8 @@ def test_a_tool_cannot_be_driven_through_what_is_fixed(go):
 
 
 def test_a_tied_node_that_another_pair_holds_as_well_is_named(go):
-    """The lower face of the upper block is tied to the lower block and touches the same face again."""
+    """The lower face of the upper block is tied to the lower block and touches the same face
+    again."""
     s = two_blocks(2, 2, words="TIED")
     s.add("*SURFACE INTERACTION, NAME=AGAIN\n*SURFACE BEHAVIOR, DIRECT\n"
           "*CONTACT PAIR, INTERACTION=AGAIN, TYPE=NODE TO SURFACE\nUP_SAME, LOW_TOP")
@@ -599,8 +615,9 @@ def test_slave_node_on_two_symmetry_planes_in_3d(go):
     ref = s.node((0, 0, -1), "REF")
     s.add("*SURFACE, NAME=FLOOR, TYPE=CYLINDER\n0.,0.,0., 1.,0.,0.\n0.,0.,1.\nSTART, -3., 0.\nLINE, 3., 0."
           if False else "")
-    s.head += ["*NODE, NSET=G", "9001, -5., -5., -0.01", "9002, 5., -5., -0.01", "9003, 5., 5., -0.01",
-               "9004, -5., 5., -0.01", "*ELEMENT, TYPE=R3D4, ELSET=GROUND", "9001, 9001, 9002, 9003, 9004",
+    s.head += ["*NODE, NSET=G", "9001, -5., -5., -0.01", "9002, 5., -5., -0.01",
+               "9003, 5., 5., -0.01", "9004, -5., 5., -0.01", "*ELEMENT, TYPE=R3D4, ELSET=GROUND",
+               "9001, 9001, 9002, 9003, 9004",
                "*SURFACE, NAME=FLOOR", "GROUND, SPOS", "*RIGID BODY, ELSET=GROUND, REF NODE=REF"]
     s.pair("B_BACK", "FLOOR")
     s.add("*BOUNDARY\nB_LEFT, 1\nB_BOTTOM, 2\nREF, 1, 6")
@@ -613,7 +630,8 @@ def test_slave_node_on_two_symmetry_planes_in_3d(go):
     assert ref > 0 and r.u(1)[2] == approx(-0.01, rel=1e-6)
 
 
-# Steps ----------------------------------------------------------------------------------------------------
+# Steps
+# ----------------------------------------------------------------------------------------------------
 
 def test_supports_that_change_cost_one_more_factor(go):
     s = bar(0.01)
@@ -621,11 +639,13 @@ def test_supports_that_change_cost_one_more_factor(go):
     s.step("", "0.5, 1.", ", DIRECT")
     s.step("*BOUNDARY, OP=NEW\nB, 1\nB_TOP, 2\n3, 2\nFLOOR_REF, 1, 2\nFLOOR_REF, 6\n"
            "*CLOAD, OP=NEW", "0.5, 1.", ", DIRECT")
-    s.step("*BOUNDARY, OP=NEW\nB, 1\nB_TOP, 2\nFLOOR_REF, 1, 2\nFLOOR_REF, 6", "0.5, 1.", ", DIRECT")
+    s.step("*BOUNDARY, OP=NEW\nB, 1\nB_TOP, 2\nFLOOR_REF, 1, 2\nFLOOR_REF, 6", "0.5, 1.",
+           ", DIRECT")
     r = go(s)
     assert r.code == 0, r.output
     assert [step["factorisations"] for step in r.summary["steps"]] == [1, 0, 1, 1]
-    # Step 3 holds the middle node at zero... where it is prescribed to; step 4 lets it go: nothing is left.
+    # Step 3 holds the middle node at zero... where it is prescribed to; step 4 lets it go: nothing
+    # is left.
     assert r.history["energy.strain"][-1] == approx(0.0, abs=1e-20)
     assert r.history["FLOOR.rf2"][-1] == 0.0
 
@@ -641,7 +661,8 @@ def test_loading_and_unloading_leaves_nothing(go, driven):
     if driven == "tool":
         s.step("*BOUNDARY, AMPLITUDE=TENT\nPUNCH_REF, 2, 2, -0.3", "0.125, 1.", ", DIRECT")
     else:
-        s.step("*BOUNDARY\nPUNCH_REF, 2\n*DSLOAD, AMPLITUDE=TENT\nB_RIGHT, P, 300.", "0.125, 1.", ", DIRECT")
+        s.step("*BOUNDARY\nPUNCH_REF, 2\n*DSLOAD, AMPLITUDE=TENT\nB_RIGHT, P, 300.", "0.125, 1.",
+               ", DIRECT")
     r = go(s)
     assert r.code == 0, r.output
     h = r.history
@@ -668,7 +689,8 @@ def test_a_second_step_goes_on_from_the_first(go):
 
 
 def test_a_load_with_amplitude_hands_over_what_it_was(go):
-    """A load that followed an amplitude and is then given without one goes on from its last value."""
+    """A load that followed an amplitude and is then given without one goes on from its last
+    value."""
     s = bar(0.0)
     s.add("*AMPLITUDE, NAME=UP\n0., 0., 1., 0.5")
     s.step("*CLOAD, AMPLITUDE=UP\n3, 2, -80.", "0.5, 1.", ", DIRECT")
@@ -702,7 +724,8 @@ def test_a_far_pair_adds_nothing(go):
             s.add("*BOUNDARY\nFAR_REF, 1, 2\nFAR_REF, 6")
             s.step("*CLOAD\n1, 2, -15.\n3, 2, -30.\n5, 2, -15.")
         r = go(s)
-        answers.append((r.history["FLOOR.rf2"][0], r.history["energy.strain"][0], r.history["iterations"][0]))
+        answers.append((r.history["FLOOR.rf2"][0], r.history["energy.strain"][0],
+                        r.history["iterations"][0]))
     assert answers[0] == answers[1]
     assert "W0314" in r.ids() and "FAR" in r.message("W0314") and "79.9" in r.message("W0314")
 
@@ -732,14 +755,16 @@ def test_nothing_opposite_warns(go):
     assert r.code == 0 and "W0315" in r.ids(), r.output
 
 
-# What the end of a step says ------------------------------------------------------------------------------
+# What the end of a step says
+# ------------------------------------------------------------------------------
 
 def test_sliding_far_is_told(go):
     def run(extra):
         s = two_blocks(3, 3, shift=0.1)
         s.head = [line.replace("*CONTACT PAIR", "*CONTACT PAIR" + extra) for line in s.head]
         s.add("*BOUNDARY\nLOW_BOTTOM, 1, 2\nUP_TOP, 2, 2, -0.001")
-        s.step("*BOUNDARY\nUP_TOP, 1, 1, 0.3\nUP_LEFT, 1, 1, 0.3\nUP_TOP, 2, 2, -0.01", "0.5, 1.", ", DIRECT")
+        s.step("*BOUNDARY\nUP_TOP, 1, 1, 0.3\nUP_LEFT, 1, 1, 0.3\nUP_TOP, 2, 2, -0.01", "0.5, 1.",
+               ", DIRECT")
         return go(s)
 
     r = run(", SMALL SLIDING")
@@ -785,7 +810,8 @@ def test_a_rigid_motion_to_the_touch_is_no_trouble(go):
 
 @pytest.mark.parametrize("unit, force", [(1e-3, 1.0), (1.0, 1e9), (1.0, 1e-9), (25.4, 4.448)])
 def test_units_change_nothing(go, unit, force):
-    """Benchmark F18: the same numbers without dimension, the same counts (a thickness of 1 throughout)."""
+    """Benchmark F18: the same numbers without dimension, the same counts (a thickness of 1
+    throughout)."""
     def scene(unit, force):
         s = Scene(E*force/unit**2, 0.3)
         s.block("LOW", (0, 0), (3*unit, unit), (6, 2))
@@ -797,7 +823,8 @@ def test_units_change_nothing(go, unit, force):
     one, other = scene(1.0, 1.0), scene(unit, force)
     assert other.code == 0, other.output
     a, b = one.history, other.history
-    assert b["UP_BOTTOM-LOW_TOP.force2"]/(force/unit) == approx(a["UP_BOTTOM-LOW_TOP.force2"], rel=1e-10)
+    assert b["UP_BOTTOM-LOW_TOP.force2"]/(force/unit) == approx(a["UP_BOTTOM-LOW_TOP.force2"],
+                                                                rel=1e-10)
     assert b["energy.strain"]/force == approx(a["energy.strain"], rel=1e-10)
     assert list(a["iterations"]) == list(b["iterations"])
     assert list(a["augmentations"]) == list(b["augmentations"])

@@ -1,4 +1,5 @@
-"""The methods by the laws of friction on the finite path: the block of test_friction_laws, pressed and dragged."""
+"""The methods by the laws of friction on the finite path: the block of test_friction_laws, pressed
+and dragged."""
 import numpy as np
 import pytest
 
@@ -25,7 +26,8 @@ def drag(solve):
         first = np.full(ELEMENTS + 1, AREA/ELEMENTS)
         first[[0, -1]] *= 0.5
         assert weight == pytest.approx(first, rel=2e-3)
-        return abs(h["FLOOR.rf1"][-1]), abs(h["FLOOR.rf2"][-1]), weight @ LAWS[law][1](pressure, foot), pressure
+        return abs(h["FLOOR.rf1"][-1]), abs(h["FLOOR.rf2"][-1]), weight @ LAWS[law][1](pressure,
+                                                                                       foot), pressure
 
     return run
 
@@ -34,7 +36,8 @@ def drag(solve):
 @pytest.mark.parametrize("law", LAWS)
 def test_every_law_by_every_method(drag, sheet, law, method):
     along, across, expected, _ = drag(law, method=method)
-    sheet.compare("C9 law zoo, finite path", f"{law}, {method}: force that drags", along, expected, 1e-7)
+    sheet.compare("C9 law zoo, finite path", f"{law}, {method}: force that drags", along, expected,
+                  1e-7)
 
 
 @pytest.mark.parametrize("curve", CURVES)
@@ -44,7 +47,8 @@ def test_every_law_regularised_by_speed(drag, sheet, law, curve):
     expected *= CURVES[curve](1.0)
     if law == "NORTON-HOFF":
         expected *= 2.0**(0.5*Q)
-    sheet.compare("C9 law zoo, finite path", f"{law}, {curve} at V0: force that drags", along, expected, 1e-6)
+    sheet.compare("C9 law zoo, finite path", f"{law}, {curve} at V0: force that drags", along,
+                  expected, 1e-6)
 
 
 @pytest.mark.parametrize("law", LAWS)
@@ -59,6 +63,7 @@ DECAY = ("*FRICTION, EXPONENTIAL DECAY\n0.3,", "*FRICTION, EXPONENTIAL DECAY\n0.
 @pytest.mark.parametrize("method", METHODS)
 @pytest.mark.parametrize("increments", [3, 12])
 def test_decay_reads_the_speed_of_the_last_iteration(drag, method, increments):
-    along, across, _, _ = drag("COULOMB", ", EXPONENTIAL DECAY", method, change=DECAY, increments=increments)
+    along, across, _, _ = drag("COULOMB", ", EXPONENTIAL DECAY", method, change=DECAY,
+                               increments=increments)
     mu = 0.2 + (0.4 - 0.2)*np.exp(-0.7*SPEED)
     assert along == pytest.approx(mu*across, rel=1e-7)

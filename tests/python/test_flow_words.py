@@ -30,8 +30,10 @@ BASE = """*NODE, NSET=ALL
 @pytest.fixture
 def lopin(executable, tmp_path):
     def run(cards, task="check", word="CPE4", static="\n0.5, 1.", move=-0.1, heat=""):
-        (tmp_path/"deck.inp").write_text(BASE.format(cards=cards, word=word, static=static, move=move, heat=heat), encoding="utf-8")
-        return subprocess.run([executable, task, "deck.inp"], capture_output=True, text=True, timeout=20, cwd=tmp_path)
+        (tmp_path/"deck.inp").write_text(BASE.format(cards=cards, word=word, static=static,
+                                                     move=move, heat=heat), encoding="utf-8")
+        return subprocess.run([executable, task, "deck.inp"], capture_output=True, text=True,
+                              timeout=20, cwd=tmp_path)
 
     return run
 
@@ -64,17 +66,23 @@ def test_a_rigid_solid_needs_no_elasticity(lopin):
 
 REFUSED = {
     "first strain": ("*PLASTIC\n200., 0.1\n", "E0203", "the first plastic strain is 0.1, not 0"),
-    "falling strain": ("*PLASTIC\n200., 0.\n300., 0.5\n320., 0.4\n", "E0203", "plastic strain 0.4 does not increase"),
-    "temperatures": ("*PLASTIC\n200., 0., 20.\n150., 0., 200.\n", "E0203", "depends on temperature"),
+    "falling strain": ("*PLASTIC\n200., 0.\n300., 0.5\n320., 0.4\n", "E0203",
+                       "plastic strain 0.4 does not increase"),
+    "temperatures": ("*PLASTIC\n200., 0., 20.\n150., 0., 200.\n", "E0203",
+                     "depends on temperature"),
     "too steep": ("*PLASTIC\n200., 0.\n100., 0.0004\n", "E0203", "falls faster"),
     "falling line": ("*PLASTIC, HARDENING=LINEAR\n200., -1.\n", "E0203", "ends at no stress"),
-    "exponent": ("*PLASTIC, HARDENING=SWIFT\n500., 0.01, 1.2\n", "E0203", "the exponent n = 1.2 is outside (0, 1]"),
-    "missing": ("*PLASTIC, HARDENING=SWIFT\n500.\n", "E0103", "*PLASTIC needs K, e0, n on one line"),
-    "two lines": ("*PLASTIC, HARDENING=LINEAR\n200., 1.\n300., 2.\n", "E0103", "*PLASTIC has one line"),
+    "exponent": ("*PLASTIC, HARDENING=SWIFT\n500., 0.01, 1.2\n", "E0203",
+                 "the exponent n = 1.2 is outside (0, 1]"),
+    "missing": ("*PLASTIC, HARDENING=SWIFT\n500.\n", "E0103",
+                "*PLASTIC needs K, e0, n on one line"),
+    "two lines": ("*PLASTIC, HARDENING=LINEAR\n200., 1.\n300., 2.\n", "E0103",
+                  "*PLASTIC has one line"),
     "kinematic": ("*PLASTIC, HARDENING=KINEMATIC\n200., 0.\n", "E0108", "KINEMATIC"),
     "m": ("*VISCOPLASTIC\n100., 0.\n", "E0203", "the exponent m = 0 is outside (0, 1]"),
     "viscosity": ("*VISCOPLASTIC\n-100., 0.2\n", "E0203", "K = -100 is not positive"),
-    "rate of nothing": ("*RATE DEPENDENT\n40., 5.\n", "E0203", "multiplies a flow curve, which material `METAL` has not"),
+    "rate of nothing": ("*RATE DEPENDENT\n40., 5.\n", "E0203",
+                        "multiplies a flow curve, which material `METAL` has not"),
     "twice": ("*PLASTIC\n200., 0.\n*PLASTIC\n200., 0.\n", "E0205", "second *PLASTIC"),
 }
 
@@ -96,7 +104,8 @@ def test_a_curve_that_falls_is_warned_of(lopin):
     assert run.returncode == 0 and "warning[W0324]" in run.stderr, run.stderr
 
 
-@pytest.mark.parametrize("cards", ["*VISCOPLASTIC, RIGID\n100., 0.2\n", CURVE + "*RATE DEPENDENT\n40., 5.\n"])
+@pytest.mark.parametrize("cards", ["*VISCOPLASTIC, RIGID\n100., 0.2\n",
+                                   CURVE + "*RATE DEPENDENT\n40., 5.\n"])
 @pytest.mark.parametrize(("static", "warned"), [("", True), ("\n0.5", True), ("\n0.5, 1.", False)])
 def test_a_rate_asks_for_times(lopin, cards, static, warned):
     run = lopin(cards, static=static)

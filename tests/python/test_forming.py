@@ -1,7 +1,8 @@
 """Bulk forming at default increments: billets, rings, strips, discs, a wire; see forming_scenes.
 
-Flow curves are read as Kirchhoff stress = Y + H eps_p, stress by the volume at the start. Numbers for mu = 0.1 are
-CalculiX 2.20 on a mesh twice refined; those of rings by Tresca are an upper bound with straight walls.
+Flow curves are read as Kirchhoff stress = Y + H eps_p, stress by the volume at the start. Numbers
+for mu = 0.1 are CalculiX 2.20 on a mesh twice refined; those of rings by Tresca are an upper bound
+with straight walls.
 """
 import sys
 from pathlib import Path
@@ -11,8 +12,8 @@ import pytest
 
 import forming_scenes as scenes
 import lopin
-from lopin.closed_form import (disc_pressure, ring_bore, strip_pressure, strip_pressure_rough, upset,
-                               wire_drawing)
+from lopin.closed_form import (disc_pressure, ring_bore, strip_pressure, strip_pressure_rough,
+                               upset, wire_drawing)
 from lopin.mesh_make import block
 
 
@@ -20,7 +21,8 @@ def moved(result, mesh, name, component=0):
     """Displacement of a named point at every increment, and the times; 0 at the start."""
     at = mesh.point_sets[name][0]
     return (np.r_[0.0, result.times],
-            np.r_[0.0, [result.at(k)["displacement"][at, component] for k in range(len(result.times))]])
+            np.r_[0.0, [result.at(k)["displacement"][at, component]
+                        for k in range(len(result.times))]])
 
 
 def force(result, share):
@@ -35,16 +37,20 @@ def test_a_billet_without_friction_stays_a_cylinder(cells, quadratic, sheet):
     exact = [upset(0.6*t, 200e3, 0.3, 700.0, 300.0, 10.0) for t in result.times]
     found = np.abs(result.history["PLATE.rf2"])[-len(exact):]
     assert found == pytest.approx([at.force for at in exact], rel=1e-6)
-    assert 10.0 + moved(result, mesh, "MIDDLE")[1][1:] == pytest.approx([at.radius for at in exact], rel=1e-6)
-    sheet.compare("E1 upsetting", f"{cells}, no friction: force at 60 %", found[-1], exact[-1].force, 1e-6)
+    assert 10.0 + moved(result, mesh, "MIDDLE")[1][1:] == pytest.approx([at.radius for at in exact],
+                                                                        rel=1e-6)
+    sheet.compare("E1 upsetting", f"{cells}, no friction: force at 60 %", found[-1],
+                  exact[-1].force, 1e-6)
 
 
 @pytest.mark.parametrize("cells", [(12, 18), (24, 36)])
 def test_a_billet_with_friction_rolls_its_side_onto_the_plate(cells, sheet):
     mesh = scenes.billet(*cells)
-    result = lopin.run(scenes.squeezed(mesh, scenes.E1, scenes.coulomb(0.1), 0.6, static="0.01, 1., 1e-6, 0.05"))
+    result = lopin.run(scenes.squeezed(mesh, scenes.E1, scenes.coulomb(0.1), 0.6,
+                                       static="0.01, 1., 1e-6, 0.05"))
     for share, kilonewton in ((0.2, 306.0), (0.3, 368.0), (0.4, 456.0)):
-        sheet.compare("E1 upsetting", f"{cells}, mu 0.1: force at {100*share:.0f} %", force(result, share/0.6)/1e3,
+        sheet.compare("E1 upsetting", f"{cells}, mu 0.1: force at {100*share:.0f} %",
+                      force(result, share/0.6)/1e3,
                       kilonewton, 0.02, source="CalculiX 2.20, 48 x 72")
     assert force(result, 1.0)/1e3 == pytest.approx(800.0, abs=35.0)
     assert 10.0 + moved(result, mesh, "MIDDLE")[1][-1] == pytest.approx(16.35, abs=0.1)
@@ -63,43 +69,47 @@ def test_a_mortar_slave_with_a_sharp_corner_rolls_onto_a_meshed_plate(cells, qua
     from forming_decks import deck
 
     def run(contact):
-        text = deck(scenes.billet(*cells, quadratic=quadratic), scenes.E1, 0.1, 0.6, ("TOP", "RIGHT"), (0.0, 24.0),
-                    contact, quadratic, increments=40)
+        text = deck(scenes.billet(*cells, quadratic=quadratic), scenes.E1, 0.1, 0.6,
+                    ("TOP", "RIGHT"), (0.0, 24.0), contact, quadratic, increments=40)
         return lopin.run(lopin.Deck.parse(text, "billet", "."))
 
     mortar, nodes = run("SURFACE TO SURFACE"), run("NODE TO SURFACE")
     # The side does not look at the plate: its rim is not within it at the start.
     assert not [said for said in mortar.diagnostics if said["code"] == "W0311"]
     assert mortar.times[-1] == pytest.approx(1.0)
-    pushed = [np.interp(0.6, r.history["time"], np.abs(r.history["BODY.SKIN-PLATE.FACE.force2"])) for r in (mortar, nodes)]
+    pushed = [np.interp(0.6, r.history["time"], np.abs(r.history["BODY.SKIN-PLATE.FACE.force2"]))
+              for r in (mortar, nodes)]
     assert pushed[0] == pytest.approx(pushed[1], rel=0.01)
     rim = mortar.contact(0).last
     assert np.count_nonzero((rim.x[:, 1] < 14.999) & (rim.pressure > 0.0)) >= 1
 
 
-def ring_bores(friction, reductions, quadratic=False, law=scenes.RIGID_PLASTIC, static="0.01, 1., 1e-6, 0.02"):
+def ring_bores(friction, reductions, quadratic=False, law=scenes.RIGID_PLASTIC,
+               static="0.01, 1., 1e-6, 0.02"):
     """Changes of the bore at mid-height and at the plate [mm], and forces."""
     mesh = scenes.ring(16, 10, quadratic=quadratic)
-    result = lopin.run(scenes.squeezed(mesh, law, friction, 0.5, surfaces=("TOP", "RIGHT", "LEFT"), axis=False,
-                                       static=static, reduced=quadratic))
+    result = lopin.run(scenes.squeezed(mesh, law, friction, 0.5, surfaces=("TOP", "RIGHT", "LEFT"),
+                                       axis=False, static=static, reduced=quadratic))
     shares = 2.0*np.asarray(reductions)
     return (np.interp(shares, *moved(result, mesh, "BORE_MIDDLE")),
-            np.interp(shares, *moved(result, mesh, "BORE_PLATE")), np.array([force(result, s) for s in shares]))
+            np.interp(shares, *moved(result, mesh, "BORE_PLATE")),
+            np.array([force(result, s) for s in shares]))
 
 
-@pytest.mark.parametrize("m, reductions", [(0.0, (0.1, 0.3, 0.5)), (0.05, (0.1, 0.3, 0.5)), (0.1, (0.1, 0.3, 0.5)),
+@pytest.mark.parametrize("m, reductions", [(0.0, (0.1, 0.3, 0.5)), (0.05, (0.1, 0.3, 0.5)),
+                                           (0.1, (0.1, 0.3, 0.5)),
                                            (0.15, (0.1, 0.3)), (0.2, (0.1, 0.3))])
 def test_a_ring_tells_the_shear_factor(m, reductions, sheet):
     bores, _, _ = ring_bores(scenes.tresca(m), reductions)
     for r, bore in zip(reductions, 100.0*bores/7.5):
         bound = 100.0*ring_bore(m, r)
-        sheet.compare("E5 ring", f"m {m}: change of the bore [%] at {100*r:.0f} %", bore, bound, 2.0,
-                      source="upper bound", absolute=True)
+        sheet.compare("E5 ring", f"m {m}: change of the bore [%] at {100*r:.0f} %", bore, bound,
+                      2.0, source="upper bound", absolute=True)
 
 
 def test_a_ring_tells_coulomb_s_coefficient(sheet):
-    bores, _, forces = ring_bores(scenes.coulomb(0.1), (1/6, 0.25, 1/3, 0.5), quadratic=True, law=scenes.E5B,
-                                  static="0.01, 1., 1e-6, 0.01")
+    bores, _, forces = ring_bores(scenes.coulomb(0.1), (1/6, 0.25, 1/3, 0.5), quadratic=True,
+                                  law=scenes.E5B, static="0.01, 1., 1e-6, 0.01")
     assert bores == pytest.approx([0.1222, 0.1468, 0.0812, -0.606], abs=0.05)
     assert forces/1e3 == pytest.approx([150.1, 173.4, 204.1, 307.7], rel=0.015)
     sheet.compare("E5 ring", "mu 0.1: force at 33 %", forces[2]/1e3, 204.1, 0.015,
@@ -118,8 +128,8 @@ def test_laws_of_a_flowing_ring_agree(card):
 def squeezed_a_little(size, cells, m, control="", kind="plane strain"):
     """Force and largest half width of a rigid-plastic body pressed by 1 %; half height 1."""
     mesh = block(size, cells)
-    result = lopin.run(scenes.squeezed(mesh, scenes.RIGID_PLASTIC, scenes.tresca(m), 0.01, kind=kind, control=control,
-                                       static="0.1, 1., 1e-6, 0.2"))
+    result = lopin.run(scenes.squeezed(mesh, scenes.RIGID_PLASTIC, scenes.tresca(m), 0.01,
+                                       kind=kind, control=control, static="0.1, 1., 1e-6, 0.2"))
     half = size[0] + result["displacement"][mesh.point_sets["TOP"], 0].max()
     return abs(result.history["PLATE.rf2"][-1]), half
 
@@ -131,8 +141,8 @@ def test_a_strip_stays_below_its_upper_bound(m, width, sheet):
     found, ratio = push/half/(400.0/3**0.5), half/0.99
     assert 1.0 < found <= strip_pressure(m, ratio)
     if m < 1.0:
-        sheet.compare("E2 strip", f"w/h {width}, m {m}: p/2k", found, strip_pressure(m, ratio), 0.03,
-                      source="upper bound")
+        sheet.compare("E2 strip", f"w/h {width}, m {m}: p/2k", found, strip_pressure(m, ratio),
+                      0.03, source="upper bound")
     elif width >= 4:
         assert found >= strip_pressure_rough(ratio)
 
@@ -147,20 +157,23 @@ def test_mean_dilatation_frees_a_strip_that_full_integration_locks():
 @pytest.mark.parametrize("ratio", [0.5, 1.0, 2.0, 5.0])
 @pytest.mark.parametrize("m", [0.2, 1.0])
 def test_a_disc_stays_below_its_upper_bound(m, ratio, sheet):
-    push, _ = squeezed_a_little((2.0*ratio, 1.0), (max(8, int(16*ratio)), 8), m, kind="axisymmetric")
+    push, _ = squeezed_a_little((2.0*ratio, 1.0), (max(8, int(16*ratio)), 8), m,
+                                kind="axisymmetric")
     radius = 2.0*ratio/0.99**0.5
     found, bound = push/(np.pi*radius**2)/200.0, disc_pressure(m, radius/1.98)
     assert 1.0 < found <= bound
     if m < 1.0:
-        sheet.compare("E3 disc", f"R/h {ratio}, m {m}: p/Y", found, bound, 0.03, source="upper bound")
+        sheet.compare("E3 disc", f"R/h {ratio}, m {m}: p/Y", found, bound, 0.03,
+                      source="upper bound")
 
 
 def test_a_wire_draws_between_its_bounds(sheet):
     law = (200e3, 0.3, ((200.0, 0.0),))
-    result = lopin.run(scenes.wire(10.0, 9.0, 8.0, law, "", 8.0, (4, 51), static="0.01, 1., 1e-6, 0.02"))
+    result = lopin.run(scenes.wire(10.0, 9.0, 8.0, law, "", 8.0, (4, 51),
+                                   static="0.01, 1., 1e-6, 0.02"))
     stress = np.abs(result.history["DIE.rf2"])/(np.pi*4.5**2)/200.0
     steady = stress[len(stress)//2:].mean()
     bounds = wire_drawing(10.0, 9.0, 8.0)
     assert bounds.ideal < steady <= bounds.bound
-    sheet.compare("E13 wire", "mean stress over Y, no friction", steady, 0.5*(bounds.ideal + bounds.bound), 0.2,
-                  source="half-way between bounds")
+    sheet.compare("E13 wire", "mean stress over Y, no friction", steady,
+                  0.5*(bounds.ideal + bounds.bound), 0.2, source="half-way between bounds")

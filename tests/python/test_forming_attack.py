@@ -1,4 +1,5 @@
-"""Solids that flow against a point integrated in numpy: every element, any frame and unit, there and back again."""
+"""Solids that flow against a point integrated in numpy: every element, any frame and unit, there
+and back again."""
 import numpy as np
 import pytest
 
@@ -9,13 +10,14 @@ from lopin.model_deck import mesh_deck
 
 YOUNG, POISSON = 2.0e5, 0.3
 CURVE = ((0.0, 200.0), (0.05, 260.0), (0.3, 330.0), (1.0, 400.0))
-PLANE = [np.array(h) for h in ([[0.0, 0.3], [0.0, 0.0]], [[0.1, 0.3], [-0.15, -0.2]], [[0.05, -0.1], [-0.05, -0.1]],
-                               [[0.0, 0.0], [0.0, 0.0]])]
+PLANE = [np.array(h) for h in ([[0.0, 0.3], [0.0, 0.0]], [[0.1, 0.3], [-0.15, -0.2]],
+                               [[0.05, -0.1], [-0.05, -0.1]], [[0.0, 0.0], [0.0, 0.0]])]
 SPACE = [np.array(h) for h in ([[0.0, 0.3, 0.0], [0.0, 0.0, 0.1], [0.0, 0.05, 0.0]],
-                               [[0.1, 0.3, -0.1], [-0.15, -0.2, 0.0], [0.1, 0.0, 0.05]], np.zeros((3, 3)))]
+                               [[0.1, 0.3, -0.1], [-0.15, -0.2, 0.0], [0.1, 0.0, 0.05]],
+                               np.zeros((3, 3)))]
 RING = [np.diag(h) for h in ((0.2, -0.3), (-0.1, 0.2), (0.0, 0.0))]
-WORDS = ("CPE4", "CPE4I", "CPE3", "CPE8R", "CPE6", "CAX4", "CAX4I", "CAX3", "CAX8", "C3D8", "C3D8I", "C3D4", "C3D10", "C3D20R",
-         "C3D6", "C3D15")
+WORDS = ("CPE4", "CPE4I", "CPE3", "CPE8R", "CPE6", "CAX4", "CAX4I", "CAX3", "CAX8", "C3D8", "C3D8I",
+         "C3D4", "C3D10", "C3D20R", "C3D6", "C3D15")
 #: Increments a step; by DIRECT, which may not cut.
 EACH, EACH_ENHANCED = 4, 10
 
@@ -32,12 +34,14 @@ def flowed(trial: float, before: float) -> float:
         return 0.0
     for _ in range(100):
         middle = 0.5*(low + high)
-        low, high = (middle, high) if trial - three_g*middle > flow_stress(before + middle) else (low, middle)
+        low, high = (middle, high) if trial - three_g*middle > flow_stress(before
+                                                                           + middle) else (low, middle)
     return 0.5*(low + high)
 
 
 def returned(deviator, before: float):
-    """Deviator of stress per trial deviator of strain, share kept, plastic strain of the increment."""
+    """Deviator of stress per trial deviator of strain, share kept, plastic strain of the
+    increment."""
     shear = 0.5*YOUNG/(1.0 + POISSON)
     trial = 6.0**0.5*shear*np.linalg.norm(deviator)
     step = flowed(trial, before)
@@ -116,23 +120,28 @@ def mesh_of(word: str):
     return x, mesh.blocks[0][1], ~inner
 
 
-def pulled(word: str, corners, *, nlgeom: bool = True, turn=None, length: float = 1.0, stress: float = 1.0):
+def pulled(word: str, corners, *, nlgeom: bool = True, turn=None, length: float = 1.0,
+           stress: float = 1.0):
     """A block whose surface moves with one displacement gradient: the same state at all points."""
     x, cells, edge = mesh_of(word)
     d = x.shape[1]
     turn = np.eye(d) if turn is None else turn
     x = length*x @ turn.T
-    text = "*NODE\n" + "".join(f"{i}, {', '.join(repr(float(c)) for c in p)}\n" for i, p in enumerate(x, 1))
+    text = "*NODE\n" + "".join(f"{i}, {', '.join(repr(float(c)) for c in p)}\n"
+                               for i, p in enumerate(x, 1))
     text += f"*ELEMENT, TYPE={word}, ELSET=BODY\n"
     for e, nodes in enumerate(cells, 1):
         row = [e, *(int(n) + 1 for n in nodes)]
-        text += ",\n".join(", ".join(map(str, row[i:i + 12])) for i in range(0, len(row), 12)) + "\n"
+        text += ",\n".join(", ".join(map(str, row[i:i + 12]))
+                           for i in range(0, len(row), 12)) + "\n"
     text += f"*MATERIAL, NAME=M\n*ELASTIC\n{YOUNG*stress!r}, {POISSON}\n*PLASTIC\n"
-    text += "".join(f"{s*stress!r}, {e!r}\n" for e, s in CURVE) + "*SOLID SECTION, ELSET=BODY, MATERIAL=M\n"
+    text += "".join(f"{s*stress!r}, {e!r}\n"
+                    for e, s in CURVE) + "*SOLID SECTION, ELSET=BODY, MATERIAL=M\n"
     for h in corners:
         u = x @ (turn @ h @ turn.T).T
         text += f"*STEP{', NLGEOM' if nlgeom else ''}\n*STATIC, DIRECT\n{1.0/each_of(word)!r}, 1.\n*BOUNDARY\n"
-        text += "".join(f"{n + 1}, {k + 1}, {k + 1}, {float(u[n, k])!r}\n" for n in np.flatnonzero(edge) for k in range(d))
+        text += "".join(f"{n + 1}, {k + 1}, {k + 1}, {float(u[n, k])!r}\n"
+                        for n in np.flatnonzero(edge) for k in range(d))
         text += "*OUTPUT, FIELD\n*ELEMENT OUTPUT\nS, PEEQ\n*END STEP\n"
     return lopin.run(lopin.Deck.parse(text, "pulled"))
 
@@ -154,7 +163,8 @@ def turned(d: int) -> np.ndarray:
 @pytest.mark.parametrize("nlgeom", [True, False])
 @pytest.mark.parametrize("word", WORDS)
 def test_elements_follow_a_point_there_and_back(word, nlgeom):
-    """Stress and plastic strain at every increment, in a turned frame where the element has one; it ends in its first shape."""
+    """Stress and plastic strain at every increment, in a turned frame where the element has one; it
+    ends in its first shape."""
     corners = [h*(1.0 if nlgeom else 0.02) for h in corners_of(word)]
     ring = word.startswith("CAX")
     turn = None if ring else turned(len(corners[0]))
@@ -174,16 +184,19 @@ def test_elements_follow_a_point_there_and_back(word, nlgeom):
 @pytest.mark.parametrize("nlgeom", [True, False])
 @pytest.mark.parametrize("word", ["CPE4", "C3D8I"])
 def test_units_change_no_iteration(word, nlgeom):
-    """At the accepted state rounding does not choose between the elastic and the plastic tangent."""
+    """At the accepted state rounding does not choose between the elastic and the plastic
+    tangent."""
     corners = [h*(1.0 if nlgeom else 0.02) for h in corners_of(word)]
-    counts = [[step["iterations"] for step in pulled(word, corners, nlgeom=nlgeom, length=length, stress=stress).summary["steps"]]
+    counts = [[step["iterations"] for step in pulled(word, corners, nlgeom=nlgeom, length=length,
+                                                     stress=stress).summary["steps"]]
               for length, stress in ((1.0, 1.0), (1e-3, 1e6), (1.0, 1e9), (1.0, 1e-9))]
     assert all(count == counts[0] for count in counts)
     assert max(counts[0]) <= 2*each_of(word)
 
 
 def bar(curve: str, load: str, steps, nlgeom=(False,)*9):
-    """A cube between planes of symmetry, its top pulled by forces as one; loads at the ends of the steps."""
+    """A cube between planes of symmetry, its top pulled by forces as one; loads at the ends of the
+    steps."""
     text = "*NODE\n" + "".join(f"{1 + i}, {i % 2}., {i // 2 % 2}., {i // 4}.\n" for i in range(8))
     text += "*ELEMENT, TYPE=C3D8, ELSET=E\n1, 1, 2, 4, 3, 5, 6, 8, 7\n*MATERIAL, NAME=M\n*ELASTIC\n200000., 0.3\n*PLASTIC\n" + curve
     text += "*SOLID SECTION, ELSET=E, MATERIAL=M\n*BOUNDARY\n1, 1, 3\n2, 2, 3\n3, 1\n3, 3\n4, 3\n5, 1, 2\n6, 2\n7, 1\n"
@@ -208,10 +221,12 @@ def test_a_force_beyond_the_limit_load_is_refused():
 
 
 def test_a_stretch_and_its_reversal_have_their_logarithms():
-    """Perfect beyond 5 %: what is not elastic flows, on the way out and back; a first step at small strain differs by its square."""
+    """Perfect beyond 5 %: what is not elastic flows, on the way out and back; a first step at small
+    strain differs by its square."""
     flows = np.log(1.2) + np.log(1.2/1.1) - 3.0*260.0/YOUNG
     for first, accuracy in ((True, 1e-8), (False, 1e-4)):
-        result = bar("200., 0.\n260., 0.05\n", "BOUNDARY\n5, 3, 3, ", (0.002, 0.2, 0.1), (first, True, True))
+        result = bar("200., 0.\n260., 0.05\n", "BOUNDARY\n5, 3, 3, ", (0.002, 0.2, 0.1),
+                     (first, True, True))
         assert np.ravel(result["PEEQ"]) == pytest.approx(flows, rel=accuracy)
 
 
@@ -245,7 +260,8 @@ REF, 6
 
 @pytest.mark.parametrize("shape", ["CPE4", "CPE3", "CPE8"])
 def test_a_plate_that_leaves_lets_the_body_spring_back(shape):
-    """A few iterations where it goes far in its first increment: contact that opens does not drag the body along."""
+    """A few iterations where it goes far in its first increment: contact that opens does not drag
+    the body along."""
     mesh = mesh_make.block((1.0, 1.0), (4, 4), quadratic=shape == "CPE8")
     mesh = mesh_make.simplices(mesh) if shape == "CPE3" else mesh
     text = mesh_deck(Model("mesh", mesh, kind="plane strain")).text() + SQUEEZED
@@ -259,4 +275,5 @@ def test_a_plate_that_leaves_lets_the_body_spring_back(shape):
     top = -result["U"][mesh.point_sets["TOP"], 1]
     assert np.all((top > 0.19) & (top < 0.2))
     # Nothing flows on the way back.
-    assert np.ravel(result["PEEQ"]) == pytest.approx(np.ravel(result.at(press["increments"] - 1)["PEEQ"]), abs=1e-3)
+    assert np.ravel(result["PEEQ"]) == pytest.approx(np.ravel(result.at(press["increments"]
+                                                                        - 1)["PEEQ"]), abs=1e-3)

@@ -31,5 +31,5 @@ def test_angles_beside_those_of_other_codes(sheet):
     pair = (opening(bent, 1.0), opening(bent, bent.times[-1]))
     for source, values in SOURCES.items():
         for name, found, other in zip(("bent", "released"), pair, values):
-            sheet.compare("E8 free bending", f"angle between the legs, {name} [degrees]", found, other,
-                          20.0, f"{source}, code to code", absolute=True)
+            sheet.compare("E8 free bending", f"angle between the legs, {name} [degrees]", found,
+                          other, 20.0, f"{source}, code to code", absolute=True)

@@ -1,4 +1,5 @@
-"""Random friction in the plane against all states of its points, one by one: nothing wrong may pass."""
+"""Random friction in the plane against all states of its points, one by one: nothing wrong may
+pass."""
 import itertools
 
 import numpy as np
@@ -32,7 +33,8 @@ def answers(compliance, free, mu, start):
 
 
 def misfit(compliance, force, free, mu, start):
-    """Natural residual of a state, point by point, beside the largest force; rounding of gaps does not count."""
+    """Natural residual of a state, point by point, beside the largest force; rounding of gaps does
+    not count."""
     n = len(free)//2
     gap = free + compliance @ force
     stiff = 1.0/compliance.diagonal()
@@ -41,7 +43,8 @@ def misfit(compliance, force, free, mu, start):
     normal, shear = np.split(force, 2)
     bound = mu*np.maximum(normal, 0.0)
     trial = shear - stiff[n:]*(gap[n:] - start)
-    off = np.concatenate([normal - np.maximum(0.0, normal - stiff[:n]*gap[:n]), shear - np.clip(trial, -bound, bound)])
+    off = np.concatenate([normal - np.maximum(0.0, normal - stiff[:n]*gap[:n]),
+                          shear - np.clip(trial, -bound, bound)])
     return ((np.abs(off) - noise)/most).max()
 
 
@@ -62,7 +65,8 @@ def compliance_of(rng, kind, n):
 
 @pytest.mark.parametrize("kind, lost", [("block", 0.02), ("strip", 0.0), ("wild", 0.06)])
 def test_nothing_wrong_passes(core, kind, lost):
-    """Histories of five increments in units of all sizes: what is accepted is an answer, and few are given up."""
+    """Histories of five increments in units of all sizes: what is accepted is an answer, and few
+    are given up."""
     from lopin import _bridge
 
     rng = np.random.default_rng(11)
@@ -83,5 +87,6 @@ def test_nothing_wrong_passes(core, kind, lost):
                 break
             assert misfit(s, force, free, mu, start) < 1e-8
             listed = answers(s, free, mu, start)
-            assert not listed or min(np.abs(force - other).max() for other in listed) <= 1e-6*np.abs(force).max()
+            assert not listed or min(np.abs(force - other).max()
+                                     for other in listed) <= 1e-6*np.abs(force).max()
     assert refused <= lost*increments

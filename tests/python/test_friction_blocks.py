@@ -27,7 +27,8 @@ def test_cattaneo(solve, sheet):
     sheet.compare(case, "largest shear", abs(q).max(), 128.5598, 0.05)
     sheet.compare(case, "largest pressure", p.max(), 606.037, 0.01)
     steps = result.summary["steps"]
-    sheet.compare(case, "factorisations in 50 increments", sum(s["factorisations"] for s in steps), 1, 0.0)
+    sheet.compare(case, "factorisations in 50 increments", sum(s["factorisations"] for s in steps),
+                  1, 0.0)
     assert sum(s["increments"] for s in steps) == 50
     assert (np.diff(result.history["energy.friction"]) >= -1e-12).all()
     assert (abs(q) <= 0.3*p + 1e-9*p.max()).all()
@@ -36,14 +37,17 @@ def test_cattaneo(solve, sheet):
 def test_mu_zero_is_the_frictionless_kernel_bit_by_bit(solve, root):
     text = (root/"decks"/"cattaneo.inp").read_text(encoding="utf-8").split("*STEP, NAME=SHEAR")[0]
     text = text.replace("HANDLE, 6", "HANDLE, 6\nHANDLE, 1")
-    with_zero = solve(lopin.Deck.parse(text.replace("0.3,\n*CONTACT PAIR", "0.,\n*CONTACT PAIR"), "zero", root/"decks"))
+    with_zero = solve(lopin.Deck.parse(text.replace("0.3,\n*CONTACT PAIR", "0.,\n*CONTACT PAIR"),
+                                       "zero", root/"decks"))
     without = solve(lopin.Deck.parse(text.replace("*FRICTION\n0.3,\n", ""), "none", root/"decks"))
     assert with_zero.summary["checksum"] == without.summary["checksum"]
 
 
 def plate(n=32, friction="*FRICTION\n1.,", increments=10):
-    """SSNV128: half of a plate of 40 by 40 on a rigid plane, pressed on top and on its side [mm, MPa]."""
-    nodes = "\n".join(f"{j*(n + 1) + i + 1}, {40.0*i/n!r}, {40.0*j/n!r}" for j in range(n + 1) for i in range(n + 1))
+    """SSNV128: half of a plate of 40 by 40 on a rigid plane, pressed on top and on its side [mm,
+    MPa]."""
+    nodes = "\n".join(f"{j*(n + 1) + i + 1}, {40.0*i/n!r}, {40.0*j/n!r}" for j in range(n + 1)
+                      for i in range(n + 1))
     cells = "\n".join(f"{j*n + i + 1}, {j*(n + 1) + i + 1}, {j*(n + 1) + i + 2}, {(j + 1)*(n + 1) + i + 2}, {(j + 1)*(n + 1) + i + 1}"
                       for j in range(n) for i in range(n))
     right = ", 1\n".join(str(j*(n + 1) + n + 1) for j in range(n + 1)) + ", 1"
@@ -99,9 +103,10 @@ def test_plate_on_a_rigid_plane(solve, sheet):
     c = result.contact().last
     x, u = c.x[:, 0], np.asarray(c["U"])[:, 0]
     order = np.argsort(x)
-    for at, reference in ((0.0, 2.86e-2), (1.25, 2.72e-2), (5.0, 2.28e-2), (7.5, 1.98e-2), (11.25, 1.50e-2)):
-        sheet.compare("C1 SSNV128", f"u_x at {at} mm", np.interp(at, x[order], u[order]), reference, 0.05,
-                      source="mean of several codes (SSNV128, v6.04.128)")
+    for at, reference in ((0.0, 2.86e-2), (1.25, 2.72e-2), (5.0, 2.28e-2), (7.5, 1.98e-2),
+                          (11.25, 1.50e-2)):
+        sheet.compare("C1 SSNV128", f"u_x at {at} mm", np.interp(at, x[order], u[order]), reference,
+                      0.05, source="mean of several codes (SSNV128, v6.04.128)")
 
 
 def test_a_load_that_turns_drags_the_node_behind(solve, sheet):
@@ -118,7 +123,8 @@ def test_a_load_that_turns_drags_the_node_behind(solve, sheet):
         assert max(h["iterations"]) <= 6
     sheet.compare(case, "energy of a turn, 360 increments", energy[1], 37.2726, 3e-3)
     sheet.compare(case, "energy of a turn, extrapolated", 2*energy[1] - energy[0], 37.2726, 1e-4)
-    sheet.compare(case, "lag in degrees, extrapolated", 2*lag[1] - lag[0], np.degrees(np.arccos(0.15)), 1e-3)
+    sheet.compare(case, "lag in degrees, extrapolated", 2*lag[1] - lag[0],
+                  np.degrees(np.arccos(0.15)), 1e-3)
 
 
 def element(friction, kind="CPE3"):
@@ -259,19 +265,21 @@ def test_a_wedge_stays_where_its_angle_is_below_that_of_friction(solve, sheet, m
     if mu > np.tan(np.radians(10.0)):
         assert pressed[-1] > 10.0
     else:
-        sheet.compare("C5 wedge", "tan 10 > mu: pressure left", pressed[-1]/pressed.max(), 0.0, 1e-3, absolute=True)
+        sheet.compare("C5 wedge", "tan 10 > mu: pressure left", pressed[-1]/pressed.max(), 0.0,
+                      1e-3, absolute=True)
 
 
 def test_a_block_dragged_by_its_sole_slips_under_mu_p(core, sheet):
-    """B3: displacements along the floor are prescribed at all slave nodes: nothing there deforms."""
+    """B3: displacements along the floor are prescribed at all slave nodes: nothing there
+    deforms."""
     text = plate(4, "*FRICTION\n0.3,", increments=4)
     text = text[:text.index("*BOUNDARY\n5, 1")] + "*BOUNDARY\n99999, 1, 2\n99999, 6\n*STEP\n*STATIC, DIRECT\n0.25, 1.\n" \
         "*BOUNDARY\nSOLE, 1, 1, 0.01\n*DLOAD\nHIGH, P3, 50.\n*NODE FILE\nU\n*CONTACT FILE\nCDIS\n*END STEP\n"
     text = text.replace("*MATERIAL, NAME=M", "*NSET, NSET=SOLE\n1, 2, 3, 4, 5\n*MATERIAL, NAME=M")
     result = lopin.run(lopin.Deck.parse(text, name="dragged"))   # in memory: double precision
     x, status, q, p = field(result)
-    sheet.compare("B3 friction patch", "dragged: largest | |t|/(mu p) - 1 |", abs(abs(q)/(0.3*p) - 1).max(), 0.0, 1e-10,
-                  absolute=True)
+    sheet.compare("B3 friction patch", "dragged: largest | |t|/(mu p) - 1 |",
+                  abs(abs(q)/(0.3*p) - 1).max(), 0.0, 1e-10, absolute=True)
     assert (status == 2).all()
 
 
@@ -295,13 +303,16 @@ def test_a_patch_that_sticks_carries_uniform_shear(core, sheet):
     result = lopin.run(lopin.Deck.parse(head + steps, name="patch"))
     x, status, q, pressure = field(result)
     assert (status == 1).all()
-    sheet.compare("B3 friction patch", "stuck: largest error of the shear", abs(abs(q) - tau).max()/tau, 0.0, 1e-10, absolute=True)
+    sheet.compare("B3 friction patch", "stuck: largest error of the shear",
+                  abs(abs(q) - tau).max()/tau, 0.0, 1e-10, absolute=True)
     slip = np.asarray(result.contact().last["SLIP_PATH"]).ravel()
-    sheet.compare("B3 friction patch", "stuck: largest slip [mm]", slip.max(), 0.0, 1e-10, absolute=True)
+    sheet.compare("B3 friction patch", "stuck: largest slip [mm]", slip.max(), 0.0, 1e-10,
+                  absolute=True)
 
 
 def pushed(share, behaviour="DIRECT", friction="*FRICTION\n0.3,"):
-    """A block that only a floor and its friction hold, pressed by 2000 N and pushed by a share of it."""
+    """A block that only a floor and its friction hold, pressed by 2000 N and pushed by a share of
+    it."""
     n = 8
     text = plate(n, friction, increments=4)
     text = text[:text.index("*BOUNDARY\n9, 1")] + "*BOUNDARY\n99999, 1, 2\n99999, 6\n"
@@ -323,7 +334,8 @@ CDIS
 """, name="pushed")
 
 
-@pytest.mark.parametrize("behaviour", ["DIRECT", "PENALTY", "PERTURBED LAGRANGE", "AUGMENTED LAGRANGE", "NO SEPARATION",
+@pytest.mark.parametrize("behaviour", ["DIRECT", "PENALTY", "PERTURBED LAGRANGE",
+                                       "AUGMENTED LAGRANGE", "NO SEPARATION",
                                        "PRESSURE-OVERCLOSURE=EXPONENTIAL\n1e-3, 10."])
 def test_friction_alone_holds_a_block(solve, behaviour):
     h = solve(pushed(0.2, behaviour)).history
@@ -339,6 +351,7 @@ def test_a_block_pushed_beyond_friction_is_not_held(solve):
 
 
 def test_perturbed_is_penalty(solve):
-    one, two = (solve(pushed(0.2, f"{word}\n1e6,")).history for word in ("PENALTY", "PERTURBED LAGRANGE"))
+    one, two = (solve(pushed(0.2, f"{word}\n1e6,")).history
+                for word in ("PENALTY", "PERTURBED LAGRANGE"))
     for name in ("FLOOR.rf1", "energy.strain", "energy.friction", "SOLE-FLOOR.max_pressure"):
         assert one[name] == pytest.approx(two[name], rel=1e-11, abs=1e-12)

@@ -1,4 +1,5 @@
-"""C9, the zoo of laws, on a block that is pressed and dragged: every law by every method, exact and regularised.
+"""C9, the zoo of laws, on a block that is pressed and dragged: every law by every method, exact and
+regularised.
 
 The block has one row of elements and slides at 2 mm/s, so that the shear of every slave node is the
 law's value for its own pressure, stress and speed; the tool's force is their sum.
@@ -18,15 +19,19 @@ LAWS = {
     "CRISTESCU": (f"{M}", lambda p, s: M*s/np.sqrt(3.0)),
     "NORTON-HOFF": (f"{ALPHA}, {Q}", lambda p, s: ALPHA*SPEED**Q + 0.0*p),
 }
-CURVES = {"ARCTAN": lambda x: 2.0/np.pi*np.arctan(x), "TANH": np.tanh, "SQRT": lambda x: x/np.hypot(1.0, x)}
+CURVES = {"ARCTAN": lambda x: 2.0/np.pi*np.arctan(x), "TANH": np.tanh,
+          "SQRT": lambda x: x/np.hypot(1.0, x)}
 
 
-def block(law: str, words: str = "", method: str = "DIRECT", increments: int = 6, steps: str = "0.02") -> str:
+def block(law: str, words: str = "", method: str = "DIRECT", increments: int = 6,
+          steps: str = "0.02") -> str:
     x = np.linspace(0.0, LENGTH, ELEMENTS + 1)
     n = len(x)
-    nodes = "".join(f"{k + 1}, {v!r}, 0.\n{k + 1 + n}, {v!r}, {HEIGHT!r}\n" for k, v in enumerate(map(float, x)))
+    nodes = "".join(f"{k + 1}, {v!r}, 0.\n{k + 1 + n}, {v!r}, {HEIGHT!r}\n"
+                    for k, v in enumerate(map(float, x)))
     elements = "".join(f"{k}, {k}, {k + 1}, {k + 1 + n}, {k + n}\n" for k in range(1, n))
-    plastic = f"*PLASTIC, ONLY=FRICTION\n{YIELD}, 0.\n" if law in ("TRESCA", "COULOMB-OROWAN", "CRISTESCU") else ""
+    plastic = f"*PLASTIC, ONLY=FRICTION\n{YIELD}, 0.\n" if law in ("TRESCA", "COULOMB-OROWAN",
+                                                                   "CRISTESCU") else ""
     name = f", LAW={law}" if law != "COULOMB" else ""
     return f"""*NODE
 {nodes}99, 0., 0.
@@ -90,7 +95,8 @@ def drag(solve):
         foot = mises[:2*(ELEMENTS + 1):2]
         weight = np.full(ELEMENTS + 1, AREA/ELEMENTS)
         weight[[0, -1]] *= 0.5
-        return abs(h["FLOOR.rf1"][-1]), abs(h["FLOOR.rf2"][-1]), weight @ LAWS[law][1](pressure, foot)
+        return abs(h["FLOOR.rf1"][-1]), abs(h["FLOOR.rf2"][-1]), weight @ LAWS[law][1](pressure,
+                                                                                       foot)
 
     return run
 

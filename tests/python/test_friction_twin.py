@@ -1,12 +1,15 @@
-"""The laws of friction against a second writing of them, which shares nothing with the first but the formulas.
+"""The laws of friction against a second writing of them, which shares nothing with the first but
+the formulas.
 
-The twin returns to the disc by bisection on the slip, in vectors of the tangent plane; slopes come from differences.
+The twin returns to the disc by bisection on the slip, in vectors of the tangent plane; slopes come
+from differences.
 """
 import numpy as np
 import pytest
 
 LAWS = ["COULOMB", "TRESCA", "COULOMB-OROWAN", "CRISTESCU", "NORTON-HOFF"]
-CURVES = {"ARCTAN": lambda x: 2.0/np.pi*np.arctan(x), "TANH": np.tanh, "SQRT": lambda x: x/np.sqrt(1.0 + x*x)}
+CURVES = {"ARCTAN": lambda x: 2.0/np.pi*np.arctan(x), "TANH": np.tanh,
+          "SQRT": lambda x: x/np.sqrt(1.0 + x*x)}
 SCENES = {
     "plain": dict(mu=0.3, m=0.2, alpha=5.0, q=0.2),
     "capped": dict(mu=0.3, m=0.2, alpha=5.0, q=0.2, tau_max=8.0),
@@ -61,9 +64,11 @@ def test_the_return_is_the_one_of_the_twin(probe, law, scene):
     rng = np.random.default_rng(3)
     trials = rng.normal(size=(60, 2))*10.0**rng.uniform(-1.0, 2.5, size=(60, 1))
     pressures = np.concatenate([[0.0, -3.0], 10.0**rng.uniform(-2.0, 5.5, 58)])
-    mine = probe(law, np.linalg.norm(trials, axis=1), pressures, stiffness=STIFFNESS, **AT, **SCENES[scene])[0]
+    mine = probe(law, np.linalg.norm(trials, axis=1), pressures, stiffness=STIFFNESS, **AT,
+                 **SCENES[scene])[0]
     twin = [returned(law, trial, p, SCENES[scene]) for trial, p in zip(trials, pressures)]
-    # Where 1/q is 50 the slip is a 50th power of the traction: bisection on the slip ends at its rounding.
+    # Where 1/q is 50 the slip is a 50th power of the traction: bisection on the slip ends at its
+    # rounding.
     assert mine == pytest.approx(np.array(twin), rel=1e-10, abs=1e-10)
 
 
@@ -80,7 +85,8 @@ def test_a_regularised_law_is_the_bound_times_the_curve(probe, law, scene, curve
     for slip, p, traction in zip(slips, pressures, mine[0]):
         v = slip/AT["dt"]
         speed = np.hypot(v, v0) if law == "NORTON-HOFF" else v
-        assert traction == pytest.approx(bound(law, p, **data)(speed)*CURVES[curve](v/v0), rel=1e-12)
+        assert traction == pytest.approx(bound(law, p, **data)(speed)*CURVES[curve](v/v0),
+                                         rel=1e-12)
 
 
 @pytest.mark.parametrize("curve", ["LINEAR", *CURVES])
@@ -91,7 +97,8 @@ def test_slopes_are_differences_of_fourth_order(probe, law, curve):
     pressures = 10.0**rng.uniform(-2.0, 3.0, 40)
 
     def at(x, p):
-        return probe(law, x, p, regularization=curve, stiffness=STIFFNESS, v0=0.05, **AT, **SCENES["plain"])
+        return probe(law, x, p, regularization=curve, stiffness=STIFFNESS, v0=0.05, **AT,
+                     **SCENES["plain"])
 
     exact = at(argument, pressures)
     for row, (dx, dp) in enumerate([(1e-3*argument, 0.0), (0.0, 1e-3*pressures)], start=1):

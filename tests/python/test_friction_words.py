@@ -12,10 +12,13 @@ HARDENING = "*PLASTIC\n200., 0.\n300., 0.5\n"
 @pytest.fixture
 def check(executable, tmp_path):
     def run(friction, plastic="", static="0.1, 1.", step=""):
-        text = BASE.replace("*FRICTION\n-0.1\n", friction).replace("*SOLID SECTION, ELSET=UP", plastic + "*SOLID SECTION, ELSET=UP")
+        text = BASE.replace("*FRICTION\n-0.1\n", friction).replace("*SOLID SECTION, ELSET=UP",
+                                                                   plastic
+                                                                   + "*SOLID SECTION, ELSET=UP")
         text = text.replace("*STATIC\n0.1, 1.\n", f"*STATIC\n{static}\n" + step)
         (tmp_path / "deck.inp").write_text(text)
-        return subprocess.run([executable, "check", "deck.inp"], capture_output=True, text=True, timeout=20, cwd=tmp_path)
+        return subprocess.run([executable, "check", "deck.inp"], capture_output=True, text=True,
+                              timeout=20, cwd=tmp_path)
 
     return run
 
@@ -49,12 +52,15 @@ CARDS = [
     ("*FRICTION\n0.3, 1.E4\n", "", "the second datum 10000 is read as CalculiX' stick slope"),
     ("*FRICTION\n0.3, 0., 0., 20.\n", "", "read as Abaqus' mu at one slip rate"),
     ("*FRICTION, LAW=AUTO\n0.1, 0.4\n", "", "is COULOMB: material `STEEL` is elastic"),
-    ("*FRICTION, LAW=AUTO\n0.1, 0.4\n", PLASTIC, "is TRESCA: material `STEEL` is perfectly plastic"),
-    ("*FRICTION, LAW=AUTO\n, 0.4\n", HARDENING, "is CRISTESCU: material `STEEL` is plastic with hardening"),
+    ("*FRICTION, LAW=AUTO\n0.1, 0.4\n", PLASTIC,
+     "is TRESCA: material `STEEL` is perfectly plastic"),
+    ("*FRICTION, LAW=AUTO\n, 0.4\n", HARDENING,
+     "is CRISTESCU: material `STEEL` is plastic with hardening"),
 ]
 
 
-@pytest.mark.parametrize("card, plastic, said", CARDS, ids=[card.splitlines()[0] + f" {i}" for i, (card, *_) in enumerate(CARDS)])
+@pytest.mark.parametrize("card, plastic, said", CARDS, ids=[card.splitlines()[0] + f" {i}"
+                                                            for i, (card, *_) in enumerate(CARDS)])
 def test_words_that_are_accepted_and_what_is_said_of_them(check, card, plastic, said):
     run = check(card, plastic)
     assert run.returncode == 0, run.stderr
@@ -64,9 +70,11 @@ def test_words_that_are_accepted_and_what_is_said_of_them(check, card, plastic, 
         assert said in run.stderr, run.stderr
 
 
-@pytest.mark.parametrize("card", ["*FRICTION, LAW=NORTON-HOFF\n5., 0.2\n", "*FRICTION, EXPONENTIAL DECAY\n0.3, 0.1, 2.\n",
+@pytest.mark.parametrize("card", ["*FRICTION, LAW=NORTON-HOFF\n5., 0.2\n",
+                                  "*FRICTION, EXPONENTIAL DECAY\n0.3, 0.1, 2.\n",
                                   "*FRICTION, REGULARIZATION=TANH, V0=1.E-3\n0.3\n"])
-@pytest.mark.parametrize("static, warned", [("", True), ("0.1", True), ("0.1, 1.", False), (", 2.", False)])
+@pytest.mark.parametrize("static, warned", [("", True), ("0.1", True), ("0.1, 1.", False),
+                                            (", 2.", False)])
 def test_a_law_of_the_speed_asks_for_times(check, card, static, warned):
     run = check(card, static=static) if static else check(card, static="**")
     assert run.returncode == 0, run.stderr
@@ -77,17 +85,20 @@ def test_a_law_of_the_speed_asks_for_times(check, card, static, warned):
 REFUSED = [
     ("*FRICTION, LAGRANGE, ELASTIC SLIP=1.\n0.1\n", "", "E0323", "exclude each other"),
     ("*FRICTION, ELASTIC SLIP=1., SLIP TOLERANCE=0.1\n0.1\n", "", "E0323", "exclude each other"),
-    ("*FRICTION, REGULARIZATION=SQRT, ELASTIC SLIP=1., V0=1.\n0.1\n", "", "E0323", "exclude each other"),
+    ("*FRICTION, REGULARIZATION=SQRT, ELASTIC SLIP=1., V0=1.\n0.1\n", "", "E0323",
+     "exclude each other"),
     ("*FRICTION, REGULARIZATION=NONE, ELASTIC SLIP=1.\n0.1\n", "", "E0323", "exclude each other"),
     ("*FRICTION, V0=1.\n0.1\n", "", "E0323", "V0 is the speed of a regularisation"),
     ("*FRICTION, ELASTIC SLIP=0.\n0.1\n", "", "E0321", "is not positive"),
     ("*FRICTION, TAUMAX=-3.\n0.1\n", "", "E0321", "TAUMAX=-3. is not positive"),
-    ("*FRICTION, LAW=NORTON-HOFF, REGULARIZATION=TANH, ELASTIC SLIP=1.\n5., 0.2\n", "", "E0323", "needs V0"),
+    ("*FRICTION, LAW=NORTON-HOFF, REGULARIZATION=TANH, ELASTIC SLIP=1.\n5., 0.2\n", "", "E0323",
+     "needs V0"),
     ("*FRICTION, LAW=NORTON-HOFF\n0., 0.2\n", "", "E0321", "alpha = 0"),
     ("*FRICTION, LAW=NORTON-HOFF\n5., -0.2\n", "", "E0321", "outside 0 to 1"),
     ("*FRICTION, LAW=TRESCA\n-0.2\n", PLASTIC, "E0321", "outside 0 to 1"),
     ("*FRICTION, LAW=TRESCA\n", PLASTIC, "E0103", "needs the data m"),
-    ("*FRICTION, LAW=TRESCA, EXPONENTIAL DECAY\n0.2, 0.1, 3.\n", PLASTIC, "E0323", "needs LAW=COULOMB"),
+    ("*FRICTION, LAW=TRESCA, EXPONENTIAL DECAY\n0.2, 0.1, 3.\n", PLASTIC, "E0323",
+     "needs LAW=COULOMB"),
     ("*FRICTION, EXPONENTIAL DECAY\n0.2, 0.1\n", "", "E0103", "mu static, mu kinetic, decay"),
     ("*FRICTION, EXPONENTIAL DECAY\n0.2, 0.1, -1.\n", "", "E0321", "a decay of -1 is negative"),
     ("*FRICTION\n0.2, -5.\n", "", "E0321", "a stick slope of -5 is negative"),
@@ -99,7 +110,9 @@ REFUSED = [
 ]
 
 
-@pytest.mark.parametrize("card, plastic, code, said", REFUSED, ids=[f"{row[0].splitlines()[0] if row[0] else ''} {i}" for i, row in enumerate(REFUSED)])
+@pytest.mark.parametrize("card, plastic, code, said", REFUSED,
+                         ids=[f"{row[0].splitlines()[0] if row[0] else ''} {i}"
+                              for i, row in enumerate(REFUSED)])
 def test_words_that_are_refused(check, card, plastic, code, said):
     run = check(card, plastic)
     assert run.returncode == 1, run.stderr
@@ -122,15 +135,19 @@ def test_a_body_that_would_yield_is_named(executable, tmp_path):
     text = text.replace("INTERACTION=GREASE\nSLAVE", "INTERACTION=GREASE, TIED\nSLAVE")
     for stress, warned in [(500.0, True), (1.0e4, False)]:
         plastic = f"*PLASTIC, ONLY=FRICTION\n{stress}, 0.\n"
-        (tmp_path / "deck.inp").write_text(text.replace("*SOLID SECTION, ELSET=UP", plastic + "*SOLID SECTION, ELSET=UP"))
-        run = subprocess.run([executable, "run", "deck.inp", "-o", f"out{warned}"], capture_output=True, text=True, timeout=20, cwd=tmp_path)
+        (tmp_path / "deck.inp").write_text(text.replace("*SOLID SECTION, ELSET=UP",
+                                                        plastic + "*SOLID SECTION, ELSET=UP"))
+        run = subprocess.run([executable, "run", "deck.inp", "-o", f"out{warned}"],
+                             capture_output=True, text=True, timeout=20, cwd=tmp_path)
         assert run.returncode == 0, run.stderr
         assert ("warning[W0508]: material `STEEL` passes its yield stress" in run.stderr) == warned, run.stderr
 
 
-@pytest.mark.parametrize("card", ["*FRICTION, LAW=CRISTESCU\n0.4\n", "*FRICTION\n0.1\n", "*FRICTION, EXPONENTIAL DECAY\n0.3, 0.1, 2.\n"])
+@pytest.mark.parametrize("card", ["*FRICTION, LAW=CRISTESCU\n0.4\n", "*FRICTION\n0.1\n",
+                                  "*FRICTION, EXPONENTIAL DECAY\n0.3, 0.1, 2.\n"])
 def test_the_finite_path_reads_stress_and_speed(executable, tmp_path, card):
     text = BASE.replace("*FRICTION\n-0.1\n", card).replace("*STEP\n", "*STEP, NLGEOM\n")
     (tmp_path / "deck.inp").write_text(text)
-    run = subprocess.run([executable, "run", "deck.inp", "-o", "out"], capture_output=True, text=True, timeout=20, cwd=tmp_path)
+    run = subprocess.run([executable, "run", "deck.inp", "-o", "out"], capture_output=True,
+                         text=True, timeout=20, cwd=tmp_path)
     assert run.returncode == 0, run.stderr

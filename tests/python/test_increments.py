@@ -12,7 +12,8 @@ def force(*arguments, **options) -> float:
 
 
 def test_a_straight_path_needs_one_increment():
-    """Without friction the strain is uniform and its path straight: any number of increments, one answer."""
+    """Without friction the strain is uniform and its path straight: any number of increments, one
+    answer."""
     forces = [force(n) for n in (1, 2, 5, 20, 100)]
     assert forces == pytest.approx([forces[0]]*5, rel=1e-9)
 
@@ -25,7 +26,8 @@ def test_the_error_falls_with_the_increment_where_the_path_bends():
 
 
 def test_increments_that_are_too_large_are_refused_or_cut():
-    """One increment of 60 % with friction: DIRECT stops and says why, automatic increments go on to the end."""
+    """One increment of 60 % with friction: DIRECT stops and says why, automatic increments go on to
+    the end."""
     with pytest.raises(lopin.errors.NotConvergedError, match="E05"):
         lopin.run(billet(1, mu=0.1, share=0.6))
     result = lopin.run(billet(1, mu=0.1, share=0.5, direct=False))
@@ -35,10 +37,12 @@ def test_increments_that_are_too_large_are_refused_or_cut():
 
 
 def test_the_history_shows_where_the_work_went():
-    """Work is summed by trapezoids: what the first increment, from elastic to plastic, misses is of its own size."""
+    """Work is summed by trapezoids: what the first increment, from elastic to plastic, misses is of
+    its own size."""
     result = lopin.run(billet(200, mu=0.1, direct=False))
     history = {name: float(result.history[name][-1]) for name in result.history}
-    parts = sum(history["energy." + name] for name in ("strain", "contact", "friction_mean", "plastic"))
+    parts = sum(history["energy." + name] for name in ("strain", "contact", "friction_mean",
+                                                       "plastic"))
     assert parts == pytest.approx(history["energy.external"], rel=2e-3)
     assert history["energy.plastic"] > 0.9*history["energy.external"]
     assert history["volume"] == pytest.approx(np.pi*100.0*15.0, rel=5e-3)
@@ -48,14 +52,16 @@ def test_the_history_shows_where_the_work_went():
 def test_no_point_of_an_amplitude_is_jumped_over():
     """A saw tooth whose turn is shorter than an increment: the metal remembers it all the same."""
     deck = billet(10, direct=False, cells=(1, 1)).text()
-    deck = deck.replace("*STEP,", "*AMPLITUDE, NAME=SAW\n0., 0., 0.5, 0.1, 0.51, -0.1, 1., 0.1\n*STEP,", 1)
+    deck = deck.replace("*STEP,",
+                        "*AMPLITUDE, NAME=SAW\n0., 0., 0.5, 0.1, 0.51, -0.1, 1., 0.1\n*STEP,", 1)
     deck = deck.replace("*BOUNDARY\nDIE_REF, 2, 2", "*BOUNDARY, AMPLITUDE=SAW\nDIE_REF, 2, 2")
     result = lopin.run(lopin.Deck.parse(deck, "saw"))
     assert {0.5, 0.51} <= {round(float(t), 9) for t in result.times}
 
 
 def test_work_that_is_lost_is_said_where_it_is_lost():
-    """One increment of 20 % loses 41 % of its work; of fine steps after it nothing is said, of coarse ones again."""
+    """One increment of 20 % loses 41 % of its work; of fine steps after it nothing is said, of
+    coarse ones again."""
     step = "*STEP, NLGEOM, INC=100\n*STATIC, DIRECT\n{}, 1.\n*BOUNDARY\nDIE_REF, 2, 2, {}\n*END STEP\n"
     text = billet(1, share=0.2, cells=(1, 1)).text()
     text += step.format(0.1, -3.15) + step.format(0.1, -3.3) + step.format(1.0, -6.3)

@@ -12,7 +12,8 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[2]/"decks"/"make"))
 from indenting import ball_in_metal  # noqa: E402
 
 RADIUS, FLOW = 500.0, 50.0
-PUBLISHED = {20.0: 2.038043e6, 40.0: 4.076085e6, 60.0: 6.114128e6, 80.0: 8.152170e6, 100.0: 10.190213e6}
+PUBLISHED = {20.0: 2.038043e6, 40.0: 4.076085e6, 60.0: 6.114128e6, 80.0: 8.152170e6,
+             100.0: 10.190213e6}
 
 
 @pytest.fixture(scope="module")

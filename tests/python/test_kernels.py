@@ -115,7 +115,8 @@ def test_contact_where_the_plain_active_set_cycles():
 
 
 def test_methods_of_condensed_contact():
-    """Springs of stiffness alpha are a compliance 1/alpha more; augmentation takes it away again."""
+    """Springs of stiffness alpha are a compliance 1/alpha more; augmentation takes it away
+    again."""
     rng = np.random.default_rng(7)
     solve = probe("probe_contact")
     for _ in range(20):

@@ -360,7 +360,8 @@ def test_no_file_knows_a_machine_or_a_registry(root):
             continue
         # Files of triangles may be binary; a name in their head shows all the same.
         bad = "replace" if path.suffix == ".stl" else "strict"
-        for number, line in enumerate(path.read_text(encoding="utf-8", errors=bad).split("\n"), start=1):
+        for number, line in enumerate(path.read_text(encoding="utf-8", errors=bad).split("\n"),
+                                      start=1):
             if machine.search(line) and path.name != "test_package.py":
                 wrong.append(f"{path.relative_to(root)}:{number}: {line.strip()[:80]}")
     assert not wrong, "\n".join(wrong)

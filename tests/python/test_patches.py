@@ -67,7 +67,8 @@ def bent(folder, word, size, cells, stroke):
     text = deck(mesh, word, 0.0, increments=10).split("*NSET, NSET=BOTTOM")[0].splitlines()
     for name, mask in (("ROOT", x[:, 0] < 1e-9), ("TIP", x[:, 0] > size[0] - 1e-9)):
         text += [f"*NSET, NSET={name}", lines([i + 1] for i in map(int, np.flatnonzero(mask)))]
-    text += ["*MATERIAL, NAME=STEEL", "*ELASTIC", "210000., 0.3", "*PLASTIC", "300., 0.", "500., 1.",
+    text += ["*MATERIAL, NAME=STEEL", "*ELASTIC", "210000., 0.3", "*PLASTIC", "300., 0.",
+             "500., 1.",
              "*SOLID SECTION, ELSET=ALL, MATERIAL=STEEL", "1.", "*BOUNDARY", f"ROOT, 1, {last}",
              "*STEP, NLGEOM, INC=200", "*STATIC", "0.1, 1.", "*BOUNDARY",
              f"TIP, {last}, {last}, {stroke}", "*NODE FILE", "U, RF", "*END STEP"]

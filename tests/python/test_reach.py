@@ -1,4 +1,5 @@
-"""On the linear paths only points within reach get rows; those beyond are looked at after every solve."""
+"""On the linear paths only points within reach get rows; those beyond are looked at after every
+solve."""
 import json
 import subprocess
 
@@ -34,7 +35,8 @@ def listed(name, ids):
 
 
 def plates(far_pair):
-    """A block pressed on a block by a force, and two plates five facets and more apart, with a pair or without."""
+    """A block pressed on a block by a force, and two plates five facets and more apart, with a pair
+    or without."""
     n, h = 10, 3
     text = "*MATERIAL, NAME=M\n*ELASTIC\n1000., 0.3\n"
     text += bricks(1, 1, "LOW", (n, n, h), (0, 0, 0), (4, 4, 2))
@@ -42,8 +44,10 @@ def plates(far_pair):
     text += bricks(20001, 20001, "PLOW", (PLATE, PLATE, 1), (10, 0, 0), (10, 10, 1))
     text += bricks(40001, 40001, "PHIGH", (PLATE, PLATE, 1), (10, 0, 3), (10, 10, 1))
     layer, sheet = (n + 1)**2, (PLATE + 1)**2
-    text += listed("FOOT", range(1, layer + 1)) + listed("HEAD", range(10001 + h*layer, 10001 + (h + 1)*layer))
-    text += listed("FLOOR", range(20001, 20001 + sheet)) + listed("ROOF", range(40001 + sheet, 40001 + 2*sheet))
+    text += listed("FOOT", range(1, layer + 1)) + listed("HEAD", range(10001 + h*layer,
+                                                                       10001 + (h + 1)*layer))
+    text += listed("FLOOR", range(20001, 20001 + sheet)) + listed("ROOF", range(40001 + sheet,
+                                                                                40001 + 2*sheet))
     text += f"*ELSET, ELSET=LTOP, GENERATE\n{1 + n*n*(h - 1)}, {n*n*h}\n*ELSET, ELSET=HBOT, GENERATE\n10001, {10000 + n*n}\n"
     text += "*SURFACE, NAME=UNDER\nHBOT, S1\n*SURFACE, NAME=OVER\nLTOP, S2\n"
     text += "*SURFACE, NAME=PUNDER\nPHIGH, S1\n*SURFACE, NAME=POVER\nPLOW, S2\n"
@@ -72,7 +76,8 @@ def crown(whole, load, increments=1, behaviour="DIRECT", friction="", layers=3):
         f"{n}, {n + 1000}, {n + 1001}, {n + 2001}, {n + 2000}\n"
         for j in range(layers) for i in range(STRIP) for n in [1001 + 1000*j + i])
     text += "*SOLID SECTION, ELSET=BED, MATERIAL=M\n1.\n*SOLID SECTION, ELSET=BLOCK, MATERIAL=M\n1.\n"
-    text += listed("FOOT", range(1, STRIP + 2)) + listed("MIDDLE", range(2001, 2002 + 1000*layers, 1000))
+    text += listed("FOOT", range(1, STRIP + 2)) + listed("MIDDLE",
+                                                         range(2001, 2002 + 1000*layers, 1000))
     text += f"*ELSET, ELSET=LOWEST, GENERATE\n1001, {1000 + STRIP}\n"
     text += f"*ELSET, ELSET=HIGHEST, GENERATE\n{1 + 1000*layers}, {1000*layers + STRIP}\n"
     if whole:
@@ -90,8 +95,8 @@ def crown(whole, load, increments=1, behaviour="DIRECT", friction="", layers=3):
 
 def run(executable, folder, name, text):
     (folder/f"{name}.inp").write_text(text)
-    done = subprocess.run([executable, "run", f"{name}.inp", "-o", ".", "--overwrite", "--quiet"], cwd=folder,
-                          capture_output=True, text=True, check=False)
+    done = subprocess.run([executable, "run", f"{name}.inp", "-o", ".", "--overwrite", "--quiet"],
+                          cwd=folder, capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr
     return json.loads((folder/f"{name}.json").read_text())
 
@@ -123,9 +128,11 @@ def test_a_far_pair_gets_no_row_and_costs_no_solve(executable, tmp_path):
 
 
 @pytest.mark.parametrize("behaviour, friction, load, increments", [
-    ("DIRECT", "", 0.05, 1), ("DIRECT", "", 0.08, 1), ("DIRECT", "", 0.1, 6), ("DIRECT", "*FRICTION\n0.2\n", 0.1, 6),
+    ("DIRECT", "", 0.05, 1), ("DIRECT", "", 0.08, 1), ("DIRECT", "", 0.1,
+                                                       6), ("DIRECT", "*FRICTION\n0.2\n", 0.1, 6),
     ("PENALTY\n1e6", "", 0.08, 1), ("PENALTY", "", 0.05, 1)])
-def test_points_beyond_the_first_reach_that_press_get_rows(executable, tmp_path, behaviour, friction, load, increments):
+def test_points_beyond_the_first_reach_that_press_get_rows(executable, tmp_path, behaviour,
+                                                           friction, load, increments):
     """At 0.05 nothing presses beyond it, at 0.08 in the only increment, at 0.1 in a late one."""
     near = run(executable, tmp_path, "near", crown(False, load, increments, behaviour, friction))
     full = run(executable, tmp_path, "full", crown(True, load, increments, behaviour, friction))
@@ -137,7 +144,8 @@ def test_points_beyond_the_first_reach_that_press_get_rows(executable, tmp_path,
     assert (near["candidates"] == 90*rows) == (load < 0.07 and not whole)
     assert ("slave points within reach" in near["plan"]) == (not whole)
     assert near["contact"][0]["closed"] == full["contact"][0]["closed"] > 20
-    assert np.allclose(near["contact"][0]["force"], full["contact"][0]["force"], rtol=1e-11, atol=1e-11)
+    assert np.allclose(near["contact"][0]["force"], full["contact"][0]["force"], rtol=1e-11,
+                       atol=1e-11)
     u, v = displacements(tmp_path, "near"), displacements(tmp_path, "full")
     size = max(abs(value) for pair in u.values() for value in pair)
     assert all(abs(a - b) <= 1e-6*size for node in u for a, b in zip(u[node], v[node]))
@@ -146,7 +154,9 @@ def test_points_beyond_the_first_reach_that_press_get_rows(executable, tmp_path,
 def test_a_block_above_its_first_reach_is_caught(executable, tmp_path):
     """Nothing within reach holds it: the nearest points come in, then the others."""
     first = run(executable, tmp_path, "near", crown(False, 0.5))
-    lifted = crown(False, 0.5).replace("*STEP", "*CLEARANCE, MASTER=OVER, SLAVE=UNDER, VALUE=0.7\n*STEP", 1)
+    lifted = crown(False, 0.5).replace("*STEP",
+                                       "*CLEARANCE, MASTER=OVER, SLAVE=UNDER, VALUE=0.7\n*STEP", 1)
     job = run(executable, tmp_path, "lifted", lifted)
     assert job["candidates"] == STRIP + 1
-    assert np.allclose(job["contact"][0]["force"], first["contact"][0]["force"], rtol=1e-10, atol=1e-10)
+    assert np.allclose(job["contact"][0]["force"], first["contact"][0]["force"], rtol=1e-10,
+                       atol=1e-10)

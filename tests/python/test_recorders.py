@@ -35,7 +35,8 @@ def jobs(writer, tmp_path_factory):
     return {word: top / word for word in WORDS}
 
 
-@pytest.mark.parametrize("word", [w for w in WORDS if w != "C3D15"])  # meshio 5.3 has no 15-node wedge
+@pytest.mark.parametrize("word",
+                         [w for w in WORDS if w != "C3D15"])  # meshio 5.3 has no 15-node wedge
 def test_meshio_reads_the_solid(jobs, word):
     meshio = pytest.importorskip("meshio")
     mesh = meshio.read(jobs[word] / "job_0002.vtu")
@@ -46,10 +47,12 @@ def test_meshio_reads_the_solid(jobs, word):
     u = mesh.point_data["U"]
     assert u.shape == (2 * n + 1, 3)
     assert np.allclose(u[:-1, :dim], 2e-3 * mesh.points[:-1, :dim], atol=1e-6)
-    # nodal stress of node k is k*(1 2 3 4 5 6) in xx yy zz xy xz yz; VTK's order is xx yy zz xy yz xz
+    # nodal stress of node k is k*(1 2 3 4 5 6) in xx yy zz xy xz yz; VTK's order is xx yy zz xy yz
+    # xz
     assert np.allclose(mesh.point_data["S"][2], [3, 6, 9, 12, 18, 15])
     s = mesh.point_data["S"][2]
-    mises = np.sqrt(0.5 * ((s[0] - s[1])**2 + (s[1] - s[2])**2 + (s[2] - s[0])**2) + 3 * (s[3:]**2).sum())
+    mises = np.sqrt(0.5 * ((s[0] - s[1])**2 + (s[1] - s[2])**2 + (s[2] - s[0])**2)
+                    + 3 * (s[3:]**2).sum())
     assert mesh.point_data["Mises"].ravel()[2] == pytest.approx(mises, rel=1e-6)
     assert list(mesh.point_data["LABEL"].ravel()[:2]) == [10, 20]
 
@@ -140,7 +143,8 @@ def test_frd_is_well_formed(jobs, word):
     elements = next(i for i, line in enumerate(lines) if line.startswith("    3C"))
     assert lines[elements + 1] == f" -1         7{FRD_CODES[word]:5d}    0    1"
     per_line = -(-n // 10)
-    nodes = [int(line[3 + 10 * k:13 + 10 * k]) for line in lines[elements + 2:elements + 2 + per_line]
+    nodes = [int(line[3 + 10 * k:13 + 10 * k])
+             for line in lines[elements + 2:elements + 2 + per_line]
              for k in range((len(line) - 3) // 10)]
     order = list(range(1, n + 1))
     if word == "C3D20":

@@ -44,7 +44,8 @@ def test_a_killed_run_leaves_whole_files(executable, tmp_path, name):
     fields, killed = 0, 0
     for trial in range(10):
         folder = tmp_path/f"out{trial}"
-        process = subprocess.Popen([str(executable), "run", str(deck), "-o", str(folder), "--quiet"],
+        process = subprocess.Popen([str(executable), "run", str(deck), "-o", str(folder),
+                                    "--quiet"],
                                    stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
         time.sleep(dice.uniform(0.02, 0.8))
         process.send_signal(signal.SIGKILL)
@@ -59,8 +60,8 @@ def test_a_folder_that_cannot_be_made_ends_with_5(executable, tmp_path):
     deck = tmp_path/"job.inp"
     deck.write_text(SCENES["sphere"]().deck(), encoding="utf-8")
     for folder in ("/dev/null/results", str(tmp_path/"file")):
-        process = subprocess.run([str(executable), "run", str(deck), "-o", folder], capture_output=True, text=True,
-                                 timeout=60)
+        process = subprocess.run([str(executable), "run", str(deck), "-o", folder],
+                                 capture_output=True, text=True, timeout=60)
         assert process.returncode == 5 and "error[E0601]" in process.stderr
 
 
@@ -73,10 +74,12 @@ def test_a_full_disk_ends_with_5(executable, tmp_path):
         folder = tmp_path/ending.strip("._")
         folder.mkdir()
         (folder/f"job{ending}").symlink_to("/dev/full")
-        process = subprocess.run([str(executable), "run", str(deck), "-o", str(folder), "--overwrite"],
+        process = subprocess.run([str(executable), "run", str(deck), "-o", str(folder),
+                                  "--overwrite"],
                                  capture_output=True, text=True, timeout=60)
         # Either it is refused, or the link is replaced by a file of its own.
-        assert process.returncode == 5 or (folder/f"job{ending}").stat().st_size > 0, (ending, process.stderr)
+        assert process.returncode == 5 or (folder/f"job{ending}").stat().st_size > 0, (ending,
+                                                                                       process.stderr)
 
 
 @pytest.mark.parametrize("word", ["nan", "inf", "1e400", "-1e999", "0x10", "1.5e"])
@@ -97,7 +100,8 @@ def test_a_nearly_incompressible_body_is_right(executable, tmp_path):
         scene = SCENES["sphere"]().but(materials={"BLOCK": (20000.0, nu)})
         scene.nsets["LEFT"] = [*scene.nsets["LEFT"]]
         force.append(answer(executable, scene, tmp_path/str(nu)).values["0.force"])
-    assert force[1] == pytest.approx(force[0], rel=0.03) and force[2] == pytest.approx(force[1], rel=1e-3)
+    assert force[1] == pytest.approx(force[0], rel=0.03) and force[2] == pytest.approx(force[1],
+                                                                                       rel=1e-3)
 
 
 @pytest.mark.parametrize("ratio", [1e3, 1e5])

@@ -1,6 +1,8 @@
-"""Every line of the lecture that cannot be coded as it stands: Lopin follows the repaired form, and not the printed one.
+"""Every line of the lecture that cannot be coded as it stands: Lopin follows the repaired form, and
+not the printed one.
 
-Counted are the lines of the reading (sections C to J) that carry a mark; H4 carries two and counts once.
+Counted are the lines of the reading (sections C to J) that carry a mark; H4 carries two and counts
+once.
 """
 import numpy as np
 import pytest
@@ -19,7 +21,8 @@ def test_there_are_twenty_five():
 
 @pytest.mark.parametrize("repair", REPAIRS, ids=lambda r: r.id)
 def test_lopin_follows_the_repaired_form(repair):
-    assert np.asarray(repair.lopin(), float) == pytest.approx(np.asarray(repair.repaired(), float), rel=1e-6, abs=1e-9)
+    assert np.asarray(repair.lopin(), float) == pytest.approx(np.asarray(repair.repaired(), float),
+                                                              rel=1e-6, abs=1e-9)
 
 
 @pytest.mark.parametrize("repair", REPAIRS, ids=lambda r: r.id)

@@ -1,7 +1,8 @@
-"""Self-contact: the arms of a hairpin are pressed on one another, and not through; walls stay walls.
+"""Self-contact: the arms of a hairpin are pressed on one another, and not through; walls stay
+walls.
 
-One surface stands on both sides of its pair. The reference is symmetry, and the mesh itself: no node of one
-arm may lie behind the other arm.
+One surface stands on both sides of its pair. The reference is symmetry, and the mesh itself: no
+node of one arm may lie behind the other arm.
 """
 import json
 import subprocess
@@ -15,7 +16,8 @@ PRINTED = 1e-6    # of displacements in .dat
 
 
 class Hairpin:
-    """A U of two arms that lie along x, or closed on the right too; `depth` elements across (0: plane strain)."""
+    """A U of two arms that lie along x, or closed on the right too; `depth` elements across (0:
+    plane strain)."""
 
     def __init__(self, depth=0, closed=False):
         self.number, self.elements, self.depth, self.closed = {}, [], depth, closed
@@ -38,10 +40,12 @@ class Hairpin:
         return self.number.setdefault(at, len(self.number) + 1)
 
     def set(self, name, keep):
-        return f"*NSET, NSET={name}\n" + "".join(f"{n}\n" for at, n in self.number.items() if keep(*at))
+        return f"*NSET, NSET={name}\n" + "".join(f"{n}\n" for at, n in self.number.items()
+                                                 if keep(*at))
 
     def deck(self, both, pair, law="", inc="0.1, 1., 1e-5, 0.1", beyond=0.05):
-        """`both` arms are moved, or the upper one alone; pressed on by `beyond` more than the opening."""
+        """`both` arms are moved, or the upper one alone; pressed on by `beyond` more than the
+        opening."""
         solid = self.depth > 0
         text = "*NODE, NSET=ALL\n"
         for (i, j, k), n in self.number.items():
@@ -52,7 +56,8 @@ class Hairpin:
         text += "*SURFACE, NAME=SKIN\nPIN,\n*SURFACE INTERACTION, NAME=DRY\n"
         text += f"*SURFACE BEHAVIOR, PRESSURE-OVERCLOSURE=HARD\n{law}"
         text += f"*CONTACT PAIR, INTERACTION=DRY, TYPE=NODE TO SURFACE\n{pair}\n"
-        tip = range(self.end - 2, self.end + 1) if not self.closed else range(self.end//2 - 1, self.end//2 + 2)
+        tip = range(self.end - 2, self.end + 1) if not self.closed else range(self.end//2 - 1,
+                                                                              self.end//2 + 2)
         text += self.set("TIP", lambda i, j, k: j == self.top and i in tip)
         text += self.set("FOOT", lambda i, j, k: j == 0 and (i in tip or not both))
         text += f"*STEP, NLGEOM, INC=200\n*STATIC\n{inc}\n*BOUNDARY\n"
@@ -67,8 +72,8 @@ class Hairpin:
 
     def run(self, executable, folder, **options):
         (folder/"pin.inp").write_text(self.deck(**options))
-        done = subprocess.run([executable, "run", "pin.inp", "-o", ".", "--overwrite", "--quiet"], cwd=folder,
-                              capture_output=True, text=True, check=False)
+        done = subprocess.run([executable, "run", "pin.inp", "-o", ".", "--overwrite", "--quiet"],
+                              cwd=folder, capture_output=True, text=True, check=False)
         assert done.returncode == 0, done.stderr
         block = (folder/"pin.dat").read_text().split("displacements")[-1]
         rows = [line.split() for line in block.splitlines()[1:]]
@@ -77,7 +82,8 @@ class Hairpin:
 
     def wall(self, u, level, layer):
         """Present places of the inner face of an arm, from the fold to the tip."""
-        nodes = {i: n for (i, j, k), n in self.number.items() if j == level and k == layer and 0 <= i <= self.end}
+        nodes = {i: n for (i, j, k), n in self.number.items() if j == level and k == layer
+                 and 0 <= i <= self.end}
         return np.array([[i*H + u[n][0], level*H + u[n][1]] for i, n in sorted(nodes.items())])
 
 

@@ -1,4 +1,5 @@
-"""Sheets of solid elements: words with I bend without locking at one element through the thickness."""
+"""Sheets of solid elements: words with I bend without locking at one element through the
+thickness."""
 import numpy as np
 import pytest
 

@@ -1,4 +1,5 @@
-"""Nodes that slide over the joints of facets: ironing by node to segment, a corner under a beam, a folded strip."""
+"""Nodes that slide over the joints of facets: ironing by node to segment, a corner under a beam, a
+folded strip."""
 import sys
 
 import numpy as np
@@ -49,38 +50,40 @@ def test_ironing_in_equal_increments(solve, sheet, name, options, most):
         sheet.compare(case, f"{name}: ripple of the force {what}", ripple(time, force), 0.0, bound,
                       "a steady force", absolute=True)
     lean = np.abs(along/down)[time > PLATEAU]
-    sheet.compare(case, f"{name}: force along over force down, between mu and 1.5 mu", lean.mean()/0.3, 1.25, 0.25,
-                  "Coulomb and ploughing", absolute=True)
+    sheet.compare(case, f"{name}: force along over force down, between mu and 1.5 mu",
+                  lean.mean()/0.3, 1.25, 0.25, "Coulomb and ploughing", absolute=True)
     assert ((lean > 0.3*(1.0 - most[0])) & (lean < 0.45)).all()
 
 
 @pytest.mark.parametrize("name, cells, quadratic", [("quadratic facets", (80, 2), True),
                                                     ("linear facets", (100, 2), False)])
 def test_a_beam_over_a_corner(core, sheet, name, cells, quadratic):
-    """D3: the force is square to the beam, wherever the corner is under it, and all moments balance."""
+    """D3: the force is square to the beam, wherever the corner is under it, and all moments
+    balance."""
     result = in_process(sliding.beam_over_corner(cells, quadratic=quadratic), "beam_over_corner")
     mesh, case = result.to_meshio(), "D3 beam over a corner"
     x = np.asarray(mesh.points, float)[:, :2] + np.asarray(result["U"], float)[:, :2]
     force = np.asarray(result["RF"], float)[:, :2]
     size = np.abs(force).max()
-    sheet.compare(case, f"{name}: sum of clamp, corner and end", np.abs(force.sum(axis=0)).max()/size, 0.0, 1e-8,
-                  "equilibrium", absolute=True)
+    sheet.compare(case, f"{name}: sum of clamp, corner and end",
+                  np.abs(force.sum(axis=0)).max()/size, 0.0, 1e-8, "equilibrium", absolute=True)
     moment = (x[:, 0]*force[:, 1] - x[:, 1]*force[:, 0]).sum()
-    sheet.compare(case, f"{name}: their moments over force times length", abs(moment)/(200.0*size), 0.0, 1e-8,
-                  "equilibrium", absolute=True)
+    sheet.compare(case, f"{name}: their moments over force times length", abs(moment)/(200.0*size),
+                  0.0, 1e-8, "equilibrium", absolute=True)
     corner = np.flatnonzero(np.hypot(*(mesh.points[:, :2] - [100.0, 0.0]).T) < 1e-6)
     corner = corner[np.abs(force[corner]).max(axis=1).argmax()]
     way = tangent_at(mesh, x, x[corner], quadratic)
     lean = force[corner]/np.hypot(*force[corner])
-    sheet.compare(case, f"{name}: cosine of the force at the corner and the beam", abs(lean @ way), 0.0, 1e-8,
-                  "square to the beam", absolute=True)
+    sheet.compare(case, f"{name}: cosine of the force at the corner and the beam", abs(lean @ way),
+                  0.0, 1e-8, "square to the beam", absolute=True)
     assert abs(lean[0]) > 0.05
 
 
 def tangent_at(mesh, x, at, quadratic):
     """Unit tangent of the lower side of the beam where it is nearest to a point."""
     low = np.flatnonzero((np.abs(mesh.points[:, 1]) < 1e-9) & (mesh.points[:, 0] < 200.0 + 1e-9))
-    used = np.isin(low, np.unique(np.concatenate([b.data.ravel() for b in mesh.cells if len(b.data) > 1])))
+    used = np.isin(low, np.unique(np.concatenate([b.data.ravel() for b in mesh.cells
+                                                  if len(b.data) > 1])))
     low = low[used]
     low = low[np.argsort(mesh.points[low, 0])]
     width = 2 if quadratic else 1
@@ -114,13 +117,15 @@ def horner(powers, s):
 
 
 def test_a_strip_folded_in_space(core):
-    """Its legs close without a node passing through, and alike on both faces but for who presses."""
+    """Its legs close without a node passing through, and alike on both faces but for who
+    presses."""
     result = in_process(sliding.folded_strip(), "folded_strip")
     history = result.history
     assert result.times[-1] == pytest.approx(1.0)
     assert history["INSIDE-INSIDE.closed"][-1] == 15
     assert np.max(history["INSIDE-INSIDE.max_penetration"]) < 1e-9
     mesh, u = result.to_meshio(), np.asarray(result["U"], float)
-    order = [np.lexsort(np.round(np.column_stack([mesh.points[:, :2], side*(mesh.points[:, 2] - 3.0)]), 6).T)
+    order = [np.lexsort(np.round(np.column_stack([mesh.points[:, :2],
+                                                  side*(mesh.points[:, 2] - 3.0)]), 6).T)
              for side in (1.0, -1.0)]
     np.testing.assert_allclose(u[order[0], :2], u[order[1], :2], atol=1e-4*np.abs(u).max())

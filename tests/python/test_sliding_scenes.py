@@ -7,7 +7,8 @@ from conftest import ROOT
 
 sys.path.insert(0, str(ROOT/"decks"/"make"))
 
-NAMES = ["ironing", "rotating_rings", "crushed_ring", "folded_strip", "beam_over_corner", "sliding_ball"]
+NAMES = ["ironing", "rotating_rings", "crushed_ring", "folded_strip", "beam_over_corner",
+         "sliding_ball"]
 
 
 @pytest.mark.parametrize("name", NAMES)
@@ -29,6 +30,7 @@ def test_fitted_rings_are_lame_s(core):
 
     sliding = pytest.importorskip("sliding")
     p, bore = sliding.fitted_rings_pressure()
-    outer, inner = cf.nested_rings((50.0, 30.0, 10.0), 0.0, (210e3,)*2, (0.3,)*2, "plane strain", 0.01)
+    outer, inner = cf.nested_rings((50.0, 30.0, 10.0), 0.0, (210e3,)*2, (0.3,)*2, "plane strain",
+                                   0.01)
     assert p == pytest.approx(22.792022, rel=1e-6)
     assert bore < 0.0

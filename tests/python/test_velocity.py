@@ -63,8 +63,10 @@ def test_the_integral_of_an_amplitude_is_exact():
 
 
 def test_fixed_holds_what_was_free_where_it_is():
-    bent = BLOCK.format(first="", second="*BOUNDARY, FIXED\n3, 1\n*BOUNDARY, TYPE=VELOCITY\nTOP, 2, 2, 0.\n")
-    result = lopin.run(lopin.Deck.parse(bent.replace("1, 1, 2\n2, 2", "1, 1, 2\n2, 2\n4, 1"), "block"))
+    bent = BLOCK.format(first="",
+                        second="*BOUNDARY, FIXED\n3, 1\n*BOUNDARY, TYPE=VELOCITY\nTOP, 2, 2, 0.\n")
+    result = lopin.run(lopin.Deck.parse(bent.replace("1, 1, 2\n2, 2", "1, 1, 2\n2, 2\n4, 1"),
+                                        "block"))
     across = [float(result.at(k)["U"][2][0]) for k in range(len(result.times))]
     assert across[3] < -1e-3
     assert across[4:] == [across[3]]*2

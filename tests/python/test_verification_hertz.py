@@ -99,7 +99,8 @@ def test_a_cylinder_held_by_nothing_but_contact(root, solve, sheet, method):
     line = hertz_line(1000.0, 100.0, contact_modulus(210e3, 0.3))
     contact = result.contact(0).last
     x, p = contact.x[:, 0], contact.pressure.ravel()
-    sheet.compare(case, start + "reaction of the plane", result.history["FLOOR.rf2"][-1], 500.0, 1e-9)
+    sheet.compare(case, start + "reaction of the plane", result.history["FLOOR.rf2"][-1], 500.0,
+                  1e-9)
     sheet.compare(case, start + "largest pressure", p.max(), line.p0, 0.01)
     inside = x < 0.85*line.a
     sheet.compare(case, start + "pressure, x < 0.85 a, worst over p0",
@@ -137,13 +138,14 @@ def test_a_flat_punch_pressed_by_a_force(root, solve, sheet, method):
     sheet.compare(case, start + "depth", -result.history["PUNCH.u2"][-1],
                   flat_punch_axisymmetric(1000.0, 10.0, modulus), 0.005)
     sheet.compare(case, start + "force", -result.history["NEAR-PUNCH.force2"][-1], 1000.0, 1e-9)
-    sheet.compare(case, start + "pressure, r <= 0.8 a, worst", abs(p[inside]/exact[inside] - 1.0).max(), 0.0,
-                  0.02, absolute=True)
+    sheet.compare(case, start + "pressure, r <= 0.8 a, worst",
+                  abs(p[inside]/exact[inside] - 1.0).max(), 0.0, 0.02, absolute=True)
     assert p.min() >= 0.0
 
 
 def test_a_node_on_the_corner_of_a_punch(root, solve, sheet):
-    """The punch is cut to the radius of a node: it must meet the flat side, not the corner's middle."""
+    """The punch is cut to the radius of a node: it must meet the flat side, not the corner's
+    middle."""
     deck = with_method(root, "flat_punch", "DIRECT")
     text = deck.text().replace("START, 10., 10.", "START, 9.98, 10.") \
         .replace("LINE, 10., 0.", "LINE, 9.98, 0.")
@@ -174,6 +176,6 @@ def test_a_flat_punch_in_plane_strain(root, solve, sheet, method):
     exact = flat_punch_2d(1000.0, 10.0, x[x <= 8.0])
     sheet.compare(case, start + "force", -result.history["NEAR-PUNCH.force2"][-1], 500.0, 1e-9)
     sheet.compare(case, start + "pressure in the middle", p[np.argmin(x)], 31.8310, 0.02)
-    sheet.compare(case, start + "pressure, x <= 0.8 a, worst", abs(p[x <= 8.0]/exact - 1.0).max(), 0.0,
-                  0.02, absolute=True)
+    sheet.compare(case, start + "pressure, x <= 0.8 a, worst", abs(p[x <= 8.0]/exact - 1.0).max(),
+                  0.0, 0.02, absolute=True)
     assert p.min() >= 0.0

@@ -7,9 +7,11 @@ C, S = np.cos(np.pi/6.0), np.sin(np.pi/6.0)
 
 
 def pad(share: float) -> str:
-    """40 by 40 mm, almost rigid, 2 mm above a plane at 30 degrees; springs of 4 N/mm along, 0.01 N/mm across."""
+    """40 by 40 mm, almost rigid, 2 mm above a plane at 30 degrees; springs of 4 N/mm along, 0.01
+    N/mm across."""
     at = {1: (-20.0, 2.0), 2: (20.0, 2.0), 3: (20.0, 42.0), 4: (-20.0, 42.0)}
-    nodes = "".join(f"{k}, {float(C*s - S*n)!r}, {float(S*s + C*n)!r}\n" for k, (s, n) in at.items())
+    nodes = "".join(f"{k}, {float(C*s - S*n)!r}, {float(S*s + C*n)!r}\n"
+                    for k, (s, n) in at.items())
     for first in (10, 20):
         nodes += "".join(f"{first + i}, {float(-200 + x)!r}, {float(first + y)!r}\n"
                          for i, (x, y) in enumerate(((0, 0), (1, 0), (1, 1), (0, 1))))

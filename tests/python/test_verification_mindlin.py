@@ -1,4 +1,5 @@
-"""A8: two equal spheres pressed, then sheared to and fro (Mindlin 1949, Mindlin and Deresiewicz 1953)."""
+"""A8: two equal spheres pressed, then sheared to and fro (Mindlin 1949, Mindlin and Deresiewicz
+1953)."""
 import sys
 from pathlib import Path
 
@@ -70,7 +71,8 @@ def test_the_loop_of_mindlin(solve, sheet, exact, rings):
     case, name = "A8 Mindlin: two spheres in 3D, sheared to and fro", f"{rings} rings: "
     result = solve(lopin.Deck.parse(build(rings), "mindlin"))
     steps, h = result.summary["steps"], result.history
-    sheet.compare(case, name + "factorisations in 51 increments", sum(s["factorisations"] for s in steps), 1, 0.0)
+    sheet.compare(case, name + "factorisations in 51 increments",
+                  sum(s["factorisations"] for s in steps), 1, 0.0)
     assert sum(s["increments"] for s in steps) == 51
     time, along = np.asarray(h["time"]), np.asarray(h["UP.FAR.u1"])
     turn = int(np.argmin(abs(time - 2.0)))
@@ -80,21 +82,29 @@ def test_the_loop_of_mindlin(solve, sheet, exact, rings):
     for what, chosen, expected, within in (
             ("contact", np.asarray(contact.pressure).ravel() > 0.0, exact.normal.a, 0.01),
             ("stick", status == 1, exact.stick_radius(100.0), 0.03)):
-        sheet.compare(case, f"{name}radius of {what}, by area", np.sqrt(2.0/np.pi*weight[chosen].sum()), expected, within)
-    sheet.compare(case, name + "displacement at Q = 100", along[turn] - along[0], exact.displacement(100.0), 0.003)
+        sheet.compare(case, f"{name}radius of {what}, by area",
+                      np.sqrt(2.0/np.pi*weight[chosen].sum()), expected, within)
+    sheet.compare(case, name + "displacement at Q = 100", along[turn] - along[0],
+                  exact.displacement(100.0), 0.003)
     shear = 50.0*np.interp(time[turn:], [2.0, 4.0, 6.0], [1.0, -1.0, 1.0])
     done = 2.0*np.sum(0.5*(shear[1:] + shear[:-1])*np.diff(along[turn:]))
     # Half of the bodies is there.
     moved = {key: 2.0*(h[f"energy.{key}"][-1] - h[f"energy.{key}"][turn])
              for key in ("external", "strain", "friction", "friction_mean")}
     sheet.compare(case, name + "energy of a cycle", done, exact.loop_energy(100.0), ENERGY[rings])
-    # The shear's work, and what the pressing force does as the bodies settle a little in the first cycle.
-    sheet.compare(case, name + "work of all forces - stored - dissipated, by one rule, over the energy of a cycle",
-                  (moved["external"] - moved["strain"] - moved["friction_mean"])/done, 0.0, 1e-6, "energy", absolute=True)
-    sheet.compare(case, name + "dissipated over work of the shear", moved["friction_mean"]/done, 1.0, 2e-4, "energy")
-    sheet.compare(case, name + "by tractions at the increments' ends, over the same", moved["friction"]/done, 1.0, 0.005,
-                  "energy")
-    sheet.compare(case, name + "stored over the cycle/work", moved["strain"]/done, 0.0, 5e-4, "energy", absolute=True)
+    # The shear's work, and what the pressing force does as the bodies settle a little in the first
+    # cycle.
+    sheet.compare(case,
+                  name
+                  + "work of all forces - stored - dissipated, by one rule, over the energy of a cycle",
+                  (moved["external"] - moved["strain"] - moved["friction_mean"])/done, 0.0, 1e-6,
+                  "energy", absolute=True)
+    sheet.compare(case, name + "dissipated over work of the shear", moved["friction_mean"]/done,
+                  1.0, 2e-4, "energy")
+    sheet.compare(case, name + "by tractions at the increments' ends, over the same",
+                  moved["friction"]/done, 1.0, 0.005, "energy")
+    sheet.compare(case, name + "stored over the cycle/work", moved["strain"]/done, 0.0, 5e-4,
+                  "energy", absolute=True)
     open_ = np.diff(h["energy.external"] - h["energy.strain"] - h["energy.friction_mean"])[1:]
     sheet.compare(case, name + "largest open energy of an increment over dissipated",
                   np.abs(open_).max()/h["energy.friction"][-1], 0.0, 1e-6, "energy", absolute=True)

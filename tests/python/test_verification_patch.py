@@ -96,7 +96,8 @@ def test_matching_meshes_pass(solve, sheet, full, method):
 
 
 def corner(method=None, other=False):
-    """A unit cube on two symmetry planes; its corner between them is pressed by an oblique plane."""
+    """A unit cube on two symmetry planes; its corner between them is pressed by an oblique
+    plane."""
     cube = mesh_make.block((1.0, 1.0, 1.0), (2, 2, 2))
     cube = cube.with_points("CORNER", lambda x: (x[:, 0] < 1e-9) & (x[:, 1] < 1e-9)
                             & (x[:, 2] > 1.0 - 1e-9))

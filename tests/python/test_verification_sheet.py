@@ -1,4 +1,5 @@
-"""Sheets that are bent, released and drawn, against closed forms (Hill 1950) and workshop practice."""
+"""Sheets that are bent, released and drawn, against closed forms (Hill 1950) and workshop
+practice."""
 import doctest
 from math import atan2, cos, degrees, radians, sin
 
@@ -25,7 +26,8 @@ def test_bent_sheet_has_the_published_numbers():
 
 
 def bending(radius: float, layers: int, length: float) -> str:
-    """A piece of a strip: its end slides on a face that turns, so that nothing but a moment acts."""
+    """A piece of a strip: its end slides on a face that turns, so that nothing but a moment
+    acts."""
     columns = 2
     lines = ["*NODE, NSET=ALL"]
     n = layers + 1
@@ -95,6 +97,7 @@ def leg_angle(result, time: float) -> float:
     piece = result.to_meshio(index)
     x = piece.points[:, :2] + piece.point_data["U"][:, :2]
     at = piece.points[:, :2]
-    legs = [int(abs(at - [s, 1.0]).sum(axis=1).argmin()) for s in (12.0 + 28.0*18/26, 12.0 + 28.0*24/26)]
+    legs = [int(abs(at - [s, 1.0]).sum(axis=1).argmin())
+            for s in (12.0 + 28.0*18/26, 12.0 + 28.0*24/26)]
     way = x[legs[1]] - x[legs[0]]
     return degrees(atan2(way[1], way[0]))

@@ -73,7 +73,8 @@ def test_augmentations_contract_by_k_over_k_plus_alpha(bar, solve, sheet, ratio,
 def test_too_small_a_force_does_not_reach_the_wall(bar, solve, sheet, method):
     ratio = None if method == "DIRECT" else 10.0
     h = solve(bar(method, ratio, force=2000.0)).history
-    sheet.compare("A1 bar and gap", f"{method.lower()}: tip under 2000 N", tip(h)[0], 2000.0/K, 1e-10)
+    sheet.compare("A1 bar and gap", f"{method.lower()}: tip under 2000 N", tip(h)[0], 2000.0/K,
+                  1e-10)
     assert h["FACE.rf1"][0] == 0.0 and h["END-FACE.closed"][0] == 0
 
 

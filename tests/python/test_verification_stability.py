@@ -1,4 +1,5 @@
-"""Where methods lose digits, and where they keep them: a chain of twenty unit springs and a wall."""
+"""Where methods lose digits, and where they keep them: a chain of twenty unit springs and a
+wall."""
 import numpy as np
 import pytest
 

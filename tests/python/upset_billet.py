@@ -1,4 +1,5 @@
-"""Half a billet upset by a rigid plate, as a deck: by element, mesh, increments, method and friction."""
+"""Half a billet upset by a rigid plate, as a deck: by element, mesh, increments, method and
+friction."""
 from __future__ import annotations
 
 import numpy as np
@@ -37,7 +38,8 @@ DIE_REF, 2, 2, {way!r}
 """
 
 
-def billet(increments: int, *, mu: float = 0.0, share: float = 0.3, cells=(4, 6), direct: bool = True,
+def billet(increments: int, *, mu: float = 0.0, share: float = 0.3, cells=(4, 6),
+           direct: bool = True,
            word: str = "CAX4", method: str = "DIRECT", metal: bool = True) -> lopin.Deck:
     """Half a billet of radius 10 and height 30, pressed by a share of it."""
     mesh = mesh_make.block((10.0, 15.0), cells, quadratic=word.startswith("CAX8"))
