@@ -29,4 +29,6 @@ def test_says_what_to_expect(deck):
 
 @pytest.mark.parametrize("deck", DECKS, ids=lambda p: p.stem)
 def test_is_in_the_catalogue(deck):
-    assert f"## {deck.stem}\n" in (ROOT/"decks"/"README.md").read_text(encoding="utf-8")
+    catalogue = (ROOT/"decks"/"README.md").read_text(encoding="utf-8")
+    assert f"## {deck.stem}\n" in catalogue
+    assert f"docs/pictures/{deck.stem}.png" in catalogue

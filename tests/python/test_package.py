@@ -367,6 +367,32 @@ def test_no_file_knows_a_machine_or_a_registry(root):
     assert not wrong, "\n".join(wrong)
 
 
+def test_links_of_the_pages_lead_somewhere(root):
+    """Files that Markdown links to, headings in them, and sources named in backticks."""
+    def heading(text):
+        return re.sub(r"[^\w -]", "", text.lower()).strip().replace(" ", "-")
+
+    files = list(tree(root))
+    names = {path.name for path in files}
+    wrong = []
+    for page in (path for path in files if path.suffix == ".md"):
+        text = page.read_text(encoding="utf-8")
+        for link in re.findall(r"\]\(([^)\s]+)\)", text):
+            file, _, place = link.partition("#")
+            target = page.parent/file if file else page
+            if link.startswith("http"):
+                continue
+            if not target.exists():
+                wrong.append(f"{page.name}: {link}")
+            elif place and target.suffix == ".md":
+                lines = target.read_text(encoding="utf-8").splitlines()
+                if place not in {heading(line.lstrip("# ")) for line in lines if line[:1] == "#"}:
+                    wrong.append(f"{page.name}: {link}")
+        wrong += [f"{page.name}: {name}" for name in re.findall(r"`([\w./-]+\.(?:f90|py|inp))`", text)
+                  if name.rpartition("/")[2] not in names | {"job.inp", "deck.inp"}]
+    assert not wrong, "\n".join(wrong)
+
+
 def test_python_files_stay_short_and_narrow(root):
     for path in sorted((root/"pydriver"/"lopin").glob("*.py")):
         lines = path.read_text(encoding="utf-8").split("\n")
