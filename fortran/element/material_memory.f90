@@ -13,7 +13,7 @@ module lopin_material_memory
    use lopin_finite_elastic, only : past_type
    implicit none
    private
-   public :: memory_size, past_of, metric_of, put_metric, pushed_metric, strain_at, stress_at, &
+   public :: memory_size, past_of, metric_of, put_metric, trial_change, strain_at, stress_at, &
       & work_at, offset_at
    public :: amplitudes_of, put_amplitudes
 
@@ -76,7 +76,7 @@ contains
 
    !> What the law reads; from rest if the column is empty.
    pure function past_of(memory, nstress, dt) result(past)
-      real(wp), intent(in) :: memory(:)
+      real(wp), contiguous, intent(in) :: memory(:)
       integer, intent(in) :: nstress
       real(wp), intent(in) :: dt               !! [time]
       type(past_type) :: past
@@ -87,29 +87,47 @@ contains
    end function past_of
 
    pure function metric_of(memory, nstress) result(metric)
-      real(wp), intent(in) :: memory(:)
+      real(wp), contiguous, intent(in) :: memory(:)
       integer, intent(in) :: nstress
       real(wp) :: metric(3, 3)
-      integer :: r
 
       metric = 0.0_wp
-      do r = 1, nstress
-         metric(first_axis(r), second_axis(r)) = memory(r)
-         metric(second_axis(r), first_axis(r)) = memory(r)
-      end do
+      metric(1, 1) = memory(1)
+      metric(2, 2) = memory(2)
+      metric(3, 3) = memory(3)
+      metric(1, 2) = memory(4)
+      metric(2, 1) = memory(4)
+      if (nstress == 4) return
+      metric(1, 3) = memory(5)
+      metric(3, 1) = memory(5)
+      metric(2, 3) = memory(6)
+      metric(3, 2) = memory(6)
    end function metric_of
 
-   !> F P F^T of the metric P of a column.
-   pure function pushed_metric(h, memory, nstress) result(pushed)
+   !> b - 1 of the elastic part if nothing flowed: F (1 + P) F^T - 1 with the metric P of a column.
+   pure function trial_change(h, memory, nstress) result(change)
       real(wp), intent(in) :: h(3, 3)          !! F - 1
-      real(wp), intent(in) :: memory(:)
+      real(wp), contiguous, intent(in) :: memory(:)   !! empty: P = 0
       integer, intent(in) :: nstress
-      real(wp) :: pushed(3, 3), half(3, 3)
+      real(wp) :: change(3, 3), metric(3, 3), half(3, 3)   ! half: F (1 + P) - 1
+      integer :: i, j
 
-      half = metric_of(memory, nstress)
-      half = half + matmul(h, half)
-      pushed = half + matmul(half, transpose(h))
-   end function pushed_metric
+      half = h
+      if (size(memory) > 0) then
+         metric = metric_of(memory, nstress)
+         do j = 1, 3
+            half(:, j) = half(:, j) + metric(:, j) + h(:, 1)*metric(1, j) + h(:, 2)*metric(2, j) &
+               & + h(:, 3)*metric(3, j)
+         end do
+      end if
+      do j = 1, 3
+         do i = 1, j
+            change(i, j) = half(i, j) + h(j, i) + half(i, 1)*h(j, 1) + half(i, 2)*h(j, 2) &
+               & + half(i, 3)*h(j, 3)
+            change(j, i) = change(i, j)
+         end do
+      end do
+   end function trial_change
 
    pure subroutine put_metric(memory, nstress, metric)
       real(wp), intent(inout) :: memory(:)

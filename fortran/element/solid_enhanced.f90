@@ -7,16 +7,17 @@
 !> symmetric.
 !>
 !> A generalised displacement (node or amplitude) has at each point a velocity gradient l, listed as
-!> the entries (i, j), first index fastest, of the plane or of space, and in 2D the hoop as fifth.
+!> in module velocity_form.
 module lopin_solid_enhanced
    use lopin_kinds, only : wp
    use lopin_vectors, only : cross
    use lopin_element_type, only : element_type, element_kind
    use lopin_enhanced_modes, only : modes_type, internal_modes, solve_small, most_nodes, most_points
    use lopin_solid_small, only : gradients
+   use lopin_velocity_form, only : velocity_form
    use lopin_finite_elastic, only : finite_law_type, finite_response, thickness_change, &
       & condense_thickness, volume_change
-   use lopin_material_memory, only : past_of, pushed_metric, amplitudes_of, offset_at
+   use lopin_material_memory, only : past_of, trial_change, amplitudes_of, offset_at
    implicit none
    private
    public :: enhanced_element, enhanced_deformation
@@ -54,7 +55,7 @@ contains
       type(finite_law_type), intent(in) :: law
       real(wp), intent(in) :: x(:, :), u(:, :)     !! (ndim, nnode) [length]
       real(wp), intent(in) :: thickness            !! plane kinds [length]
-      real(wp), intent(in) :: memory(:, :)         !! of the accepted state, or empty
+      real(wp), contiguous, intent(in) :: memory(:, :)   !! of the accepted state, or empty
       real(wp), intent(in) :: dt                   !! since the accepted state [time]
       real(wp), intent(out) :: force(element%ndof)
       real(wp), intent(out) :: energy
@@ -104,7 +105,7 @@ contains
       type(finite_law_type), intent(in) :: law
       real(wp), intent(in) :: x(:, :), u(:, :)     !! (ndim, nnode) [length]
       real(wp), intent(in) :: thickness            !! plane kinds [length]
-      real(wp), intent(in) :: memory(:, :)         !! of the accepted state, or empty
+      real(wp), contiguous, intent(in) :: memory(:, :)   !! of the accepted state, or empty
       real(wp), intent(in) :: dt                   !! since the accepted state [time]
       real(wp), intent(out) :: h(3, 3, element%ngauss)
       real(wp), intent(out) :: alpha(element%nmode)   !! amplitudes [-]
@@ -167,7 +168,8 @@ contains
       type(element_type), intent(in) :: element
       type(finite_law_type), intent(in) :: law
       type(motion_type), intent(in) :: motion
-      real(wp), intent(in) :: memory(:, :), dt
+      real(wp), contiguous, intent(in) :: memory(:, :)
+      real(wp), intent(in) :: dt
       real(wp), intent(out) :: alpha(element%nmode)
       integer, intent(out) :: bad
       real(wp), dimension(element%nmode, 1) :: force, step
@@ -206,7 +208,8 @@ contains
       type(element_type), intent(in) :: element
       type(finite_law_type), intent(in) :: law
       type(motion_type), intent(in) :: motion
-      real(wp), intent(in) :: memory(:, :), dt, step(:)
+      real(wp), contiguous, intent(in) :: memory(:, :)
+      real(wp), intent(in) :: dt, step(:)
       real(wp), intent(inout) :: alpha(:), force(:, :)
       real(wp), intent(out) :: pivot(:, :)
       integer, intent(out) :: turned
@@ -244,7 +247,8 @@ contains
       type(element_type), intent(in) :: element
       type(finite_law_type), intent(in) :: law
       type(motion_type), intent(in) :: motion
-      real(wp), intent(in) :: memory(:, :), dt, alpha(:)
+      real(wp), contiguous, intent(in) :: memory(:, :)
+      real(wp), intent(in) :: dt, alpha(:)
       real(wp), intent(inout) :: force(:, :)
       real(wp), intent(out) :: pivot(:, :)
       integer, intent(out) :: turned
@@ -272,7 +276,8 @@ contains
       type(finite_law_type), intent(in) :: law
       type(motion_type), intent(in) :: motion
       integer, intent(in) :: k
-      real(wp), intent(in) :: memory(:), dt, alpha(:)
+      real(wp), contiguous, intent(in) :: memory(:)
+      real(wp), intent(in) :: dt, alpha(:)
       type(answer_type), intent(out) :: answer
       real(wp) :: stress(element%nstress), tangent(element%nstress, element%nstress)
       real(wp) :: change(3, 3), own, across, f(3, 3), e(3, 3)
@@ -292,8 +297,7 @@ contains
       answer%inverse(2, :) = cross(f(:, 3), f(:, 1))
       answer%inverse(3, :) = cross(f(:, 1), f(:, 2))
       answer%inverse = answer%inverse/(1.0_wp + own)
-      change = answer%h + transpose(answer%h) + matmul(answer%h, transpose(answer%h))
-      if (size(memory) > 0) change = change + pushed_metric(answer%h, memory, element%nstress)
+      change = trial_change(answer%h, memory, element%nstress)
       if (element%kind == element_kind%plane_stress) then
          across = thickness_change(law, past_of(memory, element%nstress, dt), change, own)
          change(3, 3) = across*(2.0_wp + across)
@@ -303,34 +307,21 @@ contains
          & answer%energy, tangent)
       if (element%kind == element_kind%plane_stress) call condense_thickness(tangent)
       answer%energy = motion%weight(k)*answer%energy
-      call spread_out(element%ndim, motion%weight(k)*stress, motion%weight(k)*tangent, answer)
+      answer%s = tensor_of(motion%weight(k)*stress)
+      call velocity_form(element%ndim, stress, tangent, 0.0_wp, motion%weight(k), answer%a)
    end subroutine respond
 
-   !> Stress as a tensor, and the quadratic form of tangent and stress on velocity gradients.
-   pure subroutine spread_out(d, stress, tangent, answer)
-      integer, intent(in) :: d
-      real(wp), intent(in) :: stress(:), tangent(:, :)
-      type(answer_type), intent(inout) :: answer
-      integer :: which(9), i, m, n, r
+   pure function tensor_of(stress) result(s)
+      real(wp), intent(in) :: stress(:)   !! (4 or 6)
+      real(wp) :: s(3, 3)
+      integer :: r
 
+      s = 0.0_wp
       do r = 1, size(stress)
-         answer%s(row(r), column(r)) = stress(r)
-         answer%s(column(r), row(r)) = stress(r)
+         s(row(r), column(r)) = stress(r)
+         s(column(r), row(r)) = stress(r)
       end do
-      n = merge(9, 5, d == 3)
-      which = [1, 4, 4, 2, 3, 0, 0, 0, 0]
-      if (d == 3) which = [1, 4, 5, 4, 2, 6, 5, 6, 3]
-      answer%a(:n, :n) = tangent(which(:n), which(:n))
-      do m = 1, d
-         do r = 1, d
-            do i = 1, d
-               answer%a(i + d*(m - 1), i + d*(r - 1)) = answer%a(i + d*(m - 1), i + d*(r - 1)) &
-                  & + answer%s(m, r)
-            end do
-         end do
-      end do
-      if (d == 2) answer%a(5, 5) = answer%a(5, 5) + answer%s(3, 3)
-   end subroutine spread_out
+   end function tensor_of
 
    !> Gradient of the amplitudes.
    pure function summed(element, motion, k, alpha) result(e)

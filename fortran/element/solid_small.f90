@@ -122,42 +122,62 @@ contains
    !> Cartesian slopes of the shape functions: J**-T dN, and det J.
    pure subroutine gradients(ndim, nnode, x, dn, g, determinant)
       integer, intent(in) :: ndim, nnode
-      real(wp), intent(in) :: x(:, :)              !! (ndim, nnode) [length]
+      real(wp), intent(in) :: x(ndim, nnode)       !! [length]
       real(wp), intent(in) :: dn(ndim, nnode)
       real(wp), intent(out) :: g(ndim, nnode)      !! [1/length]; undefined unless det J > 0
       real(wp), intent(out) :: determinant
-      real(wp) :: j(3, 3), c(3, 3)
-      integer :: a, i, k
 
-      j(:ndim, :ndim) = 0.0_wp
-      do a = 1, nnode
-         do k = 1, ndim
-            do i = 1, ndim
-               j(i, k) = j(i, k) + x(i, a)*dn(k, a)
-            end do
-         end do
-      end do
       if (ndim == 2) then
-         c(:2, 1) = [j(2, 2), -j(1, 2)]
-         c(:2, 2) = [-j(2, 1), j(1, 1)]
+         call plane_gradients(nnode, x, dn, g, determinant)
       else
-         c(:, 1) = cross(j(:, 2), j(:, 3))
-         c(:, 2) = cross(j(:, 3), j(:, 1))
-         c(:, 3) = cross(j(:, 1), j(:, 2))
-      end if
-      determinant = dot_product(j(:ndim, 1), c(:ndim, 1))
-      if (determinant <= 0.0_wp) return
-      c(:ndim, :ndim) = c(:ndim, :ndim)/determinant
-      if (ndim == 2) then
-         do a = 1, nnode
-            g(:, a) = c(:2, 1)*dn(1, a) + c(:2, 2)*dn(2, a)
-         end do
-      else
-         do a = 1, nnode
-            g(:, a) = c(:, 1)*dn(1, a) + c(:, 2)*dn(2, a) + c(:, 3)*dn(3, a)
-         end do
+         call space_gradients(nnode, x, dn, g, determinant)
       end if
    end subroutine gradients
+
+   pure subroutine plane_gradients(nnode, x, dn, g, determinant)
+      integer, intent(in) :: nnode
+      real(wp), intent(in) :: x(2, nnode), dn(2, nnode)
+      real(wp), intent(out) :: g(2, nnode), determinant
+      real(wp) :: j(2, 2)
+      integer :: a
+
+      j = 0.0_wp
+      do a = 1, nnode
+         j(:, 1) = j(:, 1) + x(:, a)*dn(1, a)
+         j(:, 2) = j(:, 2) + x(:, a)*dn(2, a)
+      end do
+      determinant = j(1, 1)*j(2, 2) - j(2, 1)*j(1, 2)
+      if (determinant <= 0.0_wp) return
+      j = j/determinant
+      do a = 1, nnode
+         g(1, a) = j(2, 2)*dn(1, a) - j(2, 1)*dn(2, a)
+         g(2, a) = j(1, 1)*dn(2, a) - j(1, 2)*dn(1, a)
+      end do
+   end subroutine plane_gradients
+
+   pure subroutine space_gradients(nnode, x, dn, g, determinant)
+      integer, intent(in) :: nnode
+      real(wp), intent(in) :: x(3, nnode), dn(3, nnode)
+      real(wp), intent(out) :: g(3, nnode), determinant
+      real(wp) :: j(3, 3), c(3, 3)
+      integer :: a, k
+
+      j = 0.0_wp
+      do a = 1, nnode
+         do k = 1, 3
+            j(:, k) = j(:, k) + x(:, a)*dn(k, a)
+         end do
+      end do
+      c(:, 1) = cross(j(:, 2), j(:, 3))
+      c(:, 2) = cross(j(:, 3), j(:, 1))
+      c(:, 3) = cross(j(:, 1), j(:, 2))
+      determinant = dot_product(j(:, 1), c(:, 1))
+      if (determinant <= 0.0_wp) return
+      c = c/determinant
+      do a = 1, nnode
+         g(:, a) = c(:, 1)*dn(1, a) + c(:, 2)*dn(2, a) + c(:, 3)*dn(3, a)
+      end do
+   end subroutine space_gradients
 
    pure subroutine fill_solid(nnode, g, b)
       integer, intent(in) :: nnode

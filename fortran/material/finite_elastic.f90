@@ -119,9 +119,9 @@ contains
       real(wp), intent(in) :: change(3, 3)            !! b - 1
       real(wp), intent(in) :: own                     !! J - 1 of b itself
       real(wp), intent(in) :: volume                  !! J - 1 that counts
-      real(wp), intent(out) :: stress(:)              !! (4 or 6) [stress]
+      real(wp), contiguous, intent(out) :: stress(:)  !! (4 or 6) [stress]
       real(wp), intent(out) :: energy                 !! [stress]
-      real(wp), intent(out), optional :: tangent(:, :)   !! (4, 4) or (6, 6) [stress]
+      real(wp), contiguous, intent(out), optional :: tangent(:, :)   !! (4, 4) or (6, 6) [stress]
 
       if (law%kind == finite_law%neo_hooke) then
          call neo_hooke_response(law, change, own, volume, stress, energy, tangent)
@@ -136,30 +136,30 @@ contains
       type(finite_law_type), intent(in) :: law
       type(past_type), intent(in) :: past
       real(wp), intent(in) :: change(3, 3), volume
-      real(wp), intent(out) :: stress(:), energy
-      real(wp), intent(out), optional :: tangent(:, :)
+      real(wp), contiguous, intent(out) :: stress(:)
+      real(wp), intent(out) :: energy
+      real(wp), contiguous, intent(out), optional :: tangent(:, :)
       type(log_frame_type) :: frame
       type(return_type) :: back
-      real(wp) :: deviator(3), principal(3), slope(3, 3), secant(3), dilatation
+      real(wp) :: deviator(3), principal(3), slope(3, 3), secant(3), dilatation, square
       integer :: k
 
       call new_log_frame(frame, change)
       dilatation = log_one_plus(volume) + past%offset
-      deviator = frame%e - sum(frame%e)/3.0_wp
-      back = answer_of(law, past, norm2(deviator))
+      deviator = frame%e - (frame%e(1) + frame%e(2) + frame%e(3))/3.0_wp
+      square = deviator(1)**2 + deviator(2)**2 + deviator(3)**2
+      back = answer_of(law, past, sqrt(square))
       principal = back%secant*deviator + law%bulk*dilatation
       stress = frame_stress(frame, principal, size(stress))
-      energy = 0.5_wp*law%bulk*dilatation**2 &
-         & + law%shear*back%kept**2*dot_product(deviator, deviator)
+      energy = 0.5_wp*law%bulk*dilatation**2 + law%shear*back%kept**2*square
       if (.not. present(tangent)) return
       slope = law%bulk - back%secant/3.0_wp
       do k = 1, 3
          slope(k, k) = slope(k, k) + back%secant
       end do
       if (abs(back%along) > 0.0_wp) then
-         deviator = deviator/norm2(deviator)
          do k = 1, 3
-            slope(:, k) = slope(:, k) + back%along*deviator*deviator(k)
+            slope(:, k) = slope(:, k) + (back%along*deviator(k)/square)*deviator
          end do
       end if
       secant = back%secant
@@ -189,15 +189,17 @@ contains
       real(wp), intent(out) :: taken(3, 3)   !! b after flow minus b of the trial
       type(log_frame_type) :: frame
       real(wp) :: deviator(3), part(3)
-      integer :: i, j
+      integer :: j, k
 
       call new_log_frame(frame, change)
-      deviator = frame%e - sum(frame%e)/3.0_wp
+      deviator = frame%e - (frame%e(1) + frame%e(2) + frame%e(3))/3.0_wp
       back = answer_of(law, past, norm2(deviator))
-      part = exp(2.0_wp*frame%e)*exp_minus_one(-2.0_wp*(1.0_wp - back%kept)*deviator)
-      do j = 1, 3
-         do i = 1, 3
-            taken(i, j) = sum(part*frame%axis(i, :)*frame%axis(j, :))
+      taken = 0.0_wp
+      if (.not. back%step > 0.0_wp) return
+      part = (1.0_wp + frame%change)*exp_minus_one(-2.0_wp*(1.0_wp - back%kept)*deviator)
+      do k = 1, 3
+         do j = 1, 3
+            taken(:, j) = taken(:, j) + (part(k)*frame%axis(j, k))*frame%axis(:, k)
          end do
       end do
    end subroutine flow_of_trial
@@ -205,8 +207,9 @@ contains
    pure subroutine neo_hooke_response(law, change, own, volume, stress, energy, tangent)
       type(finite_law_type), intent(in) :: law
       real(wp), intent(in) :: change(3, 3), own, volume
-      real(wp), intent(out) :: stress(:), energy
-      real(wp), intent(out), optional :: tangent(:, :)
+      real(wp), contiguous, intent(out) :: stress(:)
+      real(wp), intent(out) :: energy
+      real(wp), contiguous, intent(out), optional :: tangent(:, :)
       real(wp) :: trace, isochoric, first, pressure, deviator(size(stress))
       integer :: k
 
@@ -239,8 +242,9 @@ contains
    pure subroutine green_response(law, change, own, volume, stress, energy, tangent)
       type(finite_law_type), intent(in) :: law
       real(wp), intent(in) :: change(3, 3), own, volume
-      real(wp), intent(out) :: stress(:), energy
-      real(wp), intent(out), optional :: tangent(:, :)
+      real(wp), contiguous, intent(out) :: stress(:)
+      real(wp), intent(out) :: energy
+      real(wp), contiguous, intent(out), optional :: tangent(:, :)
       integer, parameter :: row(6) = [1, 2, 3, 1, 1, 2], column(6) = [1, 2, 3, 2, 3, 3]
       real(wp) :: lame, trace, scaled, big(3, 3), b(3, 3), tau(3, 3)
       integer :: i, k

@@ -21,8 +21,9 @@ module lopin_log_strain
       & second_axis(6) = [1, 2, 3, 2, 3, 3]
 
    type :: log_frame_type
-      real(wp) :: axis(3, 3) = 0.0_wp   !! columns: principal directions
-      real(wp) :: e(3) = 0.0_wp         !! logarithmic strain along each
+      real(wp) :: axis(3, 3)            !! columns: principal directions
+      real(wp) :: change(3)             !! b - 1 along each
+      real(wp) :: e(3)                  !! logarithmic strain along each
    end type log_frame_type
 
    !> Difference of logarithmic strains below which the series of d coth d is taken; its error there
@@ -49,10 +50,12 @@ contains
          if (.not. abs(a(1, 2)) + abs(a(1, 3)) + abs(a(2, 3)) &
             & > 0.01_wp*epsilon(1.0_wp)*(abs(a(1, 1)) + abs(a(2, 2)) + abs(a(3, 3)))) exit
          call rotate(a, self%axis, 1, 2)
+         if (.not. abs(a(1, 3)) + abs(a(2, 3)) > 0.0_wp) exit
          call rotate(a, self%axis, 1, 3)
          call rotate(a, self%axis, 2, 3)
       end do
       do k = 1, 3
+         self%change(k) = a(k, k)
          self%e(k) = 0.5_wp*log_one_plus(a(k, k))
       end do
    end subroutine new_log_frame
@@ -61,12 +64,13 @@ contains
    pure subroutine rotate(a, v, p, q)
       real(wp), intent(inout) :: a(3, 3), v(3, 3)
       integer, intent(in) :: p, q
-      real(wp) :: t, c, s, ratio, old(3)
-      integer :: r
+      real(wp) :: half, radius, t, c, s, old
+      integer :: i, r
 
-      if (.not. abs(a(p, q)) > 0.0_wp) return
-      ratio = 0.5_wp*(a(q, q) - a(p, p))/a(p, q)
-      t = sign(1.0_wp, ratio)/(abs(ratio) + hypot(1.0_wp, ratio))
+      half = 0.5_wp*(a(q, q) - a(p, p))
+      radius = sqrt(half**2 + a(p, q)**2)
+      if (.not. (abs(a(p, q)) > 0.0_wp .and. radius > 0.0_wp)) return
+      t = a(p, q)/(half + sign(radius, half))
       c = 1.0_wp/sqrt(1.0_wp + t*t)
       s = t*c
       a(p, p) = a(p, p) - t*a(p, q)
@@ -74,49 +78,39 @@ contains
       a(p, q) = 0.0_wp
       a(q, p) = 0.0_wp
       r = 6 - p - q
-      old(:2) = [a(r, p), a(r, q)]
-      a(r, p) = c*old(1) - s*old(2)
-      a(r, q) = s*old(1) + c*old(2)
+      old = a(r, p)
+      a(r, p) = c*old - s*a(r, q)
+      a(r, q) = s*old + c*a(r, q)
       a(p, r) = a(r, p)
       a(q, r) = a(r, q)
-      old = v(:, p)
-      v(:, p) = c*old - s*v(:, q)
-      v(:, q) = s*old + c*v(:, q)
-   end subroutine rotate
-
-   !> Columns: components of n_k n_k, and of n_k n_l + n_l n_k for the pairs 12, 13, 23.
-   pure function frame_map(self, m) result(map)
-      type(log_frame_type), intent(in) :: self
-      integer, intent(in) :: m               !! 4 or 6
-      real(wp) :: map(m, m)
-      integer :: r, k, i, j
-
-      do k = 1, m
-         do r = 1, m
-            i = first_axis(r)
-            j = second_axis(r)
-            map(r, k) = self%axis(i, first_axis(k))*self%axis(j, second_axis(k))
-            if (k > 3) map(r, k) = map(r, k) &
-               & + self%axis(i, second_axis(k))*self%axis(j, first_axis(k))
-         end do
+      do i = 1, 3
+         old = v(i, p)
+         v(i, p) = c*old - s*v(i, q)
+         v(i, q) = s*old + c*v(i, q)
       end do
-   end function frame_map
+   end subroutine rotate
 
    !> Tensor of given principal values.
    pure function frame_stress(self, principal, m) result(stress)
       type(log_frame_type), intent(in) :: self
       real(wp), intent(in) :: principal(3)
-      integer, intent(in) :: m
+      integer, intent(in) :: m               !! 4 or 6
       real(wp) :: stress(m)
-      integer :: r, k
+      real(wp) :: half(3, 3)
+      integer :: k
 
-      do r = 1, m
-         stress(r) = 0.0_wp
-         do k = 1, 3
-            stress(r) = stress(r) &
-               & + principal(k)*self%axis(first_axis(r), k)*self%axis(second_axis(r), k)
-         end do
+      do k = 1, 3
+         half(:, k) = principal(k)*self%axis(:, k)
       end do
+      associate (n => self%axis)
+         stress(1) = half(1, 1)*n(1, 1) + half(1, 2)*n(1, 2) + half(1, 3)*n(1, 3)
+         stress(2) = half(2, 1)*n(2, 1) + half(2, 2)*n(2, 2) + half(2, 3)*n(2, 3)
+         stress(3) = half(3, 1)*n(3, 1) + half(3, 2)*n(3, 2) + half(3, 3)*n(3, 3)
+         stress(4) = half(1, 1)*n(2, 1) + half(1, 2)*n(2, 2) + half(1, 3)*n(2, 3)
+         if (m == 4) return
+         stress(5) = half(1, 1)*n(3, 1) + half(1, 2)*n(3, 2) + half(1, 3)*n(3, 3)
+         stress(6) = half(2, 1)*n(3, 1) + half(2, 2)*n(3, 2) + half(2, 3)*n(3, 3)
+      end associate
    end function frame_stress
 
    !> Tensor of given principal strains, with engineering shears.
@@ -134,35 +128,86 @@ contains
       real(wp), intent(in) :: principal(3)      !! Kirchhoff stresses t_k [stress]
       real(wp), intent(in) :: slope(3, 3)       !! dt_k/de_l, symmetric [stress]
       real(wp), intent(in) :: secant(3)         !! (t_k - t_l)/(e_k - e_l): 12, 13, 23 [stress]
-      real(wp), intent(out) :: tangent(:, :)    !! (4, 4) or (6, 6) [stress]
-      real(wp) :: map(size(tangent, 1), size(tangent, 1)), part(size(tangent, 1), size(tangent, 1))
-      real(wp) :: normal(3, 3), shear
-      integer :: k, l, m
+      real(wp), contiguous, intent(out) :: tangent(:, :)    !! (4, 4) or (6, 6) [stress]
+      real(wp) :: normal(3, 3), shear(3)
+      integer :: k
 
-      m = size(tangent, 1)
-      map = frame_map(self, m)
       normal = slope
       do k = 1, 3
          normal(k, k) = normal(k, k) - 2.0_wp*principal(k)
       end do
-      part(:, :3) = matmul(map(:, :3), normal)
-      do k = 4, m
-         l = k - 3
-         shear = 0.5_wp*(secant(l)*d_coth_d(self%e(first_axis(k)) - self%e(second_axis(k))) &
-            & - principal(first_axis(k)) - principal(second_axis(k)))
-         part(:, k) = shear*map(:, k)
+      do k = 1, merge(1, 3, size(tangent, 1) == 4)
+         shear(k) = 0.5_wp*(secant(k)*d_coth_d(self, first_axis(k + 3), second_axis(k + 3)) &
+            & - principal(first_axis(k + 3)) - principal(second_axis(k + 3)))
       end do
-      tangent = matmul(part, transpose(map))
+      if (size(tangent, 1) == 4) then
+         call turn_in_plane(self%axis(1, 1), self%axis(2, 1), normal, shear(1), tangent)
+      else
+         call turn_in_space(self%axis, normal, shear, tangent)
+      end if
    end subroutine frame_tangent
 
-   !> d coth d: 1 at d = 0.
-   pure real(wp) function d_coth_d(d) result(y)
-      real(wp), intent(in) :: d
+   !> Tangent of principal axes (c, s), (-s, c) and z, in x, y and z.
+   pure subroutine turn_in_plane(c, s, normal, shear, tangent)
+      real(wp), intent(in) :: c, s              !! cosine and sine
+      real(wp), intent(in) :: normal(3, 3)      !! on the principal directions, symmetric [stress]
+      real(wp), intent(in) :: shear             !! on n1 n2 + n2 n1 [stress]
+      real(wp), intent(out) :: tangent(4, 4)    !! xx yy zz xy [stress]
+      real(wp) :: one(4), two(4), mixed(4), first(4), second(4), third(4)
+      integer :: k
 
+      one = [c*c, s*s, 0.0_wp, c*s]
+      two = [s*s, c*c, 0.0_wp, -c*s]
+      mixed = [-2.0_wp*c*s, 2.0_wp*c*s, 0.0_wp, c*c - s*s]
+      first = normal(1, 1)*one + normal(2, 1)*two
+      second = normal(1, 2)*one + normal(2, 2)*two
+      third = normal(1, 3)*one + normal(2, 3)*two
+      do k = 1, 4
+         tangent(:, k) = one(k)*first + two(k)*second + (shear*mixed(k))*mixed
+      end do
+      tangent(:, 3) = third
+      tangent(3, :) = third
+      tangent(3, 3) = normal(3, 3)
+   end subroutine turn_in_plane
+
+   !> Tangent of any principal axes, in x, y and z.
+   pure subroutine turn_in_space(axis, normal, shear, tangent)
+      real(wp), intent(in) :: axis(3, 3)        !! columns: principal directions
+      real(wp), intent(in) :: normal(3, 3)      !! on them, symmetric [stress]
+      real(wp), intent(in) :: shear(3)          !! on n_k n_l + n_l n_k: 12, 13, 23 [stress]
+      real(wp), intent(out) :: tangent(6, 6)    !! [stress]
+      real(wp) :: map(6, 6), part(6, 6)
+      integer :: i, k
+
+      do k = 1, 6
+         map(:, k) = axis(first_axis, first_axis(k))*axis(second_axis, second_axis(k))
+         if (k > 3) map(:, k) = map(:, k) &
+            & + axis(first_axis, second_axis(k))*axis(second_axis, first_axis(k))
+      end do
+      do k = 1, 3
+         part(:, k) = normal(1, k)*map(:, 1) + normal(2, k)*map(:, 2) + normal(3, k)*map(:, 3)
+         part(:, k + 3) = shear(k)*map(:, k + 3)
+      end do
+      do k = 1, 6
+         tangent(:, k) = part(:, 1)*map(k, 1)
+         do i = 2, 6
+            tangent(:, k) = tangent(:, k) + part(:, i)*map(k, i)
+         end do
+      end do
+   end subroutine turn_in_space
+
+   !> d coth d of the difference of two logarithmic strains: 1 at d = 0. The hyperbolic tangent of d
+   !> is a quotient of the principal values of b.
+   pure real(wp) function d_coth_d(self, k, l) result(y)
+      type(log_frame_type), intent(in) :: self
+      integer, intent(in) :: k, l
+      real(wp) :: d
+
+      d = self%e(k) - self%e(l)
       if (abs(d) < series_below) then
          y = 1.0_wp + d**2/3.0_wp - d**4/45.0_wp
       else
-         y = d/tanh(d)
+         y = d*(2.0_wp + self%change(k) + self%change(l))/(self%change(k) - self%change(l))
       end if
    end function d_coth_d
 
