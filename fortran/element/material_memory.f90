@@ -106,20 +106,30 @@ contains
 
    !> b - 1 of the elastic part if nothing flowed: F (1 + P) F^T - 1 with the metric P of a column.
    pure function trial_change(h, memory, nstress) result(change)
-      real(wp), intent(in) :: h(3, 3)          !! F - 1
+      real(wp), intent(in) :: h(3, 3)          !! F - 1; in 2D z is a direction of its own
       real(wp), contiguous, intent(in) :: memory(:)   !! empty: P = 0
       integer, intent(in) :: nstress
-      real(wp) :: change(3, 3), metric(3, 3), half(3, 3)   ! half: F (1 + P) - 1
+      real(wp) :: change(3, 3), metric(3, 3)
+
+      metric = 0.0_wp
+      if (size(memory) > 0) metric = metric_of(memory, nstress)
+      if (nstress == 4) then
+         call push_in_plane(h, metric, change)
+      else
+         call push_in_space(h, metric, change)
+      end if
+   end function trial_change
+
+   pure subroutine push_in_space(h, metric, change)
+      real(wp), intent(in) :: h(3, 3), metric(3, 3)
+      real(wp), intent(out) :: change(3, 3)
+      real(wp) :: half(3, 3)   ! F (1 + P) - 1
       integer :: i, j
 
-      half = h
-      if (size(memory) > 0) then
-         metric = metric_of(memory, nstress)
-         do j = 1, 3
-            half(:, j) = half(:, j) + metric(:, j) + h(:, 1)*metric(1, j) + h(:, 2)*metric(2, j) &
-               & + h(:, 3)*metric(3, j)
-         end do
-      end if
+      do j = 1, 3
+         half(:, j) = h(:, j) + metric(:, j) + h(:, 1)*metric(1, j) + h(:, 2)*metric(2, j) &
+            & + h(:, 3)*metric(3, j)
+      end do
       do j = 1, 3
          do i = 1, j
             change(i, j) = half(i, j) + h(j, i) + half(i, 1)*h(j, 1) + half(i, 2)*h(j, 2) &
@@ -127,7 +137,25 @@ contains
             change(j, i) = change(i, j)
          end do
       end do
-   end function trial_change
+   end subroutine push_in_space
+
+   pure subroutine push_in_plane(h, metric, change)
+      real(wp), intent(in) :: h(3, 3), metric(3, 3)
+      real(wp), intent(out) :: change(3, 3)
+      real(wp) :: half(2, 2), across   ! F (1 + P) - 1
+      integer :: j
+
+      do j = 1, 2
+         half(:, j) = h(:2, j) + metric(:2, j) + h(:2, 1)*metric(1, j) + h(:2, 2)*metric(2, j)
+      end do
+      across = h(3, 3) + metric(3, 3) + h(3, 3)*metric(3, 3)
+      change = 0.0_wp
+      do j = 1, 2
+         change(:j, j) = half(:j, j) + h(j, :j) + half(:j, 1)*h(j, 1) + half(:j, 2)*h(j, 2)
+      end do
+      change(2, 1) = change(1, 2)
+      change(3, 3) = across + h(3, 3) + across*h(3, 3)
+   end subroutine push_in_plane
 
    pure subroutine put_metric(memory, nstress, metric)
       real(wp), intent(inout) :: memory(:)

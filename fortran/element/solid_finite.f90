@@ -87,8 +87,8 @@ contains
       if (size(phi, 2) > 0) call share_pressure(point, phi, stress)
       force = 0.0_wp
       do k = 1, element%ngauss
-         call add_force(element%ndim, element%nnode, g(:, :, k), hoop(:, k), &
-            & point(k)%weight*stress(:, k), force)
+         call add_force(element%ndim, element%nnode, g(:, :, k), hoop(:, k), stress(:, k), &
+            & point(k)%weight, force)
       end do
    end subroutine finite_element
 
@@ -374,13 +374,14 @@ contains
                swap = (stress(1, k) + stress(2, k) + stress(3, k))/3.0_wp - shared(k)*own
                row = 0.0_wp
                dilation = 0.0_wp
-               call add_force(element%ndim, element%nnode, g(:, :, k), hoop(:, k), coupling, row)
-               call add_force(element%ndim, element%nnode, g(:, :, k), hoop(:, k), &
-                  & unit(:element%nstress), dilation)
+               call add_force(element%ndim, element%nnode, g(:, :, k), hoop(:, k), coupling, &
+                  & weight, row)
+               call add_force(element%ndim, element%nnode, g(:, :, k), hoop(:, k), unit, &
+                  & weight*own, dilation)
                part = phi(k, :)/(1.0_wp + point(k)%volume)
                do m = 1, size(phi, 2)
-                  mixed(:, m) = mixed(:, m) + (weight*part(m))*row
-                  theta(:, m) = theta(:, m) + (weight*own*phi(k, m))*dilation
+                  mixed(:, m) = mixed(:, m) + part(m)*row
+                  theta(:, m) = theta(:, m) + phi(k, m)*dilation
                   corners(:, m) = corners(:, m) + (weight*corner*part(m))*part
                end do
             end if
@@ -408,17 +409,22 @@ contains
       real(wp), contiguous, intent(out) :: coupling(:)       !! (nstress) [stress]
       real(wp), intent(out) :: corner          !! [stress]
       real(wp) :: total, trace
-      integer :: i
+      integer :: i, j
 
       coupling = tangent(:, 1) + tangent(:, 2) + tangent(:, 3)
       total = coupling(1) + coupling(2) + coupling(3)
       trace = stress(1) + stress(2) + stress(3)
       coupling = coupling/3.0_wp + 2.0_wp/3.0_wp*stress
-      do i = 1, 3
-         tangent(:, i) = tangent(:, i) - coupling
-         tangent(i, :) = tangent(i, :) - coupling
+      do j = 1, 3
+         do i = 1, 3
+            tangent(i, j) = tangent(i, j) - coupling(i) - coupling(j) &
+               & + ((total + 2.0_wp*trace)/9.0_wp + pressure)
+         end do
       end do
-      tangent(:3, :3) = tangent(:3, :3) + (total + 2.0_wp*trace)/9.0_wp + pressure
+      do j = 4, size(stress)
+         tangent(:3, j) = tangent(:3, j) - coupling(j)
+         tangent(j, :3) = tangent(:3, j)
+      end do
       coupling(:3) = coupling(:3) - (total + 2.0_wp*trace)/9.0_wp
       corner = (total - trace)/9.0_wp
    end subroutine average_tangent

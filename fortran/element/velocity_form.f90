@@ -59,24 +59,28 @@ contains
    end subroutine velocity_form
 
    !> Nodal forces of a stress.
-   pure subroutine add_force(d, nnode, g, hoop, stress, force)
+   pure subroutine add_force(d, nnode, g, hoop, stress, volume, force)
       integer, intent(in) :: d, nnode
       real(wp), intent(in) :: g(d, nnode)          !! gradients in the deformed place [1/length]
       real(wp), intent(in) :: hoop(nnode)          !! axisymmetric, else 0 [1/length]
-      real(wp), contiguous, intent(in) :: stress(:)   !! (4 or 6) times volume [force length]
+      real(wp), contiguous, intent(in) :: stress(:)   !! (4 or 6) [stress]
+      real(wp), intent(in) :: volume               !! [length^3]
       real(wp), intent(inout) :: force(d, nnode)   !! [force]
+      real(wp) :: s(3, 3)   ! columns: what g(1, :), g(2, :) and g(3, :) or the hoop are times of
       integer :: a
 
+      s(:, 1) = volume*[stress(1), stress(4), 0.0_wp]
+      s(:, 2) = volume*[stress(4), stress(2), 0.0_wp]
+      s(:, 3) = volume*[stress(3), 0.0_wp, 0.0_wp]
       if (d == 2) then
          do a = 1, nnode
-            force(1, a) = force(1, a) + stress(1)*g(1, a) + stress(4)*g(2, a) + stress(3)*hoop(a)
-            force(2, a) = force(2, a) + stress(4)*g(1, a) + stress(2)*g(2, a)
+            force(:2, a) = force(:2, a) + s(:2, 1)*g(1, a) + s(:2, 2)*g(2, a) + s(:2, 3)*hoop(a)
          end do
       else
+         s(3, 1:2) = volume*stress(5:6)
+         s(:, 3) = volume*[stress(5), stress(6), stress(3)]
          do a = 1, nnode
-            force(1, a) = force(1, a) + stress(1)*g(1, a) + stress(4)*g(2, a) + stress(5)*g(3, a)
-            force(2, a) = force(2, a) + stress(4)*g(1, a) + stress(2)*g(2, a) + stress(6)*g(3, a)
-            force(3, a) = force(3, a) + stress(5)*g(1, a) + stress(6)*g(2, a) + stress(3)*g(3, a)
+            force(:3, a) = force(:3, a) + s(:, 1)*g(1, a) + s(:, 2)*g(2, a) + s(:, 3)*g(3, a)
          end do
       end if
    end subroutine add_force
@@ -107,10 +111,10 @@ contains
          p = q(:5, 1)*g(1, b) + q(:5, 3)*g(2, b) + q(:5, 5)*hoop(b)
          r = q(:5, 2)*g(1, b) + q(:5, 4)*g(2, b)
          do a = b, nnode
-            ke(1, a, 1, b) = ke(1, a, 1, b) + p(1)*g(1, a) + p(3)*g(2, a) + p(5)*hoop(a)
-            ke(2, a, 1, b) = ke(2, a, 1, b) + p(2)*g(1, a) + p(4)*g(2, a)
-            ke(1, a, 2, b) = ke(1, a, 2, b) + r(1)*g(1, a) + r(3)*g(2, a) + r(5)*hoop(a)
-            ke(2, a, 2, b) = ke(2, a, 2, b) + r(2)*g(1, a) + r(4)*g(2, a)
+            ke(1, a, 1, b) = ke(1, a, 1, b) + p(5)*hoop(a)
+            ke(:, a, 1, b) = ke(:, a, 1, b) + p(1:2)*g(1, a) + p(3:4)*g(2, a)
+            ke(1, a, 2, b) = ke(1, a, 2, b) + r(5)*hoop(a)
+            ke(:, a, 2, b) = ke(:, a, 2, b) + r(1:2)*g(1, a) + r(3:4)*g(2, a)
          end do
       end do
    end subroutine add_in_plane

@@ -222,6 +222,7 @@ contains
       real(wp), intent(out) :: slope          !! d stress/d step [stress]
       integer, parameter :: most = 100
       real(wp) :: low, high, value, rate_slope, next
+      logical :: viscous
       integer :: i
 
       step = 0.0_wp
@@ -229,11 +230,15 @@ contains
       if (trial <= stress*(1.0_wp + rest)) return
       low = 0.0_wp
       high = trial/(3.0_wp*shear)
-      step = 0.0_wp
-      if (is_viscous(flow)) step = 0.5_wp*bound_of_rate(flow, trial, dt, high)
+      viscous = is_viscous(flow)
+      if (viscous) step = 0.5_wp*bound_of_rate(flow, trial, dt, high)
       do i = 1, most
-         call flow_stress(flow, strain + step, step/dt, stress, slope, rate_slope)
-         if (is_viscous(flow)) slope = slope + rate_slope/dt
+         if (viscous) then
+            call flow_stress(flow, strain + step, step/dt, stress, slope, rate_slope)
+            slope = slope + rate_slope/dt
+         else if (i > 1) then
+            call threshold(flow, strain + step, stress, slope)
+         end if
          value = trial - 3.0_wp*shear*step - stress
          if (value > 0.0_wp) low = step
          if (value <= 0.0_wp) high = step
