@@ -13,11 +13,14 @@ module lopin_finite_forces
    use lopin_scene, only : scene_type
    implicit none
    private
-   public :: look_type, look_at, internal_forces, of_rows, above_rounding
+   public :: look_type, look_at, internal_forces, of_rows, above_rounding, pressure_about, nil_gap
 
    !> Forces below the first share of stiffness times displacement are rounding; the second is then
    !> what they are judged beside: a body that moves without force.
    real(wp), parameter :: rounding = 1.0e-10_wp, judged_beside = 1.0e-6_wp
+
+   !> Gaps smaller than this share of a facet are rounding of the positions of its nodes.
+   real(wp), parameter :: nil_gap = 1.0e-11_wp
 
    !> What one evaluation at (u, multiplier) gives.
    type :: look_type
@@ -26,8 +29,9 @@ module lopin_finite_forces
       real(wp), allocatable :: row(:)          !! (nmultiplier) as forces [force]
       real(wp) :: merit = 0.0_wp               !! [force]
       real(wp) :: reference = 0.0_wp           !! largest force about [force]
-      real(wp) :: pressed = huge(1.0_wp)       !! largest of contact, where solids flow [force]
+      real(wp) :: ajar = 0.0_wp                !! contact rows beside the pressures of contact
       integer :: inverted = 0                  !! element that turned inside out
+      logical :: tangent = .false.             !! the tangent was formed too
    end type look_type
 
 contains
@@ -43,6 +47,7 @@ contains
       real(wp), allocatable :: residual(:), reaction(:)
 
       call scene%clock%stop_in(phase%solve)
+      look%tangent = with_tangent
       if (.not. allocated(look%internal)) allocate (look%internal(scene%dofs%n), &
          & look%free(scene%constraints%neq))
       call internal_forces(scene, model, with_tangent, look%internal, look%inverted)
@@ -68,9 +73,38 @@ contains
       if (scene%finite%nlgeom) look%reference = max(look%reference, &
          & largest(scene%finite%follower%force))
       look%reference = above_rounding(scene, look%reference)
-      if (scene%finite%memory%in_use) look%pressed = max(largest(scene%finite%contact%force), &
-         & forgotten*scene%finite%force_seen)
+      if (scene%finite%memory%in_use) look%ajar = ajar(scene)
    end subroutine look_at
+
+   !> What is left of the contact conditions as the certificate sees it: beside the pressures of
+   !> contact. A body that is all but released has large forces of its own.
+   pure real(wp) function ajar(scene)
+      type(scene_type), intent(in) :: scene
+      real(wp) :: scale
+      integer :: i
+
+      ajar = 0.0_wp
+      scale = pressure_about(scene)
+      if (.not. scale > 0.0_wp) return
+      associate (c => scene%finite%contact)
+         do i = 1, c%nmultiplier
+            associate (point => c%point_of_row(i))
+               ajar = max(ajar, c%c(point)*(abs(c%row(i)) - nil_gap*c%size(point))/scale)
+            end associate
+         end do
+      end associate
+   end function ajar
+
+   !> Pressure beside which contact is judged: the largest, or what is left of earlier ones.
+   pure real(wp) function pressure_about(scene) result(pressure)
+      type(scene_type), intent(in) :: scene
+
+      pressure = 0.0_wp
+      associate (c => scene%finite%contact)
+         if (c%n > 0) pressure = max(largest(c%pressure(:c%n)), &
+            & forgotten*scene%finite%force_seen/sum(c%weight(:c%n)))
+      end associate
+   end function pressure_about
 
    !> A reference force; where forces are rounding alone, what the stiffness makes of the motion.
    pure real(wp) function above_rounding(scene, reference) result(force)

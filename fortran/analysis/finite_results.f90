@@ -10,7 +10,7 @@ module lopin_finite_results
    use lopin_constraints, only : reduce, prescribed_part
    use lopin_certificate, only : forces_type, give_verdict
    use lopin_finite_state, only : forgotten
-   use lopin_finite_forces, only : above_rounding
+   use lopin_finite_forces, only : above_rounding, pressure_about, nil_gap
    use lopin_contact_traction, only : grip_kind
    use lopin_finite_contact, only : finite_contact_type, dissipated, mean_work_of, held_energy, &
       & shear_bound
@@ -114,8 +114,7 @@ contains
 
       associate (c => scene%finite%contact)
          if (c%n == 0) return
-         p_ref = max(largest(c%pressure(:c%n)), forgotten*scene%finite%force_seen &
-            & /sum(c%weight(:c%n)))
+         p_ref = pressure_about(scene)
          do i = 1, c%n
             if (c%facet(i) == 0) cycle
             method = model%interaction(model%pair(c%pair(i))%interaction)%method
@@ -127,7 +126,7 @@ contains
             else
                self%tension = max(self%tension, -c%pressure(i)/p_ref)
                if (exact(method)) self%complementarity = max(self%complementarity, &
-                  & abs(min(c%pressure(i), c%c(i)*c%gap(i)))/p_ref)
+                  & (abs(min(c%pressure(i), c%c(i)*c%gap(i))) - nil_gap*c%c(i)*c%size(i))/p_ref)
             end if
             if (method == method_of%penalty .or. method == method_of%perturbed) &
                & self%pressure_error = min(max(self%pressure_error, c%soft_error), only_warns)

@@ -5,6 +5,7 @@ module lopin_finite_state
    use lopin_finite_contact, only : finite_contact_type
    use lopin_finite_system, only : finite_system_type
    use lopin_follower_loading, only : follower_type
+   use lopin_contraction, only : contraction_type
    use lopin_solid_memory, only : solid_memory_type
    implicit none
    private
@@ -15,7 +16,7 @@ module lopin_finite_state
 
    !> What the columns of the lines are.
    character(len=*), parameter :: iteration_header = '  it  equilibrium      contact   '// &
-      & 'correction     step   open  stick   slip  gmres'
+      & 'correction     step   open  stick   slip  gmres tangent'
 
    type :: finite_state_type
       logical :: in_use = .false.
@@ -32,6 +33,9 @@ module lopin_finite_state
       real(wp) :: dt = 1.0_wp                  !! time increment [time]
       real(wp), allocatable :: last_motion(:)  !! (ndof) of the last accepted increment [length]
       real(wp) :: last_dt = 0.0_wp             !! and its time; 0: none in this step [time]
+      real(wp), allocatable :: motion_before(:)   !! (ndof) and of the one before [length]
+      real(wp) :: dt_before = 0.0_wp           !! its time; 0: none in this step [time]
+      logical :: curved = .false.              !! both tell more of the next than the last alone
       real(wp) :: time = 0.0_wp                !! its end, since the start of the step [time]
       logical :: parted = .false.              !! a tool has left in this increment
       logical :: frictionless = .true.         !! of the present step
@@ -41,6 +45,7 @@ module lopin_finite_state
       ! of the last increment
       integer :: iterations = 0, augmentations = 0
       integer :: grounded = 0                  !! iterations on soft springs to the ground
+      type(contraction_type) :: contraction    !! of Newton
       real(wp), allocatable :: history(:)      !! residual by iteration, beside the largest force
       integer :: nline = 0
       character(len=100), allocatable :: line(:)   !! what each iteration did, for the log

@@ -206,9 +206,10 @@ contains
 
       bad = 0
       call clock%stop_in(phase%contact)
-      if (.not. self%factorised) call factorise_springs(self, wish, clock, counter, bad, error)
+      if (.not. (self%factorised .or. self%direct)) call factorise_springs(self, wish, clock, &
+         & counter, bad, error)
       if (allocated(error)) return
-      if (bad == 0) then
+      if (bad == 0 .and. .not. self%direct) then
          call gmres(self, as_forces(self, right), tolerance, most_iterations, step, self%krylov, &
             & ratio)
          counter%back_solves = counter%back_solves + self%krylov + 1
@@ -295,13 +296,17 @@ contains
       class(finite_system_type), intent(inout) :: self
       real(wp), intent(in) :: x(:)
       real(wp), intent(out) :: y(:)
-      integer :: b
+      integer :: b, i, j
 
       call self%k%multiply(x(:self%neq), y(:self%neq))
       y(self%neq + 1:) = 0.0_wp
       do b = 1, size(self%block)
-         associate (at => self%block(b)%at)
-            y(at) = y(at) + matmul(self%block(b)%k, x(at))
+         associate (at => self%block(b)%at, k => self%block(b)%k)
+            do j = 1, size(at)
+               do i = 1, size(at)
+                  y(at(i)) = y(at(i)) + k(i, j)*x(at(j))
+               end do
+            end do
          end associate
       end do
       y(self%neq + 1:) = self%scale*y(self%neq + 1:)
@@ -312,22 +317,25 @@ contains
       class(finite_system_type), intent(inout) :: self
       real(wp), intent(in) :: x(:)
       real(wp), intent(out) :: y(:)
-      real(wp), allocatable :: du(:, :), row(:)
-      integer :: b
+      real(wp), allocatable :: du(:, :)
+      integer :: b, i, j
 
-      allocate (du(self%neq, 1), row(self%n))
+      allocate (du(self%neq, 1))
       du(:, 1) = x(:self%neq)
       call self%solver%solve(du)
       y(:self%neq) = du(:, 1)
       if (self%n == self%neq) return
-      row = 0.0_wp
+      y(self%neq + 1:) = 0.0_wp
       do b = 1, size(self%block)
-         associate (block => self%block(b))
-            row(block%at(block%nu + 1:)) = row(block%at(block%nu + 1:)) &
-               & + matmul(block%k(block%nu + 1:, :block%nu), y(block%at(:block%nu)))
+         associate (at => self%block(b)%at, k => self%block(b)%k, nu => self%block(b)%nu)
+            do j = 1, nu
+               do i = nu + 1, size(at)
+                  y(at(i)) = y(at(i)) + k(i, j)*y(at(j))
+               end do
+            end do
          end associate
       end do
-      y(self%neq + 1:) = (x(self%neq + 1:) - self%scale*row(self%neq + 1:))/self%area
+      y(self%neq + 1:) = (x(self%neq + 1:) - self%scale*y(self%neq + 1:))/self%area
    end subroutine precondition
 
    !> The whole unsymmetric matrix, factorised.

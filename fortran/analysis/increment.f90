@@ -22,6 +22,7 @@ module lopin_increment
    use lopin_finite_contact, only : accept_contact => accept, reject_contact => reject
    use lopin_finite_state, only : iteration_header
    use lopin_solid_memory, only : keep
+   use lopin_predict, only : note_motion
    use lopin_assemble_finite, only : remember
    use lopin_finite_results, only : find_finite_forces, certify_finite, tell_finite
    use lopin_contact_friction, only : slides_with_friction
@@ -271,10 +272,7 @@ contains
       real(wp), intent(in) :: steady(:)
       integer :: row
 
-      scene%finite%last_motion = scene%u - scene%accepted
-      scene%finite%last_dt = scene%finite%dt
-      ! A body springs back once.
-      if (scene%finite%parted) scene%finite%last_dt = 0.0_wp
+      call note_motion(scene%finite, scene%u - scene%accepted)
       scene%accepted = scene%u
       progress%steady = steady
       if (scene%finite%in_use) then

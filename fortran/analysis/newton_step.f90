@@ -23,6 +23,10 @@ module lopin_newton_step
    real(wp), parameter :: sufficient = 1.0e-4_wp
    !> Tolerance of GMRES where only the length of a correction matters.
    real(wp), parameter, public :: coarse = 1.0e-4_wp
+   !> Residuals of a solid that flows, beside the largest force, that nothing asks to be smaller.
+   real(wp), parameter :: enough = 1.0e-10_wp
+   !> And then no solution of the linear system better than this.
+   real(wp), parameter :: coarsest = 1.0e-2_wp
    !> And of a Newton step.
    real(wp), parameter :: tight = 1.0e-9_wp
    !> Springs to the ground of a body that nothing holds, beside its stiffness; how far one
@@ -48,7 +52,7 @@ contains
    end subroutine collect_locals
 
    !> The Newton direction for free equations and multipliers.
-   subroutine find_step(scene, model, look, jump, step, error, flat)
+   subroutine find_step(scene, model, look, jump, step, error, flat, by_old)
       type(scene_type), intent(inout) :: scene
       type(model_type), intent(in) :: model
       type(look_type), intent(in) :: look
@@ -56,36 +60,21 @@ contains
       real(wp), allocatable, intent(out) :: step(:)
       type(error_type), allocatable, intent(out) :: error
       logical, intent(in) :: flat              !! contact has just changed: normals stand still
-      real(wp), allocatable :: right(:), pushed(:), reduced(:)
+      logical, intent(in) :: by_old            !! by the factor at hand; jump = 0
+      real(wp), allocatable :: right(:)
       type(local_matrix_type), allocatable :: local(:)
       real(wp) :: tolerance
       integer :: bad, pass
 
       associate (contact => scene%finite%contact, system => scene%finite%system, &
-         & neq => scene%constraints%neq, ndof => scene%dofs%n)
+         & neq => scene%constraints%neq)
          allocate (step(neq + contact%nmultiplier), right(neq + contact%nmultiplier))
          right(:neq) = -look%free
          right(neq + 1:) = -contact%row
-         call collect_locals(scene, local)
-         if (any(abs(jump) > 0.0_wp)) then
-            allocate (pushed(ndof + contact%nmultiplier), reduced(neq))
-            pushed = 0.0_wp
-            if (is_nonlinear(scene%finite)) then
-               call scene%finite%k%multiply(jump, pushed(:ndof))
-            else
-               call scene%k%multiply(jump, pushed(:ndof))
-            end if
-            call apply_locals(size(local), local, jump, pushed)
-            call reduce(scene%constraints, pushed(:ndof), reduced)
-            right(:neq) = right(:neq) - reduced
-            right(neq + 1:) = right(neq + 1:) - pushed(ndof + 1:)
-         end if
-         if (is_nonlinear(scene%finite)) then
-            call set_tangent(system, scene%finite%k, scene%constraints, size(local), local, &
-               & of_rows(scene, contact%c), of_rows(scene, contact%weight), flat)
-         else
-            call set_tangent(system, scene%k, scene%constraints, size(local), local, &
-               & of_rows(scene, contact%c), of_rows(scene, contact%weight), flat)
+         if (.not. by_old) then
+            call collect_locals(scene, local)
+            if (any(abs(jump) > 0.0_wp)) call push_along(scene, local, jump, right)
+            call take_tangent(scene, local, flat)
          end if
          tolerance = forcing(scene, look)
          do pass = 1, 2
@@ -109,18 +98,61 @@ contains
       end associate
    end subroutine find_step
 
+   !> What the prescribed displacements that are still to come ask of the right-hand side.
+   subroutine push_along(scene, local, jump, right)
+      type(scene_type), intent(in) :: scene
+      type(local_matrix_type), intent(in) :: local(:)
+      real(wp), intent(in) :: jump(:)          !! (ndof)
+      real(wp), intent(inout) :: right(:)      !! (neq + nmultiplier)
+      real(wp) :: pushed(scene%dofs%n + size(right) - scene%constraints%neq)
+      real(wp) :: reduced(scene%constraints%neq)
+
+      pushed = 0.0_wp
+      associate (neq => scene%constraints%neq, ndof => scene%dofs%n)
+         if (is_nonlinear(scene%finite)) then
+            call scene%finite%k%multiply(jump, pushed(:ndof))
+         else
+            call scene%k%multiply(jump, pushed(:ndof))
+         end if
+         call apply_locals(size(local), local, jump, pushed)
+         call reduce(scene%constraints, pushed(:ndof), reduced)
+         right(:neq) = right(:neq) - reduced
+         right(neq + 1:) = right(neq + 1:) - pushed(ndof + 1:)
+      end associate
+   end subroutine push_along
+
+   !> Hand the tangent of the last look to the linear system.
+   subroutine take_tangent(scene, local, flat)
+      type(scene_type), intent(inout) :: scene
+      type(local_matrix_type), intent(in) :: local(:)
+      logical, intent(in) :: flat
+
+      associate (contact => scene%finite%contact, system => scene%finite%system)
+         if (is_nonlinear(scene%finite)) then
+            call set_tangent(system, scene%finite%k, scene%constraints, size(local), local, &
+               & of_rows(scene, contact%c), of_rows(scene, contact%weight), flat)
+         else
+            call set_tangent(system, scene%k, scene%constraints, size(local), local, &
+               & of_rows(scene, contact%c), of_rows(scene, contact%weight), flat)
+         end if
+      end associate
+   end subroutine take_tangent
+
    !> Tolerance of GMRES for one Newton step: tight; looser for solids that flow while the residual
-   !> is large, which keeps the order of Newton (Eisenstat and Walker 1996). The stiff volume of
-   !> solids without an elastic part would hide in it what is left of their flow.
+   !> is large, which keeps the order of Newton (Eisenstat and Walker 1996), and where less would do
+   !> for an answer well beyond convergence. The stiff volume of solids without an elastic part would
+   !> hide in it what is left of their flow.
    pure real(wp) function forcing(scene, look)
       type(scene_type), intent(in) :: scene
       type(look_type), intent(in) :: look
+      real(wp) :: residual
       integer :: i
 
       forcing = tight
       if (any([(scene%solids%group(i)%law%flow%rigid, i=1, size(scene%solids%group))])) return
-      if (scene%finite%memory%in_use .and. look%reference > 0.0_wp) forcing = max(tight, &
-         & min(coarse, (look%merit/look%reference)**2))
+      if (.not. scene%finite%memory%in_use .or. .not. look%reference > 0.0_wp) return
+      residual = look%merit/look%reference
+      forcing = max(tight, min(coarse, residual**2), min(coarsest, enough/max(residual, enough)))
    end function forcing
 
    !> A body on soft springs goes as far as a search can follow.
@@ -165,8 +197,8 @@ contains
    end function longest_facet
 
    !> Take the step, shortened until the merit is acceptable; the best try if none is.
-   subroutine take_step(scene, model, f, v, prescribed, step, first, merit, look, size_, share, &
-      & error)
+   subroutine take_step(scene, model, f, v, prescribed, step, first, merit, with_tangent, look, &
+      & size_, share, error)
       type(scene_type), intent(inout) :: scene
       type(model_type), intent(in) :: model
       real(wp), intent(in) :: f(:)
@@ -174,6 +206,7 @@ contains
       real(wp), intent(in) :: prescribed(:), step(:)
       logical, intent(in) :: first             !! the step that applies the prescribed values
       real(wp), intent(in) :: merit            !! largest of the last few
+      logical, intent(in) :: with_tangent      !! of the whole step; a shorter one always has it
       type(look_type), intent(inout) :: look
       real(wp), intent(out) :: size_           !! of the correction beside the displacements
       real(wp), intent(out) :: share           !! of the step that was taken
@@ -191,7 +224,7 @@ contains
       if (scene%finite%memory%in_use .and. .not. first) share = min(1.0_wp, &
          & longest_facet(scene)/max(largest(step(:scene%constraints%neq)), tiny(1.0_wp)))
       do try = 0, most_halvings
-         call go(with_tangent=try == 0)
+         call go(with_tangent .and. try == 0)
          if (allocated(error)) return
          if (look%inverted == 0) then
             if (first .or. look%merit <= (1.0_wp - sufficient*share)*merit) exit
@@ -209,20 +242,20 @@ contains
          return
       end if
       if (try > most_halvings) share = best_share
-      if (try > 0) call go(with_tangent=.true.)
+      if (try > 0) call go(.true.)
       size_ = share*largest(step(:scene%constraints%neq))/max(largest(scene%u), &
          & motionless*scene%bodies%length)
 
    contains
 
       !> The state at a share of the step.
-      subroutine go(with_tangent)
-         logical, intent(in) :: with_tangent
+      subroutine go(tangent)
+         logical, intent(in) :: tangent
 
          v = from + share*step(:scene%constraints%neq)
          call expand(scene%constraints, v, prescribed, scene%u)
          scene%finite%multiplier = from_multiplier + share*step(scene%constraints%neq + 1:)
-         call look_at(scene, model, f, with_tangent, look, error)
+         call look_at(scene, model, f, tangent, look, error)
       end subroutine go
    end subroutine take_step
 

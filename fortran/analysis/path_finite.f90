@@ -14,13 +14,15 @@ module lopin_path_finite
    use lopin_friction, only : has_friction
    use lopin_bodies, only : describe_motion
    use lopin_finite_points, only : is_self_contact
-   use lopin_constraints, only : expand, raw_displacement
+   use lopin_constraints, only : expand
    use lopin_finite_contact, only : new_finite_contact, start_increment, augment
    use lopin_finite_system, only : solve_step
    use lopin_finite_state, only : add_line
    use lopin_solid_memory, only : new_solid_memory
-   use lopin_finite_forces, only : look_type, look_at, internal_forces
+   use lopin_finite_forces, only : look_type, look_at
+   use lopin_predict, only : predict, start_from_accepted
    use lopin_newton_step, only : find_step, take_step, refuse_inverted, coarse
+   use lopin_contraction, only : by_old_tangent, look_without_tangent, note_step, gets_nowhere
    use lopin_heat, only : start_stresses, heat_to
    use lopin_finite_lagged, only : reads_lagged, start_lagged, renew_lagged
    use lopin_scene, only : scene_type
@@ -39,10 +41,6 @@ module lopin_path_finite
    integer, parameter :: most_sets = 400, most_iterations = 30, most_lagged = 200, memory = 4
    !> Solids that flow do better in smaller increments than in more iterations.
    integer, parameter :: most_of_flow = 40
-   !> Prescribed motion that goes on as before, up to this share of itself.
-   real(wp), parameter :: same_way = 0.5_wp
-   !> What is left of it then is nothing.
-   real(wp), parameter :: rounding = 1.0e-9_wp
 
 contains
 
@@ -112,8 +110,10 @@ contains
       real(wp), allocatable :: v(:), before(:)
       integer :: loop
       real(wp) :: change
+      logical :: guessed
 
-      call predict(scene, model, prescribed, v, before)
+      scene%finite%parted = .false.
+      call predict(scene, prescribed, v, before, guessed)
       scene%finite%multiplier = scene%finite%accepted_multiplier
       scene%finite%iterations = 0
       scene%finite%grounded = 0
@@ -127,9 +127,10 @@ contains
       if (allocated(error)) return
       call scene%clock%stop_in(phase%search)
       do loop = 0, scene%finite%most_augmentations
-         call newton(scene, model, f, v, before, prescribed, loop, error)
+         call newton(scene, model, f, v, before, prescribed, loop, guessed, error)
          if (allocated(error)) return
          before = prescribed
+         guessed = .false.
          call augment(scene%finite%contact, change)
          if (change <= scene%finite%augment_until) exit
          scene%finite%augmentations = scene%finite%augmentations + 1
@@ -142,48 +143,6 @@ contains
       scene%counter%iterations = scene%counter%iterations + scene%finite%iterations
       scene%counter%augmentations = scene%counter%augmentations + scene%finite%augmentations
    end subroutine solve_finite
-
-   !> Where Newton starts: a solid that flows goes on as it did in the last increment, if what is
-   !> prescribed does; everything else starts from the accepted state.
-   subroutine predict(scene, model, prescribed, v, before)
-      type(scene_type), intent(inout) :: scene
-      type(model_type), intent(in) :: model
-      real(wp), intent(in) :: prescribed(:)
-      real(wp), allocatable, intent(out) :: v(:)        !! (neq)
-      real(wp), allocatable, intent(out) :: before(:)   !! (nprescribed) that go with it
-      real(wp), allocatable :: internal(:), from(:)
-      integer :: inverted
-
-      scene%finite%parted = .false.
-      scene%u = scene%accepted
-      call free_and_prescribed(scene, v, before)
-      if (.not. scene%finite%memory%in_use .or. .not. scene%finite%last_dt > 0.0_wp) return
-      scene%u = scene%accepted + scene%finite%dt/scene%finite%last_dt*scene%finite%last_motion
-      call move_alloc(before, from)
-      call free_and_prescribed(scene, v, before)
-      if (norm2(prescribed - before) <= same_way*norm2(prescribed - from)) then
-         allocate (internal(scene%dofs%n))
-         call internal_forces(scene, model, .false., internal, inverted)
-         if (norm2(prescribed - before) <= rounding*norm2(prescribed - from)) before = prescribed
-         if (inverted == 0) return
-      end if
-      scene%u = scene%accepted
-      call free_and_prescribed(scene, v, before)
-   end subroutine predict
-
-   !> The free equations and the prescribed dofs of the trial displacements.
-   subroutine free_and_prescribed(scene, v, prescribed)
-      type(scene_type), intent(in) :: scene
-      real(wp), allocatable, intent(out) :: v(:), prescribed(:)
-      integer :: i
-
-      associate (c => scene%constraints)
-         allocate (v(c%neq), prescribed(c%nprescribed))
-         v(:) = [(raw_displacement(c, scene%dofs, scene%u, c%dof_of_equation(i)), i=1, c%neq)]
-         prescribed(:) = [(raw_displacement(c, scene%dofs, scene%u, c%dof_of_prescribed(i)), &
-            & i=1, c%nprescribed)]
-      end associate
-   end subroutine free_and_prescribed
 
    !> What the contacts asked since this was called last.
    subroutine count_searches(scene)
@@ -200,31 +159,36 @@ contains
    end subroutine count_searches
 
    !> Newton from (v, before) to equilibrium at the prescribed values.
-   subroutine newton(scene, model, f, v, before, prescribed, loop, error)
+   subroutine newton(scene, model, f, v, before, prescribed, loop, guessed, error)
       type(scene_type), intent(inout) :: scene
       type(model_type), intent(in) :: model
       real(wp), intent(in) :: f(:)
-      real(wp), intent(inout) :: v(:)
-      real(wp), intent(in) :: before(:), prescribed(:)
+      real(wp), allocatable, intent(inout) :: v(:), before(:)
+      real(wp), intent(in) :: prescribed(:)
       integer, intent(in) :: loop              !! augmentations so far
+      logical, intent(in) :: guessed           !! (v, before) is no accepted state
       type(error_type), allocatable, intent(out) :: error
       type(look_type) :: look
       real(wp), allocatable :: step(:), jump(:)
-      real(wp) :: merits(memory), last, share
+      real(wp) :: merits(memory), last, share, residual
       integer :: iteration, stale, seen(most_sets)
-      logical :: lagged
-      logical :: fresh
+      logical :: lagged, fresh, first, simplified
 
       merits = 0.0_wp
       lagged = reads_lagged(scene)
       last = huge(1.0_wp)
       scene%finite%history = [real(wp) ::]
-      allocate (jump(scene%dofs%n), source=0.0_wp)
-      if (size(prescribed) > 0) call expand(scene%constraints, 0.0_wp*v, prescribed - before, jump)
       call look_at(scene, model, f, .true., look, error)
       if (allocated(error)) return
+      if (look%inverted > 0 .and. guessed) then
+         call start_from_accepted(scene, v, before)
+         call look_at(scene, model, f, .true., look, error)
+         if (allocated(error)) return
+      end if
       if (look%inverted > 0) call refuse_inverted(scene, model, look, error)
       if (allocated(error)) return
+      allocate (jump(scene%dofs%n), source=0.0_wp)
+      if (size(prescribed) > 0) call expand(scene%constraints, 0.0_wp*v, prescribed - before, jump)
       if (loop == 0 .and. scene%finite%memory%in_use .and. any(abs(jump) > 0.0_wp)) then
          call let_go(scene, model, f, v, before, prescribed, jump, look, error)
          if (allocated(error)) return
@@ -232,8 +196,7 @@ contains
       stale = 0
       seen = 0
       do iteration = 1, most_sets
-         scene%finite%history = [scene%finite%history, look%merit/max(look%reference, &
-            & tiny(1.0_wp))]
+         scene%finite%history = [scene%finite%history, relative(look)]
          if (settled(look, jump, iteration, loop, last)) then
             if (iteration > 1 .and. look%merit > floor_of_rounding*look%reference &
                & .and. .not. scene%finite%memory%in_use) &
@@ -249,19 +212,33 @@ contains
          if (iteration > 1 .and. scene%finite%frictionless) fresh = seen(iteration) &
             & /= seen(max(1, iteration - 1))
          if (stale > merge(most_lagged, most_iterations, lagged)) exit
-         if (scene%finite%memory%in_use .and. iteration > most_of_flow) exit
+         if (scene%finite%memory%in_use) then
+            if (iteration > most_of_flow) exit
+            if (.not. model%step(scene%step)%direct .and. &
+               & gets_nowhere(scene%finite%history(2:))) exit
+         end if
          merits(1 + mod(iteration, memory)) = look%merit
-         call find_step(scene, model, look, jump, step, error, flat=fresh)
+         first = any(abs(jump) > 0.0_wp)
+         residual = relative(look)
+         simplified = scene%finite%memory%in_use .and. .not. (first .or. lagged .or. iteration == 1)
+         if (simplified) simplified = by_old_tangent(scene%finite%contraction, residual, last, &
+            & equilibrium, correction)
+         if (.not. (look%tangent .or. simplified)) call look_at(scene, model, f, .true., look, error)
          if (allocated(error)) return
-         call take_step(scene, model, f, v, prescribed, step, any(abs(jump) > 0.0_wp), &
-            & maxval(merits), look, last, share, error)
+         call find_step(scene, model, look, jump, step, error, flat=fresh, by_old=simplified)
          if (allocated(error)) return
+         call take_step(scene, model, f, v, prescribed, step, first, maxval(merits), &
+            & with_tangent(residual), look, last, share, error)
+         if (allocated(error)) return
+         call note_step(scene%finite%contraction, residual, relative(look), .not. (first &
+            & .or. simplified .or. share < 1.0_wp) &
+            & .and. hash_of(scene%finite%contact%status) == seen(iteration))
          if (lagged) then
             call renew_lagged(scene, model)
             call look_at(scene, model, f, .true., look, error)
             if (allocated(error)) return
          end if
-         call log_iteration(scene, look, iteration, last, share)
+         call log_iteration(scene, look, iteration, last, share, simplified)
          jump = 0.0_wp
       end do
       if (scene%finite%grounded > 0 .and. scene%bodies%nq > 0) then
@@ -269,10 +246,28 @@ contains
          return
       end if
       call raise(error, error_code%not_converged, 'E0510', 'Newton has not converged in '// &
-         & to_text(scene%finite%iterations)//' iterations: residual '//to_text(look%merit &
-         & /max(look%reference, tiny(1.0_wp)), 3)//' of the largest force', &
+         & to_text(scene%finite%iterations)//' iterations: residual '// &
+         & to_text(relative(look), 3)//' of the largest force', &
          & model%step(scene%step)%at, help='smaller increments on *STATIC')
+
+   contains
+
+      !> What the look after the step is to form.
+      logical function with_tangent(residual)
+         real(wp), intent(in) :: residual      !! before it
+
+         with_tangent = .not. lagged
+         if (with_tangent .and. scene%finite%memory%in_use .and. .not. first) with_tangent = &
+            & .not. look_without_tangent(scene%finite%contraction, residual, .not. simplified, &
+            & equilibrium)
+      end function with_tangent
    end subroutine newton
+
+   !> Size of what is out of balance, beside the largest force.
+   pure real(wp) function relative(look)
+      type(look_type), intent(in) :: look
+      relative = look%merit/max(look%reference, tiny(1.0_wp))
+   end function relative
 
    !> A tool that leaves goes first, and the body springs back: contact that is about to open would
    !> drag a solid that flows along until it flows the other way.
@@ -383,20 +378,22 @@ contains
    end function hash_of
 
    !> One line of the log: the three numbers, the share of the step taken, the points, GMRES.
-   subroutine log_iteration(scene, look, iteration, last, share)
+   subroutine log_iteration(scene, look, iteration, last, share, simplified)
       type(scene_type), intent(inout) :: scene
       type(look_type), intent(in) :: look
       integer, intent(in) :: iteration
       real(wp), intent(in) :: last, share
+      logical, intent(in) :: simplified        !! by the tangent of the step before
       character(len=100) :: text
       real(wp) :: reference
 
       reference = max(look%reference, tiny(1.0_wp))
       associate (c => scene%finite%contact)
-         write (text, '(i4,3(1x,es12.4),1x,f8.5,3(1x,i6),1x,i6)') iteration, &
+         write (text, '(i4,3(1x,es12.4),1x,f8.5,3(1x,i6),1x,i6,1x,a)') iteration, &
             & largest(look%free)/reference, largest(look%row)/reference, min(last, 9.0e99_wp), &
             & share, count(c%status(:c%n) == 0), count(c%status(:c%n) == 1), &
-            & count(c%status(:c%n) == 2), scene%finite%system%krylov
+            & count(c%status(:c%n) == 2), scene%finite%system%krylov, &
+            & trim(merge('   old', '      ', simplified))
       end associate
       call add_line(scene%finite, text)
    end subroutine log_iteration
@@ -418,7 +415,7 @@ contains
          e2 = largest(look%row)/look%reference
       end if
       settled = e1 <= equilibrium .and. e2 <= complementarity &
-         & .and. .not. largest(look%row) > certified*look%pressed &
+         & .and. look%ajar <= certified &
          & .and. (last <= correction .or. max(e1, e2) <= floor_of_rounding &
          & .or. iteration == 1 .and. loop == 0)
    end function settled

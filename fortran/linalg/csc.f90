@@ -227,15 +227,18 @@ contains
       class(csc_type), intent(in) :: self
       real(wp), intent(in) :: x(:)    !! (n)
       real(wp), intent(out) :: y(:)   !! (n)
+      real(wp) :: above
       integer :: j, k, i
 
       y = 0.0_wp
       do j = 1, self%n
+         above = 0.0_wp
          do k = self%colptr(j) + 1, self%colptr(j + 1)
             i = self%row(k) + 1
             y(i) = y(i) + self%value(k)*x(j)
-            if (self%kind == storage%symmetric_lower .and. i /= j) y(j) = y(j) + self%value(k)*x(i)
+            if (i /= j) above = above + self%value(k)*x(i)
          end do
+         if (self%kind == storage%symmetric_lower) y(j) = y(j) + above
       end do
    end subroutine multiply
 

@@ -4,9 +4,13 @@
 !> never accuracy.
 module lopin_gmres
    use lopin_kinds, only : wp
+   use lopin_blas, only : dgemv
    implicit none
    private
    public :: operator_type, gmres
+
+   !> A vector that keeps this much of its length is orthogonal to rounding.
+   real(wp), parameter :: little = 0.5_wp
 
    !> A matrix by what it does, with a cheap approximate inverse.
    type, abstract :: operator_type
@@ -37,7 +41,7 @@ contains
       real(wp), intent(out) :: ratio           !! |b - A x|/|b| reached, as the recurrence has it
       real(wp), allocatable :: v(:, :), z(:), h(:, :), g(:), c(:), s(:)
       real(wp) :: start, swap
-      integer :: i, j, pass
+      integer :: i, j
 
       iterations = 0
       x = 0.0_wp
@@ -52,16 +56,7 @@ contains
       do j = 1, most
          call a%precondition(v(:, j), z)
          call a%multiply(z, v(:, j + 1))
-         h(:, j) = 0.0_wp
-         ! Twice is enough (Kahan).
-         do pass = 1, 2
-            do i = 1, j
-               swap = dot_product(v(:, i), v(:, j + 1))
-               h(i, j) = h(i, j) + swap
-               v(:, j + 1) = v(:, j + 1) - swap*v(:, i)
-            end do
-         end do
-         h(j + 1, j) = norm2(v(:, j + 1))
+         call make_orthogonal(size(b), j, v, v(:, j + 1), h(:, j))
          if (h(j + 1, j) > 0.0_wp) v(:, j + 1) = v(:, j + 1)/h(j + 1, j)
          do i = 1, j - 1
             swap = c(i)*h(i, j) + s(i)*h(i + 1, j)
@@ -82,6 +77,28 @@ contains
       call combine(iterations, h, g, v, z)
       if (iterations > 0) call a%precondition(z, x)
    end subroutine gmres
+
+   !> Take from w what lies along the basis: h are its parts, and the length of what is left. Twice
+   !> is enough (Kahan), and once where little was taken (Daniel et al. 1976).
+   subroutine make_orthogonal(n, j, v, w, h)
+      integer, intent(in) :: n, j
+      real(wp), intent(in) :: v(n, j)          !! orthonormal
+      real(wp), intent(inout) :: w(n)
+      real(wp), intent(out) :: h(j + 1)
+      real(wp) :: part(j), before
+      integer :: pass
+
+      h(:j) = 0.0_wp
+      h(j + 1) = sqrt(dot_product(w, w))
+      do pass = 1, 2
+         before = h(j + 1)
+         call dgemv('T', n, j, 1.0_wp, v, n, w, 1, 0.0_wp, part, 1)
+         call dgemv('N', n, j, -1.0_wp, v, n, part, 1, 1.0_wp, w, 1)
+         h(:j) = h(:j) + part
+         h(j + 1) = sqrt(dot_product(w, w))
+         if (h(j + 1) > little*before) exit
+      end do
+   end subroutine make_orthogonal
 
    !> The combination of basis vectors that the triangular system gives.
    pure subroutine combine(n, h, g, v, z)
