@@ -33,9 +33,9 @@ contains
    subroutine assemble_finite(self, mesh, u, memory, force, energy, bad, matrix)
       type(solids_type), intent(in) :: self
       type(mesh_type), intent(in) :: mesh
-      real(wp), intent(in) :: u(:)             !! (n) total displacements by equation [length]
+      real(wp), contiguous, intent(in) :: u(:)   !! (n) total displacements by equation [length]
       type(solid_memory_type), intent(in) :: memory   !! of the accepted state
-      real(wp), intent(out) :: force(:)        !! (n) internal forces [force]
+      real(wp), contiguous, intent(out) :: force(:)   !! (n) internal forces [force]
       real(wp), intent(out) :: energy          !! strain energy [force length]
       type(bad_element_type), intent(out) :: bad
       type(csc_type), intent(inout), optional :: matrix   !! of new_solids; values are replaced
@@ -61,7 +61,10 @@ contains
       energy = sum(part)
       bad%number = count(point > 0)
       if (bad%number == 0) return
-      bad%element = findloc(point > 0, .true., dim=1)
+      bad%element = 1
+      do while (point(bad%element) == 0)
+         bad%element = bad%element + 1
+      end do
       bad%point = point(bad%element)
       if (self%patches%of(bad%element) == 0) return
       ! The point is one of its patch.
@@ -76,32 +79,53 @@ contains
       type(solids_type), intent(in) :: self
       type(mesh_type), intent(in) :: mesh
       integer, intent(in) :: e
-      real(wp), intent(in) :: u(:)
+      real(wp), contiguous, intent(in) :: u(:)
       type(solid_memory_type), intent(in) :: memory
-      real(wp), intent(inout) :: force(:)
+      real(wp), contiguous, intent(inout) :: force(:)
+      real(wp), intent(out) :: energy
+      integer, intent(out) :: bad
+      type(csc_type), intent(inout), optional :: matrix
+
+      associate (group => self%group(self%which(e)), p => self%patches%of(e), &
+         & slot => self%slot(self%first_slot(e):self%first_slot(e + 1) - 1))
+         if (p > 0) then
+            call add_patch(self, mesh, e, u, memory, slot, force, energy, bad, matrix)
+         else
+            associate (node => mesh%conn(:group%element%nnode, e))
+               if (group%law%remembers) then
+                  call add_element(self, group, group%element, mesh, node, u, &
+                     & memory%value(:, memory%first(e):memory%first(e + 1) - 1), memory, slot, &
+                     & force, energy, bad, matrix)
+               else
+                  call add_element(self, group, group%element, mesh, node, u, memory%none, memory, &
+                     & slot, force, energy, bad, matrix)
+               end if
+            end associate
+         end if
+      end associate
+   end subroutine add_unit
+
+   subroutine add_patch(self, mesh, e, u, memory, slot, force, energy, bad, matrix)
+      type(solids_type), intent(in) :: self
+      type(mesh_type), intent(in) :: mesh
+      integer, intent(in) :: e                 !! its first member
+      real(wp), contiguous, intent(in) :: u(:)
+      type(solid_memory_type), intent(in) :: memory
+      integer(ik), contiguous, intent(in) :: slot(:)
+      real(wp), contiguous, intent(inout) :: force(:)
       real(wp), intent(out) :: energy
       integer, intent(out) :: bad
       type(csc_type), intent(inout), optional :: matrix
       type(element_type) :: element
 
-      associate (group => self%group(self%which(e)), patches => self%patches, &
-         & p => self%patches%of(e), &
-         & slot => self%slot(self%first_slot(e):self%first_slot(e + 1) - 1))
-         if (p == 0) then
-            associate (node => mesh%conn(:group%element%nnode, e))
-               call add_element(group, group%element, mesh%x(:, node), &
-                  & self%dof(:group%element%ndim, node), u, columns(self, memory, e), memory, &
-                  & slot, force, energy, bad, matrix)
-            end associate
-         else
-            call patch_element(patches, p, mesh%conn, group%element, element)
-            associate (node => patches%node(patches%first(p):patches%first(p + 1) - 1))
-               call add_element(group, element, mesh%x(:, node), self%dof(:element%ndim, node), u, &
-                  & columns(self, memory, e), memory, slot, force, energy, bad, matrix)
-            end associate
-         end if
+      associate (group => self%group(self%which(e)), patches => self%patches, p => self%patches%of(e))
+         call patch_element(patches, p, mesh%conn, group%element, element)
+         associate (node => patches%node(patches%first(p):patches%first(p + 1) - 1))
+            call add_element(self, group, element, mesh, node, u, columns(self, memory, e), memory, &
+               & slot, force, energy, bad, matrix)
+         end associate
       end associate
-   end subroutine add_unit
+   end subroutine add_patch
 
    !> What the points of an element or of its patch remember.
    pure function columns(self, memory, e) result(past)
@@ -119,29 +143,41 @@ contains
       end if
    end function columns
 
-   subroutine add_element(group, element, x, equation, u, past, memory, slot, force, energy, bad, &
-      & matrix)
+   subroutine add_element(self, group, element, mesh, node, u, past, memory, slot, force, energy, &
+      & bad, matrix)
+      type(solids_type), intent(in) :: self
       type(group_type), intent(in) :: group
       type(element_type), intent(in) :: element
-      real(wp), intent(in) :: x(:, :), u(:), past(:, :)
-      integer, intent(in) :: equation(:, :)
+      type(mesh_type), intent(in) :: mesh
+      integer, contiguous, intent(in) :: node(:)
+      real(wp), contiguous, intent(in) :: u(:), past(:, :)
       type(solid_memory_type), intent(in) :: memory
-      integer(ik), intent(in) :: slot(:)
-      real(wp), intent(inout) :: force(:)
+      integer(ik), contiguous, intent(in) :: slot(:)
+      real(wp), contiguous, intent(inout) :: force(:)
       real(wp), intent(out) :: energy
       integer, intent(out) :: bad
       type(csc_type), intent(inout), optional :: matrix
-      real(wp) :: own(element%ndof), ke(element%ndof, element%ndof)
+      real(wp), dimension(element%ndim, element%nnode) :: x, moved, own
+      real(wp) :: ke(element%ndof, element%ndof)
+      integer :: a, i
 
+      do a = 1, element%nnode
+         x(:, a) = mesh%x(:, node(a))
+      end do
+      call displacements(self, node, u, moved)
       if (present(matrix)) then
-         call own_element(group, element, x, displacements(equation, u), past, memory, own, &
-            & energy, bad, ke)
+         call own_element(group, element, x, moved, past, memory, own, energy, bad, ke)
       else
-         call own_element(group, element, x, displacements(equation, u), past, memory, own, &
-            & energy, bad)
+         call own_element(group, element, x, moved, past, memory, own, energy, bad)
       end if
       if (bad > 0) return
-      call scatter(equation, own, force)
+      do a = 1, element%nnode
+         do i = 1, element%ndim
+            associate (k => self%dof(i, node(a)))
+               if (k > 0) force(k) = force(k) + own(i, a)
+            end associate
+         end do
+      end do
       if (present(matrix)) call add_slots(slot, ke, matrix%value)
    end subroutine add_element
 
@@ -149,11 +185,12 @@ contains
    subroutine own_element(group, element, x, u, past, memory, force, energy, bad, ke)
       type(group_type), intent(in) :: group
       type(element_type), intent(in) :: element
-      real(wp), intent(in) :: x(:, :), u(:, :), past(:, :)
+      real(wp), contiguous, intent(in) :: x(:, :), u(:, :), past(:, :)
       type(solid_memory_type), intent(in) :: memory
-      real(wp), intent(out) :: force(:), energy
+      real(wp), contiguous, intent(out) :: force(:, :)
+      real(wp), intent(out) :: energy
       integer, intent(out) :: bad
-      real(wp), intent(out), optional :: ke(:, :)
+      real(wp), contiguous, intent(out), optional :: ke(:, :)
 
       if (memory%finite) then
          call finite_element(element, group%law, x, u, group%thickness, past, memory%dt, force, &
@@ -164,32 +201,21 @@ contains
       end if
    end subroutine own_element
 
-   pure function displacements(equation, u) result(own)
-      integer, intent(in) :: equation(:, :)
-      real(wp), intent(in) :: u(:)
-      real(wp) :: own(size(equation, 1), size(equation, 2))
+   !> Displacements of nodes; zero where there is no equation.
+   pure subroutine displacements(self, node, u, moved)
+      type(solids_type), intent(in) :: self
+      integer, contiguous, intent(in) :: node(:)
+      real(wp), contiguous, intent(in) :: u(:)
+      real(wp), contiguous, intent(out) :: moved(:, :)   !! (ndim, size(node)) [length]
       integer :: a, i
 
-      own = 0.0_wp
-      do a = 1, size(equation, 2)
-         do i = 1, size(equation, 1)
-            if (equation(i, a) > 0) own(i, a) = u(equation(i, a))
+      moved = 0.0_wp
+      do a = 1, size(node)
+         do i = 1, size(moved, 1)
+            if (self%dof(i, node(a)) > 0) moved(i, a) = u(self%dof(i, node(a)))
          end do
       end do
-   end function displacements
-
-   pure subroutine scatter(equation, own, force)
-      integer, intent(in) :: equation(:, :)
-      real(wp), intent(in) :: own(size(equation, 1), size(equation, 2))
-      real(wp), intent(inout) :: force(:)
-      integer :: a, i
-
-      do a = 1, size(equation, 2)
-         do i = 1, size(equation, 1)
-            if (equation(i, a) > 0) force(equation(i, a)) = force(equation(i, a)) + own(i, a)
-         end do
-      end do
-   end subroutine scatter
+   end subroutine displacements
 
    !> Stresses and strains at all Gauss points, laid out as by recover_stress: Cauchy and
    !> logarithmic at finite strain.
@@ -263,7 +289,7 @@ contains
    subroutine remember(self, mesh, u, memory)
       type(solids_type), intent(in) :: self
       type(mesh_type), intent(in) :: mesh
-      real(wp), intent(in) :: u(:)             !! (n) total displacements by equation [length]
+      real(wp), contiguous, intent(in) :: u(:)   !! (n) total displacements by equation [length]
       type(solid_memory_type), intent(inout) :: memory
       real(wp), allocatable :: work(:), volume(:), strain(:)
       integer :: e, p, q, row
@@ -290,51 +316,60 @@ contains
       memory%volume = sum(volume)
    end subroutine remember
 
+   !> Of an element or of the patch that it stands for; `next` holds the accepted state before.
    subroutine remember_unit(self, mesh, u, e, memory, work, volume)
       type(solids_type), intent(in) :: self
       type(mesh_type), intent(in) :: mesh
-      real(wp), intent(in) :: u(:)
+      real(wp), contiguous, intent(in) :: u(:)
       integer, intent(in) :: e
       type(solid_memory_type), intent(inout) :: memory
       real(wp), intent(inout) :: work, volume
       type(element_type) :: element
-      integer, allocatable :: node(:), point(:)
+      integer, allocatable :: point(:)
       real(wp), allocatable :: past(:, :)
 
-      allocate (node, source=unit_nodes(self, mesh, e))
-      if (size(node) == 0) return
-      allocate (past, source=columns(self, memory, e))
-      associate (group => self%group(self%which(e)), p => self%patches%of(e))
+      associate (group => self%group(self%which(e)), patches => self%patches, &
+         & p => self%patches%of(e))
          if (p == 0) then
-            call own_memory(group, group%element, mesh%x(:, node), &
-               & displacements(self%dof(:group%element%ndim, node), u), memory, past, work, &
-               & volume)
-            memory%next(:, memory%first(e):memory%first(e + 1) - 1) = past
-         else
-            call patch_element(self%patches, p, mesh%conn, group%element, element)
-            call own_memory(group, element, mesh%x(:, node), &
-               & displacements(self%dof(:element%ndim, node), u), memory, past, work, &
-               & volume)
+            call own_memory(self, group, group%element, mesh, mesh%conn(:group%element%nnode, e), u, &
+               & memory%finite, memory%dt, &
+               & memory%next(:, memory%first(e):memory%first(e + 1) - 1), work, volume)
+         else if (patches%member(patches%start(p)) == e) then
+            call patch_element(patches, p, mesh%conn, group%element, element)
+            allocate (past, source=columns(self, memory, e))
+            call own_memory(self, group, element, mesh, &
+               & patches%node(patches%first(p):patches%first(p + 1) - 1), u, memory%finite, &
+               & memory%dt, past, work, volume)
             allocate (point, source=unit_points(self, memory%first, e))
             memory%next(:, point) = past
          end if
       end associate
    end subroutine remember_unit
 
-   subroutine own_memory(group, element, x, u, memory, past, work, volume)
+   subroutine own_memory(self, group, element, mesh, node, u, finite, dt, past, work, volume)
+      type(solids_type), intent(in) :: self
       type(group_type), intent(in) :: group
       type(element_type), intent(in) :: element
-      real(wp), intent(in) :: x(:, :), u(:, :)
-      type(solid_memory_type), intent(in) :: memory
-      real(wp), intent(inout) :: past(:, :), work, volume
-      integer :: bad
+      type(mesh_type), intent(in) :: mesh
+      integer, contiguous, intent(in) :: node(:)
+      real(wp), contiguous, intent(in) :: u(:)
+      logical, intent(in) :: finite
+      real(wp), intent(in) :: dt
+      real(wp), contiguous, intent(inout) :: past(:, :)
+      real(wp), intent(inout) :: work, volume
+      real(wp), dimension(element%ndim, element%nnode) :: x, moved
+      integer :: a, bad
 
-      if (memory%finite) then
-         call finite_memory(element, group%law, x, u, group%thickness, memory%dt, past, work, &
-            & volume, bad)
+      do a = 1, element%nnode
+         x(:, a) = mesh%x(:, node(a))
+      end do
+      call displacements(self, node, u, moved)
+      if (finite) then
+         call finite_memory(element, group%law, x, moved, group%thickness, dt, past, work, volume, &
+            & bad)
       else
-         call flow_memory(element, group%law, x, u, group%thickness, memory%dt, past, work, &
-            & volume, bad)
+         call flow_memory(element, group%law, x, moved, group%thickness, dt, past, work, volume, &
+            & bad)
       end if
    end subroutine own_memory
 end module lopin_assemble_finite

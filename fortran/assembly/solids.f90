@@ -318,9 +318,9 @@ contains
 
    !> Add the lower triangle of an element matrix to its slots in the values of a matrix.
    pure subroutine add_slots(slot, ke, value)
-      integer(ik), intent(in) :: slot(:)
-      real(wp), intent(in) :: ke(:, :)
-      real(wp), intent(inout) :: value(:)
+      integer(ik), contiguous, intent(in) :: slot(:)
+      real(wp), contiguous, intent(in) :: ke(:, :)
+      real(wp), contiguous, intent(inout) :: value(:)
       integer :: i, j, k
 
       k = 0
