@@ -6,7 +6,7 @@ module lopin_finite_forces
    use lopin_clock, only : phase
    use lopin_model, only : model_type
    use lopin_constraints, only : reduce, prescribed_part
-   use lopin_finite_contact, only : evaluate
+   use lopin_finite_evaluation, only : evaluate
    use lopin_finite_state, only : forgotten, is_nonlinear
    use lopin_follower_loads, only : add_follower_loads
    use lopin_assemble_finite, only : assemble_finite, bad_element_type

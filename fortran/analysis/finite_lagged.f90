@@ -10,7 +10,7 @@ module lopin_finite_lagged
    use lopin_dofs, only : dofs_type
    use lopin_friction, only : reads_mises, reads_speed, reads_yield
    use lopin_nodal_mises, only : nodal_mises, nodal_flow_stress
-   use lopin_finite_contact, only : speed_of
+   use lopin_finite_slip, only : speed_of
    use lopin_scene, only : scene_type
    implicit none
    private

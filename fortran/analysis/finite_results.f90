@@ -12,8 +12,8 @@ module lopin_finite_results
    use lopin_finite_state, only : forgotten
    use lopin_finite_forces, only : above_rounding, pressure_about, nil_gap
    use lopin_contact_traction, only : grip_kind
-   use lopin_finite_contact, only : finite_contact_type, dissipated, mean_work_of, held_energy, &
-      & shear_bound
+   use lopin_finite_contact, only : finite_contact_type
+   use lopin_finite_slip, only : dissipated, mean_work_of, held_energy, shear_bound
    use lopin_scene, only : scene_type
    implicit none
    private

@@ -22,7 +22,7 @@ module lopin_finite_system
    use lopin_solver_factory, only : new_solver, choose_solver
    use lopin_constraints, only : constraints_type
    use lopin_reduce_matrix, only : reduce_matrix
-   use lopin_finite_contact, only : local_matrix_type
+   use lopin_finite_kernel, only : local_matrix_type
    implicit none
    private
    public :: finite_system_type, set_tangent, put_on_ground, solve_step, solve_whole

@@ -6,7 +6,7 @@
 module lopin_follower_loading
    use lopin_kinds, only : wp
    use lopin_model, only : model_type, step_type, amplitude_value
-   use lopin_finite_contact, only : local_matrix_type
+   use lopin_finite_kernel, only : local_matrix_type
    implicit none
    private
    public :: follower_type, new_followers, set_followers

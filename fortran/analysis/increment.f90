@@ -19,7 +19,7 @@ module lopin_increment
    use lopin_reach, only : some_bite, widen_reach, widen_to_nearest, all_within_reach
    use lopin_solve_path, only : prepare_path, widen_path, solve_path
    use lopin_certificate, only : forces_type, find_forces, certify
-   use lopin_finite_contact, only : accept_contact => accept, reject_contact => reject
+   use lopin_finite_history, only : accept_contact => accept, reject_contact => reject
    use lopin_finite_state, only : iteration_header
    use lopin_solid_memory, only : keep
    use lopin_predict, only : note_motion
@@ -277,7 +277,7 @@ contains
       progress%steady = steady
       if (scene%finite%in_use) then
          scene%finite%accepted_multiplier = scene%finite%multiplier
-         call accept_contact(scene%finite%contact, scene%u, scene%finite%multiplier)
+         call accept_contact(scene%finite%contact)
          return
       end if
       call commit_friction(scene%friction)

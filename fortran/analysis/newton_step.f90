@@ -7,7 +7,7 @@ module lopin_newton_step
    use lopin_text, only : to_text
    use lopin_model, only : model_type
    use lopin_constraints, only : expand, reduce
-   use lopin_finite_contact, only : local_matrix_type
+   use lopin_finite_kernel, only : local_matrix_type
    use lopin_finite_system, only : set_tangent, put_on_ground, solve_step, apply_locals
    use lopin_finite_state, only : is_nonlinear
    use lopin_finite_forces, only : look_type, look_at, of_rows

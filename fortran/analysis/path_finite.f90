@@ -15,7 +15,8 @@ module lopin_path_finite
    use lopin_bodies, only : describe_motion
    use lopin_finite_points, only : is_self_contact
    use lopin_constraints, only : expand
-   use lopin_finite_contact, only : new_finite_contact, start_increment, augment
+   use lopin_finite_contact, only : new_finite_contact
+   use lopin_finite_history, only : start_increment, augment
    use lopin_finite_system, only : solve_step
    use lopin_finite_state, only : add_line
    use lopin_solid_memory, only : new_solid_memory

@@ -4,7 +4,7 @@ module lopin_release
    use lopin_kinds, only : wp
    use lopin_error, only : error_type
    use lopin_model, only : model_type
-   use lopin_finite_contact, only : evaluate
+   use lopin_finite_evaluation, only : evaluate
    use lopin_scene, only : scene_type
    implicit none
    private

@@ -8,8 +8,9 @@ program test_finite_contact
    use lopin_dofs, only : dofs_type, new_dofs
    use lopin_friction, only : law_of
    use lopin_enforcement_factory, only : method_names
-   use lopin_finite_contact, only : finite_contact_type, new_finite_contact, start_increment, &
-      & evaluate, augment, accept, reject
+   use lopin_finite_contact, only : finite_contact_type, new_finite_contact
+   use lopin_finite_history, only : start_increment, augment, accept, reject
+   use lopin_finite_evaluation, only : evaluate
    use contact_scenes, only : scene_names, scene_text
    use check, only : test, is_true, close_to, finish
    implicit none
@@ -65,7 +66,7 @@ contains
       call random_number(z)
       z = 1.0e4_wp*(z - 0.5_wp)
       call run(contact, model, u, z, 1)
-      call accept(contact, u(:, 1), z(:, 1))
+      call accept(contact)
       call run(contact, model, u, z, 2)
       force = contact%force
       row = contact%row

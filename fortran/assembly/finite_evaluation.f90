@@ -1,0 +1,186 @@
+!> Contact on the present shape at trial displacements: gaps, laws, forces, rows and slopes.
+module lopin_finite_evaluation
+   use lopin_kinds, only : wp
+   use lopin_error, only : error_type
+   use lopin_model, only : model_type
+   use lopin_friction, only : condition_type
+   use lopin_contact_traction, only : grip_kind
+   use lopin_finite_points, only : finite_points_type
+   use lopin_finite_opposite, only : move_masters, anchor_of
+   use lopin_finite_owner, only : note_owner
+   use lopin_finite_kernel, only : point_state_type, evaluate_point
+   use lopin_finite_mortar, only : evaluate_mortar_point
+   use lopin_finite_contact, only : finite_contact_type
+   use lopin_finite_meeting, only : find_present, meet, is_left_out
+   use lopin_finite_slip, only : condition_at
+   implicit none
+   private
+   public :: evaluate
+
+contains
+
+   !> Project at x = X + u, apply the laws: force, row and, if asked, the local matrices.
+   subroutine evaluate(self, model, u, multiplier, with_tangent, error)
+      type(finite_contact_type), intent(inout) :: self
+      type(model_type), intent(in) :: model
+      real(wp), intent(in) :: u(:)             !! (ndof)
+      real(wp), intent(in) :: multiplier(:)    !! (nmultiplier) tractions, global axes [stress]
+      logical, intent(in) :: with_tangent
+      type(error_type), allocatable, intent(out) :: error
+      type(condition_type) :: at
+      real(wp) :: lambda(3), shift
+      integer :: i, k, d
+
+      d = model%mesh%ndim
+      self%force = 0.0_wp
+      self%row = 0.0_wp
+      self%nlocal = 0
+      self%soft_error = 0.0_wp
+      call move_masters(self%masters, model, self%dofs, self%finite_points_type, u, .false., &
+         & self%cost, error)
+      if (allocated(error)) return
+      call find_present(self, .false., error)
+      if (allocated(error)) return
+      do i = 1, self%n
+         lambda = 0.0_wp
+         k = self%first_row(i)
+         if (k > 0) lambda(:d) = multiplier(k:k + d - 1)
+         if (self%pair_active(self%pair(i))) then
+            call meet(self, model, i, .false.)
+         else
+            self%opposite(i)%facet = 0
+         end if
+         if (self%loose(i)) self%opposite(i)%facet = 0
+         if (is_left_out(self, i)) self%opposite(i)%facet = 0
+         self%facet(i) = self%opposite(i)%facet
+         if (self%facet(i) == 0) then
+            call stay_open(self, i, d, lambda, with_tangent)
+            cycle
+         end if
+         if (.not. self%anchor(i)%set) call anchor_of(self%anchor(i), self%opposite(i))
+         shift = self%shift(i) + (1.0_wp - self%interference)*self%overclosure(i) &
+            & - model%interaction(model%pair(self%pair(i))%interaction)%clearance
+         if (is_clear(self, i, lambda, shift)) then
+            call stay_open(self, i, d, lambda, with_tangent)
+            self%trial(i)%normal = self%opposite(i)%normal
+            self%trial(i)%gap = self%opposite(i)%foot%gap
+            self%normal(:, i) = self%trial(i)%normal
+            self%gap(i) = self%trial(i)%gap + self%shift(i) &
+               & + (1.0_wp - self%interference)*self%overclosure(i)
+            cycle
+         end if
+         at = condition_at(self, i)
+         self%nlocal = self%nlocal + 1
+         if (self%mortar(self%pair(i))%is_on) then
+            call evaluate_mortar_point(self%trial(i), self%local(self%nlocal), &
+               & self%mortar(self%pair(i)), self%dofs, self%masters%x, self%patch(i), &
+               & self%mortar_anchor(i), self%grip(i), self%friction(self%pair(i)), at, shift, &
+               & lambda, self%first_row(i), with_tangent, self%weight(i))
+            call collect(self, i, d)
+            cycle
+         end if
+         call evaluate_point(self%trial(i), self%local(self%nlocal), model, self%dofs, self%basis, &
+            & self%masters, self%finite_points_type, i, self%opposite(i), self%anchor(i), &
+            & self%grip(i), self%friction(self%pair(i)), at, shift, lambda, self%first_row(i), &
+            & with_tangent)
+         call collect(self, i, d)
+         if (with_tangent .and. self%status(i) /= 0 .and. self%opposite(i)%ncarry > 0) &
+            & call note_owner(self%masters%owner, i, self%opposite(i)%found, self%opposite(i)%kept)
+      end do
+      call estimate_softness(self)
+      ! Touching counts as closed where Newton starts, and no longer.
+      self%grip%grazing = 0.0_wp
+   end subroutine evaluate
+
+   !> A mortar row that its values already show to be open: its slopes, which cost most of it, are
+   !> not needed.
+   pure logical function is_clear(self, i, lambda, shift)
+      type(finite_contact_type), intent(in) :: self
+      integer, intent(in) :: i
+      real(wp), intent(in) :: lambda(3), shift
+      real(wp) :: along, gap
+
+      is_clear = .false.
+      associate (g => self%grip(i), o => self%opposite(i))
+         if (.not. self%mortar(self%pair(i))%is_on .or. g%bilateral) return
+         along = dot_product(lambda, o%normal)
+         gap = o%foot%gap + shift
+         if (g%kind == grip_kind%perturbed) gap = gap + along/g%slope
+         if (g%kind == grip_kind%lagrange .or. g%kind == grip_kind%perturbed) is_clear = &
+            & along - g%c*gap < -g%grazing .and. gap > 0.0_wp
+      end associate
+   end function is_clear
+
+   !> A point with no master opposite has no traction; its multiplier is sent to zero.
+   subroutine stay_open(self, i, d, lambda, with_tangent)
+      type(finite_contact_type), intent(inout) :: self
+      integer, intent(in) :: i, d
+      real(wp), intent(in) :: lambda(3)
+      logical, intent(in) :: with_tangent
+      integer :: k
+
+      self%status(i) = 0
+      self%gap(i) = 0.0_wp
+      ! Of a surface too far to be asked, at least so much.
+      if (self%masters%of(self%pair(i))%asleep) self%gap(i) = self%masters%of(self%pair(i))%distance
+      self%pressure(i) = 0.0_wp
+      self%traction(:, i) = 0.0_wp
+      self%trial(i) = point_state_type()
+      if (self%first_row(i) == 0) return
+      self%row(self%first_row(i):self%first_row(i) + d - 1) = lambda(:d)/self%grip(i)%c
+      if (.not. with_tangent) return
+      self%nlocal = self%nlocal + 1
+      associate (l => self%local(self%nlocal))
+         l%nu = 0
+         l%dof = [(self%dofs%n + self%first_row(i) + k, k=0, d - 1)]
+         if (allocated(l%k)) deallocate (l%k)
+         if (allocated(l%spring)) deallocate (l%spring)
+         if (allocated(l%flat_row)) deallocate (l%flat_row)
+         allocate (l%k(d, d), l%spring(0, 0), source=0.0_wp)
+         do k = 1, d
+            l%k(k, k) = 1.0_wp/self%grip(i)%c
+         end do
+      end associate
+   end subroutine stay_open
+
+   !> Forces, row and results of one evaluated point.
+   subroutine collect(self, i, d)
+      type(finite_contact_type), intent(inout) :: self
+      integer, intent(in) :: i, d
+      integer :: k
+
+      associate (l => self%local(self%nlocal), t => self%trial(i))
+         do k = 1, l%nu
+            self%force(l%dof(k)) = self%force(l%dof(k)) + t%force(k)
+         end do
+         if (self%first_row(i) > 0) self%row(self%first_row(i):self%first_row(i) + d - 1) = &
+            & t%row(:d)
+         self%status(i) = t%status
+         self%gap(i) = t%gap + self%shift(i) + (1.0_wp - self%interference)*self%overclosure(i)
+         self%normal(:, i) = t%normal
+         self%traction(:, i) = t%traction
+         self%pressure(i) = dot_product(t%traction, t%normal)
+         self%xi(:, i) = self%opposite(i)%found%xi
+      end associate
+   end subroutine collect
+
+   !> One augmentation would change the pressure by slope times penetration beside the compliance;
+   !> the compliance of a facet, 1/(2 moduli over facet), stands for it. The slave's own: pressures
+   !> of nodes that share a master facet can change without moving the master.
+   subroutine estimate_softness(self)
+      type(finite_contact_type), intent(inout) :: self
+      real(wp) :: most
+      integer :: i
+
+      most = 0.0_wp
+      if (self%n > 0) most = maxval(abs(self%pressure))
+      if (.not. most > 0.0_wp) return
+      do i = 1, self%n
+         if (self%grip(i)%kind /= grip_kind%penalty .and. self%grip(i)%kind /= &
+            & grip_kind%perturbed) cycle
+         if (self%status(i) == 0) cycle
+         self%soft_error = max(self%soft_error, abs(self%pressure(i))/most &
+            & /(1.0_wp + 2.0_wp*self%grip(i)%slope*self%size(i)/self%slave_modulus(i)))
+      end do
+   end subroutine estimate_softness
+end module lopin_finite_evaluation

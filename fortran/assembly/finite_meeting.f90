@@ -1,0 +1,104 @@
+!> What lies opposite each point on the present shape, and which of two sides that meet presses.
+module lopin_finite_meeting
+   use lopin_kinds, only : wp
+   use lopin_error, only : error_type
+   use lopin_model, only : model_type
+   use lopin_contact_traction, only : grip_kind
+   use lopin_finite_points, only : finite_points_type, is_self_contact
+   use lopin_finite_opposite, only : find_opposite, anchor_of
+   use lopin_finite_roles, only : choose_roles
+   use lopin_finite_mortar, only : update_mortar, meet_row
+   use lopin_finite_contact, only : finite_contact_type
+   implicit none
+   private
+   public :: find_present, meet, take_anchor, share_roles, is_left_out
+
+   !> A point farther from its master, in facets, is not tied unless ADJUST says so.
+   real(wp), parameter :: too_far = 0.5_wp
+
+contains
+
+   !> The overlaps of the pairs by mortar.
+   subroutine find_present(self, start, error)
+      type(finite_contact_type), intent(inout) :: self
+      logical, intent(in) :: start             !! of an increment
+      type(error_type), allocatable, intent(out) :: error
+      integer :: pair
+
+      do pair = 1, size(self%mortar)
+         if (.not. self%mortar(pair)%is_on) cycle
+         call update_mortar(self%mortar(pair), self%masters%rules, self%masters%of(pair)%surface, &
+            & self%masters%of(pair)%tree, self%masters%x, start, error)
+         if (allocated(error)) return
+      end do
+   end subroutine find_present
+
+   !> What lies opposite a point now; by mortar its row, kept as the anchor at the start.
+   subroutine meet(self, model, i, start)
+      type(finite_contact_type), intent(inout) :: self
+      type(model_type), intent(in) :: model
+      integer, intent(in) :: i
+      logical, intent(in) :: start             !! of an increment
+      logical :: covered
+
+      associate (pair => self%pair(i))
+         if (.not. self%mortar(pair)%is_on) then
+            call find_opposite(self%opposite(i), self%masters, model, self%finite_points_type, i, &
+               & self%cost)
+            return
+         end if
+         call meet_row(self%mortar(pair), self%masters%of(pair)%surface, self%masters%rules, &
+            & self%masters%x, self%node(i), start, self%patch(i), self%mortar_anchor(i), covered, &
+            & self%opposite(i)%normal, self%opposite(i)%found%gap)
+         self%opposite(i)%facet = merge(1, 0, covered)
+         self%opposite(i)%foot%gap = self%opposite(i)%found%gap
+      end associate
+   end subroutine meet
+
+   !> The point opposite; tied points keep it, and those too far from it are never tied.
+   subroutine take_anchor(self, model, i)
+      type(finite_contact_type), intent(inout) :: self
+      type(model_type), intent(in) :: model
+      integer, intent(in) :: i
+
+      call anchor_of(self%anchor(i), self%opposite(i))
+      if (self%grip(i)%kind /= grip_kind%tied) return
+      self%loose(i) = .not. self%anchor(i)%set
+      if (self%anchor(i)%set) self%loose(i) = abs(self%anchor(i)%gap) > max(too_far*self%size(i), &
+         & model%pair(self%pair(i))%adjust)
+   end subroutine take_anchor
+
+   !> Of two sides of one surface that face each other only one presses.
+   subroutine share_roles(self, model)
+      type(finite_contact_type), intent(inout) :: self
+      type(model_type), intent(in) :: model
+      integer :: pair, first, last, k
+
+      self%pressing = 0
+      do pair = 1, size(model%pair)
+         if (.not. is_self_contact(model%pair(pair))) cycle
+         first = findloc(self%pair, pair, dim=1)
+         if (first == 0) cycle
+         last = first + count(self%pair == pair) - 1
+         call choose_roles(self%masters%of(pair)%surface, self%node(first:last), &
+            & self%opposite(first:last)%facet, self%size(first:last), &
+            & [(any(abs(self%lambda(:, k)) > 0.0_wp), k=first, last)], self%yields(first:last))
+         do k = first, last
+            if (self%opposite(k)%facet > 0 .and. .not. self%yields(k)) &
+               & self%pressing(self%node(k)) = pair
+         end do
+      end do
+   end subroutine share_roles
+
+   !> A point of self-contact that yields does so only to nodes that press.
+   pure logical function is_left_out(self, i)
+      type(finite_contact_type), intent(in) :: self
+      integer, intent(in) :: i
+
+      is_left_out = .false.
+      if (.not. self%yields(i)) return
+      associate (o => self%opposite(i))
+         is_left_out = any(self%pressing(o%node(:o%ncarry)) == self%pair(i))
+      end associate
+   end function is_left_out
+end module lopin_finite_meeting
