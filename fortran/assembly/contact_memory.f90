@@ -8,7 +8,8 @@ module lopin_contact_memory
    use lopin_surface, only : update_surface
    use lopin_search, only : refit_tree
    use lopin_finite_contact, only : finite_contact_type
-   use lopin_finite_opposite, only : master_type, anchor_type, opposite_type
+   use lopin_finite_masters, only : master_type
+   use lopin_finite_opposite, only : anchor_type, opposite_type
    use lopin_finite_mortar, only : update_mortar, meet_row
    implicit none
    private

@@ -15,7 +15,8 @@ module lopin_finite_contact
    use lopin_finite_grips, only : choose_grips
    use lopin_finite_points, only : finite_points_type, new_finite_points
    use lopin_search, only : cost_type
-   use lopin_finite_opposite, only : opposite_type, anchor_type, masters_type, new_masters
+   use lopin_finite_opposite, only : opposite_type, anchor_type
+   use lopin_finite_masters, only : masters_type, new_masters
    use lopin_finite_owner, only : new_owners
    use lopin_finite_kernel, only : local_matrix_type, point_state_type
    use lopin_mortar_node_2d, only : patch_type

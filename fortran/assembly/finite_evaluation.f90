@@ -6,7 +6,8 @@ module lopin_finite_evaluation
    use lopin_friction, only : condition_type
    use lopin_contact_traction, only : grip_kind
    use lopin_finite_points, only : finite_points_type
-   use lopin_finite_opposite, only : move_masters, anchor_of
+   use lopin_finite_masters, only : move_masters
+   use lopin_finite_opposite, only : anchor_of
    use lopin_finite_owner, only : note_owner
    use lopin_finite_kernel, only : point_state_type, evaluate_point
    use lopin_finite_mortar, only : evaluate_mortar_point

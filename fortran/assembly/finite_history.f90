@@ -6,7 +6,7 @@ module lopin_finite_history
    use lopin_contact_traction, only : grip_kind
    use lopin_finite_grips, only : remember_elastic
    use lopin_finite_points, only : finite_points_type
-   use lopin_finite_opposite, only : move_masters, area_ratios
+   use lopin_finite_masters, only : move_masters, area_ratios
    use lopin_finite_owner, only : start_owners, commit_owners
    use lopin_finite_contact, only : finite_contact_type
    use lopin_finite_meeting, only : find_present, meet, take_anchor, share_roles

@@ -14,7 +14,8 @@ module lopin_finite_kernel
    use lopin_contact_foot, only : facet_foot, smooth_facet_foot, tool_foot, tool_motion, turned, &
       & turned_back
    use lopin_finite_points, only : finite_points_type
-   use lopin_finite_opposite, only : opposite_type, anchor_type, masters_type
+   use lopin_finite_opposite, only : opposite_type, anchor_type
+   use lopin_finite_masters, only : masters_type
    implicit none
    private
    public :: local_matrix_type, point_state_type, evaluate_point, set_spring

@@ -20,8 +20,8 @@ module point_scenes
    use lopin_enforcement_law, only : law_type, new_exponential
    use lopin_finite_points, only : finite_points_type
    use lopin_finite_owner, only : new_owners
-   use lopin_finite_opposite, only : opposite_type, anchor_type, masters_type, move_masters, &
-      & find_opposite, anchor_of
+   use lopin_finite_opposite, only : opposite_type, anchor_type, find_opposite, anchor_of
+   use lopin_finite_masters, only : masters_type, move_masters
    use lopin_finite_kernel, only : local_matrix_type, point_state_type, evaluate_point
    use patch_scenes, only : patch_names, patch_dimension, is_dome, new_patch
    implicit none
