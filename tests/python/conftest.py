@@ -63,3 +63,12 @@ def solve(executable, tmp_path, monkeypatch):
             raise
 
     return run
+
+
+@pytest.fixture
+def go(executable, tmp_path):
+    """Run a scene of `feature_scene`, each in a folder of its own."""
+    from feature_scene import run
+
+    count = iter(range(1000))
+    return lambda scene: run(executable, tmp_path/f"run{next(count)}", scene)

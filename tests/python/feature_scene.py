@@ -8,6 +8,9 @@ from itertools import product
 
 import numpy as np
 
+E, W, H = 1000.0, 2.0, 1.0
+K = E*W/H                                  # stiffness of a block without Poisson's effect
+
 
 class Scene:
     """Lines of a deck; blocks are grids with sets and surfaces named after their sides."""
@@ -146,3 +149,31 @@ def run(executable, folder, scene, name="feature"):
     done = subprocess.run([str(executable), "run", str(deck), "-o", str(folder/"out"),
                            "--overwrite", "--no-color"], capture_output=True, text=True, timeout=60)
     return Outcome(folder/"out", done.returncode, done.stdout + done.stderr)
+
+
+def bar(gap=0.0, behavior="", words="", extra="", load=None, **step):
+    """A block over a fixed tool, held at its top edge's spring side: the bottom row moves freely in
+    y.
+
+    The top is fixed; forces on the bottom row push it down onto the floor at a distance `gap`.
+    """
+    s = Scene(E)
+    s.block("B", (0, 0), (W, H), (2, 1))
+    s.tool("FLOOR", (0, -1), [(-3, -gap), (5, -gap)])
+    s.pair("B_BOTTOM", "FLOOR", behavior, words)
+    s.add("*BOUNDARY\nB, 1\nB_TOP, 2\nFLOOR_REF, 1, 2\nFLOOR_REF, 6")
+    if extra:
+        s.add(extra)
+    if load is not None:
+        s.step(f"*CLOAD\n1, 2, {-load/4}\n3, 2, {-load/2}\n5, 2, {-load/4}", **step)
+    return s
+
+
+def two_blocks(low=2, up=2, behavior="", words="", gap=0.0, poisson=0.3, shift=0.0, extra=""):
+    s = Scene(E, poisson)
+    s.block("LOW", (0, 0), (W, H), (low, 1))
+    s.block("UP", (shift, H + gap), (W + shift, 2*H + gap), (up, 1))
+    s.pair("UP_BOTTOM", "LOW_TOP", behavior, words)
+    if extra:
+        s.add(extra)
+    return s
