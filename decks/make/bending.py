@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import sys
 
-from sliding import lean, text
+from deck_text import lean, text
 from square_cup import swift
 
 from lopin import mesh_make

@@ -8,7 +8,7 @@ import sys
 from math import hypot, pi, tan
 
 import numpy as np
-from sliding import lean, text
+from deck_text import lean, text
 
 from lopin import mesh_make
 from lopin.mesh import together
@@ -49,7 +49,7 @@ def closed_die(cells: int = 24, stroke: float = 5.0) -> str:
     skin = np.concatenate([billet.surfaces["TOP"], billet.surfaces["RIGHT"]])
     billet = billet.replaced(surfaces={"SKIN": skin})
     mesh = together(BILLET=lean(billet, "SKIN", "LEFT BOTTOM"))
-    return text(mesh, f"""
+    return text(mesh, """
 A hot disc forged in a closed die with a flash; the press comes down at 50 mm/s.
 
 The billet is 30 mm across and 24 mm high (one half by symmetry), Norton-Hoff: sqrt(3)^(m+1) K rate^m with

@@ -4,7 +4,7 @@ from __future__ import annotations
 import sys
 
 import numpy as np
-from sliding import lean, text
+from deck_text import lean, text
 
 from lopin import mesh_make
 from lopin.mesh import together

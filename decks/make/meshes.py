@@ -271,7 +271,7 @@ MESHES = {f.__name__: f for f in (cattaneo, hertz_sphere, hertz_sphere_3d, nafem
 
 def main(names: list[str]) -> None:
     """Write the meshes of these names, or all."""
-    from bulk_meshes import MESHES as of_bulk   # both take their tools from here
+    from bulk_meshes import MESHES as of_bulk  # both take their tools from here
     from friction_meshes import MESHES as of_friction
 
     meshes = MESHES | of_friction | of_bulk
