@@ -320,7 +320,7 @@ contains
    pure subroutine add_slots(slot, ke, value)
       integer(ik), contiguous, intent(in) :: slot(:)
       real(wp), contiguous, intent(in) :: ke(:, :)
-      real(wp), contiguous, intent(inout) :: value(:)
+      real(wp), intent(inout) :: value(:)
       integer :: i, j, k
 
       k = 0
