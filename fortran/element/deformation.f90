@@ -51,13 +51,22 @@ contains
          call gradients(element%ndim, element%nnode, x, element%dn(:, :, k), g(:, :, k), determinant)
          if (.not. determinant > 0.0_wp) return
          point(k)%weight = element%weight(k)*determinant
-         call place(element, k, x, u, thickness, g(:, :, k), hoop(:, k), point(k))
+         if (element%ndim == 2) then
+            call place_in_plane(element, k, x, u, thickness, g(:, :, k), hoop(:, k), point(k))
+         else
+            call place_in_space(element%nnode, u, g(:, :, k), point(k)%h)
+            hoop(:, k) = 0.0_wp
+         end if
          if (element%nmode > 0) point(k)%h = enhanced(:, :, k)
-         if (.not. 1.0_wp + point(k)%h(3, 3) > 0.0_wp .and. element%ndim == 2) return
-         point(k)%change = trial_change(point(k)%h, memory(:, k), element%nstress)
+         call trial_change(point(k)%h, memory(:, k), element%nstress, point(k)%change)
          point(k)%own = volume_change(point(k)%h)
          if (.not. 1.0_wp + point(k)%own > 0.0_wp) return
-         call push_forward(element%ndim, element%nnode, point(k)%h, g(:, :, k), hoop(:, k))
+         if (element%ndim == 2) then
+            if (.not. 1.0_wp + point(k)%h(3, 3) > 0.0_wp) return
+            call push_in_plane(element%nnode, point(k)%h, g(:, :, k), hoop(:, k))
+         else
+            call push_in_space(element%nnode, point(k)%h, g(:, :, k))
+         end if
          if (element%kind == element_kind%plane_stress) call stretch_thickness(law, &
             & past_of(memory(:, k), element%nstress, 1.0_wp), point(k))
          point(k)%volume = point(k)%own
@@ -66,71 +75,92 @@ contains
       if (size(phi, 2) == 0) return
       call dilatation_functions(element, x, point%weight, phi)
       point%volume = projection(phi, point%weight*point%own)
-      bad = findloc(1.0_wp + point%volume > 0.0_wp, .false., dim=1)
+      do k = 1, element%ngauss
+         if (1.0_wp + point(k)%volume > 0.0_wp) cycle
+         bad = k
+         return
+      end do
    end subroutine deform
 
    !> Displacement gradient and reference volume of a point, and its hoop row.
-   pure subroutine place(element, k, x, u, thickness, g, hoop, point)
+   pure subroutine place_in_plane(element, k, x, u, thickness, g, hoop, point)
       type(element_type), intent(in) :: element
       integer, intent(in) :: k
-      real(wp), intent(in), dimension(element%ndim, element%nnode) :: x, u
+      real(wp), intent(in), dimension(2, element%nnode) :: x, u
       real(wp), intent(in) :: thickness
-      real(wp), intent(in) :: g(element%ndim, element%nnode)   !! in the reference shape [1/length]
-      real(wp), intent(out) :: hoop(element%nnode)             !! the same
-      type(point_type), intent(inout) :: point     !! its weight is that of the plane or of space
-      real(wp) :: radius
-      integer :: a, j
+      real(wp), intent(in) :: g(2, element%nnode)      !! in the reference shape [1/length]
+      real(wp), intent(out) :: hoop(element%nnode)     !! the same
+      type(point_type), intent(inout) :: point         !! its weight is an area
+      real(wp) :: h(2, 2), radius
+      integer :: a
 
-      point%h = 0.0_wp
-      hoop = 0.0_wp
-      if (element%ndim == 3) then
-         do a = 1, element%nnode
-            do j = 1, 3
-               point%h(:, j) = point%h(:, j) + u(:3, a)*g(j, a)
-            end do
-         end do
-         return
-      end if
+      h = 0.0_wp
+      radius = 0.0_wp
       do a = 1, element%nnode
-         do j = 1, 2
-            point%h(:2, j) = point%h(:2, j) + u(:2, a)*g(j, a)
-         end do
+         h(:, 1) = h(:, 1) + u(:, a)*g(1, a)
+         h(:, 2) = h(:, 2) + u(:, a)*g(2, a)
+         radius = radius + x(1, a)*element%n(a, k)
       end do
+      point%h = 0.0_wp
+      point%h(:2, :2) = h
       if (.not. element%axisymmetric) then
+         hoop = 0.0_wp
          point%weight = point%weight*thickness
          return
       end if
-      radius = dot_product(x(1, :), element%n(:, k))
-      hoop = element%n(:, k)/radius
-      point%h(3, 3) = dot_product(u(1, :), hoop)
       point%weight = point%weight*2.0_wp*pi*radius
-   end subroutine place
+      radius = 1.0_wp/radius
+      do a = 1, element%nnode
+         hoop(a) = element%n(a, k)*radius
+         point%h(3, 3) = point%h(3, 3) + u(1, a)*hoop(a)
+      end do
+   end subroutine place_in_plane
 
-   !> g <- F**-T g with F = 1 + h, regular; the same with the hoop row.
-   pure subroutine push_forward(d, m, h, g, hoop)
-      integer, intent(in) :: d, m
-      real(wp), intent(in) :: h(3, 3)
-      real(wp), intent(inout) :: g(d, m), hoop(m)
-      real(wp) :: f(3, 3), old(3)
+   !> Displacement gradient of a point.
+   pure subroutine place_in_space(nnode, u, g, h)
+      integer, intent(in) :: nnode
+      real(wp), intent(in) :: u(3, nnode), g(3, nnode)   !! in the reference shape [1/length]
+      real(wp), intent(out) :: h(3, 3)
       integer :: a
 
-      f = inverse_of(h)
-      if (d == 2) then
-         do a = 1, m
-            old(:2) = g(:2, a)
-            g(1, a) = f(1, 1)*old(1) + f(2, 1)*old(2)
-            g(2, a) = f(1, 2)*old(1) + f(2, 2)*old(2)
-            hoop(a) = f(3, 3)*hoop(a)
-         end do
-      else
-         do a = 1, m
-            old = g(:3, a)
-            g(1, a) = f(1, 1)*old(1) + f(2, 1)*old(2) + f(3, 1)*old(3)
-            g(2, a) = f(1, 2)*old(1) + f(2, 2)*old(2) + f(3, 2)*old(3)
-            g(3, a) = f(1, 3)*old(1) + f(2, 3)*old(2) + f(3, 3)*old(3)
-         end do
-      end if
-   end subroutine push_forward
+      h = 0.0_wp
+      do a = 1, nnode
+         h(:, 1) = h(:, 1) + u(:, a)*g(1, a)
+         h(:, 2) = h(:, 2) + u(:, a)*g(2, a)
+         h(:, 3) = h(:, 3) + u(:, a)*g(3, a)
+      end do
+   end subroutine place_in_space
+
+   !> g <- F**-T g with F = 1 + h, regular; the same with the hoop row.
+   pure subroutine push_in_plane(nnode, h, g, hoop)
+      integer, intent(in) :: nnode
+      real(wp), intent(in) :: h(3, 3)
+      real(wp), intent(inout) :: g(2, nnode), hoop(nnode)
+      real(wp) :: area, one(2), two(2), across   ! columns of F**-T
+      integer :: a
+
+      area = 1.0_wp/((1.0_wp + h(1, 1))*(1.0_wp + h(2, 2)) - h(1, 2)*h(2, 1))
+      one = [area*(1.0_wp + h(2, 2)), -area*h(1, 2)]
+      two = [-area*h(2, 1), area*(1.0_wp + h(1, 1))]
+      across = 1.0_wp/(1.0_wp + h(3, 3))
+      do a = 1, nnode
+         g(:, a) = one*g(1, a) + two*g(2, a)
+         hoop(a) = across*hoop(a)
+      end do
+   end subroutine push_in_plane
+
+   pure subroutine push_in_space(nnode, h, g)
+      integer, intent(in) :: nnode
+      real(wp), intent(in) :: h(3, 3)
+      real(wp), intent(inout) :: g(3, nnode)
+      real(wp) :: f(3, 3)
+      integer :: a
+
+      f = transpose(inverse_of(h))
+      do a = 1, nnode
+         g(:, a) = f(:, 1)*g(1, a) + f(:, 2)*g(2, a) + f(:, 3)*g(3, a)
+      end do
+   end subroutine push_in_space
 
    !> (1 + h)**-1 of a regular deformation.
    pure function inverse_of(h) result(inverse)

@@ -29,7 +29,7 @@ contains
       type(element_type), intent(in) :: element
       real(wp), intent(in) :: x(:, :)          !! (ndim, nnode) reference coordinates [length]
       real(wp), intent(in) :: weight(:)        !! (ngauss) reference volumes [length^3]
-      real(wp), intent(out) :: phi(:, :)       !! (ngauss, dilatation_count) [length^-3/2]
+      real(wp), contiguous, intent(out) :: phi(:, :)   !! (ngauss, dilatation_count) [length^-3/2]
       integer :: l, m
 
       do m = 1, size(phi, 2)
@@ -44,8 +44,8 @@ contains
 
    !> Sum of phi_m times the integral of phi_m q.
    pure function projection(phi, q) result(p)
-      real(wp), intent(in) :: phi(:, :)        !! (ngauss, dilatation_count)
-      real(wp), intent(in) :: q(:)             !! (ngauss) times reference volume
+      real(wp), contiguous, intent(in) :: phi(:, :)   !! (ngauss, dilatation_count)
+      real(wp), contiguous, intent(in) :: q(:)        !! (ngauss) times reference volume
       real(wp) :: p(size(q))
       integer :: m
 

@@ -105,11 +105,12 @@ contains
    end function metric_of
 
    !> b - 1 of the elastic part if nothing flowed: F (1 + P) F^T - 1 with the metric P of a column.
-   pure function trial_change(h, memory, nstress) result(change)
+   pure subroutine trial_change(h, memory, nstress, change)
       real(wp), intent(in) :: h(3, 3)          !! F - 1; in 2D z is a direction of its own
       real(wp), contiguous, intent(in) :: memory(:)   !! empty: P = 0
       integer, intent(in) :: nstress
-      real(wp) :: change(3, 3), metric(3, 3)
+      real(wp), intent(out) :: change(3, 3)
+      real(wp) :: metric(3, 3)
 
       metric = 0.0_wp
       if (size(memory) > 0) metric = metric_of(memory, nstress)
@@ -118,7 +119,7 @@ contains
       else
          call push_in_space(h, metric, change)
       end if
-   end function trial_change
+   end subroutine trial_change
 
    pure subroutine push_in_space(h, metric, change)
       real(wp), intent(in) :: h(3, 3), metric(3, 3)

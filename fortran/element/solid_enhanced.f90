@@ -297,7 +297,7 @@ contains
       answer%inverse(2, :) = cross(f(:, 3), f(:, 1))
       answer%inverse(3, :) = cross(f(:, 1), f(:, 2))
       answer%inverse = answer%inverse/(1.0_wp + own)
-      change = trial_change(answer%h, memory, element%nstress)
+      call trial_change(answer%h, memory, element%nstress, change)
       if (element%kind == element_kind%plane_stress) then
          across = thickness_change(law, past_of(memory, element%nstress, dt), change, own)
          change(3, 3) = across*(2.0_wp + across)

@@ -205,7 +205,7 @@ contains
       ! Slopes of the amplitudes of phi in the volume ratio; what couples with them.
       real(wp) :: theta(element%ndof, size(phi, 2)), mixed(element%ndof, size(phi, 2))
       real(wp), parameter :: unit(6) = [1.0_wp, 1.0_wp, 1.0_wp, 0.0_wp, 0.0_wp, 0.0_wp]
-      integer :: i, k, m
+      integer :: i, k, l, m
 
       ke = 0.0_wp
       theta = 0.0_wp
@@ -236,12 +236,18 @@ contains
          end associate
          call add_stiffness(element%ndim, element%nnode, g(:, :, k), hoop(:, k), q, ke)
       end do
-      mixed = mixed + 0.5_wp*matmul(theta, corners)
-      do i = 1, element%ndof
-         do m = 1, size(phi, 2)
-            ke(i:, i) = ke(i:, i) + theta(i:, m)*mixed(i, m) + mixed(i:, m)*theta(i, m)
+      do m = 1, size(phi, 2)
+         do l = 1, size(phi, 2)
+            mixed(:, m) = mixed(:, m) + (0.5_wp*corners(l, m))*theta(:, l)
          end do
-         ke(i, i + 1:) = ke(i + 1:, i)
+      end do
+      do m = 1, size(phi, 2)
+         do i = 1, element%ndof
+            ke(:, i) = ke(:, i) + theta(:, m)*mixed(i, m) + mixed(:, m)*theta(i, m)
+         end do
+      end do
+      do i = 2, element%ndof
+         ke(:i - 1, i) = ke(i, :i - 1)
       end do
    end subroutine tangent_of
 

@@ -66,24 +66,41 @@ contains
       real(wp), contiguous, intent(in) :: stress(:)   !! (4 or 6) [stress]
       real(wp), intent(in) :: volume               !! [length^3]
       real(wp), intent(inout) :: force(d, nnode)   !! [force]
-      real(wp) :: s(3, 3)   ! columns: what g(1, :), g(2, :) and g(3, :) or the hoop are times of
-      integer :: a
 
-      s(:, 1) = volume*[stress(1), stress(4), 0.0_wp]
-      s(:, 2) = volume*[stress(4), stress(2), 0.0_wp]
-      s(:, 3) = volume*[stress(3), 0.0_wp, 0.0_wp]
       if (d == 2) then
-         do a = 1, nnode
-            force(:2, a) = force(:2, a) + s(:2, 1)*g(1, a) + s(:2, 2)*g(2, a) + s(:2, 3)*hoop(a)
-         end do
+         call force_in_plane(nnode, g, hoop, volume*stress(:4), force)
       else
-         s(3, 1:2) = volume*stress(5:6)
-         s(:, 3) = volume*[stress(5), stress(6), stress(3)]
-         do a = 1, nnode
-            force(:3, a) = force(:3, a) + s(:, 1)*g(1, a) + s(:, 2)*g(2, a) + s(:, 3)*g(3, a)
-         end do
+         call force_in_space(nnode, g, volume*stress(:6), force)
       end if
    end subroutine add_force
+
+   pure subroutine force_in_plane(nnode, g, hoop, s, force)
+      integer, intent(in) :: nnode
+      real(wp), intent(in) :: g(2, nnode), hoop(nnode), s(4)
+      real(wp), intent(inout) :: force(2, nnode)
+      real(wp) :: one(2), two(2), along(2)
+      integer :: a
+
+      one = [s(1), s(4)]
+      two = [s(4), s(2)]
+      along = [s(3), 0.0_wp]
+      do a = 1, nnode
+         force(:, a) = force(:, a) + (one*g(1, a) + two*g(2, a) + along*hoop(a))
+      end do
+   end subroutine force_in_plane
+
+   pure subroutine force_in_space(nnode, g, s, force)
+      integer, intent(in) :: nnode
+      real(wp), intent(in) :: g(3, nnode), s(6)
+      real(wp), intent(inout) :: force(3, nnode)
+      real(wp) :: t(3, 3)
+      integer :: a
+
+      t = reshape([s(1), s(4), s(5), s(4), s(2), s(6), s(5), s(6), s(3)], [3, 3])
+      do a = 1, nnode
+         force(:, a) = force(:, a) + (t(:, 1)*g(1, a) + t(:, 2)*g(2, a) + t(:, 3)*g(3, a))
+      end do
+   end subroutine force_in_space
 
    !> Stiffness of a quadratic form: the blocks of node a and node b <= a.
    pure subroutine add_stiffness(d, nnode, g, hoop, q, ke)
@@ -104,17 +121,21 @@ contains
       integer, intent(in) :: nnode
       real(wp), intent(in) :: g(2, nnode), hoop(nnode), q(9, 9)
       real(wp), intent(inout) :: ke(2, nnode, 2, nnode)
-      real(wp) :: p(5), r(5)
+      real(wp) :: p(5), r(5), e, f, h
       integer :: a, b
 
       do b = 1, nnode
          p = q(:5, 1)*g(1, b) + q(:5, 3)*g(2, b) + q(:5, 5)*hoop(b)
          r = q(:5, 2)*g(1, b) + q(:5, 4)*g(2, b)
+         !GCC$ novector
          do a = b, nnode
-            ke(1, a, 1, b) = ke(1, a, 1, b) + p(5)*hoop(a)
-            ke(:, a, 1, b) = ke(:, a, 1, b) + p(1:2)*g(1, a) + p(3:4)*g(2, a)
-            ke(1, a, 2, b) = ke(1, a, 2, b) + r(5)*hoop(a)
-            ke(:, a, 2, b) = ke(:, a, 2, b) + r(1:2)*g(1, a) + r(3:4)*g(2, a)
+            e = g(1, a)
+            f = g(2, a)
+            h = hoop(a)
+            ke(1, a, 1, b) = ke(1, a, 1, b) + (p(1)*e + p(3)*f + p(5)*h)
+            ke(2, a, 1, b) = ke(2, a, 1, b) + (p(2)*e + p(4)*f)
+            ke(1, a, 2, b) = ke(1, a, 2, b) + (r(1)*e + r(3)*f + r(5)*h)
+            ke(2, a, 2, b) = ke(2, a, 2, b) + (r(2)*e + r(4)*f)
          end do
       end do
    end subroutine add_in_plane

@@ -37,26 +37,33 @@ contains
    pure subroutine new_log_frame(self, change)
       type(log_frame_type), intent(out) :: self
       real(wp), intent(in) :: change(3, 3)   !! b - 1: small strains keep all their digits
-      real(wp) :: a(3, 3)
+      real(wp) :: a(3, 3), c, s, move
       integer, parameter :: most_sweeps = 20
       integer :: sweep, k
 
-      a = change
       self%axis = 0.0_wp
       do k = 1, 3
          self%axis(k, k) = 1.0_wp
       end do
-      do sweep = 1, most_sweeps
-         if (.not. abs(a(1, 2)) + abs(a(1, 3)) + abs(a(2, 3)) &
-            & > 0.01_wp*epsilon(1.0_wp)*(abs(a(1, 1)) + abs(a(2, 2)) + abs(a(3, 3)))) exit
-         call rotate(a, self%axis, 1, 2)
-         if (.not. abs(a(1, 3)) + abs(a(2, 3)) > 0.0_wp) exit
-         call rotate(a, self%axis, 1, 3)
-         call rotate(a, self%axis, 2, 3)
-      end do
+      if (abs(change(1, 3)) + abs(change(2, 3)) > 0.0_wp) then
+         a = change
+         do sweep = 1, most_sweeps
+            if (.not. abs(a(1, 2)) + abs(a(1, 3)) + abs(a(2, 3)) &
+               & > 0.01_wp*epsilon(1.0_wp)*(abs(a(1, 1)) + abs(a(2, 2)) + abs(a(3, 3)))) exit
+            call rotate(a, self%axis, 1, 2)
+            call rotate(a, self%axis, 1, 3)
+            call rotate(a, self%axis, 2, 3)
+         end do
+         self%change = [a(1, 1), a(2, 2), a(3, 3)]
+      else
+         self%change = [change(1, 1), change(2, 2), change(3, 3)]
+         call turn(0.5_wp*(change(2, 2) - change(1, 1)), change(1, 2), c, s, move)
+         self%axis(:2, 1) = [c, -s]
+         self%axis(:2, 2) = [s, c]
+         self%change(:2) = self%change(:2) + [-move, move]
+      end if
       do k = 1, 3
-         self%change(k) = a(k, k)
-         self%e(k) = 0.5_wp*log_one_plus(a(k, k))
+         self%e(k) = 0.5_wp*log_one_plus(self%change(k))
       end do
    end subroutine new_log_frame
 
@@ -64,17 +71,12 @@ contains
    pure subroutine rotate(a, v, p, q)
       real(wp), intent(inout) :: a(3, 3), v(3, 3)
       integer, intent(in) :: p, q
-      real(wp) :: half, radius, t, c, s, old
+      real(wp) :: c, s, move, old
       integer :: i, r
 
-      half = 0.5_wp*(a(q, q) - a(p, p))
-      radius = sqrt(half**2 + a(p, q)**2)
-      if (.not. (abs(a(p, q)) > 0.0_wp .and. radius > 0.0_wp)) return
-      t = a(p, q)/(half + sign(radius, half))
-      c = 1.0_wp/sqrt(1.0_wp + t*t)
-      s = t*c
-      a(p, p) = a(p, p) - t*a(p, q)
-      a(q, q) = a(q, q) + t*a(p, q)
+      call turn(0.5_wp*(a(q, q) - a(p, p)), a(p, q), c, s, move)
+      a(p, p) = a(p, p) - move
+      a(q, q) = a(q, q) + move
       a(p, q) = 0.0_wp
       a(q, p) = 0.0_wp
       r = 6 - p - q
@@ -89,6 +91,25 @@ contains
          v(i, q) = s*old + c*v(i, q)
       end do
    end subroutine rotate
+
+   !> Rotation of two axes to the principal ones of a symmetric tensor in their plane: (c, -s) and
+   !> (s, c), and how far the normal components move apart.
+   pure subroutine turn(half, shear, c, s, move)
+      real(wp), intent(in) :: half             !! of the second normal component less the first
+      real(wp), intent(in) :: shear
+      real(wp), intent(out) :: c, s, move
+      real(wp) :: radius, t
+
+      c = 1.0_wp
+      s = 0.0_wp
+      move = 0.0_wp
+      radius = sqrt(half**2 + shear**2)
+      if (.not. (abs(shear) > 0.0_wp .and. radius > 0.0_wp)) return
+      t = shear/(half + sign(radius, half))
+      c = 1.0_wp/sqrt(1.0_wp + t*t)
+      s = t*c
+      move = t*shear
+   end subroutine turn
 
    !> Tensor of given principal values.
    pure function frame_stress(self, principal, m) result(stress)
