@@ -3,7 +3,7 @@ module lopin_judge_mesh
    use lopin_kinds, only : wp
    use lopin_text, only : to_text
    use lopin_model, only : model_type
-   use lopin_corner_shape, only : worst_corner
+   use lopin_corner_shape, only : corners_type, new_corners, worst_corner
    use lopin_scene, only : scene_type
    use lopin_say_once, only : say_once
    implicit none
@@ -20,24 +20,31 @@ contains
       type(scene_type), intent(inout) :: scene
       type(model_type), intent(in) :: model
       integer, intent(in) :: increment
-      real(wp) :: x(model%mesh%ndim, size(model%mesh%conn, 1)), least, value, before
-      integer :: e, a, worst, node, n, corner
+      type(corners_type) :: corners(size(scene%solids%group))
+      real(wp) :: x(3, 8), least, value, before
+      integer :: e, a, k, worst, node, g, corner
 
+      do g = 1, size(corners)
+         call new_corners(corners(g), scene%solids%group(g)%element%cell)
+      end do
       least = about_to_fold
       worst = 0
       node = 0
       do e = 1, model%mesh%nelement
-         if (scene%solids%which(e) == 0) cycle
-         associate (cell => scene%solids%group(scene%solids%which(e))%element%cell)
-            n = cell%ncorner
-            do a = 1, n
-               x(:, a) = place(model%mesh%conn(a, e))
-            end do
-            call worst_corner(cell, x, value, corner)
-            if (.not. value < least) cycle
-            call worst_corner(cell, model%mesh%x(:, model%mesh%conn(:n, e)), before, a)
-            if (.not. value < spoiled*before) cycle
-         end associate
+         g = scene%solids%which(e)
+         if (g == 0) cycle
+         do a = 1, corners(g)%n
+            associate (i => model%mesh%conn(a, e))
+               do k = 1, model%mesh%ndim
+                  x(k, a) = model%mesh%x(k, i)
+                  if (scene%dofs%id(k, i) > 0) x(k, a) = x(k, a) + scene%u(scene%dofs%id(k, i))
+               end do
+            end associate
+         end do
+         call worst_corner(corners(g), x, value, corner)
+         if (.not. value < least) cycle
+         call worst_corner(corners(g), model%mesh%x(:, model%mesh%conn(:corners(g)%n, e)), before, a)
+         if (.not. value < spoiled*before) cycle
          least = value
          worst = e
          node = model%mesh%conn(corner, e)
@@ -48,18 +55,5 @@ contains
          & to_text(scene%step)//', increment '//to_text(increment)//': its scaled Jacobian is '// &
          & to_text(least, 3), model%step(scene%step)%at, &
          & help='a mesh made for the deformed shape, or finer where the body turns round an edge')
-
-   contains
-
-      function place(node) result(at)
-         integer, intent(in) :: node
-         real(wp) :: at(model%mesh%ndim)
-         integer :: k
-
-         at = model%mesh%x(:, node)
-         do k = 1, size(at)
-            if (scene%dofs%id(k, node) > 0) at(k) = at(k) + scene%u(scene%dofs%id(k, node))
-         end do
-      end function place
    end subroutine judge_mesh
 end module lopin_judge_mesh

@@ -73,7 +73,8 @@ contains
       integer, intent(in) :: first_row         !! of the multiplier; 0: none
       logical, intent(in) :: with_tangent
       type(inputs_type) :: inputs
-      type(dual_type) :: force(most_dofs), row(3), gap, slip(3)
+      type(dual_type), allocatable :: force(:)
+      type(dual_type) :: row(3), gap, slip(3)
       real(wp) :: shear(3, 3)
       real(wp), allocatable :: along_gap(:), along_slip(:, :)
       integer :: block, from, width, d, k
@@ -82,6 +83,7 @@ contains
       call list_inputs(inputs, model, dofs, masters, points, i, opposite, anchor, first_row)
       local%dof = inputs%dof(:inputs%n)
       local%nu = inputs%nu
+      allocate (force(inputs%nu))
       if (with_tangent) then
          if (allocated(local%k)) deallocate (local%k)
          allocate (local%k(inputs%n, inputs%n), along_gap(inputs%nu), along_slip(d, inputs%nu))
@@ -102,7 +104,7 @@ contains
             along_slip(:, k) = slip(:d)%d(k - from)
          end do
       end do
-      state%force = force(:inputs%nu)%v
+      state%force = force%v
       state%row = row%v
       state%gap = gap%v
       state%slip = slip%v
@@ -115,8 +117,8 @@ contains
       !> Forces on the inputs, rows, gap and slip, with slopes along inputs from+1 and on.
       subroutine point_forces(from)
          integer, intent(in) :: from
-         type(dual_type) :: x(3), n(3), z(3), node(3, most_stencil), &
-            & shares(most_stencil), multiplier(3), to_anchor(3), &
+         type(dual_type) :: x(3), n(3), z(3), node(3, opposite%nnode), &
+            & shares(opposite%nnode), multiplier(3), to_anchor(3), &
             & rotation(3, 3), reference(3), y(3), arm(3), moment(3), turn(3)
          integer :: k, m
 
@@ -126,10 +128,8 @@ contains
             x(k) = variable(masters%x(k, points%node(i)), inputs%slave(k) - from)
             multiplier(k) = variable(lambda(k), inputs%multiplier(k) - from)
          end do
-         force(:inputs%nu) = constant(0.0_wp)
-         shares = 0.0_wp
+         force = constant(0.0_wp)
          if (opposite%nnode > 0) then
-            node = 0.0_wp
             do m = 1, opposite%nnode
                do k = 1, d
                   node(k, m) = variable(masters%x(k, opposite%node(m)), inputs%master(k, m) - from)
@@ -137,11 +137,10 @@ contains
             end do
             if (allocated(opposite%stencil)) then
                call smooth_facet_foot(basis, opposite%cell, opposite%found, opposite%feature, &
-                  & opposite%size, x, node(:, :opposite%nnode), opposite%stencil, gap, n, &
-                  & shares(:opposite%ncarry))
+                  & opposite%size, x, node, opposite%stencil, gap, n, shares(:opposite%ncarry))
             else
                call facet_foot(basis, opposite%cell, opposite%found, opposite%feature, &
-                  & opposite%size, x, node(:, :opposite%nnode), gap, n, shares(:opposite%nnode))
+                  & opposite%size, x, node, gap, n, shares)
             end if
             to_anchor = x
             do m = 1, anchor%nnode
@@ -227,7 +226,8 @@ contains
       real(wp), intent(in) :: along_slip(:, :) !! (ndim, nu) of the slip
       real(wp), intent(in) :: shear(:, :)      !! (ndim, ndim) [stress/length]
       logical, intent(in) :: closed, has_rows
-      integer :: j, nu
+      real(wp) :: dragged(size(normal)), across
+      integer :: i, j, k, nu
 
       nu = size(along_gap)
       if (allocated(local%spring)) deallocate (local%spring)
@@ -236,10 +236,18 @@ contains
       if (has_rows) allocate (local%flat_row(size(normal), nu), source=0.0_wp)
       if (.not. closed) return
       do j = 1, nu
-         local%spring(:, j) = weight*(press*along_gap*along_gap(j) &
-            & + matmul(transpose(along_slip), matmul(shear, along_slip(:, j))))
-         if (has_rows) local%flat_row(:, j) = normal*along_gap(j) &
-            & + matmul(shear, along_slip(:, j))/grip%c
+         dragged = 0.0_wp
+         do k = 1, size(normal)
+            dragged = dragged + shear(:, k)*along_slip(k, j)
+         end do
+         do i = 1, nu
+            across = 0.0_wp
+            do k = 1, size(normal)
+               across = across + along_slip(k, i)*dragged(k)
+            end do
+            local%spring(i, j) = weight*(press*along_gap(i)*along_gap(j) + across)
+         end do
+         if (has_rows) local%flat_row(:, j) = normal*along_gap(j) + dragged/grip%c
       end do
    end subroutine set_spring
 

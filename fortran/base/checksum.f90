@@ -44,7 +44,7 @@ contains
    !> Go on with many bytes, four at a time, and what is left one by one.
    pure subroutine add_bytes(self, bytes)
       class(checksum_type), intent(inout) :: self
-      integer(int8), intent(in) :: bytes(:)
+      integer(int8), contiguous, intent(in) :: bytes(:)
       integer(int64) :: i, n
 
       n = 4*(size(bytes, kind=int64)/4)

@@ -15,6 +15,8 @@ module lopin_text
 
    character(len=*), parameter :: blanks = ' '//achar(9)
    integer, parameter :: exact_power = 22      !! the last power of ten that a double holds exactly
+   integer, parameter :: safe_digits = 15      !! of a decimal that a normal number gives back
+   real(wp), parameter :: safe_above = 1.0e-300_wp   !! and normal numbers are all that are larger
    integer, parameter :: largest_power = 308   !! beyond it the run-time library would overflow
 
 contains
@@ -291,28 +293,35 @@ contains
    end function logical_text
 
    !> Fewest significant digits (or `digits` of them) that read back as the same number; no blanks.
+   !>
+   !> Every decimal of 15 digits comes back from the normal number next to it (IEEE 754), so that
+   !> fewer digits that read back are those 15 without their last zeros, which `plain` leaves out.
    pure function real_text(value, digits) result(text)
       real(wp), intent(in) :: value
       integer, intent(in), optional :: digits   !! round to so many significant digits, 1..17
       character(len=:), allocatable :: text
-      character(len=40) :: buffer, form
+      character(len=40) :: buffer
+      character(len=11) :: form
       real(wp) :: again
       integer :: n, limit
-      logical :: ok
 
       if (ieee_is_nan(value)) then
          text = 'nan'
       else if (.not. ieee_is_finite(value)) then
          text = trim(merge('inf ', '-inf', value > 0.0_wp))
+      else if (abs(value) <= 0.0_wp) then
+         text = '0'
       else
          limit = 17
          if (present(digits)) limit = max(1, min(17, digits))
-         do n = 1, limit
-            write (form, '("(es40.",i0,"e3)")') n - 1
+         n = min(limit, safe_digits)
+         if (abs(value) < safe_above) n = 1
+         do n = n, limit
+            form = '(es40.'//achar(48 + (n - 1)/10)//achar(48 + mod(n - 1, 10))//'e3)'
             write (buffer, form) value
+            if (n == limit) exit
             read (buffer, '(f40.0)') again
-            ok = abs(again - value) <= 0.0_wp
-            if (ok) exit
+            if (abs(again - value) <= 0.0_wp) exit
          end do
          text = plain(trim(adjustl(buffer)))
       end if

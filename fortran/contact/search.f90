@@ -261,13 +261,15 @@ contains
       type(closest_type) :: trial
       type(projection_type) :: settled
       integer :: family
-      real(wp) :: n(3)
+      real(wp) :: n(3), cosine
       real(wp), parameter :: none(4) = 0.0_wp
 
       if (present(excluded)) then
          if (any(excluded == f)) return
       end if
-      if (dot_product(surface%disc(4:6, f), query%normal) > turned) return
+      cosine = dot_product(surface%disc(4:6, f), query%normal)
+      if (cosine > turned) return
+      if (surface%flat(f) .and. query%sided .and. cosine > limits%cosine) return
       family = surface%basis%family(surface%facets%cell(f))
       query%cost%projection = query%cost%projection + 1
       call project_on_facet(surface%coefficient(:, :, f), family, &

@@ -32,6 +32,7 @@ module lopin_surface
       real(wp), allocatable :: coefficient(:, :, :)  !! (3, 9, n) see lopin_facet_basis [length]
       real(wp), allocatable :: low(:, :), high(:, :) !! (3, n) box of each facet [length]
       real(wp), allocatable :: disc(:, :) !! (8, n) centre, axis, radius, half height [length]
+      logical, allocatable :: flat(:)                !! (n) one normal all over
       real(wp), allocatable :: size(:)               !! (n) mean edge length [length]
       real(wp), allocatable :: pseudo(:, :) !! (3, nnode) angle-weighted unit normal of corners
    end type surface_type
@@ -54,6 +55,7 @@ contains
       allocate (self%coefficient(3, ncoefficient, facets%n), self%low(3, facets%n), self%high(3, &
          & facets%n))
       allocate (self%disc(8, facets%n), self%size(facets%n), self%pseudo(3, self%nnode))
+      allocate (self%flat(facets%n), source=.false.)
    end subroutine new_surface
 
    subroutine number_nodes(self)
@@ -183,6 +185,7 @@ contains
             & dim=1))/real(nc, wp)
          normal = facet_unit_normal(self%coefficient(:, :, i), self%basis%family(cell), &
             & self%basis%centre(:, cell))
+         self%flat(i) = all(abs(self%coefficient(:, 4:, i)) <= 0.0_wp)
          self%disc(:, i) = enclosing_disc(own(:, :n), nc, normal, norm2(bulge))
          if (degenerate(self, i, normal)) then
             write (text, '("face S",i0)') self%facets%face(i)

@@ -5,17 +5,60 @@
 !> folded. It is lost at a corner before the determinant is lost at a Gauss point.
 module lopin_corner_shape
    use lopin_kinds, only : wp
-   use lopin_vectors, only : cross
    use lopin_cells, only : cell_type
    implicit none
    private
-   public :: worst_corner
+   public :: corners_type, new_corners, worst_corner
+
+   !> The corners of a cell and what leaves them.
+   type :: corners_type
+      integer :: ndim = 0
+      integer :: n = 0                          !! corners; 0: a line
+      integer :: end(3, 8) = 0                  !! (ndim, n) other ends of the edges of each corner
+      real(wp) :: sense(8) = 1.0_wp             !! (n) sign of the determinant in the reference cell
+   end type corners_type
+
+   interface worst_corner
+      procedure worst_of_cell, worst_of_corners
+   end interface worst_corner
 
 contains
 
-   !> The least scaled Jacobian of a cell, in [-1, 1], and its corner; lines have 1.
-   pure subroutine worst_corner(cell, x, value, corner)
+   !> The edges that leave each corner, in the order of the cell's list.
+   pure subroutine new_corners(self, cell)
+      type(corners_type), intent(out) :: self
       type(cell_type), intent(in) :: cell
+      integer :: a, k, m
+
+      if (cell%ndim < 2) return
+      self%ndim = cell%ndim
+      self%n = cell%ncorner
+      do a = 1, self%n
+         m = 0
+         do k = 1, size(cell%edge, 2)
+            if (.not. any(cell%edge(:, k) == a) .or. m == cell%ndim) cycle
+            m = m + 1
+            self%end(m, a) = sum(cell%edge(:, k)) - a
+         end do
+         self%sense(a) = sign(1.0_wp, at_corner(self, a, cell%xi(:cell%ndim, :)))
+      end do
+   end subroutine new_corners
+
+   !> The least scaled Jacobian of a cell, in [-1, 1], and its corner; lines have 1.
+   pure subroutine worst_of_cell(cell, x, value, corner)
+      type(cell_type), intent(in) :: cell
+      real(wp), intent(in) :: x(:, :)        !! (ndim, >= ncorner) coordinates [length]
+      real(wp), intent(out) :: value
+      integer, intent(out) :: corner
+      type(corners_type) :: corners
+
+      call new_corners(corners, cell)
+      call worst_of_corners(corners, x, value, corner)
+   end subroutine worst_of_cell
+
+   !> The same where the corners of the cell are known.
+   pure subroutine worst_of_corners(self, x, value, corner)
+      type(corners_type), intent(in) :: self
       real(wp), intent(in) :: x(:, :)        !! (ndim, >= ncorner) coordinates [length]
       real(wp), intent(out) :: value
       integer, intent(out) :: corner
@@ -24,36 +67,36 @@ contains
 
       value = 1.0_wp
       corner = 1
-      if (cell%ndim < 2) return
-      do a = 1, cell%ncorner
-         here = at_corner(cell, a, x)*sign(1.0_wp, at_corner(cell, a, cell%xi(:cell%ndim, :)))
+      do a = 1, self%n
+         here = at_corner(self, a, x)*self%sense(a)
          if (.not. here < value) cycle
          value = here
          corner = a
       end do
-   end subroutine worst_corner
+   end subroutine worst_of_corners
 
-   !> Determinant of the unit edges that leave a corner, in the order of the cell's list; an edge
-   !> without length counts as flat.
-   pure real(wp) function at_corner(cell, a, x) result(value)
-      type(cell_type), intent(in) :: cell
+   !> Determinant of the unit edges that leave a corner; an edge without length counts as flat.
+   pure real(wp) function at_corner(self, a, x) result(value)
+      type(corners_type), intent(in) :: self
       integer, intent(in) :: a
       real(wp), intent(in) :: x(:, :)
-      real(wp) :: e(3, 3), long
-      integer :: k, n
+      real(wp) :: e(3, 3), volume
+      integer :: k, m
 
-      value = 0.0_wp
       e = 0.0_wp
-      n = 0
-      do k = 1, size(cell%edge, 2)
-         if (.not. any(cell%edge(:, k) == a) .or. n == cell%ndim) cycle
-         n = n + 1
-         e(:cell%ndim, n) = x(:cell%ndim, sum(cell%edge(:, k)) - a) - x(:cell%ndim, a)
-         long = norm2(e(:, n))
-         if (.not. long > 0.0_wp) return
-         e(:, n) = e(:, n)/long
+      e(3, 3) = 1.0_wp
+      volume = 1.0_wp
+      do m = 1, self%ndim
+         do k = 1, self%ndim
+            e(k, m) = x(k, self%end(m, a)) - x(k, a)
+         end do
+         volume = volume*sqrt(e(1, m)**2 + e(2, m)**2 + e(3, m)**2)
       end do
-      if (cell%ndim == 2) e(:, 3) = [0.0_wp, 0.0_wp, 1.0_wp]
-      value = dot_product(e(:, 1), cross(e(:, 2), e(:, 3)))
+      value = 0.0_wp
+      if (.not. volume > 0.0_wp) return
+      value = e(1, 1)*(e(2, 2)*e(3, 3) - e(3, 2)*e(2, 3)) &
+         & + e(2, 1)*(e(3, 2)*e(1, 3) - e(1, 2)*e(3, 3)) &
+         & + e(3, 1)*(e(1, 2)*e(2, 3) - e(2, 2)*e(1, 3))
+      value = value/volume
    end function at_corner
 end module lopin_corner_shape

@@ -329,11 +329,13 @@ contains
       real(wp), intent(in) :: x(:, :)                 !! (ndim, nnode) coordinates [length]
       logical, intent(in) :: axisymmetric
       real(wp), intent(out) :: normal(:, :)           !! (ndim, nnode) outward
-      real(wp) :: own(size(x, 1)), n(8), dn(2, 8), length
+      real(wp) :: own(size(x, 1)), n(8), dn(2, 8), length, axis
       integer :: i, k, m, d
 
       d = size(x, 1)
       normal = 0.0_wp
+      axis = 0.0_wp
+      if (axisymmetric) axis = 1.0e-10_wp*maxval(abs(x(1, :)))
       do i = 1, self%n
          m = self%nnode(i)
          do k = 1, m
@@ -348,8 +350,7 @@ contains
       end do
       do i = 1, size(normal, 2)
          if (axisymmetric) then
-            if (abs(x(1, i)) <= 1.0e-10_wp*maxval(abs(x(1, :))) .and. abs(normal(2, i)) > 0.0_wp) &
-               & normal(1, i) = 0.0_wp
+            if (abs(x(1, i)) <= axis .and. abs(normal(2, i)) > 0.0_wp) normal(1, i) = 0.0_wp
          end if
          length = norm2(normal(:, i))
          if (length > 1.0e-6_wp) then
