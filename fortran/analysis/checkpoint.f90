@@ -224,12 +224,15 @@ contains
       call stream%pass(self%augmentations)
       call stream%pass(self%grounded)
       call stream%pass(self%memory%value)
-      call stream%pass(self%memory%next)
       call stream%pass(self%memory%work)
-      call stream%pass(self%memory%next_work)
       call stream%pass(self%memory%most_strain)
       call stream%pass(self%memory%most_element)
       call stream%pass(self%memory%volume)
+      ! What was found by `remember` has become the accepted state.
+      if (stream%reading .and. .not. stream%broken) then
+         self%memory%next = self%memory%value
+         self%memory%next_work = self%memory%work
+      end if
       call keep_followers(self%follower, stream)
       call keep_system(self%system, stream, error)
       if (allocated(error)) return

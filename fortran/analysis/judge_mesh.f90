@@ -43,7 +43,8 @@ contains
          end do
          call worst_corner(corners(g), x, value, corner)
          if (.not. value < least) cycle
-         call worst_corner(corners(g), model%mesh%x(:, model%mesh%conn(:corners(g)%n, e)), before, a)
+         call worst_corner(corners(g), model%mesh%x(:, model%mesh%conn(:corners(g)%n, e)), before, &
+            & a)
          if (.not. value < spoiled*before) cycle
          least = value
          worst = e

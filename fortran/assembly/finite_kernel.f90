@@ -226,8 +226,7 @@ contains
       real(wp), intent(in) :: along_slip(:, :) !! (ndim, nu) of the slip
       real(wp), intent(in) :: shear(:, :)      !! (ndim, ndim) [stress/length]
       logical, intent(in) :: closed, has_rows
-      real(wp) :: dragged(size(normal)), across
-      integer :: i, j, k, nu
+      integer :: j, nu
 
       nu = size(along_gap)
       if (allocated(local%spring)) deallocate (local%spring)
@@ -236,18 +235,10 @@ contains
       if (has_rows) allocate (local%flat_row(size(normal), nu), source=0.0_wp)
       if (.not. closed) return
       do j = 1, nu
-         dragged = 0.0_wp
-         do k = 1, size(normal)
-            dragged = dragged + shear(:, k)*along_slip(k, j)
-         end do
-         do i = 1, nu
-            across = 0.0_wp
-            do k = 1, size(normal)
-               across = across + along_slip(k, i)*dragged(k)
-            end do
-            local%spring(i, j) = weight*(press*along_gap(i)*along_gap(j) + across)
-         end do
-         if (has_rows) local%flat_row(:, j) = normal*along_gap(j) + dragged/grip%c
+         local%spring(:, j) = weight*(press*along_gap*along_gap(j) &
+            & + matmul(transpose(along_slip), matmul(shear, along_slip(:, j))))
+         if (has_rows) local%flat_row(:, j) = normal*along_gap(j) &
+            & + matmul(shear, along_slip(:, j))/grip%c
       end do
    end subroutine set_spring
 

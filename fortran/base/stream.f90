@@ -243,7 +243,7 @@ contains
       class(stream_type), intent(inout) :: self
       type(c_ptr), intent(in) :: where_to
       integer(int64), intent(in) :: count
-      integer(int8), pointer :: view(:)
+      integer(int8), pointer, contiguous :: view(:)
 
       if (self%broken) return
       call c_f_pointer(where_to, view, [count])

@@ -294,14 +294,13 @@ contains
 
    !> Fewest significant digits (or `digits` of them) that read back as the same number; no blanks.
    !>
-   !> Every decimal of 15 digits comes back from the normal number next to it (IEEE 754), so that
-   !> fewer digits that read back are those 15 without their last zeros, which `plain` leaves out.
+   !> Decimals of 15 digits come back from normal numbers: fewer that do are those without their
+   !> last zeros, which `plain` leaves out.
    pure function real_text(value, digits) result(text)
       real(wp), intent(in) :: value
       integer, intent(in), optional :: digits   !! round to so many significant digits, 1..17
       character(len=:), allocatable :: text
       character(len=40) :: buffer
-      character(len=11) :: form
       real(wp) :: again
       integer :: n, limit
 
@@ -309,16 +308,14 @@ contains
          text = 'nan'
       else if (.not. ieee_is_finite(value)) then
          text = trim(merge('inf ', '-inf', value > 0.0_wp))
-      else if (abs(value) <= 0.0_wp) then
-         text = '0'
       else
          limit = 17
          if (present(digits)) limit = max(1, min(17, digits))
          n = min(limit, safe_digits)
          if (abs(value) < safe_above) n = 1
          do n = n, limit
-            form = '(es40.'//achar(48 + (n - 1)/10)//achar(48 + mod(n - 1, 10))//'e3)'
-            write (buffer, form) value
+            write (buffer, '(es40.'//achar(48 + (n - 1)/10)//achar(48 + mod(n - 1, 10))//'e3)') &
+               & value
             if (n == limit) exit
             read (buffer, '(f40.0)') again
             if (abs(again - value) <= 0.0_wp) exit
