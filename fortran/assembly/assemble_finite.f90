@@ -118,11 +118,12 @@ contains
       type(csc_type), intent(inout), optional :: matrix
       type(element_type) :: element
 
-      associate (group => self%group(self%which(e)), patches => self%patches, p => self%patches%of(e))
+      associate (group => self%group(self%which(e)), patches => self%patches, &
+         & p => self%patches%of(e))
          call patch_element(patches, p, mesh%conn, group%element, element)
          associate (node => patches%node(patches%first(p):patches%first(p + 1) - 1))
-            call add_element(self, group, element, mesh, node, u, columns(self, memory, e), memory, &
-               & slot, force, energy, bad, matrix)
+            call add_element(self, group, element, mesh, node, u, columns(self, memory, e), &
+               & memory, slot, force, energy, bad, matrix)
          end associate
       end associate
    end subroutine add_patch
@@ -331,8 +332,8 @@ contains
       associate (group => self%group(self%which(e)), patches => self%patches, &
          & p => self%patches%of(e))
          if (p == 0) then
-            call own_memory(self, group, group%element, mesh, mesh%conn(:group%element%nnode, e), u, &
-               & memory%finite, memory%dt, &
+            call own_memory(self, group, group%element, mesh, &
+               & mesh%conn(:group%element%nnode, e), u, memory%finite, memory%dt, &
                & memory%next(:, memory%first(e):memory%first(e + 1) - 1), work, volume)
          else if (patches%member(patches%start(p)) == e) then
             call patch_element(patches, p, mesh%conn, group%element, element)

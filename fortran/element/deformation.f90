@@ -48,7 +48,8 @@ contains
       end if
       do bad = 1, element%ngauss
          k = bad
-         call gradients(element%ndim, element%nnode, x, element%dn(:, :, k), g(:, :, k), determinant)
+         call gradients(element%ndim, element%nnode, x, element%dn(:, :, k), g(:, :, k), &
+            & determinant)
          if (.not. determinant > 0.0_wp) return
          point(k)%weight = element%weight(k)*determinant
          if (element%ndim == 2) then

@@ -46,7 +46,8 @@ contains
                                              !! else is defined
       real(wp), intent(out), optional :: ke(element%ndof, element%ndof)   !! [force/length]
       type(point_type) :: point(element%ngauss)
-      real(wp) :: g(element%ndim, element%nnode, element%ngauss), hoop(element%nnode, element%ngauss)
+      real(wp) :: g(element%ndim, element%nnode, element%ngauss)
+      real(wp) :: hoop(element%nnode, element%ngauss)
       real(wp) :: phi(element%ngauss, dilatation_count(element))
       real(wp) :: stress(element%nstress, element%ngauss), density
       real(wp) :: tangent(element%nstress, element%nstress, element%ngauss)
@@ -130,7 +131,8 @@ contains
       integer, intent(out) :: bad                            !! Gauss point turned inside out, or 0
       type(point_type) :: point(element%ngauss)
       type(return_type) :: back
-      real(wp) :: g(element%ndim, element%nnode, element%ngauss), hoop(element%nnode, element%ngauss)
+      real(wp) :: g(element%ndim, element%nnode, element%ngauss)
+      real(wp) :: hoop(element%nnode, element%ngauss)
       real(wp) :: taken(3, 3), inverse(3, 3), density
       real(wp) :: enhanced(3, 3, element%ngauss), alpha(element%nmode)
       real(wp) :: phi(element%ngauss, dilatation_count(element))
@@ -205,7 +207,7 @@ contains
       ! Slopes of the amplitudes of phi in the volume ratio; what couples with them.
       real(wp) :: theta(element%ndof, size(phi, 2)), mixed(element%ndof, size(phi, 2))
       real(wp), parameter :: unit(6) = [1.0_wp, 1.0_wp, 1.0_wp, 0.0_wp, 0.0_wp, 0.0_wp]
-      integer :: i, k, l, m
+      integer :: i, k, m
 
       ke = 0.0_wp
       theta = 0.0_wp
@@ -236,20 +238,32 @@ contains
          end associate
          call add_stiffness(element%ndim, element%nnode, g(:, :, k), hoop(:, k), q, ke)
       end do
-      do m = 1, size(phi, 2)
-         do l = 1, size(phi, 2)
-            mixed(:, m) = mixed(:, m) + (0.5_wp*corners(l, m))*theta(:, l)
-         end do
-      end do
-      do m = 1, size(phi, 2)
-         do i = 1, element%ndof
-            ke(:, i) = ke(:, i) + theta(:, m)*mixed(i, m) + mixed(:, m)*theta(i, m)
-         end do
-      end do
+      if (size(phi, 2) > 0) call add_coupling(theta, mixed, corners, ke)
       do i = 2, element%ndof
          ke(:i - 1, i) = ke(i, :i - 1)
       end do
    end subroutine tangent_of
+
+   !> What the volume ratio that counts adds: its amplitudes with the strain rows and with each
+   !> other.
+   pure subroutine add_coupling(theta, mixed, corners, ke)
+      real(wp), contiguous, intent(in) :: theta(:, :)     !! (ndof, dilatation_count) slopes
+      real(wp), contiguous, intent(in) :: mixed(:, :)     !! (ndof, dilatation_count)
+      real(wp), contiguous, intent(in) :: corners(:, :)   !! (dilatation_count, dilatation_count)
+      real(wp), contiguous, intent(inout) :: ke(:, :)
+      real(wp) :: whole(size(ke, 1))
+      integer :: i, l, m
+
+      do m = 1, size(theta, 2)
+         whole = mixed(:, m)
+         do l = 1, size(theta, 2)
+            whole = whole + (0.5_wp*corners(l, m))*theta(:, l)
+         end do
+         do i = 1, size(ke, 1)
+            ke(:, i) = ke(:, i) + theta(:, m)*whole(i) + whole*theta(i, m)
+         end do
+      end do
+   end subroutine add_coupling
 
    !> The rate of the scaled deformation is the deviator of the rate plus a third of the rate of
    !> ln v, v the volume ratio that counts. Quadratic form of the energy in both, the change of the

@@ -1,5 +1,5 @@
-!> What a Gauss point gives to the nodes of its element: forces of a stress, stiffness of a quadratic
-!> form on velocity gradients.
+!> What a Gauss point gives to the nodes of its element: forces of a stress, stiffness of a
+!> quadratic form on velocity gradients.
 !>
 !> A velocity gradient is listed as its entries (i, j), first index fastest, of the plane, with the
 !> hoop as fifth, or of space. Component i of node a, moved by one, has the entries (i, j) = g(j, a)
@@ -12,8 +12,8 @@ module lopin_velocity_form
 
 contains
 
-   !> Quadratic form of a spatial tangent, of the stress on the second variation of the place, and of
-   !> `swap` times the trace of the product of two velocity gradients; times `weight`.
+   !> Quadratic form of a spatial tangent, of the stress on the second variation of the place, and
+   !> of `swap` times the trace of the product of two velocity gradients; times `weight`.
    pure subroutine velocity_form(d, stress, tangent, swap, weight, q)
       integer, intent(in) :: d               !! 2 or 3
       real(wp), contiguous, intent(in) :: stress(:)       !! (4 or 6) Kirchhoff [stress]
