@@ -3,9 +3,10 @@ plate.
 
     python tests/benchmarks/forming_decks.py FOLDER [--contact "SURFACE TO SURFACE"]
 
-Writes upset_12x18.inp, upset_24x36.inp (linear) and ring_16x10.inp (quadratic): increments of
-1/150. The plate, ten times as stiff as steel, is moved as a whole; pressure is 1e7 times the
-penetration [N, mm].
+Writes upset_12x18.inp, upset_24x36.inp (linear) and ring_16x10.inp (quadratic), friction 0.1; rings
+of friction 0.05 and 0.2, linear 32 x 20 and quadratic 16 x 10, for docs/ring-compression.md.
+Increments of 1/150. The plate, ten times as stiff as steel, is moved as a whole; pressure is 1e7
+times the penetration [N, mm].
 """
 from __future__ import annotations
 
@@ -55,8 +56,12 @@ def decks(contact: str) -> dict[str, str]:
     for nr, nz in ((12, 18), (24, 36)):
         found[f"upset_{nr}x{nz}"] = deck(scenes.billet(nr, nz), scenes.E1, 0.1, 0.6,
                                          ("TOP", "RIGHT"), (0.0, 24.0), contact, False)
-    found["ring_16x10"] = deck(scenes.ring(16, 10, quadratic=True), scenes.E5B, 0.1, 0.5,
-                               ("TOP", "RIGHT", "LEFT"), (2.0, 26.0), contact, True)
+    for name, cells, mu in (("ring_16x10", (16, 10), 0.1),
+                            ("ring_mu005_16x10", (16, 10), 0.05), ("ring_mu02_16x10", (16, 10), 0.2),
+                            ("ring_mu005_32x20", (32, 20), 0.05), ("ring_mu02_32x20", (32, 20), 0.2)):
+        quadratic = cells == (16, 10)
+        found[name] = deck(scenes.ring(*cells, quadratic=quadratic), scenes.E5B, mu, 0.5,
+                           ("TOP", "RIGHT", "LEFT"), (2.0, 26.0), contact, quadratic)
     return found
 
 

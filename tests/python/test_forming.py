@@ -85,11 +85,12 @@ def test_a_mortar_slave_with_a_sharp_corner_rolls_onto_a_meshed_plate(cells, qua
 
 
 def ring_bores(friction, reductions, quadratic=False, law=scenes.RIGID_PLASTIC,
-               static="0.01, 1., 1e-6, 0.02"):
+               static="0.01, 1., 1e-6, 0.02", cells=(16, 10), control=""):
     """Changes of the bore at mid-height and at the plate [mm], and forces."""
-    mesh = scenes.ring(16, 10, quadratic=quadratic)
+    mesh = scenes.ring(*cells, quadratic=quadratic)
     result = lopin.run(scenes.squeezed(mesh, law, friction, 0.5, surfaces=("TOP", "RIGHT", "LEFT"),
-                                       axis=False, static=static, reduced=quadratic))
+                                       axis=False, static=static, reduced=quadratic,
+                                       control=control))
     shares = 2.0*np.asarray(reductions)
     return (np.interp(shares, *moved(result, mesh, "BORE_MIDDLE")),
             np.interp(shares, *moved(result, mesh, "BORE_PLATE")),
@@ -114,6 +115,22 @@ def test_a_ring_tells_coulomb_s_coefficient(sheet):
     assert forces/1e3 == pytest.approx([150.1, 173.4, 204.1, 307.7], rel=0.015)
     sheet.compare("E5 ring", "mu 0.1: force at 33 %", forces[2]/1e3, 204.1, 0.015,
                   source="CalculiX 2.20, 32 x 20")
+
+
+@pytest.mark.parametrize("mu, middle, plate, kilonewton", [
+    (0.05, (0.461, 0.707, 0.948, 1.295), (0.407, 0.612, 0.805, 1.016), (142.5, 164.1, 192.2, 284.7)),
+    (0.2, (-0.266, -0.438, -0.699, -1.702), (-0.115, -0.246, -0.420, -0.876),
+     (163.7, 192.7, 232.8, 391.0))])
+def test_a_ring_of_plainly_integrated_quads_is_that_of_calculix(mu, middle, plate, kilonewton,
+                                                                 sheet):
+    # CalculiX's CAX4 locks; docs/ring-compression.md compares the elements.
+    bores, edges, forces = ring_bores(scenes.coulomb(mu), (1/6, 0.25, 1/3, 0.5), law=scenes.E5B,
+                                      cells=(32, 20), control=", CONTROLS=PLAIN")
+    assert edges == pytest.approx(plate, abs=0.05)
+    assert forces/1e3 == pytest.approx(kilonewton, rel=0.015)
+    for r, found, said in zip((16.7, 25.0, 33.3, 50.0), bores, middle):
+        sheet.compare("E5 ring", f"mu {mu}, plain CAX4: change of the bore [mm] at {r} %", found, said,
+                      0.05, source="CalculiX 2.20, CAX4 32 x 20", absolute=True)
 
 
 @pytest.mark.parametrize("card", ["COULOMB-OROWAN\n0.577, 0.1\n", "CRISTESCU\n0.1\n",
