@@ -89,8 +89,9 @@ def interaction(name: str, mu: float, *pairs: str) -> list[str]:
             f"{mu:g}", f"*CONTACT PAIR, INTERACTION={name}", *pairs]
 
 
-def cup(elements: int = 60, layers: int = 3, kind: str = "CAX4") -> str:
-    """Drawing of a cylindrical cup (Abaqus, example of a deep drawn cup)."""
+def cup(elements: int = 60, layers: int = 3, kind: str = "CAX4", *, stroke: float = 60.0,
+        holder: float = 1e5, opened: bool = True) -> str:
+    """Drawing of a cylindrical cup (Abaqus, example of a deep drawn cup); `opened`: tools let go."""
     strength, exponent, first, young, t = 513.0, 0.223, 91.3, 211e3, 0.82
     start = (first/strength)**(1.0/exponent)
     strains = [0.0] + [1e-3*2500.0**(k/29) for k in range(30)]
@@ -110,13 +111,16 @@ def cup(elements: int = 60, layers: int = 3, kind: str = "CAX4") -> str:
     lines += interaction("AT_DIE", 0.1, "BOTTOM, DIE", "TOP, HOLDER")
     held = ["MIDDLE, 1", "PUNCH_REF, 1", "PUNCH_REF, 6", "DIE_REF, 1, 2", "DIE_REF, 6",
             "HOLDER_REF, 1", "HOLDER_REF, 6"]
-    return CUP + CUP_EXPECT + "\n".join([
+    drawn = [
         *lines, "*BOUNDARY", *held, "*STEP, NAME=HOLD, NLGEOM", "*STATIC", "*BOUNDARY",
-        "PUNCH_REF, 2, 2, 0.", "*CLOAD", "HOLDER_REF, 2, -1.E5", "*NODE FILE", "U", "*EL FILE",
-        "S, PEEQ", "*CONTACT FILE", "CDIS, CSTR", "*END STEP",
+        "PUNCH_REF, 2, 2, 0.", "*CLOAD", f"HOLDER_REF, 2, {-holder:g}", "*NODE FILE", "U",
+        "*EL FILE", "S, PEEQ", "*CONTACT FILE", "CDIS, CSTR", "*END STEP",
         "*STEP, NAME=DRAW, NLGEOM, INC=2000", "*STATIC", "0.002, 1., 1E-7, 0.01", "*BOUNDARY",
-        "PUNCH_REF, 2, 2, -60.", "*END STEP",
-        "*STEP, NAME=OPEN, NLGEOM, INC=500", "*STATIC", "0.1, 1.",
+        f"PUNCH_REF, 2, 2, {-stroke:g}", "*END STEP"]
+    if not opened:
+        return "\n".join([*drawn, ""])
+    return CUP + CUP_EXPECT + "\n".join([
+        *drawn, "*STEP, NAME=OPEN, NLGEOM, INC=500", "*STATIC", "0.1, 1.",
         "*MODEL CHANGE, TYPE=CONTACT PAIR, REMOVE", "TOP, PUNCH", "TOP, HOLDER", "BOTTOM, DIE",
         "*BOUNDARY, OP=NEW", *held[:-2], "PUNCH_REF, 2", "HOLDER_REF, 1, 2", "HOLDER_REF, 6",
         "1, 2, 2, -60.", "*END STEP", ""])
