@@ -38,20 +38,25 @@ def led_around(name: str, rows: str) -> str:
             f"{rows.strip()}\n*RIGID BODY, ANALYTICAL SURFACE={name}, REF NODE={name}_REF\n")
 
 
-def along_side(cells: int, size: float) -> np.ndarray:
-    """Cells half as long where the blank runs over the edges of punch and die, from 28 to 56 mm."""
-    ways = np.array([28.0, 2.0*28.0, 19.0])
-    first, last = (max(1, round(cells*way/ways.sum())) for way in ways[[0, 2]])
-    counts = (first, cells - first - last, last)
-    ends = (0.0, 28.0, 56.0, size)
+def along_side(cells: int, size: float, fine: float = 56.0) -> np.ndarray:
+    """Shorter cells where the blank runs over the edges of punch and die, from 28 to `fine` mm.
+
+    Half as long as the others; a third if they reach the edge of the blank.
+    """
+    shorter = 2.0 if fine < size else 3.0
+    ways = np.array([28.0, shorter*(fine - 28.0), size - fine])
+    first, last = (round(cells*way/ways.sum()) for way in ways[[0, 2]])
+    counts = (max(1, first), cells - max(1, first) - last, last)
+    ends = (0.0, 28.0, fine, size)
     return np.concatenate([[0.0]] + [np.linspace(a, b, n + 1)[1:]
                                      for a, b, n in zip(ends, ends[1:], counts)])/size
 
 
 def square_cup(cells: int = 14, stroke: float = 15.0, layers: int = 1, *, holder: float = 19600.0,
-               mu: float = 0.144) -> str:
-    """The quarter; `cells` along a side."""
-    side = along_side(cells, 75.0)
+               mu: float = 0.144, kind: str = "C3D8I") -> str:
+    """The quarter; `cells` along a side, short ones as far as the stroke draws the blank over
+    the die's edge."""
+    side = along_side(cells, 75.0, 56.0 if stroke <= 15.0 else 75.0)
     blank = mesh_make.block((75.0, 75.0, THICK), (cells, cells, layers), grading=(side, side, 1.0))
     blank = blank.with_points("SIDE",
                               lambda x: (x[:, 0] > 74.999) & (x[:, 1] < 1e-9) & (x[:, 2] < 1e-9))
@@ -136,7 +141,7 @@ U
 U
 *END STEP
 """, "3d")
-    return deck.replace("TYPE=C3D8,", "TYPE=C3D8I,")
+    return deck.replace("TYPE=C3D8,", f"TYPE={kind},")
 
 
 if __name__ == "__main__":

@@ -1,5 +1,5 @@
-"""The square cup of NUMISHEET'93 with any mesh: `python tests/benchmarks/square_cup.py cells
-[stroke]`.
+"""The square cup of NUMISHEET'93 with any mesh: `python tests/benchmarks/square_cup.py [cells
+[stroke [layers [friction [kind]]]]]`.
 
 Prints how far the edge has moved in, the sheet at its thinnest and the force, for a few strokes.
 Needs decks/make on the path; results go to out/ of the present folder.
@@ -42,15 +42,18 @@ def rows(result) -> list[tuple[float, ...]]:
     return found
 
 
-def main(cells: int, stroke: float = 15.0) -> None:
+def main(words: list[str]) -> None:
     """One mesh."""
-    deck = lopin.Deck.parse(square_cup(cells, stroke), f"square_cup_{cells}_{stroke:g}")
+    casts = dict(cells=int, stroke=float, layers=int, mu=float, kind=str)
+    given = {name: cast(word) for (name, cast), word in zip(casts.items(), words)}
+    deck = lopin.Deck.parse(square_cup(**given), "_".join(["square_cup", *words]).replace(".", "p"))
     print("stroke  side  diagonal  thinnest  force [kN]")
     for row in rows(lopin.run(deck, executable=True)):
         print("{:6.2f} {:5.2f} {:8.2f} {:9.3f} {:9.1f}".format(*row))
-    if stroke in RECALLED:
-        print("recalled of the conference: side {}, diagonal {}".format(*RECALLED[stroke]))
+    recalled = RECALLED.get(given.get("stroke", 15.0))
+    if recalled:
+        print("recalled of the conference: side {}, diagonal {}".format(*recalled))
 
 
 if __name__ == "__main__":
-    main(int(sys.argv[1]), *(float(a) for a in sys.argv[2:3]))
+    main(sys.argv[1:])
