@@ -91,7 +91,7 @@ def interaction(name: str, mu: float, *pairs: str) -> list[str]:
 
 def cup(elements: int = 60, layers: int = 3, kind: str = "CAX4", *, stroke: float = 60.0,
         holder: float = 1e5, opened: bool = True) -> str:
-    """Drawing of a cylindrical cup (Abaqus, example of a deep drawn cup); `opened`: tools let go."""
+    """Drawing of a cylindrical cup (Abaqus, example of a deep drawn cup); `opened`: and let go."""
     strength, exponent, first, young, t = 513.0, 0.223, 91.3, 211e3, 0.82
     start = (first/strength)**(1.0/exponent)
     strains = [0.0] + [1e-3*2500.0**(k/29) for k in range(30)]

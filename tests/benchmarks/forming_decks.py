@@ -56,12 +56,14 @@ def decks(contact: str) -> dict[str, str]:
     for nr, nz in ((12, 18), (24, 36)):
         found[f"upset_{nr}x{nz}"] = deck(scenes.billet(nr, nz), scenes.E1, 0.1, 0.6,
                                          ("TOP", "RIGHT"), (0.0, 24.0), contact, False)
-    for name, cells, mu in (("ring_16x10", (16, 10), 0.1),
-                            ("ring_mu005_16x10", (16, 10), 0.05), ("ring_mu02_16x10", (16, 10), 0.2),
-                            ("ring_mu005_32x20", (32, 20), 0.05), ("ring_mu02_32x20", (32, 20), 0.2)):
+    for name, cells, mu in (("ring", (16, 10), 0.1), ("ring_mu005", (16, 10), 0.05),
+                            ("ring_mu02", (16, 10), 0.2), ("ring_mu005", (32, 20), 0.05),
+                            ("ring_mu02", (32, 20), 0.2)):
         quadratic = cells == (16, 10)
-        found[name] = deck(scenes.ring(*cells, quadratic=quadratic), scenes.E5B, mu, 0.5,
-                           ("TOP", "RIGHT", "LEFT"), (2.0, 26.0), contact, quadratic)
+        body = scenes.ring(*cells, quadratic=quadratic)
+        found[f"{name}_{cells[0]}x{cells[1]}"] = deck(body, scenes.E5B, mu, 0.5,
+                                                      ("TOP", "RIGHT", "LEFT"), (2.0, 26.0),
+                                                      contact, quadratic)
     return found
 
 
