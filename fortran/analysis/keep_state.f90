@@ -1,7 +1,5 @@
 !> When the state of a run is kept, and how a run goes back to what was kept.
 module lopin_keep_state
-   use, intrinsic :: iso_fortran_env, only : int64
-   use lopin_kinds, only : wp, lk
    use lopin_error, only : error_type, error_code, raise
    use lopin_interrupt, only : is_interrupted
    use lopin_stream, only : stream_type
@@ -17,11 +15,7 @@ module lopin_keep_state
    use lopin_checkpoint, only : march_type, keep_run
    implicit none
    private
-   public :: keep_state, keep_unsaved, go_back
-
-   !> Where the deck does not say how often: saving takes this share of the run at most, unless the
-   !> last time was this long ago [s].
-   real(wp), parameter :: share = 0.01_wp, long_ago = 1.0_wp
+   public :: keep_state, go_back
 
 contains
 
@@ -58,8 +52,7 @@ contains
       end do
    end subroutine keep_recorders
 
-   !> Keep the state if it is due, or if the run is to end here; then that is the error. Where the
-   !> deck does not say how often, each is kept in memory, and saved as often as that costs little.
+   !> Keep the state if it is due, or if the run is to end here; then that is the error.
    subroutine keep_state(scene, model, plan, progress, march, recorders, summary, error, keeper)
       type(scene_type), intent(inout) :: scene
       type(model_type), intent(in) :: model
@@ -71,59 +64,25 @@ contains
       type(error_type), allocatable, intent(out) :: error
       class(keeper_type), intent(inout), optional :: keeper
       type(stream_type) :: stream
-      integer(lk) :: now
-      logical :: ends, due, saves
+      logical :: ends, due
 
       if (.not. present(keeper)) return
       if (march%at_end .and. scene%step == size(model%step)) return
       ends = is_interrupted()
-      call system_clock(now)
       associate (every => model%step(scene%step)%checkpoint)
-         due = every /= 0
-         if (every > 0) due = march%at_end .or. mod(march%number, every) == 0
-         saves = ends .or. every > 0
-         if (.not. saves) saves = is_worth_it(keeper, now)
+         due = every > 0
+         if (due) due = march%at_end .or. mod(march%number, every) == 0
       end associate
       if (.not. (due .or. ends)) return
       call move_alloc(keeper%room, stream%bytes)
       call keep_run(stream, model, scene, plan, progress, march, summary, error)
       if (.not. allocated(error)) call keep_recorders(recorders, stream, error)
-      keeper%unsaved = merge(0_int64, stream%n, allocated(error))
+      if (.not. allocated(error)) call keeper%save(stream, error)
       call move_alloc(stream%bytes, keeper%room)
-      if (saves .and. .not. allocated(error)) call keep_unsaved(keeper, error)
       call scene%clock%stop_in(phase%output)
       if (allocated(error) .or. .not. ends) return
       call raise(error, error_code%interrupted, 'E0605', 'interrupted after increment '// &
          & to_text(march%number)//' of step '//to_text(scene%step)//', which is kept', &
          & help='the same command with --resume goes on from there')
    end subroutine keep_state
-
-   !> Save what was kept in memory alone.
-   subroutine keep_unsaved(keeper, error)
-      class(keeper_type), intent(inout) :: keeper
-      type(error_type), allocatable, intent(out) :: error
-      type(stream_type) :: stream
-      integer(lk) :: begun
-
-      if (keeper%unsaved == 0) return
-      call system_clock(begun)
-      call move_alloc(keeper%room, stream%bytes)
-      stream%n = keeper%unsaved
-      keeper%unsaved = 0
-      call keeper%save(stream, error)
-      call move_alloc(stream%bytes, keeper%room)
-      call system_clock(keeper%last)
-      keeper%cost = keeper%last - begun
-   end subroutine keep_unsaved
-
-   !> Enough was computed since a state was saved last, beside what that took; at first always.
-   logical function is_worth_it(keeper, now)
-      class(keeper_type), intent(in) :: keeper
-      integer(lk), intent(in) :: now           !! [ticks of the clock]
-      integer(lk) :: rate
-
-      call system_clock(count_rate=rate)
-      is_worth_it = real(now - keeper%last, wp) >= min(real(keeper%cost, wp)/share, &
-         & long_ago*real(rate, wp))
-   end function is_worth_it
 end module lopin_keep_state

@@ -2,8 +2,7 @@
 !>
 !> The analysis knows what to keep, a keeper where; a run without a keeper keeps nothing.
 module lopin_keeper
-   use, intrinsic :: iso_fortran_env, only : int8, int64
-   use lopin_kinds, only : lk
+   use, intrinsic :: iso_fortran_env, only : int8
    use lopin_error, only : error_type
    use lopin_stream, only : stream_type
    implicit none
@@ -13,9 +12,6 @@ module lopin_keeper
    type, abstract :: keeper_type
       type(stream_type), allocatable :: found   !! of an earlier run, to go on from; else a new run
       integer(int8), allocatable :: room(:)     !! bytes of the last state, room for the next
-      integer(int64) :: unsaved = 0             !! of them those that were not saved
-      integer(lk) :: last = 0                   !! when a state was saved last [ticks of the clock]
-      integer(lk) :: cost = 0                   !! what that took [ticks of the clock]
    contains
       procedure(save_if), deferred :: save
       procedure(forget_if), deferred :: forget

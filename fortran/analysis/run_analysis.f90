@@ -23,7 +23,7 @@ module lopin_run_analysis
    use lopin_keeper, only : keeper_type
    use lopin_checkpoint, only : march_type
    use lopin_time_increment, only : advance, grow
-   use lopin_keep_state, only : keep_state, keep_unsaved, go_back
+   use lopin_keep_state, only : keep_state, go_back
    implicit none
    private
    public :: run_analysis
@@ -69,8 +69,6 @@ contains
          if (error%code == error_code%not_converged) summary%status = 'not converged'
          if (error%code == error_code%interrupted) summary%status = 'interrupted'
          summary%exit_code = error%code
-         ! A run that did not come to its end leaves its last good state.
-         if (present(keeper)) call keep_unsaved(keeper, trouble)
       end if
       summary%clock = scene%clock
       summary%log = scene%log

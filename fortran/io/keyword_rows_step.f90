@@ -59,8 +59,7 @@ contains
 
       call key(table, 'RESTART', 'MS', 'both', 'How often the state of the run is kept for '// &
          & '--resume; from this step on.')
-      call flag(table, 'WRITE', 'Keep it; without the card it is kept as often as that takes a '// &
-         & 'hundredth of the time, and at least once a second.')
+      call flag(table, 'WRITE', 'Keep it; without the card it is kept too.')
       call whole(table, 'FREQUENCY', '1', 'After every so many increments and each step; 0: '// &
          & 'only where the run is interrupted.')
       call ignored_flag(table, 'OVERLAY', 'There is one checkpoint, the last.')

@@ -244,7 +244,7 @@ module lopin_model
       logical :: timed = .false.                        !! the deck gives the period
       real(wp) :: initial = 1.0_wp, period = 1.0_wp, smallest = 0.0_wp, largest = 0.0_wp
       integer :: max_increments = 100
-      integer :: checkpoint = -1   !! every so many increments; 0: none; -1: as it costs little
+      integer :: checkpoint = 1                         !! every so many increments; 0: none
       type(prescribed_type), allocatable :: prescribed(:)
       type(point_load_type), allocatable :: point_load(:)
       type(face_load_type), allocatable :: face_load(:)
