@@ -11,7 +11,7 @@ module lopin_predict
    use lopin_scene, only : scene_type
    implicit none
    private
-   public :: predict, start_from_accepted, note_motion
+   public :: predict, start_from_accepted, note_motion, next_motion
 
    !> Prescribed motion that goes on as before, up to this share of itself.
    real(wp), parameter :: same_way = 0.5_wp
