@@ -160,6 +160,7 @@ contains
          & self%pieces%piece, on)
       call mortar_row(row, patch, constant(x(:2, patch%node)), self%axisymmetric, &
          & self%thickness(1), facing)
+      patch%met = row
       covered = row%weight%v > 0.0_wp
       if (.not. covered) return
       normal(:2) = row%normal%v
@@ -190,7 +191,7 @@ contains
       integer, intent(in) :: first_row         !! of the multiplier; 0: none
       logical, intent(in) :: with_tangent
       real(wp), intent(out) :: weight          !! D [area]
-      integer, allocatable :: node(:), input(:, :)
+      integer, allocatable :: node(:), input(:, :), of_anchor(:)
       type(dual_type), allocatable :: force(:)
       type(dual_type) :: gap, slip(2), row(2)
       real(wp), allocatable :: along_gap(:), along_slip(:, :)
@@ -211,7 +212,6 @@ contains
          return
       end if
       call list_inputs()
-      n = size(local%dof)
       allocate (force(local%nu))
       if (with_tangent) then
          if (allocated(local%k)) deallocate (local%k)
@@ -249,23 +249,36 @@ contains
 
       !> Places of the patch, then those that only the anchor has; their free dofs are the inputs.
       subroutine list_inputs()
-         integer :: m, j
+         integer :: all_nodes(size(patch%node) + size(anchor%node)), nnode
+         integer :: dof(2*(size(patch%node) + size(anchor%node)) + 2), m, j
 
-         node = patch%node
+         nnode = size(patch%node)
+         all_nodes(:nnode) = patch%node
+         allocate (of_anchor(size(anchor%node)))
          do m = 1, size(anchor%node)
-            if (.not. any(node == anchor%node(m))) node = [node, anchor%node(m)]
+            of_anchor(m) = findloc(all_nodes(:nnode), anchor%node(m), 1)
+            if (of_anchor(m) > 0) cycle
+            nnode = nnode + 1
+            all_nodes(nnode) = anchor%node(m)
+            of_anchor(m) = nnode
          end do
-         allocate (input(2, size(node)), source=0)
-         local%dof = [integer ::]
-         do m = 1, size(node)
+         node = all_nodes(:nnode)
+         allocate (input(2, nnode), source=0)
+         local%nu = 0
+         do m = 1, nnode
             do j = 1, 2
                if (dofs%id(j, node(m)) == 0) cycle
-               local%dof = [local%dof, dofs%id(j, node(m))]
-               input(j, m) = size(local%dof)
+               local%nu = local%nu + 1
+               dof(local%nu) = dofs%id(j, node(m))
+               input(j, m) = local%nu
             end do
          end do
-         local%nu = size(local%dof)
-         if (first_row > 0) local%dof = [local%dof, dofs%n + first_row, dofs%n + first_row + 1]
+         n = local%nu
+         if (first_row > 0) then
+            dof(n + 1:n + 2) = dofs%n + first_row + [0, 1]
+            n = n + 2
+         end if
+         local%dof = dof(:n)
       end subroutine list_inputs
 
       subroutine forces(from)
@@ -282,11 +295,15 @@ contains
          do j = 1, 2
             multiplier(j) = variable(lambda(j), merge(local%nu + j - from, 0, first_row > 0))
          end do
-         call mortar_row(own, patch, place(:, :size(patch%node)), self%axisymmetric, &
-            & self%thickness(1), facing)
+         if (with_tangent) then
+            call mortar_row(own, patch, place(:, :size(patch%node)), self%axisymmetric, &
+               & self%thickness(1), facing)
+         else
+            own = patch%met
+         end if
          moved = constant([0.0_wp, 0.0_wp])
          do m = 1, size(anchor%node)
-            moved = moved + place(:, findloc(node, anchor%node(m), 1))*anchor%coefficient(m)
+            moved = moved + place(:, of_anchor(m))*anchor%coefficient(m)
          end do
          do m = 1, size(patch%node)
             moved = moved - place(:, m)*own%coefficient(m)

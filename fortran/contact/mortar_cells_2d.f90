@@ -88,7 +88,7 @@ contains
       real(wp), intent(in) :: thickness
       type(segment_type), intent(inout) :: segment
       type(dual_type) :: n(3), dn(3), m(3), dm(3), place(2), tangent(2), nu(2), opposite(2), eta, &
-         & area, gap
+         & area, share, gap
       integer :: j, k
 
       call line_shape(size(x, 2), xi, n, dn)
@@ -107,13 +107,15 @@ contains
       end if
       segment%area = segment%area + area
       do j = 1, size(x, 2)
-         segment%d(j) = segment%d(j) + area*n(j)
-         segment%gap(j) = segment%gap(j) + area*n(j)*gap
-         do k = 1, size(x, 2)
-            segment%me(j, k) = segment%me(j, k) + area*n(j)*n(k)
+         share = area*n(j)
+         segment%d(j) = segment%d(j) + share
+         segment%gap(j) = segment%gap(j) + share*gap
+         do k = j, size(x, 2)
+            segment%me(j, k) = segment%me(j, k) + share*n(k)
+            segment%me(k, j) = segment%me(j, k)
          end do
          do k = 1, size(y, 2)
-            segment%b(j, k) = segment%b(j, k) + area*n(j)*m(k)
+            segment%b(j, k) = segment%b(j, k) + share*m(k)
          end do
       end do
    end subroutine add_point

@@ -20,6 +20,14 @@ module lopin_mortar_node_2d
 
    integer, parameter :: most_facets = 8
 
+   !> gap vector = sum coefficient*x / weight.
+   type :: mortar_row_type
+      type(dual_type) :: weight                    !! D [area]
+      type(dual_type) :: normal(2)                 !! out of the master
+      type(dual_type) :: gap                       !! mean by the dual function [length]
+      type(dual_type), allocatable :: coefficient(:)   !! of each place; their sum is 0 [area]
+   end type mortar_row_type
+
    !> What is around a slave node; places are numbers in `node`.
    type :: patch_type
       integer, allocatable :: node(:)              !! mesh node of each place; the first: the node
@@ -35,15 +43,8 @@ module lopin_mortar_node_2d
       integer, allocatable :: over(:)              !! the slave facet, in the chain
       integer, allocatable :: ncovered(:)          !! nodes of the master facet
       integer, allocatable :: cover(:, :)          !! (3, ncover) places of them
+      type(mortar_row_type) :: met                 !! its row by values, where it was met last
    end type patch_type
-
-   !> gap vector = sum coefficient*x / weight.
-   type :: mortar_row_type
-      type(dual_type) :: weight                    !! D [area]
-      type(dual_type) :: normal(2)                 !! out of the master
-      type(dual_type) :: gap                       !! mean by the dual function [length]
-      type(dual_type), allocatable :: coefficient(:)   !! of each place; their sum is 0 [area]
-   end type mortar_row_type
 
    !> Below this share of a facet the standard basis stays, as in lopin_mortar.
    real(wp), parameter :: thin = 0.1_wp
