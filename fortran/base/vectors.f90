@@ -1,5 +1,6 @@
 !> Short vectors: what several floors need of them.
 module lopin_vectors
+   use, intrinsic :: ieee_arithmetic, only : ieee_is_nan
    use lopin_kinds, only : wp
    implicit none
    private
@@ -25,10 +26,15 @@ contains
       t = t/norm2(t)
    end function across
 
-   !> Largest size of an entry; zero of an empty list.
+   !> Largest size of an entry; zero of an empty list. NaN if an entry is: maxval passes over it.
    pure real(wp) function largest(x)
       real(wp), intent(in) :: x(:)
+      real(wp) :: total
+
       largest = 0.0_wp
-      if (size(x) > 0) largest = maxval(abs(x))
+      if (size(x) == 0) return
+      largest = maxval(abs(x))
+      total = sum(abs(x))
+      if (ieee_is_nan(total)) largest = total
    end function largest
 end module lopin_vectors

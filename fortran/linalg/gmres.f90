@@ -47,7 +47,11 @@ contains
       x = 0.0_wp
       ratio = 0.0_wp
       start = norm2(b)
-      if (.not. start > 0.0_wp) return
+      if (.not. start > 0.0_wp) then
+         ! Zero solves it, unless b is no number: then nothing does, and nor is the ratio one.
+         ratio = start
+         return
+      end if
       allocate (v(size(b), most + 1), z(size(b)), h(most + 1, most), g(most + 1), c(most), s(most))
       g = 0.0_wp
       g(1) = start

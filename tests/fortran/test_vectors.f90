@@ -1,0 +1,19 @@
+!> Short vectors.
+program test_vectors
+   use, intrinsic :: ieee_arithmetic, only : ieee_value, ieee_quiet_nan, ieee_is_nan
+   use lopin_kinds, only : wp
+   use lopin_vectors, only : largest
+   use check, only : test, is_true, finish
+   implicit none
+   real(wp) :: x(3)
+
+   call test('the largest size of an entry')
+   x = [1.0_wp, -3.0_wp, 2.0_wp]
+   call is_true('by size', abs(largest(x) - 3.0_wp) < 1.0e-15_wp)
+   call is_true('of none', .not. largest(x(:0)) > 0.0_wp)
+
+   call test('what is no number is not passed over')
+   x(2) = ieee_value(1.0_wp, ieee_quiet_nan)
+   call is_true('one entry', ieee_is_nan(largest(x)))
+   call finish()
+end program test_vectors
