@@ -217,6 +217,7 @@ contains
       call stream%pass(self%motion_before)
       call stream%pass(self%dt_before)
       call stream%pass(self%curved)
+      call stream%pass(self%held)
       call stream%pass(self%contraction%bend)
       call stream%pass(self%force_seen)
       call stream%pass(self%energy)

@@ -36,8 +36,9 @@ module lopin_finite_state
       real(wp), allocatable :: motion_before(:)   !! (ndof) and of the one before [length]
       real(wp) :: dt_before = 0.0_wp           !! its time; 0: none in this step [time]
       logical :: curved = .false.              !! both tell more of the next than the last alone
+      logical, allocatable :: held(:)          !! (pairs) that had closed points when last accepted
       real(wp) :: time = 0.0_wp                !! its end, since the start of the step [time]
-      logical :: parted = .false.              !! a tool has left in this increment
+      logical :: parted = .false.              !! a tool has left, or a body floats: no guess
       logical :: frictionless = .true.         !! of the present step
       real(wp) :: force_seen = 0.0_wp          !! largest of the increments solved so far [force]
       integer :: most_augmentations = 0

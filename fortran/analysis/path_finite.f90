@@ -21,7 +21,7 @@ module lopin_path_finite
    use lopin_finite_state, only : add_line
    use lopin_solid_memory, only : new_solid_memory
    use lopin_finite_forces, only : look_type, look_at
-   use lopin_predict, only : predict, start_from_accepted
+   use lopin_predict, only : predict, start_from_accepted, coasts, floats
    use lopin_newton_step, only : find_step, take_step, refuse_inverted, coarse
    use lopin_contraction, only : by_old_tangent, look_without_tangent, note_step, gets_nowhere
    use lopin_heat, only : start_stresses, heat_to
@@ -109,41 +109,63 @@ contains
       real(wp), intent(in) :: prescribed(:)    !! (nprescribed)
       type(error_type), allocatable, intent(out) :: error
       real(wp), allocatable :: v(:), before(:)
-      integer :: loop
-      real(wp) :: change
       logical :: guessed
 
       scene%finite%parted = .false.
-      call predict(scene, prescribed, v, before, guessed)
-      scene%finite%multiplier = scene%finite%accepted_multiplier
       scene%finite%iterations = 0
       scene%finite%grounded = 0
       scene%finite%augmentations = 0
-      scene%finite%grounded = 0
       scene%finite%nline = 0
       scene%finite%memory%dt = scene%finite%dt
       call heat_to(scene, model, scene%finite%time)
+      call predict(scene, prescribed, v, before, guessed)
+      call solve_from(scene, model, f, v, before, prescribed, guessed, error)
+      if (guessed .and. .not. allocated(error)) then
+         if (coasts(scene)) then
+            call start_from_accepted(scene, v, before)
+            call solve_from(scene, model, f, v, before, prescribed, .false., error)
+            scene%finite%parted = .true.
+         end if
+      end if
+      if (allocated(error)) return
+      if (scene%finite%memory%in_use) then
+         if (floats(scene)) scene%finite%parted = .true.
+      end if
+      call count_searches(scene)
+      scene%counter%iterations = scene%counter%iterations + scene%finite%iterations
+      scene%counter%augmentations = scene%counter%augmentations + scene%finite%augmentations
+   end subroutine solve_finite
+
+   !> Newton and augmentations from (v, before).
+   subroutine solve_from(scene, model, f, v, before, prescribed, guessed, error)
+      type(scene_type), intent(inout) :: scene
+      type(model_type), intent(in) :: model
+      real(wp), intent(in) :: f(:)
+      real(wp), allocatable, intent(inout) :: v(:), before(:)
+      real(wp), intent(in) :: prescribed(:)
+      logical, intent(in) :: guessed           !! (v, before) is no accepted state
+      type(error_type), allocatable, intent(out) :: error
+      integer :: loop
+      real(wp) :: change
+
+      scene%finite%multiplier = scene%finite%accepted_multiplier
       call start_lagged(scene, model)
       call start_increment(scene%finite%contact, model, scene%accepted, scene%finite%dt, error)
       if (allocated(error)) return
       call scene%clock%stop_in(phase%search)
       do loop = 0, scene%finite%most_augmentations
-         call newton(scene, model, f, v, before, prescribed, loop, guessed, error)
+         call newton(scene, model, f, v, before, prescribed, loop, guessed .and. loop == 0, error)
          if (allocated(error)) return
          before = prescribed
-         guessed = .false.
          call augment(scene%finite%contact, change)
          if (change <= scene%finite%augment_until) exit
          scene%finite%augmentations = scene%finite%augmentations + 1
       end do
-      call count_searches(scene)
       if (change > scene%finite%augment_until) call raise(error, error_code%not_converged, &
          & 'E0502', 'the augmented Lagrangian has not settled in '// &
          & to_text(scene%finite%most_augmentations)//' augmentations', model%step(scene%step)%at, &
          & help='raise the penalty, or MAX AUGMENTATIONS on *CONTACT CONTROLS')
-      scene%counter%iterations = scene%counter%iterations + scene%finite%iterations
-      scene%counter%augmentations = scene%counter%augmentations + scene%finite%augmentations
-   end subroutine solve_finite
+   end subroutine solve_from
 
    !> What the contacts asked since this was called last.
    subroutine count_searches(scene)

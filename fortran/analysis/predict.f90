@@ -7,11 +7,12 @@ module lopin_predict
    use lopin_kinds, only : wp
    use lopin_vectors, only : largest
    use lopin_constraints, only : raw_displacement
+   use lopin_dense, only : symmetric_eigen
    use lopin_finite_state, only : finite_state_type
    use lopin_scene, only : scene_type
    implicit none
    private
-   public :: predict, start_from_accepted, note_motion, next_motion
+   public :: predict, start_from_accepted, note_motion, next_motion, coasts, floats
 
    !> Prescribed motion that goes on as before, up to this share of itself.
    real(wp), parameter :: same_way = 0.5_wp
@@ -20,6 +21,9 @@ module lopin_predict
    !> The trend must have been nearer by this factor at the worst dof: elsewhere a smooth motion hides
    !> the place where a contact has closed.
    real(wp), parameter :: much = 0.3_wp
+   !> Springs of contact hold a motion that they resist by more than this, beside the motion which
+   !> they resist most.
+   real(wp), parameter :: holds = 1.0e-10_wp
 
 contains
 
@@ -63,6 +67,7 @@ contains
       real(wp), intent(in) :: motion(:)        !! (ndof) of the increment [length]
 
       if (.not. state%memory%in_use) return
+      if (allocated(state%contact%pair_active)) state%held = closed_pairs(state)
       state%curved = .false.
       if (state%last_dt > 0.0_wp .and. state%dt_before > 0.0_wp) state%curved = &
          & largest(motion - next_motion(state, state%dt, .true.)) &
@@ -74,6 +79,49 @@ contains
       ! A body springs back once.
       if (state%parted) state%last_dt = 0.0_wp
    end subroutine note_motion
+
+   !> A pair has opened on the way from a guess, and a body may float: nothing then holds it where
+   !> the guess put it.
+   pure logical function coasts(scene)
+      type(scene_type), intent(in) :: scene
+
+      coasts = scene%bodies%nq > 0
+      if (coasts) coasts = any(scene%finite%held .and. .not. closed_pairs(scene%finite))
+   end function coasts
+
+   !> Some rigid motion is held by no contact: it does not go on by itself.
+   logical function floats(scene)
+      type(scene_type), intent(in) :: scene
+      real(wp) :: held(scene%bodies%nq, scene%bodies%nq), value(scene%bodies%nq)
+      integer :: b, status
+
+      floats = .false.
+      if (scene%bodies%nq == 0) return
+      floats = scene%finite%grounded > 0 .or. .not. allocated(scene%finite%system%block)
+      if (floats) return
+      held = 0.0_wp
+      do b = 1, size(scene%finite%system%block)
+         associate (block => scene%finite%system%block(b), r => scene%bodies%motion)
+            associate (at => block%at(:block%nu))
+               held = held + matmul(transpose(r(at, :)), matmul(block%spring, r(at, :)))
+            end associate
+         end associate
+      end do
+      call symmetric_eigen(held, value, status)
+      floats = status /= 0 .or. .not. minval(value) > holds*maxval(value)
+   end function floats
+
+   !> Pairs with a closed point.
+   pure function closed_pairs(state) result(closed)
+      type(finite_state_type), intent(in) :: state
+      logical :: closed(size(state%contact%pair_active))
+      integer :: i
+
+      closed = .false.
+      do i = 1, state%contact%n
+         if (state%contact%status(i) > 0) closed(state%contact%pair(i)) = .true.
+      end do
+   end function closed_pairs
 
    !> Motion in the next increment, of the velocity of the last one or of its trend.
    pure function next_motion(state, dt, curved) result(motion)

@@ -20,7 +20,7 @@ module lopin_checkpoint_file
    public :: checkpoint_file_type, new_checkpoint_file
 
    !> The number tells layouts of one version apart.
-   character(len=*), parameter :: mark = 'Lopin checkpoint 2', newline = achar(10)
+   character(len=*), parameter :: mark = 'Lopin checkpoint 3', newline = achar(10)
    integer, parameter :: nline = 5
    real(wp), parameter :: between = 1.0_wp      !! waits for the disk, at least [s]
 
