@@ -237,8 +237,10 @@ contains
          if (stale > merge(most_lagged, most_iterations, lagged)) exit
          if (scene%finite%memory%in_use) then
             if (iteration > most_of_flow) exit
-            if (.not. model%step(scene%step)%direct .and. &
-               & gets_nowhere(scene%finite%history(2:))) exit
+            ! What has nothing to go on from, as a body that springs back, is slow in any increment.
+            if (scene%finite%last_dt > 0.0_wp .and. .not. model%step(scene%step)%direct) then
+               if (gets_nowhere(scene%finite%history(2:))) exit
+            end if
          end if
          merits(1 + mod(iteration, memory)) = look%merit
          first = any(abs(jump) > 0.0_wp)
