@@ -23,7 +23,7 @@ module lopin_checkpoint
    use lopin_loading, only : loading_type, new_loading
    use lopin_scene, only : scene_type, set_supports
    use lopin_solve_path, only : prepare_path
-   use lopin_path_finite, only : start_step
+   use lopin_finite_start, only : start_step
    use lopin_increment, only : progress_type
    implicit none
    private

@@ -1,11 +1,12 @@
 !> How fast Newton contracts, and what that saves: the last step of an increment often needs neither
 !> a new tangent nor a new factor.
 !>
-!> Near the solution a step with the exact tangent leaves the residual r' = bend r^2; a step with the
-!> tangent of the state before leaves about 2 r'/r of its own residual (Kelley 1995, 5.4: the error of
-!> the tangent is the Lipschitz constant times the last correction, and Newton's own is half of that).
-!> So the two residuals of one Newton step tell whether the next may do with the old tangent; and
-!> `bend`, kept from increment to increment, tells beforehand whether a look needs to form the tangent.
+!> Near the solution a step with the exact tangent leaves the residual r' = bend r^2; a step with
+!> the tangent of the state before leaves about 2 r'/r of its own residual (Kelley 1995, 5.4: the
+!> error of the tangent is the Lipschitz constant times the last correction, and Newton's own is
+!> half of that). So the two residuals of one Newton step tell whether the next may do with the old
+!> tangent; and `bend`, kept from increment to increment, tells beforehand whether a look needs to
+!> form the tangent.
 module lopin_contraction
    use lopin_kinds, only : wp
    implicit none

@@ -23,24 +23,16 @@ module lopin_finite_system
    use lopin_constraints, only : constraints_type
    use lopin_reduce_matrix, only : reduce_matrix
    use lopin_finite_kernel, only : local_matrix_type
+   use lopin_contact_block, only : block_type, reduce_block
    implicit none
    private
    public :: finite_system_type, set_tangent, put_on_ground, solve_step, solve_whole
-   public :: apply_locals
 
    !> Iterations before the whole matrix is factorised instead.
    integer, parameter :: most_iterations = 60
    !> Corrections of tractions give way so much, beside c, where the whole matrix is factorised: a
    !> traction that works on supports alone (shear on the axis) is then none, and not undetermined.
    real(wp), parameter :: give = 1.0e-11_wp
-
-   !> A local matrix on free equations and multipliers.
-   type :: block_type
-      integer, allocatable :: at(:)            !! equations, then neq + multiplier
-      real(wp), allocatable :: k(:, :)
-      integer :: nu = 0
-      real(wp), allocatable :: spring(:, :)
-   end type block_type
 
    type, extends(operator_type) :: finite_system_type
       integer :: neq = 0, n = 0                !! equations; with multipliers
@@ -90,83 +82,6 @@ contains
       self%factorised = .false.
       self%direct = .false.
    end subroutine set_tangent
-
-   !> T^T k T of one contact point.
-   subroutine reduce_block(block, local, constraints, flat)
-      type(block_type), intent(out) :: block
-      type(local_matrix_type), intent(in) :: local
-      type(constraints_type), intent(in) :: constraints
-      logical, intent(in) :: flat
-      integer :: i, c, n, m, dof
-      integer, allocatable :: at(:)
-      real(wp), allocatable :: t(:, :), k(:, :)
-
-      m = 0
-      do i = 1, size(local%dof)
-         m = m + 1
-         if (local%dof(i) <= constraints%ndof) m = m - 1 + constraints%first(local%dof(i) + 1) &
-            & - constraints%first(local%dof(i))
-      end do
-      allocate (at(m), t(size(local%dof), m))
-      t = 0.0_wp
-      n = 0
-      do i = 1, local%nu
-         dof = local%dof(i)
-         do c = constraints%first(dof), constraints%first(dof + 1) - 1
-            call put(i, constraints%equation(c), constraints%coefficient(c))
-         end do
-      end do
-      block%nu = n
-      do i = local%nu + 1, size(local%dof)
-         call put(i, constraints%neq + local%dof(i) - constraints%ndof, 1.0_wp)
-      end do
-      block%at = at(:n)
-      allocate (k, source=local%k)
-      if (flat) then
-         k(:local%nu, :local%nu) = local%spring
-         if (allocated(local%flat_row)) then
-            if (all(shape(local%flat_row) == [size(k, 1) - local%nu, local%nu])) &
-               & k(local%nu + 1:, :local%nu) = local%flat_row
-         end if
-      end if
-      block%k = matmul(transpose(t(:, :n)), matmul(k, t(:, :n)))
-      block%spring = matmul(transpose(t(:local%nu, :block%nu)), matmul(local%spring, &
-         & t(:local%nu, :block%nu)))
-
-   contains
-
-      subroutine put(row, equation, coefficient)
-         integer, intent(in) :: row, equation
-         real(wp), intent(in) :: coefficient
-         integer :: j
-
-         j = findloc(at(:n), equation, dim=1)
-         if (j == 0) then
-            n = n + 1
-            j = n
-            at(n) = equation
-         end if
-         t(row, j) = t(row, j) + coefficient
-      end subroutine put
-   end subroutine reduce_block
-
-   !> What the local matrices make of displacements (and no multipliers), on dofs and rows.
-   subroutine apply_locals(nlocal, local, u, force)
-      integer, intent(in) :: nlocal
-      type(local_matrix_type), intent(in) :: local(:)
-      real(wp), intent(in) :: u(:)               !! (ndof)
-      real(wp), intent(inout) :: force(:)        !! (ndof + nmultiplier) added to
-      integer :: i, j
-
-      do i = 1, nlocal
-         associate (l => local(i))
-            ! A node of the facet may be one of the anchor too: its dof stands twice.
-            do j = 1, size(l%dof)
-               force(l%dof(j)) = force(l%dof(j)) + dot_product(l%k(j, :l%nu), u(l%dof(:l%nu)))
-            end do
-         end associate
-      end do
-   end subroutine apply_locals
 
    !> Soft springs to the ground at some equations, for bodies that nothing holds yet. As blocks: a
    !> tool that only contact holds has no place in K.

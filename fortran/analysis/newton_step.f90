@@ -8,7 +8,8 @@ module lopin_newton_step
    use lopin_model, only : model_type
    use lopin_constraints, only : expand, reduce
    use lopin_finite_kernel, only : local_matrix_type
-   use lopin_finite_system, only : set_tangent, put_on_ground, solve_step, apply_locals
+   use lopin_finite_system, only : set_tangent, put_on_ground, solve_step
+   use lopin_contact_block, only : apply_locals
    use lopin_finite_state, only : is_nonlinear
    use lopin_finite_forces, only : look_type, look_at, of_rows
    use lopin_scene, only : scene_type
@@ -140,8 +141,8 @@ contains
 
    !> Tolerance of GMRES for one Newton step: tight; looser for solids that flow while the residual
    !> is large, which keeps the order of Newton (Eisenstat and Walker 1996), and where less would do
-   !> for an answer well beyond convergence. The stiff volume of solids without an elastic part would
-   !> hide in it what is left of their flow.
+   !> for an answer well beyond convergence. The stiff volume of solids without an elastic part
+   !> would hide in it what is left of their flow.
    pure real(wp) function forcing(scene, look)
       type(scene_type), intent(in) :: scene
       type(look_type), intent(in) :: look

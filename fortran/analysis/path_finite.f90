@@ -10,30 +10,26 @@ module lopin_path_finite
    use lopin_vectors, only : largest
    use lopin_text, only : to_text
    use lopin_clock, only : phase
-   use lopin_model, only : model_type, method_of
-   use lopin_friction, only : has_friction
+   use lopin_model, only : model_type
    use lopin_bodies, only : describe_motion
-   use lopin_finite_points, only : is_self_contact
    use lopin_constraints, only : expand
-   use lopin_finite_contact, only : new_finite_contact
    use lopin_finite_history, only : start_increment, augment
    use lopin_finite_system, only : solve_step
    use lopin_finite_state, only : add_line
-   use lopin_solid_memory, only : new_solid_memory
    use lopin_finite_forces, only : look_type, look_at
+   use lopin_finite_start, only : complementarity
    use lopin_predict, only : predict, start_from_accepted, coasts, floats
    use lopin_newton_step, only : find_step, take_step, refuse_inverted, coarse
    use lopin_contraction, only : by_old_tangent, look_without_tangent, note_step, gets_nowhere
-   use lopin_heat, only : start_stresses, heat_to
+   use lopin_heat, only : heat_to
    use lopin_finite_lagged, only : reads_lagged, start_lagged, renew_lagged
    use lopin_scene, only : scene_type
    implicit none
    private
-   public :: solve_finite, begin_finite, start_step
+   public :: solve_finite
 
    !> Convergence, all dimensionless (conventions, frozen): equilibrium, contact, correction.
-   real(wp), parameter :: equilibrium = 1.0e-8_wp, complementarity = 1.0e-8_wp
-   real(wp), parameter :: correction = 1.0e-6_wp
+   real(wp), parameter :: equilibrium = 1.0e-8_wp, correction = 1.0e-6_wp
    !> And contact beside the forces of contact, as the certificate judges it: a body that is all but
    !> released has large forces of its own.
    real(wp), parameter :: certified = 1.0e-6_wp
@@ -44,62 +40,6 @@ module lopin_path_finite
    integer, parameter :: most_of_flow = 40
 
 contains
-
-   !> Contacts and tractions of a scene that the finite path solves; from rest.
-   subroutine begin_finite(scene, model, error)
-      type(scene_type), intent(inout) :: scene
-      type(model_type), intent(in) :: model
-      type(error_type), allocatable, intent(out) :: error
-      integer :: pair
-
-      if (scene%finite%in_use) return
-      call new_finite_contact(scene%finite%contact, model, scene%dofs, scene%log, error)
-      if (allocated(error)) return
-      scene%finite%in_use = .true.
-      call new_solid_memory(scene%finite%memory, scene%solids, model%mesh)
-      call start_step(scene, model)
-      call start_stresses(scene, model)
-      allocate (scene%finite%multiplier(scene%finite%contact%nmultiplier), &
-         & scene%finite%accepted_multiplier(scene%finite%contact%nmultiplier), source=0.0_wp)
-      scene%finite%augment_until = complementarity
-      do pair = 1, size(model%pair)
-         if (model%interaction(model%pair(pair)%interaction)%method /= method_of%augmented) cycle
-         scene%finite%most_augmentations = max(scene%finite%most_augmentations, &
-            & model%pair(pair)%control%max_augmentations)
-      end do
-   end subroutine begin_finite
-
-   !> What steps change up to the present one: friction, pairs, NLGEOM.
-   subroutine start_step(scene, model)
-      type(scene_type), intent(inout) :: scene
-      type(model_type), intent(in) :: model
-      integer :: s, i, pair
-
-      scene%finite%nlgeom = model%step(scene%step)%nlgeom
-      scene%finite%last_dt = 0.0_wp
-      scene%finite%memory%finite = scene%finite%nlgeom
-      if (.not. scene%finite%in_use) return
-      associate (contact => scene%finite%contact)
-         do s = 1, scene%step
-            do i = 1, size(model%step(s)%pair_change)
-               contact%pair_active(model%step(s)%pair_change(i)%pair) = &
-                  & model%step(s)%pair_change(i)%active
-            end do
-            do i = 1, size(model%step(s)%friction_change)
-               do pair = 1, size(model%pair)
-                  if (model%pair(pair)%interaction == model%step(s)%friction_change(i)%interaction) &
-                     & contact%friction(pair) = model%step(s)%friction_change(i)%friction
-               end do
-            end do
-         end do
-         scene%finite%frictionless = .true.
-         do pair = 1, size(model%pair)
-            if (has_friction(contact%friction(pair))) scene%finite%frictionless = .false.
-            ! A surface that meets itself is as far from flat.
-            if (is_self_contact(model%pair(pair))) scene%finite%frictionless = .false.
-         end do
-      end associate
-   end subroutine start_step
 
    !> Displacements and tractions for the loads and prescribed values of one increment.
    subroutine solve_finite(scene, model, f, prescribed, error)
@@ -248,7 +188,8 @@ contains
          simplified = scene%finite%memory%in_use .and. .not. (first .or. lagged .or. iteration == 1)
          if (simplified) simplified = by_old_tangent(scene%finite%contraction, residual, last, &
             & equilibrium, correction)
-         if (.not. (look%tangent .or. simplified)) call look_at(scene, model, f, .true., look, error)
+         if (.not. (look%tangent .or. simplified)) &
+            & call look_at(scene, model, f, .true., look, error)
          if (allocated(error)) return
          call find_step(scene, model, look, jump, step, error, flat=fresh, by_old=simplified)
          if (allocated(error)) return
@@ -386,7 +327,8 @@ contains
       q = 0.0_wp
       q(1) = 1.0_wp
       call raise(error, error_code%not_converged, 'E0511', &
-         & describe_motion(scene%bodies, model, q)//': contact does not hold it under these loads', &
+         & describe_motion(scene%bodies, model, q)// &
+         & ': contact does not hold it under these loads', &
          & model%step(scene%step)%at, note=to_text(scene%bodies%nq)//' rigid motions are free', &
          & help='fix it by *BOUNDARY, bring it into contact, or drive it by displacement')
    end subroutine say_free

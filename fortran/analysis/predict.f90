@@ -18,8 +18,8 @@ module lopin_predict
    real(wp), parameter :: same_way = 0.5_wp
    !> What is left of it then is nothing.
    real(wp), parameter :: rounding = 1.0e-9_wp
-   !> The trend must have been nearer by this factor at the worst dof: elsewhere a smooth motion hides
-   !> the place where a contact has closed.
+   !> The trend must have been nearer by this factor at the worst dof: elsewhere a smooth motion
+   !> hides the place where a contact has closed.
    real(wp), parameter :: much = 0.3_wp
    !> Springs of contact hold a motion that they resist by more than this, beside the motion which
    !> they resist most.
@@ -134,7 +134,8 @@ contains
       motion = dt/state%last_dt*state%last_motion
       if (.not. curved) return
       ahead = dt*(dt + state%last_dt)/(state%last_dt + state%dt_before)
-      motion = motion + ahead*(state%last_motion/state%last_dt - state%motion_before/state%dt_before)
+      motion = motion + ahead*(state%last_motion/state%last_dt &
+         & - state%motion_before/state%dt_before)
    end function next_motion
 
    !> The free equations and the prescribed dofs of the trial displacements.

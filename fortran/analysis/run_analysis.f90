@@ -14,7 +14,7 @@ module lopin_run_analysis
    use lopin_scene, only : scene_type, new_scene, set_supports
    use lopin_reach, only : choose_reach
    use lopin_bodies, only : describe_motion
-   use lopin_path_finite, only : start_step
+   use lopin_finite_start, only : start_step
    use lopin_release, only : held_type, remember_held, let_go
    use lopin_after_step, only : judge_step
    use lopin_judge_flow, only : judge_flow

@@ -9,7 +9,8 @@ module lopin_solve_path
    use lopin_scene, only : scene_type, follow_tools
    use lopin_path_condensed, only : prepare_condensed, solve_condensed, widen_condensed
    use lopin_path_newton, only : prepare_newton, solve_newton
-   use lopin_path_finite, only : begin_finite, solve_finite
+   use lopin_finite_start, only : begin_finite
+   use lopin_path_finite, only : solve_finite
    implicit none
    private
    public :: prepare_path, widen_path, solve_path

@@ -1,0 +1,96 @@
+!> Exact matrices of contact points: on physical dofs, and reduced to free equations.
+module lopin_contact_block
+   use lopin_kinds, only : wp
+   use lopin_constraints, only : constraints_type
+   use lopin_finite_kernel, only : local_matrix_type
+   implicit none
+   private
+   public :: block_type, reduce_block, apply_locals
+
+   !> A local matrix on free equations and multipliers.
+   type :: block_type
+      integer, allocatable :: at(:)            !! equations, then neq + multiplier
+      real(wp), allocatable :: k(:, :)
+      integer :: nu = 0
+      real(wp), allocatable :: spring(:, :)
+   end type block_type
+
+contains
+
+   !> T^T k T of one contact point.
+   subroutine reduce_block(block, local, constraints, flat)
+      type(block_type), intent(out) :: block
+      type(local_matrix_type), intent(in) :: local
+      type(constraints_type), intent(in) :: constraints
+      logical, intent(in) :: flat
+      integer :: i, c, n, m, dof
+      integer, allocatable :: at(:)
+      real(wp), allocatable :: t(:, :), k(:, :)
+
+      m = 0
+      do i = 1, size(local%dof)
+         m = m + 1
+         if (local%dof(i) <= constraints%ndof) m = m - 1 + constraints%first(local%dof(i) + 1) &
+            & - constraints%first(local%dof(i))
+      end do
+      allocate (at(m), t(size(local%dof), m))
+      t = 0.0_wp
+      n = 0
+      do i = 1, local%nu
+         dof = local%dof(i)
+         do c = constraints%first(dof), constraints%first(dof + 1) - 1
+            call put(i, constraints%equation(c), constraints%coefficient(c))
+         end do
+      end do
+      block%nu = n
+      do i = local%nu + 1, size(local%dof)
+         call put(i, constraints%neq + local%dof(i) - constraints%ndof, 1.0_wp)
+      end do
+      block%at = at(:n)
+      allocate (k, source=local%k)
+      if (flat) then
+         k(:local%nu, :local%nu) = local%spring
+         if (allocated(local%flat_row)) then
+            if (all(shape(local%flat_row) == [size(k, 1) - local%nu, local%nu])) &
+               & k(local%nu + 1:, :local%nu) = local%flat_row
+         end if
+      end if
+      block%k = matmul(transpose(t(:, :n)), matmul(k, t(:, :n)))
+      block%spring = matmul(transpose(t(:local%nu, :block%nu)), matmul(local%spring, &
+         & t(:local%nu, :block%nu)))
+
+   contains
+
+      subroutine put(row, equation, coefficient)
+         integer, intent(in) :: row, equation
+         real(wp), intent(in) :: coefficient
+         integer :: j
+
+         j = findloc(at(:n), equation, dim=1)
+         if (j == 0) then
+            n = n + 1
+            j = n
+            at(n) = equation
+         end if
+         t(row, j) = t(row, j) + coefficient
+      end subroutine put
+   end subroutine reduce_block
+
+   !> What the local matrices make of displacements (and no multipliers), on dofs and rows.
+   subroutine apply_locals(nlocal, local, u, force)
+      integer, intent(in) :: nlocal
+      type(local_matrix_type), intent(in) :: local(:)
+      real(wp), intent(in) :: u(:)               !! (ndof)
+      real(wp), intent(inout) :: force(:)        !! (ndof + nmultiplier) added to
+      integer :: i, j
+
+      do i = 1, nlocal
+         associate (l => local(i))
+            ! A node of the facet may be one of the anchor too: its dof stands twice.
+            do j = 1, size(l%dof)
+               force(l%dof(j)) = force(l%dof(j)) + dot_product(l%k(j, :l%nu), u(l%dof(:l%nu)))
+            end do
+         end associate
+      end do
+   end subroutine apply_locals
+end module lopin_contact_block
