@@ -12,6 +12,8 @@ pytestmark = pytest.mark.usefixtures("core")
 KNOWN = json.loads((Path(__file__).parent/"atlas_f0.json").read_text(encoding="utf-8"))
 #: Beyond, answers of penalties in the matrix are rounding, which turns with the scene.
 ROUNDED = 1e6
+#: And whether the augmented method ends at all hangs on the kernels of the BLAS from here on.
+UNDECIDED = 1e10
 
 
 @pytest.fixture(scope="module", params=sorted(atlas.MAPS))
@@ -26,7 +28,8 @@ def test_nothing_is_wrong_and_silent_and_nothing_is_lost(small):
     chart, cells = small
     assert not [cell for cell in cells if cell.kind == "F1"]
     assert len({cell.row for cell in cells}) == len(cells)
-    found = {panel: n.get("F0", 0) for panel, n in atlas.counts(cells).items()}
+    decided = [cell for cell in cells if "augmented" not in cell.panel or cell.x <= UNDECIDED]
+    found = {panel: n.get("F0", 0) for panel, n in atlas.counts(decided).items()}
     lost = {panel: (found[panel], n) for panel, n in KNOWN[str(chart.number)].items()
             if found[panel] < n}
     assert not lost
