@@ -38,6 +38,8 @@ module lopin_path_finite
    integer, parameter :: most_sets = 400, most_iterations = 30, most_lagged = 200, memory = 4
    !> Solids that flow do better in smaller increments than in more iterations.
    integer, parameter :: most_of_flow = 40
+   !> An increment this often the smallest one can still be cut.
+   real(wp), parameter :: least_cuts = 4.0_wp
 
 contains
 
@@ -178,9 +180,12 @@ contains
          if (scene%finite%memory%in_use) then
             if (iteration > most_of_flow) exit
             ! What has nothing to go on from, as a body that springs back, is slow in any increment.
-            if (scene%finite%last_dt > 0.0_wp .and. .not. model%step(scene%step)%direct) then
-               if (gets_nowhere(scene%finite%history(2:))) exit
-            end if
+            associate (step_data => model%step(scene%step))
+               if (scene%finite%last_dt > 0.0_wp .and. .not. step_data%direct &
+                  & .and. scene%finite%dt > least_cuts*step_data%smallest) then
+                  if (gets_nowhere(scene%finite%history(2:))) exit
+               end if
+            end associate
          end if
          merits(1 + mod(iteration, memory)) = look%merit
          first = any(abs(jump) > 0.0_wp)
