@@ -127,10 +127,10 @@ def cup(elements: int = 60, layers: int = 3, kind: str = "CAX4", *, stroke: floa
 
 
 def v_bending(elements: int = 46, layers: int = 4, kind: str = "CPE4I", stroke: float = 14.0,
-              mu: float = 0.1) -> str:
-    """Air bending in a V-die and springback."""
-    ticks = [0.6*i for i in range(21)]
-    rest = elements - 20
+              mu: float = 0.1, near: int = 20) -> str:
+    """Air bending in a V-die and springback; `near` of the elements lie in the inner 12 mm."""
+    ticks = [12.0*i/near for i in range(near + 1)]
+    rest = elements - near
     ticks += [12.0 + 28.0*(i + 1)/rest for i in range(rest)]
     lines = ["*HEADING", "Bending in a V, N mm", *sheet(kind, ticks, 2.0, layers),
              *material([(300.0, 0.0), (1300.0, 2.0)], 210e3)]
