@@ -23,7 +23,7 @@ module lopin_contraction
    integer, parameter :: in_vain = 7
 
    type :: contraction_type
-      real(wp) :: bend = huge(1.0_wp)          !! r'/r^2 of the last full Newton step; kept
+      real(wp) :: bend = -1.0_wp               !! r'/r^2 of the last full step, kept; < 0: unknown
       real(wp) :: rate = 1.0_wp                !! r'/r of the last step
       logical :: exact = .false.               !! it was a full step by the tangent of its start
    end type contraction_type
@@ -54,6 +54,8 @@ contains
          look_without_tangent = .true.
          return
       end if
+      look_without_tangent = .false.
+      if (self%bend < 0.0_wp) return
       rate = self%bend*residual
       look_without_tangent = rate < near
       if (look_without_tangent) look_without_tangent = 2.0_wp*rate**2*residual*safety < wanted

@@ -178,12 +178,15 @@ contains
             & /= seen(max(1, iteration - 1))
          if (stale > merge(most_lagged, most_iterations, lagged)) exit
          if (scene%finite%memory%in_use) then
-            if (iteration > most_of_flow) exit
-            ! What has nothing to go on from, as a body that springs back, is slow in any increment.
+            ! What has nothing to go on from, as a sheet between flat tools or a body that springs
+            ! back, loses contact node by node in any increment: the sets tell whether it gets on.
             associate (step_data => model%step(scene%step))
-               if (scene%finite%last_dt > 0.0_wp .and. .not. step_data%direct &
-                  & .and. scene%finite%dt > least_cuts*step_data%smallest) then
-                  if (gets_nowhere(scene%finite%history(2:))) exit
+               if (scene%finite%last_dt > 0.0_wp) then
+                  if (iteration > most_of_flow) exit
+                  if (.not. step_data%direct &
+                     & .and. scene%finite%dt > least_cuts*step_data%smallest) then
+                     if (gets_nowhere(scene%finite%history(2:))) exit
+                  end if
                end if
             end associate
          end if

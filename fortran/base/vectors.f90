@@ -29,12 +29,15 @@ contains
    !> Largest size of an entry; zero of an empty list. NaN if an entry is: maxval passes over it.
    pure real(wp) function largest(x)
       real(wp), intent(in) :: x(:)
-      real(wp) :: total
+      integer :: i
 
       largest = 0.0_wp
-      if (size(x) == 0) return
-      largest = maxval(abs(x))
-      total = sum(abs(x))
-      if (ieee_is_nan(total)) largest = total
+      do i = 1, size(x)
+         if (ieee_is_nan(x(i))) then
+            largest = x(i)
+            return
+         end if
+         largest = max(largest, abs(x(i)))
+      end do
    end function largest
 end module lopin_vectors
