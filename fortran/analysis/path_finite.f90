@@ -179,7 +179,7 @@ contains
          if (stale > merge(most_lagged, most_iterations, lagged)) exit
          if (scene%finite%memory%in_use) then
             ! What has nothing to go on from, as a sheet between flat tools or a body that springs
-            ! back, loses contact node by node in any increment: the sets tell whether it gets on.
+            ! back, loses contact node by node in any increment: slow, but it gets on.
             associate (step_data => model%step(scene%step))
                if (scene%finite%last_dt > 0.0_wp) then
                   if (iteration > most_of_flow) exit
@@ -187,6 +187,8 @@ contains
                      & .and. scene%finite%dt > least_cuts*step_data%smallest) then
                      if (gets_nowhere(scene%finite%history(2:))) exit
                   end if
+               else if (iteration > most_of_flow) then
+                  if (gets_nowhere(scene%finite%history(2:))) exit
                end if
             end associate
          end if
