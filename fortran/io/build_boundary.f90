@@ -1,7 +1,7 @@
 !> `*BOUNDARY`: the complete list of prescribed dofs of each step.
 !>
 !> What the model part prescribes is in force in every step until OP=NEW; later lines override
-!> earlier ones.
+!> earlier ones, with a warning where both stand in one step and differ.
 module lopin_build_boundary
    use lopin_kinds, only : wp
    use lopin_error, only : location_type, log_type, severity
@@ -11,9 +11,10 @@ module lopin_build_boundary
       & field_integer, complain, has_parameter
    use lopin_build_scene, only : need_integer, scene_type, nodes_of, get_word
    use lopin_build_amplitudes, only : read_amplitude_word, hold_value
+   use lopin_prescribed_twice, only : clash_list_type, differ, note_clash
    implicit none
    private
-   public :: boundary_type, new_boundary, boundary_of_step, check_boundary
+   public :: boundary_type, new_boundary, boundary_of_step
    public :: find_roles, judge_dof, asks_new, verdict
 
    type :: roles
@@ -30,6 +31,9 @@ module lopin_build_boundary
       integer :: n = 0
       type(prescribed_type), allocatable :: item(:)
       integer, allocatable :: slot(:, :)      !! (6, nnode) position in item, 0: free
+      integer, allocatable :: since(:)        !! (item) step that prescribed it
+      integer :: step = 0                     !! being read
+      type(clash_list_type) :: clashes        !! of this step
    end type boundary_type
 
    !> Words for sets of dofs, as 1..6 marks.
@@ -46,7 +50,7 @@ contains
       type(boundary_type), intent(out) :: self
       integer, intent(in) :: nnode
 
-      allocate (self%item(64), self%slot(6, nnode))
+      allocate (self%item(64), self%since(64), self%slot(6, nnode))
       self%slot = 0
    end subroutine new_boundary
 
@@ -116,6 +120,7 @@ contains
       integer, intent(in) :: step
       integer :: k
 
+      self%step = step
       if (step > 1) call hold_value(model, model%step(step - 1)%period, &
          & self%item(:self%n)%amplitude, &
          & self%item(:self%n)%value)
@@ -313,62 +318,26 @@ contains
       type(boundary_type), intent(inout) :: self
       type(prescribed_type), intent(in) :: item
       type(prescribed_type), allocatable :: grown(:)
+      integer, allocatable :: longer(:)
       integer :: k
 
       k = self%slot(item%dof, item%node)
-      if (k == 0) then
+      if (k > 0) then
+         if (self%since(k) == self%step .and. differ(self%item(k), item)) call note_clash( &
+            & self%clashes, self%item(k), item)
+      else
          if (self%n == size(self%item)) then
-            allocate (grown(2*self%n))
+            allocate (grown(2*self%n), longer(2*self%n))
             grown(:self%n) = self%item
+            longer(:self%n) = self%since
             call move_alloc(grown, self%item)
+            call move_alloc(longer, self%since)
          end if
          self%n = self%n + 1
          k = self%n
          self%slot(item%dof, item%node) = k
       end if
       self%item(k) = item
+      self%since(k) = self%step
    end subroutine prescribe
-
-   !> No dof is prescribed that an equation eliminates or a rigid body moves.
-   subroutine check_boundary(self, model)
-      type(boundary_type), intent(in) :: self
-      type(model_type), intent(inout) :: model
-      integer :: owner(model%mesh%nnode), i, dof, node, k
-
-      do i = 1, size(model%equation)
-         node = model%equation(i)%node(1)
-         dof = model%equation(i)%dof(1)
-         if (dof < 1 .or. dof > 6) cycle
-         k = self%slot(dof, node)
-         if (k > 0) call twice(model, node, dof, 'by *BOUNDARY of line ' &
-            & //to_text(self%item(k)%at%line) &
-            & //' and by *EQUATION of line '//to_text(model%equation(i)%at%line), self%item(k)%at)
-      end do
-      owner = 0
-      do i = 1, size(model%rigid_body)
-         owner(model%rigid_body(i)%node) = i
-      end do
-      do i = 1, self%n
-         node = self%item(i)%node
-         if (owner(node) == 0) cycle
-         call twice(model, node, self%item(i)%dof, 'by *BOUNDARY of line ' &
-            & //to_text(self%item(i)%at%line) &
-            & //' and by *RIGID BODY of line '//to_text(model%rigid_body(owner(node))%at%line), &
-            & self%item(i)%at)
-         return
-      end do
-   end subroutine check_boundary
-
-   subroutine twice(model, node, dof, by, at)
-      type(model_type), intent(inout) :: model
-      integer, intent(in) :: node, dof
-      character(len=*), intent(in) :: by
-      type(location_type), intent(in) :: at
-
-      call complain(model%log, 'E0403', 'dof '//to_text(dof)//' of node ' &
-         & //to_text(model%mesh%node_label(node)) &
-         & //' is constrained twice: '//by, at, &
-         & help='remove one; the first term of an equation and the nodes ' &
-         & //'of a rigid body are not free to be prescribed')
-   end subroutine twice
 end module lopin_build_boundary

@@ -28,6 +28,9 @@ module lopin_build_model
    use lopin_settle_flow, only : settle_flow
    use lopin_settle_friction, only : settle_friction
    use lopin_check_rigid_pairs, only : check_rigid_pairs
+   use lopin_check_materials, only : check_materials
+   use lopin_check_unused, only : check_unused
+   use lopin_check_options, only : check_options
    implicit none
    private
    public :: new_model
@@ -71,7 +74,11 @@ contains
       if (model%log%count_of(severity%error) == 0) call settle_flow(model)
       if (model%log%count_of(severity%error) == 0) call settle_friction(model)
       if (model%log%count_of(severity%error) == 0) call check_rigid_pairs(model)
-      call check_units(model)
+      if (model%log%count_of(severity%error) == 0) then
+         call check_materials(model)
+         call check_unused(model, deck)
+         call check_options(model, deck)
+      end if
       call raise_all(error, error_code%deck, model%log)
    end subroutine new_model
 
@@ -117,29 +124,4 @@ contains
          end associate
       end do
    end subroutine read_general
-
-   !> Numbers that are right in another system of units.
-   subroutine check_units(model)
-      type(model_type), intent(inout) :: model
-      real(wp) :: extent
-      integer :: i
-
-      if (model%mesh%nnode == 0) return
-      extent = maxval(maxval(model%mesh%x, dim=2) - minval(model%mesh%x, dim=2))
-      do i = 1, size(model%material)
-         associate (material => model%material(i))
-            if (material%young > 1.0e9_wp &
-               & .and. extent > 20.0_wp) call model%log%say(severity%warning, 'W0401', &
-               & 'E = '//to_text(material%young, 4)//' with a model of size '//to_text(extent, 4) &
-               & //': looks like Pa with mm', material%at, &
-               & help='with N and mm, steel has E = 210000')
-            if (material%density > 1.0_wp .and. material%young > 1.0e3_wp &
-               & .and. material%young < 1.0e7_wp) call &
-               & model%log%say(severity%warning, 'W0401', 'density '//to_text(material%density, 4) &
-               & //' with E = ' &
-               & //to_text(material%young, 4)//': looks like kg/m3 with MPa', material%at, &
-               & help='with t, mm, s and N, steel has density 7.8e-9')
-         end associate
-      end do
-   end subroutine check_units
 end module lopin_build_model

@@ -7,8 +7,8 @@ module lopin_build_steps
    use lopin_block, only : deck_type, block_type, field_type, split_fields, field_real, &
       & complain, has_parameter, line_place
    use lopin_build_scene, only : scene_type, get_word
-   use lopin_build_boundary, only : boundary_type, new_boundary, boundary_of_step, &
-      & check_boundary, find_roles
+   use lopin_build_boundary, only : boundary_type, new_boundary, boundary_of_step, find_roles
+   use lopin_check_boundary, only : check_boundary
    use lopin_build_load_list, only : loads_type, new_loads
    use lopin_build_loads, only : loads_of_step
    use lopin_build_output, only : output_of_step
@@ -37,6 +37,7 @@ contains
       call new_boundary(boundary, model%mesh%nnode)
       call new_loads(loads, model%mesh%nnode, model%mesh%nelement)
       call boundary_of_step(boundary, model, deck, scene, role, absolute, 0)
+      call check_boundary(boundary, model)
       call refuse_loads_outside(model, deck, scene)
       do s = 1, scene%nstep
          call read_step(model, deck, scene, s)

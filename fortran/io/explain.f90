@@ -6,6 +6,7 @@ module lopin_explain
    use lopin_explain_deck, only : deck_explanations
    use lopin_explain_flow, only : flow_explanations
    use lopin_explain_friction, only : friction_explanations
+   use lopin_explain_mistakes, only : mistake_explanations
    use lopin_explain_model, only : model_explanations
    use lopin_explain_run, only : run_explanations
    use lopin_text, only : upper
@@ -57,6 +58,7 @@ contains
       allocate (list(0))
       call deck_explanations(list)
       call model_explanations(list)
+      call mistake_explanations(list)
       call friction_explanations(list)
       call flow_explanations(list)
       call run_explanations(list)
