@@ -78,6 +78,8 @@ contains
       call keep_run(stream, model, scene, plan, progress, march, summary, error)
       if (.not. allocated(error)) call keep_recorders(recorders, stream, error)
       if (.not. allocated(error)) call keeper%save(stream, error)
+      if (.not. allocated(error)) keeper%kept = 'increment '//to_text(march%number)//' of step '// &
+         & to_text(scene%step)
       call move_alloc(stream%bytes, keeper%room)
       call scene%clock%stop_in(phase%output)
       if (allocated(error) .or. .not. ends) return

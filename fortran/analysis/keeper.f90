@@ -12,9 +12,11 @@ module lopin_keeper
    type, abstract :: keeper_type
       type(stream_type), allocatable :: found   !! of an earlier run, to go on from; else a new run
       integer(int8), allocatable :: room(:)     !! bytes of the last state, room for the next
+      character(len=:), allocatable :: kept     !! increment whose state is kept, for messages
    contains
       procedure(save_if), deferred :: save
       procedure(forget_if), deferred :: forget
+      procedure(settle_if), deferred :: settle
    end type keeper_type
 
    abstract interface
@@ -31,5 +33,12 @@ module lopin_keeper
          import :: keeper_type
          class(keeper_type), intent(inout) :: self
       end subroutine forget_if
+
+      !> All that the run has written is on the disk afterwards.
+      subroutine settle_if(self, error)
+         import :: keeper_type, error_type
+         class(keeper_type), intent(inout) :: self
+         type(error_type), allocatable, intent(out) :: error
+      end subroutine settle_if
    end interface
 end module lopin_keeper

@@ -1,6 +1,9 @@
 !> What an analysis tells the outside: once before the first step, after each accepted increment, at
 !> the end.
 !>
+!> In the order of a run: all recorders `begin`, then all `commit`; `increment` and `line` as they
+!> come; all `close`, and when it is known whether all that was written is on the disk, all `finish`.
+!>
 !> Recorders never change the run: what they are given is read only, and a recorder that fails
 !> returns an error which ends the run with the files complete up to the last increment.
 module lopin_recorder
@@ -22,7 +25,9 @@ module lopin_recorder
    contains
       procedure(begin_if), deferred :: begin
       procedure(increment_if), deferred :: increment
-      procedure(finish_if), deferred :: finish
+      procedure :: commit => nothing_to_do
+      procedure :: close => nothing_to_do
+      procedure :: finish => no_summary
       procedure :: line => no_line
       procedure :: keep => keep_nothing
       procedure :: wants => wants_nothing
@@ -47,19 +52,29 @@ module lopin_recorder
          type(frame_type), intent(in) :: frame
          type(error_type), allocatable, intent(out) :: error
       end subroutine increment_if
-
-      !> Called once, also after a failure: `failure` then holds what went wrong.
-      subroutine finish_if(self, model, summary, failure, error)
-         import :: recorder_type, model_type, summary_type, error_type
-         class(recorder_type), intent(inout) :: self
-         type(model_type), intent(in) :: model
-         type(summary_type), intent(in) :: summary
-         type(error_type), allocatable, intent(in) :: failure
-         type(error_type), allocatable, intent(out) :: error
-      end subroutine finish_if
    end interface
 
 contains
+
+   !> `commit`: what was begun replaces the files of an earlier run. `close`: nothing more comes, and
+   !> what was written is on the disk.
+   subroutine nothing_to_do(self, error)
+      class(recorder_type), intent(inout) :: self
+      type(error_type), allocatable, intent(out) :: error
+      associate (unused => self, none => error)
+      end associate
+   end subroutine nothing_to_do
+
+   !> Called once, also after a failure: `failure` then holds what went wrong.
+   subroutine no_summary(self, model, summary, failure, error)
+      class(recorder_type), intent(inout) :: self
+      type(model_type), intent(in) :: model
+      type(summary_type), intent(in) :: summary
+      type(error_type), allocatable, intent(in) :: failure
+      type(error_type), allocatable, intent(out) :: error
+      associate (unused => self, also => model, too => summary, and => failure, none => error)
+      end associate
+   end subroutine no_summary
 
    !> One line of the run's log (plan, iteration, warning): ignored unless a recorder overrides it.
    subroutine no_line(self, text)

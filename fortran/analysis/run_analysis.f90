@@ -42,7 +42,6 @@ contains
       class(keeper_type), intent(inout), optional :: keeper
       type(scene_type) :: scene
       type(plan_type) :: plan
-      type(error_type), allocatable :: trouble
       integer :: i
 
       scene%clock = clock
@@ -64,22 +63,58 @@ contains
             call log%say(d%severity, d%id, d%message, d%at, d%label, d%note, d%help)
          end associate
       end do
+      summary%clock = scene%clock
+      summary%log = scene%log
+      summary%peak_memory = peak_memory()
+      call finish_all(recorders, model, summary, error, keeper)
+      if (present(keeper) .and. .not. allocated(error)) call keeper%forget()
+   end subroutine run_analysis
+
+   !> Files are closed and on the disk before the summary says how the run ended.
+   subroutine finish_all(recorders, model, summary, error, keeper)
+      type(recorder_holder_type), intent(inout) :: recorders(:)
+      type(model_type), intent(in) :: model
+      type(summary_type), intent(inout) :: summary
+      type(error_type), allocatable, intent(inout) :: error
+      class(keeper_type), intent(inout), optional :: keeper
+      type(error_type), allocatable :: trouble
+      integer :: i
+
+      if (present(keeper)) call keeper%settle(trouble)
+      if (.not. allocated(error)) call move_alloc(trouble, error)
+      do i = 1, size(recorders)
+         call recorders(i)%recorder%close(trouble)
+         if (.not. allocated(error)) call move_alloc(trouble, error)
+      end do
       if (allocated(error)) then
          summary%status = 'failed'
          if (error%code == error_code%not_converged) summary%status = 'not converged'
          if (error%code == error_code%interrupted) summary%status = 'interrupted'
          summary%exit_code = error%code
+         if (present(keeper)) call say_what_survives(error, keeper)
       end if
-      summary%clock = scene%clock
-      summary%log = scene%log
-      summary%peak_memory = peak_memory()
       do i = 1, size(recorders)
          call recorders(i)%recorder%finish(model, summary, error, trouble)
-         if (allocated(trouble) .and. .not. allocated(error)) call move_alloc(trouble, error)
+         if (.not. allocated(trouble)) cycle
+         if (present(keeper)) call say_what_survives(trouble, keeper)
+         if (.not. allocated(error)) call move_alloc(trouble, error)
       end do
-      if (present(keeper) .and. .not. allocated(error)) call keeper%forget()
-   end subroutine run_analysis
+   end subroutine finish_all
 
+   !> Where memory or a disk ended the run: what is whole.
+   subroutine say_what_survives(error, keeper)
+      type(error_type), intent(inout) :: error
+      class(keeper_type), intent(in) :: keeper
+
+      associate (id => error%item(1)%id)
+         if (id /= 'E0602' .and. id(:3) /= 'E07') return
+      end associate
+      error%item(1)%note = 'no file is torn; no checkpoint is there yet'
+      if (allocated(keeper%kept)) error%item(1)%note = 'no file is torn, and the checkpoint after '// &
+         & keeper%kept//' is whole'
+   end subroutine say_what_survives
+
+   !> The files of an earlier run, its checkpoint included, stay until those of this run are begun.
    subroutine begin_all(recorders, model, error, keeper)
       type(recorder_holder_type), intent(inout) :: recorders(:)
       type(model_type), intent(in) :: model
@@ -89,14 +124,17 @@ contains
       integer :: i
 
       resumes = .false.
-      if (present(keeper)) then
-         resumes = allocated(keeper%found)
-         if (.not. resumes) call keeper%forget()
-      end if
+      if (present(keeper)) resumes = allocated(keeper%found)
       do i = 1, size(recorders)
          recorders(i)%recorder%resumes = resumes
          call recorders(i)%recorder%begin(model, error)
          if (allocated(error)) return
+      end do
+      do i = 1, size(recorders)
+         call recorders(i)%recorder%commit(error)
+         if (allocated(error)) return
+         ! The first file that is replaced ends the earlier run.
+         if (i == 1 .and. present(keeper) .and. .not. resumes) call keeper%forget()
       end do
    end subroutine begin_all
 
@@ -126,8 +164,8 @@ contains
       if (resumes) then
          call go_back(keeper%found, model, scene, plan, progress, march, recorders, summary, error)
          if (allocated(error)) return
-         call log%say(severity%note, 'N0604', 'goes on after increment '// &
-            & to_text(march%number)//' of step '//to_text(scene%step))
+         keeper%kept = 'increment '//to_text(march%number)//' of step '//to_text(scene%step)
+         call log%say(severity%note, 'N0604', 'goes on after '//keeper%kept)
          first = scene%step + 1
          call run_step(scene, model, plan, progress, march, recorders, summary, error, keeper)
          summary%step(scene%step)%counter = scene%counter

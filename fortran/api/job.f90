@@ -8,6 +8,7 @@ module lopin_job
    use lopin_model, only : model_type
    use lopin_recorder, only : recorder_holder_type
    use lopin_recorder_factory, only : new_recorders, append_memory
+   use lopin_atomic_file, only : make_folder
    use lopin_checkpoint_file, only : checkpoint_file_type, new_checkpoint_file
    use lopin_checksum, only : checksum_type
    use lopin_run_analysis, only : run_analysis
@@ -72,15 +73,21 @@ contains
       call outcome%clock%stop_in(phase%model)
       outcome%summary%plan = ''
       if (len(self%folder) > 0) then
+         call make_folder(self%folder, error)
+         if (allocated(error)) return
          allocate (checkpoint)
          call new_checkpoint_file(checkpoint, self%folder//'/'//self%stem//'.rst', &
             & fingerprint_of(deck, model), self%resume, error)
-         if (allocated(error)) return
-         if (self%resume .and. .not. allocated(checkpoint%found)) call outcome%log%say( &
+         if (self%resume .and. .not. allocated(error) .and. .not. allocated(checkpoint%found)) call outcome%log%say( &
             & severity%note, 'N0604', 'there is no checkpoint in '//self%folder//': the run '// &
             & 'starts from its beginning')
-         call new_recorders(outcome%recorder, model, self%folder, self%stem, error, names_of(deck))
-         if (allocated(error)) return
+         if (.not. allocated(error)) call new_recorders(outcome%recorder, model, self%folder, &
+            & self%stem, error, names_of(deck))
+         if (allocated(error)) then
+            call checkpoint%lock%give()
+            return
+         end if
+         call checkpoint%lock%sign()
       end if
       if (self%in_memory) call append_memory(outcome%recorder, names_of(deck))
       before = blas_threads()
@@ -89,6 +96,7 @@ contains
       ! What is not allocated is absent.
       call run_analysis(model, outcome%recorder, outcome%clock, outcome%summary, outcome%log, &
          & error, checkpoint)
+      if (allocated(checkpoint)) call checkpoint%lock%give()
       ! The process may go on with other work.
       call omp_set_num_threads(team)
       done = before == 0

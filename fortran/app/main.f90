@@ -2,6 +2,7 @@
 program lopin
    use lopin_command_line, only : options_type, read_command_line, usage
    use lopin_error, only : error_type
+   use lopin_interrupt, only : guard_process
    use lopin_tasks, only : run_deck, check_deck, show_info, show_explanation, show_keyword, &
       & run_selftest
    use lopin_terminal, only : terminal_type, new_terminal
@@ -12,6 +13,7 @@ program lopin
    type(terminal_type) :: terminal
    type(error_type), allocatable :: error
 
+   call guard_process()
    call read_command_line(options, error)
    call new_terminal(terminal, options%colour, options%json, options%verbosity == 0, options%strict)
    call terminal%stop_on(error)
@@ -31,9 +33,9 @@ program lopin
    case ('selftest')
       call run_selftest(terminal)
    case ('version')
-      print '(a)', 'lopin '//version
+      call terminal%tell('lopin '//version//achar(10))
    case default
-      print '(a)', usage()
+      call terminal%tell(usage()//achar(10))
    end select
    call terminal%finish(0, '')
 end program lopin

@@ -6,13 +6,14 @@ module lopin_tasks
    use lopin_command_line, only : options_type
    use lopin_enforcement_factory, only : method_names
    use lopin_solver_factory, only : solver_names
-   use lopin_deck, only : deck_type, read_deck
+   use lopin_deck, only : read_deck
    use lopin_error, only : error_type, error_code, log_type, raise
    use lopin_interrupt, only : catch_interrupts
    use lopin_job, only : job_type, outcome_type, open_job, run_job, stem_of
    use lopin_explain, only : explain, explained_codes
    use lopin_keywords, only : keyword_sheet, keyword_manual
    use lopin_model, only : model_type
+   use lopin_safe_text, only : printable
    use lopin_recorder_json, only : json_recorder_type
    use lopin_selftest, only : selftest_case, ncase
    use lopin_terminal, only : terminal_type
@@ -21,6 +22,8 @@ module lopin_tasks
    implicit none
    private
    public :: run_deck, check_deck, show_info, show_explanation, show_keyword, run_selftest
+
+   character(len=1), parameter :: nl = achar(10)
 
 contains
 
@@ -49,7 +52,7 @@ contains
       type(job_type), intent(in) :: job
       type(model_type), intent(in) :: model
       type(outcome_type), intent(in) :: outcome
-      type(terminal_type), intent(in) :: terminal
+      type(terminal_type), intent(inout) :: terminal
       integer :: i, k
 
       do k = 1, size(outcome%recorder)
@@ -123,36 +126,36 @@ contains
       type(terminal_type), intent(inout) :: terminal
 
       if (len(options%subject) == 0) then
-         print '(a)', 'lopin '//version, 'compiler: '//compiler_version(), &
-            & 'solvers: '//join(solver_names), 'methods: '//join(method_names), 'threads: '// &
-            & to_text(omp_get_max_threads())//' of the assembly, '//to_text(blas_threads())// &
-            & ' of the BLAS'
+         call terminal%tell('lopin '//version//nl//'compiler: '//compiler_version()//nl// &
+            & 'solvers: '//join(solver_names)//nl//'methods: '//join(method_names)//nl// &
+            & 'threads: '//to_text(omp_get_max_threads())//' of the assembly, '// &
+            & to_text(blas_threads())//' of the BLAS'//nl)
          return
       end if
       call open_deck(options, terminal)
-      call summarise(terminal%deck)
+      call summarise(terminal)
    end subroutine show_info
 
    !> Files and keywords of a deck with their numbers of data lines.
-   subroutine summarise(deck)
-      type(deck_type), intent(in) :: deck
+   subroutine summarise(terminal)
+      type(terminal_type), intent(inout) :: terminal
       integer :: i, k, cards, lines
 
-      do i = 1, size(deck%source)
-         print '(a)', deck%source(i)%name//': '//plural(deck%source(i)%nline, 'line')
+      do i = 1, size(terminal%deck%source)
+         call terminal%tell(printable(terminal%deck%source(i)%name)//': '// &
+            & plural(terminal%deck%source(i)%nline, 'line')//nl)
       end do
-      do i = 1, deck%nblock
+      do i = 1, terminal%deck%nblock
          cards = 0
          lines = 0
-         do k = 1, deck%nblock
-            if (deck%block(k)%keyword /= deck%block(i)%keyword) cycle
+         do k = 1, terminal%deck%nblock
+            if (terminal%deck%block(k)%keyword /= terminal%deck%block(i)%keyword) cycle
             if (k < i) exit
             cards = cards + 1
-            lines = lines + deck%block(k)%nline
+            lines = lines + terminal%deck%block(k)%nline
          end do
-         if (cards > 0) print '(a)', '*'//deck%block(i)%keyword//': '//plural(cards, 'card')// &
-            & ', '// &
-            & plural(lines, 'data line')
+         if (cards > 0) call terminal%tell('*'//printable(terminal%deck%block(i)%keyword)//': '// &
+            & plural(cards, 'card')//', '//plural(lines, 'data line')//nl)
       end do
    end subroutine summarise
 
@@ -165,13 +168,13 @@ contains
       logical :: found
 
       if (len(options%subject) == 0) then
-         print '(a)', explained_codes()
+         call terminal%tell(explained_codes()//nl)
          return
       end if
       call explain(options%subject, text, found)
       if (.not. found) call raise(error, error_code%usage, 'E0801', text, help='lopin explain')
       call terminal%stop_on(error)
-      print '(a)', text
+      call terminal%tell(text//nl)
    end subroutine show_explanation
 
    !> lopin doc '*FRICTION', lopin doc --all
@@ -183,13 +186,13 @@ contains
       logical :: found
 
       if (options%all) then
-         write (*, '(a)', advance='no') keyword_manual()
+         call terminal%tell(keyword_manual())
          return
       end if
       call keyword_sheet(options%subject, text, found)
       if (.not. found) call raise(error, error_code%usage, 'E0801', text, help='lopin doc --all')
       call terminal%stop_on(error)
-      print '(a)', text
+      call terminal%tell(text//nl)
    end subroutine show_keyword
 
    !> lopin selftest: closed forms, without any file.

@@ -2,16 +2,20 @@
 !>
 !> Diagnostics go to standard error, what was asked for goes to standard output.
 module lopin_terminal
-   use, intrinsic :: iso_c_binding, only : c_int
-   use, intrinsic :: iso_fortran_env, only : output_unit, error_unit
+   use, intrinsic :: iso_c_binding, only : c_int, c_long_long
    use lopin_block, only : deck_type
+   use lopin_checked_file, only : write_all, has_left, is_closed, reason_of
    use lopin_error, only : error_type, error_code, log_type, diagnostic_type, severity
    use lopin_job, only : refuse_warnings
    use lopin_render, only : render, render_json, json_string
+   use lopin_safe_text, only : printable
    use lopin_text, only : plural, to_text
    implicit none
    private
    public :: terminal_type, new_terminal
+
+   integer(c_int), parameter :: output_stream = 1, error_stream = 2
+   character(len=1), parameter :: nl = achar(10)
 
    !> How this run speaks to its user.
    type :: terminal_type
@@ -21,8 +25,10 @@ module lopin_terminal
       logical :: strict = .false.
       type(log_type) :: said                        !! what was shown so far, for --json
       type(deck_type) :: deck                       !! whose lines are shown
+      integer(c_int), private :: lost = 0           !! errno of what could not be written
    contains
       procedure :: say
+      procedure :: tell
       procedure :: show_log
       procedure :: stop_on
       procedure :: finish
@@ -52,14 +58,38 @@ contains
       self%strict = strict
    end subroutine new_terminal
 
-   !> Text on standard output; a line end is added.
+   !> Lines that accompany a run; a line end is added.
    subroutine say(self, text)
-      class(terminal_type), intent(in) :: self
+      class(terminal_type), intent(inout) :: self
       character(len=*), intent(in) :: text
 
       if (self%quiet .or. self%json) return
-      write (output_unit, '(a)') text
+      call self%tell(printable(text)//nl)
    end subroutine say
+
+   !> What was asked for, on standard output as it is.
+   subroutine tell(self, text)
+      class(terminal_type), intent(inout) :: self
+      character(len=*), intent(in) :: text
+
+      integer(c_int) :: status
+
+      if (self%lost /= 0) return
+      status = write_all(output_stream, text, len(text, kind=c_long_long))
+      if (.not. is_closed(status)) self%lost = status
+   end subroutine tell
+
+   !> Diagnostics; if nobody reads them, the exit code still tells.
+   subroutine complain(self, text)
+      class(terminal_type), intent(inout) :: self
+      character(len=*), intent(in) :: text
+      integer(c_int) :: status
+
+      status = write_all(error_stream, text, len(text, kind=c_long_long))
+      if (has_left(status)) return
+      if (is_closed(status)) return
+      if (self%lost == 0) self%lost = status
+   end subroutine complain
 
    !> Show the notes and warnings of a log; errors come with `stop_on`. With --strict, warnings end
    !> the run.
@@ -88,10 +118,10 @@ contains
       do i = 1, size(error%item)
          call show(self, error%item(i))
       end do
-      if (size(error%item) > 1 .and. .not. self%json) write (error_unit, '(a)') &
-         & plural(size(error%item), 'error')
-      if (error%code == error_code%internal) write (error_unit, '(a)') &
-         & 'this is a defect of Lopin: please report the deck and this message'
+      if (size(error%item) > 1 .and. .not. self%json) &
+         & call complain(self, plural(size(error%item), 'error')//nl)
+      if (error%code == error_code%internal) call complain(self, &
+         & 'this is a defect of Lopin: please report the deck and this message'//nl)
       call self%finish(error%code, '')
    end subroutine stop_on
 
@@ -101,31 +131,43 @@ contains
 
       call self%said%say(item%severity, item%id, item%message, item%at, item%label, item%note, &
          & item%help)
-      if (.not. self%json) write (error_unit, '(a)', advance='no') render(item, self%deck, &
-         & self%colour)
+      if (.not. self%json) call complain(self, render(item, self%deck, self%colour))
    end subroutine show
 
    !> The end of the program: the JSON object if it is wanted, the last line of a good run, the
-   !> exit code.
+   !> exit code. What was asked for and could not be written is a failure of its own.
    subroutine finish(self, code, last_line)
-      class(terminal_type), intent(in) :: self
+      class(terminal_type), intent(inout) :: self
       integer, intent(in) :: code                !! error_code%..., 0 for success
       character(len=*), intent(in) :: last_line  !! on standard output; '' for none
-      integer :: i
+      integer :: final
 
       if (self%json) then
-         write (output_unit, '(a)') '{"schema": "lopin-1", "status": '// &
-            & json_string(trim(merge('ok    ', 'failed', code == 0)))//', "exit_code": '// &
-            & to_text(code)//','
-         write (output_unit, '(a)') ' "diagnostics": ['
-         do i = 1, self%said%n
-            write (output_unit, '(a)') '  '//render_json(self%said%item(i), self%deck)// &
-               & trim(merge(',', ' ', i < self%said%n))
-         end do
-         write (output_unit, '(a)') ' ]}'
-      else if (len(last_line) > 0 .and. .not. self%quiet) then
-         write (output_unit, '(a)') last_line
+         call put_json(self, code)
+      else if (len(last_line) > 0) then
+         call self%say(last_line)
       end if
-      stop code, quiet=.true.
+      final = code
+      if (self%lost /= 0) then
+         if (code == 0) final = error_code%resource
+         if (.not. has_left(self%lost)) call complain(self, &
+            & 'error[E0608]: cannot write to the standard streams: '//reason_of(self%lost)//nl)
+      end if
+      stop final, quiet=.true.
    end subroutine finish
+
+   subroutine put_json(self, code)
+      class(terminal_type), intent(inout) :: self
+      integer, intent(in) :: code
+      integer :: i
+
+      call self%tell('{"schema": "lopin-1", "status": '// &
+         & json_string(trim(merge('ok    ', 'failed', code == 0)))//', "exit_code": '// &
+         & to_text(code)//','//nl//' "diagnostics": ['//nl)
+      do i = 1, self%said%n
+         call self%tell('  '//render_json(self%said%item(i), self%deck)// &
+            & trim(merge(',', ' ', i < self%said%n))//nl)
+      end do
+      call self%tell(' ]}'//nl)
+   end subroutine put_json
 end module lopin_terminal

@@ -1,65 +1,44 @@
 !> Files that are either whole or absent: written beside their place, then renamed.
 !>
-!> Logs grow by whole lines, flushed after each call, so that a killed run leaves no torn line.
+!> Logs grow by whole lines, so that neither a killed run nor a full disk leaves a torn one.
 module lopin_atomic_file
    use, intrinsic :: iso_c_binding, only : c_char, c_int, c_long_long, c_null_char
    use, intrinsic :: iso_fortran_env, only : int8, int64
+   use lopin_checked_file, only : file_begin, file_end, file_rename, file_append, file_go_on, &
+      & file_new_end, file_kind, file_is_there, file_read, cannot_write, has_shrunk
    use lopin_error, only : error_type, error_code, raise
    use lopin_stream, only : stream_type
    implicit none
    private
    public :: write_atomically, make_folder, remove_file, file_exists, read_text, log_file_type
-   public :: written_mark, is_foreign
+   public :: written_mark, is_foreign, has_lost, write_over
 
    !> Stands in the first lines of XML files of ours, which may therefore be replaced.
    character(len=*), parameter :: written_mark = '<!-- written by Lopin -->'
+   character(len=*), parameter :: part = '.part'
 
-   !> A file that grows by whole lines.
+   !> A file that grows by whole lines. It is made beside its place, and `commit` gives it its name.
    type :: log_file_type
       character(len=:), allocatable :: path
-      integer :: unit = 0
       logical :: is_open = .false.
+      logical, private :: in_place = .false.   !! it has its name
+      integer(c_int), private :: file = -1
       integer(int64), private :: length = 0    !! bytes written
    contains
       procedure :: open => open_log
+      procedure :: commit => commit_log
       procedure :: keep => keep_log
       procedure :: append
       procedure :: close => close_log
    end type log_file_type
 
    interface
-      function c_rename(old, new) bind(c, name='rename') result(status)
-         import :: c_char, c_int
-         character(kind=c_char), intent(in) :: old(*), new(*)
-         integer(c_int) :: status
-      end function c_rename
-
       function c_mkdir(path, mode) bind(c, name='mkdir') result(status)
          import :: c_char, c_int
          character(kind=c_char), intent(in) :: path(*)
          integer(c_int), value :: mode
          integer(c_int) :: status
       end function c_mkdir
-
-      function c_access(path, mode) bind(c, name='access') result(status)
-         import :: c_char, c_int
-         character(kind=c_char), intent(in) :: path(*)
-         integer(c_int), value :: mode
-         integer(c_int) :: status
-      end function c_access
-
-      function lopin_sync_file(path) bind(c) result(status)
-         import :: c_char, c_int
-         character(kind=c_char), intent(in) :: path(*)
-         integer(c_int) :: status
-      end function lopin_sync_file
-
-      function lopin_cut_file(path, length) bind(c) result(status)
-         import :: c_char, c_int, c_long_long
-         character(kind=c_char), intent(in) :: path(*)
-         integer(c_long_long), value :: length
-         integer(c_int) :: status
-      end function lopin_cut_file
 
       function c_unlink(path) bind(c, name='unlink') result(status)
          import :: c_char, c_int
@@ -74,31 +53,63 @@ contains
    subroutine write_atomically(path, text, error, bytes, tail, lasting)
       character(len=*), intent(in) :: path, text
       type(error_type), allocatable, intent(out) :: error
-      integer(int8), intent(in), optional :: bytes(:)
+      integer(int8), intent(in), optional, target, contiguous :: bytes(:)
       character(len=*), intent(in), optional :: tail
       logical, intent(in), optional :: lasting   !! on the disk before it takes its name
-      integer :: unit, status, closing
+      integer(c_int) :: file, status, closing, wait
+      integer(int64) :: length
 
-      open (newunit=unit, file=path//'.part', access='stream', form='unformatted', &
-         & status='replace', action='write', iostat=status)
-      if (status /= 0) then
-         call cannot_write(path, error)
-         return
+      wait = 0
+      if (present(lasting)) wait = merge(1_c_int, 0_c_int, lasting)
+      length = 0
+      status = file_begin(path//part//c_null_char, file)
+      if (status == 0) then
+         call add(text, len(text, kind=int64))
+         if (present(bytes)) call add_bytes(bytes)
+         if (present(tail)) call add(tail, len(tail, kind=int64))
+         closing = file_end(file, int(length, c_long_long), wait)
+         if (status == 0) status = closing
       end if
-      write (unit, iostat=status) text
-      if (present(bytes) .and. status == 0) write (unit, iostat=status) bytes
-      if (present(tail) .and. status == 0) write (unit, iostat=status) tail
-      close (unit, iostat=closing)
-      if (status == 0) status = closing
-      if (present(lasting) .and. status == 0) then
-         if (lasting) status = lopin_sync_file(path//'.part'//c_null_char)
-      end if
-      if (status == 0) status = c_rename(path//'.part'//c_null_char, path//c_null_char)
-      if (status /= 0) then
-         call remove_file(path//'.part')
-         call cannot_write(path, error)
-      end if
+      if (status == 0) status = file_rename(path//part//c_null_char, path//c_null_char)
+      if (status == 0) return
+      call remove_file(path//part)
+      call cannot_write(path, status, error)
+   contains
+      subroutine add(piece, n)
+         character(kind=c_char), intent(in) :: piece(*)
+         integer(int64), intent(in) :: n
+
+         if (status == 0) status = file_append(file, int(length, c_long_long), piece, &
+            & int(n, c_long_long))
+         length = length + n
+      end subroutine add
+
+      subroutine add_bytes(list)
+         use, intrinsic :: iso_c_binding, only : c_loc, c_f_pointer
+         integer(int8), intent(in), target, contiguous :: list(:)
+         character(kind=c_char), pointer :: view(:)
+
+         if (size(list) == 0) return
+         call c_f_pointer(c_loc(list), view, [size(list, kind=int64)])
+         call add(view, size(list, kind=int64))
+      end subroutine add_bytes
    end subroutine write_atomically
+
+   !> Replace the text of a file by a shorter one in its place: this asks for no room on the disk.
+   subroutine write_over(path, text)
+      character(len=*), intent(in) :: path, text
+      integer(c_int) :: file, status
+      integer :: kind
+      integer(int64) :: length
+
+      call file_kind(path, kind, length)
+      if (kind /= 0 .or. length < len(text)) return
+      status = file_go_on(path//c_null_char, int(length, c_long_long), file)
+      if (status /= 0) return
+      status = file_new_end(file, 0_c_long_long, int(length, c_long_long), &
+         & text//repeat(' ', int(length) - len(text)), int(length, c_long_long))
+      status = file_end(file, int(length, c_long_long), 1_c_int)
+   end subroutine write_over
 
    !> Make a folder and those above it; nothing to do if it is there.
    subroutine make_folder(path, error)
@@ -120,126 +131,136 @@ contains
       ignored = c_unlink(path//c_null_char)
    end subroutine remove_file
 
+   !> Something has this name, be it a symbolic link that leads nowhere.
    logical function file_exists(path)
       character(len=*), intent(in) :: path
-      file_exists = c_access(path//c_null_char, 0_c_int) == 0
+      file_exists = file_is_there(path)
    end function file_exists
 
    !> All of a file; empty if it cannot be read.
    subroutine read_text(path, text)
       character(len=*), intent(in) :: path
       character(len=:), allocatable, intent(out) :: text
-      integer :: unit, status, length
+      integer :: kind, status
+      integer(int64) :: length
 
-      text = ''
-      open (newunit=unit, file=path, access='stream', form='unformatted', status='old', &
-         & action='read', iostat=status)
-      if (status /= 0) return
-      inquire (unit=unit, size=length)
-      if (length > 0) then
-         deallocate (text)
-         allocate (character(len=length) :: text)
-         read (unit, iostat=status) text
-         if (status /= 0) text = ''
+      call file_kind(path, kind, length)
+      if (kind /= 0) length = 0
+      allocate (character(len=length) :: text, stat=status)
+      if (status /= 0) then
+         text = ''
+      else if (length > 0) then
+         if (file_read(path//c_null_char, text, int(length, c_long_long)) /= 0) text = ''
       end if
-      close (unit)
    end subroutine read_text
 
    !> Does a file exist that has no mark of ours in its first lines?
    logical function is_foreign(path)
       character(len=*), intent(in) :: path
       character(len=128) :: start
-      integer :: unit, status
+      integer :: kind
+      integer(int64) :: length
 
       is_foreign = file_exists(path)
       if (.not. is_foreign) return
+      call file_kind(path, kind, length)
+      if (kind /= 0) return
       start = ''
-      open (newunit=unit, file=path, access='stream', form='unformatted', status='old', &
-         & action='read', iostat=status)
-      if (status /= 0) return
-      read (unit, iostat=status) start
-      close (unit)
+      if (file_read(path//c_null_char, start, min(int(length, c_long_long), 128_c_long_long)) /= 0) &
+         & return
       is_foreign = index(start, written_mark) == 0
    end function is_foreign
 
-   !> Replace a log by its first lines; what follows is appended. A log that goes on is left as it
-   !> is until `keep` says how far it counts.
+   !> Begin a new log beside its place with its first lines. A log that goes on is left as it is until
+   !> `keep` says how far it counts.
    subroutine open_log(self, path, header, error, goes_on)
       class(log_file_type), intent(inout) :: self
       character(len=*), intent(in) :: path
       character(len=*), intent(in) :: header     !! whole lines, or nothing
       type(error_type), allocatable, intent(out) :: error
       logical, intent(in) :: goes_on
+      type(error_type), allocatable :: ignored
+      integer(c_int) :: status
 
-      call self%close()
+      call self%close(ignored)
       self%path = path
+      self%length = 0
+      self%in_place = goes_on
       if (goes_on) return
-      call write_atomically(path, header, error)
-      if (allocated(error)) return
-      self%length = len(header)
-      call open_at_end(self, error)
+      status = file_begin(path//part//c_null_char, self%file)
+      self%is_open = status == 0
+      if (self%is_open) then
+         call self%append(header, error)
+      else
+         call cannot_write(path, status, error)
+      end if
    end subroutine open_log
+
+   !> The log takes its place; what stood there is gone.
+   subroutine commit_log(self, error)
+      class(log_file_type), intent(inout) :: self
+      type(error_type), allocatable, intent(out) :: error
+      integer(c_int) :: status
+
+      if (.not. self%is_open .or. self%in_place) return
+      status = file_rename(self%path//part//c_null_char, self%path//c_null_char)
+      self%in_place = status == 0
+      if (status /= 0) call cannot_write(self%path, status, error)
+   end subroutine commit_log
 
    !> The length to a stream, or back: the file is cut to it.
    subroutine keep_log(self, stream, error)
       class(log_file_type), intent(inout) :: self
       type(stream_type), intent(inout) :: stream
       type(error_type), allocatable, intent(out) :: error
-      integer(int64) :: there
-      integer :: status
+      integer(c_int) :: status
 
       call stream%pass(self%length)
       if (.not. stream%reading .or. stream%broken) return
-      inquire (file=self%path, size=there)
-      if (there < self%length) then
-         call raise(error, error_code%resource, 'E0606', "'"//self%path//"' has lost what was "// &
-            & 'written before the checkpoint', help='run the deck without --resume')
-         return
+      status = file_go_on(self%path//c_null_char, int(self%length, c_long_long), self%file)
+      self%is_open = status == 0
+      if (has_shrunk(status)) then
+         call has_lost(self%path, error)
+      else if (status /= 0) then
+         call cannot_write(self%path, status, error)
       end if
-      status = lopin_cut_file(self%path//c_null_char, int(self%length, c_long_long))
-      if (status /= 0) then
-         call cannot_write(self%path, error)
-         return
-      end if
-      call open_at_end(self, error)
    end subroutine keep_log
 
-   subroutine open_at_end(self, error)
-      class(log_file_type), intent(inout) :: self
+   !> A file that a run goes on with is not what it was.
+   subroutine has_lost(path, error)
+      character(len=*), intent(in) :: path
       type(error_type), allocatable, intent(out) :: error
-      integer :: status
+      call raise(error, error_code%resource, 'E0606', "'"//path//"' has lost what was "// &
+         & 'written before the checkpoint', help='run the deck without --resume')
+   end subroutine has_lost
 
-      open (newunit=self%unit, file=self%path, access='stream', form='unformatted', status='old', &
-         & position='append', action='write', iostat=status)
-      self%is_open = status == 0
-      if (.not. self%is_open) call cannot_write(self%path, error)
-   end subroutine open_at_end
-
+   !> All of the lines or, with an error, none.
    subroutine append(self, lines, error)
       class(log_file_type), intent(inout) :: self
       character(len=*), intent(in) :: lines      !! whole lines
       type(error_type), allocatable, intent(out) :: error
-      integer :: status
+      integer(c_int) :: status
 
       if (.not. self%is_open) return
-      write (self%unit, iostat=status) lines
-      if (status == 0) flush (self%unit, iostat=status)
-      self%length = self%length + len(lines)
-      if (status /= 0) call cannot_write(self%path, error)
+      status = file_append(self%file, int(self%length, c_long_long), lines, &
+         & len(lines, kind=c_long_long))
+      if (status == 0) then
+         self%length = self%length + len(lines, kind=int64)
+      else
+         call cannot_write(self%path, status, error)
+      end if
    end subroutine append
 
-   subroutine close_log(self)
+   !> Nothing more comes; the log is on the disk. One without a place is given up.
+   subroutine close_log(self, error)
       class(log_file_type), intent(inout) :: self
-      integer :: ignored
-
-      if (self%is_open) close (self%unit, iostat=ignored)
-      self%is_open = .false.
-   end subroutine close_log
-
-   subroutine cannot_write(path, error)
-      character(len=*), intent(in) :: path
       type(error_type), allocatable, intent(out) :: error
-      call raise(error, error_code%resource, 'E0602', "cannot write '"//path//"'", &
-         & help='see that the folder exists, is writable and that the disk is not full')
-   end subroutine cannot_write
+      integer(c_int) :: status
+
+      if (.not. self%is_open) return
+      self%is_open = .false.
+      status = file_end(self%file, int(self%length, c_long_long), 1_c_int)
+      if (.not. self%in_place) call remove_file(self%path//part)
+      if (status /= 0) call cannot_write(self%path, status, error)
+   end subroutine close_log
 end module lopin_atomic_file

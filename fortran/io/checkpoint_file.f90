@@ -3,8 +3,8 @@
 !> Five lines (what it is, the version of Lopin, the fingerprints of the deck and of the state, the
 !> number of bytes), then the bytes of lopin_checkpoint. It is replaced whole, so that there is
 !> always one good state whenever the process dies; a finished run has none. Once a second it is
-!> also on the disk before it takes its name, which a power failure asks for and which takes
-!> milliseconds.
+!> also on the disk before it takes its name, after the result files whose lengths it holds, which a
+!> power failure asks for and which takes milliseconds.
 module lopin_checkpoint_file
    use, intrinsic :: iso_fortran_env, only : int8, int64
    use lopin_kinds, only : wp
@@ -14,7 +14,10 @@ module lopin_checkpoint_file
    use lopin_text, only : to_text
    use lopin_version, only : version
    use lopin_keeper, only : keeper_type
+   use, intrinsic :: iso_c_binding, only : c_int
    use lopin_atomic_file, only : write_atomically, remove_file, file_exists, read_text
+   use lopin_checked_file, only : sync_folder, cannot_write
+   use lopin_folder_lock, only : folder_lock_type
    implicit none
    private
    public :: checkpoint_file_type, new_checkpoint_file
@@ -23,14 +26,17 @@ module lopin_checkpoint_file
    character(len=*), parameter :: mark = 'Lopin checkpoint 3', newline = achar(10)
    integer, parameter :: nline = 5
    real(wp), parameter :: between = 1.0_wp      !! waits for the disk, at least [s]
+   real(wp), parameter :: share = 0.05_wp       !! of the time that goes by in waiting, at most
 
    type, extends(keeper_type) :: checkpoint_file_type
       character(len=:), allocatable, private :: path
       character(len=16), private :: deck = ''      !! fingerprint of the deck
-      integer(int64), private :: waited = -1       !! clock when the disk was waited for; < 0: never
+      integer(int64), private :: next = 0          !! clock from when the disk is waited for
+      type(folder_lock_type) :: lock
    contains
       procedure :: save
       procedure :: forget
+      procedure :: settle
    end type checkpoint_file_type
 
 contains
@@ -47,6 +53,8 @@ contains
 
       self%path = path
       self%deck = deck%text()
+      call self%lock%take(path(:index(path, '.', back=.true.))//'lock', error)
+      if (allocated(error)) return
       if (.not. file_exists(path)) return
       call read_text(path, text)
       if (resume) then
@@ -54,6 +62,8 @@ contains
       else if (index(text, mark(:16)) /= 1) then
          call raise(error, error_code%resource, 'E0603', "'"//path//"' exists and was not "// &
             & 'written by Lopin', help='choose another folder with -o, or move the file away')
+      else
+         self%kept = 'the last increment of the earlier run'
       end if
    end subroutine new_checkpoint_file
 
@@ -115,20 +125,39 @@ contains
       type(stream_type), intent(in) :: stream
       type(error_type), allocatable, intent(out) :: error
       type(checksum_type) :: sum
-      integer(int64) :: now, rate
+      integer(int64) :: now, ready, rate
       logical :: wait
 
       call system_clock(now, rate)
-      wait = self%waited < 0 .or. real(now - self%waited, wp) > between*real(rate, wp)
-      if (wait) self%waited = now
+      wait = now >= self%next
+      if (wait) call self%settle(error)
+      if (allocated(error)) return
       call sum%add_bytes(stream%bytes(:stream%n))
       call write_atomically(self%path, mark//newline//version//newline//self%deck//newline// &
          & sum%text()//newline//to_text(stream%n)//newline, error, stream%bytes(:stream%n), &
          & lasting=wait)
+      if (.not. wait) return
+      call system_clock(ready)
+      self%next = ready + max(int(between*real(rate, wp), int64), &
+         & int(real(ready - now, wp)/share, int64))
    end subroutine save
+
+   !> All that the run has written is on the disk.
+   subroutine settle(self, error)
+      class(checkpoint_file_type), intent(inout) :: self
+      type(error_type), allocatable, intent(out) :: error
+      integer(c_int) :: status
+
+      if (self%lock%file < 0) return
+      status = sync_folder(self%lock%file)
+      if (status /= 0) call cannot_write(self%path(:index(self%path, '/', back=.true.)), status, &
+         & error)
+   end subroutine settle
 
    subroutine forget(self)
       class(checkpoint_file_type), intent(inout) :: self
+
+      if (allocated(self%kept)) deallocate (self%kept)
       call remove_file(self%path)
       ! What a killed run was writing.
       call remove_file(self%path//'.part')

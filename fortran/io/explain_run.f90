@@ -145,8 +145,11 @@ contains
          & 'The folder cannot be made, or holds the unfinished run of another deck.', &
          & 'give another folder with -o, or --overwrite.')
       call add_explanation(list, 'E0602', 'a result file cannot be written', &
-         & 'The disk is full, or the folder cannot be written to.', &
-         & 'free space, or give another folder with -o.')
+         & 'The message says which and why: a full disk, a quota, a limit of file sizes (ulimit '// &
+         & '-f), rights, a link that is not followed, a device that fails. Every write, sync '// &
+         & 'and close is asked how it went. Files that were written are whole up to the '// &
+         & 'increment before, and so is the checkpoint.', &
+         & 'mend the cause; the same command with --resume then goes on from the checkpoint.')
       call add_explanation(list, 'E0603', 'a file that Lopin did not write is in the way', &
          & 'Lopin never overwrites or removes files of others.', &
          & 'move the file, or give another folder with -o.')
@@ -156,8 +159,8 @@ contains
          & 'STL files and the same --solver, goes on to the same bits.', &
          & 'restore what has changed, or run the deck from its beginning, without --resume.')
       call add_explanation(list, 'E0605', 'the run was interrupted', &
-         & 'Ctrl-C (SIGINT) or SIGTERM: the increment in hand was ended, its results and its '// &
-         & 'checkpoint are written. A second signal ends the run at once; then the last '// &
+         & 'Ctrl-C (SIGINT), SIGTERM, SIGHUP or SIGXCPU: the increment in hand was ended, its '// &
+         & 'results and its checkpoint are written. A second signal ends the run at once; then the last '// &
          & 'checkpoint counts.', &
          & 'the same command with --resume goes on to the bits of a run without interruption.')
       call add_explanation(list, 'E0606', 'a result file is shorter than when the checkpoint '// &
@@ -165,6 +168,16 @@ contains
          & 'A run that goes on cuts its files to what they were at the checkpoint and appends '// &
          & 'to them; this one was removed, replaced or cut.', &
          & 'run the deck from its beginning, without --resume.')
+      call add_explanation(list, 'E0607', 'another run is writing into this folder', &
+         & 'Two runs of one job would mix their files. The lock belongs to a process, and '// &
+         & 'ends with it: a file job.lock that a killed run left behind locks nobody out.', &
+         & 'wait until the other run has ended, or give another folder with -o.')
+      call add_explanation(list, 'E0608', 'the terminal, pipe or file of the output cannot be '// &
+         & 'written to', &
+         & 'What a command prints could not be written: a full disk behind >, say. A run goes '// &
+         & 'on to its end all the same; its results are in their folder. A reader who left '// &
+         & '(lopin doc --all | head) gives the same exit code without a message.', &
+         & 'free space, or let the output go elsewhere.')
       call add_explanation(list, 'N0604', 'where a resumed run starts', &
          & 'With --resume a run goes on from job.rst; without one (nothing was accepted yet, '// &
          & 'or the run was finished) it starts from its beginning, so that the same command '// &

@@ -2,6 +2,7 @@
 module lopin_json_writer
    use, intrinsic :: ieee_arithmetic, only : ieee_is_finite
    use lopin_kinds, only : wp
+   use lopin_safe_text, only : utf8
    use lopin_text, only : to_text
    use lopin_text_buffer, only : text_buffer_type
    implicit none
@@ -126,19 +127,21 @@ contains
    pure function escaped(text) result(safe)
       character(len=*), intent(in) :: text
       character(len=:), allocatable :: safe
+      character(len=len(text)) :: shown
       character(len=6) :: code
       integer :: i
 
+      shown = utf8(text)
       safe = ''
       do i = 1, len(text)
-         select case (text(i:i))
+         select case (shown(i:i))
          case ('"', '\')
-            safe = safe//'\'//text(i:i)
+            safe = safe//'\'//shown(i:i)
          case (achar(0):achar(31))
-            write (code, '("\u",z4.4)') iachar(text(i:i))
+            write (code, '("\u",z4.4)') iachar(shown(i:i))
             safe = safe//code
          case default
-            safe = safe//text(i:i)
+            safe = safe//shown(i:i)
          end select
       end do
    end function escaped

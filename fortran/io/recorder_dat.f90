@@ -9,7 +9,7 @@ module lopin_recorder_dat
    use lopin_stream, only : stream_type
    use lopin_mesh, only : set_type
    use lopin_model, only : model_type, output_type, output_of
-   use lopin_state, only : frame_type, summary_type
+   use lopin_state, only : frame_type
    use lopin_recorder, only : recorder_type, wants_type
    use lopin_atomic_file, only : log_file_type
    use lopin_text_buffer, only : text_buffer_type
@@ -28,8 +28,9 @@ module lopin_recorder_dat
       type(point_tables_type) :: points
    contains
       procedure :: begin
+      procedure :: commit
       procedure :: increment
-      procedure :: finish
+      procedure :: close => close_file
       procedure :: keep
       procedure :: wants
    end type dat_recorder_type
@@ -50,6 +51,13 @@ contains
       call new_point_tables(self%points, model)
       call self%log%open(self%path, '', error, self%resumes)
    end subroutine begin
+
+   subroutine commit(self, error)
+      class(dat_recorder_type), intent(inout) :: self
+      type(error_type), allocatable, intent(out) :: error
+
+      call self%log%commit(error)
+   end subroutine commit
 
    subroutine increment(self, model, frame, error)
       class(dat_recorder_type), intent(inout) :: self
@@ -82,17 +90,12 @@ contains
       call self%log%keep(stream, error)
    end subroutine keep
 
-   subroutine finish(self, model, summary, failure, error)
+   subroutine close_file(self, error)
       class(dat_recorder_type), intent(inout) :: self
-      type(model_type), intent(in) :: model
-      type(summary_type), intent(in) :: summary
-      type(error_type), allocatable, intent(in) :: failure
       type(error_type), allocatable, intent(out) :: error
 
-      associate (unused => model, also => summary, too => failure, none => error)
-      end associate
-      call self%log%close()
-   end subroutine finish
+      call self%log%close(error)
+   end subroutine close_file
 
    function wants(self, model, frame) result(what)
       class(dat_recorder_type), intent(in) :: self

@@ -5,8 +5,9 @@ module lopin_recorder_frd
    use lopin_error, only : error_type
    use lopin_stream, only : stream_type
    use lopin_model, only : model_type, output_of
-   use lopin_state, only : frame_type, summary_type
+   use lopin_state, only : frame_type
    use lopin_recorder, only : recorder_type, wants_type
+   use lopin_safe_text, only : printable
    use lopin_atomic_file, only : log_file_type
    use lopin_text_buffer, only : text_buffer_type
    use lopin_element_points, only : point_tables_type, new_point_tables, nodal_average
@@ -27,8 +28,9 @@ module lopin_recorder_frd
       integer :: frame = 0                 !! counts output times
    contains
       procedure :: begin
+      procedure :: commit
       procedure :: increment
-      procedure :: finish
+      procedure :: close => close_file
       procedure :: keep
       procedure :: wants
    end type frd_recorder_type
@@ -65,13 +67,20 @@ contains
       do i = 1, size(model%material)
          call self%text%put('    1UMAT')
          call self%text%put_integer(i, 5)
-         call self%text%put_line(model%material(i)%name)
+         call self%text%put_line(printable(model%material(i)%name))
       end do
       call find_nodes(model, self%node)
       call put_nodes(self%text, model, self%node)
       call put_elements(self%text, self%points, model)
       call self%log%open(self%path, self%text%text(:self%text%n), error, self%resumes)
    end subroutine begin
+
+   subroutine commit(self, error)
+      class(frd_recorder_type), intent(inout) :: self
+      type(error_type), allocatable, intent(out) :: error
+
+      call self%log%commit(error)
+   end subroutine commit
 
    subroutine increment(self, model, frame, error)
       class(frd_recorder_type), intent(inout) :: self
@@ -94,18 +103,15 @@ contains
       call self%log%keep(stream, error)
    end subroutine keep
 
-   subroutine finish(self, model, summary, failure, error)
+   subroutine close_file(self, error)
       class(frd_recorder_type), intent(inout) :: self
-      type(model_type), intent(in) :: model
-      type(summary_type), intent(in) :: summary
-      type(error_type), allocatable, intent(in) :: failure
       type(error_type), allocatable, intent(out) :: error
+      type(error_type), allocatable :: also
 
-      associate (unused => model, also => summary, too => failure)
-      end associate
       call self%log%append(' 9999'//achar(10), error)
-      call self%log%close()
-   end subroutine finish
+      call self%log%close(also)
+      if (.not. allocated(error)) call move_alloc(also, error)
+   end subroutine close_file
 
    function wants(self, model, frame) result(what)
       class(frd_recorder_type), intent(in) :: self

@@ -5,9 +5,10 @@ module lopin_recorder_history
    use lopin_error, only : error_type
    use lopin_stream, only : stream_type
    use lopin_model, only : model_type
-   use lopin_state, only : frame_type, summary_type
+   use lopin_state, only : frame_type
    use lopin_recorder, only : recorder_type
    use lopin_atomic_file, only : log_file_type
+   use lopin_safe_text, only : csv_field
    use lopin_recorder_table, only : column_type, history_columns, history_row
    implicit none
    private
@@ -19,8 +20,9 @@ module lopin_recorder_history
       type(log_file_type) :: log
    contains
       procedure :: begin
+      procedure :: commit
       procedure :: increment
-      procedure :: finish
+      procedure :: close => close_file
       procedure :: keep
    end type history_recorder_type
 
@@ -44,10 +46,17 @@ contains
       header = ''
       do i = 1, size(column)
          if (i > 1) header = header//','
-         header = header//column(i)%name//' ['//column(i)%dimension//']'
+         header = header//csv_field(column(i)%name//' ['//column(i)%dimension//']')
       end do
       call self%log%open(self%path, header//achar(10), error, self%resumes)
    end subroutine begin
+
+   subroutine commit(self, error)
+      class(history_recorder_type), intent(inout) :: self
+      type(error_type), allocatable, intent(out) :: error
+
+      call self%log%commit(error)
+   end subroutine commit
 
    subroutine increment(self, model, frame, error)
       class(history_recorder_type), intent(inout) :: self
@@ -75,15 +84,10 @@ contains
       call self%log%keep(stream, error)
    end subroutine keep
 
-   subroutine finish(self, model, summary, failure, error)
+   subroutine close_file(self, error)
       class(history_recorder_type), intent(inout) :: self
-      type(model_type), intent(in) :: model
-      type(summary_type), intent(in) :: summary
-      type(error_type), allocatable, intent(in) :: failure
       type(error_type), allocatable, intent(out) :: error
 
-      associate (unused => model, also => summary, too => failure, none => error)
-      end associate
-      call self%log%close()
-   end subroutine finish
+      call self%log%close(error)
+   end subroutine close_file
 end module lopin_recorder_history

@@ -3,13 +3,13 @@
 module lopin_recorder_json
    use lopin_kinds, only : wp, lk
    use lopin_clock, only : phase_names, nphase, counter_type
-   use lopin_error, only : error_type, diagnostic_type
+   use lopin_error, only : error_type, error_code, diagnostic_type
    use lopin_stream, only : stream_type
    use lopin_model, only : model_type, kind_of
    use lopin_state, only : frame_type, summary_type, certificate_type, energy_type, verdict_words, &
       & keep_certificate, keep_energy
    use lopin_recorder, only : recorder_type
-   use lopin_atomic_file, only : write_atomically
+   use lopin_atomic_file, only : write_atomically, write_over
    use lopin_json_writer, only : json_writer_type
    use lopin_text, only : plural
    use lopin_recorder_table, only : pair_summary_type, summarise_pair, pair_name
@@ -38,6 +38,7 @@ module lopin_recorder_json
       logical, private :: has_frame = .false.
    contains
       procedure :: begin
+      procedure :: commit
       procedure :: increment
       procedure :: finish
       procedure :: keep
@@ -63,18 +64,39 @@ contains
       class(json_recorder_type), intent(inout) :: self
       type(model_type), intent(in) :: model
       type(error_type), allocatable, intent(out) :: error
-      type(json_writer_type) :: json
 
+      associate (none => error)
+      end associate
       if (allocated(self%pair)) deallocate (self%pair)
       allocate (self%pair(size(model%pair)))
       self%has_frame = .false.
+   end subroutine begin
+
+   !> From now on the folder is of this run.
+   subroutine commit(self, error)
+      class(json_recorder_type), intent(inout) :: self
+      type(error_type), allocatable, intent(out) :: error
+
+      ! Room for `failed`, where a full disk takes nothing longer.
+      if (len(self%path) > 0) call write_atomically(self%path, short_text(self, 'running')// &
+         & repeat(' ', 64)//achar(10), error)
+   end subroutine commit
+
+   !> What a run without an end is: its status and its files.
+   function short_text(self, status) result(text)
+      type(json_recorder_type), intent(in) :: self
+      character(len=*), intent(in) :: status
+      character(len=:), allocatable :: text
+      type(json_writer_type) :: json
+
       call json%open('{', '')
       call json%add('schema', json_schema)
-      call json%add('status', 'running')
+      call json%add('status', status)
+      if (status /= 'running') call json%add('exit_code', error_code%resource)
       call add_list(json, 'files', self%file)
       call json%close('}')
-      if (len(self%path) > 0) call write_atomically(self%path, json%text%content(), error)
-   end subroutine begin
+      text = json%text%content()
+   end function short_text
 
    subroutine increment(self, model, frame, error)
       class(json_recorder_type), intent(inout) :: self
@@ -143,7 +165,9 @@ contains
       call add_diagnostics(self, json, model, summary, failure)
       call json%close('}')
       self%content = json%text%content()
-      if (len(self%path) > 0) call write_atomically(self%path, self%content, error)
+      if (len(self%path) == 0) return
+      call write_atomically(self%path, self%content, error, lasting=.true.)
+      if (allocated(error)) call write_over(self%path, short_text(self, 'failed'))
    end subroutine finish
 
    !> A few words on one pair at the end, for people: "TOP-BALL: 25 points in contact, ...".

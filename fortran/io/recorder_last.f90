@@ -3,7 +3,7 @@ module lopin_recorder_last
    use lopin_error, only : error_type
    use lopin_model, only : model_type
    use lopin_recorder, only : recorder_type
-   use lopin_state, only : frame_type, summary_type
+   use lopin_state, only : frame_type
    implicit none
    private
    public :: last_recorder_type
@@ -13,7 +13,6 @@ module lopin_recorder_last
    contains
       procedure :: begin
       procedure :: increment
-      procedure :: finish
    end type last_recorder_type
 
 contains
@@ -37,15 +36,4 @@ contains
       end associate
       self%frame = frame
    end subroutine increment
-
-   subroutine finish(self, model, summary, failure, error)
-      class(last_recorder_type), intent(inout) :: self
-      type(model_type), intent(in) :: model
-      type(summary_type), intent(in) :: summary
-      type(error_type), allocatable, intent(in) :: failure
-      type(error_type), allocatable, intent(out) :: error
-
-      associate (unused => self, also => model, too => summary, and => failure, more => error)
-      end associate
-   end subroutine finish
 end module lopin_recorder_last

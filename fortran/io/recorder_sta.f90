@@ -5,8 +5,9 @@ module lopin_recorder_sta
    use lopin_error, only : error_type
    use lopin_stream, only : stream_type
    use lopin_model, only : model_type
-   use lopin_state, only : frame_type, summary_type
+   use lopin_state, only : frame_type
    use lopin_recorder, only : recorder_type
+   use lopin_safe_text, only : printable
    use lopin_atomic_file, only : log_file_type
    implicit none
    private
@@ -16,10 +17,12 @@ module lopin_recorder_sta
       private
       character(len=:), allocatable :: sta_path, cvg_path
       type(log_file_type) :: sta, cvg
+      type(error_type), allocatable :: trouble   !! of a line, told with the increment
    contains
       procedure :: begin
+      procedure :: commit
       procedure :: increment
-      procedure :: finish
+      procedure :: close => close_files
       procedure :: keep
       procedure :: line
    end type sta_recorder_type
@@ -49,6 +52,14 @@ contains
       call self%cvg%open(self%cvg_path, '', error, self%resumes)
    end subroutine begin
 
+   subroutine commit(self, error)
+      class(sta_recorder_type), intent(inout) :: self
+      type(error_type), allocatable, intent(out) :: error
+
+      call self%sta%commit(error)
+      if (.not. allocated(error)) call self%cvg%commit(error)
+   end subroutine commit
+
    subroutine increment(self, model, frame, error)
       class(sta_recorder_type), intent(inout) :: self
       type(model_type), intent(in) :: model
@@ -63,6 +74,7 @@ contains
          & frame%time_increment, &
          & frame%closed, frame%augmentations
       call self%sta%append(trim(row)//newline, error)
+      if (.not. allocated(error) .and. allocated(self%trouble)) error = self%trouble
    end subroutine increment
 
    subroutine keep(self, stream, error)
@@ -74,24 +86,23 @@ contains
       if (.not. allocated(error)) call self%cvg%keep(stream, error)
    end subroutine keep
 
-   subroutine finish(self, model, summary, failure, error)
+   subroutine close_files(self, error)
       class(sta_recorder_type), intent(inout) :: self
-      type(model_type), intent(in) :: model
-      type(summary_type), intent(in) :: summary
-      type(error_type), allocatable, intent(in) :: failure
       type(error_type), allocatable, intent(out) :: error
+      type(error_type), allocatable :: also
 
-      associate (unused => model, also => summary, too => failure, none => error)
-      end associate
-      call self%sta%close()
-      call self%cvg%close()
-   end subroutine finish
+      call self%sta%close(error)
+      call self%cvg%close(also)
+      if (.not. allocated(error)) call move_alloc(also, error)
+      if (.not. allocated(error)) call move_alloc(self%trouble, error)
+   end subroutine close_files
 
    subroutine line(self, text)
       class(sta_recorder_type), intent(inout) :: self
       character(len=*), intent(in) :: text
-      type(error_type), allocatable :: ignored
+      type(error_type), allocatable :: error
 
-      call self%cvg%append(text//newline, ignored)
+      call self%cvg%append(printable(text)//newline, error)
+      if (allocated(error)) call move_alloc(error, self%trouble)
    end subroutine line
 end module lopin_recorder_sta

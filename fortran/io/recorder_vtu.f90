@@ -1,17 +1,18 @@
 !> The main result: `job.pvd`, and for each output time a `.vtu` of the solid, of each slave surface
-!> and of each tool. The `.pvd` is rewritten after each output, so it is valid while the run goes
-!> on.
+!> and of each tool. The `.pvd` grows with each output, and is valid while the run goes on.
 module lopin_recorder_vtu
    use lopin_kinds, only : wp
    use lopin_text, only : to_text
    use lopin_error, only : error_type, error_code, raise
    use lopin_stream, only : stream_type
    use lopin_model, only : model_type, output_of
-   use lopin_state, only : frame_type, summary_type
+   use lopin_state, only : frame_type
    use lopin_recorder, only : recorder_type, wants_type
-   use lopin_atomic_file, only : write_atomically, read_text, remove_file, written_mark, is_foreign
-   use lopin_text_buffer, only : text_buffer_type
-   use lopin_recorder_table, only : is_due, has_variable, pair_name, file_word
+   use lopin_atomic_file, only : read_text, remove_file, written_mark, is_foreign
+   use lopin_collection_file, only : collection_file_type
+   use lopin_part_names, only : part_name_type, name_parts
+   use lopin_recorder_table, only : is_due, has_variable, pair_name
+   use lopin_safe_text, only : xml_text, xml_meaning
    use lopin_vtu_writer, only : vtu_writer_type, vtu_cells_type
    use lopin_vtu_parts, only : surface_part_type, new_solid_cells, new_surface_part, write_solid, &
       & write_surface, write_tool
@@ -22,15 +23,19 @@ module lopin_recorder_vtu
    type, extends(recorder_type) :: vtu_recorder_type
       private
       character(len=:), allocatable :: folder, stem
+      character(len=:), allocatable :: old          !! `.pvd` of an earlier run, to be replaced
+      character(len=:), allocatable :: dataset      !! lines of this output
       integer :: written = 0
-      type(text_buffer_type) :: datasets
+      type(collection_file_type) :: list
+      type(part_name_type), allocatable :: pair(:), tool(:)
       type(vtu_writer_type) :: writer
       type(vtu_cells_type) :: solid
       type(surface_part_type), allocatable :: slave(:)
    contains
       procedure :: begin
+      procedure :: commit
       procedure :: increment
-      procedure :: finish
+      procedure :: close => close_list
       procedure :: keep
       procedure :: wants
    end type vtu_recorder_type
@@ -48,7 +53,6 @@ contains
       class(vtu_recorder_type), intent(inout) :: self
       type(model_type), intent(in) :: model
       type(error_type), allocatable, intent(out) :: error
-      character(len=:), allocatable :: old
       integer :: i
 
       call new_solid_cells(self%solid, model)
@@ -57,41 +61,77 @@ contains
       do i = 1, size(model%pair)
          call new_surface_part(self%slave(i), model, model%pair(i)%slave)
       end do
+      call name_all(self, model)
       self%written = 0
-      call self%datasets%clear()
-      if (self%resumes) return
-      call read_text(self%folder//'/'//self%stem//'.pvd', old)
-      call write_pvd(self, error)
-      if (allocated(error)) return
-      call remove_listed(self%folder, self%stem, old)
+      self%old = ''
+      if (.not. self%resumes) call read_text(self%folder//'/'//self%stem//'.pvd', self%old)
+      call self%list%open(self%folder//'/'//self%stem//'.pvd', error, self%resumes)
    end subroutine begin
+
+   !> What readers show of pairs and tools, and the words of their files.
+   subroutine name_all(self, model)
+      type(vtu_recorder_type), intent(inout) :: self
+      type(model_type), intent(in) :: model
+      integer :: i
+
+      if (allocated(self%pair)) deallocate (self%pair, self%tool)
+      allocate (self%pair(size(model%pair)), self%tool(size(model%tool)))
+      do i = 1, size(model%pair)
+         self%pair(i)%name = pair_name(model, i)
+      end do
+      do i = 1, size(model%tool)
+         self%tool(i)%name = model%tool(i)%name
+      end do
+      call name_parts(self%pair)
+      call name_parts(self%tool)
+   end subroutine name_all
+
+   subroutine commit(self, error)
+      class(vtu_recorder_type), intent(inout) :: self
+      type(error_type), allocatable, intent(out) :: error
+
+      call self%list%commit(error)
+      if (.not. allocated(error)) call remove_listed(self%folder, self%stem, self%old)
+      self%old = ''
+   end subroutine commit
 
    subroutine increment(self, model, frame, error)
       class(vtu_recorder_type), intent(inout) :: self
       type(model_type), intent(in) :: model
       type(frame_type), intent(in) :: frame
       type(error_type), allocatable, intent(out) :: error
-      integer :: i, part
+      integer :: i
+      type(part_name_type) :: solid
 
       if (.not. is_due(frequency_of(model, frame%step), frame)) return
       self%written = self%written + 1
+      self%dataset = ''
+      solid%name = 'solid'
+      solid%word = ''
       call write_solid(self%writer, model, self%solid, frame, shows(model, frame%step, 'U'), &
          & shows(model, frame%step, 'RF'))
-      part = 0
-      call write_part(self, 'solid', '', frame%total_time, part, error)
-      if (allocated(error)) return
+      call write_part(self, solid, 0, frame%total_time, error)
       do i = 1, size(model%pair)
+         if (allocated(error)) exit
          call write_surface(self%writer, model, self%slave(i), frame, frame%contact(i))
-         call write_part(self, pair_name(model, i), 'contact_', frame%total_time, part, error)
-         if (allocated(error)) return
+         call write_part(self, self%pair(i), i, frame%total_time, error)
       end do
       do i = 1, size(model%tool)
+         if (allocated(error)) exit
          call write_tool(self%writer, model, i, frame)
-         call write_part(self, model%tool(i)%name, 'tool_', frame%total_time, part, error)
-         if (allocated(error)) return
+         call write_part(self, self%tool(i), size(model%pair) + i, frame%total_time, error)
       end do
-      call write_pvd(self, error)
+      if (.not. allocated(error)) call self%list%add(self%dataset, error)
+      if (allocated(error)) call forget_output(self)
    end subroutine increment
+
+   !> An output that could not be written whole leaves no file that nothing lists.
+   subroutine forget_output(self)
+      type(vtu_recorder_type), intent(inout) :: self
+
+      call remove_files(self%folder, self%stem, self%dataset)
+      self%written = self%written - 1
+   end subroutine forget_output
 
    subroutine keep(self, stream, error)
       class(vtu_recorder_type), intent(inout) :: self
@@ -99,20 +139,15 @@ contains
       type(error_type), allocatable, intent(out) :: error
 
       call stream%pass(self%written)
-      call self%datasets%keep(stream)
-      if (stream%reading .and. .not. stream%broken) call write_pvd(self, error)
+      call self%list%keep(stream, error)
    end subroutine keep
 
-   subroutine finish(self, model, summary, failure, error)
+   subroutine close_list(self, error)
       class(vtu_recorder_type), intent(inout) :: self
-      type(model_type), intent(in) :: model
-      type(summary_type), intent(in) :: summary
-      type(error_type), allocatable, intent(in) :: failure
       type(error_type), allocatable, intent(out) :: error
 
-      associate (unused => self, also => model, too => summary, and_this => failure, none => error)
-      end associate
-   end subroutine finish
+      call self%list%close(error)
+   end subroutine close_list
 
    !> The last increment of a step is always due, and is not known in advance.
    function wants(self, model, frame) result(what)
@@ -173,19 +208,19 @@ contains
    end function shows
 
    !> Write what the writer holds as the next part of this output time.
-   subroutine write_part(self, name, prefix, time, part, error)
+   subroutine write_part(self, name, part, time, error)
       type(vtu_recorder_type), intent(inout) :: self
-      character(len=*), intent(in) :: name      !! what the reader shows
-      character(len=*), intent(in) :: prefix    !! '' (the solid), 'contact_', 'tool_'
+      type(part_name_type), intent(in) :: name
+      integer, intent(in) :: part               !! 0: the solid; pairs, then tools
       real(wp), intent(in) :: time
-      integer, intent(inout) :: part
       type(error_type), allocatable, intent(out) :: error
       character(len=:), allocatable :: file
       character(len=12) :: number
 
       write (number, '(i0.4)') self%written
       file = self%stem//'_'
-      if (len(prefix) > 0) file = file//prefix//file_word(name)//'_'
+      if (part > 0) file = file//trim(merge('contact_', 'tool_   ', part <= size(self%pair)))// &
+         & name%word//'_'
       file = file//trim(number)//'.vtu'
       if (is_foreign(self%folder//'/'//file)) then
          call raise(error, error_code%resource, 'E0603', "'"//self%folder//'/'//file// &
@@ -195,29 +230,24 @@ contains
       end if
       call self%writer%write(self%folder//'/'//file, error)
       if (allocated(error)) return
-      call self%datasets%put_line('<DataSet timestep="'//to_text(time)//'" group="" part="' &
-         & //to_text(part)//'" name="'//file_word(name)//'" file="'//file//'"/>')
-      part = part + 1
+      self%dataset = self%dataset//'<DataSet timestep="'//to_text(time)//'" group="" part="' &
+         & //to_text(part)//'" name="'//xml_text(name%name)//'" file="'//xml_text(file)//'"/>'// &
+         & achar(10)
    end subroutine write_part
-
-   subroutine write_pvd(self, error)
-      type(vtu_recorder_type), intent(in) :: self
-      type(error_type), allocatable, intent(out) :: error
-      character(len=*), parameter :: newline = achar(10)
-
-      call write_atomically(self%folder//'/'//self%stem//'.pvd', '<?xml version="1.0"?>'//newline &
-         & //written_mark//newline//'<VTKFile type="Collection" version="1.0" '// &
-         & 'byte_order="LittleEndian">' &
-         & //newline//'<Collection>'//newline//self%datasets%content()//'</Collection>'//newline &
-         & //'</VTKFile>'//newline, error)
-   end subroutine write_pvd
 
    !> Remove the `.vtu` that an older `.pvd` of ours lists, and nothing else.
    subroutine remove_listed(folder, stem, old)
       character(len=*), intent(in) :: folder, stem, old
+
+      if (index(old, written_mark) > 0) call remove_files(folder, stem, old)
+   end subroutine remove_listed
+
+   !> Remove the files of this job that lines of a `.pvd` name.
+   subroutine remove_files(folder, stem, old)
+      character(len=*), intent(in) :: folder, stem, old
+      character(len=:), allocatable :: name
       integer :: first, last, from
 
-      if (index(old, written_mark) == 0) return
       from = 1
       do
          first = index(old(from:), 'file="')
@@ -225,12 +255,10 @@ contains
          first = from + first + 5
          last = first + index(old(first:), '"') - 2
          if (last < first) exit
-         associate (name => old(first:last))
-            if (index(name, '/') == 0 .and. index(name, stem//'_') == 1) then
-               call remove_file(folder//'/'//name)
-            end if
-         end associate
+         name = xml_meaning(old(first:last))
+         if (index(name, '/') == 0 .and. index(name, stem//'_') == 1) &
+            & call remove_file(folder//'/'//name)
          from = last + 1
       end do
-   end subroutine remove_listed
+   end subroutine remove_files
 end module lopin_recorder_vtu

@@ -5,6 +5,7 @@
 module lopin_render
    use lopin_block, only : deck_type, line_text
    use lopin_error, only : diagnostic_type, severity
+   use lopin_safe_text, only : printable, utf8
    use lopin_text, only : to_text
    implicit none
    private
@@ -27,7 +28,7 @@ contains
 
       text = painted(severity_word(item%severity)//'['//item%id//']', item%severity, colour)// &
          & ': '// &
-         & item%message//nl
+         & printable(item%message)//nl
       width = 2
       if (has_source(item, deck)) then
          width = max(width, len(to_text(item%at%line)))
@@ -53,7 +54,7 @@ contains
          line = line_text(source, at%line)
          first = max(1, min(at%first, len(line) + 1))
          last = max(first, min(at%last, len(line)))
-         text = repeat(' ', width - 1)//'--> '//source%name//':'//to_text(at%line)
+         text = repeat(' ', width - 1)//'--> '//printable(source%name)//':'//to_text(at%line)
          if (at%first > 0) text = text//':'//to_text(letters(line(:first - 1)) + 1)
          text = text//nl
          start = 1
@@ -65,10 +66,10 @@ contains
          end if
          number = to_text(at%line)
          number = repeat(' ', width - len(number))//number
-         text = text//repeat(' ', width + 1)//'|'//nl//number//' | '//untabbed(line)//nl
+         text = text//repeat(' ', width + 1)//'|'//nl//number//' | '//printable(line)//nl
          if (at%first == 0) return
          caret = repeat('^', max(1, letters(line(first:min(last, len(line))))))
-         if (len(item%label) > 0) caret = caret//' '//item%label
+         if (len(item%label) > 0) caret = caret//' '//printable(item%label)
          text = text//repeat(' ', width + 1)//'| '//repeat(' ', letters(line(:first - 1)))// &
             & painted(caret, item%severity, colour)//nl
       end associate
@@ -87,8 +88,8 @@ contains
       do while (deck%source(k)%included_from%file > 0)
          associate (from => deck%source(k)%included_from)
             if (len(text) > 0) text = text//', '
-            text = text//deck%source(k)%name//' is included at '//deck%source(from%file)%name// &
-               & ':'// &
+            text = text//printable(deck%source(k)%name)//' is included at '// &
+               & printable(deck%source(from%file)%name)//':'// &
                & to_text(from%line)
             k = from%file
          end associate
@@ -104,12 +105,14 @@ contains
    end function has_source
 
    !> `    = note: ...`; further lines of the text are set under its first.
-   pure function remark(margin, word, content) result(text)
-      character(len=*), intent(in) :: margin, word, content
+   pure function remark(margin, word, said) result(text)
+      character(len=*), intent(in) :: margin, word, said
       character(len=:), allocatable :: text
+      character(len=:), allocatable :: content
       integer :: first, length
 
       text = ''
+      content = printable(said)
       if (len(content) == 0) return
       text = margin//'= '//word//': '
       first = 1
@@ -132,17 +135,6 @@ contains
          if (iachar(text(i:i)) < 128 .or. iachar(text(i:i)) > 191) letters = letters + 1
       end do
    end function letters
-
-   pure function untabbed(text) result(shown)
-      character(len=*), intent(in) :: text
-      character(len=len(text)) :: shown
-      integer :: i
-
-      shown = text
-      do i = 1, len(text)
-         if (text(i:i) == achar(9)) shown(i:i) = ' '
-      end do
-   end function untabbed
 
    pure function painted(text, level, colour) result(shown)
       character(len=*), intent(in) :: text
@@ -202,20 +194,22 @@ contains
       character(len=*), intent(in) :: text
       character(len=:), allocatable :: quoted
       character(len=*), parameter :: digits = '0123456789abcdef'
+      character(len=len(text)) :: shown
       integer :: i, code
 
+      shown = utf8(text)
       quoted = '"'
       do i = 1, len(text)
-         code = iachar(text(i:i))
-         if (text(i:i) == '"' .or. text(i:i) == '\') then
-            quoted = quoted//'\'//text(i:i)
+         code = iachar(shown(i:i))
+         if (shown(i:i) == '"' .or. shown(i:i) == '\') then
+            quoted = quoted//'\'//shown(i:i)
          else if (code == 10) then
             quoted = quoted//'\n'
          else if (code < 32) then
             quoted = quoted//'\u00'//digits(code/16 + 1:code/16 + 1)//digits(mod(code, &
                & 16) + 1:mod(code, 16) + 1)
          else
-            quoted = quoted//text(i:i)
+            quoted = quoted//shown(i:i)
          end if
       end do
       quoted = quoted//'"'

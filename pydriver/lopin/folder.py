@@ -85,7 +85,7 @@ class Folder:
             return {}
         with path.open(newline="", encoding="utf-8") as file:
             rows = [r for r in csv.reader(file) if r and not r[0].startswith("#")]
-        head = [word.split("[")[0].strip() for word in rows[0]]
+        head = [word.rpartition("[")[0].strip() for word in rows[0]]
         values = np.array([[float(v) for v in r] for r in rows[1:]]).reshape(-1, len(head))
         return dict(zip(head, values.T))
 

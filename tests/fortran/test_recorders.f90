@@ -108,6 +108,8 @@ contains
       do k = 1, size(list)
          call list(k)%recorder%begin(model, error)
          call must_succeed(error)
+         call list(k)%recorder%commit(error)
+         call must_succeed(error)
          call list(k)%recorder%line('begun')
       end do
       do i = 1, last
@@ -119,6 +121,8 @@ contains
       end do
       call make_summary(summary)
       do k = 1, size(list)
+         call list(k)%recorder%close(error)
+         call must_succeed(error)
          call list(k)%recorder%finish(model, summary, failure, error)
          call must_succeed(error)
       end do
