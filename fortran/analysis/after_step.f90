@@ -5,7 +5,8 @@ module lopin_after_step
    use lopin_text, only : to_text
    use lopin_model, only : model_type, method_of
    use lopin_friction, only : has_friction
-   use lopin_scene, only : scene_type, gap_of
+   use lopin_scene, only : scene_type
+   use lopin_present_gaps, only : gap_of
    use lopin_methods, only : has_law
    use lopin_state, only : energy_type, lost_work, lost_share
    use lopin_say_once, only : say_once
@@ -64,7 +65,7 @@ contains
          do i = 1, c%n
             if (c%facet(i) == 0) cycle
             self%closed(c%pair(i)) = self%closed(c%pair(i)) .or. c%status(i) > 0
-            self%nearest(c%pair(i)) = min(self%nearest(c%pair(i)), c%gap(i))
+            self%nearest(c%pair(i)) = min(self%nearest(c%pair(i)), c%opening(i))
          end do
       end associate
    end subroutine look_at_finite

@@ -224,7 +224,7 @@ contains
                f%status = merge(c%status(at), -1, f%facet > 0)
                where (f%status > 0 .and. c%grip(at)%kind == grip_kind%tied) f%status = 3
                f%weight = c%weight(at)
-               f%gap = c%gap(at)
+               f%gap = c%opening(at)
                f%pressure = c%pressure(at)
                f%normal = c%normal(:ndim, at)
                f%xi = c%xi(:, at)

@@ -6,7 +6,8 @@ module lopin_frames
    use lopin_recover_stress, only : recover_stress, average_to_nodes
    use lopin_assemble_finite, only : recover_finite
    use lopin_recorder, only : wants_type
-   use lopin_scene, only : scene_type, relative_motion, gap_of
+   use lopin_scene, only : scene_type
+   use lopin_present_gaps, only : relative_motion, gap_of
    use lopin_methods, only : has_law
    use lopin_solid_memory, only : at_all_points
    use lopin_material_memory, only : strain_at
@@ -107,7 +108,7 @@ contains
       type(scene_type), intent(in) :: scene
       type(model_type), intent(in) :: model
       integer :: pair, i, n, from, row, point, ndim
-      real(wp) :: motion(3)
+      real(wp) :: motion(3), across(scene%points%n)   ! forces of rows along their normals
 
       ndim = model%mesh%ndim
       frame%closed = 0
@@ -133,6 +134,9 @@ contains
                c%u_n(i) = dot_product(motion(:ndim), c%normal(:, i))
                c%u_t(:, i) = motion(:ndim) - c%u_n(i)*c%normal(:, i)
                c%gap(i) = gap_of(scene, model, from + i - 1)
+               ! Rows of mid-side nodes have gaps of the transformed basis.
+               if (p%share(from + i - 1) > 0.0_wp) c%gap(i) = c%gap(i) &
+                  & + (1.0_wp - scene%interference)*scene%initial%overclosure(from + i - 1)
                if (c%status(i) < 0) c%gap(i) = 0.0_wp
             end do
             do row = scene%rows%nnormal + 1, scene%rows%n
@@ -141,14 +145,17 @@ contains
                c%force(:, point) = c%force(:, point) &
                   & + scene%answer%force(row)*scene%rows%direction(:ndim, row)
             end do
+            across = 0.0_wp
             do row = scene%rows%group_first(pair), scene%rows%group_first(pair + 1) - 1
                point = scene%rows%point(row) - from + 1
+               across(scene%rows%point(row)) = scene%answer%force(row)
                c%force(:, point) = c%force(:, point) &
                   & + scene%answer%force(row)*scene%rows%direction(:ndim, row)
                if (scene%rows%tied(row)) then
                   c%status(point) = 3
                else
-                  c%gap(point) = scene%answer%gap(row) &
+                  if (.not. p%share(scene%rows%point(row)) > 0.0_wp) c%gap(point) = &
+                     & scene%answer%gap(row) &
                      & + model%interaction(model%pair(pair)%interaction)%clearance
                   ! A law has no set of closed points: it presses or it does not.
                   if (scene%answer%force(row) > 0.0_wp .or. (scene%answer%active(row) &
@@ -161,6 +168,8 @@ contains
             c%friction_work = scene%friction%trial%work(from:from + n - 1)
             do i = 1, n
                c%pressure(i) = dot_product(c%force(:, i), c%normal(:, i))/c%weight(i)
+               if (p%share(from + i - 1) > 0.0_wp .and. c%status(i) < 3) &
+                  & c%pressure(i) = across(from + i - 1)/c%weight(i)
             end do
             frame%closed = frame%closed + count(c%status > 0)
          end associate

@@ -10,7 +10,8 @@ module lopin_reach
    use lopin_model, only : model_type, overclosure_of, method_of
    use lopin_contact_points, only : pair_is_tied
    use lopin_contact_rows, only : contact_rows_type
-   use lopin_scene, only : scene_type, gap_of
+   use lopin_scene, only : scene_type
+   use lopin_present_gaps, only : row_gap_of
    use lopin_methods, only : has_law
    implicit none
    private
@@ -28,7 +29,7 @@ contains
    subroutine choose_reach(scene, model)
       type(scene_type), intent(inout) :: scene
       type(model_type), intent(in) :: model
-      real(wp) :: moved, near
+      real(wp) :: moved, near, gap
       integer :: i, pair
 
       if (scene%points%n <= few_points) return
@@ -36,7 +37,9 @@ contains
       do pair = 1, size(model%pair)
          if (pair_is_tied(model, model%pair(pair)) .or. tool_turns(scene, model, pair)) cycle
          do i = scene%points%first(pair), scene%points%first(pair + 1) - 1
-            scene%candidate(i) = .not. scene%points%gap(i) + scene%initial%shift(i) &
+            gap = scene%points%gap(i) + scene%initial%shift(i)
+            if (scene%points%share(i) > 0.0_wp) gap = row_gap_of(scene, model, i)
+            scene%candidate(i) = .not. gap &
                & > bite(model, pair) + moved + near*scene%points%size(i)
          end do
       end do
@@ -136,7 +139,7 @@ contains
       some_bite = .false.
       do i = 1, scene%points%n
          if (.not. is_beyond(scene, i)) cycle
-         some_bite = gap_of(scene, model, i) < bite(model, scene%points%pair(i))
+         some_bite = row_gap_of(scene, model, i) < bite(model, scene%points%pair(i))
          if (some_bite) return
       end do
    end function some_bite
@@ -150,7 +153,7 @@ contains
 
       do i = 1, scene%points%n
          if (.not. is_beyond(scene, i)) cycle
-         scene%candidate(i) = round > last_round .or. gap_of(scene, model, i) &
+         scene%candidate(i) = round > last_round .or. row_gap_of(scene, model, i) &
             & < bite(model, scene%points%pair(i)) + scene%points%size(i)*2.0_wp**(round - 1)
       end do
       call keep_whole(scene, model)
@@ -194,7 +197,7 @@ contains
          & from(scene%rows%nnormal + 1:) + old%nnormal
       allocate (gap(scene%rows%n), source=0.0_wp)
       do row = 1, scene%rows%nnormal
-         if (from(row) == 0) gap(row) = max(gap_of(scene, model, scene%rows%point(row)), 0.0_wp)
+         if (from(row) == 0) gap(row) = max(row_gap_of(scene, model, scene%rows%point(row)), 0.0_wp)
       end do
       associate (answer => scene%answer, kept => scene%friction%accepted)
          if (allocated(answer%active)) then

@@ -6,7 +6,6 @@ module lopin_scene
    use lopin_csc, only : csc_type
    use lopin_model, only : model_type
    use lopin_dofs, only : dofs_type, new_dofs
-   use lopin_constraint_rules, only : follower_rule
    use lopin_constraints, only : constraints_type, new_constraints, raw_displacement, expand
    use lopin_bodies, only : bodies_type, new_bodies
    use lopin_solids, only : solids_type, solid_section_type, new_solids
@@ -14,6 +13,7 @@ module lopin_scene
    use lopin_contact_points, only : contact_points_type, pair_is_tied
    use lopin_pairing, only : new_contact_points
    use lopin_tool_points, only : move_tool
+   use lopin_row_samples, only : sample_type, most_samples, find_samples, row_value
    use lopin_initial_gaps, only : initial_gap_type, new_initial_gaps
    use lopin_contact_rows, only : contact_rows_type, new_contact_rows
    use lopin_condensed, only : condensed_type
@@ -26,7 +26,7 @@ module lopin_scene
    implicit none
    private
    public :: scene_type, new_scene, set_supports, retained_equations, rebuild_rows
-   public :: relative_motion, gap_of, follow_tools
+   public :: follow_tools
 
    type :: scene_type
       type(dofs_type) :: dofs
@@ -167,9 +167,10 @@ contains
          if (.not. may_turn(self, model, pair)) cycle
          do i = self%points%first(pair), self%points%first(pair + 1) - 1
             if (.not. self%candidate(i)) cycle
-            do k = 1, model%mesh%ndim
-               if (self%dofs%id(k, self%points%node(i)) > 0) call want(self%dofs%id(k, &
-                  & self%points%node(i)))
+            call want_node(self%points%node(i))
+            if (.not. self%points%share(i) > 0.0_wp) cycle
+            do k = 1, 2
+               call want_node(self%points%node(self%points%corner(k, i)))
             end do
          end do
          associate (reference => model%rigid_body(self%points%body(pair))%reference)
@@ -182,6 +183,14 @@ contains
       retained = pack([(i, i=1, self%constraints%neq)], wanted)
 
    contains
+
+      subroutine want_node(node)
+         integer, intent(in) :: node
+         integer :: c
+         do c = 1, model%mesh%ndim
+            if (self%dofs%id(c, node) > 0) call want(self%dofs%id(c, node))
+         end do
+      end subroutine want_node
 
       subroutine want(dof)
          integer, intent(in) :: dof
@@ -288,6 +297,8 @@ contains
       integer :: pair, row
       real(wp) :: before(6, size(model%rigid_body))
       real(wp), allocatable :: rotation(:)
+      type(sample_type) :: sample(most_samples)
+      integer :: n
 
       before = self%place
       call tool_places(self, model, prescribed, self%place)
@@ -307,65 +318,11 @@ contains
       do row = 1, self%rows%nnormal
          if (self%rows%tied(row)) cycle
          associate (point => self%rows%point(row))
+            call find_samples(self%points, point, model%mesh%x, sample, n)
             self%rows%gap0(row) = self%rows%gap0(row) &
-               & + (1.0_wp - self%interference)*self%initial%overclosure(point) &
+               & + (1.0_wp - self%interference)*row_value(sample(:n), self%initial%overclosure) &
                & - model%interaction(model%pair(self%points%pair(point))%interaction)%clearance
          end associate
       end do
    end subroutine rebuild_rows
-
-   !> Gap of a point, also of one that has no row, as linear in the displacements as rows are.
-   pure real(wp) function gap_of(self, model, point) result(gap)
-      type(scene_type), intent(in) :: self
-      type(model_type), intent(in) :: model
-      integer, intent(in) :: point
-
-      gap = self%points%gap(point) + self%initial%shift(point) &
-         & + dot_product(self%points%normal(:, point), &
-         & relative_motion(self, model, point, since_projection=.true.))
-   end function gap_of
-
-   !> Displacement of a slave point relative to the master opposite, since the start or since the
-   !> tool was projected where it stands now.
-   pure function relative_motion(self, model, point, since_projection) result(motion)
-      type(scene_type), intent(in) :: self
-      type(model_type), intent(in) :: model
-      integer, intent(in) :: point
-      logical, intent(in) :: since_projection
-      real(wp) :: motion(3), arm(3), coefficient(3), moved, place(6)
-      integer :: k, m, ndim, body, dof(3), n, j
-
-      ndim = model%mesh%ndim
-      motion = 0.0_wp
-      do k = 1, ndim
-         if (self%dofs%id(k, self%points%node(point)) > 0) motion(k) = self%u(self%dofs%id(k, &
-            & self%points%node(point)))
-      end do
-      do m = 1, size(self%points%master, 1)
-         if (self%points%master(m, point) == 0) exit
-         do k = 1, ndim
-            if (self%dofs%id(k, self%points%master(m, point)) == 0) cycle
-            motion(k) = motion(k) - self%points%shape(m, point)*self%u(self%dofs%id(k, &
-               & self%points%master(m, point)))
-         end do
-      end do
-      body = self%points%body(self%points%pair(point))
-      if (body == 0) return
-      place = 0.0_wp
-      if (.not. pair_is_tied(model, model%pair(self%points%pair(point)))) place = self%place(:, &
-         & body)
-      arm = 0.0_wp
-      associate (reference => model%rigid_body(body)%reference)
-         arm(:ndim) = self%points%foot(:ndim, point) - model%mesh%x(:, reference) - place(:ndim)
-         do k = 1, ndim
-            call follower_rule(arm, ndim, k, dof, coefficient, n)
-            do j = 1, n
-               if (self%dofs%id(dof(j), reference) == 0) cycle
-               moved = self%u(self%dofs%id(dof(j), reference))
-               if (since_projection) moved = moved - place(dof(j))
-               motion(k) = motion(k) - coefficient(j)*moved
-            end do
-         end do
-      end associate
-   end function relative_motion
 end module lopin_scene

@@ -3,7 +3,8 @@ module lopin_small_theory
    use lopin_kinds, only : wp
    use lopin_text, only : to_text
    use lopin_model, only : model_type, kind_of
-   use lopin_scene, only : scene_type, relative_motion
+   use lopin_scene, only : scene_type
+   use lopin_present_gaps, only : relative_motion
    use lopin_tool, only : foot_type, project_moved
    use lopin_rigid_motion, only : rigid_motion_type, new_rigid_motion
    use lopin_say_once, only : say_once

@@ -78,6 +78,7 @@ contains
       call stream%pass(self%c)
       call stream%pass(self%ct)
       call stream%pass(self%gap)
+      call stream%pass(self%opening)
       call stream%pass(self%pressure)
       call stream%pass(self%traction)
       call stream%pass(self%normal)
@@ -112,6 +113,7 @@ contains
       call stream%pass_within(self%node)
       call stream%pass_within(self%share)
       call stream%pass_within(self%y)
+      call stream%pass_within(self%offset)
       call stream%pass(self%gap)
    end subroutine keep_anchor
 

@@ -26,6 +26,9 @@ module lopin_contact_points
       real(wp), allocatable :: gap(:)         !! (n) geometric [length]
       real(wp), allocatable :: weight(:)      !! (n) [length^2]
       real(wp), allocatable :: size(:)        !! (n) of the slave's facets there [length]
+      integer, allocatable :: corner(:, :)    !! (2, n) mid-side node of a transformed basis: first
+                                              !! points of the ends of its edge; else 0
+      real(wp), allocatable :: share(:)       !! (n) of its function that each end gets; else 0
       integer, allocatable :: start_facet(:)      !! (n) as found at the start, for tools that move
       real(wp), allocatable :: start_foot(:, :), start_normal(:, :)   !! (3, n)
       integer, allocatable :: tool(:)         !! (npair) 0: the master is a mesh
@@ -64,6 +67,8 @@ contains
       call grow_reals(self%gap, capacity)
       call grow_reals(self%weight, capacity)
       call grow_reals(self%size, capacity)
+      call grow_table(self%corner, 2, capacity)
+      call grow_reals(self%share, capacity)
    end subroutine reserve
 
    subroutine grow_integers(array, capacity)

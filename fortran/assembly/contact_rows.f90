@@ -12,6 +12,7 @@ module lopin_contact_rows
    use lopin_contact_points, only : contact_points_type, pair_is_tied
    use lopin_initial_gaps, only : initial_gap_type, may_tie
    use lopin_pair_friction, only : pair_slides_with_friction
+   use lopin_row_samples, only : sample_type, most_samples, find_samples, row_value
    implicit none
    private
    public :: contact_rows_type, new_contact_rows, reduce_rows, row_forces
@@ -46,12 +47,14 @@ contains
       logical, intent(in) :: candidate(:)      !! (npoint) others get no row
       integer :: pair, i, d, ndirection, terms
       real(wp) :: frame(3, 3), here(6)
+      type(sample_type) :: sample(most_samples)
       logical :: tied
+      integer :: n
 
       allocate (self%group_first(size(model%pair) + 1))
       allocate (self%point(3*points%n), self%bilateral(3*points%n), self%tied(3*points%n))
       allocate (self%direction(3, 3*points%n), self%gap0(3*points%n), self%first(3*points%n + 1))
-      terms = (3*size(points%master, 1) + 4)*3*points%n
+      terms = (3*max(size(points%master, 1), most_samples*4) + 4)*3*points%n
       allocate (self%dof(terms), self%coefficient(terms))
       self%first(1) = 1
       terms = 0
@@ -65,18 +68,22 @@ contains
             if (points%facet(i) == 0 .or. .not. candidate(i)) cycle
             if (tied .and. .not. may_tie(points, i, model%pair(pair)%adjust)) cycle
             call frame_of(points%normal(:, i), model%mesh%ndim, frame)
+            call find_samples(points, i, model%mesh%x, sample, n)
             ndirection = 1
             if (tied) ndirection = model%mesh%ndim
             do d = 1, ndirection
                self%n = self%n + 1
                self%point(self%n) = i
                self%direction(:, self%n) = frame(:, d)
+               if (.not. tied .and. n > 1) self%direction(:, self%n) = resultant(sample(:n))
                self%tied(self%n) = tied
                self%bilateral(self%n) = tied .or. (sticks(i) &
                   & .and. model%interaction(model%pair(pair)%interaction)%no_separation)
                self%gap0(self%n) = 0.0_wp
-               if (.not. tied) self%gap0(self%n) = points%gap(i) + initial%shift(i)
-               call add_terms(self, model, dofs, points, i, frame(:, d), here, terms)
+               if (.not. tied) self%gap0(self%n) = gap_of(sample(:n)) &
+                  & + row_value(sample(:n), initial%shift)
+               call add_samples(self, model, dofs, points, sample(:n), here, terms, &
+                  & frame(:, d:merge(d, d - 1, tied)))
                self%first(self%n + 1) = terms + 1
             end do
          end do
@@ -94,6 +101,46 @@ contains
       self%coefficient = self%coefficient(:terms)
    end subroutine new_contact_rows
 
+   !> Force of the samples for a unit force of the row.
+   pure function resultant(sample) result(total)
+      type(sample_type), intent(in) :: sample(:)
+      real(wp) :: total(3)
+      integer :: s
+
+      total = 0.0_wp
+      do s = 1, size(sample)
+         total = total + sample(s)%c*sample(s)%normal
+      end do
+   end function resultant
+
+   pure real(wp) function gap_of(sample) result(gap)
+      type(sample_type), intent(in) :: sample(:)
+      gap = sample(1)%gap
+      if (size(sample) > 1) gap = dot_product(sample%c, sample%gap)
+   end function gap_of
+
+   !> Terms of a row at all its samples, along one direction or, without any, along the normal of
+   !> each.
+   subroutine add_samples(self, model, dofs, points, sample, place, terms, along)
+      type(contact_rows_type), intent(inout) :: self
+      type(model_type), intent(in) :: model
+      type(dofs_type), intent(in) :: dofs
+      type(contact_points_type), intent(in) :: points
+      type(sample_type), intent(in) :: sample(:)
+      real(wp), intent(in) :: place(6)
+      integer, intent(inout) :: terms
+      real(wp), intent(in) :: along(:, :)      !! (3, 0 or 1)
+      integer :: s
+
+      do s = 1, size(sample)
+         if (size(along, 2) > 0) then
+            call add_terms(self, model, dofs, points, sample(s), along(:, 1), place, terms)
+         else
+            call add_terms(self, model, dofs, points, sample(s), sample(s)%normal, place, terms)
+         end if
+      end do
+   end subroutine add_samples
+
    !> Tangential rows of the points with friction.
    subroutine add_tangents(self, model, dofs, points, place, terms)
       type(contact_rows_type), intent(inout) :: self
@@ -103,7 +150,8 @@ contains
       real(wp), intent(in) :: place(:, :)
       integer, intent(inout) :: terms
       real(wp) :: frame(3, 3), here(6)
-      integer :: row, d, pair
+      type(sample_type) :: sample(most_samples)
+      integer :: row, d, pair, n
 
       allocate (self%tangent(self%nnormal), source=0)
       do pair = 1, size(model%pair)
@@ -112,6 +160,7 @@ contains
          if (points%body(pair) > 0) here = place(:, points%body(pair))
          do row = self%group_first(pair), self%group_first(pair + 1) - 1
             call frame_of(points%normal(:, self%point(row)), model%mesh%ndim, frame)
+            call find_samples(points, self%point(row), model%mesh%x, sample, n)
             self%tangent(row) = self%n + 1
             do d = 2, model%mesh%ndim
                self%n = self%n + 1
@@ -120,7 +169,7 @@ contains
                self%tied(self%n) = .false.
                self%bilateral(self%n) = .false.
                self%gap0(self%n) = 0.0_wp
-               call add_terms(self, model, dofs, points, self%point(row), frame(:, d), here, terms)
+               call add_samples(self, model, dofs, points, sample(:n), here, terms, frame(:, d:d))
                self%gap0(self%n) = 0.0_wp
                self%first(self%n + 1) = terms + 1
             end do
@@ -150,38 +199,41 @@ contains
          & normal(1)*frame(2, 2) - normal(2)*frame(1, 2)]
    end subroutine frame_of
 
-   !> Terms of one row, and for a tool the part of its motion that the projection already contains.
-   subroutine add_terms(self, model, dofs, points, i, direction, place, terms)
+   !> Terms of one sample, and for a tool the part of its motion that the projection already
+   !> contains.
+   subroutine add_terms(self, model, dofs, points, sample, direction, place, terms)
       type(contact_rows_type), intent(inout) :: self
       type(model_type), intent(in) :: model
       type(dofs_type), intent(in) :: dofs
       type(contact_points_type), intent(in) :: points
-      integer, intent(in) :: i
+      type(sample_type), intent(in) :: sample
       real(wp), intent(in) :: direction(3), place(6)
       integer, intent(inout) :: terms
-      integer :: k, m, ndim, body, dof(3), n, j
-      real(wp) :: arm(3), coefficient(3)
+      integer :: k, m, ndim, body, dof(3), n, j, i
+      real(wp) :: arm(3), coefficient(3), part(3)
 
       ndim = model%mesh%ndim
+      i = sample%point
+      part = sample%c*direction
       do k = 1, ndim
-         call add(dofs%id(k, points%node(i)), direction(k))
+         call add(dofs%id(k, sample%node), part(k))
       end do
       do m = 1, size(points%master, 1)
          if (points%master(m, i) == 0) exit
          do k = 1, ndim
-            call add(dofs%id(k, points%master(m, i)), -direction(k)*points%shape(m, i))
+            call add(dofs%id(k, points%master(m, i)), -part(k)*points%shape(m, i))
          end do
       end do
       body = points%body(points%pair(i))
       if (body == 0) return
       arm = 0.0_wp
       associate (reference => model%rigid_body(body)%reference)
-         arm(:ndim) = points%foot(:ndim, i) - model%mesh%x(:, reference) - place(:ndim)
+         arm(:ndim) = sample%foot(:ndim) - model%mesh%x(:, reference) - place(:ndim)
          do k = 1, ndim
             call follower_rule(arm, ndim, k, dof, coefficient, n)
             do j = 1, n
-               call add(dofs%id(dof(j), reference), -direction(k)*coefficient(j))
-               self%gap0(self%n) = self%gap0(self%n) + direction(k)*coefficient(j)*place(dof(j))
+               call add(dofs%id(dof(j), reference), -part(k)*coefficient(j))
+               self%gap0(self%n) = self%gap0(self%n) + part(k)*coefficient(j)*place(dof(j))
             end do
          end do
       end associate

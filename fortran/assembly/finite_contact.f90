@@ -38,7 +38,8 @@ module lopin_finite_contact
       integer, allocatable :: status(:)        !! 0 open, 1 stick or closed, 2 slip
       logical, allocatable :: bilateral(:)
       real(wp), allocatable :: c(:), ct(:)     !! normal and tangential stiffness [stress/length]
-      real(wp), allocatable :: gap(:), pressure(:)
+      real(wp), allocatable :: gap(:), pressure(:)   !! of the rows
+      real(wp), allocatable :: opening(:)      !! gaps of the nodes [length]
       real(wp), allocatable :: traction(:, :)  !! (3, n) on the slave [stress]
       real(wp), allocatable :: normal(:, :)    !! (3, n)
       real(wp), allocatable :: slip(:, :)      !! (3, n) of accepted increments together [length]
@@ -98,7 +99,8 @@ contains
       call new_owners(self%masters%owner, n)
       self%first_weight = self%weight
       self%dofs = dofs
-      allocate (self%force(dofs%n), self%gap(n), self%pressure(n), self%traction(3, n), &
+      allocate (self%force(dofs%n), self%gap(n), self%opening(n), self%pressure(n), &
+         & self%traction(3, n), &
          & self%normal(3, n), self%slip(3, n), self%xi(2, n), self%slip_path(n), &
          & self%friction_work(n), self%mean_work(n), self%lambda(3, n), self%last_normal(3, n), &
          & self%start_normal(3, n), self%creep(3, n), self%c(n), self%ct(n), self%mises(n), &

@@ -9,6 +9,7 @@ module lopin_finite_evaluation
    use lopin_finite_masters, only : move_masters
    use lopin_finite_opposite, only : anchor_of
    use lopin_finite_owner, only : note_owner
+   use lopin_finite_samples, only : find_sample_feet, row_value
    use lopin_finite_kernel, only : point_state_type, evaluate_point
    use lopin_finite_mortar, only : evaluate_mortar_point
    use lopin_finite_contact, only : finite_contact_type
@@ -42,32 +43,27 @@ contains
       if (allocated(error)) return
       call find_present(self, .false., error)
       if (allocated(error)) return
+      call meet_all(self, model)
       do i = 1, self%n
          lambda = 0.0_wp
          k = self%first_row(i)
          if (k > 0) lambda(:d) = multiplier(k:k + d - 1)
-         if (self%pair_active(self%pair(i))) then
-            call meet(self, model, i, .false.)
-         else
-            self%opposite(i)%facet = 0
-         end if
-         if (self%loose(i)) self%opposite(i)%facet = 0
-         if (is_left_out(self, i)) self%opposite(i)%facet = 0
-         self%facet(i) = self%opposite(i)%facet
          if (self%facet(i) == 0) then
             call stay_open(self, i, d, lambda, with_tangent)
             cycle
          end if
          if (.not. self%anchor(i)%set) call anchor_of(self%anchor(i), self%opposite(i))
-         shift = self%shift(i) + (1.0_wp - self%interference)*self%overclosure(i) &
+         if (self%masters%of(self%pair(i))%tool > 0) call find_sample_feet(self%opposite, &
+            & self%finite_points_type, i)
+         shift = shift_of(self, i) &
             & - model%interaction(model%pair(self%pair(i))%interaction)%clearance
          if (is_clear(self, i, lambda, shift)) then
             call stay_open(self, i, d, lambda, with_tangent)
             self%trial(i)%normal = self%opposite(i)%normal
             self%trial(i)%gap = self%opposite(i)%foot%gap
             self%normal(:, i) = self%trial(i)%normal
-            self%gap(i) = self%trial(i)%gap + self%shift(i) &
-               & + (1.0_wp - self%interference)*self%overclosure(i)
+            self%gap(i) = self%trial(i)%gap + shift_of(self, i)
+            self%opening(i) = self%gap(i)
             cycle
          end if
          at = condition_at(self, i)
@@ -92,6 +88,37 @@ contains
       ! Touching counts as closed where Newton starts, and no longer.
       self%grip%grazing = 0.0_wp
    end subroutine evaluate
+
+   !> What lies opposite all points now.
+   subroutine meet_all(self, model)
+      type(finite_contact_type), intent(inout) :: self
+      type(model_type), intent(in) :: model
+      integer :: i
+
+      do i = 1, self%n
+         if (self%pair_active(self%pair(i))) then
+            call meet(self, model, i, .false.)
+         else
+            self%opposite(i)%facet = 0
+         end if
+         if (self%loose(i)) self%opposite(i)%facet = 0
+         if (is_left_out(self, i)) self%opposite(i)%facet = 0
+         self%facet(i) = self%opposite(i)%facet
+      end do
+   end subroutine meet_all
+
+   !> Added to the gap of a row: ADJUST, CLEARANCE, and overclosures that are not yet applied.
+   pure real(wp) function shift_of(self, i)
+      type(finite_contact_type), intent(in) :: self
+      integer, intent(in) :: i
+
+      if (self%share(i) > 0.0_wp) then
+         shift_of = row_value(self, i, self%shift) &
+            & + (1.0_wp - self%interference)*row_value(self, i, self%overclosure)
+      else
+         shift_of = self%shift(i) + (1.0_wp - self%interference)*self%overclosure(i)
+      end if
+   end function shift_of
 
    !> A mortar row that its values already show to be open: its slopes, which cost most of it, are
    !> not needed.
@@ -124,6 +151,7 @@ contains
       self%gap(i) = 0.0_wp
       ! Of a surface too far to be asked, at least so much.
       if (self%masters%of(self%pair(i))%asleep) self%gap(i) = self%masters%of(self%pair(i))%distance
+      self%opening(i) = self%gap(i)
       self%pressure(i) = 0.0_wp
       self%traction(:, i) = 0.0_wp
       self%trial(i) = point_state_type()
@@ -157,7 +185,10 @@ contains
          if (self%first_row(i) > 0) self%row(self%first_row(i):self%first_row(i) + d - 1) = &
             & t%row(:d)
          self%status(i) = t%status
-         self%gap(i) = t%gap + self%shift(i) + (1.0_wp - self%interference)*self%overclosure(i)
+         self%gap(i) = t%gap + shift_of(self, i)
+         self%opening(i) = self%gap(i)
+         if (allocated(self%opposite(i)%sample)) self%opening(i) = t%opening + self%shift(i) &
+            & + (1.0_wp - self%interference)*self%overclosure(i)
          self%normal(:, i) = t%normal
          self%traction(:, i) = t%traction
          self%pressure(i) = dot_product(t%traction, t%normal)

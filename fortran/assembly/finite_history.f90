@@ -6,6 +6,7 @@ module lopin_finite_history
    use lopin_contact_traction, only : grip_kind
    use lopin_finite_grips, only : remember_elastic
    use lopin_finite_points, only : finite_points_type
+   use lopin_finite_samples, only : offset_of
    use lopin_finite_masters, only : move_masters, area_ratios
    use lopin_finite_owner, only : start_owners, commit_owners
    use lopin_finite_contact, only : finite_contact_type
@@ -41,8 +42,10 @@ contains
       if (allocated(error)) return
       do i = 1, self%n
          call meet(self, model, i, .true.)
-         if (.not. (self%grip(i)%kind == grip_kind%tied .and. self%anchor(i)%set)) &
-            & call take_anchor(self, model, i)
+         if (.not. (self%grip(i)%kind == grip_kind%tied .and. self%anchor(i)%set)) then
+            call take_anchor(self, model, i)
+            self%anchor(i)%offset = offset_of(self%masters, self%finite_points_type, i)
+         end if
          if (self%opposite(i)%facet > 0) self%masters%part(i) = self%opposite(i)%foot%segment
          associate (g => self%grip(i))
             g%ct = self%ct(i)

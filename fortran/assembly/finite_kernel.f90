@@ -14,13 +14,13 @@ module lopin_finite_kernel
    use lopin_contact_foot, only : facet_foot, smooth_facet_foot, tool_foot, tool_motion, turned, &
       & turned_back
    use lopin_finite_points, only : finite_points_type
-   use lopin_finite_opposite, only : opposite_type, anchor_type
+   use lopin_finite_opposite, only : opposite_type, anchor_type, sample_foot_type
    use lopin_finite_masters, only : masters_type
    implicit none
    private
    public :: local_matrix_type, point_state_type, evaluate_point, set_spring
 
-   integer, parameter :: most_dofs = 3*(most_stencil + 8) + 12
+   integer, parameter :: most_dofs = 3*(most_stencil + 8) + 18
 
    !> The exact tangent of one contact point.
    type :: local_matrix_type
@@ -34,7 +34,8 @@ module lopin_finite_kernel
    !> Results of an evaluation.
    type :: point_state_type
       integer :: status = 0
-      real(wp) :: gap = 0.0_wp
+      real(wp) :: gap = 0.0_wp                 !! of the row [length]
+      real(wp) :: opening = 0.0_wp             !! of the node itself [length]
       real(wp) :: normal(3) = 0.0_wp
       real(wp) :: traction(3) = 0.0_wp         !! on the slave [stress]
       real(wp) :: slip(3) = 0.0_wp             !! of the increment [length]
@@ -42,12 +43,20 @@ module lopin_finite_kernel
       real(wp), allocatable :: force(:)        !! on the first nu dofs of the local matrix [force]
    end type point_state_type
 
+   !> A place that a row samples.
+   type :: place_type
+      real(wp) :: c = 0.0_wp                   !! its part of the row
+      type(dual_type) :: x(3), normal(3), gap
+      integer :: input(3) = 0                  !! of its node
+   end type place_type
+
    !> The inputs of a point in the order of its local dofs.
    type :: inputs_type
       integer :: n = 0, nu = 0
       integer :: dof(most_dofs) = 0
       integer :: slave(3) = 0                  !! input of each component; 0: it is held
       integer :: master(3, most_stencil) = 0, anchor(3, 8) = 0
+      integer :: sample(3, 2) = 0
       integer :: reference(3) = 0, rotation(3) = 0, multiplier(3) = 0
    end type inputs_type
 
@@ -120,6 +129,7 @@ contains
          type(dual_type) :: x(3), n(3), z(3), node(3, opposite%nnode), &
             & shares(opposite%nnode), multiplier(3), to_anchor(3), &
             & rotation(3, 3), reference(3), y(3), arm(3), moment(3), turn(3)
+         type(place_type) :: there(3)
          integer :: k, m
 
          x = 0.0_wp
@@ -171,6 +181,26 @@ contains
                call tool_foot(opposite%foot, y, gap, turn)
                n = turned(rotation, turn)
                to_anchor = arm - turned(rotation, constant(anchor%y - motion%reference))
+               state%opening = gap%v
+               if (allocated(opposite%sample)) then
+                  there(1) = place_type(1.0_wp, x, n, gap, inputs%slave)
+                  do m = 1, 2
+                     associate (s => opposite%sample(m))
+                        there(1)%c = there(1)%c - s%c
+                        there(1 + m)%c = s%c
+                        there(1 + m)%input = inputs%sample(:, m)
+                        there(1 + m)%x = 0.0_wp
+                        do k = 1, d
+                           there(1 + m)%x(k) = variable(masters%x(k, s%node), &
+                              & inputs%sample(k, m) - from)
+                        end do
+                        call find_foot(there(1 + m), s, there(1), rotation, reference, &
+                           & motion%reference)
+                     end associate
+                  end do
+                  call mean_place(there, gap, to_anchor)
+                  to_anchor = to_anchor - turned(rotation, constant(anchor%offset))
+               end if
             end associate
          end if
          slip = to_anchor - n*dual_dot(to_anchor, n)
@@ -189,6 +219,12 @@ contains
          end if
          if (d == 2) z(3) = constant(0.0_wp)
          z = points%weight(i)*z
+         state%normal = n%v
+         state%traction = z%v/points%weight(i)
+         if (allocated(opposite%sample)) then
+            call push_places(there, z, n, reference)
+            return
+         end if
          do k = 1, d
             call push(inputs%slave(k), z(k))
             do m = 1, opposite%ncarry
@@ -202,9 +238,35 @@ contains
                call push(inputs%rotation(k), (-1.0_wp)*moment(k))
             end do
          end if
-         state%normal = n%v
-         state%traction = z%v/points%weight(i)
       end subroutine point_forces
+
+      !> Forces of a row with several places: pressures along the normal of each, shears along the
+      !> point's tangents; the tool has the reactions.
+      subroutine push_places(there, z, n, reference)
+         type(place_type), intent(in) :: there(:)
+         type(dual_type), intent(in) :: z(3), n(3), reference(3)   !! z: force of the row
+         type(dual_type) :: own(3), press, arm(3), moment(3)
+         integer :: m, k
+
+         press = dual_dot(z, n)
+         do m = 1, size(there)
+            associate (p => there(m))
+               own = z
+               if (grip%kind /= grip_kind%tied) own = z + press*(p%normal - n)
+               own = p%c*own
+               do k = 1, d
+                  call push(p%input(k), own(k))
+                  call push(inputs%reference(k), (-1.0_wp)*own(k))
+               end do
+               if (all(inputs%rotation == 0)) cycle
+               arm = p%x - reference
+               moment = dual_cross(arm - p%normal*p%gap, own)
+               do k = 1, 3
+                  call push(inputs%rotation(k), (-1.0_wp)*moment(k))
+               end do
+            end associate
+         end do
+      end subroutine push_places
 
       subroutine push(input, f)
          integer, intent(in) :: input
@@ -212,6 +274,40 @@ contains
          if (input > 0) force(input) = force(input) + f
       end subroutine push
    end subroutine evaluate_point
+
+   !> The foot of one more place of a row.
+   pure subroutine find_foot(self, sample, own, rotation, reference, origin)
+      type(place_type), intent(inout) :: self
+      type(sample_foot_type), intent(in) :: sample
+      type(place_type), intent(in) :: own            !! the point's
+      type(dual_type), intent(in) :: rotation(3, 3), reference(3)
+      real(wp), intent(in) :: origin(3)              !! reference of the tool at rest [length]
+      type(dual_type) :: y(3), normal(3)
+
+      if (sample%continued) then
+         self%normal = own%normal
+         self%gap = own%gap + dual_dot(own%normal, self%x - own%x)
+         return
+      end if
+      y = self%x - reference
+      y = constant(origin) + turned_back(rotation, y)
+      call tool_foot(sample%foot, y, self%gap, normal)
+      self%normal = turned(rotation, normal)
+   end subroutine find_foot
+
+   !> Gap of a row from those of its places, and the way of its mean place added to its point's.
+   pure subroutine mean_place(there, gap, way)
+      type(place_type), intent(in) :: there(:)       !! the point's first
+      type(dual_type), intent(out) :: gap
+      type(dual_type), intent(inout) :: way(3)
+      integer :: m
+
+      gap = there(1)%c*there(1)%gap
+      do m = 2, size(there)
+         gap = gap + there(m)%c*there(m)%gap
+         way = way + there(m)%c*(there(m)%x - there(1)%x)
+      end do
+   end subroutine mean_place
 
    !> w (c g' g'^T + s'^T shear s') for a closed point, and its multiplier rows as if normals stood
    !> still.
@@ -269,6 +365,13 @@ contains
             call take(dofs%id(k, anchor%node(m)), self%anchor(k, m))
          end do
       end do
+      if (allocated(opposite%sample)) then
+         do m = 1, 2
+            do k = 1, d
+               call take(dofs%id(k, opposite%sample(m)%node), self%sample(k, m))
+            end do
+         end do
+      end if
       if (masters%of(points%pair(i))%body > 0) then
          associate (node => model%rigid_body(masters%of(points%pair(i))%body)%reference)
             do k = 1, d

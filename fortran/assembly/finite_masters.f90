@@ -264,7 +264,8 @@ contains
       associate (slave => self%of(pair)%slave)
          thickness = thickness_of(model, slave)
          call nodal_weights(slave, self%rules, model%mesh%x, axisymmetric, thickness, before)
-         call nodal_weights(slave, self%rules, self%x, axisymmetric, thickness, now)
+         call nodal_weights(slave, self%rules, self%x, axisymmetric, thickness, now, &
+            & model%mesh%x)
       end associate
       where (before > 0.0_wp .and. now > 0.0_wp) ratio = now/before
    end function area_ratios

@@ -15,10 +15,18 @@ module lopin_finite_opposite
    use lopin_finite_masters, only : masters_type, master_type
    implicit none
    private
-   public :: opposite_type, anchor_type, find_opposite, anchor_of
+   public :: opposite_type, anchor_type, sample_foot_type, find_opposite, anchor_of
 
    !> Sine below which an arm is square to its facet.
    real(wp), parameter :: square = 1.0e-6_wp
+
+   !> What lies opposite another place that the row of a point samples, see lopin_row_samples.
+   type :: sample_foot_type
+      real(wp) :: c = 0.0_wp                       !! its part of the row
+      integer :: node = 0
+      type(foot_type) :: foot                      !! in the tool's frame
+      logical :: continued = .false.               !! on the tangent plane of the point's own foot
+   end type sample_foot_type
 
    type :: opposite_type
       integer :: facet = 0                         !! 0: none
@@ -34,6 +42,7 @@ module lopin_finite_opposite
       type(stencil_type), allocatable :: stencil   !! of a smoothed facet
       integer :: cell = 0
       real(wp) :: size = 1.0_wp                    !! of the facet [length]
+      type(sample_foot_type), allocatable :: sample(:)   !! the other places of the row
    end type opposite_type
 
    !> The material point of the master that friction measures slip from.
@@ -44,6 +53,8 @@ module lopin_finite_opposite
       real(wp) :: share(8) = 0.0_wp
       real(wp) :: y(3) = 0.0_wp                    !! in a tool's frame [length]
       real(wp) :: gap = 0.0_wp                     !! of the point then [length]
+      real(wp) :: offset(3) = 0.0_wp   !! mean place of the row's samples less the point's, in the
+                                       !! tool's frame where the increment began [length]
    end type anchor_type
 
 contains
@@ -219,10 +230,12 @@ contains
       self%size = size_
    end subroutine find_on_tool
 
+   !> The place opposite; the offset of the row's samples stays.
    pure subroutine anchor_of(self, opposite)
-      type(anchor_type), intent(out) :: self
+      type(anchor_type), intent(inout) :: self
       type(opposite_type), intent(in) :: opposite
 
+      self = anchor_type(offset=self%offset)
       self%set = opposite%facet > 0
       if (.not. self%set) return
       self%nnode = opposite%ncarry

@@ -22,6 +22,8 @@ module lopin_finite_points
       integer, allocatable :: entry(:)         !! 1, or 2 for the second wall of a concave corner
       real(wp), allocatable :: weight(:)       !! area at the start of the increment [length^2]
       real(wp), allocatable :: size(:)         !! of the slave's facets [length]
+      integer, allocatable :: corner(:, :)     !! (2, n), and
+      real(wp), allocatable :: share(:)        !! (n) as in lopin_contact_points
       real(wp), allocatable :: side(:, :)      !! (3, n) slave's outward normal; 0: unknown
       real(wp), allocatable :: shift(:)        !! added to gaps: ADJUST, CLEARANCE [length]
       real(wp), allocatable :: overclosure(:)  !! at the start, ramped in [length]
@@ -67,6 +69,8 @@ contains
       self%weight = points%weight(:self%n)
       self%size = points%size(:self%n)
       self%side = points%side(:, :self%n)
+      self%corner = points%corner(:, :self%n)
+      self%share = points%share(:self%n)
       self%shift = initial%shift
       self%overclosure = initial%overclosure
       self%touches = initial%touches
@@ -115,6 +119,8 @@ contains
       self%weight = [self%weight, slave%weight]
       self%size = [self%size, slave%size]
       self%side = reshape([self%side, slave%normal], [3, self%n + m])
+      self%corner = reshape([self%corner, spread(0, 1, 2*m)], [2, self%n + m])
+      self%share = [self%share, spread(0.0_wp, 1, m)]
       self%shift = [self%shift, spread(0.0_wp, 1, m)]
       self%overclosure = [self%overclosure, spread(0.0_wp, 1, m)]
       self%touches = [self%touches, spread(.false., 1, m)]

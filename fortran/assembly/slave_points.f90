@@ -5,7 +5,7 @@ module lopin_slave_points
    use lopin_error, only : error_type
    use lopin_cells, only : cell_type
    use lopin_facets, only : facets_type, facet_rule_type, new_facets, new_facet_rules, &
-      & nodal_weights, nodal_normals
+      & nodal_weights, nodal_normals, middle_share
    use lopin_surface, only : surface_type, new_surface, update_surface
    use lopin_model, only : model_type, surface_data_type, surface_of, kind_of
    implicit none
@@ -18,6 +18,9 @@ module lopin_slave_points
       real(wp), allocatable :: weight(:)     !! (n) tributary area; 1 if unknown [length^2]
       real(wp), allocatable :: normal(:, :)  !! (3, n) outward; 0 if unknown
       real(wp), allocatable :: size(:)       !! (n) of the facets there [length]
+      integer, allocatable :: corner(:, :)   !! (2, n) mid-side: places of the ends of its edge in
+                                             !! `node`; else 0
+      real(wp), allocatable :: share(:)      !! (n) of its function that each end gets; else 0
    end type slave_type
 
 contains
@@ -40,6 +43,8 @@ contains
          self%weight = merge(surface%area, 1.0_wp, surface%area > 0.0_wp)
          allocate (self%normal(3, size(self%node)), self%size(size(self%node)), source=0.0_wp)
          self%size = typical_size(model)
+         allocate (self%corner(2, size(self%node)), source=0)
+         allocate (self%share(size(self%node)), source=0.0_wp)
          return
       end if
       call new_facets(facets, model%mesh, cells, surface%element, surface%face)
@@ -69,7 +74,34 @@ contains
       self%size = length(shape%node)
       allocate (self%normal(3, shape%nnode), source=0.0_wp)
       self%normal(:model%mesh%ndim, :) = normal(:, shape%node)
+      call find_edges(self, shape, rules, model%mesh%x, model%kind == kind_of%axisymmetric)
    end subroutine new_slave
+
+   !> The transformed basis: what a mid-side node takes from the ends of its edge.
+   pure subroutine find_edges(self, surface, rules, x, axisymmetric)
+      type(slave_type), intent(inout) :: self
+      type(surface_type), intent(in) :: surface
+      type(facet_rule_type), intent(in) :: rules(:)
+      real(wp), intent(in) :: x(:, :)          !! (ndim, mesh nodes) at the start [length]
+      logical, intent(in) :: axisymmetric
+      real(wp) :: share
+      integer :: i, k, m
+
+      allocate (self%corner(2, surface%nnode), source=0)
+      allocate (self%share(surface%nnode), source=0.0_wp)
+      do i = 1, surface%facets%n
+         associate (rule => rules(surface%facets%cell(i)), cell => &
+            & rules(surface%facets%cell(i))%cell, local => surface%local(:, i))
+            m = cell%nnode
+            share = middle_share(rule, x(:, surface%facets%node(:m, i)), axisymmetric)
+            if (.not. share > 0.0_wp) cycle
+            do k = 1, m - cell%ncorner
+               self%corner(:, local(cell%ncorner + k)) = local(cell%edge(:, k))
+               self%share(local(cell%ncorner + k)) = share
+            end do
+         end associate
+      end do
+   end subroutine find_edges
 
    !> A length for nodes without facets: the scene's, over the root of its elements.
    pure real(wp) function typical_size(model) result(length)

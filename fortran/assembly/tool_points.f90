@@ -22,7 +22,7 @@ contains
       type(slave_type), intent(in) :: slave
       type(rigid_motion_type) :: rest
       type(foot_type) :: feet(2)
-      integer :: i, k, nfeet, ndim, entries
+      integer :: i, k, nfeet, ndim, entries, first(size(slave%node))
 
       ndim = model%mesh%ndim
       entries = 1
@@ -37,13 +37,34 @@ contains
          do i = 1, size(slave%node)
             call project_all_moved(tool, rest, model%mesh%x(:, slave%node(i)), slave%size(i), &
                & feet, nfeet)
+            first(i) = self%n + 1
             do k = 1, max(entries, nfeet)
                call add_point(self, pair, slave, i)
                if (k <= nfeet) call take_foot(self, self%n, feet(k), model%pair(pair)%extension)
             end do
          end do
+         call join_corners(self, slave, first)
       end associate
    end subroutine pair_with_tool
+
+   !> Mid-side nodes of a transformed basis know the points of the ends of their edges.
+   pure subroutine join_corners(self, slave, first)
+      type(contact_points_type), intent(inout) :: self
+      type(slave_type), intent(in) :: slave
+      integer, intent(in) :: first(:)          !! (slave nodes) first point of each
+      integer :: i, k
+
+      do i = 1, size(first)
+         if (.not. slave%share(i) > 0.0_wp) cycle
+         k = first(i)
+         do while (k <= self%n)
+            if (self%node(k) /= slave%node(i)) exit
+            self%corner(:, k) = first(slave%corner(:, i))
+            self%share(k) = slave%share(i)
+            k = k + 1
+         end do
+      end do
+   end subroutine join_corners
 
    !> A rigid body is free, or prescribed to go somewhere in some step.
    pure logical function may_move(model, body)

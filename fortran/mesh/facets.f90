@@ -12,9 +12,14 @@ module lopin_facets
    implicit none
    private
    public :: facets_type, facet_rule_type, new_facets, boundary_facets, new_facet_rules
-   public :: facet_point, facet_weights, nodal_weights, nodal_normals
+   public :: facet_point, facet_weights, nodal_weights, nodal_normals, middle_share
 
    real(wp), parameter :: pi = acos(-1.0_wp)
+   !> Share of a mid-side function that each corner of its edge gets (Popp et al. 2012).
+   real(wp), parameter :: given = 0.2_wp
+   !> line3 whose inner end is nearer to the axis than this part of its radial length is blended:
+   !> there the integral of its inner function vanishes.
+   real(wp), parameter :: near_axis = 0.5_wp
 
    !> A list of facets.
    type :: facets_type
@@ -228,8 +233,8 @@ contains
       end do
       do k = 1, self%cell%nnode - self%cell%ncorner
          mid = self%cell%ncorner + k
-         self%blend(mid, mid) = 0.6_wp
-         self%blend(self%cell%edge(:, k), mid) = 0.2_wp
+         self%blend(mid, mid) = 1.0_wp - 2.0_wp*given
+         self%blend(self%cell%edge(:, k), mid) = given
       end do
    end subroutine set_blend
 
@@ -268,17 +273,35 @@ contains
       if (length > 0.0_wp) normal = normal/length
    end subroutine facet_point
 
+   !> Share of a mid-side function that the transformed basis gives to each corner of its edge: that
+   !> of a facet whose plain functions would have integrals that vanish or are negative.
+   pure real(wp) function middle_share(self, x, axisymmetric) result(share)
+      type(facet_rule_type), intent(in) :: self
+      real(wp), intent(in) :: x(:, :)        !! (ndim, nnode) coordinates [length]
+      logical, intent(in) :: axisymmetric
+
+      share = 0.0_wp
+      if (.not. self%cell%quadratic) return
+      if (self%cell%id == cell_id%line3) then
+         if (.not. axisymmetric) return
+         if (minval(abs(x(1, :2))) >= near_axis*abs(x(1, 2) - x(1, 1))) return
+      end if
+      share = given
+   end function middle_share
+
    !> Areas that belong to the nodes of one facet; positive, their sum is the area exactly.
    !>
    !> Linear facets: integrals of the shape functions, so that a uniform pressure gives the
    !> consistent forces; on the axis pi h**2/3 > 0. Quadratic surfaces: integrals of the blended
-   !> functions (the corners of quad8 would be negative). line3: the shape functions; the node on
-   !> the axis, whose integral vanishes, gets a thousandth of the area from the middle node.
-   pure subroutine facet_weights(self, x, axisymmetric, weight)
+   !> functions (the corners of quad8 would be negative). line3: with `share` those blended by it
+   !> (lopin_slave_points); without, the shape functions, and the node on the axis, whose integral
+   !> vanishes, gets a thousandth of the area from the middle node.
+   pure subroutine facet_weights(self, x, axisymmetric, weight, share)
       type(facet_rule_type), intent(in) :: self
       real(wp), intent(in) :: x(:, :)        !! (ndim, nnode) coordinates [length]
       logical, intent(in) :: axisymmetric
       real(wp), intent(out) :: weight(:)     !! (nnode) [length^2], plane: per thickness [length]
+      real(wp), intent(in), optional :: share   !! middle_share, 0 or as there
       real(wp) :: normal(3), area
       real(wp) :: lacking
       integer :: k, m
@@ -290,7 +313,9 @@ contains
          weight(:m) = weight(:m) + area*self%n(:, k)
       end do
       if (.not. self%cell%quadratic) return
-      if (self%cell%id == cell_id%line3) then
+      if (present(share)) then
+         if (share > 0.0_wp) weight(:m) = matmul(self%blend(:m, :m), weight(:m))
+      else if (self%cell%id == cell_id%line3) then
          do k = 1, 2
             lacking = max(0.0_wp, 1.0e-3_wp*sum(weight(:m)) - weight(k))
             weight([k, 3]) = weight([k, 3]) + [lacking, -lacking]
@@ -300,21 +325,27 @@ contains
       end if
    end subroutine facet_weights
 
-   !> Areas of all nodes of a list of facets; zero elsewhere.
-   pure subroutine nodal_weights(self, rules, x, axisymmetric, thickness, weight)
+   !> Areas of all nodes of a list of facets in the transformed basis; zero elsewhere.
+   pure subroutine nodal_weights(self, rules, x, axisymmetric, thickness, weight, start)
       type(facets_type), intent(in) :: self
       type(facet_rule_type), intent(in) :: rules(:)   !! from new_facet_rules
       real(wp), intent(in) :: x(:, :)                 !! (ndim, nnode) coordinates [length]
       logical, intent(in) :: axisymmetric
       real(wp), intent(in) :: thickness(:)            !! (self%n); ones unless plane [length]
       real(wp), intent(out) :: weight(:)              !! (nnode) [length^2]
-      real(wp) :: own(8)
+      real(wp), intent(in), optional :: start(:, :)   !! places that chose the basis; else x
+      real(wp) :: own(8), share
       integer :: i, m
 
       weight = 0.0_wp
       do i = 1, self%n
          m = self%nnode(i)
-         call facet_weights(rules(self%cell(i)), x(:, self%node(:m, i)), axisymmetric, own)
+         if (present(start)) then
+            share = middle_share(rules(self%cell(i)), start(:, self%node(:m, i)), axisymmetric)
+         else
+            share = middle_share(rules(self%cell(i)), x(:, self%node(:m, i)), axisymmetric)
+         end if
+         call facet_weights(rules(self%cell(i)), x(:, self%node(:m, i)), axisymmetric, own, share)
          weight(self%node(:m, i)) = weight(self%node(:m, i)) + thickness(i)*own(:m)
       end do
    end subroutine nodal_weights
