@@ -21,6 +21,7 @@ module point_scenes
    use lopin_finite_points, only : finite_points_type
    use lopin_finite_owner, only : new_owners
    use lopin_finite_opposite, only : opposite_type, anchor_type, find_opposite, anchor_of
+   use lopin_finite_samples, only : find_sample_feet, offset_of
    use lopin_finite_masters, only : masters_type, move_masters
    use lopin_finite_kernel, only : local_matrix_type, point_state_type, evaluate_point
    use patch_scenes, only : patch_names, patch_dimension, is_dome, new_patch
@@ -40,6 +41,7 @@ module point_scenes
       integer :: ndim = 3
       logical :: is_tool = .false.
       logical :: is_smooth = .false.
+      logical :: is_middle = .false.           !! a mid-side node: its row samples three places
       type(model_type) :: model
       type(dofs_type) :: dofs
       type(masters_type) :: masters
@@ -67,10 +69,11 @@ contains
       x = size_*(2.0_wp*x - 1.0_wp)
    end function random
 
-   subroutine new_point_scene(self, name, kind)
+   subroutine new_point_scene(self, name, kind, middle)
       type(point_scene_type), intent(out) :: self
       character(len=*), intent(in) :: name
       integer, intent(in) :: kind              !! grip_kind%...
+      logical, intent(in), optional :: middle  !! opposite a tool: a mid-side node
       type(law_type) :: law
       integer :: cell, i
 
@@ -94,14 +97,24 @@ contains
       else
          call make_facet(self, cell)
       end if
-      allocate (self%masters%side(3, 1), source=0.0_wp)
-      call new_owners(self%masters%owner, 1)
-      self%points%n = 1
-      self%points%pair = [1]
+      if (present(middle)) self%is_middle = middle
       self%points%node = [1]
-      self%points%entry = [1]
-      self%points%weight = [0.7_wp]
-      self%points%size = [1.0_wp]
+      if (self%is_middle) call add_ends(self)
+      self%points%n = size(self%points%node)
+      associate (n => self%points%n)
+         allocate (self%masters%side(3, n), source=0.0_wp)
+         call new_owners(self%masters%owner, n)
+         self%points%pair = spread(1, 1, n)
+         self%points%entry = spread(1, 1, n)
+         self%points%weight = spread(0.7_wp, 1, n)
+         self%points%size = spread(1.0_wp, 1, n)
+         self%points%share = spread(0.0_wp, 1, n)
+         self%points%corner = reshape(spread(0, 1, 2*n), [2, n])
+      end associate
+      if (self%is_middle) then
+         self%points%share(1) = 0.2_wp
+         self%points%corner(:, 1) = [2, 3]
+      end if
       self%grip%kind = kind
       self%grip%c = 100.0_wp
       self%grip%ct = 40.0_wp
@@ -120,6 +133,7 @@ contains
          call place_all(self, still)
       end associate
       call anchor_of(self%anchor, self%opposite)
+      self%anchor%offset = offset_of(self%masters, self%points, 1)
       if (any(patch_names == name)) call leave_joint(self%anchor)
    end subroutine new_point_scene
 
@@ -248,6 +262,28 @@ contains
       if (d == 3) self%dofs%id(4:6, 2) = [7, 8, 9]
    end subroutine make_tool
 
+   !> Nodes 3 and 4, the ends of the edge that node 1 is the middle of, on a curve of their own.
+   subroutine add_ends(self)
+      type(point_scene_type), intent(inout) :: self
+      real(wp) :: x(self%ndim, 4), way(self%ndim)
+      integer, allocatable :: id(:, :)
+      integer :: d, k
+
+      d = self%ndim
+      way = [0.25_wp, -0.05_wp, 0.15_wp]
+      x(:, :2) = self%model%mesh%x
+      x(:, 3) = x(:, 1) + way(:d) + random(d, 0.02_wp)
+      x(:, 4) = x(:, 1) - way(:d) + random(d, 0.02_wp)
+      self%model%mesh%x = x
+      self%model%mesh%nnode = 4
+      allocate (id(6, 4), source=0)
+      id(:, :2) = self%dofs%id
+      id(:d, 3) = [(maxval(self%dofs%id) + k, k=1, d)]
+      id(:d, 4) = [(maxval(self%dofs%id) + d + k, k=1, d)]
+      call move_alloc(id, self%dofs%id)
+      self%points%node = [1, 3, 4]
+   end subroutine add_ends
+
    subroutine make_shape(name, shape)
       character(len=*), intent(in) :: name
       class(tool_type), allocatable, intent(out) :: shape
@@ -310,11 +346,17 @@ contains
       real(wp), intent(in) :: u(:)
       type(error_type), allocatable :: error
       type(cost_type) :: cost
+      type(opposite_type) :: opposite(self%points%n)
+      integer :: i
 
       self%masters%x = self%model%mesh%x
       call move_masters(self%masters, self%model, self%dofs, self%points, u, .false., cost, &
          & error)
-      call find_opposite(self%opposite, self%masters, self%model, self%points, 1, cost)
+      do i = 1, self%points%n
+         call find_opposite(opposite(i), self%masters, self%model, self%points, i, cost)
+      end do
+      call find_sample_feet(opposite, self%points, 1)
+      self%opposite = opposite(1)
    end subroutine place_all
 
    !> -force and row at u, and the tangent if it is wanted.
