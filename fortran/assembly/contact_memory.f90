@@ -36,6 +36,7 @@ contains
       call stream%pass(self%masters%owner%committed)
       do i = 1, size(self%masters%of)
          call keep_master(self%masters%of(i), stream)
+         call stream%pass(self%mortar(i)%cover%state)
       end do
       do i = 1, self%n
          call keep_anchor(self%anchor(i), stream)
@@ -145,7 +146,7 @@ contains
             if (allocated(error)) return
             do i = 1, self%n
                if (self%pair(i) == pair) call meet_row(mortar, m%surface, self%masters%rules, x, &
-                  & self%node(i), .true., self%patch(i), self%mortar_anchor(i), covered, &
+                  & i, .true., self%patch(i), self%mortar_anchor(i), covered, &
                   & self%opposite(i)%normal, self%opposite(i)%found%gap)
             end do
          end associate

@@ -48,7 +48,7 @@ contains
             return
          end if
          call meet_row(self%mortar(pair), self%masters%of(pair)%surface, self%masters%rules, &
-            & self%masters%x, self%node(i), start, self%patch(i), self%mortar_anchor(i), covered, &
+            & self%masters%x, i, start, self%patch(i), self%mortar_anchor(i), covered, &
             & self%opposite(i)%normal, self%opposite(i)%found%gap)
          self%opposite(i)%facet = merge(1, 0, covered)
          self%opposite(i)%foot%gap = self%opposite(i)%found%gap

@@ -8,7 +8,7 @@ module lopin_finite_mortar
    use lopin_kinds, only : wp
    use lopin_dual, only : dual_type, dual_width, variable, constant, dual_dot, operator(+), &
       & operator(-), operator(*), operator(/), assignment(=)
-   use lopin_facets, only : facets_type, facet_rule_type, nodal_weights
+   use lopin_facets, only : facets_type, facet_rule_type
    use lopin_surface, only : surface_type, new_surface, update_surface
    use lopin_search, only : tree_type
    use lopin_error, only : error_type
@@ -21,8 +21,9 @@ module lopin_finite_mortar
    use lopin_mortar_pairs, only : thickness_of
    use lopin_mortar_overlap, only : overlap_list_type
    use lopin_mortar_overlaps_2d, only : find_overlaps_2d
-   use lopin_slave_pieces, only : slave_pieces_type, new_slave_pieces, piece_normals, &
-      & choose_owners, measure_cover, take_over, is_strong
+   use lopin_slave_pieces, only : split_slave, piece_normals, whole_weights
+   use lopin_mortar, only : plan_rows
+   use lopin_mortar_cover, only : cover_type, new_cover, has_row, taken_over
    use lopin_mortar_node_2d, only : patch_type, new_patch, mortar_row_type, mortar_row
    use lopin_finite_points, only : stays_mortar
    use lopin_finite_kernel, only : local_matrix_type, point_state_type, set_spring
@@ -32,7 +33,7 @@ module lopin_finite_mortar
    implicit none
    private
    public :: present_mortar_type, mortar_anchor_type, new_present_mortar
-   public :: update_mortar, meet_row, evaluate_mortar_point
+   public :: update_mortar, meet_row, evaluate_mortar_point, lay_pieces
 
    !> n_slave.n_master must be below this for the two to face each other.
    real(wp), parameter :: facing = -0.2_wp
@@ -44,8 +45,10 @@ module lopin_finite_mortar
       real(wp), allocatable :: thickness(:)    !! (slave facets) [length]
       type(overlap_list_type) :: list
       logical :: axisymmetric = .false.
-      type(slave_pieces_type) :: pieces        !! in the plane
-      real(wp), allocatable :: full(:)         !! (slave nodes) area at the start, in space [area]
+      integer, allocatable :: piece(:)         !! (slave facets) smooth piece, lopin_slave_pieces
+      integer, allocatable :: piece_of(:)      !! (slave%nnode)
+      type(cover_type) :: cover
+      integer :: first = 1                     !! point of the pair that is the slave's first number
       logical :: in_space = .false.
       logical :: tied = .false.
       logical :: is_ready = .false.            !! ties keep their first rows
@@ -63,30 +66,42 @@ module lopin_finite_mortar
 
 contains
 
-   subroutine new_present_mortar(self, model, pair, facets, rules)
+   subroutine new_present_mortar(self, model, pair, facets, rules, first)
       type(present_mortar_type), intent(out) :: self
       type(model_type), intent(in) :: model
       type(pair_type), intent(in) :: pair
       type(facets_type), intent(in) :: facets     !! of the slave
       type(facet_rule_type), intent(in) :: rules(:)
-      real(wp) :: weight(model%mesh%nnode)
+      integer, intent(in) :: first                !! point of the pair
 
       self%is_on = stays_mortar(model, pair)
       if (.not. self%is_on) return
+      self%first = first
       call new_surface(self%slave, model%mesh%ndim, facets)
       self%thickness = thickness_of(model, facets)
       self%axisymmetric = model%kind == kind_of%axisymmetric
       self%in_space = model%mesh%ndim == 3
       self%tied = pair_is_tied(model, pair)
-      if (self%in_space) then
-         call new_mortar_kernel(self%space%kernel, model%mortar_degree)
-         call nodal_weights(facets, rules, model%mesh%x, self%axisymmetric, self%thickness, weight)
-         self%full = weight(self%slave%node)
-      else
-         call new_slave_pieces(self%pieces, self%slave, rules, model%mesh%x, self%axisymmetric, &
-            & self%thickness)
-      end if
+      if (self%in_space) call new_mortar_kernel(self%space%kernel, model%mortar_degree)
+      call lay_pieces(self, rules, model%mesh%x)
    end subroutine new_present_mortar
+
+   !> Cut the slave at its sharp edges; nothing is covered yet.
+   subroutine lay_pieces(self, rules, x)
+      type(present_mortar_type), intent(inout) :: self
+      type(facet_rule_type), intent(in) :: rules(:)
+      real(wp), intent(in) :: x(:, :)             !! (ndim, nnode) at the start [length]
+      real(wp), allocatable :: full(:)
+      integer :: i
+
+      call split_slave(self%slave, rules, x, self%piece)
+      allocate (full(self%slave%nnode), self%piece_of(self%slave%nnode))
+      do i = 1, self%slave%facets%n
+         self%piece_of(self%slave%local(:self%slave%facets%nnode(i), i)) = self%piece(i)
+      end do
+      call whole_weights(self%slave, rules, x, self%axisymmetric, self%thickness, full)
+      call new_cover(self%cover, full, self%tied)
+   end subroutine lay_pieces
 
    !> The overlaps at present places.
    subroutine update_mortar(self, rules, master, tree, x, start, error)
@@ -97,35 +112,34 @@ contains
       real(wp), intent(in) :: x(:, :)             !! (ndim, nnode) [length]
       logical, intent(in) :: start                !! of an increment
       type(error_type), allocatable, intent(out) :: error
-      real(wp) :: normal(2, 3, self%slave%facets%n), reach
+      real(wp) :: normal(size(x, 1), self%slave%nnode), direction(3, self%slave%nnode), reach
 
       if (self%tied .and. self%is_ready) return
       self%is_ready = .true.
       call update_surface(self%slave, x, error)
       if (allocated(error)) return
-      if (self%in_space) then
-         call update_space_mortar(self%space, self%slave, self%full, rules, master, tree, x, &
-            & facing, start, error)
-         return
-      end if
-      call piece_normals(self%pieces, self%slave, x, self%axisymmetric, normal)
+      call piece_normals(self%slave, rules, x, self%axisymmetric, normal)
       reach = norm2(max(maxval(self%slave%high, 2), maxval(master%high, 2)) &
          & - min(minval(self%slave%low, 2), minval(master%low, 2)))
+      if (self%in_space) then
+         call update_space_mortar(self%space, self%cover, self%slave, normal, rules, master, tree, &
+            & x, reach, facing, start, error)
+         return
+      end if
       self%list = overlap_list_type()
       call find_overlaps_2d(self%slave, normal, master, tree, x, self%axisymmetric, &
          & self%thickness, reach, facing, self%list)
-      if (start) call choose_owners(self%pieces, self%slave, master, self%list, normal, x)
-      call measure_cover(self%pieces, self%slave, self%list)
+      call plan_rows(self%cover, rules, self%slave, master, x, self%list, start, direction)
    end subroutine update_mortar
 
    !> The row of a node by values, if enough of it is covered; the first one within an increment
    !> is the anchor of its slip.
-   subroutine meet_row(self, master, rules, x, node, start, patch, anchor, covered, normal, gap)
+   subroutine meet_row(self, master, rules, x, point, start, patch, anchor, covered, normal, gap)
       type(present_mortar_type), intent(in) :: self
       type(surface_type), intent(in) :: master
       type(facet_rule_type), intent(in) :: rules(:)
       real(wp), intent(in) :: x(:, :)
-      integer, intent(in) :: node
+      integer, intent(in) :: point                !! of the pair
       logical, intent(in) :: start                !! of an increment
       type(patch_type), intent(out) :: patch
       type(mortar_anchor_type), intent(inout) :: anchor
@@ -133,13 +147,14 @@ contains
       real(wp), intent(inout) :: normal(3)        !! out of the master
       real(wp), intent(inout) :: gap              !! [length]
       type(mortar_row_type) :: row
-      integer, allocatable :: also(:), on(:)
+      integer, allocatable :: also(:)
       real(wp), allocatable :: share(:)
-      integer :: k
+      integer :: k, node
 
       covered = anchor%tie%set
       if (covered) return
-      k = findloc(self%slave%node, node, 1)
+      k = point - self%first + 1
+      node = self%slave%node(k)
       if (self%in_space) then
          anchor%place = k
          associate (own => self%space%row(k))
@@ -153,11 +168,11 @@ contains
          return
       end if
       if (start) anchor%set = .false.
-      covered = is_strong(self%pieces, k)
+      covered = has_row(self%cover, k)
       if (.not. covered) return
-      call take_over(self%pieces, self%slave, k, also, share, on)
-      call new_patch(patch, self%slave, master, self%list, node, also, share, &
-         & self%pieces%piece, on)
+      call taken_over(self%cover, k, also, share)
+      call new_patch(patch, self%slave, master, self%list, node, self%slave%node(also), share, &
+         & self%piece, self%piece_of([k, also]))
       call mortar_row(row, patch, constant(x(:2, patch%node)), self%axisymmetric, &
          & self%thickness(1), facing)
       patch%met = row

@@ -6,7 +6,7 @@ module lopin_finite_mortar_3d
    use lopin_kinds, only : wp
    use lopin_dual, only : dual_type, variable
    use lopin_error, only : error_type, error_code, raise
-   use lopin_facets, only : facet_rule_type, nodal_normals
+   use lopin_facets, only : facet_rule_type
    use lopin_surface, only : surface_type
    use lopin_search, only : tree_type
    use lopin_dofs, only : dofs_type
@@ -15,6 +15,8 @@ module lopin_finite_mortar_3d
    use lopin_mortar_overlap, only : overlap_list_type
    use lopin_mortar_cells_3d, only : mortar_kernel_type
    use lopin_mortar_overlaps_3d, only : find_overlaps_3d
+   use lopin_mortar, only : plan_rows
+   use lopin_mortar_cover, only : cover_type
    use lopin_mortar_rows_3d, only : mortar_row_type, new_mortar_rows
    use lopin_mortar_traction_3d, only : slip_of_row, forces_of_row
    use lopin_finite_kernel, only : local_matrix_type, point_state_type
@@ -35,36 +37,36 @@ module lopin_finite_mortar_3d
 contains
 
    !> Rows at present places; at the start of an increment they are kept for the slip.
-   subroutine update_space_mortar(self, slave, full, rules, master, tree, x, facing, start, error)
+   subroutine update_space_mortar(self, cover, slave, normal, rules, master, tree, x, reach, &
+      & facing, start, error)
       type(space_mortar_type), intent(inout) :: self
+      type(cover_type), intent(inout) :: cover
       type(surface_type), intent(in) :: slave, master
-      real(wp), intent(in) :: full(:)             !! (slave nodes) weights if all were covered
+      real(wp), intent(in) :: normal(:, :)        !! (3, slave%nnode) outward, by pieces
       type(facet_rule_type), intent(in) :: rules(:)
       type(tree_type), intent(in) :: tree
       real(wp), intent(in) :: x(:, :)             !! (3, nnode) [length]
+      real(wp), intent(in) :: reach               !! [length]
       real(wp), intent(in) :: facing
       logical, intent(in) :: start                !! of an increment
       type(error_type), allocatable, intent(out) :: error
       type(overlap_list_type) :: list
-      real(wp) :: normal(3, size(x, 2)), reach
+      real(wp) :: direction(3, slave%nnode)
       integer :: lost, j
 
-      call nodal_normals(slave%facets, rules, x, .false., normal)
-      reach = norm2(max(maxval(slave%high, 2), maxval(master%high, 2)) &
-         & - min(minval(slave%low, 2), minval(master%low, 2)))
-      call find_overlaps_3d(self%kernel, slave, normal(:, slave%node), master, tree, x, reach, &
-         & facing, list, lost)
+      call find_overlaps_3d(self%kernel, slave, normal, master, tree, x, reach, facing, list, lost)
       if (lost > 0) then
          call raise(error, error_code%not_converged, 'E0316', 'a face of a surface-to-surface '// &
             & 'pair is too distorted to be integrated')
          return
       end if
+      call plan_rows(cover, rules, slave, master, x, list, start, direction)
       if (start .or. .not. allocated(self%before)) then
-         call new_mortar_rows(self%row, self%kernel, rules, slave, master, x, list, full=full)
+         call new_mortar_rows(self%row, self%kernel, rules, slave, master, x, list, cover=cover)
          self%before = self%row
       else
          call new_mortar_rows(self%row, self%kernel, rules, slave, master, x, list, self%before, &
-            & full)
+            & cover)
          do j = 1, size(self%row)
             ! What is met only within the increment slips from where it was met first.
             if (self%before(j)%node == 0 .and. self%row(j)%node > 0) self%before(j) = self%row(j)

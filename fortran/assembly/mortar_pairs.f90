@@ -9,8 +9,8 @@ module lopin_mortar_pairs
    use lopin_search, only : tree_type, build_tree
    use lopin_mortar_overlap, only : overlap_list_type
    use lopin_mortar_overlaps_2d, only : find_overlaps_2d
-   use lopin_slave_pieces, only : slave_pieces_type, new_slave_pieces, piece_normals, &
-      & choose_owners, owner_normals
+   use lopin_slave_pieces, only : split_slave, piece_normals, whole_weights
+   use lopin_mortar_cover, only : cover_type, new_cover
    use lopin_mortar_cells_3d, only : mortar_kernel_type, new_mortar_kernel
    use lopin_mortar_overlaps_3d, only : find_overlaps_3d
    use lopin_mortar, only : mortar_coupling_type, couple
@@ -35,22 +35,23 @@ contains
          & .and. model%surface(pair%master)%kind == surface_of%faces
    end function is_mortar
 
-   !> The coupling of a pair on the shape at the start.
-   subroutine couple_pair(self, model, cells, pair, normal, error)
+   !> The coupling of a pair on the shape at the start, its slave in smooth pieces.
+   subroutine couple_pair(self, model, cells, pair, tied, slave, side, error)
       type(mortar_coupling_type), intent(out) :: self
       type(model_type), intent(in) :: model
       type(cell_type), intent(in) :: cells(:)
       type(pair_type), intent(in) :: pair
-      real(wp), intent(in) :: normal(:, :)     !! (3, slave nodes) outward, as lopin_slave_points
+      logical, intent(in) :: tied
+      type(surface_type), intent(out) :: slave
+      real(wp), allocatable, intent(out) :: side(:, :)   !! (3, slave%nnode) outward
       type(error_type), allocatable, intent(out) :: error
-      type(surface_type) :: slave, master
-      type(facet_rule_type), allocatable :: rules(:)
+      type(surface_type) :: master
+      type(facet_rule_type) :: rules(6)
       type(tree_type) :: tree
       type(overlap_list_type) :: list
-      real(wp), allocatable :: thickness(:)
-      type(mortar_kernel_type) :: kernel
-      real(wp) :: reach, own(3, size(normal, 2))
-      integer :: lost
+      type(cover_type) :: cover
+      real(wp), allocatable :: thickness(:), full(:)
+      integer, allocatable :: piece(:)
       logical :: axisymmetric
 
       call shape_of(slave, model, cells, pair%slave, error)
@@ -58,45 +59,44 @@ contains
       call shape_of(master, model, cells, pair%master, error)
       if (allocated(error)) return
       call build_tree(tree, master%low, master%high)
-      allocate (rules(6))
       call new_facet_rules(rules)
-      own = normal
+      call split_slave(slave, rules, model%mesh%x, piece)
       thickness = thickness_of(model, slave%facets)
       axisymmetric = model%kind == kind_of%axisymmetric
-      reach = norm2(max(maxval(slave%high, 2), maxval(master%high, 2)) &
-         & - min(minval(slave%low, 2), minval(master%low, 2)))
-      if (model%mesh%ndim == 2) then
-         call couple_lines()
-      else
-         call new_mortar_kernel(kernel, model%mortar_degree)
-         call find_overlaps_3d(kernel, slave, normal, master, tree, model%mesh%x, reach, facing, &
-            & list, lost)
-         if (lost > 0) then
-            call raise(error, error_code%deck, 'E0316', 'a point of face S'// &
-               & to_text(slave%facets%face(lost))//' of element '// &
-               & to_text(model%mesh%element_label(slave%facets%element(lost)))// &
-               & ' of '//model%surface(pair%slave)%name//' has no place on the face opposite', &
-               & pair%at, help='the faces are too distorted to be integrated: make them '// &
-               & 'convex, or use TYPE=NODE TO SURFACE')
-            return
-         end if
-      end if
-      call couple(self, rules, slave, own, master, model%mesh%x, axisymmetric, thickness, list)
+      allocate (side(3, slave%nnode), full(slave%nnode), source=0.0_wp)
+      call piece_normals(slave, rules, model%mesh%x, axisymmetric, side(:model%mesh%ndim, :))
+      call whole_weights(slave, rules, model%mesh%x, axisymmetric, thickness, full)
+      call find_overlaps(list, error)
+      if (allocated(error)) return
+      call new_cover(cover, full, tied)
+      call couple(self, rules, slave, master, model%mesh%x, axisymmetric, thickness, list, cover)
 
    contains
 
-      !> In the plane a sharp corner has the normal of the piece that faces the master.
-      subroutine couple_lines()
-         type(slave_pieces_type) :: pieces
-         real(wp) :: of_facet(2, 3, slave%facets%n)
+      subroutine find_overlaps(list, error)
+         type(overlap_list_type), intent(inout) :: list
+         type(error_type), allocatable, intent(out) :: error
+         type(mortar_kernel_type) :: kernel
+         real(wp) :: reach
+         integer :: lost
 
-         call new_slave_pieces(pieces, slave, rules, model%mesh%x, axisymmetric, thickness)
-         call piece_normals(pieces, slave, model%mesh%x, axisymmetric, of_facet)
-         call find_overlaps_2d(slave, of_facet, master, tree, model%mesh%x, axisymmetric, &
-            & thickness, reach, facing, list)
-         call choose_owners(pieces, slave, master, list, of_facet, model%mesh%x)
-         own(:2, :) = owner_normals(pieces, slave, of_facet)
-      end subroutine couple_lines
+         reach = norm2(max(maxval(slave%high, 2), maxval(master%high, 2)) &
+            & - min(minval(slave%low, 2), minval(master%low, 2)))
+         if (model%mesh%ndim == 2) then
+            call find_overlaps_2d(slave, side, master, tree, model%mesh%x, axisymmetric, &
+               & thickness, reach, facing, list)
+            return
+         end if
+         call new_mortar_kernel(kernel, model%mortar_degree)
+         call find_overlaps_3d(kernel, slave, side, master, tree, model%mesh%x, reach, facing, &
+            & list, lost)
+         if (lost > 0) call raise(error, error_code%deck, 'E0316', 'a point of face S'// &
+            & to_text(slave%facets%face(lost))//' of element '// &
+            & to_text(model%mesh%element_label(slave%facets%element(lost)))// &
+            & ' of '//model%surface(pair%slave)%name//' has no place on the face opposite', &
+            & pair%at, help='the faces are too distorted to be integrated: make them '// &
+            & 'convex, or use TYPE=NODE TO SURFACE')
+      end subroutine find_overlaps
    end subroutine couple_pair
 
    !> A surface of faces at the start.

@@ -18,7 +18,7 @@ module lopin_pairing
    use lopin_mortar_pairs, only : couple_pair, is_mortar
    use lopin_model, only : model_type, surface_of
    use lopin_contact_points, only : contact_points_type, no_contact_points, reserve, add_point, &
-      & facing
+      & facing, pair_is_tied
    use lopin_tool_points, only : pair_with_tool
    implicit none
    private
@@ -118,7 +118,8 @@ contains
       end do
    end subroutine pair_with_surface
 
-   !> Surface to surface: each slave node meets a weighted mean of the master.
+   !> Surface to surface: each slave node meets a weighted mean of the master. A node on a sharp edge
+   !> has a point for each of its smooth pieces.
    subroutine pair_by_mortar(self, model, cells, pair, slave, error)
       type(contact_points_type), intent(inout) :: self
       type(model_type), intent(in) :: model
@@ -127,9 +128,12 @@ contains
       type(slave_type), intent(in) :: slave
       type(error_type), allocatable, intent(out) :: error
       type(mortar_coupling_type) :: coupling
-      integer :: i, j, m
+      type(surface_type) :: shape
+      real(wp), allocatable :: side(:, :)
+      integer :: i, j, k, m
 
-      call couple_pair(coupling, model, cells, model%pair(pair), slave%normal, error)
+      call couple_pair(coupling, model, cells, model%pair(pair), &
+         & pair_is_tied(model, model%pair(pair)), shape, side, error)
       if (allocated(error)) return
       m = size(self%master, 1)
       do j = 1, coupling%n
@@ -137,16 +141,19 @@ contains
       end do
       call reserve(self, size(self%pair), m)
       j = 1
-      do i = 1, size(slave%node)
+      i = 1
+      do k = 1, shape%nnode
+         if (slave%node(i) /= shape%node(k)) i = i + 1
          call add_point(self, pair, slave, i)
+         self%side(:, self%n) = side(:, k)
          if (j > coupling%n) cycle
-         if (coupling%node(j) /= slave%node(i)) cycle
+         if (coupling%place(j) /= k) cycle
          associate (n => self%n, from => coupling%first(j), to => coupling%first(j + 1) - 1)
             self%weight(n) = coupling%weight(j)
             self%facet(n) = coupling%facet(j)
             self%normal(:, n) = coupling%normal(:, j)
             self%gap(n) = coupling%gap(j)
-            self%foot(:model%mesh%ndim, n) = model%mesh%x(:, slave%node(i))
+            self%foot(:model%mesh%ndim, n) = model%mesh%x(:, shape%node(k))
             self%foot(:, n) = self%foot(:, n) - coupling%gap(j)*coupling%normal(:, j)
             self%master(:to - from + 1, n) = coupling%other(from:to)
             self%shape(:to - from + 1, n) = coupling%p(from:to)

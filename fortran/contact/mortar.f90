@@ -7,7 +7,8 @@
 !>
 !>    gap_j = n_j.(x_j - sum_l P_jl x_l),   P_jl = M_jl/D_j,   sum_l P_jl = 1.
 !>
-!> Facets quad8 and triangle6 are dualised in a transformed basis with positive integrals: their
+!> n_j is the mean normal of the master over the share of the node: the slave's own, a mean over its
+!> edges, would hold the node sideways. Facets quad8 and triangle6 are dualised in a transformed basis with positive integrals: their
 !> mid-side rows have terms at the slave's own corners (Popp, Wohlmuth, Gee, Wall 2012).
 module lopin_mortar
    use lopin_kinds, only : wp
@@ -15,17 +16,20 @@ module lopin_mortar
    use lopin_cells, only : cell_id
    use lopin_facets, only : facet_rule_type, facet_point
    use lopin_surface, only : surface_type
+   use lopin_facet_sides, only : facet_sides
    use lopin_mortar_overlap, only : overlap_type, overlap_list_type
+   use lopin_mortar_cover, only : cover_type, plan_cover, has_row
    implicit none
    private
-   public :: mortar_coupling_type, couple, dual_matrix, take_blend, thin
+   public :: mortar_coupling_type, couple, plan_rows, dual_matrix, take_blend, thin
 
    !> gap = n.(x_node - sum p x_other); forces: weight p n on the node, the opposite on the others.
    type :: mortar_coupling_type
       integer :: n = 0
-      integer, allocatable :: node(:)        !! (n) slave nodes that have a function, increasing
+      integer, allocatable :: node(:)        !! (n) slave nodes that have a row, not decreasing
+      integer, allocatable :: place(:)       !! (n) their numbers on the slave, increasing
       real(wp), allocatable :: weight(:)     !! (n) D_j > 0 [area]
-      real(wp), allocatable :: normal(:, :)  !! (3, n) unit, out of the master: minus the slave's
+      real(wp), allocatable :: normal(:, :)  !! (3, n) unit, out of the master
       real(wp), allocatable :: gap(:)        !! (n) mean of the gap by Phi_j, >= 0 open [length]
       real(wp), allocatable :: covered(:)    !! (n) D_j over that of the whole facets [-]
       integer, allocatable :: facet(:)       !! (n) master facet opposite most of it
@@ -40,8 +44,6 @@ module lopin_mortar
       integer, allocatable :: node(:)
       real(wp), allocatable :: value(:)
       real(wp) :: weight = 0.0_wp            !! D [area]
-      real(wp) :: gap = 0.0_wp               !! weighted [area length]
-      real(wp) :: full = 0.0_wp              !! D if all its facets were covered [area]
       real(wp) :: largest = 0.0_wp           !! share of one master facet [area]
       integer :: facet = 0
    end type row_type
@@ -49,71 +51,109 @@ module lopin_mortar
    !> A facet of which less is covered keeps the standard basis: positive, and constant pressures
    !> pass exactly; the dual one grows like the inverse of the share.
    real(wp), parameter :: thin = 0.1_wp
-   !> A node covered less than this share of its best neighbour has no function of its own: its
-   !> neighbours take its basis over, so that the functions still sum to one.
-   real(wp), parameter :: weak = 0.05_wp
    !> Of a facet: less is rounding.
    real(wp), parameter :: nothing = 1.0e-10_wp
 
 contains
 
-   !> Rows of all slave nodes from the overlaps of the facets.
-   subroutine couple(self, rules, slave, normal, master, x, axisymmetric, thickness, list)
+   !> Rows of all slave nodes from the overlaps of the facets; `cover` is new, or planned before.
+   subroutine couple(self, rules, slave, master, x, axisymmetric, thickness, list, cover)
       type(mortar_coupling_type), intent(out) :: self
       type(facet_rule_type), intent(in) :: rules(:)   !! from new_facet_rules
       type(surface_type), intent(in) :: slave, master
-      real(wp), intent(in) :: normal(:, :)            !! (3, slave%nnode) outward unit normals
       real(wp), intent(in) :: x(:, :)                 !! (ndim, all mesh nodes) [length]
       logical, intent(in) :: axisymmetric
       real(wp), intent(in) :: thickness(:)            !! (slave facets) ones unless plane [length]
       type(overlap_list_type), intent(in) :: list
+      type(cover_type), intent(inout) :: cover        !! from new_cover
       type(row_type), allocatable :: row(:)
-      real(wp) :: full(8), area
-      integer :: i, k, n, from, to
+      real(wp) :: direction(3, slave%nnode)
+      integer :: i, from, to
 
       allocate (row(slave%nnode))
+      call plan_rows(cover, rules, slave, master, x, list, .true., direction)
       from = 1
       do i = 1, slave%facets%n
-         n = slave%facets%nnode(i)
-         call whole_facet(rules(slave%facets%cell(i)), x(:, slave%facets%node(:n, i)), &
-            & axisymmetric, thickness(i), full(:n), area)
-         do k = 1, n
-            row(slave%local(k, i))%full = row(slave%local(k, i))%full + full(k)
-         end do
          to = from - 1
          do while (to < list%n)
             if (list%item(to + 1)%slave /= i) exit
             to = to + 1
          end do
-         if (to >= from) call add_facet(row, slave, master, rules(slave%facets%cell(i)), i, area, &
+         if (to >= from) call add_facet(row, slave, master, rules(slave%facets%cell(i)), i, &
+            & whole_area(rules(slave%facets%cell(i)), &
+            & x(:, slave%facets%node(:slave%facets%nnode(i), i)), axisymmetric, thickness(i)), &
             & list%item(from:to))
          from = to + 1
       end do
-      call share_weak(row, slave)
-      call take_rows(self, row, slave, normal)
+      do i = 1, size(cover%giver)
+         call hand_over(row, direction, cover%giver(i), cover%gift(cover%giver(i))%heir)
+      end do
+      if (axisymmetric) call straighten(direction, slave, x)
+      call take_rows(self, row, slave, direction, x, cover)
    end subroutine couple
 
-   !> Integrals of the basis over a whole facet, and its area.
-   pure subroutine whole_facet(rule, x, axisymmetric, thickness, full, area)
+   !> Weights and mean master normals of all functions; from them who has a row.
+   subroutine plan_rows(cover, rules, slave, master, x, list, start, direction)
+      type(cover_type), intent(inout) :: cover
+      type(facet_rule_type), intent(in) :: rules(:)
+      type(surface_type), intent(in) :: slave, master
+      real(wp), intent(in) :: x(:, :)
+      type(overlap_list_type), intent(in) :: list
+      logical, intent(in) :: start                    !! of an increment
+      real(wp), intent(out) :: direction(3, slave%nnode)   !! times weight [area]
+      real(wp) :: weight(slave%nnode), side(size(x, 1), 8), blend(8, 8), unit(3, slave%nnode), most
+      integer :: i, k, n, m
+
+      weight = 0.0_wp
+      direction = 0.0_wp
+      do i = 1, list%n
+         associate (o => list%item(i), f => slave%facets, g => master%facets)
+            n = f%nnode(o%slave)
+            m = g%nnode(o%master)
+            call facet_sides(rules(g%cell(o%master))%cell, x(:, g%node(:m, o%master)), side(:, :m))
+            call take_blend(rules(f%cell(o%slave)), blend(:n, :n))
+            associate (at => slave%local(:n, o%slave), d => size(x, 1))
+               weight(at) = weight(at) + matmul(blend(:n, :n), o%d(:n))
+               direction(:d, at) = direction(:d, at) &
+                  & + matmul(side(:, :m), transpose(matmul(blend(:n, :n), o%b(:n, :m))))
+            end associate
+         end associate
+      end do
+      unit = 0.0_wp
+      do k = 1, slave%nnode
+         most = norm2(direction(:, k))
+         if (most > 0.0_wp) unit(:, k) = direction(:, k)/most
+      end do
+      call plan_cover(cover, slave, list, weight, unit, start)
+   end subroutine plan_rows
+
+   !> On the axis the radial part of a normal vanishes by symmetry.
+   pure subroutine straighten(direction, slave, x)
+      real(wp), intent(inout) :: direction(:, :)
+      type(surface_type), intent(in) :: slave
+      real(wp), intent(in) :: x(:, :)
+      integer :: i
+
+      do i = 1, slave%nnode
+         if (abs(x(1, slave%node(i))) > 1.0e-10_wp*maxval(abs(x(1, :)))) cycle
+         if (abs(direction(2, i)) > 0.0_wp) direction(1, i) = 0.0_wp
+      end do
+   end subroutine straighten
+
+   pure real(wp) function whole_area(rule, x, axisymmetric, thickness) result(area)
       type(facet_rule_type), intent(in) :: rule
       real(wp), intent(in) :: x(:, :)               !! (ndim, nnode) [length]
       logical, intent(in) :: axisymmetric
       real(wp), intent(in) :: thickness
-      real(wp), intent(out) :: full(:), area
-      real(wp) :: normal(3), own, blend(8, 8), plain(8)
-      integer :: k, n
+      real(wp) :: normal(3), own
+      integer :: k
 
-      n = size(full)
-      plain = 0.0_wp
       area = 0.0_wp
       do k = 1, rule%npoint
          call facet_point(rule, k, x, axisymmetric, normal(:size(x, 1)), own)
-         plain(:n) = plain(:n) + thickness*own*rule%n(:n, k)
          area = area + thickness*own
       end do
-      call take_blend(rule, blend(:n, :n))
-      full = matmul(blend(:n, :n), plain(:n))
-   end subroutine whole_facet
+   end function whole_area
 
    !> The transformed basis of quad8 and triangle6 = blend * standard basis; unity for the others.
    pure subroutine take_blend(rule, blend)
@@ -165,7 +205,7 @@ contains
       type(overlap_type), intent(in) :: item(:)       !! all of this slave facet
       real(wp) :: me(rule%cell%nnode, rule%cell%nnode), d(rule%cell%nnode), &
          & blend(rule%cell%nnode, rule%cell%nnode), a(rule%cell%nnode, rule%cell%nnode), &
-         & m(rule%cell%nnode, 8), gap(rule%cell%nnode), covered
+         & m(rule%cell%nnode, 8), covered
       integer :: i, j, l, n
 
       n = rule%cell%nnode
@@ -187,10 +227,8 @@ contains
       end if
       do i = 1, size(item)
          m = matmul(a, item(i)%b(:n, :))
-         gap = matmul(a, item(i)%gap(:n))
          do j = 1, n
             associate (own => row(slave%local(j, facet)))
-               own%gap = own%gap + gap(j)
                do l = 1, master%facets%nnode(item(i)%master)
                   call add_term(own, master%facets%node(l, item(i)%master), -m(j, l))
                end do
@@ -258,118 +296,53 @@ contains
       row%value(row%n) = value
    end subroutine add_term
 
-   !> Nodes that are hardly covered hand their functions to the neighbours that are covered more,
-   !> the least covered first.
-   subroutine share_weak(row, slave)
+   !> Add row j to those of its heirs in equal parts.
+   subroutine hand_over(row, direction, j, heir)
       type(row_type), intent(inout) :: row(:)
-      type(surface_type), intent(in) :: slave
-      real(wp) :: ratio(size(row)), best(size(row))
-      logical :: open(size(row))
-      integer, allocatable :: facets(:, :)
-      integer :: i, j, n
+      real(wp), intent(inout) :: direction(:, :)
+      integer, intent(in) :: j, heir(:)
+      real(wp) :: share
+      integer :: i, k
 
-      ratio = 0.0_wp
-      do i = 1, size(row)
-         if (row(i)%full > 0.0_wp) ratio(i) = row(i)%weight/row(i)%full
-         ! line3 on the axis: the integral of its end's function vanishes.
-         if (.not. row(i)%full > nothing*maxval(row%full)) ratio(i) = 0.0_wp
-      end do
-      best = ratio
-      do i = 1, slave%facets%n
-         n = slave%facets%nnode(i)
-         associate (own => slave%local(:n, i))
-            best(own) = max(best(own), maxval(ratio(own)))
-         end associate
-      end do
-      open = row%n > 0 .and. .not. ratio > weak*best
-      call facets_of_nodes(slave, facets)
-      do while (any(open))
-         j = minloc(ratio, dim=1, mask=open)
-         open(j) = .false.
-         call hand_over(row, slave, facets(:, j), ratio, weak*best, j)
-      end do
-   end subroutine share_weak
-
-   !> The facets of each node, zeros behind the last.
-   pure subroutine facets_of_nodes(slave, facets)
-      type(surface_type), intent(in) :: slave
-      integer, allocatable, intent(out) :: facets(:, :)
-      integer :: number(slave%nnode)
-      integer :: i, k, pass
-
-      do pass = 1, 2
-         number = 0
-         do i = 1, slave%facets%n
-            do k = 1, slave%facets%nnode(i)
-               associate (node => slave%local(k, i))
-                  number(node) = number(node) + 1
-                  if (pass == 2) facets(number(node), node) = i
-               end associate
-            end do
-         end do
-         if (pass == 1) allocate (facets(max(1, maxval(number)), slave%nnode), source=0)
-      end do
-   end subroutine facets_of_nodes
-
-   !> Add row j to the strong neighbours' in equal parts; without any, to the best neighbour's.
-   subroutine hand_over(row, slave, facets, ratio, limit, j)
-      type(row_type), intent(inout) :: row(:)
-      type(surface_type), intent(in) :: slave
-      integer, intent(in) :: facets(:)        !! of node j
-      real(wp), intent(in) :: ratio(:), limit(:)
-      integer, intent(in) :: j
-      integer, allocatable :: heir(:)
-      integer :: i, k, best
-
-      allocate (heir(0))
-      best = 0
-      do i = 1, size(facets)
-         if (facets(i) == 0) exit
-         do k = 1, slave%facets%nnode(facets(i))
-            associate (node => slave%local(k, facets(i)))
-               if (.not. ratio(node) > ratio(j) .or. any(heir == node)) cycle
-               if (ratio(node) > limit(node)) heir = [heir, node]
-               if (best == 0) best = node
-               if (ratio(node) > ratio(best)) best = node
-            end associate
-         end do
-      end do
-      if (size(heir) == 0 .and. best > 0) heir = [best]
+      share = 1.0_wp/real(size(heir), wp)
       do i = 1, size(heir)
-         associate (to => row(heir(i)), share => 1.0_wp/real(size(heir), wp))
+         associate (to => row(heir(i)))
             do k = 1, row(j)%n
                call add_term(to, row(j)%node(k), share*row(j)%value(k))
             end do
             to%weight = to%weight + share*row(j)%weight
-            to%gap = to%gap + share*row(j)%gap
+            direction(:, heir(i)) = direction(:, heir(i)) + share*direction(:, j)
          end associate
       end do
       row(j)%n = 0
    end subroutine hand_over
 
-   !> Divide the rows by their weights.
-   subroutine take_rows(self, row, slave, normal)
+   !> Divide the rows by their weights; gaps about the node, so that far coordinates lose no digits.
+   subroutine take_rows(self, row, slave, direction, x, cover)
       type(mortar_coupling_type), intent(inout) :: self
       type(row_type), intent(in) :: row(:)
       type(surface_type), intent(in) :: slave
-      real(wp), intent(in) :: normal(:, :)
+      real(wp), intent(in) :: direction(:, :), x(:, :)
+      type(cover_type), intent(in) :: cover
       integer :: i, k, n, terms
       real(wp) :: p
 
-      n = count(row%n > 0 .and. row%weight > 0.0_wp)
-      allocate (self%node(n), self%weight(n), self%normal(3, n), self%gap(n), self%covered(n), &
-         & self%facet(n), self%first(n + 1), self%other(sum(row%n)), self%p(sum(row%n)))
-      self%normal = 0.0_wp
+      n = count([(row(i)%n > 0 .and. row(i)%weight > 0.0_wp .and. has_row(cover, i), &
+         & i=1, size(row))])
+      allocate (self%node(n), self%place(n), self%weight(n), self%normal(3, n), self%gap(n), &
+         & self%covered(n), self%facet(n), self%first(n + 1), self%other(sum(row%n)), &
+         & self%p(sum(row%n)))
       self%first(1) = 1
       terms = 0
       do i = 1, size(row)
-         if (row(i)%n == 0 .or. .not. row(i)%weight > 0.0_wp) cycle
+         if (row(i)%n == 0 .or. .not. row(i)%weight > 0.0_wp .or. .not. has_row(cover, i)) cycle
          self%n = self%n + 1
          self%node(self%n) = slave%node(i)
+         self%place(self%n) = i
          self%weight(self%n) = row(i)%weight
-         self%normal(:size(normal, 1), self%n) = -normal(:, i)
-         self%gap(self%n) = row(i)%gap/row(i)%weight
-         self%covered(self%n) = min(1.0_wp, row(i)%weight/max(tiny(1.0_wp), row(i)%full))
+         self%normal(:, self%n) = direction(:, i)/max(tiny(1.0_wp), norm2(direction(:, i)))
+         self%gap(self%n) = gap_of(row(i), self%normal(:size(x, 1), self%n), x, slave%node(i))
+         self%covered(self%n) = min(1.0_wp, row(i)%weight/max(tiny(1.0_wp), cover%full(i)))
          self%facet(self%n) = row(i)%facet
          do k = 1, row(i)%n
             p = -row(i)%value(k)/row(i)%weight
@@ -384,4 +357,17 @@ contains
       self%other = self%other(:terms)
       self%p = self%p(:terms)
    end subroutine take_rows
+
+   pure real(wp) function gap_of(row, normal, x, node) result(gap)
+      type(row_type), intent(in) :: row
+      real(wp), intent(in) :: normal(:), x(:, :)
+      integer, intent(in) :: node
+      integer :: k
+
+      gap = 0.0_wp
+      do k = 1, row%n
+         gap = gap + row%value(k)*dot_product(normal, x(:, row%node(k)) - x(:, node))
+      end do
+      gap = gap/row%weight
+   end function gap_of
 end module lopin_mortar

@@ -8,6 +8,8 @@ module lopin_mortar_facet_3d
    use lopin_dense, only : cholesky, cholesky_solve
    use lopin_facets, only : facet_rule_type, facet_point
    use lopin_surface, only : surface_type
+   use lopin_cells, only : cell_type
+   use lopin_facet_sides, only : facet_sides
    use lopin_mortar, only : take_blend, thin
    use lopin_mortar_overlap, only : overlap_type
    use lopin_mortar_cells_3d, only : mortar_kernel_type, mortar_sums_type, integrate_overlap
@@ -26,6 +28,9 @@ module lopin_mortar_facet_3d
       real(wp), allocatable :: m(:, :)               !! (ns, nm) [length^2]
       real(wp), allocatable :: d_slope(:, :)         !! (3(ns + nm), ns) [length]
       real(wp), allocatable :: m_slope(:, :, :)      !! (3(ns + nm), ns, nm) [length]
+      real(wp), allocatable :: side(:, :)            !! (3, ns) normal of the master by the basis
+                                                     !! [length^2]
+      real(wp), allocatable :: side_slope(:, :, :)   !! (3, 3(ns + nm), ns) [length]
    end type facet_coupling_type
 
    !> Integrals of the (transformed) basis over all masters.
@@ -36,10 +41,10 @@ module lopin_mortar_facet_3d
 contains
 
    !> `item`: the overlaps of this facet, as found by lopin_mortar_overlaps_3d at the places x.
-   subroutine couple_facet(self, kernel, rule, slave, master, x, item)
+   subroutine couple_facet(self, kernel, rules, slave, master, x, item)
       type(facet_coupling_type), intent(out) :: self
       type(mortar_kernel_type), intent(in) :: kernel
-      type(facet_rule_type), intent(in) :: rule       !! of the slave's cell
+      type(facet_rule_type), intent(in) :: rules(:)   !! from new_facet_rules
       type(surface_type), intent(in) :: slave, master
       real(wp), intent(in) :: x(:, :)                 !! (3, all mesh nodes) [length]
       type(overlap_type), intent(in) :: item(:)       !! at least one
@@ -60,14 +65,17 @@ contains
       self%nm = n - self%ns
       allocate (self%d(self%ns), self%m(self%ns, self%nm), self%d_slope(3*n, self%ns), &
          & self%m_slope(3*n, self%ns, self%nm), source=0.0_wp)
+      allocate (self%side(3, self%ns), self%side_slope(3, 3*n, self%ns), source=0.0_wp)
       allocate (sums%me(self%ns, self%ns), sums%me_slope(3*n, self%ns, self%ns), source=0.0_wp)
       do i = 1, size(item)
          call add_master(self, sums, kernel, slave%facets%cell(item(i)%slave), &
-            & master%facets%cell(item(i)%master), x, &
+            & rules(master%facets%cell(item(i)%master))%cell, x, &
             & master%facets%node(:master%facets%nnode(item(i)%master), item(i)%master))
       end do
-      call transform(self, sums, rule)
-      if (sum(self%d) >= thin*area_of(rule, x(:, self%node(:self%ns)))) call dualise(self, sums)
+      associate (rule => rules(slave%facets%cell(item(1)%slave)))
+         call transform(self, sums, rule)
+         if (sum(self%d) >= thin*area_of(rule, x(:, self%node(:self%ns)))) call dualise(self, sums)
+      end associate
    end subroutine couple_facet
 
    !> Integrals with one master; `node` are its mesh nodes.
@@ -75,13 +83,14 @@ contains
       type(facet_coupling_type), intent(inout) :: self
       type(integrals_type), intent(inout) :: sums
       type(mortar_kernel_type), intent(in) :: kernel
-      integer, intent(in) :: slave, master, node(:)
+      integer, intent(in) :: slave, node(:)
+      type(cell_type), intent(in) :: master
       real(wp), intent(in) :: x(:, :)
       type(mortar_sums_type) :: own
       type(slope_sums_type) :: slopes
-      real(wp) :: normal(3, 8)
+      real(wp) :: normal(3, 8), side(3, size(node)), side_slope(3, 3*size(node), size(node))
       integer :: at(size(node)), way(3*(self%ns + size(node)))
-      integer :: j, k, ns, n
+      integer :: j, k, q, ns, n
 
       ns = self%ns
       normal = 0.0_wp
@@ -93,8 +102,9 @@ contains
          way(3*(ns + k) - 2:3*(ns + k)) = 3*(ns + at(k)) + [-2, -1, 0]
       end do
       n = size(way)
-      call integrate_overlap(kernel, slave, x(:, self%node(:ns)), normal(:, :ns), master, &
+      call integrate_overlap(kernel, slave, x(:, self%node(:ns)), normal(:, :ns), master%id, &
          & x(:, node), own, slopes)
+      call facet_sides(master, x(:, node), side, side_slope)
       self%topology = mod(31*self%topology + own%topology, 1000003)
       sums%me = sums%me + own%me(:ns, :ns)
       self%d = self%d + own%d(:ns)
@@ -106,6 +116,12 @@ contains
          do k = 1, size(node)
             self%m(j, at(k)) = self%m(j, at(k)) + own%b(j, k)
             self%m_slope(way, j, at(k)) = self%m_slope(way, j, at(k)) + slopes%b(:n, j, k)
+            self%side(:, j) = self%side(:, j) + own%b(j, k)*side(:, k)
+            do q = 1, 3
+               self%side_slope(q, way, j) = self%side_slope(q, way, j) + side(q, k)*slopes%b(:n, j, k)
+            end do
+            self%side_slope(:, way(3*ns + 1:), j) = self%side_slope(:, way(3*ns + 1:), j) &
+               & + own%b(j, k)*side_slope(:, :, k)
          end do
       end do
    end subroutine add_master
@@ -124,6 +140,10 @@ contains
       self%m = matmul(blend, self%m)
       sums%me = matmul(blend, matmul(sums%me, transpose(blend)))
       self%d_slope = matmul(self%d_slope, transpose(blend))
+      self%side = matmul(self%side, transpose(blend))
+      do k = 1, 3
+         self%side_slope(k, :, :) = matmul(self%side_slope(k, :, :), transpose(blend))
+      end do
       do k = 1, self%nm
          self%m_slope(:, :, k) = matmul(self%m_slope(:, :, k), transpose(blend))
       end do

@@ -5,8 +5,8 @@
 !> on the master facets that these cover. `new_patch` lists them, `mortar_row` gives the weight,
 !> normal,
 !> mean gap and coefficients with their slopes by all places of the list: those of the dual basis,
-!> of the normals and of the moving ends of the segments. A node may take over the rows of hardly
-!> covered neighbours, as in lopin_mortar.
+!> of the normals and of the moving ends of the segments. A node may take over the functions of
+!> others: lopin_mortar_cover.
 module lopin_mortar_node_2d
    use lopin_kinds, only : wp
    use lopin_dual, only : dual_type, constant, dual_norm, operator(+), operator(-), operator(*), &
@@ -23,7 +23,7 @@ module lopin_mortar_node_2d
    !> gap vector = sum coefficient*x / weight.
    type :: mortar_row_type
       type(dual_type) :: weight                    !! D [area]
-      type(dual_type) :: normal(2)                 !! out of the master
+      type(dual_type) :: normal(2)                 !! out of the master: its mean opposite
       type(dual_type) :: gap                       !! mean by the dual function [length]
       type(dual_type), allocatable :: coefficient(:)   !! of each place; their sum is 0 [area]
    end type mortar_row_type
@@ -151,19 +151,35 @@ contains
       logical, intent(in) :: axisymmetric
       real(wp), intent(in) :: thickness            !! not read if axisymmetric [length]
       real(wp), intent(in) :: facing               !! n_slave.n_master must be below this [-]
-      type(dual_type) :: gap
-      integer :: i
+      type(dual_type) :: length
+      integer :: i, k
 
       allocate (self%coefficient(size(x, 2)))
-      self%normal = constant([0.0_wp, 0.0_wp]) - nodal_normal(patch, x, 1, &
-         & patch%on(1), axisymmetric)
-      gap = constant(0.0_wp)
+      self%normal = constant([0.0_wp, 0.0_wp])
       do i = 1, patch%nchain
-         if (patch%at_node(i)) call add_facet(self, patch, x, axisymmetric, thickness, facing, i, &
-            & gap)
+         if (patch%at_node(i)) call add_facet(self, patch, x, axisymmetric, thickness, facing, i)
       end do
-      if (self%weight%v > 0.0_wp) self%gap = gap/self%weight
+      if (.not. self%weight%v > 0.0_wp) return
+      if (axisymmetric .and. is_on_axis(x, 1) .and. abs(self%normal(2)%v) > 0.0_wp) &
+         & self%normal(1) = constant(0.0_wp)
+      length = dual_norm(self%normal)
+      self%gap = constant(0.0_wp)
+      do k = 1, 2
+         self%normal(k) = self%normal(k)/length
+         do i = 2, size(x, 2)
+            ! About the node: far coordinates lose no digits.
+            self%gap = self%gap + self%coefficient(i)*self%normal(k)*(x(k, i) - x(k, 1))
+         end do
+      end do
+      self%gap = self%gap/self%weight
    end subroutine mortar_row
+
+   !> By symmetry nothing is radial there.
+   pure logical function is_on_axis(x, place)
+      type(dual_type), intent(in) :: x(:, :)
+      integer, intent(in) :: place
+      is_on_axis = abs(x(1, place)%v) <= 1.0e-10_wp*maxval(abs(x(1, :)%v))
+   end function is_on_axis
 
    !> Mean of the unit normals of the facets of a piece at a place.
    function nodal_normal(patch, x, place, piece, axisymmetric) result(normal)
@@ -171,43 +187,54 @@ contains
       type(dual_type), intent(in) :: x(:, :)
       integer, intent(in) :: place, piece
       logical, intent(in) :: axisymmetric
-      type(dual_type) :: normal(2), n(3), dn(3), tangent(2), length
-      real(wp), parameter :: at(3) = [-1.0_wp, 1.0_wp, 0.0_wp]
+      type(dual_type) :: normal(2), length
       integer :: i, k, m
 
       normal = constant([0.0_wp, 0.0_wp])
       do i = 1, patch%nchain
          if (patch%piece(i) /= piece) cycle
-         do k = 1, patch%nnode(i)
+         m = patch%nnode(i)
+         do k = 1, m
             if (patch%chain(k, i) /= place) cycle
-            call line_shape(patch%nnode(i), constant(at(k)), n, dn)
-            tangent = constant([0.0_wp, 0.0_wp])
-            do m = 1, patch%nnode(i)
-               tangent = tangent + x(:, patch%chain(m, i))*dn(m)
-            end do
-            length = dual_norm(tangent)
-            normal(1) = normal(1) + tangent(2)/length
-            normal(2) = normal(2) - tangent(1)/length
+            normal = normal + facet_side(x(:, patch%chain(:m, i)), k)
          end do
       end do
-      if (axisymmetric .and. abs(x(1, place)%v) <= 1.0e-10_wp*maxval(abs(x(1, :)%v)) &
-         & .and. abs(normal(2)%v) > 0.0_wp) normal(1) = constant(0.0_wp)
+      if (axisymmetric .and. is_on_axis(x, place) .and. abs(normal(2)%v) > 0.0_wp) &
+         & normal(1) = constant(0.0_wp)
       length = dual_norm(normal)
       normal(1) = normal(1)/length
       normal(2) = normal(2)/length
    end function nodal_normal
 
+   !> Outward unit normal of a facet at one of its nodes.
+   function facet_side(x, k) result(normal)
+      type(dual_type), intent(in) :: x(:, :)       !! (2, nodes)
+      integer, intent(in) :: k
+      type(dual_type) :: normal(2), n(3), dn(3), tangent(2), length
+      real(wp), parameter :: at(3) = [-1.0_wp, 1.0_wp, 0.0_wp]
+      integer :: m
+
+      call line_shape(size(x, 2), constant(at(k)), n, dn)
+      tangent = constant([0.0_wp, 0.0_wp])
+      do m = 1, size(x, 2)
+         tangent = tangent + x(:, m)*dn(m)
+      end do
+      length = dual_norm(tangent)
+      normal(1) = tangent(2)/length
+      normal(2) = constant(0.0_wp) - tangent(1)/length
+   end function facet_side
+
    !> What one facet at the node adds.
-   subroutine add_facet(self, patch, x, axisymmetric, thickness, facing, i, gap)
+   subroutine add_facet(self, patch, x, axisymmetric, thickness, facing, i)
       type(mortar_row_type), intent(inout) :: self
       type(patch_type), intent(in) :: patch
       type(dual_type), intent(in) :: x(:, :)
       logical, intent(in) :: axisymmetric
       real(wp), intent(in) :: thickness, facing
       integer, intent(in) :: i
-      type(dual_type), intent(inout) :: gap
       type(segment_type) :: segment(patch%ncover)
-      type(dual_type) :: normal(2, 3), me(3, 3), d(3), a(3), area
+      type(dual_type) :: normal(2, 3), me(3, 3), d(3), a(3), area, side(2)
+      real(wp) :: plain(3)
       integer :: c, f, j, k, l, n
       logical :: dual
 
@@ -227,10 +254,12 @@ contains
       if (.not. area%v > 0.0_wp) return
       dual = area%v >= thin*whole(x(:, patch%chain(:n, i))%v, axisymmetric, thickness)
       a = constant([0.0_wp, 0.0_wp, 0.0_wp])
+      plain = 0.0_wp
       do f = 1, size(patch%function)
          if (patch%on(f) /= patch%piece(i)) cycle
          j = findloc(patch%chain(:n, i), patch%function(f), 1)
          if (j == 0) cycle
+         plain(j) = plain(j) + patch%share(f)
          self%weight = self%weight + patch%share(f)*d(j)
          self%coefficient(patch%function(f)) = self%coefficient(patch%function(f)) &
             & + patch%share(f)*d(j)
@@ -242,13 +271,16 @@ contains
       end do
       do c = 1, patch%ncover
          if (patch%over(c) /= i .or. .not. segment(c)%overlaps) cycle
-         do k = 1, n
-            gap = gap + a(k)*segment(c)%gap(k)
-            do l = 1, patch%ncovered(c)
-               associate (to => self%coefficient(patch%cover(l, c)))
+         do l = 1, patch%ncovered(c)
+            side = facet_side(x(:, patch%cover(:patch%ncovered(c), c)), l)
+            associate (to => self%coefficient(patch%cover(l, c)))
+               do k = 1, n
                   to = to - a(k)*segment(c)%b(k, l)
-               end associate
-            end do
+                  if (.not. plain(k) > 0.0_wp) cycle
+                  self%normal(1) = self%normal(1) + plain(k)*segment(c)%b(k, l)*side(1)
+                  self%normal(2) = self%normal(2) + plain(k)*segment(c)%b(k, l)*side(2)
+               end do
+            end associate
          end do
       end do
    end subroutine add_facet

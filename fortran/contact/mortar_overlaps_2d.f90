@@ -20,7 +20,7 @@ contains
    subroutine find_overlaps_2d(slave, normal, master, tree, x, axisymmetric, thickness, reach, &
       & facing, list)
       type(surface_type), intent(in) :: slave, master
-      real(wp), intent(in) :: normal(:, :, :)     !! (2, 3, slave facets) outward unit normals
+      real(wp), intent(in) :: normal(:, :)        !! (2, slave%nnode) outward unit normals
       type(tree_type), intent(in) :: tree
       real(wp), intent(in) :: x(:, :)             !! (2, all mesh nodes) [length]
       logical, intent(in) :: axisymmetric
@@ -38,7 +38,7 @@ contains
          n = slave%facets%nnode(i)
          low = slave%low(:, i)
          high = slave%high(:, i)
-         nu(:, :n) = constant(normal(:, :n, i))
+         nu(:, :n) = constant(normal(:2, slave%local(:n, i)))
          do k = 1, n
             way = 0.0_wp
             way(:2) = reach*nu(:, k)%v

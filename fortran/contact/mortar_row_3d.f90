@@ -1,16 +1,12 @@
 !> A mortar row in space with its slopes: what it holds, and how one takes another over.
 !>
-!> A node that is hardly covered hands its row to neighbours that are covered more, so that the
-!> functions still sum to one, as in lopin_mortar.
+!> A node without a row of its own hands it over to others, so that the functions still sum to one:
+!> lopin_mortar_cover.
 module lopin_mortar_row_3d
    use lopin_kinds, only : wp
-   use lopin_surface, only : surface_type
    implicit none
    private
-   public :: mortar_row_type, join, share_weak_rows
-
-   !> A node covered less than this share of its best neighbour has no row of its own.
-   real(wp), parameter :: weak = 0.05_wp
+   public :: mortar_row_type, join, hand_row_over
 
    !> Directions: x, y, z of of(1), of of(2), ...
    type :: mortar_row_type
@@ -42,61 +38,17 @@ contains
       end do
    end subroutine join
 
-   !> The least covered first; before normals and gaps are formed.
-   subroutine share_weak_rows(row, slave, full)
-      type(mortar_row_type), intent(inout) :: row(:)   !! (slave%nnode)
-      type(surface_type), intent(in) :: slave
-      real(wp), intent(in) :: full(:)                  !! (slave%nnode) weights if all were covered
-      real(wp) :: ratio(size(row)), best(size(row))
-      logical :: open(size(row))
-      integer :: i, j, n
-
-      ratio = 0.0_wp
-      where (full > 0.0_wp) ratio = row%weight/full
-      best = ratio
-      do i = 1, slave%facets%n
-         n = slave%facets%nnode(i)
-         associate (own => slave%local(:n, i))
-            best(own) = max(best(own), maxval(ratio(own)))
-         end associate
-      end do
-      open = row%node > 0 .and. .not. ratio > weak*best
-      do while (any(open))
-         j = minloc(ratio, dim=1, mask=open)
-         open(j) = .false.
-         call hand_over(row, slave, ratio, weak*best, j)
-      end do
-   end subroutine share_weak_rows
-
-   !> To the strong neighbours in equal parts, or else to the best one.
-   subroutine hand_over(row, slave, ratio, limit, j)
+   !> Row j to others in equal parts, before normals and gaps are formed.
+   pure subroutine hand_row_over(row, j, heir)
       type(mortar_row_type), intent(inout) :: row(:)
-      type(surface_type), intent(in) :: slave
-      real(wp), intent(in) :: ratio(:), limit(:)
-      integer, intent(in) :: j
-      integer, allocatable :: heir(:)
-      integer :: i, k, n, best
+      integer, intent(in) :: j, heir(:)
+      integer :: i
 
-      allocate (heir(0))
-      best = 0
-      do i = 1, slave%facets%n
-         n = slave%facets%nnode(i)
-         if (.not. any(slave%local(:n, i) == j)) cycle
-         do k = 1, n
-            associate (node => slave%local(k, i))
-               if (.not. ratio(node) > ratio(j) .or. any(heir == node)) cycle
-               if (ratio(node) > limit(node)) heir = [heir, node]
-               if (best == 0) best = node
-               if (ratio(node) > ratio(best)) best = node
-            end associate
-         end do
-      end do
-      if (size(heir) == 0 .and. best > 0) heir = [best]
       do i = 1, size(heir)
          call add_row(row(heir(i)), row(j), 1.0_wp/real(size(heir), wp))
       end do
       row(j)%node = 0
-   end subroutine hand_over
+   end subroutine hand_row_over
 
    pure subroutine add_row(to, from, share)
       type(mortar_row_type), intent(inout) :: to
@@ -112,6 +64,8 @@ contains
       to%topology = mod(31*to%topology + from%topology, 1000003)
       to%weight = to%weight + share*from%weight
       to%weight_slope(way) = to%weight_slope(way) + share*from%weight_slope
+      to%normal = to%normal + share*from%normal
+      to%normal_slope(:, way) = to%normal_slope(:, way) + share*from%normal_slope
       do k = 1, size(at)
          to%c(at(k)) = to%c(at(k)) + share*from%c(k)
          to%c_slope(way, at(k)) = to%c_slope(way, at(k)) + share*from%c_slope(:, k)

@@ -1,18 +1,18 @@
 !> Mortar rows of slave nodes at any shape in space, with their exact slopes: for finite sliding.
 !>
 !> Row j: weighted gap vector G = sum_i c_i x_i (c: the slave's side positive, -M_jl on masters,
-!> sum 0), D_j, normal n out of the master (minus the mean of the slave's facet normals there), gap
+!> sum 0), D_j, normal n out of the master (its mean over the node's share, as lopin_mortar), gap
 !> g = n.G/D. A traction t of node j puts c_i t on node i. Slopes by the coordinates of all nodes
 !> on which the row depends: the moving edges of the cells, the planes of the pieces and the
 !> normals included; the topology of the cells is held.
 module lopin_mortar_rows_3d
    use lopin_kinds, only : wp
-   use lopin_cells, only : shape_functions
    use lopin_facets, only : facet_rule_type
    use lopin_surface, only : surface_type
    use lopin_mortar_overlap, only : overlap_list_type
    use lopin_mortar_cells_3d, only : mortar_kernel_type
-   use lopin_mortar_row_3d, only : mortar_row_type, join, share_weak_rows
+   use lopin_mortar_cover, only : cover_type
+   use lopin_mortar_row_3d, only : mortar_row_type, join, hand_row_over
    use lopin_mortar_facet_3d, only : facet_coupling_type, couple_facet
    implicit none
    private
@@ -21,9 +21,9 @@ module lopin_mortar_rows_3d
 contains
 
    !> Rows of all slave nodes; the overlaps are those found at x. With the rows of the last
-   !> increment, those nodes count as well (for lopin_mortar_traction_3d). With `full`, hardly
-   !> covered nodes hand their rows over.
-   subroutine new_mortar_rows(row, kernel, rules, slave, master, x, list, before, full)
+   !> increment, those nodes count as well (for lopin_mortar_traction_3d). With a planned `cover`,
+   !> nodes without a row of their own hand it over.
+   subroutine new_mortar_rows(row, kernel, rules, slave, master, x, list, before, cover)
       type(mortar_row_type), allocatable, intent(out) :: row(:)   !! (slave%nnode)
       type(mortar_kernel_type), intent(in) :: kernel
       type(facet_rule_type), intent(in) :: rules(:)     !! from new_facet_rules
@@ -31,7 +31,7 @@ contains
       real(wp), intent(in) :: x(:, :)                   !! (3, all mesh nodes) [length]
       type(overlap_list_type), intent(in) :: list
       type(mortar_row_type), intent(in), optional :: before(:)    !! (slave%nnode)
-      real(wp), intent(in), optional :: full(:)   !! (slave%nnode) weights if all were covered
+      type(cover_type), intent(in), optional :: cover             !! by plan_rows
       type(facet_coupling_type) :: facet
       integer :: from, to, i
 
@@ -45,15 +45,16 @@ contains
             to = to + 1
          end do
          i = list%item(from)%slave
-         call couple_facet(facet, kernel, rules(slave%facets%cell(i)), slave, master, x, &
-            & list%item(from:to))
+         call couple_facet(facet, kernel, rules, slave, master, x, list%item(from:to))
          call add_facet(row, rules(slave%facets%cell(i)), slave, i, facet)
          from = to + 1
       end do
-      if (present(full)) call share_weak_rows(row, slave, full)
-      do i = 1, slave%facets%n
-         call add_normals(row, rules(slave%facets%cell(i)), slave, i, x)
-      end do
+      if (present(cover)) then
+         do i = 1, size(cover%giver)
+            if (row(cover%giver(i))%node > 0) call hand_row_over(row, cover%giver(i), &
+               & cover%gift(cover%giver(i))%heir)
+         end do
+      end if
       do i = 1, size(row)
          if (row(i)%node > 0) call close_row(row(i), x)
       end do
@@ -114,6 +115,8 @@ contains
             r%topology = mod(31*r%topology + facet%topology, 1000003)
             r%weight = r%weight + facet%d(j)
             r%weight_slope(way) = r%weight_slope(way) + facet%d_slope(:, j)
+            r%normal = r%normal + facet%side(:, j)
+            r%normal_slope(:, way) = r%normal_slope(:, way) + facet%side_slope(:, :, j)
             call own_terms(rule, j, end, factor)
             do k = 1, 3
                if (end(k) == 0) cycle
@@ -147,44 +150,11 @@ contains
       factor(2:) = 0.5_wp*(1.0_wp - factor(1))
    end subroutine own_terms
 
-   !> Minus the unit normals of a facet at its nodes, and their slopes, to the sums of the rows.
-   subroutine add_normals(row, rule, slave, number, x)
-      type(mortar_row_type), intent(inout) :: row(:)
-      type(facet_rule_type), intent(in) :: rule
-      type(surface_type), intent(in) :: slave
-      integer, intent(in) :: number
-      real(wp), intent(in) :: x(:, :)
-      real(wp) :: n(8), dn(2, 8), t(3, 2), v(3), length, across(3, 3)
-      integer :: j, k, m, at
-
-      m = slave%facets%nnode(number)
-      associate (node => slave%facets%node(:m, number))
-         do j = 1, m
-            associate (r => row(slave%local(j, number)))
-               if (r%node == 0) cycle
-               call shape_functions(rule%cell, rule%cell%xi(:2, j), n(:m), dn(:, :m))
-               t = matmul(x(:, node), transpose(dn(:, :m)))
-               v = cross(t(:, 1), t(:, 2))
-               length = norm2(v)
-               if (.not. length > 0.0_wp) cycle
-               v = v/length
-               r%normal = r%normal - v
-               across = -(unity() - spread(v, 2, 3)*spread(v, 1, 3))/length
-               do k = 1, m
-                  at = 3*findloc(r%of, node(k), dim=1) - 2
-                  r%normal_slope(:, at:at + 2) = r%normal_slope(:, at:at + 2) &
-                     & + matmul(across, dn(2, k)*turning(t(:, 1)) - dn(1, k)*turning(t(:, 2)))
-               end do
-            end associate
-         end do
-      end associate
-   end subroutine add_normals
-
    !> Unit normal, gap, and their slopes.
    subroutine close_row(row, x)
       type(mortar_row_type), intent(inout) :: row
       real(wp), intent(in) :: x(:, :)
-      real(wp) :: length, mean(3)
+      real(wp) :: length, mean(3), place(3, size(row%of))
       integer :: i
 
       length = norm2(row%normal)
@@ -194,10 +164,12 @@ contains
             & row%normal_slope)/length
       end if
       if (.not. row%weight > 0.0_wp) return
-      mean = matmul(x(:, row%of), row%c)/row%weight
+      ! About the node: far coordinates lose no digits.
+      place = x(:, row%of) - spread(x(:, row%node), 2, size(row%of))
+      mean = matmul(place, row%c)/row%weight
       row%gap = dot_product(row%normal, mean)
       row%gap_slope = matmul(mean, row%normal_slope) &
-         & + (matmul(row%c_slope, matmul(row%normal, x(:, row%of))) &
+         & + (matmul(row%c_slope, matmul(row%normal, place)) &
          & - row%gap*row%weight_slope)/row%weight
       do i = 1, size(row%of)
          row%gap_slope(3*i - 2:3*i) = row%gap_slope(3*i - 2:3*i) &
@@ -209,17 +181,4 @@ contains
       real(wp) :: i(3, 3)
       i = reshape([1.0_wp, 0.0_wp, 0.0_wp, 0.0_wp, 1.0_wp, 0.0_wp, 0.0_wp, 0.0_wp, 1.0_wp], [3, 3])
    end function unity
-
-   !> The matrix of v cross.
-   pure function turning(v) result(w)
-      real(wp), intent(in) :: v(3)
-      real(wp) :: w(3, 3)
-      w = reshape([0.0_wp, v(3), -v(2), -v(3), 0.0_wp, v(1), v(2), -v(1), 0.0_wp], [3, 3])
-   end function turning
-
-   pure function cross(a, b) result(c)
-      real(wp), intent(in) :: a(3), b(3)
-      real(wp) :: c(3)
-      c = [a(2)*b(3) - a(3)*b(2), a(3)*b(1) - a(1)*b(3), a(1)*b(2) - a(2)*b(1)]
-   end function cross
 end module lopin_mortar_rows_3d

@@ -13,13 +13,13 @@ module lopin_surface
       & twin_of, feature_cosine, most_stencil
    implicit none
    private
-   public :: surface_type, new_surface, update_surface, slack_of
+   public :: surface_type, new_surface, renumber_nodes, update_surface, slack_of
 
    type :: surface_type
       integer :: ndim = 0
       type(facets_type) :: facets
       integer :: nnode = 0
-      integer, allocatable :: node(:)          !! (nnode) mesh nodes of the surface, increasing
+      integer, allocatable :: node(:)          !! (nnode) its mesh nodes, not decreasing
       integer, allocatable :: local(:, :) !! (8, n) index into `node`, 0 behind the last
       integer, allocatable :: neighbour(:, :)  !! (4, n) facet across each edge; 0 on the perimeter
       integer, allocatable :: twin(:, :)       !! (4, n) number of that edge in the neighbour
@@ -87,6 +87,20 @@ contains
          end do
       end do
    end subroutine number_nodes
+
+   !> Other local numbers: a mesh node may have several, each with facets of its own.
+   subroutine renumber_nodes(self, node, local)
+      type(surface_type), intent(inout) :: self
+      integer, intent(in) :: node(:)             !! mesh node of each, not decreasing
+      integer, intent(in) :: local(:, :)         !! (8, n)
+
+      self%nnode = size(node)
+      self%node = node
+      self%local = local
+      deallocate (self%ring_first, self%ring, self%pseudo)
+      allocate (self%pseudo(3, self%nnode))
+      call make_rings(self)
+   end subroutine renumber_nodes
 
    subroutine make_rings(self)
       type(surface_type), intent(inout) :: self

@@ -2,7 +2,7 @@
 program test_finite_mortar
    use lopin_kinds, only : wp
    use lopin_error, only : error_type
-   use lopin_facets, only : facets_type, facet_rule_type, new_facet_rules, nodal_weights
+   use lopin_facets, only : facets_type, facet_rule_type, new_facet_rules
    use lopin_surface, only : surface_type, new_surface, update_surface
    use lopin_search, only : tree_type, build_tree
    use lopin_dofs, only : dofs_type
@@ -13,9 +13,8 @@ program test_finite_mortar
    use lopin_mortar_node_2d, only : patch_type
    use lopin_mortar_cells_3d, only : new_mortar_kernel
    use lopin_finite_kernel, only : local_matrix_type, point_state_type
-   use lopin_slave_pieces, only : new_slave_pieces
    use lopin_finite_mortar, only : present_mortar_type, mortar_anchor_type, update_mortar, &
-      & meet_row, evaluate_mortar_point
+      & meet_row, evaluate_mortar_point, lay_pieces
    use check, only : test, close_to, is_true, finish
    implicit none
    type(facet_rule_type) :: rules(6)
@@ -53,7 +52,6 @@ contains
    subroutine set_scene()
       type(facets_type) :: facets
       type(error_type), allocatable :: error
-      real(wp), allocatable :: weight(:)
       type(law_type) :: overclosure
       integer :: i
 
@@ -73,12 +71,8 @@ contains
       call update_surface(mortar%slave, start, error)
       call is_true('a surface', .not. allocated(error))
       mortar%thickness = spread(0.8_wp, 1, mortar%slave%facets%n)
-      allocate (weight(size(start, 2)))
-      call nodal_weights(mortar%slave%facets, rules, start, .false., mortar%thickness, weight)
-      mortar%full = weight(mortar%slave%node)
-      if (d == 2) call new_slave_pieces(mortar%pieces, mortar%slave, rules, start, .false., &
-         & mortar%thickness)
-      if (bent()) call is_true('two pieces', maxval(mortar%pieces%piece) == 2)
+      call lay_pieces(mortar, rules, start)
+      if (bent()) call is_true('two pieces', maxval(mortar%piece) == 2)
       dofs%n = size(start)
       if (allocated(dofs%id)) deallocate (dofs%id)
       allocate (dofs%id(6, size(start, 2)), source=0)
@@ -184,9 +178,11 @@ contains
          & merge(-0.6_wp, 0.0_wp, bent()), lambda, first, .true., weight)
    end subroutine look
 
+   !> Its number on the slave.
    integer function middle()
       middle = merge(2, 5, d == 2)
       if (bent()) middle = 3
+      middle = findloc(mortar%slave%node, middle, dim=1)
    end function middle
 
    !> -force on all dofs, then the rows.
@@ -267,6 +263,6 @@ contains
 
    integer function topology_now()
       topology_now = mortar%list%n
-      if (d == 3) topology_now = mortar%space%row(findloc(mortar%slave%node, middle(), 1))%topology
+      if (d == 3) topology_now = mortar%space%row(middle())%topology
    end function topology_now
 end program test_finite_mortar

@@ -11,7 +11,8 @@ program test_mortar
    use lopin_mortar_cells_2d, only : segment_type, integrate_segment
    use lopin_mortar_overlap, only : overlap_type, overlap_list_type, add_overlap
    use lopin_mortar_overlaps_2d, only : find_overlaps_2d
-   use lopin_slave_pieces, only : slave_pieces_type, new_slave_pieces, piece_normals
+   use lopin_slave_pieces, only : split_slave, piece_normals, whole_weights
+   use lopin_mortar_cover, only : cover_type, new_cover
    use lopin_mortar, only : mortar_coupling_type, couple, dual_matrix, take_blend
    use check, only : test, close_to, is_true, finish
    implicit none
@@ -289,24 +290,28 @@ contains
    end subroutine add_line
 
    subroutine couple_lines(slave, master, x, axisymmetric, coupling)
-      type(surface_type), intent(in) :: slave, master
+      type(surface_type), intent(inout) :: slave
+      type(surface_type), intent(in) :: master
       real(wp), intent(in) :: x(:, :)
       logical, intent(in) :: axisymmetric
       type(mortar_coupling_type), intent(out) :: coupling
       type(tree_type) :: tree
       type(overlap_list_type) :: list
-      type(slave_pieces_type) :: pieces
-      real(wp) :: normal(2, size(x, 2)), thickness(slave%facets%n), of_facet(2, 3, slave%facets%n)
+      type(cover_type) :: cover
+      integer, allocatable :: piece(:)
+      real(wp), allocatable :: normal(:, :), full(:)
+      real(wp) :: thickness(slave%facets%n)
 
       thickness = 1.0_wp
-      call nodal_normals(slave%facets, rules, x, axisymmetric, normal)
-      call new_slave_pieces(pieces, slave, rules, x, axisymmetric, thickness)
-      call piece_normals(pieces, slave, x, axisymmetric, of_facet)
+      call split_slave(slave, rules, x, piece)
+      allocate (normal(2, slave%nnode), full(slave%nnode))
+      call piece_normals(slave, rules, x, axisymmetric, normal)
+      call whole_weights(slave, rules, x, axisymmetric, thickness, full)
+      call new_cover(cover, full, .false.)
       call build_tree(tree, master%low, master%high)
-      call find_overlaps_2d(slave, of_facet, master, tree, x, &
+      call find_overlaps_2d(slave, normal, master, tree, x, &
          & axisymmetric, thickness, 20.0_wp, facing, list)
-      call couple(coupling, rules, slave, normal(:, slave%node), master, x, axisymmetric, &
-         & thickness, list)
+      call couple(coupling, rules, slave, master, x, axisymmetric, thickness, list, cover)
    end subroutine couple_lines
 
    subroutine rows_reproduce(nnode, axisymmetric)
@@ -388,7 +393,8 @@ contains
       type(overlap_list_type) :: list
       type(overlap_type) :: item
       type(error_type), allocatable :: error
-      real(wp) :: x(3, 16), normal(3, 8), row(16)
+      real(wp) :: x(3, 16), row(16), full(8)
+      type(cover_type) :: cover
       integer :: k, j, n
 
       associate (rule => rules(id))
@@ -420,8 +426,9 @@ contains
          end do
          item%b = item%me
          call add_overlap(list, item)
-         normal = spread([0.0_wp, 0.0_wp, 1.0_wp], 2, 8)
-         call couple(c, rules, slave, normal(:, :n), master, x, .false., [1.0_wp], list)
+         call whole_weights(slave, rules, x, .false., [1.0_wp], full(:n))
+         call new_cover(cover, full(:n), .false.)
+         call couple(c, rules, slave, master, x, .false., [1.0_wp], list, cover)
          call is_true('all nodes, positive', c%n == n .and. all(c%weight > 0.0_wp))
          do j = 1, c%n
             row = 0.0_wp

@@ -2,13 +2,14 @@
 program test_mortar_node
    use lopin_kinds, only : wp
    use lopin_dual, only : dual_type, variable, constant
-   use lopin_facets, only : facets_type, facet_rule_type, new_facet_rules, nodal_normals
+   use lopin_facets, only : facets_type, facet_rule_type, new_facet_rules
    use lopin_surface, only : surface_type, new_surface, update_surface
    use lopin_search, only : tree_type, build_tree
    use lopin_error, only : error_type
    use lopin_mortar_overlap, only : overlap_list_type
    use lopin_mortar_overlaps_2d, only : find_overlaps_2d
-   use lopin_slave_pieces, only : slave_pieces_type, new_slave_pieces, piece_normals
+   use lopin_slave_pieces, only : split_slave, piece_normals, whole_weights
+   use lopin_mortar_cover, only : cover_type, new_cover, taken_over
    use lopin_mortar, only : mortar_coupling_type, couple
    use lopin_mortar_node_2d, only : patch_type, new_patch, mortar_row_type, mortar_row
    use check, only : test, close_to, is_true, finish
@@ -18,6 +19,7 @@ program test_mortar_node
    type(surface_type) :: slave, master
    type(overlap_list_type) :: list
    type(mortar_coupling_type) :: coupling
+   type(cover_type) :: cover
    real(wp), allocatable :: x(:, :)
    integer :: nnode, i
    logical :: axisymmetric
@@ -40,8 +42,8 @@ contains
       type(facets_type) :: facets
       type(error_type), allocatable :: error
       type(tree_type) :: tree
-      type(slave_pieces_type) :: pieces
-      real(wp), allocatable :: normal(:, :), of_facet(:, :, :), thickness(:)
+      integer, allocatable :: piece(:)
+      real(wp), allocatable :: normal(:, :), full(:), thickness(:)
 
       list = overlap_list_type()
       if (allocated(x)) deallocate (x)
@@ -53,17 +55,17 @@ contains
       call update_surface(master, x, error)
       call is_true('no error', .not. allocated(error))
       call update_surface(slave, x, error)
-      allocate (normal(2, size(x, 2)), of_facet(2, 3, slave%facets%n))
       thickness = spread(0.7_wp, 1, slave%facets%n)
       if (axisymmetric) thickness = 1.0_wp
-      call nodal_normals(slave%facets, rules, x, axisymmetric, normal)
-      call new_slave_pieces(pieces, slave, rules, x, axisymmetric, thickness)
-      call piece_normals(pieces, slave, x, axisymmetric, of_facet)
+      call split_slave(slave, rules, x, piece)
+      allocate (normal(2, slave%nnode), full(slave%nnode))
+      call piece_normals(slave, rules, x, axisymmetric, normal)
+      call whole_weights(slave, rules, x, axisymmetric, thickness, full)
+      call new_cover(cover, full, .false.)
       call build_tree(tree, master%low, master%high)
-      call find_overlaps_2d(slave, of_facet, master, tree, x, &
+      call find_overlaps_2d(slave, normal, master, tree, x, &
          & axisymmetric, thickness, 5.0_wp, facing, list)
-      call couple(coupling, rules, slave, normal(:, slave%node), master, x, axisymmetric, &
-         & thickness, list)
+      call couple(coupling, rules, slave, master, x, axisymmetric, thickness, list, cover)
    end subroutine two_curves
 
    subroutine add_curve(facets, n, from, to, height, up)

@@ -12,6 +12,8 @@ program test_mortar_rows_3d
    use lopin_mortar_rows_3d, only : mortar_row_type, new_mortar_rows
    use lopin_mortar_traction_3d, only : slip_of_row, forces_of_row
    use lopin_mortar, only : mortar_coupling_type, couple
+   use lopin_slave_pieces, only : whole_weights
+   use lopin_mortar_cover, only : cover_type, new_cover
    use lopin_rigid_motion, only : rotation_matrix
    use check, only : test, close_to, is_true, finish
    implicit none
@@ -157,19 +159,20 @@ contains
       character(len=*), intent(in) :: name
       type(mortar_row_type), allocatable :: row(:)
       type(mortar_coupling_type) :: small
-      real(wp) :: normal(3, slave%nnode), still(3), axis(3)
+      real(wp) :: full(slave%nnode), still(3), axis(3)
+      type(cover_type) :: cover
       integer :: k, m
 
       call test(name//': rows close')
       call new_mortar_rows(row, kernel, rules, slave, master, x, list)
-      normal = 0.0_wp
       do k = 1, size(row)
          call close_to('forces in equilibrium', sum(row(k)%c), 0.0_wp, 1.0e-14_wp)
          call is_true('positive weight', row(k)%weight > 0.0_wp)
-         normal(:, k) = -row(k)%normal
       end do
-      call couple(small, rules, slave, normal, master, x, .false., spread(1.0_wp, 1, &
-         & slave%facets%n), list)
+      call whole_weights(slave, rules, x, .false., spread(1.0_wp, 1, slave%facets%n), full)
+      call new_cover(cover, full, .false.)
+      call couple(small, rules, slave, master, x, .false., spread(1.0_wp, 1, slave%facets%n), &
+         & list, cover)
       call close_to('weights of small sliding', row(small_index(small))%weight, small%weight, &
          & 1.0e-12_wp)
       axis = [0.3_wp, -0.5_wp, 0.2_wp]
