@@ -13,7 +13,7 @@ module lopin_bodies
    use lopin_dense, only : symmetric_eigen
    implicit none
    private
-   public :: bodies_type, new_bodies, describe_motion
+   public :: bodies_type, new_bodies, connect, describe_motion
 
    !> Squared share of a motion that constraints must leave free for it to count as floating.
    real(wp), parameter :: floating_tolerance = 1.0e-12_wp

@@ -118,7 +118,7 @@ contains
          call choose_grips(self%grip, self%finite_points_type, self%friction(pair), model, pair, &
             & log)
          if (self%masters%of(pair)%has_slave_faces) call new_present_mortar(self%mortar(pair), &
-            & model, model%pair(pair), self%masters%of(pair)%slave, self%masters%rules, &
+            & model, pair, self%masters%of(pair)%slave, self%masters%rules, &
             & findloc(self%pair, pair, dim=1))
       end do
       do i = 1, n

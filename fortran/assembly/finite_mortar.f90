@@ -12,7 +12,8 @@ module lopin_finite_mortar
    use lopin_surface, only : surface_type, new_surface, update_surface
    use lopin_search, only : tree_type
    use lopin_error, only : error_type
-   use lopin_model, only : model_type, pair_type, kind_of
+   use lopin_model, only : model_type, kind_of
+   use lopin_tilting, only : rows_needed
    use lopin_dofs, only : dofs_type
    use lopin_friction, only : friction_type, condition_type
    use lopin_contact_traction, only : grip_type, grip_kind, grip_status, traction_of, &
@@ -66,24 +67,25 @@ module lopin_finite_mortar
 
 contains
 
-   subroutine new_present_mortar(self, model, pair, facets, rules, first)
+   subroutine new_present_mortar(self, model, number, facets, rules, first)
       type(present_mortar_type), intent(out) :: self
       type(model_type), intent(in) :: model
-      type(pair_type), intent(in) :: pair
+      integer, intent(in) :: number               !! of the pair
       type(facets_type), intent(in) :: facets     !! of the slave
       type(facet_rule_type), intent(in) :: rules(:)
       integer, intent(in) :: first                !! point of the pair
 
-      self%is_on = stays_mortar(model, pair)
+      self%is_on = stays_mortar(model, model%pair(number))
       if (.not. self%is_on) return
       self%first = first
       call new_surface(self%slave, model%mesh%ndim, facets)
       self%thickness = thickness_of(model, facets)
       self%axisymmetric = model%kind == kind_of%axisymmetric
       self%in_space = model%mesh%ndim == 3
-      self%tied = pair_is_tied(model, pair)
+      self%tied = pair_is_tied(model, model%pair(number))
       if (self%in_space) call new_mortar_kernel(self%space%kernel, model%mortar_degree)
       call lay_pieces(self, rules, model%mesh%x)
+      self%cover%least = rows_needed(model, number)
    end subroutine new_present_mortar
 
    !> Cut the slave at its sharp edges; nothing is covered yet.

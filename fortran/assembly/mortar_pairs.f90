@@ -15,6 +15,7 @@ module lopin_mortar_pairs
    use lopin_mortar_overlaps_3d, only : find_overlaps_3d
    use lopin_mortar, only : mortar_coupling_type, couple
    use lopin_model, only : model_type, pair_type, surface_of, kind_of
+   use lopin_tilting, only : rows_needed
    implicit none
    private
    public :: couple_pair, is_mortar, thickness_of
@@ -36,11 +37,11 @@ contains
    end function is_mortar
 
    !> The coupling of a pair on the shape at the start, its slave in smooth pieces.
-   subroutine couple_pair(self, model, cells, pair, tied, slave, side, error)
+   subroutine couple_pair(self, model, cells, number, tied, slave, side, error)
       type(mortar_coupling_type), intent(out) :: self
       type(model_type), intent(in) :: model
       type(cell_type), intent(in) :: cells(:)
-      type(pair_type), intent(in) :: pair
+      integer, intent(in) :: number            !! of the pair
       logical, intent(in) :: tied
       type(surface_type), intent(out) :: slave
       real(wp), allocatable, intent(out) :: side(:, :)   !! (3, slave%nnode) outward
@@ -54,9 +55,9 @@ contains
       integer, allocatable :: piece(:)
       logical :: axisymmetric
 
-      call shape_of(slave, model, cells, pair%slave, error)
+      call shape_of(slave, model, cells, model%pair(number)%slave, error)
       if (allocated(error)) return
-      call shape_of(master, model, cells, pair%master, error)
+      call shape_of(master, model, cells, model%pair(number)%master, error)
       if (allocated(error)) return
       call build_tree(tree, master%low, master%high)
       call new_facet_rules(rules)
@@ -68,7 +69,7 @@ contains
       call whole_weights(slave, rules, model%mesh%x, axisymmetric, thickness, full)
       call find_overlaps(list, error)
       if (allocated(error)) return
-      call new_cover(cover, full, tied)
+      call new_cover(cover, full, tied, rows_needed(model, number))
       call couple(self, rules, slave, master, model%mesh%x, axisymmetric, thickness, list, cover)
 
    contains
@@ -93,8 +94,8 @@ contains
          if (lost > 0) call raise(error, error_code%deck, 'E0316', 'a point of face S'// &
             & to_text(slave%facets%face(lost))//' of element '// &
             & to_text(model%mesh%element_label(slave%facets%element(lost)))// &
-            & ' of '//model%surface(pair%slave)%name//' has no place on the face opposite', &
-            & pair%at, help='the faces are too distorted to be integrated: make them '// &
+            & ' of '//model%surface(model%pair(number)%slave)%name//' has no place on the face opposite', &
+            & model%pair(number)%at, help='the faces are too distorted to be integrated: make them '// &
             & 'convex, or use TYPE=NODE TO SURFACE')
       end subroutine find_overlaps
    end subroutine couple_pair

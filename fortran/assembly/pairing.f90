@@ -132,7 +132,7 @@ contains
       real(wp), allocatable :: side(:, :)
       integer :: i, j, k, m
 
-      call couple_pair(coupling, model, cells, model%pair(pair), &
+      call couple_pair(coupling, model, cells, pair, &
          & pair_is_tied(model, model%pair(pair)), shape, side, error)
       if (allocated(error)) return
       m = size(self%master, 1)

@@ -58,13 +58,15 @@ module lopin_mortar_cover
 
 contains
 
-   pure subroutine new_cover(self, full, tied)
+   pure subroutine new_cover(self, full, tied, least)
       type(cover_type), intent(out) :: self
       real(wp), intent(in) :: full(:)          !! from whole_weights
       logical, intent(in) :: tied
+      integer, intent(in), optional :: least   !! rows kept
 
       self%full = full
       self%tied = tied
+      if (present(least)) self%least = least
       allocate (self%state(size(full)), source=-1)
    end subroutine new_cover
 
