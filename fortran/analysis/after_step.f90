@@ -17,6 +17,8 @@ module lopin_after_step
 
    !> The elastic slip that penalty pairs choose, in facets; slips this many times it dwarf it.
    real(wp), parameter :: chosen_slip = 0.005_wp, slips = 20.0_wp
+   !> Gaps below this share of the bodies are none.
+   real(wp), parameter :: touching = 1.0e-9_wp
    !> Work that may be lost, beside all of it.
    real(wp), parameter :: balance_limit = 0.01_wp
 
@@ -82,12 +84,7 @@ contains
       if (scene%step == size(model%step)) then
          do pair = 1, size(model%pair)
             if (seen%closed(pair) .or. .not. seen%nearest(pair) < huge(1.0_wp)) cycle
-            call say_once(scene%log, 'W0314', 'pair ('// &
-               & model%surface(model%pair(pair)%slave)%name//', '// &
-               & model%surface(model%pair(pair)%master)%name// &
-               & ') never closed; its smallest gap was '// &
-               & to_text(seen%nearest(pair), 6), model%pair(pair)%at, &
-               & help='look at units and positions if it was meant to touch')
+            call warn_of_gap(scene, model, pair, seen%nearest(pair))
          end do
       end if
       if (.not. scene%finite%in_use) call judge_slip(scene, model)
@@ -96,6 +93,25 @@ contains
       call judge_elastic_slip(scene, model)
       if (scene%finite%memory%in_use) call judge_balance(scene, model, energy, seen%lost)
    end subroutine judge_step
+
+   !> A pair that never carried a force: it never met, or it touched only.
+   subroutine warn_of_gap(scene, model, pair, nearest)
+      type(scene_type), intent(inout) :: scene
+      type(model_type), intent(in) :: model
+      integer, intent(in) :: pair
+      real(wp), intent(in) :: nearest              !! smallest gap [length]
+      character(len=:), allocatable :: text
+
+      text = ') never closed; its smallest gap was '//to_text(nearest, 6)
+      if (abs(nearest) <= touching*scene%bodies%length) &
+         & text = ') never closed: it touched, and carried no force'
+      associate (p => model%pair(pair))
+         call say_once(scene%log, 'W0314', 'pair ('//model%surface(p%slave)%name//', '// &
+            & model%surface(p%master)%name//text, p%at, &
+            & help='look at units and positions, and at what holds the bodies, if it was meant '// &
+            & 'to touch')
+      end associate
+   end subroutine warn_of_gap
 
    !> Work that is neither stored nor dissipated: what the increments were too large for. Of a later
    !> step it is said where as much was lost again since.

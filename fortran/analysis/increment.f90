@@ -28,6 +28,7 @@ module lopin_increment
    use lopin_contact_friction, only : slides_with_friction
    use lopin_friction_state, only : commit_friction => commit, roll_back_friction => roll_back
    use lopin_frames, only : fill_frame
+   use lopin_judge_drift, only : drift_type, follow_drift
    use lopin_judge_mesh, only : judge_mesh
    use lopin_after_step, only : seen_type, look_at_pairs
    use lopin_say_once, only : say_once
@@ -46,6 +47,7 @@ module lopin_increment
       real(wp), allocatable :: f(:), residual(:)
       real(wp) :: work = 0.0_wp                !! of loads and prescribed displacements
       type(seen_type) :: seen                  !! how near the pairs came
+      type(drift_type) :: drift                !! bodies that nothing has stopped
       real(wp), allocatable :: f_before(:), u_before(:), r_before(:)
       type(checksum_type) :: checksum          !! of the displacements of all nodes so far
    end type progress_type
@@ -115,6 +117,7 @@ contains
       end if
       call add_work(scene, progress, frame)
       if (scene%finite%memory%in_use) frame%certificate%energy = abs(lost_share(frame%energy))
+      call follow_drift(progress%drift, scene, forces%load, forces%pressed)
       call accept(scene, progress, steady)
       call look_at_pairs(progress%seen, scene, model)
       if (scene%finite%nlgeom) call judge_mesh(scene, model, frame%increment)

@@ -17,9 +17,11 @@ module lopin_run_analysis
    use lopin_finite_start, only : start_step
    use lopin_release, only : held_type, remember_held, let_go
    use lopin_after_step, only : judge_step
+   use lopin_judge_drift, only : judge_drift
    use lopin_judge_flow, only : judge_flow
    use lopin_judge_yield, only : judge_yield
    use lopin_increment, only : progress_type, prepare, say
+   use lopin_say_once, only : say_again
    use lopin_keeper, only : keeper_type
    use lopin_checkpoint, only : march_type
    use lopin_time_increment, only : advance, grow
@@ -58,6 +60,7 @@ contains
       if (.not. allocated(error)) call choose_reach(scene, model)
       if (.not. allocated(error)) call run_steps(scene, model, plan, recorders, summary, log, &
          & error, keeper)
+      call say_again(scene%log)
       do i = 1, scene%log%n
          associate (d => scene%log%item(i))
             call log%say(d%severity, d%id, d%message, d%at, d%label, d%note, d%help)
@@ -269,6 +272,7 @@ contains
             & scene%constraints, &
             & scene%solids, step, model%step(scene%step + 1), progress%steady)
          call judge_step(scene, model, progress%seen, march%energy)
+         if (scene%step == size(model%step)) call judge_drift(progress%drift, scene, model)
       end associate
    end subroutine run_step
 end module lopin_run_analysis

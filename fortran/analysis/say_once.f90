@@ -1,9 +1,10 @@
-!> Warnings that are given once at a place of the deck.
+!> Warnings that are given once at a place of the deck, and how often they held again.
 module lopin_say_once
    use lopin_error, only : location_type, log_type, severity
+   use lopin_text, only : to_text, plural
    implicit none
    private
-   public :: say_once
+   public :: say_once, say_again
 
 contains
 
@@ -16,9 +17,31 @@ contains
       integer :: i
 
       do i = 1, log%n
-         if (log%item(i)%id == id .and. log%item(i)%at%line == at%line &
-            & .and. log%item(i)%at%file == at%file) return
+         if (log%item(i)%id /= id .or. log%item(i)%at%line /= at%line &
+            & .or. log%item(i)%at%file /= at%file) cycle
+         log%item(i)%again = log%item(i)%again + 1
+         return
       end do
       call log%say(severity%warning, id, message, at, help=help)
    end subroutine say_once
+
+   !> At the end of a run: the warnings that held again after they were said, and how often.
+   subroutine say_again(log)
+      type(log_type), intent(inout) :: log
+      character(len=:), allocatable :: text, at
+      integer :: i, number
+
+      text = ''
+      number = 0
+      do i = 1, log%n
+         if (log%item(i)%severity /= severity%warning .or. log%item(i)%again == 0) cycle
+         number = number + 1
+         at = ''
+         if (log%item(i)%at%line > 0) at = ' of line '//to_text(log%item(i)%at%line)
+         if (number > 1) text = text//', '
+         text = text//log%item(i)%id//at//' '//plural(log%item(i)%again, 'time')
+      end do
+      if (number > 0) call log%say(severity%note, 'N0505', 'warnings that held again in later '// &
+         & 'increments are said once: '//text)
+   end subroutine say_again
 end module lopin_say_once

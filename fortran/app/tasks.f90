@@ -11,6 +11,7 @@ module lopin_tasks
    use lopin_interrupt, only : catch_interrupts
    use lopin_job, only : job_type, outcome_type, open_job, run_job, stem_of
    use lopin_explain, only : explain, explained_codes
+   use lopin_first_contact, only : search_type, first_search, describe_pair
    use lopin_keywords, only : keyword_sheet, keyword_manual
    use lopin_model, only : model_type
    use lopin_safe_text, only : printable
@@ -79,15 +80,25 @@ contains
       job%resume = options%resume
    end subroutine new_job
 
-   !> lopin check deck.inp: everything but the solution.
+   !> lopin check deck.inp: everything but the solution, the first search of contact included.
    subroutine check_deck(options, terminal)
       type(options_type), intent(in) :: options
       type(terminal_type), intent(inout) :: terminal
       type(job_type) :: job
       type(model_type) :: model
+      type(search_type) :: search
+      type(log_type) :: log
+      type(error_type), allocatable :: error
+      integer :: pair
 
       call new_job(job, options)
       call open_model(job, options, terminal, model)
+      call first_search(search, model, log, error)
+      call terminal%show_log(log)
+      call terminal%stop_on(error)
+      do pair = 1, size(model%pair)
+         call terminal%say(describe_pair(search, model, pair))
+      end do
       call terminal%say(options%subject//': '//plural(model%mesh%nnode, 'node')//', '// &
          & plural(model%mesh%nelement, 'element')//', '//plural(size(model%pair), &
          & 'contact pair')//', '// &

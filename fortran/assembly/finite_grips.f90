@@ -57,7 +57,7 @@ contains
                if (way%method /= method_of%lagrange) then
                   if (.not. way%slope > 0.0_wp .and. .not. said) then
                      said = .true.
-                     call log%say(severity%note, 'N0405', 'pair ('// &
+                     call log%say(severity%note, 'N0317', 'pair ('// &
                         & model%surface(model%pair(pair)%slave)%name//', '// &
                         & model%surface(model%pair(pair)%master)%name//'): slope '// &
                         & to_text(slope, 4)//' = 100 moduli over a facet', model%pair(pair)%at)

@@ -16,6 +16,8 @@ module lopin_initial_gaps
    real(wp), parameter :: too_deep = 0.5_wp
    !> Gaps below this share of a facet are the rounding of coordinates: nothing is said of them.
    real(wp), parameter :: rounding = 1.0e-9_wp
+   !> Digits of lengths in messages.
+   integer, parameter :: shown = 5
 
    type :: initial_gap_type
       real(wp), allocatable :: shift(:)   !! (npoint) added to the geometric gap: ADJUST, CLEARANCE
@@ -51,8 +53,8 @@ contains
       integer, intent(in) :: pair
       type(log_type), intent(inout) :: log
       type(error_type), allocatable, intent(out) :: error
-      integer :: i, adjusted, interfering, worst, untied
-      real(wp) :: gap, deepest, moved
+      integer :: i, adjusted, interfering, worst, untied, farthest
+      real(wp) :: gap, deepest, moved, far
       logical :: adjust, keeps
 
       adjusted = 0
@@ -60,6 +62,8 @@ contains
       worst = 0
       deepest = 0.0_wp
       moved = 0.0_wp
+      far = 0.0_wp
+      farthest = 0
       untied = 0
       associate (p => model%pair(pair))
          keeps = model%interaction(p%interaction)%no_separation
@@ -83,6 +87,10 @@ contains
             if (adjust .and. .not. p%has_clearance) then
                if (abs(gap) > rounding*points%size(i)) adjusted = adjusted + 1
                moved = max(moved, abs(gap))
+               if (abs(gap) > far*points%size(i)) then
+                  far = abs(gap)/points%size(i)
+                  farthest = i
+               end if
                self%shift(i) = self%shift(i) - gap
                gap = 0.0_wp
             end if
@@ -97,7 +105,13 @@ contains
          if (adjusted > 0) call log%say(severity%note, 'N0316', to_text(adjusted)// &
             & ' slave points of '// &
             & model%surface(p%slave)%name//' were set on '//model%surface(p%master)%name// &
-            & ' without strain, by at most '//to_text(moved), p%at)
+            & ' without strain, by at most '//to_text(moved, shown), p%at)
+         if (far > too_deep) call log%say(severity%warning, 'W0316', 'ADJUST sets slave points '// &
+            & 'of '//model%surface(p%slave)%name//' on '//model%surface(p%master)%name// &
+            & ' over more than half a facet: node '//to_text(model%mesh%node_label( &
+            & points%node(farthest)))//' by '//to_text(far*points%size(farthest), shown)//' ('// &
+            & to_text(nint(100.0_wp*far))//' % of a facet)', p%at, help='move the bodies '// &
+            & 'together in the mesh; ADJUST is for gaps that the mesh makes')
          if (untied > 0) call log%say(severity%warning, 'W0318', to_text(untied)//' of '// &
             & to_text(points%first(pair + 1) - points%first(pair))//' slave nodes of '// &
             & model%surface(p%slave)%name// &
@@ -130,14 +144,18 @@ contains
          text = to_text(number)//' slave points of '//model%surface(p%slave)%name//' penetrate '// &
             & model%surface(p%master)%name//' at the start, the deepest, node '// &
             & to_text(model%mesh%node_label(points%node(worst)))//', by '// &
-            & to_text(deepest*points%size(worst))//' ('//to_text(nint(100.0_wp*deepest))// &
-            & ' % of a facet)'
-         help = 'ADJUST='//to_text(1.01_wp*deepest*points%size(worst))// &
-            & ' on *CONTACT PAIR moves them out without strain'
+            & to_text(deepest*points%size(worst), shown)//' ('// &
+            & to_text(nint(100.0_wp*deepest))//' % of a facet)'
+         help = 'ADJUST=YES on *CONTACT PAIR moves them out without strain; a tool with its '// &
+            & 'outward side away from the slave shows like this too'
          if (deepest > too_deep .or. p%control%initial == initial_of%error) then
             note = 'INITIAL=ERROR asks to refuse it'
-            if (deepest > too_deep) note = &
-               & 'deeper than half a facet is a mistake of position, unit or side'
+            if (deepest > too_deep) then
+               note = 'deeper than half a facet is a mistake of position, unit or side'
+               help = 'the outward side of '//model%surface(p%master)%name//' is the one that '// &
+                  & 'faces '//model%surface(p%slave)%name//' (a profile has it on the left of '// &
+                  & 'the way); move them apart, or leave faces that look elsewhere out of the slave'
+            end if
             call raise(error, error_code%deck, 'E0311', text, p%at, help=help, note=note)
          else if (p%control%initial == initial_of%interference .or. p%has_clearance) then
             call log%say(severity%note, 'N0311', text// &

@@ -169,6 +169,7 @@ contains
       integer, intent(in) :: pair
       type(log_type), intent(inout) :: log
       type(error_type), allocatable, intent(out) :: error
+      character(len=:), allocatable :: lies
       integer :: i, behind
 
       associate (p => model%pair(pair), slave => model%surface(model%pair(pair)%slave)%name, &
@@ -189,11 +190,12 @@ contains
                & //'the left of the way) or the corners of its facets, or use the other side '// &
                & 'of its faces')
          else
+            lies = ''
+            if (behind > 0) lies = ', and '//to_text(behind)//' lie behind it'
             call log%say(severity%warning, 'W0315', 'no node of '//slave//' has a point of '// &
-               & master// &
-               & ' opposite: the pair can never touch', p%at, &
-               & help='check the positions, and that the slave''s '// &
-               & 'faces look at the master')
+               & master//' opposite'//lies//': the pair can never touch', p%at, help='check the '// &
+               & 'positions, and that slave and master look at each other: a profile has its '// &
+               & 'outward side on the left of the way, a rigid mesh on SPOS or SNEG')
          end if
       end associate
    end subroutine check_sides

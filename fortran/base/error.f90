@@ -47,6 +47,7 @@ module lopin_error
                                                !! *FRICTION ?"
       character(len=:), allocatable :: note      !! why
       character(len=:), allocatable :: help      !! what to do
+      integer :: again = 0                       !! times that it held again and was not said
    end type diagnostic_type
 
    !> A failure: its class and the one or more diagnostics that explain it.
@@ -101,7 +102,7 @@ contains
       end do
    end subroutine raise_all
 
-   !> Add a diagnostic to a log.
+   !> Add a diagnostic to a log, unless it is a warning or note that stands there word for word.
    subroutine say(self, level, id, message, at, label, note, help)
       class(log_type), intent(inout) :: self
       integer, intent(in) :: level                  !! severity%note, %warning or %error
@@ -109,8 +110,18 @@ contains
       type(location_type), intent(in), optional :: at
       character(len=*), intent(in), optional :: label, note, help
       type(diagnostic_type), allocatable :: grown(:)
+      integer :: i
 
       if (.not. allocated(self%item)) allocate (self%item(16))
+      if (level < severity%error) then
+         do i = 1, self%n
+            if (self%item(i)%id /= id .or. self%item(i)%message /= message) cycle
+            if (present(at)) then
+               if (self%item(i)%at%file /= at%file .or. self%item(i)%at%line /= at%line) cycle
+            end if
+            return
+         end do
+      end if
       if (self%n == size(self%item)) then
          allocate (grown(2*self%n))
          grown(:self%n) = self%item
@@ -146,6 +157,7 @@ contains
             call stream%pass(d%label)
             call stream%pass(d%note)
             call stream%pass(d%help)
+            call stream%pass(d%again)
          end associate
       end do
    end subroutine keep_log

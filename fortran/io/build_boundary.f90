@@ -174,12 +174,18 @@ contains
          end if
          call find_mark(field(2), mark, found)
          if (found) then
+            if (n > 2) call model%log%say(severity%warning, 'W0405', 'what follows '// &
+               & upper(field(2)%text)//' does nothing: such words prescribe zeros', field(3)%at, &
+               & help='node or set, dof, dof, value moves a dof')
             item%value = 0.0_wp
             call prescribe_mark(self, model, node, mark, item, role)
             cycle
          end if
          call read_line(field(:n), first, last, item%value, found, model%log)
          if (.not. found) cycle
+         if (fixed .and. abs(item%value) > 0.0_wp) call model%log%say(severity%warning, 'W0405', &
+            & 'the value '//to_text(item%value, 6)//' does nothing: FIXED holds a dof where it '// &
+            & 'is', field(4)%at, help='leave FIXED out to move the dof, or the value to hold it')
          if (item%amplitude > 0) then
             if (absolute(item%amplitude)) item%value = 1.0_wp
          end if

@@ -286,11 +286,16 @@ contains
          if (has_parameter(block, 'RESET')) control = control_type()
          value = real(control%max_augmentations, wp)
          call read_number(block, 'MAX AUGMENTATIONS', value, model%log)
+         if (value < 1.0_wp) call complain(model%log, 'E0304', 'MAX AUGMENTATIONS='// &
+            & to_text(value, 6)//' is less than 1', block%at)
          control%max_augmentations = max(1, nint(value))
          call read_number(block, 'RELATIVE PENETRATION TOLERANCE', control%relative_penetration, &
             & model%log)
          call read_number(block, 'ABSOLUTE PENETRATION TOLERANCE', control%absolute_penetration, &
             & model%log)
+         if (min(control%relative_penetration, control%absolute_penetration) < 0.0_wp) &
+            & call complain(model%log, 'E0304', 'a tolerance of penetration is not negative', &
+            & block%at)
          call get_word(block, 'INITIAL', word, at, found)
          if (found) then
             select case (word)

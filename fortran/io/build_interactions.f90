@@ -126,6 +126,9 @@ contains
       case default
          call read_slope(interaction, block, law, log)
       end select
+      if (law /= 'TABULAR' .and. block%nline > 1) call complain(log, 'E0103', &
+         & '*SURFACE BEHAVIOR has one data line here', line_place(block%line(2)), &
+         & help='a table needs PRESSURE-OVERCLOSURE=TABULAR')
       if (law == 'TIED' .and. interaction%slope > 0.0_wp) interaction%method = method_of%penalty
    end subroutine read_behaviour
 

@@ -142,6 +142,8 @@ contains
             & //' is outside (-1, 0.5)', field(2)%at, &
             & help='an incompressible solid has no stiffness matrix; 0.49 is near enough')
       end if
+      if (.not. two) call log%say(severity%note, 'N0402', "material `"//material%name// &
+         & "` has no Poisson's ratio: it is 0", line_place(block%line(1)))
       if (n > 3) call log%say(severity%warning, 'W0104', 'decimal comma? this line reads as E = ' &
          & //to_text(material%young, 6)//', nu = '//to_text(material%poisson, 6)//' and more', &
          & field(3)%at)

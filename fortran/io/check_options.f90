@@ -7,7 +7,7 @@ module lopin_check_options
    use lopin_facets, only : facets_type, new_facets
    use lopin_surface, only : surface_type, new_surface, update_surface
    use lopin_friction, only : has_friction
-   use lopin_model, only : model_type, surface_of, overclosure_of, method_of
+   use lopin_model, only : model_type, surface_of, overclosure_of, method_of, initial_of
    use lopin_block, only : deck_type, block_type, has_parameter
    implicit none
    private
@@ -60,6 +60,8 @@ contains
          if (p%has_clearance .and. .not. tied .and. (p%adjust >= 0.0_wp &
             & .or. allocated(p%adjust_node))) call idle(model, p%at, 'ADJUST', &
             & '*CLEARANCE gives the pair its gap', 'keep one of the two')
+         if (tied .and. p%control%initial /= initial_of%automatic) call idle(model, p%at, &
+            & 'INITIAL', 'a tied pair bridges its gaps as they are', 'leave it out')
          if (p%interaction == 0 .or. .not. tied) return
          if (has_friction(model%interaction(p%interaction)%friction)) call idle(model, p%at, &
             & '*FRICTION', 'a tied pair does not slip', 'leave out TIED, or the friction')

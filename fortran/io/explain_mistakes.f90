@@ -33,5 +33,35 @@ contains
          & 'The option is known, but has nothing to act on where it stands: SMOOTH on a flat '// &
          & 'master, a tolerance of a method that no pair has, a clearance of a tied pair.', &
          & 'leave it out, or look whether another pair was meant.')
+      call add_explanation(list, 'W0405', 'a load or a datum that does nothing', &
+         & 'A force where *BOUNDARY prescribes the displacement goes into the support; a value '// &
+         & 'after FIXED or after a word like XSYMM is not used.', &
+         & 'give the force or the displacement; take the value away.')
+      call add_explanation(list, 'W0406', 'a pressure inside a body', &
+         & 'The face belongs to two elements. Most often the element set of *DLOAD holds more '// &
+         & 'elements than those at the surface.', &
+         & 'name the elements at the surface, or a *SURFACE for *DSLOAD.')
+      call add_explanation(list, 'W0408', 'an amplitude that the step does not reach', &
+         & '*STATIC without data lasts 1. An amplitude in the time of the step that goes on '// &
+         & 'beyond is cut there, and the load with it.', &
+         & 'write the increment and the period after *STATIC.')
+      call add_explanation(list, 'N0402', 'a number that may be forgotten or in degrees', &
+         & "A material without Poisson's ratio has 0, and rotations are in radians.", '')
+      call add_explanation(list, 'N0326', 'temperatures that start from 0', &
+         & 'Heat strains by the difference to the temperature of *INITIAL CONDITIONS, which is '// &
+         & '0 where no line gives it: in kelvin that is seldom meant.', '')
+      call add_explanation(list, 'W0316', 'ADJUST moves slave points far', &
+         & 'ADJUST takes gaps and overclosures away without strain, as if the mesh had been '// &
+         & 'made so. Over more than half a facet the shape that is computed is not the one of '// &
+         & 'the deck.', &
+         & 'move the bodies together in the mesh, or give ADJUST a smaller distance.')
+      call add_explanation(list, 'W0515', 'a body moves away as a whole', &
+         & 'A tool pushes a body that nothing holds: no support, no other contact, no load. The '// &
+         & 'equations have an answer, because the pushing contact says where the body is, but '// &
+         & 'it is a body without stress that moves.', &
+         & 'hold the body by *BOUNDARY, or name the pair against which it should end.')
+      call add_explanation(list, 'N0505', 'warnings that held again', &
+         & 'A warning about a pair, a material or a step is said once; the note counts in how '// &
+         & 'many later increments it held too.', '')
    end subroutine mistake_explanations
 end module lopin_explain_mistakes

@@ -202,7 +202,8 @@ contains
          & 'before the first step.', '')
       call add_explanation(list, 'N0317', 'the stiffness of contact was chosen', &
          & 'A penalty without a value is chosen so that the pressure error stays below TARGET '// &
-         & 'ERROR of *LOPIN.', &
+         & 'ERROR of *LOPIN; on the finite path it is 100 times the modulus of the softer side '// &
+         & 'over the size of the facet.', &
          & 'give a slope under *SURFACE BEHAVIOR to choose it yourself.')
    end subroutine gaps
 

@@ -42,10 +42,6 @@ contains
          & 'The condensed path solves linear solids whose contacts slide little; the message '// &
          & 'says what of the scene is more than that.', &
          & 'leave out PATH= on *LOPIN: the path is then chosen.')
-      call add_explanation(list, 'N0405', 'a slope was chosen', &
-         & 'The deck gives no slope for a penalty on the finite path: it is 100 times the '// &
-         & 'modulus of the softer side over the size of the facet.', &
-         & 'nothing to do; a slope on *SURFACE BEHAVIOR replaces it.')
       call add_explanation(list, 'E0510', 'Newton has not converged', &
          & 'The finite path cuts an increment that does not converge; here it cannot be cut '// &
          & 'further (smallest increment, or DIRECT on *STATIC).', &
