@@ -10,7 +10,7 @@ module lopin_small_theory
    use lopin_say_once, only : say_once
    implicit none
    private
-   public :: judge_slip, judge_elements, pair_that_slid
+   public :: judge_slip, judge_elements, pair_that_slid, gradient_of
 
    !> Limits of small displacement: slip over facet, rotation [rad], strain [-].
    real(wp), parameter :: slip_limit = 0.25_wp, strain_limit = 0.05_wp
@@ -169,14 +169,27 @@ contains
          & help='look at units, loads and modulus; beyond 5 % the answer is linear in name only')
    end subroutine judge_elements
 
-   !> Least squares: H = sum (u - u_mean)(x - x_mean)^T [sum (x - x_mean)(x - x_mean)^T]^-1.
    subroutine mean_gradient(scene, model, e, rotation, strain)
       type(scene_type), intent(in) :: scene
       type(model_type), intent(in) :: model
       integer, intent(in) :: e
       real(wp), intent(out) :: rotation            !! [rad]
       real(wp), intent(out) :: strain              !! largest component, shears halved [-]
-      real(wp) :: x(3, 20), u(3, 20), moment(3, 3), h(3, 3), middle(3), mean(3)
+      real(wp) :: h(3, 3)
+
+      call gradient_of(scene, model, e, h)
+      rotation = 0.5_wp*norm2([h(3, 2) - h(2, 3), h(1, 3) - h(3, 1), h(2, 1) - h(1, 2)])
+      strain = maxval(abs(0.5_wp*(h + transpose(h))))
+   end subroutine mean_gradient
+
+   !> Least squares: H = sum (u - u_mean)(x - x_mean)^T [sum (x - x_mean)(x - x_mean)^T]^-1; around
+   !> the axis of revolution u/r.
+   subroutine gradient_of(scene, model, e, h)
+      type(scene_type), intent(in) :: scene
+      type(model_type), intent(in) :: model
+      integer, intent(in) :: e
+      real(wp), intent(out) :: h(3, 3)             !! du/dx [-]
+      real(wp) :: x(3, 20), u(3, 20), moment(3, 3), middle(3), mean(3)
       integer :: n, k, d
 
       d = model%mesh%ndim
@@ -198,11 +211,8 @@ contains
       end do
       if (d == 2) moment(3, 3) = moment(1, 1) + moment(2, 2)
       h = matmul(h, inverse(moment))
-      rotation = 0.5_wp*norm2([h(3, 2) - h(2, 3), h(1, 3) - h(3, 1), h(2, 1) - h(1, 2)])
-      strain = maxval(abs(0.5_wp*(h + transpose(h))))
-      if (model%kind == kind_of%axisymmetric .and. middle(1) > 0.0_wp) strain = max(strain, &
-         & abs(mean(1))/middle(1))
-   end subroutine mean_gradient
+      if (model%kind == kind_of%axisymmetric .and. middle(1) > 0.0_wp) h(3, 3) = mean(1)/middle(1)
+   end subroutine gradient_of
 
    pure function outer(a, b) result(c)
       real(wp), intent(in) :: a(3), b(3)

@@ -55,7 +55,8 @@ contains
                   & .or. f%elastic_slip > 0.0_wp .or. f%slip_tolerance > 0.0_wp)) &
                   & g%kind = grip_kind%perturbed
                if (way%method /= method_of%lagrange) then
-                  if (.not. way%slope > 0.0_wp .and. .not. said) then
+                  if (.not. way%slope > 0.0_wp .and. .not. said .and. &
+                     & .not. allocated(way%table)) then
                      said = .true.
                      call log%say(severity%note, 'N0317', 'pair ('// &
                         & model%surface(model%pair(pair)%slave)%name//', '// &

@@ -3,7 +3,7 @@
 module lopin_initial_gaps
    use lopin_kinds, only : wp
    use lopin_error, only : error_type, error_code, raise, log_type, severity
-   use lopin_text, only : to_text
+   use lopin_text, only : to_text, plural
    use lopin_model, only : model_type, initial_of
    use lopin_contact_points, only : contact_points_type, pair_is_tied
    implicit none
@@ -141,11 +141,12 @@ contains
       character(len=:), allocatable :: text, help, note
 
       associate (p => model%pair(pair))
-         text = to_text(number)//' slave points of '//model%surface(p%slave)%name//' penetrate '// &
+         text = plural(number, 'slave point')//' of '//model%surface(p%slave)%name// &
+            & trim(merge(' penetrates', ' penetrate ', number == 1))//' '// &
             & model%surface(p%master)%name//' at the start, the deepest, node '// &
             & to_text(model%mesh%node_label(points%node(worst)))//', by '// &
             & to_text(deepest*points%size(worst), shown)//' ('// &
-            & to_text(nint(100.0_wp*deepest))//' % of a facet)'
+            & to_text(100.0_wp*deepest, 2)//' % of a facet)'
          help = 'ADJUST=YES on *CONTACT PAIR moves them out without strain; a tool with its '// &
             & 'outward side away from the slave shows like this too'
          if (deepest > too_deep .or. p%control%initial == initial_of%error) then

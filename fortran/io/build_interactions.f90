@@ -118,6 +118,12 @@ contains
       if (has_parameter(block, 'AUGMENTED LAGRANGE')) interaction%method = method_of%augmented
       if (has_parameter(block, 'PERTURBED LAGRANGE')) interaction%method = method_of%perturbed
       call check_one_method(block, log)
+      if (interaction%method == method_of%augmented .and. (law == 'TABULAR' &
+         & .or. law == 'EXPONENTIAL')) then
+         call log%say(severity%note, 'N0306', 'AUGMENTED LAGRANGE is not used: '// &
+            & 'PRESSURE-OVERCLOSURE='//law//' gives the pressure of every penetration', block%at)
+         interaction%method = method_of%penalty
+      end if
       select case (law)
       case ('TABULAR')
          call read_table(interaction, block, log)

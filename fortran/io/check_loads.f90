@@ -33,11 +33,13 @@ contains
       call check_start(model)
    end subroutine check_loads
 
-   !> Forces of one line that all act where the displacement is prescribed: supports take them.
+   !> Forces of one line that all act where nothing can move: supports take them, or no body is
+   !> there.
    subroutine check_forces(model, step)
       type(model_type), intent(inout) :: model
       type(step_type), intent(in) :: step
-      logical, allocatable :: held(:, :)
+      logical, allocatable :: held(:, :), there(:)
+      character(len=:), allocatable :: why
       integer :: i, k
       logical :: idle
 
@@ -45,6 +47,10 @@ contains
       allocate (held(6, model%mesh%nnode), source=.false.)
       do i = 1, size(step%prescribed)
          held(step%prescribed(i)%dof, step%prescribed(i)%node) = .true.
+      end do
+      call find_bodies(model, there)
+      do i = 1, model%mesh%nnode
+         if (.not. there(i)) held(:, i) = .true.
       end do
       i = 1
       do while (i <= size(step%point_load))
@@ -55,15 +61,34 @@ contains
             idle = idle .and. held(step%point_load(k)%dof, step%point_load(k)%node)
             k = k + 1
          end do
+         why = '*BOUNDARY prescribes that displacement'
+         if (.not. there(step%point_load(i)%node)) why = 'the node belongs to no element and to '// &
+            & 'no rigid body'
          if (idle .and. abs(step%point_load(i)%value) > 0.0_wp) call model%log%say( &
             & severity%warning, 'W0405', 'the force at node '// &
             & to_text(model%mesh%node_label(step%point_load(i)%node))//', dof '// &
-            & to_text(step%point_load(i)%dof)//' does nothing: *BOUNDARY prescribes that '// &
-            & 'displacement', step%point_load(i)%at, help='give the force or the displacement, '// &
-            & 'not both; OP=NEW on *BOUNDARY takes earlier ones away')
+            & to_text(step%point_load(i)%dof)//' does nothing: '//why, step%point_load(i)%at, &
+            & help='load a node that can move; OP=NEW on *BOUNDARY takes supports away')
          i = k
       end do
    end subroutine check_forces
+
+   !> Nodes of elements and of rigid bodies.
+   pure subroutine find_bodies(model, there)
+      type(model_type), intent(in) :: model
+      logical, allocatable, intent(out) :: there(:)      !! (0:nnode)
+      integer :: e, i
+
+      allocate (there(0:model%mesh%nnode), source=.false.)
+      do e = 1, model%mesh%nelement
+         there(model%mesh%conn(:, e)) = .true.
+      end do
+      do i = 1, size(model%rigid_body)
+         there(model%rigid_body(i)%reference) = .true.
+         there(model%rigid_body(i)%rotation) = .true.
+         there(model%rigid_body(i)%node) = .true.
+      end do
+   end subroutine find_bodies
 
    pure logical function same(a, b)
       type(location_type), intent(in) :: a, b

@@ -60,6 +60,11 @@ contains
          & 'equations have an answer, because the pushing contact says where the body is, but '// &
          & 'it is a body without stress that moves.', &
          & 'hold the body by *BOUNDARY, or name the pair against which it should end.')
+      call add_explanation(list, 'W0516', 'an elastic solid is stretched beyond any metal', &
+         & '*ELASTIC is a straight line between stress and logarithmic strain. No solid that it '// &
+         & 'is written for keeps to it when it is stretched to twice its length or pressed to '// &
+         & 'half; rubber has *HYPERELASTIC.', &
+         & 'look at the units of loads and modulus; a metal yields first: *PLASTIC.')
       call add_explanation(list, 'N0505', 'warnings that held again', &
          & 'A warning about a pair, a material or a step is said once; the note counts in how '// &
          & 'many later increments it held too.', '')

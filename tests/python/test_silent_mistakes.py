@@ -229,3 +229,136 @@ OPTIONS = {
 def test_an_option_that_does_nothing_is_said(case, tmp_path):
     run = lopin("check", OPTIONS[case], tmp_path)
     assert run.returncode == 0 and len(said(run, "W0305")) == 1, run.stderr
+
+
+PUSHED = "*BOUNDARY\n10, 1\n10, 6\n"
+FLOOR = "*SURFACE, NAME=FLOOR, TYPE=SEGMENTS\nSTART, -20., -0.5\nLINE, 20., -0.5\n"
+SOLE = "*SURFACE, NAME=SOLE\n1, S1\n2, S1\n"
+
+
+def down(way, words="", times=""):
+    return f"*STEP{words}\n*STATIC\n{times}*BOUNDARY\n10, 2, 2, {-way}\n*END STEP\n"
+
+
+DRIFTING = {
+    "plane strain": deck(supports=PUSHED, steps=down(0.01)),
+    "plane stress": deck(supports=PUSHED, steps=down(0.01)).replace("CPE4", "CPS4"),
+    "finite strain": deck(supports=PUSHED, steps=down(0.01, ", NLGEOM")),
+    "without friction": deck(supports=PUSHED, steps=down(0.01, ", NLGEOM"),
+                             pair=PARTS["pair"].replace("*FRICTION\n0.1\n", "")),
+    "along the axis": deck(supports=PUSHED + "LEFT, 1\n", steps=down(0.01)).replace("CPE4", "CAX4"),
+    "not far enough": deck(supports=PUSHED, steps=down(0.3, ", NLGEOM", "0.1, 1.\n"),
+                           mesh=PARTS["mesh"] + SOLE, tool=PARTS["tool"] + FLOOR,
+                           pair=PARTS["pair"] + "SOLE, FLOOR\n"),
+}
+
+
+@pytest.mark.parametrize("case", DRIFTING)
+def test_a_body_that_a_tool_pushes_away_is_said(case, tmp_path):
+    run = lopin("run", DRIFTING[case], tmp_path, "-o", "out")
+    assert run.returncode == 0
+    assert len(said(run, "W0515")) == 1 and "moved away as a whole" in run.stderr, run.stderr
+
+
+def test_a_body_that_is_caught_or_held_does_not_drift(tmp_path):
+    caught = deck(supports=PUSHED, steps=down(0.6, "", "0.1, 1.\n"), mesh=PARTS["mesh"] + SOLE,
+                  tool=PARTS["tool"] + FLOOR, pair=PARTS["pair"] + "SOLE, FLOOR\n")
+    for text in (caught, deck()):
+        run = lopin("run", text, tmp_path, "-o", "out", "--overwrite")
+        assert run.returncode == 0 and not said(run, "W0515"), run.stderr
+
+
+def test_an_elastic_solid_stretched_beyond_any_metal_is_said(tmp_path):
+    load = "*STEP, NLGEOM\n*STATIC\n0.1, 1.\n*DSLOAD\nTOP, P, {}\n*END STEP\n"
+    text = deck(tool="", pair="", supports="*BOUNDARY\nBOTTOM, 2\n1, 1\n")
+    few = text.replace(PARTS["steps"], load.format(20000.))
+    many = text.replace(PARTS["steps"], load.format(400000.))
+    assert not said(lopin("run", few, tmp_path, "-o", "out"), "W0516")
+    run = lopin("run", many, tmp_path, "-o", "out", "--overwrite")
+    assert said(run, "W0516"), run.stderr
+
+
+def test_a_warning_that_holds_again_is_said_once_and_counted(tmp_path):
+    text = deck(material=material("*PLASTIC, ONLY=FRICTION", "100."),
+                steps=down(0.05, "", "0.1, 1., 0.1, 0.1\n"))
+    run = lopin("run", text, tmp_path, "-o", "out")
+    assert run.returncode == 0 and len(said(run, "W0508")) == 1
+    assert re.search(r"said once: W0508 of line \d+ \d times", said(run, "N0505")[0])
+
+
+LOADS = {
+    "force on a support": ("W0405", "*CLOAD\n1, 1, 5.\n"),
+    "force on no body": ("W0405", "*CLOAD\n11, 1, 5.\n"),
+    "pressure inside": ("W0406", "*DLOAD\nBLOCK, P1, 1.\n"),
+    "a face twice": ("N0407", "*DLOAD\n4, P2, 1.\n4, P2, 2.\n"),
+    "a value after FIXED": ("W0405", "*BOUNDARY, FIXED\n9, 1, 1, 0.1\n"),
+    "a value after XSYMM": ("W0405", "*BOUNDARY\nLEFT, XSYMM, 1, 0.1\n"),
+    "degrees": ("N0402", "*BOUNDARY\n10, 6, 6, 90.\n"),
+    "an amplitude too long": ("W0408", "*BOUNDARY, AMPLITUDE=SLOW\n10, 2, 2, -0.01\n"),
+}
+
+
+@pytest.mark.parametrize("case", LOADS)
+def test_loads_that_cannot_mean_what_they_say(case, tmp_path):
+    code, card = LOADS[case]
+    text = deck(mesh="*AMPLITUDE, NAME=SLOW\n0., 0., 100., 1.\n" + PARTS["mesh"],
+                supports="*BOUNDARY\nBOTTOM, 1, 2\n10, 1\n",
+                steps=f"*STEP\n*STATIC\n{card}*END STEP\n")
+    run = lopin("check", text, tmp_path)
+    assert run.returncode == 0 and len(said(run, code)) == 1, run.stderr
+
+
+def test_a_load_on_a_part_of_a_support_says_nothing(tmp_path):
+    run = lopin("check", deck(steps="*STEP\n*STATIC\n*CLOAD\nLEFT, 1, 5.\n*BOUNDARY\n10, 2, 2, "
+                                    "-0.01\n*END STEP\n"), tmp_path)
+    assert run.returncode == 0 and run.stderr == ""
+
+
+def test_check_tells_the_first_search_of_each_pair(tmp_path):
+    run = lopin("check", deck(), tmp_path)
+    assert "pair (TOP, TOOL): 3 slave nodes, 3 face the master" in run.stdout
+    assert "gaps from 0 at node 7 (0, 10) to 0" in run.stdout
+    assert "3 closed at the start" in run.stdout
+    assert "outward side of TOOL there: (0, -1)" in run.stdout
+    high = deck(tool=PARTS["tool"].replace("20., 10.", "20., 10.25").replace("-20.", "-1."))
+    run = lopin("check", high, tmp_path)
+    assert "gaps from 0.25 at node 7 (0, 10)" in run.stdout and "0 closed" in run.stdout
+    short = deck(tool=PARTS["tool"].replace("START, 20.", "START, 6."))
+    run = lopin("check", short, tmp_path)
+    assert "2 face the master, 1 have none (first: node 9 (10, 10))" in run.stdout
+
+
+def test_check_finds_a_tool_on_the_wrong_side(tmp_path):
+    text = deck(tool=PARTS["tool"].replace("START, 20.", "START, -20.").replace("LINE, -20.",
+                                                                                "LINE, 20."))
+    run = lopin("check", text, tmp_path)
+    assert run.returncode == 1 and said(run, "E0312") and run.stdout == ""
+
+
+def test_no_adjust_of_more_than_half_a_facet_is_proposed(tmp_path):
+    for depth in (0.3, 2.4, 2.6, 7.0):
+        tool = PARTS["tool"].replace("10.\n", f"{10. - depth}\n")
+        run = lopin("check", deck(tool=tool), tmp_path)
+        assert said(run, "E0311" if depth > 2.5 else "W0311"), run.stderr
+        assert not re.search(r"ADJUST=[\d.]", run.stderr)
+        assert ("ADJUST=YES" in run.stderr) == (depth < 2.5)
+
+
+def test_an_adjust_over_more_than_half_a_facet_is_warned_of(tmp_path):
+    tool = PARTS["tool"].replace("10.\n", "14.\n")
+    run = lopin("check", deck(tool=tool, pair=pair(", ADJUST=5.")), tmp_path)
+    assert "by 4 (80 % of a facet)" in said(run, "W0316")[0]
+    tool = PARTS["tool"].replace("10.\n", "10.5\n")
+    run = lopin("check", deck(tool=tool, pair=pair(", ADJUST=5.")), tmp_path)
+    assert not said(run, "W0316") and said(run, "N0316")
+
+
+@pytest.mark.parametrize("code, cards", [
+    ("E0103", "*SURFACE BEHAVIOR, PRESSURE-OVERCLOSURE=EXPONENTIAL\n0.1, 10.\n0.2, 20.\n"),
+    ("N0306", "*SURFACE BEHAVIOR, AUGMENTED LAGRANGE, PRESSURE-OVERCLOSURE=TABULAR\n"
+              "0., 0.\n100., 0.1\n"),
+    ("W0305", "*FRICTION\n"),
+])
+def test_data_of_an_interaction_that_would_be_lost(code, cards, tmp_path):
+    run = lopin("check", deck(pair=pair("", cards)), tmp_path)
+    assert len(said(run, code)) == 1, run.stderr
