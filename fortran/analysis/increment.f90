@@ -117,7 +117,7 @@ contains
       end if
       call add_work(scene, progress, frame)
       if (scene%finite%memory%in_use) frame%certificate%energy = abs(lost_share(frame%energy))
-      call follow_drift(progress%drift, scene, forces%load, forces%pressed)
+      call follow_drift(progress%drift, scene, model, forces%load, forces%pressed)
       call accept(scene, progress, steady)
       call look_at_pairs(progress%seen, scene, model)
       if (scene%finite%nlgeom) call judge_mesh(scene, model, frame%increment)

@@ -8,6 +8,7 @@ module lopin_judge_drift
    use lopin_text, only : to_text
    use lopin_model, only : model_type
    use lopin_bodies, only : describe_motion
+   use lopin_contact_points, only : pair_is_tied
    use lopin_constraints, only : raw_displacement
    use lopin_scene, only : scene_type
    use lopin_say_once, only : say_once
@@ -29,12 +30,14 @@ module lopin_judge_drift
 contains
 
    !> Look at the trial state of an increment that is about to be accepted.
-   subroutine follow_drift(self, scene, load, pressed)
+   subroutine follow_drift(self, scene, model, load, pressed)
       type(drift_type), intent(inout) :: self
       type(scene_type), intent(in) :: scene
+      type(model_type), intent(in) :: model
       real(wp), intent(in) :: load(:), pressed(:)   !! (ndof) loads and contact forces [force]
       real(wp), allocatable :: q(:), stiffness(:)
       real(wp) :: force, moved, strayed, most, largest
+      logical :: glued(scene%bodies%nbody)
       integer :: b, i
 
       if (.not. allocated(self%way)) allocate (self%way(scene%bodies%nbody), source=0.0_wp)
@@ -45,6 +48,7 @@ contains
       allocate (stiffness(scene%dofs%n))
       call scene%k%diagonal(stiffness)
       largest = maxval(abs(scene%u - scene%accepted))
+      call find_glued(scene, model, glued)
       do b = 1, scene%bodies%nbody
          force = 0.0_wp
          most = 0.0_wp
@@ -55,15 +59,40 @@ contains
          end do
          moved = largest
          strayed = 0.0_wp
-         if (force <= no_force*most*largest) call fit_motion(scene, scene%u - scene%accepted, b, &
+         if (force <= no_force*most*max(largest, self%way(b))) call fit_motion(scene, scene%u - scene%accepted, b, &
             & q, moved, strayed)
-         if (force > no_force*most*moved) then
+         if (force > no_force*most*max(moved, self%way(b)) .or. glued(b)) then
             self%way(b) = 0.0_wp
          else if (strayed <= rigid*moved) then
             self%way(b) = self%way(b) + moved
          end if
       end do
    end subroutine follow_drift
+
+   !> Bodies that a tie carries: they move with what they are tied to.
+   subroutine find_glued(scene, model, glued)
+      type(scene_type), intent(in) :: scene
+      type(model_type), intent(in) :: model
+      logical, intent(out) :: glued(:)         !! (nbody)
+      integer :: i, k
+
+      glued = .false.
+      do i = 1, scene%points%n
+         if (scene%points%facet(i) == 0) cycle
+         if (.not. pair_is_tied(model, model%pair(scene%points%pair(i)))) cycle
+         call take(scene%points%node(i))
+         do k = 1, size(scene%points%master, 1)
+            if (scene%points%master(k, i) > 0) call take(scene%points%master(k, i))
+         end do
+      end do
+
+   contains
+
+      subroutine take(node)
+         integer, intent(in) :: node
+         if (scene%bodies%body(node) > 0) glued(scene%bodies%body(node)) = .true.
+      end subroutine take
+   end subroutine find_glued
 
    !> Say at the end of the run which bodies nothing has stopped.
    subroutine judge_drift(self, scene, model)

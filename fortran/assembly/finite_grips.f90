@@ -76,10 +76,12 @@ contains
                   g%kind = grip_kind%overclosure
                   call new_exponential(law, way%table(1, 1), way%table(2, 1))
                   g%law = law
+                  g%ct = g%shear_slope
                else if (way%overclosure == overclosure_of%tabular) then
                   g%kind = grip_kind%overclosure
                   call new_tabular(law, way%table(1, :), way%table(2, :))
                   g%law = law
+                  g%ct = g%shear_slope
                end if
                if (pair_is_tied(model, model%pair(pair))) g%kind = grip_kind%tied
             end associate

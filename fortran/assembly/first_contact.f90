@@ -68,10 +68,37 @@ contains
             if (p%has_clearance) text = text//'; *CLEARANCE makes each '// &
                & to_text(p%clearance, digits)
          end associate
+         if (points%gap(near) > reach_of(model)) text = text//nl//'  the smallest gap is wider '// &
+            & 'than anything is prescribed to move: the pair will not close'
          text = text//nl//'  outward side of '//model%surface(p%master)%name//' there: '// &
             & shown(points%normal(:model%mesh%ndim, near), rough)
       end associate
    end function describe_pair
+
+   !> How far bodies and tools may come: twice the largest prescribed way; without end where forces,
+   !> rotations, velocities or temperatures act.
+   pure real(wp) function reach_of(model) result(reach)
+      type(model_type), intent(in) :: model
+      integer :: s, k
+      logical :: free
+
+      reach = 0.0_wp
+      free = .false.
+      do s = 1, size(model%step)
+         associate (step => model%step(s))
+            free = free .or. size(step%point_load) + size(step%face_load) + size(step%body_load) &
+               & + size(step%temperature) > 0
+            do k = 1, size(step%prescribed)
+               associate (p => step%prescribed(k))
+                  if (.not. abs(p%value) > 0.0_wp) cycle
+                  free = free .or. p%velocity .or. p%dof > 3 .or. p%amplitude > 0
+                  reach = max(reach, 2.0_wp*abs(p%value))
+               end associate
+            end do
+         end associate
+      end do
+      if (free) reach = huge(1.0_wp)
+   end function reach_of
 
    !> Nodes of the slave, those with a master, one without, and the points nearest and farthest.
    pure subroutine count_points(points, pair, nodes, facing, alone, near, far)

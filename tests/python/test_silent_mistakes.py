@@ -247,6 +247,7 @@ DRIFTING = {
     "without friction": deck(supports=PUSHED, steps=down(0.01, ", NLGEOM"),
                              pair=PARTS["pair"].replace("*FRICTION\n0.1\n", "")),
     "along the axis": deck(supports=PUSHED + "LEFT, 1\n", steps=down(0.01)).replace("CPE4", "CAX4"),
+    "and rests": deck(supports=PUSHED, steps=down(0.01, ", NLGEOM") + down(0.01, ", NLGEOM")),
     "not far enough": deck(supports=PUSHED, steps=down(0.3, ", NLGEOM", "0.1, 1.\n"),
                            mesh=PARTS["mesh"] + SOLE, tool=PARTS["tool"] + FLOOR,
                            pair=PARTS["pair"] + "SOLE, FLOOR\n"),
@@ -263,7 +264,8 @@ def test_a_body_that_a_tool_pushes_away_is_said(case, tmp_path):
 def test_a_body_that_is_caught_or_held_does_not_drift(tmp_path):
     caught = deck(supports=PUSHED, steps=down(0.6, "", "0.1, 1.\n"), mesh=PARTS["mesh"] + SOLE,
                   tool=PARTS["tool"] + FLOOR, pair=PARTS["pair"] + "SOLE, FLOOR\n")
-    for text in (caught, deck()):
+    carried = deck(supports=PUSHED, steps=down(0.01), pair=pair(", TIED"))
+    for text in (caught, carried, deck()):
         run = lopin("run", text, tmp_path, "-o", "out", "--overwrite")
         assert run.returncode == 0 and not said(run, "W0515"), run.stderr
 
@@ -326,6 +328,15 @@ def test_check_tells_the_first_search_of_each_pair(tmp_path):
     short = deck(tool=PARTS["tool"].replace("START, 20.", "START, 6."))
     run = lopin("check", short, tmp_path)
     assert "2 face the master, 1 have none (first: node 9 (10, 10))" in run.stdout
+
+
+def test_check_tells_of_a_gap_that_nothing_closes(tmp_path):
+    far = deck(tool=PARTS["tool"].replace("10.\n", "11.\n"))
+    assert "the pair will not close" in lopin("check", far, tmp_path).stdout
+    load = deck(tool=PARTS["tool"].replace("10.\n", "11.\n"),
+                steps="*STEP\n*STATIC\n*CLOAD\n10, 2, -1.\n*END STEP\n")
+    assert "will not close" not in lopin("check", load, tmp_path).stdout
+    assert "will not close" not in lopin("check", deck(), tmp_path).stdout
 
 
 def test_check_finds_a_tool_on_the_wrong_side(tmp_path):
