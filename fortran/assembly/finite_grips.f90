@@ -3,8 +3,9 @@ module lopin_finite_grips
    use lopin_kinds, only : wp
    use lopin_error, only : log_type, severity
    use lopin_text, only : to_text
-   use lopin_model, only : model_type, method_of, overclosure_of
-   use lopin_friction, only : friction_type, condition_type, friction_radius
+   use lopin_model, only : model_type, interaction_type, method_of, overclosure_of
+   use lopin_friction, only : friction_type, condition_type, friction_radius, has_friction, &
+      & is_regularised
    use lopin_contact_traction, only : grip_type, grip_kind
    use lopin_contact_points, only : pair_is_tied
    use lopin_enforcement_law, only : law_type, new_exponential, new_tabular
@@ -33,8 +34,7 @@ contains
       type(model_type), intent(in) :: model
       integer, intent(in) :: pair
       type(log_type), intent(inout) :: log
-      type(law_type) :: law
-      real(wp) :: slope
+      real(wp) :: slope, shear
       integer :: i
       logical :: said
 
@@ -71,23 +71,60 @@ contains
                      g%ct = g%shear_slope
                   end if
                end if
+               shear = g%shear_slope
                call choose_stick(g, f, points%size(i))
-               if (way%overclosure == overclosure_of%exponential) then
-                  g%kind = grip_kind%overclosure
-                  call new_exponential(law, way%table(1, 1), way%table(2, 1))
-                  g%law = law
-                  g%ct = g%shear_slope
-               else if (way%overclosure == overclosure_of%tabular) then
-                  g%kind = grip_kind%overclosure
-                  call new_tabular(law, way%table(1, :), way%table(2, :))
-                  g%law = law
-                  g%ct = g%shear_slope
-               end if
+               call take_law(g, way, shear)
                if (pair_is_tied(model, model%pair(pair))) g%kind = grip_kind%tied
             end associate
          end do
+         if (any(points%pair(:points%n) == pair)) call tell_stick(way, f, model, pair, log)
       end associate
    end subroutine choose_grips
+
+   !> A pressure-overclosure law; it sticks by springs, as a penalty does.
+   subroutine take_law(grip, way, shear)
+      type(grip_type), intent(inout) :: grip
+      type(interaction_type), intent(in) :: way
+      real(wp), intent(in) :: shear            !! stiffness of the springs [stress/length]
+      type(law_type) :: law
+
+      if (way%overclosure == overclosure_of%exponential) then
+         call new_exponential(law, way%table(1, 1), way%table(2, 1))
+      else if (way%overclosure == overclosure_of%tabular) then
+         call new_tabular(law, way%table(1, :), way%table(2, :))
+      else
+         return
+      end if
+      grip%kind = grip_kind%overclosure
+      grip%law = law
+      grip%ct = shear
+      grip%elastic_slip = 0.0_wp
+   end subroutine take_law
+
+   !> What the deck says of sticking and this path does otherwise.
+   subroutine tell_stick(way, friction, model, pair, log)
+      type(interaction_type), intent(in) :: way
+      type(friction_type), intent(in) :: friction
+      type(model_type), intent(in) :: model
+      integer, intent(in) :: pair
+      type(log_type), intent(inout) :: log
+      character(len=:), allocatable :: why
+      logical :: slips
+
+      if (.not. has_friction(friction) .or. friction%rough .or. is_regularised(friction)) return
+      slips = friction%elastic_slip + friction%slip_tolerance > 0.0_wp
+      why = ''
+      if (way%method == method_of%augmented .and. slips) &
+         & why = 'AUGMENTED LAGRANGE sticks exactly where bodies move far or flow'
+      if (allocated(way%table) .and. (slips .or. friction%exact_stick)) why = 'a pressure-'// &
+         & 'overclosure law sticks by springs of 33 moduli over a facet where bodies move far '// &
+         & 'or flow'
+      if (len(why) == 0) return
+      call log%say(severity%warning, 'W0305', trim(merge('ELASTIC SLIP', 'LAGRANGE    ', slips))// &
+         & ' on *FRICTION does nothing here: '//why, friction%at, help='leave it out, or write '// &
+         & '*SURFACE BEHAVIOR, PENALTY or DIRECT for the pair of line '// &
+         & to_text(model%pair(pair)%at%line))
+   end subroutine tell_stick
 
    !> By the slave's own modulus, which bounds the error; augmentation needs less, and Newton
    !> dislikes springs that are stiff beside a soft master.

@@ -373,3 +373,38 @@ def test_an_adjust_over_more_than_half_a_facet_is_warned_of(tmp_path):
 def test_data_of_an_interaction_that_would_be_lost(code, cards, tmp_path):
     run = lopin("check", deck(pair=pair("", cards)), tmp_path)
     assert len(said(run, code)) == 1, run.stderr
+
+
+def sheared(behaviour, friction, words=", NLGEOM"):
+    steps = (f"*STEP{words}\n*STATIC\n0.1, 1.\n*BOUNDARY\n10, 2, 2, -0.05\n10, 1, 1, 0.01\n"
+             "*END STEP\n")
+    return deck(pair=pair("", f"*SURFACE BEHAVIOR, {behaviour}\n{friction}"),
+                supports="*BOUNDARY\nBOTTOM, 1, 2\n10, 6\n", steps=steps)
+
+
+def drag(run, folder):
+    assert run.returncode == 0, run.stderr
+    lines = (folder/"out"/"deck_history.csv").read_text().splitlines()
+    row = dict(zip(lines[0].split(","), lines[-1].split(",")))
+    return float(next(v for k, v in row.items() if k.startswith("TOP-TOOL.force1")))
+
+
+@pytest.mark.parametrize("friction", ["*FRICTION\n0.3\n", "*FRICTION, ROUGH\n",
+                                      "*FRICTION\n0.3, 1.E4\n", "*FRICTION, TAUMAX=20.\n0.3\n"])
+def test_a_straight_table_rubs_like_a_penalty(friction, tmp_path):
+    """The table is the penalty's line: so is the shear, in finite sliding."""
+    table = "PRESSURE-OVERCLOSURE=TABULAR\n0., 0.\n1.E6, 0.1"
+    one = drag(lopin("run", sheared(table, friction), tmp_path, "-o", "out"), tmp_path)
+    other = drag(lopin("run", sheared("PENALTY\n1.E7", friction), tmp_path, "-o", "out",
+                       "--overwrite"), tmp_path)
+    assert abs(one - other) < 0.005*abs(other)
+
+
+@pytest.mark.parametrize("behaviour", ["AUGMENTED LAGRANGE\n1.E6",
+                                       "PRESSURE-OVERCLOSURE=TABULAR\n0., 0.\n1.E6, 0.1"])
+def test_an_elastic_slip_that_the_finite_path_cannot_have_is_said(behaviour, tmp_path):
+    friction = "*FRICTION, ELASTIC SLIP=0.01\n0.3\n"
+    run = lopin("run", sheared(behaviour, friction), tmp_path, "-o", "out")
+    assert len(said(run, "W0305")) == 1 and "ELASTIC SLIP" in said(run, "W0305")[0]
+    run = lopin("run", sheared(behaviour, friction, ""), tmp_path, "-o", "out", "--overwrite")
+    assert not said(run, "W0305")
