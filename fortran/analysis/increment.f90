@@ -21,6 +21,7 @@ module lopin_increment
    use lopin_certificate, only : forces_type, find_forces, certify
    use lopin_finite_history, only : accept_contact => accept, reject_contact => reject
    use lopin_finite_state, only : iteration_header
+   use lopin_held_points, only : refuse_held_points
    use lopin_solid_memory, only : keep
    use lopin_predict, only : note_motion
    use lopin_assemble_finite, only : remember
@@ -102,6 +103,8 @@ contains
          call find_finite_forces(forces, scene, progress%f)
          progress%residual = forces%residual
          call certify_finite(frame%certificate, frame%energy, scene, model, forces)
+         call refuse_held_points(scene, model, error)
+         if (allocated(error)) return
          call tell_finite(scene, model)
          frame%iterations = scene%finite%iterations
          frame%augmentations = scene%finite%augmentations

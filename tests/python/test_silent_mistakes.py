@@ -408,3 +408,11 @@ def test_an_elastic_slip_that_the_finite_path_cannot_have_is_said(behaviour, tmp
     assert len(said(run, "W0305")) == 1 and "ELASTIC SLIP" in said(run, "W0305")[0]
     run = lopin("run", sheared(behaviour, friction, ""), tmp_path, "-o", "out", "--overwrite")
     assert not said(run, "W0305")
+
+
+@pytest.mark.parametrize("words", ["", ", NLGEOM"])
+def test_supports_that_press_a_node_into_a_tool_are_refused(words, tmp_path):
+    text = deck(supports="*BOUNDARY\nBOTTOM, 1, 2\n7, 1, 2\n9, 1, 2\n8, 1, 2\n10, 1\n10, 6\n",
+                steps=down(0.01, words))
+    run = lopin("run", text, tmp_path, "-o", "out")
+    assert run.returncode == 3 and "is overconstrained" in said(run, "E0506")[0], run.stderr
