@@ -16,6 +16,8 @@ module lopin_certificate
    !> PASS up to these, WARN above, FAIL above ten times (conventions, frozen).
    real(wp), parameter :: complementarity_limit = 1.0e-6_wp, equilibrium_limit = 1.0e-6_wp
    real(wp), parameter :: cone_limit = 1.0e-6_wp, dissipation_limit = 1.0e-9_wp
+   !> A compliance below this share of the largest is rounding: an artificial support holds the row.
+   real(wp), parameter :: rounded = 1.0e-12_wp
    real(wp), parameter :: balance_limit = 1.0e-3_wp, penalty_limit = 2.0e-2_wp
 
    !> All forces of a state, on the physical dofs: residual = internal - load - pressed.
@@ -107,13 +109,19 @@ contains
       type(scene_type), intent(in) :: scene
       type(model_type), intent(in) :: model
       real(wp), intent(in) :: rounding         !! forces below are rounding [force]
-      real(wp) :: p_ref, size_, scaled
+      real(wp) :: p_ref, size_, scaled, softest
       integer :: row, pair, point
       logical :: exact
 
       energy%contact = 0.0_wp
       if (scene%rows%n == 0) return
       p_ref = max(maxval(abs(scene%answer%force)), rounding)
+      softest = 0.0_wp
+      if (allocated(scene%problem%s)) then
+         do row = 1, scene%rows%n
+            softest = max(softest, scene%problem%s(row, row))
+         end do
+      end if
       do pair = 1, size(model%pair)
          associate (method => model%interaction(model%pair(pair)%interaction)%method)
             exact = method == method_of%lagrange .or. (method == method_of%augmented &
@@ -131,7 +139,7 @@ contains
                if (.not. scene%rows%bilateral(row) .and. p_ref > 0.0_wp) &
                   & self%tension = max(self%tension, -force/p_ref)
                if (exact) then
-                  scaled = scale_of(scene, row, p_ref, size_)*gap
+                  scaled = scale_of(scene, row, p_ref, size_, softest)*gap
                   if (scene%rows%bilateral(row)) then
                      scaled = abs(scaled)
                   else
@@ -154,14 +162,15 @@ contains
    end subroutine judge_contact
 
    !> Force per gap: the compliance's own where it is known, else the largest force over a facet.
-   real(wp) function scale_of(scene, row, p_ref, size_) result(scale)
+   real(wp) function scale_of(scene, row, p_ref, size_, softest) result(scale)
       type(scene_type), intent(in) :: scene
       integer, intent(in) :: row
       real(wp), intent(in) :: p_ref, size_
+      real(wp), intent(in) :: softest          !! largest compliance of a row [length/force]
 
       scale = p_ref/size_
       if (.not. allocated(scene%problem%s)) return
-      if (scene%problem%s(row, row) > 0.0_wp) scale = 1.0_wp/scene%problem%s(row, row)
+      if (scene%problem%s(row, row) > softest*rounded) scale = 1.0_wp/scene%problem%s(row, row)
    end function scale_of
 
    !> The forces on slaves and masters balance as a whole.

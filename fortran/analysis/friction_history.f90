@@ -12,6 +12,8 @@ module lopin_friction_history
 
    !> Work of a force over this share of a facet is rounding.
    real(wp), parameter :: rounding = 1.0e-14_wp
+   !> A compliance below this share of the largest is rounding: an artificial support holds the row.
+   real(wp), parameter :: rounded = 1.0e-12_wp
 
 contains
 
@@ -147,19 +149,22 @@ contains
       type(scene_type), intent(in) :: scene
       type(friction_points_type), intent(in) :: points
       real(wp), intent(in) :: noise(:)             !! (nrow) of the gaps [length]
-      real(wp) :: press, stiffness, slip(points%nt), q(points%nt), bound, slope_q, slope_p, w, size_
+      real(wp) :: press, stiffness, slip(points%nt), q(points%nt), bound, slope_q, slope_p, w, &
+         & size_, softest
       integer :: k
       logical :: slips
 
       worst = 0.0_wp
       size_ = maxval(abs(scene%answer%force))
       if (.not. size_ > 0.0_wp .or. .not. allocated(scene%problem%s)) return
+      softest = maxval([(scene%problem%s(k, k), k=1, size(scene%problem%s, 1))])
       do k = 1, points%n
          if (is_regularised(points%law(k))) cycle
          w = points%weight(k)
          associate (from => points%tangent(k), to => points%tangent(k) + points%nt - 1)
             press = max(scene%answer%force(points%normal(k)), 0.0_wp)
-            if (.not. press > 0.0_wp .or. .not. scene%problem%s(from, from) > 0.0_wp) cycle
+            if (.not. press > 0.0_wp) cycle
+            if (.not. scene%problem%s(from, from) > rounded*softest) cycle
             stiffness = 1.0_wp/scene%problem%s(from, from)
             slip = scene%answer%gap(from:to) - points%start(:, k) + points%elastic(:, k) &
                & + elastic_compliance(points, k, press)*scene%answer%force(from:to)

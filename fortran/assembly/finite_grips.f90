@@ -34,11 +34,16 @@ contains
       type(model_type), intent(in) :: model
       integer, intent(in) :: pair
       type(log_type), intent(inout) :: log
-      real(wp) :: slope, shear
+      real(wp) :: slope, shear, stiffest
       integer :: i
       logical :: said
 
       said = .false.
+      stiffest = 0.0_wp
+      do i = 1, points%n
+         if (points%pair(i) == pair) stiffest = max(stiffest, default_slope(points, i, &
+            & model%interaction(model%pair(pair)%interaction)%method))
+      end do
       associate (way => model%interaction(model%pair(pair)%interaction), f => friction)
          do i = 1, points%n
             if (points%pair(i) /= pair) cycle
@@ -47,7 +52,10 @@ contains
                g%c = merge(scale_of_flow, scale_of_exact, points%yield(i) > 0.0_wp)*own
                g%ct = g%c*shear_share
                slope = way%slope*way%scale
-               if (.not. slope > 0.0_wp) slope = way%scale*default_slope(points, i, way%method)
+               ! A penalty is one of the pair: points of other facets would yield to a uniform
+               ! pressure by other gaps.
+               if (.not. slope > 0.0_wp) slope = way%scale*merge(default_slope(points, i, &
+                  & way%method), stiffest, way%method == method_of%augmented)
                ! A stiff penalty in its mixed form: the same equations, without its loss of digits,
                ! and Newton does not hop between stick and slip (measured: 5 iterations for 24).
                ! So is one that sticks exactly, or by a slip that the deck gives.

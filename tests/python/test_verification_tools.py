@@ -1,0 +1,57 @@
+"""The patch test against plane tools: every element word as slave, three orientations of the tool,
+both paths, all four methods, and a limited shear whose moment the sides balance."""
+import re
+from pathlib import Path
+
+import pytest
+from tool_patches import bent, errors, is_quadratic, patch_deck, ring_deck, ring_errors
+
+SOURCE = Path(__file__).resolve().parents[2]/"fortran"/"element"/"element_type.f90"
+LIST = re.search(r"element_words\(.*?\[(.*?)\]", SOURCE.read_text(encoding="utf-8"), re.DOTALL)[1]
+WORDS = [word for word in re.findall(r"'(\w+)'", LIST) if not word.startswith("R")]
+CASE = "B6 patch test on plane tools: "
+#: Elements whose rules of integration have the strains of curved edges exactly.
+EXACT = ("C3D20", "C3D20H", "CPE6", "CPE8", "CPE8R", "CPS6", "CPS8R")
+
+
+@pytest.fixture
+def run(core):
+    """In memory: with all digits."""
+    return pytest.importorskip("lopin").run
+
+
+def test_the_list_of_words_is_found():
+    assert {"C3D10", "C3D20R", "C3D15", "CAX8R", "CPS4I"} <= set(WORDS)
+
+
+@pytest.mark.parametrize("path", ["", "FINITE"])
+@pytest.mark.parametrize("word", [w for w in WORDS if not w.startswith("CAX")])
+def test_a_uniform_pressure_comes_out_uniform(run, sheet, word, path):
+    result = run(patch_deck(word, path, distorted=True))
+    worst = errors(result, word).max(axis=1)
+    for value, what in zip(worst, ("pressure of a node", "normal force", "force of the limited shear")):
+        sheet.compare(CASE + (path.lower() or "condensed") + " path",
+                      f"{word}, 4 methods, 3 orientations: {what}", value, 0.0, 1e-8,
+                      "equilibrium", absolute=True)
+
+
+@pytest.mark.parametrize("path", ["", "FINITE"])
+@pytest.mark.parametrize("word", [w for w in WORDS if w.startswith("CAX")])
+def test_a_uniform_pressure_on_the_axis(run, sheet, word, path):
+    """Tools below, above and around; friction of a uniform bound has no closed form here."""
+    for value, what in zip(ring_errors(run(ring_deck(word, path))), ("pressure of a node", "force")):
+        sheet.compare(CASE + (path.lower() or "condensed") + " path",
+                      f"{word}, 4 methods, tool below, above, around: {what}", value, 0.0, 1e-8,
+                      "equilibrium", absolute=True)
+
+
+@pytest.mark.parametrize("path", ["", "FINITE"])
+@pytest.mark.parametrize("word", EXACT)
+def test_faces_with_curved_edges(run, sheet, word, path):
+    if word not in WORDS:
+        pytest.skip("no such word")
+    assert is_quadratic(word)
+    result = run(patch_deck(word, path, distorted=True, bend=bent(word)))
+    sheet.compare(CASE + (path.lower() or "condensed") + " path",
+                  f"{word}, curved edges: pressure of a node", errors(result, word)[0].max(), 0.0,
+                  1e-6, "equilibrium", absolute=True)
