@@ -4,6 +4,7 @@ module lopin_run_analysis
    use lopin_error, only : error_type, error_code, raise, log_type, severity
    use lopin_text, only : to_text
    use lopin_clock, only : clock_type, counter_type
+   use lopin_blas_threads, only : ready_blas
    use lopin_memory, only : peak_memory
    use lopin_model, only : model_type
    use lopin_state, only : frame_type, summary_type
@@ -54,7 +55,8 @@ contains
       summary%solver = ''
       summary%checksum = ''
       allocate (summary%step(size(model%step)))
-      call begin_all(recorders, model, error, keeper)
+      call ready_blas(error)
+      if (.not. allocated(error)) call begin_all(recorders, model, error, keeper)
       if (.not. allocated(error)) call new_plan(plan, model, error)
       if (.not. allocated(error)) call new_scene(scene, model, error)
       if (.not. allocated(error)) call choose_reach(scene, model)

@@ -1,6 +1,7 @@
 !> The straight line of a run, the same for the executable and for callers in one process:
 !> deck, model, recorders, analysis.
 module lopin_job
+   use, intrinsic :: iso_c_binding, only : c_int
    use lopin_build_model, only : new_model
    use lopin_clock, only : clock_type, phase
    use lopin_deck, only : deck_type
@@ -14,7 +15,7 @@ module lopin_job
    use lopin_run_analysis, only : run_analysis
    use lopin_blas_threads, only : set_blas_threads, blas_threads
    use lopin_state, only : summary_type
-   use lopin_text, only : plural, upper
+   use lopin_text, only : plural, to_text, upper
    use omp_lib, only : omp_set_num_threads, omp_get_max_threads
    implicit none
    private
@@ -41,6 +42,17 @@ module lopin_job
 
    !> Fewer are assembled (3 us each) before a second thread has woken up and gone to sleep again.
    integer, parameter :: enough_elements = 10000
+   integer, parameter :: most_threads = 1024
+
+   interface
+      integer(c_int) function lopin_threads_that_start(n) bind(c)
+         import :: c_int
+         integer(c_int), value :: n
+      end function lopin_threads_that_start
+
+      subroutine lopin_survive_forks() bind(c)
+      end subroutine lopin_survive_forks
+   end interface
 
 contains
 
@@ -51,7 +63,9 @@ contains
       type(model_type), intent(out) :: model
       type(error_type), allocatable, intent(out) :: error
 
-      call new_model(model, deck, error)
+      if (self%threads > most_threads) call raise(error, error_code%usage, 'E0801', &
+         & to_text(self%threads)//' threads: at most '//to_text(most_threads)//' can be had')
+      if (.not. allocated(error)) call new_model(model, deck, error)
       if (allocated(error)) return
       if (len(self%solver) > 0) model%solver = upper(self%solver)
       model%blas_threads = max(1, blas_threads())
@@ -92,7 +106,7 @@ contains
       if (self%in_memory) call append_memory(outcome%recorder, names_of(deck))
       before = blas_threads()
       team = omp_get_max_threads()
-      call set_threads(self, model)
+      call set_threads(self, model, outcome%log)
       ! What is not allocated is absent.
       call run_analysis(model, outcome%recorder, outcome%clock, outcome%summary, outcome%log, &
          & error, checkpoint)
@@ -129,16 +143,25 @@ contains
 
    !> Threads of the assembly, where there is enough to share out; the BLAS starts on one, and a
    !> large system may raise it (lopin_blas_threads says when).
-   subroutine set_threads(self, model)
+   subroutine set_threads(self, model, log)
       type(job_type), intent(in) :: self
       type(model_type), intent(in) :: model
+      type(log_type), intent(inout) :: log
+      integer :: wanted, started
       logical :: done
 
-      if (self%threads > 0) then
-         call omp_set_num_threads(self%threads)
-      else if (model%mesh%nelement < enough_elements) then
-         call omp_set_num_threads(1)
+      wanted = min(omp_get_max_threads(), most_threads)
+      if (model%mesh%nelement < enough_elements) wanted = 1
+      if (self%threads > 0) wanted = self%threads
+      started = 1
+      if (wanted > 1) then
+         started = lopin_threads_that_start(int(wanted, c_int))
+         call lopin_survive_forks()
       end if
+      if (started < wanted) call log%say(severity%note, 'N0706', 'the run has '// &
+         & plural(started, 'thread')//' instead of '//to_text(wanted)// &
+         & ': the system starts no more')
+      call omp_set_num_threads(started)
       done = set_blas_threads(1)
       associate (unused => done)
       end associate

@@ -40,6 +40,19 @@ module lopin_terminal
          import :: c_int
          integer(c_int), value :: descriptor
       end function isatty
+
+      !> An end that does not come from here is told too, in the form that was asked for.
+      subroutine lopin_hear_the_end() bind(c)
+      end subroutine lopin_hear_the_end
+
+      subroutine lopin_end_as_json() bind(c)
+      end subroutine lopin_end_as_json
+
+      !> The end of the process.
+      subroutine lopin_end(code) bind(c)
+         import :: c_int
+         integer(c_int), value :: code
+      end subroutine lopin_end
    end interface
 
 contains
@@ -50,6 +63,8 @@ contains
       integer :: length
       integer(c_int) :: stderr_is_terminal
 
+      call lopin_hear_the_end()
+      if (json) call lopin_end_as_json()
       call get_environment_variable('NO_COLOR', length=length)
       stderr_is_terminal = isatty(2_c_int)
       self%colour = colour .and. length == 0 .and. stderr_is_terminal == 1
@@ -153,6 +168,7 @@ contains
          if (.not. has_left(self%lost)) call complain(self, &
             & 'error[E0608]: cannot write to the standard streams: '//reason_of(self%lost)//nl)
       end if
+      call lopin_end(int(final, c_int))
       stop final, quiet=.true.
    end subroutine finish
 

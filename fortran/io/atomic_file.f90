@@ -5,13 +5,13 @@ module lopin_atomic_file
    use, intrinsic :: iso_c_binding, only : c_char, c_int, c_long_long, c_null_char
    use, intrinsic :: iso_fortran_env, only : int8, int64
    use lopin_checked_file, only : file_begin, file_end, file_rename, file_append, file_go_on, &
-      & file_new_end, file_kind, file_is_there, file_read, cannot_write, has_shrunk
+      & file_kind, file_is_there, file_read, cannot_write, has_shrunk
    use lopin_error, only : error_type, error_code, raise
    use lopin_stream, only : stream_type
    implicit none
    private
    public :: write_atomically, make_folder, remove_file, file_exists, read_text, log_file_type
-   public :: written_mark, is_foreign, has_lost, write_over
+   public :: written_mark, is_foreign, has_lost
 
    !> Stands in the first lines of XML files of ours, which may therefore be replaced.
    character(len=*), parameter :: written_mark = '<!-- written by Lopin -->'
@@ -94,22 +94,6 @@ contains
          call add(view, size(list, kind=int64))
       end subroutine add_bytes
    end subroutine write_atomically
-
-   !> Replace the text of a file by a shorter one in its place: this asks for no room on the disk.
-   subroutine write_over(path, text)
-      character(len=*), intent(in) :: path, text
-      integer(c_int) :: file, status
-      integer :: kind
-      integer(int64) :: length
-
-      call file_kind(path, kind, length)
-      if (kind /= 0 .or. length < len(text)) return
-      status = file_go_on(path//c_null_char, int(length, c_long_long), file)
-      if (status /= 0) return
-      status = file_new_end(file, 0_c_long_long, int(length, c_long_long), &
-         & text//repeat(' ', int(length) - len(text)), int(length, c_long_long))
-      status = file_end(file, int(length, c_long_long), 1_c_int)
-   end subroutine write_over
 
    !> Make a folder and those above it; nothing to do if it is there.
    subroutine make_folder(path, error)

@@ -8,6 +8,7 @@
 #include <fcntl.h>
 #include <poll.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 #include <sys/file.h>
 #include <sys/stat.h>
@@ -189,4 +190,29 @@ int lopin_reason(int status, char *text, int n)
     case EBADF: return 7;
     default: return 0;
     }
+}
+
+/* What `job.json` shall say if the process must end at once, kept where that needs no memory. */
+static char *summary_path, *summary_text;
+
+void lopin_summary_is(const char *path, const char *text)
+{
+    free(summary_path);
+    free(summary_text);
+    summary_path = path[0] ? strdup(path) : NULL;
+    summary_text = path[0] ? strdup(text) : NULL;
+}
+
+/* Only a file that is there and long enough is changed: in its place, with blanks to its end. */
+void lopin_summary_failed(void)
+{
+    int file;
+    long long length, n;
+    if (!summary_path || !summary_text || lopin_file_kind(summary_path, &length)) return;
+    n = (long long)strlen(summary_text);
+    file = open(summary_path, O_WRONLY | O_NOFOLLOW | O_CLOEXEC | O_NONBLOCK);
+    if (file < 0) return;
+    if (n <= length && write_at(file, 0, summary_text, n) == 0)
+        while (n < length && write_at(file, n, " ", 1) == 0) ++n;
+    close(file);
 }

@@ -7,7 +7,7 @@ module lopin_checked_file
    private
    public :: file_begin, file_end, file_rename, file_append, file_new_end, file_go_on
    public :: write_all, sync_folder, file_kind, file_is_there, file_read
-   public :: cannot_write, reason_of, has_left, is_closed, kind_word, has_shrunk
+   public :: summary_is, summary_failed, cannot_write, reason_of, has_left, is_closed, kind_word, has_shrunk
 
    interface
       !> Text to a descriptor; 0 or an errno.
@@ -80,6 +80,16 @@ module lopin_checked_file
          character(kind=c_char), intent(inout) :: text(*)
          integer(c_long_long), value :: n
       end function file_read
+
+      !> What a summary says if the process must end at once; without a path nothing.
+      subroutine summary_is(path, text) bind(c, name='lopin_summary_is')
+         import :: c_char
+         character(kind=c_char), intent(in) :: path(*), text(*)
+      end subroutine summary_is
+
+      !> The run has failed, and nothing longer can be written.
+      subroutine summary_failed() bind(c, name='lopin_summary_failed')
+      end subroutine summary_failed
 
       integer(c_int) function c_reason(status, text, n) bind(c, name='lopin_reason')
          import :: c_char, c_int

@@ -184,8 +184,13 @@ contains
          & 'general.', &
          & 'take SOLVER=AUTO.')
       call add_explanation(list, 'E0702', 'not enough memory', &
-         & 'The factor of the matrix does not fit into memory.', &
-         & 'take a coarser mesh, or a machine with more memory.')
+         & 'The system refuses memory: for the deck, the model, the factor of the matrix or a '// &
+         & 'library. The machine has no more, or a limit (ulimit -v) forbids it. Result files '// &
+         & 'are whole up to the increment before, and so is the checkpoint.', &
+         & 'take a coarser mesh, a machine with more memory or a higher limit; --resume goes on.')
+      call add_explanation(list, 'N0706', 'fewer threads than were asked for', &
+         & 'The system starts no more threads: a limit of processes (ulimit -u) or of memory.', &
+         & 'nothing; or raise the limit, or ask for fewer by --threads.')
       call add_explanation(list, 'E0703', 'the solver failed', &
          & 'The library of the linear solver reports a failure that Lopin cannot put into words.', &
          & 'try another solver with --solver, and report the deck.')

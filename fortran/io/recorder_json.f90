@@ -1,6 +1,7 @@
 !> `job.json`: what a run did, for programs. Written at the start with status `running`, and at the
 !> end; without a path the text is only kept.
 module lopin_recorder_json
+   use, intrinsic :: iso_c_binding, only : c_null_char
    use lopin_kinds, only : wp, lk
    use lopin_clock, only : phase_names, nphase, counter_type
    use lopin_error, only : error_type, error_code, diagnostic_type
@@ -9,7 +10,8 @@ module lopin_recorder_json
    use lopin_state, only : frame_type, summary_type, certificate_type, energy_type, verdict_words, &
       & keep_certificate, keep_energy
    use lopin_recorder, only : recorder_type
-   use lopin_atomic_file, only : write_atomically, write_over
+   use lopin_atomic_file, only : write_atomically
+   use lopin_checked_file, only : summary_is, summary_failed
    use lopin_json_writer, only : json_writer_type
    use lopin_text, only : plural
    use lopin_recorder_table, only : pair_summary_type, summarise_pair, pair_name
@@ -78,8 +80,11 @@ contains
       type(error_type), allocatable, intent(out) :: error
 
       ! Room for `failed`, where a full disk takes nothing longer.
-      if (len(self%path) > 0) call write_atomically(self%path, short_text(self, 'running')// &
-         & repeat(' ', 64)//achar(10), error)
+      if (len(self%path) == 0) return
+      call write_atomically(self%path, short_text(self, 'running')//repeat(' ', 64)//achar(10), &
+         & error)
+      if (.not. allocated(error)) call summary_is(self%path//c_null_char, &
+         & short_text(self, 'failed')//c_null_char)
    end subroutine commit
 
    !> What a run without an end is: its status and its files.
@@ -167,7 +172,8 @@ contains
       self%content = json%text%content()
       if (len(self%path) == 0) return
       call write_atomically(self%path, self%content, error, lasting=.true.)
-      if (allocated(error)) call write_over(self%path, short_text(self, 'failed'))
+      if (allocated(error)) call summary_failed()
+      call summary_is(c_null_char, c_null_char)
    end subroutine finish
 
    !> A few words on one pair at the end, for people: "TOP-BALL: 25 points in contact, ...".

@@ -4,13 +4,19 @@
 !> once spin for a while: measured on two cores, a solid of 6000 equations takes twice as long on
 !> two threads as on one, of 24000 as long, of 66000 a tenth less.
 module lopin_blas_threads
-   use, intrinsic :: iso_c_binding, only : c_int
+   use, intrinsic :: iso_c_binding, only : c_int, c_long_long
+   use lopin_blas, only : dsyev
+   use lopin_error, only : error_type, error_code, raise
+   use lopin_kinds, only : wp
    implicit none
    private
-   public :: set_blas_threads, blas_threads, worth_threads
+   public :: set_blas_threads, blas_threads, worth_threads, ready_blas
 
    !> Equations of a solid from which more than one thread pays; plane systems never do.
    integer, parameter :: worth_threads = 40000
+
+   !> Addresses that OpenBLAS takes for each thread, and a little more [byte].
+   integer(c_long_long), parameter :: room = 140000000_c_long_long
 
    interface
       integer(c_int) function lopin_blas_threads_set(n) bind(c)
@@ -20,6 +26,14 @@ module lopin_blas_threads
       integer(c_int) function lopin_blas_threads_now() bind(c)
          import :: c_int
       end function lopin_blas_threads_now
+      integer(c_int) function lopin_blas_took_room(now) bind(c)
+         import :: c_int
+         integer(c_int), value :: now
+      end function lopin_blas_took_room
+      integer(c_int) function lopin_has_room(n) bind(c)
+         import :: c_int, c_long_long
+         integer(c_long_long), value :: n
+      end function lopin_has_room
    end interface
 
 contains
@@ -27,8 +41,35 @@ contains
    !> Let the BLAS use n threads; false if this BLAS has no such switch.
    logical function set_blas_threads(n) result(done)
       integer, intent(in) :: n   !! 1 makes results independent of the machine's load
-      done = lopin_blas_threads_set(int(n, c_int)) /= 0
+      integer :: most
+
+      most = n
+      if (n > 1) then
+         if (lopin_has_room(n*room) == 0) most = 1
+      end if
+      done = lopin_blas_threads_set(int(most, c_int)) /= 0
    end function set_blas_threads
+
+   !> Let the BLAS take its room: where it finds none it waits for ever, so it is not called at all.
+   subroutine ready_blas(error)
+      type(error_type), allocatable, intent(out) :: error
+      real(wp) :: matrix(3, 3), value(3), work(16)
+      integer :: info
+
+      if (blas_threads() == 0) return
+      if (lopin_blas_took_room(0_c_int) /= 0) return
+      if (lopin_has_room(room) == 0) then
+         call raise(error, error_code%resource, 'E0702', 'not enough memory: the BLAS takes '// &
+            & '128 MB, which the system refuses', help='raise the limit of the address space '// &
+            & '(ulimit -v)')
+         return
+      end if
+      matrix = 1.0_wp
+      call dsyev('N', 'L', 3, matrix, 3, value, work, size(work), info)
+      info = info + lopin_blas_took_room(1_c_int) - 1
+      if (info /= 0) call raise(error, error_code%resource, 'E0703', 'the BLAS fails on three '// &
+         & 'equations')
+   end subroutine ready_blas
 
    !> How many threads the BLAS uses; 0 if it does not say.
    integer function blas_threads()

@@ -189,3 +189,162 @@ def test_links_of_others_are_not_followed(bench):
         done = bench.run(folder.name)
         assert done.returncode == 5 and ("E0603" in done.stderr or "E0602" in done.stderr), name
         assert precious.read_text() == "mine" and (folder/name).is_symlink()
+
+
+def column(increments: int) -> str:
+    """One element pressed on a floor in many increments."""
+    return f"""*NODE
+1, 0., 0.
+2, 1., 0.
+3, 1., 1.
+4, 0., 1.
+9, 0., 0.
+*ELEMENT, TYPE=CPE4, ELSET=B
+1, 1, 2, 3, 4
+*MATERIAL, NAME=M
+*ELASTIC
+1000., 0.3
+*SOLID SECTION, ELSET=B, MATERIAL=M
+*SURFACE, NAME=FOOT
+B, S1
+*SURFACE, NAME=FLOOR, TYPE=SEGMENTS
+START, -10., 0.
+LINE, 10., 0.
+*RIGID BODY, ANALYTICAL SURFACE=FLOOR, REF NODE=9
+*SURFACE INTERACTION, NAME=I
+*CONTACT PAIR, INTERACTION=I
+FOOT, FLOOR
+*BOUNDARY
+9, 1, 2
+9, 6
+1, 1
+*STEP, NLGEOM, INC={increments}
+*STATIC, DIRECT
+{1.0/increments!r}, 1.
+*BOUNDARY
+3, 2, 2, -0.01
+4, 2, 2, -0.01
+*END STEP
+"""
+
+
+def written() -> int:
+    """Bytes that this process and those it waited for have written."""
+    return int(next(line.split()[1] for line in Path("/proc/self/io").read_text().splitlines()
+                    if line.startswith("wchar")))
+
+
+@pytest.mark.skipif(not os.path.exists("/proc/self/io"), reason="the system does not count bytes")
+def test_each_increment_writes_as_much_as_the_one_before(executable, tmp_path):
+    """Nothing is written again because there is more of it."""
+    bytes_of = []
+    for k, increments in enumerate((100, 400)):
+        place = tmp_path/str(k)
+        place.mkdir()
+        b = Bench(executable, place, column(increments))
+        before = written()
+        assert b.run("out").returncode == 0
+        bytes_of.append(written() - before)
+    assert bytes_of[1] < 4.1*bytes_of[0]
+
+
+def brick(n: int) -> str:
+    """A cube of n^3 elements, compressed."""
+    m = n + 1
+    node = "".join(f"{1 + i + m*(j + m*k)}, {i}., {j}., {k}.\n"
+                   for k in range(m) for j in range(m) for i in range(m))
+    corner = ((0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0), (0, 0, 1), (1, 0, 1), (1, 1, 1), (0, 1, 1))
+    element = "".join(f"{1 + i + n*(j + n*k)}, " + ", ".join(
+        str(1 + i + a + m*(j + b + m*(k + c))) for a, b, c in corner) + "\n"
+        for k in range(n) for j in range(n) for i in range(n))
+    return (f"*NODE\n{node}*ELEMENT, TYPE=C3D8, ELSET=B\n{element}*NSET, NSET=LOW, GENERATE\n1, {m*m}\n"
+            f"*NSET, NSET=HIGH, GENERATE\n{m*m*n + 1}, {m**3}\n*MATERIAL, NAME=M\n*ELASTIC\n1000., 0.3\n"
+            "*SOLID SECTION, ELSET=B, MATERIAL=M\n*BOUNDARY\nLOW, 1, 3\n*STEP\n*STATIC\n1., 1.\n"
+            "*BOUNDARY\nHIGH, 3, 3, -0.1\n*END STEP\n")
+
+
+@pytest.mark.parametrize("limit", [72, 96, 200, 240, 320])
+def test_memory_that_ends(executable, tmp_path, limit):
+    """Of every command, within seconds: it gets through, or it says so."""
+    (tmp_path/"job.inp").write_text(brick(14))
+    bound = lambda: resource.setrlimit(resource.RLIMIT_AS, (limit*2**20, limit*2**20))
+    codes = []
+    for words in ("run job.inp", "check job.inp --json", "info job.inp", "selftest", "doc --all"):
+        done = subprocess.run([executable, *words.split()], cwd=tmp_path, capture_output=True,
+                              text=True, timeout=30, preexec_fn=bound)
+        said = done.stdout + done.stderr
+        if done.returncode == 127 and "shared" in done.stderr:
+            pytest.skip("too little for the libraries")
+        assert done.returncode == 0 or (done.returncode == 5 and "E0702" in said), (words, done)
+        if words.endswith("json"):
+            assert json.loads(done.stdout)["exit_code"] == done.returncode
+        codes.append(done.returncode)
+    if codes[0] and (tmp_path/"out"/"job"/"job.json").exists():
+        assert json.loads((tmp_path/"out"/"job"/"job.json").read_text())["status"] == "failed"
+    if limit == 96:
+        assert codes[0] == 5, "OpenBLAS alone takes 128 MB"
+
+
+def test_output_that_nobody_reads(bench, disk):
+    """A reader who left is no news; a full disk behind standard output is."""
+    lopin = bench.executable
+    reading, writing = os.pipe()
+    os.close(reading)
+    for words in (["doc", "--all"], ["explain"], ["check", "job.inp", "--json"], ["--help"]):
+        for ignored in (True, False):
+            done = subprocess.run([lopin, *words], cwd=bench.place, stdout=writing,
+                                  stderr=subprocess.PIPE, restore_signals=not ignored, timeout=20)
+            assert (done.returncode, done.stderr) == (5, b"")
+    os.close(writing)
+    if os.path.exists("/dev/full"):
+        with open("/dev/full", "w") as full:
+            done = subprocess.run([lopin, "doc", "--all"], stdout=full, stderr=subprocess.PIPE,
+                                  text=True, timeout=20)
+        assert done.returncode == 5 and "E0608" in done.stderr and "No space" in done.stderr
+    # The run itself goes on to its end.
+    for folder, ending in (("closed", ">&-"), ("unread", "| exec true"), ("silent", ">&- 2>&-")):
+        done = subprocess.run(f"{lopin} run job.inp -o {folder} {ending}", shell=True, timeout=60,
+                              cwd=bench.place, capture_output=True, text=True)
+        assert "Fortran" not in done.stderr
+        while (bench.place/folder/"job.lock").exists():
+            time.sleep(0.01)
+        assert bench.files(folder) == bench.files("alone")
+
+
+@pytest.mark.parametrize("first, second", [("SIGINT", "SIGINT"), ("SIGTERM", "SIGTERM"),
+                                           ("SIGINT", "SIGTERM"), ("SIGHUP", "SIGINT")])
+def test_a_second_signal_ends_the_process_at_once(executable, tmp_path, first, second):
+    """The first waits for the end of the increment, which takes longer than the test."""
+    b = Bench(executable, tmp_path, brick(24).replace("*STEP\n", "*STEP, NLGEOM\n"))
+    process = b.start("out")
+    while process.poll() is None and not (tmp_path/"out"/"job.lock").exists():
+        time.sleep(0.01)
+    time.sleep(0.2)
+    process.send_signal(signal.Signals[first])
+    time.sleep(0.1)
+    assert process.poll() is None, "the increment goes on"
+    begun = time.monotonic()
+    process.send_signal(signal.Signals[second])
+    assert process.wait(timeout=20) == -signal.Signals[second]
+    assert time.monotonic() - begun < 1.0 and "Backtrace" not in process.stdout.read()
+
+
+def test_threads_have_a_limit(bench):
+    done = bench.run("many", "--threads", "100000")
+    assert done.returncode == 2 and "at most 1024" in done.stderr
+
+
+def test_a_fork_after_a_threaded_run_computes(core, root):
+    """OpenMP's threads do not come along; the child starts its own."""
+    code = f"""
+import os, lopin
+def run():
+    return lopin.run(r"{root/'decks'/'signorini.inp'}", threads=3).summary["checksum"]
+first = run()
+child = os.fork()
+if child == 0:
+    os._exit(0 if run() == first else 1)
+assert os.waitpid(child, 0)[1] == 0 and run() == first
+"""
+    import sys
+    subprocess.run([sys.executable, "-W", "ignore", "-c", code], check=True, timeout=60)
