@@ -247,6 +247,7 @@ contains
 
       call stream%pass(self%element)
       call stream%pass(self%face)
+      call stream%pass(self%family)
       call stream%pass(self%amplitude)
       call stream%pass(self%from)
       call stream%pass(self%to)

@@ -98,7 +98,8 @@ contains
       points%n = n
       points%nt = nt
       allocate (points%normal(n), points%tangent(n), points%law(n), points%at(n))
-      allocate (points%weight(n), points%stiffness(n), points%elastic_slip(n), source=0.0_wp)
+      allocate (points%weight(n), points%stiffness(n), points%elastic_slip(n), points%open(n), &
+         & source=0.0_wp)
       allocate (points%traction(nt, n), points%start(nt, n), points%anchor(nt, n), &
          & points%elastic(nt, n), source=0.0_wp)
       allocate (points%augmented(n), source=.false.)
@@ -114,6 +115,7 @@ contains
             points%law(k) = law
             points%weight(k) = scene%points%weight(i)
             call elastic_stick(scene, model, pair, row, points, k)
+            points%open(k) = scene%rows%gap0(row) + displaced(scene, row)
             points%at(k)%dt = scene%finite%dt
             points%at(k)%held = scene%rows%bilateral(row)
             points%at(k)%mises = scene%friction%mises(i)
@@ -133,7 +135,7 @@ contains
       call set_yield(scene, model, points)
    end subroutine new_points
 
-   !> Relative displacement along a tangential row at the last accepted increment.
+   !> What the last accepted displacements do to the gap of a row [length].
    pure real(wp) function displaced(scene, row)
       type(scene_type), intent(in) :: scene
       integer, intent(in) :: row

@@ -57,7 +57,9 @@ contains
       lagged = reads_lagged(scene)
       last = huge(1.0_wp)
       scene%finite%history = [real(wp) ::]
+      scene%finite%contact%noted = merge(scene%finite%contact%ahead, 0.0_wp, guessed)
       call look_at(scene, model, f, .true., look, error)
+      scene%finite%contact%noted = 0.0_wp
       if (allocated(error)) return
       if (look%inverted > 0 .and. guessed) then
          call start_from_accepted(scene, v, before)
@@ -117,8 +119,13 @@ contains
          if (allocated(error)) return
          call find_step(scene, model, look, jump, step, error, flat=fresh, by_old=simplified)
          if (allocated(error)) return
+         ! Where the increment leads before further contacts close.
+         if (iteration == 1 .and. loop == 0 .and. scene%finite%grounded == 0 &
+            & .and. .not. (guessed .and. .not. first)) &
+            & scene%finite%contact%noted = scene%finite%contact%ahead
          call take_step(scene, model, f, v, prescribed, step, first, maxval(merits), &
             & with_tangent(residual), look, last, share, error)
+         scene%finite%contact%noted = 0.0_wp
          if (allocated(error)) return
          call note_step(scene%finite%contraction, residual, relative(look), .not. (first &
             & .or. simplified .or. share < 1.0_wp) &

@@ -2,10 +2,11 @@
 !>
 !> Time rules are those of all loads (see lopin_loading): without an amplitude a pressure goes
 !> linearly from its value at the end of the last step to its new one, a pressure that is no longer
-!> in force to zero; with an amplitude it is value times amplitude.
+!> in force to zero; with an amplitude it is value times amplitude, at once where it replaces one
+!> without.
 module lopin_follower_loading
    use lopin_kinds, only : wp
-   use lopin_model, only : model_type, step_type, amplitude_value
+   use lopin_model, only : model_type, step_type, face_load_type, amplitude_value
    use lopin_finite_kernel, only : local_matrix_type
    implicit none
    private
@@ -14,6 +15,7 @@ module lopin_follower_loading
    !> One entry for each face and load.
    type :: follower_type
       integer, allocatable :: element(:), face(:)
+      integer, allocatable :: family(:)          !! of its card
       real(wp), allocatable :: from(:), to(:)    !! without amplitude [stress]
       real(wp), allocatable :: varying(:)        !! times amplitude [stress]
       integer, allocatable :: amplitude(:)       !! 0: none
@@ -45,13 +47,9 @@ contains
       self%ramp = step%ramp
       do i = 1, size(step%face_load)
          associate (load => step%face_load(i))
-            if (.not. abs(load%pressure) > 0.0_wp) cycle
-            if (load%amplitude > 0) then
-               call add(self, load%element, load%face, 0.0_wp, 0.0_wp, load%pressure, &
-                  & load%amplitude)
-            else
-               call add(self, load%element, load%face, 0.0_wp, load%pressure, 0.0_wp, 0)
-            end if
+            if (.not. abs(load%pressure) > 0.0_wp .and. load%amplitude == 0) cycle
+            if (any(abs(load%traction) > 0.0_wp)) cycle
+            call add(self, load)
          end associate
       end do
       do k = 1, size(old%element)
@@ -65,6 +63,7 @@ contains
 
       self%element = [integer ::]
       self%face = self%element
+      self%family = self%element
       self%amplitude = self%element
       self%from = [real(wp) ::]
       self%to = self%from
@@ -77,23 +76,25 @@ contains
       allocate (self%local(0))
    end subroutine clear
 
-   subroutine add(self, element, face, from, to, varying, amplitude)
+   subroutine add(self, load)
       type(follower_type), intent(inout) :: self
-      integer, intent(in) :: element, face, amplitude
-      real(wp), intent(in) :: from, to, varying
+      type(face_load_type), intent(in) :: load
+      real(wp) :: steady
 
-      self%element = [self%element, element]
-      self%face = [self%face, face]
-      self%from = [self%from, from]
-      self%to = [self%to, to]
-      self%varying = [self%varying, varying]
-      self%amplitude = [self%amplitude, amplitude]
-      self%steady = [self%steady, from]
-      self%pressure = [self%pressure, from]
+      steady = merge(load%pressure, 0.0_wp, load%amplitude == 0)
+      self%element = [self%element, load%element]
+      self%face = [self%face, load%face]
+      self%family = [self%family, load%family]
+      self%from = [self%from, 0.0_wp]
+      self%to = [self%to, steady]
+      self%varying = [self%varying, load%pressure - steady]
+      self%amplitude = [self%amplitude, load%amplitude]
+      self%steady = [self%steady, 0.0_wp]
+      self%pressure = [self%pressure, 0.0_wp]
    end subroutine add
 
-   !> What an old pressure leaves to the new step: the part without amplitude; all of it where the
-   !> face no longer follows an amplitude.
+   !> What an old pressure leaves to the new step: all of it where the face no longer follows an
+   !> amplitude, nothing where it is given again and follows one.
    subroutine go_on(self, old, k)
       type(follower_type), intent(inout) :: self
       type(follower_type), intent(in) :: old
@@ -102,16 +103,21 @@ contains
       real(wp) :: last
       integer :: i
 
-      same = self%element == old%element(k) .and. self%face == old%face(k)
+      same = self%element == old%element(k) .and. self%face == old%face(k) &
+         & .and. self%family == old%family(k)
       last = old%pressure(k)
       if (any(same .and. self%amplitude > 0)) last = old%steady(k)
+      if (any(same) .and. all(self%amplitude > 0 .or. .not. same)) last = 0.0_wp
       if (.not. abs(last) > 0.0_wp) return
       i = findloc(same .and. self%amplitude == 0, .true., dim=1)
-      if (i > 0) then
-         self%from(i) = self%from(i) + last
-      else
-         call add(self, old%element(k), old%face(k), last, 0.0_wp, 0.0_wp, 0)
+      if (i == 0) then
+         call add(self, face_load_type(element=old%element(k), face=old%face(k), &
+            & family=old%family(k)))
+         i = size(self%from)
       end if
+      self%from(i) = self%from(i) + last
+      self%steady(i) = self%from(i)
+      self%pressure(i) = self%from(i)
    end subroutine go_on
 
    !> Pressures at a time of the step.

@@ -2,9 +2,10 @@
 !>
 !> Without an amplitude a load goes linearly from its value at the end of the last step to its new
 !> value (at once if the step says AMPLITUDE=STEP); a load that is no longer in force goes to zero
-!> in the same way. With an amplitude it is value times amplitude; where the next step takes the
-!> amplitude away, the load goes on from its last value. A prescribed velocity moves its dof on from
-!> where the step found it, at once, whatever the ramp.
+!> in the same way. With an amplitude it is value times amplitude, and a load without one that is
+!> given again with one is replaced at once; where the next step takes the amplitude away, the load
+!> goes on from its last value. A prescribed velocity moves its dof on from where the step found it,
+!> at once, whatever the ramp.
 module lopin_loading
    use lopin_kinds, only : wp
    use lopin_model, only : model_type, step_type, amplitude_value, amplitude_integral
@@ -14,7 +15,7 @@ module lopin_loading
    use lopin_solid_loads, only : add_body_loads, add_face_loads
    implicit none
    private
-   public :: loading_type, new_loading, loads_at, prescribed_at, add_ended_loads
+   public :: loading_type, new_loading, loads_at, prescribed_at, carry_loads
 
    type :: loading_type
       real(wp) :: start = 0.0_wp                       !! total time at the start of the step
@@ -77,9 +78,10 @@ contains
          & .or. any(step%body_load%amplitude == amplitude)
    end function uses
 
-   !> Add to `steady` the last values of the loads that followed an amplitude in `old` and no longer
-   !> do.
-   subroutine add_ended_loads(self, model, dofs, constraints, solids, old, new, steady)
+   !> Bring `steady` from the end of the old step to the start of the new one: with the last values
+   !> of the loads that followed an amplitude and no longer do, without those that are given again
+   !> and follow one now, which act at once.
+   subroutine carry_loads(self, model, dofs, constraints, solids, old, new, steady)
       type(loading_type), intent(in) :: self           !! of the old step
       type(model_type), intent(in) :: model
       type(dofs_type), intent(in) :: dofs
@@ -87,40 +89,79 @@ contains
       type(solids_type), intent(in) :: solids
       type(step_type), intent(in) :: old, new
       real(wp), intent(inout) :: steady(:)             !! (ndof) [force]
-      type(step_type) :: ended
-      real(wp), allocatable :: f(:)
+      type(step_type) :: changed
+      real(wp) :: f(dofs%n)
       integer :: i
 
-      if (size(self%amplitude) == 0) return
-      allocate (ended%point_load(0), ended%face_load(0), ended%body_load(0))
-      ended%nlgeom = old%nlgeom
-      do i = 1, size(old%point_load)
-         associate (load => old%point_load(i), list => new%point_load)
-            if (.not. any(list%node == load%node .and. list%dof == load%dof &
-               & .and. list%amplitude > 0)) &
-               & ended%point_load = [ended%point_load, load]
-         end associate
-      end do
-      do i = 1, size(old%face_load)
-         associate (load => old%face_load(i), list => new%face_load)
-            if (.not. any(list%element == load%element .and. list%face == load%face &
-               & .and. list%amplitude > 0)) &
-               & ended%face_load = [ended%face_load, load]
-         end associate
-      end do
-      do i = 1, size(old%body_load)
-         associate (load => old%body_load(i), list => new%body_load)
-            if (.not. any(list%element == load%element .and. list%amplitude > 0)) &
-               & ended%body_load = [ended%body_load, load]
-         end associate
-      end do
-      allocate (f(dofs%n))
+      call changed_loads(changed, old, new)
+      f = 0.0_wp
+      call add_loads(f, model, dofs, constraints, solids, changed, 0)
+      steady = steady - f
       do i = 1, size(self%amplitude)
          f = 0.0_wp
-         call add_loads(f, model, dofs, constraints, solids, ended, self%amplitude(i))
+         call add_loads(f, model, dofs, constraints, solids, changed, self%amplitude(i))
          steady = steady + factor(self, model, self%amplitude(i), self%period)*f
       end do
-   end subroutine add_ended_loads
+   end subroutine carry_loads
+
+   !> The loads of `old` that go from following an amplitude to none in `new`, or from none to one.
+   pure subroutine changed_loads(changed, old, new)
+      type(step_type), intent(inout) :: changed
+      type(step_type), intent(in) :: old, new
+      logical, allocatable :: keep(:)
+      integer :: i
+
+      changed%nlgeom = old%nlgeom
+      if (.not. (follow_some(old) .or. follow_some(new))) then
+         allocate (changed%point_load(0), changed%face_load(0), changed%body_load(0))
+         return
+      end if
+      allocate (keep(size(old%point_load)))
+      do i = 1, size(keep)
+         associate (load => old%point_load(i), list => new%point_load)
+            keep(i) = changes(load%amplitude, pack(list%amplitude, list%node == load%node &
+               & .and. list%dof == load%dof))
+         end associate
+      end do
+      changed%point_load = pack(old%point_load, keep)
+      deallocate (keep)
+      allocate (keep(size(old%face_load)))
+      do i = 1, size(keep)
+         associate (load => old%face_load(i), list => new%face_load)
+            keep(i) = changes(load%amplitude, pack(list%amplitude, list%element == load%element &
+               & .and. list%face == load%face .and. list%family == load%family))
+         end associate
+      end do
+      changed%face_load = pack(old%face_load, keep)
+      deallocate (keep)
+      allocate (keep(size(old%body_load)))
+      do i = 1, size(keep)
+         associate (load => old%body_load(i), list => new%body_load)
+            keep(i) = changes(load%amplitude, pack(list%amplitude, list%element == load%element &
+               & .and. list%family == load%family))
+         end associate
+      end do
+      changed%body_load = pack(old%body_load, keep)
+   end subroutine changed_loads
+
+   !> Some load of a step follows an amplitude.
+   pure logical function follow_some(step)
+      type(step_type), intent(in) :: step
+      follow_some = any(step%point_load%amplitude > 0) .or. any(step%face_load%amplitude > 0) &
+         & .or. any(step%body_load%amplitude > 0)
+   end function follow_some
+
+   !> A load that followed amplitude `before` (0: none), where those of the new step at its place
+   !> follow `after`.
+   pure logical function changes(before, after)
+      integer, intent(in) :: before, after(:)
+
+      if (before > 0) then
+         changes = .not. any(after > 0)
+      else
+         changes = size(after) > 0 .and. all(after > 0)
+      end if
+   end function changes
 
    !> Add the loads of a step that follow one amplitude (0: none). Under NLGEOM pressures follow
    !> their faces and are not among them (see lopin_follower_loading).

@@ -256,6 +256,9 @@ contains
          v = from + share*step(:scene%constraints%neq)
          call expand(scene%constraints, v, prescribed, scene%u)
          scene%finite%multiplier = from_multiplier + share*step(scene%constraints%neq + 1:)
+         associate (c => scene%finite%contact)
+            if (c%noted > 0.0_wp) c%noted = share*c%ahead
+         end associate
          call look_at(scene, model, f, tangent, look, error)
       end subroutine go
    end subroutine take_step

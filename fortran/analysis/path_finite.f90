@@ -138,6 +138,7 @@ contains
          v_then = v
          before_then = before
          multiplier = scene%finite%multiplier
+         scene%finite%contact%ahead = merge(part, 0.0_wp, .not. reached > 0.0_wp)
          call newton(scene, model, f, v, before, goal, 0, .false., error)
          if (.not. allocated(error)) then
             reached = reached + part
@@ -152,6 +153,7 @@ contains
          scene%finite%multiplier = multiplier
          call expand(scene%constraints, v, before, scene%u)
       end do
+      scene%finite%contact%ahead = 0.0_wp
    end subroutine walk
 
    !> What the contacts asked since this was called last.

@@ -10,7 +10,7 @@ module lopin_run_analysis
    use lopin_state, only : frame_type, summary_type
    use lopin_recorder, only : recorder_holder_type
    use lopin_follower_loading, only : new_followers
-   use lopin_loading, only : new_loading, add_ended_loads
+   use lopin_loading, only : new_loading, carry_loads
    use lopin_plan, only : plan_type, new_plan
    use lopin_scene, only : scene_type, new_scene, set_supports
    use lopin_reach, only : choose_reach
@@ -25,6 +25,7 @@ module lopin_run_analysis
    use lopin_say_once, only : say_again
    use lopin_keeper, only : keeper_type
    use lopin_checkpoint, only : march_type
+   use lopin_turning_points, only : turns_within
    use lopin_time_increment, only : advance, grow
    use lopin_keep_state, only : keep_state, go_back
    implicit none
@@ -242,10 +243,11 @@ contains
       type(error_type), allocatable, intent(out) :: error
       class(keeper_type), intent(inout), optional :: keeper
       type(frame_type) :: frame
-      integer :: number
+      integer :: number, most
 
       associate (step => model%step(scene%step))
-         do number = march%number + 1, step%max_increments
+         most = step%max_increments + turns_within(model, plan, step, progress%time)
+         do number = march%number + 1, most
             if (march%at_end) exit
             frame%increment = number
             call advance(scene, model, plan, march, progress, recorders, summary, frame, error)
@@ -265,12 +267,12 @@ contains
             call raise(error, error_code%not_converged, 'E0503', 'step '//to_text(scene%step)// &
                & ' reached time '// &
                & to_text(march%time)//' of '//to_text(step%period)//' in the '// &
-               & to_text(step%max_increments)// &
+               & to_text(most)// &
                & ' increments that INC= allows', step%at, &
                & help='raise INC= on *STEP, or the increments on *STATIC')
          end if
          progress%time = progress%time + march%time
-         if (scene%step < size(model%step)) call add_ended_loads(march%loading, model, scene%dofs, &
+         if (scene%step < size(model%step)) call carry_loads(march%loading, model, scene%dofs, &
             & scene%constraints, &
             & scene%solids, step, model%step(scene%step + 1), progress%steady)
          call judge_step(scene, model, progress%seen, march%energy)

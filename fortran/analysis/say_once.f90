@@ -1,10 +1,10 @@
-!> Warnings that are given once at a place of the deck, and how often they held again.
+!> Warnings and notes that are given once at a place of the deck, and how often they held again.
 module lopin_say_once
    use lopin_error, only : location_type, log_type, severity
    use lopin_text, only : to_text, plural
    implicit none
    private
-   public :: say_once, say_again
+   public :: say_once, note_once, say_again
 
 contains
 
@@ -14,16 +14,36 @@ contains
       character(len=*), intent(in) :: id, message
       type(location_type), intent(in) :: at
       character(len=*), intent(in), optional :: help
+
+      if (.not. was_said(log, id, at)) call log%say(severity%warning, id, message, at, help=help)
+   end subroutine say_once
+
+   !> The same as a note.
+   subroutine note_once(log, id, message, at, help)
+      type(log_type), intent(inout) :: log
+      character(len=*), intent(in) :: id, message
+      type(location_type), intent(in) :: at
+      character(len=*), intent(in), optional :: help
+
+      if (.not. was_said(log, id, at)) call log%say(severity%note, id, message, at, help=help)
+   end subroutine note_once
+
+   !> It was said at the same place before: then it is counted.
+   logical function was_said(log, id, at)
+      type(log_type), intent(inout) :: log
+      character(len=*), intent(in) :: id
+      type(location_type), intent(in) :: at
       integer :: i
 
+      was_said = .false.
       do i = 1, log%n
          if (log%item(i)%id /= id .or. log%item(i)%at%line /= at%line &
             & .or. log%item(i)%at%file /= at%file) cycle
          log%item(i)%again = log%item(i)%again + 1
+         was_said = .true.
          return
       end do
-      call log%say(severity%warning, id, message, at, help=help)
-   end subroutine say_once
+   end function was_said
 
    !> At the end of a run: the warnings that held again after they were said, and how often.
    subroutine say_again(log)

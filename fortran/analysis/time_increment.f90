@@ -7,6 +7,8 @@ module lopin_time_increment
    use lopin_state, only : frame_type, summary_type
    use lopin_recorder, only : recorder_holder_type
    use lopin_plan, only : plan_type, path_of
+   use lopin_turning_points, only : next_turn, same_time
+   use lopin_say_once, only : note_once
    use lopin_scene, only : scene_type
    use lopin_contact_friction, only : slides_with_friction
    use lopin_increment, only : progress_type, solve_increment, reject, say
@@ -35,15 +37,18 @@ contains
       type(summary_type), intent(inout) :: summary
       type(frame_type), intent(inout) :: frame
       type(error_type), allocatable, intent(out) :: error
-      real(wp) :: target_time
+      real(wp) :: target_time, turn, wanted
+      logical :: turns
 
       associate (step => model%step(scene%step), time => march%time, &
          & increment => march%increment)
          frame%attempt = 1
+         turn = next_turn(model, plan, step, progress%time, time)
          do
+            wanted = increment
             target_time = time + increment
-            if (scene%finite%memory%in_use .and. .not. step%direct) target_time = min(target_time, &
-               & next_turn(model, step, progress%time, time))
+            turns = turn < target_time - same_time*step%period
+            if (turns) target_time = turn
             if (target_time + 1.0e-9_wp*increment >= step%period) target_time = step%period
             increment = target_time - time
             frame%step = scene%step
@@ -66,31 +71,18 @@ contains
             increment = cut*increment
             frame%attempt = frame%attempt + 1
          end do
+         if (turns) increment = wanted
+         if (step%direct) increment = step%initial
+         if (step%direct .and. turns) then
+            ! Fixed increments go on in their places.
+            increment = wanted - frame%time_increment
+            call note_once(scene%log, 'N0550', 'step '//to_text(scene%step)//': DIRECT '// &
+               & 'increments also end at the points of amplitudes, first at time '// &
+               & to_text(target_time, 4)//', because the answer depends on the way', step%at)
+         end if
          time = target_time
       end associate
    end subroutine advance
-
-   !> The next point of an amplitude in use, in step time: what flows remembers each of them.
-   pure real(wp) function next_turn(model, step, start, time) result(turn)
-      type(model_type), intent(in) :: model
-      type(step_type), intent(in) :: step
-      real(wp), intent(in) :: start            !! total time where the step begins [time]
-      real(wp), intent(in) :: time             !! in the step [time]
-      real(wp), allocatable :: point(:)
-      integer :: a
-
-      turn = step%period
-      do a = 1, size(model%amplitude)
-         if (.not. (any(step%prescribed%amplitude == a) .or. any(step%point_load%amplitude == a) &
-            & .or. any(step%face_load%amplitude == a) &
-            & .or. any(step%body_load%amplitude == a))) cycle
-         allocate (point, source=model%amplitude(a)%time)
-         if (model%amplitude(a)%total_time) point = point - start
-         point = pack(point, point > time + 1.0e-9_wp*step%period)
-         if (size(point) > 0) turn = min(turn, minval(point))
-         deallocate (point)
-      end do
-   end function next_turn
 
    !> The next increment: larger after few iterations, as long as the metal flows little in it.
    subroutine grow(increment, step, plan, frame, flow)

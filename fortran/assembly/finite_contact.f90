@@ -59,6 +59,11 @@ module lopin_finite_contact
       real(wp) :: dt = 1.0_wp
       real(wp), allocatable :: first_weight(:) !! (n) areas at the start [area]
       real(wp), allocatable :: start_normal(:, :)   !! (3, n) where the increment begins
+      real(wp), allocatable :: start_gap(:)    !! (n) there; huge: nothing opposite [length]
+      real(wp), allocatable :: touch(:)        !! (n) share of the increment before it touched [-]
+      real(wp) :: noted = 0.0_wp   !! > 0: the next evaluation stands this share of the way from the
+                                   !! start to where the increment leads before contacts close
+      real(wp) :: ahead = 1.0_wp   !! share of the way that the first step of Newton goes; 0: past
       type(dofs_type) :: dofs
       type(facet_basis_type) :: basis
       type(masters_type) :: masters
@@ -104,7 +109,7 @@ contains
          & self%normal(3, n), self%slip(3, n), self%xi(2, n), self%slip_path(n), &
          & self%friction_work(n), self%mean_work(n), self%lambda(3, n), self%last_normal(3, n), &
          & self%start_normal(3, n), self%creep(3, n), self%c(n), self%ct(n), self%mises(n), &
-         & self%speed(n), self%last_speed(n), source=0.0_wp)
+         & self%speed(n), self%last_speed(n), self%start_gap(n), self%touch(n), source=0.0_wp)
       allocate (self%facet(n), self%status(n), self%first_row(n), source=0)
       allocate (self%pressing(model%mesh%nnode), source=0)
       allocate (self%bilateral(n), self%closed(n), self%loose(n), &

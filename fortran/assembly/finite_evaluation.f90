@@ -15,6 +15,7 @@ module lopin_finite_evaluation
    use lopin_finite_contact, only : finite_contact_type
    use lopin_finite_meeting, only : find_present, meet, is_left_out
    use lopin_finite_slip, only : condition_at
+   use lopin_finite_touch, only : may_touch, note_approach
    implicit none
    private
    public :: evaluate
@@ -31,6 +32,7 @@ contains
       type(error_type), allocatable, intent(out) :: error
       type(condition_type) :: at
       real(wp) :: lambda(3), shift
+      logical :: again
       integer :: i, k, d
 
       d = model%mesh%ndim
@@ -68,19 +70,14 @@ contains
          end if
          at = condition_at(self, i)
          self%nlocal = self%nlocal + 1
-         if (self%mortar(self%pair(i))%is_on) then
-            call evaluate_mortar_point(self%trial(i), self%local(self%nlocal), &
-               & self%mortar(self%pair(i)), self%dofs, self%masters%x, self%patch(i), &
-               & self%mortar_anchor(i), self%grip(i), self%friction(self%pair(i)), at, shift, &
-               & lambda, self%first_row(i), with_tangent, self%weight(i))
-            call collect(self, i, d)
-            cycle
+         call press(self, model, i, at, shift, lambda, with_tangent)
+         if (may_touch(self, i)) then
+            call note_approach(self, i, shift, again)
+            at = condition_at(self, i)
+            if (again) call press(self, model, i, at, shift, lambda, with_tangent)
          end if
-         call evaluate_point(self%trial(i), self%local(self%nlocal), model, self%dofs, self%basis, &
-            & self%masters, self%finite_points_type, i, self%opposite(i), self%anchor(i), &
-            & self%grip(i), self%friction(self%pair(i)), at, shift, lambda, self%first_row(i), &
-            & with_tangent)
          call collect(self, i, d)
+         if (self%mortar(self%pair(i))%is_on) cycle
          if (with_tangent .and. self%status(i) /= 0 .and. self%opposite(i)%ncarry > 0) &
             & call note_owner(self%masters%owner, i, self%opposite(i)%found, self%opposite(i)%kept)
       end do
@@ -119,6 +116,28 @@ contains
          shift_of = self%shift(i) + (1.0_wp - self%interference)*self%overclosure(i)
       end if
    end function shift_of
+
+   !> One point: its state, and its matrices if asked, behind those of the points before.
+   subroutine press(self, model, i, at, shift, lambda, with_tangent)
+      type(finite_contact_type), intent(inout) :: self
+      type(model_type), intent(in) :: model
+      integer, intent(in) :: i
+      type(condition_type), intent(in) :: at
+      real(wp), intent(in) :: shift, lambda(3)
+      logical, intent(in) :: with_tangent
+
+      if (self%mortar(self%pair(i))%is_on) then
+         call evaluate_mortar_point(self%trial(i), self%local(self%nlocal), &
+            & self%mortar(self%pair(i)), self%dofs, self%masters%x, self%patch(i), &
+            & self%mortar_anchor(i), self%grip(i), self%friction(self%pair(i)), at, shift, &
+            & lambda, self%first_row(i), with_tangent, self%weight(i))
+      else
+         call evaluate_point(self%trial(i), self%local(self%nlocal), model, self%dofs, self%basis, &
+            & self%masters, self%finite_points_type, i, self%opposite(i), self%anchor(i), &
+            & self%grip(i), self%friction(self%pair(i)), at, shift, lambda, self%first_row(i), &
+            & with_tangent)
+      end if
+   end subroutine press
 
    !> A mortar row that its values already show to be open: its slopes, which cost most of it, are
    !> not needed.
@@ -192,6 +211,10 @@ contains
          self%normal(:, i) = t%normal
          self%traction(:, i) = t%traction
          self%pressure(i) = dot_product(t%traction, t%normal)
+         associate (before => self%grip(i)%approach)
+            if (any(abs(before) > 0.0_wp)) t%slip = t%slip - (before &
+               & - dot_product(before, t%normal)*t%normal)
+         end associate
          self%xi(:, i) = self%opposite(i)%found%xi
       end associate
    end subroutine collect

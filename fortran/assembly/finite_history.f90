@@ -11,6 +11,7 @@ module lopin_finite_history
    use lopin_finite_owner, only : start_owners, commit_owners
    use lopin_finite_contact, only : finite_contact_type
    use lopin_finite_meeting, only : find_present, meet, take_anchor, share_roles
+   use lopin_finite_touch, only : start_approach
    use lopin_finite_slip, only : drawn, path_of, dissipated, mean_work_of, speed_of, turn
    implicit none
    private
@@ -59,6 +60,7 @@ contains
             end if
             self%start_normal(:, i) = self%opposite(i)%normal
             g%frozen = g%committed
+            g%approach = 0.0_wp
             g%bilateral = self%closed(i) &
                & .and. model%interaction(model%pair(self%pair(i))%interaction)%no_separation
             self%bilateral(i) = g%bilateral .or. g%kind == grip_kind%tied
@@ -66,6 +68,7 @@ contains
             call remember_elastic(g, self%friction(self%pair(i)), self%opposite(i)%normal)
          end associate
       end do
+      call start_approach(self)
       call share_roles(self, model)
    end subroutine start_increment
 

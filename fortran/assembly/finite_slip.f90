@@ -17,7 +17,8 @@ contains
       type(finite_contact_type), intent(in) :: self
       integer, intent(in) :: i
       type(condition_type) :: at
-      at = condition_type(yield=self%yield(i), mises=self%mises(i), dt=self%dt, &
+      at = condition_type(yield=self%yield(i), mises=self%mises(i), &
+         & dt=self%dt*(1.0_wp - self%touch(i)), &
          & speed=self%speed(i), held=self%grip(i)%bilateral)
    end function condition_at
 
@@ -120,7 +121,7 @@ contains
    pure real(wp) function speed_of(self, i) result(speed)
       type(finite_contact_type), intent(in) :: self
       integer, intent(in) :: i
-      speed = norm2(lost_slip(self, i))/self%dt
+      speed = norm2(lost_slip(self, i))/(self%dt*(1.0_wp - self%touch(i)))
    end function speed_of
 
    pure function along(v, normal) result(t)

@@ -11,8 +11,8 @@
 !>    Lagrange    phat = l.n - c g                that = P l - ct s     l: unknown, row (l - z)/c
 !>    perturbed   phat = l.n - c (g + l.n/eps)   that = P l - ct (s + P (l - l0)/epst)   as Lagrange
 !>
-!> P = I - n n^T; s is the slip since the increment began, P (x_slave - x_anchor). Where the deck
-!> gives an elastic slip u0, that = P l - ct (s + u0 P l/radius + P e0): a traction on the disc
+!> P = I - n n^T; s is the slip since the increment began, P (x_slave - x_anchor), or since the point
+!> touched in it: less P approach. Where the deck gives an elastic slip u0, that = P l - ct (s + u0 P l/radius + P e0): a traction on the disc
 !> holds u0, e0 what the committed one held.
 module lopin_contact_traction
    use lopin_kinds, only : wp
@@ -50,6 +50,8 @@ module lopin_contact_traction
                                      !! that just touches holds a body that nothing else holds
       real(wp) :: committed(3) = 0.0_wp           !! traction at the start of the increment [stress]
       real(wp) :: frozen(3) = 0.0_wp               !! augmented: multiplier [stress]
+      real(wp) :: approach(3) = 0.0_wp   !! motion along the master before it touched, no slip
+                                         !! [length]
       real(wp) :: creep(3) = 0.0_wp               !! regularised by slip: slip from the stick anchor
       class(enforcement_type), allocatable :: law  !! pressure-overclosure
    end type grip_type
@@ -57,18 +59,19 @@ module lopin_contact_traction
 contains
 
    !> The traction on the slave and the residual of the multiplier's rows.
-   pure subroutine traction_of(grip, friction, at, g, n, s, lambda, z, row, status, shear)
+   pure subroutine traction_of(grip, friction, at, g, n, way, lambda, z, row, status, shear)
       type(grip_type), intent(in) :: grip
       type(friction_type), intent(in) :: friction
       type(condition_type), intent(in) :: at
       type(dual_type), intent(in) :: g             !! gap [length]
-      type(dual_type), intent(in) :: n(:), s(:)    !! (ndim) normal, slip of the increment [length]
+      type(dual_type), intent(in) :: n(:), way(:)  !! (ndim) normal, motion along it in the
+                                                   !! increment [length]
       type(dual_type), intent(in) :: lambda(:)     !! (ndim) multiplier, if it is an unknown
       type(dual_type), intent(out) :: z(:)         !! (ndim) [stress]
       type(dual_type), intent(out) :: row(:)       !! (ndim) [length]
       integer, intent(out) :: status
       real(wp), intent(out) :: shear(:, :)   !! (ndim, ndim) -dt/ds without the coupling to pressure
-      type(dual_type) :: held(size(n)), phat, p, trial(size(n)), t(size(n)), normal_part
+      type(dual_type) :: held(size(n)), phat, p, trial(size(n)), t(size(n)), normal_part, s(size(n))
       logical :: closed
       integer :: d
 
@@ -100,6 +103,8 @@ contains
       if (closed) p = phat
       t = 0.0_wp
       if (closed .and. has_friction(friction)) then
+         s = way
+         if (any(abs(grip%approach) > 0.0_wp)) s = s - tangential(constant(grip%approach(:d)), n)
          trial = held - n*normal_part - grip%ct*s
          if (any(grip%kind == [grip_kind%lagrange, grip_kind%perturbed])) then
             if (grip%shear_slope > 0.0_wp) trial = trial - (grip%ct/grip%shear_slope) &

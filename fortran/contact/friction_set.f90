@@ -15,6 +15,7 @@ module lopin_friction_set
    use lopin_friction_rows, only : friction_points_type, new_equations, form_equations
    use lopin_friction_step, only : trial_type, work_type, friction_controls_type, step_to
    use lopin_friction_newton, only : newton
+   use lopin_friction_touch, only : slip_from_touch
    use lopin_friction_scaling, only : noise_of
    implicit none
    private
@@ -60,6 +61,7 @@ contains
       call prepare(self, points, gap0, load, moving, result, work, x)
       if (present(controls)) work%controls = controls
       work%predict = work%predict .and. work%controls%predict
+      call slip_from_touch(self, points, work, x)
       last = 0.0_wp
       size_ = 0.0_wp
       most = max(1, maxval(self%max_augmentations))

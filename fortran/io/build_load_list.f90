@@ -154,6 +154,7 @@ contains
       end if
       self%nface = self%nface + 1
       self%face(self%nface) = load
+      self%face(self%nface)%family = family
       self%face_born(self%nface) = step
       self%face_family(self%nface) = family
       self%face_latest(load%face, family, load%element) = step
@@ -174,6 +175,7 @@ contains
       end if
       self%nbody = self%nbody + 1
       self%body(self%nbody) = load
+      self%body(self%nbody)%family = family
       self%body_born(self%nbody) = step
       self%body_family(self%nbody) = family
       self%body_latest(family, load%element) = step

@@ -184,6 +184,7 @@ module lopin_model
    type :: face_load_type
       type(location_type) :: at
       integer :: element = 0, face = 0
+      integer :: family = 0   !! of the card: a new load replaces an old one of its own family
       real(wp) :: pressure = 0.0_wp                     !! > 0 pushes into the element [stress]
       real(wp) :: traction(3) = 0.0_wp                  !! added to the pressure [stress]
       integer :: amplitude = 0
@@ -192,6 +193,7 @@ module lopin_model
    type :: body_load_type
       type(location_type) :: at
       integer :: element = 0
+      integer :: family = 0   !! 1 to 3 along an axis, 4 gravity: a new load replaces its own
       real(wp) :: force(3) = 0.0_wp   !! per unit volume; gravity already times density
                                       !! [force/length^3]
       integer :: amplitude = 0

@@ -83,5 +83,12 @@ contains
       call close_to('going out', [on(7), on(8)], [1.5_wp, 1.25_wp], 1.0e-15_wp)
       call set_followers(followers, model, 2.0_wp)
       call close_to('out', [on(7), on(8)], [0.0_wp, 0.0_wp], 0.0_wp)
+      call test('a pressure given again with an amplitude is replaced at once')
+      followers = none
+      call new_followers(followers, step_of([7], [4.0_wp], [0], .true.), 0.0_wp, 4)
+      call set_followers(followers, model, 2.0_wp)
+      call new_followers(followers, step_of([7], [3.0_wp], [1], .true.), 2.0_wp, 4)
+      call set_followers(followers, model, 0.5_wp)
+      call close_to('half of the amplitude', on(7), 1.5_wp, 1.0e-15_wp)
    end subroutine amplitudes_come_and_go
 end program test_follower_loading

@@ -7,7 +7,7 @@ program test_loading
    use lopin_dofs, only : dofs_type, new_dofs
    use lopin_constraints, only : constraints_type, new_constraints
    use lopin_solids, only : solids_type, solid_section_type, new_solids
-   use lopin_loading, only : loading_type, new_loading, loads_at, prescribed_at, add_ended_loads
+   use lopin_loading, only : loading_type, new_loading, loads_at, prescribed_at, carry_loads
    use constraint_scenes, only : model_of, squares, nl
    use check, only : test, close_to, is_true, finish
    implicit none
@@ -44,6 +44,21 @@ program test_loading
       & step('', '*CLOAD, OP=NEW'//nl))
    call follow(1, 8, [2.5_wp, 5.0_wp, 10.0_wp])
    call follow(2, 8, [7.5_wp, 5.0_wp, 0.0_wp])
+   call test('a load given again with an amplitude is replaced at once')
+   call load(tent//step('', '*CLOAD'//nl//'7, 2, 8.'//nl)// &
+      & step('', '*CLOAD, AMPLITUDE=TENT'//nl//'7, 2, 10.'//nl))
+   call follow(1, 7, [2.0_wp, 4.0_wp, 8.0_wp])
+   call follow(2, 7, [5.0_wp, 10.0_wp, 5.0_wp])
+   call test('and so is one of another kind on the same element, not those beside it')
+   call load(tent//step('', '*DLOAD'//nl//'2, BY, 8.'//nl//'2, BX, 1.'//nl)// &
+      & step('', '*DLOAD, AMPLITUDE=TENT'//nl//'2, BX, 10.'//nl))
+   call follow(1, 7, 0.25_wp*[2.0_wp, 4.0_wp, 8.0_wp])
+   call follow(2, 7, 0.25_wp*[8.0_wp, 8.0_wp, 8.0_wp])
+   call test('a load on a face that ends with its amplitude goes out beside one that begins')
+   call load(clock//tent//step('', '*DSLOAD, AMPLITUDE=CLOCK'//nl//'LID, P, 2.'//nl)// &
+      & step('', '*DSLOAD, OP=NEW'//nl//'*DLOAD, AMPLITUDE=TENT'//nl//'UP, P3, 2.'//nl))
+   call follow(1, 7, -0.5_wp*[1.0_wp, 2.0_wp, 4.0_wp])
+   call follow(2, 7, -0.5_wp*[1.0_wp + 3.0_wp, 2.0_wp + 2.0_wp, 1.0_wp])
    call test('a prescribed displacement goes on from where the node is')
    call load(step('', '*BOUNDARY'//nl//'7, 2, 2, 3.'//nl))
    u(dofs%id(2, 7)) = 1.0_wp
@@ -69,7 +84,8 @@ contains
       type(csc_type) :: k
       type(solid_section_type) :: section(2)
 
-      call model_of(squares('CPE4')//'*BOUNDARY'//nl//'BOTTOM, 1, 2'//nl//steps, model, error)
+      call model_of(squares('CPE4')//'*SURFACE, NAME=LID'//nl//'UP, S3'//nl//'*BOUNDARY'//nl// &
+         & 'BOTTOM, 1, 2'//nl//steps, model, error)
       if (allocated(error)) print '(a)', error%text()
       call is_true('the deck is read', .not. allocated(error))
       call new_dofs(dofs, model)
@@ -104,7 +120,7 @@ contains
       call close_to('force', found, expected, 1.0e-13_wp)
       if (number == size(model%step)) return
       steady = after
-      call add_ended_loads(self, model, dofs, constraints, solids, model%step(number), &
+      call carry_loads(self, model, dofs, constraints, solids, model%step(number), &
          & model%step(number + 1), steady)
    end subroutine follow
 
