@@ -3,6 +3,8 @@ import numpy as np
 import pytest
 from pressed_block import block, step
 
+import lopin
+
 SAW = [(0.0, 0.0), (0.1, 1.0), (0.3, -1.0), (0.5, 1.0), (0.7, -1.0), (0.9, 1.0), (1.0, 0.0)]
 
 
@@ -54,31 +56,32 @@ def test_what_never_opens_remembers(solve):
 
 @pytest.mark.parametrize("words", ["", ", NLGEOM"], ids=["linear", "finite"])
 def test_pressure_that_dips_inside_an_increment(solve, words):
-    """A dip to a tenth leaves mu N of the dip, which the return of the pressure does not raise."""
-    deck = block(step("*DSLOAD, AMPLITUDE=SAW\nFACE2, P, 10.\n*BOUNDARY\nTOP, 1, 1, 0.", words=words)
-                 + step("*BOUNDARY\nTOP, 1, 1, 0.05", words=words)
-                 + step("*BOUNDARY\nTOP, 1, 1, 0.05", words=words),
-                 cells=(6, 6), held="9001, 1, 2",
-                 before="*AMPLITUDE, NAME=SAW, TIME=TOTAL TIME\n0., 0., 1., 1., 2., 1., 2.5, 0.1,"
-                 "\n3., 1.\n*SURFACE, NAME=FACE2\n"
-                 + "\n".join(f"{1 + i + 6*5}, S3" for i in range(6))).text()
-    # The tool lies under the block.
-    deck = deck.replace("START, 50.0, 10.0\nLINE, -50.0, 10.0", "START, -50.0, 0.\nLINE, 50.0, 0.")
-    head, _, tail = deck.partition("*SURFACE, NAME=FACE\n")
-    rest = tail.partition("*MATERIAL")
-    deck = (head + "*SURFACE, NAME=FACE\n" + "\n".join(f"{1 + i}, S1" for i in range(6))
-            + "\n*MATERIAL" + rest[2])
-    run = solve(deck_of(deck))
-    assert abs(run.history["TOOL.rf1"][-1]) == pytest.approx(3.0, rel=0.05)
+    """A dip to a tenth leaves mu N of the dip, which the return of the pressure hardly raises; a
+    hundred increments say by how much."""
+    def force(static):
+        return abs(solve(lopin.Deck.parse(dip(static, words), "dip")).history["TOOL.rf1"][-1])
+
+    few = force("1., 1.")
+    assert few == pytest.approx(force("0.02, 1., 1e-3, 0.02"), rel=0.03)
+    assert 3.0 <= few < 3.6
 
 
-def deck_of(text):
-    import lopin
-    return lopin.Deck.parse(text, "block")
+def dip(static, words):
+    """The block on a tool; its top is pressed, then moved to the side, then held while the pressure
+    dips."""
+    cards = ("*DSLOAD, AMPLITUDE=SAW\nLID, P, 10.\n*BOUNDARY\nTOP, 1, 1, 0.",
+             "*BOUNDARY\nTOP, 1, 1, 0.05", "*BOUNDARY\nTOP, 1, 1, 0.05")
+    lid = "\n".join(f"{31 + i}, S3" for i in range(6))
+    text = block("".join(step(c, static, words) for c in cards), cells=(6, 6), held="9001, 1, 2",
+                 tool="START, -{b}, 0.\nLINE, {b}, 0.",
+                 before="*AMPLITUDE, NAME=SAW, TIME=TOTAL TIME\n0., 0., 1., 1., 2., 1.\n"
+                 "2.5, 0.1, 3., 1.\n*SURFACE, NAME=LID\n" + lid).text()
+    return text.replace("*SURFACE, NAME=FACE\n" + lid, "*SURFACE, NAME=FACE\n"
+                        + "\n".join(f"{1 + i}, S1" for i in range(6)))
 
 
 def test_increments_at_points_are_not_those_that_inc_counts(solve):
-    points = "*AMPLITUDE, NAME=SAW\n" + "\n".join(f"{t!r}, {np.sin(9*t)!r}"
+    points = "*AMPLITUDE, NAME=SAW\n" + "\n".join(f"{t:.6f}, {np.sin(9*t):.6f}"
                                                   for t in np.linspace(0.0, 1.0, 41))
     deck = block(step("*BOUNDARY\n9001, 1, 1, 0.\n9001, 2, 2, -0.1")
                  + step("*BOUNDARY, AMPLITUDE=SAW\n9001, 1, 1, 0.2").replace("INC=1000", "INC=3"),
@@ -96,5 +99,5 @@ def test_heat_that_comes_and_goes_in_one_increment(solve, direct):
                  before="*AMPLITUDE, NAME=SAW\n0., 0., 0.5, 1., 1., 0.")
     run = solve(deck)
     assert run.times[-1] == 1.0 and len(run.times) == 2
-    stress = np.asarray(run["S"])[:, 0]
+    stress = np.asarray(run["S"])[:4, 0]
     assert stress == pytest.approx(np.full(stress.shape, 203.9485), rel=1e-2)
