@@ -33,6 +33,7 @@ module lopin_increment
    use lopin_judge_mesh, only : judge_mesh
    use lopin_after_step, only : seen_type, look_at_pairs
    use lopin_say_once, only : say_once
+   use lopin_refuse_passage, only : refuse_passage
    use lopin_small_theory, only : pair_that_slid
    implicit none
    private
@@ -87,7 +88,9 @@ contains
       if (scene%step == 1) scene%interference = frame%step_time/loading%period
       call solve_within_reach(scene, model, plan, progress%f, prescribed, recorders, summary, error)
       call say_iterations(recorders, scene, frame)
+      if (.not. allocated(error)) call refuse_passage(scene, model, error)
       if (allocated(error)) return
+      call scene%clock%stop_in(phase%search)
       if (.not. scene%finite%in_use) then
          call close_condensed(scene, model, prescribed, progress, forces, frame)
          if (slides_away(scene, model, plan)) then
@@ -95,6 +98,7 @@ contains
             if (allocated(error)) return
             call solve_path(scene, model, plan, progress%f, prescribed, error)
             call say_iterations(recorders, scene, frame)
+            if (.not. allocated(error)) call refuse_passage(scene, model, error)
             if (allocated(error)) return
          end if
       end if

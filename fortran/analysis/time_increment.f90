@@ -9,6 +9,7 @@ module lopin_time_increment
    use lopin_plan, only : plan_type, path_of
    use lopin_turning_points, only : next_turn, same_time
    use lopin_say_once, only : note_once
+   use lopin_refuse_passage, only : passage_id
    use lopin_scene, only : scene_type
    use lopin_contact_friction, only : slides_with_friction
    use lopin_increment, only : progress_type, solve_increment, reject, say
@@ -67,6 +68,8 @@ contains
             call say(recorders, 'step '//to_text(scene%step)//', increment '// &
                & to_text(frame%increment)//', attempt '//to_text(frame%attempt)//': cut to '// &
                & to_text(cut*increment, 4)//', because '//error%item(1)%message)
+            if (error%item(1)%id == passage_id) call note_once(scene%log, 'N0551', 'step '// &
+               & to_text(scene%step)//' takes smaller increments: '//error%item(1)%message, step%at)
             deallocate (error)
             increment = cut*increment
             frame%attempt = frame%attempt + 1
@@ -107,7 +110,8 @@ contains
       real(wp), intent(in) :: increment
       type(error_type), intent(in) :: error
 
-      may_cut = (plan%path == path_of%finite .or. slides_with_friction(scene)) &
+      may_cut = (plan%path == path_of%finite .or. slides_with_friction(scene) &
+         & .or. error%item(1)%id == passage_id) &
          & .and. error%code == error_code%not_converged &
          & .and. .not. step%direct &
          & .and. cut*increment >= max(step%smallest, smallest*step%period)

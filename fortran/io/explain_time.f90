@@ -15,5 +15,21 @@ contains
          & 'took. So an increment ends at every point of an amplitude in use, DIRECT or not; '// &
          & 'fixed increments go on in their places after it. INC= does not count these.', &
          & 'nothing to do; a scene without history keeps the increments that are given.')
+      call add_explanation(list, 'E0550', 'a body passes through another within an increment', &
+         & 'Contact is looked for where bodies and tools stand at the end of an increment. Here '// &
+         & 'a point of the slave was in front of its master at the start, behind it on the way, '// &
+         & 'and at the end the contact knows nothing of it: the motion of the increment jumps '// &
+         & 'over what lies in its way. Increments that may be cut are; with DIRECT, or at the '// &
+         & 'smallest increment, the run stops.', &
+         & 'smaller increments on *STATIC, no longer than half of the thinner body or tool.')
+      call add_explanation(list, 'W0550', 'a point went through its master and came out', &
+         & 'The straight way of a point between the ends of a DIRECT increment leads deep '// &
+         & 'through its master, as across the corner of a tool, and it meets the master again '// &
+         & 'at the end. What lay between was not followed.', &
+         & 'smaller increments on *STATIC.')
+      call add_explanation(list, 'N0551', 'an increment was cut before a body passed another', &
+         & 'The motion of the increment would have jumped over a body or a tool (see E0550). '// &
+         & 'It was cut, and contact is met on the way.', &
+         & 'nothing to do; a smaller first increment on *STATIC spares the trials.')
    end subroutine time_explanations
 end module lopin_explain_time
