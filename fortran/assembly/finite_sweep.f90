@@ -55,7 +55,7 @@ contains
          i = sweep%point(k)
          ! Behind when last seen, and not in front again.
          if (sweep%behind(k) .and. self%status(i) == 0 .and. .not. (self%facet(i) > 0 &
-            & .and. self%gap(i) >= 0.0_wp)) passed = i
+            & .and. self%opening(i) >= 0.0_wp)) passed = i
       end do
       if (passed > 0) lost = self%status(passed) == 0
    end subroutine find_passage
@@ -176,8 +176,8 @@ contains
             gap(i) = self%start_gap(i) + shift_of(self, model, i)
             level(i) = min(level(i), gap(i))
          end if
-         if (self%facet(i) > 0 .and. self%status(i) /= 0) level(i) = min(level(i), self%gap(i) &
-            & - model%interaction(model%pair(self%pair(i))%interaction)%clearance)
+         if (self%facet(i) > 0 .and. self%status(i) /= 0) level(i) = min(level(i), &
+            & self%opening(i) - model%interaction(model%pair(self%pair(i))%interaction)%clearance)
       end do
    end subroutine gaps_at_ends
 

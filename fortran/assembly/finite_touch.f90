@@ -52,7 +52,7 @@ contains
       integer, intent(in) :: i
       real(wp), intent(in) :: shift            !! added to the gap [length]
       logical, intent(out) :: changes
-      real(wp) :: open, approach, phi
+      real(wp) :: open, approach, phi, arm(3)
 
       associate (t => self%trial(i))
          open = row_start(self, i) + shift
@@ -60,9 +60,12 @@ contains
          phi = 0.0_wp
          if (open > 0.0_wp .and. approach > 0.0_wp) phi = min(open/approach, 1.0_wp)
          self%touch(i) = min(phi, 1.0_wp - least_left)
-         self%grip(i)%approach = phi/self%noted*t%slip
+         ! What the kernels call slip is counted from the foot: it holds the arm to it.
+         arm = self%start_gap(i)*self%start_normal(:, i)
+         self%grip(i)%approach = arm + phi/self%noted*(t%slip - (arm - dot_product(arm, &
+            & t%normal)*t%normal)) - phi*approach*t%normal
       end associate
-      changes = phi > 0.0_wp
+      changes = any(abs(self%grip(i)%approach) > 0.0_wp)
    end subroutine note_approach
 
    !> The gap of a row where the increment begins [length].
