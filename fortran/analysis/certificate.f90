@@ -4,11 +4,13 @@ module lopin_certificate
    use lopin_vectors, only : largest
    use lopin_model, only : model_type, method_of
    use lopin_state, only : certificate_type, energy_type
+   use lopin_body_size, only : thinnest
    use lopin_constraints, only : reduce, prescribed_part
    use lopin_contact_points, only : pair_is_tied
    use lopin_contact_rows, only : row_forces
    use lopin_scene, only : scene_type
-   use lopin_methods, only : has_law
+   use lopin_rounding_floor, only : noise_of_places, floor_of_forces, beyond
+   use lopin_methods, only : has_law, obeys_deck
    implicit none
    private
    public :: forces_type, find_forces, certify, give_verdict
@@ -19,6 +21,9 @@ module lopin_certificate
    !> A compliance below this share of the largest is rounding: an artificial support holds the row.
    real(wp), parameter :: rounded = 1.0e-12_wp
    real(wp), parameter :: balance_limit = 1.0e-3_wp, penalty_limit = 2.0e-2_wp
+
+   !> Energies of friction below this share of those of the scene are not judged beside themselves.
+   real(wp), parameter :: share_of_energy = 1.0e-6_wp
 
    !> All forces of a state, on the physical dofs: residual = internal - load - pressed.
    type :: forces_type
@@ -54,30 +59,31 @@ contains
       type(model_type), intent(in) :: model
       type(forces_type), intent(in) :: forces
       real(wp), intent(in) :: prescribed(:)    !! (nprescribed) [length]
-      real(wp), allocatable :: free(:)
-      real(wp) :: reference, work, passed, rounding
+      real(wp) :: free(scene%constraints%neq), floor(scene%constraints%neq)
+      real(wp) :: reference, work, passed, noise
 
-      allocate (free(scene%constraints%neq))
       call reduce(scene%constraints, forces%residual, free)
-      ! A body that moves all but rigidly has forces of rounding only: they are judged beside what
-      ! its stiffness would make of its displacements.
-      rounding = 1.0e-8_wp*largest(scene%k%value)*largest(scene%u)
-      reference = max(largest(forces%load), largest(forces%reaction), largest(forces%pressed), &
-         & largest(forces%internal), rounding)
+      noise = noise_of_places(scene, model)
+      call floor_of_forces(scene, model, floor)
+      ! Linear solids without stresses of the start have no forces that cancel at every node.
+      reference = max(largest(forces%load), largest(forces%reaction), largest(forces%internal), &
+         & largest(floor))
       if (reference > 0.0_wp) then
-         self%equilibrium = largest(free)/reference
-         self%support = largest(free(scene%bodies%support))/reference
+         self%equilibrium = beyond(free, floor)/reference
+         self%support = beyond(free(scene%bodies%support), floor(scene%bodies%support))/reference
       end if
-      call judge_contact(self, energy, scene, model, rounding)
+      call judge_contact(self, energy, scene, model, noise)
+      energy%strain = 0.5_wp*dot_product(scene%u, forces%internal)
+      call judge_work(self, energy, scene, largest(floor))
+      self%obeys = obeys_deck(model)
       if (scene%rows%n > 0) self%pressure_error = max(scene%answer%soft_error, drift(scene))
       call judge_action(self, scene, model, forces%pressed)
-      energy%strain = 0.5_wp*dot_product(scene%u, forces%internal)
       ! Clapeyron: at equilibrium loads, contact and reactions do twice the stored energy's work.
       ! Where the forces all but cancel no energy is stored: what they do one by one is the measure.
       work = dot_product(scene%u, forces%load + forces%pressed) &
          & + dot_product(forces%reaction, prescribed)
       passed = max(dot_product(abs(scene%u), abs(forces%load) + abs(forces%pressed) &
-         & + abs(forces%internal)), rounding*largest(scene%u))
+         & + abs(forces%internal)), largest(floor)*largest(scene%u)/balance_limit)
       if (passed > 0.0_wp) self%energy = abs(work - 2.0_wp*energy%strain)/passed
       call give_verdict(self)
    end subroutine certify
@@ -103,25 +109,23 @@ contains
    end function drift
 
    !> Gaps and forces of all rows, exact and soft apart.
-   subroutine judge_contact(self, energy, scene, model, rounding)
+   subroutine judge_contact(self, energy, scene, model, noise)
       type(certificate_type), intent(inout) :: self
       type(energy_type), intent(inout) :: energy
       type(scene_type), intent(in) :: scene
       type(model_type), intent(in) :: model
-      real(wp), intent(in) :: rounding         !! forces below are rounding [force]
-      real(wp) :: p_ref, size_, scaled, softest
+      real(wp), intent(in) :: noise            !! of places [length]
+      real(wp) :: p_ref, size_, scaled, stiff, bite, thin, softest
       integer :: row, pair, point
       logical :: exact
 
       energy%contact = 0.0_wp
       if (scene%rows%n == 0) return
-      p_ref = max(maxval(abs(scene%answer%force)), rounding)
-      softest = 0.0_wp
-      if (allocated(scene%problem%s)) then
-         do row = 1, scene%rows%n
-            softest = max(softest, scene%problem%s(row, row))
-         end do
-      end if
+      softest = softest_row(scene)
+      p_ref = largest(scene%answer%force)
+      do row = 1, scene%rows%nnormal
+         p_ref = max(p_ref, noise*stiffness_of(scene, row, softest))
+      end do
       do pair = 1, size(model%pair)
          associate (method => model%interaction(model%pair(pair)%interaction)%method)
             exact = method == method_of%lagrange .or. (method == method_of%augmented &
@@ -129,17 +133,23 @@ contains
                & .and. model%pair(pair)%control%absolute_penetration <= 0.0_wp)
          end associate
          exact = exact .and. .not. has_law(model, pair)
+         if (.not. exact) thin = thinnest(scene%bodies, model, pair)
          do row = scene%rows%group_first(pair), scene%rows%group_first(pair + 1) - 1
             point = scene%rows%point(row)
             size_ = scene%points%size(point)
             associate (force => scene%answer%force(row), gap => scene%answer%gap(row))
                ! A spring may start at a clearance: what counts as penetration is the gap itself.
-               if (.not. scene%rows%tied(row)) self%penetration = max(self%penetration, &
-                  & -(gap + model%interaction(model%pair(pair)%interaction)%clearance)/size_)
+               if (.not. scene%rows%tied(row)) then
+                  bite = -(gap + model%interaction(model%pair(pair)%interaction)%clearance)
+                  self%penetration = max(self%penetration, bite/size_)
+                  if (.not. exact) self%depth = max(self%depth, bite/thin)
+               end if
+               stiff = stiffness_of(scene, row, softest)
                if (.not. scene%rows%bilateral(row) .and. p_ref > 0.0_wp) &
-                  & self%tension = max(self%tension, -force/p_ref)
+                  & self%tension = max(self%tension, -(force + noise*stiff)/p_ref)
                if (exact) then
-                  scaled = scale_of(scene, row, p_ref, size_, softest)*gap
+                  if (.not. stiff > 0.0_wp) stiff = p_ref/size_
+                  scaled = stiff*sign(max(abs(gap) - noise, 0.0_wp), gap)
                   if (scene%rows%bilateral(row)) then
                      scaled = abs(scaled)
                   else
@@ -158,20 +168,45 @@ contains
       energy%friction_mean = sum(scene%friction%trial%mean_work)
       self%complementarity = max(self%complementarity, scene%friction%misfit)
       self%cone = scene%friction%cone_excess
-      self%dissipation = scene%friction%least_work
    end subroutine judge_contact
 
-   !> Force per gap: the compliance's own where it is known, else the largest force over a facet.
-   real(wp) function scale_of(scene, row, p_ref, size_, softest) result(scale)
+   !> Work of friction is not negative but for what rounding leaves, beside what slips, and beside
+   !> the energies of the scene.
+   subroutine judge_work(self, energy, scene, floor)
+      type(certificate_type), intent(inout) :: self
+      type(energy_type), intent(in) :: energy
+      type(scene_type), intent(in) :: scene
+      real(wp), intent(in) :: floor            !! of forces [force]
+      real(wp) :: scale
+
+      scale = max(scene%friction%slid_work, share_of_energy*max(abs(energy%external), &
+         & energy%strain, energy%contact), floor*largest(scene%points%size))
+      if (scene%friction%gained < -dissipation_limit*scale) &
+         & self%dissipation = scene%friction%gained/scale
+   end subroutine judge_work
+
+   !> Force per gap of a row by the compliance; 0 where it is not known [force/length].
+   pure real(wp) function stiffness_of(scene, row, softest) result(stiffness)
       type(scene_type), intent(in) :: scene
       integer, intent(in) :: row
-      real(wp), intent(in) :: p_ref, size_
       real(wp), intent(in) :: softest          !! largest compliance of a row [length/force]
 
-      scale = p_ref/size_
+      stiffness = 0.0_wp
       if (.not. allocated(scene%problem%s)) return
-      if (scene%problem%s(row, row) > softest*rounded) scale = 1.0_wp/scene%problem%s(row, row)
-   end function scale_of
+      if (scene%problem%s(row, row) > softest*rounded) stiffness = 1.0_wp/scene%problem%s(row, row)
+   end function stiffness_of
+
+   !> Largest compliance of a row; 0 where it is not known [length/force].
+   pure real(wp) function softest_row(scene) result(softest)
+      type(scene_type), intent(in) :: scene
+      integer :: row
+
+      softest = 0.0_wp
+      if (.not. allocated(scene%problem%s)) return
+      do row = 1, scene%rows%n
+         softest = max(softest, scene%problem%s(row, row))
+      end do
+   end function softest_row
 
    !> The forces on slaves and masters balance as a whole.
    subroutine judge_action(self, scene, model, pressed)
@@ -213,18 +248,23 @@ contains
       call hold('action and reaction', self%action_reaction, equilibrium_limit)
       call hold('artificial support', self%support, equilibrium_limit)
       call hold('energy balance', self%energy, balance_limit)
-      call hold('estimated pressure error of the penalty', self%pressure_error, penalty_limit)
+      ! A slope that the deck gives is its law: the user is warned, and obeyed.
+      call hold('estimated pressure error of the penalty', self%pressure_error, penalty_limit, &
+         & merge(1, 2, self%obeys))
+      call hold('penetration beside the body', self%depth, penalty_limit, 1)
 
    contains
 
-      subroutine hold(what, value, limit)
+      subroutine hold(what, value, limit, most)
          character(len=*), intent(in) :: what
          real(wp), intent(in) :: value, limit
+         integer, intent(in), optional :: most !! level
          integer :: level
 
          level = 0
          if (.not. value <= limit) level = 1
          if (.not. value <= 10.0_wp*limit) level = 2
+         if (present(most)) level = min(level, most)
          if (level == 0) return
          self%verdict = max(self%verdict, level)
          if (len(self%reason) > 0) self%reason = self%reason//'; '

@@ -108,6 +108,7 @@ contains
       call stream%pass(self%f)
       call stream%pass(self%residual)
       call stream%pass(self%work)
+      call stream%pass(self%most)
       call stream%pass(self%seen%closed)
       call stream%pass(self%seen%nearest)
       call stream%pass(self%seen%lost)
@@ -220,13 +221,17 @@ contains
       call stream%pass(self%curved)
       call stream%pass(self%held)
       call stream%pass(self%contraction%bend)
-      call stream%pass(self%force_seen)
+      call stream%pass(self%has_solved)
       call stream%pass(self%energy)
       call stream%pass(self%iterations)
       call stream%pass(self%augmentations)
       call stream%pass(self%grounded)
       call stream%pass(self%memory%value)
       call stream%pass(self%memory%work)
+      call stream%pass(self%memory%heat)
+      call stream%pass(self%memory%unsure)
+      call stream%pass(self%memory%heated)
+      call stream%pass(self%memory%place)
       call stream%pass(self%memory%most_strain)
       call stream%pass(self%memory%most_element)
       call stream%pass(self%memory%volume)
@@ -234,6 +239,8 @@ contains
       if (stream%reading .and. .not. stream%broken) then
          self%memory%next = self%memory%value
          self%memory%next_work = self%memory%work
+         self%memory%next_heat = self%memory%heat
+         self%memory%next_unsure = self%memory%unsure
       end if
       call keep_followers(self%follower, stream)
       call keep_system(self%system, stream, error)

@@ -7,20 +7,17 @@ module lopin_finite_forces
    use lopin_model, only : model_type
    use lopin_constraints, only : reduce, prescribed_part
    use lopin_finite_evaluation, only : evaluate
-   use lopin_finite_state, only : forgotten, is_nonlinear
+   use lopin_finite_state, only : is_nonlinear
+   use lopin_rounding_floor, only : beyond
    use lopin_follower_loads, only : add_follower_loads
    use lopin_assemble_finite, only : assemble_finite, bad_element_type
    use lopin_scene, only : scene_type
    implicit none
    private
-   public :: look_type, look_at, internal_forces, of_rows, above_rounding, pressure_about, nil_gap
-
-   !> Forces below the first share of stiffness times displacement are rounding; the second is then
-   !> what they are judged beside: a body that moves without force.
-   real(wp), parameter :: rounding = 1.0e-10_wp, judged_beside = 1.0e-6_wp
+   public :: look_type, look_at, internal_forces, of_rows, forces_about, pressure_about, nil_gap
 
    !> Gaps smaller than this share of a facet are rounding of the positions of its nodes.
-   real(wp), parameter :: nil_gap = 1.0e-11_wp
+   real(wp), parameter :: facet_noise = 1.0e-11_wp
 
    !> What one evaluation at (u, multiplier) gives.
    type :: look_type
@@ -28,7 +25,9 @@ module lopin_finite_forces
       real(wp), allocatable :: free(:)         !! (neq) residual [force]
       real(wp), allocatable :: row(:)          !! (nmultiplier) as forces [force]
       real(wp) :: merit = 0.0_wp               !! [force]
-      real(wp) :: reference = 0.0_wp           !! largest force about [force]
+      real(wp) :: force = 0.0_wp               !! largest of elements, loads and reactions [force]
+      real(wp) :: unbalanced = 0.0_wp          !! residual beyond rounding [force]
+      real(wp) :: unmet = 0.0_wp               !! rows beyond rounding [force]
       real(wp) :: ajar = 0.0_wp                !! contact rows beside the pressures of contact
       integer :: inverted = 0                  !! element that turned inside out
       logical :: tangent = .false.             !! the tangent was formed too
@@ -68,13 +67,21 @@ contains
       scene%finite%internal = look%internal
       look%row = scene%finite%contact%row*row_scale(scene)
       look%merit = sqrt(sum(look%free**2) + sum(look%row**2))
-      look%reference = max(largest(f), largest(reaction), largest(look%internal), &
-         & largest(scene%finite%contact%force), forgotten*scene%finite%force_seen)
-      if (scene%finite%nlgeom) look%reference = max(look%reference, &
-         & largest(scene%finite%follower%force))
-      look%reference = above_rounding(scene, look%reference)
+      look%unbalanced = beyond(look%free, scene%finite%floor)
+      look%unmet = beyond(look%row, scene%finite%row_floor)
+      look%force = forces_about(scene, f, reaction)
       if (scene%finite%memory%in_use) look%ajar = ajar(scene)
    end subroutine look_at
+
+   !> Largest force of a state: of an element on a node, before its neighbours cancel it; of loads;
+   !> of reactions. What assembled forces leave at a node that is free is the residual itself.
+   pure real(wp) function forces_about(scene, f, reaction) result(force)
+      type(scene_type), intent(in) :: scene
+      real(wp), intent(in) :: f(:), reaction(:)      !! loads, reactions [force]
+
+      force = max(largest(f), largest(reaction), scene%finite%element_force)
+      if (scene%finite%nlgeom) force = max(force, largest(scene%finite%follower%force))
+   end function forces_about
 
    !> What is left of the contact conditions as the certificate sees it: beside the pressures of
    !> contact. A body that is all but released has large forces of its own.
@@ -89,31 +96,29 @@ contains
       associate (c => scene%finite%contact)
          do i = 1, c%nmultiplier
             associate (point => c%point_of_row(i))
-               ajar = max(ajar, c%c(point)*(abs(c%row(i)) - nil_gap*c%size(point))/scale)
+               ajar = max(ajar, c%c(point)*(abs(c%row(i)) - nil_gap(scene, point))/scale)
             end associate
          end do
       end associate
    end function ajar
 
-   !> Pressure beside which contact is judged: the largest, or what is left of earlier ones.
+   !> Pressure beside which contact is judged: the largest, or what rounding of places makes.
    pure real(wp) function pressure_about(scene) result(pressure)
       type(scene_type), intent(in) :: scene
 
       pressure = 0.0_wp
       associate (c => scene%finite%contact)
-         if (c%n > 0) pressure = max(largest(c%pressure(:c%n)), &
-            & forgotten*scene%finite%force_seen/sum(c%weight(:c%n)))
+         if (c%n > 0) pressure = max(largest(c%pressure(:c%n)), scene%finite%noise*largest(c%c))
       end associate
    end function pressure_about
 
-   !> A reference force; where forces are rounding alone, what the stiffness makes of the motion.
-   pure real(wp) function above_rounding(scene, reference) result(force)
+   !> Gap of a point that is rounding of places.
+   pure real(wp) function nil_gap(scene, point) result(gap)
       type(scene_type), intent(in) :: scene
-      real(wp), intent(in) :: reference        !! largest force about [force]
+      integer, intent(in) :: point
 
-      force = largest(scene%k%value)*largest(scene%u)
-      force = merge(judged_beside*force, reference, reference < rounding*force)
-   end function above_rounding
+      gap = max(facet_noise*scene%finite%contact%size(point), scene%finite%noise)
+   end function nil_gap
 
    !> Pressures at the trial displacements.
    subroutine push_faces(scene, model, with_tangent)
@@ -162,6 +167,8 @@ contains
       if (.not. is_nonlinear(scene%finite)) then
          call scene%k%multiply(scene%u, internal)
          scene%finite%energy = 0.5_wp*dot_product(scene%u, internal)
+         ! Without stresses of the start, forces of linear solids vanish with their strains alone.
+         scene%finite%element_force = largest(internal)
          return
       end if
       if (with_tangent) then
@@ -173,5 +180,6 @@ contains
             & scene%finite%energy, bad)
       end if
       inverted = bad%element
+      scene%finite%element_force = bad%force
    end subroutine internal_forces
 end module lopin_finite_forces

@@ -12,7 +12,8 @@ module lopin_finite_newton
    use lopin_finite_system, only : solve_step
    use lopin_finite_state, only : add_line
    use lopin_finite_forces, only : look_type, look_at
-   use lopin_finite_start, only : complementarity
+   use lopin_settled, only : settled, relative, reference_of, equilibrium, correction, &
+      & floor_of_rounding
    use lopin_predict, only : start_from_accepted
    use lopin_newton_step, only : find_step, take_step, refuse_inverted, coarse
    use lopin_contraction, only : by_old_tangent, look_without_tangent, note_step, gets_nowhere
@@ -22,13 +23,6 @@ module lopin_finite_newton
    private
    public :: newton
 
-   !> Convergence, all dimensionless (conventions, frozen): equilibrium, contact, correction.
-   real(wp), parameter :: equilibrium = 1.0e-8_wp, correction = 1.0e-6_wp
-   !> And contact beside the forces of contact, as the certificate judges it: a body that is all but
-   !> released has large forces of its own.
-   real(wp), parameter :: certified = 1.0e-6_wp
-   !> What rounding leaves of the equilibrium of a long or stiff body.
-   real(wp), parameter :: floor_of_rounding = 1.0e-11_wp
    integer, parameter :: most_sets = 400, most_iterations = 30, most_lagged = 200, memory = 4
    !> Solids that flow do better in smaller increments than in more iterations.
    integer, parameter :: most_of_flow = 40
@@ -51,7 +45,7 @@ contains
       real(wp), allocatable :: step(:), jump(:)
       real(wp) :: merits(memory), last, share, residual
       integer :: iteration, stale, seen(most_sets)
-      logical :: lagged, fresh, first, simplified
+      logical :: lagged, fresh, first, simplified, unchanged
 
       merits = 0.0_wp
       lagged = reads_lagged(scene)
@@ -74,15 +68,24 @@ contains
          call let_go(scene, model, f, v, before, prescribed, jump, look, error)
          if (allocated(error)) return
       end if
+      scene%finite%began = look%force
+      scene%finite%reference = look%force
+      scene%finite%correction = 0.0_wp
       stale = 0
       seen = 0
       do iteration = 1, most_sets
-         scene%finite%history = [scene%finite%history, relative(look)]
-         if (settled(look, jump, iteration, loop, last)) then
-            if (iteration > 1 .and. look%merit > floor_of_rounding*look%reference &
+         ! What the increment brings is about once it is applied; a trial far out moves it no more.
+         if (iteration == 2) scene%finite%reference = max(scene%finite%reference, look%force)
+         scene%finite%history = [scene%finite%history, relative(look, scene%finite%reference)]
+         unchanged = iteration == 1
+         if (iteration > 1) unchanged = hash_of(scene%finite%contact%status) &
+            & == seen(max(1, iteration - 1))
+         if (settled(scene, look, jump, iteration, loop, last, unchanged)) then
+            if (iteration > 1 .and. look%merit > floor_of_rounding*reference_of(scene, look) &
                & .and. .not. scene%finite%memory%in_use) &
                & call polish(scene, model, f, v, prescribed, look, error)
-            scene%finite%force_seen = max(scene%finite%force_seen, look%reference)
+            scene%finite%reference = reference_of(scene, look)
+            scene%finite%has_solved = .true.
             return
          end if
          scene%finite%iterations = scene%finite%iterations + 1
@@ -110,7 +113,7 @@ contains
          end if
          merits(1 + mod(iteration, memory)) = look%merit
          first = any(abs(jump) > 0.0_wp)
-         residual = relative(look)
+         residual = relative(look, reference_of(scene, look))
          simplified = scene%finite%memory%in_use .and. .not. (first .or. lagged .or. iteration == 1)
          if (simplified) simplified = by_old_tangent(scene%finite%contraction, residual, last, &
             & equilibrium, correction)
@@ -127,7 +130,8 @@ contains
             & with_tangent(residual), look, last, share, error)
          scene%finite%contact%noted = 0.0_wp
          if (allocated(error)) return
-         call note_step(scene%finite%contraction, residual, relative(look), .not. (first &
+         call note_step(scene%finite%contraction, residual, relative(look, &
+            & reference_of(scene, look)), .not. (first &
             & .or. simplified .or. share < 1.0_wp) &
             & .and. hash_of(scene%finite%contact%status) == seen(iteration))
          if (lagged) then
@@ -144,7 +148,7 @@ contains
       end if
       call raise(error, error_code%not_converged, 'E0510', 'Newton has not converged in '// &
          & to_text(scene%finite%iterations)//' iterations: residual '// &
-         & to_text(relative(look), 3)//' of the largest force', &
+         & to_text(relative(look, reference_of(scene, look)), 3)//' of the largest force', &
          & model%step(scene%step)%at, help='smaller increments on *STATIC')
 
    contains
@@ -159,12 +163,6 @@ contains
             & equilibrium)
       end function with_tangent
    end subroutine newton
-
-   !> Size of what is out of balance, beside the largest force.
-   pure real(wp) function relative(look)
-      type(look_type), intent(in) :: look
-      relative = look%merit/max(look%reference, tiny(1.0_wp))
-   end function relative
 
    !> A tool that leaves goes first, and the body springs back: contact that is about to open would
    !> drag a solid that flows along until it flows the other way.
@@ -181,7 +179,7 @@ contains
 
       associate (c => scene%finite%contact)
          allocate (closed, source=c%status(:c%n) > 0)
-         if (.not. any(closed) .or. .not. scene%finite%force_seen > 0.0_wp) return
+         if (.not. (any(closed) .and. scene%finite%has_solved)) return
          call expand(scene%constraints, v, prescribed, scene%u)
          call look_at(scene, model, f, .true., look, error)
          if (allocated(error)) return
@@ -285,7 +283,7 @@ contains
       character(len=100) :: text
       real(wp) :: reference
 
-      reference = max(look%reference, tiny(1.0_wp))
+      reference = max(reference_of(scene, look), tiny(1.0_wp))
       associate (c => scene%finite%contact)
          write (text, '(i4,3(1x,es12.4),1x,f8.5,3(1x,i6),1x,i6,1x,a)') iteration, &
             & largest(look%free)/reference, largest(look%row)/reference, min(last, 9.0e99_wp), &
@@ -295,26 +293,4 @@ contains
       end associate
       call add_line(scene%finite, text)
    end subroutine log_iteration
-
-   !> The three dimensionless tests; the correction may stay large if the residual is all rounding.
-   logical function settled(look, jump, iteration, loop, last)
-      type(look_type), intent(in) :: look
-      real(wp), intent(in) :: jump(:)
-      integer, intent(in) :: iteration, loop
-      real(wp), intent(in) :: last             !! size of the last correction beside u
-      real(wp) :: e1, e2
-
-      settled = .false.
-      if (any(abs(jump) > 0.0_wp)) return
-      e1 = 0.0_wp
-      e2 = 0.0_wp
-      if (look%reference > 0.0_wp) then
-         e1 = largest(look%free)/look%reference
-         e2 = largest(look%row)/look%reference
-      end if
-      settled = e1 <= equilibrium .and. e2 <= complementarity &
-         & .and. look%ajar <= certified &
-         & .and. (last <= correction .or. max(e1, e2) <= floor_of_rounding &
-         & .or. iteration == 1 .and. loop == 0)
-   end function settled
 end module lopin_finite_newton

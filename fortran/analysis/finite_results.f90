@@ -8,23 +8,23 @@ module lopin_finite_results
    use lopin_model, only : model_type, method_of
    use lopin_state, only : certificate_type, energy_type, contact_field_type
    use lopin_constraints, only : reduce, prescribed_part
+   use lopin_body_size, only : thinnest
+   use lopin_methods, only : obeys_deck
    use lopin_certificate, only : forces_type, give_verdict
-   use lopin_finite_state, only : forgotten
-   use lopin_finite_forces, only : above_rounding, pressure_about, nil_gap
+   use lopin_finite_forces, only : forces_about, pressure_about, nil_gap
+   use lopin_rounding_floor, only : beyond
    use lopin_contact_traction, only : grip_kind
    use lopin_finite_contact, only : finite_contact_type
-   use lopin_finite_slip, only : dissipated, mean_work_of, held_energy, shear_bound
+   use lopin_finite_slip, only : dissipated, mean_work_of, held_energy, shear_bound, path_of
    use lopin_scene, only : scene_type
    implicit none
    private
-   !> The softness of a penalty is bounded from above by that of one facet: reason to warn, not to
-   !> fail (verdict FAIL from 0.2).
-   real(wp), parameter :: only_warns = 0.19_wp
-
    public :: find_finite_forces, certify_finite, finite_contact_fields, tell_finite
 
-   !> Work of a traction over this share of a facet is rounding.
-   real(wp), parameter :: rounding = 1.0e-14_wp
+   !> Energies of friction below this share of those of the scene are not judged beside themselves.
+   real(wp), parameter :: share_of_energy = 1.0e-6_wp
+   !> Work of friction may be negative to this share of what is about (conventions, frozen).
+   real(wp), parameter :: least_share = 1.0e-9_wp
 
 contains
 
@@ -57,79 +57,106 @@ contains
 
       allocate (free(scene%constraints%neq))
       call reduce(scene%constraints, forces%residual, free)
-      reference = max(largest(forces%load), largest(forces%reaction), largest(forces%pressed), &
-         & largest(forces%internal), forgotten*scene%finite%force_seen)
-      reference = above_rounding(scene, reference)
-      if (reference > 0.0_wp) self%equilibrium = largest(free)/reference
+      reference = max(scene%finite%reference, forces_about(scene, forces%load, forces%reaction), &
+         & largest(scene%finite%floor))
+      if (reference > 0.0_wp) self%equilibrium = beyond(free, scene%finite%floor)/reference
       energy%strain = scene%finite%energy
       call judge_points(self, scene, model)
-      call judge_friction(self, energy, scene%finite%contact)
+      call judge_friction(self, energy, scene)
+      call judge_work(self, energy, scene)
       call judge_balance(self, scene, model, forces%pressed)
       call give_verdict(self)
    end subroutine certify_finite
 
-   !> Shear within its bound, work of friction not negative, and the energies of the trial state.
-   subroutine judge_friction(self, energy, contact)
+   !> Shear within its bound, and the energies of friction of the trial state.
+   subroutine judge_friction(self, energy, scene)
       type(certificate_type), intent(inout) :: self
       type(energy_type), intent(inout) :: energy
-      type(finite_contact_type), intent(in) :: contact
-      real(wp) :: work(contact%n), beyond(contact%n), bound(contact%n), shear(3), most
+      type(scene_type), intent(in) :: scene
+      real(wp) :: bound, most, excess, shear(3)
       integer :: i
 
       energy%contact = 0.0_wp
       energy%friction = 0.0_wp
       energy%friction_mean = 0.0_wp
-      work = 0.0_wp
-      beyond = 0.0_wp
-      bound = 0.0_wp
-      most = 0.0_wp
-      associate (c => contact)
+      excess = 0.0_wp
+      associate (c => scene%finite%contact)
+         most = scene%finite%noise*largest(c%c(:c%n))
          do i = 1, c%n
             energy%friction = energy%friction + c%friction_work(i)
             energy%friction_mean = energy%friction_mean + c%mean_work(i)
             if (c%facet(i) == 0 .or. c%grip(i)%kind == grip_kind%tied) cycle
-            work(i) = dissipated(c, i)*c%weight(i)
-            energy%friction = energy%friction + work(i)
+            energy%friction = energy%friction + dissipated(c, i)*c%weight(i)
             energy%friction_mean = energy%friction_mean + mean_work_of(c, i)*c%weight(i)
             energy%contact = energy%contact + held_energy(c, i)*c%weight(i)
+            bound = shear_bound(c, i)
+            if (.not. bound < huge(1.0_wp)) cycle
             shear = c%traction(:, i) - c%pressure(i)*c%normal(:, i)
-            ! Slips that add up to nothing, and shears that are rounding, do rounding's work.
-            most = max(most, abs(work(i)), c%weight(i)*max(1.0e-3_wp*norm2(shear) &
-               & *norm2(c%trial(i)%slip), rounding*norm2(c%traction(:, i))*c%size(i)))
-            if (.not. shear_bound(c, i) < huge(1.0_wp)) cycle
-            bound(i) = shear_bound(c, i)
-            beyond(i) = norm2(shear) - bound(i)
+            most = max(most, bound)
+            excess = max(excess, norm2(shear) - bound - scene%finite%noise*c%c(i))
          end do
       end associate
-      if (most > 0.0_wp) self%dissipation = minval(work)/most
-      if (largest(bound) > 0.0_wp) self%cone = max(maxval(beyond), 0.0_wp)/largest(bound)
+      if (excess > 0.0_wp) self%cone = excess/most
    end subroutine judge_friction
+
+   !> Work of friction is not negative but for what the last corrections and rounding leave, beside
+   !> what slips, and beside the energies of the scene.
+   subroutine judge_work(self, energy, scene)
+      type(certificate_type), intent(inout) :: self
+      type(energy_type), intent(in) :: energy
+      type(scene_type), intent(in) :: scene
+      real(wp) :: gained, slack, scale, bound
+      integer :: i
+
+      gained = 0.0_wp
+      slack = 0.0_wp
+      scale = 0.0_wp
+      associate (c => scene%finite%contact, state => scene%finite)
+         do i = 1, c%n
+            if (c%facet(i) == 0 .or. c%status(i) == 0 .or. c%grip(i)%kind == grip_kind%tied) cycle
+            bound = shear_bound(c, i)
+            if (.not. bound < huge(1.0_wp)) bound = norm2(c%traction(:, i))
+            gained = gained + min(dissipated(c, i), 0.0_wp)*c%weight(i)
+            scale = scale + bound*path_of(c, i)*c%weight(i)
+            slack = slack + bound*c%weight(i)*(state%correction + state%noise)
+         end do
+         if (c%n > 0) scale = max(scale, share_of_energy*max(abs(energy%external), &
+            & energy%strain, energy%plastic), largest(state%floor)*maxval(c%size(:c%n)))
+      end associate
+      if (gained + slack < -least_share*scale .and. scale > 0.0_wp) &
+         & self%dissipation = (gained + slack)/scale
+   end subroutine judge_work
 
    subroutine judge_points(self, scene, model)
       type(certificate_type), intent(inout) :: self
       type(scene_type), intent(in) :: scene
       type(model_type), intent(in) :: model
-      real(wp) :: p_ref
+      real(wp) :: p_ref, thin(size(model%pair))
       integer :: i, method
 
       associate (c => scene%finite%contact)
          if (c%n == 0) return
          p_ref = pressure_about(scene)
+         self%pressure_error = c%soft_error
+         self%obeys = obeys_deck(model)
+         thin = [(thinnest(scene%bodies, model, i), i=1, size(model%pair))]
          do i = 1, c%n
             if (c%facet(i) == 0) cycle
             method = model%interaction(model%pair(c%pair(i))%interaction)%method
             self%penetration = max(self%penetration, -c%gap(i)/c%size(i))
+            if (any(c%grip(i)%kind == [grip_kind%penalty, grip_kind%perturbed, &
+               & grip_kind%overclosure])) self%depth = max(self%depth, -c%gap(i)/thin(c%pair(i)))
             if (.not. p_ref > 0.0_wp) cycle
             if (c%bilateral(i)) then
                self%complementarity = max(self%complementarity, &
-                  & merge(abs(c%c(i)*c%gap(i))/p_ref, 0.0_wp, exact(method)))
+                  & merge((abs(c%gap(i)) - nil_gap(scene, i))*c%c(i)/p_ref, 0.0_wp, exact(method)))
             else
-               self%tension = max(self%tension, -c%pressure(i)/p_ref)
+               self%tension = max(self%tension, &
+                  & -(c%pressure(i) + scene%finite%noise*c%c(i))/p_ref)
                if (exact(method)) self%complementarity = max(self%complementarity, &
-                  & (abs(min(c%pressure(i), c%c(i)*c%gap(i))) - nil_gap*c%c(i)*c%size(i))/p_ref)
+                  & (abs(min(c%pressure(i), c%c(i)*c%gap(i))) &
+                  & - nil_gap(scene, i)*c%c(i))/p_ref)
             end if
-            if (method == method_of%penalty .or. method == method_of%perturbed) &
-               & self%pressure_error = min(max(self%pressure_error, c%soft_error), only_warns)
          end do
       end associate
    end subroutine judge_points

@@ -9,10 +9,7 @@ module lopin_finite_state
    use lopin_solid_memory, only : solid_memory_type
    implicit none
    private
-   public :: finite_state_type, add_line, is_nonlinear, iteration_header, forgotten
-
-   !> Forces below this share of those seen before are nothing: a scene that is unloaded.
-   real(wp), parameter :: forgotten = 1.0e-4_wp
+   public :: finite_state_type, add_line, is_nonlinear, iteration_header
 
    !> What the columns of the lines are.
    character(len=*), parameter :: iteration_header = '  it  equilibrium      contact   '// &
@@ -40,7 +37,15 @@ module lopin_finite_state
       real(wp) :: time = 0.0_wp                !! its end, since the start of the step [time]
       logical :: parted = .false.              !! a tool has left, or a body floats: no guess
       logical :: frictionless = .true.         !! of the present step
-      real(wp) :: force_seen = 0.0_wp          !! largest of the increments solved so far [force]
+      real(wp) :: began = 0.0_wp               !! largest force where Newton began [force]
+      real(wp) :: reference = 0.0_wp           !! force that residuals are beside, kept [force]
+      logical :: has_solved = .false.          !! some increment, with forces about
+      real(wp) :: element_force = 0.0_wp       !! largest of an element on a node, last look [force]
+      real(wp) :: correction = 0.0_wp          !! largest of the last step of Newton [length]
+      ! what rounding leaves, of the increment
+      real(wp) :: noise = 0.0_wp               !! of places [length]
+      real(wp), allocatable :: floor(:)        !! (neq) of residuals [force]
+      real(wp), allocatable :: row_floor(:)    !! (nmultiplier) of rows [force]
       integer :: most_augmentations = 0
       real(wp) :: augment_until = 0.0_wp       !! relative change of the tractions
       ! of the last increment

@@ -10,8 +10,6 @@ module lopin_friction_history
    private
    public :: remember
 
-   !> Work of a force over this share of a facet is rounding.
-   real(wp), parameter :: rounding = 1.0e-14_wp
    !> A compliance below this share of the largest is rounding: an artificial support holds the row.
    real(wp), parameter :: rounded = 1.0e-12_wp
 
@@ -24,7 +22,7 @@ contains
       type(friction_result_type), intent(in) :: friction
       real(wp) :: slip(3), slid(points%nt), lost(points%nt), elastic(points%nt), done, radius, &
          & slope, press, force(3)
-      real(wp) :: most_work, most_bound, excess
+      real(wp) :: most_bound, excess, slack
       integer :: k, i
 
       associate (s => scene%friction, old => scene%friction%accepted, new => scene%friction%trial)
@@ -34,8 +32,9 @@ contains
          new%q = scene%answer%q
          s%slid = 0.0_wp
          s%stored = 0.0_wp
-         s%least_work = 0.0_wp
-         most_work = 0.0_wp
+         s%gained = 0.0_wp
+         slack = 0.0_wp
+         s%slid_work = 0.0_wp
          most_bound = 0.0_wp
          excess = 0.0_wp
          do k = 1, points%n
@@ -76,27 +75,18 @@ contains
             new%mean_work(i) = old%mean_work(i) &
                & - 0.5_wp*dot_product(old%traction(:, i) + force, global(lost))
             s%stored = s%stored + stored_energy(points, k, press, force, new%anchor(:, i))
-            most_work = max(most_work, abs(done))
-            ! Slips that are rounding do rounding's work.
-            s%least_work = min(s%least_work, done + norm2(force)*maxval(friction%noise( &
-               & points%tangent(k):points%tangent(k) + points%nt - 1)))
+            s%gained = s%gained + min(done, 0.0_wp)
+            slack = slack + norm2(force)*maxval(friction%noise( &
+               & points%tangent(k):points%tangent(k) + points%nt - 1))
+            s%slid_work = s%slid_work + norm2(force)*norm2(lost)
             call friction_radius(points%law(k), press/points%weight(k), points%at(k), radius, slope)
             if (radius < huge(1.0_wp)/max(points%weight(k), 1.0_wp)) then
                most_bound = max(most_bound, radius*points%weight(k))
                excess = max(excess, norm2(force) - radius*points%weight(k))
             end if
          end do
-         ! Rounding of slips that add up to nothing is no dissipation.
-         do k = 1, points%n
-            associate (from => points%tangent(k), to => points%tangent(k) + points%nt - 1)
-               most_work = max(most_work, 1.0e-3_wp*norm2(scene%answer%force(from:to)) &
-                  & *norm2(scene%answer%gap(from:to)))
-            end associate
-         end do
-         ! Slips and shears that are rounding do rounding's work.
-         if (points%n > 0) most_work = max(most_work, rounding*maxval(abs(scene%answer%force)) &
-            & *maxval(scene%points%size))
-         if (most_work > 0.0_wp) s%least_work = s%least_work/most_work
+         ! Slips that are rounding do rounding's work.
+         s%gained = min(s%gained + slack, 0.0_wp)
          s%misfit = largest_misfit(scene, points, friction%noise)
          s%cone_excess = 0.0_wp
          if (most_bound > 0.0_wp) s%cone_excess = max(excess, 0.0_wp)/most_bound

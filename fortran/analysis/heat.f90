@@ -1,28 +1,14 @@
 !> Temperatures of a step as functions of time, and what they do to the solids.
 module lopin_heat
    use lopin_kinds, only : wp
-   use lopin_model, only : model_type, amplitude_value
+   use lopin_model, only : model_type, amplitude_value, is_heated
    use lopin_stress_free_state, only : heat_points, stress_points
-   use lopin_vectors, only : largest
-   use lopin_assemble_finite, only : assemble_finite, bad_element_type
    use lopin_scene, only : scene_type
    implicit none
    private
-   public :: start_stresses, heat_to, is_heated
+   public :: start_stresses, heat_to
 
 contains
-
-   !> Some step has a temperature.
-   pure logical function is_heated(model)
-      type(model_type), intent(in) :: model
-      integer :: s
-
-      is_heated = .false.
-      do s = 1, size(model%step)
-         if (allocated(model%step(s)%temperature)) is_heated = is_heated &
-            & .or. size(model%step(s)%temperature) > 0
-      end do
-   end function is_heated
 
    !> The stresses before the first step, into a memory that is at rest.
    subroutine start_stresses(scene, model)
@@ -40,21 +26,7 @@ contains
             & spread(0.0_wp, 1, model%mesh%nnode), memory%pressed)
          memory%next = memory%value
       end associate
-      if (size(model%initial_stress) > 0) call see_forces(scene, model)
    end subroutine start_stresses
-
-   !> The forces that would hold the solids in place: a body that is free to follow has none in the
-   !> end, and is judged beside them.
-   subroutine see_forces(scene, model)
-      type(scene_type), intent(inout) :: scene
-      type(model_type), intent(in) :: model
-      type(bad_element_type) :: bad
-      real(wp) :: force(scene%dofs%n), energy
-
-      call assemble_finite(scene%solids, model%mesh, scene%accepted, scene%finite%memory, force, &
-         & energy, bad)
-      if (bad%element == 0) scene%finite%force_seen = max(scene%finite%force_seen, largest(force))
-   end subroutine see_forces
 
    !> Bring the solids to the temperatures at a time of the present step.
    subroutine heat_to(scene, model, time)
@@ -65,7 +37,6 @@ contains
       if (.not. (scene%finite%memory%in_use .and. is_heated(model))) return
       call heat_points(scene%finite%memory, scene%solids, model%mesh, &
          & temperature_at(model, scene%step, time) - model%temperature, scene%finite%memory%pressed)
-      call see_forces(scene, model)
    end subroutine heat_to
 
    !> Linear from the end of the last step, at once with AMPLITUDE=STEP, or by an amplitude.

@@ -8,7 +8,7 @@ module lopin_increment
    use lopin_checksum, only : checksum_type
    use lopin_clock, only : phase
    use lopin_model, only : model_type
-   use lopin_state, only : frame_type, summary_type, lost_share
+   use lopin_state, only : frame_type, summary_type, lost_share, note_most
    use lopin_recorder, only : recorder_holder_type, wants_type
    use lopin_follower_loading, only : set_followers
    use lopin_loading, only : loading_type, loads_at, prescribed_at
@@ -25,6 +25,8 @@ module lopin_increment
    use lopin_solid_memory, only : keep
    use lopin_predict, only : note_motion
    use lopin_assemble_finite, only : remember
+   use lopin_heat_work, only : add_heat_work
+   use lopin_vectors, only : largest
    use lopin_finite_results, only : find_finite_forces, certify_finite, tell_finite
    use lopin_contact_friction, only : slides_with_friction
    use lopin_friction_state, only : commit_friction => commit, roll_back_friction => roll_back
@@ -48,6 +50,7 @@ module lopin_increment
       real(wp), allocatable :: steady(:)       !! (ndof) loads to go on from
       real(wp), allocatable :: f(:), residual(:)
       real(wp) :: work = 0.0_wp                !! of loads and prescribed displacements
+      real(wp) :: most = 0.0_wp                !! energy that was about
       type(seen_type) :: seen                  !! how near the pairs came
       type(drift_type) :: drift                !! bodies that nothing has stopped
       real(wp), allocatable :: f_before(:), u_before(:), r_before(:)
@@ -106,6 +109,7 @@ contains
          if (scene%finite%nlgeom) progress%f = progress%f + scene%finite%follower%force
          call find_finite_forces(forces, scene, progress%f)
          progress%residual = forces%residual
+         frame%energy%external = progress%work
          call certify_finite(frame%certificate, frame%energy, scene, model, forces)
          call refuse_held_points(scene, model, error)
          if (allocated(error)) return
@@ -119,7 +123,11 @@ contains
          call remember(scene%solids, model%mesh, scene%u, scene%finite%memory)
          call limit_flow(scene, model, error)
          if (allocated(error)) return
+         call add_heat_work(scene, model)
          frame%energy%plastic = scene%finite%memory%next_work
+         frame%energy%thermal = scene%finite%memory%next_heat
+         frame%energy%nothing = scene%finite%memory%next_unsure &
+            & + sum(scene%finite%floor)*largest(scene%u)
          frame%energy%volume = scene%finite%memory%volume
       end if
       call add_work(scene, progress, frame)
@@ -256,6 +264,7 @@ contains
 
       call find_forces(forces, scene, progress%f)
       progress%residual = forces%residual
+      frame%energy%external = progress%work
       call certify(frame%certificate, frame%energy, scene, model, forces, prescribed)
       frame%iterations = scene%answer%iterations
       frame%augmentations = scene%answer%augmentations
@@ -271,6 +280,7 @@ contains
          & + progress%residual &
          & + progress%r_before, scene%u - progress%u_before)
       frame%energy%external = progress%work
+      call note_most(frame%energy, progress%most)
       progress%f_before = progress%f
       progress%r_before = progress%residual
       progress%u_before = scene%u

@@ -8,7 +8,7 @@ module lopin_methods
    use lopin_scene, only : scene_type
    implicit none
    private
-   public :: choose_methods, has_law
+   public :: choose_methods, has_law, obeys_deck
 
 contains
 
@@ -43,6 +43,21 @@ contains
          end do
       end associate
    end subroutine choose_methods
+
+   !> Contact gives way nowhere but by slopes and laws of the deck.
+   pure logical function obeys_deck(model) result(obeys)
+      type(model_type), intent(in) :: model
+      integer :: pair
+
+      obeys = .true.
+      do pair = 1, size(model%pair)
+         if (has_law(model, pair)) cycle
+         associate (law => model%interaction(model%pair(pair)%interaction))
+            if (law%method == method_of%penalty .or. law%method == method_of%perturbed) &
+               & obeys = obeys .and. law%slope > 0.0_wp
+         end associate
+      end do
+   end function obeys_deck
 
    !> The pair presses by a pressure-overclosure law that is not linear.
    pure logical function has_law(model, pair)

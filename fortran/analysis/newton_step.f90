@@ -146,13 +146,14 @@ contains
    pure real(wp) function forcing(scene, look)
       type(scene_type), intent(in) :: scene
       type(look_type), intent(in) :: look
-      real(wp) :: residual
+      real(wp) :: residual, reference
       integer :: i
 
       forcing = tight
       if (any([(scene%solids%group(i)%law%flow%rigid, i=1, size(scene%solids%group))])) return
-      if (.not. scene%finite%memory%in_use .or. .not. look%reference > 0.0_wp) return
-      residual = look%merit/look%reference
+      reference = max(scene%finite%reference, look%force)
+      if (.not. scene%finite%memory%in_use .or. .not. reference > 0.0_wp) return
+      residual = look%merit/reference
       forcing = max(tight, min(coarse, residual**2), min(coarsest, enough/max(residual, enough)))
    end function forcing
 
@@ -244,8 +245,8 @@ contains
       end if
       if (try > most_halvings) share = best_share
       if (try > 0) call go(.true.)
-      size_ = share*largest(step(:scene%constraints%neq))/max(largest(scene%u), &
-         & motionless*scene%bodies%length)
+      scene%finite%correction = share*largest(step(:scene%constraints%neq))
+      size_ = scene%finite%correction/max(largest(scene%u), motionless*scene%bodies%length)
 
    contains
 

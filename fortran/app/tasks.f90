@@ -7,7 +7,7 @@ module lopin_tasks
    use lopin_enforcement_factory, only : method_names
    use lopin_solver_factory, only : solver_names
    use lopin_deck, only : read_deck
-   use lopin_error, only : error_type, error_code, log_type, raise
+   use lopin_error, only : error_type, error_code, log_type, raise, severity
    use lopin_interrupt, only : catch_interrupts
    use lopin_job, only : job_type, outcome_type, open_job, run_job, stem_of
    use lopin_explain, only : explain, explained_codes
@@ -16,6 +16,7 @@ module lopin_tasks
    use lopin_model, only : model_type
    use lopin_safe_text, only : printable
    use lopin_recorder_json, only : json_recorder_type
+   use lopin_json_judgement, only : verdict_line
    use lopin_selftest, only : selftest_case, ncase
    use lopin_terminal, only : terminal_type
    use lopin_text, only : join, plural, to_text
@@ -62,6 +63,10 @@ contains
             do i = 1, size(model%pair)
                call terminal%say(recorder%told(model, i))
             end do
+            if (len(verdict_line(recorder%judgement)) > 0) &
+               & call terminal%say(verdict_line(recorder%judgement))
+            i = terminal%said%count_of(severity%warning)
+            if (i > 0) call terminal%say(plural(i, 'warning'))
          end select
       end do
       call terminal%say('results in '//job%folder//'/')

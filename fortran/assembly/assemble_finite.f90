@@ -18,11 +18,13 @@ module lopin_assemble_finite
    private
    public :: assemble_finite, recover_finite, remember, bad_element_type
 
-   !> An element that the displacements turn inside out.
+   !> An element that the displacements turn inside out; and the largest force of an element on one
+   !> of its nodes, before those of its neighbours cancel it.
    type :: bad_element_type
       integer :: element = 0     !! the first one; 0: none
       integer :: point = 0       !! its Gauss point
       integer :: number = 0      !! how many there are
+      real(wp) :: force = 0.0_wp !! of all elements, by component [force]
    end type bad_element_type
 
 contains
@@ -42,6 +44,7 @@ contains
       real(wp), allocatable :: part(:)
       integer, allocatable :: point(:)
       integer :: c, k, e, ncolour
+      real(wp) :: most
       logical :: shared_out
 
       ncolour = size(self%colour_start) - 1
@@ -49,16 +52,18 @@ contains
       allocate (point(mesh%nelement), source=0)
       force = 0.0_wp
       if (present(matrix)) matrix%value = 0.0_wp
+      most = 0.0_wp
       do c = 1, ncolour
          shared_out = .not. (self%last_is_serial .and. c == ncolour)
-         !$omp parallel do schedule(static) private(e) if(shared_out)
+         !$omp parallel do schedule(static) private(e) reduction(max:most) if(shared_out)
          do k = self%colour_start(c), self%colour_start(c + 1) - 1
             e = self%order(k)
-            call add_unit(self, mesh, e, u, memory, force, part(e), point(e), matrix)
+            call add_unit(self, mesh, e, u, memory, force, part(e), point(e), most, matrix)
          end do
          !$omp end parallel do
       end do
       energy = sum(part)
+      bad%force = most
       bad%number = count(point > 0)
       if (bad%number == 0) return
       bad%element = 1
@@ -75,7 +80,7 @@ contains
    end subroutine assemble_finite
 
    !> An element, or the patch that it stands for.
-   subroutine add_unit(self, mesh, e, u, memory, force, energy, bad, matrix)
+   subroutine add_unit(self, mesh, e, u, memory, force, energy, bad, most, matrix)
       type(solids_type), intent(in) :: self
       type(mesh_type), intent(in) :: mesh
       integer, intent(in) :: e
@@ -84,28 +89,29 @@ contains
       real(wp), contiguous, intent(inout) :: force(:)
       real(wp), intent(out) :: energy
       integer, intent(out) :: bad
+      real(wp), intent(inout) :: most          !! largest force of an element so far [force]
       type(csc_type), intent(inout), optional :: matrix
 
       associate (group => self%group(self%which(e)), p => self%patches%of(e), &
          & slot => self%slot(self%first_slot(e):self%first_slot(e + 1) - 1))
          if (p > 0) then
-            call add_patch(self, mesh, e, u, memory, slot, force, energy, bad, matrix)
+            call add_patch(self, mesh, e, u, memory, slot, force, energy, bad, most, matrix)
          else
             associate (node => mesh%conn(:group%element%nnode, e))
                if (group%law%remembers) then
                   call add_element(self, group, group%element, mesh, node, u, &
                      & memory%value(:, memory%first(e):memory%first(e + 1) - 1), memory, slot, &
-                     & force, energy, bad, matrix)
+                     & force, energy, bad, most, matrix)
                else
                   call add_element(self, group, group%element, mesh, node, u, memory%none, memory, &
-                     & slot, force, energy, bad, matrix)
+                     & slot, force, energy, bad, most, matrix)
                end if
             end associate
          end if
       end associate
    end subroutine add_unit
 
-   subroutine add_patch(self, mesh, e, u, memory, slot, force, energy, bad, matrix)
+   subroutine add_patch(self, mesh, e, u, memory, slot, force, energy, bad, most, matrix)
       type(solids_type), intent(in) :: self
       type(mesh_type), intent(in) :: mesh
       integer, intent(in) :: e                 !! its first member
@@ -115,6 +121,7 @@ contains
       real(wp), contiguous, intent(inout) :: force(:)
       real(wp), intent(out) :: energy
       integer, intent(out) :: bad
+      real(wp), intent(inout) :: most          !! largest force of an element so far [force]
       type(csc_type), intent(inout), optional :: matrix
       type(element_type) :: element
 
@@ -123,7 +130,7 @@ contains
          call patch_element(patches, p, mesh%conn, group%element, element)
          associate (node => patches%node(patches%first(p):patches%first(p + 1) - 1))
             call add_element(self, group, element, mesh, node, u, columns(self, memory, e), &
-               & memory, slot, force, energy, bad, matrix)
+               & memory, slot, force, energy, bad, most, matrix)
          end associate
       end associate
    end subroutine add_patch
@@ -145,7 +152,7 @@ contains
    end function columns
 
    subroutine add_element(self, group, element, mesh, node, u, past, memory, slot, force, energy, &
-      & bad, matrix)
+      & bad, most, matrix)
       type(solids_type), intent(in) :: self
       type(group_type), intent(in) :: group
       type(element_type), intent(in) :: element
@@ -157,6 +164,7 @@ contains
       real(wp), contiguous, intent(inout) :: force(:)
       real(wp), intent(out) :: energy
       integer, intent(out) :: bad
+      real(wp), intent(inout) :: most          !! largest force of an element so far [force]
       type(csc_type), intent(inout), optional :: matrix
       real(wp), dimension(element%ndim, element%nnode) :: x, moved, own
       real(wp) :: ke(element%ndof, element%ndof)
@@ -172,6 +180,7 @@ contains
          call own_element(group, element, x, moved, past, memory, own, energy, bad)
       end if
       if (bad > 0) return
+      most = max(most, maxval(abs(own)))
       do a = 1, element%nnode
          do i = 1, element%ndim
             associate (k => self%dof(i, node(a)))

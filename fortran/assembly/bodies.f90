@@ -243,7 +243,7 @@ contains
       integer, intent(in) :: ncolumn
       real(wp), allocatable :: gram(:, :), eigenvalue(:), row(:)
       integer :: raw, i, k, n, column(6), status
-      real(wp) :: value(6)
+      real(wp) :: value(6), size_
       integer, allocatable :: touched(:)
 
       allocate (gram(ncolumn, ncolumn), eigenvalue(ncolumn), row(ncolumn), source=0.0_wp)
@@ -252,17 +252,22 @@ contains
             if (rule%prescribed == 0 .and. .not. rule%dependent) cycle
             call raw_row(self, model, dofs, constraints, raw, column, value, n)
             if (n == 0) cycle
+            ! A rotation that is held counts as the displacement that it holds: no constraint may
+            ! look weak because lengths are large numbers.
+            size_ = maxval(abs(value(:n)))
             row(column(:n)) = value(:n)
             touched = column(:n)
             if (rule%dependent) then
                do k = 1, size(rule%raw)
                   call raw_row(self, model, dofs, constraints, rule%raw(k), column, value, n)
+                  if (n > 0) size_ = max(size_, maxval(abs(rule%coefficient(k)*value(:n))))
                   do i = 1, n
                      row(column(i)) = row(column(i)) - rule%coefficient(k)*value(i)
                   end do
                   touched = [touched, column(:n)]
                end do
             end if
+            if (size_ > 0.0_wp) row(touched) = row(touched)/size_
             do k = 1, size(touched)
                if (any(touched(:k - 1) == touched(k))) cycle
                gram(:, touched(k)) = gram(:, touched(k)) + row*row(touched(k))

@@ -23,6 +23,9 @@ module lopin_finite_grips
    real(wp), parameter :: shear_share = 1.0_wp/3.0_wp, share_augmented = 0.1_wp
    !> Penalties up to this, in moduli over a facet, are springs.
    real(wp), parameter :: soft_enough = 20.0_wp
+   !> Slopes of augmentation above this, in moduli over a facet, leave Newton no way between open and
+   !> closed. Their limit does not depend on them: it is taken at once.
+   real(wp), parameter :: stiffest_augmented = 10.0_wp*default_penalty
 
 contains
 
@@ -62,6 +65,8 @@ contains
                if (g%kind == grip_kind%penalty .and. (slope > soft_enough*own .or. f%exact_stick &
                   & .or. f%elastic_slip > 0.0_wp .or. f%slip_tolerance > 0.0_wp)) &
                   & g%kind = grip_kind%perturbed
+               if (g%kind == grip_kind%augmented .and. slope > stiffest_augmented*own) &
+                  & g%kind = grip_kind%lagrange
                if (way%method /= method_of%lagrange) then
                   if (.not. way%slope > 0.0_wp .and. .not. said .and. &
                      & .not. allocated(way%table)) then
@@ -74,7 +79,9 @@ contains
                   g%slope = slope
                   g%shear_slope = slope*shear_share
                   if (f%stick_slope > 0.0_wp) g%shear_slope = f%stick_slope
-                  if (g%kind /= grip_kind%perturbed) then
+                  if (g%kind == grip_kind%lagrange) then
+                     g%shear_slope = f%stick_slope
+                  else if (g%kind /= grip_kind%perturbed) then
                      g%c = slope
                      g%ct = g%shear_slope
                   end if

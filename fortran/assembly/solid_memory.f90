@@ -25,6 +25,12 @@ module lopin_solid_memory
       real(wp), allocatable :: value(:, :)     !! (nmemory, ncolumn) of module material_memory
       real(wp), allocatable :: next(:, :)      !! of the state just found, until it is kept
       real(wp), allocatable :: pressed(:)      !! (ncolumn) ln J of the stresses of the start [-]
+      ! of solids that are heated; heat is its work [force length]
+      real(wp) :: heat = 0.0_wp, next_heat = 0.0_wp
+      real(wp) :: unsure = 0.0_wp, next_unsure = 0.0_wp  !! how far it is known [force length]
+      real(wp), allocatable :: heated(:, :)    !! (2, ncolumn) mean stress and offset, accepted
+      real(wp), allocatable :: next_heated(:, :)   !! the same of the state just found
+      real(wp), allocatable :: place(:)        !! (ncolumn) volume of the start [length^3]
       real(wp), allocatable :: none(:, :)      !! (0, most_points): elements that remember nothing
    end type solid_memory_type
 
@@ -71,6 +77,9 @@ contains
       if (.not. self%in_use) return
       self%value = self%next
       self%work = self%next_work
+      self%heat = self%next_heat
+      self%unsure = self%next_unsure
+      if (allocated(self%next_heated)) self%heated = self%next_heated
    end subroutine keep
 
    !> One row of the newest memory at all Gauss points of the mesh; 0 where nothing flows.

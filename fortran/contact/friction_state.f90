@@ -32,7 +32,8 @@ module lopin_friction_state
       real(wp) :: cone_excess = 0.0_wp          !! largest, beside the largest bound [-]
       real(wp) :: misfit = 0.0_wp               !! of tractions and slips, beside the largest force
       real(wp) :: stored = 0.0_wp               !! in elastic stick [force*length]
-      real(wp) :: least_work = 0.0_wp           !! least dissipation of a point, beside the most [-]
+      real(wp) :: gained = 0.0_wp               !! negative dissipation beyond noise [force*length]
+      real(wp) :: slid_work = 0.0_wp            !! bounds times slips [force*length]
    end type friction_state_type
 
 contains
@@ -70,7 +71,8 @@ contains
       call stream%pass(self%cone_excess)
       call stream%pass(self%misfit)
       call stream%pass(self%stored)
-      call stream%pass(self%least_work)
+      call stream%pass(self%gained)
+      call stream%pass(self%slid_work)
    end subroutine keep_friction
 
    subroutine keep_history(self, stream)

@@ -7,12 +7,12 @@ module lopin_recorder_json
    use lopin_error, only : error_type, error_code, diagnostic_type
    use lopin_stream, only : stream_type
    use lopin_model, only : model_type, kind_of
-   use lopin_state, only : frame_type, summary_type, certificate_type, energy_type, verdict_words, &
-      & keep_certificate, keep_energy
+   use lopin_state, only : frame_type, summary_type
    use lopin_recorder, only : recorder_type
    use lopin_atomic_file, only : write_atomically
    use lopin_checked_file, only : summary_is, summary_failed
    use lopin_json_writer, only : json_writer_type
+   use lopin_json_judgement, only : judgement_type, note_verdict, keep_judgement, add_judgement
    use lopin_text, only : plural
    use lopin_recorder_table, only : pair_summary_type, summarise_pair, pair_name
    implicit none
@@ -35,8 +35,7 @@ module lopin_recorder_json
       character(len=:), allocatable, private :: file(:)        !! what the run writes
       character(len=:), allocatable, private :: deck_file(:)   !! by file index of locations
       type(pair_summary_type), allocatable, private :: pair(:)
-      type(certificate_type), private :: certificate
-      type(energy_type), private :: energy
+      type(judgement_type) :: judgement
       logical, private :: has_frame = .false.
    contains
       procedure :: begin
@@ -113,8 +112,7 @@ contains
       associate (unused => model, none => error)
       end associate
       self%has_frame = .true.
-      self%certificate = frame%certificate
-      self%energy = frame%energy
+      call note_verdict(self%judgement, frame)
       do i = 1, size(self%pair)
          call summarise_pair(frame%contact(i), self%pair(i))
       end do
@@ -129,8 +127,7 @@ contains
       associate (none => error)
       end associate
       call stream%pass(self%has_frame)
-      call keep_certificate(self%certificate, stream)
-      call keep_energy(self%energy, stream)
+      call keep_judgement(self%judgement, stream)
       do i = 1, size(self%pair)
          associate (pair => self%pair(i))
             call stream%pass_within(pair%force)
@@ -159,8 +156,7 @@ contains
       call add_run(json, summary)
       call add_contact(self, json, model)
       if (self%has_frame) then
-         call add_certificate(json, self%certificate)
-         call add_energy(json, self%energy)
+         call add_judgement(self%judgement, json)
       else
          call json%null('certificate')
          call json%null('energy')
@@ -287,40 +283,6 @@ contains
       end do
       call json%close(']')
    end subroutine add_contact
-
-   subroutine add_certificate(json, certificate)
-      type(json_writer_type), intent(inout) :: json
-      type(certificate_type), intent(in) :: certificate
-
-      call json%open('{', 'certificate')
-      call json%add('verdict', verdict_words(certificate%verdict))
-      call json%add('reason', certificate%reason)
-      call json%add('penetration', certificate%penetration)
-      call json%add('tension', certificate%tension)
-      call json%add('complementarity', certificate%complementarity)
-      call json%add('cone', certificate%cone)
-      call json%add('dissipation', certificate%dissipation)
-      call json%add('pressure_error', certificate%pressure_error)
-      call json%add('equilibrium', certificate%equilibrium)
-      call json%add('action_reaction', certificate%action_reaction)
-      call json%add('energy', certificate%energy)
-      call json%add('support', certificate%support)
-      call json%close('}')
-   end subroutine add_certificate
-
-   subroutine add_energy(json, energy)
-      type(json_writer_type), intent(inout) :: json
-      type(energy_type), intent(in) :: energy
-
-      call json%open('{', 'energy')
-      call json%add('strain', energy%strain)
-      call json%add('external', energy%external)
-      call json%add('contact', energy%contact)
-      call json%add('friction', energy%friction)
-      call json%add('friction_mean', energy%friction_mean)
-      call json%add('plastic', energy%plastic)
-      call json%close('}')
-   end subroutine add_energy
 
    subroutine add_timing(json, summary)
       type(json_writer_type), intent(inout) :: json

@@ -2,7 +2,7 @@
 !> history.
 module lopin_recorder_table
    use lopin_kinds, only : wp
-   use lopin_model, only : model_type, rigid_body_type
+   use lopin_model, only : model_type, rigid_body_type, is_heated
    use lopin_state, only : frame_type, contact_field_type
    use lopin_flow_curve, only : flows
    implicit none
@@ -178,6 +178,7 @@ contains
          call add('energy.plastic', 'force*length')
          call add('volume', 'length^3')
       end if
+      if (is_heated(model)) call add('energy.thermal', 'force*length')
       call add('certificate', '0=PASS 1=WARN 2=FAIL')
    contains
       subroutine add(what, unit)
@@ -223,6 +224,7 @@ contains
       row = [row, frame%energy%strain, frame%energy%external, frame%energy%contact, &
          & frame%energy%friction, frame%energy%friction_mean]
       if (model_flows(model)) row = [row, frame%energy%plastic, frame%energy%volume]
+      if (is_heated(model)) row = [row, frame%energy%thermal]
       row = [row, real(frame%certificate%verdict, wp)]
    end subroutine history_row
 

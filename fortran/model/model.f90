@@ -20,7 +20,7 @@ module lopin_model
       & output_type, temperature_type, initial_stress_type
    public :: control_type, tool_holder_type
    public :: kind_of, method_of, overclosure_of, surface_of, output_of, initial_of
-   public :: amplitude_value, amplitude_integral
+   public :: amplitude_value, amplitude_integral, is_heated
 
    !> What the whole scene is; every section of a scene has the same number of dimensions.
    type :: kinds_of
@@ -327,4 +327,16 @@ contains
          last = next
       end do
    end function amplitude_integral
+
+   !> Some step has a temperature.
+   pure logical function is_heated(model)
+      type(model_type), intent(in) :: model
+      integer :: s
+
+      is_heated = .false.
+      do s = 1, size(model%step)
+         if (allocated(model%step(s)%temperature)) is_heated = is_heated &
+            & .or. size(model%step(s)%temperature) > 0
+      end do
+   end function is_heated
 end module lopin_model

@@ -6,7 +6,7 @@ module lopin_state
    use lopin_stream, only : stream_type
    implicit none
    private
-   public :: lost_work, lost_share
+   public :: lost_work, lost_share, note_most
    public :: contact_field_type, certificate_type, frame_type, energy_type, summary_type, &
       & verdict_words, keep_certificate, keep_energy
 
@@ -43,6 +43,8 @@ module lopin_state
       real(wp) :: cone = 0.0_wp   !! largest tangential force beyond its bound / largest bound
       real(wp) :: dissipation = 0.0_wp   !! least friction work of a point in the increment / most
       real(wp) :: pressure_error = 0.0_wp    !! estimate for rows that allow penetration
+      logical :: obeys = .false.             !! all slopes of contact are the deck's
+      real(wp) :: depth = 0.0_wp   !! deepest penetration / thinnest body of its pair, of slopes
       real(wp) :: equilibrium = 0.0_wp       !! largest residual / reference force
       real(wp) :: action_reaction = 0.0_wp   !! |sum of slave and master forces| / sum of |forces|
       real(wp) :: energy = 0.0_wp            !! energy balance, relative
@@ -58,7 +60,10 @@ module lopin_state
       real(wp) :: friction = 0.0_wp   !! dissipated since the start, tractions at increments' ends
       real(wp) :: friction_mean = 0.0_wp   !! the same by mean tractions: balances external
       real(wp) :: plastic = 0.0_wp           !! work of plastic and viscous flow since the start
+      real(wp) :: thermal = 0.0_wp           !! work of heat against stresses since the start
       real(wp) :: volume = 0.0_wp            !! of the bodies that flow, deformed [length^3]
+      real(wp) :: nothing = 0.0_wp           !! below which they are not known
+      real(wp) :: most = 0.0_wp              !! largest that was about since the start
    end type energy_type
 
    !> One accepted increment, as handed to the recorders. Displacements and reactions by node:
@@ -120,6 +125,8 @@ contains
       call stream%pass(self%cone)
       call stream%pass(self%dissipation)
       call stream%pass(self%pressure_error)
+      call stream%pass(self%obeys)
+      call stream%pass(self%depth)
       call stream%pass(self%equilibrium)
       call stream%pass(self%action_reaction)
       call stream%pass(self%energy)
@@ -139,24 +146,37 @@ contains
       call stream%pass(self%friction)
       call stream%pass(self%friction_mean)
       call stream%pass(self%plastic)
+      call stream%pass(self%thermal)
+      call stream%pass(self%nothing)
+      call stream%pass(self%most)
       call stream%pass(self%volume)
    end subroutine keep_energy
 
-   !> Work that is neither stored nor dissipated, beside all of it; 0 where nothing is done.
+   !> Work that is neither stored nor dissipated, beside the most that was done; 0 where nothing is.
    pure real(wp) function lost_share(energy) result(share)
       type(energy_type), intent(in) :: energy
       real(wp) :: whole
 
       share = lost_work(energy)
-      whole = max(abs(energy%external), energy%strain + energy%plastic + abs(energy%friction_mean))
-      if (whole > 0.0_wp) share = share/whole
+      whole = max(energy%most, energy%nothing)
+      if (whole > 0.0_wp) share = sign(max(abs(share) - energy%nothing, 0.0_wp), share)/whole
    end function lost_share
+
+   !> Keep the largest energy: what a share of the work is beside does not fade where it is given back.
+   pure subroutine note_most(energy, most)
+      type(energy_type), intent(inout) :: energy
+      real(wp), intent(inout) :: most          !! of the increments before
+
+      most = max(most, abs(energy%external), abs(energy%thermal), &
+         & energy%strain + energy%plastic + abs(energy%friction_mean))
+      energy%most = most
+   end subroutine note_most
 
    !> Work that is neither stored nor dissipated [energy].
    pure real(wp) function lost_work(energy)
       type(energy_type), intent(in) :: energy
 
-      lost_work = energy%external - energy%strain - energy%contact - energy%friction_mean &
-         & - energy%plastic
+      lost_work = energy%external + energy%thermal - energy%strain - energy%contact &
+         & - energy%friction_mean - energy%plastic
    end function lost_work
 end module lopin_state
