@@ -14,6 +14,7 @@ module lopin_finite_results
    use lopin_finite_forces, only : forces_about, pressure_about, nil_gap
    use lopin_rounding_floor, only : beyond
    use lopin_contact_traction, only : grip_kind
+   use lopin_finite_masters, only : area_ratios
    use lopin_finite_contact, only : finite_contact_type
    use lopin_finite_slip, only : dissipated, mean_work_of, held_energy, shear_bound, path_of
    use lopin_scene, only : scene_type
@@ -236,6 +237,7 @@ contains
       type(scene_type), intent(in) :: scene
       type(model_type), intent(in) :: model
       integer :: pair, i, ndim
+      real(wp) :: ratio(model%mesh%nnode)
       integer, allocatable :: at(:)
 
       ndim = model%mesh%ndim
@@ -250,14 +252,17 @@ contains
                f%facet = c%facet(at)
                f%status = merge(c%status(at), -1, f%facet > 0)
                where (f%status > 0 .and. c%grip(at)%kind == grip_kind%tied) f%status = 3
-               f%weight = c%weight(at)
+               ! The area of the end of the increment: the traction was found by that of its start.
+               ratio = area_ratios(c%masters, model, pair)
+               f%weight = c%first_weight(at)*ratio(c%node(at))
                f%gap = c%opening(at)
                f%pressure = c%pressure(at)
+               where (f%weight > 0.0_wp) f%pressure = f%pressure*c%weight(at)/f%weight
                f%normal = c%normal(:ndim, at)
                f%xi = c%xi(:, at)
                allocate (f%force(ndim, size(at)), f%u_n(size(at)), f%u_t(ndim, size(at)))
                do i = 1, size(at)
-                  f%force(:, i) = f%weight(i)*c%traction(:ndim, at(i))
+                  f%force(:, i) = c%weight(at(i))*c%traction(:ndim, at(i))
                   f%u_n(i) = 0.0_wp
                   f%u_t(:, i) = c%slip(:ndim, at(i))
                end do
