@@ -132,7 +132,7 @@ contains
       real(wp), allocatable :: start(:), goal(:), v_then(:), before_then(:), multiplier(:)
       real(wp) :: reached, part
 
-      start = before
+      allocate (start, source=before)
       reached = 0.0_wp
       part = first_part
       do while (reached < 1.0_wp)
