@@ -103,7 +103,13 @@ contains
       integer, intent(in) :: pair
       real(wp), intent(in) :: nearest              !! smallest gap [length]
       character(len=:), allocatable :: text
+      integer :: i
 
+      do i = 1, scene%log%n
+         if (scene%log%item(i)%id == 'W0315' .and. scene%log%item(i)%at%line &
+            & == model%pair(pair)%at%line .and. scene%log%item(i)%at%file &
+            & == model%pair(pair)%at%file) return
+      end do
       text = ') never closed; its smallest gap was '//to_text(nearest, 6)
       if (abs(nearest) <= touching*scene%bodies%length) &
          & text = ') never closed: it touched, and carried no force'

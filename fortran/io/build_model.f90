@@ -30,6 +30,7 @@ module lopin_build_model
    use lopin_check_rigid_pairs, only : check_rigid_pairs
    use lopin_check_loads, only : check_loads
    use lopin_check_materials, only : check_materials
+   use lopin_check_seams, only : check_seams
    use lopin_check_unused, only : check_unused
    use lopin_check_options, only : check_options
    implicit none
@@ -78,6 +79,7 @@ contains
       if (model%log%count_of(severity%error) == 0) then
          call check_materials(model)
          call check_loads(model)
+         call check_seams(model)
          call check_unused(model, deck)
          call check_options(model, deck)
       end if

@@ -29,6 +29,11 @@ contains
       call add_explanation(list, 'N0303', 'a material or an amplitude that is not used', &
          & 'No section names the material, or no load and no motion the amplitude. Programs '// &
          & 'that write decks do so; by hand it is a forgotten word.', '')
+      call add_explanation(list, 'W0306', 'bodies that meet node on node and that nothing joins', &
+         & 'Meshes of parts have nodes at the same places, but no elements in common, and no '// &
+         & 'pair, tie or equation has to do with both: they move through each other. Mesh '// &
+         & 'programs leave such seams where parts were not merged.', &
+         & 'merge the nodes, write *TIE, or *CONTACT PAIR.')
       call add_explanation(list, 'W0305', 'an option of contact that does nothing', &
          & 'The option is known, but has nothing to act on where it stands: SMOOTH on a flat '// &
          & 'master, a tolerance of a method that no pair has, a clearance of a tied pair.', &

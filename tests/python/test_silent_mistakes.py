@@ -416,3 +416,34 @@ def test_supports_that_press_a_node_into_a_tool_are_refused(words, tmp_path):
                 steps=down(0.01, words))
     run = lopin("run", text, tmp_path, "-o", "out")
     assert run.returncode == 3 and "is overconstrained" in said(run, "E0506")[0], run.stderr
+
+
+ABOVE = """*NODE, NSET=LID
+31, 0., 10.
+32, 5., 10.
+33, 10., 10.
+34, 0., 15.
+35, 5., 15.
+36, 10., 15.
+*ELEMENT, TYPE=CPE4, ELSET=BLOCK
+31, 31, 32, 35, 34
+32, 32, 33, 36, 35
+*SURFACE, NAME=UNDER
+31, S1
+32, S1
+"""
+
+
+def test_bodies_that_meet_node_on_node_and_that_nothing_joins(tmp_path):
+    lid = {"mesh": PARTS["mesh"] + ABOVE, "tool": "", "pair": "", "steps":
+           "*STEP\n*STATIC\n*BOUNDARY\n34, 2, 2, -0.01\n*END STEP\n",
+           "supports": "*BOUNDARY\nBOTTOM, 1, 2\n34, 1, 2\n35, 1, 2\n"}
+    run = lopin("check", deck(**lid), tmp_path)
+    assert len(said(run, "W0306")) == 1 and "3 nodes at the same places" in run.stderr
+    for join in ("*TIE, NAME=SEAM\nUNDER, TOP\n", "*EQUATION\n2\n31, 2, 1., 7, 2, -1.\n",
+                 "*SURFACE INTERACTION, NAME=DRY\n*CONTACT PAIR, INTERACTION=DRY\nUNDER, TOP\n"):
+        run = lopin("check", deck(**(lid | {"pair": join})), tmp_path)
+        assert run.returncode == 0 and not said(run, "W0306"), run.stderr
+    moved = ABOVE.replace("10.\n", "10.001\n")
+    run = lopin("check", deck(**(lid | {"mesh": PARTS["mesh"] + moved})), tmp_path)
+    assert not said(run, "W0306")
