@@ -132,6 +132,12 @@ contains
       ncolumn = self%nmode*self%nbody
       allocate (self%column(6, size(model%rigid_body)), source=0)
       do i = 1, size(model%rigid_body)
+         ! Tools with one reference node are one body.
+         k = findloc(model%rigid_body(:i)%reference, model%rigid_body(i)%reference, dim=1)
+         if (k < i) then
+            self%column(:, i) = self%column(:, k)
+            cycle
+         end if
          do k = 1, 6
             if (dofs%id(k, model%rigid_body(i)%reference) == 0) cycle
             ncolumn = ncolumn + 1

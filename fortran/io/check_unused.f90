@@ -20,6 +20,7 @@ contains
       call check_tools(model)
       call check_rigid_meshes(model)
       call check_interactions(model)
+      call check_pairs(model)
       call check_materials(model)
       call check_amplitudes(model, deck)
    end subroutine check_unused
@@ -111,6 +112,34 @@ contains
          end associate
       end do
    end subroutine check_interactions
+
+   !> Pairs that *MODEL CHANGE takes away at the start and no step puts back.
+   subroutine check_pairs(model)
+      type(model_type), intent(inout) :: model
+      logical :: active(size(model%pair)), acts(size(model%pair))
+      type(location_type) :: at(size(model%pair))
+      integer :: s, i
+
+      active = .true.
+      acts = .false.
+      do s = 1, size(model%step)
+         do i = 1, size(model%step(s)%pair_change)
+            associate (change => model%step(s)%pair_change(i))
+               active(change%pair) = change%active
+               at(change%pair) = change%at
+            end associate
+         end do
+         acts = acts .or. active
+      end do
+      do i = 1, size(model%pair)
+         if (acts(i)) cycle
+         call model%log%say(severity%warning, 'W0303', 'pair ('// &
+            & model%surface(model%pair(i)%slave)%name//', '// &
+            & model%surface(model%pair(i)%master)%name//') is taken out in the first step and '// &
+            & 'never put back: it acts nowhere', at(i), help='*MODEL CHANGE, TYPE=CONTACT PAIR, '// &
+            & 'ADD in a later step, or leave the pair out')
+      end do
+   end subroutine check_pairs
 
    subroutine check_materials(model)
       type(model_type), intent(inout) :: model

@@ -447,3 +447,22 @@ def test_bodies_that_meet_node_on_node_and_that_nothing_joins(tmp_path):
     moved = ABOVE.replace("10.\n", "10.001\n")
     run = lopin("check", deck(**(lid | {"mesh": PARTS["mesh"] + moved})), tmp_path)
     assert not said(run, "W0306")
+
+
+def test_a_pair_that_acts_in_no_step_is_said(tmp_path):
+    gone = "*MODEL CHANGE, TYPE=CONTACT PAIR, REMOVE\nTOP, TOOL\n"
+    back = gone.replace("REMOVE", "ADD")
+    first = PARTS["steps"].replace("*END STEP", gone + "*END STEP")
+    run = lopin("check", deck(steps=first), tmp_path)
+    assert len(said(run, "W0303")) == 1 and "acts nowhere" in run.stderr
+    second = PARTS["steps"].replace("*END STEP", back + "*END STEP")
+    assert not said(lopin("check", deck(steps=first + second), tmp_path), "W0303")
+
+
+def test_two_tools_may_have_one_reference_node(tmp_path):
+    """A vice: both jaws are driven by one node, and the block between them goes along."""
+    jaw = FLOOR.replace("-0.5", "0.") + "*RIGID BODY, ANALYTICAL SURFACE=FLOOR, REF NODE=10\n"
+    text = deck(mesh=PARTS["mesh"] + SOLE, tool=PARTS["tool"] + jaw, supports=PUSHED,
+                pair=pair(", TIED") + "*CONTACT PAIR, INTERACTION=DRY, TIED\nSOLE, FLOOR\n")
+    run = lopin("run", text, tmp_path, "-o", "out")
+    assert run.returncode == 0 and run.stderr == ""
