@@ -465,4 +465,4 @@ def test_two_tools_may_have_one_reference_node(tmp_path):
     text = deck(mesh=PARTS["mesh"] + SOLE, tool=PARTS["tool"] + jaw, supports=PUSHED,
                 pair=pair(", TIED") + "*CONTACT PAIR, INTERACTION=DRY, TIED\nSOLE, FLOOR\n")
     run = lopin("run", text, tmp_path, "-o", "out")
-    assert run.returncode == 0 and run.stderr == ""
+    assert run.returncode == 0 and not said(run, "W0515"), run.stderr
