@@ -5,7 +5,7 @@
 module lopin_safe_text
    implicit none
    private
-   public :: printable, utf8, xml_text, xml_meaning, csv_field
+   public :: printable, json_text, xml_text, xml_meaning, csv_field
 
 contains
 
@@ -34,24 +34,53 @@ contains
       shown = shown(:n)
    end function printable
 
-   !> The text with a question mark for each byte that is not of a letter of UTF-8.
-   pure function utf8(text) result(valid)
+   !> The text as JSON has it between quotes; what commands a terminal is written by its number.
+   pure function json_text(text) result(safe)
       character(len=*), intent(in) :: text
-      character(len=len(text)) :: valid
-      integer :: i, length
+      character(len=:), allocatable :: safe
+      integer :: i, length, mark
 
-      valid = text
+      safe = ''
       i = 1
       do while (i <= len(text))
-         length = 1
-         if (iachar(text(i:i)) > 127) then
-            length = max(letter_length(text(i:min(len(text), i + 3))), &
-               & mark_length(text(i:min(len(text), i + 2))))
-            if (length == 0) valid(i:i) = '?'
+         length = letter_length(text(i:min(len(text), i + 3)))
+         mark = mark_length(text(i:min(len(text), i + 2)))
+         if (iachar(text(i:i)) < 32 .or. iachar(text(i:i)) == 127) mark = 1
+         if (text(i:i) == achar(10)) then
+            safe = safe//'\n'
+         else if (mark > 0) then
+            safe = safe//numbered(text(i:i + mark - 1))
+            length = mark
+         else if (length == 0) then
+            safe = safe//'?'
+         else if (text(i:i) == '"' .or. text(i:i) == '\') then
+            safe = safe//'\'//text(i:i)
+         else
+            safe = safe//text(i:i + length - 1)
          end if
          i = i + max(1, length)
       end do
-   end function utf8
+   end function json_text
+
+   !> A letter of one to three bytes as \u and four hexadecimal digits.
+   pure function numbered(letter) result(text)
+      character(len=*), intent(in) :: letter
+      character(len=6) :: text
+      character(len=*), parameter :: digit = '0123456789abcdef'
+      integer :: code, i
+
+      code = iachar(letter(1:1))
+      if (len(letter) == 2) code = iand(code, 31)
+      if (len(letter) == 3) code = iand(code, 15)
+      do i = 2, len(letter)
+         code = 64*code + iand(iachar(letter(i:i)), 63)
+      end do
+      text(:2) = '\u'
+      do i = 6, 3, -1
+         text(i:i) = digit(mod(code, 16) + 1:mod(code, 16) + 1)
+         code = code/16
+      end do
+   end function numbered
 
    !> Bytes of the letter with which a text begins; 0 if it begins with none that may be shown.
    pure integer function letter_length(text) result(length)

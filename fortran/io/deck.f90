@@ -11,7 +11,7 @@ module lopin_deck
       & raise_all
    use lopin_keyword_line, only : begin_block, more_parameters
    use lopin_source, only : new_source_from_file, new_source, folder_of, find_include, shortened
-   use lopin_text, only : quoted
+   use lopin_text, only : quoted, to_text
    use lopin_validate, only : validate_deck
    implicit none
    private
@@ -20,7 +20,9 @@ module lopin_deck
    public :: split_fields, count_fields, field_real, field_integer, get_parameter, has_parameter
    public :: complain, line_text, line_place
 
-   integer, parameter :: deepest = 32   !! files included one in another
+   integer, parameter :: deepest = 32      !! files included one in another
+   integer, parameter :: most_files = 1000  !! of a deck
+   character(len=*), parameter :: too_many = 'the deck has 1000 files'
    character(len=*), parameter :: blanks = ' '//achar(9)
 
 contains
@@ -32,13 +34,13 @@ contains
       type(log_type), intent(inout) :: log
       type(error_type), allocatable, intent(out) :: error
       type(source_type) :: source
-      logical :: found
+      character(len=:), allocatable :: reason
 
-      call new_source_from_file(source, shortened(path), found)
-      if (.not. found) then
+      call new_source_from_file(source, shortened(path), reason)
+      if (len(reason) > 0) then
          call start(deck)
-         call raise(error, error_code%resource, 'E0100', 'cannot read '//quoted(path), &
-            & help='give the path of a deck, for example: lopin run deck.inp')
+         call raise(error, error_code%resource, 'E0100', 'cannot read '//quoted(path)//': '// &
+            & reason, help='give the path of a deck, for example: lopin run deck.inp')
          return
       end if
       call read_source(deck, source, log, error)
@@ -61,7 +63,7 @@ contains
 
    subroutine read_source(deck, source, log, error)
       type(deck_type), intent(inout) :: deck
-      type(source_type), intent(in) :: source
+      type(source_type), intent(inout) :: source   !! emptied
       type(log_type), intent(inout) :: log
       type(error_type), allocatable, intent(out) :: error
       logical :: lost
@@ -135,7 +137,7 @@ contains
       type(log_type), intent(inout) :: log
       type(source_type) :: source
       type(location_type) :: at
-      character(len=:), allocatable :: name, path, tried
+      character(len=:), allocatable :: name, path, tried, reason
       logical :: found
 
       call get_parameter(block, 'INPUT', name, at, found)
@@ -145,17 +147,17 @@ contains
          return
       end if
       call find_include(deck%source, block%at%file, name, path, tried)
-      if (len(path) > 0) then
-         if (is_open(deck%source, block%at%file, path)) then
-            call complain(log, 'E0105', 'the file '//quoted(path)//' includes itself', at, &
-               & label='include loop')
-            return
-         end if
-      end if
-      call new_source_from_file(source, path, found)
-      if (.not. found) then
+      if (len(path) == 0) then
          call complain(log, 'E0105', 'cannot read the included file '//quoted(name), at, &
             & label='not found', note='tried: '//tried)
+         return
+      end if
+      call refuse_depth(deck, block%at%file, path, at, log, found)
+      if (.not. found) return
+      call new_source_from_file(source, path, reason)
+      if (len(reason) > 0) then
+         call complain(log, 'E0105', 'cannot read the included file '//quoted(name)//': '//reason, &
+            & at)
          return
       end if
       source%included_from = block%at
@@ -163,24 +165,48 @@ contains
       call walk(deck, size(deck%source), lost, log)
    end subroutine include
 
-   !> Whether a file is being read now: it is the given one or one of those that led to it.
-   logical function is_open(source, file, path)
-      type(source_type), intent(in) :: source(:)
-      integer, intent(in) :: file
+   !> Files that include themselves, too deep in one another, or too many.
+   subroutine refuse_depth(deck, file, path, at, log, ok)
+      type(deck_type), intent(in) :: deck
+      integer, intent(in) :: file                !! with the line *INCLUDE
       character(len=*), intent(in) :: path
+      type(location_type), intent(in) :: at
+      type(log_type), intent(inout) :: log
+      logical, intent(out) :: ok
       integer :: k, depth
 
-      is_open = .true.
+      ok = .false.
+      depth = 0
       k = file
-      do depth = 1, deepest
-         if (source(k)%name == path) return
-         k = source(k)%included_from%file
-         if (k == 0) then
-            is_open = .false.
+      do while (k > 0)
+         depth = depth + 1
+         if (deck%source(k)%name == path) then
+            call complain(log, 'E0105', 'the file '//quoted(path)//' includes itself', at, &
+               & label='include loop')
             return
          end if
+         k = deck%source(k)%included_from%file
       end do
-   end function is_open
+      ok = depth <= deepest .and. size(deck%source) < most_files
+      if (depth > deepest) then
+         call complain(log, 'E0105', 'files are included '//to_text(depth)//' deep', at, &
+            & help='at most '//to_text(deepest)//' may stand in one another')
+      else if (.not. ok .and. .not. log_has(log, too_many)) then
+         call complain(log, 'E0105', too_many//', the most that are read', at, &
+            & help='a file that includes another one twice, and so on, soon has more')
+      end if
+   contains
+      logical function log_has(log, start_of_message)
+         type(log_type), intent(in) :: log
+         character(len=*), intent(in) :: start_of_message
+         integer :: i
+
+         log_has = .false.
+         do i = 1, log%n
+            log_has = log_has .or. index(log%item(i)%message, start_of_message) == 1
+         end do
+      end function log_has
+   end subroutine refuse_depth
 
    !> Append a data line to the last block.
    subroutine add_line(deck, text, file, line, lost, log)
@@ -251,14 +277,29 @@ contains
 
    subroutine add_source(deck, source)
       type(deck_type), intent(inout) :: deck
-      type(source_type), intent(in) :: source
+      type(source_type), intent(inout) :: source   !! emptied
       type(source_type), allocatable :: grown(:)
+      integer :: i
 
       allocate (grown(size(deck%source) + 1))
-      grown(:size(deck%source)) = deck%source
-      grown(size(grown)) = source
+      do i = 1, size(deck%source)
+         call move_source(deck%source(i), grown(i))
+      end do
+      call move_source(source, grown(size(grown)))
       call move_alloc(grown, deck%source)
    end subroutine add_source
+
+   subroutine move_source(from, to)
+      type(source_type), intent(inout) :: from, to
+
+      to%nline = from%nline
+      to%is_ascii = from%is_ascii
+      to%included_from = from%included_from
+      call move_alloc(from%name, to%name)
+      call move_alloc(from%folder, to%folder)
+      call move_alloc(from%text, to%text)
+      call move_alloc(from%line_start, to%line_start)
+   end subroutine move_source
 
    !> First and last character of a line within the text of its source, without its end.
    pure subroutine line_span(source, line, first, last)

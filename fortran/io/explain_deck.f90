@@ -20,7 +20,8 @@ contains
       type(explanation_type), allocatable, intent(inout) :: list(:)
 
       call add_explanation(list, 'E0100', 'the deck cannot be read', &
-         & 'The path on the command line names no file that can be opened for reading.', &
+         & 'The path on the command line names no file that can be read; the message says why. '// &
+         & 'Pipes and devices are refused, and files of more than 2.1 GB.', &
          & 'check the path from the folder in which the command runs.')
       call add_explanation(list, 'E0101', 'unknown keyword', &
          & 'A line begins with a star and a word that is not in the keyword table. Other '// &
@@ -79,9 +80,10 @@ contains
    subroutine places(list)
       type(explanation_type), allocatable, intent(inout) :: list(:)
 
-      call add_explanation(list, 'E0105', 'an included file is missing or includes itself', &
+      call add_explanation(list, 'E0105', 'an included file cannot be read, or there are too many', &
          & 'The file of *INCLUDE is looked for beside the file that names it, then beside the '// &
-         & 'deck. A file that includes itself, even through others, would never end.', &
+         & 'deck. A file that includes itself, even through others, would never end. At most 32 '// &
+         & 'files may stand in one another, and at most 1000 in a deck.', &
          & 'the message shows the paths that were tried.')
       call add_explanation(list, 'E0107', 'a keyword in the wrong place', &
          & 'Some keywords belong to the model, some to a step, some must follow another '// &

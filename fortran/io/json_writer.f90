@@ -2,7 +2,7 @@
 module lopin_json_writer
    use, intrinsic :: ieee_arithmetic, only : ieee_is_finite
    use lopin_kinds, only : wp
-   use lopin_safe_text, only : utf8
+   use lopin_safe_text, only : json_text
    use lopin_text, only : to_text
    use lopin_text_buffer, only : text_buffer_type
    implicit none
@@ -66,7 +66,7 @@ contains
 
       call self%start(name)
       if (present(value)) then
-         call self%text%put('"'//escaped(value)//'"')
+         call self%text%put('"'//json_text(value)//'"')
       else
          call self%text%put('null')
       end if
@@ -114,7 +114,7 @@ contains
          call self%text%put(repeat('  ', self%depth))
       end if
       self%fresh = .false.
-      if (len(name) > 0) call self%text%put('"'//escaped(name)//'": ')
+      if (len(name) > 0) call self%text%put('"'//json_text(name)//'": ')
    end subroutine start
 
    function number(value) result(text)
@@ -123,26 +123,4 @@ contains
       text = 'null'
       if (ieee_is_finite(value)) text = to_text(value)
    end function number
-
-   pure function escaped(text) result(safe)
-      character(len=*), intent(in) :: text
-      character(len=:), allocatable :: safe
-      character(len=len(text)) :: shown
-      character(len=6) :: code
-      integer :: i
-
-      shown = utf8(text)
-      safe = ''
-      do i = 1, len(text)
-         select case (shown(i:i))
-         case ('"', '\')
-            safe = safe//'\'//shown(i:i)
-         case (achar(0):achar(31))
-            write (code, '("\u",z4.4)') iachar(shown(i:i))
-            safe = safe//code
-         case default
-            safe = safe//shown(i:i)
-         end select
-      end do
-   end function escaped
 end module lopin_json_writer

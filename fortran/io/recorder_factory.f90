@@ -6,6 +6,7 @@ module lopin_recorder_factory
    use lopin_model, only : model_type, output_of
    use lopin_recorder, only : recorder_holder_type
    use lopin_atomic_file, only : make_folder, file_exists, read_text
+   use lopin_safe_text, only : json_text
    use lopin_recorder_table, only : any_request
    use lopin_recorder_vtu, only : vtu_recorder_type, new_vtu_recorder
    use lopin_recorder_dat, only : dat_recorder_type, new_dat_recorder
@@ -100,7 +101,7 @@ contains
       ours = index(old, json_schema) > 0
       do i = 1, size(file)
          if (.not. file_exists(folder//'/'//trim(file(i)))) cycle
-         if (ours .and. index(old, '"'//trim(file(i))//'"') > 0) cycle
+         if (ours .and. index(old, '"'//json_text(trim(file(i)))//'"') > 0) cycle
          call raise(error, error_code%resource, 'E0603', "'"//folder//'/'//trim(file(i))// &
             & "' exists and was not written by Lopin", &
             & note='a run replaces only the files that the job.json of an earlier run lists', &

@@ -5,7 +5,7 @@
 module lopin_render
    use lopin_block, only : deck_type, line_text
    use lopin_error, only : diagnostic_type, severity
-   use lopin_safe_text, only : printable, utf8
+   use lopin_safe_text, only : printable, json_text
    use lopin_text, only : to_text
    implicit none
    private
@@ -193,25 +193,6 @@ contains
    pure function json_string(text) result(quoted)
       character(len=*), intent(in) :: text
       character(len=:), allocatable :: quoted
-      character(len=*), parameter :: digits = '0123456789abcdef'
-      character(len=len(text)) :: shown
-      integer :: i, code
-
-      shown = utf8(text)
-      quoted = '"'
-      do i = 1, len(text)
-         code = iachar(shown(i:i))
-         if (shown(i:i) == '"' .or. shown(i:i) == '\') then
-            quoted = quoted//'\'//shown(i:i)
-         else if (code == 10) then
-            quoted = quoted//'\n'
-         else if (code < 32) then
-            quoted = quoted//'\u00'//digits(code/16 + 1:code/16 + 1)//digits(mod(code, &
-               & 16) + 1:mod(code, 16) + 1)
-         else
-            quoted = quoted//shown(i:i)
-         end if
-      end do
-      quoted = quoted//'"'
+      quoted = '"'//json_text(text)//'"'
    end function json_string
 end module lopin_render

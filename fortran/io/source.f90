@@ -1,6 +1,7 @@
 !> The files of a deck: reading one whole, cutting it into lines, finding what it includes.
 module lopin_source
    use lopin_block, only : source_type
+   use lopin_whole_text, only : read_whole, file_is_missing
    implicit none
    private
    public :: new_source, new_source_from_file, folder_of, find_include, shortened
@@ -9,27 +10,15 @@ module lopin_source
 
 contains
 
-   !> Read a whole file; `found` is false when it cannot be read.
-   subroutine new_source_from_file(self, path, found)
+   !> Read a whole file; `reason` is '' when that went well.
+   subroutine new_source_from_file(self, path, reason)
       type(source_type), intent(out) :: self
       character(len=*), intent(in) :: path
-      logical, intent(out) :: found
+      character(len=:), allocatable, intent(out) :: reason
       character(len=:), allocatable :: text
-      integer :: unit, length, status
 
-      found = .false.
-      if (len_trim(path) == 0) return
-      open (newunit=unit, file=path, access='stream', form='unformatted', action='read', &
-         & status='old', &
-         & iostat=status)
-      if (status /= 0) return
-      inquire (unit=unit, size=length)
-      allocate (character(len=max(0, length)) :: text)
-      if (length > 0) read (unit, iostat=status) text
-      close (unit)
-      if (status /= 0 .or. length < 0) return
-      found = .true.
-      call new_source(self, path, folder_of(path), text)
+      call read_whole(path, text, reason)
+      if (len(reason) == 0) call new_source(self, path, folder_of(path), text)
    end subroutine new_source_from_file
 
    subroutine new_source(self, name, folder, text)
@@ -86,11 +75,11 @@ contains
          path = shortened(source(file)%folder//name)
          tried = path
       end if
-      if (readable(path)) return
+      if (.not. file_is_missing(path)) return
       path = shortened(source(1)%folder//name)
       if (name(1:1) /= '/' .and. path /= tried) then
          tried = tried//', '//path
-         if (readable(path)) return
+         if (.not. file_is_missing(path)) return
       end if
       path = ''
    end subroutine find_include
@@ -119,15 +108,4 @@ contains
       end do
       text = text(:max(0, len(text) - 1))
    end function shortened
-
-   logical function readable(path)
-      character(len=*), intent(in) :: path
-      integer :: unit, status
-
-      open (newunit=unit, file=path, access='stream', form='unformatted', action='read', &
-         & status='old', &
-         & iostat=status)
-      readable = status == 0
-      if (readable) close (unit)
-   end function readable
 end module lopin_source

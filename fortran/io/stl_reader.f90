@@ -3,6 +3,7 @@ module lopin_stl_reader
    use, intrinsic :: iso_fortran_env, only : int32, real32
    use lopin_kinds, only : wp, lk
    use lopin_text, only : to_text, upper, parse_real
+   use lopin_whole_text, only : read_whole
    implicit none
    private
    public :: read_stl
@@ -20,23 +21,15 @@ contains
       integer, intent(out) :: contrary
       character(len=:), allocatable, intent(out) :: reason
       character(len=:), allocatable :: bytes
-      integer :: unit, status, length
+      integer :: length
 
       contrary = 0
       reason = ''
       allocate (corner(3, 3, 0))
-      open (newunit=unit, file=path, access='stream', form='unformatted', action='read', &
-         & status='old', iostat=status)
-      if (status /= 0) then
-         reason = 'it cannot be opened'
+      call read_whole(path, bytes, reason)
+      length = len(bytes)
+      if (len(reason) > 0) then
          return
-      end if
-      inquire (unit=unit, size=length)
-      allocate (character(len=max(0, length)) :: bytes)
-      if (length > 0) read (unit, iostat=status) bytes
-      close (unit)
-      if (status /= 0 .or. length < 0) then
-         reason = 'it cannot be read'
       else if (is_binary(bytes)) then
          call read_binary(bytes, corner, contrary)
       else if (is_words(bytes)) then

@@ -348,3 +348,74 @@ assert os.waitpid(child, 0)[1] == 0 and run() == first
 """
     import sys
     subprocess.run([sys.executable, "-W", "ignore", "-c", code], check=True, timeout=60)
+
+
+def names(text: str) -> str:
+    """A second tool whose name folds to the word of the first, and a surface no XML or CSV likes."""
+    return (text.replace("FLOOR", '"A B"')
+            .replace("*RIGID", '*SURFACE, NAME="A_B", TYPE=SEGMENTS\nSTART, 3., -10.\nLINE, 3., 10.\n'
+                     '*NODE\n8, 3., 0.\n*RIGID BODY, ANALYTICAL SURFACE="A_B", REF NODE=8\n'
+                     '*SURFACE, NAME="S,<&>[x]"\nB, S2\n*RIGID', 1)
+            .replace("*BOUNDARY\n9, 1", '*CONTACT PAIR, INTERACTION=I\n"S,<&>[x]", "A_B"\n*BOUNDARY\n'
+                     '8, 1, 2\n8, 6\n9, 1', 1))
+
+
+def test_names_are_escaped_and_two_tools_get_two_files(executable, tmp_path):
+    import lopin
+
+    job = 'a&b "c"<d>'
+    (tmp_path/f"{job}.inp").write_text(names(column(2)))
+    run = [executable, "run", f"{job}.inp", "-o", "out"]
+    for _ in range(2):   # its own files are known again
+        done = subprocess.run(run, cwd=tmp_path, capture_output=True, text=True, timeout=20)
+        assert done.returncode == 0, done.stderr
+    out = tmp_path/"out"
+    listed = [node.get("file") for node in
+              xml.etree.ElementTree.parse(out/f"{job}.pvd").iter("DataSet")]
+    assert len(set(listed)) == len(listed) == 10 and all((out/name).is_file() for name in listed)
+    assert len(list(out.glob("*.vtu"))) == 10
+    whole(out)
+    result = lopin.open_result(out)
+    assert result.source.pairs() == ["FOOT-A B", "S,<&>[X]-A_B"]
+    assert "S,<&>[X]-A_B.area" in result.source.history()
+    assert len(result.source.contact("S,<&>[X]-A_B", 0)["X"]) == 2
+
+
+def test_control_characters_do_not_reach_the_terminal(executable, tmp_path):
+    bad = "\x1b[31m\x07\x7f\x9b\u202e"
+    text = column(2).replace("*MATERIAL", f"*NODA{bad}\n*MATERIAL", 1).replace(
+        "*ELASTIC", f"*INCLUDE, INPUT={bad}.inp\n*ELASTIC")
+    name = "job\x1b[2J.inp"
+    (tmp_path/name).write_bytes(text.encode() + b"*\xff\xfe\n")
+    for words in (["check", name], ["run", name], ["info", name], ["check", f"{bad}.inp"],
+                  ["check", name, "--json"], ["explain", bad], ["doc", bad], [f"--{bad}"]):
+        done = subprocess.run([executable, *words], cwd=tmp_path, capture_output=True, timeout=20)
+        assert done.returncode in (1, 2, 5)
+        said = (done.stdout + done.stderr).decode("utf-8")
+        assert not [c for c in said if (ord(c) < 32 and c != "\n") or 127 <= ord(c) < 160 or
+                    c == "\u202e"], said
+        if "--json" in words:
+            assert json.loads(done.stdout)["exit_code"] == done.returncode
+
+
+def test_what_is_no_deck_gets_its_true_message(executable, tmp_path):
+    """Pipes, folders, devices, files too long, too deep in one another, too many."""
+    os.mkfifo(tmp_path/"pipe.inp")
+    with (tmp_path/"long.inp").open("wb") as file:
+        file.truncate(3*10**9)
+    (tmp_path/"folder.inp").mkdir()
+    for k in range(40):
+        (tmp_path/f"deep{k}.inp").write_text(f"*INCLUDE, INPUT=deep{k + 1}.inp\n")
+    for k in range(12):
+        (tmp_path/f"many{k}.inp").write_text(f"*INCLUDE, INPUT=many{k + 1}.inp\n"*2)
+    (tmp_path/"deep40.inp").write_text("** end\n")
+    (tmp_path/"many12.inp").write_text("** end\n")
+    (tmp_path/"of_pipe.inp").write_text("*INCLUDE, INPUT=pipe.inp\n")
+    for name, code, words in (("pipe", 5, "it is a pipe"), ("long", 5, "3.0 GB"),
+                              ("folder", 5, "it is a folder"), ("none", 5, "no such file"),
+                              ("deep0", 1, "33 deep"), ("many0", 1, "1000 files"),
+                              ("of_pipe", 1, "it is a pipe")):
+        done = subprocess.run([executable, "check", f"{name}.inp"], cwd=tmp_path,
+                              capture_output=True, text=True, timeout=10)
+        assert done.returncode == code and words in done.stderr, (name, done.stderr)
+        assert done.stderr.count("error[") == 1
