@@ -11,7 +11,7 @@ import subprocess
 import sys
 from pathlib import Path
 
-from .errors import LopinError
+from .errors import Interrupted, LopinError, ResourceError
 
 PYTHON_COMMANDS = ("plot", "chart", "atlas", "convert", "example")
 
@@ -20,12 +20,21 @@ def main(arguments: list[str] | None = None) -> int:
     """Run a command and return its exit code."""
     arguments = sys.argv[1:] if arguments is None else list(arguments)
     try:
-        if arguments and arguments[0] in PYTHON_COMMANDS:
-            return python_command(arguments)
-        return forward(arguments)
+        code = python_command(arguments) if arguments and arguments[0] in PYTHON_COMMANDS else \
+            forward(arguments)
+        sys.stdout.flush()
+        return code
     except LopinError as error:
         print(f"error: {error}", file=sys.stderr)
         return error.code
+    except BrokenPipeError:   # whoever read has left; nothing more is to be said, at exit either
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return ResourceError.code
+    except OSError as problem:
+        print(f"error: {problem}", file=sys.stderr)
+        return ResourceError.code
+    except KeyboardInterrupt:
+        return Interrupted.code
 
 
 def forward(arguments: list[str]) -> int:

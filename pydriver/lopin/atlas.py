@@ -20,6 +20,7 @@ from .atlas_penalty import AugmentedMap, PenaltyMap
 from .atlas_scenes import Frame
 from .atlas_uzawa import UzawaMap
 from .errors import UsageError
+from .files import whole_file
 
 MAPS = {m.number: m for m in (PenaltyMap(), UzawaMap(), AugmentedMap(), FrictionMap(), MeshMap())}
 
@@ -68,7 +69,7 @@ def counts(cells: list[Cell]) -> dict[str, dict[str, int]]:
 
 def write_table(cells: list[Cell], path: Path) -> None:
     """All cells as CSV."""
-    with path.open("w", newline="", encoding="utf-8") as file:
+    with whole_file(path) as part, part.open("w", newline="", encoding="utf-8") as file:
         writer = csv.writer(file, lineterminator="\n")
         writer.writerow(Cell.columns())
         writer.writerows(cell.values() for cell in cells)

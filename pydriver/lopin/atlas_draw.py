@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .atlas_cells import CLASSES, Cell
+from .files import whole_file
 
 COLOR = {"W": "#f0e2b6", "F1": "#ff0000", "F2": "#c9c9c9", "F3": "#e6a8d7", "F4": "#f4a582",
          "F5": "#a6a6a6", "F6": "#b2182b", "F7": "#bfa5e0"}
@@ -65,7 +66,8 @@ def draw(chart, cells: list[Cell], path: Path) -> None:
     _legend(figure, cells, axes[0, 0])
     figure.suptitle(chart.title)
     words = {"Date": None, "Creator": "lopin atlas"} if path.suffix == ".svg" else None
-    figure.savefig(path, metadata=words, dpi=100)
+    with whole_file(path) as part:
+        figure.savefig(part, metadata=words, dpi=100)
 
 
 def _panel(ax, chart, panel: str, cells: list[Cell]):

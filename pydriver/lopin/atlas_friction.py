@@ -18,6 +18,7 @@ from ._bridge import probe_friction_increment, probe_stiffness
 from .atlas_cells import Outcome
 from .atlas_scenes import PLAIN, Frame
 from .chart_run import WRONG
+from .files import whole_file
 
 CELLS, RADIUS, DEPTH, POISSON = 24, 20.0, 0.005, 0.3
 #: Drag at the ends of the increments, in mu times the depth.
@@ -145,10 +146,11 @@ class FrictionMap:
     def write(self, panel: str, x: float, y: float, path: Path) -> Path:
         """The problem of a cell: compliance, gaps of all increments, and how it was solved."""
         s, places = compliance()
-        path.write_text(json.dumps({
-            "panel": panel, "scaling": x, "mu": y, "places": places.tolist(),
-            "gaps": [g.tolist() for g in loads(y)], "compliance": s.tolist()}, indent=1),
-            encoding="utf-8")
+        with whole_file(path) as part:
+            part.write_text(json.dumps({
+                "panel": panel, "scaling": x, "mu": y, "places": places.tolist(),
+                "gaps": [g.tolist() for g in loads(y)], "compliance": s.tolist()}, indent=1),
+                encoding="utf-8")
         return path
 
     def theory(self, panel: str) -> list[tuple[str, NDArray, NDArray]]:

@@ -16,6 +16,7 @@ from ._bridge import probe_contact
 from .atlas_cells import Outcome
 from .atlas_scenes import PLAIN, Frame
 from .errors import NotConvergedError
+from .files import whole_file
 from .reference_contact import contact_oracle
 
 POINTS, PASSES, SETTLED = 16, 1000, 1e-8
@@ -107,9 +108,10 @@ class UzawaMap:
     def write(self, panel: str, x: float, y: float, path: Path) -> Path:
         """The problem of a cell: there is no deck of a method that only this map has."""
         held = panel.endswith("held")
-        path.write_text(json.dumps({"panel": panel, "rho": x, "condition": y, "gap":
-                                    gaps(held).tolist(), "compliance": compliance(y).tolist()},
-                                   indent=1), encoding="utf-8")
+        with whole_file(path) as part:
+            part.write_text(json.dumps({"panel": panel, "rho": x, "condition": y, "gap":
+                                        gaps(held).tolist(), "compliance": compliance(y).tolist()},
+                                       indent=1), encoding="utf-8")
         return path
 
     def theory(self, panel: str) -> list[tuple[str, NDArray, NDArray]]:

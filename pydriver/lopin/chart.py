@@ -30,6 +30,7 @@ from .chart_run import (
 from .chart_scenes import SCENES, Scene
 from .deck import Deck
 from .errors import UsageError
+from .files import whole_file
 
 PATHS = ("condensed", "newton")
 EXACT = Setting("lagrange")
@@ -174,7 +175,7 @@ def title(name: str, rows: dict[str, list[Run]]) -> str:
 
 def write_table(rows: list[Run], path: Path) -> None:
     """All rows as CSV."""
-    with path.open("w", newline="", encoding="utf-8") as file:
+    with whole_file(path) as part, part.open("w", newline="", encoding="utf-8") as file:
         writer = csv.writer(file, lineterminator="\n")
         writer.writerow(Run.columns())
         writer.writerows(row.values() for row in rows)

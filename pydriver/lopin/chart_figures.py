@@ -6,6 +6,7 @@ from pathlib import Path
 from . import chart_draw as draw
 from .chart_run import Run
 from .errors import LopinError
+from .files import whole_file
 
 STYLE = {"font.size": 9, "axes.titlesize": 10, "axes.labelsize": 9, "svg.hashsalt": "lopin",
          "axes.titlelocation": "left", "axes.titleweight": "bold", "figure.dpi": 150}
@@ -60,7 +61,8 @@ def _finish(fig, title: str, path: Path) -> None:
                frameon=False, fontsize=8.5, handletextpad=0.4, columnspacing=1.4)
     fig.suptitle(title, x=0.01, ha="left", fontsize=11)
     for suffix in (".svg", ".png"):
-        fig.savefig(path.with_suffix(suffix), metadata={"Date": None} if suffix == ".svg" else None)
+        with whole_file(path.with_suffix(suffix)) as part:
+            fig.savefig(part, metadata={"Date": None} if suffix == ".svg" else None)
 
 
 class _pyplot:

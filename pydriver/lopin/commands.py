@@ -7,6 +7,7 @@ from pathlib import Path
 
 from .deck import Deck
 from .errors import ResourceError, UsageError
+from .files import whole_file
 
 
 def plot(options) -> int:
@@ -18,7 +19,8 @@ def plot(options) -> int:
     ax = pictures.pressure(contact)
     ax.set_title(contact.pair)
     path = options.output or options.folder/"pressure.png"
-    ax.figure.savefig(path, dpi=150)
+    with whole_file(path) as part:
+        ax.figure.savefig(part, dpi=150)
     print(path)
     return 0
 

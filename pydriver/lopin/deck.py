@@ -9,6 +9,7 @@ from collections.abc import Iterable
 from pathlib import Path
 
 from .errors import ResourceError, UsageError
+from .files import cannot_write, whole_file
 
 Value = float | int | str | None
 
@@ -131,8 +132,12 @@ class Deck:
     def write(self, path: str | Path) -> Path:
         """Write the deck to a file and return its path."""
         path = Path(path)
-        path.parent.mkdir(parents=True, exist_ok=True)
-        path.write_text(self.text(), encoding="utf-8", errors="surrogateescape")
+        try:
+            path.parent.mkdir(parents=True, exist_ok=True)
+        except OSError as problem:
+            raise cannot_write(path, problem) from problem
+        with whole_file(path, lasting=False) as part:
+            part.write_text(self.text(), encoding="utf-8", errors="surrogateescape")
         return path
 
     def add(self, keyword: str, data: Iterable[Iterable[Value]] = (), comment: str = "",

@@ -6,12 +6,14 @@ import resource
 import shutil
 import signal
 import subprocess
+import sys
 import time
 import xml.etree.ElementTree
 from pathlib import Path
 
 import pytest
 
+import lopin
 from test_checkpoint import billet
 
 DISK = Path(__file__).with_name("full_disk.c")
@@ -346,7 +348,6 @@ if child == 0:
     os._exit(0 if run() == first else 1)
 assert os.waitpid(child, 0)[1] == 0 and run() == first
 """
-    import sys
     subprocess.run([sys.executable, "-W", "ignore", "-c", code], check=True, timeout=60)
 
 
@@ -361,8 +362,6 @@ def names(text: str) -> str:
 
 
 def test_names_are_escaped_and_two_tools_get_two_files(executable, tmp_path):
-    import lopin
-
     job = 'a&b "c"<d>'
     (tmp_path/f"{job}.inp").write_text(names(column(2)))
     run = [executable, "run", f"{job}.inp", "-o", "out"]
@@ -419,3 +418,28 @@ def test_what_is_no_deck_gets_its_true_message(executable, tmp_path):
                               capture_output=True, text=True, timeout=10)
         assert done.returncode == code and words in done.stderr, (name, done.stderr)
         assert done.stderr.count("error[") == 1
+
+
+def python(*words, **how):
+    return subprocess.run([sys.executable, *words], capture_output=True, text=True, timeout=60, **how)
+
+
+def test_what_python_writes_is_whole_too(tmp_path):
+    """A deck that does not fit leaves the one that was there, and no temporary file."""
+    deck = tmp_path/"job.inp"
+    deck.write_text("old\n")
+    code = ("import lopin, resource; resource.setrlimit(resource.RLIMIT_FSIZE, (64, 64))\n"
+            f"lopin.Deck.parse({column(3)!r}).write(r'{deck}')\n")
+    done = python("-c", code)
+    assert "lopin.errors.ResourceError: E0602" in done.stderr and "too large" in done.stderr
+    assert deck.read_text() == "old\n" and os.listdir(tmp_path) == ["job.inp"]
+    words = ("-m", "lopin", "example", "two_springs", str(tmp_path))
+    limit = lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (64, 64))
+    done = python(*words, preexec_fn=limit)
+    assert done.returncode == 5 and done.stderr.startswith("error: "), done.stderr
+    reading, writing = os.pipe()
+    os.close(reading)
+    done = subprocess.run([sys.executable, "-m", "lopin", "example"], stdout=writing,
+                          stderr=subprocess.PIPE, timeout=60)
+    os.close(writing)
+    assert (done.returncode, done.stderr) == (5, b"")
