@@ -193,7 +193,8 @@ contains
             lies = ''
             if (behind > 0) lies = ', and '//to_text(behind)//' lie behind it'
             call log%say(severity%warning, 'W0315', 'no node of '//slave//' has a point of '// &
-               & master//' opposite'//lies//': the pair can never touch', p%at, help='check the '// &
+               & master//' opposite at the start'//lies//': the pair can never touch unless a '// &
+               & 'motion brings them face to face', p%at, help='check the '// &
                & 'positions, and that slave and master look at each other: a profile has its '// &
                & 'outward side on the left of the way, a rigid mesh on SPOS or SNEG')
          end if

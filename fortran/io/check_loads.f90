@@ -111,6 +111,9 @@ contains
       do i = 1, facets%n
          inside(facets%face(i), facets%element(i)) = .false.
       end do
+      do i = 1, model%mesh%nelement
+         if (model%mesh%section(i) == 0) inside(:, i) = .false.
+      end do
    end subroutine find_inside
 
    !> Pressures on faces that two elements share, and faces that two lines load.
