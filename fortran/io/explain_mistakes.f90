@@ -29,6 +29,11 @@ contains
       call add_explanation(list, 'N0303', 'a material or an amplitude that is not used', &
          & 'No section names the material, or no load and no motion the amplitude. Programs '// &
          & 'that write decks do so; by hand it is a forgotten word.', '')
+      call add_explanation(list, 'W0307', 'a bound of the shear stress on nodes without areas', &
+         & 'TRESCA, COULOMB-OROWAN, CRISTESCU, NORTON-HOFF and TAUMAX bound a stress. On a '// &
+         & 'surface of nodes without areas, pressure and shear are forces, and so is the bound: '// &
+         & 'it does not know how large the surface is.', &
+         & 'take TYPE=ELEMENT, or give the area of each node.')
       call add_explanation(list, 'W0306', 'bodies that meet node on node and that nothing joins', &
          & 'Meshes of parts have nodes at the same places, but no elements in common, and no '// &
          & 'pair, tie or equation has to do with both: they move through each other. Mesh '// &

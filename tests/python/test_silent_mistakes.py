@@ -466,3 +466,23 @@ def test_two_tools_may_have_one_reference_node(tmp_path):
                 pair=pair(", TIED") + "*CONTACT PAIR, INTERACTION=DRY, TIED\nSOLE, FLOOR\n")
     run = lopin("run", text, tmp_path, "-o", "out")
     assert run.returncode == 0 and not said(run, "W0515"), run.stderr
+
+
+@pytest.mark.parametrize("friction, warns", [
+    ("*FRICTION, LAW=TRESCA\n0.5\n", True), ("*FRICTION, TAUMAX=10.\n0.3\n", True),
+    ("*FRICTION\n0.3\n", False), ("*FRICTION, ROUGH\n", False)])
+def test_a_bound_of_the_shear_stress_needs_areas(friction, warns, tmp_path):
+    nodes = "*SURFACE, NAME=DOTS, TYPE=NODE\n7, {0}\n8, {0}\n9, {0}\n"
+    contact = pair("", friction).replace("TOP, TOOL", "DOTS, TOOL")
+    steel = material("*PLASTIC, ONLY=FRICTION", "250.")
+    text = deck(mesh=PARTS["mesh"] + nodes.format(""), pair=contact, material=steel)
+    run = lopin("check", text, tmp_path)
+    assert run.returncode == 0 and len(said(run, "W0307")) == warns, run.stderr
+    text = deck(mesh=PARTS["mesh"] + nodes.format(3.3), pair=contact, material=steel)
+    assert not said(lopin("check", text, tmp_path), "W0307")
+
+
+def test_pressures_on_the_faces_of_a_body_say_nothing(tmp_path):
+    faces = "*STEP\n*STATIC\n*DLOAD\n3, P4, 1.\n4, P2, 1.\n*DSLOAD\nSOLE, P, 1.\n*END STEP\n"
+    run = lopin("check", deck(mesh=PARTS["mesh"] + SOLE, steps=faces), tmp_path)
+    assert run.returncode == 0 and run.stderr == ""
