@@ -7,6 +7,9 @@ module lopin_enforcement_law
    private
    public :: law_type, new_exponential, new_tabular
 
+   !> Gaps below this share of the first line of a table are rounding.
+   real(wp), parameter :: touching = 1.0e-12_wp
+
    type, extends(enforcement_type) :: law_type
       logical :: exponential = .true.
       real(wp) :: p0 = 0.0_wp, c0 = 1.0_wp   !! pressure at zero gap, gap where it starts
@@ -97,12 +100,16 @@ contains
          return
       end if
       n = size(self%pressure)
-      if (overclosure <= self%overclosure(1)) return
+      ! What just touches has the slope of the first line: it may hold a body that nothing else
+      ! holds.
+      if (overclosure < self%overclosure(1) &
+         & - touching*(self%overclosure(2) - self%overclosure(1))) return
       do i = 2, n
          if (overclosure > self%overclosure(i) .and. i < n) cycle
          slope = (self%pressure(i) - self%pressure(i - 1))/(self%overclosure(i) &
             & - self%overclosure(i - 1))
          pressure = self%pressure(i - 1) + slope*(overclosure - self%overclosure(i - 1))
+         if (i == 2) pressure = max(pressure, 0.0_wp)
          return
       end do
    end subroutine pressure_law

@@ -118,12 +118,7 @@ contains
       if (has_parameter(block, 'AUGMENTED LAGRANGE')) interaction%method = method_of%augmented
       if (has_parameter(block, 'PERTURBED LAGRANGE')) interaction%method = method_of%perturbed
       call check_one_method(block, log)
-      if (interaction%method == method_of%augmented .and. (law == 'TABULAR' &
-         & .or. law == 'EXPONENTIAL')) then
-         call log%say(severity%note, 'N0306', 'AUGMENTED LAGRANGE is not used: '// &
-            & 'PRESSURE-OVERCLOSURE='//law//' gives the pressure of every penetration', block%at)
-         interaction%method = method_of%penalty
-      end if
+      if (law == 'TABULAR' .or. law == 'EXPONENTIAL') call free_law(interaction, block, law, log)
       select case (law)
       case ('TABULAR')
          call read_table(interaction, block, log)
@@ -137,6 +132,26 @@ contains
          & help='a table needs PRESSURE-OVERCLOSURE=TABULAR')
       if (law == 'TIED' .and. interaction%slope > 0.0_wp) interaction%method = method_of%penalty
    end subroutine read_behaviour
+
+   !> A pressure-overclosure law says all: no method is needed to enforce it, and it does not pull.
+   subroutine free_law(interaction, block, law, log)
+      type(interaction_type), intent(inout) :: interaction
+      type(block_type), intent(in) :: block
+      character(len=*), intent(in) :: law
+      type(log_type), intent(inout) :: log
+
+      if (interaction%method == method_of%augmented) then
+         call log%say(severity%note, 'N0306', 'AUGMENTED LAGRANGE is not used: '// &
+            & 'PRESSURE-OVERCLOSURE='//law//' gives the pressure of every penetration', block%at)
+         interaction%method = method_of%penalty
+      end if
+      if (interaction%no_separation) then
+         call log%say(severity%warning, 'W0305', 'NO SEPARATION does nothing here: '// &
+            & 'PRESSURE-OVERCLOSURE='//law//' gives no tension', block%at, &
+            & help='take PENALTY or DIRECT for surfaces that stay together')
+         interaction%no_separation = .false.
+      end if
+   end subroutine free_law
 
    subroutine check_one_method(block, log)
       type(block_type), intent(in) :: block

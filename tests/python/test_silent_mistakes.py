@@ -369,6 +369,8 @@ def test_an_adjust_over_more_than_half_a_facet_is_warned_of(tmp_path):
     ("N0306", "*SURFACE BEHAVIOR, AUGMENTED LAGRANGE, PRESSURE-OVERCLOSURE=TABULAR\n"
               "0., 0.\n100., 0.1\n"),
     ("W0305", "*FRICTION\n"),
+    ("W0305", "*SURFACE BEHAVIOR, NO SEPARATION, PRESSURE-OVERCLOSURE=TABULAR\n"
+              "0., 0.\n100., 0.1\n"),
 ])
 def test_data_of_an_interaction_that_would_be_lost(code, cards, tmp_path):
     run = lopin("check", deck(pair=pair("", cards)), tmp_path)
@@ -486,3 +488,17 @@ def test_pressures_on_the_faces_of_a_body_say_nothing(tmp_path):
     faces = "*STEP\n*STATIC\n*DLOAD\n3, P4, 1.\n4, P2, 1.\n*DSLOAD\nSOLE, P, 1.\n*END STEP\n"
     run = lopin("check", deck(mesh=PARTS["mesh"] + SOLE, steps=faces), tmp_path)
     assert run.returncode == 0 and run.stderr == ""
+
+
+@pytest.mark.parametrize("words", ["", ", NLGEOM"])
+def test_a_table_that_begins_at_touch_holds_a_tool_that_a_force_drives(words, tmp_path):
+    """Ten times ten wide: pressure 10, which the table has at a penetration of 0.01."""
+    table = "*SURFACE BEHAVIOR, PRESSURE-OVERCLOSURE=TABULAR\n0., 0.\n100., 0.1\n"
+    text = deck(pair=pair("", table), steps=f"*STEP{words}\n*STATIC\n*CLOAD\n10, 2, -100.\n"
+                                            "*END STEP\n")
+    run = lopin("run", text, tmp_path, "-o", "out")
+    assert run.returncode == 0, run.stderr
+    lines = (tmp_path/"out"/"deck_history.csv").read_text().splitlines()
+    row = dict(zip(lines[0].split(","), lines[-1].split(",")))
+    deepest = next(v for k, v in row.items() if k.startswith("TOP-TOOL.max_penetration"))
+    assert abs(float(deepest) - 0.01) < 1e-4
