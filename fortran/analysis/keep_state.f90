@@ -66,9 +66,14 @@ contains
       type(stream_type) :: stream
       logical :: ends, due
 
-      if (.not. present(keeper)) return
       if (march%at_end .and. scene%step == size(model%step)) return
       ends = is_interrupted()
+      if (.not. present(keeper)) then
+         if (ends) call raise(error, error_code%interrupted, 'E0605', 'interrupted after '// &
+            & 'increment '//to_text(march%number)//' of step '//to_text(scene%step)// &
+            & '; without a folder nothing is kept')
+         return
+      end if
       associate (every => model%step(scene%step)%checkpoint)
          due = every > 0
          if (due) due = march%at_end .or. mod(march%number, every) == 0

@@ -6,6 +6,7 @@ module lopin_job
    use lopin_clock, only : clock_type, phase
    use lopin_deck, only : deck_type
    use lopin_error, only : error_type, error_code, log_type, severity, raise
+   use lopin_interrupt, only : borrow_interrupt, return_interrupt
    use lopin_model, only : model_type
    use lopin_recorder, only : recorder_holder_type
    use lopin_recorder_factory, only : new_recorders, append_memory
@@ -31,6 +32,7 @@ module lopin_job
       logical :: strict = .false.               !! warnings are errors
       logical :: in_memory = .false.            !! the last recorder keeps everything
       logical :: resume = .false.               !! go on from the checkpoint, if there is one
+      logical :: interruptible = .false.        !! Ctrl-C in a process that is not ours
    end type job_type
 
    type :: outcome_type
@@ -107,9 +109,12 @@ contains
       before = blas_threads()
       team = omp_get_max_threads()
       call set_threads(self, model, outcome%log)
+      if (self%interruptible) call borrow_interrupt()
       ! What is not allocated is absent.
       call run_analysis(model, outcome%recorder, outcome%clock, outcome%summary, outcome%log, &
          & error, checkpoint)
+      if (self%interruptible) call return_interrupt(merge(1_c_int, 0_c_int, &
+         & outcome%summary%exit_code == error_code%interrupted))
       if (allocated(checkpoint)) call checkpoint%lock%give()
       ! The process may go on with other work.
       call omp_set_num_threads(team)

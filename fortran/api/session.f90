@@ -126,6 +126,8 @@ contains
                job%strict = .true.
             case ('resume')
                job%resume = .true.
+            case ('interruptible')
+               job%interruptible = .true.
             case default
                ok = len(line) == 0
             end select

@@ -35,6 +35,35 @@ int lopin_signal_noted(void)
     return (int)asked;
 }
 
+/* The same for a run within a process of somebody else (Python): Ctrl-C only, and the second one is
+ * theirs again. */
+static struct sigaction theirs;
+
+static void note_once(int number)
+{
+    asked = number;
+    sigaction(SIGINT, &theirs, NULL);
+}
+
+void lopin_borrow_interrupt(void)
+{
+    struct sigaction ours;
+    asked = 0;
+    ours.sa_handler = note_once;
+    ours.sa_flags = SA_RESTART;
+    sigemptyset(&ours.sa_mask);
+    sigaction(SIGINT, &ours, &theirs);
+}
+
+/* A signal that ended no run is handed on. */
+void lopin_return_interrupt(int answered)
+{
+    int came = asked != 0;
+    asked = 0;
+    sigaction(SIGINT, &theirs, NULL);
+    if (came && !answered) raise(SIGINT);
+}
+
 /* A program of ours begins: what cannot be written is told by the write, not by a signal; a signal that
  * ends us prints nothing; no result file takes the number of a standard stream that is closed. */
 void lopin_guard_process(void)

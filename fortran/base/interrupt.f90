@@ -5,11 +5,21 @@ module lopin_interrupt
    implicit none
    private
    public :: catch_interrupts, is_interrupted, guard_process
+   public :: borrow_interrupt, return_interrupt
 
    interface
       !> From now on the first signal is only noted. For programs; a library leaves signals alone.
       subroutine catch_interrupts() bind(c, name='lopin_catch_interrupts')
       end subroutine catch_interrupts
+
+      !> Note one SIGINT of a process that is not ours; give its handler back.
+      subroutine borrow_interrupt() bind(c, name='lopin_borrow_interrupt')
+      end subroutine borrow_interrupt
+
+      subroutine return_interrupt(answered) bind(c, name='lopin_return_interrupt')
+         import :: c_int
+         integer(c_int), value :: answered   !! not 0: the run has ended for it
+      end subroutine return_interrupt
 
       !> The first call of a program: writes that fail return, signals print nothing.
       subroutine guard_process() bind(c, name='lopin_guard_process')

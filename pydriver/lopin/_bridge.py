@@ -8,6 +8,8 @@ from __future__ import annotations
 
 import importlib
 import json
+import signal
+import threading
 from functools import cache
 
 import numpy as np
@@ -54,8 +56,12 @@ class Session:
 
     def __init__(self, text: str, name: str, folder: str, output: str,
                  options: dict[str, str | int | bool] | None = None):
+        options = dict(options or {})
+        if threading.current_thread() is threading.main_thread() and \
+                signal.getsignal(signal.SIGINT) is signal.default_int_handler:
+            options["interruptible"] = True
         self.handle, self.code = map(int, core().run_deck(
-            *map(_bytes, (text, name, folder, output, _lines(options or {})))))
+            *map(_bytes, (text, name, folder, output, _lines(options)))))
         self.diagnostics = diagnostics(self.handle)
 
     def names(self) -> list[str]:

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 from . import _bridge
 from .deck import Deck
-from .errors import NotConvergedError, ResourceError, UsageError, error_of
+from .errors import Interrupted, NotConvergedError, ResourceError, UsageError, error_of
 from .folder import Folder
 from .memory import Memory
 from .result import Result
@@ -49,6 +49,8 @@ def run(scene: Deck | Model | str | Path, output: str | Path | None = None, *,
         deck.write(Path(output)/f"{deck.name}.inp")
     session = _bridge.Session(deck.text(), _name(deck), str(deck.folder), str(output or ""),
                               options)
+    if session.code == Interrupted.code:   # Ctrl-C; a loop that catches our errors must end too
+        raise KeyboardInterrupt(str(error_of(session.code, session.diagnostics)))
     if session.code not in (0, NotConvergedError.code):
         raise error_of(session.code, session.diagnostics)
     source = Memory(session)

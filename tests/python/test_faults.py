@@ -443,3 +443,33 @@ def test_what_python_writes_is_whole_too(tmp_path):
                           stderr=subprocess.PIPE, timeout=60)
     os.close(writing)
     assert (done.returncode, done.stderr) == (5, b"")
+
+
+def test_ctrl_c_ends_a_run_of_this_process(core, bench):
+    """After the increment in hand, as KeyboardInterrupt; the state is kept, and Python's own
+    handler is back."""
+    code = """
+import lopin, os, pathlib, signal, sys, threading, time
+def press():
+    while not pathlib.Path("ctrl", "job.rst").exists():
+        time.sleep(0.001)
+    os.kill(os.getpid(), signal.SIGINT)
+threading.Thread(target=press).start()
+try:
+    lopin.run("job.inp", "ctrl")
+except KeyboardInterrupt as problem:
+    assert "E0605" in str(problem) and "resume" in str(problem), problem
+else:
+    sys.exit(3)
+assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
+try:
+    os.kill(os.getpid(), signal.SIGINT)
+    time.sleep(1.0)
+except KeyboardInterrupt:
+    sys.exit(7)
+"""
+    done = python("-c", code, cwd=bench.place)
+    assert done.returncode == 7, done.stderr
+    (bench.place/"ctrl"/"job.inp").unlink(missing_ok=True)
+    if bench.files("ctrl").keys() & {"job.rst"}:
+        bench.goes_on("ctrl")
