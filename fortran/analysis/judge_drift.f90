@@ -59,8 +59,8 @@ contains
          end do
          moved = largest
          strayed = 0.0_wp
-         if (force <= no_force*most*max(largest, self%way(b))) call fit_motion(scene, scene%u - scene%accepted, b, &
-            & q, moved, strayed)
+         if (force <= no_force*most*max(largest, self%way(b))) call fit_motion(scene, &
+            & scene%u - scene%accepted, b, q, moved, strayed)
          if (force > no_force*most*max(moved, self%way(b)) .or. glued(b)) then
             self%way(b) = 0.0_wp
          else if (strayed <= rigid*moved) then

@@ -30,7 +30,8 @@ contains
       type(error_type), allocatable, intent(out) :: error
 
       call new_contact_points(self%points, model, log, error)
-      if (.not. allocated(error)) call new_initial_gaps(self%initial, model, self%points, log, error)
+      if (.not. allocated(error)) call new_initial_gaps(self%initial, model, self%points, &
+         & log, error)
    end subroutine first_search
 
    !> Lines on a pair: the points that face the master, the gaps and where they are, the side.

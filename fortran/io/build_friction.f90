@@ -221,7 +221,8 @@ contains
             call take_mu(friction%mu, data, 1, log)
             call read_second(friction, data, log)
             if (.not. data%given(1)) call log%say(severity%warning, 'W0305', '*FRICTION does '// &
-               & 'nothing here: it gives no coefficient', block%at, help='write mu on the next line')
+               & 'nothing here: it gives no coefficient', block%at, help='write mu on the next '// &
+               & 'line')
          end if
          if (.not. max(friction%mu, friction%mu_static) > 0.0_wp) friction%law = law_of%none
       case (law_of%orowan)

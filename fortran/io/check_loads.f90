@@ -62,8 +62,8 @@ contains
             k = k + 1
          end do
          why = '*BOUNDARY prescribes that displacement'
-         if (.not. there(step%point_load(i)%node)) why = 'the node belongs to no element and to '// &
-            & 'no rigid body'
+         if (.not. there(step%point_load(i)%node)) why = 'the node belongs to no element '// &
+            & 'and to no rigid body'
          if (idle .and. abs(step%point_load(i)%value) > 0.0_wp) call model%log%say( &
             & severity%warning, 'W0405', 'the force at node '// &
             & to_text(model%mesh%node_label(step%point_load(i)%node))//', dof '// &
@@ -211,8 +211,8 @@ contains
       if (any(abs(model%temperature) > 0.0_wp)) return
       do s = 1, size(model%step)
          if (size(model%step(s)%temperature) == 0) cycle
-         call model%log%say(severity%note, 'N0326', 'nothing is strained by heat at temperature '// &
-            & '0: no *INITIAL CONDITIONS says another one', model%step(s)%at)
+         call model%log%say(severity%note, 'N0326', 'nothing is strained by heat at '// &
+            & 'temperature 0: no *INITIAL CONDITIONS says another one', model%step(s)%at)
          return
       end do
    end subroutine check_start

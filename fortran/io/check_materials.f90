@@ -17,8 +17,8 @@ module lopin_check_materials
    real(wp), parameter :: most_strain = 5.0_wp
    !> Thermal strain and pressure over modulus beyond which a solid is none.
    real(wp), parameter :: most_heat = 0.1_wp, most_pressure = 1.0_wp
-   character(len=*), parameter :: cure = 'write all numbers of the deck in one system of units: '// &
-      & 'with N and mm, stresses and moduli are in MPa'
+   character(len=*), parameter :: cure = 'write all numbers of the deck in one system of '// &
+      & 'units: with N and mm, stresses and moduli are in MPa'
 
 contains
 
@@ -30,7 +30,8 @@ contains
       do i = 1, size(model%material)
          associate (material => model%material(i))
             if (.not. material%young > 0.0_wp) cycle
-            if (material%poisson < 0.0_wp) call say(model, material%at, "Poisson's ratio of material `"// &
+            if (material%poisson < 0.0_wp) call say(model, material%at, &
+               & "Poisson's ratio of material `"// &
                & material%name//'` is '//to_text(material%poisson, 4)//': a body that grows '// &
                & 'wider when it is pulled', 'take the sign away if it is not meant')
             call check_yield(model, i)
@@ -54,23 +55,28 @@ contains
          most = largest_stress(material)
          slope = steepest(material)
          if (share > most_yield) then
-            call say(model, material%plastic_at, 'the yield stress '//to_text(material%yield, 4)//name//' is '// &
+            call say(model, material%plastic_at, 'the yield stress '// &
+               & to_text(material%yield, 4)//name//' is '// &
                & to_text(share, 3)//' times its modulus '//to_text(material%young, 4)// &
                & ': MPa and GPa mixed?', cure)
          else if (share < least_yield .and. .not. is_viscous(material%flow)) then
-            call say(model, material%plastic_at, 'the yield stress '//to_text(material%yield, 4)//name// &
+            call say(model, material%plastic_at, 'the yield stress '// &
+               & to_text(material%yield, 4)//name// &
                & ' is only '//to_text(share, 3)//' of its modulus '// &
                & to_text(material%young, 4)//': no solid yields at such a strain', cure)
          else if (most > material%young) then
-            call say(model, material%plastic_at, 'the flow stress'//name//' grows to '//to_text(most, 4)// &
+            call say(model, material%plastic_at, &
+               & 'the flow stress'//name//' grows to '//to_text(most, 4)// &
                & ', above its modulus '//to_text(material%young, 4), cure)
          else if (slope > material%young) then
-            call say(model, material%plastic_at, 'the flow curve'//name//' rises by '//to_text(slope, 4)// &
+            call say(model, material%plastic_at, &
+               & 'the flow curve'//name//' rises by '//to_text(slope, 4)// &
                & ' per strain, more than the modulus '//to_text(material%young, 4)// &
                & ' of the elastic solid', 'stresses against plastic strains, not total ones; '// &
                & 'look at their units')
          else if (material%hardens .and. last_strain(material) > most_strain) then
-            call say(model, material%plastic_at, 'the table'//name//' ends at a plastic strain of '// &
+            call say(model, material%plastic_at, &
+               & 'the table'//name//' ends at a plastic strain of '// &
                & to_text(last_strain(material), 4)//': in per cent?', &
                & 'plastic strains are logarithmic and without unit: 20 % is 0.2')
          end if
@@ -132,7 +138,8 @@ contains
                end associate
             end do
          end do
-         if (most*abs(material%expansion) > most_heat) call say(model, material%at, 'an expansion of '// &
+         if (most*abs(material%expansion) > most_heat) call say(model, &
+            & material%at, 'an expansion of '// &
             & to_text(material%expansion, 4)//' of material `'//material%name// &
             & '` and a change of temperature by '//to_text(most, 4)//' are a strain of '// &
             & to_text(100.0_wp*most*abs(material%expansion), 3)//' %', &

@@ -136,8 +136,8 @@ contains
          call model%log%say(severity%warning, 'W0303', 'pair ('// &
             & model%surface(model%pair(i)%slave)%name//', '// &
             & model%surface(model%pair(i)%master)%name//') is taken out in the first step and '// &
-            & 'never put back: it acts nowhere', at(i), help='*MODEL CHANGE, TYPE=CONTACT PAIR, '// &
-            & 'ADD in a later step, or leave the pair out')
+            & 'never put back: it acts nowhere', at(i), help='*MODEL CHANGE, TYPE=CONTACT '// &
+            & 'PAIR, ADD in a later step, or leave the pair out')
       end do
    end subroutine check_pairs
 

@@ -10,6 +10,7 @@ contains
    subroutine mistake_explanations(list)
       type(explanation_type), allocatable, intent(inout) :: list(:)
 
+      call more_explanations(list)
       call add_explanation(list, 'W0404', 'a dof has two values in one step', &
          & 'Two data lines of *BOUNDARY in the same step prescribe a dof, often through node '// &
          & 'sets that overlap, and with different values. The last line counts. Equal values '// &
@@ -31,8 +32,8 @@ contains
          & 'that write decks do so; by hand it is a forgotten word.', '')
       call add_explanation(list, 'W0307', 'a bound of the shear stress on nodes without areas', &
          & 'TRESCA, COULOMB-OROWAN, CRISTESCU, NORTON-HOFF and TAUMAX bound a stress. On a '// &
-         & 'surface of nodes without areas, pressure and shear are forces, and so is the bound: '// &
-         & 'it does not know how large the surface is.', &
+         & 'surface of nodes without areas, pressure and shear are forces, and so is the '// &
+         & 'bound: it does not know how large the surface is.', &
          & 'take TYPE=ELEMENT, or give the area of each node.')
       call add_explanation(list, 'W0306', 'bodies that meet node on node and that nothing joins', &
          & 'Meshes of parts have nodes at the same places, but no elements in common, and no '// &
@@ -43,6 +44,12 @@ contains
          & 'The option is known, but has nothing to act on where it stands: SMOOTH on a flat '// &
          & 'master, a tolerance of a method that no pair has, a clearance of a tied pair.', &
          & 'leave it out, or look whether another pair was meant.')
+   end subroutine mistake_explanations
+
+   !> Loads, data and runs.
+   subroutine more_explanations(list)
+      type(explanation_type), allocatable, intent(inout) :: list(:)
+
       call add_explanation(list, 'W0405', 'a load or a datum that does nothing', &
          & 'A force where *BOUNDARY prescribes the displacement goes into the support; a value '// &
          & 'after FIXED or after a word like XSYMM is not used.', &
@@ -66,17 +73,17 @@ contains
          & 'the deck.', &
          & 'move the bodies together in the mesh, or give ADJUST a smaller distance.')
       call add_explanation(list, 'W0515', 'a body moves away as a whole', &
-         & 'A tool pushes a body that nothing holds: no support, no other contact, no load. The '// &
-         & 'equations have an answer, because the pushing contact says where the body is, but '// &
-         & 'it is a body without stress that moves.', &
+         & 'A tool pushes a body that nothing holds: no support, no other contact, no load. '// &
+         & 'The equations have an answer, because the pushing contact says where the body is, '// &
+         & 'but it is a body without stress that moves.', &
          & 'hold the body by *BOUNDARY, or name the pair against which it should end.')
       call add_explanation(list, 'W0516', 'an elastic solid is stretched beyond any metal', &
-         & '*ELASTIC is a straight line between stress and logarithmic strain. No solid that it '// &
-         & 'is written for keeps to it when it is stretched to twice its length or pressed to '// &
-         & 'half; rubber has *HYPERELASTIC.', &
+         & '*ELASTIC is a straight line between stress and logarithmic strain. No solid that '// &
+         & 'it is written for keeps to it when it is stretched to twice its length or pressed '// &
+         & 'to half; rubber has *HYPERELASTIC.', &
          & 'look at the units of loads and modulus; a metal yields first: *PLASTIC.')
       call add_explanation(list, 'N0505', 'warnings that held again', &
          & 'A warning about a pair, a material or a step is said once; the note counts in how '// &
          & 'many later increments it held too.', '')
-   end subroutine mistake_explanations
+   end subroutine more_explanations
 end module lopin_explain_mistakes
