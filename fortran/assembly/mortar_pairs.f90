@@ -18,7 +18,7 @@ module lopin_mortar_pairs
    use lopin_tilting, only : rows_needed
    implicit none
    private
-   public :: couple_pair, is_mortar, thickness_of
+   public :: couple_pair, is_mortar, shape_of, thickness_of
 
    !> n_slave.n_master must be below this for the two to face each other.
    real(wp), parameter :: facing = -0.2_wp

@@ -15,7 +15,7 @@ module lopin_pairing
    use lopin_search, only : tree_type, build_tree, find_projections
    use lopin_mortar, only : mortar_coupling_type
    use lopin_uneven_pressure, only : warn_of_uneven_pressure
-   use lopin_mortar_pairs, only : couple_pair, is_mortar
+   use lopin_mortar_pairs, only : couple_pair, is_mortar, shape_of
    use lopin_model, only : model_type, surface_of
    use lopin_contact_points, only : contact_points_type, no_contact_points, reserve, add_point, &
       & facing, pair_is_tied
@@ -52,13 +52,8 @@ contains
                call pair_by_mortar(self, model, cells, pair, slave, error)
                if (allocated(error)) return
             else
-               call pair_with_surface(self, model, cells, pair, slave, error)
+               call pair_with_surface(self, model, cells, pair, slave, log, error)
                if (allocated(error)) return
-               associate (from => self%first(pair), to => self%n)
-                  call warn_of_uneven_pressure(model, cells, pair, self%facet(from:to), &
-                     & self%master(:, from:to), self%shape(:, from:to), self%weight(from:to), &
-                     & self%size(from:to), log)
-               end associate
             end if
             self%first(pair + 1) = self%n + 1
             call check_sides(self, model, pair, log, error)
@@ -76,12 +71,13 @@ contains
       self%start_normal = self%normal(:, :self%n)
    end subroutine remember_start
 
-   subroutine pair_with_surface(self, model, cells, pair, slave, error)
+   subroutine pair_with_surface(self, model, cells, pair, slave, log, error)
       type(contact_points_type), intent(inout) :: self
       type(model_type), intent(in) :: model
       type(cell_type), intent(in) :: cells(:)
       integer, intent(in) :: pair
       type(slave_type), intent(in) :: slave
+      type(log_type), intent(inout) :: log
       type(error_type), allocatable, intent(out) :: error
       type(facets_type) :: facets
       type(surface_type) :: master
@@ -89,6 +85,7 @@ contains
       type(limits_type) :: limits
       type(projection_type), allocatable :: found(:)
       integer :: i, n, ndim
+      type(surface_type) :: shape
 
       ndim = model%mesh%ndim
       associate (surface => model%surface(model%pair(pair)%master))
@@ -116,6 +113,10 @@ contains
          self%master(:facets%nnode(found(i)%facet), &
             & n) = facets%node(:facets%nnode(found(i)%facet), found(i)%facet)
       end do
+      if (model%surface(model%pair(pair)%slave)%kind /= surface_of%faces) return
+      call shape_of(shape, model, cells, model%pair(pair)%slave, error)
+      if (.not. allocated(error)) call warn_of_uneven_pressure(model, pair, shape, master, found, &
+         & log)
    end subroutine pair_with_surface
 
    !> Surface to surface: each slave node meets a weighted mean of the master. A node on a sharp edge

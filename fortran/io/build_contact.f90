@@ -3,6 +3,8 @@ module lopin_build_contact
    use lopin_kinds, only : wp
    use lopin_error, only : location_type, log_type, severity
    use lopin_text, only : to_text, upper, parse_real
+   use lopin_cells, only : cell_type
+   use lopin_element_type, only : cells_of_words
    use lopin_model, only : model_type, pair_type, control_type, surface_of, initial_of, &
       & overclosure_of
    use lopin_block, only : deck_type, block_type, field_type, split_fields, field_real, &
@@ -73,6 +75,7 @@ contains
          call check_sides(model, pair, field(1), field(twin), ok)
          if (ok) call check_itself(model, pair, field(1), ok)
          call note_nodes(model, pair)
+         if (ok) call integrate_curves(model, pair)
          if (ok) model%pair = [model%pair, pair]
       end do
    end subroutine read_pairs
@@ -105,6 +108,48 @@ contains
       call model%log%say(severity%note, 'N0304', 'a pair of surface to surface is read as NODE '// &
          & 'TO SURFACE: '//why, pair%at)
    end subroutine note_nodes
+
+   !> Rows at the nodes of second-order faces do not pass on a uniform pressure: such pairs are
+   !> integrated. A surface against itself cannot be.
+   subroutine integrate_curves(model, pair)
+      type(model_type), intent(inout) :: model
+      type(pair_type), intent(inout) :: pair
+
+      if (pair%surface_to_surface) then
+         if (pair%slave /= pair%master) return
+      end if
+      if (.not. has_curves(model, pair%slave) .and. .not. has_curves(model, pair%master)) return
+      if (pair%slave == pair%master) then
+         call model%log%say(severity%warning, 'W0335', 'surface `'// &
+            & upper(model%surface(pair%slave)%name)//'` meets itself with second-order faces: '// &
+            & 'contact is at their nodes, and pressures are uneven', pair%at, &
+            & help='linear elements, or two surfaces that meet each other')
+         return
+      end if
+      if (any([model%surface(pair%slave)%kind, model%surface(pair%master)%kind] &
+         & /= surface_of%faces)) return
+      pair%surface_to_surface = .true.
+      call model%log%say(severity%note, 'N0334', 'pair ('//model%surface(pair%slave)%name//', '// &
+         & model%surface(pair%master)%name//') has second-order faces: NODE TO SURFACE is '// &
+         & 'carried out surface to surface', pair%at)
+   end subroutine integrate_curves
+
+   !> A surface of faces of second-order elements.
+   logical function has_curves(model, surface)
+      type(model_type), intent(in) :: model
+      integer, intent(in) :: surface
+      type(cell_type), allocatable :: cells(:)
+      integer :: i
+
+      has_curves = .false.
+      associate (s => model%surface(surface))
+         if (s%kind /= surface_of%faces) return
+         call cells_of_words(model%element_word, cells)
+         do i = 1, size(s%element)
+            has_curves = has_curves .or. cells(model%mesh%etype(s%element(i)))%quadratic
+         end do
+      end associate
+   end function has_curves
 
    subroutine read_pair_words(pair, model, scene, block, scope)
       type(pair_type), intent(out) :: pair

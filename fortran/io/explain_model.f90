@@ -190,6 +190,15 @@ contains
          & 'are right.', &
          & 'TYPE=SURFACE TO SURFACE is exact there; or take the softer side, with facets at '// &
          & 'most half as long, as the slave.')
+      call add_explanation(list, 'N0334', 'a pair at the nodes is carried out surface to surface', &
+         & 'Rows at the nodes of second-order faces (C3D10, C3D15, C3D20, CPE8, CAX8, CPE6 ...) do '// &
+         & 'not pass on a uniform pressure: corners would carry nothing. TYPE=NODE TO SURFACE '// &
+         & 'keeps its meaning between linear faces.', '')
+      call add_explanation(list, 'W0335', 'second-order faces meet themselves', &
+         & 'Contact of a surface with itself is at its nodes. On second-order faces the pressure '// &
+         & 'of corners and of mid-side nodes differs though the load is uniform; the force as a '// &
+         & 'whole is right.', &
+         & 'linear elements there, or two surfaces that meet each other.')
       call add_explanation(list, 'N0331', 'facets of a tool were mended', &
          & 'Facets without area were dropped, or facets were turned because REPAIR asks for it.', &
          & '')
