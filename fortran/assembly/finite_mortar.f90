@@ -94,6 +94,7 @@ contains
       type(facet_rule_type), intent(in) :: rules(:)
       real(wp), intent(in) :: x(:, :)             !! (ndim, nnode) at the start [length]
       real(wp), allocatable :: full(:)
+      real(wp) :: share(self%slave%facets%n)
       integer :: i
 
       call split_slave(self%slave, rules, x, self%piece)
@@ -101,8 +102,9 @@ contains
       do i = 1, self%slave%facets%n
          self%piece_of(self%slave%local(:self%slave%facets%nnode(i), i)) = self%piece(i)
       end do
-      call whole_weights(self%slave, rules, x, self%axisymmetric, self%thickness, full)
-      call new_cover(self%cover, full, self%tied)
+      call whole_weights(self%slave, rules, x, self%axisymmetric, self%thickness, full, &
+         & share)
+      call new_cover(self%cover, full, share, self%tied)
    end subroutine lay_pieces
 
    !> The overlaps at present places.
@@ -174,7 +176,7 @@ contains
       if (.not. covered) return
       call taken_over(self%cover, k, also, share)
       call new_patch(patch, self%slave, master, self%list, node, self%slave%node(also), share, &
-         & self%piece, self%piece_of([k, also]))
+         & self%piece, self%piece_of([k, also]), self%cover%share)
       call mortar_row(row, patch, constant(x(:2, patch%node)), self%axisymmetric, &
          & self%thickness(1), facing)
       patch%met = row

@@ -51,7 +51,7 @@ contains
       type(tree_type) :: tree
       type(overlap_list_type) :: list
       type(cover_type) :: cover
-      real(wp), allocatable :: thickness(:), full(:)
+      real(wp), allocatable :: thickness(:), full(:), share(:)
       integer, allocatable :: piece(:)
       logical :: axisymmetric
 
@@ -66,10 +66,11 @@ contains
       axisymmetric = model%kind == kind_of%axisymmetric
       allocate (side(3, slave%nnode), full(slave%nnode), source=0.0_wp)
       call piece_normals(slave, rules, model%mesh%x, axisymmetric, side(:model%mesh%ndim, :))
-      call whole_weights(slave, rules, model%mesh%x, axisymmetric, thickness, full)
+      allocate (share(slave%facets%n))
+      call whole_weights(slave, rules, model%mesh%x, axisymmetric, thickness, full, share)
       call find_overlaps(list, error)
       if (allocated(error)) return
-      call new_cover(cover, full, tied, rows_needed(model, number))
+      call new_cover(cover, full, share, tied, rows_needed(model, number))
       call couple(self, rules, slave, master, model%mesh%x, axisymmetric, thickness, list, cover)
 
    contains

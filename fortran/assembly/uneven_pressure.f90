@@ -25,7 +25,7 @@ module lopin_uneven_pressure
    public :: warn_of_uneven_pressure
 
    !> Unevenness that is said; more than this may open the contact.
-   real(wp), parameter :: noticeable = 0.025_wp, all_of_it = 1.0_wp
+   real(wp), parameter :: noticeable = 0.02_wp, all_of_it = 1.0_wp
    !> Nodes of one side in a window.
    integer, parameter :: most = 160
    !> Shares and lengths that count as equal.

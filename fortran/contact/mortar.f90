@@ -8,8 +8,8 @@
 !>    gap_j = n_j.(x_j - sum_l P_jl x_l),   P_jl = M_jl/D_j,   sum_l P_jl = 1.
 !>
 !> n_j is the mean normal of the master over the share of the node: the slave's own, a mean over its
-!> edges, would hold the node sideways. Facets quad8 and triangle6 are dualised in a transformed basis with positive integrals: their
-!> mid-side rows have terms at the slave's own corners (Popp, Wohlmuth, Gee, Wall 2012).
+!> edges, would hold the node sideways. Facets quad8 and triangle6, and line3 on the axis, are dualised in a transformed basis with
+!> positive integrals: their mid-side rows have terms at the slave's own corners (Popp, Wohlmuth, Gee, Wall 2012).
 module lopin_mortar
    use lopin_kinds, only : wp
    use lopin_dense, only : cholesky, cholesky_solve
@@ -82,7 +82,7 @@ contains
          if (to >= from) call add_facet(row, slave, master, rules(slave%facets%cell(i)), i, &
             & whole_area(rules(slave%facets%cell(i)), &
             & x(:, slave%facets%node(:slave%facets%nnode(i), i)), axisymmetric, thickness(i)), &
-            & list%item(from:to))
+            & cover%share(i), list%item(from:to))
          from = to + 1
       end do
       do i = 1, size(cover%giver)
@@ -111,7 +111,7 @@ contains
             n = f%nnode(o%slave)
             m = g%nnode(o%master)
             call facet_sides(rules(g%cell(o%master))%cell, x(:, g%node(:m, o%master)), side(:, :m))
-            call take_blend(rules(f%cell(o%slave)), blend(:n, :n))
+            call take_blend(rules(f%cell(o%slave)), cover%share(o%slave), blend(:n, :n))
             associate (at => slave%local(:n, o%slave), d => size(x, 1))
                weight(at) = weight(at) + matmul(blend(:n, :n), o%d(:n))
                direction(:d, at) = direction(:d, at) &
@@ -155,9 +155,10 @@ contains
       end do
    end function whole_area
 
-   !> The transformed basis of quad8 and triangle6 = blend * standard basis; unity for the others.
-   pure subroutine take_blend(rule, blend)
+   !> The transformed basis = blend * standard basis.
+   pure subroutine take_blend(rule, share, blend)
       type(facet_rule_type), intent(in) :: rule
+      real(wp), intent(in) :: share             !! middle_share: 0 keeps the standard basis
       real(wp), intent(out) :: blend(:, :)
       integer :: k, n
 
@@ -166,13 +167,8 @@ contains
       do k = 1, n
          blend(k, k) = 1.0_wp
       end do
-      if (transformed(rule)) blend = rule%blend(:n, :n)
+      if (share > 0.0_wp) blend = rule%blend(:n, :n)
    end subroutine take_blend
-
-   pure logical function transformed(rule)
-      type(facet_rule_type), intent(in) :: rule
-      transformed = rule%cell%quadratic .and. rule%cell%id /= cell_id%line3
-   end function transformed
 
    !> A of Phi = A N from integrals over the covered part; unity if they are singular.
    subroutine dual_matrix(me, d, a)
@@ -196,12 +192,13 @@ contains
    end subroutine dual_matrix
 
    !> What one slave facet adds to the rows of its nodes.
-   subroutine add_facet(row, slave, master, rule, facet, area, item)
+   subroutine add_facet(row, slave, master, rule, facet, area, share, item)
       type(row_type), intent(inout) :: row(:)
       type(surface_type), intent(in) :: slave, master
       type(facet_rule_type), intent(in) :: rule
       integer, intent(in) :: facet
       real(wp), intent(in) :: area                    !! of the whole facet [area]
+      real(wp), intent(in) :: share                   !! of the transformed basis
       type(overlap_type), intent(in) :: item(:)       !! all of this slave facet
       real(wp) :: me(rule%cell%nnode, rule%cell%nnode), d(rule%cell%nnode), &
          & blend(rule%cell%nnode, rule%cell%nnode), a(rule%cell%nnode, rule%cell%nnode), &
@@ -211,7 +208,7 @@ contains
       n = rule%cell%nnode
       covered = sum(item%area)/area
       if (.not. covered > nothing) return
-      call take_blend(rule, blend)
+      call take_blend(rule, share, blend)
       me = 0.0_wp
       d = 0.0_wp
       do i = 1, size(item)
@@ -242,27 +239,25 @@ contains
       do j = 1, n
          associate (own => row(slave%local(j, facet)))
             own%weight = own%weight + d(j)
-            call add_own(own, slave, rule, facet, j, d(j))
+            call add_own(own, slave, rule, facet, j, d(j), share)
          end associate
       end do
    end subroutine add_facet
 
    !> The slave's side of a row, d times the coefficient of Phi_j: in a transformed basis that of a
    !> mid-side node is (u_mid - share*(u_1 + u_2))/(1 - 2 share).
-   pure subroutine add_own(row, slave, rule, facet, j, d)
+   pure subroutine add_own(row, slave, rule, facet, j, d, share)
       type(row_type), intent(inout) :: row
       type(surface_type), intent(in) :: slave
       type(facet_rule_type), intent(in) :: rule
       integer, intent(in) :: facet, j
-      real(wp), intent(in) :: d
-      real(wp) :: share
+      real(wp), intent(in) :: d, share
       integer :: k
 
-      if (.not. transformed(rule) .or. j <= rule%cell%ncorner) then
+      if (.not. share > 0.0_wp .or. j <= rule%cell%ncorner) then
          call add_term(row, slave%facets%node(j, facet), d)
          return
       end if
-      share = 0.5_wp*(1.0_wp - rule%blend(j, j))
       call add_term(row, slave%facets%node(j, facet), d/rule%blend(j, j))
       do k = 1, 2
          call add_term(row, slave%facets%node(rule%cell%edge(k, j - rule%cell%ncorner), facet), &

@@ -47,6 +47,7 @@ module lopin_mortar_cover
       logical :: tied = .false.
       integer :: least = 1                     !! rows kept, if as many nodes are covered at all
       real(wp), allocatable :: full(:)         !! areas if all were covered [area]
+      real(wp), allocatable :: share(:)        !! (slave facets) of the transformed basis
       integer, allocatable :: state(:)         !! one of `is`; between increments the memory
       integer, allocatable :: owner(:)         !! of those that give or join: the better piece's
       ! Present shape
@@ -58,13 +59,14 @@ module lopin_mortar_cover
 
 contains
 
-   pure subroutine new_cover(self, full, tied, least)
+   pure subroutine new_cover(self, full, share, tied, least)
       type(cover_type), intent(out) :: self
-      real(wp), intent(in) :: full(:)          !! from whole_weights
+      real(wp), intent(in) :: full(:), share(:)   !! from whole_weights
       logical, intent(in) :: tied
       integer, intent(in), optional :: least   !! rows kept
 
       self%full = full
+      self%share = share
       self%tied = tied
       if (present(least)) self%least = least
       allocate (self%state(size(full)), source=-1)

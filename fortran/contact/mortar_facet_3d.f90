@@ -135,7 +135,7 @@ contains
       integer :: k
 
       if (.not. rule%cell%quadratic) return
-      call take_blend(rule, blend)
+      call take_blend(rule, 1.0_wp, blend)
       self%d = matmul(blend, self%d)
       self%m = matmul(blend, self%m)
       sums%me = matmul(blend, matmul(sums%me, transpose(blend)))

@@ -36,6 +36,7 @@ module lopin_mortar_node_2d
       integer :: chain(3, most_facets) = 0
       logical :: at_node(most_facets) = .false.    !! integrated; others only have the normals
       integer :: piece(most_facets) = 1            !! smooth pieces: lopin_slave_pieces
+      real(wp) :: middle(most_facets) = 0.0_wp     !! middle_share of the transformed basis
       integer, allocatable :: function(:)          !! places whose functions the row has
       integer, allocatable :: on(:)                !! the piece each of them is integrated on
       real(wp), allocatable :: share(:)            !! of each; the first: 1
@@ -53,7 +54,8 @@ module lopin_mortar_node_2d
 contains
 
    !> The neighbourhood of a slave node; the overlaps are those found on the present shape.
-   subroutine new_patch(self, slave, master, list, node, also, share, piece, on)
+   subroutine new_patch(self, slave, master, list, node, also, share, piece, on, &
+      & middle)
       type(patch_type), intent(out) :: self
       type(surface_type), intent(in) :: slave, master
       type(overlap_list_type), intent(in) :: list
@@ -62,6 +64,7 @@ contains
       real(wp), intent(in) :: share(:)             !! of each
       integer, intent(in), optional :: piece(:)    !! (slave facets) of lopin_slave_pieces
       integer, intent(in), optional :: on(:)       !! piece of each function, the node's first
+      real(wp), intent(in), optional :: middle(:)  !! (slave facets) middle_share; 0
       integer :: facet(most_facets)
       integer, allocatable :: near(:)
       integer :: i, k, n, pass, own
@@ -86,6 +89,7 @@ contains
             end if
             call add_chain(self, slave%facets%node(:n, i), pass == 1, own)
             facet(self%nchain) = i
+            if (present(middle)) self%middle(self%nchain) = middle(i)
          end do
          near = self%node
          if (pass == 1) call add_covers(self, master, list, facet(:self%nchain))
@@ -252,6 +256,7 @@ contains
          area = area + segment(c)%area
       end do
       if (.not. area%v > 0.0_wp) return
+      call transform(patch%middle(i), me, d)
       dual = area%v >= thin*whole(x(:, patch%chain(:n, i))%v, axisymmetric, thickness)
       a = constant([0.0_wp, 0.0_wp, 0.0_wp])
       plain = 0.0_wp
@@ -261,14 +266,18 @@ contains
          if (j == 0) cycle
          plain(j) = plain(j) + patch%share(f)
          self%weight = self%weight + patch%share(f)*d(j)
-         self%coefficient(patch%function(f)) = self%coefficient(patch%function(f)) &
-            & + patch%share(f)*d(j)
+         call add_own(self, patch, i, j, patch%share(f)*d(j))
          if (dual) then
             call dual_function(me(:n, :n), patch%share(f)*d(j), j, a(:n))
          else
             a(j) = a(j) + patch%share(f)
          end if
       end do
+      ! By the standard basis, in which the segments are.
+      if (patch%middle(i) > 0.0_wp) then
+         a(3) = patch%middle(i)*(a(1) + a(2)) + (1.0_wp - 2.0_wp*patch%middle(i))*a(3)
+         plain(3) = patch%middle(i)*(plain(1) + plain(2)) + (1.0_wp - 2.0_wp*patch%middle(i))*plain(3)
+      end if
       do c = 1, patch%ncover
          if (patch%over(c) /= i .or. .not. segment(c)%overlaps) cycle
          do l = 1, patch%ncovered(c)
@@ -284,6 +293,54 @@ contains
          end do
       end do
    end subroutine add_facet
+
+   !> The slave's side of function j of a facet: of a transformed one that of the middle is
+   !> (u_3 - share (u_1 + u_2))/(1 - 2 share).
+   subroutine add_own(self, patch, i, j, d)
+      type(mortar_row_type), intent(inout) :: self
+      type(patch_type), intent(in) :: patch
+      integer, intent(in) :: i, j
+      type(dual_type), intent(in) :: d
+      real(wp) :: inner
+      integer :: k
+
+      inner = 1.0_wp
+      if (j == 3) inner = 1.0_wp - 2.0_wp*patch%middle(i)
+      associate (c => self%coefficient(patch%chain(j, i)))
+         c = c + (1.0_wp/inner)*d
+      end associate
+      if (.not. inner < 1.0_wp) return
+      do k = 1, 2
+         associate (c => self%coefficient(patch%chain(k, i)))
+            c = c - (patch%middle(i)/inner)*d
+         end associate
+      end do
+   end subroutine add_own
+
+   !> Integrals of line3 in the transformed basis.
+   subroutine transform(share, me, d)
+      real(wp), intent(in) :: share
+      type(dual_type), intent(inout) :: me(3, 3), d(3)
+      real(wp) :: inner
+      integer :: k
+
+      if (.not. share > 0.0_wp) return
+      inner = 1.0_wp - 2.0_wp*share
+      do k = 1, 2
+         d(k) = d(k) + share*d(3)
+      end do
+      d(3) = inner*d(3)
+      do k = 1, 3
+         me(1, k) = me(1, k) + share*me(3, k)
+         me(2, k) = me(2, k) + share*me(3, k)
+         me(3, k) = inner*me(3, k)
+      end do
+      do k = 1, 3
+         me(k, 1) = me(k, 1) + share*me(k, 3)
+         me(k, 2) = me(k, 2) + share*me(k, 3)
+         me(k, 3) = inner*me(k, 3)
+      end do
+   end subroutine transform
 
    !> Area of a whole facet.
    real(wp) function whole(x, axisymmetric, thickness) result(area)

@@ -7,7 +7,7 @@
 !> have a row is told by lopin_mortar_cover.
 module lopin_slave_pieces
    use lopin_kinds, only : wp
-   use lopin_facets, only : facet_rule_type, facet_weights
+   use lopin_facets, only : facet_rule_type, facet_weights, middle_share
    use lopin_facet_sides, only : facet_sides
    use lopin_surface, only : surface_type, renumber_nodes
    implicit none
@@ -164,22 +164,25 @@ contains
       end do
    end subroutine piece_normals
 
-   !> Areas of the nodes by pieces.
-   pure subroutine whole_weights(slave, rules, x, axisymmetric, thickness, weight)
+   !> Areas of the nodes by pieces, in the transformed basis.
+   pure subroutine whole_weights(slave, rules, x, axisymmetric, thickness, weight, share)
       type(surface_type), intent(in) :: slave
       type(facet_rule_type), intent(in) :: rules(:)
       real(wp), intent(in) :: x(:, :)             !! (ndim, mesh nodes) [length]
       logical, intent(in) :: axisymmetric
       real(wp), intent(in) :: thickness(:)        !! (slave facets) ones unless plane [length]
       real(wp), intent(out) :: weight(:)          !! (slave%nnode) [area]
+      real(wp), intent(out) :: share(:)           !! (slave facets) middle_share of each
       real(wp) :: own(8)
       integer :: i, n
 
       weight = 0.0_wp
       do i = 1, slave%facets%n
          n = slave%facets%nnode(i)
+         share(i) = middle_share(rules(slave%facets%cell(i)), x(:, slave%facets%node(:n, i)), &
+            & axisymmetric)
          call facet_weights(rules(slave%facets%cell(i)), x(:, slave%facets%node(:n, i)), &
-            & axisymmetric, own(:n))
+            & axisymmetric, own(:n), share(i))
          associate (at => slave%local(:n, i))
             weight(at) = weight(at) + thickness(i)*own(:n)
          end associate

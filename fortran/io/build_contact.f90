@@ -114,11 +114,13 @@ contains
    subroutine integrate_curves(model, pair)
       type(model_type), intent(inout) :: model
       type(pair_type), intent(inout) :: pair
+      logical :: curves(2)
 
       if (pair%surface_to_surface) then
          if (pair%slave /= pair%master) return
       end if
-      if (.not. has_curves(model, pair%slave) .and. .not. has_curves(model, pair%master)) return
+      curves = [has_curves(model, pair%slave), has_curves(model, pair%master)]
+      if (.not. any(curves)) return
       if (pair%slave == pair%master) then
          call model%log%say(severity%warning, 'W0335', 'surface `'// &
             & upper(model%surface(pair%slave)%name)//'` meets itself with second-order faces: '// &

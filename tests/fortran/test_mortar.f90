@@ -195,7 +195,7 @@ contains
             end do
             d(:n) = d(:n) + rule%weight(k)*rule%n(:n, k)
          end do
-         call take_blend(rule, blend(:n, :n))
+         call take_blend(rule, merge(0.0_wp, 1.0_wp, rule%cell%nnode < 4), blend(:n, :n))
          me(:n, :n) = matmul(blend(:n, :n), matmul(me(:n, :n), transpose(blend(:n, :n))))
          d(:n) = matmul(blend(:n, :n), d(:n))
          call is_true('weights are positive', all(d(:n) > 0.0_wp))
@@ -300,14 +300,14 @@ contains
       type(cover_type) :: cover
       integer, allocatable :: piece(:)
       real(wp), allocatable :: normal(:, :), full(:)
-      real(wp) :: thickness(slave%facets%n)
+      real(wp) :: thickness(slave%facets%n), share(slave%facets%n)
 
       thickness = 1.0_wp
       call split_slave(slave, rules, x, piece)
       allocate (normal(2, slave%nnode), full(slave%nnode))
       call piece_normals(slave, rules, x, axisymmetric, normal)
-      call whole_weights(slave, rules, x, axisymmetric, thickness, full)
-      call new_cover(cover, full, .false.)
+      call whole_weights(slave, rules, x, axisymmetric, thickness, full, share)
+      call new_cover(cover, full, share, .false.)
       call build_tree(tree, master%low, master%high)
       call find_overlaps_2d(slave, normal, master, tree, x, &
          & axisymmetric, thickness, 20.0_wp, facing, list)
@@ -393,7 +393,7 @@ contains
       type(overlap_list_type) :: list
       type(overlap_type) :: item
       type(error_type), allocatable :: error
-      real(wp) :: x(3, 16), row(16), full(8)
+      real(wp) :: x(3, 16), row(16), full(8), share(1)
       type(cover_type) :: cover
       integer :: k, j, n
 
@@ -426,8 +426,8 @@ contains
          end do
          item%b = item%me
          call add_overlap(list, item)
-         call whole_weights(slave, rules, x, .false., [1.0_wp], full(:n))
-         call new_cover(cover, full(:n), .false.)
+         call whole_weights(slave, rules, x, .false., [1.0_wp], full(:n), share)
+         call new_cover(cover, full(:n), share, .false.)
          call couple(c, rules, slave, master, x, .false., [1.0_wp], list, cover)
          call is_true('all nodes, positive', c%n == n .and. all(c%weight > 0.0_wp))
          do j = 1, c%n

@@ -454,7 +454,7 @@ contains
          x = flat_facet(faces(i), .true., 0.0_wp, 0.0_wp)
          y = 5.0_wp*flat_facet(cell_id%quad, .false., 0.0_wp, 0.0_wp)
          call integrate(faces(i), cell_id%quad, x, y, s)
-         call take_blend(rules(faces(i)), blend(:n, :n))
+         call take_blend(rules(faces(i)), 1.0_wp, blend(:n, :n))
          d(:n) = matmul(blend(:n, :n), s%d(:n))
          area = s%area
          if (n == 8) call close_to('quad8', d, [spread(0.2_wp, 1, 4), spread(0.8_wp, 1, 4)], &

@@ -44,6 +44,7 @@ contains
       type(tree_type) :: tree
       integer, allocatable :: piece(:)
       real(wp), allocatable :: normal(:, :), full(:), thickness(:)
+      real(wp) :: share(7)
 
       list = overlap_list_type()
       if (allocated(x)) deallocate (x)
@@ -60,8 +61,8 @@ contains
       call split_slave(slave, rules, x, piece)
       allocate (normal(2, slave%nnode), full(slave%nnode))
       call piece_normals(slave, rules, x, axisymmetric, normal)
-      call whole_weights(slave, rules, x, axisymmetric, thickness, full)
-      call new_cover(cover, full, .false.)
+      call whole_weights(slave, rules, x, axisymmetric, thickness, full, share)
+      call new_cover(cover, full, share, .false.)
       call build_tree(tree, master%low, master%high)
       call find_overlaps_2d(slave, normal, master, tree, x, &
          & axisymmetric, thickness, 5.0_wp, facing, list)
@@ -123,7 +124,7 @@ contains
       call is_true('all nodes', coupling%n == slave%nnode)
       do j = 1, coupling%n
          call new_patch(patch, slave, master, list, coupling%node(j), &
-            & [integer ::], [real(wp) ::])
+            & [integer ::], [real(wp) ::], middle=cover%share)
          call row_at(patch, x(:, patch%node), 0, row)
          call close_to('weight', row%weight%v, coupling%weight(j), 1.0e-13_wp)
          call close_to('gap', row%gap%v, coupling%gap(j), 1.0e-13_wp)
@@ -152,7 +153,7 @@ contains
       call test('slopes of weight, normal, gap and coefficients are their differences')
       do j = 1, coupling%n, 2
          call new_patch(patch, slave, master, list, coupling%node(j), &
-            & [integer ::], [real(wp) ::])
+            & [integer ::], [real(wp) ::], middle=cover%share)
          place = x(:, patch%node)
          do m = 1, size(place, 2)
             do k = 1, 2

@@ -159,7 +159,7 @@ contains
       character(len=*), intent(in) :: name
       type(mortar_row_type), allocatable :: row(:)
       type(mortar_coupling_type) :: small
-      real(wp) :: full(slave%nnode), still(3), axis(3)
+      real(wp) :: full(slave%nnode), share(slave%facets%n), still(3), axis(3)
       type(cover_type) :: cover
       integer :: k, m
 
@@ -169,8 +169,8 @@ contains
          call close_to('forces in equilibrium', sum(row(k)%c), 0.0_wp, 1.0e-14_wp)
          call is_true('positive weight', row(k)%weight > 0.0_wp)
       end do
-      call whole_weights(slave, rules, x, .false., spread(1.0_wp, 1, slave%facets%n), full)
-      call new_cover(cover, full, .false.)
+      call whole_weights(slave, rules, x, .false., spread(1.0_wp, 1, slave%facets%n), full, share)
+      call new_cover(cover, full, share, .false.)
       call couple(small, rules, slave, master, x, .false., spread(1.0_wp, 1, slave%facets%n), &
          & list, cover)
       call close_to('weights of small sliding', row(small_index(small))%weight, small%weight, &

@@ -198,7 +198,7 @@ def test_rings(core, sheet, quadratic, slave):
                   1.0, 1.5, "a property of the method")
 
 
-@pytest.mark.parametrize("kind", ["CPE4", "CPE8", "CPE6"])
+@pytest.mark.parametrize("kind", ["CPE4", "CPE3"])
 def test_node_to_segment_beside_it(solve, sheet, tmp_path, kind):
     """What mortar is for: the same blocks at the nodes."""
     for slave in ("lower", "upper"):
@@ -210,6 +210,16 @@ def test_node_to_segment_beside_it(solve, sheet, tmp_path, kind):
                       f"{kind}, 7/10 uneven, {slave} slave, node to segment: worst stress error",
                       error, 0.0, 1.0, "a property of the method", absolute=True)
         assert error > 0.01
+
+
+@pytest.mark.parametrize("kind", ["CPE8", "CPE6"])
+def test_node_to_segment_of_second_order_faces_is_carried_out_surface_to_surface(
+        solve, sheet, tmp_path, kind):
+    pair = Pair(kind, 7, 10, 3, uneven=0.3).pressed()
+    result = pair.solve(solve, tmp_path, slave="upper", words="TYPE=NODE TO SURFACE")
+    sheet.compare("B5 patch test with other elements, mortar",
+                  f"{kind}, 7/10 uneven, NODE TO SURFACE: worst stress error",
+                  pair.stress_error(result, PRESSED), 0.0, 1e-10, "exact", absolute=True)
 
 
 def test_swapping_the_sides_of_a_line_contact(core, root, sheet):

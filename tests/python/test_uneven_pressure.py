@@ -1,0 +1,101 @@
+"""W0333 names how uneven node to segment makes a uniform pressure, within a third; second-order
+faces are integrated, or warned of where they cannot be."""
+import re
+import subprocess
+
+import numpy as np
+import pytest
+
+from lopin import mesh_make
+from lopin.laws import Elastic
+from lopin.mesh import together
+from lopin.model import Model
+from lopin.run import find_executable
+
+LOAD = 10.0
+#: Kind, facets of slave and master.
+CASES = [(kind, *facets) for kind in ("CPE4", "CPE3", "CAX4")
+         for facets in ((7, 4), (10, 15), (3, 4), (5, 7), (9, 4))]
+CASES += [("C3D8", 4, 3), ("C3D8", 3, 4), ("C3D8", 4, 6), ("C3D8", 7, 4), ("C3D4", 4, 3),
+          ("C3D4", 3, 4), ("C3D4", 4, 7), ("C3D4", 6, 4)]
+
+
+def pressed(kind, slave, master, ratio, turn=0.0, scale=1.0, quadratic=False):
+    """Two blocks without Poisson effect under a uniform load; `ratio`: moduli, master over
+    slave."""
+    space = kind.startswith("C3D")
+    side = 10.0*scale
+    size = (side, side, 0.4*side) if space else (side, side)
+
+    def cells(n):
+        return (n, n, 2) if space else (n, max(2, n//2))
+    low = mesh_make.block(size, cells(master))
+    up = mesh_make.block(size, cells(slave)).moved(*(0.0,)*(len(size) - 1), size[-1])
+    if kind[-1] in "34" and kind not in ("CPE4", "CAX4"):
+        low, up = mesh_make.simplices(low), mesh_make.simplices(up)
+    if quadratic:
+        low, up = low.quadratic(), up.quadratic()
+    both = together(UP=up, LOW=low)
+    if turn:
+        c, s = np.cos(turn), np.sin(turn)
+        both = both.mapped(lambda x: np.column_stack(
+            [c*x[:, 0] - s*x[:, 1], s*x[:, 0] + c*x[:, 1], *x.T[2:]]))
+    model = Model("uneven", both, kind="3d" if space else
+                  "axisymmetric" if kind.startswith("CAX") else "plane strain")
+    model.section("UP", Elastic(1e5/scale, 0.0))
+    model.section("LOW", Elastic(1e5*ratio/scale, 0.0))
+    model.contact("UP.BOTTOM", "LOW.TOP", surface_to_surface=False)
+    names = ("x", "y", "z")[:len(size)] if not kind.startswith("CAX") else ("r", "z")
+    model.fix("LOW.BOTTOM", *names)
+    if not kind.startswith("CAX") and not turn:
+        model.fix("UP.TOP", *names[:-1])
+    model.step().pressure("UP.TOP", LOAD/scale)
+    return model.to_deck()
+
+
+def run(deck, folder):
+    path = folder/"uneven.inp"
+    deck.write(path)
+    done = subprocess.run([find_executable(), "run", path, "-o", folder/"out", "--overwrite"],
+                          capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+    return done.stdout + done.stderr
+
+
+def deviation(text):
+    said = re.search(r"W0333.*uneven by about ([\d.]+) %", text)
+    return float(said.group(1))/100.0 if said else 0.0
+
+
+def pressures(solve, deck, folder):
+    return np.asarray(solve(deck, folder).contact(0).last.pressure)
+
+
+@pytest.mark.parametrize("ratio", [0.01, 1.0])
+@pytest.mark.parametrize("kind, slave, master", CASES)
+def test_the_warning_names_the_deviation_within_a_third(solve, tmp_path, kind, slave, master,
+                                                        ratio):
+    deck = pressed(kind, slave, master, ratio)
+    true = abs(pressures(solve, deck, tmp_path)/LOAD - 1.0).max()
+    said = deviation(run(deck, tmp_path))
+    assert true*2/3 < said < true*1.5
+
+
+def test_the_figure_does_not_depend_on_units(tmp_path):
+    assert deviation(run(pressed("CPE4", 7, 4, 1.0), tmp_path)) == pytest.approx(
+        deviation(run(pressed("CPE4", 7, 4, 1.0, scale=1e-6), tmp_path)), rel=1e-9)
+
+
+@pytest.mark.parametrize("kind", ["CPE4", "C3D8"])
+@pytest.mark.parametrize("slave, master", [(4, 4), (8, 4)])
+def test_nothing_is_said_of_meshes_that_match(tmp_path, kind, slave, master):
+    assert "W0333" not in run(pressed(kind, slave, master, 1.0), tmp_path)
+
+
+@pytest.mark.parametrize("kind", ["CPE4", "CAX4", "C3D8", "C3D4"])
+def test_second_order_faces_are_carried_out_surface_to_surface(solve, tmp_path, kind):
+    deck = pressed(kind, 3, 4, 1.0, quadratic=True)
+    found = pressures(solve, deck, tmp_path)
+    assert abs(found/LOAD - 1.0).max() < 1e-8
+    said = run(deck, tmp_path)
+    assert "N0334" in said and "W0333" not in said
