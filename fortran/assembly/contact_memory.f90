@@ -11,6 +11,8 @@ module lopin_contact_memory
    use lopin_finite_masters, only : master_type
    use lopin_finite_opposite, only : anchor_type, opposite_type
    use lopin_finite_mortar, only : update_mortar, meet_row
+   use lopin_finite_meeting, only : tie_to_facet
+   use lopin_contact_traction, only : grip_kind
    implicit none
    private
    public :: keep_contact
@@ -27,9 +29,6 @@ contains
       call keep_history(self, stream)
       call keep_results(self, stream)
       call stream%pass(self%tied_at)
-      if (stream%reading .and. .not. stream%broken .and. allocated(self%tied_at)) &
-         & call tie_again(self, error)
-      if (allocated(error)) return
       call stream%pass(self%masters%x)
       call stream%pass(self%masters%side)
       call stream%pass(self%masters%part)
@@ -42,6 +41,8 @@ contains
          call keep_anchor(self%anchor(i), stream)
          call keep_opposite(self%opposite(i), stream)
       end do
+      if (stream%reading .and. .not. stream%broken .and. allocated(self%tied_at)) &
+         & call tie_again(self, error)
    end subroutine keep_contact
 
    subroutine keep_history(self, stream)
@@ -136,6 +137,10 @@ contains
       integer :: pair, i
       logical :: covered
 
+      do i = 1, self%n
+         if (self%grip(i)%kind == grip_kind%tied .and. self%anchor(i)%set .and. .not. self%loose(i)) &
+            & call tie_to_facet(self, i, self%tied_at)
+      end do
       do pair = 1, size(self%mortar)
          if (.not. (self%mortar(pair)%is_on .and. self%mortar(pair)%tied)) cycle
          associate (m => self%masters%of(pair), mortar => self%mortar(pair), x => self%tied_at)

@@ -26,6 +26,7 @@ module lopin_contact_points
       real(wp), allocatable :: gap(:)         !! (n) geometric [length]
       real(wp), allocatable :: weight(:)      !! (n) [length^2]
       real(wp), allocatable :: size(:)        !! (n) of the slave's facets there [length]
+      real(wp), allocatable :: depth(:)        !! (n) deeper is no contact, lopin_wall_depth [length]
       integer, allocatable :: corner(:, :)    !! (2, n) mid-side node of a transformed basis: first
                                               !! points of the ends of its edge; else 0
       real(wp), allocatable :: share(:)       !! (n) of its function that each end gets; else 0
@@ -67,6 +68,7 @@ contains
       call grow_reals(self%gap, capacity)
       call grow_reals(self%weight, capacity)
       call grow_reals(self%size, capacity)
+      call grow_reals(self%depth, capacity)
       call grow_table(self%corner, 2, capacity)
       call grow_reals(self%share, capacity)
    end subroutine reserve
@@ -123,6 +125,7 @@ contains
       self%node(self%n) = slave%node(i)
       self%weight(self%n) = slave%weight(i)
       self%size(self%n) = slave%size(i)
+      self%depth(self%n) = huge(1.0_wp)
       self%side(:, self%n) = slave%normal(:, i)
    end subroutine add_point
 

@@ -126,7 +126,7 @@ contains
       real(wp), intent(in) :: shift, lambda(3)
       logical, intent(in) :: with_tangent
 
-      if (self%mortar(self%pair(i))%is_on) then
+      if (self%mortar(self%pair(i))%is_on .or. self%mortar_anchor(i)%tie%set) then
          call evaluate_mortar_point(self%trial(i), self%local(self%nlocal), &
             & self%mortar(self%pair(i)), self%dofs, self%masters%x, self%patch(i), &
             & self%mortar_anchor(i), self%grip(i), self%friction(self%pair(i)), at, shift, &

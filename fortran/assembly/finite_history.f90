@@ -35,7 +35,7 @@ contains
       call move_masters(self%masters, model, self%dofs, self%finite_points_type, u, .true., &
          & self%cost, error)
       if (allocated(error)) return
-      if (any(self%mortar%tied) .and. .not. allocated(self%tied_at)) &
+      if (any(self%grip%kind == grip_kind%tied) .and. .not. allocated(self%tied_at)) &
          & self%tied_at = self%masters%x
       call start_owners(self%masters%owner)
       call follow_areas(self, model)

@@ -9,9 +9,10 @@ module lopin_finite_meeting
    use lopin_finite_roles, only : choose_roles
    use lopin_finite_mortar, only : update_mortar, meet_row
    use lopin_finite_contact, only : finite_contact_type
+   use lopin_finite_tie, only : new_tie
    implicit none
    private
-   public :: find_present, meet, take_anchor, share_roles, is_left_out
+   public :: find_present, meet, take_anchor, tie_to_facet, share_roles, is_left_out
 
    !> A point farther from its master, in facets, is not tied unless ADJUST says so.
    real(wp), parameter :: too_far = 0.5_wp
@@ -43,6 +44,7 @@ contains
 
       associate (pair => self%pair(i))
          if (.not. self%mortar(pair)%is_on) then
+            if (self%mortar_anchor(i)%tie%set) return
             call find_opposite(self%opposite(i), self%masters, model, self%finite_points_type, i, &
                & self%cost)
             return
@@ -66,7 +68,22 @@ contains
       self%loose(i) = .not. self%anchor(i)%set
       if (self%anchor(i)%set) self%loose(i) = abs(self%anchor(i)%gap) > max(too_far*self%size(i), &
          & model%pair(self%pair(i))%adjust)
+      if (.not. self%loose(i)) call tie_to_facet(self, i, self%masters%x)
    end subroutine take_anchor
+
+   !> A node that is glued to a facet keeps its place in the facet's frame.
+   subroutine tie_to_facet(self, i, x)
+      type(finite_contact_type), intent(inout) :: self
+      integer, intent(in) :: i
+      real(wp), intent(in) :: x(:, :)          !! (ndim, nnode) where it was glued [length]
+
+      associate (a => self%anchor(i), pair => self%pair(i))
+         if (a%nnode == 0 .or. self%mortar(pair)%is_on) return
+         call new_tie(self%mortar_anchor(i)%tie, a%node(1), [self%node(i), a%node(:a%nnode)], &
+            & self%first_weight(i)*[1.0_wp, -a%share(:a%nnode)], self%first_weight(i), &
+            & self%masters%of(pair)%surface%facets, self%masters%rules, x)
+      end associate
+   end subroutine tie_to_facet
 
    !> Of two sides of one surface that face each other only one presses.
    subroutine share_roles(self, model)

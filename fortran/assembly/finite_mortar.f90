@@ -13,6 +13,7 @@ module lopin_finite_mortar
    use lopin_search, only : tree_type
    use lopin_error, only : error_type
    use lopin_model, only : model_type, kind_of
+   use lopin_wall_depth, only : depths_of_facets
    use lopin_tilting, only : rows_needed
    use lopin_dofs, only : dofs_type
    use lopin_friction, only : friction_type, condition_type
@@ -44,6 +45,7 @@ module lopin_finite_mortar
       logical :: is_on = .false.
       type(surface_type) :: slave
       real(wp), allocatable :: thickness(:)    !! (slave facets) [length]
+      real(wp), allocatable :: depth(:)        !! (slave facets) deeper is no contact [length]
       type(overlap_list_type) :: list
       logical :: axisymmetric = .false.
       integer, allocatable :: piece(:)         !! (slave facets) smooth piece, lopin_slave_pieces
@@ -95,6 +97,7 @@ contains
       real(wp), intent(in) :: x(:, :)             !! (ndim, nnode) at the start [length]
       real(wp), allocatable :: full(:)
       real(wp) :: share(self%slave%facets%n)
+      type(error_type), allocatable :: error
       integer :: i
 
       call split_slave(self%slave, rules, x, self%piece)
@@ -105,6 +108,9 @@ contains
       call whole_weights(self%slave, rules, x, self%axisymmetric, self%thickness, full, &
          & share)
       call new_cover(self%cover, full, share, self%tied)
+      allocate (self%depth(self%slave%facets%n), source=huge(1.0_wp))
+      call update_surface(self%slave, x, error)
+      if (.not. allocated(error)) call depths_of_facets(self%slave, facing, self%depth)
    end subroutine lay_pieces
 
    !> The overlaps at present places.
@@ -127,12 +133,12 @@ contains
          & - min(minval(self%slave%low, 2), minval(master%low, 2)))
       if (self%in_space) then
          call update_space_mortar(self%space, self%cover, self%slave, normal, rules, master, tree, &
-            & x, reach, facing, start, error)
+            & x, reach, facing, self%depth, start, error)
          return
       end if
       self%list = overlap_list_type()
       call find_overlaps_2d(self%slave, normal, master, tree, x, self%axisymmetric, &
-         & self%thickness, reach, facing, self%list)
+         & self%thickness, reach, facing, self%list, self%depth)
       call plan_rows(self%cover, rules, self%slave, master, x, self%list, start, direction)
    end subroutine update_mortar
 

@@ -38,7 +38,7 @@ contains
 
    !> Rows at present places; at the start of an increment they are kept for the slip.
    subroutine update_space_mortar(self, cover, slave, normal, rules, master, tree, x, reach, &
-      & facing, start, error)
+      & facing, depth, start, error)
       type(space_mortar_type), intent(inout) :: self
       type(cover_type), intent(inout) :: cover
       type(surface_type), intent(in) :: slave, master
@@ -48,13 +48,15 @@ contains
       real(wp), intent(in) :: x(:, :)             !! (3, nnode) [length]
       real(wp), intent(in) :: reach               !! [length]
       real(wp), intent(in) :: facing
+      real(wp), intent(in) :: depth(:)            !! (slave facets) deeper is no contact [length]
       logical, intent(in) :: start                !! of an increment
       type(error_type), allocatable, intent(out) :: error
       type(overlap_list_type) :: list
       real(wp) :: direction(3, slave%nnode)
       integer :: lost, j
 
-      call find_overlaps_3d(self%kernel, slave, normal, master, tree, x, reach, facing, list, lost)
+      call find_overlaps_3d(self%kernel, slave, normal, master, tree, x, reach, facing, list, &
+         & lost, depth)
       if (lost > 0) then
          call raise(error, error_code%not_converged, 'E0316', 'a face of a surface-to-surface '// &
             & 'pair is too distorted to be integrated')

@@ -66,6 +66,7 @@ contains
       type(finite_points_type), intent(in) :: points
       integer, intent(in) :: i
       type(cost_type), intent(inout) :: cost
+      type(limits_type) :: limits
 
       associate (m => masters%of(points%pair(i)), x => masters%x(:, points%node(i)))
          if (m%tool > 0) then
@@ -75,8 +76,10 @@ contains
             if (m%against_itself) then
                call find_on_itself(self, m, masters%side(:model%mesh%ndim, i), i, x, cost)
             else
+               limits = m%limits
+               limits%depth = min(limits%depth, points%depth(i))
                call find_projection(m%surface, m%tree, x, masters%side(:model%mesh%ndim, i), &
-                  & m%limits, self%found, cost=cost)
+                  & limits, self%found, cost=cost)
             end if
             associate (held => masters%owner%held(i))
                if (held > 0) call keep_facet(m%surface, held, x, &

@@ -22,6 +22,7 @@ module lopin_finite_points
       integer, allocatable :: entry(:)         !! 1, or 2 for the second wall of a concave corner
       real(wp), allocatable :: weight(:)       !! area at the start of the increment [length^2]
       real(wp), allocatable :: size(:)         !! of the slave's facets [length]
+      real(wp), allocatable :: depth(:)        !! deeper is no contact [length]
       integer, allocatable :: corner(:, :)     !! (2, n), and
       real(wp), allocatable :: share(:)        !! (n) as in lopin_contact_points
       real(wp), allocatable :: side(:, :)      !! (3, n) slave's outward normal; 0: unknown
@@ -68,6 +69,7 @@ contains
       self%node = points%node(:self%n)
       self%weight = points%weight(:self%n)
       self%size = points%size(:self%n)
+      self%depth = points%depth(:self%n)
       self%side = points%side(:, :self%n)
       self%corner = points%corner(:, :self%n)
       self%share = points%share(:self%n)
@@ -118,6 +120,7 @@ contains
       self%entry = [self%entry, spread(1, 1, m)]
       self%weight = [self%weight, slave%weight]
       self%size = [self%size, slave%size]
+      self%depth = [self%depth, spread(huge(1.0_wp), 1, m)]
       self%side = reshape([self%side, slave%normal], [3, self%n + m])
       self%corner = reshape([self%corner, spread(0, 1, 2*m)], [2, self%n + m])
       self%share = [self%share, spread(0.0_wp, 1, m)]

@@ -4,7 +4,8 @@ module lopin_mortar_pairs
    use lopin_error, only : error_type, error_code, raise
    use lopin_text, only : to_text
    use lopin_cells, only : cell_type
-   use lopin_facets, only : facets_type, facet_rule_type, new_facets, new_facet_rules
+   use lopin_facets, only : facets_type, facet_rule_type, new_facets, new_facet_rules, facet_point
+   use lopin_narrow_master, only : has_narrow_part
    use lopin_surface, only : surface_type, new_surface, update_surface
    use lopin_search, only : tree_type, build_tree
    use lopin_mortar_overlap, only : overlap_list_type
@@ -15,6 +16,7 @@ module lopin_mortar_pairs
    use lopin_mortar_overlaps_3d, only : find_overlaps_3d
    use lopin_mortar, only : mortar_coupling_type, couple
    use lopin_model, only : model_type, pair_type, surface_of, kind_of
+   use lopin_wall_depth, only : depths_of_facets
    use lopin_tilting, only : rows_needed
    implicit none
    private
@@ -37,7 +39,7 @@ contains
    end function is_mortar
 
    !> The coupling of a pair on the shape at the start, its slave in smooth pieces.
-   subroutine couple_pair(self, model, cells, number, tied, slave, side, error)
+   subroutine couple_pair(self, model, cells, number, tied, slave, side, narrow, error)
       type(mortar_coupling_type), intent(out) :: self
       type(model_type), intent(in) :: model
       type(cell_type), intent(in) :: cells(:)
@@ -45,6 +47,7 @@ contains
       logical, intent(in) :: tied
       type(surface_type), intent(out) :: slave
       real(wp), allocatable, intent(out) :: side(:, :)   !! (3, slave%nnode) outward
+      logical, intent(out) :: narrow           !! a part of the master is narrower than a facet
       type(error_type), allocatable, intent(out) :: error
       type(surface_type) :: master
       type(facet_rule_type) :: rules(6)
@@ -53,8 +56,10 @@ contains
       type(cover_type) :: cover
       real(wp), allocatable :: thickness(:), full(:), share(:)
       integer, allocatable :: piece(:)
+      integer :: i
       logical :: axisymmetric
 
+      narrow = .false.
       call shape_of(slave, model, cells, model%pair(number)%slave, error)
       if (allocated(error)) return
       call shape_of(master, model, cells, model%pair(number)%master, error)
@@ -72,26 +77,46 @@ contains
       if (allocated(error)) return
       call new_cover(cover, full, share, tied, rows_needed(model, number))
       call couple(self, rules, slave, master, model%mesh%x, axisymmetric, thickness, list, cover)
+      if (.not. tied) narrow = has_narrow_part(slave, [(facet_area(i), i=1, slave%facets%n)], list, &
+         & cover)
 
    contains
+
+      real(wp) function facet_area(i) result(area)
+         integer, intent(in) :: i
+         real(wp) :: normal(3), own
+         integer :: k
+
+         area = 0.0_wp
+         associate (rule => rules(slave%facets%cell(i)), &
+            & x => model%mesh%x(:, slave%facets%node(:slave%facets%nnode(i), i)))
+            do k = 1, rule%npoint
+               call facet_point(rule, k, x, axisymmetric, normal(:size(x, 1)), own)
+               area = area + thickness(i)*own
+            end do
+         end associate
+      end function facet_area
 
       subroutine find_overlaps(list, error)
          type(overlap_list_type), intent(inout) :: list
          type(error_type), allocatable, intent(out) :: error
          type(mortar_kernel_type) :: kernel
+         real(wp), allocatable :: depth(:)
          real(wp) :: reach
          integer :: lost
 
          reach = norm2(max(maxval(slave%high, 2), maxval(master%high, 2)) &
             & - min(minval(slave%low, 2), minval(master%low, 2)))
+         allocate (depth(slave%facets%n))
+         call depths_of_facets(slave, facing, depth)
          if (model%mesh%ndim == 2) then
             call find_overlaps_2d(slave, side, master, tree, model%mesh%x, axisymmetric, &
-               & thickness, reach, facing, list)
+               & thickness, reach, facing, list, depth)
             return
          end if
          call new_mortar_kernel(kernel, model%mortar_degree)
          call find_overlaps_3d(kernel, slave, side, master, tree, model%mesh%x, reach, facing, &
-            & list, lost)
+            & list, lost, depth)
          if (lost > 0) call raise(error, error_code%deck, 'E0316', 'a point of face S'// &
             & to_text(slave%facets%face(lost))//' of element '// &
             & to_text(model%mesh%element_label(slave%facets%element(lost)))// &

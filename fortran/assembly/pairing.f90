@@ -12,7 +12,8 @@ module lopin_pairing
    use lopin_element_type, only : cells_of_words
    use lopin_surface, only : surface_type, new_surface, update_surface
    use lopin_feature, only : projection_type, limits_type
-   use lopin_search, only : tree_type, build_tree, find_projections
+   use lopin_search, only : tree_type, build_tree, find_projection, find_projections
+   use lopin_wall_depth, only : depths_of_nodes
    use lopin_mortar, only : mortar_coupling_type
    use lopin_uneven_pressure, only : warn_of_uneven_pressure
    use lopin_mortar_pairs, only : couple_pair, is_mortar, shape_of
@@ -49,7 +50,7 @@ contains
                self%body(pair) = model%tool(self%tool(pair))%rigid_body
                call pair_with_tool(self, model, pair, slave)
             else if (is_mortar(model, p)) then
-               call pair_by_mortar(self, model, cells, pair, slave, error)
+               call pair_by_mortar(self, model, cells, pair, slave, log, error)
                if (allocated(error)) return
             else
                call pair_with_surface(self, model, cells, pair, slave, log, error)
@@ -86,8 +87,15 @@ contains
       type(projection_type), allocatable :: found(:)
       integer :: i, n, ndim
       type(surface_type) :: shape
+      real(wp) :: depth(size(slave%node))
 
       ndim = model%mesh%ndim
+      depth = huge(1.0_wp)
+      if (model%surface(model%pair(pair)%slave)%kind == surface_of%faces) then
+         call shape_of(shape, model, cells, model%pair(pair)%slave, error)
+         if (allocated(error)) return
+         call depths_of_nodes(shape, model%mesh%x, slave%normal(:ndim, :), facing, depth)
+      end if
       associate (surface => model%surface(model%pair(pair)%master))
          call new_facets(facets, model%mesh, cells, surface%element, surface%face)
       end associate
@@ -101,8 +109,15 @@ contains
       call find_projections(master, tree, model%mesh%x(:, slave%node), slave%normal(:ndim, :), &
          & limits, found)
       do i = 1, size(slave%node)
+         if (found(i)%facet == 0 .or. found(i)%gap >= -depth(i)) cycle
+         limits%depth = depth(i)
+         call find_projection(master, tree, model%mesh%x(:, slave%node(i)), &
+            & slave%normal(:ndim, i), limits, found(i))
+      end do
+      do i = 1, size(slave%node)
          call add_point(self, pair, slave, i)
          n = self%n
+         self%depth(n) = depth(i)
          if (found(i)%facet == 0) cycle
          self%facet(n) = found(i)%facet
          self%xi(:, n) = found(i)%xi
@@ -113,29 +128,34 @@ contains
          self%master(:facets%nnode(found(i)%facet), &
             & n) = facets%node(:facets%nnode(found(i)%facet), found(i)%facet)
       end do
-      if (model%surface(model%pair(pair)%slave)%kind /= surface_of%faces) return
-      call shape_of(shape, model, cells, model%pair(pair)%slave, error)
-      if (.not. allocated(error)) call warn_of_uneven_pressure(model, pair, shape, master, found, &
-         & log)
+      if (model%surface(model%pair(pair)%slave)%kind == surface_of%faces) &
+         & call warn_of_uneven_pressure(model, pair, shape, master, found, log)
    end subroutine pair_with_surface
 
    !> Surface to surface: each slave node meets a weighted mean of the master. A node on a sharp edge
    !> has a point for each of its smooth pieces.
-   subroutine pair_by_mortar(self, model, cells, pair, slave, error)
+   subroutine pair_by_mortar(self, model, cells, pair, slave, log, error)
       type(contact_points_type), intent(inout) :: self
       type(model_type), intent(in) :: model
       type(cell_type), intent(in) :: cells(:)
       integer, intent(in) :: pair
       type(slave_type), intent(in) :: slave
+      type(log_type), intent(inout) :: log
       type(error_type), allocatable, intent(out) :: error
       type(mortar_coupling_type) :: coupling
       type(surface_type) :: shape
       real(wp), allocatable :: side(:, :)
       integer :: i, j, k, m
+      logical :: narrow
 
       call couple_pair(coupling, model, cells, pair, &
-         & pair_is_tied(model, model%pair(pair)), shape, side, error)
+         & pair_is_tied(model, model%pair(pair)), shape, side, narrow, error)
       if (allocated(error)) return
+      if (narrow) call log%say(severity%warning, 'W0336', 'a part of '// &
+         & model%surface(model%pair(pair)%master)%name//' is narrower than the facets of '// &
+         & model%surface(model%pair(pair)%slave)%name//' opposite: force and pressure are those '// &
+         & 'of a coarse facet', model%pair(pair)%at, &
+         & help='a finer mesh there, or the narrow side as slave')
       m = size(self%master, 1)
       do j = 1, coupling%n
          m = max(m, coupling%first(j + 1) - coupling%first(j))

@@ -18,7 +18,7 @@ contains
 
    !> The tree is that of the master's boxes; `reach` bounds the distance along the normals.
    subroutine find_overlaps_2d(slave, normal, master, tree, x, axisymmetric, thickness, reach, &
-      & facing, list)
+      & facing, list, depth)
       type(surface_type), intent(in) :: slave, master
       real(wp), intent(in) :: normal(:, :)        !! (2, slave%nnode) outward unit normals
       type(tree_type), intent(in) :: tree
@@ -28,6 +28,7 @@ contains
       real(wp), intent(in) :: reach               !! [length]
       real(wp), intent(in) :: facing              !! n_slave.n_master must be below this
       type(overlap_list_type), intent(inout) :: list
+      real(wp), intent(in), optional :: depth(:)  !! (slave facets) deeper is no contact [length]
       type(segment_type), allocatable :: segment(:)
       type(dual_type) :: place(2, 3), nu(2, 3), other(2, 3)
       real(wp) :: low(3), high(3), way(3)
@@ -58,6 +59,9 @@ contains
             call integrate_segment(place(:, :n), nu(:, :n), other(:, :m), axisymmetric, &
                & thickness(i), facing, segment(found + 1))
             if (.not. segment(found + 1)%overlaps) cycle
+            if (present(depth)) then
+               if (sum(segment(found + 1)%gap(:n)%v) < -depth(i)*segment(found + 1)%area%v) cycle
+            end if
             found = found + 1
             candidate(found) = candidate(k)
             if (found == size(segment)) exit

@@ -18,7 +18,8 @@ contains
 
    !> The tree is that of the master's boxes. Masters are looked for within the size of the slave
    !> facet first, and as far as `reach` only if those do not cover it.
-   subroutine find_overlaps_3d(kernel, slave, normal, master, tree, x, reach, facing, list, lost)
+   subroutine find_overlaps_3d(kernel, slave, normal, master, tree, x, reach, facing, list, lost, &
+      & depth)
       type(mortar_kernel_type), intent(in) :: kernel
       type(surface_type), intent(in) :: slave, master
       real(wp), intent(in) :: normal(:, :)        !! (3, slave%nnode) outward unit normals
@@ -28,6 +29,7 @@ contains
       real(wp), intent(in) :: facing              !! n_slave.n_master must be below this
       type(overlap_list_type), intent(inout) :: list
       integer, intent(out) :: lost                !! a slave facet with points lost; 0: none
+      real(wp), intent(in), optional :: depth(:)  !! (slave facets) deeper is no contact [length]
       type(mortar_sums_type), allocatable :: found(:)
       integer :: i, pass, n
       real(wp) :: area, far
@@ -38,12 +40,29 @@ contains
          do pass = 1, 2
             far = merge(min(2.0_wp*slave%size(i), reach), reach, pass == 1)
             call overlaps_of_facet(kernel, slave, normal, master, tree, x, far, facing, i, found, n)
+            if (present(depth)) call drop_deep(found, n, depth(i))
             if (sum(found(:n)%area) >= whole*area) exit
          end do
          if (any(found(:n)%nlost > 0)) lost = i
          call take_nearest(found(:n), area, list)
       end do
    end subroutine find_overlaps_3d
+
+   !> Leave out what lies deeper than a wall is thick.
+   pure subroutine drop_deep(found, n, depth)
+      type(mortar_sums_type), intent(inout) :: found(:)
+      integer, intent(inout) :: n
+      real(wp), intent(in) :: depth             !! [length]
+      integer :: k, kept
+
+      kept = 0
+      do k = 1, n
+         if (sum(found(k)%gap) < -depth*found(k)%area) cycle
+         kept = kept + 1
+         if (kept < k) found(kept) = found(k)
+      end do
+      n = kept
+   end subroutine drop_deep
 
    !> Area of a slave facet in the planes of its pieces: its overlap with its own other side.
    function seen_area(kernel, slave, normal, x, i) result(area)

@@ -190,6 +190,12 @@ contains
          & 'are right.', &
          & 'TYPE=SURFACE TO SURFACE is exact there; or take the softer side, with facets at '// &
          & 'most half as long, as the slave.')
+      call add_explanation(list, 'W0336', 'a part of the master is narrower than a slave facet', &
+         & 'Surface to surface spreads what a narrow punch or rib carries over the functions of '// &
+         & 'the slave''s nodes: narrower than one facet it presses the whole facet, and the '// &
+         & 'force may be a quarter to two thirds too large.', &
+         & 'make the slave''s facets there at most as long as the master is wide, or exchange '// &
+         & 'slave and master.')
       call add_explanation(list, 'N0334', 'a pair at the nodes is carried out surface to surface', &
          & 'Rows at the nodes of second-order faces (C3D10, C3D15, C3D20, CPE8, CAX8, CPE6 ...) do '// &
          & 'not pass on a uniform pressure: corners would carry nothing. TYPE=NODE TO SURFACE '// &
