@@ -1,0 +1,61 @@
+"""The patch test against meshes that do not match, surface to surface: every element word as slave,
+straight and turned, both paths, all four methods, and a limited shear whose moment the sides
+balance."""
+import numpy as np
+import pytest
+from mesh_patches import RATIOS, errors, patch_deck
+from test_verification_tools import WORDS
+
+CASE = "B7 patch test between meshes, surface to surface: "
+PLANE = [w for w in WORDS if not w.startswith(("CAX", "C3D"))]
+SPACE = [w for w in WORDS if w.startswith("C3D")]
+#: What all ratios are solved for on both paths here; the others take turns.
+CHOSEN = ("CPE4", "CPE8")
+
+
+@pytest.fixture
+def run(core):
+    """In memory: with all digits."""
+    return pytest.importorskip("lopin").run
+
+
+def compare(run, sheet, word, path, ratio):
+    result = run(patch_deck(word, path, ratio))
+    worst = errors(result, word, path).max(axis=1)
+    # What slides off the master on the finite path is known to the strain of the blocks.
+    limits = (1e-8, 1e-8, 1e-6 if path else 1e-8)
+    for value, what, limit in zip(worst, ("pressure of a node", "normal force",
+                                          "force of the limited shear"), limits):
+        sheet.compare(CASE + (path.lower() or "condensed") + " path",
+                      f"{word}, {ratio}, 4 methods, straight and turned: {what}", value, 0.0, limit,
+                      "equilibrium", absolute=True)
+    assert result.summary["certificate"]["verdict"] == "PASS"
+    assert np.isfinite(worst).all()
+
+
+@pytest.mark.parametrize("ratio", RATIOS)
+@pytest.mark.parametrize("path", ["", "FINITE"])
+@pytest.mark.parametrize("word", CHOSEN)
+def test_all_ratios(run, sheet, word, path, ratio):
+    compare(run, sheet, word, path, ratio)
+
+
+@pytest.mark.parametrize("path", ["", "FINITE"])
+@pytest.mark.parametrize("word", [w for w in PLANE if w not in CHOSEN])
+def test_every_plane_word(run, sheet, word, path):
+    compare(run, sheet, word, path, "4:7")
+
+
+@pytest.mark.parametrize("word", SPACE)
+def test_every_solid_word(run, sheet, word):
+    compare(run, sheet, word, "", "3:4")
+
+
+@pytest.mark.parametrize("word", ["C3D4", "C3D8", "C3D10"])
+def test_solid_words_on_the_finite_path(run, sheet, word):
+    result = run(patch_deck(word, "FINITE", "1:1", methods=("DIRECT",)))
+    worst = errors(result, word, "FINITE", ("DIRECT",)).max(axis=1)
+    for value, what, limit in zip(worst, ("pressure", "normal force", "limited shear"),
+                                  (1e-8, 1e-8, 1e-6)):
+        sheet.compare(CASE + "finite path", f"{word}, 1:1, straight and turned: {what}", value, 0.0,
+                      limit, "equilibrium", absolute=True)
