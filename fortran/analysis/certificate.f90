@@ -1,6 +1,7 @@
 !> The frozen tests of an accepted increment, each made from what the run computed, not assumed.
 module lopin_certificate
    use lopin_kinds, only : wp
+   use lopin_text, only : to_text
    use lopin_vectors, only : largest
    use lopin_model, only : model_type, method_of
    use lopin_state, only : certificate_type, energy_type
@@ -10,6 +11,7 @@ module lopin_certificate
    use lopin_contact_rows, only : row_forces
    use lopin_scene, only : scene_type
    use lopin_rounding_floor, only : noise_of_places, floor_of_forces, beyond
+   use lopin_judge_mesh, only : judge_corners
    use lopin_methods, only : has_law, obeys_deck
    implicit none
    private
@@ -85,6 +87,7 @@ contains
       passed = max(dot_product(abs(scene%u), abs(forces%load) + abs(forces%pressed) &
          & + abs(forces%internal)), largest(floor)*largest(scene%u)/balance_limit)
       if (passed > 0.0_wp) self%energy = abs(work - 2.0_wp*energy%strain)/passed
+      call judge_corners(self, scene, model)
       call give_verdict(self)
    end subroutine certify
 
@@ -252,6 +255,11 @@ contains
       call hold('estimated pressure error of the penalty', self%pressure_error, penalty_limit, &
          & merge(1, 2, self%obeys))
       call hold('penetration beside the body', self%depth, penalty_limit, 1)
+      if (self%folded == 0) return
+      self%verdict = max(self%verdict, self%fold_level)
+      if (len(self%reason) > 0) self%reason = self%reason//'; '
+      self%reason = self%reason//'a corner of element '//to_text(self%folded)//' is turned inside '// &
+         & 'out, its scaled Jacobian '//short(self%corner)
 
    contains
 

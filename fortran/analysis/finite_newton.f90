@@ -17,6 +17,7 @@ module lopin_finite_newton
    use lopin_predict, only : start_from_accepted
    use lopin_newton_step, only : find_step, take_step, refuse_inverted, coarse
    use lopin_contraction, only : by_old_tangent, look_without_tangent, note_step, gets_nowhere
+   use lopin_judge_mesh, only : folding_at
    use lopin_finite_lagged, only : reads_lagged, renew_lagged
    use lopin_scene, only : scene_type
    implicit none
@@ -146,10 +147,7 @@ contains
          call say_free(scene, model, error)
          return
       end if
-      call raise(error, error_code%not_converged, 'E0510', 'Newton has not converged in '// &
-         & to_text(scene%finite%iterations)//' iterations: residual '// &
-         & to_text(relative(look, reference_of(scene, look)), 3)//' of the largest force', &
-         & model%step(scene%step)%at, help='smaller increments on *STATIC')
+      call say_unsolved(scene, model, look, error)
 
    contains
 
@@ -163,6 +161,23 @@ contains
             & equilibrium)
       end function with_tangent
    end subroutine newton
+
+   !> Newton has not ended; where the mesh folds is said, for that is why.
+   subroutine say_unsolved(scene, model, look, error)
+      type(scene_type), intent(in) :: scene
+      type(model_type), intent(in) :: model
+      type(look_type), intent(in) :: look
+      type(error_type), allocatable, intent(out) :: error
+      character(len=:), allocatable :: fold
+
+      fold = folding_at(scene, model, scene%accepted)
+      if (len(fold) > 0) fold = '; '//fold
+      call raise(error, error_code%not_converged, 'E0510', 'Newton has not converged in '// &
+         & to_text(scene%finite%iterations)//' iterations: residual '// &
+         & to_text(relative(look, reference_of(scene, look)), 3)//' of the largest force'//fold, &
+         & model%step(scene%step)%at, help='smaller increments on *STATIC'// &
+         & trim(merge(', and a mesh that bears the strain', repeat(' ', 34), len(fold) > 0)))
+   end subroutine say_unsolved
 
    !> A tool that leaves goes first, and the body springs back: contact that is about to open would
    !> drag a solid that flows along until it flows the other way.

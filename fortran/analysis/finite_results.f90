@@ -9,6 +9,7 @@ module lopin_finite_results
    use lopin_state, only : certificate_type, energy_type, contact_field_type
    use lopin_constraints, only : reduce, prescribed_part
    use lopin_body_size, only : thinnest
+   use lopin_judge_mesh, only : judge_corners
    use lopin_methods, only : obeys_deck
    use lopin_certificate, only : forces_type, give_verdict
    use lopin_finite_forces, only : forces_about, pressure_about, nil_gap
@@ -66,6 +67,7 @@ contains
       call judge_friction(self, energy, scene)
       call judge_work(self, energy, scene)
       call judge_balance(self, scene, model, forces%pressed)
+      call judge_corners(self, scene, model)
       call give_verdict(self)
    end subroutine certify_finite
 

@@ -1,60 +1,156 @@
-!> Elements that are about to fold, named while the results can still be trusted.
+!> Elements that are folded or about to fold, named while the results can still be trusted.
 module lopin_judge_mesh
    use lopin_kinds, only : wp
+   use lopin_error, only : error_type, error_code, raise
+   use lopin_vectors, only : largest
    use lopin_text, only : to_text
    use lopin_model, only : model_type
    use lopin_corner_shape, only : corners_type, new_corners, worst_corner
+   use lopin_state, only : certificate_type
    use lopin_scene, only : scene_type
    use lopin_say_once, only : say_once
    implicit none
    private
-   public :: judge_mesh
+   public :: judge_mesh, judge_corners, refuse_folded, folding_at
 
    !> Scaled Jacobian at a corner below which it is about to fold, if deformation has taken half.
    real(wp), parameter :: about_to_fold = 0.1_wp, spoiled = 0.5_wp
+   !> Corners that are flat to rounding are not folded.
+   real(wp), parameter :: flat = 1.0e-9_wp
+
+   !> The worst corner of a mesh.
+   type :: fold_type
+      integer :: element = 0, node = 0         !! 0: none
+      real(wp) :: value = 1.0_wp               !! its scaled Jacobian
+   end type fold_type
 
 contains
+
+   !> The corner with the least scaled Jacobian at displacements u, at least below `least`; with
+   !> `worsened`, among those that deformation has spoiled.
+   subroutine find_fold(fold, scene, model, u, least, worsened)
+      type(fold_type), intent(out) :: fold
+      type(scene_type), intent(in) :: scene
+      type(model_type), intent(in) :: model
+      real(wp), intent(in) :: u(:)             !! (ndof) [length]
+      real(wp), intent(in) :: least
+      logical, intent(in) :: worsened
+      type(corners_type) :: corners(size(scene%solids%group))
+      real(wp) :: x(3, 20), value, before
+      integer :: e, a, k, g, corner, first
+
+      do g = 1, size(corners)
+         call new_corners(corners(g), scene%solids%group(g)%element%cell)
+      end do
+      fold%value = least
+      do e = 1, model%mesh%nelement
+         g = scene%solids%which(e)
+         if (g == 0) cycle
+         associate (n => scene%solids%group(g)%element%cell%nnode, ndim => model%mesh%ndim)
+            do a = 1, n
+               associate (i => model%mesh%conn(a, e))
+                  x(:ndim, a) = model%mesh%x(:, i)
+                  do k = 1, ndim
+                     if (scene%dofs%id(k, i) > 0) x(k, a) = x(k, a) + u(scene%dofs%id(k, i))
+                  end do
+               end associate
+            end do
+            call worst_corner(corners(g), x, value, corner)
+            if (.not. value < fold%value) cycle
+            if (worsened) then
+               call worst_corner(corners(g), model%mesh%x(:, model%mesh%conn(:n, e)), before, first)
+               if (.not. value < spoiled*before) cycle
+            end if
+         end associate
+         fold = fold_type(e, model%mesh%conn(corner, e), value)
+      end do
+   end subroutine find_fold
+
+   !> Where a mesh folds, in words; empty if it does not.
+   function folding_at(scene, model, u) result(text)
+      type(scene_type), intent(in) :: scene
+      type(model_type), intent(in) :: model
+      real(wp), intent(in) :: u(:)             !! (ndof) [length]
+      character(len=:), allocatable :: text
+      type(fold_type) :: fold
+
+      text = ''
+      call find_fold(fold, scene, model, u, 2.0_wp*about_to_fold, .true.)
+      if (fold%element == 0) return
+      text = 'element '//to_text(model%mesh%element_label(fold%element))//' folds at node '// &
+         & to_text(model%mesh%node_label(fold%node))//' (scaled Jacobian '// &
+         & to_text(fold%value, 3)//')'
+   end function folding_at
+
+   !> A mesh with a corner that is folded before anything has moved.
+   subroutine refuse_folded(scene, model, error)
+      type(scene_type), intent(inout) :: scene
+      type(model_type), intent(in) :: model
+      type(error_type), allocatable, intent(out) :: error
+      type(fold_type) :: fold
+
+      call find_fold(fold, scene, model, 0.0_wp*scene%u, 1.0_wp, .false.)
+      scene%margin = max(fold%value, 0.0_wp)*shortest_edge(model)
+      if (fold%element == 0 .or. .not. fold%value < -flat) return
+      associate (e => fold%element)
+         call raise(error, error_code%deck, 'E0302', 'element '// &
+            & to_text(model%mesh%element_label(e))//' ('// &
+            & trim(scene%solids%group(scene%solids%which(e))%element%word)// &
+            & ') is folded: at node '//to_text(model%mesh%node_label(fold%node))// &
+            & ' the scaled Jacobian is '//to_text(fold%value, 3), &
+            & help='list its nodes in the order of the element, and keep nodes amid edges near '// &
+            & 'their middles')
+      end associate
+   end subroutine refuse_folded
+
+   !> Shortest distance of corners that follow each other in an element; 0 where they coincide.
+   pure real(wp) function shortest_edge(model) result(shortest)
+      type(model_type), intent(in) :: model
+      integer :: e, a
+
+      shortest = huge(1.0_wp)
+      associate (mesh => model%mesh)
+         do e = 1, mesh%nelement
+            do a = 1, 3
+               if (mesh%conn(a + 1, e) == 0) exit
+               shortest = min(shortest, &
+                  & norm2(mesh%x(:, mesh%conn(a + 1, e)) - mesh%x(:, mesh%conn(a, e))))
+            end do
+         end do
+      end associate
+   end function shortest_edge
+
+   !> The worst corner of the trial state, for the certificate.
+   subroutine judge_corners(self, scene, model)
+      type(certificate_type), intent(inout) :: self
+      type(scene_type), intent(in) :: scene
+      type(model_type), intent(in) :: model
+      type(fold_type) :: fold
+
+      if (4.0_wp*largest(scene%u) < scene%margin) return
+      call find_fold(fold, scene, model, scene%u, -flat, .false.)
+      if (fold%element == 0) return
+      ! Displacements of the small theory do not move the mesh.
+      self%fold_level = merge(2, 1, scene%finite%nlgeom)
+      self%corner = fold%value
+      self%folded = model%mesh%element_label(fold%element)
+   end subroutine judge_corners
 
    !> Warn once a step of the worst corner of the accepted displacements.
    subroutine judge_mesh(scene, model, increment)
       type(scene_type), intent(inout) :: scene
       type(model_type), intent(in) :: model
       integer, intent(in) :: increment
-      type(corners_type) :: corners(size(scene%solids%group))
-      real(wp) :: x(3, 8), least, value, before
-      integer :: e, a, k, worst, node, g, corner
+      type(fold_type) :: fold
 
-      do g = 1, size(corners)
-         call new_corners(corners(g), scene%solids%group(g)%element%cell)
-      end do
-      least = about_to_fold
-      worst = 0
-      node = 0
-      do e = 1, model%mesh%nelement
-         g = scene%solids%which(e)
-         if (g == 0) cycle
-         do a = 1, corners(g)%n
-            associate (i => model%mesh%conn(a, e))
-               do k = 1, model%mesh%ndim
-                  x(k, a) = model%mesh%x(k, i)
-                  if (scene%dofs%id(k, i) > 0) x(k, a) = x(k, a) + scene%u(scene%dofs%id(k, i))
-               end do
-            end associate
-         end do
-         call worst_corner(corners(g), x, value, corner)
-         if (.not. value < least) cycle
-         call worst_corner(corners(g), model%mesh%x(:, model%mesh%conn(:corners(g)%n, e)), before, &
-            & a)
-         if (.not. value < spoiled*before) cycle
-         least = value
-         worst = e
-         node = model%mesh%conn(corner, e)
-      end do
-      if (worst == 0) return
-      call say_once(scene%log, 'W0531', 'element '//to_text(model%mesh%element_label(worst))// &
-         & ' is about to fold at node '//to_text(model%mesh%node_label(node))//' in step '// &
-         & to_text(scene%step)//', increment '//to_text(increment)//': its scaled Jacobian is '// &
-         & to_text(least, 3), model%step(scene%step)%at, &
-         & help='a mesh made for the deformed shape, or finer where the body turns round an edge')
+      call find_fold(fold, scene, model, scene%u, about_to_fold, .true.)
+      if (fold%element == 0) return
+      associate (worst => fold%element, node => fold%node, least => fold%value)
+         call say_once(scene%log, 'W0531', 'element '//to_text(model%mesh%element_label(worst))// &
+            & ' is about to fold at node '//to_text(model%mesh%node_label(node))//' in step '// &
+            & to_text(scene%step)//', increment '//to_text(increment)//': its scaled Jacobian is '// &
+            & to_text(least, 3), model%step(scene%step)%at, &
+            & help='a mesh made for the deformed shape, or finer where the body turns round an edge')
+      end associate
    end subroutine judge_mesh
 end module lopin_judge_mesh

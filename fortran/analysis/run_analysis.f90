@@ -20,6 +20,7 @@ module lopin_run_analysis
    use lopin_after_step, only : judge_step
    use lopin_judge_drift, only : judge_drift
    use lopin_judge_flow, only : judge_flow
+   use lopin_judge_mesh, only : refuse_folded
    use lopin_judge_yield, only : judge_yield
    use lopin_increment, only : progress_type, prepare, say
    use lopin_say_once, only : say_again
@@ -60,6 +61,7 @@ contains
       if (.not. allocated(error)) call begin_all(recorders, model, error, keeper)
       if (.not. allocated(error)) call new_plan(plan, model, error)
       if (.not. allocated(error)) call new_scene(scene, model, error)
+      if (.not. allocated(error)) call refuse_folded(scene, model, error)
       if (.not. allocated(error)) call choose_reach(scene, model)
       if (.not. allocated(error)) call run_steps(scene, model, plan, recorders, summary, log, &
          & error, keeper)

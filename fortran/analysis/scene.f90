@@ -58,6 +58,7 @@ module lopin_scene
       real(wp), allocatable :: u(:)                !! (ndof) trial displacements
       real(wp), allocatable :: accepted(:)   !! (ndof) displacements of the last accepted increment
       real(wp), allocatable :: guess(:)   !! (ndof) those that place the tools that forces move
+      real(wp) :: margin = 0.0_wp   !! displacements below a quarter of it fold no corner [length]
       type(clock_type) :: clock
       type(counter_type) :: counter
       type(log_type) :: log

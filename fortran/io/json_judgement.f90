@@ -64,6 +64,7 @@ contains
          call json%add('action_reaction', c%action_reaction)
          call json%add('energy', c%energy)
          call json%add('support', c%support)
+         call json%add('corner', c%corner)
          call json%close('}')
       end associate
       associate (energy => self%energy)

@@ -2,7 +2,8 @@
 !>
 !> At a corner it is the determinant of the unit vectors along the edges that meet there: 1 at a
 !> right corner, the sine of the angle in 2D, 0 where the corner is flat, negative where it is
-!> folded. It is lost at a corner before the determinant is lost at a Gauss point.
+!> folded. It is lost at a corner before the determinant is lost at a Gauss point. Edges with a node
+!> amid them leave along their tangents.
 module lopin_corner_shape
    use lopin_kinds, only : wp
    use lopin_cells, only : cell_type
@@ -15,6 +16,7 @@ module lopin_corner_shape
       integer :: ndim = 0
       integer :: n = 0                          !! corners; 0: a line
       integer :: end(3, 8) = 0                  !! (ndim, n) other ends of the edges of each corner
+      integer :: middle(3, 8) = 0               !! (ndim, n) nodes amid these edges; 0: none
       real(wp) :: sense(8) = 1.0_wp             !! (n) sign of the determinant in the reference cell
    end type corners_type
 
@@ -39,6 +41,7 @@ contains
             if (.not. any(cell%edge(:, k) == a) .or. m == cell%ndim) cycle
             m = m + 1
             self%end(m, a) = sum(cell%edge(:, k)) - a
+            if (cell%quadratic) self%middle(m, a) = cell%ncorner + k
          end do
          self%sense(a) = sign(1.0_wp, at_corner(self, a, cell%xi(:cell%ndim, :)))
       end do
@@ -47,7 +50,7 @@ contains
    !> The least scaled Jacobian of a cell, in [-1, 1], and its corner; lines have 1.
    pure subroutine worst_of_cell(cell, x, value, corner)
       type(cell_type), intent(in) :: cell
-      real(wp), intent(in) :: x(:, :)        !! (ndim, >= ncorner) coordinates [length]
+      real(wp), intent(in) :: x(:, :)        !! (ndim, nnode) coordinates [length]
       real(wp), intent(out) :: value
       integer, intent(out) :: corner
       type(corners_type) :: corners
@@ -59,7 +62,7 @@ contains
    !> The same where the corners of the cell are known.
    pure subroutine worst_of_corners(self, x, value, corner)
       type(corners_type), intent(in) :: self
-      real(wp), intent(in) :: x(:, :)        !! (ndim, >= ncorner) coordinates [length]
+      real(wp), intent(in) :: x(:, :)        !! (ndim, nnode) coordinates [length]
       real(wp), intent(out) :: value
       integer, intent(out) :: corner
       real(wp) :: here
@@ -89,6 +92,8 @@ contains
       do m = 1, self%ndim
          do k = 1, self%ndim
             e(k, m) = x(k, self%end(m, a)) - x(k, a)
+            if (self%middle(m, a) > 0) e(k, m) = 4.0_wp*x(k, self%middle(m, a)) - 3.0_wp*x(k, a) &
+               & - x(k, self%end(m, a))
          end do
          volume = volume*sqrt(e(1, m)**2 + e(2, m)**2 + e(3, m)**2)
       end do

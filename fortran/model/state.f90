@@ -45,6 +45,9 @@ module lopin_state
       real(wp) :: pressure_error = 0.0_wp    !! estimate for rows that allow penetration
       logical :: obeys = .false.             !! all slopes of contact are the deck's
       real(wp) :: depth = 0.0_wp   !! deepest penetration / thinnest body of its pair, of slopes
+      real(wp) :: corner = 1.0_wp            !! least scaled Jacobian of a corner, if it is folded
+      integer :: folded = 0                  !! label of its element; 0: none
+      integer :: fold_level = 0              !! what that makes of the verdict
       real(wp) :: equilibrium = 0.0_wp       !! largest residual / reference force
       real(wp) :: action_reaction = 0.0_wp   !! |sum of slave and master forces| / sum of |forces|
       real(wp) :: energy = 0.0_wp            !! energy balance, relative
@@ -127,6 +130,9 @@ contains
       call stream%pass(self%pressure_error)
       call stream%pass(self%obeys)
       call stream%pass(self%depth)
+      call stream%pass(self%corner)
+      call stream%pass(self%folded)
+      call stream%pass(self%fold_level)
       call stream%pass(self%equilibrium)
       call stream%pass(self%action_reaction)
       call stream%pass(self%energy)

@@ -1,0 +1,111 @@
+"""A mesh with a corner that is turned inside out never has PASS: it is refused where it comes so, and
+ends the run where the deformation does it, whatever its element."""
+import json
+import os
+import subprocess
+
+import pytest
+
+EXECUTABLE = os.environ.get("LOPIN_EXECUTABLE", "")
+
+pytestmark = pytest.mark.skipif(not EXECUTABLE, reason="LOPIN_EXECUTABLE names no executable")
+
+SQUARE = [(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0)]
+CUBE = SQUARE + [(x, y, 1) for x, y, _ in SQUARE]
+TETRA = [(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1)]
+WEDGE = [(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1), (1, 0, 1), (0, 1, 1)]
+EDGES = {3: [(0, 1), (1, 2), (2, 0)], 4: [(0, 1), (1, 2), (2, 3), (3, 0)],
+         "tetra": [(0, 1), (1, 2), (2, 0), (0, 3), (1, 3), (2, 3)],
+         6: [(0, 1), (1, 2), (2, 0), (3, 4), (4, 5), (5, 3), (0, 3), (1, 4), (2, 5)],
+         8: [(0, 1), (1, 2), (2, 3), (3, 0), (4, 5), (5, 6), (6, 7), (7, 4), (0, 4), (1, 5), (2, 6),
+             (3, 7)]}
+
+
+def cell(word):
+    """Corners of a good cell, and its edges."""
+    if word.startswith("C3D"):
+        corners = {"4": TETRA, "10": TETRA, "6": WEDGE, "15": WEDGE}.get(word[3:].rstrip("RIHM"), CUBE)
+        edges = EDGES["tetra"] if corners is TETRA else EDGES[len(corners)]
+    else:
+        corners = [(x + 1, y, z) for x, y, z in SQUARE[:3 if word[3] in "36" else 4]]
+        edges = EDGES[len(corners)]
+    return [list(map(float, c)) for c in corners], edges
+
+
+def deck(word, spoil, nlgeom=False):
+    x, edges = cell(word)
+    if word.rstrip("RIHM").endswith(("6", "8", "10", "15", "20")) and word.rstrip("RIHM") not in (
+            "C3D6", "C3D8"):
+        x += [[0.5*(p + q) for p, q in zip(x[a], x[b])] for a, b in edges]
+    spoil(x)
+    n = 3 if word.startswith("C3D") else 2
+    nodes = "\n".join(f"{i + 1}, " + ", ".join(map(str, p[:n])) for i, p in enumerate(x))
+    return (f"*NODE, NSET=ALL\n{nodes}\n*ELEMENT, TYPE={word}, ELSET=E\n1, "
+            + ", ".join(str(i + 1) for i in range(len(x))).replace(", 16,", ",\n16,")
+            + "\n*MATERIAL, NAME=M\n*ELASTIC\n1000., 0.3\n*SOLID SECTION, ELSET=E, MATERIAL=M\n1.,\n"
+            + f"*BOUNDARY\n1, 1, {n}\n2, 1, {n}\n3, 1, {n}\n*STEP" + ", NLGEOM"*nlgeom
+            + f"\n*STATIC\n*CLOAD\n{len(x) if n == 3 else 3}, 1, 1e-3\n*END STEP\n")
+
+
+def run(folder, text):
+    (folder/"job.inp").write_text(text)
+    done = subprocess.run([EXECUTABLE, "run", "job.inp", "-o", "out", "--overwrite"], cwd=folder,
+                          capture_output=True, text=True, timeout=60)
+    path = folder/"out/job.json"
+    return done, json.loads(path.read_text()) if path.exists() else {}
+
+
+FIRST = ["CPE4", "CPS4", "CAX4", "CPE4I", "C3D8", "C3D8I"]
+SECOND = ["CPE6", "CPE8", "CPE8R", "CAX6", "CAX8", "CAX8R", "C3D10", "C3D15", "C3D20", "C3D20R"]
+
+
+@pytest.mark.parametrize("nlgeom", [False, True])
+@pytest.mark.parametrize("word", FIRST)
+def test_a_corner_that_is_pushed_in_is_refused(tmp_path, word, nlgeom):
+    def spoil(x):
+        x[-1] = [sum(p[k] for p in x)/len(x) for k in range(3)]
+        low = min(p[0] for p in x[:-1])
+        x[-1] = [low + 0.55, 0.45, 0.45 if len(x) == 8 else 0.0]
+        if len(x) == 8:
+            x[-1] = [0.6, 0.4, 0.6]
+    done, _ = run(tmp_path, deck(word, spoil, nlgeom))
+    assert done.returncode == 1 and "E0302" in done.stderr, done.stderr
+
+
+@pytest.mark.parametrize("nlgeom", [False, True])
+@pytest.mark.parametrize("word", SECOND)
+def test_a_node_amid_an_edge_that_lies_near_its_end_is_refused(tmp_path, word, nlgeom):
+    corners, edges = cell(word)
+
+    def spoil(x):
+        a, b = edges[0]
+        x[len(corners)] = [0.85*p + 0.15*q for p, q in zip(x[a], x[b])]
+    done, _ = run(tmp_path, deck(word, spoil, nlgeom))
+    assert done.returncode == 1 and "E0302" in done.stderr, done.stderr
+
+
+@pytest.mark.parametrize("word", FIRST + SECOND + ["C3D4", "C3D6", "CPE3"])
+def test_good_cells_pass(tmp_path, word):
+    done, summary = run(tmp_path, deck(word, lambda x: None))
+    assert "E0302" not in done.stderr
+    if done.returncode == 0:
+        assert summary["certificate"]["corner"] == 1
+
+
+def squeezed(word, way):
+    """Two cells of a strip; the top middle node is pushed down into the lower half."""
+    return (f"*NODE, NSET=ALL\n1, 0., 0.\n2, 1., 0.\n3, 2., 0.\n4, 0., 1.\n5, 1., 1.\n6, 2., 1.\n"
+            f"*ELEMENT, TYPE={word}, ELSET=E\n1, 1, 2, 5, 4\n2, 2, 3, 6, 5\n*MATERIAL, NAME=M\n"
+            "*ELASTIC\n1000., 0.3\n*SOLID SECTION, ELSET=E, MATERIAL=M\n1.,\n*BOUNDARY\n1, 1, 2\n"
+            "2, 1, 2\n3, 1, 2\n4, 1, 2\n6, 1, 2\n5, 2\n*STEP, NLGEOM, INC=1000\n*STATIC\n0.02, 1., , "
+            f"0.02\n*BOUNDARY\n5, 1, 1, {way}\n*END STEP\n")
+
+
+@pytest.mark.parametrize("word", ["CPE4", "CPE4R", "CPS4"])
+def test_a_corner_that_turns_inside_out_ends_the_run(tmp_path, word):
+    text = squeezed(word, 1.6)
+    done, summary = run(tmp_path, text)
+    if done.returncode == 1 and "E0105" in done.stderr:
+        pytest.skip("no such element")
+    assert done.returncode == 3, done.stderr
+    assert "element 2" in done.stderr
