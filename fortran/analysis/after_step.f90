@@ -91,7 +91,7 @@ contains
       if (.not. scene%finite%in_use) call judge_slip(scene, model)
       if (.not. scene%finite%nlgeom) call judge_elements(scene, model)
       if (scene%finite%nlgeom) call judge_stretch(scene, model)
-      call judge_rigid_bodies(scene, model)
+      if (.not. scene%finite%nlgeom) call judge_rigid_bodies(scene, model)
       call judge_elastic_slip(scene, model)
       if (scene%finite%memory%in_use) call judge_balance(scene, model, energy, seen%lost)
    end subroutine judge_step

@@ -11,6 +11,7 @@ module lopin_finite_forces
    use lopin_rounding_floor, only : beyond
    use lopin_follower_loads, only : add_follower_loads
    use lopin_assemble_finite, only : assemble_finite, bad_element_type
+   use lopin_turning_bodies, only : turn_followers, has_turning, turning_tangents
    use lopin_scene, only : scene_type
    implicit none
    private
@@ -46,6 +47,8 @@ contains
       real(wp), allocatable :: residual(:), reaction(:)
 
       call scene%clock%stop_in(phase%solve)
+      call turn_followers(scene, model, error)
+      if (allocated(error)) return
       look%tangent = with_tangent
       if (.not. allocated(look%internal)) allocate (look%internal(scene%dofs%n), &
          & look%free(scene%constraints%neq))
@@ -61,6 +64,8 @@ contains
          call push_faces(scene, model, with_tangent)
          residual = residual - scene%finite%follower%force
       end if
+      if (with_tangent .and. has_turning(scene, model)) call turning_tangents(scene, model, &
+         & residual, scene%finite%turning)
       call reduce(scene%constraints, residual, look%free)
       allocate (reaction(scene%constraints%nprescribed))
       call prescribed_part(scene%constraints, residual, reaction)

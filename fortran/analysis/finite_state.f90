@@ -3,6 +3,7 @@ module lopin_finite_state
    use lopin_kinds, only : wp
    use lopin_csc, only : csc_type
    use lopin_finite_contact, only : finite_contact_type
+   use lopin_finite_kernel, only : local_matrix_type
    use lopin_finite_system, only : finite_system_type
    use lopin_follower_loading, only : follower_type
    use lopin_contraction, only : contraction_type
@@ -26,6 +27,7 @@ module lopin_finite_state
       real(wp), allocatable :: multiplier(:)   !! (nmultiplier) tractions, global axes [stress]
       real(wp), allocatable :: accepted_multiplier(:)
       real(wp), allocatable :: internal(:)     !! (ndof) forces of the solids [force]
+      type(local_matrix_type), allocatable :: turning(:)   !! tangents of rigid bodies of nodes
       real(wp) :: energy = 0.0_wp              !! strain energy of the solids [force*length]
       real(wp) :: dt = 1.0_wp                  !! time increment [time]
       real(wp), allocatable :: last_motion(:)  !! (ndof) of the last accepted increment [length]

@@ -50,6 +50,7 @@ contains
       allocate (local(n + m))
       local(:n) = scene%finite%contact%local(:n)
       if (m > 0) local(n + 1:) = scene%finite%follower%local
+      if (allocated(scene%finite%turning)) local = [local, scene%finite%turning]
    end subroutine collect_locals
 
    !> The Newton direction for free equations and multipliers.

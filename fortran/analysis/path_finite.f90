@@ -17,6 +17,7 @@ module lopin_path_finite
    use lopin_predict, only : predict, start_from_accepted, coasts, floats
    use lopin_heat, only : heat_to
    use lopin_settled, only : set_floor
+   use lopin_turning_bodies, only : turn_followers
    use lopin_finite_lagged, only : start_lagged
    use lopin_scene, only : scene_type
    implicit none
@@ -45,6 +46,9 @@ contains
       scene%finite%nline = 0
       scene%finite%memory%dt = scene%finite%dt
       call heat_to(scene, model, scene%finite%time)
+      scene%u = scene%accepted
+      call turn_followers(scene, model, error)
+      if (allocated(error)) return
       call set_floor(scene, model)
       call predict(scene, prescribed, v, before, guessed)
       call solve_from(scene, model, f, v, before, prescribed, guessed, .false., error)

@@ -28,6 +28,7 @@ module lopin_build_model
    use lopin_settle_flow, only : settle_flow
    use lopin_settle_friction, only : settle_friction
    use lopin_check_rigid_pairs, only : check_rigid_pairs
+   use lopin_node_areas, only : find_node_areas
    use lopin_check_loads, only : check_loads
    use lopin_check_materials, only : check_materials
    use lopin_check_seams, only : check_seams
@@ -78,6 +79,7 @@ contains
       if (model%log%count_of(severity%error) == 0) call check_rigid_pairs(model)
       if (model%log%count_of(severity%error) == 0) then
          call check_materials(model)
+         call find_node_areas(model)
          call check_loads(model)
          call check_seams(model)
          call check_unused(model, deck)

@@ -82,6 +82,15 @@ contains
          & 'it is written for keeps to it when it is stretched to twice its length or pressed '// &
          & 'to half; rubber has *HYPERELASTIC.', &
          & 'look at the units of loads and modulus; a metal yields first: *PLASTIC.')
+      call add_explanation(list, 'N0318', 'areas of a surface of nodes were found', &
+         & 'Friction whose shear stress has a limit (TAUMAX, TRESCA, CRISTESCU, NORTON-HOFF) '// &
+         & 'needs areas. The nodes of a surface of TYPE=NODE take those of the free faces '// &
+         & 'between them; pressures are stresses then.', &
+         & 'nothing to do; an area behind each node, or a surface of faces, says it in the deck.')
+      call add_explanation(list, 'W0319', 'nodes without an area under a limit of shear', &
+         & 'A surface of TYPE=NODE whose friction has a limit of the shear stress, and no free '// &
+         & 'face has all its nodes in it: each node counts as an area of 1.', &
+         & 'name the faces (TYPE=ELEMENT), or write an area behind each node.')
       call add_explanation(list, 'N0505', 'warnings that held again', &
          & 'A warning about a pair, a material or a step is said once; the note counts in how '// &
          & 'many later increments it held too.', '')

@@ -99,10 +99,10 @@ contains
          & 'answer differs from that of finite strains by as much.', &
          & 'look at units, loads and modulus.')
       call add_explanation(list, 'W0513', 'a rigid body of nodes turns far', &
-         & 'The nodes of *RIGID BODY, NSET= or ELSET= follow their reference node by linear '// &
-         & 'equations, which hold for small rotations: turned by t they stand sqrt(1 + t^2) '// &
-         & 'times too far out.', &
-         & 'prescribe the displacements of the nodes, or use an analytic or STL tool.')
+         & 'Without NLGEOM the nodes of *RIGID BODY, NSET= or ELSET= follow their reference node '// &
+         & 'by linear equations, which hold for small rotations: turned by t they stand '// &
+         & 'sqrt(1 + t^2) times too far out. With NLGEOM they go on circles.', &
+         & 'NLGEOM on *STEP.')
       call add_explanation(list, 'E0513', 'more plastic flow than one increment follows', &
          & 'The return to the yield surface takes the direction of flow at the end of the '// &
          & 'increment. Where the strain of one increment is as large as here, the answer '// &

@@ -8,6 +8,7 @@ module lopin_constraint_rules
    use lopin_text, only : to_text
    use lopin_model, only : model_type, step_type
    use lopin_dofs, only : dofs_type
+   use lopin_rigid_motion, only : slopes_of_rotation
    implicit none
    private
    public :: rule_type, local_axes_type, new_local_axes, new_rules, follower_rule, label_of
@@ -25,16 +26,21 @@ module lopin_constraint_rules
    type :: local_axes_type
       real(wp), allocatable :: axes(:, :, :)   !! (3, 3, nlocal) rows are local axes of a node
       integer, allocatable :: axes_of(:)       !! (nnode) index into axes; 0: global
+      real(wp), allocatable :: turn(:, :)      !! (3, nbody) rotations about which rigid bodies are
+                                               !! linear [rad]
    end type local_axes_type
 
 contains
 
-   subroutine new_local_axes(self, model)
+   subroutine new_local_axes(self, model, turn)
       type(local_axes_type), intent(out) :: self
       type(model_type), intent(in) :: model
+      real(wp), intent(in), optional :: turn(:, :)     !! (3, nbody) [rad]; absent: 0
       integer :: i
 
       allocate (self%axes_of(model%mesh%nnode), source=0)
+      allocate (self%turn(3, size(model%rigid_body)), source=0.0_wp)
+      if (present(turn)) self%turn = turn
       if (allocated(model%transform%node)) then
          self%axes = model%transform%axes
          do i = 1, size(model%transform%node)
@@ -145,13 +151,53 @@ contains
             do axis = 1, ndim
                share = merge(1.0_wp, 0.0_wp, axis == component)
                if (axes > 0) share = local%axes(component, axis, axes)
-               if (share /= 0.0_wp) call follow_along(rule(id), local, dofs, ndim, &
-                  & rigid%reference, &
-                  & arm, axis, share)
+               if (.not. abs(share) > 0.0_wp) cycle
+               if (any(abs(local%turn(:, body)) > 0.0_wp)) then
+                  call follow_turned(rule(id), local, dofs, rigid%reference, &
+                     & share*turned_slopes(arm, ndim, local%turn(:, body), axis))
+               else
+                  call follow_along(rule(id), local, dofs, ndim, rigid%reference, arm, axis, share)
+               end if
             end do
          end do
       end associate
    end subroutine follow
+
+   !> Slopes of a follower's displacement along one global axis by the six dofs of the reference
+   !> node, where the body has turned: u = u_ref + (R - 1)(x - x_ref).
+   pure function turned_slopes(arm, ndim, turn, axis) result(slope)
+      real(wp), intent(in) :: arm(3)           !! x - x_ref at the start [length]
+      integer, intent(in) :: ndim, axis
+      real(wp), intent(in) :: turn(3)          !! rotation vector; in 2D about z [rad]
+      real(wp) :: slope(6), by_turn(3, 3)
+
+      slope = 0.0_wp
+      slope(axis) = 1.0_wp
+      by_turn = slopes_of_rotation(turn, arm)
+      slope(4:) = by_turn(axis, :)
+      if (ndim == 2) slope(3:5) = 0.0_wp
+   end function turned_slopes
+
+   !> Add these slopes to the rule of a follower, in the raw variables of the reference node.
+   subroutine follow_turned(rule, local, dofs, reference, slope)
+      type(rule_type), intent(inout) :: rule
+      type(local_axes_type), intent(in) :: local
+      type(dofs_type), intent(in) :: dofs
+      integer, intent(in) :: reference
+      real(wp), intent(in) :: slope(6)
+      real(wp) :: raw(6)
+      integer :: k
+
+      associate (axes => local%axes_of(reference))
+         raw = slope
+         if (axes > 0) raw(:3) = matmul(local%axes(:, :, axes), slope(:3))
+      end associate
+      do k = 1, 6
+         if (dofs%id(k, reference) == 0 .or. .not. abs(raw(k)) > 0.0_wp) cycle
+         rule%raw = [rule%raw, dofs%id(k, reference)]
+         rule%coefficient = [rule%coefficient, raw(k)]
+      end do
+   end subroutine follow_turned
 
    !> Add the follower's displacement along one global axis, in the raw variables of the reference
    !> node.

@@ -32,16 +32,17 @@ module lopin_constraints
 contains
 
    !> Constraints in force in a step.
-   subroutine new_constraints(self, model, dofs, step, error)
+   subroutine new_constraints(self, model, dofs, step, error, turn)
       type(constraints_type), intent(out) :: self
       type(model_type), intent(in) :: model
       type(dofs_type), intent(in) :: dofs
       type(step_type), intent(in) :: step
       type(error_type), allocatable, intent(out) :: error
+      real(wp), intent(in), optional :: turn(:, :)     !! (3, nbody) of rigid bodies; absent: 0 [rad]
       type(rule_type), allocatable :: rule(:)
 
       self%ndof = dofs%n
-      call new_local_axes(self%local_axes_type, model)
+      call new_local_axes(self%local_axes_type, model, turn)
       call new_rules(rule, self%local_axes_type, model, dofs, step, error)
       if (allocated(error)) return
       self%plain = .not. (any(rule%dependent) .or. any(self%axes_of > 0))

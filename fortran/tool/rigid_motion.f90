@@ -7,7 +7,7 @@ module lopin_rigid_motion
    use lopin_kinds, only : wp
    implicit none
    private
-   public :: rigid_motion_type, new_rigid_motion, rigid_motion, rotation_matrix
+   public :: rigid_motion_type, new_rigid_motion, rigid_motion, rotation_matrix, slopes_of_rotation
 
    type :: rigid_motion_type
       integer :: ndim = 3
@@ -111,4 +111,35 @@ contains
       w = reshape([0.0_wp, v(3), -v(2), -v(3), 0.0_wp, v(1), v(2), -v(1), 0.0_wp], [3, 3])
       matrix = matrix + a*w + b*matmul(w, w)
    end function rotation_matrix
+
+   !> Slopes of R(v) a by the rotation vector v: -R [a] J, J = 1 - (1 - cos t)/t^2 [v]
+   !> + (t - sin t)/t^3 [v]^2, where [a] b = a x b.
+   pure function slopes_of_rotation(v, a) result(slope)
+      real(wp), intent(in) :: v(3)             !! [radian]
+      real(wp), intent(in) :: a(3)
+      real(wp) :: slope(3, 3), j(3, 3), t
+      real(wp), parameter :: small = 1.0e-3_wp
+      integer :: k
+
+      t = norm2(v)
+      if (t > small) then
+         j = -(1.0_wp - cos(t))/t**2*across(v) + (t - sin(t))/t**3*matmul(across(v), across(v))
+      else
+         j = -(0.5_wp - t**2/24.0_wp)*across(v) + (1.0_wp/6.0_wp - t**2/120.0_wp) &
+            & *matmul(across(v), across(v))
+      end if
+      do k = 1, 3
+         j(k, k) = j(k, k) + 1.0_wp
+      end do
+      slope = -matmul(rotation_matrix(v), matmul(across(a), j))
+
+   contains
+
+      !> Matrix of a x.
+      pure function across(b) result(matrix)
+         real(wp), intent(in) :: b(3)
+         real(wp) :: matrix(3, 3)
+         matrix = reshape([0.0_wp, b(3), -b(2), -b(3), 0.0_wp, b(1), b(2), -b(1), 0.0_wp], [3, 3])
+      end function across
+   end function slopes_of_rotation
 end module lopin_rigid_motion

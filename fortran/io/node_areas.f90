@@ -1,0 +1,115 @@
+!> Areas of slave surfaces that are made of nodes, where a law of friction needs them: a limit of the
+!> shear stress is none of the force without one.
+!>
+!> They are those of the free faces whose nodes all belong to the surface. A node without such a face
+!> keeps the area 1, which is said.
+module lopin_node_areas
+   use lopin_kinds, only : wp
+   use lopin_error, only : severity
+   use lopin_text, only : to_text
+   use lopin_cells, only : cell_type
+   use lopin_facets, only : facets_type, facet_rule_type, boundary_facets, new_facet_rules, &
+      & nodal_weights
+   use lopin_element_type, only : cells_of_words
+   use lopin_friction, only : friction_type, law_of
+   use lopin_model, only : model_type, surface_of, kind_of
+   implicit none
+   private
+   public :: find_node_areas
+
+contains
+
+   !> Areas of all slave surfaces of nodes whose friction has a limit of the shear stress.
+   subroutine find_node_areas(model)
+      type(model_type), intent(inout) :: model
+      logical, allocatable :: wanted(:)
+      real(wp), allocatable :: weight(:)
+      integer :: pair, i, lacking
+
+      allocate (wanted(size(model%surface)), source=.false.)
+      do pair = 1, size(model%pair)
+         associate (s => model%pair(pair)%slave)
+            if (s == 0 .or. model%pair(pair)%interaction == 0) cycle
+            if (model%surface(s)%kind /= surface_of%nodes .or. wanted(s)) cycle
+            if (.not. any(model%surface(s)%area <= 0.0_wp)) cycle
+            if (.not. limits_stress(model, model%pair(pair)%interaction)) cycle
+            wanted(s) = .true.
+            call weigh(model, model%surface(s)%node, weight)
+            associate (area => model%surface(s)%area, node => model%surface(s)%node)
+               do i = 1, size(node)
+                  if (.not. area(i) > 0.0_wp) area(i) = weight(node(i))
+               end do
+               lacking = count(.not. area > 0.0_wp)
+               if (lacking < size(area)) call model%log%say(severity%note, 'N0318', &
+                  & 'surface '//model%surface(s)%name//' of nodes stands for an area of '// &
+                  & to_text(sum(area), 4)//', found from the free faces between its nodes: its '// &
+                  & 'friction has a limit of the shear stress', model%surface(s)%at)
+               if (lacking > 0) call model%log%say(severity%warning, 'W0319', to_text(lacking)// &
+                  & ' nodes of surface '//model%surface(s)%name//' (TYPE=NODE) have no area, and '// &
+                  & 'lie on no free face within it: the limit of their shear is taken as a force', &
+                  & model%surface(s)%at, help='a surface of faces, or an area behind each node')
+            end associate
+         end associate
+      end do
+   end subroutine find_node_areas
+
+   !> The friction of an interaction, at the start or changed by a step, has a limit of its own.
+   pure logical function limits_stress(model, interaction) result(limits)
+      type(model_type), intent(in) :: model
+      integer, intent(in) :: interaction
+      integer :: s, i
+
+      limits = has_limit(model%interaction(interaction)%friction)
+      do s = 1, size(model%step)
+         if (.not. allocated(model%step(s)%friction_change)) cycle
+         do i = 1, size(model%step(s)%friction_change)
+            associate (change => model%step(s)%friction_change(i))
+               if (change%interaction == interaction) limits = limits .or. has_limit(change%friction)
+            end associate
+         end do
+      end do
+   end function limits_stress
+
+   pure logical function has_limit(law)
+      type(friction_type), intent(in) :: law
+      has_limit = law%tau_max < huge(1.0_wp) .or. any(law%law == [law_of%tresca, law_of%orowan, &
+         & law_of%cristescu, law_of%norton_hoff])
+   end function has_limit
+
+   !> Areas of the mesh's nodes by the free faces whose nodes are all in a list; zero elsewhere.
+   subroutine weigh(model, node, weight)
+      type(model_type), intent(in) :: model
+      integer, intent(in) :: node(:)
+      real(wp), allocatable, intent(out) :: weight(:)
+      type(cell_type), allocatable :: cells(:)
+      type(facets_type) :: free, facets
+      type(facet_rule_type) :: rules(6)
+      logical, allocatable :: shared(:), within(:)
+      logical :: member(model%mesh%nnode), axisymmetric
+      real(wp), allocatable :: thickness(:)
+      integer :: i
+
+      axisymmetric = model%kind == kind_of%axisymmetric
+      member = .false.
+      member(node) = .true.
+      call cells_of_words(model%element_word, cells)
+      call boundary_facets(free, model%mesh, cells, pack([(i, i=1, model%mesh%nelement)], &
+         & model%mesh%section > 0), axisymmetric, shared)
+      allocate (within(free%n))
+      do i = 1, free%n
+         within(i) = all(member(free%node(:free%nnode(i), i)))
+      end do
+      facets%n = count(within)
+      facets%element = pack(free%element, within)
+      facets%cell = pack(free%cell, within)
+      facets%nnode = pack(free%nnode, within)
+      allocate (facets%node(8, facets%n))
+      facets%node = free%node(:, pack([(i, i=1, free%n)], within))
+      allocate (weight(model%mesh%nnode), thickness(facets%n))
+      thickness = 1.0_wp
+      if (model%kind == kind_of%plane_strain .or. model%kind == kind_of%plane_stress) thickness(:) = &
+         & [(model%section(model%mesh%section(facets%element(i)))%thickness, i=1, facets%n)]
+      call new_facet_rules(rules)
+      call nodal_weights(facets, rules, model%mesh%x, axisymmetric, thickness, weight)
+   end subroutine weigh
+end module lopin_node_areas
