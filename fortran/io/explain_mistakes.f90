@@ -87,10 +87,6 @@ contains
          & 'needs areas. The nodes of a surface of TYPE=NODE take those of the free faces '// &
          & 'between them; pressures are stresses then.', &
          & 'nothing to do; an area behind each node, or a surface of faces, says it in the deck.')
-      call add_explanation(list, 'W0319', 'nodes without an area under a limit of shear', &
-         & 'A surface of TYPE=NODE whose friction has a limit of the shear stress, and no free '// &
-         & 'face has all its nodes in it: each node counts as an area of 1.', &
-         & 'name the faces (TYPE=ELEMENT), or write an area behind each node.')
       call add_explanation(list, 'N0505', 'warnings that held again', &
          & 'A warning about a pair, a material or a step is said once; the note counts in how '// &
          & 'many later increments it held too.', '')

@@ -1,8 +1,8 @@
 !> Areas of slave surfaces that are made of nodes, where a law of friction needs them: a limit of the
 !> shear stress is none of the force without one.
 !>
-!> They are those of the free faces whose nodes all belong to the surface. A node without such a face
-!> keeps the area 1, which is said.
+!> They are those of the free faces whose nodes all belong to the surface. Nodes without such a face
+!> keep none, of which lopin_check_options warns.
 module lopin_node_areas
    use lopin_kinds, only : wp
    use lopin_error, only : severity
@@ -44,10 +44,6 @@ contains
                   & 'surface '//model%surface(s)%name//' of nodes stands for an area of '// &
                   & to_text(sum(area), 4)//', found from the free faces between its nodes: its '// &
                   & 'friction has a limit of the shear stress', model%surface(s)%at)
-               if (lacking > 0) call model%log%say(severity%warning, 'W0319', to_text(lacking)// &
-                  & ' nodes of surface '//model%surface(s)%name//' (TYPE=NODE) have no area, and '// &
-                  & 'lie on no free face within it: the limit of their shear is taken as a force', &
-                  & model%surface(s)%at, help='a surface of faces, or an area behind each node')
             end associate
          end associate
       end do

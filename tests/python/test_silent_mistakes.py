@@ -474,14 +474,17 @@ def test_two_tools_may_have_one_reference_node(tmp_path):
     ("*FRICTION, LAW=TRESCA\n0.5\n", True), ("*FRICTION, TAUMAX=10.\n0.3\n", True),
     ("*FRICTION\n0.3\n", False), ("*FRICTION, ROUGH\n", False)])
 def test_a_bound_of_the_shear_stress_needs_areas(friction, warns, tmp_path):
-    nodes = "*SURFACE, NAME=DOTS, TYPE=NODE\n7, {0}\n8, {0}\n9, {0}\n"
+    nodes = "*SURFACE, NAME=DOTS, TYPE=NODE\n7, {0}\n9, {0}\n"    # no face between them
     contact = pair("", friction).replace("TOP, TOOL", "DOTS, TOOL")
     steel = material("*PLASTIC, ONLY=FRICTION", "250.")
     text = deck(mesh=PARTS["mesh"] + nodes.format(""), pair=contact, material=steel)
     run = lopin("check", text, tmp_path)
     assert run.returncode == 0 and len(said(run, "W0307")) == warns, run.stderr
-    text = deck(mesh=PARTS["mesh"] + nodes.format(3.3), pair=contact, material=steel)
-    assert not said(lopin("check", text, tmp_path), "W0307")
+    for good in (nodes.format(3.3), nodes.format("") + "8,\n"):
+        text = deck(mesh=PARTS["mesh"] + good, pair=contact, material=steel)
+        run = lopin("check", text, tmp_path)
+        assert not said(run, "W0307")
+        assert len(said(run, "N0318")) == (warns and good.endswith("8,\n"))
 
 
 def test_pressures_on_the_faces_of_a_body_say_nothing(tmp_path):
