@@ -53,6 +53,7 @@ contains
       last = huge(1.0_wp)
       scene%finite%history = [real(wp) ::]
       scene%finite%contact%noted = merge(scene%finite%contact%ahead, 0.0_wp, guessed)
+      if (scene%bodies%nq > 0 .and. loop == 0) scene%finite%contact%grip%clings = .true.
       call look_at(scene, model, f, .true., look, error)
       scene%finite%contact%noted = 0.0_wp
       if (allocated(error)) return

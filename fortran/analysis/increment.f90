@@ -36,6 +36,7 @@ module lopin_increment
    use lopin_after_step, only : seen_type, look_at_pairs
    use lopin_say_once, only : say_once
    use lopin_refuse_passage, only : refuse_passage
+   use lopin_refuse_jump, only : refuse_jump
    use lopin_small_theory, only : pair_that_slid
    implicit none
    private
@@ -92,6 +93,7 @@ contains
       call solve_within_reach(scene, model, plan, progress%f, prescribed, recorders, summary, error)
       call say_iterations(recorders, scene, frame)
       if (.not. allocated(error)) call refuse_passage(scene, model, error)
+      if (.not. allocated(error)) call refuse_jump(scene, model, prescribed, error)
       if (allocated(error)) return
       call scene%clock%stop_in(phase%search)
       if (.not. scene%finite%in_use) then

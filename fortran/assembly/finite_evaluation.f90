@@ -82,8 +82,9 @@ contains
             & call note_owner(self%masters%owner, i, self%opposite(i)%found, self%opposite(i)%kept)
       end do
       call estimate_softness(self)
-      ! Touching counts as closed where Newton starts, and no longer.
+      ! Touching counts as closed where Newton starts, and no longer; so does the limit as sticking.
       self%grip%grazing = 0.0_wp
+      self%grip%clings = .false.
    end subroutine evaluate
 
    !> What lies opposite all points now.

@@ -36,6 +36,9 @@ module lopin_contact_traction
    end type statuses
    type(statuses), parameter :: grip_status = statuses()
 
+   !> Shears this near to the limit, beside it, are at it.
+   real(wp), parameter :: at_limit = 1.0e-6_wp
+
    !> The enforcement at one point.
    type :: grip_type
       integer :: kind = 1                          !! grip_kind%...
@@ -48,6 +51,8 @@ module lopin_contact_traction
       real(wp) :: yield = 0.0_wp                   !! of the slave; 0: unknown [stress]
       real(wp) :: grazing = 0.0_wp   !! trial pressures down to minus this count as closed: a point
                                      !! that just touches holds a body that nothing else holds
+      logical :: clings = .false.   !! at the limit of sticking counts as sticking: so a body that
+                                    !! only friction holds starts an increment
       real(wp) :: committed(3) = 0.0_wp           !! traction at the start of the increment [stress]
       real(wp) :: frozen(3) = 0.0_wp               !! augmented: multiplier [stress]
       real(wp) :: approach(3) = 0.0_wp   !! motion along the master before it touched, no slip
@@ -255,6 +260,10 @@ contains
          end if
       else
          call return_to_disc(friction, magnitude%v, grip%ct, p%v, at, f%v, slope, slope_p, slips)
+         if (grip%clings .and. magnitude%v <= (1.0_wp + at_limit)*f%v) then
+            slips = .false.
+            f%v = magnitude%v
+         end if
          if (slips) status = grip_status%slip
          t = trial
          if (f%v >= magnitude%v) then

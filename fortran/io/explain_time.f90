@@ -27,6 +27,13 @@ contains
          & 'through its master, as across the corner of a tool, and it meets the master again '// &
          & 'at the end. What lay between was not followed.', &
          & 'smaller increments on *STATIC.')
+      call add_explanation(list, 'E0551', 'a body that friction holds jumps', &
+         & 'Nothing but friction holds the body, all its points slipped in an iteration, and the '// &
+         & 'balance that Newton found lies far from where the body was: several times farther '// &
+         & 'than anything is prescribed to move. Friction knows nothing of such a way. '// &
+         & 'Increments that may be cut are; otherwise the run stops.', &
+         & 'smaller increments on *STATIC; more friction, if it is too little to hold the body; '// &
+         & 'or hold the motion by *BOUNDARY.')
       call add_explanation(list, 'N0551', 'an increment was cut before a body passed another', &
          & 'The motion of the increment would have jumped over a body or a tool (see E0550). '// &
          & 'It was cut, and contact is met on the way.', &
