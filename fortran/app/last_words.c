@@ -82,7 +82,7 @@ void *__wrap_realloc(void *old, size_t n)
 }
 
 /* Compiled code calls this where an array's size overflows or its memory is refused. */
-void _gfortran_os_error_at(const char *where, const char *format, ...)
+__attribute__((weak)) void _gfortran_os_error_at(const char *where, const char *format, ...)
 {
     (void)where;
     (void)format;

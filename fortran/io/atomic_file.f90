@@ -150,13 +150,13 @@ contains
       call file_kind(path, kind, length)
       if (kind /= 0) return
       start = ''
-      if (file_read(path//c_null_char, start, min(int(length, c_long_long), 128_c_long_long)) /= 0) &
-         & return
+      length = min(length, len(start, kind=int64))
+      if (file_read(path//c_null_char, start, int(length, c_long_long)) /= 0) return
       is_foreign = index(start, written_mark) == 0
    end function is_foreign
 
-   !> Begin a new log beside its place with its first lines. A log that goes on is left as it is until
-   !> `keep` says how far it counts.
+   !> Begin a new log beside its place with its first lines. A log that goes on is left as it is
+   !> until `keep` says how far it counts.
    subroutine open_log(self, path, header, error, goes_on)
       class(log_file_type), intent(inout) :: self
       character(len=*), intent(in) :: path
