@@ -35,6 +35,8 @@ module lopin_checkpoint
       integer :: number = 0                    !! increments accepted
       real(wp) :: time = 0.0_wp                !! of the step, reached [time]
       real(wp) :: increment = 0.0_wp           !! to be tried next [time]
+      real(wp) :: parts_until = 0.0_wp         !! time of the step up to which it goes by parts
+      real(wp) :: part = 0.0_wp                !! of an increment in which contact began [time]
       logical :: at_end = .false.              !! the last increment of the step is accepted
       type(energy_type) :: energy              !! of the last increment
    end type march_type
@@ -177,6 +179,8 @@ contains
       call stream%pass(self%number)
       call stream%pass(self%time)
       call stream%pass(self%increment)
+      call stream%pass(self%parts_until)
+      call stream%pass(self%part)
       call stream%pass(self%at_end)
       call keep_energy(self%energy, stream)
       call stream%pass(self%loading%start)

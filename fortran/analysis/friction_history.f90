@@ -31,6 +31,7 @@ contains
          new%gap = scene%answer%gap
          new%q = scene%answer%q
          s%slid = 0.0_wp
+         s%touch = 0.0_wp
          s%stored = 0.0_wp
          s%gained = 0.0_wp
          slack = 0.0_wp
@@ -45,6 +46,7 @@ contains
             new%anchor(:, i) = 0.0_wp
             new%speed(i) = 0.0_wp
             if (friction%status(k) == 0) cycle
+            s%touch(i) = points%touch(k)
             associate (from => points%tangent(k), to => points%tangent(k) + points%nt - 1)
                press = max(scene%answer%force(points%normal(k)), 0.0_wp)
                elastic = -elastic_compliance(points, k, press)*scene%answer%force(from:to)

@@ -37,6 +37,7 @@ module lopin_increment
    use lopin_say_once, only : say_once
    use lopin_refuse_passage, only : refuse_passage
    use lopin_refuse_jump, only : refuse_jump
+   use lopin_touch_order, only : judge_order
    use lopin_small_theory, only : pair_that_slid
    implicit none
    private
@@ -94,6 +95,8 @@ contains
       call say_iterations(recorders, scene, frame)
       if (.not. allocated(error)) call refuse_passage(scene, model, error)
       if (.not. allocated(error)) call refuse_jump(scene, model, prescribed, error)
+      if (.not. allocated(error)) call judge_order(scene, model, model%step(scene%step)%direct, &
+         & error)
       if (allocated(error)) return
       call scene%clock%stop_in(phase%search)
       if (.not. scene%finite%in_use) then

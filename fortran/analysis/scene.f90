@@ -59,6 +59,8 @@ module lopin_scene
       real(wp), allocatable :: accepted(:)   !! (ndof) displacements of the last accepted increment
       real(wp), allocatable :: guess(:)   !! (ndof) those that place the tools that forces move
       real(wp) :: margin = 0.0_wp   !! displacements below a quarter of it fold no corner [length]
+      logical :: may_part = .false.   !! an increment in which contact begins may be cut
+      real(wp) :: first_touch = 0.0_wp   !! share of the increment before it
       type(clock_type) :: clock
       type(counter_type) :: counter
       type(log_type) :: log

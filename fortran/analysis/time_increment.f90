@@ -10,6 +10,7 @@ module lopin_time_increment
    use lopin_turning_points, only : next_turn, same_time
    use lopin_say_once, only : note_once
    use lopin_refuse_passage, only : passage_id
+   use lopin_touch_order, only : order_id, parts_of_touch
    use lopin_scene, only : scene_type
    use lopin_contact_friction, only : slides_with_friction
    use lopin_increment, only : progress_type, solve_increment, reject, say
@@ -45,6 +46,8 @@ contains
          & increment => march%increment)
          frame%attempt = 1
          turn = next_turn(model, plan, step, progress%time, time)
+         if (time < march%parts_until - same_time*step%period) increment = min(increment, &
+            & march%part)
          do
             wanted = increment
             target_time = time + increment
@@ -57,6 +60,9 @@ contains
             frame%total_time = progress%time + target_time
             frame%time_increment = increment
             frame%last_of_step = .not. target_time < step%period
+            scene%may_part = .not. step%direct .and. increment/parts_of_touch >= &
+               & max(step%smallest, smallest*step%period) .and. .not. time < march%parts_until &
+               & - same_time*step%period
             scene%finite%dt = increment
             scene%finite%time = target_time
             call solve_increment(scene, model, plan, march%loading, progress, recorders, &
@@ -65,6 +71,13 @@ contains
             if (frame%certificate%verdict == 2) return
             if (.not. may_cut(plan, scene, step, increment, error)) return
             call reject(scene)
+            if (error%item(1)%id == order_id) then
+               call go_by_parts(march, scene%first_touch, time)
+               call say(recorders, 'step '//to_text(scene%step)//', increment '// &
+                  & to_text(frame%increment)//': by parts, because '//error%item(1)%message)
+               deallocate (error)
+               cycle
+            end if
             call say(recorders, 'step '//to_text(scene%step)//', increment '// &
                & to_text(frame%increment)//', attempt '//to_text(frame%attempt)//': cut to '// &
                & to_text(cut*increment, 4)//', because '//error%item(1)%message)
@@ -86,6 +99,18 @@ contains
          time = target_time
       end associate
    end subroutine advance
+
+   !> The increment ends where contact begins; what is left of it is done in parts.
+   pure subroutine go_by_parts(march, first, time)
+      type(march_type), intent(inout) :: march
+      real(wp), intent(in) :: first            !! share of the increment before the touch
+      real(wp), intent(in) :: time             !! where it begins [time]
+
+      march%parts_until = time + march%increment
+      march%part = (1.0_wp - first)*march%increment/parts_of_touch
+      march%increment = march%part
+      if (first*parts_of_touch > 1.0e-3_wp) march%increment = first*(march%parts_until - time)
+   end subroutine go_by_parts
 
    !> The next increment: larger after few iterations, as long as the metal flows little in it.
    subroutine grow(increment, step, plan, frame, flow)

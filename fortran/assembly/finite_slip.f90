@@ -10,6 +10,9 @@ module lopin_finite_slip
    public :: condition_at, drawn, path_of, dissipated, mean_work_of, held_energy, shear_bound, &
       & speed_of, turn
 
+   !> Share of the increment that rates of slip are at least taken over.
+   real(wp), parameter :: least_left = 0.1_wp
+
 contains
 
    !> What the law of friction reads at a point besides pressure and slip.
@@ -18,9 +21,16 @@ contains
       integer, intent(in) :: i
       type(condition_type) :: at
       at = condition_type(yield=self%yield(i), mises=self%mises(i), &
-         & dt=self%dt*(1.0_wp - self%touch(i)), &
+         & dt=time_of_slip(self, i), &
          & speed=self%speed(i), held=self%grip(i)%bilateral)
    end function condition_at
+
+   !> Time that the slip of the increment took: since the point touched.
+   pure real(wp) function time_of_slip(self, i) result(time)
+      type(finite_contact_type), intent(in) :: self
+      integer, intent(in) :: i
+      time = self%dt*max(1.0_wp - self%touch(i), least_left)
+   end function time_of_slip
 
    !> The slip of the trial state that is not given back: what it is more than elastic slip.
    pure function lost_slip(self, i) result(slip)
@@ -121,7 +131,7 @@ contains
    pure real(wp) function speed_of(self, i) result(speed)
       type(finite_contact_type), intent(in) :: self
       integer, intent(in) :: i
-      speed = norm2(lost_slip(self, i))/(self%dt*(1.0_wp - self%touch(i)))
+      speed = norm2(lost_slip(self, i))/time_of_slip(self, i)
    end function speed_of
 
    pure function along(v, normal) result(t)

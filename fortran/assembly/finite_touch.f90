@@ -14,9 +14,6 @@ module lopin_finite_touch
    private
    public :: start_approach, may_touch, note_approach
 
-   !> Share of the increment that rates of slip are at least taken over.
-   real(wp), parameter :: least_left = 0.1_wp
-
 contains
 
    !> Gaps where the increment begins; every point is taken to touch already.
@@ -59,7 +56,7 @@ contains
          approach = (open - (t%gap + shift))/self%noted
          phi = 0.0_wp
          if (open > 0.0_wp .and. approach > 0.0_wp) phi = min(open/approach, 1.0_wp)
-         self%touch(i) = min(phi, 1.0_wp - least_left)
+         self%touch(i) = phi
          ! What the kernels call slip is counted from the foot: it holds the arm to it.
          arm = self%start_gap(i)*self%start_normal(:, i)
          self%grip(i)%approach = arm + phi/self%noted*(t%slip - (arm - dot_product(arm, &

@@ -29,6 +29,7 @@ module lopin_friction_state
       type(history_type) :: accepted, trial
       real(wp), allocatable :: slid(:, :)       !! (3, npoint) slip of the increment [length]
       real(wp), allocatable :: mises(:), speed(:)   !! (npoint) of the last iteration, read by laws
+      real(wp), allocatable :: touch(:)         !! (npoint) share of the increment before the touch
       real(wp) :: cone_excess = 0.0_wp          !! largest, beside the largest bound [-]
       real(wp) :: misfit = 0.0_wp               !! of tractions and slips, beside the largest force
       real(wp) :: stored = 0.0_wp               !! in elastic stick [force*length]
@@ -48,7 +49,8 @@ contains
             & h%speed(npoint), source=0.0_wp)
          allocate (h%status(npoint), source=0)
       end associate
-      allocate (self%slid(3, npoint), self%mises(npoint), self%speed(npoint), source=0.0_wp)
+      allocate (self%slid(3, npoint), self%mises(npoint), self%speed(npoint), self%touch(npoint), &
+         & source=0.0_wp)
       self%trial = self%accepted
    end subroutine new_friction_state
 

@@ -34,6 +34,17 @@ contains
          & 'Increments that may be cut are; otherwise the run stops.', &
          & 'smaller increments on *STATIC; more friction, if it is too little to hold the body; '// &
          & 'or hold the motion by *BOUNDARY.')
+      call add_explanation(list, 'E0552', 'points touch one after another', &
+         & 'Contact of a pair begins in this increment, its points touch at different times, and '// &
+         & 'the same increment shears them. Friction reads the order. Such an increment ends '// &
+         & 'where contact begins, and the rest is done in five parts; this is told in the log.', &
+         & 'smaller increments on *STATIC.')
+      call add_explanation(list, 'W0551', 'first touch and shear in one increment', &
+         & 'Contact of a pair begins in a DIRECT increment, its points touch at different times, '// &
+         & 'and the same increment shears them. Slip counts from where each point touched, but '// &
+         & 'the pressures of the end stand for all of the way: forces of friction may be off '// &
+         & 'by a tenth or two.', &
+         & 'smaller increments on *STATIC, or leave out DIRECT.')
       call add_explanation(list, 'N0551', 'an increment was cut before a body passed another', &
          & 'The motion of the increment would have jumped over a body or a tool (see E0550). '// &
          & 'It was cut, and contact is met on the way.', &
