@@ -7,7 +7,8 @@ module lopin_checked_file
    private
    public :: file_begin, file_end, file_rename, file_append, file_new_end, file_go_on
    public :: write_all, sync_folder, file_kind, file_is_there, file_read
-   public :: summary_is, summary_failed, cannot_write, reason_of, has_left, is_closed, kind_word, has_shrunk
+   public :: summary_is, summary_failed, cannot_write, reason_of, kind_word
+   public :: has_left, is_closed, has_shrunk
 
    interface
       !> Text to a descriptor; 0 or an errno.
@@ -193,7 +194,7 @@ contains
          help = 'see to the disk, then'
       end select
       call raise(error, error_code%resource, 'E0602', "cannot write '"//path//"': "// &
-         & reason_of(status), help=help//' the same command with --resume goes on from the last '// &
-         & 'checkpoint, if there is one')
+         & reason_of(status), help=help//' the same command with --resume goes on from the '// &
+         & 'last checkpoint, if there is one')
    end subroutine cannot_write
 end module lopin_checked_file

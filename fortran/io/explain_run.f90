@@ -141,8 +141,8 @@ contains
          & 'The folder cannot be made, or holds the unfinished run of another deck.', &
          & 'give another folder with -o, or --overwrite.')
       call add_explanation(list, 'E0602', 'a result file cannot be written', &
-         & 'The message says which and why: a full disk, a quota, a limit of file sizes (ulimit '// &
-         & '-f), rights, a link that is not followed, a device that fails. Every write, sync '// &
+         & 'The message says which and why: a full disk, a quota, a limit of file sizes '// &
+         & '(ulimit -f), rights, a link that is not followed, a device that fails. Every write, sync '// &
          & 'and close is asked how it went. Files that were written are whole up to the '// &
          & 'increment before, and so is the checkpoint.', &
          & 'mend the cause; the same command with --resume then goes on from the checkpoint.')
@@ -156,8 +156,8 @@ contains
          & 'restore what has changed, or run the deck from its beginning, without --resume.')
       call add_explanation(list, 'E0605', 'the run was interrupted', &
          & 'Ctrl-C (SIGINT), SIGTERM, SIGHUP or SIGXCPU: the increment in hand was ended, its '// &
-         & 'results and its checkpoint are written. A second signal ends the run at once; then the last '// &
-         & 'checkpoint counts.', &
+         & 'results and its checkpoint are written. A second signal ends the run at '// &
+         & 'once; then the last checkpoint counts.', &
          & 'the same command with --resume goes on to the bits of a run without interruption.')
       call add_explanation(list, 'E0606', 'a result file is shorter than when the checkpoint '// &
          & 'was written', &

@@ -1,7 +1,7 @@
 !> Names of the parts of an output: what a reader shows, and a word that is safe in a file name.
 !>
-!> Two names that fold to the same word (blanks, letters with accents, small letters on disks that do
-!> not tell them apart) get two files.
+!> Two names that fold to the same word (blanks, letters with accents, small letters on disks that
+!> do not tell them apart) get two files.
 module lopin_part_names
    use lopin_text, only : to_text, upper
    use lopin_recorder_table, only : file_word
