@@ -11,6 +11,7 @@ module lopin_after_step
    use lopin_state, only : energy_type, lost_work, lost_share
    use lopin_say_once, only : say_once
    use lopin_judge_stretch, only : judge_stretch
+   use lopin_narrow_tools, only : judge_narrow_tools
    use lopin_small_theory, only : judge_slip, judge_elements, rotation_limit
    implicit none
    private
@@ -92,6 +93,7 @@ contains
       if (.not. scene%finite%nlgeom) call judge_elements(scene, model)
       if (scene%finite%nlgeom) call judge_stretch(scene, model)
       if (.not. scene%finite%nlgeom) call judge_rigid_bodies(scene, model)
+      call judge_narrow_tools(scene, model)
       call judge_elastic_slip(scene, model)
       if (scene%finite%memory%in_use) call judge_balance(scene, model, energy, seen%lost)
    end subroutine judge_step

@@ -205,6 +205,21 @@ contains
          & 'of corners and of mid-side nodes differs though the load is uniform; the force as a '// &
          & 'whole is right.', &
          & 'linear elements there, or two surfaces that meet each other.')
+      call add_explanation(list, 'W0337', 'a tool is narrower than the facets that it meets', &
+         & 'Rows of contact with a tool sample the gap at the nodes of the slave. A rib, an '// &
+         & 'edge or a radius between them is not seen: it goes into the facet without force. '// &
+         & 'Under one node it counts as a facet laid flat. Looked at where steps end: where '// &
+         & 'the tool is inside a facet whose nodes do not touch it, or deeper by 0.15 of it '// &
+         & 'than at its nodes; and where the tool leaves the plane in which it meets a closed '// &
+         & 'node on both sides within a facet.', &
+         & 'make the facets of the slave finer there: two at least under each rib, edge or '// &
+         & 'radius of the tool.')
+      call add_explanation(list, 'W0338', 'a node ends inside its tool', &
+         & 'The linear paths look from the place of a node at the start to where the tool '// &
+         & 'stands at the end of an increment. Where a tool with a rib, an edge or a recess '// &
+         & 'goes in by more than its features are high, the nearest side may be another one '// &
+         & 'than the side that the node meets: its row then lets it into the tool.', &
+         & '*LOPIN, PATH=FINITE, which follows the slave; or give the tool a shorter way.')
       call add_explanation(list, 'N0331', 'facets of a tool were mended', &
          & 'Facets without area were dropped, or facets were turned because REPAIR asks for it.', &
          & '')

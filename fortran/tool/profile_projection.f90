@@ -85,6 +85,10 @@ contains
          return
       end if
       before = merge(n, after - 1, after == 1)
+      ! Beyond the far end of a wall, as on the top of a rib, the corner behind it is nothing.
+      call project_profile(profile, p, feet(1))
+      if (feet(1)%segment /= before .and. feet(1)%segment /= after &
+         & .and. reach < huge(1.0_wp)) return
       call carrier_foot(profile%segment(before), .true., p, feet(1))
       call carrier_foot(profile%segment(after), .false., p, feet(2))
       feet(1)%segment = before
