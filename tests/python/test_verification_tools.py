@@ -4,7 +4,15 @@ import re
 from pathlib import Path
 
 import pytest
-from tool_patches import bent, errors, is_quadratic, patch_deck, ring_deck, ring_errors
+from tool_patches import (
+    bent,
+    errors,
+    is_quadratic,
+    patch_deck,
+    ring_deck,
+    ring_errors,
+    upset_deck,
+)
 
 SOURCE = Path(__file__).resolve().parents[2]/"fortran"/"element"/"element_type.f90"
 LIST = re.search(r"element_words\(.*?\[(.*?)\]", SOURCE.read_text(encoding="utf-8"), re.DOTALL)[1]
@@ -55,3 +63,23 @@ def test_faces_with_curved_edges(run, sheet, word, path):
     sheet.compare(CASE + (path.lower() or "condensed") + " path",
                   f"{word}, curved edges: pressure of a node", errors(result, word)[0].max(), 0.0,
                   1e-6, "equilibrium", absolute=True)
+
+
+@pytest.fixture(scope="module")
+def forces():
+    """Force of the first word of each stress state."""
+    return {}
+
+
+@pytest.mark.parametrize("word", [w for w in WORDS if not w.startswith("CPS")])
+def test_homogeneous_upsetting_by_30_per_cent(run, sheet, forces, word):
+    result = run(upset_deck(word))
+    column = "TOOL.rf3" if word.startswith("C3D") else "TOOL.rf2"
+    force, pressure = abs(result.history[column][-1]), result.contact(0).last.pressure
+    reference = forces.setdefault(word[:3], force)
+    # Of a solid and of a cylinder: the same stress on 4 and on 4 pi.
+    if word.startswith("CAX") and "C3D" in forces:
+        reference = forces["C3D"]*3.141592653589793
+    sheet.compare("B7 upsetting by 30 %, homogeneous", f"{word}: force", force, reference, 1e-6,
+                  "the first word of the stress state")
+    assert pressure.max() == pytest.approx(pressure.min(), rel=1e-6)

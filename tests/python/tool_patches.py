@@ -243,3 +243,27 @@ def ring_errors(result):
             name = f"{'DPLA'[k//3]}{k % 3}T"
             force.append(abs(abs(result.history[f"{name}.rf2"][-1])/(PRESSURE*4.0*np.pi) - 1.0))
     return np.array([max(pressure), max(force)])
+
+
+def upset_deck(word, increments=6) -> Deck:
+    """A block of metal upset by 30 % between a plane tool and its base, without friction."""
+    mesh, lines = block_of(word), Lines()
+    d = mesh.ndim
+    lines.add("*HEADING", f"Upsetting of {word}", "*MATERIAL, NAME=M", "*ELASTIC", "200000., 0.3",
+              "*PLASTIC", "200., 0.", "400., 2.")
+    lines.mesh(mesh, word, "B")
+    lines.add("*SOLID SECTION, ELSET=BE, MATERIAL=M", *(["1.,"] if word[:2] == "CP" else []))
+    lines.node += 1
+    lines.add("*NODE, NSET=P", f"{lines.node}, {numbers(np.zeros(d))}")
+    if d == 2:
+        lines.add("*SURFACE, NAME=TOOL, TYPE=SEGMENTS", "START, 9., 1.5", "LINE, -9., 1.5")
+    else:
+        lines.add("*SURFACE, NAME=TOOL, TYPE=CYLINDER", "0., 0., 1.5, 1., 0., 1.5", "0., -1., 1.5",
+                  "START, 9., 0.", "LINE, -9., 0.")
+    held = ["BLEFT, 1", f"BBOTTOM, {d}", f"P, 1, {d - 1}"]
+    held += ["P, 6"] if d == 2 else ["BFRONT, 2", "P, 4, 6"]
+    lines.add(f"*RIGID BODY, ANALYTICAL SURFACE=TOOL, REF NODE={lines.node}",
+              "*SURFACE INTERACTION, NAME=I", "*CONTACT PAIR, INTERACTION=I", "BSTOP, TOOL",
+              "*BOUNDARY", *held, "*STEP, NLGEOM, INC=200", "*STATIC", f"{1.0/increments!r}, 1.",
+              "*BOUNDARY", f"P, {d}, {d}, -0.45", "*CONTACT FILE", "CDIS, CSTR", "*END STEP")
+    return Deck.parse("\n".join(lines.text) + "\n", name=f"upset_{word.lower()}")
