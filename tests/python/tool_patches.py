@@ -231,17 +231,20 @@ def ring_deck(word, path) -> Deck:
 
 
 def ring_errors(result):
-    """Worst error of a pressure, and of the force on the two plane tools; relative. A penalty is
-    soft in the bore: there its pressures are compared with their mean."""
+    """Worst error of a pressure, and of a force; relative. A penalty is soft in the bore: there
+    pressures are compared with their mean. The area of the bore may be that of the end."""
     pressure, force = [], []
     for k in range(12):
-        p = result.contact(k).last.pressure.ravel()
-        soft = k % 3 == 2 and METHODS[k//3] in METHODS[1:3]
-        wanted = p.mean() if soft else YOUNG*0.5e-2 if k % 3 == 2 else PRESSURE
-        pressure.append(np.abs(p/wanted - 1.0).max())
+        contact, method = result.contact(k).last, METHODS[k//3]
+        p, weight = contact.pressure.ravel(), contact["WEIGHT"].ravel()
         if k % 3 < 2:
+            pressure.append(np.abs(p/PRESSURE - 1.0).max())
             name = f"{'DPLA'[k//3]}{k % 3}T"
             force.append(abs(abs(result.history[f"{name}.rf2"][-1])/(PRESSURE*4.0*np.pi) - 1.0))
+        else:
+            pressure.append(np.abs(p/p.mean() - 1.0).max())
+            if method not in METHODS[1:3]:
+                force.append(abs((p*weight).sum()/(YOUNG*0.5e-2*6.0*np.pi) - 1.0))
     return np.array([max(pressure), max(force)])
 
 
