@@ -17,6 +17,9 @@ module lopin_judge_mesh
    real(wp), parameter :: about_to_fold = 0.1_wp, spoiled = 0.5_wp
    !> Corners that are flat to rounding are not folded.
    real(wp), parameter :: flat = 1.0e-9_wp
+   !> A side that has rolled onto a tool makes its corner flat, to the curvature of the tool: no more
+   !> than a warning.
+   real(wp), parameter :: rolled_flat = 1.0e-3_wp
 
    !> The worst corner of a mesh.
    type :: fold_type
@@ -131,7 +134,7 @@ contains
       call find_fold(fold, scene, model, scene%u, -flat, .false.)
       if (fold%element == 0) return
       ! Displacements of the small theory do not move the mesh.
-      self%fold_level = merge(2, 1, scene%finite%nlgeom)
+      self%fold_level = merge(2, 1, scene%finite%nlgeom .and. fold%value < -rolled_flat)
       self%corner = fold%value
       self%folded = model%mesh%element_label(fold%element)
    end subroutine judge_corners
