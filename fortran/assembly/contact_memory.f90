@@ -138,7 +138,8 @@ contains
       logical :: covered
 
       do i = 1, self%n
-         if (self%grip(i)%kind == grip_kind%tied .and. self%anchor(i)%set .and. .not. self%loose(i)) &
+         if (self%grip(i)%kind == grip_kind%tied .and. self%anchor(i)%set &
+            & .and. .not. self%loose(i)) &
             & call tie_to_facet(self, i, self%tied_at)
       end do
       do pair = 1, size(self%mortar)

@@ -14,7 +14,7 @@ contains
       type(cell_type), intent(in) :: cell
       real(wp), intent(in) :: x(:, :)                      !! (ndim, nodes) [length]
       real(wp), intent(out) :: normal(:, :)                !! (ndim, nodes)
-      real(wp), intent(out), optional :: slope(:, :, :)    !! (3, 3 nodes, nodes) in space [1/length]
+      real(wp), intent(out), optional :: slope(:, :, :)    !! (3, 3 nodes, nodes), space [1/length]
       real(wp) :: n(8), dn(2, 8), t(3, 2), v(3), length, across(3, 3)
       integer :: j, k, d, m
 

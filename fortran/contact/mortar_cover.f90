@@ -1,8 +1,8 @@
 !> Which slave nodes have a row of their own, and who takes over the functions of the others.
 !>
 !> A node that the master covers less than its best neighbour has a weak function: as a row of its
-!> own it would keep nodes beside the master at its height (force +15 %, pressures times 3 to 9). Its
-!> function goes in equal parts to the kept nodes of its facets, so that the functions still sum to
+!> own it would keep nodes beside the master at its height (force +15 %, pressures times 3 to 9).
+!> Its function goes in equal parts to the kept nodes of its facets, so that the functions still sum to
 !> one. On a sharp edge a node has a function for every smooth piece: of those that meet masters of
 !> one direction only the piece that faces best has a row, others that face as well join it, and
 !> those that do not give theirs to their piece; masters of another direction get another row.
@@ -79,7 +79,7 @@ contains
       type(surface_type), intent(in) :: slave
       type(overlap_list_type), intent(in) :: list
       real(wp), intent(in) :: weight(:)        !! (slave%nnode) D before any is given away [area]
-      real(wp), intent(in) :: direction(:, :)  !! (3, slave%nnode) mean normal of the master opposite
+      real(wp), intent(in) :: direction(:, :)  !! (3, slave%nnode) mean normal of the master there
       logical, intent(in) :: start             !! of an increment
       integer :: before(size(weight)), i
 

@@ -118,7 +118,8 @@ contains
             self%m_slope(way, j, at(k)) = self%m_slope(way, j, at(k)) + slopes%b(:n, j, k)
             self%side(:, j) = self%side(:, j) + own%b(j, k)*side(:, k)
             do q = 1, 3
-               self%side_slope(q, way, j) = self%side_slope(q, way, j) + side(q, k)*slopes%b(:n, j, k)
+               self%side_slope(q, way, j) = self%side_slope(q, way, j) &
+                  & + side(q, k)*slopes%b(:n, j, k)
             end do
             self%side_slope(:, way(3*ns + 1:), j) = self%side_slope(:, way(3*ns + 1:), j) &
                & + own%b(j, k)*side_slope(:, :, k)

@@ -276,7 +276,8 @@ contains
       ! By the standard basis, in which the segments are.
       if (patch%middle(i) > 0.0_wp) then
          a(3) = patch%middle(i)*(a(1) + a(2)) + (1.0_wp - 2.0_wp*patch%middle(i))*a(3)
-         plain(3) = patch%middle(i)*(plain(1) + plain(2)) + (1.0_wp - 2.0_wp*patch%middle(i))*plain(3)
+         plain(3) = patch%middle(i)*(plain(1) + plain(2)) &
+            & + (1.0_wp - 2.0_wp*patch%middle(i))*plain(3)
       end if
       do c = 1, patch%ncover
          if (patch%over(c) /= i .or. .not. segment(c)%overlaps) cycle

@@ -99,3 +99,19 @@ def test_second_order_faces_are_carried_out_surface_to_surface(solve, tmp_path, 
     assert abs(found/LOAD - 1.0).max() < 1e-8
     said = run(deck, tmp_path)
     assert "N0334" in said and "W0333" not in said
+
+
+def test_second_order_faces_against_themselves_are_warned_of(tmp_path):
+    mesh = mesh_make.block((4.0, 1.0), (4, 1)).quadratic()
+    model = Model("itself", mesh, kind="plane strain")
+    model.section("ALL", Elastic(1e5, 0.3))
+    model.fix("BOTTOM", "x", "y")
+    model.step(nlgeom=True).pressure("RIGHT", 1.0)
+    path = tmp_path/"itself.inp"
+    model.to_deck().write(path)
+    text = path.read_text(encoding="utf-8")
+    pair = "*SURFACE INTERACTION, NAME=I\n*CONTACT PAIR, INTERACTION=I\nTOP\n*STEP"
+    path.write_text(text.replace("*STEP", pair, 1), encoding="utf-8")
+    said = subprocess.run([find_executable(), "check", path], capture_output=True, text=True,
+                          check=False)
+    assert "W0335" in said.stdout + said.stderr
