@@ -9,11 +9,13 @@ import csv
 import sys
 import time
 from collections import Counter
+from dataclasses import fields
 from pathlib import Path
 
 import numpy as np
 
 from .atlas_cells import CLASSES, Cell
+from .atlas_faces import FaceCell
 from .atlas_friction import FrictionMap
 from .atlas_mesh import MeshMap
 from .atlas_penalty import AugmentedMap, PenaltyMap
@@ -34,17 +36,18 @@ def map_of(number: int):
 
 def places(chart, small: bool = False) -> list[Cell]:
     """All cells of a map, not solved yet, in the order of their numbers."""
-    cells = []
+    cells, kind = [], getattr(chart, "cell", Cell)
     for panel in chart.panels:
         x, y = chart.grid(panel, small)
         for level in y:
-            cells += [Cell(len(cells) + k, panel, float(v), float(level)) for k, v in enumerate(x)]
+            cells += [kind(len(cells) + k, panel, float(v), float(level)) for k, v in enumerate(x)]
     return cells
 
 
 def frame_of(chart, cell: Cell) -> Frame:
     """The other frame of a cell: random, but the same for a scene each time."""
-    return Frame.random(np.random.default_rng([chart.number, int(1e3*cell.y)]))
+    rng = np.random.default_rng([chart.number, int(1e3*cell.y)])
+    return chart.frame(rng) if hasattr(chart, "frame") else Frame.random(rng)
 
 
 def measure(chart, small: bool = False) -> list[Cell]:
@@ -52,8 +55,8 @@ def measure(chart, small: bool = False) -> list[Cell]:
     cells, begin = places(chart, small), time.perf_counter()
     for cell in cells:
         first = chart.solve(cell.panel, cell.x, cell.y)
-        cell.kind, cell.error = first.kind, first.error
-        cell.iterations, cell.said = first.iterations, first.said
+        for found in fields(first):
+            setattr(cell, found.name, getattr(first, found.name))
         cell.turned = chart.solve(cell.panel, cell.x, cell.y, frame_of(chart, cell)).kind
     say(f"map {chart.number}: {len(cells)} cells, {time.perf_counter() - begin:.0f} s")
     return cells
@@ -71,14 +74,16 @@ def write_table(cells: list[Cell], path: Path) -> None:
     """All cells as CSV."""
     with whole_file(path) as part, part.open("w", newline="", encoding="utf-8") as file:
         writer = csv.writer(file, lineterminator="\n")
-        writer.writerow(Cell.columns())
+        writer.writerow(cells[0].columns())
         writer.writerows(cell.values() for cell in cells)
 
 
 def read_table(path: Path) -> list[Cell]:
     """The cells of a table, to be drawn again."""
     with path.open(newline="", encoding="utf-8") as file:
-        return [Cell.read(row) for row in csv.DictReader(file)]
+        rows = csv.DictReader(file)
+        kind = FaceCell if "drag" in (rows.fieldnames or ()) else Cell
+        return [kind.read(row) for row in rows]
 
 
 def again(chart, number: int, folder: Path, small: bool = False) -> Path:

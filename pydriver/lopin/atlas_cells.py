@@ -76,6 +76,11 @@ class Outcome:
     said: str = ""
 
 
+def refusal(code: str) -> str:
+    """The class of a run that gave no answer."""
+    return _CODES.get(code, "F5")
+
+
 def outcome(deck: Deck, exact: NDArray, stress: float = 1.0) -> Outcome:
     """Run a deck and judge its pressures, in a unit of stress, beside the exact ones."""
     try:
@@ -83,7 +88,7 @@ def outcome(deck: Deck, exact: NDArray, stress: float = 1.0) -> Outcome:
     except (NotConvergedError, SingularError) as problem:
         result, refused = getattr(problem, "result", None), problem.id
         if refused != "E0504" or result is None:
-            return Outcome(_CODES.get(refused, "F5"), said=refused)
+            return Outcome(refusal(refused), said=refused)
     pressure, weight = pressures(result)
     pressure = pressure/stress
     verdict = result.summary["certificate"]["verdict"]

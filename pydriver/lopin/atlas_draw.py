@@ -18,6 +18,8 @@ LINES = ("-", "--", ":", "-.")
 #: By what F0 cells are coloured: label, value of a cell, range.
 SHADE = {
     "error": (r"F0: $\log_{10}$ of the error", lambda c: np.log10(max(c.error, 1e-16)), (-16, -1)),
+    "faces": (r"F0: $\log_{10}$ of the larger error, pressure or drag",
+              lambda c: np.log10(max(np.nan_to_num(c.drag), c.error, 1e-16)), (-16, -1)),
     "iterations": ("F0: most iterations of an increment", lambda c: c.iterations, (0, 20)),
     "passes": (r"F0: $\log_{10}$ of the passes", lambda c: np.log10(max(c.iterations, 1)),
                (0.0, 3.5)),
@@ -74,9 +76,9 @@ def _panel(ax, chart, panel: str, cells: list[Cell]):
     """One method."""
     x, y = np.unique([c.x for c in cells]), np.unique([c.y for c in cells])
     shade = np.full((len(y), len(x)), np.nan)
-    linear = getattr(chart, "linear", False)
-    ax.set(xscale="log", yscale="linear" if linear else "log", title=panel)
-    borders = edges(x), edges(y, linear)
+    linear, named = getattr(chart, "linear", False), hasattr(chart, "ticks")
+    ax.set(xscale="linear" if named else "log", yscale="linear" if linear else "log", title=panel)
+    borders = edges(x, named), edges(y, linear)
     kinds = np.full(shade.shape, "", dtype=object)
     for cell in cells:
         i, j = np.searchsorted(y, cell.y), np.searchsorted(x, cell.x)
@@ -90,7 +92,10 @@ def _panel(ax, chart, panel: str, cells: list[Cell]):
                           vmax=high, zorder=2, rasterized=True)
     ax.set_xlim(borders[0][0], borders[0][-1])
     ax.set_ylim(borders[1][0], borders[1][-1])
-    if len(x) == 1:
+    if named:
+        ax.set_xticks(x, [chart.ticks[0][round(v)] for v in x], fontsize=7)
+        ax.set_yticks(y, [chart.ticks[1][round(v)] for v in y], fontsize=6.5)
+    elif len(x) == 1:
         ax.set_xticks([], minor=False)
         ax.set_xticks([], minor=True)
     for style, (name, xs, ys) in zip(LINES, chart.theory(panel) if len(x) > 1 else ()):
