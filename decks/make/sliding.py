@@ -177,9 +177,9 @@ A rubber ring of radius 20 mm and thickness 3 mm crushed by {stroke:g} mm: its i
 
 Neo-Hooke, C10 = 0.5 MPa, D1 = 0.02 /MPa, plane strain, half of it, no friction. No closed form: no node
 of the inside passes through the other half, both plates feel the same force, and one layer on the
-other they leave 5 mm of the 6.
+other they leave 5 mm of the 6. At the end a corner of the outside is flat, and the certificate warns of it.
 
-expect: certificate.verdict = PASS
+expect: certificate.verdict = WARN
 expect: history.INNER-INNER.closed > 20
 expect: history.INNER-INNER.max_penetration < 1e-9
 expect: history.PRESS.rf2 = -25.1 +- 2 %

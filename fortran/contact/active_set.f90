@@ -18,6 +18,8 @@ module lopin_active_set
    real(wp), parameter :: set_tolerance = 1.0e-12_wp
    !> Multipliers that move by less of the largest force have settled.
    real(wp), parameter :: settled = 1.0e-10_wp
+   !> Newton on laws of pressure, from the gaps on soft ground.
+   integer, parameter :: most_law_passes = 60
 
    type :: outcomes
       integer :: solved = 0, not_held = 1, cycling = 2, not_augmented = 3, broken = 4
@@ -354,8 +356,8 @@ contains
       type(work_type) :: soft
       type(contact_result_type) :: trial
       real(wp) :: ground(self%nq), q(self%nq), drift(self%nq)
-      integer :: pass, status
-      logical :: stuck, wrong(self%nrow)
+      integer :: pass
+      logical :: stuck
 
       call put_on_ground(self, grounded, ground)
       q = 0.0_wp
@@ -370,17 +372,34 @@ contains
          result%iterations = result%iterations + trial%iterations
          if (stuck) exit
          result%active = trial%active
-         call linearise(self, work, result, by_set=.true.)
-         call self%solve_set(result%active, work%spring, work%compliance, work%springs, &
-            & work%answer, status)
-         if (status == 0) then
-            call find_wrong(self, work, result, wrong)
-            if (.not. any(wrong)) return
-         end if
+         work%answer%gap = soft%answer%gap
+         if (holds_without(self, work, result)) return
          drift = (work%answer%moving + matmul(soft%answer%force, self%c))/ground
          q = q + drift
       end do
       result%q = drift
       result%outcome = outcome%not_held
    end subroutine hold_bodies
+
+   !> The set found on soft ground also holds without: laws of pressure go on from the gaps there.
+   logical function holds_without(self, work, result) result(holds)
+      class(condensed_type), intent(inout) :: self
+      type(work_type), intent(inout) :: work
+      type(contact_result_type), intent(inout) :: result
+      logical :: wrong(self%nrow)
+      integer :: pass, status
+
+      holds = .false.
+      call linearise(self, work, result, by_set=.false.)
+      do pass = 1, most_law_passes
+         call self%solve_set(result%active, work%spring, work%compliance, work%springs, &
+            & work%answer, status)
+         if (status /= 0) return
+         call find_wrong(self, work, result, wrong)
+         if (any(wrong)) return
+         holds = laws_met(self, work, result)
+         if (holds) return
+         call linearise(self, work, result, by_set=.false.)
+      end do
+   end function holds_without
 end module lopin_active_set

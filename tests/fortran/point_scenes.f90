@@ -108,6 +108,7 @@ contains
          self%points%entry = spread(1, 1, n)
          self%points%weight = spread(0.7_wp, 1, n)
          self%points%size = spread(1.0_wp, 1, n)
+         self%points%depth = spread(huge(1.0_wp), 1, n)
          self%points%share = spread(0.0_wp, 1, n)
          self%points%corner = reshape(spread(0, 1, 2*n), [2, n])
       end associate
