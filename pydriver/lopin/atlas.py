@@ -15,7 +15,7 @@ from pathlib import Path
 import numpy as np
 
 from .atlas_cells import CLASSES, Cell
-from .atlas_faces import FaceCell
+from .atlas_faces import FaceCell, FaceMap
 from .atlas_friction import FrictionMap
 from .atlas_mesh import MeshMap
 from .atlas_penalty import AugmentedMap, PenaltyMap
@@ -24,7 +24,8 @@ from .atlas_uzawa import UzawaMap
 from .errors import UsageError
 from .files import whole_file
 
-MAPS = {m.number: m for m in (PenaltyMap(), UzawaMap(), AugmentedMap(), FrictionMap(), MeshMap())}
+MAPS = {m.number: m for m in (PenaltyMap(), UzawaMap(), AugmentedMap(), FrictionMap(), MeshMap(),
+                              FaceMap())}
 
 
 def map_of(number: int):

@@ -1,4 +1,4 @@
-"""Map 10 of the atlas: faces. Element word of the slave by what it meets and by the facets.
+"""Map 15 of the atlas: faces. Element word of the slave by what it meets and by the facets.
 
 A uniform pressure and a uniform shear (see `atlas_blocks`) are what every face must pass on. A cell
 is wrong if any node, or the drag, is off by more than 5 % and no warning speaks of it.
@@ -56,8 +56,8 @@ class FaceOutcome(Outcome):
 class FaceMap:
     """Facets of slave and master by what the slave meets; a panel an element word."""
 
-    number, name = 10, "faces"
-    title = "Map 10: faces; uniform pressure and uniform shear are the exact solution"
+    number, name = 15, "faces"
+    title = "Map 15: faces; uniform pressure and uniform shear are the exact solution"
     labels = ("facets of slave : master", "")
     colour, across, linear, cell = "faces", 3, True, FaceCell
     panels = tuple(WORDS)
