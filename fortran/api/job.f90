@@ -32,6 +32,7 @@ module lopin_job
       logical :: strict = .false.               !! warnings are errors
       logical :: in_memory = .false.            !! the last recorder keeps everything
       logical :: resume = .false.               !! go on from the checkpoint, if there is one
+      logical :: overwrite = .false.            !! replace the unfinished run of another deck
       logical :: interruptible = .false.        !! Ctrl-C in a process that is not ours
    end type job_type
 
@@ -93,10 +94,10 @@ contains
          if (allocated(error)) return
          allocate (checkpoint)
          call new_checkpoint_file(checkpoint, self%folder//'/'//self%stem//'.rst', &
-            & fingerprint_of(deck, model), self%resume, error)
-         if (self%resume .and. .not. allocated(error) .and. .not. allocated(checkpoint%found)) call outcome%log%say( &
-            & severity%note, 'N0604', 'there is no checkpoint in '//self%folder//': the run '// &
-            & 'starts from its beginning')
+            & fingerprint_of(deck, model), deck%source(1)%name, self%resume, self%overwrite, error)
+         if (self%resume .and. .not. allocated(error) .and. .not. allocated(checkpoint%found)) &
+            & call outcome%log%say(severity%note, 'N0604', 'there is no checkpoint in '// &
+            & self%folder//': the run starts from its beginning')
          if (.not. allocated(error)) call new_recorders(outcome%recorder, model, self%folder, &
             & self%stem, error, names_of(deck))
          if (allocated(error)) then

@@ -126,6 +126,8 @@ contains
                job%strict = .true.
             case ('resume')
                job%resume = .true.
+            case ('overwrite')
+               job%overwrite = .true.
             case ('interruptible')
                job%interruptible = .true.
             case default
@@ -133,7 +135,8 @@ contains
             end select
             if (.not. ok) then
                call raise(error, error_code%usage, 'E0801', 'no such option: '//quoted(line), &
-                  & help='options are solver=, threads= (from 1), deterministic, strict and resume')
+                  & help='options are solver=, threads= (from 1), deterministic, strict, resume '// &
+                  & 'and overwrite')
                return
             end if
          end associate

@@ -83,6 +83,7 @@ contains
       job%threads = options%threads
       job%deterministic = options%deterministic
       job%resume = options%resume
+      job%overwrite = options%overwrite
    end subroutine new_job
 
    !> lopin check deck.inp: everything but the solution, the first search of contact included.

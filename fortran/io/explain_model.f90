@@ -261,8 +261,9 @@ contains
          & 'The word of *DLOAD or *DSLOAD is not known, or does not exist in a scene of this '// &
          & 'kind.', &
          & '`lopin doc ''*DLOAD''` lists the words.')
-      call add_explanation(list, 'N0407', 'a node is loaded twice', &
-         & 'Two data lines of one step load the same dof; the forces are added, as in Abaqus.', '')
+      call add_explanation(list, 'N0407', 'a node or a face is loaded twice', &
+         & 'Two data lines of one step load the same dof or face; the loads are added, as in '// &
+         & 'Abaqus. OP=NEW takes away those of earlier steps, not those of its own step.', '')
       call add_explanation(list, 'E0405', 'local axes that cannot be used', &
          & 'The two points of *TRANSFORM must give two different directions.', &
          & 'see `lopin doc ''*TRANSFORM''`.')

@@ -81,3 +81,15 @@ void lopin_lock_give(const char *path, int file)
     if (path[0]) unlink(path);
     close(file);
 }
+
+/* The path of a file from the root, links followed, with its length; 0 where there is no such file
+ * or no room. */
+int lopin_full_path(const char *path, char *full, int n)
+{
+    char *found = realpath(path, NULL);
+    size_t length = found ? strlen(found) : 0;
+    if (length > (size_t)n) length = 0;
+    if (length) memcpy(full, found, length);
+    free(found);
+    return (int)length;
+}

@@ -81,8 +81,8 @@ contains
       call key(table, 'BOUNDARY', 'MS', 'both', &
          & 'Prescribed displacements; dofs 1 to 3 are translations, 4 to 6 rotations of a '// &
          & 'reference node.')
-      call choice(table, 'OP', 'MOD,NEW', 'MOD', 'NEW removes all earlier ones first; the '// &
-         & 'card may be empty.')
+      call choice(table, 'OP', 'MOD,NEW', 'MOD', 'NEW removes what the model part and earlier '// &
+         & 'steps prescribe; the card may be empty.')
       call word(table, 'AMPLITUDE', 'Name of an *AMPLITUDE.')
       call flag(table, 'FIXED', 'Hold the values reached at the end of the step before.')
       call choice(table, 'TYPE', 'DISPLACEMENT,VELOCITY', 'DISPLACEMENT', 'What is prescribed; '// &
@@ -116,8 +116,8 @@ contains
 
       call key(table, 'CLOAD', 'S', 'both', &
          & 'Forces on nodes; axisymmetric: of the full circumference.')
-      call choice(table, 'OP', 'MOD,NEW', 'MOD', 'NEW removes all earlier ones first; the '// &
-         & 'card may be empty.')
+      call choice(table, 'OP', 'MOD,NEW', 'MOD', 'NEW removes those of earlier steps; within a '// &
+         & 'step all cards add up. The card may be empty.')
       call word(table, 'AMPLITUDE', 'Name of an *AMPLITUDE.')
       call later_flag(table, 'FOLLOWER', 'Force that turns with the node.')
       call data_line(table, 'node or node set, dof, value [force]', 'One load a line.')
@@ -126,8 +126,8 @@ contains
 
       call key(table, 'DLOAD', 'S', 'both', 'Loads on elements: pressure on faces, body '// &
          & 'forces, gravity.')
-      call choice(table, 'OP', 'MOD,NEW', 'MOD', 'NEW removes all earlier ones first; the '// &
-         & 'card may be empty.')
+      call choice(table, 'OP', 'MOD,NEW', 'MOD', 'NEW removes those of earlier steps; within a '// &
+         & 'step all cards add up. The card may be empty.')
       call word(table, 'AMPLITUDE', 'Name of an *AMPLITUDE.')
       call data_line(table, 'element or element set, face, pressure [stress]', &
          & 'P1 to P6: pressure on face S1 to S6, positive into the element; it follows the '// &
@@ -140,8 +140,8 @@ contains
       call about(table, 'F')
 
       call key(table, 'DSLOAD', 'S', 'abaqus', 'Loads on surfaces.')
-      call choice(table, 'OP', 'MOD,NEW', 'MOD', 'NEW removes all earlier ones first; the '// &
-         & 'card may be empty.')
+      call choice(table, 'OP', 'MOD,NEW', 'MOD', 'NEW removes those of earlier steps; within a '// &
+         & 'step all cards add up. The card may be empty.')
       call word(table, 'AMPLITUDE', 'Name of an *AMPLITUDE.')
       call choice(table, 'FOLLOWER', 'NO', 'NO', 'Whether the direction turns with the surface.')
       call bare_value(table, 'YES')

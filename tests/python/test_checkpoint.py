@@ -323,6 +323,30 @@ def test_the_checkpoint_of_another_deck_is_refused(bench):
     assert b.run("broken", "--resume")[0] == 0
 
 
+def test_the_unfinished_run_of_another_deck_is_not_replaced(bench):
+    """The same deck, changed since, replaces its own run; a deck of the same name elsewhere does
+    not."""
+    b = bench(billet(steps=(0.01, 0.01)))
+    assert b.kill_after("broken", 4)[0] == -signal.SIGKILL
+    (b.place/"other").mkdir()
+    (b.place/"other"/"job.inp").write_text(billet(steps=(0.02, 0.02)))
+    before = {p.name: p.read_bytes() for p in (b.place/"broken").iterdir()}
+
+    def other(*options):
+        done = subprocess.run([b.executable, "run", "job.inp", "-o", "../broken", *options],
+                              capture_output=True, text=True, cwd=b.place/"other", timeout=120)
+        return done.returncode, done.stderr
+
+    code, said = other()
+    assert code == 5 and "E0601" in said and str(b.place/"job.inp") in said, said
+    assert "--overwrite" in said and said.count("error[") == 1
+    assert {p.name: p.read_bytes() for p in (b.place/"broken").iterdir()} == before
+    assert other("--overwrite")[0] == 0
+    assert b.kill_after("again", 4)[0] == -signal.SIGKILL
+    (b.place/"job.inp").write_text(billet(steps=(0.02, 0.02)))
+    assert b.run("again")[0] == 0, "its own run"
+
+
 def test_a_result_file_that_was_lost_is_named(bench):
     b = bench(billet(steps=(0.01, 0.01)))
     assert b.kill_after("broken", 4)[0] == -signal.SIGKILL
