@@ -287,6 +287,25 @@ def test_memory_that_ends(executable, tmp_path, limit):
         assert codes[0] == 5, "OpenBLAS alone takes 128 MB"
 
 
+@pytest.mark.parametrize("limit", [1, 2, 100, 140])
+def test_memory_that_ends_inside_the_library(core, tmp_path, limit):
+    """`limit` MB beyond what the loaded library takes: an exception, or the end that the executable
+    has, never a crash."""
+    (tmp_path/"job.inp").write_text(brick(12))
+    (tmp_path/"job.py").write_text(
+        "import resource, lopin\n"
+        "lopin.check('job.inp')\n"
+        "used = 4096*int(open('/proc/self/statm').read().split()[0])\n"
+        f"resource.setrlimit(resource.RLIMIT_AS, (used + {limit}*2**20,)*2)\n"
+        "try:\n"
+        "    lopin.run('job.inp')\n"
+        "except lopin.LopinError as problem:\n"
+        "    assert 'E0702' in str(problem), problem\n")
+    done = subprocess.run([sys.executable, "job.py"], cwd=tmp_path, capture_output=True, text=True,
+                          timeout=60, env={**os.environ, "OPENBLAS_NUM_THREADS": "1"})
+    assert done.returncode == 0 or (done.returncode == 5 and "error[E0702]" in done.stderr), done
+
+
 def test_output_that_nobody_reads(bench, disk):
     """A reader who left is no news; a full disk behind standard output is."""
     lopin = bench.executable
