@@ -12,6 +12,7 @@ module lopin_after_step
    use lopin_say_once, only : say_once
    use lopin_judge_stretch, only : judge_stretch
    use lopin_narrow_tools, only : judge_narrow_tools
+   use lopin_narrow_masters, only : judge_narrow_masters
    use lopin_small_theory, only : judge_slip, judge_elements, rotation_limit
    implicit none
    private
@@ -94,6 +95,7 @@ contains
       if (scene%finite%nlgeom) call judge_stretch(scene, model)
       if (.not. scene%finite%nlgeom) call judge_rigid_bodies(scene, model)
       call judge_narrow_tools(scene, model)
+      call judge_narrow_masters(scene, model)
       call judge_elastic_slip(scene, model)
       if (scene%finite%memory%in_use) call judge_balance(scene, model, energy, seen%lost)
    end subroutine judge_step

@@ -220,6 +220,14 @@ contains
          & 'goes in by more than its features are high, the nearest side may be another one '// &
          & 'than the side that the node meets: its row then lets it into the tool.', &
          & '*LOPIN, PATH=FINITE, which follows the slave; or give the tool a shorter way.')
+      call add_explanation(list, 'W0339', 'a master goes into the slave between its nodes', &
+         & 'Rows of contact belong to the nodes of the slave. A rib, a corner or a bulge of a '// &
+         & 'meshed master between them is not seen: it goes into the facet without force, or '// &
+         & 'deeper than the nodes that touch. Looked at where steps end: where the master is '// &
+         & 'inside a facet whose nodes do not touch it, or deeper by 0.15 of it than at its '// &
+         & 'nodes.', &
+         & 'make the facets of the slave at most as long as the master is wide there; or '// &
+         & 'TYPE=SURFACE TO SURFACE; or exchange slave and master.')
       call add_explanation(list, 'N0331', 'facets of a tool were mended', &
          & 'Facets without area were dropped, or facets were turned because REPAIR asks for it.', &
          & '')

@@ -1,0 +1,70 @@
+"""Meshed ribs as masters between the nodes of their slave: met surface to surface, else named."""
+import pytest
+
+from lopin.deck import Deck
+from lopin.mesh_make import block
+
+FACET = 0.25
+
+
+def meshes(kind, width, centre):
+    """A slab whose top is at 0, and a rib that stands on it."""
+    if kind == "CPE4":
+        return (block((3.0, 1.0), (12, 4), origin=(-1.5, -1.0)),
+                block((width, 1.0), (2, 3), origin=(centre - width/2, 0.0)))
+    return (block((3.0, FACET, 1.0), (12, 1, 4), origin=(-1.5, 0.0, -1.0)),
+            block((width, FACET, 1.0), (2, 1, 3), origin=(centre - width/2, 0.0, 0.0)))
+
+
+def ribbed(width, kind, contact, nlgeom, centre=FACET/2, down=0.05):
+    """A stiff rib as master, its flanks in the skin, pressed into facets of a quarter."""
+    text, skin, d = ["*HEADING", "A rib as master"], {}, 2 if kind == "CPE4" else 3
+    for name, mesh, start in zip("AB", meshes(kind, width, centre), (0, 1000)):
+        points = mesh.points.tolist()
+        text += [f"*NODE, NSET=N{name}", *(f"{start + i + 1}, " + ", ".join(map(repr, x))
+                                           for i, x in enumerate(points)),
+                 f"*ELEMENT, TYPE={kind}, ELSET=E{name}"]
+        for _, rows in mesh.blocks:
+            text += [f"{start + i + 1}, " + ", ".join(str(start + n + 1) for n in r)
+                     for i, r in enumerate(rows.tolist())]
+        for side, faces in mesh.surfaces.items():
+            skin[name, side] = [f"{start + e + 1}, S{f}" for e, f in faces.tolist()]
+        held = mesh.point_sets["BOTTOM" if name == "A" else "TOP"].tolist()
+        text += [f"*SOLID SECTION, ELSET=E{name}, MATERIAL=M{name}", "1.,", f"*NSET, NSET=H{name}",
+                 *(f"{start + n + 1}," for n in held)]
+    text += ["*SURFACE, NAME=TOP", *skin["A", "TOP"], "*SURFACE, NAME=RIB",
+             *skin["B", "BOTTOM"], *skin["B", "LEFT"], *skin["B", "RIGHT"],
+             "*MATERIAL, NAME=MA", "*ELASTIC", "1000., 0.3", "*MATERIAL, NAME=MB", "*ELASTIC",
+             "1e6, 0.3", "*SURFACE INTERACTION, NAME=I",
+             f"*CONTACT PAIR, INTERACTION=I, TYPE={contact}", "TOP, RIB", "*BOUNDARY",
+             f"HA, 1, {d}", f"HB, 1, {d}", "*STEP, INC=200" + (", NLGEOM" if nlgeom else ""),
+             "*STATIC", "0.5, 1.", "*BOUNDARY", f"HB, {d}, {d}, {-down!r}", "*NODE PRINT, NSET=HB",
+             "RF", "*END STEP"]
+    return Deck.parse("\n".join(text) + "\n", name="rib")
+
+
+def codes(result):
+    return {w["code"] for w in result.diagnostics}
+
+
+@pytest.mark.parametrize("nlgeom", [False, True])
+@pytest.mark.parametrize("kind", ["CPE4", "C3D8"])
+@pytest.mark.parametrize("width", [0.2, 0.4, 0.6])
+def test_a_rib_between_nodes_is_named(solve, kind, nlgeom, width):
+    result = solve(ribbed(width*FACET, kind, "NODE TO SURFACE", nlgeom))
+    assert "W0339" in codes(result)
+    said = next(w["message"] for w in result.diagnostics if w["code"] == "W0339")
+    assert f"about {width*FACET:.3g} wide" in said and "0.25 long" in said
+
+
+@pytest.mark.parametrize("nlgeom", [False, True])
+@pytest.mark.parametrize("kind", ["CPE4", "C3D8"])
+def test_surface_to_surface_meets_it(solve, kind, nlgeom):
+    result = solve(ribbed(0.4*FACET, kind, "SURFACE TO SURFACE", nlgeom))
+    assert "W0336" in codes(result) and "W0339" not in codes(result)
+
+
+@pytest.mark.parametrize("nlgeom", [False, True])
+def test_a_punch_that_nodes_meet_is_not_named(solve, nlgeom):
+    result = solve(ribbed(4.5*FACET, "CPE4", "NODE TO SURFACE", nlgeom))
+    assert "W0339" not in codes(result)
