@@ -135,8 +135,8 @@ contains
             end select
             if (.not. ok) then
                call raise(error, error_code%usage, 'E0801', 'no such option: '//quoted(line), &
-                  & help='options are solver=, threads= (from 1), deterministic, strict, resume '// &
-                  & 'and overwrite')
+                  & help='options are solver=, threads= (from 1), deterministic, strict, '// &
+                  & 'resume and overwrite')
                return
             end if
          end associate

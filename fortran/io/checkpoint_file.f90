@@ -1,10 +1,10 @@
 !> `job.rst`: the state of a run after an accepted increment, from which `--resume` goes on.
 !>
 !> Six lines (what it is, the version of Lopin, the fingerprints of the deck and of the state, the
-!> number of bytes, the path of the deck), then the bytes of lopin_checkpoint. It is replaced whole, so that there is
-!> always one good state whenever the process dies; a finished run has none. Once a second it is
-!> also on the disk before it takes its name, after the result files whose lengths it holds, which a
-!> power failure asks for and which takes milliseconds.
+!> number of bytes, the path of the deck), then the bytes of lopin_checkpoint. It is replaced whole,
+!> so that there is always one good state whenever the process dies; a finished run has none. Once a
+!> second it is also on the disk before it takes its name, after the result files whose lengths it
+!> holds, which a power failure asks for and which takes milliseconds.
 module lopin_checkpoint_file
    use, intrinsic :: iso_fortran_env, only : int8, int64
    use lopin_kinds, only : wp
@@ -185,8 +185,8 @@ contains
       if (allocated(error)) return
       call sum%add_bytes(stream%bytes(:stream%n))
       call write_atomically(self%path, mark//newline//version//newline//self%deck//newline// &
-         & sum%text()//newline//to_text(stream%n)//newline//self%deck_path//newline, error, stream%bytes(:stream%n), &
-         & lasting=wait)
+         & sum%text()//newline//to_text(stream%n)//newline//self%deck_path//newline, error, &
+         & stream%bytes(:stream%n), lasting=wait)
       if (.not. wait) return
       call system_clock(ready)
       self%next = ready + max(int(between*real(rate, wp), int64), &

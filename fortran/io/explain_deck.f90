@@ -80,10 +80,11 @@ contains
    subroutine places(list)
       type(explanation_type), allocatable, intent(inout) :: list(:)
 
-      call add_explanation(list, 'E0105', 'an included file cannot be read, or there are too many', &
+      call add_explanation(list, 'E0105', &
+         & 'an included file cannot be read, or there are too many', &
          & 'The file of *INCLUDE is looked for beside the file that names it, then beside the '// &
-         & 'deck. A file that includes itself, even through others, would never end. At most 32 '// &
-         & 'files may stand in one another, and at most 1000 in a deck.', &
+         & 'deck. A file that includes itself, even through others, would never end. At most '// &
+         & '32 files may stand in one another, and at most 1000 in a deck.', &
          & 'the message shows the paths that were tried.')
       call add_explanation(list, 'E0107', 'a keyword in the wrong place', &
          & 'Some keywords belong to the model, some to a step, some must follow another '// &

@@ -191,19 +191,19 @@ contains
          & 'TYPE=SURFACE TO SURFACE is exact there; or take the softer side, with facets at '// &
          & 'most half as long, as the slave.')
       call add_explanation(list, 'W0336', 'a part of the master is narrower than a slave facet', &
-         & 'Surface to surface spreads what a narrow punch or rib carries over the functions of '// &
-         & 'the slave''s nodes: narrower than one facet it presses the whole facet, and the '// &
+         & 'Surface to surface spreads what a narrow punch or rib carries over the functions '// &
+         & 'of the slave''s nodes: narrower than one facet it presses the whole facet, and the '// &
          & 'force may be a quarter to two thirds too large.', &
          & 'make the slave''s facets there at most as long as the master is wide, or exchange '// &
          & 'slave and master.')
       call add_explanation(list, 'N0334', 'a pair at the nodes is carried out surface to surface', &
-         & 'Rows at the nodes of second-order faces (C3D10, C3D15, C3D20, CPE8, CAX8, CPE6 ...) do '// &
-         & 'not pass on a uniform pressure: corners would carry nothing. TYPE=NODE TO SURFACE '// &
-         & 'keeps its meaning between linear faces.', '')
+         & 'Rows at the nodes of second-order faces (C3D10, C3D15, C3D20, CPE8, CAX8, CPE6 '// &
+         & '...) do not pass on a uniform pressure: corners would carry nothing. TYPE=NODE TO '// &
+         & 'SURFACE keeps its meaning between linear faces.', '')
       call add_explanation(list, 'W0335', 'second-order faces meet themselves', &
-         & 'Contact of a surface with itself is at its nodes. On second-order faces the pressure '// &
-         & 'of corners and of mid-side nodes differs though the load is uniform; the force as a '// &
-         & 'whole is right.', &
+         & 'Contact of a surface with itself is at its nodes. On second-order faces the '// &
+         & 'pressure of corners and of mid-side nodes differs though the load is uniform; the '// &
+         & 'force as a whole is right.', &
          & 'linear elements there, or two surfaces that meet each other.')
       call add_explanation(list, 'W0337', 'a tool is narrower than the facets that it meets', &
          & 'Rows of contact with a tool sample the gap at the nodes of the slave. A rib, an '// &

@@ -99,8 +99,8 @@ contains
          & 'answer differs from that of finite strains by as much.', &
          & 'look at units, loads and modulus.')
       call add_explanation(list, 'W0513', 'a rigid body of nodes turns far', &
-         & 'Without NLGEOM the nodes of *RIGID BODY, NSET= or ELSET= follow their reference node '// &
-         & 'by linear equations, which hold for small rotations: turned by t they stand '// &
+         & 'Without NLGEOM the nodes of *RIGID BODY, NSET= or ELSET= follow their reference '// &
+         & 'node by linear equations, which hold for small rotations: turned by t they stand '// &
          & 'sqrt(1 + t^2) times too far out. With NLGEOM they go on circles.', &
          & 'NLGEOM on *STEP.')
       call add_explanation(list, 'E0513', 'more plastic flow than one increment follows', &
@@ -142,9 +142,9 @@ contains
          & 'give another folder with -o, or --overwrite.')
       call add_explanation(list, 'E0602', 'a result file cannot be written', &
          & 'The message says which and why: a full disk, a quota, a limit of file sizes '// &
-         & '(ulimit -f), rights, a link that is not followed, a device that fails. Every write, sync '// &
-         & 'and close is asked how it went. Files that were written are whole up to the '// &
-         & 'increment before, and so is the checkpoint.', &
+         & '(ulimit -f), rights, a link that is not followed, a device that fails. Every '// &
+         & 'write, sync and close is asked how it went. Files that were written are whole up '// &
+         & 'to the increment before, and so is the checkpoint.', &
          & 'mend the cause; the same command with --resume then goes on from the checkpoint.')
       call add_explanation(list, 'E0603', 'a file that Lopin did not write is in the way', &
          & 'Lopin never overwrites or removes files of others.', &

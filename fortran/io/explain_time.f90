@@ -16,11 +16,11 @@ contains
          & 'fixed increments go on in their places after it. INC= does not count these.', &
          & 'nothing to do; a scene without history keeps the increments that are given.')
       call add_explanation(list, 'E0550', 'a body passes through another within an increment', &
-         & 'Contact is looked for where bodies and tools stand at the end of an increment. Here '// &
-         & 'a point of the slave was in front of its master at the start, behind it on the way, '// &
-         & 'and at the end the contact knows nothing of it: the motion of the increment jumps '// &
-         & 'over what lies in its way. Increments that may be cut are; with DIRECT, or at the '// &
-         & 'smallest increment, the run stops.', &
+         & 'Contact is looked for where bodies and tools stand at the end of an increment. '// &
+         & 'Here a point of the slave was in front of its master at the start, behind it on '// &
+         & 'the way, and at the end the contact knows nothing of it: the motion of the '// &
+         & 'increment jumps over what lies in its way. Increments that may be cut are; with '// &
+         & 'DIRECT, or at the smallest increment, the run stops.', &
          & 'smaller increments on *STATIC, no longer than half of the thinner body or tool.')
       call add_explanation(list, 'W0550', 'a point went through its master and came out', &
          & 'The straight way of a point between the ends of a DIRECT increment leads deep '// &
@@ -28,22 +28,23 @@ contains
          & 'at the end. What lay between was not followed.', &
          & 'smaller increments on *STATIC.')
       call add_explanation(list, 'E0551', 'a body that friction holds jumps', &
-         & 'Nothing but friction holds the body, all its points slipped in an iteration, and the '// &
-         & 'balance that Newton found lies far from where the body was: several times farther '// &
-         & 'than anything is prescribed to move. Friction knows nothing of such a way. '// &
+         & 'Nothing but friction holds the body, all its points slipped in an iteration, and '// &
+         & 'the balance that Newton found lies far from where the body was: several times '// &
+         & 'farther than anything is prescribed to move. Friction knows nothing of such a way. '// &
          & 'Increments that may be cut are; otherwise the run stops.', &
-         & 'smaller increments on *STATIC; more friction, if it is too little to hold the body; '// &
-         & 'or hold the motion by *BOUNDARY.')
+         & 'smaller increments on *STATIC; more friction, if it is too little to hold the '// &
+         & 'body; or hold the motion by *BOUNDARY.')
       call add_explanation(list, 'E0552', 'points touch one after another', &
-         & 'Contact of a pair begins in this increment, its points touch at different times, and '// &
-         & 'the same increment shears them. Friction reads the order. Such an increment ends '// &
-         & 'where contact begins, and the rest is done in five parts; this is told in the log.', &
+         & 'Contact of a pair begins in this increment, its points touch at different times, '// &
+         & 'and the same increment shears them. Friction reads the order. Such an increment '// &
+         & 'ends where contact begins, and the rest is done in five parts; this is told in the '// &
+         & 'log.', &
          & 'smaller increments on *STATIC.')
       call add_explanation(list, 'W0551', 'first touch and shear in one increment', &
-         & 'Contact of a pair begins in a DIRECT increment, its points touch at different times, '// &
-         & 'and the same increment shears them. Slip counts from where each point touched, but '// &
-         & 'the pressures of the end stand for all of the way: forces of friction may be off '// &
-         & 'by a tenth or two.', &
+         & 'Contact of a pair begins in a DIRECT increment, its points touch at different '// &
+         & 'times, and the same increment shears them. Slip counts from where each point '// &
+         & 'touched, but the pressures of the end stand for all of the way: forces of friction '// &
+         & 'may be off by a tenth or two.', &
          & 'smaller increments on *STATIC, or leave out DIRECT.')
       call add_explanation(list, 'N0551', 'an increment was cut before a body passed another', &
          & 'The motion of the increment would have jumped over a body or a tool (see E0550). '// &

@@ -43,7 +43,8 @@ contains
       call example(table, '*STEP, NAME=PRESS, INC=50|*STATIC|0.1, 1.|*END STEP')
 
       call key(table, 'STATIC', 'S', 'both', 'The step is static; its increments.')
-      call flag(table, 'DIRECT', 'Increments are all the initial one, but for those that end at a '// &
+      call flag(table, 'DIRECT', &
+         & 'Increments are all the initial one, but for those that end at a '// &
          & 'point of an amplitude.')
       call choice(table, 'SOLVER', 'AUTO,CHOLMOD,UMFPACK,SKYLINE,DENSE', 'AUTO', &
          & 'Solver of linear systems.')

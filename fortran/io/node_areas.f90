@@ -1,5 +1,5 @@
-!> Areas of slave surfaces that are made of nodes, where a law of friction needs them: a limit of the
-!> shear stress is none of the force without one.
+!> Areas of slave surfaces that are made of nodes, where a law of friction needs them: a limit of
+!> the shear stress is none of the force without one.
 !>
 !> They are those of the free faces whose nodes all belong to the surface. Nodes without such a face
 !> keep none, of which lopin_check_options warns.
@@ -60,7 +60,8 @@ contains
          if (.not. allocated(model%step(s)%friction_change)) cycle
          do i = 1, size(model%step(s)%friction_change)
             associate (change => model%step(s)%friction_change(i))
-               if (change%interaction == interaction) limits = limits .or. has_limit(change%friction)
+               if (change%interaction == interaction) &
+                  & limits = limits .or. has_limit(change%friction)
             end associate
          end do
       end do
@@ -103,7 +104,7 @@ contains
       facets%node = free%node(:, pack([(i, i=1, free%n)], within))
       allocate (weight(model%mesh%nnode), thickness(facets%n))
       thickness = 1.0_wp
-      if (model%kind == kind_of%plane_strain .or. model%kind == kind_of%plane_stress) thickness(:) = &
+      if (any(model%kind == [kind_of%plane_strain, kind_of%plane_stress])) thickness(:) = &
          & [(model%section(model%mesh%section(facets%element(i)))%thickness, i=1, facets%n)]
       call new_facet_rules(rules)
       call nodal_weights(facets, rules, model%mesh%x, axisymmetric, thickness, weight)

@@ -38,7 +38,7 @@ contains
       type(dofs_type), intent(in) :: dofs
       type(step_type), intent(in) :: step
       type(error_type), allocatable, intent(out) :: error
-      real(wp), intent(in), optional :: turn(:, :)     !! (3, nbody) of rigid bodies; absent: 0 [rad]
+      real(wp), intent(in), optional :: turn(:, :)     !! (3, nbody) of bodies; absent: 0 [rad]
       type(rule_type), allocatable :: rule(:)
 
       self%ndof = dofs%n

@@ -168,7 +168,8 @@ contains
       if (whole > 0.0_wp) share = sign(max(abs(share) - energy%nothing, 0.0_wp), share)/whole
    end function lost_share
 
-   !> Keep the largest energy: what a share of the work is beside does not fade where it is given back.
+   !> Keep the largest energy: what a share of the work is beside does not fade where it is given
+   !> back.
    pure subroutine note_most(energy, most)
       type(energy_type), intent(inout) :: energy
       real(wp), intent(inout) :: most          !! of the increments before
