@@ -13,6 +13,7 @@ module lopin_run_analysis
    use lopin_loading, only : new_loading, carry_loads
    use lopin_plan, only : plan_type, new_plan
    use lopin_scene, only : scene_type, new_scene, set_supports
+   use lopin_uneven_pressure, only : warn_of_uneven_pressure
    use lopin_reach, only : choose_reach
    use lopin_bodies, only : describe_motion
    use lopin_finite_start, only : start_step
@@ -61,6 +62,7 @@ contains
       if (.not. allocated(error)) call begin_all(recorders, model, error, keeper)
       if (.not. allocated(error)) call new_plan(plan, model, error)
       if (.not. allocated(error)) call new_scene(scene, model, error)
+      if (.not. allocated(error)) call warn_of_uneven_pressure(scene, model)
       if (.not. allocated(error)) call refuse_folded(scene, model, error)
       if (.not. allocated(error)) call choose_reach(scene, model)
       if (.not. allocated(error)) call run_steps(scene, model, plan, recorders, summary, log, &

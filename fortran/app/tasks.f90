@@ -5,13 +5,14 @@ module lopin_tasks
    use lopin_blas_threads, only : blas_threads
    use lopin_command_line, only : options_type
    use lopin_enforcement_factory, only : method_names
+   use lopin_scene, only : scene_type, new_scene
    use lopin_solver_factory, only : solver_names
    use lopin_deck, only : read_deck
    use lopin_error, only : error_type, error_code, log_type, raise, severity
    use lopin_interrupt, only : catch_interrupts
    use lopin_job, only : job_type, outcome_type, open_job, run_job, stem_of
    use lopin_explain, only : explain, explained_codes
-   use lopin_first_contact, only : search_type, first_search, describe_pair
+   use lopin_first_contact, only : describe_pair
    use lopin_keywords, only : keyword_sheet, keyword_manual
    use lopin_model, only : model_type
    use lopin_safe_text, only : printable
@@ -20,6 +21,7 @@ module lopin_tasks
    use lopin_selftest, only : selftest_case, ncase
    use lopin_terminal, only : terminal_type
    use lopin_text, only : join, plural, to_text
+   use lopin_uneven_pressure, only : warn_of_uneven_pressure
    use lopin_version, only : version
    implicit none
    private
@@ -86,24 +88,24 @@ contains
       job%overwrite = options%overwrite
    end subroutine new_job
 
-   !> lopin check deck.inp: everything but the solution, the first search of contact included.
+   !> lopin check deck.inp: what a run does before its first step, the search of contact included.
    subroutine check_deck(options, terminal)
       type(options_type), intent(in) :: options
       type(terminal_type), intent(inout) :: terminal
       type(job_type) :: job
       type(model_type) :: model
-      type(search_type) :: search
-      type(log_type) :: log
+      type(scene_type) :: scene
       type(error_type), allocatable :: error
       integer :: pair
 
       call new_job(job, options)
       call open_model(job, options, terminal, model)
-      call first_search(search, model, log, error)
-      call terminal%show_log(log)
+      call new_scene(scene, model, error)
+      if (.not. allocated(error)) call warn_of_uneven_pressure(scene, model)
+      call terminal%show_log(scene%log)
       call terminal%stop_on(error)
       do pair = 1, size(model%pair)
-         call terminal%say(describe_pair(search, model, pair))
+         call terminal%say(describe_pair(scene%points, scene%initial, model, pair))
       end do
       call terminal%say(options%subject//': '//plural(model%mesh%nnode, 'node')//', '// &
          & plural(model%mesh%nelement, 'element')//', '//plural(size(model%pair), &

@@ -1,49 +1,30 @@
-!> The first search of contact, pair by pair, in words: the same search as that of a run.
+!> The first search of contact, pair by pair, in words.
 module lopin_first_contact
    use lopin_kinds, only : wp
-   use lopin_error, only : error_type, log_type
    use lopin_text, only : to_text, plural
    use lopin_model, only : model_type
    use lopin_contact_points, only : contact_points_type, pair_is_tied
-   use lopin_pairing, only : new_contact_points
-   use lopin_initial_gaps, only : initial_gap_type, new_initial_gaps, may_tie
+   use lopin_initial_gaps, only : initial_gap_type, may_tie
    implicit none
    private
-   public :: search_type, first_search, describe_pair
-
-   !> What lies opposite at the start, and what is made of the gaps.
-   type :: search_type
-      type(contact_points_type) :: points
-      type(initial_gap_type) :: initial
-   end type search_type
+   public :: describe_pair
 
    !> Digits of lengths and of components of a direction.
    integer, parameter :: digits = 5, rough = 3
 
 contains
 
-   !> Search all pairs as a run does; mistakes are said or raised as there.
-   subroutine first_search(self, model, log, error)
-      type(search_type), intent(out) :: self
-      type(model_type), intent(in) :: model
-      type(log_type), intent(inout) :: log
-      type(error_type), allocatable, intent(out) :: error
-
-      call new_contact_points(self%points, model, log, error)
-      if (.not. allocated(error)) call new_initial_gaps(self%initial, model, self%points, &
-         & log, error)
-   end subroutine first_search
-
    !> Lines on a pair: the points that face the master, the gaps and where they are, the side.
-   function describe_pair(self, model, pair) result(text)
-      type(search_type), intent(in) :: self
+   function describe_pair(points, initial, model, pair) result(text)
+      type(contact_points_type), intent(in) :: points   !! of all pairs at the start
+      type(initial_gap_type), intent(in) :: initial
       type(model_type), intent(in) :: model
       integer, intent(in) :: pair
       character(len=:), allocatable :: text
       character(len=*), parameter :: nl = new_line('a')
       integer :: i, near, far, facing, nodes, alone
 
-      associate (p => model%pair(pair), points => self%points)
+      associate (p => model%pair(pair))
          text = 'pair ('//model%surface(p%slave)%name//', '//model%surface(p%master)%name//'): '
          if (p%slave == p%master) then
             text = text//'the surface against itself, searched in every increment'
@@ -62,8 +43,8 @@ contains
                text = text//'; '//to_text(count([(may_tie(points, i, p%adjust), &
                   & i=first, last)]))//' are tied'
             else
-               text = text//'; '//to_text(count(self%initial%touches(first:last)))// &
-                  & ' closed at the start, '//to_text(count(self%initial%overclosure(first:last) &
+               text = text//'; '//to_text(count(initial%touches(first:last)))// &
+                  & ' closed at the start, '//to_text(count(initial%overclosure(first:last) &
                   & > 0.0_wp))//' of them pushed out'
             end if
             if (p%has_clearance) text = text//'; *CLEARANCE makes each '// &

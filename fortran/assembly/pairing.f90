@@ -15,7 +15,6 @@ module lopin_pairing
    use lopin_search, only : tree_type, build_tree, find_projection, find_projections
    use lopin_wall_depth, only : depths_of_nodes
    use lopin_mortar, only : mortar_coupling_type
-   use lopin_uneven_pressure, only : warn_of_uneven_pressure
    use lopin_mortar_pairs, only : couple_pair, is_mortar, shape_of
    use lopin_model, only : model_type, surface_of
    use lopin_contact_points, only : contact_points_type, no_contact_points, reserve, add_point, &
@@ -53,7 +52,7 @@ contains
                call pair_by_mortar(self, model, cells, pair, slave, log, error)
                if (allocated(error)) return
             else
-               call pair_with_surface(self, model, cells, pair, slave, log, error)
+               call pair_with_surface(self, model, cells, pair, slave, error)
                if (allocated(error)) return
             end if
             self%first(pair + 1) = self%n + 1
@@ -72,13 +71,12 @@ contains
       self%start_normal = self%normal(:, :self%n)
    end subroutine remember_start
 
-   subroutine pair_with_surface(self, model, cells, pair, slave, log, error)
+   subroutine pair_with_surface(self, model, cells, pair, slave, error)
       type(contact_points_type), intent(inout) :: self
       type(model_type), intent(in) :: model
       type(cell_type), intent(in) :: cells(:)
       integer, intent(in) :: pair
       type(slave_type), intent(in) :: slave
-      type(log_type), intent(inout) :: log
       type(error_type), allocatable, intent(out) :: error
       type(facets_type) :: facets
       type(surface_type) :: master
@@ -128,8 +126,6 @@ contains
          self%master(:facets%nnode(found(i)%facet), &
             & n) = facets%node(:facets%nnode(found(i)%facet), found(i)%facet)
       end do
-      if (model%surface(model%pair(pair)%slave)%kind == surface_of%faces) &
-         & call warn_of_uneven_pressure(model, pair, shape, master, found, log)
    end subroutine pair_with_surface
 
    !> Surface to surface: each slave node meets a weighted mean of the master. A node on a sharp edge

@@ -185,9 +185,9 @@ contains
       call add_explanation(list, 'W0333', 'facets that do not match make the pressure uneven', &
          & 'Contact is at the nodes of the slave. Where its facets and those of the master do '// &
          & 'not match, or are longer, a uniform load gives no uniform pressure, and master '// &
-         & 'nodes that no slave node meets go in. The figure is an estimate for uniform '// &
-         & 'pressure, from the meshes and the moduli (docs/atlas.md, map 9); forces as a whole '// &
-         & 'are right.', &
+         & 'nodes that no slave node meets go in. The figure is that of a uniform '// &
+         & 'pressure, solved with the elements near the contact (docs/atlas.md, map 9); forces '// &
+         & 'as a whole are right.', &
          & 'TYPE=SURFACE TO SURFACE is exact there; or take the softer side, with facets at '// &
          & 'most half as long, as the slave.')
       call add_explanation(list, 'W0336', 'a part of the master is narrower than a slave facet', &

@@ -1,0 +1,203 @@
+!> How uneven the pressure of node to segment is where facets do not match.
+!>
+!> Slave nodes hand their forces to the master nodes opposite. A uniform pressure then gives the
+!> master H A, not the forces c that its shape functions make of it (the patch test, Taylor and
+!> Papadopoulos 1991). What is wrong comes from both bodies: with the rows H^T u = 0 of the gaps
+!>
+!>    K u = H (A + d) - c,   deviation of the slave's forces  d,
+!>
+!> solved with the stiffness K of the run itself near the contact, all farther nodes held, the rows
+!> by stiff springs. Of a large surface a window of some hundred nodes is looked at.
+module lopin_uneven_pressure
+   use lopin_kinds, only : wp
+   use lopin_cells, only : cell_type
+   use lopin_constraints, only : constraints_type, new_constraints
+   use lopin_contact_patch, only : patch_type, new_patch, solve_patch
+   use lopin_element_type, only : cells_of_words
+   use lopin_error, only : error_type, severity
+   use lopin_model, only : model_type, surface_of, kind_of
+   use lopin_mortar_pairs, only : is_mortar, shape_of
+   use lopin_scene, only : scene_type
+   use lopin_surface, only : surface_type
+   use lopin_text, only : to_text
+   use lopin_uniform_pressure, only : share_pressure
+   implicit none
+   private
+   public :: warn_of_uneven_pressure
+
+   !> Unevenness that is said; more than this may open the contact.
+   real(wp), parameter :: noticeable = 0.02_wp, all_of_it = 1.0_wp
+   !> Nodes of one side in a window.
+   integer, parameter :: most = 160
+   !> Shares and lengths that count as equal.
+   real(wp), parameter :: same = 1.0e-6_wp
+
+contains
+
+   !> Warn of the pairs whose contact is at the nodes, both sides meshes.
+   subroutine warn_of_uneven_pressure(scene, model)
+      type(scene_type), intent(inout) :: scene
+      type(model_type), intent(in) :: model
+      type(constraints_type) :: constraints
+      type(cell_type), allocatable :: cells(:)
+      type(surface_type) :: slave, master
+      type(error_type), allocatable :: error
+      real(wp) :: uneven
+      integer :: pair
+
+      do pair = 1, size(model%pair)
+         associate (p => model%pair(pair), s => model%surface(model%pair(pair)%slave), &
+            & m => model%surface(model%pair(pair)%master), first => scene%points%first(pair), &
+            & last => scene%points%first(pair + 1) - 1)
+            if (s%kind /= surface_of%faces .or. m%kind /= surface_of%faces) cycle
+            if (p%slave == p%master .or. is_mortar(model, p)) cycle
+            if (.not. any(scene%points%facet(first:last) > 0)) cycle
+            if (.not. allocated(cells)) call cells_of_words(model%element_word, cells)
+            call shape_of(slave, model, cells, p%slave, error)
+            if (.not. allocated(error)) call shape_of(master, model, cells, p%master, error)
+            if (allocated(error)) return
+            if (are_matched(slave, master, scene%points%facet(first:last), &
+               & scene%points%shape(:, first:last))) cycle
+            ! What is wrong with the supports is said where the first step begins.
+            if (.not. allocated(constraints%first)) call new_constraints(constraints, model, &
+               & scene%dofs, model%step(1), error)
+            if (allocated(error)) return
+            uneven = deviation(scene, model, constraints, pair, slave, master)
+            if (.not. uneven > noticeable) cycle
+            call scene%log%say(severity%warning, 'W0333', 'pair ('//s%name//', '//m%name// &
+               & '): facets that do not match make the pressure uneven by about '// &
+               & to_text(100.0_wp*min(uneven, all_of_it), 2)//' %', p%at, help= &
+               & 'TYPE=SURFACE TO SURFACE; or the softer side with the shorter facets as slave')
+         end associate
+      end do
+   end subroutine warn_of_uneven_pressure
+
+   !> Every slave node lies over a node of the master, and these are all that lie between them.
+   pure logical function are_matched(slave, master, facet, shape)
+      type(surface_type), intent(in) :: slave, master
+      integer, intent(in) :: facet(:)              !! (slave%nnode) opposite; 0: none
+      real(wp), intent(in) :: shape(:, :)          !! (8 or more, slave%nnode)
+      real(wp) :: largest(2)
+      integer :: i
+
+      are_matched = .false.
+      largest = 0.0_wp
+      do i = 1, slave%nnode
+         if (facet(i) == 0) cycle
+         if (maxval(shape(:, i)) < 1.0_wp - same) return
+      end do
+      do i = 1, slave%nnode
+         if (facet(i) == 0) cycle
+         largest(1) = max(largest(1), maxval(slave%size(slave%ring(slave%ring_first(i): &
+            & slave%ring_first(i + 1) - 1))))
+         largest(2) = max(largest(2), master%size(facet(i)))
+      end do
+      are_matched = largest(1) <= largest(2)*(1.0_wp + 1.0e-3_wp)
+   end function are_matched
+
+   !> Largest deviation of a slave node's pressure from the mean.
+   real(wp) function deviation(scene, model, constraints, pair, slave, master)
+      type(scene_type), intent(in) :: scene
+      type(model_type), intent(in) :: model
+      type(constraints_type), intent(in) :: constraints
+      integer, intent(in) :: pair
+      type(surface_type), intent(in) :: slave, master
+      type(patch_type) :: patch
+      logical :: inside(slave%nnode), met(master%facets%n), counted(slave%nnode)
+      real(wp) :: force(model%mesh%ndim, model%mesh%nnode), area(slave%nnode)
+      real(wp), allocatable :: wrong(:), more(:)
+      integer, allocatable :: facet(:), local(:), point(:)
+      integer :: i
+
+      deviation = 0.0_wp
+      associate (points => scene%points, before => scene%points%first(pair) - 1)
+         inside = window(slave, master, model%mesh%x, points%facet(before + 1: &
+            & before + slave%nnode) > 0)
+         facet = pack([(i, i=1, slave%facets%n)], facets_inside(slave, inside))
+         if (size(facet) == 0) return
+         force = 0.0_wp
+         call share_pressure(slave, facet, master, model%kind == kind_of%axisymmetric, force, area, &
+            & met)
+         local = pack([(i, i=1, slave%nnode)], area > 0.0_wp .and. points%facet(before + 1: &
+            & before + slave%nnode) > 0)
+         point = before + local
+         wrong = [(area(local(i)) - dot_product(force(:, slave%node(local(i))), &
+            & points%normal(:size(force, 1), point(i))), i=1, size(local))]
+         call new_patch(patch, scene, model, constraints, point, [slave%node(pack([(i, i=1, &
+            & slave%nnode)], area > 0.0_wp)), nodes_of(master, met)])
+         call solve_patch(patch, scene, constraints, area(local), -force, more)
+         if (.not. allocated(more)) return
+         counted = far_from_rim(slave, facets_inside(slave, inside))
+         deviation = maxval(abs(wrong + more)/area(local), mask=counted(local))
+      end associate
+   end function deviation
+
+   !> All nodes of the slave, or those nearest to the middle of what is opposite: few enough, with
+   !> those of the master that are as near.
+   pure function window(slave, master, x, meets) result(inside)
+      type(surface_type), intent(in) :: slave, master
+      real(wp), intent(in) :: x(:, :)
+      logical, intent(in) :: meets(:)
+      logical :: inside(slave%nnode)
+      real(wp) :: middle(size(x, 1)), radius
+      real(wp) :: from_slave(slave%nnode), from_master(master%nnode)
+      integer :: i
+
+      inside = .true.
+      if (max(slave%nnode, master%nnode) <= most) return
+      middle = 0.0_wp
+      do i = 1, slave%nnode
+         if (meets(i)) middle = middle + x(:, slave%node(i))/count(meets)
+      end do
+      from_slave = [(norm2(x(:, slave%node(i)) - middle), i=1, slave%nnode)]
+      from_master = [(norm2(x(:, master%node(i)) - middle), i=1, master%nnode)]
+      radius = max(maxval(from_slave), maxval(from_master))
+      do while (max(count(from_slave <= radius), count(from_master <= radius)) > most)
+         radius = 0.95_wp*radius
+      end do
+      inside = from_slave <= radius
+   end function window
+
+   pure function facets_inside(slave, inside) result(used)
+      type(surface_type), intent(in) :: slave
+      logical, intent(in) :: inside(:)             !! (slave%nnode)
+      logical :: used(slave%facets%n)
+      integer :: i
+
+      used = [(all(inside(slave%local(:slave%facets%nnode(i), i))), i=1, slave%facets%n)]
+   end function facets_inside
+
+   !> Mesh nodes of some facets.
+   pure function nodes_of(surface, facet) result(node)
+      type(surface_type), intent(in) :: surface
+      logical, intent(in) :: facet(:)              !! (surface%facets%n)
+      integer, allocatable :: node(:)
+      logical :: on(surface%nnode)
+      integer :: i
+
+      on = .false.
+      do i = 1, surface%facets%n
+         if (facet(i)) on(surface%local(:surface%facets%nnode(i), i)) = .true.
+      end do
+      node = pack(surface%node, on)
+   end function nodes_of
+
+   !> Nodes that no facet outside the window has, nor any node of their facets.
+   pure function far_from_rim(slave, used) result(far)
+      type(surface_type), intent(in) :: slave
+      logical, intent(in) :: used(:)               !! (slave%facets%n)
+      logical :: far(slave%nnode), whole(slave%nnode)
+      integer :: i
+
+      whole = .true.
+      do i = 1, slave%facets%n
+         if (.not. used(i)) whole(slave%local(:slave%facets%nnode(i), i)) = .false.
+      end do
+      far = whole
+      do i = 1, slave%facets%n
+         associate (at => slave%local(:slave%facets%nnode(i), i))
+            if (.not. all(whole(at))) far(at) = .false.
+         end associate
+      end do
+   end function far_from_rim
+end module lopin_uneven_pressure
