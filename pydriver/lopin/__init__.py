@@ -18,7 +18,29 @@ from .errors import (
     UsageError,
 )
 from .folder import Folder
-from .laws import Augmented, Elastic, Lagrange, NeoHooke, Penalty, Perturbed
+from .friction import (
+    AutoFriction,
+    Coulomb,
+    Cristescu,
+    NortonHoffFriction,
+    Orowan,
+    Rough,
+    StaticKinetic,
+    Tresca,
+)
+from .laws import Augmented, Exponential, Lagrange, Penalty, Perturbed, Tabular
+from .materials import (
+    CowperSymonds,
+    Elastic,
+    Hollomon,
+    LinearHardening,
+    Material,
+    NeoHooke,
+    NortonHoff,
+    Plastic,
+    Swift,
+    Voce,
+)
 from .mesh import Mesh, together
 from .mesh_read import from_meshio, read_mesh
 from .model import Model
@@ -27,12 +49,13 @@ from .run import check, run
 
 __version__ = "0.1.0"
 __all__ = [
-    "Augmented", "Block", "Deck", "DeckError", "Elastic", "Folder", "InternalError", "Interrupted",
-    "Lagrange", "LopinError", "Mesh", "Model", "ModelError", "NeoHooke", "NotConvergedError",
-    "Penalty", "Perturbed", "ResourceError", "Result", "SingularError", "UsageError", "check",
-    "closed_form",
-    "from_meshio", "keywords", "mesh_make", "open_result", "profile", "read_mesh", "reference",
-    "run", "together",
+    "Augmented", "AutoFriction", "Block", "Coulomb", "CowperSymonds", "Cristescu", "Deck",
+    "DeckError", "Elastic", "Exponential", "Folder", "Hollomon", "InternalError", "Interrupted",
+    "Lagrange", "LinearHardening", "LopinError", "Material", "Mesh", "Model", "ModelError",
+    "NeoHooke", "NortonHoff", "NortonHoffFriction", "NotConvergedError", "Orowan", "Penalty",
+    "Perturbed", "Plastic", "ResourceError", "Result", "Rough", "SingularError", "StaticKinetic",
+    "Swift", "Tabular", "Tresca", "UsageError", "Voce", "check", "closed_form", "from_meshio",
+    "keywords", "mesh_make", "open_result", "profile", "read_mesh", "reference", "run", "together",
 ]
 
 

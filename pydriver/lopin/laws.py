@@ -1,58 +1,14 @@
-"""Materials and contact methods: frozen, keyword-like, each knows its lines in the deck."""
+"""Contact methods: frozen, keyword-like, each knows its lines in the deck."""
 from __future__ import annotations
 
 from dataclasses import dataclass
 
 from .deck import Deck, Row
 from .errors import UsageError
+from .materials import Elastic, NeoHooke
 
-
-@dataclass(frozen=True)
-class Elastic:
-    """Isotropic linear elasticity."""
-
-    young: float            #: > 0 [stress]
-    poisson: float          #: in (-1, 1/2) [-]
-    density: float = 0.0    #: for gravity [mass/length^3]
-
-    def __post_init__(self):
-        if not self.young > 0.0:
-            raise UsageError(f"Young's modulus must be positive, not {self.young:g}")
-        if not -1.0 < self.poisson < 0.5:
-            raise UsageError(f"Poisson's ratio must lie in (-1, 0.5), not {self.poisson:g}")
-
-    def add_to(self, deck: Deck) -> None:
-        deck.add("ELASTIC", [[self.young, self.poisson]])
-        if self.density:
-            deck.add("DENSITY", [[self.density]])
-
-
-@dataclass(frozen=True)
-class NeoHooke:
-    """Rubber: W = c10 (I1bar - 3) + (J - 1)^2/d1; needs ``step(nlgeom=True)``.
-
-    >>> round(NeoHooke(0.5, 0.02).poisson, 4)
-    0.495
-    """
-
-    c10: float              #: half the shear modulus, > 0 [stress]
-    d1: float               #: twice the inverse of the bulk modulus, > 0 [1/stress]
-    density: float = 0.0    #: for gravity [mass/length^3]
-
-    def __post_init__(self):
-        if not self.c10 > 0.0 or not self.d1 > 0.0:
-            raise UsageError(f"C10 and D1 must be positive, not {self.c10:g} and {self.d1:g}")
-
-    @property
-    def poisson(self) -> float:
-        """Poisson's ratio of small strains."""
-        ratio = self.c10*self.d1        # shear over bulk modulus
-        return (3.0 - 2.0*ratio)/(6.0 + 2.0*ratio)
-
-    def add_to(self, deck: Deck) -> None:
-        deck.add("HYPERELASTIC", [[self.c10, self.d1]], neo_hooke=True)
-        if self.density:
-            deck.add("DENSITY", [[self.density]])
+__all__ = ["METHODS", "Augmented", "Elastic", "Exponential", "Lagrange", "NeoHooke", "Penalty",
+           "Perturbed", "Tabular", "method_of"]
 
 
 @dataclass(frozen=True)
@@ -92,14 +48,49 @@ class Perturbed(Penalty):
 class Augmented(Penalty):
     """Augmented Lagrangian: penalty whose multipliers take the load over, pass by pass."""
 
-    max_augmentations: int | None = None
+    max_augmentations: int | None = None   #: most passes of an increment; None: 50
     penetration: float | None = None   #: allowed, as a fraction of a facet [-]
+    depth: float | None = None         #: penetration allowed [length]
     word = "AUGMENTED LAGRANGE"
 
     def controls(self) -> dict[str, float]:
         words = {"relative penetration tolerance": self.penetration,
+                 "absolute penetration tolerance": self.depth,
                  "max augmentations": self.max_augmentations}
         return {k: v for k, v in words.items() if v is not None}
+
+
+@dataclass(frozen=True)
+class Exponential(Lagrange):
+    """Pressure that grows exponentially: `p0` at gap 0, none at gap `c0`."""
+
+    c0: float = 0.0    #: > 0 [length]
+    p0: float = 0.0    #: > 0 [stress]
+
+    def __post_init__(self):
+        if not self.c0 > 0.0 or not self.p0 > 0.0:
+            raise UsageError(f"c0 and p0 must be positive, not {self.c0:g} and {self.p0:g}")
+
+    def add_to(self, deck: Deck, **flags: bool) -> None:
+        deck.add("SURFACE BEHAVIOR", [[self.c0, self.p0]],
+                 **{"pressure-overclosure": "EXPONENTIAL"}, **flags)
+
+
+@dataclass(frozen=True)
+class Tabular(Lagrange):
+    """Pressure from a table of (pressure [stress], overclosure [length]), both increasing."""
+
+    points: tuple[tuple[float, float], ...] = ()
+
+    def __post_init__(self):
+        points = tuple((float(p), float(c)) for p, c in self.points)
+        object.__setattr__(self, "points", points)
+        if len(points) < 2 or any(b <= a for p, q in zip(points, points[1:])
+                                  for a, b in zip(p, q)):
+            raise UsageError("a table of pressures has two lines or more, and both columns grow")
+
+    def add_to(self, deck: Deck, **flags: bool) -> None:
+        deck.add("SURFACE BEHAVIOR", self.points, **{"pressure-overclosure": "TABULAR"}, **flags)
 
 
 #: Methods by the words people use.
@@ -110,7 +101,7 @@ def method_of(method: str | Lagrange) -> Lagrange:
     """A method from its word, or as it is.
 
     >>> method_of("augmented")
-    Augmented(slope=None, max_augmentations=None, penetration=None)
+    Augmented(slope=None, max_augmentations=None, penetration=None, depth=None)
     """
     if isinstance(method, Lagrange):
         return method

@@ -2,11 +2,16 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from itertools import groupby
+from typing import TYPE_CHECKING
 
 from .deck import Deck, Row
 from .errors import ModelError
-from .model import Model, Tool
-from .step import Step
+from .model_parts import Pair, Tool
+from .step import Load, Request, Step
+
+if TYPE_CHECKING:
+    from .model import Model
 
 
 def write_model(model: Model) -> Deck:
@@ -20,8 +25,13 @@ def write_model(model: Model) -> Deck:
     _write_sections(deck, model)
     for tool in model.tools:
         _write_tool(deck, tool)
-    for k, contact in enumerate(model.contacts, start=1):
-        _write_contact(deck, k, contact)
+    for name, (points, area) in model.node_surfaces.items():
+        deck.add("SURFACE", [[points] + ([] if area is None else [area])], name=name, type="NODE")
+    for pair in model.contacts:
+        _write_contact(deck, pair)
+    for name, slave, master, options in model.ties:
+        deck.add("TIE", [[slave, master]], name=name, **options)
+    _write_relations(deck, model)
     _write_supports(deck, model)
     for step in model.steps:
         _write_step(deck, step)
@@ -57,7 +67,7 @@ def _write_sections(deck: Deck, model: Model) -> None:
     names: dict = {}
     for elements, material, thickness, full in model.sections:
         if material not in names:
-            names[material] = f"M{len(names) + 1}"
+            names[material] = getattr(material, "name", "") or f"M{len(names) + 1}"
             deck.add("MATERIAL", name=names[material])
             material.add_to(deck)
         if full and "*SECTION CONTROLS" not in deck:
@@ -69,56 +79,124 @@ def _write_sections(deck: Deck, model: Model) -> None:
 
 def _write_tool(deck: Deck, tool: Tool) -> None:
     deck.add("NODE", [[tool.number, *tool.reference]], nset=tool.node)
+    if tool.profile is None:
+        deck.add("RIGID BODY", **dict(tool.body), ref_node=tool.node)
+        return
     deck.add("SURFACE", [*tool.profile.frame, *tool.profile.rows], name=tool.name,
-             type=tool.profile.kind, fillet_radius=tool.profile.fillet or None)
+             type=tool.profile.kind, **tool.profile.options())
     deck.add("RIGID BODY", analytical_surface=tool.name, ref_node=tool.node)
 
 
-def _write_contact(deck: Deck, number: int, contact: dict) -> None:
-    name = f"I{number}"
-    pair = {"slave": contact["slave"], "master": contact["master"]}
-    deck.add("SURFACE INTERACTION", name=name)
-    contact["method"].add_to(deck, no_separation=contact["no_separation"])
-    deck.add("CONTACT PAIR", [[pair["slave"], pair["master"]]], interaction=name,
-             type="SURFACE TO SURFACE" if contact["surface_to_surface"] else "NODE TO SURFACE",
-             adjust=contact["adjust"],
-             small_sliding=contact["small_sliding"], tied=contact["tied"])
-    controls = contact["method"].controls()
+def _write_contact(deck: Deck, contact: Pair) -> None:
+    options, pair = contact.options, {"slave": contact.slave, "master": contact.master}
+    deck.add("SURFACE INTERACTION", name=contact.interaction)
+    contact.method.add_to(deck, no_separation=options["no_separation"])
+    if contact.friction is not None:
+        contact.friction.add_to(deck)
+    adjust = options["adjust"]
+    deck.add("CONTACT PAIR", [[contact.slave, contact.master]], interaction=contact.interaction,
+             type="SURFACE TO SURFACE" if options["surface_to_surface"] else "NODE TO SURFACE",
+             adjust=adjust.upper() if adjust in ("yes", "no") else adjust,
+             small_sliding=options["small_sliding"], tied=options["tied"],
+             smooth="YES" if options["smooth"] else None, extension_zone=options["extension"])
+    controls = contact.method.controls()
+    if options["initial"]:
+        controls["initial"] = options["initial"].upper()
     if controls:
         deck.add("CONTACT CONTROLS", **pair, **controls)
-    if contact["clearance"] is not None:
-        deck.add("CLEARANCE", **pair, value=contact["clearance"])
+    if options["clearance"] is not None:
+        deck.add("CLEARANCE", **pair, value=options["clearance"])
+
+
+def _write_relations(deck: Deck, model: Model) -> None:
+    """Amplitudes, equations, local axes, the state before the first step, choices."""
+    for name, (points, options) in model.amplitudes.items():
+        deck.add("AMPLITUDE", _chunks([v for point in points for v in point], 8), name=name,
+                 **options)
+    for terms in model.equations:
+        values = [value for term in terms for value in term]
+        deck.add("EQUATION", [[len(terms)], *_chunks(values, 12)])
+    for points, kind, axes in model.transforms:
+        deck.add("TRANSFORM", [axes], nset=points, type=kind)
+    for kind, rows in model.initial:
+        deck.add("INITIAL CONDITIONS", rows, type=kind)
+    if model.choices:
+        deck.add("LOPIN", **{k: v.upper() if isinstance(v, str) else v
+                             for k, v in model.choices.items()})
 
 
 def _write_supports(deck: Deck, model: Model) -> None:
     """Supports of the mesh, and of tools in the directions that nothing drives."""
-    rows = list(dict.fromkeys(model.fixed))
+    _write_boundary(deck, [*model.fixed, *held(model)], ())
+
+
+def held(model: Model) -> list[Load]:
+    """Directions of tools that nothing drives and nobody freed."""
+    rows = []
     for tool in model.tools:
-        driven = {dof for step in model.steps for name, dof, _ in step.moves + step.forces
-                  if name == tool.node} | set(tool.free)
-        rows += [(tool.node, dof) for dof in model.tool_directions()
-                 if dof not in driven and (tool.node, dof) not in rows]
-    if rows:
-        deck.add("BOUNDARY", [[name, dof, dof] for name, dof in rows])
+        driven = {load.dof for step in model.steps for load in step.moves + step.forces
+                  if load.target == tool.node} | set(tool.free)
+        said = {load.dof for load in model.fixed if load.target == tool.node}
+        rows += [Load(tool.node, dof, 0.0) for dof in model.tool_directions()
+                 if dof not in driven | said]
+    return rows
+
+
+def _write_boundary(deck: Deck, loads: list[Load], op: dict) -> None:
+    """One card for each run of loads that share their amplitude and type."""
+    for (amplitude, velocity), rows in groupby(dict.fromkeys(loads), lambda x: x[3:]):
+        deck.add("BOUNDARY", [[r.target, r.dof, r.dof] + ([r.value] if r.value or velocity
+                                                          or deck.all("STEP") else [])
+                              for r in rows],
+                 **dict(op), amplitude=amplitude or None, type="VELOCITY" if velocity else None)
 
 
 def _write_step(deck: Deck, step: Step) -> None:
-    size = step.time/step.increments
-    deck.add("STEP", nlgeom=step.nlgeom, inc=max(100, 20*step.increments))
-    deck.add("STATIC", [[size, step.time, 1e-6*step.time, size]])
-    if step.moves:
-        deck.add("BOUNDARY", [[name, dof, dof, value] for name, dof, value in step.moves])
-    if step.forces:
-        deck.add("CLOAD", step.forces)
-    if step.pressures:
-        deck.add("DSLOAD", [[surface, "P", value] for surface, value in step.pressures])
-    if step.body:
-        deck.add("DLOAD", [[elements, "GRAV", value, *towards]
-                           for elements, value, towards in step.body])
-    deck.add("NODE FILE", [["U", "RF"]])
-    deck.add("EL FILE", [["S"]])
-    deck.add("CONTACT FILE", [["CDIS", "CSTR"]])
+    deck.add("STEP", name=step.name or None, nlgeom=step.nlgeom, inc=step.most,
+             amplitude="STEP" if step.at_once else None)
+    deck.add("STATIC", [[step.first, step.time, step.smallest, step.largest]], direct=step.fixed)
+    for pair, law in step.frictions:
+        deck.add("CHANGE FRICTION", interaction=pair.interaction)
+        law.add_to(deck)
+    for word, pairs in (("remove", step.removed), ("add", step.added)):
+        if pairs:
+            deck.add("MODEL CHANGE", [[p.slave, p.master] for p in pairs], type="CONTACT PAIR",
+                     **{word: True})
+    _write_loads(deck, step)
+    if step.checkpoints is not None:
+        deck.add("RESTART", write=True, frequency=step.checkpoints)
+    usual = [Request("NODE FILE", ("U", "RF"), {}), Request("EL FILE", ("S",), {}),
+             Request("CONTACT FILE", ("CDIS", "CSTR"), {})]
+    for request in [*step.prints, *(usual if step.outputs is None else step.outputs)]:
+        deck.add(request.keyword, [request.words], **request.parameters)
     deck.add("END STEP")
+
+
+def _write_loads(deck: Deck, step: Step) -> None:
+    """What is prescribed and what acts; an empty card where only the old is forgotten."""
+    new = {word: ({"op": "NEW"} if word in step.replaced else {}) for word in
+           ("supports", "forces", "pressures", "body forces", "temperatures")}
+    moves = step.moves
+    if new["supports"]:
+        driven = {(load.target, load.dof) for load in moves}
+        moves = [load for load in held(step.model) if load[:2] not in driven] + moves
+    _write_boundary(deck, moves, new["supports"])
+    forces = [(load.amplitude, list(load[:3])) for load in step.forces]
+    _write_cards(deck, "CLOAD", forces, new["forces"])
+    for keyword, loads, op in (("DSLOAD", step.pressures, new["pressures"]),
+                               ("DLOAD", step.body, new["body forces"])):
+        _write_cards(deck, keyword, [(a, [t, w, *d]) for t, w, d, a in loads], op)
+    _write_cards(deck, "TEMPERATURE", [(a, [t, v]) for t, v, a in step.temperatures],
+                 new["temperatures"])
+    if new["supports"] and not moves:
+        deck.add("BOUNDARY", **new["supports"])
+
+
+def _write_cards(deck: Deck, keyword: str, rows: list[tuple[str, list]], op: dict) -> None:
+    for amplitude, group in groupby(rows, lambda row: row[0]):
+        deck.add(keyword, [data for _, data in group], **op, amplitude=amplitude or None)
+    if op and not rows:
+        deck.add(keyword, **op)
 
 
 def _chunks(values: list, size: int) -> Iterable[list]:

@@ -8,8 +8,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from math import cos, radians, sin
+from pathlib import Path
 
-from .errors import UsageError
+from .errors import ResourceError, UsageError
 
 Point = Sequence[float]
 
@@ -19,9 +20,13 @@ class Profile:
     """Data lines START, LINE, CIRCL of a *SURFACE, and how they become a surface."""
 
     rows: tuple[tuple[str | float, ...], ...]
-    kind: str = "SEGMENTS"                           #: or REVOLUTION, CYLINDER
+    kind: str = "SEGMENTS"                           #: or REVOLUTION, CYLINDER, STL
     frame: tuple[tuple[float, ...], ...] = ()        #: data lines before START
     fillet: float = 0.0                              #: radius at the corners [length]
+
+    def options(self) -> dict[str, str | float | bool | None]:
+        """Parameters of the *SURFACE besides name and type."""
+        return {"fillet_radius": self.fillet or None}
 
     def line_to(self, x: float, y: float) -> Profile:
         """Continue straight to a point."""
@@ -31,10 +36,17 @@ class Profile:
         """Continue along an arc (less than half a turn) about a centre."""
         return self._with(("CIRCL", float(x), float(y), float(center[0]), float(center[1])))
 
-    def revolved(self, start: Point = (0.0, 0.0, 0.0), end: Point = (0.0, 0.0, 1.0)) -> Profile:
-        """Turned about the axis from `start` to `end`; the profile is then (r, along the axis)."""
-        axis = (*map(float, start), *map(float, end))
-        return Profile(self.rows, "REVOLUTION", (axis,), self.fillet)
+    def revolved(self, start: Point = (0.0, 0.0, 0.0), end: Point = (0.0, 0.0, 1.0),
+                 sides: tuple[Point, Point] | None = None) -> Profile:
+        """Turned about the axis from `start` to `end`; the profile is then (r, along the axis).
+
+        `sides`: the middles of two sides of a rectangle about `start` [length]: the profile runs
+        around the rectangle, and r is the distance from it.
+        """
+        frame = ((*map(float, start), *map(float, end)),)
+        if sides:
+            frame += ((*map(float, sides[0]), *map(float, sides[1])),)
+        return Profile(self.rows, "REVOLUTION", frame, self.fillet)
 
     def extruded(self, origin: Point = (0.0, 0.0, 0.0), x: Point = (1.0, 0.0, 0.0),
                  generator: Point = (0.0, 1.0, 0.0)) -> Profile:
@@ -48,6 +60,46 @@ class Profile:
 
     def _with(self, row: tuple) -> Profile:
         return Profile((*self.rows, row), self.kind, self.frame, self.fillet)
+
+
+@dataclass(frozen=True)
+class Stl:
+    """Triangles of an STL file, binary or in words, outward by the right-hand rule."""
+
+    path: str                  #: of the file
+    scale: float = 1.0         #: factor on its lengths, > 0 [-]
+    is_open: bool = False      #: a sheet, such as the face of a die
+    repair: bool = False       #: turn facets that look against the greater area
+
+    kind = "STL"
+    frame = rows = ()
+
+    def options(self) -> dict[str, str | float | bool | None]:
+        """Parameters of the *SURFACE besides name and type."""
+        return {"input": self.path, "scale": None if self.scale == 1.0 else self.scale,
+                "open": self.is_open, "repair": self.repair}
+
+
+def stl(path: str | Path, scale: float = 1.0, *, is_open: bool = False,
+        repair: bool = False) -> Stl:
+    """A tool from an STL file.
+
+    Parameters
+    ----------
+    scale : factor on the lengths of the file, > 0
+    is_open : a sheet, such as the face of a die; without it a surface with a hole is refused
+    repair : turn facets that look against the greater area; without it they are refused
+
+    Raises
+    ------
+    ResourceError : there is no such file.
+    UsageError : the scale is not positive.
+    """
+    if not Path(path).is_file():
+        raise ResourceError(f"no file {path}")
+    if not scale > 0.0:
+        raise UsageError(f"the scale of an STL file must be positive, not {scale:g}")
+    return Stl(str(Path(path).absolute()), float(scale), is_open, repair)
 
 
 def start(x: float, y: float) -> Profile:

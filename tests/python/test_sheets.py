@@ -21,7 +21,7 @@ def cantilever(kind, load, elements, *, nlgeom=True, letters="I", layers=1):
     modulus = YOUNG/(1.0 - POISSON**2) if kind == "plane strain" else YOUNG
     tip = np.isclose(mesh.points[:, 0], LENGTH)
     step = model.step(increments=10 if nlgeom else 1, nlgeom=nlgeom)
-    step.forces.append(("RIGHT", model.dof("y"), load*modulus/12.0/LENGTH**2/tip.sum()))
+    step.force("RIGHT", each=True, y=load*modulus/12.0/LENGTH**2/tip.sum())
     return model.run().at(-1)["U"][tip].mean(axis=0)[:2]/LENGTH
 
 

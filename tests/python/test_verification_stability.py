@@ -22,7 +22,7 @@ def chain(method, unit=1.0, length=1.0):
     model.fix("LEFT", "x")
     model.fix("TOP", "y")
     model.fix("BOTTOM", "y")
-    model.step().forces.append(("RIGHT", 1, 0.5*FORCE*unit*length**2))
+    model.step().force("RIGHT", each=True, x=0.5*FORCE*unit*length**2)
     return model
 
 
