@@ -74,3 +74,30 @@ def capstan() -> None:
           xlabel="angle around the drum [degrees]", ylabel="contact pressure [MPa]")
     ax.set(ylim=(0.0, 0.25))
     save(fig, "capstan")
+
+
+def _drag(name: str, levels: dict[str, float]) -> None:
+    """The drag of the plate through time, beside what the law says."""
+    h = solved(name).history
+    fig, ax = figure()
+    for label, level in levels.items():
+        ax.axhline(level, lw=1.0, color=EXACT)
+        ax.annotate(label, (0.02, level), xytext=(0, 3), textcoords="offset points")
+    ax.plot(h["time"], h["PLATE.rf1"], "o", ms=4, color=DOTS)
+    ax.set(xlabel="time [s]", ylabel="drag [N]", xlim=(0.0, 2.02), ylim=(0.0, None))
+    save(fig, name)
+
+
+def orowan_shoe() -> None:
+    """Coulomb's drag, then the limit of shear."""
+    _drag("orowan_shoe", {"mu p A at 50 MPa": 100.0, "m k A": 230.940108})
+
+
+def viscous_shoe() -> None:
+    """Drags at two speeds."""
+    _drag("viscous_shoe", {"1 mm/s": 50.0, "10 mm/s": 50.0*10.0**0.3})
+
+
+def arctan_shoe() -> None:
+    """Drags at two speeds, and Coulomb's."""
+    _drag("arctan_shoe", {"v0": 100.0, "10 v0": 400.0/np.pi*np.arctan(10.0), "mu p A": 200.0})
