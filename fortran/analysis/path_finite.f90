@@ -12,6 +12,7 @@ module lopin_path_finite
    use lopin_model, only : model_type
    use lopin_constraints, only : expand
    use lopin_finite_history, only : start_increment, augment
+   use lopin_finite_release, only : release_finite_ties
    use lopin_finite_state, only : add_line
    use lopin_finite_newton, only : newton, least_cuts
    use lopin_predict, only : predict, start_from_accepted, coasts, floats
@@ -108,6 +109,7 @@ contains
       call start_lagged(scene, model)
       call start_increment(scene%finite%contact, model, scene%accepted, scene%finite%dt, error)
       if (allocated(error)) return
+      call release_finite_ties(scene%finite%contact, model, scene%constraints)
       call scene%clock%stop_in(phase%search)
       if (by_parts) call walk(scene, model, f, v, before, prescribed, error)
       if (allocated(error)) return

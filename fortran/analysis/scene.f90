@@ -16,6 +16,7 @@ module lopin_scene
    use lopin_row_samples, only : sample_type, most_samples, find_samples, row_value
    use lopin_initial_gaps, only : initial_gap_type, new_initial_gaps
    use lopin_contact_rows, only : contact_rows_type, new_contact_rows
+   use lopin_tie_release, only : release_ties
    use lopin_condensed, only : condensed_type
    use lopin_active_set, only : contact_result_type
    use lopin_friction_state, only : friction_state_type, new_friction_state
@@ -148,6 +149,7 @@ contains
       self%constraints = constraints
       self%step = step
       if (same) return
+      call release_ties(self%points, model, self%dofs, self%constraints)
       call new_bodies(self%bodies, model, self%dofs, self%constraints)
    end subroutine set_supports
 

@@ -32,6 +32,9 @@ module lopin_contact_points
       real(wp), allocatable :: share(:)       !! (n) of its function that each end gets; else 0
       integer, allocatable :: start_facet(:)      !! (n) as found at the start, for tools that move
       real(wp), allocatable :: start_foot(:, :), start_normal(:, :)   !! (3, n)
+      integer, allocatable :: released(:)     !! (n) directions in which a tie does not hold the
+                                              !! node, lopin_tie_release; unallocated: no ties
+      real(wp), allocatable :: axes(:, :, :)  !! (3, 3, n) those first, then the rest
       integer, allocatable :: tool(:)         !! (npair) 0: the master is a mesh
       integer, allocatable :: body(:)         !! (npair) rigid body that moves the tool; 0: fixed
    end type contact_points_type

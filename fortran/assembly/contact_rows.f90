@@ -70,7 +70,7 @@ contains
             call frame_of(points%normal(:, i), model%mesh%ndim, frame)
             call find_samples(points, i, model%mesh%x, sample, n)
             ndirection = 1
-            if (tied) ndirection = model%mesh%ndim
+            if (tied) call take_held(points, i, model%mesh%ndim, frame, ndirection)
             do d = 1, ndirection
                self%n = self%n + 1
                self%point(self%n) = i
@@ -100,6 +100,21 @@ contains
       self%dof = self%dof(:terms)
       self%coefficient = self%coefficient(:terms)
    end subroutine new_contact_rows
+
+   !> The directions in which a tie holds a point: the frame's, or what its supports leave.
+   pure subroutine take_held(points, i, ndim, frame, n)
+      type(contact_points_type), intent(in) :: points
+      integer, intent(in) :: i, ndim
+      real(wp), intent(inout) :: frame(3, 3)
+      integer, intent(out) :: n
+
+      n = ndim
+      if (.not. allocated(points%released)) return
+      n = ndim - points%released(i)
+      if (n == ndim) return
+      frame = 0.0_wp
+      frame(:, :n) = points%axes(:, points%released(i) + 1:ndim, i)
+   end subroutine take_held
 
    !> Force of the samples for a unit force of the row.
    pure function resultant(sample) result(total)

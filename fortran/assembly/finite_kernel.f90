@@ -207,6 +207,7 @@ contains
          if (grip%kind == grip_kind%tied) then
             ! Glued: all directions, from where the point was at the start.
             z = multiplier - grip%c*(to_anchor - anchor%gap*n)
+            if (grip%partly) z = held_part(grip%held, z)
             row = (multiplier - z)/grip%c
             state%status = grip_status%stick
             shear = 0.0_wp
@@ -274,6 +275,19 @@ contains
          if (input > 0) force(input) = force(input) + f
       end subroutine push
    end subroutine evaluate_point
+
+   !> What is left of a traction in the directions in which a tie holds.
+   pure function held_part(projector, z) result(part)
+      real(wp), intent(in) :: projector(3, 3)
+      type(dual_type), intent(in) :: z(3)
+      type(dual_type) :: part(3)
+      integer :: k
+
+      part = 0.0_wp
+      do k = 1, 3
+         part = part + projector(:, k)*z(k)
+      end do
+   end function held_part
 
    !> The foot of one more place of a row.
    pure subroutine find_foot(self, sample, own, rotation, reference, origin)

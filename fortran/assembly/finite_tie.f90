@@ -7,6 +7,7 @@ module lopin_finite_tie
    use lopin_kinds, only : wp
    use lopin_dual, only : dual_type, dual_width, variable, dual_cross, dual_norm, &
       & operator(+), operator(-), operator(*), operator(/), assignment(=)
+   use lopin_vectors, only : cross
    use lopin_cells, only : shape_functions
    use lopin_facets, only : facets_type, facet_rule_type
    use lopin_dofs, only : dofs_type
@@ -14,7 +15,7 @@ module lopin_finite_tie
    use lopin_finite_kernel, only : local_matrix_type, point_state_type
    implicit none
    private
-   public :: tie_type, new_tie, evaluate_tie
+   public :: tie_type, new_tie, evaluate_tie, facet_normal
 
    type :: tie_type
       logical :: set = .false.
@@ -24,6 +25,9 @@ module lopin_finite_tie
       real(wp) :: weight = 0.0_wp              !! D [area]
       real(wp) :: offset(3) = 0.0_wp           !! a [length]
    end type tie_type
+
+   real(wp), parameter :: unity(3, 3) = reshape([1.0_wp, 0.0_wp, 0.0_wp, 0.0_wp, 1.0_wp, 0.0_wp, &
+      & 0.0_wp, 0.0_wp, 1.0_wp], [3, 3])
 
 contains
 
@@ -41,9 +45,7 @@ contains
       integer :: i, k, m, at, d
 
       d = size(x, 1)
-      do i = 1, facets%n
-         if (any(facets%node(:facets%nnode(i), i) == slave_node)) exit
-      end do
+      i = facet_of(facets, slave_node, node)
       m = facets%nnode(i)
       kept = [(any(facets%node(:m, i) == node(k)), k=1, size(node))]
       kept = kept .or. abs(coefficient) > 0.0_wp
@@ -66,6 +68,41 @@ contains
       end do
       self%set = .true.
    end subroutine new_tie
+
+   !> A facet at a node, with all its nodes in a list.
+   pure integer function facet_of(facets, slave_node, node) result(i)
+      type(facets_type), intent(in) :: facets
+      integer, intent(in) :: slave_node, node(:)
+      integer :: k
+
+      do i = 1, facets%n
+         associate (own => facets%node(:facets%nnode(i), i))
+            if (.not. any(own == slave_node)) cycle
+            if (all([(any(node == own(k)), k=1, size(own))])) return
+         end associate
+      end do
+   end function facet_of
+
+   !> Normal of the frame's facet where nodes stand.
+   pure function facet_normal(self, x) result(normal)
+      type(tie_type), intent(in) :: self
+      real(wp), intent(in) :: x(:, :)          !! (ndim, nnode) [length]
+      real(wp) :: normal(size(x, 1)), t(3, 2)
+      integer :: m, k
+
+      t = 0.0_wp
+      do m = 1, size(self%node)
+         do k = 1, size(self%along, 1)
+            t(:size(x, 1), k) = t(:size(x, 1), k) + self%along(k, m)*x(:, self%node(m))
+         end do
+      end do
+      if (size(x, 1) == 2) then
+         normal = [t(2, 1), -t(1, 1)]
+      else
+         normal = cross(t(:, 1), t(:, 2))
+      end if
+      normal = normal/norm2(normal)
+   end function facet_normal
 
    !> Columns: along the facet, across (in space), outward.
    subroutine lay_frame(self, place, frame)
@@ -129,8 +166,16 @@ contains
       state%row(:d) = apart(:d)%v
       state%traction = 0.0_wp
       state%traction(:d) = lambda(:d) - grip%c*apart(:d)%v
+      if (grip%partly) then
+         ! Where supports hold the node there is no traction, and its multiplier goes to zero.
+         state%traction(:d) = matmul(grip%held(:d, :d), state%traction(:d))
+         state%row(:d) = (lambda(:d) - state%traction(:d))/grip%c
+         slope = matmul(grip%held(:d, :d), slope)
+      end if
       state%normal = -frame(:, 3)%v
       state%gap = dot_product(state%normal(:d), apart(:d)%v)
+      if (grip%partly) state%gap = dot_product(state%normal(:d), &
+         & matmul(grip%held(:d, :d), apart(:d)%v))
       state%slip = 0.0_wp
       state%status = grip_status%stick
       state%force = spread(0.0_wp, 1, local%nu)
@@ -196,9 +241,12 @@ contains
                   if (input(k, j) == 0) cycle
                   local%k(input(k, j), :nu) = self%weight*self%share(j)*grip%c*slope(k, :nu)
                   local%k(input(k, j), nu + k) = -self%weight*self%share(j)
+                  if (grip%partly) local%k(input(k, j), nu + 1:) = -self%weight*self%share(j) &
+                     & *grip%held(k, :d)
                end do
             end do
             local%k(nu + 1:, :nu) = slope(:, :nu)
+            if (grip%partly) local%k(nu + 1:, nu + 1:) = (unity(:d, :d) - grip%held(:d, :d))/grip%c
             local%spring = self%weight*grip%c*matmul(transpose(slope(:, :nu)), slope(:, :nu))
          end associate
       end subroutine make_matrix

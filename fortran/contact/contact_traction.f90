@@ -59,6 +59,8 @@ module lopin_contact_traction
                                          !! [length]
       real(wp) :: creep(3) = 0.0_wp               !! regularised by slip: slip from the stick anchor
       class(enforcement_type), allocatable :: law  !! pressure-overclosure
+      logical :: partly = .false.                  !! tied, but not in all directions
+      real(wp) :: held(3, 3) = 0.0_wp              !! projector on those, if partly
    end type grip_type
 
 contains

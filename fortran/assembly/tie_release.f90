@@ -1,0 +1,242 @@
+!> Directions in which a tie does not hold a slave node, because supports hold it there already.
+!>
+!> The vector row of a tied node is sum share*u = 0, with 1 at the slave node. Along n, where
+!> supports hold the slave node, only masters remain: sum of share*(n.u) over those that are free
+!> is zero. If all masters but a few hundredths are held as well, as at the end of an interface in a
+!> plane of symmetry, that row ties nothing; on faces that are not parallel what remains is the
+!> error of the geometry, and it would hold the next master node where it stands. So the multiplier
+!> of the slave node has no component there: traces of both sides vanish on the supported boundary,
+!> and so does the space of the multiplier (Wohlmuth 2000; Popp, Wohlmuth, Gee, Wall 2012). The row
+!> stays where it is exact for linear fields, and where the master has little support of its own.
+module lopin_tie_release
+   use lopin_kinds, only : wp
+   use lopin_dense, only : symmetric_eigen
+   use lopin_model, only : model_type
+   use lopin_dofs, only : dofs_type
+   use lopin_constraints, only : constraints_type
+   use lopin_contact_points, only : contact_points_type, pair_is_tied
+   use lopin_row_samples, only : sample_type, most_samples, find_samples
+   implicit none
+   private
+   public :: release_ties, released_directions, row_misfit
+
+   !> The row goes only if free masters have less than this share of it: else the master needs it.
+   real(wp), parameter :: mostly_held = 0.5_wp
+   !> Shares below this are rounding: nothing remains of the row.
+   real(wp), parameter :: nothing = 1.0e-8_wp
+   !> A row that misses linear fields by less, beside its free terms, holds nothing wrongly.
+   real(wp), parameter :: exact = 1.0e-3_wp
+   !> Squares of coefficients below this, beside the largest, are zero.
+   real(wp), parameter :: zero = 1.0e-20_wp
+
+contains
+
+   !> Note at all tied points of a scene what supports hold there.
+   subroutine release_ties(points, model, dofs, constraints)
+      type(contact_points_type), intent(inout) :: points
+      type(model_type), intent(in) :: model
+      type(dofs_type), intent(in) :: dofs
+      type(constraints_type), intent(in) :: constraints
+      integer, allocatable :: node(:)
+      real(wp), allocatable :: share(:)
+      integer :: pair, i, d
+
+      d = model%mesh%ndim
+      if (allocated(points%released)) deallocate (points%released, points%axes)
+      do pair = 1, size(model%pair)
+         if (.not. pair_is_tied(model, model%pair(pair))) cycle
+         if (.not. allocated(points%released)) then
+            allocate (points%released(points%n), source=0)
+            allocate (points%axes(3, 3, points%n), source=0.0_wp)
+         end if
+         do i = points%first(pair), points%first(pair + 1) - 1
+            if (points%facet(i) == 0) cycle
+            call terms_of(points, model, i, node, share)
+            call released_directions(constraints, dofs, node, share, row_misfit(model%mesh%x, &
+               & node, share, points%normal(:d, i)), points%axes(:d, :d, i), points%released(i))
+         end do
+      end do
+   end subroutine release_ties
+
+   !> Nodes of the vector row of a point and their shares, the slave node first; the tool by its
+   !> reference.
+   subroutine terms_of(points, model, i, node, share)
+      type(contact_points_type), intent(in) :: points
+      type(model_type), intent(in) :: model
+      integer, intent(in) :: i
+      integer, allocatable, intent(out) :: node(:)
+      real(wp), allocatable, intent(out) :: share(:)
+      type(sample_type) :: sample(most_samples)
+      integer :: n, s, m
+
+      call find_samples(points, i, model%mesh%x, sample, n)
+      node = sample(:n)%node
+      share = sample(:n)%c
+      do s = 1, n
+         m = count(points%master(:, sample(s)%point) > 0)
+         node = [node, points%master(:m, sample(s)%point)]
+         share = [share, -sample(s)%c*points%shape(:m, sample(s)%point)]
+      end do
+      associate (body => points%body(points%pair(i)))
+         if (body == 0) return
+         node = [node, model%rigid_body(body)%reference]
+         share = [share, -1.0_wp]
+      end associate
+   end subroutine terms_of
+
+   !> The first `n` columns of `basis` are the directions to leave out; the others span the rest.
+   subroutine released_directions(constraints, dofs, node, share, misfit, basis, n)
+      type(constraints_type), intent(in) :: constraints
+      type(dofs_type), intent(in) :: dofs
+      integer, intent(in) :: node(:)           !! the slave's first; a rigid body by its reference
+      real(wp), intent(in) :: share(:)         !! of each in the row [-]
+      real(wp), intent(in) :: misfit           !! from row_misfit [-]
+      real(wp), intent(out) :: basis(:, :)     !! (ndim, ndim) orthonormal
+      integer, intent(out) :: n
+      real(wp) :: free(size(basis, 1), size(basis, 1)), held(size(basis, 1), size(basis, 1)), &
+         & master(size(basis, 1), size(basis, 1)), total
+      integer :: k, d, nheld
+
+      n = 0
+      d = size(basis, 1)
+      basis = unity(d)
+      if (is_free(constraints, dofs, node(1), d)) return
+      call free_motion(constraints, dofs, node(1), free)
+      held = unity(d) - free
+      call split(held, 0.5_wp, basis, nheld)
+      if (nheld == 0) return
+      master = 0.0_wp
+      total = 0.0_wp
+      do k = 2, size(node)
+         if (node(k) == node(1)) cycle
+         call free_motion(constraints, dofs, node(k), free)
+         master = master + abs(share(k))*free
+         total = total + abs(share(k))
+      end do
+      if (total > 0.0_wp) master = master/total
+      call order_by_master(basis, nheld, master, misfit, n)
+   end subroutine released_directions
+
+   !> Turn the held directions so that those in which the master is held come first.
+   subroutine order_by_master(basis, nheld, master, misfit, n)
+      real(wp), intent(inout) :: basis(:, :)
+      integer, intent(in) :: nheld             !! first columns of the basis
+      real(wp), intent(in) :: master(:, :)     !! free share of the masters by direction [-]
+      real(wp), intent(in) :: misfit
+      integer, intent(out) :: n
+      real(wp) :: a(nheld, nheld), value(nheld)
+      integer :: status, k
+
+      a = matmul(transpose(basis(:, :nheld)), matmul(master, basis(:, :nheld)))
+      call symmetric_eigen(a, value, status)
+      n = 0
+      if (status /= 0) return
+      basis(:, :nheld) = matmul(basis(:, :nheld), a)
+      do k = 1, nheld
+         if (value(k) > nothing .and. (value(k) >= mostly_held &
+            & .or. .not. misfit > exact*value(k))) exit
+         n = k
+      end do
+   end subroutine order_by_master
+
+   !> Error of a row for linear fields along the interface: |sum share*x| over the longest
+   !> |x - x_slave|, both across the normal.
+   pure real(wp) function row_misfit(x, node, share, normal) result(misfit)
+      real(wp), intent(in) :: x(:, :)          !! (ndim, nnode) [length]
+      integer, intent(in) :: node(:)           !! the slave's first
+      real(wp), intent(in) :: share(:)
+      real(wp), intent(in) :: normal(:)        !! (ndim) unit
+      real(wp) :: arm(size(x, 1)), total(size(x, 1)), size_
+      integer :: k
+
+      total = 0.0_wp
+      size_ = 0.0_wp
+      do k = 2, size(node)
+         arm = x(:, node(k)) - x(:, node(1))
+         arm = arm - dot_product(arm, normal)*normal
+         total = total + share(k)*arm
+         size_ = max(size_, norm2(arm))
+      end do
+      misfit = 0.0_wp
+      if (size_ > 0.0_wp) misfit = norm2(total)/size_
+   end function row_misfit
+
+   !> No constraint bears on a node.
+   pure logical function is_free(constraints, dofs, node, d)
+      type(constraints_type), intent(in) :: constraints
+      type(dofs_type), intent(in) :: dofs
+      integer, intent(in) :: node, d
+      integer :: k
+
+      is_free = constraints%axes_of(node) == 0
+      do k = 1, d
+         associate (id => dofs%id(k, node))
+            is_free = is_free .and. id > 0
+            if (is_free) is_free = constraints%rule(id)%prescribed == 0 &
+               & .and. .not. constraints%rule(id)%dependent
+         end associate
+      end do
+   end function is_free
+
+   !> Projector on the directions in which free equations move a node; unity if it may turn.
+   subroutine free_motion(constraints, dofs, node, projector)
+      type(constraints_type), intent(in) :: constraints
+      type(dofs_type), intent(in) :: dofs
+      integer, intent(in) :: node
+      real(wp), intent(out) :: projector(:, :) !! (ndim, ndim)
+      real(wp) :: g(size(projector, 1), size(projector, 1)), basis(size(g, 1), size(g, 1))
+      integer :: i, j, k, l, d, n
+
+      d = size(projector, 1)
+      projector = unity(d)
+      if (is_free(constraints, dofs, node, d)) return
+      do k = 4, 6
+         if (dofs%id(k, node) == 0) cycle
+         if (constraints%first(dofs%id(k, node) + 1) > constraints%first(dofs%id(k, node))) return
+      end do
+      g = 0.0_wp
+      do i = 1, d
+         do j = 1, d
+            if (dofs%id(i, node) == 0 .or. dofs%id(j, node) == 0) cycle
+            do k = constraints%first(dofs%id(i, node)), constraints%first(dofs%id(i, node) + 1) - 1
+               do l = constraints%first(dofs%id(j, node)), &
+                  & constraints%first(dofs%id(j, node) + 1) - 1
+                  if (constraints%equation(k) == constraints%equation(l)) g(i, j) = g(i, j) &
+                     & + constraints%coefficient(k)*constraints%coefficient(l)
+               end do
+            end do
+         end do
+      end do
+      call split(g, zero*maxval([(g(i, i), i=1, d)]), basis, n)
+      projector = matmul(basis(:, :n), transpose(basis(:, :n)))
+   end subroutine free_motion
+
+   !> Eigenvectors of a symmetric matrix, those of the largest values first; `n` are above a bound.
+   subroutine split(a, bound, basis, n)
+      real(wp), intent(in) :: a(:, :)
+      real(wp), intent(in) :: bound
+      real(wp), intent(out) :: basis(:, :)
+      integer, intent(out) :: n
+      real(wp) :: value(size(a, 1)), vector(size(a, 1), size(a, 1))
+      integer :: k, status
+
+      vector = a
+      call symmetric_eigen(vector, value, status)
+      n = 0
+      if (status == 0) n = count(value > bound)
+      do k = 1, size(value)
+         basis(:, k) = vector(:, size(value) + 1 - k)
+      end do
+   end subroutine split
+
+   pure function unity(d) result(a)
+      integer, intent(in) :: d
+      real(wp) :: a(d, d)
+      integer :: k
+
+      a = 0.0_wp
+      do k = 1, d
+         a(k, k) = 1.0_wp
+      end do
+   end function unity
+end module lopin_tie_release
