@@ -27,7 +27,7 @@ module lopin_tie_release
    !> A row that misses linear fields by less, beside its free terms, holds nothing wrongly.
    real(wp), parameter :: exact = 1.0e-3_wp
    !> Squares of coefficients below this, beside the largest, are zero.
-   real(wp), parameter :: zero = 1.0e-20_wp
+   real(wp), parameter :: zero = 1.0e-12_wp
 
 contains
 
