@@ -79,6 +79,7 @@ contains
       dofs%id(:d, :) = reshape([(i, i=1, dofs%n)], shape(start))
       grip = grip_type(kind=kind, c=20.0_wp, ct=8.0_wp, slope=60.0_wp, shear_slope=18.0_wp)
       if (kind == grip_kind%lagrange) grip%shear_slope = 0.0_wp
+      if (kind == grip_kind%tied .and. seed == 2) call let_go(grip)
       call new_exponential(overclosure, 0.2_wp, 3.0_wp)
       if (kind == grip_kind%overclosure) grip%law = overclosure
       grip%committed(:d) = random(d, 0.3_wp)
@@ -90,6 +91,21 @@ contains
       if (law == law_of%norton_hoff) friction%v0 = 0.05_wp
       at = condition_type(dt=0.5_wp, yield=2.0_wp)
    end subroutine set_scene
+
+   !> Supports hold the node along a slanted direction: the tie does not.
+   subroutine let_go(grip)
+      type(grip_type), intent(inout) :: grip
+      real(wp) :: along(d)
+      integer :: j
+
+      along = 1.0_wp + random(d, 0.5_wp)
+      along = along/norm2(along)
+      grip%partly = .true.
+      do j = 1, d
+         grip%held(:d, j) = -along*along(j)
+         grip%held(j, j) = grip%held(j, j) + 1.0_wp
+      end do
+   end subroutine let_go
 
    !> A corner in the middle: the last node takes its function on the steep facet over.
    logical function bent()
@@ -254,6 +270,7 @@ contains
       if (d == 3) turn = rotation_matrix([0.4_wp, -0.8_wp, 0.7_wp])
       grip%committed = matmul(turn, grip%committed)
       grip%creep = matmul(turn, grip%creep)
+      grip%held = matmul(matmul(turn, grip%held), transpose(turn))
       turned = matmul(turn(:d, :d), x)
       call look(turned, matmul(turn, lambda), still, local, .false.)
       call close_to('force turns', maxval(abs(reshape(still%force, [d, local%nu/d]) &
