@@ -23,7 +23,7 @@ contains
       type(local_matrix_type), intent(in) :: local
       type(constraints_type), intent(in) :: constraints
       logical, intent(in) :: flat
-      integer :: i, c, n, m, dof
+      integer :: i, c, n, m, dof, rows
       integer, allocatable :: at(:)
       real(wp), allocatable :: t(:, :), k(:, :)
 
@@ -44,16 +44,25 @@ contains
       end do
       block%nu = n
       do i = local%nu + 1, size(local%dof)
-         call put(i, constraints%neq + local%dof(i) - constraints%ndof, 1.0_wp)
+         dof = local%dof(i)
+         if (dof > constraints%ndof) then
+            call put(i, constraints%neq + dof - constraints%ndof, 1.0_wp)
+         else
+            do c = constraints%first(dof), constraints%first(dof + 1) - 1
+               call put(i, constraints%equation(c), constraints%coefficient(c))
+            end do
+         end if
       end do
       block%at = at(:n)
       allocate (k, source=local%k)
       if (flat) then
          k(:local%nu, :local%nu) = local%spring
+         rows = count(local%dof > constraints%ndof)
          if (allocated(local%flat_row)) then
-            if (all(shape(local%flat_row) == [size(k, 1) - local%nu, local%nu])) &
-               & k(local%nu + 1:, :local%nu) = local%flat_row
+            if (all(shape(local%flat_row) == [rows, local%nu])) &
+               & k(local%nu + 1:local%nu + rows, :local%nu) = local%flat_row
          end if
+         k(:, local%nu + rows + 1:) = 0.0_wp
       end if
       block%k = matmul(transpose(t(:, :n)), matmul(k, t(:, :n)))
       block%spring = matmul(transpose(t(:local%nu, :block%nu)), matmul(local%spring, &
@@ -82,13 +91,19 @@ contains
       type(local_matrix_type), intent(in) :: local(:)
       real(wp), intent(in) :: u(:)               !! (ndof)
       real(wp), intent(inout) :: force(:)        !! (ndof + nmultiplier) added to
-      integer :: i, j
+      integer :: i, j, m
 
       do i = 1, nlocal
          associate (l => local(i))
             ! A node of the facet may be one of the anchor too: its dof stands twice.
             do j = 1, size(l%dof)
                force(l%dof(j)) = force(l%dof(j)) + dot_product(l%k(j, :l%nu), u(l%dof(:l%nu)))
+            end do
+            do j = l%nu + 1, size(l%dof)
+               if (l%dof(j) > size(u)) cycle
+               do m = 1, l%nu
+                  force(l%dof(m)) = force(l%dof(m)) + l%k(m, j)*u(l%dof(j))
+               end do
             end do
          end associate
       end do

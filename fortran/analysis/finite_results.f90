@@ -15,7 +15,7 @@ module lopin_finite_results
    use lopin_finite_forces, only : forces_about, pressure_about, nil_gap
    use lopin_rounding_floor, only : beyond
    use lopin_contact_traction, only : grip_kind
-   use lopin_finite_masters, only : area_ratios
+   use lopin_finite_growth, only : areas_now
    use lopin_finite_contact, only : finite_contact_type
    use lopin_finite_slip, only : dissipated, mean_work_of, held_energy, shear_bound, path_of
    use lopin_scene, only : scene_type
@@ -239,7 +239,7 @@ contains
       type(scene_type), intent(in) :: scene
       type(model_type), intent(in) :: model
       integer :: pair, i, ndim
-      real(wp) :: ratio(model%mesh%nnode)
+      real(wp) :: weight(scene%finite%contact%n)
       integer, allocatable :: at(:)
 
       ndim = model%mesh%ndim
@@ -247,6 +247,7 @@ contains
       if (allocated(field)) deallocate (field)
       allocate (field(size(model%pair)))
       associate (c => scene%finite%contact)
+         weight = areas_now(c, model)
          do pair = 1, size(model%pair)
             at = pack([(i, i=1, c%n)], c%pair(:c%n) == pair)
             associate (f => field(pair))
@@ -255,8 +256,7 @@ contains
                f%status = merge(c%status(at), -1, f%facet > 0)
                where (f%status > 0 .and. c%grip(at)%kind == grip_kind%tied) f%status = 3
                ! The area of the end of the increment: the traction was found by that of its start.
-               ratio = area_ratios(c%masters, model, pair)
-               f%weight = c%first_weight(at)*ratio(c%node(at))
+               f%weight = weight(at)
                f%gap = c%opening(at)
                f%pressure = c%pressure(at)
                where (f%weight > 0.0_wp) f%pressure = f%pressure*c%weight(at)/f%weight

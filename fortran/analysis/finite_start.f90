@@ -49,6 +49,7 @@ contains
       integer :: s, i, pair
 
       scene%finite%nlgeom = model%step(scene%step)%nlgeom
+      scene%finite%contact%stretches = scene%finite%nlgeom
       scene%finite%last_dt = 0.0_wp
       scene%finite%memory%finite = scene%finite%nlgeom
       if (.not. scene%finite%in_use) return

@@ -301,7 +301,11 @@ contains
       scene%accepted = scene%u
       progress%steady = steady
       if (scene%finite%in_use) then
-         scene%finite%accepted_multiplier = scene%finite%multiplier
+         ! Tractions go on by the area that the next increment begins with.
+         associate (c => scene%finite%contact)
+            scene%finite%accepted_multiplier = scene%finite%multiplier &
+               & /c%growth(c%point_of_row)%ratio
+         end associate
          call accept_contact(scene%finite%contact)
          return
       end if

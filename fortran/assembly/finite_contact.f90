@@ -16,14 +16,20 @@ module lopin_finite_contact
    use lopin_finite_points, only : finite_points_type, new_finite_points
    use lopin_search, only : cost_type
    use lopin_finite_opposite, only : opposite_type, anchor_type
-   use lopin_finite_masters, only : masters_type, new_masters
+   use lopin_finite_masters, only : masters_type, new_masters, areas_of
    use lopin_finite_owner, only : new_owners
    use lopin_finite_kernel, only : local_matrix_type, point_state_type
    use lopin_mortar_node_2d, only : patch_type
    use lopin_finite_mortar, only : present_mortar_type, mortar_anchor_type, new_present_mortar
    implicit none
    private
-   public :: finite_contact_type, new_finite_contact
+   public :: finite_contact_type, star_type, new_finite_contact
+
+   !> The facets around each node of a mesh.
+   type :: star_type
+      integer, allocatable :: first(:)         !! (nnode + 1) first of a node in
+      integer, allocatable :: facet(:), place(:)   !! facets, and the node's place in them
+   end type star_type
 
    type, extends(finite_points_type) :: finite_contact_type
       integer :: nmultiplier = 0               !! rows: ndim per point whose method solves for it
@@ -54,10 +60,13 @@ module lopin_finite_contact
       logical, allocatable :: pair_active(:)   !! *MODEL CHANGE
       type(friction_type), allocatable :: friction(:)   !! (npair) in force
       real(wp), allocatable :: mises(:)        !! (n) of the last iteration [stress]
+      logical :: stretches = .true.            !! areas follow the motion: NLGEOM
       real(wp), allocatable :: speed(:)        !! (n) of slip, of the last iteration [length/time]
       ! inside
       real(wp) :: dt = 1.0_wp
       real(wp), allocatable :: first_weight(:) !! (n) areas at the start [area]
+      real(wp), allocatable :: first_area(:)   !! (n) of its node there; 0: no faces [area]
+      type(star_type), allocatable :: star(:)  !! (npair) of the slave, where bounds follow areas
       real(wp), allocatable :: start_normal(:, :)   !! (3, n) where the increment begins
       real(wp), allocatable :: start_gap(:)    !! (n) there; huge: nothing opposite [length]
       real(wp), allocatable :: touch(:)        !! (n) share of the increment before it touched [-]
@@ -104,6 +113,14 @@ contains
       call new_owners(self%masters%owner, n)
       self%first_weight = self%weight
       self%dofs = dofs
+      allocate (self%first_area(n), source=0.0_wp)
+      allocate (self%star(size(model%pair)))
+      do pair = 1, size(model%pair)
+         if (.not. self%masters%of(pair)%has_slave_faces) cycle
+         associate (area => areas_of(self%masters, model, pair))
+            where (self%pair == pair) self%first_area = area(self%node)
+         end associate
+      end do
       allocate (self%force(dofs%n), self%gap(n), self%opening(n), self%pressure(n), &
          & self%traction(3, n), &
          & self%normal(3, n), self%slip(3, n), self%xi(2, n), self%slip_path(n), &

@@ -15,6 +15,7 @@ module lopin_finite_evaluation
    use lopin_finite_contact, only : finite_contact_type
    use lopin_finite_meeting, only : find_present, meet, is_left_out
    use lopin_finite_slip, only : condition_at
+   use lopin_finite_growth, only : find_growth, find_growth_slopes
    use lopin_finite_touch, only : may_touch, note_approach
    implicit none
    private
@@ -46,6 +47,7 @@ contains
       call find_present(self, .false., error)
       if (allocated(error)) return
       call meet_all(self, model)
+      call find_growth(self, model)
       do i = 1, self%n
          lambda = 0.0_wp
          k = self%first_row(i)
@@ -69,6 +71,7 @@ contains
             cycle
          end if
          at = condition_at(self, i)
+         if (with_tangent) call find_growth_slopes(self, model, i)
          self%nlocal = self%nlocal + 1
          call press(self, model, i, at, shift, lambda, with_tangent)
          if (may_touch(self, i)) then

@@ -7,7 +7,8 @@ module lopin_finite_history
    use lopin_finite_grips, only : remember_elastic
    use lopin_finite_points, only : finite_points_type
    use lopin_finite_samples, only : offset_of
-   use lopin_finite_masters, only : move_masters, area_ratios
+   use lopin_finite_masters, only : move_masters
+   use lopin_finite_growth, only : follow_areas
    use lopin_finite_owner, only : start_owners, commit_owners
    use lopin_finite_contact, only : finite_contact_type
    use lopin_finite_meeting, only : find_present, meet, take_anchor, share_roles
@@ -72,20 +73,6 @@ contains
       call share_roles(self, model)
    end subroutine start_increment
 
-   !> Tractions are by the area of the nodes where the increment begins: m k by that of the start
-   !> would fade as a billet spreads.
-   subroutine follow_areas(self, model)
-      type(finite_contact_type), intent(inout) :: self
-      type(model_type), intent(in) :: model
-      real(wp) :: ratio(model%mesh%nnode)
-      integer :: pair
-
-      do pair = 1, size(model%pair)
-         ratio = area_ratios(self%masters, model, pair)
-         where (self%pair == pair) self%weight = self%first_weight*ratio(self%node)
-      end do
-   end subroutine follow_areas
-
    !> Augmented Lagrangian: take the present tractions for the next solve.
    subroutine augment(self, change)
       type(finite_contact_type), intent(inout) :: self
@@ -123,7 +110,8 @@ contains
                cycle
             end if
             self%closed(i) = .true.
-            self%lambda(:, i) = t%traction
+            ! By the area that the next increment begins with.
+            self%lambda(:, i) = t%traction/self%growth(i)%ratio
             self%last_normal(:, i) = t%normal
             self%slip(:, i) = self%slip(:, i) + t%slip
             self%creep(:, i) = drawn(self%friction(self%pair(i)), self%grip(i)%creep + t%slip)

@@ -13,7 +13,7 @@ module lopin_finite_kernel
    use lopin_smooth_facet, only : most_stencil
    use lopin_contact_foot, only : facet_foot, smooth_facet_foot, tool_foot, tool_motion, turned, &
       & turned_back
-   use lopin_finite_points, only : finite_points_type
+   use lopin_finite_points, only : finite_points_type, growth_type
    use lopin_finite_opposite, only : opposite_type, anchor_type, sample_foot_type
    use lopin_finite_masters, only : masters_type
    implicit none
@@ -24,7 +24,8 @@ module lopin_finite_kernel
 
    !> The exact tangent of one contact point.
    type :: local_matrix_type
-      integer, allocatable :: dof(:)           !! physical dofs, then ndof + multiplier row
+      integer, allocatable :: dof(:)           !! physical dofs, then ndof + multiplier row, then
+                                               !! physical dofs that only bounds of shear read
       real(wp), allocatable :: k(:, :)         !! d(-force, row)/d(u, multiplier)
       integer :: nu = 0                        !! entries that are displacements
       real(wp), allocatable :: spring(:, :)    !! (nu, nu) positive semidefinite part, for a factor
@@ -58,6 +59,7 @@ module lopin_finite_kernel
       integer :: master(3, most_stencil) = 0, anchor(3, 8) = 0
       integer :: sample(3, 2) = 0
       integer :: reference(3) = 0, rotation(3) = 0, multiplier(3) = 0
+      integer :: growth = 0                    !! behind the others: of the point's area
    end type inputs_type
 
 contains
@@ -86,22 +88,27 @@ contains
       type(dual_type) :: row(3), gap, slip(3)
       real(wp) :: shear(3, 3)
       real(wp), allocatable :: along_gap(:), along_slip(:, :)
-      integer :: block, from, width, d, k
+      integer :: block, from, width, columns, d, k
 
       d = model%mesh%ndim
       call list_inputs(inputs, model, dofs, masters, points, i, opposite, anchor, first_row)
+      columns = inputs%n
+      if (with_tangent .and. allocated(points%growth(i)%slope)) then
+         columns = inputs%n + 1
+         inputs%growth = columns
+      end if
       local%dof = inputs%dof(:inputs%n)
       local%nu = inputs%nu
       allocate (force(inputs%nu))
       if (with_tangent) then
          if (allocated(local%k)) deallocate (local%k)
-         allocate (local%k(inputs%n, inputs%n), along_gap(inputs%nu), along_slip(d, inputs%nu))
+         allocate (local%k(inputs%n, columns), along_gap(inputs%nu), along_slip(d, inputs%nu))
       end if
-      do block = 1, merge((inputs%n + dual_width - 1)/dual_width, 1, with_tangent)
+      do block = 1, merge((columns + dual_width - 1)/dual_width, 1, with_tangent)
          from = (block - 1)*dual_width
-         call point_forces(merge(from, inputs%n, with_tangent))
+         call point_forces(merge(from, columns, with_tangent))
          if (.not. with_tangent) exit
-         width = min(dual_width, inputs%n - from)
+         width = min(dual_width, columns - from)
          do k = 1, inputs%nu
             local%k(k, from + 1:from + width) = -force(k)%d(:width)
          end do
@@ -120,6 +127,7 @@ contains
       if (with_tangent) call set_spring(local, grip, points%weight(i), normal_stiffness(grip, &
          & state%gap + shift), state%normal(:d), along_gap, along_slip, shear(:d, :d), &
          & state%status /= grip_status%open, first_row > 0)
+      if (inputs%growth > 0) call add_growth(local, points%growth(i))
 
    contains
 
@@ -216,7 +224,8 @@ contains
             end do
          else
             call traction_of(grip, friction, at, gap + shift, n(:d), slip(:d), multiplier(:d), &
-               & z(:d), row(:d), state%status, shear(:d, :d))
+               & z(:d), row(:d), state%status, shear(:d, :d), &
+               & variable(at%growth, inputs%growth - from))
          end if
          if (d == 2) z(3) = constant(0.0_wp)
          z = points%weight(i)*z
@@ -322,6 +331,27 @@ contains
          way = way + there(m)%c*(there(m)%x - there(1)%x)
       end do
    end subroutine mean_place
+
+   !> The last column, slopes in the growth of the area, becomes one for each dof that it reads.
+   pure subroutine add_growth(local, growth)
+      type(local_matrix_type), intent(inout) :: local
+      type(growth_type), intent(in) :: growth
+      real(wp), allocatable :: k(:, :)
+      integer :: n, j
+
+      n = size(local%dof)
+      if (.not. any(abs(local%k(:, n + 1)) > 0.0_wp)) then
+         local%k = local%k(:, :n)
+         return
+      end if
+      local%dof = [local%dof, growth%dof]
+      allocate (k(size(local%dof), size(local%dof)), source=0.0_wp)
+      k(:n, :n) = local%k(:, :n)
+      do j = 1, size(growth%dof)
+         k(:n, n + j) = local%k(:, n + 1)*growth%slope(j)
+      end do
+      call move_alloc(k, local%k)
+   end subroutine add_growth
 
    !> w (c g' g'^T + s'^T shear s') for a closed point, and its multiplier rows as if normals stood
    !> still.

@@ -20,7 +20,7 @@ module lopin_finite_masters
    use lopin_finite_owner, only : owners_type
    implicit none
    private
-   public :: masters_type, master_type, new_masters, move_masters, area_ratios
+   public :: masters_type, master_type, new_masters, move_masters, areas_of
 
    !> Facets, of both sides, that keep two boxes from meeting: quadratic facets bulge less.
    real(wp), parameter :: apart = 2.0_wp
@@ -40,7 +40,8 @@ module lopin_finite_masters
       type(self_contact_type) :: itself            !! of the points of a surface against itself
       integer :: first_point = 0                   !! the first of them
       logical :: has_slave_faces = .false.
-      type(facets_type) :: slave                   !! for the slave's normals
+      type(facets_type) :: slave                   !! for the slave's normals and areas
+      real(wp), allocatable :: thickness(:)        !! of its facets [length]
    end type master_type
 
    type :: masters_type
@@ -75,8 +76,10 @@ contains
             m%limits%extension = p%extension
             m%limits%cosine = facing
             m%has_slave_faces = slave%kind == surface_of%faces
-            if (m%has_slave_faces) call new_facets(m%slave, model%mesh, cells, slave%element, &
-               & slave%face)
+            if (m%has_slave_faces) then
+               call new_facets(m%slave, model%mesh, cells, slave%element, slave%face)
+               m%thickness = thickness_of(model, m%slave)
+            end if
             if (master%kind == surface_of%tool) then
                m%tool = master%tool
                m%body = model%tool(m%tool)%rigid_body
@@ -249,24 +252,14 @@ contains
       end do
    end subroutine find_sides
 
-   !> Areas of the slave nodes of a pair now, over those at the start; 1 where there are no faces.
-   function area_ratios(self, model, pair) result(ratio)
+   !> Areas of the slave nodes of a pair with faces now; 0 elsewhere.
+   function areas_of(self, model, pair) result(area)
       type(masters_type), intent(in) :: self
       type(model_type), intent(in) :: model
       integer, intent(in) :: pair
-      real(wp) :: ratio(model%mesh%nnode), before(model%mesh%nnode), now(model%mesh%nnode)
-      real(wp), allocatable :: thickness(:)
-      logical :: axisymmetric
+      real(wp) :: area(model%mesh%nnode)       !! [area]
 
-      ratio = 1.0_wp
-      if (.not. self%of(pair)%has_slave_faces) return
-      axisymmetric = model%kind == kind_of%axisymmetric
-      associate (slave => self%of(pair)%slave)
-         thickness = thickness_of(model, slave)
-         call nodal_weights(slave, self%rules, model%mesh%x, axisymmetric, thickness, before)
-         call nodal_weights(slave, self%rules, self%x, axisymmetric, thickness, now, &
-            & model%mesh%x)
-      end associate
-      where (before > 0.0_wp .and. now > 0.0_wp) ratio = now/before
-   end function area_ratios
+      call nodal_weights(self%of(pair)%slave, self%rules, self%x, model%kind == kind_of%axisymmetric, &
+         & self%of(pair)%thickness, area, model%mesh%x)
+   end function areas_of
 end module lopin_finite_masters

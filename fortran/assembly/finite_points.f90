@@ -14,7 +14,14 @@ module lopin_finite_points
    use lopin_surface_material, only : youngs_modulus, extreme_moduli
    implicit none
    private
-   public :: finite_points_type, new_finite_points, is_self_contact, stays_mortar
+   public :: finite_points_type, growth_type, new_finite_points, is_self_contact, stays_mortar
+
+   !> Area of a point now over that at the start of the increment, and its slopes.
+   type :: growth_type
+      real(wp) :: ratio = 1.0_wp
+      integer, allocatable :: dof(:)           !! of the nodes around; not allocated: slopes unused
+      real(wp), allocatable :: slope(:)        !! [1/length]
+   end type growth_type
 
    type :: finite_points_type
       integer :: n = 0
@@ -32,6 +39,7 @@ module lopin_finite_points
       real(wp), allocatable :: modulus(:)      !! of the softer side, 1D [stress]
       real(wp), allocatable :: slave_modulus(:)   !! of the slave side [stress]
       real(wp), allocatable :: yield(:)        !! at the slave; 0: unknown [stress]
+      type(growth_type), allocatable :: growth(:)
    end type finite_points_type
 
 contains
@@ -88,6 +96,7 @@ contains
          if (allocated(error)) return
       end do
       call find_moduli(self, model)
+      allocate (self%growth(self%n))
    end subroutine new_finite_points
 
    !> Surface to surface where bodies move far: not against itself.

@@ -22,7 +22,7 @@ contains
       type(condition_type) :: at
       at = condition_type(yield=self%yield(i), mises=self%mises(i), &
          & dt=time_of_slip(self, i), &
-         & speed=self%speed(i), held=self%grip(i)%bilateral)
+         & speed=self%speed(i), held=self%grip(i)%bilateral, growth=self%growth(i)%ratio)
    end function condition_at
 
    !> Time that the slip of the increment took: since the point touched.

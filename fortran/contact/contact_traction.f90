@@ -66,7 +66,8 @@ module lopin_contact_traction
 contains
 
    !> The traction on the slave and the residual of the multiplier's rows.
-   pure subroutine traction_of(grip, friction, at, g, n, way, lambda, z, row, status, shear)
+   pure subroutine traction_of(grip, friction, at, g, n, way, lambda, z, row, status, shear, &
+      & growth)
       type(grip_type), intent(in) :: grip
       type(friction_type), intent(in) :: friction
       type(condition_type), intent(in) :: at
@@ -78,6 +79,7 @@ contains
       type(dual_type), intent(out) :: row(:)       !! (ndim) [length]
       integer, intent(out) :: status
       real(wp), intent(out) :: shear(:, :)   !! (ndim, ndim) -dt/ds without the coupling to pressure
+      type(dual_type), intent(in), optional :: growth   !! at%growth with its slopes; else it stands
       type(dual_type) :: held(size(n)), phat, p, trial(size(n)), t(size(n)), normal_part, s(size(n))
       logical :: closed
       integer :: d
@@ -116,9 +118,10 @@ contains
          if (any(grip%kind == [grip_kind%lagrange, grip_kind%perturbed])) then
             if (grip%shear_slope > 0.0_wp) trial = trial - (grip%ct/grip%shear_slope) &
                & *tangential(held - constant(grip%committed(:d)), n)
-            if (grip%elastic_slip > 0.0_wp) call give_way(grip, friction, at, p, held, n, trial)
+            if (grip%elastic_slip > 0.0_wp) call give_way(grip, friction, at, p, held, n, &
+               & trial, growth)
          end if
-         call shear_of(grip, friction, at, p, trial, s, n, t, status, shear)
+         call shear_of(grip, friction, at, p, trial, s, n, t, status, shear, growth)
       end if
       z = p*n + t
       if (grip%kind == grip_kind%lagrange .or. grip%kind == grip_kind%perturbed) &
@@ -184,12 +187,13 @@ contains
    end function normal_stiffness
 
    !> The elastic slip of an unknown traction, in the measure of the disc's present radius.
-   pure subroutine give_way(grip, friction, at, p, held, n, trial)
+   pure subroutine give_way(grip, friction, at, p, held, n, trial, growth)
       type(grip_type), intent(in) :: grip
       type(friction_type), intent(in) :: friction
       type(condition_type), intent(in) :: at
       type(dual_type), intent(in) :: p, held(:), n(:)
       type(dual_type), intent(inout) :: trial(:)
+      type(dual_type), intent(in), optional :: growth
       type(dual_type) :: compliance
       real(wp) :: radius, slope
 
@@ -198,6 +202,7 @@ contains
       compliance = p
       compliance%v = radius
       compliance%d = slope*p%d
+      if (present(growth)) compliance%d = compliance%d + (radius - slope*p%v)/growth%v*growth%d
       compliance = (grip%ct*grip%elastic_slip)/compliance
       trial = trial - compliance*tangential(held, n) &
          & - grip%ct*tangential(constant(grip%elastic(:size(n))), n)
@@ -222,7 +227,10 @@ contains
    end function tangential
 
    !> Shear of a closed point by the law of friction.
-   pure subroutine shear_of(grip, friction, at, p, trial, s, n, t, status, shear)
+   !>
+   !> A law of stresses is homogeneous: F(J q, J p, J c) = J F(q, p, c) with the growth J in its
+   !> bounds, which gives the slope of F in J from those in q and p.
+   pure subroutine shear_of(grip, friction, at, p, trial, s, n, t, status, shear, growth)
       type(grip_type), intent(in) :: grip
       type(friction_type), intent(in) :: friction
       type(condition_type), intent(in) :: at
@@ -230,6 +238,7 @@ contains
       type(dual_type), intent(out) :: t(:)
       integer, intent(out) :: status
       real(wp), intent(out) :: shear(:, :)
+      type(dual_type), intent(in), optional :: growth
       type(dual_type) :: magnitude, f, way(size(trial))
       real(wp) :: slope, slope_p, direction(size(trial)), share, reach
       logical :: slips
@@ -253,6 +262,7 @@ contains
          call regularised_traction(friction, reach, p%v, at, f%v, slope, slope_p)
          if (reach < magnitude%v) slope = 0.0_wp
          f%d = slope*magnitude%d + slope_p*p%d
+         if (present(growth)) f%d = f%d + (f%v - slope_p*p%v)/growth%v*growth%d
          t = 0.0_wp
          if (share > 0.0_wp) t = (-1.0_wp)*(f/magnitude)*way
          if (.not. share > 0.0_wp) then
@@ -273,6 +283,8 @@ contains
             f%v = magnitude%v
          else
             f%d = slope*magnitude%d + slope_p*p%d
+            if (present(growth)) f%d = f%d + (f%v*(1.0_wp - slope) - slope_p*p%v)/growth%v &
+               & *growth%d
             t = (f/magnitude)*trial
             slope = slope*grip%ct
          end if

@@ -22,7 +22,7 @@ module lopin_friction
    public :: friction_type, condition_type, law_of, regularization_of
    public :: law_names, regularization_names, law_number, regularization_number, automatic_law
    public :: has_friction, is_regularised, by_rate, reads_yield, reads_mises, reads_speed
-   public :: depends_on_time, drag_limit
+   public :: bounds_by_area, depends_on_time, drag_limit
    public :: coefficient, friction_radius, return_to_disc, regularised_traction
 
    type :: laws
@@ -72,6 +72,8 @@ module lopin_friction
       real(wp) :: dt = 1.0_wp                  !! time increment [time]
       real(wp) :: speed = 0.0_wp   !! slip speed of the last iteration, >= 0 [length/time]
       logical :: held = .false.    !! bilateral: a rough surface sticks under tension too
+      real(wp) :: growth = 1.0_wp  !! area now over the area that tractions count on; bounds of
+                                   !! shear are stresses on the area now [-]
    end type condition_type
 
    !> Least equivalent stress of Cristescu as a fraction of the pressure: at first touch the body
@@ -164,6 +166,13 @@ contains
          & .and. (law%law == law_of%coulomb .or. law%law == law_of%orowan)
    end function reads_speed
 
+   !> Whether a bound is a stress of its own, not a share of the pressure.
+   elemental logical function bounds_by_area(law)
+      type(friction_type), intent(in) :: law
+      bounds_by_area = .not. law%rough .and. law%law /= law_of%none &
+         & .and. (law%law /= law_of%coulomb .or. law%tau_max < huge(1.0_wp))
+   end function bounds_by_area
+
    !> Whether the answer depends on the speed of slip, hence on a real scale of time.
    pure logical function depends_on_time(law)
       type(friction_type), intent(in) :: law
@@ -195,7 +204,8 @@ contains
       slope = 0.0_wp
       if (law%rough .and. (p > 0.0_wp .or. at%held)) radius = huge(1.0_wp)
       if (law%rough .or. .not. p > 0.0_wp) return
-      cap = law%tau_max
+      cap = huge(1.0_wp)
+      if (law%tau_max < huge(1.0_wp)) cap = law%tau_max*at%growth
       select case (law%law)
       case (law_of%coulomb, law_of%orowan)
          slope = coefficient(law, at)
@@ -207,7 +217,7 @@ contains
          call cristescu(law, p, at, radius, slope)
       case (law_of%norton_hoff)
          radius = huge(1.0_wp)
-         if (.not. law%q > 0.0_wp) radius = law%alpha
+         if (.not. law%q > 0.0_wp) radius = law%alpha*at%growth
       end select
       if (radius <= cap) return
       radius = cap
@@ -220,7 +230,7 @@ contains
       type(condition_type), intent(in) :: at
 
       k = huge(1.0_wp)
-      if (law%has_m .and. at%yield > 0.0_wp) k = law%m*at%yield/root_3
+      if (law%has_m .and. at%yield > 0.0_wp) k = law%m*at%yield*at%growth/root_3
    end function shear_yield
 
    !> m sigma_vm / sqrt 3 with sigma_vm between a trace of the pressure and the yield stress.
@@ -231,14 +241,14 @@ contains
       real(wp), intent(out) :: radius, slope
       real(wp) :: equivalent, change
 
-      equivalent = at%mises
+      equivalent = at%mises*at%growth
       change = 0.0_wp
       if (equivalent < least_equivalent*p) then
          equivalent = least_equivalent*p
          change = least_equivalent
       end if
-      if (at%yield > 0.0_wp .and. equivalent > at%yield) then
-         equivalent = at%yield
+      if (at%yield > 0.0_wp .and. equivalent > at%yield*at%growth) then
+         equivalent = at%yield*at%growth
          change = 0.0_wp
       end if
       radius = law%m*equivalent/root_3
@@ -262,7 +272,8 @@ contains
       slope_q = 1.0_wp
       slope_p = 0.0_wp
       if (law%law == law_of%norton_hoff .and. law%q > 0.0_wp .and. p > 0.0_wp &
-         & .and. .not. law%rough) call rate_bound(law, q, ct*at%dt, traction, slope_q)
+         & .and. .not. law%rough) call rate_bound(law%alpha*at%growth, &
+         & law%q, q, ct*at%dt, traction, slope_q)
       if (traction > radius) then
          traction = radius
          slope_q = 0.0_wp
@@ -277,8 +288,9 @@ contains
    !> Convex and increasing in F, with a finite slope at 0 (in the speed it would be infinite):
    !> Newton from an upper bound descends to the root. F is scaled by that bound so that
    !> large n neither overflow nor lose it.
-   pure subroutine rate_bound(law, q, c, traction, slope)
-      type(friction_type), intent(in) :: law
+   pure subroutine rate_bound(alpha, exponent, q, c, traction, slope)
+      real(wp), intent(in) :: alpha            !! of the law, >= 0 [stress*(time/length)^exponent]
+      real(wp), intent(in) :: exponent         !! 0..1 [-]
       real(wp), intent(in) :: q                !! trial, >= 0 [stress]
       real(wp), intent(in) :: c                !! tangential stiffness * time [stress*time/length]
       real(wp), intent(out) :: traction, slope
@@ -287,16 +299,16 @@ contains
 
       traction = 0.0_wp
       slope = 0.0_wp
-      if (.not. law%alpha > 0.0_wp) return
-      n = 1.0_wp/law%q
+      if (.not. alpha > 0.0_wp) return
+      n = 1.0_wp/exponent
       slope = 1.0_wp
-      if (n <= 1.0_wp) slope = 1.0_wp/(1.0_wp + c/law%alpha)
+      if (n <= 1.0_wp) slope = 1.0_wp/(1.0_wp + c/alpha)
       if (.not. q > 0.0_wp) return
-      bound = law%alpha*(q/c)**law%q
+      bound = alpha*(q/c)**exponent
       power = q
       if (bound > q) then
          bound = q
-         power = c*(q/law%alpha)**n
+         power = c*(q/alpha)**n
       end if
       x = 1.0_wp
       do i = 1, most_iterations
@@ -328,7 +340,7 @@ contains
       call saturation(law%regularization, slip/u0, share, slope)
       growth = 0.0_wp
       if (law%law == law_of%norton_hoff .and. law%q > 0.0_wp .and. p > 0.0_wp) &
-         & call smoothed_rate(law, slip, u0, at%dt, radius, growth)
+         & call smoothed_rate(law, slip, u0, at, radius, growth)
       traction = radius*share
       slope_slip = radius*slope/u0 + growth*share
       slope_p = slope_p*share
@@ -353,15 +365,15 @@ contains
 
    !> alpha (v^2 + v0^2)^(q/2) and its slope in the slip, under the cap that `radius` holds; times
    !> v/sqrt(v^2 + v0^2), the square root's share, it is alpha (v^2 + v0^2)^((q-1)/2) v.
-   pure subroutine smoothed_rate(law, slip, u0, dt, radius, growth)
+   pure subroutine smoothed_rate(law, slip, u0, at, radius, growth)
       type(friction_type), intent(in) :: law
       real(wp), intent(in) :: slip, u0         !! [length]
-      real(wp), intent(in) :: dt               !! [time]
+      type(condition_type), intent(in) :: at
       real(wp), intent(inout) :: radius        !! in: the cap [stress]
       real(wp), intent(out) :: growth          !! d radius / d slip [stress/length]
       real(wp) :: free
 
-      free = law%alpha*(hypot(slip, u0)/dt)**law%q
+      free = law%alpha*at%growth*(hypot(slip, u0)/at%dt)**law%q
       growth = 0.0_wp
       if (free > radius) return
       radius = free

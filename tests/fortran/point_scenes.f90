@@ -110,6 +110,7 @@ contains
          self%points%size = spread(1.0_wp, 1, n)
          self%points%depth = spread(huge(1.0_wp), 1, n)
          self%points%share = spread(0.0_wp, 1, n)
+         allocate (self%points%growth(n))
          self%points%corner = reshape(spread(0, 1, 2*n), [2, n])
       end associate
       if (self%is_middle) then
@@ -373,6 +374,8 @@ contains
       wanted = .true.
       if (present(tangent)) wanted = tangent
       call place_all(self, u)
+      if (allocated(self%points%growth(1)%slope)) self%at%growth = 1.1_wp &
+         & + dot_product(self%points%growth(1)%slope, u)
       first = 0
       if (any(self%grip%kind == [grip_kind%lagrange, grip_kind%perturbed, grip_kind%tied])) &
          & first = 1
@@ -386,7 +389,7 @@ contains
       do a = 1, size(local%dof)
          if (a <= local%nu) then
             self%residual(local%dof(a)) = self%residual(local%dof(a)) - self%state%force(a)
-         else
+         else if (local%dof(a) > self%dofs%n) then
             self%residual(local%dof(a)) = self%state%row(a - local%nu)
          end if
          if (.not. wanted) cycle

@@ -57,7 +57,9 @@ contains
                      if (draw == 2) then
                         scene%grip%elastic_slip = 0.01_wp
                         scene%grip%elastic(:scene%ndim) = random(scene%ndim, 0.01_wp)
+                        if (law == law_of%coulomb) scene%friction%tau_max = 1.0_wp
                      end if
+                     if (law > 0) call let_grow(scene)
                      call one_tangent(scene, trim(grip_names(kind))//' on '// &
                         & trim(master_names(master))//', law '//achar(48 + law)//achar(48 &
                         & + regularization), draw)
@@ -67,6 +69,15 @@ contains
          end do
       end do
    end subroutine tangents
+
+   !> An area that follows all dofs.
+   subroutine let_grow(scene)
+      type(point_scene_type), intent(inout) :: scene
+      integer :: i
+
+      scene%points%growth(1)%dof = [(i, i=1, scene%dofs%n)]
+      scene%points%growth(1)%slope = random(scene%dofs%n, 0.5_wp)
+   end subroutine let_grow
 
    !> Rows of three places, of every method and law on every tool.
    subroutine tangents_of_mid_side_nodes()
@@ -81,6 +92,7 @@ contains
                call new_point_scene(scene, trim(master_names(master)), kind, middle=.true.)
                scene%friction = law_with(law, 1)
                if (law == 0) scene%friction%law = law_of%none
+               if (law > 0) call let_grow(scene)
                call one_tangent(scene, 'middle, '//trim(grip_names(kind))//' on '// &
                   & trim(master_names(master))//', law '//achar(48 + law), 1)
             end do

@@ -4,7 +4,8 @@ program test_facets
    use lopin_cells, only : cell_type, cell_id, ncell, new_cell_of, new_sided_cell
    use lopin_facets, only : facets_type, facet_rule_type, new_facets, boundary_facets, &
       & new_facet_rules, &
-      & facet_point, facet_weights, nodal_weights, nodal_normals
+      & facet_point, facet_weights, nodal_weights, nodal_normals, middle_share
+   use lopin_area_slopes, only : weight_slopes
    use blocks, only : new_block
    use check, only : test, close_to, is_true, finish
    implicit none
@@ -19,6 +20,7 @@ program test_facets
    end do
    call axis_weights_are_right()
    call quadratic_weights_are_positive()
+   call slopes_of_weights_are_differences()
    call edges_on_the_axis_are_left_out()
    call normals_of_a_polygon_are_radial()
    call rigid_elements_give_their_positive_side()
@@ -125,6 +127,38 @@ contains
       call close_to('triangle6', w(:6), [spread(1.0_wp/15.0_wp, 1, 3), spread(0.1_wp, 1, 3)], &
          & 1.0e-14_wp)
    end subroutine quadratic_weights_are_positive
+
+   subroutine slopes_of_weights_are_differences()
+      real(wp), parameter :: h = 1.0e-4_wp
+      real(wp) :: x(3, 8), moved(3, 8), slope(3, 8), side(3, 8), up(8), down(8), share
+      integer :: id, i, k, j, m, d
+      logical :: axisymmetric
+
+      call test('slopes of the areas of nodes are those of differences')
+      do id = 1, 6
+         m = rules(id)%cell%nnode
+         d = rules(id)%cell%ndim + 1
+         do k = 1, m
+            axisymmetric = d == 2 .and. k > 1
+            call random_number(x)
+            x(:d - 1, :m) = rules(id)%cell%xi(:d - 1, :m) + 0.1_wp*x(:d - 1, :m)
+            if (axisymmetric) x(1, :m) = x(1, :m) + 1.2_wp
+            share = middle_share(rules(id), x(:d, :m), axisymmetric)
+            call weight_slopes(rules(id), x(:d, :m), axisymmetric, share, k, slope(:d, :m))
+            do i = 1, m
+               do j = 1, d
+                  moved = x
+                  moved(j, i) = x(j, i) + h
+                  call facet_weights(rules(id), moved(:d, :m), axisymmetric, up, share)
+                  moved(j, i) = x(j, i) - h
+                  call facet_weights(rules(id), moved(:d, :m), axisymmetric, down, share)
+                  side(j, i) = (up(k) - down(k))/(2.0_wp*h)
+               end do
+            end do
+            call close_to(rules(id)%cell%name, slope(:d, :m), side(:d, :m), 1.0e-6_wp)
+         end do
+      end do
+   end subroutine slopes_of_weights_are_differences
 
    subroutine edges_on_the_axis_are_left_out()
       type(cell_type) :: cell

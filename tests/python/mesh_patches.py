@@ -3,7 +3,8 @@ match, surface to surface: the stress is uniform in both, and so must be the pre
 
 As tool_patches, but the tool is a mesh: the lower block is held at its bottom, which slides, and
 shear on the sides of both blocks balances the moment of the drag. On the finite path what slides off
-is no longer covered: there the pressure is that before sliding, and the drag that of what is left.
+is no longer covered: there the pressure is that before sliding, and the drag acts on what is covered
+at the end, along the face as it stands then.
 """
 import numpy as np
 from tool_patches import (METHODS, PRESSURE, SHEAR, YOUNG, Lines, family, is_quadratic, numbers,
@@ -76,19 +77,59 @@ def patch_deck(word, path, ratio, methods=METHODS) -> Deck:
     return Deck.parse("\n".join(lines.text) + "\n", name=f"mesh_patch_{word.lower()}")
 
 
-def errors(result, word, path, methods=METHODS):
+def covered(result, word, ratio, methods=METHODS):
+    """Area at the end that both blocks of each case share, in the axes of the case.
+
+    The outlines stay straight but for 1e-6 of a facet: sums of the changes of both spans.
+    """
+    n, m = RATIOS[ratio]
+    wide = (2, 2) if ratio == "1:1" else (1, 2)
+    upper, lower = block_of(word, n, wide[0]).points, block_of(word, m, wide[1]).points
+    d = upper.shape[1]
+    start = np.vstack([upper, lower - np.eye(d)[-1]])
+    slave = np.arange(len(start)) < len(upper)
+    areas, from_ = [], 0
+    for _, _, k in cases(methods):
+        q = turned(TURNS[d]) if k else np.eye(d)
+        now = start + result["U"][from_:from_ + len(start)] @ q
+        from_ += len(start)
+
+        def edge(side, axis, value, at):
+            """The place along an axis of an edge of the face, at stations along the other."""
+            nodes = (np.abs(start[:, -1]) < 1e-9) & side & (np.abs(start[:, axis] - value) < 1e-9)
+            across = now[nodes, 1 - axis] if d == 3 else np.zeros(1)
+            order = np.argsort(across)
+            return np.interp(at, across[order], now[nodes, axis][order])
+
+        def span(axis, at):
+            return (np.minimum(*(edge(s, axis, 2.0, at) for s in (slave, ~slave)))
+                    - np.maximum(*(edge(s, axis, 0.0, at) for s in (slave, ~slave))))
+
+        along = span(0, np.linspace(0.0, 2.0, 4001) if d == 3 else np.zeros(1)).mean()
+        across = span(1, np.linspace(2.0 - along, along, 4001)).mean() - 2.0 if d == 3 else 0.0
+        areas.append(along*2.0**(d - 2) + along*across)
+    return areas
+
+
+def errors(result, word, path, ratio, methods=METHODS):
     """Worst error of any pressure, of the normal and of the tangential force; relative."""
     d = 3 if word.startswith("C3D") else 2
     area = 2.0 if d == 2 else 4.0
-    left = 1.0 - 0.5*(WAY - 4.0*SHEAR/YOUNG) if path else 1.0
+    left = covered(result, word, ratio, methods) if path else []
     pressure, normal, drag = [], [], []
     for i, (name, _, k) in enumerate(cases(methods)):
         q = turned(TURNS[d]) if k else np.eye(d)
-        own = (result.contact(i).at(0) if path else result.contact(i).last).pressure
+        contact = result.contact(i)
+        own = (contact.at(0) if path else contact.last).pressure
         pressure.append(np.abs(own/PRESSURE - 1.0).max())
         force = q.T @ np.array([result.history[f"{name}USBOTTOM-{name}LSTOP.force{j + 1}"][-1]
                                 for j in range(d)])
         normal.append(abs(abs(force[-1])/(PRESSURE*area) - 1.0))
-        wanted = np.array([SHEAR*area*left, 0.0][:d - 1])
+        if path:   # what is left covered tilts, and the pressures with it: each shear by itself
+            out = contact.last["NORMAL"]
+            shear = contact.last.force - np.sum(contact.last.force*out, 1)[:, None]*out
+            drag.append(abs(np.linalg.norm(shear, axis=1).sum()/(SHEAR*left[i]) - 1.0))
+            continue
+        wanted = np.array([SHEAR*area, 0.0][:d - 1])
         drag.append(np.linalg.norm(np.abs(force[:-1]) - wanted)/(SHEAR*area))
     return np.array([pressure, normal, drag])
