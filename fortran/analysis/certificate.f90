@@ -23,6 +23,7 @@ module lopin_certificate
    !> A compliance below this share of the largest is rounding: an artificial support holds the row.
    real(wp), parameter :: rounded = 1.0e-12_wp
    real(wp), parameter :: balance_limit = 1.0e-3_wp, penalty_limit = 2.0e-2_wp
+   real(wp), parameter, public :: artificial_limit = 1.0e-2_wp
 
    !> Energies of friction below this share of those of the scene are not judged beside themselves.
    real(wp), parameter :: share_of_energy = 1.0e-6_wp
@@ -250,6 +251,7 @@ contains
       call hold('equilibrium', self%equilibrium, equilibrium_limit)
       call hold('action and reaction', self%action_reaction, equilibrium_limit)
       call hold('artificial support', self%support, equilibrium_limit)
+      call hold('artificial work', self%artificial, artificial_limit, 1)
       call hold('energy balance', self%energy, balance_limit)
       ! A slope that the deck gives is its law: the user is warned, and obeyed.
       call hold('estimated pressure error of the penalty', self%pressure_error, penalty_limit, &

@@ -115,6 +115,7 @@ contains
       call stream%pass(self%seen%nearest)
       call stream%pass(self%seen%lost)
       call stream%pass(self%drift%way)
+      call self%artificial%keep(stream)
       call stream%pass(self%f_before)
       call stream%pass(self%u_before)
       call stream%pass(self%r_before)

@@ -15,7 +15,7 @@ module lopin_finite_newton
    use lopin_settled, only : settled, relative, reference_of, equilibrium, correction, &
       & floor_of_rounding
    use lopin_predict, only : start_from_accepted
-   use lopin_newton_step, only : find_step, take_step, refuse_inverted, coarse
+   use lopin_newton_step, only : some_body_falls, find_step, take_step, refuse_inverted, coarse
    use lopin_contraction, only : by_old_tangent, look_without_tangent, note_step, gets_nowhere
    use lopin_judge_mesh, only : folding_at
    use lopin_finite_lagged, only : reads_lagged, renew_lagged
@@ -45,8 +45,8 @@ contains
       type(look_type) :: look
       real(wp), allocatable :: step(:), jump(:)
       real(wp) :: merits(memory), last, share, residual
-      integer :: iteration, stale, seen(most_sets)
-      logical :: lagged, fresh, first, simplified, unchanged
+      integer :: iteration, stale, seen(most_sets), grounded
+      logical :: lagged, fresh, first, simplified, unchanged, falls
 
       merits = 0.0_wp
       lagged = reads_lagged(scene)
@@ -122,13 +122,17 @@ contains
          if (.not. (look%tangent .or. simplified)) &
             & call look_at(scene, model, f, .true., look, error)
          if (allocated(error)) return
+         falls = some_body_falls(scene)
+         grounded = scene%finite%grounded
          call find_step(scene, model, look, jump, step, error, flat=fresh, by_old=simplified)
          if (allocated(error)) return
+         ! The residual of a body that falls shrinks only once it has met something.
+         falls = falls .and. scene%finite%grounded > grounded
          ! Where the increment leads before further contacts close.
          if (iteration == 1 .and. loop == 0 .and. scene%finite%grounded == 0 &
             & .and. .not. (guessed .and. .not. first)) &
             & scene%finite%contact%noted = scene%finite%contact%ahead
-         call take_step(scene, model, f, v, prescribed, step, first, maxval(merits), &
+         call take_step(scene, model, f, v, prescribed, step, first .or. falls, maxval(merits), &
             & with_tangent(residual), look, last, share, error)
          scene%finite%contact%noted = 0.0_wp
          if (allocated(error)) return

@@ -18,7 +18,7 @@ module lopin_increment
    use lopin_overconstrained, only : tell_dependent, refuse_held_penetration
    use lopin_reach, only : some_bite, widen_reach, widen_to_nearest, all_within_reach
    use lopin_solve_path, only : prepare_path, widen_path, solve_path
-   use lopin_certificate, only : forces_type, find_forces, certify
+   use lopin_certificate, only : forces_type, find_forces, certify, give_verdict
    use lopin_finite_history, only : accept_contact => accept, reject_contact => reject
    use lopin_finite_state, only : iteration_header
    use lopin_held_points, only : refuse_held_points
@@ -32,6 +32,7 @@ module lopin_increment
    use lopin_friction_state, only : commit_friction => commit, roll_back_friction => roll_back
    use lopin_frames, only : fill_frame
    use lopin_judge_drift, only : drift_type, follow_drift
+   use lopin_artificial_work, only : artificial_type, follow_artificial
    use lopin_judge_mesh, only : judge_mesh
    use lopin_after_step, only : seen_type, look_at_pairs
    use lopin_say_once, only : say_once
@@ -55,6 +56,7 @@ module lopin_increment
       real(wp) :: most = 0.0_wp                !! energy that was about
       type(seen_type) :: seen                  !! how near the pairs came
       type(drift_type) :: drift                !! bodies that nothing has stopped
+      type(artificial_type) :: artificial      !! work of what held floating bodies
       real(wp), allocatable :: f_before(:), u_before(:), r_before(:)
       type(checksum_type) :: checksum          !! of the displacements of all nodes so far
    end type progress_type
@@ -137,6 +139,7 @@ contains
       end if
       call add_work(scene, progress, frame)
       if (scene%finite%memory%in_use) frame%certificate%energy = abs(lost_share(frame%energy))
+      call judge_holds(scene, model, progress, forces%pressed, frame)
       call follow_drift(progress%drift, scene, model, forces%load, forces%pressed)
       call accept(scene, progress, steady)
       call look_at_pairs(progress%seen, scene, model)
@@ -290,6 +293,24 @@ contains
       progress%r_before = progress%residual
       progress%u_before = scene%u
    end subroutine add_work
+
+   !> Artificial work of the increment, and its share in the verdict.
+   subroutine judge_holds(scene, model, progress, pressed, frame)
+      type(scene_type), intent(inout) :: scene
+      type(model_type), intent(in) :: model
+      type(progress_type), intent(inout) :: progress
+      real(wp), intent(in) :: pressed(:)       !! (ndof) contact forces [force]
+      type(frame_type), intent(inout) :: frame
+
+      call follow_artificial(progress%artificial, scene, model, pressed, frame%increment, &
+         & frame%energy)
+      if (.not. frame%energy%artificial > 0.0_wp) return
+      frame%certificate%artificial = frame%energy%artificial/max(frame%energy%most, &
+         & frame%energy%artificial)
+      ! It is the run's work that it must be small beside.
+      if (frame%last_of_step .and. frame%step == size(model%step)) &
+         & call give_verdict(frame%certificate)
+   end subroutine judge_holds
 
    subroutine accept(scene, progress, steady)
       type(scene_type), intent(inout) :: scene

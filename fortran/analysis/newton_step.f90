@@ -15,7 +15,7 @@ module lopin_newton_step
    use lopin_scene, only : scene_type
    implicit none
    private
-   public :: find_step, take_step, refuse_inverted
+   public :: some_body_falls, find_step, take_step, refuse_inverted
 
    !> Displacements that are no more than rounding, beside the scene.
    real(wp), parameter :: motionless = 1.0e-9_wp
@@ -33,6 +33,7 @@ module lopin_newton_step
    !> Springs to the ground of a body that nothing holds, beside its stiffness; how far one
    !> iteration may move it, beside its length.
    real(wp), parameter :: soft = 1.0e-4_wp, most_motion = 0.1_wp
+   integer, parameter :: most_softer = 20
    !> A free body whose step is longer than this many scenes is held by nothing but rounding.
    real(wp), parameter :: beyond = 1.0e3_wp
 
@@ -93,12 +94,43 @@ contains
                   & help='drive by displacement instead of force, or hold the part')
                return
             end if
-            call put_on_ground(system, scene%bodies%support, soft)
+            call put_on_ground(system, scene%bodies%support, softer(scene))
             scene%finite%grounded = scene%finite%grounded + 1
          end do
          if (pass > 1) call limit_motion(scene, step(:neq))
       end associate
    end subroutine find_step
+
+   !> Stiffness of the ground: a body that falls on and on without contact goes faster and faster.
+   pure real(wp) function softer(scene)
+      type(scene_type), intent(in) :: scene
+
+      softer = soft
+      if (some_body_falls(scene)) softer = soft*0.5_wp**min(scene%finite%grounded, most_softer)
+   end function softer
+
+   !> No contact is closed, or a body that floats has none that is.
+   pure logical function some_body_falls(scene) result(falls)
+      type(scene_type), intent(in) :: scene
+      logical :: touched(scene%bodies%nbody), floats(scene%bodies%nbody)
+      integer :: i, body
+
+      associate (c => scene%finite%contact)
+         falls = all(c%status(:c%n) <= 0)
+         if (falls .or. scene%bodies%nq == 0) return
+         touched = .false.
+         do i = 1, scene%dofs%n
+            body = scene%bodies%body(scene%dofs%node(i))
+            if (body > 0) touched(body) = touched(body) .or. abs(c%force(i)) > 0.0_wp
+         end do
+      end associate
+      floats = .false.
+      do i = 1, scene%constraints%neq
+         body = scene%bodies%body(scene%dofs%node(scene%constraints%dof_of_equation(i)))
+         if (body > 0) floats(body) = floats(body) .or. any(abs(scene%bodies%motion(i, :)) > 0.0_wp)
+      end do
+      falls = any(floats .and. .not. touched)
+   end function some_body_falls
 
    !> What the prescribed displacements that are still to come ask of the right-hand side.
    subroutine push_along(scene, local, jump, right)

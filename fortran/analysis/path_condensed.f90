@@ -10,7 +10,8 @@ module lopin_path_condensed
    use lopin_blas_threads, only : set_blas_threads, worth_threads
    use lopin_clock, only : phase
    use lopin_model, only : model_type
-   use lopin_constraints, only : expand, reduce
+   use lopin_constraints, only : expand, reduce, raw_displacement
+   use lopin_dense, only : cholesky, cholesky_solve
    use lopin_condensed, only : columns_times
    use lopin_active_set, only : solve_contact, outcome
    use lopin_contact_rows, only : contact_rows_type, reduce_rows
@@ -227,8 +228,30 @@ contains
       end associate
       call choose_methods(scene, model)
       call set_stiffness(scene, model)
+      call stay_where_they_are(scene)
       call check_held(scene, model, error)
    end subroutine fill_problem
+
+   !> Floating motions of the accepted state: the artificial supports tell them, for there nothing
+   !> else moves.
+   subroutine stay_where_they_are(scene)
+      type(scene_type), intent(inout) :: scene
+      real(wp) :: moved(scene%bodies%nq), a(scene%bodies%nq, scene%bodies%nq)
+      integer :: i, status
+
+      if (scene%bodies%nq == 0) return
+      associate (at => scene%bodies%support, c => scene%constraints)
+         moved = [(raw_displacement(c, scene%dofs, scene%accepted, c%dof_of_equation(at(i))), &
+            & i=1, size(at))]
+         a = scene%bodies%motion(at, :)
+         moved = matmul(moved, a)
+         a = matmul(transpose(a), a)
+      end associate
+      call cholesky(a, status)
+      if (status /= 0) return
+      call cholesky_solve(a, moved)
+      scene%problem%rest = moved
+   end subroutine stay_where_they_are
 
    !> The sequence of problems of seed J.1: softer penalties first, each starting from the last
    !> one's set.

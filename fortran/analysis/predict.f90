@@ -12,7 +12,7 @@ module lopin_predict
    use lopin_scene, only : scene_type
    implicit none
    private
-   public :: predict, start_from_accepted, note_motion, next_motion, coasts, floats
+   public :: predict, start_from_accepted, note_motion, next_motion, coasts, floats, resistance
 
    !> Prescribed motion that goes on as before, up to this share of itself.
    real(wp), parameter :: same_way = 0.5_wp
@@ -93,12 +93,23 @@ contains
    logical function floats(scene)
       type(scene_type), intent(in) :: scene
       real(wp) :: held(scene%bodies%nq, scene%bodies%nq), value(scene%bodies%nq)
-      integer :: b, status
+      integer :: status
 
       floats = .false.
       if (scene%bodies%nq == 0) return
       floats = scene%finite%grounded > 0 .or. .not. allocated(scene%finite%system%block)
       if (floats) return
+      call resistance(scene, held)
+      call symmetric_eigen(held, value, status)
+      floats = status /= 0 .or. .not. minval(value) > holds*maxval(value)
+   end function floats
+
+   !> What the springs of contact do against the floating motions.
+   subroutine resistance(scene, held)
+      type(scene_type), intent(in) :: scene
+      real(wp), intent(out) :: held(:, :)      !! (nq, nq)
+      integer :: b
+
       held = 0.0_wp
       do b = 1, size(scene%finite%system%block)
          associate (block => scene%finite%system%block(b), r => scene%bodies%motion)
@@ -107,9 +118,7 @@ contains
             end associate
          end associate
       end do
-      call symmetric_eigen(held, value, status)
-      floats = status /= 0 .or. .not. minval(value) > holds*maxval(value)
-   end function floats
+   end subroutine resistance
 
    !> Pairs with a closed point.
    pure function closed_pairs(state) result(closed)

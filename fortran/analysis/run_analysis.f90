@@ -19,6 +19,7 @@ module lopin_run_analysis
    use lopin_finite_start, only : start_step
    use lopin_release, only : held_type, remember_held, let_go
    use lopin_after_step, only : judge_step
+   use lopin_artificial_work, only : judge_artificial
    use lopin_judge_drift, only : judge_drift
    use lopin_judge_flow, only : judge_flow
    use lopin_judge_mesh, only : refuse_folded
@@ -280,7 +281,9 @@ contains
             & scene%constraints, &
             & scene%solids, step, model%step(scene%step + 1), progress%steady)
          call judge_step(scene, model, progress%seen, march%energy)
-         if (scene%step == size(model%step)) call judge_drift(progress%drift, scene, model)
+         if (scene%step < size(model%step)) return
+         call judge_drift(progress%drift, scene, model)
+         call judge_artificial(progress%artificial, scene, model, march%energy)
       end associate
    end subroutine run_step
 end module lopin_run_analysis

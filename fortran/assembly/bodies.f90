@@ -323,6 +323,7 @@ contains
       integer :: body, best, i, k
 
       a = matmul(self%amplitude, q)
+      if (.not. any(abs(a) > 0.0_wp)) a = self%amplitude(:, 1)
       best = 0
       part = 0.0_wp
       do body = 1, self%nbody

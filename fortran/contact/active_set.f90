@@ -9,7 +9,7 @@ module lopin_active_set
    use lopin_kinds, only : wp
    use lopin_vectors, only : largest
    use lopin_condensed, only : condensed_type, springs_type, response_type, is_spring, &
-      & row_compliance, put_on_ground
+      & row_compliance, put_on_ground, hold_at_rest
    implicit none
    private
    public :: contact_result_type, solve_contact, outcome
@@ -157,6 +157,7 @@ contains
       real(wp) :: opened(self%nrow)
       logical :: stuck
 
+      if (allocated(self%held)) deallocate (self%held)
       call iterate_sets(self, work, result, stuck)
       if (stuck) then
          if (self%nq > 0) then
@@ -346,8 +347,9 @@ contains
       enough = enough .or. accepted
    end function augmented_enough
 
-   !> Proximal steps: each gives the floating motions a soft ground that follows them. The sets
-   !> found that way are tried without ground; if the forces never balance, the bodies are not held.
+   !> Proximal steps: each gives the floating motions a soft ground that follows them, from where
+   !> the bodies were. The sets found that way are tried without ground, and with the motions at rest
+   !> that nothing resists and nothing drives; if the forces never balance, bodies are not held.
    subroutine hold_bodies(self, work, result)
       class(condensed_type), intent(inout) :: self
       type(work_type), intent(inout) :: work
@@ -355,12 +357,13 @@ contains
       type(condensed_type) :: grounded
       type(work_type) :: soft
       type(contact_result_type) :: trial
-      real(wp) :: ground(self%nq), q(self%nq), drift(self%nq)
+      real(wp) :: ground(self%nq), q(self%nq), drift(self%nq), last(self%nq)
       integer :: pass
       logical :: stuck
 
       call put_on_ground(self, grounded, ground)
       q = 0.0_wp
+      if (allocated(self%rest)) q = self%rest
       drift = 0.0_wp
       trial = result
       trial%active = .true.
@@ -374,12 +377,47 @@ contains
          result%active = trial%active
          work%answer%gap = soft%answer%gap
          if (holds_without(self, work, result)) return
+         last = drift
          drift = (work%answer%moving + matmul(soft%answer%force, self%c))/ground
+         result%active = trial%active .and. (self%bilateral .or. abs(soft%answer%force) &
+            & > set_tolerance*max(largest(soft%answer%force), maxval(ground)*work%gap_scale))
+         work%answer%gap = soft%answer%gap
+         if (stays(self, work, result, q + drift, ground)) return
          q = q + drift
+         ! What falls without end by equal steps goes on to the next contact.
+         if (all(abs(drift - last) <= set_tolerance*largest(drift))) q = q + drift &
+            & *(way_to_contact(self, trial%active, soft%answer%gap, drift) - 1.0_wp)
       end do
       result%q = drift
       result%outcome = outcome%not_held
    end subroutine hold_bodies
+
+   !> The set holds with the motions that no row of it resists, and no load drives, where they are.
+   logical function stays(self, work, result, q, ground)
+      class(condensed_type), intent(inout) :: self
+      type(work_type), intent(inout) :: work
+      type(contact_result_type), intent(inout) :: result
+      real(wp), intent(in) :: q(:)             !! (nq) where the bodies are
+      real(wp), intent(in) :: ground(:)        !! (nq) stiffness of the springs that hold them
+
+      call hold_at_rest(self, result%active, work%answer%load, work%answer%moving, q, ground)
+      stays = allocated(self%held)
+      if (stays) stays = holds_without(self, work, result)
+      if (allocated(self%held) .and. .not. stays) deallocate (self%held)
+   end function stays
+
+   !> How often a drift may be taken until the first open row closes.
+   pure real(wp) function way_to_contact(self, active, gap, drift) result(way)
+      class(condensed_type), intent(in) :: self
+      logical, intent(in) :: active(:)
+      real(wp), intent(in) :: gap(:), drift(:)
+      real(wp) :: closes(self%nrow)
+
+      closes = -matmul(self%c, drift)
+      way = 1.0_wp
+      if (any(.not. active .and. closes > 0.0_wp .and. gap > 0.0_wp)) way = max(way, minval( &
+         & gap/closes, mask=.not. active .and. closes > 0.0_wp .and. gap > 0.0_wp))
+   end function way_to_contact
 
    !> The set found on soft ground also holds without: laws of pressure go on from the gaps there.
    logical function holds_without(self, work, result) result(holds)

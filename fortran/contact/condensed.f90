@@ -12,11 +12,11 @@ module lopin_condensed
    use lopin_kinds, only : wp
    use lopin_blas, only : dsyrk
    use lopin_enforcement_factory, only : enforcement_holder_type
-   use lopin_dense, only : cholesky, cholesky_solve, lower_solve, bordered_solve
+   use lopin_dense, only : cholesky, cholesky_solve, lower_solve, bordered_solve, symmetric_eigen
    implicit none
    private
    public :: condensed_type, springs_type, response_type, form_compliance, rows_times, columns_times
-   public :: is_spring, row_compliance, put_on_ground
+   public :: is_spring, row_compliance, put_on_ground, hold_at_rest
 
    !> Problem data. Rows come in groups of one method each (one group a pair).
    type :: condensed_type
@@ -34,6 +34,10 @@ module lopin_condensed
       integer, allocatable :: max_augmentations(:) !! (ngroup) 0: the method has none
       real(wp), allocatable :: penetration(:)   !! (ngroup) accepted by the augmented method
                                                 !! [length]; 0: exact
+      real(wp), allocatable :: rest(:)         !! (nq) the floating motions before this load
+      real(wp), allocatable :: held(:, :)   !! (nq, nq) springs to `place` of motions that no row of
+                                            !! a set resists and no load drives; unallocated: none
+      real(wp), allocatable :: place(:)        !! (nq)
    contains
       ! What the active set asks of a system; another way to solve it overrides these three.
       procedure :: free_gaps
@@ -173,6 +177,7 @@ contains
       integer :: i
 
       set = pack([(i, i=1, self%nrow)], active .and. .not. spring)
+      answer%dependent = 0
       if (any(spring)) then
          call solve_with_springs(self, set, spring, compliance, springs, answer, status)
       else
@@ -195,9 +200,9 @@ contains
       do i = 1, size(set)
          a(i, i) = a(i, i) + compliance(set(i))
       end do
-      call bordered_solve(a, self%c(set, :), -answer%free_gap(set), -answer%moving, force, &
-         & answer%q, &
-         & answer%dependent, status)
+      call bordered_solve(a, self%c(set, :), -answer%free_gap(set), &
+         & -(answer%moving + pull_to_rest(self)), force, answer%q, answer%dependent, status, &
+         & self%held)
       if (status /= 0) return
       answer%force = 0.0_wp
       answer%force(set) = force
@@ -249,7 +254,8 @@ contains
       do i = 1, self%nq
          held(:, i) = matmul(stiffness*a(:, m + i), self%c)
       end do
-      balance = answer%moving + matmul(merge(springs%offset - stiffness*answer%gap, 0.0_wp, &
+      if (allocated(self%held)) held = held + self%held
+      balance = answer%moving + pull_to_rest(self) + matmul(merge(springs%offset - stiffness*answer%gap, 0.0_wp, &
          & spring), self%c)
       block
          real(wp) :: s(m, m)
@@ -265,6 +271,52 @@ contains
       answer%force = merge(springs%offset - springs%stiffness*answer%gap, 0.0_wp, spring)
       answer%force(set) = force
    end subroutine solve_with_springs
+
+   !> What the springs of `held` do where the floating motions are zero.
+   pure function pull_to_rest(self) result(pull)
+      class(condensed_type), intent(in) :: self
+      real(wp) :: pull(self%nq)
+
+      pull = 0.0_wp
+      if (allocated(self%held)) pull = matmul(self%held, self%place)
+   end function pull_to_rest
+
+   !> Hold the floating motions that no active row resists and no load drives where they are: a
+   !> body without contact stays. `held` stays unallocated if there are none.
+   subroutine hold_at_rest(self, active, load, moving, q, ground)
+      class(condensed_type), intent(inout) :: self
+      logical, intent(in) :: active(:)         !! (nrow)
+      real(wp), intent(in) :: load(:), moving(:)
+      real(wp), intent(in) :: q(:)             !! (nq) where
+      real(wp), intent(in) :: ground(:)        !! (nq) their stiffness: they carry nothing
+      !> Squared shares of motions that rows resist, and forces beside all loads, that are none.
+      real(wp), parameter :: resisted = 1.0e-10_wp, no_force = 1.0e-9_wp
+      real(wp) :: gram(self%nq, self%nq), value(self%nq)
+      integer :: i, j, status
+
+      if (allocated(self%held)) deallocate (self%held)
+      self%place = q
+      do i = 1, self%nq
+         do j = 1, self%nq
+            gram(j, i) = sum(self%c(:, j)*self%c(:, i), mask=active)
+         end do
+      end do
+      call symmetric_eigen(gram, value, status)
+      if (status /= 0) return
+      value = value/max(maxval(sum(self%c**2, dim=1)), tiny(1.0_wp))
+      if (.not. any(value <= resisted)) return
+      allocate (self%held(self%nq, self%nq), source=0.0_wp)
+      do i = 1, self%nq
+         if (value(i) > resisted) cycle
+         if (abs(dot_product(gram(:, i), moving)) > no_force*(norm2(load) + norm2(moving))) then
+            deallocate (self%held)
+            return
+         end if
+         do j = 1, self%nq
+            self%held(:, j) = self%held(:, j) + maxval(ground)*gram(j, i)*gram(:, i)
+         end do
+      end do
+   end subroutine hold_at_rest
 
    !> Factor of K_c + sum of the springs; kept while the springs stay the same.
    subroutine stiffen(self, spring, springs, status)

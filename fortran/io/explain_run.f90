@@ -50,10 +50,12 @@ contains
          & 'At the trial state a motion meets no resistance: a limit load under force control, '// &
          & 'or a part that nothing holds.', &
          & 'drive by displacement instead of force, or hold the part.')
-      call add_explanation(list, 'N0511', 'soft springs held a free body', &
+      call add_explanation(list, 'N0511', 'a free body was held', &
          & 'Where nothing but contact still to come holds a body, an iteration of Newton '// &
          & 'stands on soft springs to the ground. They are in the matrix of that iteration '// &
-         & 'only: the equilibrium that is accepted has none.', &
+         & 'only: the equilibrium that is accepted has none. On the linear path artificial '// &
+         & 'supports hold such a body where it was as long as no load drives it; they carry '// &
+         & 'nothing. What loads do on the way of such a body is energy.artificial (see W0532).', &
          & 'drive the body by displacement until it touches, to spare these iterations.')
       call add_explanation(list, 'E0512', 'an element would turn inside out', &
          & 'The determinant of the deformation gradient is not positive at an integration '// &
@@ -118,6 +120,14 @@ contains
          & 'work and friction by more than a hundredth. All are integrated over the increments '// &
          & 'by the trapezoidal rule. Of later steps it is said where as much was lost again.', &
          & 'smaller increments; compare energy.* in the history.')
+      call add_explanation(list, 'W0532', 'artificial work is not small', &
+         & 'A body that nothing holds for a while has no equilibrium that tells where it goes: '// &
+         & 'artificial supports and soft springs lead it until contact holds it. What loads do on '// &
+         & 'that way, and what friction should have taken of a body that they pulled over its '// &
+         & 'bound, is stored nowhere. It is energy.artificial in the history and the JSON, and '// &
+         & 'more than a hundredth of the work of the run here: where the body ends may be the '// &
+         & 'doing of these holds if friction or flow remembers the way.', &
+         & 'smaller increments; drive the body by displacement until it touches, or hold it.')
       call add_explanation(list, 'W0514', 'the elastic slip is not small beside the slips', &
          & 'A penalty pair whose deck gives no elastic slip takes 0.5 % of a facet. Here '// &
          & 'nothing slips much farther than that, so that zones of stick and slip mix.', &

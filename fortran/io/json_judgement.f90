@@ -1,5 +1,6 @@
 !> What a run says of itself at its end: the verdict of its worst increment, and its energies.
 module lopin_json_judgement
+   use lopin_kinds, only : wp
    use lopin_stream, only : stream_type
    use lopin_state, only : frame_type, certificate_type, energy_type, verdict_words, lost_work, &
       & keep_certificate, keep_energy
@@ -8,6 +9,9 @@ module lopin_json_judgement
    implicit none
    private
    public :: judgement_type, note_verdict, keep_judgement, add_judgement, verdict_line
+
+   !> Shares of the work that are rounding.
+   real(wp), parameter :: unseen = 1.0e-12_wp
 
    type :: judgement_type
       type(certificate_type) :: certificate    !! of the worst increment, of the last of equal ones
@@ -64,6 +68,7 @@ contains
          call json%add('action_reaction', c%action_reaction)
          call json%add('energy', c%energy)
          call json%add('support', c%support)
+         call json%add('artificial', c%artificial)
          call json%add('corner', c%corner)
          call json%close('}')
       end associate
@@ -76,6 +81,7 @@ contains
          call json%add('friction', energy%friction)
          call json%add('friction_mean', energy%friction_mean)
          call json%add('plastic', energy%plastic)
+         call json%add('artificial', energy%artificial)
          call json%add('lost', lost_work(energy))
          call json%close('}')
       end associate
@@ -89,6 +95,9 @@ contains
       text = ''
       if (self%at(1) == 0) return
       text = 'certificate: '//trim(verdict_words(self%certificate%verdict))
+      if (self%energy%artificial > unseen*self%energy%most) text = text//'; artificial work '// &
+         & to_text(self%energy%artificial, 3)//', '//to_text(100.0_wp*self%energy%artificial/ &
+         & self%energy%most, 3)//' % of all'
       if (self%warned == 0) return
       text = text//', '//plural(self%warned, 'increment')//' not PASS; step '// &
          & to_text(self%at(1))//', increment '//to_text(self%at(2))//': '//self%certificate%reason

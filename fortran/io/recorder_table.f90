@@ -179,6 +179,7 @@ contains
          call add('volume', 'length^3')
       end if
       if (is_heated(model)) call add('energy.thermal', 'force*length')
+      call add('energy.artificial', 'force*length')
       call add('certificate', '0=PASS 1=WARN 2=FAIL')
    contains
       subroutine add(what, unit)
@@ -225,7 +226,7 @@ contains
          & frame%energy%friction, frame%energy%friction_mean]
       if (model_flows(model)) row = [row, frame%energy%plastic, frame%energy%volume]
       if (is_heated(model)) row = [row, frame%energy%thermal]
-      row = [row, real(frame%certificate%verdict, wp)]
+      row = [row, frame%energy%artificial, real(frame%certificate%verdict, wp)]
    end subroutine history_row
 
    !> Translations, then rotations, of a reference node (or of its rotation node).

@@ -52,6 +52,7 @@ module lopin_state
       real(wp) :: action_reaction = 0.0_wp   !! |sum of slave and master forces| / sum of |forces|
       real(wp) :: energy = 0.0_wp            !! energy balance, relative
       real(wp) :: support = 0.0_wp           !! reaction of artificial supports / load
+      real(wp) :: artificial = 0.0_wp        !! work of what held floating bodies / work of the run
       integer :: verdict = 0                 !! index into verdict_words
       character(len=:), allocatable :: reason  !! empty if PASS
    end type certificate_type
@@ -64,6 +65,7 @@ module lopin_state
       real(wp) :: friction_mean = 0.0_wp   !! the same by mean tractions: balances external
       real(wp) :: plastic = 0.0_wp           !! work of plastic and viscous flow since the start
       real(wp) :: thermal = 0.0_wp           !! work of heat against stresses since the start
+      real(wp) :: artificial = 0.0_wp        !! taken up by what held floating bodies since the start
       real(wp) :: volume = 0.0_wp            !! of the bodies that flow, deformed [length^3]
       real(wp) :: nothing = 0.0_wp           !! below which they are not known
       real(wp) :: most = 0.0_wp              !! largest that was about since the start
@@ -137,6 +139,7 @@ contains
       call stream%pass(self%action_reaction)
       call stream%pass(self%energy)
       call stream%pass(self%support)
+      call stream%pass(self%artificial)
       call stream%pass(self%verdict)
       call stream%pass(self%reason)
    end subroutine keep_certificate
@@ -156,6 +159,7 @@ contains
       call stream%pass(self%nothing)
       call stream%pass(self%most)
       call stream%pass(self%volume)
+      call stream%pass(self%artificial)
    end subroutine keep_energy
 
    !> Work that is neither stored nor dissipated, beside the most that was done; 0 where nothing is.
