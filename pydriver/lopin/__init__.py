@@ -7,10 +7,12 @@ Meshes come from `mesh_make` or `read_mesh`, tools from `profile`, reference sol
 from . import closed_form, mesh_make, profile, reference
 from .deck import Block, Deck
 from .errors import (
+    DamagedResultError,
     DeckError,
     InternalError,
     Interrupted,
     LopinError,
+    MissingPackageError,
     ModelError,
     NotConvergedError,
     ResourceError,
@@ -46,16 +48,18 @@ from .mesh_read import from_meshio, read_mesh
 from .model import Model
 from .result import Result
 from .run import check, run
+from .sweep import Case, sweep
 
 __version__ = "0.1.0"
 __all__ = [
-    "Augmented", "AutoFriction", "Block", "Coulomb", "CowperSymonds", "Cristescu", "Deck",
-    "DeckError", "Elastic", "Exponential", "Folder", "Hollomon", "InternalError", "Interrupted",
-    "Lagrange", "LinearHardening", "LopinError", "Material", "Mesh", "Model", "ModelError",
-    "NeoHooke", "NortonHoff", "NortonHoffFriction", "NotConvergedError", "Orowan", "Penalty",
-    "Perturbed", "Plastic", "ResourceError", "Result", "Rough", "SingularError", "StaticKinetic",
-    "Swift", "Tabular", "Tresca", "UsageError", "Voce", "check", "closed_form", "from_meshio",
-    "keywords", "mesh_make", "open_result", "profile", "read_mesh", "reference", "run", "together",
+    "Augmented", "AutoFriction", "Block", "Case", "Coulomb", "CowperSymonds", "Cristescu",
+    "DamagedResultError", "Deck", "DeckError", "Elastic", "Exponential", "Folder", "Hollomon",
+    "InternalError", "Interrupted", "Lagrange", "LinearHardening", "LopinError", "Material",
+    "Mesh", "MissingPackageError", "Model", "ModelError", "NeoHooke", "NortonHoff",
+    "NortonHoffFriction", "NotConvergedError", "Orowan", "Penalty", "Perturbed", "Plastic",
+    "ResourceError", "Result", "Rough", "SingularError", "StaticKinetic", "Swift", "Tabular",
+    "Tresca", "UsageError", "Voce", "check", "closed_form", "from_meshio", "keywords",
+    "mesh_make", "open_result", "profile", "read_mesh", "reference", "run", "sweep", "together",
 ]
 
 

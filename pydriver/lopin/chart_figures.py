@@ -5,7 +5,7 @@ from pathlib import Path
 
 from . import chart_draw as draw
 from .chart_run import Run
-from .errors import LopinError
+from .errors import optional
 from .files import whole_file
 
 STYLE = {"font.size": 9, "axes.titlesize": 10, "axes.labelsize": 9, "svg.hashsalt": "lopin",
@@ -69,11 +69,7 @@ class _pyplot:
     """matplotlib.pyplot without a screen, in the style of the chart; closes its figures."""
 
     def __enter__(self):
-        try:
-            import matplotlib
-        except ImportError as problem:
-            raise LopinError("pictures need matplotlib",
-                             help="pip install 'lopin[plot]'") from problem
+        matplotlib = optional("matplotlib", "pictures")
         matplotlib.use("Agg")
         import matplotlib.pyplot as plt
 

@@ -1,6 +1,9 @@
 """Exceptions: the same classes as the exit codes of the executable."""
 from __future__ import annotations
 
+import importlib
+from types import ModuleType
+
 
 class LopinError(Exception):
     """Something Lopin could not do, and why.
@@ -78,6 +81,22 @@ class ResourceError(LopinError):
     code = 5
 
 
+class DamagedResultError(ResourceError):
+    """A file of a result is missing, cut off or changed; all reading of results raises this."""
+
+
+class MissingPackageError(LopinError):
+    """An optional package is not installed; `help` names the extra that brings it.
+
+    >>> raise MissingPackageError("tables need pandas", help="pip install 'lopin[table]'")
+    Traceback (most recent call last):
+    lopin.errors.MissingPackageError: tables need pandas
+      help: pip install 'lopin[table]'
+    """
+
+    code = 5
+
+
 class InternalError(LopinError):
     """A defect of Lopin."""
 
@@ -124,3 +143,22 @@ def error_of(code: int, diagnostics: list[dict], message: str = "") -> LopinErro
                  diagnostics=diagnostics)
     error.code = code
     return error
+
+
+#: Extras of the package that bring optional packages.
+EXTRAS = {"pandas": "table", "pyvista": "3d", "matplotlib": "plot", "gmsh": "mesh"}
+
+
+def optional(name: str, what: str) -> ModuleType:
+    """An optional package; `what` needs it.
+
+    Raises
+    ------
+    MissingPackageError : it is not installed; the help says which extra brings it.
+    """
+    try:
+        return importlib.import_module(name)
+    except ImportError as problem:
+        package = name.partition(".")[0]
+        raise MissingPackageError(f"{what} need{'' if what.endswith('s') else 's'} {package}",
+                                  help=f"pip install 'lopin[{EXTRAS[package]}]'") from problem

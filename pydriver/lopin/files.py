@@ -1,12 +1,13 @@
 """Files of the Python side: whole or not at all; a failure is a ResourceError with its reason."""
 from __future__ import annotations
 
+import csv
 import os
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-from .errors import ResourceError
+from .errors import DamagedResultError, ResourceError
 
 
 @contextmanager
@@ -42,3 +43,30 @@ def cannot_write(path: str | Path, problem: OSError) -> ResourceError:
     """The failure of a file as an exception of ours."""
     return ResourceError(f"cannot write '{path}': {problem.strerror or problem}", id="E0602",
                          help="see that the folder is writable and that the disk is not full")
+
+
+@contextmanager
+def reading(path: str | Path) -> Iterator[None]:
+    """Whatever fails while a result file is read becomes a `DamagedResultError`.
+
+    >>> try:
+    ...     with reading("a.json"):
+    ...         int("x")
+    ... except DamagedResultError as problem:
+    ...     print(problem.message[:36])
+    the result file 'a.json' is damaged:
+    """
+    try:
+        yield
+    except DamagedResultError:
+        raise
+    except OSError as problem:
+        raise DamagedResultError(f"cannot read the result file '{path}': "
+                                 f"{problem.strerror or problem}", help=_AGAIN) from problem
+    except (ValueError, LookupError, TypeError, AttributeError, ArithmeticError, MemoryError,
+            SyntaxError, RecursionError, csv.Error) as problem:
+        raise DamagedResultError(f"the result file '{path}' is damaged: {problem}",
+                                 help=_AGAIN) from problem
+
+
+_AGAIN = "run the deck again, or give the folder of another run"

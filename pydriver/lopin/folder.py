@@ -10,7 +10,8 @@ from xml.etree import ElementTree
 import numpy as np
 from numpy.typing import NDArray
 
-from .errors import ResourceError
+from .errors import DamagedResultError, ResourceError
+from .files import reading
 from .vtu import read_vtu
 
 #: VTK keeps xx yy zz xy yz xz, Lopin xx yy zz xy xz yz.
@@ -26,8 +27,12 @@ class Folder:
         if not found:
             raise ResourceError(f"no result '{name or '*'}.json' in {self.folder}")
         self.name = found[0].stem
-        self.summary = json.loads(found[0].read_text(encoding="utf-8"))
-        self.diagnostics = self.summary.get("diagnostics", [])
+        with reading(found[0]):
+            self.summary = json.loads(found[0].read_text(encoding="utf-8"))
+            self.diagnostics = self.summary.get("diagnostics", [])
+            if not all(isinstance(d["message"], str) for d in self.diagnostics) \
+                    or not isinstance(self.summary.get("model", {}), dict):
+                raise ValueError("it is not the summary of a run")
         self._frames = self._read_collection()
 
     def _read_collection(self) -> list[tuple[float, dict[str, Path]]]:
@@ -36,14 +41,15 @@ class Folder:
         if not path.is_file():
             return []
         frames: dict[float, dict[str, Path]] = {}
-        for entry in ElementTree.parse(path).iter("DataSet"):
-            file = self.folder/entry.get("file")
-            kind = file.name[len(self.name) + 1:].partition("_")[0]
-            part = entry.get("name") or file.stem
-            if kind in ("contact", "tool"):
-                part = f"{kind} {part}"
-            frames.setdefault(float(entry.get("timestep")), {})[part] = file
-        return sorted(frames.items())
+        with reading(path):
+            for entry in ElementTree.parse(path).iter("DataSet"):
+                file = self.folder/entry.get("file")
+                kind = file.name[len(self.name) + 1:].partition("_")[0]
+                part = entry.get("name") or file.stem
+                if kind in ("contact", "tool"):
+                    part = f"{kind} {part}"
+                frames.setdefault(float(entry.get("timestep")), {})[part] = file
+            return sorted(frames.items(), key=lambda frame: frame[0])
 
     @property
     def times(self) -> NDArray:
@@ -57,11 +63,13 @@ class Folder:
 
     def names(self) -> list[str]:
         """Words of the fields at the points of the mesh."""
-        return sorted(self._piece(len(self._frames) - 1, "solid").point_data)
+        return sorted(self._piece(len(self._frames) - 1, "solid").point_data) if self._frames \
+            else []
 
     def field(self, name: str, index: int) -> NDArray:
         """A field at the points of the mesh."""
-        return self._plain(self._piece(index, "solid").point_data[name])
+        with reading(self._file(index, "solid")):
+            return self._plain(self._piece(index, "solid").point_data[name])
 
     def contact(self, pair: str, index: int) -> dict[str, NDArray]:
         """All fields of the slave points of a pair, and their coordinates "X"."""
@@ -83,11 +91,14 @@ class Folder:
         path = self.folder/f"{self.name}_history.csv"
         if not path.is_file():
             return {}
-        with path.open(newline="", encoding="utf-8") as file:
-            rows = [r for r in csv.reader(file) if r and not r[0].startswith("#")]
-        head = [word.rpartition("[")[0].strip() for word in rows[0]]
-        values = np.array([[float(v) for v in r] for r in rows[1:]]).reshape(-1, len(head))
-        return dict(zip(head, values.T))
+        with reading(path):
+            with path.open(newline="", encoding="utf-8") as file:
+                rows = [r for r in csv.reader(file) if r and not r[0].startswith("#")]
+            head = [word.rpartition("[")[0].strip() for word in rows[0]]
+            if any(len(row) != len(head) for row in rows) or len(set(head)) < len(head):
+                raise ValueError("its lines do not have one length")
+            values = np.array([[float(v) for v in r] for r in rows[1:]]).reshape(-1, len(head))
+            return dict(zip(head, values.T))
 
     def mesh(self, index: int):
         """The `meshio.Mesh` of one output, fields included."""
@@ -95,7 +106,12 @@ class Folder:
 
     @lru_cache(maxsize=8)
     def _piece(self, index: int, part: str):
+        return read_vtu(self._file(index, part))
+
+    def _file(self, index: int, part: str) -> Path:
+        """The file of one part of one output."""
         files = self._frames[index][1]
         if part not in files:
-            raise ResourceError(f"no part '{part}' among {', '.join(files)}")
-        return read_vtu(files[part])
+            raise DamagedResultError(f"no part '{part}' among {', '.join(files)} in "
+                                     f"'{self.folder/self.name}.pvd'")
+        return files[part]

@@ -1,4 +1,8 @@
-"""Pictures with matplotlib; every function draws on an axes and returns it."""
+"""Pictures with matplotlib; every function draws on an axes and returns it.
+
+Results are drawn where they are after deformation. Axes say the unit that the heading of the deck
+names ("..., N mm s"), or the quantity.
+"""
 from __future__ import annotations
 
 from collections.abc import Callable
@@ -7,23 +11,21 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from .cells import CELLS
-from .errors import LopinError
+from .errors import UsageError, optional
 from .mesh import Mesh
+from .result import WORDS
+from .units import Units, quantity_of
 
 
 def new_axes(ax=None):
     """The given axes, or new ones."""
     if ax is not None:
         return ax
-    try:
-        import matplotlib.pyplot as plt
-    except ImportError as problem:
-        raise LopinError("pictures need matplotlib", help="pip install 'lopin[plot]'") from problem
-    return plt.subplots(layout="constrained")[1]
+    return optional("matplotlib.pyplot", "pictures").subplots(layout="constrained")[1]
 
 
 def pressure(contact, exact: Callable[[np.ndarray], np.ndarray] | None = None, *, axis: int = 0,
-             ax=None, unit: str = ""):
+             ax=None, unit: str = "", deformed: bool = True):
     """Contact pressure against one coordinate, and a closed form as a line.
 
     Parameters
@@ -31,9 +33,12 @@ def pressure(contact, exact: Callable[[np.ndarray], np.ndarray] | None = None, *
     contact : Contact, such as ``result.contact("TOP").last``
     exact : function of the coordinate, such as ``closed_form.hertz_sphere_plane(...).pressure``
     axis : which coordinate of the slave points
+    unit : of the pressure, such as "MPa"; that of the heading unless given
+    deformed : where the points are now; else where they began
     """
     ax = new_axes(ax)
-    x = contact.x[:, axis]
+    units = getattr(contact, "units", Units())
+    x = (contact.place if deformed else contact.x)[:, axis]
     order = np.argsort(x)
     closed = contact.status[order] > 0
     ax.plot(x[order][closed], contact.pressure[order][closed], "o", label="in contact")
@@ -44,9 +49,41 @@ def pressure(contact, exact: Callable[[np.ndarray], np.ndarray] | None = None, *
         if closed.any():   # finer where something touches
             line = np.union1d(line, np.linspace(*x[order][closed][[0, -1]]*1.1, 1001))
         ax.plot(line, exact(line), "k-", lw=1, label="closed form")
-    ax.set_xlabel("x" if axis == 0 else "xyz"[axis])
-    ax.set_ylabel(f"contact pressure {unit}".strip())
+    ax.set_xlabel(units.label(_axes_of(getattr(contact, "frame", None))[axis], "length"))
+    ax.set_ylabel(f"contact pressure [{unit.strip('[]') or units.of('stress')}]")
     ax.legend()
+    return ax
+
+
+def deformed(result, field: str | None = None, index: int = -1, *, component: int = 0,
+             scale: float = 1.0, ax=None):
+    """The mesh of a plane result where it is at one increment, coloured by a field.
+
+    Parameters
+    ----------
+    field : name of a field at the points, such as "Mises" or "displacement"
+    component : of a vector or tensor field, counted from 0
+    scale : factor on the displacements
+
+    Raises
+    ------
+    UsageError : the result is not of a plane scene, or has no such field.
+    """
+    source = result.to_meshio(index)
+    blocks = [(b.type, np.asarray(b.data)) for b in source.cells
+              if b.type in CELLS and CELLS[b.type].ndim == 2]
+    if not blocks or np.ptp(source.points[:, 2:]) > 0.0:
+        raise UsageError("only plane scenes are drawn; result.to_pyvista() shows solid ones")
+    values, label = None, ""
+    if field is not None:
+        values, word = result.at(index)[field], WORDS.get(field, field)
+        values = values[:, component] if values.ndim == 2 else values
+        label = result.units.label(field, quantity_of(word))
+    flat = Mesh(np.asarray(source.points)[:, :2], blocks)
+    ax = mesh(flat, result.at(index)["U"], scale=scale, field=values, label=label, ax=ax)
+    names = _axes_of(result.at(index))
+    ax.set_xlabel(result.units.label(names[0], "length"))
+    ax.set_ylabel(result.units.label(names[1], "length"))
     return ax
 
 
@@ -79,14 +116,23 @@ def mesh(mesh: Mesh, displacement: ArrayLike | None = None, *, scale: float = 1.
 
 
 def history(result, columns: list[str], *, against: str = "time", ax=None):
-    """Columns of the history against another."""
+    """Columns of the history against another; a column that does not exist raises UsageError."""
     ax = new_axes(ax)
-    data = result.history
+    data, units = result.history, result.units
+    for name in (against, *columns):
+        if name not in data:
+            raise UsageError(f"no column '{name}' in the history; known: {', '.join(data)}")
     for name in columns:
-        ax.plot(data[against], data[name], ".-", label=name)
-    ax.set_xlabel(against)
+        ax.plot(data[against], data[name], ".-", label=units.label(name, quantity_of(name)))
+    ax.set_xlabel(units.label(against, quantity_of(against)))
     ax.legend()
     return ax
+
+
+def _axes_of(frame) -> str:
+    """Names of the coordinates: r and z in an axisymmetric scene."""
+    kind = (frame.result.summary.get("model") or {}).get("kind") if frame else ""
+    return "rz" if kind == "axisymmetric" else "xyz"
 
 
 def _outline(name: str) -> list[int]:

@@ -2,11 +2,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from html import escape
 
 import numpy as np
 from numpy.typing import NDArray
 
-from .errors import UsageError
+from .errors import UsageError, optional
+from .units import Units, units_of
 
 #: Full words for the words of the deck; both are understood.
 WORDS = {"displacement": "U", "reaction": "RF", "stress": "S", "mises": "Mises",
@@ -35,6 +37,7 @@ class Contact:
 
     pair: str
     fields: dict[str, NDArray] = field(repr=False)
+    frame: Frame | None = field(default=None, repr=False)   #: of the whole mesh, for `place`
 
     def __getitem__(self, name: str) -> NDArray:
         word = WORDS.get(name, name)
@@ -46,6 +49,20 @@ class Contact:
     def x(self) -> NDArray:
         """(point, ndim) coordinates of the slave points before deformation [length]."""
         return self["X"]
+
+    @property
+    def place(self) -> NDArray:
+        """(point, ndim) coordinates of the slave points after deformation [length]."""
+        if self.frame is None or not {"U", "LABEL"} <= set(self.frame.result.names):
+            return self.x
+        labels, own = self.frame["LABEL"].ravel(), self["LABEL"].ravel()
+        order = np.argsort(labels)
+        return self.x + self.frame["U"][order[np.searchsorted(labels, own, sorter=order)]]
+
+    @property
+    def units(self) -> Units:
+        """What the scene is measured in, as far as its heading says."""
+        return self.frame.result.units if self.frame else Units()
 
     @property
     def r(self) -> NDArray:
@@ -86,8 +103,9 @@ class PairHistory:
 
     def at(self, index: int) -> Contact:
         """The pair at one increment, counted from 0; -1 is the last."""
-        source = self.result.source
-        return Contact(self.pair, source.contact(self.pair, self.result._index(index)))
+        index = self.result._index(index)
+        fields = self.result.source.contact(self.pair, index)
+        return Contact(self.pair, fields, Frame(self.result, index))
 
 
 class Result:
@@ -152,10 +170,83 @@ class Result:
         """The mesh and the fields of one increment as a `meshio.Mesh`."""
         return self.source.mesh(self._index(index))
 
+    def to_dataframe(self, what: str = "history", index: int = -1):
+        """A `pandas.DataFrame`.
+
+        Parameters
+        ----------
+        what : "history" (a row an increment), "points" (a row a point of the mesh, indexed by its
+            label), or the name of a contact pair (a row a slave point)
+        index : which increment, for points and pairs
+
+        Raises
+        ------
+        MissingPackageError : pandas is not installed: ``pip install 'lopin[table]'``.
+        UsageError : there is no such pair or increment.
+        """
+        pandas = optional("pandas", "a table")
+        if what == "history":
+            return pandas.DataFrame(dict(self.history))
+        fields = self.contact(what).at(index).fields if what != "points" else \
+            {name: self.at(index)[name] for name in self.names}
+        labels = fields.get("LABEL")
+        columns = {column: values for name, field in fields.items() if name != "LABEL"
+                   for column, values in _columns(name, field)}
+        return pandas.DataFrame(columns, index=None if labels is None
+                                else pandas.Index(labels.ravel().astype(int), name="label"))
+
+    def to_pyvista(self, index: int = -1, *, scale: float = 1.0):
+        """A `pyvista.UnstructuredGrid` of the deformed mesh and its fields at one increment.
+
+        `scale`: factor on the displacements; 0 leaves the mesh where it began.
+
+        Raises
+        ------
+        MissingPackageError : pyvista is not installed: ``pip install 'lopin[3d]'``.
+        """
+        pyvista = optional("pyvista", "a 3D view")
+        mesh = self.to_meshio(index)
+        if "U" in mesh.point_data:
+            mesh.points = mesh.points + scale*mesh.point_data["U"]
+        return pyvista.from_meshio(mesh)
+
+    @property
+    def units(self) -> Units:
+        """What the scene is measured in, as far as its heading says, such as "..., N mm s"."""
+        heading = self.summary.get("heading") or ""
+        if self.deck is not None and "*HEADING" in self.deck:
+            heading = " ".join(map(str, self.deck["*HEADING"].lines))
+        return units_of(str(heading))
+
+    @property
+    def verdict(self) -> str:
+        """Verdict of the certificate: PASS, WARN or FAIL; nothing if there is none."""
+        return str((self.summary.get("certificate") or {}).get("verdict", ""))
+
+    def _repr_html_(self) -> str:
+        """A table for notebooks: what was run, its verdict, contacts, warnings."""
+        rows = [("increments", len(self.times)), ("certificate", self.verdict)]
+        if len(self.times):
+            rows.insert(1, (self.units.label("time", "time"), f"{self.times[-1]:g}"))
+            for pair in self.pairs:
+                contact = self.contact(pair).last
+                most = contact.pressure.max(initial=0.0)
+                rows.append((pair, f"{int((contact.status > 0).sum())} of {len(contact.status)} "
+                             f"points closed, {self.units.label(f'{most:.4g}', 'stress')}"))
+        rows += [("warning", text) for text in self.warnings]
+        lines = "".join(f"<tr><th>{escape(str(k))}</th><td>{escape(str(v))}</td></tr>"
+                        for k, v in rows)
+        return f"<table><caption>{escape(self.name)}</caption>{lines}</table>"
+
+    @property
+    def name(self) -> str:
+        """Name of the deck."""
+        return self.deck.name if self.deck else str(getattr(self.source, "name", ""))
+
     @property
     def warnings(self) -> list[str]:
         """What the run warned of."""
-        return [f"{d.get('code', '')}: {d['message']}" for d in self.diagnostics
+        return [f"{d.get('code', '')}: {d.get('message', '')}" for d in self.diagnostics
                 if d.get("severity") == "warning"]
 
     def _index(self, index: int) -> int:
@@ -171,7 +262,13 @@ class Result:
         return np.asarray(self.source.field(word, self._index(index)))
 
     def __repr__(self) -> str:
-        name = self.deck.name if self.deck else getattr(self.source, "name", "")
         last = f", time {self.times[-1]:g}" if len(self.times) else ""
-        return (f"Result({name!r}, {len(self.times)} increments{last}, pairs {self.pairs}, "
+        return (f"Result({self.name!r}, {len(self.times)} increments{last}, pairs {self.pairs}, "
                 f"{len(self.warnings)} warnings)")
+
+
+def _columns(name: str, values: NDArray) -> list[tuple[str, NDArray]]:
+    """Columns of a table: one for a scalar, one for each component of a vector."""
+    if values.ndim == 1 or values.shape[1] == 1:
+        return [(name, values.ravel())]
+    return [(f"{name}{k}", values[:, k - 1]) for k in range(1, values.shape[1] + 1)]

@@ -11,7 +11,7 @@ from xml.etree import ElementTree
 import numpy as np
 
 from .cells import CELLS
-from .errors import ResourceError
+from .files import reading
 
 _DTYPES = {"Float32": "<f4", "Float64": "<f8", "Int8": "i1", "UInt8": "u1", "Int32": "<i4",
            "Int64": "<i8"}
@@ -22,32 +22,49 @@ _NAMES = {1: "vertex", 3: "line", 5: "triangle", 9: "quad", 10: "tetra", 12: "he
 
 
 def read_vtu(path: str | Path):
-    """The `meshio.Mesh` of a file of Lopin."""
+    """The `meshio.Mesh` of a file of Lopin.
+
+    Raises
+    ------
+    DamagedResultError : the file is missing, cut off, or not what Lopin wrote.
+    """
     import meshio
 
-    raw = Path(path).read_bytes()
-    start = re.search(rb'<AppendedData encoding="raw">\s*_', raw)
-    if not start:
-        raise ResourceError(f"{path} is not a result file of Lopin")
-    head = raw[:start.start()] + b"</VTKFile>"
-    root = ElementTree.fromstring(head)
-    piece = root.find(".//Piece")
+    with reading(path):
+        raw = Path(path).read_bytes()
+        start = re.search(rb'<AppendedData encoding="raw">\s*_', raw)
+        if not start:
+            raise ValueError("its binary part is missing")
+        piece = ElementTree.fromstring(raw[:start.start()] + b"</VTKFile>").find(".//Piece")
+        n_point, n_cell = int(piece.get("NumberOfPoints")), int(piece.get("NumberOfCells"))
 
-    def array(tag) -> np.ndarray:
-        first = start.end() + int(tag.get("offset"))
-        size = int.from_bytes(raw[first:first + 8], "little")
-        values = np.frombuffer(raw[first + 8:first + 8 + size], _DTYPES[tag.get("type")])
-        width = int(tag.get("NumberOfComponents", 1))
-        return values.reshape(-1, width) if width > 1 else values
+        def array(tag, n: int = -1) -> np.ndarray:
+            first = start.end() + int(tag.get("offset"))
+            size = int.from_bytes(raw[first:first + 8], "little")
+            if not start.end() <= first <= first + 8 + size <= len(raw):
+                raise ValueError(f"it ends within '{tag.get('Name')}'")
+            values = np.frombuffer(raw[first + 8:first + 8 + size], _DTYPES[tag.get("type")])
+            width = int(tag.get("NumberOfComponents", 1))
+            values = values.reshape(-1, width) if width > 1 else values
+            if n >= 0 and len(values) != n:
+                raise ValueError(f"'{tag.get('Name')}' has {len(values)} entries, not {n}")
+            return values
 
-    def group(name: str) -> dict[str, np.ndarray]:
-        tags = piece.find(name)
-        return {tag.get("Name"): array(tag) for tag in (() if tags is None else tags)}
+        def group(name: str, n: int = -1) -> dict[str, np.ndarray]:
+            tags = piece.find(name)
+            return {str(tag.get("Name")): array(tag, n) for tag in (() if tags is None else tags)}
 
-    cells = group("Cells")
-    blocks, order = _blocks(cells["connectivity"], cells["offsets"], cells["types"])
-    cell_data = {name: [values[k] for k in order] for name, values in group("CellData").items()}
-    return meshio.Mesh(array(piece.find("Points")[0]), blocks, group("PointData"), cell_data)
+        cells = group("Cells")
+        if len(cells["types"]) != n_cell or len(cells["offsets"]) != n_cell:
+            raise ValueError(f"it does not have {n_cell} cells")
+        nodes = cells["connectivity"]
+        if len(nodes) and not 0 <= nodes.min() <= nodes.max() < n_point:
+            raise ValueError("a cell has nodes that do not exist")
+        blocks, order = _blocks(nodes, cells["offsets"], cells["types"])
+        cell_data = {name: [values[k] for k in order]
+                     for name, values in group("CellData", n_cell).items()}
+        return meshio.Mesh(array(piece.find("Points")[0], n_point), blocks,
+                           group("PointData", n_point), cell_data)
 
 
 def _blocks(connectivity, offsets, types) -> tuple[list, list]:
