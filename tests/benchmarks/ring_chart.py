@@ -69,7 +69,7 @@ none, and the corner, -0.90, is the edge. So *at the plate*, which follows the c
 where friction is high."""
 
 
-def compressed(friction: str, law, element: str = "CAX4", cells=(16, 10)) -> dict[str, np.ndarray]:
+def compressed(friction, law, element: str = "CAX4", cells=(16, 10)) -> dict[str, np.ndarray]:
     """Through the run: reduction, changes of the bore at mid-height, at the plate and on average
     [mm], force [N].
 
@@ -77,11 +77,11 @@ def compressed(friction: str, law, element: str = "CAX4", cells=(16, 10)) -> dic
     """
     quadratic = element == "CAX8R"
     mesh = scenes.ring(*cells, quadratic=quadratic)
-    deck = scenes.squeezed(mesh, law, friction, 0.5, surfaces=("TOP", "RIGHT", "LEFT"), axis=False,
-                           reduced=quadratic, static="0.01, 1., 1e-6, 0.02",
-                           control=", CONTROLS=PLAIN" if element == "FULL" else "")
+    model = scenes.squeezed(mesh, law, friction, 0.5, surfaces=("TOP", "RIGHT", "LEFT"), axis=False,
+                           reduced=quadratic, sizes=(0.01, 1e-6, 0.02),
+                           full=element == "FULL")
     try:
-        result = lopin.run(deck)
+        result = lopin.run(model)
     except lopin.NotConvergedError as stopped:
         result = stopped.result
     frames = range(len(result.times))

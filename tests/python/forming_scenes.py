@@ -9,10 +9,10 @@ from __future__ import annotations
 import numpy as np
 
 import lopin
+from lopin import Coulomb, Elastic, Material, Plastic, Tresca, profile
+from lopin.friction import Friction
 from lopin.mesh import Mesh
 from lopin.mesh_make import block
-from lopin.model import Model
-from lopin.model_deck import mesh_deck
 
 #: E, nu, flow curve (stress, plastic strain) [stress]
 E1 = (200e3, 0.3, ((700.0, 0.0), (1300.0, 2.0)))
@@ -20,43 +20,41 @@ E5B = (200e3, 0.3, ((200.0, 0.0), (300.0, 2.0)))
 RIGID_PLASTIC = (2e6, 0.3, ((200.0, 0.0),))
 
 
-def metal(law) -> str:
-    """The cards of a material named METAL."""
+def metal(law) -> Material:
+    """The material of E, nu and a flow curve."""
     young, poisson, curve = law
-    rows = "".join(f"{s!r}, {e!r}\n" for s, e in curve)
-    return f"*MATERIAL, NAME=METAL\n*ELASTIC\n{young!r}, {poisson!r}\n*PLASTIC\n{rows}"
+    return Material(Elastic(young, poisson), Plastic(curve), name="METAL")
 
 
-def plate(height: float, reach: float, start: float = -1.0) -> str:
-    """A flat rigid plate PLATE at a height, with the set PLATE_REF of its reference node."""
-    return (f"*NODE, NSET=PLATE_REF\n900001, 0., {height + 1.0!r}\n"
-            f"*SURFACE, NAME=PLATE, TYPE=SEGMENTS\nSTART, {reach!r}, {height!r}\nLINE, {start!r}, {height!r}\n"
-            "*RIGID BODY, ANALYTICAL SURFACE=PLATE, REF NODE=PLATE_REF\n")
+def squeezed(mesh: Mesh, law, friction: Friction | None, reduction: float, *,
+             kind: str = "axisymmetric", full: bool = False, sizes: tuple[float, ...] = (0.01,),
+             reach: float = 0.0, surfaces: tuple[str, ...] = ("TOP", "RIGHT"), name: str = "scene",
+             reduced: bool = False, axis: bool = True) -> lopin.Model:
+    """A body over y = 0 pressed by a plate from above.
 
-
-def squeezed(mesh: Mesh, law, friction: str, reduction: float, *, kind: str = "axisymmetric",
-             control: str = "",
-             static: str = "0.01, 1.", behaviour: str = "*SURFACE BEHAVIOR, DIRECT",
-             reach: float = 0.0,
-             prints: str = "", surfaces: tuple[str, ...] = ("TOP", "RIGHT"), name: str = "scene",
-             reduced: bool = False, axis: bool = True) -> lopin.Deck:
-    """A body over y = 0 pressed by a plate from above; `friction` are the cards of *FRICTION."""
+    `sizes` of increments: the first, the smallest, the largest. `full`: no mean dilatation.
+    """
     height = float(mesh.points[:, 1].max())
-    mesh = mesh.replaced(surfaces={**mesh.surfaces,
-                                   "SKIN": np.vstack([mesh.surfaces[s] for s in surfaces])})
-    text = mesh_deck(Model(name, mesh, kind=kind)).text()
-    if reduced:
-        text = text.replace("CAX8\n", "CAX8R\n").replace("CAX8,", "CAX8R,")
-    text += "*SECTION CONTROLS, NAME=PLAIN, FORMULATION=FULL\n" if control else ""
-    text += metal(law) + f"*SOLID SECTION, ELSET=ALL, MATERIAL=METAL{control}\n"
-    text += "1.,\n" if kind != "axisymmetric" else ""
-    text += plate(height, reach or 4.0*float(mesh.points[:, 0].max()), -1.0)
-    text += f"*SURFACE INTERACTION, NAME=I\n{behaviour}\n{friction}"
-    text += f"*CONTACT PAIR, INTERACTION=I, TYPE=NODE TO SURFACE\nSKIN, PLATE\n"
-    text += "*BOUNDARY\nBOTTOM, 2\nPLATE_REF, 1\nPLATE_REF, 6\n" + ("LEFT, 1\n" if axis else "")
-    text += f"*STEP, NLGEOM, INC=5000\n*STATIC\n{static}\n*BOUNDARY\nPLATE_REF, 2, 2, {-reduction*height!r}\n"
-    text += f"{prints}*NODE FILE\nU\n*CONTACT FILE\nCDIS, CSTR\n*END STEP\n"
-    return lopin.Deck.parse(text, name, ".")
+    skin = np.vstack([mesh.surfaces[s] for s in surfaces])
+    model = lopin.Model(name, mesh.replaced(surfaces={**mesh.surfaces, "SKIN": skin}), kind=kind,
+                        letters="R" if reduced else "")
+    model.section("ALL", metal(law), full_integration=full)
+    reach = reach or 4.0*float(mesh.points[:, 0].max())
+    plate = model.rigid_tool("PLATE", profile.line((reach, height), (-1.0, height)),
+                             ref=(0.0, height + 1.0))
+    model.contact("SKIN", plate, friction=friction)
+    model.fix("BOTTOM", 2)
+    if axis:
+        model.fix("LEFT", 1)
+    step = _step(model, sizes).move(plate, **{"y" if kind.startswith("plane") else "z":
+                                              -reduction*height})
+    step.output(("U",), (), ("CDIS", "CSTR"))
+    return model
+
+
+def _step(model: lopin.Model, sizes: tuple[float, ...]):
+    first, smallest, largest = sizes if len(sizes) == 3 else (*sizes, 1e-6, 1.0)
+    return model.step(nlgeom=True, first=first, smallest=smallest, largest=largest, most=5000)
 
 
 def billet(nr: int, nz: int, *, radius: float = 10.0, half: float = 15.0,
@@ -81,20 +79,20 @@ def _named(mesh: Mesh, **places) -> Mesh:
     return mesh
 
 
-def coulomb(mu: float, words: str = "") -> str:
-    """Cards of Coulomb's law; none without friction."""
-    return f"*FRICTION{words}\n{mu!r},\n" if mu else ""
+def coulomb(mu: float, **options) -> Friction | None:
+    """Coulomb's law; nothing without friction."""
+    return Coulomb(mu, **options) if mu else None
 
 
-def tresca(m: float, words: str = "") -> str:
-    """Cards of shear m k, k from the flow curve; none without friction."""
-    return f"*FRICTION, LAW=TRESCA{words}\n{m!r}\n" if m else ""
+def tresca(m: float, **options) -> Friction | None:
+    """Shear m k, k from the flow curve; nothing without friction."""
+    return Tresca(m, **options) if m else None
 
 
-def wire(before: float, after: float, half_angle: float, law, friction: str, stroke: float,
-         cells=(8, 60), *,
-         length: float = 0.0, static: str = "0.01, 1., 1e-6, 0.02", pull: bool = True,
-         quadratic: bool = False) -> lopin.Deck:
+def wire(before: float, after: float, half_angle: float, law, friction: Friction | None,
+         stroke: float, cells=(8, 60), *, length: float = 0.0,
+         sizes: tuple[float, ...] = (0.01, 1e-6, 0.02), pull: bool = True,
+         quadratic: bool = False) -> lopin.Model:
     """A wire with a drawn tip, taken through a cone DIE by its end; lengths in diameters of
     `before`.
 
@@ -113,19 +111,15 @@ def wire(before: float, after: float, half_angle: float, law, friction: str, str
         return np.column_stack([x[:, 0]*radius, y])
 
     mesh = mesh.mapped(shaped)
-    end = "TOP" if pull else "BOTTOM"
-    text = mesh_deck(Model("wire", mesh, kind="axisymmetric")).text()
-    text += metal(law) + "*SOLID SECTION, ELSET=ALL, MATERIAL=METAL\n"
+    model = lopin.Model("wire", mesh, kind="axisymmetric")
+    model.section("ALL", metal(law))
     # Its left, inwards, looks at the metal: up from the inlet.
-    bearing = 0.25*before
-    far = 1.5*before
-    text += ("*NODE, NSET=DIE_REF\n900001, 0., 0.\n*SURFACE, NAME=DIE, TYPE=SEGMENTS, FILLET RADIUS="
-             f"{0.5*before!r}\nSTART, {r0 + far*slope!r}, {-far!r}\nLINE, {r1!r}, {cone!r}\n"
-             f"LINE, {r1!r}, {cone + bearing!r}\nLINE, {r1 + 0.2*before!r}, {cone + bearing + 0.5*before!r}\n"
-             "*RIGID BODY, ANALYTICAL SURFACE=DIE, REF NODE=DIE_REF\n")
-    text += f"*SURFACE INTERACTION, NAME=I\n*SURFACE BEHAVIOR, DIRECT\n{friction}"
-    text += "*CONTACT PAIR, INTERACTION=I, TYPE=NODE TO SURFACE\nRIGHT, DIE\n"
-    text += f"*BOUNDARY\nLEFT, 1\nDIE_REF, 1\nDIE_REF, 2\nDIE_REF, 6\n"
-    text += f"*STEP, NLGEOM, INC=5000\n*STATIC\n{static}\n*BOUNDARY\n{end}, 2, 2, {stroke!r}\n"
-    text += "*NODE FILE\nU\n*EL FILE\nS\n*CONTACT FILE\nCDIS, CSTR\n*END STEP\n"
-    return lopin.Deck.parse(text, "wire", ".")
+    bearing, far = 0.25*before, 1.5*before
+    cone_of_die = profile.start(r0 + far*slope, -far).line_to(r1, cone).line_to(r1, cone + bearing)
+    cone_of_die = cone_of_die.line_to(r1 + 0.2*before, cone + bearing + 0.5*before)
+    die = model.rigid_tool("DIE", cone_of_die.rounded(0.5*before))
+    model.contact("RIGHT", die, friction=friction)
+    model.fix("LEFT", "r")
+    step = _step(model, sizes).move("TOP" if pull else "BOTTOM", z=stroke)
+    step.output(("U",))
+    return model

@@ -33,7 +33,7 @@ def force(result, share):
 @pytest.mark.parametrize("cells, quadratic", [((12, 18), False), ((4, 6), True)])
 def test_a_billet_without_friction_stays_a_cylinder(cells, quadratic, sheet):
     mesh = scenes.billet(*cells, quadratic=quadratic)
-    result = lopin.run(scenes.squeezed(mesh, scenes.E1, "", 0.6))
+    result = lopin.run(scenes.squeezed(mesh, scenes.E1, None, 0.6))
     exact = [upset(0.6*t, 200e3, 0.3, 700.0, 300.0, 10.0) for t in result.times]
     found = np.abs(result.history["PLATE.rf2"])[-len(exact):]
     assert found == pytest.approx([at.force for at in exact], rel=1e-6)
@@ -47,7 +47,7 @@ def test_a_billet_without_friction_stays_a_cylinder(cells, quadratic, sheet):
 def test_a_billet_with_friction_rolls_its_side_onto_the_plate(cells, sheet):
     mesh = scenes.billet(*cells)
     result = lopin.run(scenes.squeezed(mesh, scenes.E1, scenes.coulomb(0.1), 0.6,
-                                       static="0.01, 1., 1e-6, 0.05"))
+                                       sizes=(0.01, 1e-6, 0.05)))
     for share, kilonewton in ((0.2, 306.0), (0.3, 368.0), (0.4, 456.0)):
         sheet.compare("E1 upsetting", f"{cells}, mu 0.1: force at {100*share:.0f} %",
                       force(result, share/0.6)/1e3,
@@ -85,12 +85,12 @@ def test_a_mortar_slave_with_a_sharp_corner_rolls_onto_a_meshed_plate(cells, qua
 
 
 def ring_bores(friction, reductions, quadratic=False, law=scenes.RIGID_PLASTIC,
-               static="0.01, 1., 1e-6, 0.02", cells=(16, 10), control=""):
+               sizes=(0.01, 1e-6, 0.02), cells=(16, 10), full=False):
     """Changes of the bore at mid-height and at the plate [mm], and forces."""
     mesh = scenes.ring(*cells, quadratic=quadratic)
     result = lopin.run(scenes.squeezed(mesh, law, friction, 0.5, surfaces=("TOP", "RIGHT", "LEFT"),
-                                       axis=False, static=static, reduced=quadratic,
-                                       control=control))
+                                       axis=False, sizes=sizes, reduced=quadratic,
+                                       full=full))
     shares = 2.0*np.asarray(reductions)
     return (np.interp(shares, *moved(result, mesh, "BORE_MIDDLE")),
             np.interp(shares, *moved(result, mesh, "BORE_PLATE")),
@@ -110,7 +110,7 @@ def test_a_ring_tells_the_shear_factor(m, reductions, sheet):
 
 def test_a_ring_tells_coulomb_s_coefficient(sheet):
     bores, _, forces = ring_bores(scenes.coulomb(0.1), (1/6, 0.25, 1/3, 0.5), quadratic=True,
-                                  law=scenes.E5B, static="0.01, 1., 1e-6, 0.01")
+                                  law=scenes.E5B, sizes=(0.01, 1e-6, 0.01))
     assert bores == pytest.approx([0.1222, 0.1468, 0.0812, -0.606], abs=0.05)
     assert forces/1e3 == pytest.approx([150.1, 173.4, 204.1, 307.7], rel=0.015)
     sheet.compare("E5 ring", "mu 0.1: force at 33 %", forces[2]/1e3, 204.1, 0.015,
@@ -125,7 +125,7 @@ def test_a_ring_of_plainly_integrated_quads_is_that_of_calculix(mu, middle, plat
                                                                  sheet):
     # CalculiX's CAX4 locks; docs/ring-compression.md compares the elements.
     bores, edges, forces = ring_bores(scenes.coulomb(mu), (1/6, 0.25, 1/3, 0.5), law=scenes.E5B,
-                                      cells=(32, 20), control=", CONTROLS=PLAIN")
+                                      cells=(32, 20), full=True)
     assert edges == pytest.approx(plate, abs=0.05)
     assert forces/1e3 == pytest.approx(kilonewton, rel=0.015)
     for r, found, said in zip((16.7, 25.0, 33.3, 50.0), bores, middle):
@@ -133,20 +133,21 @@ def test_a_ring_of_plainly_integrated_quads_is_that_of_calculix(mu, middle, plat
                       0.05, source="CalculiX 2.20, CAX4 32 x 20", absolute=True)
 
 
-@pytest.mark.parametrize("card", ["COULOMB-OROWAN\n0.577, 0.1\n", "CRISTESCU\n0.1\n",
-                                  f"NORTON-HOFF\n{0.1*200/3**0.5!r}, 0.005\n"])
-def test_laws_of_a_flowing_ring_agree(card):
+@pytest.mark.parametrize("law", [lopin.Orowan(0.577, 0.1), lopin.Cristescu(0.1),
+                                 lopin.NortonHoffFriction(0.1*200/3**0.5, 0.005)],
+                         ids=lambda law: law.law)
+def test_laws_of_a_flowing_ring_agree(law):
     reductions = (0.1, 0.2, 0.3, 0.4, 0.5)
     tresca, *_ = ring_bores(scenes.tresca(0.1), reductions)
-    other, *_ = ring_bores(f"*FRICTION, LAW={card}", reductions)
+    other, *_ = ring_bores(law, reductions)
     assert 100.0*other/7.5 == pytest.approx(100.0*tresca/7.5, abs=0.3)
 
 
-def squeezed_a_little(size, cells, m, control="", kind="plane strain"):
+def squeezed_a_little(size, cells, m, full=False, kind="plane strain"):
     """Force and largest half width of a rigid-plastic body pressed by 1 %; half height 1."""
     mesh = block(size, cells)
     result = lopin.run(scenes.squeezed(mesh, scenes.RIGID_PLASTIC, scenes.tresca(m), 0.01,
-                                       kind=kind, control=control, static="0.1, 1., 1e-6, 0.2"))
+                                       kind=kind, full=full, sizes=(0.1, 1e-6, 0.2)))
     half = size[0] + result["displacement"][mesh.point_sets["TOP"], 0].max()
     return abs(result.history["PLATE.rf2"][-1]), half
 
@@ -166,7 +167,7 @@ def test_a_strip_stays_below_its_upper_bound(m, width, sheet):
 
 def test_mean_dilatation_frees_a_strip_that_full_integration_locks():
     push, half = squeezed_a_little((8.0, 1.0), (32, 4), 1.0)
-    locked, _ = squeezed_a_little((8.0, 1.0), (32, 4), 1.0, control=", CONTROLS=PLAIN")
+    locked, _ = squeezed_a_little((8.0, 1.0), (32, 4), 1.0, full=True)
     assert push/half/(400.0/3**0.5) <= strip_pressure(1.0, half/0.99)
     assert locked > 1.02*push
 
@@ -186,8 +187,8 @@ def test_a_disc_stays_below_its_upper_bound(m, ratio, sheet):
 
 def test_a_wire_draws_between_its_bounds(sheet):
     law = (200e3, 0.3, ((200.0, 0.0),))
-    result = lopin.run(scenes.wire(10.0, 9.0, 8.0, law, "", 8.0, (4, 51),
-                                   static="0.01, 1., 1e-6, 0.02"))
+    result = lopin.run(scenes.wire(10.0, 9.0, 8.0, law, None, 8.0, (4, 51),
+                                   sizes=(0.01, 1e-6, 0.02)))
     stress = np.abs(result.history["DIE.rf2"])/(np.pi*4.5**2)/200.0
     steady = stress[len(stress)//2:].mean()
     bounds = wire_drawing(10.0, 9.0, 8.0)

@@ -51,20 +51,17 @@ def test_the_history_shows_where_the_work_went():
 
 def test_no_point_of_an_amplitude_is_jumped_over():
     """A saw tooth whose turn is shorter than an increment: the metal remembers it all the same."""
-    deck = billet(10, direct=False, cells=(1, 1)).text()
-    deck = deck.replace("*STEP,",
-                        "*AMPLITUDE, NAME=SAW\n0., 0., 0.5, 0.1, 0.51, -0.1, 1., 0.1\n*STEP,", 1)
-    deck = deck.replace("*BOUNDARY\nDIE_REF, 2, 2", "*BOUNDARY, AMPLITUDE=SAW\nDIE_REF, 2, 2")
-    result = lopin.run(lopin.Deck.parse(deck, "saw"))
+    saw = [(0.0, 0.0), (0.5, 0.1), (0.51, -0.1), (1.0, 0.1)]
+    result = lopin.run(billet(10, direct=False, cells=(1, 1), through=saw))
     assert {0.5, 0.51} <= {round(float(t), 9) for t in result.times}
 
 
 def test_work_that_is_lost_is_said_where_it_is_lost():
     """One increment of 20 % loses 41 % of its work; of fine steps after it nothing is said, of
     coarse ones again."""
-    step = "*STEP, NLGEOM, INC=100\n*STATIC, DIRECT\n{}, 1.\n*BOUNDARY\nDIE_REF, 2, 2, {}\n*END STEP\n"
-    text = billet(1, share=0.2, cells=(1, 1)).text()
-    text += step.format(0.1, -3.15) + step.format(0.1, -3.3) + step.format(1.0, -6.3)
-    said = [d["message"] for d in lopin.run(lopin.Deck.parse(text, "billet")).diagnostics
+    model = billet(1, share=0.2, cells=(1, 1))
+    for size, way in ((0.1, -3.15), (0.1, -3.3), (1.0, -6.3)):
+        model.step(nlgeom=True, first=size, fixed=True).move(model.tools[0], z=way)
+    said = [d["message"] for d in lopin.run(model).diagnostics
             if d["code"] == "W0530"]
     assert [message.rpartition(" ")[2] for message in said] == ["1", "4"]

@@ -170,10 +170,10 @@ def test_a_body_that_nothing_holds_is_singular():
 
 
 def test_an_unfinished_run_keeps_its_result():
-    deck = press(increments=10).to_deck()
-    deck["*STEP"].parameters["INC"] = 3
+    model = press(increments=10)
+    model.steps[0].most = 3
     with pytest.raises(lopin.NotConvergedError) as caught:
-        lopin.run(deck)
+        lopin.run(model)
     assert (caught.value.code, caught.value.id) == (3, "E0503")
     result = caught.value.result
     assert len(result.times) == 3 and result.summary["status"] == "not converged"

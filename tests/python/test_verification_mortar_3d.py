@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 from lopin import mesh_make
-from lopin.deck import Block
 from lopin.laws import Augmented, Elastic, Lagrange
 from lopin.mesh import Mesh, together
 from lopin.model import Model
@@ -76,17 +75,16 @@ def blocks(lower, upper, kind, slave="upper", *, quadratic=False, swirl=0.0, met
         model.fix(f"{body}.PIN", "x", "y")
         model.fix(f"{body}.GUIDE", "y")
     model.step().pressure("UP.TOP", 1.0)
-    deck = model.to_deck()
     if degree:
-        deck.blocks.insert(1, Block("LOPIN", {"MORTAR DEGREE": str(degree)}, []))
-    return with_stresses(deck)
+        model.options(mortar_degree=degree)
+    return with_stresses(model)
 
 
-def with_stresses(deck):
+def with_stresses(model):
     """Print the stresses of all integration points of both bodies."""
-    end = deck.blocks.index(deck["*END STEP"])
-    deck.blocks[end:end] = [Block("EL PRINT", {"ELSET": body}, [["S"]]) for body in ("UP", "LOW")]
-    return deck
+    for body in ("UP", "LOW"):
+        model.steps[-1].table(body, "S", of="elements")
+    return model
 
 
 def worst_stress(result):
@@ -178,7 +176,7 @@ def small_on_large(slave, kind, quadratic):
                   surface_to_surface=True)
     model.fix("LOW.BOTTOM", "z")
     model.step().pressure("UP.TOP", 1.0).pressure("LOW.RIM", 1.0)
-    return with_stresses(model.to_deck())
+    return with_stresses(model)
 
 
 @pytest.mark.parametrize("quadratic", [False, True])

@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 
 from lopin import mesh_make
-from lopin.deck import Block
 from lopin.laws import Augmented, Elastic, Lagrange
 from lopin.mesh import together
 from lopin.model import Model
@@ -31,11 +30,10 @@ def two_blocks(lower, upper, layers, slave, full, method=None, mortar=False):
     model.fix("LOW.BOTTOM", "y")
     model.fix("LOW.PIN", "x")
     model.fix("UP.PIN", "x")
-    model.step().pressure("UP.TOP", 1.0)
-    deck = model.to_deck()
-    end = deck.blocks.index(deck["*END STEP"])
-    deck.blocks[end:end] = [Block("EL PRINT", {"ELSET": body}, [["S"]]) for body in ("UP", "LOW")]
-    return deck
+    step = model.step().pressure("UP.TOP", 1.0)
+    for body in ("UP", "LOW"):
+        step.table(body, "S", of="elements")
+    return model
 
 
 def worst_stress(result):
