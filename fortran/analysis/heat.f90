@@ -2,7 +2,7 @@
 module lopin_heat
    use lopin_kinds, only : wp
    use lopin_model, only : model_type, amplitude_value, is_heated
-   use lopin_stress_free_state, only : heat_points, stress_points
+   use lopin_stress_free_state, only : heat_points, stress_points, temper_points
    use lopin_scene, only : scene_type
    implicit none
    private
@@ -24,6 +24,7 @@ contains
          end do
          call heat_points(memory, scene%solids, model%mesh, &
             & spread(0.0_wp, 1, model%mesh%nnode), memory%pressed)
+         call temper_points(memory, scene%solids, model%mesh, model%temperature)
          memory%next = memory%value
       end associate
    end subroutine start_stresses
@@ -33,10 +34,13 @@ contains
       type(scene_type), intent(inout) :: scene
       type(model_type), intent(in) :: model
       real(wp), intent(in) :: time         !! since the start of the step [time]
+      real(wp) :: temperature(model%mesh%nnode)
 
       if (.not. (scene%finite%memory%in_use .and. is_heated(model))) return
+      temperature = temperature_at(model, scene%step, time)
       call heat_points(scene%finite%memory, scene%solids, model%mesh, &
-         & temperature_at(model, scene%step, time) - model%temperature, scene%finite%memory%pressed)
+         & temperature - model%temperature, scene%finite%memory%pressed)
+      call temper_points(scene%finite%memory, scene%solids, model%mesh, temperature)
    end subroutine heat_to
 
    !> Linear from the end of the last step, at once with AMPLITUDE=STEP, or by an amplitude.

@@ -24,6 +24,7 @@ module lopin_scene
    use lopin_full_system, only : full_system_type
    use lopin_finite_state, only : finite_state_type
    use lopin_tool_plane, only : plane_type
+   use lopin_flow_curve, only : flows
    implicit none
    private
    public :: scene_type, new_scene, set_supports, retained_equations, rebuild_rows
@@ -110,6 +111,10 @@ contains
             section(i)%c10 = material%c10
             section(i)%d1 = material%d1
             section(i)%flow = material%flow
+            if (allocated(material%plastic) .and. flows(material%flow)) then
+               allocate (section(i)%plastic, source=material%plastic)
+               section(i)%plastic%axes = model%section(i)%axes
+            end if
             section(i)%expansion = material%expansion
             section(i)%heated = acts_on(model, i)
          end associate

@@ -4,7 +4,7 @@ module lopin_solid_memory
    use lopin_mesh, only : mesh_type
    use lopin_flow_curve, only : flow_stress
    use lopin_solids, only : solids_type
-   use lopin_material_memory, only : memory_size, stress_at
+   use lopin_material_memory, only : rows_of, stress_at, temperature_at
    implicit none
    private
    public :: solid_memory_type, new_solid_memory, keep, at_all_points
@@ -53,7 +53,7 @@ contains
          associate (group => solids%group(solids%which(e)))
             if (.not. group%law%remembers) cycle
             self%first(e + 1) = self%first(e) + group%element%ngauss
-            nrow = memory_size(group%element%nstress)
+            nrow = max(nrow, rows_of(group%law, group%element%nstress))
          end associate
       end do
       self%in_use = nrow > 0
@@ -64,6 +64,9 @@ contains
             call flow_stress(group%law%flow, 0.0_wp, 0.0_wp, &
                & self%value(stress_at(group%element%nstress), self%first(e)), slope, rate_slope)
             self%value(stress_at(group%element%nstress), self%first(e):self%first(e + 1) - 1) = &
+               & self%value(stress_at(group%element%nstress), self%first(e))
+            if (allocated(group%law%plastic)) self%value(temperature_at(group%element%nstress) + 1, &
+               & self%first(e):self%first(e + 1) - 1) = &
                & self%value(stress_at(group%element%nstress), self%first(e))
          end associate
       end do

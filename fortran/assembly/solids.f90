@@ -13,6 +13,7 @@ module lopin_solids
       & new_element_type
    use lopin_elastic, only : hooke_matrix, plane_stress_matrix
    use lopin_flow_curve, only : flow_type
+   use lopin_plastic_return, only : plastic_type
    use lopin_finite_elastic, only : finite_law_type, hencky_law, green_law, neo_hooke_law, &
       & give_flow, elastic_constants
    use lopin_facets, only : facet_rule_type, new_facet_rules
@@ -32,6 +33,7 @@ module lopin_solids
       real(wp) :: c10 = 0.0_wp               !! [stress]
       real(wp) :: d1 = 0.0_wp                !! [1/stress]
       type(flow_type) :: flow                !! of a plastic or viscous material
+      type(plastic_type), allocatable :: plastic   !! yield surface of its own, or one that moves
       logical :: green = .false.             !! Hooke's law in Green's strain, not in logarithmic
       real(wp) :: expansion = 0.0_wp         !! thermal strain per degree [1/temperature]
       logical :: heated = .false.            !! temperatures or stresses of the start act on it
@@ -198,6 +200,7 @@ contains
       else
          new%law = hencky_law(young, poisson)
          call give_flow(new%law, section%flow)
+         if (allocated(section%plastic)) allocate (new%law%plastic, source=section%plastic)
       end if
       new%law%remembers = new%law%flows .or. section%heated
       new%expansion = section%expansion

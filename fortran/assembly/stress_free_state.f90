@@ -9,11 +9,13 @@ module lopin_stress_free_state
    use lopin_log_strain, only : log_frame_type, new_log_frame, first_axis, second_axis, &
       & exp_minus_one
    use lopin_solids, only : solids_type, group_type
+   use lopin_flow_curve, only : flow_at, flow_stress
    use lopin_solid_memory, only : solid_memory_type
-   use lopin_material_memory, only : offset_at, put_metric
+   use lopin_material_memory, only : offset_at, put_metric, put_map, temperature_at, &
+      & strain_at, stress_at
    implicit none
    private
-   public :: heat_points, stress_points
+   public :: heat_points, stress_points, temper_points
 
 contains
 
@@ -39,6 +41,36 @@ contains
          end associate
       end do
    end subroutine heat_points
+
+   !> Temperatures of the points whose flow stress looks at it; of those that have not flowed, the
+   !> flow stress is that of the temperature.
+   subroutine temper_points(memory, solids, mesh, temperature)
+      type(solid_memory_type), intent(inout) :: memory
+      type(solids_type), intent(in) :: solids
+      type(mesh_type), intent(in) :: mesh
+      real(wp), intent(in) :: temperature(:)   !! (nnode) [temperature]
+      real(wp) :: stress, slope, rate_slope
+      integer :: e, m, p, q, k
+
+      do e = 1, mesh%nelement
+         p = memory%first(e)
+         q = memory%first(e + 1) - 1
+         if (q < p) cycle
+         associate (group => solids%group(solids%which(e)))
+            if (.not. allocated(group%law%flow%temperature)) cycle
+            m = group%element%nstress
+            memory%value(temperature_at(m), p:q) = at_points(group, &
+               & temperature(mesh%conn(:group%element%nnode, e)))
+            do k = p, q
+               if (memory%value(strain_at(m), k) > 0.0_wp) cycle
+               call flow_stress(flow_at(group%law%flow, memory%value(temperature_at(m), k)), &
+                  & 0.0_wp, 0.0_wp, stress, slope, rate_slope)
+               memory%value(stress_at(m), k) = stress
+               if (allocated(group%law%plastic)) memory%value(temperature_at(m) + 1, k) = stress
+            end do
+         end associate
+      end do
+   end subroutine temper_points
 
    pure function at_points(group, nodal) result(value)
       type(group_type), intent(in) :: group
@@ -81,6 +113,7 @@ contains
             ! exp(2 strain) - 1 in the axes of the strain, whose own frame has ln(1 + strain)/2.
             call new_log_frame(frame, strain)
             part = exp_minus_one(2.0_wp*exp_minus_one(2.0_wp*frame%e))
+            if (allocated(group%law%plastic)) part = part/(1.0_wp + sqrt(1.0_wp + part))
             do j = 1, 3
                do i = 1, 3
                   metric(i, j) = sum(part*frame%axis(i, :)*frame%axis(j, :))
@@ -90,7 +123,11 @@ contains
             metric = 2.0_wp*strain
          end if
          do r = p, q
-            call put_metric(memory%value(:, r), group%element%nstress, metric)
+            if (memory%finite .and. allocated(group%law%plastic)) then
+               call put_map(memory%value(:, r), group%element%nstress, metric)
+            else
+               call put_metric(memory%value(:, r), group%element%nstress, metric)
+            end if
          end do
       end associate
    end subroutine stress_points

@@ -4,7 +4,7 @@ module lopin_vectors
    use lopin_kinds, only : wp
    implicit none
    private
-   public :: cross, across, largest
+   public :: cross, across, largest, inverse_of
 
 contains
 
@@ -40,4 +40,27 @@ contains
          largest = max(largest, abs(x(i)))
       end do
    end function largest
+
+   !> (1 + h)**-1 of a regular deformation.
+   pure function inverse_of(h) result(inverse)
+      real(wp), intent(in) :: h(3, 3)
+      real(wp) :: inverse(3, 3), f(3, 3)
+      integer :: k
+
+      f = h
+      do k = 1, 3
+         f(k, k) = f(k, k) + 1.0_wp
+      end do
+      inverse(1, 1) = f(2, 2)*f(3, 3) - f(3, 2)*f(2, 3)
+      inverse(2, 1) = f(3, 1)*f(2, 3) - f(2, 1)*f(3, 3)
+      inverse(3, 1) = f(2, 1)*f(3, 2) - f(3, 1)*f(2, 2)
+      inverse(1, 2) = f(3, 2)*f(1, 3) - f(1, 2)*f(3, 3)
+      inverse(2, 2) = f(1, 1)*f(3, 3) - f(3, 1)*f(1, 3)
+      inverse(3, 2) = f(3, 1)*f(1, 2) - f(1, 1)*f(3, 2)
+      inverse(1, 3) = f(1, 2)*f(2, 3) - f(2, 2)*f(1, 3)
+      inverse(2, 3) = f(2, 1)*f(1, 3) - f(1, 1)*f(2, 3)
+      inverse(3, 3) = f(1, 1)*f(2, 2) - f(2, 1)*f(1, 2)
+      inverse = inverse*(1.0_wp/(f(1, 1)*inverse(1, 1) + f(2, 1)*inverse(1, 2) &
+         & + f(3, 1)*inverse(1, 3)))
+   end function inverse_of
 end module lopin_vectors

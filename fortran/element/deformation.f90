@@ -7,22 +7,15 @@ module lopin_deformation
    use lopin_dilatation, only : dilatation_count, dilatation_functions, projection
    use lopin_solid_small, only : gradients
    use lopin_solid_enhanced, only : enhanced_deformation
-   use lopin_finite_elastic, only : finite_law_type, past_type, thickness_change, volume_change
-   use lopin_material_memory, only : past_of, trial_change
+   use lopin_vectors, only : inverse_of
+   use lopin_finite_elastic, only : finite_law_type, volume_change
+   use lopin_material_memory, only : trial_change
+   use lopin_material_point, only : point_type, stretch_thickness
    implicit none
    private
-   public :: point_type, deform, inverse_of
+   public :: deform
 
    real(wp), parameter :: pi = acos(-1.0_wp)
-
-   !> Where the deformation has brought a Gauss point.
-   type :: point_type
-      real(wp) :: h(3, 3)          !! F - 1
-      real(wp) :: change(3, 3)     !! b - 1, of the elastic part if no point flowed
-      real(wp) :: own              !! J - 1
-      real(wp) :: volume           !! J - 1 that counts: own, or projected
-      real(wp) :: weight           !! reference volume
-   end type point_type
 
 contains
 
@@ -41,6 +34,7 @@ contains
       integer, intent(out) :: bad
       real(wp) :: determinant, enhanced(3, 3, element%ngauss), alpha(element%nmode)
       integer :: k
+      logical :: found
 
       if (element%nmode > 0) then
          call enhanced_deformation(element, law, x, u, thickness, memory, dt, enhanced, alpha, bad)
@@ -68,8 +62,10 @@ contains
          else
             call push_in_space(element%nnode, point(k)%h, g(:, :, k))
          end if
-         if (element%kind == element_kind%plane_stress) call stretch_thickness(law, &
-            & past_of(memory(:, k), element%nstress, 1.0_wp), point(k))
+         if (element%kind == element_kind%plane_stress) then
+            call stretch_thickness(law, memory(:, k), element%nstress, dt, point(k), found)
+            if (.not. found) return
+         end if
          point(k)%volume = point(k)%own
       end do
       bad = 0
@@ -162,40 +158,4 @@ contains
          g(:, a) = f(:, 1)*g(1, a) + f(:, 2)*g(2, a) + f(:, 3)*g(3, a)
       end do
    end subroutine push_in_space
-
-   !> (1 + h)**-1 of a regular deformation.
-   pure function inverse_of(h) result(inverse)
-      real(wp), intent(in) :: h(3, 3)
-      real(wp) :: inverse(3, 3), f(3, 3)
-      integer :: k
-
-      f = h
-      do k = 1, 3
-         f(k, k) = f(k, k) + 1.0_wp
-      end do
-      inverse(1, 1) = f(2, 2)*f(3, 3) - f(3, 2)*f(2, 3)
-      inverse(2, 1) = f(3, 1)*f(2, 3) - f(2, 1)*f(3, 3)
-      inverse(3, 1) = f(2, 1)*f(3, 2) - f(3, 1)*f(2, 2)
-      inverse(1, 2) = f(3, 2)*f(1, 3) - f(1, 2)*f(3, 3)
-      inverse(2, 2) = f(1, 1)*f(3, 3) - f(3, 1)*f(1, 3)
-      inverse(3, 2) = f(3, 1)*f(1, 2) - f(1, 1)*f(3, 2)
-      inverse(1, 3) = f(1, 2)*f(2, 3) - f(2, 2)*f(1, 3)
-      inverse(2, 3) = f(2, 1)*f(1, 3) - f(1, 1)*f(2, 3)
-      inverse(3, 3) = f(1, 1)*f(2, 2) - f(2, 1)*f(1, 2)
-      inverse = inverse*(1.0_wp/(f(1, 1)*inverse(1, 1) + f(2, 1)*inverse(1, 2) &
-         & + f(3, 1)*inverse(1, 3)))
-   end function inverse_of
-
-   !> Plane stress: the stretch through the thickness at which there is no stress across it.
-   pure subroutine stretch_thickness(law, past, point)
-      type(finite_law_type), intent(in) :: law
-      type(past_type), intent(in) :: past
-      type(point_type), intent(inout) :: point
-      real(wp) :: h
-
-      h = thickness_change(law, past, point%change, point%own)
-      point%change(3, 3) = h*(2.0_wp + h)
-      point%own = point%own + h*(1.0_wp + point%own)
-      point%h(3, 3) = h
-   end subroutine stretch_thickness
 end module lopin_deformation

@@ -7,15 +7,21 @@
 !> elastic part stands in the last row, which is written before an increment is solved. The two rows
 !> before it belong to the element: the amplitudes of its internal modes, from where the next search
 !> for their balance starts.
+!>
+!> Laws that ask for more have rows behind these: the temperature, and where the yield surface is of
+!> a shape of its own or moves, the flow stress, the inverse of the plastic deformation less 1 (by
+!> columns) and the parts of the backstress (Kelvin vectors on the axes of the material).
 module lopin_material_memory
    use lopin_kinds, only : wp
    use lopin_log_strain, only : first_axis, second_axis
-   use lopin_finite_elastic, only : past_type
+   use lopin_finite_elastic, only : past_type, finite_law_type
+   use lopin_plastic_return, only : plastic_past_type, plastic_answer_type
    implicit none
    private
    public :: memory_size, past_of, metric_of, put_metric, trial_change, strain_at, stress_at, &
       & work_at, offset_at
    public :: amplitudes_of, put_amplitudes
+   public :: rows_of, temperature_at, plastic_past_of, put_plastic, map_of, put_map
 
 contains
 
@@ -24,6 +30,74 @@ contains
       integer, intent(in) :: nstress
       memory_size = nstress + 6
    end function memory_size
+
+   !> The same with what a law asks for beyond it.
+   pure integer function rows_of(law, nstress) result(rows)
+      type(finite_law_type), intent(in) :: law
+      integer, intent(in) :: nstress
+
+      rows = memory_size(nstress)
+      if (allocated(law%flow%temperature) .or. allocated(law%plastic)) rows = rows + 1
+      if (allocated(law%plastic)) rows = rows + 10 + 6*law%plastic%kinematic%n
+   end function rows_of
+
+   !> Row of the temperature, where the law has it [temperature].
+   pure integer function temperature_at(nstress)
+      integer, intent(in) :: nstress
+      temperature_at = nstress + 7
+   end function temperature_at
+
+   !> What the return to a surface reads.
+   pure function plastic_past_of(memory, nstress, parts, dt) result(past)
+      real(wp), contiguous, intent(in) :: memory(:)
+      integer, intent(in) :: nstress
+      integer, intent(in) :: parts             !! of the backstress
+      real(wp), intent(in) :: dt               !! [time]
+      type(plastic_past_type) :: past
+      integer :: r
+
+      past%strain = memory(strain_at(nstress))
+      past%dt = dt
+      r = temperature_at(nstress)
+      past%radius = memory(r + 1)
+      past%back(:, :parts) = reshape(memory(r + 11:r + 10 + 6*parts), [6, parts])
+   end function plastic_past_of
+
+   !> What it leaves, but for the plastic deformation.
+   pure subroutine put_plastic(memory, nstress, parts, answer)
+      real(wp), intent(inout) :: memory(:)
+      integer, intent(in) :: nstress, parts
+      type(plastic_answer_type), intent(in) :: answer
+      integer :: r
+
+      r = temperature_at(nstress)
+      memory(strain_at(nstress)) = memory(strain_at(nstress)) + answer%step
+      memory(stress_at(nstress)) = answer%along
+      memory(work_at(nstress)) = memory(work_at(nstress)) + answer%work
+      memory(r + 1) = answer%radius
+      memory(r + 11:r + 10 + 6*parts) = reshape(answer%back(:, :parts), [6*parts])
+   end subroutine put_plastic
+
+   !> Inverse of the plastic deformation, - 1.
+   pure function map_of(memory, nstress) result(map)
+      real(wp), contiguous, intent(in) :: memory(:)
+      integer, intent(in) :: nstress
+      real(wp) :: map(3, 3)
+
+      map = 0.0_wp
+      if (size(memory) == 0) return
+      map = reshape(memory(temperature_at(nstress) + 2:temperature_at(nstress) + 10), [3, 3])
+   end function map_of
+
+   !> Write it, and the metric that goes with it.
+   pure subroutine put_map(memory, nstress, map)
+      real(wp), intent(inout) :: memory(:)
+      integer, intent(in) :: nstress
+      real(wp), intent(in) :: map(3, 3)
+
+      memory(temperature_at(nstress) + 2:temperature_at(nstress) + 10) = reshape(map, [9])
+      call put_metric(memory, nstress, map + transpose(map) + matmul(map, transpose(map)))
+   end subroutine put_map
 
    !> Row of the accumulated plastic strain [-].
    pure integer function strain_at(nstress)
@@ -84,6 +158,7 @@ contains
       if (size(memory) == 0) return
       past%strain = memory(strain_at(nstress))
       past%offset = memory(offset_at(nstress))
+      if (size(memory) > memory_size(nstress)) past%temperature = memory(temperature_at(nstress))
    end function past_of
 
    pure function metric_of(memory, nstress) result(metric)

@@ -15,9 +15,9 @@ module lopin_solid_enhanced
    use lopin_enhanced_modes, only : modes_type, internal_modes, solve_small, most_nodes, most_points
    use lopin_solid_small, only : gradients
    use lopin_velocity_form, only : velocity_form
-   use lopin_finite_elastic, only : finite_law_type, finite_response, thickness_change, &
-      & condense_thickness, volume_change
-   use lopin_material_memory, only : past_of, trial_change, amplitudes_of, offset_at
+   use lopin_finite_elastic, only : finite_law_type, condense_thickness, volume_change
+   use lopin_material_memory, only : trial_change, amplitudes_of, offset_at
+   use lopin_material_point, only : point_type, respond_at, stretch_thickness
    implicit none
    private
    public :: enhanced_element, enhanced_deformation
@@ -280,7 +280,9 @@ contains
       real(wp), intent(in) :: dt, alpha(:)
       type(answer_type), intent(out) :: answer
       real(wp) :: stress(element%nstress), tangent(element%nstress, element%nstress)
-      real(wp) :: change(3, 3), own, across, f(3, 3), e(3, 3)
+      real(wp) :: own, f(3, 3), e(3, 3)
+      type(point_type) :: point
+      logical :: found
       integer :: i
 
       e = summed(element, motion, k, alpha)
@@ -297,14 +299,18 @@ contains
       answer%inverse(2, :) = cross(f(:, 3), f(:, 1))
       answer%inverse(3, :) = cross(f(:, 1), f(:, 2))
       answer%inverse = answer%inverse/(1.0_wp + own)
-      call trial_change(answer%h, memory, element%nstress, change)
+      point%h = answer%h
+      point%own = own
+      point%volume = own
+      call trial_change(answer%h, memory, element%nstress, point%change)
       if (element%kind == element_kind%plane_stress) then
-         across = thickness_change(law, past_of(memory, element%nstress, dt), change, own)
-         change(3, 3) = across*(2.0_wp + across)
-         own = own + across*(1.0_wp + own)
+         call stretch_thickness(law, memory, element%nstress, dt, point, found)
+         answer%bad = .not. found
+         if (answer%bad) return
       end if
-      call finite_response(law, past_of(memory, element%nstress, dt), change, own, own, stress, &
-         & answer%energy, tangent)
+      call respond_at(law, point, memory, dt, stress, answer%energy, found, tangent)
+      answer%bad = .not. found
+      if (answer%bad) return
       if (element%kind == element_kind%plane_stress) call condense_thickness(tangent)
       answer%energy = motion%weight(k)*answer%energy
       answer%s = tensor_of(motion%weight(k)*stress)

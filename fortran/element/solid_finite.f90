@@ -15,14 +15,12 @@ module lopin_solid_finite
    use lopin_kinds, only : wp
    use lopin_element_type, only : element_type, element_kind
    use lopin_dilatation, only : dilatation_count, projection
-   use lopin_deformation, only : point_type, deform, inverse_of
+   use lopin_deformation, only : deform
+   use lopin_material_point, only : point_type, respond_at, keep_at
    use lopin_velocity_form, only : velocity_form, add_force, add_stiffness
    use lopin_solid_enhanced, only : enhanced_element, enhanced_deformation
-   use lopin_finite_elastic, only : finite_law_type, finite_response, log_strain, &
-      & condense_thickness, flow_of_trial
-   use lopin_radial_return, only : return_type
-   use lopin_material_memory, only : past_of, metric_of, put_metric, put_amplitudes, strain_at, &
-      & stress_at, work_at
+   use lopin_finite_elastic, only : finite_law_type, log_strain, condense_thickness
+   use lopin_material_memory, only : put_amplitudes
    implicit none
    private
    public :: finite_element, finite_stresses, finite_memory
@@ -52,6 +50,7 @@ contains
       real(wp) :: stress(element%nstress, element%ngauss), density
       real(wp) :: tangent(element%nstress, element%nstress, element%ngauss)
       integer :: k
+      logical :: found
 
       if (element%nmode > 0) then
          call enhanced_element(element, law, x, u, thickness, memory, dt, force, energy, bad, ke)
@@ -63,13 +62,15 @@ contains
       energy = 0.0_wp
       do k = 1, element%ngauss
          if (present(ke)) then
-            call finite_response(law, past_of(memory(:, k), element%nstress, dt), &
-               & point(k)%change, point(k)%own, point(k)%volume, stress(:, k), density, &
+            call respond_at(law, point(k), memory(:, k), dt, stress(:, k), density, found, &
                & tangent(:, :, k))
             if (element%kind == element_kind%plane_stress) call condense_thickness(tangent(:, :, k))
          else
-            call finite_response(law, past_of(memory(:, k), element%nstress, dt), &
-               & point(k)%change, point(k)%own, point(k)%volume, stress(:, k), density)
+            call respond_at(law, point(k), memory(:, k), dt, stress(:, k), density, found)
+         end if
+         if (.not. found) then
+            bad = k
+            return
          end if
          energy = energy + point(k)%weight*density
       end do
@@ -99,6 +100,7 @@ contains
       real(wp) :: hoop(element%nnode, element%ngauss)
       real(wp) :: phi(element%ngauss, dilatation_count(element))
       integer :: k
+      logical :: found
 
       stress = 0.0_wp
       strain = 0.0_wp
@@ -106,8 +108,7 @@ contains
          & bad)
       if (bad > 0) return
       do k = 1, element%ngauss
-         call finite_response(law, past_of(memory(:, k), element%nstress, dt), point(k)%change, &
-            & point(k)%own, point(k)%volume, stress(:element%nstress, k), energy)
+         call respond_at(law, point(k), memory(:, k), dt, stress(:element%nstress, k), energy, found)
          stress(:, k) = stress(:, k)/(1.0_wp + point(k)%volume)
          associate (h => point(k)%h)
             strain(:, k) = log_strain(h + transpose(h) + matmul(h, transpose(h)), point(k)%volume)
@@ -116,9 +117,6 @@ contains
    end subroutine finite_stresses
 
    !> The memory of this state, to be kept once it is accepted, plastic work since the last, volume.
-   !>
-   !> The metric changes by F**-1 (b after flow - b of the trial) F**-T. The work is that of the
-   !> mean of the stresses before and after.
    pure subroutine finite_memory(element, law, x, u, thickness, dt, memory, work, held, bad)
       type(element_type), intent(in) :: element
       type(finite_law_type), intent(in) :: law
@@ -130,13 +128,12 @@ contains
       real(wp), intent(out) :: held                          !! deformed volume [length^3]
       integer, intent(out) :: bad                            !! Gauss point turned inside out, or 0
       type(point_type) :: point(element%ngauss)
-      type(return_type) :: back
       real(wp) :: g(element%ndim, element%nnode, element%ngauss)
       real(wp) :: hoop(element%nnode, element%ngauss)
-      real(wp) :: taken(3, 3), inverse(3, 3), density
+      real(wp) :: density
       real(wp) :: enhanced(3, 3, element%ngauss), alpha(element%nmode)
       real(wp) :: phi(element%ngauss, dilatation_count(element))
-      integer :: k, m
+      integer :: k
 
       work = 0.0_wp
       held = 0.0_wp
@@ -149,17 +146,8 @@ contains
       if (bad > 0) return
       if (element%nmode > 0) call put_amplitudes(memory, element%nstress, alpha)
       held = sum(point%weight*(1.0_wp + point%own))
-      m = element%nstress
       do k = 1, element%ngauss
-         call flow_of_trial(law, past_of(memory(:, k), m, dt), point(k)%change, back, taken)
-         if (.not. back%step > 0.0_wp) cycle
-         inverse = inverse_of(point(k)%h)
-         call put_metric(memory(:, k), m, metric_of(memory(:, k), m) &
-            & + matmul(inverse, matmul(taken, transpose(inverse))))
-         density = 0.5_wp*(memory(stress_at(m), k) + back%stress)*back%step
-         memory(strain_at(m), k) = memory(strain_at(m), k) + back%step
-         memory(stress_at(m), k) = back%stress
-         memory(work_at(m), k) = memory(work_at(m), k) + density
+         call keep_at(law, point(k), element%nstress, dt, memory(:, k), density)
          work = work + point(k)%weight*density
       end do
    end subroutine finite_memory

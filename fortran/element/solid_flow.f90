@@ -1,7 +1,7 @@
 !> Solids at small strain whose material flows: force, tangent, stress and memory of one element.
 !>
-!> The same radial return as at finite strain, in the small strains of the B matrices (mean
-!> dilatation included). Arguments are those of module solid_finite, so that an assembly calls
+!> The same laws as at finite strain, in the small strains of the B matrices (mean dilatation
+!> included). Arguments are those of module solid_finite, so that an assembly calls
 !> either.
 module lopin_solid_flow
    use lopin_kinds, only : wp
@@ -9,10 +9,9 @@ module lopin_solid_flow
    use lopin_solid_small, only : strain_matrices, strains, internal_force, add_product, &
       & mode_strains, follow_nodes
    use lopin_enhanced_modes, only : solve_small
-   use lopin_radial_return, only : return_type
-   use lopin_finite_elastic, only : finite_law_type, answer_of, condense_thickness
-   use lopin_material_memory, only : past_of, strain_at, stress_at, work_at, amplitudes_of, &
-      & put_amplitudes, offset_at
+   use lopin_finite_elastic, only : finite_law_type
+   use lopin_material_memory, only : amplitudes_of, put_amplitudes, offset_at
+   use lopin_material_point, only : small_answer_type, respond_small, keep_small
    implicit none
    private
    public :: flow_element, flow_stresses, flow_memory
@@ -34,24 +33,28 @@ contains
       integer, intent(out) :: bad            !! 0; 1 where the internal modes find no balance
       real(wp), intent(out), optional :: ke(element%ndof, element%ndof)   !! [force/length]
       real(wp) :: b(element%ndof, element%nstress, element%ngauss), volume(element%ngauss)
-      real(wp) :: stress(element%nstress, element%ngauss), deviator(element%nstress), trace
-      real(wp) :: tangent(element%nstress, element%nstress)
-      real(wp) :: strain(element%nstress, element%ngauss)
+      real(wp) :: stress(element%nstress, element%ngauss), strain(element%nstress, element%ngauss)
       real(wp) :: alpha(element%nmode)
-      type(return_type) :: back
-      integer :: i, k
+      type(small_answer_type) :: answer
+      integer :: i, k, m
 
       call trial(element, law, x, u, thickness, memory, dt, b, volume, strain, alpha, bad)
       if (bad > 0) return
+      m = element%nstress
       if (present(ke)) ke = 0.0_wp
       energy = 0.0_wp
       do k = 1, element%ngauss
-         call answer(element, law, memory(:, k), dt, strain(:, k), back, deviator, trace)
-         call stress_of(element, law, back, deviator, trace, stress(:, k), tangent)
-         energy = energy + 0.5_wp*volume(k)*law%bulk*trace**2 &
-            & + volume(k)*law%shear*(back%kept*magnitude(deviator))**2
+         call respond_small(law, element%kind == element_kind%plane_stress, memory(:, k), dt, &
+            & strain(:, k), answer)
+         if (.not. answer%found) then
+            bad = k
+            return
+         end if
+         stress(:, k) = answer%stress(:m)
+         energy = energy + 0.5_wp*volume(k)*law%bulk*answer%trace**2 &
+            & + volume(k)*law%shear*answer%distortion**2
          if (.not. present(ke)) cycle
-         call add_product(element%ndof, element%nstress, b(:, :, k), volume(k)*tangent, ke)
+         call add_product(element%ndof, m, b(:, :, k), volume(k)*answer%tangent(:m, :m), ke)
       end do
       call internal_force(element, b, volume, stress, force)
       if (.not. present(ke)) return
@@ -72,10 +75,8 @@ contains
       real(wp), intent(out) :: strain(6, element%ngauss)     !! [-]
       integer, intent(out) :: bad                            !! as for flow_element
       real(wp) :: b(element%ndof, element%nstress, element%ngauss), volume(element%ngauss)
-      real(wp) :: own(element%nstress, element%ngauss), deviator(element%nstress), trace
-      real(wp) :: tangent(element%nstress, element%nstress)
-      real(wp) :: alpha(element%nmode)
-      type(return_type) :: back
+      real(wp) :: own(element%nstress, element%ngauss), alpha(element%nmode)
+      type(small_answer_type) :: answer
       integer :: k, m
 
       m = element%nstress
@@ -84,12 +85,11 @@ contains
       call trial(element, law, x, u, thickness, memory, dt, b, volume, own, alpha, bad)
       if (bad > 0) return
       do k = 1, element%ngauss
-         call answer(element, law, memory(:, k), dt, own(:, k), back, deviator, trace)
-         call stress_of(element, law, back, deviator, trace, stress(:m, k), tangent)
+         call respond_small(law, element%kind == element_kind%plane_stress, memory(:, k), dt, &
+            & own(:, k), answer)
+         stress(:m, k) = answer%stress(:m)
          strain(:m, k) = own(:, k)
-         if (element%kind == element_kind%plane_stress) strain(3, k) = &
-            & -(3.0_wp*law%bulk - 2.0_wp*law%shear)/(3.0_wp*law%bulk + 4.0_wp*law%shear) &
-            & *(own(1, k) + own(2, k))
+         if (element%kind == element_kind%plane_stress) strain(3, k) = answer%across
          if (size(memory, 1) > 0) strain(:m, k) = strain(:m, k) - elastic_share(memory(:, k), m)
       end do
    end subroutine flow_stresses
@@ -106,9 +106,8 @@ contains
       real(wp), intent(out) :: held                          !! deformed volume [length^3]
       integer, intent(out) :: bad                            !! as for flow_element
       real(wp) :: b(element%ndof, element%nstress, element%ngauss), volume(element%ngauss)
-      real(wp) :: own(element%nstress, element%ngauss), deviator(element%nstress), trace, density
-      real(wp) :: alpha(element%nmode)
-      type(return_type) :: back
+      real(wp) :: own(element%nstress, element%ngauss), alpha(element%nmode), density
+      type(small_answer_type) :: answer
       integer :: k, m
 
       m = element%nstress
@@ -117,15 +116,16 @@ contains
       call trial(element, law, x, u, thickness, memory, dt, b, volume, own, alpha, bad)
       if (bad > 0) return
       if (element%nmode > 0) call put_amplitudes(memory, m, alpha)
+      if (element%kind == element_kind%plane_stress) then
+         do k = 1, element%ngauss
+            call respond_small(law, .true., memory(:, k), dt, own(:, k), answer)
+            own(3, k) = answer%across
+         end do
+      end if
       held = sum(volume*(1.0_wp + own(1, :) + own(2, :) + own(3, :)))
+      if (.not. law%flows) return
       do k = 1, element%ngauss
-         call answer(element, law, memory(:, k), dt, own(:, k), back, deviator, trace)
-         if (.not. back%step > 0.0_wp) cycle
-         memory(:m, k) = memory(:m, k) - 2.0_wp*(1.0_wp - back%kept)*deviator
-         density = 0.5_wp*(memory(stress_at(m), k) + back%stress)*back%step
-         memory(strain_at(m), k) = memory(strain_at(m), k) + back%step
-         memory(stress_at(m), k) = back%stress
-         memory(work_at(m), k) = memory(work_at(m), k) + density
+         call keep_small(law, dt, own(:, k), memory(:, k), density)
          work = work + volume(k)*density
       end do
    end subroutine flow_memory
@@ -165,10 +165,10 @@ contains
       integer, intent(out) :: bad          !! 1: no balance found
       real(wp) :: own(element%nmode, element%nstress, element%ngauss)
       real(wp) :: tangent(element%nstress, element%nstress, element%ngauss)
-      real(wp) :: stress(element%nstress), deviator(element%nstress), trace, size_of
+      real(wp) :: size_of
       real(wp) :: pivot(element%nmode, element%nmode), step(element%nmode, 1)
       real(wp) :: force(element%nmode), before
-      type(return_type) :: back
+      type(small_answer_type) :: answer
       integer, parameter :: most = 60, most_halvings = 6
       integer :: k, sweep, halvings
       logical :: regular
@@ -187,9 +187,10 @@ contains
          pivot = 0.0_wp
          force = 0.0_wp
          do k = 1, element%ngauss
-            call answer(element, law, memory(:, k), dt, strain(:, k), back, deviator, trace)
-            call stress_of(element, law, back, deviator, trace, stress, tangent(:, :, k))
-            force = force + volume(k)*matmul(own(:, :, k), stress)
+            call respond_small(law, element%kind == element_kind%plane_stress, memory(:, k), dt, &
+               & strain(:, k), answer)
+            tangent(:, :, k) = answer%tangent(:element%nstress, :element%nstress)
+            force = force + volume(k)*matmul(own(:, :, k), answer%stress(:element%nstress))
             pivot = pivot + volume(k)*matmul(own(:, :, k), matmul(tangent(:, :, k), &
                & transpose(own(:, :, k))))
          end do
@@ -233,51 +234,4 @@ contains
       strain(:3) = 0.5_wp*memory(:3) + memory(offset_at(nstress))/3.0_wp
       strain(4:) = memory(4:nstress)
    end function elastic_share
-
-   !> The return of an elastic trial strain; its deviator as a tensor.
-   pure subroutine answer(element, law, memory, dt, strain, back, deviator, trace)
-      type(element_type), intent(in) :: element
-      type(finite_law_type), intent(in) :: law
-      real(wp), intent(in) :: memory(:), dt, strain(:)
-      type(return_type), intent(out) :: back
-      real(wp), intent(out) :: deviator(:), trace
-
-      trace = strain(1) + strain(2) + strain(3)
-      deviator(:3) = strain(:3) - trace/3.0_wp
-      deviator(4:) = 0.5_wp*strain(4:)
-      back = answer_of(law, past_of(memory, element%nstress, dt), magnitude(deviator))
-   end subroutine answer
-
-   pure real(wp) function magnitude(deviator)
-      real(wp), intent(in) :: deviator(:)
-      magnitude = sqrt(sum(deviator(:3)**2) + 2.0_wp*sum(deviator(4:)**2))
-   end function magnitude
-
-   pure subroutine stress_of(element, law, back, deviator, trace, stress, tangent)
-      type(element_type), intent(in) :: element
-      type(finite_law_type), intent(in) :: law
-      type(return_type), intent(in) :: back
-      real(wp), intent(in) :: deviator(:), trace
-      real(wp), intent(out) :: stress(:), tangent(:, :)
-      real(wp) :: size_
-      integer :: k
-
-      stress = back%secant*deviator
-      stress(:3) = stress(:3) + law%bulk*trace
-      tangent = 0.0_wp
-      tangent(:3, :3) = law%bulk - back%secant/3.0_wp
-      do k = 1, size(stress)
-         tangent(k, k) = tangent(k, k) + merge(1.0_wp, 0.5_wp, k <= 3)*back%secant
-      end do
-      size_ = magnitude(deviator)
-      if (abs(back%along) > 0.0_wp) then
-         do k = 1, size(stress)
-            tangent(:, k) = tangent(:, k) + back%along*(deviator/size_)*(deviator(k)/size_)
-         end do
-      end if
-      if (element%kind /= element_kind%plane_stress) return
-      ! No stress across the plane: an elastic law, whose stress is its tangent times the strain.
-      call condense_thickness(tangent)
-      stress = matmul(tangent, [deviator(:3) + trace/3.0_wp, 2.0_wp*deviator(4:)])
-   end subroutine stress_of
 end module lopin_solid_flow

@@ -8,7 +8,9 @@ module lopin_build_materials
    use lopin_block, only : deck_type, block_type, field_type, split_fields, field_real, &
       & complain, line_place, has_parameter
    use lopin_build_heat, only : read_expansion
-   use lopin_build_plastic, only : read_plastic, read_rate_dependent, read_viscoplastic
+   use lopin_build_plastic, only : read_plastic, read_cyclic_hardening, read_rate_dependent, &
+      & read_viscoplastic
+   use lopin_build_yield, only : read_potential
    use lopin_build_scene, only : need_real, scene_type, need_word, get_word
    implicit none
    private
@@ -56,6 +58,12 @@ contains
                if (is_open(open, block, &
                   & model%log)) call read_plastic(model%material(size(model%material)), block, &
                   & model%log)
+            case ('POTENTIAL')
+               if (is_open(open, block, model%log)) call read_potential( &
+                  & model%material(size(model%material)), block, model%log)
+            case ('CYCLIC HARDENING')
+               if (is_open(open, block, model%log)) call read_cyclic_hardening( &
+                  & model%material(size(model%material)), block, model%log)
             case ('RATE DEPENDENT')
                if (is_open(open, block, model%log)) call read_rate_dependent( &
                   & model%material(size(model%material)), block, model%log)

@@ -1,4 +1,4 @@
-!> *PLASTIC, *RATE DEPENDENT and *VISCOPLASTIC: the flow stress of a metal.
+!> *PLASTIC, *CYCLIC HARDENING, *RATE DEPENDENT and *VISCOPLASTIC: the flow stress of a metal.
 !>
 !> Each card fills its own part of the law, in any order; what needs the whole material or the steps
 !> is left to module settle_flow.
@@ -12,9 +12,10 @@ module lopin_build_plastic
    use lopin_block, only : block_type, field_type, split_fields, field_real, complain, line_place, &
       & has_parameter
    use lopin_build_scene, only : need_real, get_word
+   use lopin_build_yield, only : read_kinematic, read_combined, read_cyclic_parameters
    implicit none
    private
-   public :: read_plastic, read_rate_dependent, read_viscoplastic
+   public :: read_plastic, read_cyclic_hardening, read_rate_dependent, read_viscoplastic
 
 contains
 
@@ -37,6 +38,10 @@ contains
       if (.not. found) word = 'ISOTROPIC'
       if (word == 'ISOTROPIC') then
          call read_table(material, block, curve, right, log)
+      else if (word == 'KINEMATIC') then
+         call read_kinematic(material, block, curve, right, log)
+      else if (word == 'COMBINED') then
+         call read_combined(material, block, curve, right, log)
       else
          call read_law(material, block, word, curve, right, log)
       end if
@@ -56,56 +61,112 @@ contains
       if (curve%hardening /= hardening_of%table) return
       flow%strain = curve%strain
       flow%stress = curve%stress
+      if (allocated(flow%temperature)) deallocate (flow%temperature, flow%first)
+      if (.not. allocated(curve%temperature)) return
+      flow%temperature = curve%temperature
+      flow%first = curve%first
    end subroutine take_curve
 
-   !> Lines `yield stress, plastic strain`: strains from 0 upwards.
+   !> How the size of a surface that moves grows: a table as that of *PLASTIC, or three constants.
+   subroutine read_cyclic_hardening(material, block, log)
+      type(material_type), intent(inout) :: material
+      type(block_type), intent(in) :: block
+      type(log_type), intent(inout) :: log
+      type(flow_type) :: curve
+      logical :: right
+
+      if (.not. material%cyclic) then
+         call complain(log, 'E0203', '*CYCLIC HARDENING belongs to *PLASTIC, HARDENING=COMBINED, '// &
+            & 'which material `'//material%name//'` has not', block%at, &
+            & help='*PLASTIC, HARDENING=COMBINED, DATA TYPE=PARAMETERS before it')
+         return
+      end if
+      if (material%cyclic_at%line > 0) call complain(log, 'E0205', 'material `'//material%name// &
+         & '` has a second *CYCLIC HARDENING', block%at)
+      material%cyclic_at = block%at
+      if (has_parameter(block, 'PARAMETERS')) then
+         call read_cyclic_parameters(block, curve, right, log)
+      else
+         call read_table(material, block, curve, right, log)
+      end if
+      if (right) call take_curve(material%flow, curve)
+   end subroutine read_cyclic_hardening
+
+   !> Lines `yield stress, plastic strain, temperature`: strains from 0 upwards, for each temperature.
    subroutine read_table(material, block, curve, right, log)
       type(material_type), intent(inout) :: material
       type(block_type), intent(in) :: block
       type(flow_type), intent(out) :: curve
       logical, intent(out) :: right
       type(log_type), intent(inout) :: log
-      type(field_type), allocatable :: field(:)
-      real(wp) :: stress, strain, before, heat, first_heat, table(2, block%nline)
-      integer :: j, n
+      real(wp) :: row(3), before(3), table(3, block%nline)
+      integer :: first(block%nline + 1), j, n
       logical :: found
 
-      if (block%nline == 0) call complain(log, 'E0103', '*PLASTIC needs a yield stress', block%at)
+      if (block%nline == 0) call complain(log, 'E0103', '*'//block%keyword// &
+         & ' needs a yield stress', block%at)
       right = block%nline > 0
-      first_heat = 0.0_wp
+      n = 0
       before = 0.0_wp
       do j = 1, block%nline
-         call split_fields(block%line(j), field, n)
-         call need_real(field(1), stress, log, found)
+         call read_row(block, j, row, found, log)
          right = right .and. found
-         strain = 0.0_wp
-         if (n > 1) call field_real(field(2), strain, log, found)
-         heat = 0.0_wp
-         if (n > 2) call field_real(field(3), heat, log, found)
-         if (j == 1) first_heat = heat
-         if (abs(heat - first_heat) > 0.0_wp) then
-            call complain(log, 'E0203', 'a flow curve that depends on temperature is not in '// &
-               & 'this version', field(min(n, 3))%at, help='the lines of one temperature')
-            right = .false.
-            return
-         end if
-         if (.not. stress > 0.0_wp) call complain(log, 'E0203', 'a yield stress of ' &
-            & //to_text(stress, 6)//' is not positive', field(1)%at)
-         if (j == 1) then
-            material%yield = stress
-            if (abs(strain) > 0.0_wp) call complain(log, 'E0203', 'the first plastic strain is ' &
-               & //to_text(strain, 6)//', not 0', field(2)%at, &
-               & help='yield stress at plastic strain 0 first')
+         if (j == 1 .or. abs(row(3) - before(3)) > 0.0_wp) then
+            call start_table(block, j, row, before, log)
+            n = n + 1
+            first(n) = j
+            if (j == 1) material%yield = row(1)
          else
-            if (.not. strain > before) call complain(log, 'E0203', 'plastic strain ' &
-               & //to_text(strain, 6)//' does not increase', line_place(block%line(j)))
-            material%hardens = material%hardens .or. stress > material%yield
+            if (.not. row(2) > before(2)) call complain(log, 'E0203', 'plastic strain ' &
+               & //to_text(row(2), 6)//' does not increase', line_place(block%line(j)))
+            material%hardens = material%hardens .or. row(1) > table(1, first(n))
          end if
-         before = strain
-         table(:, j) = [strain, stress]
+         before = row
+         table(:, j) = row
       end do
-      if (right) curve = table_flow(table(1, :), table(2, :))
+      if (.not. right) return
+      first(n + 1) = block%nline + 1
+      curve = table_flow(table(2, :), table(1, :))
+      if (n == 1) return
+      curve%temperature = table(3, first(:n))
+      curve%first = first(:n + 1)
    end subroutine read_table
+
+   !> Stress, strain = 0, temperature = 0 of a line.
+   subroutine read_row(block, j, row, right, log)
+      type(block_type), intent(in) :: block
+      integer, intent(in) :: j
+      real(wp), intent(out) :: row(3)
+      logical, intent(out) :: right
+      type(log_type), intent(inout) :: log
+      type(field_type), allocatable :: field(:)
+      integer :: n
+      logical :: found
+
+      row = 0.0_wp
+      call split_fields(block%line(j), field, n)
+      call need_real(field(1), row(1), log, right)
+      if (n > 1) call field_real(field(2), row(2), log, found)
+      if (n > 2) call field_real(field(3), row(3), log, found)
+      if (.not. row(1) > 0.0_wp) call complain(log, 'E0203', 'a yield stress of ' &
+         & //to_text(row(1), 6)//' is not positive', field(1)%at)
+   end subroutine read_row
+
+   !> The first line of a temperature: plastic strain 0, above the temperature before.
+   subroutine start_table(block, j, row, before, log)
+      type(block_type), intent(in) :: block
+      integer, intent(in) :: j
+      real(wp), intent(in) :: row(3), before(3)
+      type(log_type), intent(inout) :: log
+      type(location_type) :: at
+
+      at = line_place(block%line(j))
+      if (abs(row(2)) > 0.0_wp) call complain(log, 'E0203', 'the first plastic strain is ' &
+         & //to_text(row(2), 6)//', not 0', at, help='yield stress at plastic strain 0 first')
+      if (j > 1 .and. .not. row(3) > before(3)) call complain(log, 'E0203', 'temperature ' &
+         & //to_text(row(3), 6)//' does not increase', at, help='the lines of one temperature '// &
+         & 'together, the coldest first')
+   end subroutine start_table
 
    !> One line of constants of a hardening law by name.
    subroutine read_law(material, block, word, curve, right, log)

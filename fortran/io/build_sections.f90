@@ -10,6 +10,7 @@ module lopin_build_sections
    use lopin_build_locking, only : judge_locking
    use lopin_build_scene, only : scene_type, name_type, need_word, get_word, set_named, &
       & find_name, no_such
+   use lopin_build_orientations, only : read_axes
    implicit none
    private
    public :: build_sections, check_sections
@@ -57,6 +58,8 @@ contains
          section%material = find_name(names, name)
          if (section%material == 0) call no_such(model%log, 'material', name, names, at)
       end if
+      call get_word(block, 'ORIENTATION', name, at, section%oriented)
+      if (section%oriented) call read_axes(deck, scene, name, at, section%axes, model%log)
       call get_word(block, 'CONTROLS', name, at, found)
       if (found) call read_controls(section, deck, scene, name, at, model%log)
       if (block%nline == 0) return
@@ -176,25 +179,34 @@ contains
       end do
    end subroutine check_sections
 
-   !> No element of plane stress has a material that flows.
+   !> What flows in which element: no rigid solid in plane stress, no axes that leave a plane.
    subroutine check_flow(model, scene)
       type(model_type), intent(inout) :: model
       type(scene_type), intent(in) :: scene
+      logical :: told(size(model%section))
       integer :: e, s
 
+      told = .false.
       do e = 1, model%mesh%nelement
          s = model%mesh%section(e)
          if (s == 0) cycle
-         if (model%section(s)%material == 0) cycle
-         associate (word => scene%etype(model%mesh%etype(e)), &
+         if (model%section(s)%material == 0 .or. told(s)) cycle
+         associate (word => scene%etype(model%mesh%etype(e)), section => model%section(s), &
             & material => model%material(model%section(s)%material))
-            if (word%kind /= element_kind%plane_stress .or. .not. flows(material%flow)) cycle
-            call complain(model%log, 'E0108', 'plastic flow in plane stress comes with a later '// &
-               & 'version: element '//to_text(model%mesh%element_label(e))//' of type '// &
-               & trim(word%word)//' has material `'//material%name//'`', material%plastic_at, &
-               & help='plane strain (CPE4) or solid elements (C3D8); remove *PLASTIC if the '// &
-               & 'body stays elastic')
-            return
+            if (word%kind == element_kind%plane_stress .and. material%flow%rigid) then
+               told(s) = .true.
+               call complain(model%log, 'E0108', 'a rigid solid that flows in plane stress comes '// &
+                  & 'with a later version: element '//to_text(model%mesh%element_label(e))// &
+                  & ' of type '//trim(word%word)//' has material `'//material%name//'`', &
+                  & material%viscous_at, help='*VISCOPLASTIC without RIGID, with *ELASTIC')
+            end if
+            if (word%ndim == 3 .or. .not. section%oriented &
+               & .or. .not. allocated(material%plastic)) cycle
+            if (abs(maxval(abs(section%axes(:, 3))) - 1.0_wp) <= 1.0e-6_wp) cycle
+            told(s) = .true.
+            call complain(model%log, 'E0203', 'the *ORIENTATION of the elements of type '// &
+               & trim(word%word)//' has no axis across their plane: they would shear out of it', &
+               & section%at, help='turn the axes about axis 3')
          end associate
       end do
    end subroutine check_flow

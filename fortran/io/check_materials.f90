@@ -107,6 +107,7 @@ contains
          if (flow%hardening == hardening_of%voce) slope = flow%constant(4)
          if (flow%hardening /= hardening_of%table) return
          do k = 2, size(flow%strain)
+            if (.not. flow%strain(k) > flow%strain(k - 1)) cycle
             rise = flow%stress(k) - flow%stress(k - 1)
             if (rise > material%yield) slope = max(slope, rise/(flow%strain(k) &
                & - flow%strain(k - 1)))

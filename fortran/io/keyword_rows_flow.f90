@@ -1,6 +1,6 @@
 !> Rows of the keyword table about materials that flow or expand, and their state at the start.
 module lopin_keyword_rows_flow
-   use lopin_keyword_table, only : keyword_table_type, key, flag, word, choice, later_flag, &
+   use lopin_keyword_table, only : keyword_table_type, key, flag, word, whole, choice, later_flag, &
       & ignored_flag, required, refuses, data_line, example, under, about
    implicit none
    private
@@ -19,29 +19,73 @@ contains
    subroutine add_plastic(table)
       type(keyword_table_type), intent(inout) :: table
 
-      call key(table, 'PLASTIC', 'M', 'both', 'Flow curve of von Mises plasticity with '// &
-         & 'isotropic hardening; laws of friction read the flow stress at the slave.')
+      call key(table, 'PLASTIC', 'M', 'both', 'Flow curve of plasticity, of von Mises unless '// &
+         & '*POTENTIAL gives another surface; laws of friction read the flow stress at the slave.')
       call under(table, 'MATERIAL')
-      call choice(table, 'HARDENING', 'ISOTROPIC,SWIFT,VOCE,HOLLOMON,LINEAR', 'ISOTROPIC', &
+      call choice(table, 'HARDENING', 'ISOTROPIC,SWIFT,VOCE,HOLLOMON,LINEAR,KINEMATIC,COMBINED', &
+         & 'ISOTROPIC', &
          & 'ISOTROPIC: a table; SWIFT: K (e0 + e)^n; VOCE: S - (S - Y) exp(-d e) + H e; '// &
          & 'HOLLOMON: K e^n in the total strain, from yield on; LINEAR: Y + H e. e is the '// &
-         & 'accumulated plastic strain.')
-      call refuses(table, 'KINEMATIC,COMBINED,JOHNSON COOK,USER')
+         & 'accumulated plastic strain. KINEMATIC: the '// &
+         & 'surface moves along a straight line; COMBINED: it moves as Armstrong, Frederick and '// &
+         & 'Chaboche say, and may grow by *CYCLIC HARDENING.')
+      call refuses(table, 'JOHNSON COOK,USER')
+      call choice(table, 'DATA TYPE', 'PARAMETERS', '', 'COMBINED: constants.')
+      call refuses(table, 'HALF CYCLE,STABILIZED')
+      call whole(table, 'NUMBER BACKSTRESSES', '1', 'COMBINED: pairs of C and gamma; as many as '// &
+         & 'the line has.')
       call choice(table, 'ONLY', 'FRICTION', '', 'FRICTION: the body stays elastic, and only '// &
          & 'laws of friction read the flow stress at plastic strain 0.')
       call later_flag(table, 'RATE', 'Rate of the table.')
       call data_line(table, 'yield stress [stress], plastic strain = 0, temperature', &
          & 'ISOTROPIC: true stress against logarithmic plastic strain; strains increase from '// &
-         & '0, and the stress stays that of the last line beyond it. One temperature at most.')
+         & '0, and the stress stays that of the last line beyond it. Tables of several '// &
+         & 'temperatures follow each other, the coldest first; stresses go linearly from one to '// &
+         & 'the next.')
       call data_line(table, 'K [stress], e0, n', 'SWIFT: one line.')
       call data_line(table, 'S [stress], Y [stress], d, H [stress] = 0', 'VOCE: one line; '// &
          & 'saturation, yield stress, decay, last slope.')
       call data_line(table, 'K [stress], n, Y [stress]', 'HOLLOMON: one line; without Y the '// &
          & 'curve begins where it leaves the line of Young''s modulus.')
       call data_line(table, 'Y [stress], H [stress] = 0', 'LINEAR: one line.')
+      call data_line(table, 'yield stress [stress], plastic strain = 0', 'KINEMATIC: two lines, '// &
+         & 'the first at plastic strain 0.')
+      call data_line(table, 'yield stress [stress], C1 [stress], gamma1, ...', 'COMBINED: parts '// &
+         & 'of the backstress, d alpha = C (s - alpha)/Y de - gamma alpha de.')
       call example(table, '*MATERIAL, NAME=DC04|*ELASTIC|210000., 0.3|*PLASTIC|180., 0.|320., 0.2')
       call about(table, 'E')
+      call add_yield(table)
    end subroutine add_plastic
+
+   subroutine add_yield(table)
+      type(keyword_table_type), intent(inout) :: table
+
+      call key(table, 'CYCLIC HARDENING', 'M', 'both', 'How the yield surface of *PLASTIC, '// &
+         & 'HARDENING=COMBINED grows.')
+      call under(table, 'MATERIAL')
+      call flag(table, 'PARAMETERS', 'Y + Q (1 - exp(-b e)) in the place of a table.')
+      call data_line(table, 'yield stress [stress], plastic strain = 0, temperature', 'A table as '// &
+         & 'that of *PLASTIC.')
+      call data_line(table, 'Y [stress], Q [stress], b', 'PARAMETERS: one line.')
+      call example(table, '*MATERIAL, NAME=STEEL|*ELASTIC|210000., 0.3|*PLASTIC, '// &
+         & 'HARDENING=COMBINED, DATA TYPE=PARAMETERS|200., 20000., 150.|*CYCLIC HARDENING, '// &
+         & 'PARAMETERS|200., 80., 5.')
+      call about(table, 'E')
+
+      call key(table, 'POTENTIAL', 'M', 'both', 'Yield surface of Hill, 1948, on the axes of '// &
+         & '*SOLID SECTION, ORIENTATION=.')
+      call under(table, 'MATERIAL')
+      call choice(table, 'TYPE', 'HILL', 'HILL', 'Kind of surface.')
+      call refuses(table, 'BARLAT,BARLAT91,HOSFORD,TSAI-WU')
+      call choice(table, 'DEFINITION', 'RATIOS,LANKFORD', 'RATIOS', 'RATIOS: yield stresses by '// &
+         & 'the flow stress, as in Abaqus; LANKFORD, a word of Lopin: r of a sheet whose normal '// &
+         & 'is axis 3, with the flow curve of tension along axis 1.')
+      call data_line(table, 'R11, R22, R33, R12, R13, R23', 'RATIOS: one line, each above 0.')
+      call data_line(table, 'r0, r45, r90', 'LANKFORD: one line, each above 0.')
+      call example(table, '*MATERIAL, NAME=DC04|*ELASTIC|210000., 0.3|*PLASTIC|180., 0.|320., '// &
+         & '0.2|*POTENTIAL, DEFINITION=LANKFORD|1.8, 1.3, 2.1')
+      call about(table, 'E')
+   end subroutine add_yield
 
    subroutine add_viscous(table)
       type(keyword_table_type), intent(inout) :: table

@@ -207,10 +207,27 @@ contains
       call word(table, 'MATERIAL', 'Their material.')
       call required(table)
       call word(table, 'CONTROLS', 'Name of a *SECTION CONTROLS.')
-      call later_flag(table, 'ORIENTATION', 'Material axes.')
+      call word(table, 'ORIENTATION', 'Name of an *ORIENTATION: axes of the material, which '// &
+         & '*POTENTIAL counts along.')
       call later_flag(table, 'COMPOSITE', 'Layers.')
       call data_line(table, 'thickness [length] = 1', 'Plane elements only.')
       call example(table, '*SOLID SECTION, ELSET=BODY, MATERIAL=STEEL|1.,')
+
+      call key(table, 'ORIENTATION', 'MPA', 'both', 'Axes of a material: those of the space '// &
+         & 'without it. They turn with the material.')
+      call word(table, 'NAME', 'Name that *SOLID SECTION, ORIENTATION= refers to.')
+      call required(table)
+      call choice(table, 'SYSTEM', 'RECTANGULAR', 'RECTANGULAR', 'Kind of axes.')
+      call refuses(table, 'CYLINDRICAL,SPHERICAL,Z RECTANGULAR,USER')
+      call choice(table, 'DEFINITION', 'COORDINATES', 'COORDINATES', 'How they are given.')
+      call refuses(table, 'NODES,OFFSET TO NODES')
+      call data_line(table, 'xa [length], ya [length], za [length], xb [length], yb [length], '// &
+         & 'zb [length], xc [length] = 0, yc [length] = 0, zc [length] = 0', 'a on axis 1, b in '// &
+         & 'the plane of 1 and 2, c the origin.')
+      call data_line(table, 'axis = 3, angle = 0', 'A second line turns the axes about one of '// &
+         & 'them [degrees].')
+      call example(table, '*ORIENTATION, NAME=ROLLED|1., 0., 0., 0., 1., 0.|3, 45.')
+      call about(table, 'E')
 
       call key(table, 'SECTION CONTROLS', 'MP', 'both', 'Formulation of the elements of a section.')
       call word(table, 'NAME', 'Name that *SOLID SECTION, CONTROLS= refers to.')

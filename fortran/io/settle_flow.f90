@@ -4,7 +4,7 @@ module lopin_settle_flow
    use lopin_error, only : severity
    use lopin_text, only : to_text
    use lopin_model, only : model_type, material_type
-   use lopin_flow_curve, only : flow_stress, flows, hollomon_flow, hardening_of, is_viscous, &
+   use lopin_flow_curve, only : flow_stress, flow_at, flows, hollomon_flow, hardening_of, is_viscous, &
       & least_slope
    use lopin_finite_elastic, only : finite_law_type, elastic_constants
    use lopin_block, only : complain
@@ -54,6 +54,12 @@ contains
          & call complain(model%log, 'E0203', '*RATE DEPENDENT multiplies a flow curve, which '// &
          & 'material `'//material%name//'` has not', material%viscous_at, &
          & help='add *PLASTIC; *VISCOPLASTIC is a law of its own')
+      if (material%potential_at%line > 0 .and. .not. flows(material%flow)) call complain(model%log, &
+         & 'E0203', '*POTENTIAL shapes the yield surface of *PLASTIC, which material `'// &
+         & material%name//'` has not', material%potential_at, help='add *PLASTIC')
+      if (allocated(material%plastic) .and. material%flow%rigid) call complain(model%log, 'E0108', &
+         & 'a rigid solid with a yield surface of its own comes with a later version: material `'// &
+         & material%name//'`', material%viscous_at, help='leave out RIGID, and give *ELASTIC')
       if (material%has_neo_hooke .and. flows(material%flow)) call complain(model%log, 'E0205', &
          & 'material `'//material%name//'` has *HYPERELASTIC, which does not flow', material%at, &
          & help='metals have *ELASTIC')
@@ -106,6 +112,10 @@ contains
 
       call mean_rate(model, number, strain, rate)
       associate (material => model%material(number))
+         ! Before anything is heated.
+         if (allocated(material%flow%temperature)) call flow_stress(flow_at(material%flow, &
+            & sum(model%temperature)/size(model%temperature)), 0.0_wp, 0.0_wp, material%yield, &
+            & slope, rate_slope)
          call flow_stress(material%flow, strain, rate, stress, slope, rate_slope)
          if (.not. material%yield > 0.0_wp) material%yield = stress
          if (.not. material%flow%rigid) return

@@ -23,8 +23,9 @@ module lopin_finite_elastic
    use lopin_kinds, only : wp
    use lopin_log_strain, only : log_frame_type, new_log_frame, frame_stress, frame_tangent, &
       & frame_strain, log_one_plus, exp_minus_one
-   use lopin_flow_curve, only : flow_type, flows
+   use lopin_flow_curve, only : flow_type, flows, flow_at
    use lopin_radial_return, only : return_type, return_radially
+   use lopin_plastic_return, only : plastic_type
    implicit none
    private
    public :: finite_law_type, finite_law, hencky_law, green_law, neo_hooke_law, finite_response
@@ -45,6 +46,8 @@ module lopin_finite_elastic
       logical :: remembers = .false.     !! its points have a memory: it flows, or its stress-free
                                          !! state is another than the reference shape
       type(flow_type) :: flow
+      type(plastic_type), allocatable :: plastic   !! where the yield surface is not von Mises' or
+                                         !! moves: then module material_point returns to it
    end type finite_law_type
 
    !> What a law reads of the past, and of the temperature.
@@ -52,6 +55,7 @@ module lopin_finite_elastic
       real(wp) :: strain = 0.0_wp        !! accumulated plastic strain of the accepted state
       real(wp) :: dt = 1.0_wp            !! since then, > 0 [time]
       real(wp) :: offset = 0.0_wp        !! elastic ln J beyond that of the deformation [-]
+      real(wp) :: temperature = 0.0_wp   !! of laws that look at it [temperature]
    end type past_type
 
 contains
@@ -174,7 +178,12 @@ contains
       type(return_type) :: back
 
       if (law%flows) then
-         back = return_radially(law%flow, law%shear, magnitude, past%strain, past%dt)
+         if (allocated(law%flow%temperature)) then
+            back = return_radially(flow_at(law%flow, past%temperature), law%shear, magnitude, &
+               & past%strain, past%dt)
+         else
+            back = return_radially(law%flow, law%shear, magnitude, past%strain, past%dt)
+         end if
       else
          back%secant = 2.0_wp*law%shear
       end if
@@ -286,10 +295,12 @@ contains
       strain = frame_strain(frame, frame%e + (log_one_plus(volume) - sum(frame%e))/3.0_wp)
    end function log_strain
 
-   !> Plane stress: the stretch - 1 through the thickness at which the stress across it vanishes.
-   pure real(wp) function thickness_change(law, past, change, area) result(thickness)
+   !> Plane stress: the stretch - 1 through the thickness at which the stress across it vanishes
+   !> if nothing flows.
+   pure real(wp) function thickness_change(law, past, metric, change, area) result(thickness)
       type(finite_law_type), intent(in) :: law
       type(past_type), intent(in) :: past
+      real(wp), intent(in) :: metric         !! plastic metric through the thickness [-]
       real(wp), intent(in) :: change(3, 3)   !! b - 1 in the plane
       real(wp), intent(in) :: area           !! stretch of the area in the plane - 1
       real(wp) :: lame, low, high, d, new, value, slope, square, scale
@@ -298,8 +309,8 @@ contains
 
       if (law%kind == finite_law%hencky) then
          lame = law%bulk - 2.0_wp/3.0_wp*law%shear
-         thickness = exp_minus_one(-(lame*log_one_plus(area) + law%bulk*past%offset) &
-            & /(lame + 2.0_wp*law%shear))
+         thickness = exp_minus_one(-(lame*log_one_plus(area) + law%bulk*past%offset &
+            & + law%shear*log_one_plus(metric))/(lame + 2.0_wp*law%shear))
          return
       else if (law%kind == finite_law%green) then
          lame = law%bulk - 2.0_wp/3.0_wp*law%shear

@@ -17,7 +17,8 @@ module lopin_flow_curve
    implicit none
    private
    public :: flow_type, hardening_of, flow_stress, flow_step, flows, table_flow, swift_flow, &
-      & hollomon_flow, voce_flow, linear_flow, is_viscous, give_viscosity, least_slope, table_end
+      & hollomon_flow, voce_flow, linear_flow, is_viscous, give_viscosity, least_slope, table_end, &
+      & flow_at
 
    type :: hardenings
       integer :: none = 0, table = 1, swift = 2, voce = 3
@@ -32,6 +33,9 @@ module lopin_flow_curve
       real(wp) :: constant(4) = 0.0_wp        !! Swift: K, eps0, n; Voce: S, Y, d, H
       real(wp), allocatable :: strain(:)      !! table: plastic strains, increasing from 0
       real(wp), allocatable :: stress(:)      !! table: flow stresses > 0 [stress]
+      real(wp), allocatable :: temperature(:) !! increasing, with a table for each behind the other;
+                                              !! ask flow_at for the curve of one of them
+      integer, allocatable :: first(:)        !! (n+1) where the table of each temperature begins
       real(wp) :: rate = 0.0_wp               !! D of the power law [1/time]; 0: no such factor
       real(wp) :: power = 1.0_wp              !! p of the power law
       real(wp) :: consistency = 0.0_wp        !! K of Norton-Hoff [stress time^m]; 0: no such part
@@ -98,6 +102,77 @@ contains
       flow%sensitivity = sensitivity
    end subroutine give_viscosity
 
+   !> The curve of one temperature: stresses go linearly from table to table, and stay beyond the
+   !> first and the last of them.
+   pure function flow_at(flow, temperature) result(one)
+      type(flow_type), intent(in) :: flow
+      real(wp), intent(in) :: temperature
+      type(flow_type) :: one
+      real(wp) :: share
+      integer :: k, n
+
+      one = flow
+      if (.not. allocated(flow%temperature)) return
+      deallocate (one%temperature, one%first)
+      n = size(flow%temperature)
+      k = min(max(count(flow%temperature <= temperature), 1), max(1, n - 1))
+      share = 0.0_wp
+      if (n > 1) share = min(1.0_wp, max(0.0_wp, (temperature - flow%temperature(k)) &
+         & /(flow%temperature(k + 1) - flow%temperature(k))))
+      associate (p => flow%first(k), q => flow%first(k + 1))
+         if (.not. share > 0.0_wp) then
+            one%strain = flow%strain(p:q - 1)
+            one%stress = flow%stress(p:q - 1)
+         else
+            call mix_tables(flow%strain(p:q - 1), flow%stress(p:q - 1), &
+               & flow%strain(q:flow%first(k + 2) - 1), flow%stress(q:flow%first(k + 2) - 1), &
+               & share, one%strain, one%stress)
+         end if
+      end associate
+   end function flow_at
+
+   !> Two tables of increasing strains become one that has the strains of both.
+   pure subroutine mix_tables(e1, s1, e2, s2, share, strain, stress)
+      real(wp), intent(in) :: e1(:), s1(:), e2(:), s2(:)
+      real(wp), intent(in) :: share          !! of the second, in [0, 1]
+      real(wp), allocatable, intent(inout) :: strain(:), stress(:)
+      real(wp) :: e(size(e1) + size(e2)), s(size(e)), next
+      integer :: i, j, n
+
+      i = 1
+      j = 1
+      n = 0
+      do while (i <= size(e1) .or. j <= size(e2))
+         next = huge(next)
+         if (i <= size(e1)) next = e1(i)
+         if (j <= size(e2)) next = min(next, e2(j))
+         if (i <= size(e1)) then
+            if (e1(i) <= next) i = i + 1
+         end if
+         if (j <= size(e2)) then
+            if (e2(j) <= next) j = j + 1
+         end if
+         n = n + 1
+         e(n) = next
+         s(n) = (1.0_wp - share)*in_table(e1, s1, next) + share*in_table(e2, s2, next)
+      end do
+      strain = e(:n)
+      stress = s(:n)
+   end subroutine mix_tables
+
+   !> Value of a table, constant beyond its end.
+   pure real(wp) function in_table(strain, stress, at) result(value)
+      real(wp), intent(in) :: strain(:), stress(:), at
+      integer :: k
+
+      k = count(strain <= at)
+      if (k == size(strain)) then
+         value = stress(k)
+      else
+         value = stress(k) + (stress(k + 1) - stress(k))*(at - strain(k))/(strain(k + 1) - strain(k))
+      end if
+   end function in_table
+
    !> The lowest slope of the threshold, d stress/d strain; negative where the law softens.
    pure real(wp) function least_slope(flow) result(least)
       type(flow_type), intent(in) :: flow
@@ -106,9 +181,10 @@ contains
       least = 0.0_wp
       select case (flow%hardening)
       case (hardening_of%table)
-         n = size(flow%strain)
-         if (n > 1) least = min(0.0_wp, minval((flow%stress(2:) - flow%stress(:n - 1)) &
-            & /(flow%strain(2:) - flow%strain(:n - 1))))
+         do n = 2, size(flow%strain)
+            if (flow%strain(n) > flow%strain(n - 1)) least = min(least, (flow%stress(n) &
+               & - flow%stress(n - 1))/(flow%strain(n) - flow%strain(n - 1)))
+         end do
       case (hardening_of%voce)
          least = min(0.0_wp, flow%constant(4) + flow%constant(3)*(flow%constant(1) &
             & - flow%constant(2)))
@@ -122,9 +198,14 @@ contains
 
       last = huge(1.0_wp)
       if (flow%hardening /= hardening_of%table) return
-      n = size(flow%strain)
-      if (n == 1) return
-      if (abs(flow%stress(n) - flow%stress(n - 1)) > 0.0_wp) last = flow%strain(n)
+      do n = 2, size(flow%strain)
+         ! The last line of a table, of one temperature or of all.
+         if (n < size(flow%strain)) then
+            if (flow%strain(n + 1) > flow%strain(n)) cycle
+         end if
+         if (flow%strain(n) > flow%strain(n - 1) .and. abs(flow%stress(n) - flow%stress(n - 1)) &
+            & > 0.0_wp) last = min(last, flow%strain(n))
+      end do
    end function table_end
 
    !> A law whose stress looks at the rate.
@@ -158,6 +239,7 @@ contains
          slope = flow%constant(3)*slope + flow%constant(4)
       case (hardening_of%table)
          n = size(flow%strain)
+         if (allocated(flow%first)) n = flow%first(2) - 1
          k = 1
          do while (k < n)
             if (strain < flow%strain(k + 1)) exit

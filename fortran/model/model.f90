@@ -11,6 +11,7 @@ module lopin_model
    use lopin_tool, only : tool_type
    use lopin_friction, only : friction_type
    use lopin_flow_curve, only : flow_type
+   use lopin_plastic_return, only : plastic_type
    implicit none
    private
    public :: model_type, material_type, section_type, surface_data_type, rigid_body_type
@@ -71,7 +72,9 @@ module lopin_model
       real(wp) :: yield = 0.0_wp   !! first row of *PLASTIC, read by friction laws; 0: none [stress]
       logical :: hardens = .false.    !! *PLASTIC has a row above the first
       type(flow_type) :: flow         !! of *PLASTIC and *VISCOPLASTIC
-      type(location_type) :: plastic_at, viscous_at
+      type(plastic_type), allocatable :: plastic   !! of *POTENTIAL and of hardening that moves
+      logical :: cyclic = .false.     !! *PLASTIC, HARDENING=COMBINED: *CYCLIC HARDENING fits
+      type(location_type) :: plastic_at, viscous_at, potential_at, cyclic_at
       logical :: starts_elastic = .false. !! Hollomon without a yield stress: *ELASTIC gives it
       logical :: has_expansion = .false.
       real(wp) :: expansion = 0.0_wp  !! thermal strain per degree, *EXPANSION [1/temperature]
@@ -82,6 +85,9 @@ module lopin_model
       integer :: material = 0
       real(wp) :: thickness = 1.0_wp                    !! plane kinds [length]
       character(len=4) :: formulation = ''              !! '' (default), 'FULL'
+      real(wp) :: axes(3, 3) = reshape([1.0_wp, 0.0_wp, 0.0_wp, 0.0_wp, 1.0_wp, 0.0_wp, 0.0_wp, &
+         & 0.0_wp, 1.0_wp], [3, 3])                     !! rows: axes of the material, *ORIENTATION
+      logical :: oriented = .false.                     !! the deck gives them
    end type section_type
 
    !> A named surface: faces of elements, nodes with areas, or a rigid analytic tool.

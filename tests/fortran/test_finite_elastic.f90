@@ -140,7 +140,7 @@ contains
          h = 0.0_wp
          h(1, 1) = stretch - 1.0_wp
          h(2, 2) = 1.0_wp/sqrt(stretch) - 1.0_wp
-         h(3, 3) = thickness_change(rubber, past_type(), h + transpose(h) &
+         h(3, 3) = thickness_change(rubber, past_type(), 0.0_wp, h + transpose(h) &
             & + matmul(h, transpose(h)), volume_change(h))
          call close_to('thickness', h(3, 3), h(2, 2), 1.0e-7_wp)
          call response(rubber, h, stress, energy)

@@ -5,7 +5,9 @@ program test_solid_flowing
    use lopin_flow_curve, only : flow_type, table_flow, swift_flow, voce_flow, linear_flow, &
       & give_viscosity
    use lopin_finite_elastic, only : finite_law_type, hencky_law, give_flow
-   use lopin_material_memory, only : memory_size, strain_at, stress_at, offset_at
+   use lopin_yield_hill, only : hill_yield
+   use lopin_material_memory, only : rows_of, strain_at, stress_at, offset_at, temperature_at, &
+      & put_map
    use lopin_solid_finite, only : finite_element, finite_stresses, finite_memory
    use lopin_solid_flow, only : flow_element, flow_stresses, flow_memory
    use blocks, only : random
@@ -13,8 +15,8 @@ program test_solid_flowing
    implicit none
    real(wp), parameter :: young = 210.0_wp, poisson = 0.3_wp, thickness = 0.7_wp, dt = 0.4_wp
    real(wp), parameter :: shear = young/2.6_wp
-   character(len=7), parameter :: names(5) = [character(len=7) :: 'table', 'power', 'perzyna', &
-      & 'norton', 'rigid']
+   character(len=7), parameter :: names(7) = [character(len=7) :: 'table', 'power', 'perzyna', &
+      & 'norton', 'hill', 'moving', 'rigid']
    character(len=6), parameter :: kinds(2) = [character(len=6) :: 'finite', 'small']
    type(element_type) :: element
    type(finite_law_type) :: law
@@ -24,8 +26,9 @@ program test_solid_flowing
 
    do i = 1, size(element_words)
       call new_element_type(element, trim(element_words(i)), '', found)
-      if (element%kind == element_kind%rigid .or. element%kind == element_kind%plane_stress) cycle
+      if (element%kind == element_kind%rigid) cycle
       do l = 1, size(names)
+         if (names(l) == 'rigid' .and. element%kind == element_kind%plane_stress) cycle
          law = flowing(names(l))
          memory = committed()
          do k = 1, size(kinds)
@@ -54,6 +57,20 @@ contains
          flow = swift_flow(2.0_wp, 0.01_wp, 0.2_wp)
          flow%rate = 2.0_wp
          flow%power = 3.0_wp
+      case ('hill')
+         flow = table_flow([0.0_wp, 0.02_wp, 7.0_wp], [1.0_wp, 1.5_wp, 4.0_wp])
+         allocate (law%plastic)
+         law%plastic%yield = hill_yield([1.0_wp, 1.3_wp, 0.8_wp, 0.9_wp, 1.2_wp, 0.7_wp])
+         law%plastic%axes = axes()
+      case ('moving')
+         flow = swift_flow(2.0_wp, 0.01_wp, 0.2_wp)
+         flow%rate = 2.0_wp
+         flow%power = 3.0_wp
+         allocate (law%plastic)
+         law%plastic%yield = hill_yield(spread(1.0_wp, 1, 6))
+         law%plastic%axes = axes()
+         law%plastic%kinematic%n = 2
+         law%plastic%kinematic%modulus(:2) = [0.7_wp, 0.2_wp]
       case ('perzyna')
          flow = voce_flow(2.0_wp, 1.0_wp, 3.0_wp, 0.2_wp)
          call give_viscosity(flow, 0.5_wp, 0.6_wp)
@@ -64,6 +81,16 @@ contains
       call give_flow(law, flow)
    end function flowing
 
+   !> Axes of a material, turned about z; in space about all axes.
+   function axes() result(q)
+      real(wp) :: q(3, 3)
+      real(wp), parameter :: c = cos(0.5_wp), s = sin(0.5_wp)
+
+      q = reshape([c, -s, 0.0_wp, s, c, 0.0_wp, 0.0_wp, 0.0_wp, 1.0_wp], [3, 3])
+      if (element%ndim == 3) q = matmul(q, reshape([1.0_wp, 0.0_wp, 0.0_wp, 0.0_wp, c, -s, 0.0_wp, &
+         & s, c], [3, 3]))
+   end function axes
+
    function sentence(start) result(text)
       character(len=*), intent(in) :: start
       character(len=:), allocatable :: text
@@ -73,9 +100,10 @@ contains
    !> A memory of some past: metrics without pattern, strain, stress, heat.
    function committed() result(memory)
       real(wp), allocatable :: memory(:, :)
+      real(wp) :: map(3, 3)
       integer :: seed, p, r
 
-      allocate (memory(memory_size(element%nstress), element%ngauss), source=0.0_wp)
+      allocate (memory(rows_of(law, element%nstress), element%ngauss), source=0.0_wp)
       seed = 31
       do p = 1, element%ngauss
          do r = 1, element%nstress
@@ -85,6 +113,16 @@ contains
          memory(strain_at(element%nstress), p) = 0.2_wp + 0.01_wp*p
          memory(stress_at(element%nstress), p) = 1.3_wp
          memory(offset_at(element%nstress), p) = -0.01_wp
+         if (.not. allocated(law%plastic)) cycle
+         map = 0.0_wp
+         map(1, :2) = memory(1:2, p)
+         map(2, :2) = memory(3:4, p)
+         map(3, 3) = 0.03_wp
+         if (element%ndim == 3) map(1:2, 3) = memory(5:6, p)
+         call put_map(memory(:, p), element%nstress, map)
+         memory(temperature_at(element%nstress) + 1, p) = 1.3_wp
+         if (law%plastic%kinematic%n > 0) memory(temperature_at(element%nstress) + 11 &
+            & :temperature_at(element%nstress) + 14, p) = [0.2_wp, -0.1_wp, -0.1_wp, 0.15_wp]
       end do
    end function committed
 
@@ -124,6 +162,8 @@ contains
             u(d, a) = u(d, a) + 0.02_wp*noise
          end do
       end do
+      ! Internal modes of a solid with directions find several balances when it is so distorted.
+      if (element%nmode > 0 .and. allocated(law%plastic)) u = 0.5_wp*u
    end function wild
 
    subroutine answer(u, force, ke)
@@ -148,7 +188,7 @@ contains
       real(wp), dimension(element%ndim, element%nnode) :: u, moved
       real(wp) :: ke(element%ndof, element%ndof), force(element%ndof), f(element%ndof, 4)
       real(wp) :: slope(element%ndof, element%ndof)
-      real(wp), parameter :: step = 1.0e-3_wp, place(4) = [-2.0_wp, -1.0_wp, 1.0_wp, 2.0_wp]
+      real(wp), parameter :: step = 5.0e-4_wp, place(4) = [-2.0_wp, -1.0_wp, 1.0_wp, 2.0_wp]
       integer :: a, d, s
 
       call test(sentence('the tangent is the slope of the force'))
@@ -187,7 +227,7 @@ contains
 
    !> Where the rate does not count, a state that has been kept is in balance with the same forces.
    subroutine what_is_kept_has_the_same_stress()
-      real(wp) :: force(element%ndof), same(element%ndof)
+      real(wp) :: force(element%ndof), same(element%ndof), tight
       real(wp), allocatable :: before(:, :)
 
       if (law%flow%consistency > 0.0_wp .or. law%flow%rate > 0.0_wp) return
@@ -200,7 +240,11 @@ contains
       call is_true('has flowed', any(memory(strain_at(element%nstress), :) &
          & > before(strain_at(element%nstress), :) + 0.01_wp))
       call answer(wild(), same)
-      call close_to('force', same/maxval(abs(force)), force/maxval(abs(force)), 1.0e-11_wp)
+      ! The stress on axes of the material is that of an increment's potential: it is kept up to the
+      ! square of the strain of the increment, here 0.3.
+      tight = 1.0e-11_wp
+      if (allocated(law%plastic) .and. kinds(k) == 'finite') tight = 5.0e-2_wp
+      call close_to('force', same/maxval(abs(force)), force/maxval(abs(force)), tight)
       memory = before
    end subroutine what_is_kept_has_the_same_stress
 

@@ -91,6 +91,8 @@ def deck(name: str) -> str:
 
 ROUND = "START, -38., -40.\nCIRCL, 2., 0., 2., -40.\nCIRCL, 42., -40., 2., -40."
 PLASTIC = "*PLASTIC\n5., 0.\n8., 0.1\n20., 1.\n"
+SHAPED = ("*PLASTIC, HARDENING=COMBINED, DATA TYPE=PARAMETERS\n5., 60., 10.\n*CYCLIC HARDENING, "
+          "PARAMETERS\n5., 4., 3.\n*POTENTIAL\n1., 1.2, 0.9, 1., 1., 1.1\n")
 SCENES = {
     "condensed friction": lambda: billet(nlgeom="", pair=", SMALL SLIDING", changes=False),
     "penalty": lambda: billet(nlgeom="", pair=", SMALL SLIDING", method="PENALTY", changes=False),
@@ -109,6 +111,8 @@ SCENES = {
     "finite augmented": lambda: billet(method="AUGMENTED LAGRANGE", changes=False),
     "plastic": lambda: billet(PLASTIC),
     "plastic, small strain": lambda: billet(PLASTIC, nlgeom=""),
+    "axes and backstress": lambda: billet(SHAPED),
+    "axes and backstress, small strain": lambda: billet(SHAPED, nlgeom="", changes=False),
     "following pressure": lambda: billet(pressure="*DLOAD, AMPLITUDE=WAVE\nSIDE, P2, 3.\n*DLOAD\n1, P4, 1.\n"),
     "tied by mortar": tied,
     "self-contact": lambda: deck("crushed_ring"),

@@ -35,6 +35,7 @@ def lopin(executable, tmp_path):
         return subprocess.run([executable, task, "deck.inp"], capture_output=True, text=True,
                               timeout=20, cwd=tmp_path)
 
+    run.executable = executable
     return run
 
 
@@ -48,6 +49,12 @@ ACCEPTED = {
     "hollomon": "*PLASTIC, HARDENING=HOLLOMON\n550., 0.22, 190.\n",
     "hollomon from the elastic line": "*PLASTIC, HARDENING=HOLLOMON\n550., 0.22\n",
     "power law": "*RATE DEPENDENT, TYPE=POWER LAW\n40., 5.\n*PLASTIC\n200., 0.\n",
+    "temperatures": "*PLASTIC\n200., 0., 20.\n300., 0.5, 20.\n100., 0., 500.\n",
+    "kinematic": "*PLASTIC, HARDENING=KINEMATIC\n200., 0.\n300., 0.5\n",
+    "combined": "*PLASTIC, HARDENING=COMBINED, DATA TYPE=PARAMETERS\n200., 20000., 150., 900., 4.\n",
+    "cyclic": "*PLASTIC, HARDENING=COMBINED, DATA TYPE=PARAMETERS\n200., 20000., 150.\n"
+              "*CYCLIC HARDENING\n200., 0.\n250., 1.\n",
+    "hill": "*PLASTIC\n200., 0.\n*POTENTIAL, TYPE=HILL\n1., 1.1, 0.9, 1., 1., 1.\n",
     "viscous": "*VISCOPLASTIC, LAW=NORTON-HOFF\n100., 0.2\n",
     "threshold": "*VISCOPLASTIC\n100., 0.2\n*PLASTIC, HARDENING=SWIFT\n550., 0.01, 0.2\n",
 }
@@ -68,8 +75,8 @@ REFUSED = {
     "first strain": ("*PLASTIC\n200., 0.1\n", "E0203", "the first plastic strain is 0.1, not 0"),
     "falling strain": ("*PLASTIC\n200., 0.\n300., 0.5\n320., 0.4\n", "E0203",
                        "plastic strain 0.4 does not increase"),
-    "temperatures": ("*PLASTIC\n200., 0., 20.\n150., 0., 200.\n", "E0203",
-                     "depends on temperature"),
+    "temperatures": ("*PLASTIC\n200., 0., 200.\n150., 0., 20.\n", "E0203",
+                     "temperature 20 does not increase"),
     "too steep": ("*PLASTIC\n200., 0.\n100., 0.0004\n", "E0203", "falls faster"),
     "falling line": ("*PLASTIC, HARDENING=LINEAR\n200., -1.\n", "E0203", "ends at no stress"),
     "exponent": ("*PLASTIC, HARDENING=SWIFT\n500., 0.01, 1.2\n", "E0203",
@@ -78,7 +85,27 @@ REFUSED = {
                 "*PLASTIC needs K, e0, n on one line"),
     "two lines": ("*PLASTIC, HARDENING=LINEAR\n200., 1.\n300., 2.\n", "E0103",
                   "*PLASTIC has one line"),
-    "kinematic": ("*PLASTIC, HARDENING=KINEMATIC\n200., 0.\n", "E0108", "KINEMATIC"),
+    "kinematic": ("*PLASTIC, HARDENING=KINEMATIC\n200., 0.\n", "E0103", "is a straight line"),
+    "kinematic, falling": ("*PLASTIC, HARDENING=KINEMATIC\n200., 0.\n150., 1.\n", "E0203",
+                           "goes from a positive yield stress"),
+    "kinematic of temperature": ("*PLASTIC, HARDENING=KINEMATIC\n200., 0., 20.\n250., 1., 20.\n",
+                                 "E0108", "depends on temperature"),
+    "half cycle": ("*PLASTIC, HARDENING=COMBINED\n200., 0.\n250., 1.\n", "E0108", "from a test"),
+    "pairs": ("*PLASTIC, HARDENING=COMBINED, DATA TYPE=PARAMETERS\n200., 1000., 10., 50.\n", "E0108",
+              "depends on temperature"),
+    "backstresses": ("*PLASTIC, HARDENING=COMBINED, DATA TYPE=PARAMETERS, NUMBER BACKSTRESSES=3\n"
+                     "200., 1000., 10.\n", "E0203", "needs 7 numbers, here are 3"),
+    "cyclic alone": ("*PLASTIC\n200., 0.\n*CYCLIC HARDENING\n200., 0.\n", "E0203",
+                     "belongs to *PLASTIC, HARDENING=COMBINED"),
+    "surface of nothing": ("*POTENTIAL\n1., 1., 1., 1., 1., 1.\n", "E0203",
+                           "shapes the yield surface of *PLASTIC"),
+    "open surface": ("*PLASTIC\n200., 0.\n*POTENTIAL\n1., 1., 0.5, 1., 1., 1.\n", "E0203",
+                     "close no surface"),
+    "five ratios": ("*PLASTIC\n200., 0.\n*POTENTIAL\n1., 1., 0.9, 1., 1.\n", "E0103",
+                    "*POTENTIAL needs R11, R22, R33, R12, R13, R23"),
+    "barlat": ("*PLASTIC\n200., 0.\n*POTENTIAL, TYPE=BARLAT\n1.\n", "E0108", "BARLAT"),
+    "rigid surface": ("*VISCOPLASTIC, RIGID\n100., 0.2\n*POTENTIAL\n1., 1., 1., 1., 1., 1.\n",
+                      "E0108", "a rigid solid with a yield surface of its own"),
     "m": ("*VISCOPLASTIC\n100., 0.\n", "E0203", "the exponent m = 0 is outside (0, 1]"),
     "viscosity": ("*VISCOPLASTIC\n-100., 0.2\n", "E0203", "K = -100 is not positive"),
     "rate of nothing": ("*RATE DEPENDENT\n40., 5.\n", "E0203",
@@ -94,9 +121,28 @@ def test_laws_that_are_refused(lopin, name):
     assert run.returncode == 1 and f"error[{code}]" in run.stderr and text in run.stderr, run.stderr
 
 
-def test_plane_stress_is_refused(lopin):
-    run = lopin(CURVE, word="CPS4")
+def test_a_rigid_solid_in_plane_stress_is_refused(lopin):
+    run = lopin("*VISCOPLASTIC, RIGID\n100., 0.2\n", word="CPS4")
     assert run.returncode == 1 and "error[E0108]" in run.stderr and "plane stress" in run.stderr, run.stderr
+
+
+ORIENTED = ELASTIC + "*PLASTIC\n200., 0.\n*POTENTIAL\n1., 1., 0.9, 1., 1., 1.\n*ORIENTATION, NAME=O{kind}\n{lines}\n"
+
+
+@pytest.mark.parametrize(("kind", "lines", "code", "text"), [
+    ("", "1., 0., 0., 0., 1., 0.\n1, 30.", "E0203", "has no axis across their plane"),
+    ("", "1., 0., 0., 2., 0., 0.", "E0405", "give no axes"),
+    (", SYSTEM=CYLINDRICAL", "1., 0., 0., 0., 1., 0.", "E0108", "CYLINDRICAL"),
+    ("X", "1., 0., 0., 0., 1., 0.", "E0201", "no orientation `O`"),
+])
+def test_axes_that_are_refused(lopin, tmp_path, kind, lines, code, text):
+    run = lopin(ORIENTED.format(kind=kind, lines=lines) + "*MATERIAL, NAME=OTHER\n" + ELASTIC)
+    assert run.returncode == 0 or code in run.stderr
+    (tmp_path/"deck.inp").write_text((tmp_path/"deck.inp").read_text().replace(
+        "MATERIAL=METAL", "MATERIAL=METAL, ORIENTATION=O"))
+    run = subprocess.run([lopin.executable, "check", "deck.inp"], capture_output=True, text=True,
+                         timeout=20, cwd=tmp_path)
+    assert run.returncode == 1 and f"error[{code}" in run.stderr and text in run.stderr, run.stderr
 
 
 def test_a_curve_that_falls_is_warned_of(lopin):
