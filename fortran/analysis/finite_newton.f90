@@ -4,6 +4,7 @@
 module lopin_finite_newton
    use lopin_kinds, only : wp
    use lopin_error, only : error_type, error_code, raise
+   use lopin_interrupt, only : is_interrupted
    use lopin_vectors, only : largest
    use lopin_text, only : to_text
    use lopin_model, only : model_type
@@ -76,6 +77,11 @@ contains
       stale = 0
       seen = 0
       do iteration = 1, most_sets
+         if (scene%stops_at_once) then
+            if (is_interrupted()) call raise(error, error_code%interrupted, 'E0605', &
+               & 'interrupted within an increment; what was accepted before it stands')
+            if (allocated(error)) return
+         end if
          ! What the increment brings is about once it is applied; a trial far out moves it no more.
          if (iteration == 2) scene%finite%reference = max(scene%finite%reference, look%force)
          scene%finite%history = [scene%finite%history, relative(look, scene%finite%reference)]

@@ -6,7 +6,7 @@ module lopin_run_analysis
    use lopin_clock, only : clock_type, counter_type
    use lopin_blas_threads, only : ready_blas
    use lopin_memory, only : peak_memory
-   use lopin_model, only : model_type
+   use lopin_model, only : model_type, step_type
    use lopin_state, only : frame_type, summary_type
    use lopin_recorder, only : recorder_holder_type
    use lopin_follower_loading, only : new_followers
@@ -24,16 +24,29 @@ module lopin_run_analysis
    use lopin_judge_flow, only : judge_flow
    use lopin_judge_mesh, only : refuse_folded
    use lopin_judge_yield, only : judge_yield
-   use lopin_increment, only : progress_type, prepare, say
+   use lopin_increment, only : progress_type, prepare, reject
    use lopin_say_once, only : say_again
+   use lopin_stream, only : stream_type
    use lopin_keeper, only : keeper_type
-   use lopin_checkpoint, only : march_type
+   use lopin_checkpoint, only : march_type, keep_run
    use lopin_turning_points, only : turns_within
    use lopin_time_increment, only : advance, grow
    use lopin_keep_state, only : keep_state, go_back
    implicit none
    private
-   public :: run_analysis
+   public :: run_type, open_run, advance_run, run_state, close_run, run_analysis
+
+   !> A run between two increments.
+   type :: run_type
+      type(scene_type) :: scene
+      type(plan_type) :: plan
+      type(progress_type) :: progress
+      type(march_type) :: march
+      type(summary_type) :: summary
+      type(frame_type) :: frame                !! the last increment that was accepted
+      logical :: in_step = .false.             !! a step is begun and not ended
+      logical :: may_step = .false.            !! opened, without an error so far
+   end type run_type
 
 contains
 
@@ -47,39 +60,150 @@ contains
       type(log_type), intent(inout) :: log
       type(error_type), allocatable, intent(out) :: error
       class(keeper_type), intent(inout), optional :: keeper
-      type(scene_type) :: scene
-      type(plan_type) :: plan
-      integer :: i
+      type(run_type) :: run
+      logical :: more
 
-      scene%clock = clock
-      call scene%clock%start()
-      summary%status = 'finished'
-      summary%plan = ''
-      summary%path = ''
-      summary%solver = ''
-      summary%checksum = ''
-      allocate (summary%step(size(model%step)))
+      call open_run(run, model, recorders, clock, log, error, keeper)
+      more = .not. allocated(error)
+      do while (more)
+         call advance_run(run, model, recorders, more, error, keeper)
+      end do
+      call close_run(run, model, recorders, log, error, keeper)
+      summary = run%summary
+   end subroutine run_analysis
+
+   !> Begin the files, and make what the model needs. A state that the keeper found is gone on from;
+   !> so is `state`, of the same deck, in files that begin anew.
+   subroutine open_run(self, model, recorders, clock, log, error, keeper, state)
+      type(run_type), intent(out) :: self
+      type(model_type), intent(in) :: model
+      type(recorder_holder_type), intent(inout) :: recorders(:)
+      type(clock_type), intent(in) :: clock              !! with the time spent so far
+      type(log_type), intent(inout) :: log
+      type(error_type), allocatable, intent(out) :: error
+      class(keeper_type), intent(inout), optional :: keeper
+      type(stream_type), intent(inout), optional :: state   !! of `run_state`
+      integer :: n
+
+      self%scene%clock = clock
+      call self%scene%clock%start()
+      self%summary%status = 'finished'
+      self%summary%plan = ''
+      self%summary%path = ''
+      self%summary%solver = ''
+      self%summary%checksum = ''
+      allocate (self%summary%step(size(model%step)))
       call ready_blas(error)
       if (.not. allocated(error)) call begin_all(recorders, model, error, keeper)
-      if (.not. allocated(error)) call new_plan(plan, model, error)
-      if (.not. allocated(error)) call new_scene(scene, model, error)
-      if (.not. allocated(error)) call warn_of_uneven_pressure(scene, model)
-      if (.not. allocated(error)) call refuse_folded(scene, model, error)
-      if (.not. allocated(error)) call choose_reach(scene, model)
-      if (.not. allocated(error)) call run_steps(scene, model, plan, recorders, summary, log, &
-         & error, keeper)
-      call say_again(scene%log)
-      do i = 1, scene%log%n
-         associate (d => scene%log%item(i))
+      if (.not. allocated(error)) call new_plan(self%plan, model, error)
+      if (.not. allocated(error)) call new_scene(self%scene, model, error)
+      if (.not. allocated(error)) call warn_of_uneven_pressure(self%scene, model)
+      if (.not. allocated(error)) call refuse_folded(self%scene, model, error)
+      if (.not. allocated(error)) call choose_reach(self%scene, model)
+      if (allocated(error)) return
+      n = self%scene%dofs%n
+      associate (progress => self%progress)
+         allocate (progress%steady(n), progress%f(n), progress%residual(n), progress%f_before(n), &
+            & progress%u_before(n), progress%r_before(n), source=0.0_wp)
+      end associate
+      if (present(state)) then
+         call run_state(self, model, state, error)
+         self%in_step = .true.
+      else if (present(keeper)) then
+         if (allocated(keeper%found)) call resume_run(self, model, recorders, log, keeper, error)
+      end if
+      self%may_step = .not. allocated(error)
+   end subroutine open_run
+
+   subroutine resume_run(self, model, recorders, log, keeper, error)
+      type(run_type), intent(inout) :: self
+      type(model_type), intent(in) :: model
+      type(recorder_holder_type), intent(inout) :: recorders(:)
+      type(log_type), intent(inout) :: log
+      class(keeper_type), intent(inout) :: keeper
+      type(error_type), allocatable, intent(out) :: error
+
+      call go_back(keeper%found, model, self%scene, self%plan, self%progress, self%march, &
+         & recorders, self%summary, error)
+      if (allocated(error)) return
+      self%in_step = .true.
+      keeper%kept = 'increment '//to_text(self%march%number)//' of step '//to_text(self%scene%step)
+      call log%say(severity%note, 'N0604', 'goes on after '//keeper%kept)
+   end subroutine resume_run
+
+   !> All that lives from increment to increment, to a stream or back from one of the same deck.
+   subroutine run_state(self, model, state, error)
+      type(run_type), intent(inout) :: self
+      type(model_type), intent(in) :: model
+      type(stream_type), intent(inout) :: state
+      type(error_type), allocatable, intent(out) :: error
+
+      call keep_run(state, model, self%scene, self%plan, self%progress, self%march, &
+         & self%summary, error)
+      if (allocated(error) .or. .not. state%reading) return
+      if (state%broken .or. .not. state%ended()) call raise(error, error_code%resource, 'E0604', &
+         & 'the state does not hold what this build of Lopin keeps', &
+         & help='give a state that this version took out of the same deck')
+   end subroutine run_state
+
+   !> Go to the next accepted increment, into the next step if need be. Where the run is at its end
+   !> nothing is done, and `more` is false.
+   subroutine advance_run(self, model, recorders, more, error, keeper)
+      type(run_type), intent(inout) :: self
+      type(model_type), intent(in) :: model
+      type(recorder_holder_type), intent(inout) :: recorders(:)
+      logical, intent(out) :: more             !! an increment was accepted
+      type(error_type), allocatable, intent(out) :: error
+      class(keeper_type), intent(inout), optional :: keeper
+
+      more = .false.
+      if (self%in_step .and. self%march%at_end) call end_step(self, model)
+      if (.not. self%in_step) then
+         if (self%scene%step == size(model%step)) return
+         call begin_step(self, model, recorders, error)
+      end if
+      if (.not. allocated(error)) call next_increment(self, model, recorders, error, keeper)
+      if (self%scene%step > 0) self%summary%step(self%scene%step)%counter = self%scene%counter
+      more = .not. allocated(error)
+      self%may_step = more
+      if (more) return
+      if (error%code /= error_code%interrupted .or. .not. self%scene%stops_at_once) return
+      ! The increment in hand is given up; what was accepted may go on.
+      call reject(self%scene)
+      self%may_step = .true.
+      if (.not. present(keeper)) return
+      if (allocated(keeper%kept)) error%item(1)%help = 'with --resume (resume=True) the run goes '// &
+         & 'on from '//keeper%kept
+   end subroutine advance_run
+
+   !> Warnings to the log, files to their end, also after an error. A run that was left before its
+   !> end is `stopped`, and its checkpoint stays.
+   subroutine close_run(self, model, recorders, log, error, keeper)
+      type(run_type), intent(inout) :: self
+      type(model_type), intent(in) :: model
+      type(recorder_holder_type), intent(inout) :: recorders(:)
+      type(log_type), intent(inout) :: log
+      type(error_type), allocatable, intent(inout) :: error
+      class(keeper_type), intent(inout), optional :: keeper
+      integer :: i
+      logical :: done
+
+      if (self%in_step .and. self%march%at_end .and. self%may_step) call end_step(self, model)
+      done = .not. self%in_step .and. self%scene%step == size(model%step)
+      if (.not. done) self%summary%status = 'stopped'
+      call say_again(self%scene%log)
+      do i = 1, self%scene%log%n
+         associate (d => self%scene%log%item(i))
             call log%say(d%severity, d%id, d%message, d%at, d%label, d%note, d%help)
          end associate
       end do
-      summary%clock = scene%clock
-      summary%log = scene%log
-      summary%peak_memory = peak_memory()
-      call finish_all(recorders, model, summary, error, keeper)
-      if (present(keeper) .and. .not. allocated(error)) call keeper%forget()
-   end subroutine run_analysis
+      self%summary%clock = self%scene%clock
+      self%summary%log = self%scene%log
+      self%summary%peak_memory = peak_memory()
+      call finish_all(recorders, model, self%summary, error, keeper)
+      if (present(keeper) .and. done .and. .not. allocated(error)) call keeper%forget()
+      self%may_step = .false.
+   end subroutine close_run
 
    !> Files are closed and on the disk before the summary says how the run ended.
    subroutine finish_all(recorders, model, summary, error, keeper)
@@ -149,59 +273,35 @@ contains
       end do
    end subroutine begin_all
 
-   subroutine run_steps(scene, model, plan, recorders, summary, log, error, keeper)
-      type(scene_type), intent(inout) :: scene
+   !> Supports, loads and, where supports change, the factors of the step that follows.
+   subroutine begin_step(self, model, recorders, error)
+      type(run_type), intent(inout) :: self
       type(model_type), intent(in) :: model
-      type(plan_type), intent(inout) :: plan
       type(recorder_holder_type), intent(inout) :: recorders(:)
-      type(summary_type), intent(inout) :: summary
-      type(log_type), intent(inout) :: log
       type(error_type), allocatable, intent(out) :: error
-      class(keeper_type), intent(inout), optional :: keeper
-      type(progress_type) :: progress
-      type(march_type) :: march
       type(held_type) :: held
-      integer :: step, first
-      logical :: same, resumes
+      integer :: step
+      logical :: same
 
-      allocate (progress%steady(scene%dofs%n), progress%f(scene%dofs%n), &
-         & progress%residual(scene%dofs%n), &
-         & progress%f_before(scene%dofs%n), progress%u_before(scene%dofs%n), &
-         & progress%r_before(scene%dofs%n), &
-         & source=0.0_wp)
-      first = 1
-      resumes = .false.
-      if (present(keeper)) resumes = allocated(keeper%found)
-      if (resumes) then
-         call go_back(keeper%found, model, scene, plan, progress, march, recorders, summary, error)
-         if (allocated(error)) return
-         keeper%kept = 'increment '//to_text(march%number)//' of step '//to_text(scene%step)
-         call log%say(severity%note, 'N0604', 'goes on after '//keeper%kept)
-         first = scene%step + 1
-         call run_step(scene, model, plan, progress, march, recorders, summary, error, keeper)
-         summary%step(scene%step)%counter = scene%counter
-         if (allocated(error)) return
-      end if
-      do step = first, size(model%step)
+      associate (scene => self%scene)
+         step = scene%step + 1
          scene%counter = counter_type()
          if (step > 1) call remember_held(held, scene)
          call set_supports(scene, model, step, same, error)
          if (allocated(error)) return
+         self%in_step = .true.
+         self%frame = frame_type()
          if (.not. same) then
             call check_supports(scene, model, error)
             if (allocated(error)) return
-            call prepare(scene, model, plan, recorders, summary, error)
+            call prepare(scene, model, self%plan, recorders, self%summary, error)
             if (allocated(error)) return
          end if
-         call start_march(march, scene, model, progress)
-         if (step > 1) call let_go(held, scene, model, progress%residual, march%loading%before, &
-            & progress%f_before, error)
-         if (allocated(error)) return
-         call run_step(scene, model, plan, progress, march, recorders, summary, error, keeper)
-         summary%step(step)%counter = scene%counter
-         if (allocated(error)) return
-      end do
-   end subroutine run_steps
+         call start_march(self%march, scene, model, self%progress)
+         if (step > 1) call let_go(held, scene, model, self%progress%residual, &
+            & self%march%loading%before, self%progress%f_before, error)
+      end associate
+   end subroutine begin_step
 
    !> From rest to the step in force.
    subroutine start_march(march, scene, model, progress)
@@ -236,54 +336,70 @@ contains
          & help='fix degrees of freedom by *BOUNDARY, or add the contact that holds the body')
    end subroutine check_supports
 
-   !> The increments of a step that are still to be done.
-   subroutine run_step(scene, model, plan, progress, march, recorders, summary, error, keeper)
-      type(scene_type), intent(inout) :: scene
+   !> One increment, judged and kept.
+   subroutine next_increment(self, model, recorders, error, keeper)
+      type(run_type), intent(inout) :: self
       type(model_type), intent(in) :: model
-      type(plan_type), intent(inout) :: plan
-      type(progress_type), intent(inout) :: progress
-      type(march_type), intent(inout) :: march
       type(recorder_holder_type), intent(inout) :: recorders(:)
-      type(summary_type), intent(inout) :: summary
       type(error_type), allocatable, intent(out) :: error
       class(keeper_type), intent(inout), optional :: keeper
-      type(frame_type) :: frame
       integer :: number, most
 
-      associate (step => model%step(scene%step))
-         most = step%max_increments + turns_within(model, plan, step, progress%time)
-         do number = march%number + 1, most
-            if (march%at_end) exit
-            frame%increment = number
-            call advance(scene, model, plan, march, progress, recorders, summary, frame, error)
-            if (allocated(error)) return
-            call judge_yield(scene, model, frame%u)
-            call judge_flow(scene, model)
-            summary%step(scene%step)%increments = number
-            march%number = number
-            march%at_end = frame%last_of_step
-            march%energy = frame%energy
-            if (.not. march%at_end) call grow(march%increment, step, plan, &
-               & frame, scene%finite%memory%most_strain)
-            call keep_state(scene, model, plan, progress, march, recorders, summary, error, keeper)
-            if (allocated(error)) return
-         end do
-         if (.not. march%at_end) then
-            call raise(error, error_code%not_converged, 'E0503', 'step '//to_text(scene%step)// &
-               & ' reached time '// &
-               & to_text(march%time)//' of '//to_text(step%period)//' in the '// &
-               & to_text(most)// &
-               & ' increments that INC= allows', step%at, &
-               & help='raise INC= on *STEP, or the increments on *STATIC')
+      associate (scene => self%scene, march => self%march, frame => self%frame, &
+         & step => model%step(self%scene%step))
+         number = march%number + 1
+         most = step%max_increments + turns_within(model, self%plan, step, self%progress%time)
+         if (number > most) then
+            call refuse_more(march, scene, step, most, error)
+            return
          end if
+         frame%increment = number
+         call advance(scene, model, self%plan, march, self%progress, recorders, self%summary, &
+            & frame, error)
+         if (allocated(error)) return
+         call judge_yield(scene, model, frame%u)
+         call judge_flow(scene, model)
+         self%summary%step(scene%step)%increments = number
+         march%number = number
+         march%at_end = frame%last_of_step
+         march%energy = frame%energy
+         if (.not. march%at_end) call grow(march%increment, step, self%plan, frame, &
+            & scene%finite%memory%most_strain)
+         self%summary%step(scene%step)%counter = scene%counter
+         call keep_state(scene, model, self%plan, self%progress, march, recorders, self%summary, &
+            & error, keeper)
+      end associate
+   end subroutine next_increment
+
+   subroutine refuse_more(march, scene, step, most, error)
+      type(march_type), intent(in) :: march
+      type(scene_type), intent(in) :: scene
+      type(step_type), intent(in) :: step
+      integer, intent(in) :: most
+      type(error_type), allocatable, intent(out) :: error
+
+      call raise(error, error_code%not_converged, 'E0503', 'step '//to_text(scene%step)// &
+         & ' reached time '//to_text(march%time)//' of '//to_text(step%period)//' in the '// &
+         & to_text(most)//' increments that INC= allows', step%at, &
+         & help='raise INC= on *STEP, or the increments on *STATIC')
+   end subroutine refuse_more
+
+   !> What the step leaves to the next, and what its end says of it.
+   subroutine end_step(self, model)
+      type(run_type), intent(inout) :: self
+      type(model_type), intent(in) :: model
+
+      associate (scene => self%scene, march => self%march, progress => self%progress, &
+         & step => model%step(self%scene%step))
          progress%time = progress%time + march%time
          if (scene%step < size(model%step)) call carry_loads(march%loading, model, scene%dofs, &
-            & scene%constraints, &
-            & scene%solids, step, model%step(scene%step + 1), progress%steady)
+            & scene%constraints, scene%solids, step, model%step(scene%step + 1), progress%steady)
          call judge_step(scene, model, progress%seen, march%energy)
-         if (scene%step < size(model%step)) return
-         call judge_drift(progress%drift, scene, model)
-         call judge_artificial(progress%artificial, scene, model, march%energy)
+         if (scene%step == size(model%step)) then
+            call judge_drift(progress%drift, scene, model)
+            call judge_artificial(progress%artificial, scene, model, march%energy)
+         end if
       end associate
-   end subroutine run_step
+      self%in_step = .false.
+   end subroutine end_step
 end module lopin_run_analysis

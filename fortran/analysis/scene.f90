@@ -63,6 +63,7 @@ module lopin_scene
       real(wp) :: margin = 0.0_wp   !! displacements below a quarter of it fold no corner [length]
       logical :: may_part = .false.   !! an increment in which contact begins may be cut
       real(wp) :: first_touch = 0.0_wp   !! share of the increment before it
+      logical :: stops_at_once = .false. !! a wish to end is heard within an increment
       type(clock_type) :: clock
       type(counter_type) :: counter
       type(log_type) :: log

@@ -8,10 +8,13 @@ module lopin_api
    use lopin_probes_friction_set, only : friction_increment
    use lopin_probes_friction, only : friction_tractions
    use lopin_session, only : session_type, deck_text_type, new_session, keep_session, &
-      & forget_session, session_text, session_real, session_integer
+      & forget_session, session_text, session_real, session_integer, advance_session, &
+      & end_session, session_state
+   use lopin_stream, only : stream_type
    implicit none
    private
    public :: run_deck, check_deck, close_session
+   public :: open_run, advance, end_run, state_length, get_state
    public :: text_length, copy_text, result_shape, get_real, get_integer
    public :: probe_shape, probe_project, probe_tool_gap, probe_skyline_solve, probe_contact
    public :: probe_hooke, probe_stiffness, probe_friction, probe_friction_increment, echo
@@ -27,8 +30,77 @@ contains
       character(len=*), intent(in) :: options   !! lines such as solver=umfpack
       integer, intent(out) :: handle, code
       !f2py threadsafe
+      logical :: more
+
       call open_session(text, name, folder, output, options, .true., handle, code)
+      more = code == 0
+      do while (more)
+         call advance_session(handle, .false., more, code)
+      end do
+      call end_session(handle)
    end subroutine run_deck
+
+   !> Open a run: `advance` goes to its increments, `end_run` ends it, `close_session` forgets it.
+   subroutine open_run(text, name, folder, output, options, state, n, handle, code)
+      character(len=*), intent(in) :: text, name, folder, output, options
+      integer, intent(in) :: n
+      integer(kind=1), intent(in) :: state(n)   !! from `get_state` of the same deck; n = 0: none
+      integer, intent(out) :: handle, code
+      !f2py threadsafe
+      type(session_type), allocatable :: session
+      type(stream_type) :: stream
+
+      allocate (session)
+      if (n > 0) then
+         stream%bytes = state
+         stream%n = n
+         call new_session(session, deck_text_type(text, name, folder), output, options, .true., &
+            & stream)
+      else
+         call new_session(session, deck_text_type(text, name, folder), output, options, .true.)
+      end if
+      code = session%code
+      call keep_session(session, handle)
+   end subroutine open_run
+
+   !> The next accepted increment; at the end of a run, and after an error, `more` is 0 and it is
+   !> ended. An interrupt leaves it open at the last accepted increment.
+   subroutine advance(handle, more, code)
+      integer, intent(in) :: handle
+      integer, intent(out) :: more, code
+      !f2py threadsafe
+      logical :: accepted
+
+      call advance_session(handle, .true., accepted, code)
+      more = merge(1, 0, accepted)
+   end subroutine advance
+
+   !> End a run where it stands.
+   subroutine end_run(handle)
+      integer, intent(in) :: handle
+      !f2py threadsafe
+      call end_session(handle)
+   end subroutine end_run
+
+   !> Bytes of the state between two increments; 0 if the run is not open.
+   subroutine state_length(handle, n)
+      integer, intent(in) :: handle
+      integer, intent(out) :: n
+      type(stream_type) :: stream
+
+      call session_state(handle, stream)
+      n = int(stream%n)
+   end subroutine state_length
+
+   subroutine get_state(handle, n, state)
+      integer, intent(in) :: handle
+      integer, intent(in) :: n                  !! from `state_length`
+      integer(kind=1), intent(out) :: state(n)
+      type(stream_type) :: stream
+
+      call session_state(handle, stream)
+      state = stream%bytes(:n)
+   end subroutine get_state
 
    !> Read and check a deck without solving it.
    subroutine check_deck(text, name, folder, options, handle, code)
@@ -38,14 +110,14 @@ contains
       call open_session(text, name, folder, '', options, .false., handle, code)
    end subroutine check_deck
 
-   subroutine open_session(text, name, folder, output, options, solve, handle, code)
+   subroutine open_session(text, name, folder, output, options, begin, handle, code)
       character(len=*), intent(in) :: text, name, folder, output, options
-      logical, intent(in) :: solve
+      logical, intent(in) :: begin
       integer, intent(out) :: handle, code
       type(session_type), allocatable :: session
 
       allocate (session)
-      call new_session(session, deck_text_type(text, name, folder), output, options, solve)
+      call new_session(session, deck_text_type(text, name, folder), output, options, begin)
       code = session%code
       call keep_session(session, handle)
    end subroutine open_session

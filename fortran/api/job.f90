@@ -13,14 +13,17 @@ module lopin_job
    use lopin_atomic_file, only : make_folder
    use lopin_checkpoint_file, only : checkpoint_file_type, new_checkpoint_file
    use lopin_checksum, only : checksum_type
-   use lopin_run_analysis, only : run_analysis
+   use lopin_run_analysis, only : run_type, open_run, advance_run, run_state, close_run
+   use lopin_stream, only : stream_type
    use lopin_blas_threads, only : set_blas_threads, blas_threads
    use lopin_state, only : summary_type
    use lopin_text, only : plural, to_text, upper
+   use lopin_version, only : version
    use omp_lib, only : omp_set_num_threads, omp_get_max_threads
    implicit none
    private
-   public :: job_type, outcome_type, open_job, run_job, refuse_warnings, stem_of
+   public :: job_type, outcome_type, running_type, open_job, run_job, refuse_warnings, stem_of
+   public :: begin_job, advance_job, job_state, end_job
 
    !> What a caller may ask for beyond the deck.
    type :: job_type
@@ -34,6 +37,7 @@ module lopin_job
       logical :: resume = .false.               !! go on from the checkpoint, if there is one
       logical :: overwrite = .false.            !! replace the unfinished run of another deck
       logical :: interruptible = .false.        !! Ctrl-C in a process that is not ours
+      logical :: stepwise = .false.             !! whose it is again between increments
    end type job_type
 
    type :: outcome_type
@@ -42,6 +46,16 @@ module lopin_job
       type(summary_type) :: summary
       type(log_type) :: log                     !! notes and warnings of the analysis
    end type outcome_type
+
+   !> A run that goes on increment by increment, and what the process did before.
+   type :: running_type
+      type(run_type) :: run
+      type(checkpoint_file_type), allocatable :: checkpoint
+      logical :: opened = .false.               !! and not ended
+      logical, private :: borrowed = .false.    !! the answer to Ctrl-C
+      integer, private :: blas = 0, team = 0          !! threads of the process without the run
+      integer, private :: own_blas = 1, own_team = 0  !! threads of the run; 0: not yet chosen
+   end type running_type
 
    !> Fewer are assembled (3 us each) before a second thread has woken up and gone to sleep again.
    integer, parameter :: enough_elements = 10000
@@ -83,16 +97,56 @@ contains
       type(model_type), intent(in) :: model
       type(outcome_type), intent(inout) :: outcome
       type(error_type), allocatable, intent(out) :: error
-      type(checkpoint_file_type), allocatable :: checkpoint
-      integer :: before, team
-      logical :: done
+      type(running_type) :: running
+      logical :: more
+
+      call begin_job(self, running, deck, model, outcome, error)
+      more = .not. allocated(error)
+      do while (more)
+         call advance_job(self, running, model, outcome, more, error)
+      end do
+      call end_job(self, running, model, outcome, error)
+   end subroutine run_job
+
+   !> Lock the folder and open the run; `state` is one to go on from.
+   subroutine begin_job(self, running, deck, model, outcome, error, state)
+      type(job_type), intent(in) :: self
+      type(running_type), intent(out) :: running
+      type(deck_type), intent(in) :: deck       !! names the files of messages
+      type(model_type), intent(in) :: model
+      type(outcome_type), intent(inout) :: outcome
+      type(error_type), allocatable, intent(out) :: error
+      type(stream_type), intent(inout), optional :: state
 
       call outcome%clock%stop_in(phase%model)
       outcome%summary%plan = ''
-      if (len(self%folder) > 0) then
-         call make_folder(self%folder, error)
-         if (allocated(error)) return
-         allocate (checkpoint)
+      if (present(state)) call refuse_other(state, deck, model, error)
+      if (allocated(error)) return
+      if (len(self%folder) > 0) call take_folder(self, running, deck, model, outcome, error)
+      if (allocated(error)) return
+      if (self%in_memory) call append_memory(outcome%recorder, names_of(deck))
+      call enter(self, running, model, outcome%log)
+      ! What is not allocated is absent.
+      call open_run(running%run, model, outcome%recorder, outcome%clock, outcome%log, error, &
+         & running%checkpoint, state)
+      running%opened = .true.
+      running%run%scene%stops_at_once = self%interruptible
+      call leave(self, running, error)
+   end subroutine begin_job
+
+   !> The lock, the checkpoint and the files of a run.
+   subroutine take_folder(self, running, deck, model, outcome, error)
+      type(job_type), intent(in) :: self
+      type(running_type), intent(inout) :: running
+      type(deck_type), intent(in) :: deck
+      type(model_type), intent(in) :: model
+      type(outcome_type), intent(inout) :: outcome
+      type(error_type), allocatable, intent(out) :: error
+
+      call make_folder(self%folder, error)
+      if (allocated(error)) return
+      allocate (running%checkpoint)
+      associate (checkpoint => running%checkpoint)
          call new_checkpoint_file(checkpoint, self%folder//'/'//self%stem//'.rst', &
             & fingerprint_of(deck, model), deck%source(1)%name, self%resume, self%overwrite, error)
          if (self%resume .and. .not. allocated(error) .and. .not. allocated(checkpoint%found)) &
@@ -105,23 +159,126 @@ contains
             return
          end if
          call checkpoint%lock%sign()
-      end if
-      if (self%in_memory) call append_memory(outcome%recorder, names_of(deck))
-      before = blas_threads()
-      team = omp_get_max_threads()
-      call set_threads(self, model, outcome%log)
-      if (self%interruptible) call borrow_interrupt()
-      ! What is not allocated is absent.
-      call run_analysis(model, outcome%recorder, outcome%clock, outcome%summary, outcome%log, &
-         & error, checkpoint)
-      if (self%interruptible) call return_interrupt(merge(1_c_int, 0_c_int, &
-         & outcome%summary%exit_code == error_code%interrupted))
-      if (allocated(checkpoint)) call checkpoint%lock%give()
-      ! The process may go on with other work.
-      call omp_set_num_threads(team)
-      done = before == 0
-      if (.not. done) done = set_blas_threads(before)
-   end subroutine run_job
+      end associate
+   end subroutine take_folder
+
+   !> What a run holds between two increments, for `begin_job` of the same deck.
+   subroutine job_state(running, deck, model, state, error)
+      type(running_type), intent(inout) :: running
+      type(deck_type), intent(in) :: deck
+      type(model_type), intent(in) :: model
+      type(stream_type), intent(inout) :: state
+      type(error_type), allocatable, intent(out) :: error
+      character(len=:), allocatable :: mark
+
+      mark = mark_of(deck, model)
+      call state%pass(mark)
+      call run_state(running%run, model, state, error)
+   end subroutine job_state
+
+   subroutine refuse_other(state, deck, model, error)
+      type(stream_type), intent(inout) :: state
+      type(deck_type), intent(in) :: deck
+      type(model_type), intent(in) :: model
+      type(error_type), allocatable, intent(out) :: error
+      character(len=:), allocatable :: mark
+
+      state%reading = .true.
+      mark = ''
+      call state%pass(mark)
+      if (state%broken .or. mark /= mark_of(deck, model)) call raise(error, &
+         & error_code%resource, 'E0604', 'the state is of another deck or of another version', &
+         & help='give a state that this version took out of the same deck and files')
+   end subroutine refuse_other
+
+   function mark_of(deck, model) result(mark)
+      type(deck_type), intent(in) :: deck
+      type(model_type), intent(in) :: model
+      character(len=:), allocatable :: mark
+      type(checksum_type) :: sum
+
+      sum = fingerprint_of(deck, model)
+      mark = 'Lopin state 1, '//version//', '//sum%text()
+   end function mark_of
+
+   !> One accepted increment; `more` is false at the end of the run and after an error.
+   subroutine advance_job(self, running, model, outcome, more, error)
+      type(job_type), intent(in) :: self
+      type(running_type), intent(inout) :: running
+      type(model_type), intent(in) :: model
+      type(outcome_type), intent(inout) :: outcome
+      logical, intent(out) :: more
+      type(error_type), allocatable, intent(out) :: error
+
+      call enter(self, running, model, outcome%log)
+      call advance_run(running%run, model, outcome%recorder, more, error, running%checkpoint)
+      call leave(self, running, error)
+   end subroutine advance_job
+
+   !> Files to their end, the folder to others; also after an error, and before the end of the run.
+   subroutine end_job(self, running, model, outcome, error)
+      type(job_type), intent(in) :: self
+      type(running_type), intent(inout) :: running
+      type(model_type), intent(in) :: model
+      type(outcome_type), intent(inout) :: outcome
+      type(error_type), allocatable, intent(inout) :: error
+
+      if (.not. running%opened) return
+      call close_run(running%run, model, outcome%recorder, outcome%log, error, running%checkpoint)
+      outcome%summary = running%run%summary
+      call give_back(running, error)
+      if (allocated(running%checkpoint)) call running%checkpoint%lock%give()
+      running%opened = .false.
+      associate (unused => self)
+      end associate
+   end subroutine end_job
+
+   !> The answer to Ctrl-C, to the process.
+   subroutine give_back(running, error)
+      type(running_type), intent(inout) :: running
+      type(error_type), allocatable, intent(in) :: error
+      integer(c_int) :: answered
+
+      if (.not. running%borrowed) return
+      answered = 0
+      if (allocated(error)) answered = merge(1_c_int, 0_c_int, &
+         & error%code == error_code%interrupted)
+      call return_interrupt(answered)
+      running%borrowed = .false.
+   end subroutine give_back
+
+   !> Threads, and the answer to Ctrl-C, are those of the run while it computes.
+   subroutine enter(self, running, model, log)
+      type(job_type), intent(in) :: self
+      type(running_type), intent(inout) :: running
+      type(model_type), intent(in) :: model
+      type(log_type), intent(inout) :: log
+      logical :: done
+
+      running%blas = blas_threads()
+      running%team = omp_get_max_threads()
+      if (running%own_team == 0) call choose_threads(self, model, running%own_team, log)
+      call omp_set_num_threads(running%own_team)
+      done = set_blas_threads(running%own_blas)
+      associate (unused => done)
+      end associate
+      if (self%interruptible .and. .not. running%borrowed) call borrow_interrupt()
+      running%borrowed = self%interruptible
+   end subroutine enter
+
+   !> The process may go on with other work.
+   subroutine leave(self, running, error)
+      type(job_type), intent(in) :: self
+      type(running_type), intent(inout) :: running
+      type(error_type), allocatable, intent(in) :: error
+      logical :: done
+
+      if (self%stepwise) call give_back(running, error)
+      running%own_blas = max(1, blas_threads())
+      call omp_set_num_threads(running%team)
+      done = running%blas == 0
+      if (.not. done) done = set_blas_threads(running%blas)
+   end subroutine leave
 
    !> Of all that decides what a run computes: the deck with the files that it includes, STL files,
    !> the solver.
@@ -149,12 +306,12 @@ contains
 
    !> Threads of the assembly, where there is enough to share out; the BLAS starts on one, and a
    !> large system may raise it (lopin_blas_threads says when).
-   subroutine set_threads(self, model, log)
+   subroutine choose_threads(self, model, started, log)
       type(job_type), intent(in) :: self
       type(model_type), intent(in) :: model
+      integer, intent(out) :: started
       type(log_type), intent(inout) :: log
-      integer :: wanted, started
-      logical :: done
+      integer :: wanted
 
       wanted = min(omp_get_max_threads(), most_threads)
       if (model%mesh%nelement < enough_elements) wanted = 1
@@ -167,11 +324,7 @@ contains
       if (started < wanted) call log%say(severity%note, 'N0706', 'the run has '// &
          & plural(started, 'thread')//' instead of '//to_text(wanted)// &
          & ': the system starts no more')
-      call omp_set_num_threads(started)
-      done = set_blas_threads(1)
-      associate (unused => done)
-      end associate
-   end subroutine set_threads
+   end subroutine choose_threads
 
    !> Name of the deck without its folder and its .inp.
    pure function stem_of(path) result(stem)

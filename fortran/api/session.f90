@@ -6,17 +6,20 @@
 module lopin_session
    use lopin_deck, only : deck_type, read_deck_text
    use lopin_error, only : error_type, error_code, log_type, severity, raise
-   use lopin_job, only : job_type, outcome_type, open_job, run_job, refuse_warnings, stem_of
+   use lopin_job, only : job_type, outcome_type, running_type, open_job, refuse_warnings, stem_of, &
+      & begin_job, advance_job, job_state, end_job
    use lopin_keyword_json, only : keywords_json
    use lopin_kinds, only : wp
    use lopin_model, only : model_type
    use lopin_recorder, only : recorder_type
    use lopin_recorder_memory, only : memory_recorder_type
    use lopin_render, only : render, render_json, json_string
+   use lopin_stream, only : stream_type
    use lopin_text, only : parse_integer, quoted
    implicit none
    private
-   public :: session_type, deck_text_type, new_session
+   public :: session_type, deck_text_type, new_session, advance_session, end_session
+   public :: session_state
    public :: keep_session, forget_session, session_text, session_real, session_integer
 
    !> A deck as a caller holds it.
@@ -31,7 +34,13 @@ module lopin_session
       character(len=:), allocatable, private :: diagnostics  !! a JSON list
       character(len=:), allocatable, private :: summary      !! a JSON object; '' before a solution
       character(len=:), allocatable, private :: names        !! of the results, one a line
-      class(recorder_type), allocatable, private :: memory   !! unallocated if nothing was solved
+      class(recorder_type), allocatable, private :: memory   !! of a run that has ended
+      type(job_type), private :: job
+      type(deck_type), private :: deck
+      type(model_type), private :: model
+      type(log_type), private :: said                        !! so far
+      type(outcome_type), private :: outcome
+      type(running_type), private :: running                 !! until it is ended
    end type session_type
 
    type :: slot_type
@@ -44,60 +53,131 @@ module lopin_session
 
 contains
 
-   !> Read, check and, if wanted, solve a deck.
-   subroutine new_session(self, deck_text, output, options, solve)
+   !> Read and check a deck and, if wanted, begin its run; `state` is one to go on from.
+   subroutine new_session(self, deck_text, output, options, begin, state)
       type(session_type), intent(out) :: self
       type(deck_text_type), intent(in) :: deck_text
       character(len=*), intent(in) :: output     !! folder of the result files; '' for none
       character(len=*), intent(in) :: options    !! lines: solver=..., threads=..., strict ...
-      logical, intent(in) :: solve
-      type(deck_type) :: deck
-      type(log_type) :: said
+      logical, intent(in) :: begin
+      type(stream_type), intent(inout), optional :: state
       type(error_type), allocatable :: error
-
-      !$omp critical (lopin_run)
-      call go_through(self, deck_text, output, options, solve, deck, said, error)
-      if (allocated(error)) self%code = error%code
-      call tell(self, deck, said, error)
-      !$omp end critical (lopin_run)
-   end subroutine new_session
-
-   subroutine go_through(self, deck_text, output, options, solve, deck, said, error)
-      type(session_type), intent(inout) :: self
-      type(deck_text_type), intent(in) :: deck_text
-      character(len=*), intent(in) :: output, options
-      logical, intent(in) :: solve
-      type(deck_type), intent(out) :: deck
-      type(log_type), intent(inout) :: said
-      type(error_type), allocatable, intent(out) :: error
-      type(job_type) :: job
-      type(model_type) :: model
-      type(outcome_type) :: outcome
 
       self%summary = ''
       self%names = ''
-      call outcome%clock%start()
-      call read_options(job, options, error)
+      !$omp critical (lopin_run)
+      call read_job(self, deck_text, output, options, error)
+      if (begin .and. .not. allocated(error)) then
+         call begin_job(self%job, self%running, self%deck, self%model, self%outcome, error, state)
+         if (allocated(error)) call end_run(self, error)
+      end if
+      if (allocated(error)) self%code = error%code
+      call tell(self, error)
+      !$omp end critical (lopin_run)
+   end subroutine new_session
+
+   subroutine read_job(self, deck_text, output, options, error)
+      type(session_type), intent(inout) :: self
+      type(deck_text_type), intent(in) :: deck_text
+      character(len=*), intent(in) :: output, options
+      type(error_type), allocatable, intent(out) :: error
+
+      call self%outcome%clock%start()
+      call read_options(self%job, options, error)
       if (allocated(error)) return
-      job%folder = output
-      job%stem = stem_of(deck_text%name)
-      job%in_memory = .true.
-      call read_deck_text(deck, deck_text%text, deck_text%name, deck_text%folder, said, error)
+      self%job%folder = output
+      self%job%stem = stem_of(deck_text%name)
+      self%job%in_memory = .true.
+      call read_deck_text(self%deck, deck_text%text, deck_text%name, deck_text%folder, self%said, &
+         & error)
       if (allocated(error)) return
-      call open_job(job, deck, model, error)
-      call add_log(said, model%log)
-      if (.not. allocated(error) .and. job%strict) call refuse_warnings(said, error)
-      if (allocated(error) .or. .not. solve) return
-      call run_job(job, deck, model, outcome, error)
-      call add_log(said, outcome%log)
-      if (.not. allocated(outcome%recorder)) return
-      call move_alloc(outcome%recorder(size(outcome%recorder))%recorder, self%memory)
+      call open_job(self%job, self%deck, self%model, error)
+      call add_log(self%said, self%model%log)
+      if (.not. allocated(error) .and. self%job%strict) call refuse_warnings(self%said, error)
+   end subroutine read_job
+
+   !> Go to the next accepted increment of a run; at its end, or after an error, it is ended too.
+   !> An interrupt ends it unless it `stays` open.
+   subroutine advance_session(handle, stays, more, code)
+      integer, intent(in) :: handle
+      logical, intent(in) :: stays
+      logical, intent(out) :: more             !! an increment was accepted
+      integer, intent(out) :: code
+
+      more = .false.
+      code = error_code%usage
+      if (.not. in_use(handle)) return
+      !$omp critical (lopin_run)
+      call advance_run_of(pool(handle)%session, stays, more, code)
+      !$omp end critical (lopin_run)
+   end subroutine advance_session
+
+   subroutine advance_run_of(self, stays, more, code)
+      type(session_type), intent(inout) :: self
+      logical, intent(in) :: stays
+      logical, intent(out) :: more
+      integer, intent(out) :: code
+      type(error_type), allocatable :: error
+
+      more = .false.
+      code = self%code
+      if (.not. self%running%opened) return
+      call advance_job(self%job, self%running, self%model, self%outcome, more, error)
+      if (more) return
+      if (allocated(error)) code = error%code
+      if (.not. (stays .and. code == error_code%interrupted .and. self%running%run%may_step)) then
+         self%code = code
+         call end_run(self, error)
+      end if
+      call tell(self, error)
+   end subroutine advance_run_of
+
+   !> End a run where it stands; nothing happens to one that has ended.
+   subroutine end_session(handle)
+      integer, intent(in) :: handle
+      type(error_type), allocatable :: error
+
+      if (.not. in_use(handle)) return
+      !$omp critical (lopin_run)
+      associate (self => pool(handle)%session)
+         if (self%running%opened) then
+            call end_run(self, error)
+            if (allocated(error)) self%code = error%code
+            call tell(self, error)
+         end if
+      end associate
+      !$omp end critical (lopin_run)
+   end subroutine end_session
+
+   subroutine end_run(self, error)
+      type(session_type), intent(inout) :: self
+      type(error_type), allocatable, intent(inout) :: error
+
+      call end_job(self%job, self%running, self%model, self%outcome, error)
+      call add_log(self%said, self%outcome%log)
+      if (.not. allocated(self%outcome%recorder)) return
+      call move_alloc(self%outcome%recorder(size(self%outcome%recorder))%recorder, self%memory)
       select type (memory => self%memory)
       type is (memory_recorder_type)
          self%names = memory%names()
          if (allocated(memory%json%content)) self%summary = memory%json%content
       end select
-   end subroutine go_through
+   end subroutine end_run
+
+   !> What a run holds between two increments, as bytes; none if it is not open.
+   subroutine session_state(handle, state)
+      integer, intent(in) :: handle
+      type(stream_type), intent(out) :: state
+      type(error_type), allocatable :: error
+
+      if (.not. in_use(handle)) return
+      !$omp critical (lopin_run)
+      associate (self => pool(handle)%session)
+         if (self%running%opened .and. self%running%run%in_step) &
+            & call job_state(self%running, self%deck, self%model, state, error)
+      end associate
+      !$omp end critical (lopin_run)
+   end subroutine session_state
 
    !> Options of the command line, one a line.
    subroutine read_options(job, options, error)
@@ -130,6 +210,8 @@ contains
                job%overwrite = .true.
             case ('interruptible')
                job%interruptible = .true.
+            case ('stepwise')
+               job%stepwise = .true.
             case default
                ok = len(line) == 0
             end select
@@ -159,16 +241,14 @@ contains
    end subroutine add_log
 
    !> Everything that was said, with the text that the executable would show.
-   subroutine tell(self, deck, said, error)
+   subroutine tell(self, error)
       type(session_type), intent(inout) :: self
-      type(deck_type), intent(in) :: deck
-      type(log_type), intent(in) :: said
       type(error_type), allocatable, intent(in) :: error
       type(log_type) :: all
       character(len=:), allocatable :: one
       integer :: i
 
-      call add_log(all, said)
+      call add_log(all, self%said)
       if (allocated(error)) then
          do i = 1, size(error%item)
             associate (d => error%item(i))
@@ -178,10 +258,10 @@ contains
       end if
       self%diagnostics = '['
       do i = 1, all%n
-         one = render_json(all%item(i), deck)
+         one = render_json(all%item(i), self%deck)
          if (i > 1) self%diagnostics = self%diagnostics//','//nl
          self%diagnostics = self%diagnostics//one(:len(one) - 1)//', "text": ' &
-            & //json_string(render(all%item(i), deck, .false.))//'}'
+            & //json_string(render(all%item(i), self%deck, .false.))//'}'
       end do
       self%diagnostics = self%diagnostics//']'
    end subroutine tell
@@ -247,7 +327,7 @@ contains
       if (in_use(handle)) then
          if (what == 'diagnostics') text = pool(handle)%session%diagnostics
          if (what == 'summary') text = pool(handle)%session%summary
-         if (what == 'names') text = pool(handle)%session%names
+         if (what == 'names') text = names_of(pool(handle)%session)
       end if
       !$omp end critical (lopin_pool)
    end subroutine session_text
@@ -258,16 +338,10 @@ contains
       character(len=*), intent(in) :: name
       integer, intent(in) :: index               !! increment from 1
       real(wp), allocatable, intent(out) :: values(:, :)
+      integer, allocatable :: none(:, :)
 
       !$omp critical (lopin_pool)
-      if (in_use(handle)) then
-         if (allocated(pool(handle)%session%memory)) then
-            select type (memory => pool(handle)%session%memory)
-            type is (memory_recorder_type)
-               call memory%get_real(name, index, values)
-            end select
-         end if
-      end if
+      if (in_use(handle)) call read_result(pool(handle)%session, name, index, values, none)
       !$omp end critical (lopin_pool)
    end subroutine session_real
 
@@ -276,16 +350,53 @@ contains
       character(len=*), intent(in) :: name
       integer, intent(in) :: index               !! increment from 1
       integer, allocatable, intent(out) :: values(:, :)
+      real(wp), allocatable :: none(:, :)
 
       !$omp critical (lopin_pool)
-      if (in_use(handle)) then
-         if (allocated(pool(handle)%session%memory)) then
-            select type (memory => pool(handle)%session%memory)
-            type is (memory_recorder_type)
-               call memory%get_integer(name, index, values)
-            end select
-         end if
-      end if
+      if (in_use(handle)) call read_result(pool(handle)%session, name, index, none, values)
       !$omp end critical (lopin_pool)
    end subroutine session_integer
+
+   !> Of a run that has ended, or of one that is open.
+   subroutine read_result(self, name, index, reals, integers)
+      type(session_type), intent(inout) :: self
+      character(len=*), intent(in) :: name
+      integer, intent(in) :: index               !! increment from 1
+      real(wp), allocatable, intent(inout) :: reals(:, :)
+      integer, allocatable, intent(inout) :: integers(:, :)
+
+      if (allocated(self%memory)) then
+         call read_memory(self%memory, name, index, reals, integers)
+      else if (allocated(self%outcome%recorder)) then
+         call read_memory(self%outcome%recorder(size(self%outcome%recorder))%recorder, name, &
+            & index, reals, integers)
+      end if
+   end subroutine read_result
+
+   subroutine read_memory(recorder, name, index, reals, integers)
+      class(recorder_type), intent(in) :: recorder
+      character(len=*), intent(in) :: name
+      integer, intent(in) :: index
+      real(wp), allocatable, intent(inout) :: reals(:, :)
+      integer, allocatable, intent(inout) :: integers(:, :)
+
+      select type (recorder)
+      type is (memory_recorder_type)
+         call recorder%get_real(name, index, reals)
+         call recorder%get_integer(name, index, integers)
+      end select
+   end subroutine read_memory
+
+   !> Words of the results so far.
+   function names_of(self) result(names)
+      type(session_type), intent(in) :: self
+      character(len=:), allocatable :: names
+
+      names = self%names
+      if (allocated(self%memory) .or. .not. allocated(self%outcome%recorder)) return
+      select type (memory => self%outcome%recorder(size(self%outcome%recorder))%recorder)
+      type is (memory_recorder_type)
+         names = memory%names()
+      end select
+   end function names_of
 end module lopin_session

@@ -30,6 +30,8 @@ from .friction import (
     StaticKinetic,
     Tresca,
 )
+from .job import Job
+from .job import open_job as open
 from .laws import Augmented, Exponential, Lagrange, Penalty, Perturbed, Tabular
 from .materials import (
     CowperSymonds,
@@ -54,12 +56,13 @@ __version__ = "0.1.0"
 __all__ = [
     "Augmented", "AutoFriction", "Block", "Case", "Coulomb", "CowperSymonds", "Cristescu",
     "DamagedResultError", "Deck", "DeckError", "Elastic", "Exponential", "Folder", "Hollomon",
-    "InternalError", "Interrupted", "Lagrange", "LinearHardening", "LopinError", "Material",
-    "Mesh", "MissingPackageError", "Model", "ModelError", "NeoHooke", "NortonHoff",
+    "InternalError", "Interrupted", "Job", "Lagrange", "LinearHardening", "LopinError",
+    "Material", "Mesh", "MissingPackageError", "Model", "ModelError", "NeoHooke", "NortonHoff",
     "NortonHoffFriction", "NotConvergedError", "Orowan", "Penalty", "Perturbed", "Plastic",
     "ResourceError", "Result", "Rough", "SingularError", "StaticKinetic", "Swift", "Tabular",
     "Tresca", "UsageError", "Voce", "check", "closed_form", "from_meshio", "keywords",
-    "mesh_make", "open_result", "profile", "read_mesh", "reference", "run", "sweep", "together",
+    "mesh_make", "open", "open_result", "profile", "read_mesh", "reference", "run", "sweep",
+    "together",
 ]
 
 

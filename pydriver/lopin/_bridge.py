@@ -56,13 +56,38 @@ class Session:
 
     def __init__(self, text: str, name: str, folder: str, output: str,
                  options: dict[str, str | int | bool] | None = None):
-        options = dict(options or {})
-        if threading.current_thread() is threading.main_thread() and \
-                signal.getsignal(signal.SIGINT) is signal.default_int_handler:
-            options["interruptible"] = True
+        options = _answering(options or {})
         self.handle, self.code = map(int, core().run_deck(
             *map(_bytes, (text, name, folder, output, _lines(options)))))
         self.diagnostics = diagnostics(self.handle)
+
+    @classmethod
+    def opened(cls, text: str, name: str, folder: str, output: str,
+               options: dict[str, str | int | bool], state: bytes) -> Session:
+        """A run before its first increment, or after the one whose `state` is given."""
+        self = cls.__new__(cls)
+        words = _lines({**_answering(options), "stepwise": True})
+        self.handle, self.code = map(int, core().open_run(
+            *map(_bytes, (text, name, folder, output, words)), np.frombuffer(state, np.int8)))
+        self.diagnostics = diagnostics(self.handle)
+        return self
+
+    def advance(self) -> tuple[bool, int]:
+        """Go to the next accepted increment: whether there was one, and the exit code so far."""
+        more, code = map(int, core().advance(self.handle))
+        if not more:
+            self.code, self.diagnostics = code, diagnostics(self.handle)
+        return bool(more), code
+
+    def end(self) -> None:
+        """End the run where it stands; files are whole afterwards."""
+        core().end_run(self.handle)
+        self.diagnostics = diagnostics(self.handle)
+
+    def state(self) -> bytes:
+        """What an open run holds between two increments; empty before the first."""
+        n = int(core().state_length(self.handle))
+        return np.asarray(core().get_state(self.handle, n), np.int8).tobytes() if n else b""
 
     def names(self) -> list[str]:
         """Words of everything that `field` knows."""
@@ -95,6 +120,13 @@ class Session:
     def __del__(self):
         if getattr(self, "handle", 0):
             self.close()
+
+
+def _answering(options: dict) -> dict:
+    """With an answer to Ctrl-C, where nobody else gives one."""
+    alone = threading.current_thread() is threading.main_thread() and \
+        signal.getsignal(signal.SIGINT) is signal.default_int_handler
+    return {**options, "interruptible": True} if alone else dict(options)
 
 
 def diagnostics(handle: int) -> list[dict]:

@@ -47,7 +47,7 @@ def run(scene: Deck | Model | str | Path, output: str | Path | None = None, *,
         return _run_executable(deck, output, _option_words(options))
     if output is not None:
         deck.write(Path(output)/f"{deck.name}.inp")
-    session = _bridge.Session(deck.text(), _name(deck), str(deck.folder), str(output or ""),
+    session = _bridge.Session(deck.text(), full_name(deck), str(deck.folder), str(output or ""),
                               options)
     if session.code == Interrupted.code:   # Ctrl-C; a loop that catches our errors must end too
         raise KeyboardInterrupt(str(error_of(session.code, session.diagnostics)))
@@ -57,16 +57,22 @@ def run(scene: Deck | Model | str | Path, output: str | Path | None = None, *,
     if options.get("resume"):   # in memory is only what this process did
         source = Folder(output, deck.name)
         source.diagnostics = session.diagnostics
-    result = Result(source, deck)
-    if session.code:
-        raise _unfinished(session.code, session.diagnostics, result)
-    return result
+    return to_result(session, Result(source, deck))
+
+
+def to_result(session: _bridge.Session, result: Result) -> Result:
+    """The result of a run that has ended, or the exception that holds what there is of it."""
+    if session.code in (0, NotConvergedError.code):
+        if session.code:
+            raise _unfinished(session.code, session.diagnostics, result)
+        return result
+    raise error_of(session.code, session.diagnostics)
 
 
 def check(scene: Deck | Model | str | Path) -> list[dict]:
     """Parse and check without solving; returns warnings and notes, raises on errors."""
     deck = as_deck(scene)
-    return _bridge.check_deck(deck.text(), _name(deck), str(deck.folder))
+    return _bridge.check_deck(deck.text(), full_name(deck), str(deck.folder))
 
 
 def as_deck(scene: Deck | Model | str | Path) -> Deck:
@@ -76,7 +82,7 @@ def as_deck(scene: Deck | Model | str | Path) -> Deck:
     return scene.to_deck() if hasattr(scene, "to_deck") else Deck.read(scene)
 
 
-def _name(deck: Deck) -> str:
+def full_name(deck: Deck) -> str:
     """The path that messages show."""
     return str(deck.folder/f"{deck.name}.inp")
 

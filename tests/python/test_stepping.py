@@ -1,0 +1,166 @@
+"""Runs by the increment: open, advance, state out, state in, close; Ctrl-C; memory."""
+import os
+import signal
+import threading
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import lopin
+from test_checkpoint import billet
+
+DECKS = {"upsetting": 4, "cattaneo": 3, "ring_compression": 3, "rotating_rings": 2, "rough_punch": 2}
+
+
+@pytest.fixture
+def press(tmp_path, core):
+    """A billet that slips on its tool, in ten increments and two steps."""
+    path = tmp_path/"press.inp"
+    path.write_text(billet(steps=(0.1, 0.1)))
+    return path
+
+
+def same(one, other, index=-1):
+    """Fields and contact of one increment of two results, bit for bit."""
+    compared = 0
+    for name in one.names:
+        assert np.array_equal(one.at(index)[name], other.at(index)[name]), name
+        compared += 1
+    for pair in one.pairs:
+        a, b = one.contact(pair).at(index).fields, other.contact(pair).at(index).fields
+        assert set(a) == set(b)
+        for word, values in a.items():
+            assert np.array_equal(values, b[word]), (pair, word)
+            compared += 1
+    assert compared > 5
+
+
+def test_increments_one_by_one_are_the_run(press):
+    whole = lopin.run(press)
+    with lopin.open(press) as job:
+        assert job.is_open and job.state == b""
+        for k, frame in enumerate(job):
+            assert np.array_equal(frame["displacement"], whole.at(k)["displacement"])
+        assert not job.is_open
+    assert k + 1 == len(whole.times) and job.result.summary["status"] == "finished"
+    same(whole, job.result)
+    with pytest.raises(lopin.UsageError, match="ended"):
+        job.advance()
+
+
+def test_a_caller_stops_a_run(press, tmp_path):
+    with lopin.open(press, tmp_path/"out") as job:
+        for frame in job:
+            if job.result.times[-1] > 0.45:
+                break
+    stopped = job.result
+    assert len(stopped.times) == 4 and stopped.summary["status"] == "stopped"
+    assert (tmp_path/"out"/"press.json").read_text().count('"stopped"') == 1
+    assert (tmp_path/"out"/"press.rst").exists(), "it may be resumed"
+    assert lopin.run(press, tmp_path/"out", resume=True).summary["status"] == "finished"
+    lopin.run(press, tmp_path/"whole")
+    for suffix in (".sta", ".cvg", "_history.csv"):
+        name = f"press{suffix}"
+        assert (tmp_path/"out"/name).read_bytes() == (tmp_path/"whole"/name).read_bytes(), name
+
+
+@pytest.mark.parametrize("name", DECKS)
+def test_a_state_goes_on_in_a_new_model_to_the_same_bits(name, root, core):
+    """Taken out after some increments, put into a model that is built anew from the same deck."""
+    deck = root/"decks"/f"{name}.inp"
+    whole = lopin.run(deck)
+    with lopin.open(deck) as job:
+        for _, frame in zip(range(DECKS[name]), job):
+            pass
+        state = job.state
+        assert len(job.result.times) == DECKS[name] and state
+    with lopin.open(deck, state=state) as rest:
+        for frame in rest:
+            pass
+    assert len(rest.result.times) + DECKS[name] == len(whole.times)
+    same(whole, rest.result)
+
+
+def test_a_state_across_the_end_of_a_step(press):
+    whole = lopin.run(press)
+    for n in range(1, len(whole.times)):
+        with lopin.open(press) as job:
+            for _, frame in zip(range(n), job):
+                pass
+            state = job.state
+        with lopin.open(press, state=state) as rest:
+            assert rest.advance()
+            same(whole.at(n).result, _Shifted(rest.result, n), n)
+
+
+class _Shifted:
+    """A result whose first increment is the n-th."""
+
+    def __init__(self, result, n):
+        self.result, self.n, self.names = result, n, result.names
+
+    def at(self, index):
+        return self.result.at(index - self.n)
+
+    def contact(self, pair):
+        history, n = self.result.contact(pair), self.n
+
+        class Pair:
+            def at(self, index):
+                return history.at(index - n)
+        return Pair()
+
+
+def test_what_is_no_state_is_refused(press, tmp_path):
+    with lopin.open(press) as job:
+        job.advance()
+        state = job.state
+    other = lopin.Deck.parse(press.read_text().replace("0.3\n", "0.31\n"), "press")
+    with pytest.raises(lopin.ResourceError, match="another deck"):
+        lopin.open(other, state=state)
+    for wrong in (b"nonsense", state[:-40], state + b"\0\0\0\0"):
+        with pytest.raises(lopin.ResourceError, match="E0604"):
+            lopin.open(press, state=wrong)
+
+
+def test_errors_are_those_of_a_run(tmp_path, core):
+    with pytest.raises(lopin.DeckError):
+        lopin.open(lopin.Deck.parse("*NODE\n1, 0., 0.\n*STEP\n*STATICK\n*END STEP\n", "bad"))
+
+
+def test_ctrl_c_gives_the_increment_up_and_the_run_may_go_on(root, core):
+    """Within one iteration, so long before the increment would have ended."""
+    deck = root/"decks"/"upset_tetra.inp"
+    with lopin.open(deck) as job:
+        job.advance()
+        started = time.perf_counter()
+        job.advance()
+        long = time.perf_counter() - started
+        timer = threading.Timer(min(0.2*long, 0.2), os.kill, (os.getpid(), signal.SIGINT))
+        before = job.result["displacement"]
+        with pytest.raises(KeyboardInterrupt):
+            timer.start()
+            while True:
+                before = job.result["displacement"]
+                assert job.advance() is not None
+        assert job.is_open and np.array_equal(job.result["displacement"], before)
+        assert job.advance() is not None, "goes on"
+
+
+def test_many_runs_leave_no_memory_behind(press):
+    def resident():
+        return 4096*int(Path("/proc/self/statm").read_text().split()[1])
+
+    def runs(n):
+        for _ in range(n):
+            with lopin.open(press) as job:
+                job.advance()
+                state = job.state
+            lopin.open(press, state=state).close()
+
+    runs(20)
+    before = resident()
+    runs(60)
+    assert resident() - before < 3e6
