@@ -54,8 +54,8 @@ class Job:
 
     @property
     def state(self) -> bytes:
-        """All that lives from increment to increment, for ``lopin.open(deck, state=...)`` of the same
-        deck and version; empty before the first increment and after the end."""
+        """All that lives from increment to increment, for ``lopin.open(deck, state=...)`` of the
+        same deck and version; empty before the first increment and after the end."""
         return self._session.state() if self._open else b""
 
     @property
@@ -114,7 +114,7 @@ def open_job(scene: Deck | Model | str | Path, output: str | Path | None = None,
     Parameters
     ----------
     scene, output, threads, options : as of `run`
-    state : `Job.state` of an earlier run of the same deck, to go on after its last increment; results
-        and files then begin with the next one
+    state : `Job.state` of an earlier run of the same deck, to go on after its last increment;
+        results and files then begin with the next one
     """
     return Job(scene, output, state=state, threads=threads, **options)
