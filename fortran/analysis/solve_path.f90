@@ -10,6 +10,7 @@ module lopin_solve_path
    use lopin_path_condensed, only : prepare_condensed, solve_condensed, widen_condensed
    use lopin_path_newton, only : prepare_newton, solve_newton
    use lopin_finite_start, only : begin_finite
+   use lopin_torn_ties, only : refuse_torn_ties
    use lopin_path_finite, only : solve_finite
    implicit none
    private
@@ -109,6 +110,8 @@ contains
       integer :: pass
       real(wp) :: way, last
 
+      call refuse_torn_ties(scene, model, prescribed, error)
+      if (allocated(error)) return
       if (plan%path == path_of%finite) then
          call solve_finite(scene, model, f, prescribed, error)
          return

@@ -10,6 +10,7 @@ module lopin_time_increment
    use lopin_turning_points, only : next_turn, same_time
    use lopin_say_once, only : note_once
    use lopin_refuse_passage, only : passage_id
+   use lopin_torn_ties, only : torn_id
    use lopin_touch_order, only : order_id, parts_of_touch
    use lopin_scene, only : scene_type
    use lopin_contact_friction, only : slides_with_friction
@@ -138,7 +139,7 @@ contains
       may_cut = (plan%path == path_of%finite .or. slides_with_friction(scene) &
          & .or. error%item(1)%id == passage_id) &
          & .and. error%code == error_code%not_converged &
-         & .and. .not. step%direct &
+         & .and. error%item(1)%id /= torn_id .and. .not. step%direct &
          & .and. cut*increment >= max(step%smallest, smallest*step%period)
    end function may_cut
 end module lopin_time_increment

@@ -14,11 +14,12 @@ module lopin_tie_release
    use lopin_model, only : model_type
    use lopin_dofs, only : dofs_type
    use lopin_constraints, only : constraints_type
+   use lopin_rigid_motion, only : rigid_motion_type, new_rigid_motion
    use lopin_contact_points, only : contact_points_type, pair_is_tied
    use lopin_row_samples, only : sample_type, most_samples, find_samples
    implicit none
    private
-   public :: release_ties, released_directions, row_misfit
+   public :: release_ties, released_directions, row_misfit, held_apart, apart_type
 
    !> The row goes only if free masters have less than this share of it: else the master needs it.
    real(wp), parameter :: mostly_held = 0.5_wp
@@ -28,6 +29,17 @@ module lopin_tie_release
    real(wp), parameter :: exact = 1.0e-3_wp
    !> Squares of coefficients below this, beside the largest, are zero.
    real(wp), parameter :: zero = 1.0e-12_wp
+
+   !> What supports on both sides of a tied point do to it.
+   type :: apart_type
+      real(wp) :: jump = 0.0_wp            !! largest difference of their displacements [length]
+      real(wp) :: moved = 0.0_wp           !! largest displacement of the nodes that it compares
+                                           !! [length]
+      real(wp) :: place(3) = 0.0_wp        !! mean of the master's held nodes - slave node [length]
+      real(wp) :: farthest = 0.0_wp        !! of those nodes [length]
+      real(wp) :: share = 0.0_wp           !! of the row that is theirs [-]
+      real(wp) :: direction(3) = 0.0_wp
+   end type apart_type
 
 contains
 
@@ -116,6 +128,86 @@ contains
       if (total > 0.0_wp) master = master/total
       call order_by_master(basis, nheld, master, misfit, n)
    end subroutine released_directions
+
+   !> How far supports move a slave node and the held nodes of its master apart, where both are held.
+   subroutine held_apart(points, model, dofs, constraints, i, u, apart)
+      type(contact_points_type), intent(in) :: points
+      type(model_type), intent(in) :: model
+      type(dofs_type), intent(in) :: dofs
+      type(constraints_type), intent(in) :: constraints
+      integer, intent(in) :: i                 !! point
+      real(wp), intent(in) :: u(:)             !! (ndof) displacements with all equations zero
+      type(apart_type), intent(out) :: apart
+      real(wp) :: free(model%mesh%ndim, model%mesh%ndim), basis(model%mesh%ndim, &
+         & model%mesh%ndim), total, held, weight, there, moved, place(model%mesh%ndim), way(3), own(3), far
+      integer, allocatable :: node(:)
+      real(wp), allocatable :: share(:)
+      integer :: nheld, k, m, d
+
+      d = model%mesh%ndim
+      if (is_free(constraints, dofs, points%node(i), d)) return
+      call terms_of(points, model, i, node, share)
+      call free_motion(constraints, dofs, node(1), free)
+      call split(unity(d) - free, 0.5_wp, basis, nheld)
+      own = motion_of(model, dofs, u, node(1), model%mesh%x(:, node(1)))
+      do m = 1, nheld
+         associate (a => basis(:, m))
+            total = 0.0_wp
+            held = 0.0_wp
+            weight = 0.0_wp
+            there = 0.0_wp
+            far = 0.0_wp
+            place = 0.0_wp
+            moved = abs(dot_product(a, own(:d)))
+            do k = 2, size(node)
+               if (node(k) == node(1)) cycle
+               total = total + abs(share(k))
+               call free_motion(constraints, dofs, node(k), free)
+               if (dot_product(a, matmul(free, a)) > nothing) cycle
+               way = motion_of(model, dofs, u, node(k), model%mesh%x(:, node(1)))
+               held = held + abs(share(k))
+               weight = weight - share(k)
+               there = there - share(k)*dot_product(a, way(:d))
+               moved = max(moved, abs(dot_product(a, way(:d))))
+               ! A tool is wherever the node touches it.
+               if (dofs%id(6, node(k)) > 0) cycle
+               place = place - share(k)*(model%mesh%x(:, node(k)) - model%mesh%x(:, node(1)))
+               far = max(far, norm2(model%mesh%x(:, node(k)) - model%mesh%x(:, node(1))))
+            end do
+            if (.not. weight > mostly_held*held) cycle
+            there = abs(there/weight - dot_product(a, own(:d)))
+            if (.not. there > apart%jump) cycle
+            apart = apart_type(jump=there, moved=moved, farthest=far, share=held/total)
+            apart%place(:d) = place/weight
+            apart%direction(:d) = a
+         end associate
+      end do
+   end subroutine held_apart
+
+   !> Displacement of a node; of a rigid body, by its reference, that of a place on it.
+   pure function motion_of(model, dofs, u, node, x) result(way)
+      type(model_type), intent(in) :: model
+      type(dofs_type), intent(in) :: dofs
+      real(wp), intent(in) :: u(:)
+      integer, intent(in) :: node
+      real(wp), intent(in) :: x(:)             !! (ndim) [length]
+      real(wp) :: way(3), turn(3), turned(3)
+      type(rigid_motion_type) :: motion
+      integer :: k, d
+
+      d = size(x)
+      way = 0.0_wp
+      turn = 0.0_wp
+      do k = 1, 3
+         if (dofs%id(k, node) > 0) way(k) = u(dofs%id(k, node))
+         if (dofs%id(k + 3, node) > 0) turn(k) = u(dofs%id(k + 3, node))
+      end do
+      if (.not. any(abs(turn) > 0.0_wp)) return
+      call new_rigid_motion(motion, model%mesh%x(:, node), way(:d), turn(merge(3, 1, d == 2):3))
+      turned = 0.0_wp
+      turned(:d) = motion%to_global(x) - x
+      way = turned
+   end function motion_of
 
    !> Turn the held directions so that those in which the master is held come first.
    subroutine order_by_master(basis, nheld, master, misfit, n)

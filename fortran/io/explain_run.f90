@@ -147,6 +147,15 @@ contains
          & 'that they meet whatever contact does: no force can open the penetration.', &
          & 'leave the direction of the normal out of the support of the node, or stop the tool '// &
          & 'before it gets there.')
+      call add_explanation(list, 'E0507', 'supports tear a tie', &
+         & 'A slave node of a tie and the master at the same place are both prescribed, with '// &
+         & 'different values: no force of the tie can close what supports open.', &
+         & 'give both sides the same displacement, or leave one of them out of the supports.')
+      call add_explanation(list, 'W0410', 'supports move the sides of a tie apart', &
+         & 'A slave node of a tie and the held nodes of the master near it are prescribed with '// &
+         & 'different values. The tie leaves the node to its support there: along this '// &
+         & 'direction the two sides part at the node.', &
+         & 'give both sides the same displacement, or leave one of them out of the supports.')
       call add_explanation(list, 'E0601', 'the folder of results cannot be used', &
          & 'The folder cannot be made, or holds the unfinished run of another deck.', &
          & 'give another folder with -o, or --overwrite.')

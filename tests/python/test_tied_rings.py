@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from tool_patches import METHODS, Lines, family, is_quadratic, numbers
 
+from lopin import LopinError
 from lopin.deck import Deck
 from lopin.mesh_make import block, extruded, simplices
 
@@ -139,3 +140,42 @@ def test_a_clamped_slave_holds_its_master(solve, words, path, facets, kind):
     tied, alone = u[first[1]:first[2]], u[first[2]:]
     # A slave of fewer facets holds its master in the mean.
     assert np.abs(tied - alone).max() < (0.05 if facets == (6, 8) else 0.02)*np.abs(alone).max()
+
+
+def blocks(word, facets, kind, nlgeom, lift, tool=False):
+    """Two blocks glued side by side (or one to a wall), the first on the ground."""
+    lines = Lines()
+    lines.add("*MATERIAL, NAME=M", "*ELASTIC", f"{YOUNG!r}, {NU!r}")
+    for k, name in enumerate("AB"[:1 if tool else 2]):
+        mesh = block((1.0, 1.0), (2, facets[k]))
+        mesh = mesh.quadratic() if is_quadratic(word) else mesh
+        lines.mesh(mesh.mapped(lambda x, k=k: x + [float(k), 0.0]), word, name)
+        lines.add(f"*SOLID SECTION, ELSET={name}E, MATERIAL=M", "1.,")
+    if tool:
+        lines.add("*NODE", "9000, 2., 0.5", "*SURFACE, NAME=BSLEFT, TYPE=SEGMENTS",
+                  "START, 1., -1.", "LINE, 1., 2.",
+                  "*RIGID BODY, ANALYTICAL SURFACE=BSLEFT, REF NODE=9000")
+        moved = ["9000, 1", "9000, 6", f"9000, 2, 2, {lift!r}"]
+    else:
+        moved = [f"BBOTTOM, 2, 2, {lift!r}"]
+    lines.add("*SURFACE INTERACTION, NAME=I",
+              f"*CONTACT PAIR, INTERACTION=I, TIED, TYPE={kind}", "ASRIGHT, BSLEFT",
+              "*BOUNDARY", "ABOTTOM, 1, 2",
+              f"*STEP{', NLGEOM' if nlgeom else ''}", "*STATIC", "1., 1.", "*BOUNDARY", *moved,
+              "*END STEP")
+    return Deck.parse("\n".join(lines.text) + "\n", name="torn")
+
+
+@pytest.mark.parametrize("word", ["CPE4", "CPE8"])
+@pytest.mark.parametrize("facets", [(4, 4), (4, 3), (2, 5)])
+@pytest.mark.parametrize("kind", ["SURFACE TO SURFACE", "NODE TO SURFACE"])
+@pytest.mark.parametrize("nlgeom", [False, True])
+def test_supports_that_tear_a_tie_are_named(solve, word, facets, kind, nlgeom):
+    with pytest.raises(LopinError, match=r"E0507.*apart by 0.001 along direction 2"):
+        solve(blocks(word, facets, kind, nlgeom, 1e-3))
+
+
+@pytest.mark.parametrize("nlgeom", [False, True])
+def test_a_tool_that_tears_a_tie_is_named(solve, nlgeom):
+    with pytest.raises(LopinError, match="E0507.*direction 2"):
+        solve(blocks("CPE4", (4, 4), "NODE TO SURFACE", nlgeom, 1e-3, tool=True))
