@@ -19,6 +19,7 @@ from .errors import (
     SingularError,
     UsageError,
 )
+from .flow_curves import Chaboche, Hollomon, Kinematic, LinearHardening, Plastic, Swift, Voce
 from .folder import Folder
 from .friction import (
     AutoFriction,
@@ -36,14 +37,11 @@ from .laws import Augmented, Exponential, Lagrange, Penalty, Perturbed, Tabular
 from .materials import (
     CowperSymonds,
     Elastic,
-    Hollomon,
-    LinearHardening,
+    Hill48,
     Material,
     NeoHooke,
     NortonHoff,
-    Plastic,
-    Swift,
-    Voce,
+    Orientation,
 )
 from .mesh import Mesh, together
 from .mesh_read import from_meshio, read_mesh
@@ -54,15 +52,15 @@ from .sweep import Case, sweep
 
 __version__ = "0.1.0"
 __all__ = [
-    "Augmented", "AutoFriction", "Block", "Case", "Coulomb", "CowperSymonds", "Cristescu",
-    "DamagedResultError", "Deck", "DeckError", "Elastic", "Exponential", "Folder", "Hollomon",
-    "InternalError", "Interrupted", "Job", "Lagrange", "LinearHardening", "LopinError",
-    "Material", "Mesh", "MissingPackageError", "Model", "ModelError", "NeoHooke", "NortonHoff",
-    "NortonHoffFriction", "NotConvergedError", "Orowan", "Penalty", "Perturbed", "Plastic",
-    "ResourceError", "Result", "Rough", "SingularError", "StaticKinetic", "Swift", "Tabular",
-    "Tresca", "UsageError", "Voce", "check", "closed_form", "from_meshio", "keywords",
-    "mesh_make", "open", "open_result", "profile", "read_mesh", "reference", "run", "sweep",
-    "together",
+    "Augmented", "AutoFriction", "Block", "Case", "Chaboche", "Coulomb", "CowperSymonds",
+    "Cristescu", "DamagedResultError", "Deck", "DeckError", "Elastic", "Exponential", "Folder",
+    "Hill48", "Hollomon", "InternalError", "Interrupted", "Job", "Kinematic", "Lagrange",
+    "LinearHardening", "LopinError", "Material", "Mesh", "MissingPackageError", "Model",
+    "ModelError", "NeoHooke", "NortonHoff", "NortonHoffFriction", "NotConvergedError",
+    "Orientation", "Orowan", "Penalty", "Perturbed", "Plastic", "ResourceError", "Result",
+    "Rough", "SingularError", "StaticKinetic", "Swift", "Tabular", "Tresca", "UsageError", "Voce",
+    "check", "closed_form", "from_meshio", "keywords", "mesh_make", "open", "open_result",
+    "profile", "read_mesh", "reference", "run", "sweep", "together",
 ]
 
 

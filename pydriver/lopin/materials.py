@@ -6,16 +6,7 @@ from dataclasses import dataclass
 
 from .deck import Deck
 from .errors import UsageError
-
-
-def _positive(what: str, value: float) -> None:
-    if not value > 0.0:
-        raise UsageError(f"{what} must be positive, not {value:g}")
-
-
-def _not_negative(what: str, value: float) -> None:
-    if not value >= 0.0:
-        raise UsageError(f"{what} must not be negative, not {value:g}")
+from .flow_curves import Hardening, not_negative, positive
 
 
 @dataclass(frozen=True)
@@ -32,7 +23,7 @@ class Elastic:
     strain: str = "logarithmic"    #: or "green"
 
     def __post_init__(self):
-        _positive("Young's modulus", self.young)
+        positive("Young's modulus", self.young)
         if not -1.0 < self.poisson < 0.5:
             raise UsageError(f"Poisson's ratio must lie in (-1, 0.5), not {self.poisson:g}")
         if self.strain not in ("logarithmic", "green"):
@@ -74,135 +65,6 @@ class NeoHooke:
 
 
 @dataclass(frozen=True)
-class Hardening:
-    """A flow curve of von Mises plasticity with isotropic hardening; made as one of its kinds.
-
-    `only_friction`: the body stays elastic, and laws of friction alone read the flow stress at
-    plastic strain 0.
-    """
-
-    def data(self) -> list[list[float]]:
-        """Data lines of *PLASTIC."""
-        raise UsageError("a flow curve is a Plastic, Swift, Voce, Hollomon or LinearHardening")
-
-    def add_to(self, deck: Deck) -> None:
-        """Append the cards of the law."""
-        deck.add("PLASTIC", self.data(), hardening=getattr(self, "word", None),
-                 only="FRICTION" if self.only_friction else None)
-
-
-@dataclass(frozen=True)
-class Plastic(Hardening):
-    """Flow curve from a table of (true stress > 0 [stress], logarithmic plastic strain [-]).
-
-    The strains increase from 0; beyond the last line the stress stays. One number is a perfectly
-    plastic metal.
-
-    >>> Plastic(200.0).table, Plastic([(700.0, 0.0), (1300.0, 2.0)]).table[1]
-    (((200.0, 0.0),), (1300.0, 2.0))
-    """
-
-    table: float | Sequence[Sequence[float]]
-    only_friction: bool = False
-
-    def __post_init__(self):
-        table = self.table
-        rows = [(table, 0.0)] if isinstance(table, (int, float)) else list(table)
-        rows = tuple((float(s), float(e)) for s, e in rows)
-        object.__setattr__(self, "table", rows)
-        strains = [e for _, e in rows]
-        if not rows or strains[0] != 0.0 or any(b <= a for a, b in zip(strains, strains[1:])):
-            raise UsageError("plastic strains of a flow curve must increase from 0")
-        _positive("a yield stress", min(s for s, _ in rows))
-
-    def data(self) -> list[list[float]]:
-        """Data lines of *PLASTIC."""
-        return [list(row) for row in self.table]
-
-
-@dataclass(frozen=True)
-class Swift(Hardening):
-    """Flow stress k (e0 + e)^n of the plastic strain e."""
-
-    k: float     #: > 0 [stress]
-    e0: float    #: > 0 [-]
-    n: float     #: >= 0 [-]
-    only_friction: bool = False
-    word = "SWIFT"
-
-    def __post_init__(self):
-        _positive("K of Swift's law", self.k)
-        _positive("e0 of Swift's law", self.e0)
-        _not_negative("the exponent of Swift's law", self.n)
-
-    def data(self) -> list[list[float]]:
-        """Data lines of *PLASTIC."""
-        return [[self.k, self.e0, self.n]]
-
-
-@dataclass(frozen=True)
-class Voce(Hardening):
-    """Flow stress s - (s - y) exp(-d e) + h e of the plastic strain e."""
-
-    s: float          #: saturation, > 0 [stress]
-    y: float          #: yield stress, > 0 [stress]
-    d: float          #: decay, >= 0 [-]
-    h: float = 0.0    #: last slope [stress]
-    only_friction: bool = False
-    word = "VOCE"
-
-    def __post_init__(self):
-        _positive("the saturation stress", self.s)
-        _positive("the yield stress", self.y)
-        _not_negative("the decay of Voce's law", self.d)
-
-    def data(self) -> list[list[float]]:
-        """Data lines of *PLASTIC."""
-        return [[self.s, self.y, self.d, self.h]]
-
-
-@dataclass(frozen=True)
-class Hollomon(Hardening):
-    """Flow stress k e^n of the total strain e, from yield on.
-
-    Without `y` the curve begins where it leaves the line of Young's modulus.
-    """
-
-    k: float                  #: > 0 [stress]
-    n: float                  #: in (0, 1) [-]
-    y: float | None = None    #: yield stress, > 0 [stress]
-    only_friction: bool = False
-    word = "HOLLOMON"
-
-    def __post_init__(self):
-        _positive("K of Hollomon's law", self.k)
-        _positive("the exponent of Hollomon's law", self.n)
-        if self.y is not None:
-            _positive("the yield stress", self.y)
-
-    def data(self) -> list[list[float]]:
-        """Data lines of *PLASTIC."""
-        return [[self.k, self.n] + ([] if self.y is None else [self.y])]
-
-
-@dataclass(frozen=True)
-class LinearHardening(Hardening):
-    """Flow stress y + h e of the plastic strain e."""
-
-    y: float          #: yield stress, > 0 [stress]
-    h: float = 0.0    #: slope [stress]
-    only_friction: bool = False
-    word = "LINEAR"
-
-    def __post_init__(self):
-        _positive("the yield stress", self.y)
-
-    def data(self) -> list[list[float]]:
-        """Data lines of *PLASTIC."""
-        return [[self.y, self.h]]
-
-
-@dataclass(frozen=True)
 class CowperSymonds:
     """Factor 1 + (rate/d)^(1/p) on the flow curve; needs steps with a period."""
 
@@ -210,8 +72,8 @@ class CowperSymonds:
     p: float    #: > 0 [-]
 
     def __post_init__(self):
-        _positive("D of Cowper and Symonds", self.d)
-        _positive("p of Cowper and Symonds", self.p)
+        positive("D of Cowper and Symonds", self.d)
+        positive("p of Cowper and Symonds", self.p)
 
     def add_to(self, deck: Deck) -> None:
         """Append the cards of the law."""
@@ -231,7 +93,7 @@ class NortonHoff:
     rigid: bool = False
 
     def __post_init__(self):
-        _positive("K of Norton and Hoff", self.k)
+        positive("K of Norton and Hoff", self.k)
         if not 0.0 <= self.m <= 1.0:
             raise UsageError(f"m of Norton and Hoff must lie in [0, 1], not {self.m:g}")
 
@@ -240,19 +102,76 @@ class NortonHoff:
         deck.add("VISCOPLASTIC", [[self.k, self.m]], law="NORTON-HOFF", rigid=self.rigid)
 
 
+@dataclass(frozen=True)
+class Hill48:
+    """Hill's yield surface of 1948, on the axes that `Model.section` is given.
+
+    `ratios`: R11, R22, R33, R12, R13, R23, yield stresses by the flow stress, each > 0 [-].
+    `Hill48.lankford` makes it from r-values.
+    """
+
+    ratios: Sequence[float]
+    definition: str = "RATIOS"
+
+    def __post_init__(self):
+        ratios = tuple(map(float, self.ratios))
+        if len(ratios) != (6 if self.definition == "RATIOS" else 3) or not min(ratios) > 0.0:
+            raise UsageError("Hill's surface has six ratios or three r-values, each above 0, not "
+                             f"{self.ratios}")
+        object.__setattr__(self, "ratios", ratios)
+
+    @classmethod
+    def lankford(cls, r0: float, r45: float, r90: float) -> Hill48:
+        """From the r-values of a sheet whose normal is axis 3; tension along axis 1 is the curve.
+
+        >>> Hill48.lankford(1.8, 1.3, 2.1).definition
+        'LANKFORD'
+        """
+        return cls((r0, r45, r90), "LANKFORD")
+
+    def add_to(self, deck: Deck) -> None:
+        """Append the cards of the law."""
+        deck.add("POTENTIAL", [self.ratios],
+                 definition=None if self.definition == "RATIOS" else self.definition)
+
+
+@dataclass(frozen=True)
+class Orientation:
+    """Axes of a material, which turn with it: `a` on axis 1, `b` in the plane of axes 1 and 2."""
+
+    a: Sequence[float] = (1.0, 0.0, 0.0)    #: [length]
+    b: Sequence[float] = (0.0, 1.0, 0.0)    #: [length]
+    angle: float = 0.0                      #: by which the axes turn about `axis` [degrees]
+    axis: int = 3
+
+    def __post_init__(self):
+        for name in ("a", "b"):
+            point = tuple(map(float, getattr(self, name)))
+            if len(point) != 3:
+                raise UsageError(f"{name} of an orientation has three coordinates, not {point}")
+            object.__setattr__(self, name, point)
+        if self.axis not in (1, 2, 3):
+            raise UsageError(f"axis is 1, 2 or 3, not {self.axis}")
+
+    def add_to(self, deck: Deck, name: str) -> None:
+        """Append the card of the axes."""
+        turned = [[self.axis, float(self.angle)]] if self.angle else []
+        deck.add("ORIENTATION", [[*self.a, *self.b], *turned], name=name)
+
+
 class Material:
     """Several laws of one material, such as ``Material(Elastic(2e5, 0.3), Plastic(200.0))``.
 
     Parameters
     ----------
-    laws : at most one of each kind: `Elastic` or `NeoHooke`, a flow curve, `CowperSymonds`,
-        `NortonHoff`
+    laws : at most one of each kind: `Elastic` or `NeoHooke`, a flow curve such as `Plastic` or
+        `Swift`, `Hill48`, `CowperSymonds`, `NortonHoff`
     name : what the deck calls it; M1, M2... unless given
     density : for gravity, >= 0 [mass/length^3]
     expansion : coefficient of thermal expansion [1/temperature]
 
-    >>> steel = Material(Elastic(2e5, 0.3), Swift(550.0, 0.01, 0.2), name="STEEL")
-    >>> steel == Material(Elastic(2e5, 0.3), Swift(550.0, 0.01, 0.2), name="STEEL")
+    >>> steel = Material(Elastic(2e5, 0.3), NortonHoff(100.0, 0.2), name="STEEL")
+    >>> steel == Material(Elastic(2e5, 0.3), NortonHoff(100.0, 0.2), name="STEEL")
     True
     """
 
@@ -261,7 +180,7 @@ class Material:
         if not laws or len(set(kinds)) < len(kinds):
             raise UsageError("a material has at least one law, and one of each kind, not "
                              + (", ".join(type(law).__name__ for law in laws) or "none"))
-        _not_negative("a density", density)
+        not_negative("a density", density)
         self._all = (laws, name, float(density), float(expansion))
 
     @property

@@ -12,7 +12,7 @@ from .deck import Deck
 from .errors import ModelError, UsageError
 from .friction import Friction, friction_of
 from .laws import Lagrange, method_of
-from .materials import Elastic, Material, NeoHooke
+from .materials import Elastic, Material, NeoHooke, Orientation
 from .mesh import Mesh
 from .model_deck import write_model
 from .model_parts import Pair, Tool
@@ -52,8 +52,7 @@ class Model:
     mesh: Mesh
     kind: str = "plane strain"
     units: str = ""
-    sections: list[tuple[str, Elastic | NeoHooke | Material, float, bool]] = field(
-        default_factory=list)
+    sections: list[tuple] = field(default_factory=list)
     tools: list[Tool] = field(default_factory=list)
     contacts: list[Pair] = field(default_factory=list)
     fixed: list[Load] = field(default_factory=list)
@@ -82,15 +81,16 @@ class Model:
         return read_model(scene, cls)
 
     def section(self, elements: str, material: Elastic | NeoHooke | Material,
-                thickness: float = 1.0, *, full_integration: bool = False) -> None:
+                thickness: float = 1.0, *, full_integration: bool = False,
+                orientation: Orientation | None = None) -> None:
         """Give a material to an element set; linear quads and bricks use B-bar by default.
 
-        `thickness`: of plane scenes, > 0 [length].
+        `thickness`: of plane scenes, > 0 [length]. `orientation`: axes that `Hill48` counts along.
         """
         self.known(elements, "element")
         if not hasattr(material, "add_to"):
             raise UsageError(f"a material is Elastic, NeoHooke or Material(...), not {material!r}")
-        self.sections.append((elements, material, thickness, full_integration))
+        self.sections.append((elements, material, thickness, full_integration, orientation))
 
     def rigid_tool(self, name: str, profile: Profile | Stl, ref: Sequence[float] | None = None,
                    free: Sequence[str | int] = (), *, node_name: str = "") -> Tool:

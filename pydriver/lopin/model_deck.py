@@ -65,16 +65,21 @@ def _write_mesh(deck: Deck, model: Model) -> None:
 
 def _write_sections(deck: Deck, model: Model) -> None:
     names: dict = {}
-    for elements, material, thickness, full in model.sections:
+    axes: dict = {}
+    for elements, material, thickness, full, orientation in model.sections:
         if material not in names:
             names[material] = getattr(material, "name", "") or f"M{len(names) + 1}"
             deck.add("MATERIAL", name=names[material])
             material.add_to(deck)
         if full and "*SECTION CONTROLS" not in deck:
             deck.add("SECTION CONTROLS", name="FULL", formulation="FULL")
+        if orientation is not None and orientation not in axes:
+            axes[orientation] = f"O{len(axes) + 1}"
+            orientation.add_to(deck, axes[orientation])
         plane = model.kind.startswith("plane")
         deck.add("SOLID SECTION", [[thickness]] if plane else [], elset=elements,
-                 material=names[material], controls="FULL" if full else None)
+                 material=names[material], controls="FULL" if full else None,
+                 orientation=axes.get(orientation))
 
 
 def _write_tool(deck: Deck, tool: Tool) -> None:

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 from . import laws, profile
 from .deck import Block, Deck
 from .errors import UsageError
+from .materials import Orientation
 from .model_parts import Tool
 from .model_read_cards import Card, contact_method, friction_law, material
 from .model_read_mesh import MeshCards, expanded
@@ -40,7 +41,8 @@ class _Reader:
         self.of_pair: dict[tuple[str, str], dict] = {}
         self.of_all: dict = {}
         self.supports: list[Card] = []
-        self.sections: list[tuple[str, str, float, str]] = []
+        self.sections: list[tuple[str, str, float, str, str]] = []
+        self.axes: dict[str, Orientation] = {}
         self.within: list[Card] = []                # cards of the material or interaction at hand
         first = next((k for k, b in enumerate(blocks) if b.keyword == "STEP"), len(blocks))
         for block in blocks[:first]:
@@ -53,7 +55,8 @@ class _Reader:
         if card.keyword in MeshCards.KEYWORDS or card.keyword == "HEADING":
             return
         if card.keyword in ("ELASTIC", "HYPERELASTIC", "PLASTIC", "RATE DEPENDENT", "VISCOPLASTIC",
-                            "EXPANSION", "DENSITY", "SURFACE BEHAVIOR", "FRICTION"):
+                            "EXPANSION", "DENSITY", "CYCLIC HARDENING", "POTENTIAL",
+                            "SURFACE BEHAVIOR", "FRICTION"):
             self.within.append(card)
         elif hasattr(self, name):
             getattr(self, name)(card)
@@ -76,7 +79,18 @@ class _Reader:
     def _solid_section(self, card: Card) -> None:
         thickness = card.numbers() or [1.0]
         self.sections.append((card.take("ELSET").upper(), card.take("MATERIAL").upper(),
-                              thickness[0], card.take("CONTROLS", "")))
+                              thickness[0], card.take("CONTROLS", ""),
+                              str(card.take("ORIENTATION", "")).upper()))
+
+    def _orientation(self, card: Card) -> None:
+        card.take("SYSTEM"), card.take("DEFINITION")
+        values = [float(v) for v in card.rows[0]]
+        if any(values[6:]):
+            raise UsageError("Model has orientations about the origin")
+        turn = card.rows[1] if len(card.rows) > 1 else [3]
+        axis, angle = turn[0], turn[1] if len(turn) > 1 else 0.0
+        self.axes[card.take("NAME").upper()] = Orientation(values[:3], values[3:6], float(angle),
+                                                           int(axis))
 
     def _surface(self, card: Card) -> None:
         """Tools and surfaces of points; those of elements are read with the mesh."""
@@ -191,8 +205,8 @@ class _Reader:
 
     def _finish(self) -> None:
         made = {name: material(name, cards) for name, cards in self.material_cards.items()}
-        for elements, name, thickness, controls in self.sections:
-            self.model.section(elements, made[name], thickness,
+        for elements, name, thickness, controls, axes in self.sections:
+            self.model.section(elements, made[name], thickness, orientation=self.axes.get(axes),
                                full_integration=self.controls.get(controls, False))
         for name, rows, options in self.pairs:
             for slave, master in rows:

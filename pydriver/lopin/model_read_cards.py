@@ -1,15 +1,18 @@
 """Cards of a deck as values, materials and laws, for `Model.read`."""
 from __future__ import annotations
 
-from . import friction, laws, materials
+from dataclasses import replace
+
+from . import flow_curves, friction, laws, materials
 from .deck import Block
 from .errors import UsageError
 from .model_read_mesh import plain
 
 _METHODS = {"PENALTY": laws.Penalty, "AUGMENTED LAGRANGE": laws.Augmented,
             "PERTURBED LAGRANGE": laws.Perturbed}
-_HARDENING = {"ISOTROPIC": None, "SWIFT": materials.Swift, "VOCE": materials.Voce,
-              "HOLLOMON": materials.Hollomon, "LINEAR": materials.LinearHardening}
+_HARDENING = {"ISOTROPIC": None, "SWIFT": flow_curves.Swift, "VOCE": flow_curves.Voce,
+              "HOLLOMON": flow_curves.Hollomon, "LINEAR": flow_curves.LinearHardening,
+              "KINEMATIC": flow_curves.Kinematic}
 _LAWS = {"COULOMB": friction.Coulomb, "TRESCA": friction.Tresca,
          "CRISTESCU": friction.Cristescu, "CRITESCU": friction.Cristescu,
          "COULOMB-OROWAN": friction.Orowan, "OROWAN": friction.Orowan,
@@ -64,6 +67,11 @@ def material(name: str, cards: list[Card]) -> materials.Material:
             found.append(materials.NeoHooke(*numbers[:2]))
         elif card.keyword == "PLASTIC":
             found.append(_hardening(card))
+        elif card.keyword == "CYCLIC HARDENING":
+            found[-1] = _growing(found[-1], card)
+        elif card.keyword == "POTENTIAL":
+            card.take("TYPE")
+            found.append(materials.Hill48(numbers, str(card.take("DEFINITION", "RATIOS")).upper()))
         elif card.keyword == "RATE DEPENDENT":
             card.take("TYPE")
             found.append(materials.CowperSymonds(*numbers[:2]))
@@ -77,16 +85,40 @@ def material(name: str, cards: list[Card]) -> materials.Material:
     return materials.Material(*found, name=name, **more)
 
 
-def _hardening(card: Card) -> materials.Hardening:
+def _hardening(card: Card) -> flow_curves.Hardening:
     kind = str(card.take("HARDENING", "ISOTROPIC")).upper()
     only = card.take("ONLY") is not None
+    if kind == "COMBINED":
+        card.take("DATA TYPE"), card.take("NUMBER BACKSTRESSES")
+        y, *rest = card.numbers()
+        return flow_curves.Chaboche(y, list(zip(rest[::2], rest[1::2])), only_friction=only)
     if kind not in _HARDENING:
         raise UsageError(f"Model has no hardening '{kind}'")
-    if _HARDENING[kind] is None:
-        rows = [(row[0], row[1] if len(row) > 1 and row[1] is not None else 0.0)
-                for row in card.rows]
-        return materials.Plastic(rows, only_friction=only)
+    if _HARDENING[kind] is None or kind == "KINEMATIC":
+        return (_HARDENING[kind] or flow_curves.Plastic)(_table(card), only_friction=only)
     return _HARDENING[kind](*card.numbers(), only_friction=only)
+
+
+def _table(card: Card) -> list | dict:
+    """Rows of a flow curve, by temperature where they have one."""
+    rows = [[0.0 if v is None else float(v) for v in (*row, 0.0)[:max(2, len(row))]]
+            for row in card.rows]
+    if all(len(row) < 3 for row in rows):
+        return [row[:2] for row in rows]
+    by_temperature: dict[float, list] = {}
+    for stress, strain, temperature in rows:
+        by_temperature.setdefault(temperature, []).append((stress, strain))
+    return by_temperature
+
+
+def _growing(law: flow_curves.Hardening, card: Card) -> flow_curves.Hardening:
+    """Combined hardening with the growth of *CYCLIC HARDENING."""
+    growth = tuple(card.numbers()[1:3]) if card.take("PARAMETERS") else _table(card)
+    first = card.numbers()[0]
+    if not isinstance(law, flow_curves.Chaboche) or first != law.y:
+        raise UsageError("Model has *CYCLIC HARDENING below *PLASTIC, HARDENING=COMBINED of the "
+                         "same yield stress")
+    return replace(law, growth=growth)
 
 
 def contact_method(card: Card, controls: dict) -> laws.Lagrange:
