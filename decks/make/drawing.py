@@ -13,7 +13,7 @@ from matplotlib.tri import Triangulation
 from mpl_toolkits.mplot3d.art3d import Poly3DCollection
 
 import lopin
-from lopin.cells import CELLS
+from lopin.mesh.cells import CELLS
 
 ROOT = Path(__file__).resolve().parents[2]
 PICTURES = ROOT/"docs"/"pictures"

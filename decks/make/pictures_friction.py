@@ -25,7 +25,7 @@ def cattaneo() -> None:
 
 def rough_punch() -> None:
     """Pressure and shear under the rough punch, beside boundary elements with the full coupling."""
-    from lopin.closed_punch import punch_stick, punch_tractions
+    from lopin.closed_form.punch import punch_stick, punch_tractions
     c = solved("rough_punch").contact().last
     x, w = c.x[:, 0], np.asarray(c["WEIGHT"]).ravel()
     touch = (x < 10.0) & (x > 1e-9)

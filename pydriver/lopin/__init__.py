@@ -43,8 +43,8 @@ from .materials import (
     NortonHoff,
     Orientation,
 )
-from .mesh import Mesh, together
-from .mesh_read import from_meshio, read_mesh
+from .mesh.mesh import Mesh, together
+from .mesh.read import from_meshio, read_mesh
 from .model import Model
 from .result import Result
 from .run import check, run

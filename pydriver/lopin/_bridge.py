@@ -181,7 +181,7 @@ def _lines(options: dict[str, str | int | bool]) -> str:
 
 def probe_shape(cell: str, xi: ArrayLike) -> tuple[NDArray, NDArray]:
     """Shape functions (node,) and parametric slopes (node, ndim) of the Fortran cells."""
-    from .cells import CELLS
+    from .mesh.cells import CELLS
 
     values, slopes, code = core().probe_shape(
         cell=_cell_name(cell), xi=np.atleast_1d(np.asarray(xi, float)), nnode=CELLS[cell].n_node)

@@ -30,8 +30,9 @@ def chart(options) -> int:
     # One thread, so that times compare; read when the compiled part is loaded.
     for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS"):
         os.environ.setdefault(name, "1")
-    from . import chart as charts
-    from . import chart_figures, chart_theory
+    from .charts import chart as charts
+    from .charts import figures as chart_figures
+    from .charts import theory as chart_theory
 
     name, table = Path(options.deck).stem, options.deck.endswith(".csv")
     if table:
@@ -72,7 +73,7 @@ def atlas(options) -> int:
         stem = options.output/f"map_{chart.number}_{chart.name}"
         maps.write_table(cells, stem.with_suffix(".csv"))
         if not options.no_picture:
-            from .atlas_draw import draw
+            from .atlas.draw import draw
 
             draw(chart, cells, stem.with_suffix(".svg"))
         print("\n".join(maps.summary(chart, cells)))
@@ -82,7 +83,7 @@ def atlas(options) -> int:
 
 def convert(options) -> int:
     """A mesh file to the mesh part of a deck, or to any format that meshio writes."""
-    from .mesh_read import read_mesh
+    from .mesh.read import read_mesh
     from .model import Model
     from .model_deck import mesh_deck
 

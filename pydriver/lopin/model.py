@@ -13,7 +13,7 @@ from .errors import ModelError, UsageError
 from .friction import Friction, friction_of
 from .laws import Lagrange, method_of
 from .materials import Elastic, Material, NeoHooke, Orientation
-from .mesh import Mesh
+from .mesh.mesh import Mesh
 from .model_deck import write_model
 from .model_parts import Pair, Tool
 from .model_read import read_model
@@ -36,7 +36,7 @@ class Model:
     `letters`: what follows the number of nodes in the element words it fits: "I" has linear quads
     and bricks bend without locking (sheets), "R" integrates quadratic ones with fewer points.
 
-    >>> from .mesh_make import block
+    >>> from .mesh.make import block
     >>> from .profile import plane
     >>> m = Model("press", block((1.0, 1.0), (2, 2)), kind="plane strain")
     >>> m.section("ALL", Elastic(210e3, 0.3))

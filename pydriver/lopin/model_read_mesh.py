@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from .deck import Block, Deck
 from .errors import ModelError, UsageError
-from .mesh import Mesh
+from .mesh.mesh import Mesh
 
 _KINDS = {"CPE": "plane strain", "CPS": "plane stress", "CAX": "axisymmetric", "C3D": "3d"}
 _PLANE = {3: "triangle", 6: "triangle6", 4: "quad", 8: "quad8"}

@@ -10,9 +10,9 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import ArrayLike
 
-from .cells import CELLS
 from .errors import UsageError, optional
-from .mesh import Mesh
+from .mesh.cells import CELLS
+from .mesh.mesh import Mesh
 from .result import WORDS
 from .units import Units, quantity_of
 

@@ -10,8 +10,8 @@ from xml.etree import ElementTree
 
 import numpy as np
 
-from .cells import CELLS
 from .files import reading
+from .mesh.cells import CELLS
 
 _DTYPES = {"Float32": "<f4", "Float64": "<f8", "Int8": "i1", "UInt8": "u1", "Int32": "<i4",
            "Int64": "<i8"}

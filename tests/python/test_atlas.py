@@ -6,7 +6,7 @@ import pytest
 
 from lopin import atlas
 from lopin.__main__ import main
-from lopin.atlas_faces import FaceMap
+from lopin.atlas.faces import FaceMap
 
 pytestmark = pytest.mark.usefixtures("core")
 #: Numbers of F0 cells by map and panel; they may grow, and are then written again by hand.
@@ -95,8 +95,8 @@ def test_faces_pass_on_pressure_and_drag(core, word):
 def test_uneven_pressure_is_said_where_it_is(core, facets, ratio):
     """W0333 for contact at the nodes, whenever it is wrong by 5 %, and never for mortar."""
     import lopin
-    from lopin.atlas_scenes import flat
-    from lopin.chart_run import pressures
+    from lopin.atlas.scenes import flat
+    from lopin.charts.run import pressures
 
     pressure = 0.002/(0.5 + 0.5/ratio)
     for mortar in (False, True):

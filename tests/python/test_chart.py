@@ -4,10 +4,13 @@ import csv
 import numpy as np
 import pytest
 
-from lopin import chart, chart_run, chart_theory, mesh_make, profile
+from lopin import mesh_make, profile
+from lopin.charts import chart
+from lopin.charts import run as chart_run
+from lopin.charts import theory as chart_theory
 from lopin.__main__ import main
-from lopin.chart_run import Setting
-from lopin.chart_scenes import SCENES
+from lopin.charts.run import Setting
+from lopin.charts.scenes import SCENES
 from lopin.laws import Elastic
 from lopin.model import Model
 

@@ -6,7 +6,9 @@ import numpy as np
 import pytest
 
 from lopin import closed_form as cf
-from lopin import closed_hertz, closed_signorini, closed_solids
+from lopin.closed_form import hertz as closed_hertz
+from lopin.closed_form import signorini as closed_signorini
+from lopin.closed_form import solids as closed_solids
 
 
 @pytest.mark.parametrize("module", [closed_hertz, closed_signorini, closed_solids])

@@ -11,7 +11,9 @@ import pytest
 from scipy.integrate import quad, solve_ivp
 
 from lopin import closed_form as cf
-from lopin import closed_forming, closed_friction, closed_punch
+from lopin.closed_form import forming as closed_forming
+from lopin.closed_form import friction as closed_friction
+from lopin.closed_form import punch as closed_punch
 
 STEEL = cf.contact_modulus(210e3, 0.3, 210e3, 0.3)
 

@@ -55,4 +55,4 @@ def test_the_import_graph_has_no_cycle():
 
 def test_the_graph_sees_imports():
     drawn = graph()
-    assert {"deck", "mesh", "step"} <= drawn["model"] and "model" in drawn[""]
+    assert {"deck", "mesh.mesh", "step"} <= drawn["model"] and "model" in drawn[""]

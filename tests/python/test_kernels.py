@@ -3,7 +3,7 @@ import numpy as np
 import pytest
 
 from lopin import _bridge, profile, reference
-from lopin.cells import CELLS
+from lopin.mesh.cells import CELLS
 from lopin.errors import SingularError, UsageError
 
 

@@ -6,10 +6,10 @@ import pytest
 
 import lopin.mesh
 import lopin.mesh_make as make
-import lopin.mesh_read
-from lopin.cells import CELLS
+import lopin.mesh.read
+from lopin.mesh.cells import CELLS
 from lopin.errors import ModelError, UsageError
-from lopin.reference_cells import gradients, shape_functions
+from lopin.mesh.shapes import gradients, shape_functions
 
 MESHES = {
     "rectangle": make.block((2.0, 1.0), (3, 2)),
@@ -164,7 +164,7 @@ def test_meshio_groups_become_sets_and_surfaces():
     source = meshio.Mesh(points, [("line", top), ("quad", quads)],
                          cell_data={"gmsh:physical": [np.full(2, 7), np.full(2, 8)]},
                          field_data={"die side": np.array([7, 1]), "sheet": np.array([8, 2])})
-    mesh = lopin.mesh_read.from_meshio(source)
+    mesh = lopin.mesh.read.from_meshio(source)
     assert mesh.n_point == 6 and mesh.ndim == 2
     assert mesh.smallest_jacobian() > 0.0
     assert mesh.element_sets["SHEET"].tolist() == [0, 1]
@@ -181,7 +181,7 @@ def test_meshio_gmsh_file(tmp_path):
         cell_data={"gmsh:physical": numbers, "gmsh:geometrical": numbers},
         field_data={"TOP": np.array([1, 2]), "BODY": np.array([2, 3])})
     meshio.write(tmp_path/"box.msh", source, file_format="gmsh22")
-    mesh = lopin.mesh_read.read_mesh(tmp_path/"box.msh")
+    mesh = lopin.mesh.read.read_mesh(tmp_path/"box.msh")
     assert mesh.smallest_jacobian() > 0.0
     assert len(mesh.surface_points("TOP")) == 13
     assert mesh.surfaces["TOP"][:, 1].tolist() == [2, 2]
@@ -193,14 +193,14 @@ def test_facets_inside_a_body_are_refused():
     source = meshio.Mesh(plane.points, [("line", np.array([[1, 4]])), ("quad", plane.blocks[0][1])],
                          cell_sets={"WALL": [np.array([0]), np.array([], int)]})
     with pytest.raises(ModelError, match="WALL.*between two elements"):
-        lopin.mesh_read.from_meshio(source)
+        lopin.mesh.read.from_meshio(source)
 
 
 def test_a_deck_is_not_read_by_meshio(tmp_path):
     with pytest.raises(UsageError, match="is a deck"):
-        lopin.mesh_read.read_mesh(tmp_path/"a.inp")
+        lopin.mesh.read.read_mesh(tmp_path/"a.inp")
 
 
-@pytest.mark.parametrize("module", [lopin.mesh, make, lopin.mesh_read, lopin.reference_cells])
+@pytest.mark.parametrize("module", [lopin.mesh, make, lopin.mesh.read, lopin.mesh.shapes])
 def test_examples_in_docstrings(module):
     assert doctest.testmod(module).failed == 0

@@ -8,14 +8,16 @@ import numpy as np
 import pytest
 
 import lopin
-from lopin import chart_run, mesh_make, profile, reference
+from lopin import mesh_make, profile, reference
+from lopin.charts import run as chart_run
 from lopin.__main__ import main
 from lopin._bridge import has_core
-from lopin.cells import CELLS
+from lopin.mesh.cells import CELLS
 from lopin.errors import error_of
 from lopin.run import find_executable
 
-MODULES = [m.name for m in pkgutil.iter_modules(lopin.__path__) if not m.name.startswith("_core")]
+MODULES = [m.name.removeprefix("lopin.") for m in pkgutil.walk_packages(lopin.__path__, "lopin.")
+           if "_core" not in m.name and not m.name.endswith("__main__")]
 
 DECK = """** A bar, by hand.
 *HEADING

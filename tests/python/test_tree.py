@@ -61,7 +61,7 @@ def test_links_of_the_pages_lead_somewhere(root):
 
 
 def test_python_files_stay_short_and_narrow(root):
-    for path in sorted((root/"pydriver"/"lopin").glob("*.py")):
+    for path in sorted((root/"pydriver"/"lopin").rglob("*.py")):
         lines = path.read_text(encoding="utf-8").split("\n")
         assert len(lines) <= 400, path.name
         wide = [k for k, line in enumerate(lines, start=1) if len(line) > 100]
@@ -71,7 +71,7 @@ def test_python_files_stay_short_and_narrow(root):
 def test_optional_packages_are_imported_where_they_are_used(root):
     heavy = "meshio|matplotlib|scipy|pyvista|gmsh|pandas"
     top = re.compile(rf"^(?:import|from) (?:{heavy})\b", re.MULTILINE)
-    wrong = [p.name for p in (root/"pydriver"/"lopin").glob("*.py") if top.search(p.read_text())]
+    wrong = [p.name for p in (root/"pydriver"/"lopin").rglob("*.py") if top.search(p.read_text())]
     assert not wrong
     code = f"import sys, lopin; print([m for m in '{heavy}'.split('|') if m in sys.modules])"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 from lopin import mesh_make
-from lopin.atlas_blocks import PRESSURE, Scene, pressed_deck
-from lopin.atlas_scenes import Frame
+from lopin.atlas.blocks import PRESSURE, Scene, pressed_deck
+from lopin.atlas.scenes import Frame
 from lopin.laws import Elastic
 from lopin.mesh import together
 from lopin.model import Model

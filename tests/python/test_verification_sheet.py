@@ -7,7 +7,7 @@ import pytest
 
 import lopin
 from lopin import closed_form as cf
-from lopin import closed_sheet
+from lopin.closed_form import sheet as closed_sheet
 
 YOUNG, POISSON, FLOW = 210e3, 0.3, 300.0
 

@@ -6,7 +6,7 @@ from lopin import mesh_make, profile
 from lopin.closed_form import signorini_singular, signorini_smooth
 from lopin.laws import Elastic, Lagrange, Penalty
 from lopin.model import Model
-from lopin.reference_cells import shape_functions
+from lopin.mesh.shapes import shape_functions
 
 YOUNG, POISSON = 1000.0, 0.3
 FIELDS = {"singular": signorini_singular, "smooth": signorini_smooth}

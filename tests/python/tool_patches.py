@@ -7,7 +7,7 @@ sigma_zz = -p and sigma_xz = tau everywhere (nu = 0).
 """
 import numpy as np
 
-from lopin.cells import CELLS
+from lopin.mesh.cells import CELLS
 from lopin.deck import Deck
 from lopin.mesh import Mesh
 from lopin.mesh_make import block, extruded, simplices

@@ -10,13 +10,13 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from .atlas_blocks import PRESSURE, SHEAR, Scene, pressed_deck, rotation
-from .atlas_cells import Cell, Outcome, refusal
-from .atlas_scenes import PLAIN, Frame
-from .chart_run import WRONG
-from .deck import Deck
-from .errors import LopinError
-from .run import run
+from ..charts.run import WRONG
+from ..deck import Deck
+from ..errors import LopinError
+from ..run import run
+from .blocks import PRESSURE, SHEAR, Scene, pressed_deck, rotation
+from .cells import Cell, Outcome, refusal
+from .scenes import PLAIN, Frame
 
 #: Facets of slave and master along the slide.
 FACETS = ((7, 4), (4, 3), (3, 3), (3, 4), (5, 7), (10, 15), (4, 7))

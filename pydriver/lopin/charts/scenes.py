@@ -12,12 +12,13 @@ from math import log, pi
 import numpy as np
 from numpy.typing import NDArray
 
-from . import mesh_make, profile
-from .closed_form import contact_modulus, hertz_line, hertz_point_approach
-from .deck import Deck, Row
-from .laws import Elastic
-from .mesh import Mesh, together
-from .model import Model
+from .. import profile
+from ..closed_form import contact_modulus, hertz_line, hertz_point_approach
+from ..deck import Deck, Row
+from ..laws import Elastic
+from ..mesh import make as mesh_make
+from ..mesh.mesh import Mesh, together
+from ..model import Model
 
 SOLID = Elastic(20e3, 0.3)
 

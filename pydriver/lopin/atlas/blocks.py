@@ -13,10 +13,10 @@ from math import radians
 import numpy as np
 from numpy.typing import NDArray
 
-from . import mesh_make
-from .atlas_scenes import PLAIN, Frame
-from .deck import Deck
-from .mesh import Mesh
+from ..deck import Deck
+from ..mesh import make as mesh_make
+from ..mesh.mesh import Mesh
+from .scenes import PLAIN, Frame
 
 #: In the units of the plain frame; `WAY`: how far the master slides, over the 2 of the slave.
 PRESSURE, SHEAR, YOUNG, WAY = 10.0, 2.0, 1e5, 1e-3

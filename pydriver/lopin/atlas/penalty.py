@@ -6,10 +6,10 @@ from functools import cache
 import numpy as np
 from numpy.typing import NDArray
 
-from .atlas_cells import Outcome, exact_pressures, outcome
-from .atlas_scenes import PLAIN, Frame, crown
-from .chart_run import Setting, answer, least_compliance
-from .deck import Block, Deck
+from ..charts.run import Setting, answer, least_compliance
+from ..deck import Block, Deck
+from .cells import Outcome, exact_pressures, outcome
+from .scenes import PLAIN, Frame, crown
 
 PATHS = ("condensed", "newton", "finite")
 #: Length of a slave facet of the scene, whose upper modulus is 1.

@@ -14,12 +14,12 @@ from dataclasses import dataclass, field, fields
 import numpy as np
 from numpy.typing import NDArray
 
-from .chart_scenes import Scene
-from .deck import Block, Deck
-from .errors import LopinError, UsageError
-from .laws import METHODS
-from .result import Result
-from .run import run
+from ..deck import Block, Deck
+from ..errors import LopinError, UsageError
+from ..laws import METHODS
+from ..result import Result
+from ..run import run
+from .scenes import Scene
 
 #: Phases of a run that an equivalent factorisation consists of, and those of contact.
 LINEAR, CONTACT = ("analyse", "factorise", "solve"), ("analyse", "factorise", "contact", "solve")

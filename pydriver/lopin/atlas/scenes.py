@@ -11,12 +11,12 @@ from math import cos, radians, sin
 import numpy as np
 from numpy.typing import NDArray
 
-from . import mesh_make
-from .chart_run import light
-from .deck import Deck
-from .laws import Elastic
-from .mesh import Mesh, together
-from .model import Model
+from ..charts.run import light
+from ..deck import Deck
+from ..laws import Elastic
+from ..mesh import make as mesh_make
+from ..mesh.mesh import Mesh, together
+from ..model import Model
 
 
 @dataclass(frozen=True)

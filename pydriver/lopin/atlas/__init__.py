@@ -14,15 +14,15 @@ from pathlib import Path
 
 import numpy as np
 
-from .atlas_cells import CLASSES, Cell
-from .atlas_faces import FaceCell, FaceMap
-from .atlas_friction import FrictionMap
-from .atlas_mesh import MeshMap
-from .atlas_penalty import AugmentedMap, PenaltyMap
-from .atlas_scenes import Frame
-from .atlas_uzawa import UzawaMap
-from .errors import UsageError
-from .files import whole_file
+from ..errors import UsageError
+from ..files import whole_file
+from .cells import CLASSES, Cell
+from .faces import FaceCell, FaceMap
+from .friction import FrictionMap
+from .mesh import MeshMap
+from .penalty import AugmentedMap, PenaltyMap
+from .scenes import Frame
+from .uzawa import UzawaMap
 
 MAPS = {m.number: m for m in (PenaltyMap(), UzawaMap(), AugmentedMap(), FrictionMap(), MeshMap(),
                               FaceMap())}

@@ -10,8 +10,8 @@ from collections.abc import Iterable
 
 import numpy as np
 
-from .chart_run import Run
-from .chart_theory import (
+from .run import Run
+from .theory import (
     augmentations,
     bound,
     medians,

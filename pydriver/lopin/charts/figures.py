@@ -3,10 +3,10 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from . import chart_draw as draw
-from .chart_run import Run
-from .errors import optional
-from .files import whole_file
+from ..errors import optional
+from ..files import whole_file
+from . import draw
+from .run import Run
 
 STYLE = {"font.size": 9, "axes.titlesize": 10, "axes.labelsize": 9, "svg.hashsalt": "lopin",
          "axes.titlelocation": "left", "axes.titleweight": "bold", "figure.dpi": 150}

@@ -6,8 +6,8 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from .atlas_cells import CLASSES, Cell
-from .files import whole_file
+from ..files import whole_file
+from .cells import CLASSES, Cell
 
 COLOR = {"W": "#f0e2b6", "F1": "#ff0000", "F2": "#c9c9c9", "F3": "#e6a8d7", "F4": "#f4a582",
          "F5": "#a6a6a6", "F6": "#b2182b", "F7": "#bfa5e0"}

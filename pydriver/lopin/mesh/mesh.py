@@ -11,9 +11,9 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ..errors import ModelError, UsageError
 from .cells import CELLS, QUADRATIC
-from .errors import ModelError, UsageError
-from .reference_cells import smallest_jacobian
+from .shapes import smallest_jacobian
 
 
 @dataclass(frozen=True)
@@ -142,7 +142,7 @@ class Mesh:
 def together(**bodies: Mesh) -> Mesh:
     """Several bodies in one mesh: sets become "BODY.SET", all elements of a body the set "BODY".
 
-    >>> from .mesh_make import block
+    >>> from .make import block
     >>> sorted(together(UP=block((1, 1), (1, 1)), LOW=block((1, 1), (2, 1))).element_sets)
     ['LOW', 'LOW.ALL', 'UP', 'UP.ALL']
     """

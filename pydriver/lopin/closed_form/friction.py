@@ -10,7 +10,7 @@ from math import acos, exp, pi, sqrt, tan
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .closed_hertz import HertzLine, HertzPoint, contact_modulus, hertz_line, hertz_point
+from .hertz import HertzLine, HertzPoint, contact_modulus, hertz_line, hertz_point
 
 
 @dataclass(frozen=True)

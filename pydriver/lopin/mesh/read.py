@@ -12,10 +12,10 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from ..errors import ModelError, ResourceError, UsageError
 from .cells import CELLS
-from .errors import ModelError, ResourceError, UsageError
 from .mesh import Mesh
-from .reference_cells import smallest_jacobian
+from .shapes import smallest_jacobian
 
 #: Full Lagrange cells lose their inner nodes.
 _SERENDIPITY = {"quad9": ("quad8", 8), "hexahedron27": ("hexahedron20", 20),

@@ -9,10 +9,10 @@ from functools import cache
 import numpy as np
 from numpy.typing import NDArray
 
-from .atlas_cells import Outcome, outcome
-from .atlas_scenes import PLAIN, Frame, flat
-from .chart_run import Setting
-from .deck import Deck
+from ..charts.run import Setting
+from ..deck import Deck
+from .cells import Outcome, outcome
+from .scenes import PLAIN, Frame, flat
 
 #: Facets of slave and master, by h_slave/h_master; no two meshes are nested but 10/10.
 FACETS = {m/s: (s, m) for s, m in ((30, 3), (29, 5), (25, 6), (20, 9), (15, 9), (14, 11), (10, 10),

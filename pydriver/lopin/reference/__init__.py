@@ -1,5 +1,5 @@
 """Independent numpy twins of the Fortran kernels, for verification only: slow, short, exact."""
-from .reference_cells import (
+from ..mesh.shapes import (
     brick_stiffness,
     exponents,
     gradients,
@@ -8,7 +8,7 @@ from .reference_cells import (
     smallest_jacobian,
     strain_matrix,
 )
-from .reference_contact import (
+from .contact import (
     closest_on_facet,
     closest_on_segment,
     closest_on_triangle,

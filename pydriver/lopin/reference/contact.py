@@ -9,8 +9,8 @@ from itertools import product
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .cells import CELLS
-from .reference_cells import shape_functions
+from ..mesh.cells import CELLS
+from ..mesh.shapes import shape_functions
 
 
 def closest_on_segment(a: ArrayLike, b: ArrayLike, point: ArrayLike) -> tuple[float, NDArray]:

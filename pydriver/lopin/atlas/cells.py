@@ -11,10 +11,10 @@ from dataclasses import dataclass, fields
 import numpy as np
 from numpy.typing import NDArray
 
-from .chart_run import WRONG, pressures, relative
-from .deck import Deck
-from .errors import NotConvergedError, SingularError
-from .run import run
+from ..charts.run import WRONG, pressures, relative
+from ..deck import Deck
+from ..errors import NotConvergedError, SingularError
+from ..run import run
 
 CLASSES = {
     "F0": "converged and certified",

@@ -4,7 +4,7 @@ Half-spaces are in `closed_hertz`, bodies and structures in `closed_solids`, exa
 unilateral support in `closed_signorini`, friction in `closed_friction` and `closed_punch`, bulk
 forming in `closed_forming`; all are named here.
 """
-from .closed_forming import (
+from .forming import (
     Drawing,
     Upset,
     disc_pressure,
@@ -15,7 +15,7 @@ from .closed_forming import (
     upset,
     wire_drawing,
 )
-from .closed_friction import (
+from .friction import (
     CattaneoLine,
     MindlinPoint,
     NodeState,
@@ -35,7 +35,7 @@ from .closed_friction import (
     unique_below,
     wedge_stays,
 )
-from .closed_hertz import (
+from .hertz import (
     RIGID,
     ConeContact,
     HertzLine,
@@ -56,21 +56,21 @@ from .closed_hertz import (
     hertz_sphere_plane,
     relative_radius,
 )
-from .closed_punch import (
+from .punch import (
     dundurs_rigid,
     punch_stick,
     punch_stick_uncoupled,
     punch_tractions,
 )
-from .closed_sheet import (
+from .sheet import (
     BentSheet,
     air_bending_force,
     bent_sheet,
     considere_strength,
     ideal_cup_force,
 )
-from .closed_signorini import PlaneField, signorini_singular, signorini_smooth
-from .closed_solids import (
+from .signorini import PlaneField, signorini_singular, signorini_smooth
+from .solids import (
     LiftedBeam,
     OneContact,
     Tube,

@@ -6,8 +6,8 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .chart_run import Run
-from .laws import METHODS
+from ..laws import METHODS
+from .run import Run
 
 
 def bound(r: ArrayLike) -> NDArray:

@@ -15,7 +15,10 @@ from pathlib import Path
 
 import numpy as np
 
-from .chart_run import (
+from ..deck import Deck
+from ..errors import UsageError
+from ..files import whole_file
+from .run import (
     CONTACT,
     LINEAR,
     Run,
@@ -27,10 +30,7 @@ from .chart_run import (
     relative,
     without_contact,
 )
-from .chart_scenes import SCENES, Scene
-from .deck import Deck
-from .errors import UsageError
-from .files import whole_file
+from .scenes import SCENES, Scene
 
 PATHS = ("condensed", "newton")
 EXACT = Setting("lagrange")

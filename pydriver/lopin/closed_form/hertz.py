@@ -11,7 +11,7 @@ from math import log, pi, radians, sqrt, tan
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .errors import UsageError
+from ..errors import UsageError
 
 RIGID = float("inf")
 

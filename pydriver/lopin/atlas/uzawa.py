@@ -12,12 +12,12 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from ._bridge import probe_contact
-from .atlas_cells import Outcome
-from .atlas_scenes import PLAIN, Frame
-from .errors import NotConvergedError
-from .files import whole_file
-from .reference_contact import contact_oracle
+from .._bridge import probe_contact
+from ..errors import NotConvergedError
+from ..files import whole_file
+from ..reference.contact import contact_oracle
+from .cells import Outcome
+from .scenes import PLAIN, Frame
 
 POINTS, PASSES, SETTLED = 16, 1000, 1e-8
 

@@ -13,12 +13,12 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from . import mesh_make
-from ._bridge import probe_friction_increment, probe_stiffness
-from .atlas_cells import Outcome
-from .atlas_scenes import PLAIN, Frame
-from .chart_run import WRONG
-from .files import whole_file
+from .._bridge import probe_friction_increment, probe_stiffness
+from ..charts.run import WRONG
+from ..files import whole_file
+from ..mesh import make as mesh_make
+from .cells import Outcome
+from .scenes import PLAIN, Frame
 
 CELLS, RADIUS, DEPTH, POISSON = 24, 20.0, 0.005, 0.3
 #: Drag at the ends of the increments, in mu times the depth.

@@ -1,0 +1,1 @@
+"""Error against cost of the four methods, as tables and pictures."""
