@@ -10,9 +10,11 @@ import pictures_forming
 import pictures_friction
 import pictures_hertz
 import pictures_large
+import pictures_metals
 from drawing import PICTURES, ROOT
 
-MODULES = (pictures_hertz, pictures_friction, pictures_large, pictures_forming)
+MODULES = (pictures_hertz, pictures_friction, pictures_large, pictures_forming,
+           pictures_metals)
 DRAWN = {deck.stem: getattr(module, deck.stem) for deck in sorted((ROOT/"decks").glob("*.inp"))
          for module in MODULES if hasattr(module, deck.stem)}
 

@@ -204,8 +204,9 @@ contains
       if (any(model%material%has_expansion) .and. .not. heated) call model%log%say(severity%note, &
          & 'N0325', '*EXPANSION does nothing: no step has a *TEMPERATURE', &
          & model%material(findloc(model%material%has_expansion, .true., dim=1))%at)
-      if (heated .and. .not. any(model%material%has_expansion)) call model%log%say( &
-         & severity%warning, 'W0325', 'temperatures are prescribed, and no material has '// &
-         & '*EXPANSION: they do nothing', model%step(1)%at)
+      if (.not. heated .or. any(model%material%has_expansion)) return
+      if (any([(allocated(model%material(i)%flow%temperature), i=1, size(model%material))])) return
+      call model%log%say(severity%warning, 'W0325', 'temperatures are prescribed, and no material '// &
+         & 'has *EXPANSION or a flow curve that looks at them: they do nothing', model%step(1)%at)
    end subroutine check_heat
 end module lopin_build_heat
