@@ -17,6 +17,7 @@ module lopin_scene
    use lopin_initial_gaps, only : initial_gap_type, new_initial_gaps
    use lopin_contact_rows, only : contact_rows_type, new_contact_rows
    use lopin_tie_release, only : release_ties
+   use lopin_chord_sag, only : tell_chords
    use lopin_condensed, only : condensed_type
    use lopin_active_set, only : contact_result_type
    use lopin_friction_state, only : friction_state_type, new_friction_state
@@ -86,6 +87,8 @@ contains
       call new_contact_points(self%points, model, self%log, error)
       if (allocated(error)) return
       call new_initial_gaps(self%initial, model, self%points, self%log, error)
+      if (allocated(error)) return
+      call tell_chords(self%points, model, self%initial, self%log, error)
       if (allocated(error)) return
       call self%clock%stop_in(phase%search)
       allocate (self%u(self%dofs%n), self%accepted(self%dofs%n), self%guess(self%dofs%n), &

@@ -60,7 +60,8 @@ contains
                return
             end if
             if (apart%share > mostly .and. across <= near .and. apart%jump > told*apart%moved) &
-               & call say_once(scene%log, 'W0410', describe(scene, model, i, apart)//': the tie does not hold there', &
+               & call say_once(scene%log, 'W0410', describe(scene, model, i, apart)// &
+               & ': the tie does not hold there', &
                & model%pair(pair)%at, help=remedy(scene, model, i, apart))
          end do
       end do
@@ -93,9 +94,9 @@ contains
       character(len=:), allocatable :: text
 
       associate (pair => model%pair(scene%points%pair(i)))
-         text = 'node '//to_text(model%mesh%node_label(scene%points%node(i)))//' is tied by pair ('// &
-            & model%surface(pair%slave)%name//', '//model%surface(pair%master)%name// &
-            & '), and supports move it and the master opposite apart by '// &
+         text = 'node '//to_text(model%mesh%node_label(scene%points%node(i)))// &
+            & ' is tied by pair ('//model%surface(pair%slave)%name//', '// &
+            & model%surface(pair%master)%name//'), and supports move it and the master opposite apart by '// &
             & to_text(apart%jump, 4)//' along direction '//to_text(dof_of(apart))
       end associate
    end function describe

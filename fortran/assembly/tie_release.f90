@@ -129,7 +129,7 @@ contains
       call order_by_master(basis, nheld, master, misfit, n)
    end subroutine released_directions
 
-   !> How far supports move a slave node and the held nodes of its master apart, where both are held.
+   !> How far supports move a slave node and the held nodes of its master apart.
    subroutine held_apart(points, model, dofs, constraints, i, u, apart)
       type(contact_points_type), intent(in) :: points
       type(model_type), intent(in) :: model
@@ -139,7 +139,8 @@ contains
       real(wp), intent(in) :: u(:)             !! (ndof) displacements with all equations zero
       type(apart_type), intent(out) :: apart
       real(wp) :: free(model%mesh%ndim, model%mesh%ndim), basis(model%mesh%ndim, &
-         & model%mesh%ndim), total, held, weight, there, moved, place(model%mesh%ndim), way(3), own(3), far
+         & model%mesh%ndim), total, held, weight, there, moved, place(model%mesh%ndim), way(3), &
+         & own(3), far
       integer, allocatable :: node(:)
       real(wp), allocatable :: share(:)
       integer :: nheld, k, m, d

@@ -83,10 +83,12 @@ contains
    end subroutine a_free_master_is_tied
 
    subroutine exact_rows_stay()
-      call test('rows that are exact for linear fields hold nothing wrongly and stay, empty ones go')
+      call test('rows that are exact for linear fields hold nothing wrongly and stay, '// &
+         & 'empty ones go')
       call look('*BOUNDARY'//nl//'5, 1, 2'//nl//'4, 1, 2'//nl, row, 1.0e-14_wp)
       call is_true('exact', n == 0)
-      call look('*BOUNDARY'//nl//'5, 1, 2'//nl//'4, 1, 2'//nl, [1.0_wp, -1.0_wp, 1.0e-15_wp], 0.0_wp)
+      call look('*BOUNDARY'//nl//'5, 1, 2'//nl//'4, 1, 2'//nl, &
+         & [1.0_wp, -1.0_wp, 1.0e-15_wp], 0.0_wp)
       call is_true('empty', n == 2)
    end subroutine exact_rows_stay
 

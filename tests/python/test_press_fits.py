@@ -1,0 +1,48 @@
+"""Press fits on chords: facets that do not match beside a small interference are told (W0341)."""
+import numpy as np
+import pytest
+from tool_patches import Lines, is_quadratic
+
+from lopin.deck import Deck
+from lopin.mesh_make import ring
+
+YOUNG, NU = 1000.0, 0.3
+
+
+def fit(word, facets, interference, kind, unit=1.0):
+    """A quarter of a shaft of 2 in a hub of 2, pressed together (or open, if negative)."""
+    lines = Lines()
+    lines.add("*MATERIAL, NAME=M", "*ELASTIC", f"{YOUNG!r}, {NU!r}")
+    off = 0.5*interference
+    for name, radii, n in (("I", (1.0, 2.0 + off), facets[0]), ("O", (2.0 - off, 3.0), facets[1])):
+        mesh = ring(*radii, (3, n), quadratic=is_quadratic(word))
+        lines.mesh(mesh.mapped(lambda x: unit*x), word, name)
+        lines.add(f"*SOLID SECTION, ELSET={name}E, MATERIAL=M", "1.,")
+    lines.add("*SURFACE INTERACTION, NAME=C", "*SURFACE BEHAVIOR, DIRECT",
+              f"*CONTACT PAIR, INTERACTION=C, TYPE={kind}", "ISOUTER, OSINNER",
+              "*CONTACT CONTROLS, INITIAL=INTERFERENCE", "*BOUNDARY",
+              *(f"{b}START, 2" for b in "IO"), *(f"{b}END, 1" for b in "IO"),
+              "*STEP", "*STATIC", "1., 1.", "*CONTACT FILE", "CDIS, CSTR", "*END STEP")
+    return Deck.parse("\n".join(lines.text) + "\n", name="fit")
+
+
+def exact(interference):
+    """Pressure of the fit, Lame in plane strain."""
+    a, c, b = 1.0, 2.0, 3.0
+    e, v = YOUNG/(1.0 - NU**2), NU/(1.0 - NU)
+    return interference*e/c/((b*b + c*c)/(b*b - c*c) + v + (c*c + a*a)/(c*c - a*a) - v)
+
+
+@pytest.mark.parametrize("kind", ["SURFACE TO SURFACE", "NODE TO SURFACE"])
+@pytest.mark.parametrize("word, facets, interference, told", [
+    ("CPE4", (15, 10), 0.016, True), ("CPE4", (15, 10), 0.064, True),
+    ("CPE4", (12, 12), 0.004, False),
+    ("CPE8", (15, 10), 0.016, False), ("CPE4", (15, 10), -0.004, True)])
+@pytest.mark.parametrize("unit", [1.0, 1e-3])
+def test_chords_beside_an_interference_are_told(solve, word, facets, interference, told, kind,
+                                                unit):
+    result = solve(fit(word, facets, interference, kind, unit))
+    assert any("W0341" in w for w in result.warnings) == told
+    if interference > 0.0:
+        worst = np.abs(result.contact(0).last.pressure/exact(interference) - 1.0).max()
+        assert (worst > 0.15) == told
