@@ -143,9 +143,21 @@ def _deck_file(deck: Deck, folder: Path) -> tuple[Path, bool]:
     original = deck.folder/f"{deck.name}.inp"
     if original.is_file() and Deck.read(original).text() == deck.text():
         return original, False
-    if "*INCLUDE" in deck and deck.folder.resolve() != folder.resolve():
+    if _reads_beside(deck) and deck.folder.resolve() != folder.resolve():
         return deck.write(deck.folder/f"{deck.name}-run.inp"), True
     return deck.write(folder/f"{deck.name}.inp"), False
+
+
+def _reads_beside(deck: Deck) -> bool:
+    """Whether the deck names files by their way from its own folder.
+
+    >>> _reads_beside(Deck.parse("*INCLUDE, INPUT=bar.mesh"))
+    True
+    >>> _reads_beside(Deck.parse("*INCLUDE, INPUT=/home/me/bar.mesh"))
+    False
+    """
+    named = (block.parameters.get("INPUT") for block in deck.blocks)
+    return any(not Path(str(name).strip("\"'")).is_absolute() for name in named if name)
 
 
 def _said(output: str) -> list[dict]:

@@ -317,6 +317,21 @@ def test_errors_of_the_executable_arrive_in_python(executable, monkeypatch):
     assert caught.value.line > 0 and caught.value.column == 1
 
 
+def test_files_named_from_the_root_leave_nothing_beside_the_reader(executable, monkeypatch,
+                                                                   tmp_path):
+    """Two runs from one folder do not take each other's deck away."""
+    monkeypatch.setenv("LOPIN_EXECUTABLE", str(executable))
+    here = tmp_path/"here"
+    here.mkdir()
+    monkeypatch.chdir(here)
+    deck = press().to_deck()
+    (tmp_path/"more.inp").write_text("** nothing\n")
+    text = f"*INCLUDE, INPUT={tmp_path/'more.inp'}\n" + deck.text()
+    result = lopin.run(lopin.Deck.parse(text, name="press"), tmp_path/"out", executable=True)
+    assert not list(here.iterdir())
+    assert (tmp_path/"out"/"press.inp").is_file() and len(result.times) == 2
+
+
 @pytest.mark.parametrize("method", ["lagrange", "penalty", "perturbed", "augmented"])
 def test_a_model_run_by_the_executable_gives_the_exact_pressure(executable, monkeypatch, method):
     monkeypatch.setenv("LOPIN_EXECUTABLE", str(executable))
