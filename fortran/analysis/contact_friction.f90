@@ -158,8 +158,8 @@ contains
          & model%interaction(model%pair(pair)%interaction)%method, &
          & facet => scene%points%size(scene%rows%point(row)))
          if (law%exact_stick .or. is_regularised(law)) return
-         points%augmented(k) = method == method_of%augmented .and. .not. law%elastic_slip > 0.0_wp &
-            & .and. .not. law%slip_tolerance > 0.0_wp
+         points%augmented(k) = method == method_of%augmented .and. .not. max(law%elastic_slip, &
+            & law%slip_tolerance, law%stick_slope) > 0.0_wp
          if (law%stick_slope > 0.0_wp) then
             points%stiffness(k) = law%stick_slope*points%weight(k)
          else if (points%augmented(k)) then

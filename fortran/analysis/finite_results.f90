@@ -148,7 +148,8 @@ contains
             method = model%interaction(model%pair(c%pair(i))%interaction)%method
             self%penetration = max(self%penetration, -c%gap(i)/c%size(i))
             if (any(c%grip(i)%kind == [grip_kind%penalty, grip_kind%perturbed, &
-               & grip_kind%overclosure])) self%depth = max(self%depth, -c%gap(i)/thin(c%pair(i)))
+               & grip_kind%overclosure]) .and. .not. c%grip(i)%augments) &
+               & self%depth = max(self%depth, -c%gap(i)/thin(c%pair(i)))
             if (.not. p_ref > 0.0_wp) cycle
             if (c%bilateral(i)) then
                self%complementarity = max(self%complementarity, &

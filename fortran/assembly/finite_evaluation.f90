@@ -157,6 +157,7 @@ contains
          along = dot_product(lambda, o%normal)
          gap = o%foot%gap + shift
          if (g%kind == grip_kind%perturbed) gap = gap + along/g%slope
+         if (g%augments) gap = gap - dot_product(g%frozen, o%normal)/g%slope
          if (g%kind == grip_kind%lagrange .or. g%kind == grip_kind%perturbed) is_clear = &
             & along - g%c*gap < -g%grazing .and. gap > 0.0_wp
       end associate
@@ -237,7 +238,7 @@ contains
       do i = 1, self%n
          if (self%grip(i)%kind /= grip_kind%penalty .and. self%grip(i)%kind /= &
             & grip_kind%perturbed) cycle
-         if (self%status(i) == 0) cycle
+         if (self%status(i) == 0 .or. self%grip(i)%augments) cycle
          self%soft_error = max(self%soft_error, abs(self%pressure(i))/most &
             & /(1.0_wp + 2.0_wp*self%grip(i)%slope*self%size(i)/self%slave_modulus(i)))
       end do

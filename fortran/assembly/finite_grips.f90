@@ -65,8 +65,14 @@ contains
                if (g%kind == grip_kind%penalty .and. (slope > soft_enough*own .or. f%exact_stick &
                   & .or. f%elastic_slip > 0.0_wp .or. f%slip_tolerance > 0.0_wp)) &
                   & g%kind = grip_kind%perturbed
-               if (g%kind == grip_kind%augmented .and. slope > stiffest_augmented*own) &
-                  & g%kind = grip_kind%lagrange
+               ! So is what gives way along the face as the deck says: augmentation would take it
+               ! for an error, and mend it.
+               if (g%kind == grip_kind%augmented .and. (slope > stiffest_augmented*own &
+                  & .or. gives_way(f))) g%kind = grip_kind%lagrange
+               ! Augmentations by stiff springs along a face that rubs are solved as penalties are.
+               g%augments = g%kind == grip_kind%augmented .and. slope > soft_enough*own &
+                  & .and. has_friction(f)
+               if (g%augments) g%kind = grip_kind%perturbed
                if (way%method /= method_of%lagrange) then
                   if (.not. way%slope > 0.0_wp .and. .not. said .and. &
                      & .not. allocated(way%table)) then
@@ -90,11 +96,19 @@ contains
                call choose_stick(g, f, points%size(i))
                call take_law(g, way, shear)
                if (pair_is_tied(model, model%pair(pair))) g%kind = grip_kind%tied
+               g%augments = g%augments .and. g%kind == grip_kind%perturbed
             end associate
          end do
          if (any(points%pair(:points%n) == pair)) call tell_stick(way, f, model, pair, log)
       end associate
    end subroutine choose_grips
+
+   !> Whether the deck says how points give way before they slide.
+   pure logical function gives_way(friction)
+      type(friction_type), intent(in) :: friction
+      gives_way = has_friction(friction) .and. .not. is_regularised(friction) .and. max( &
+         & friction%elastic_slip, friction%slip_tolerance, friction%stick_slope) > 0.0_wp
+   end function gives_way
 
    !> A pressure-overclosure law; it sticks by springs, as a penalty does.
    subroutine take_law(grip, way, shear)
@@ -129,8 +143,6 @@ contains
       if (.not. has_friction(friction) .or. friction%rough .or. is_regularised(friction)) return
       slips = friction%elastic_slip + friction%slip_tolerance > 0.0_wp
       why = ''
-      if (way%method == method_of%augmented .and. slips) &
-         & why = 'AUGMENTED LAGRANGE sticks exactly where bodies move far or flow'
       if (allocated(way%table) .and. (slips .or. friction%exact_stick)) why = 'a pressure-'// &
          & 'overclosure law sticks by springs of 33 moduli over a facet where bodies move far '// &
          & 'or flow'

@@ -83,7 +83,7 @@ contains
       most = 0.0_wp
       moved = 0.0_wp
       do i = 1, self%n
-         if (self%grip(i)%kind /= grip_kind%augmented) cycle
+         if (self%grip(i)%kind /= grip_kind%augmented .and. .not. self%grip(i)%augments) cycle
          most = max(most, norm2(self%traction(:, i)))
          moved = max(moved, norm2(self%traction(:, i) - self%grip(i)%frozen))
          self%grip(i)%frozen = self%traction(:, i)

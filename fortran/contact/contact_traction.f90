@@ -10,6 +10,8 @@
 !>    augmented   phat = l.n - c g                that = P l - ct s     l: frozen, updated outside
 !>    Lagrange    phat = l.n - c g                that = P l - ct s     l: unknown, row (l - z)/c
 !>    perturbed   phat = l.n - c (g + l.n/eps)   that = P l - ct (s + P (l - l0)/epst)   as Lagrange
+!>    augmented,  phat = l.n - c (g + (l - l0).n/eps), that as perturbed: l0 frozen, l unknown,
+!>    mixed       the same equations without what stiff springs do to Newton
 !>
 !> P = I - n n^T; s is the slip since the increment began, P (x_slave - x_anchor), or since the point
 !> touched in it: less P approach. Where the deck gives an elastic slip u0, that = P l - ct (s + u0 P l/radius + P e0): a traction on the disc
@@ -55,6 +57,7 @@ module lopin_contact_traction
                                     !! only friction holds starts an increment
       real(wp) :: committed(3) = 0.0_wp           !! traction at the start of the increment [stress]
       real(wp) :: frozen(3) = 0.0_wp               !! augmented: multiplier [stress]
+      logical :: augments = .false.   !! perturbed from `frozen` on: an augmentation in mixed form
       real(wp) :: approach(3) = 0.0_wp   !! motion along the master before it touched, no slip
                                          !! [length]
       real(wp) :: creep(3) = 0.0_wp               !! regularised by slip: slip from the stick anchor
@@ -100,7 +103,12 @@ contains
       case (grip_kind%penalty)
          phat = (-grip%c)*g
       case (grip_kind%perturbed)
-         phat = normal_part - grip%c*(g + normal_part/grip%slope)
+         if (grip%augments) then
+            phat = normal_part - dual_dot(constant(grip%frozen(:d)), n)
+            phat = normal_part - grip%c*(g + phat/grip%slope)
+         else
+            phat = normal_part - grip%c*(g + normal_part/grip%slope)
+         end if
       case (grip_kind%overclosure)
          phat = pressed(grip, g)
       case default
@@ -117,7 +125,8 @@ contains
          trial = held - n*normal_part - grip%ct*s
          if (any(grip%kind == [grip_kind%lagrange, grip_kind%perturbed])) then
             if (grip%shear_slope > 0.0_wp) trial = trial - (grip%ct/grip%shear_slope) &
-               & *tangential(held - constant(grip%committed(:d)), n)
+               & *tangential(held - constant(merge(grip%frozen(:d), grip%committed(:d), &
+               & grip%augments)), n)
             if (grip%elastic_slip > 0.0_wp) call give_way(grip, friction, at, p, held, n, &
                & trial, growth)
          end if
@@ -148,7 +157,7 @@ contains
       real(wp) :: radius, slope
 
       compliance = 0.0_wp
-      if (is_regularised(friction)) return
+      if (is_regularised(friction) .or. grip%augments) return
       select case (grip%kind)
       case (grip_kind%penalty, grip_kind%overclosure)
          compliance = 1.0_wp/grip%ct
@@ -171,7 +180,8 @@ contains
 
       energy = 0.0_wp
       if (grip%kind == grip_kind%penalty) energy = 0.5_wp*p**2/grip%c
-      if (grip%kind == grip_kind%perturbed) energy = 0.5_wp*p**2/grip%slope
+      if (grip%kind == grip_kind%perturbed .and. .not. grip%augments) &
+         & energy = 0.5_wp*p**2/grip%slope
       energy = energy + 0.5_wp*shear_compliance(grip, friction, at, p)*dot_product(t, t)
    end function stored_energy
 

@@ -47,6 +47,13 @@ module lopin_mortar_node_2d
       type(mortar_row_type) :: met                 !! its row by values, where it was met last
    end type patch_type
 
+   !> How a row is integrated.
+   type :: measure_type
+      logical :: axisymmetric = .false.
+      real(wp) :: thickness = 1.0_wp               !! not read if axisymmetric [length]
+      real(wp) :: facing = 0.0_wp                  !! n_slave.n_master must be below this [-]
+   end type measure_type
+
    !> Below this share of a facet the standard basis stays, as in lopin_mortar.
    real(wp), parameter :: thin = 0.1_wp
    real(wp), parameter :: pi = acos(-1.0_wp)
@@ -155,13 +162,17 @@ contains
       logical, intent(in) :: axisymmetric
       real(wp), intent(in) :: thickness            !! not read if axisymmetric [length]
       real(wp), intent(in) :: facing               !! n_slave.n_master must be below this [-]
-      type(dual_type) :: length
+      type(dual_type) :: length, side(2, 3, most_facets)
       integer :: i, k
 
       allocate (self%coefficient(size(x, 2)))
       self%normal = constant([0.0_wp, 0.0_wp])
       do i = 1, patch%nchain
-         if (patch%at_node(i)) call add_facet(self, patch, x, axisymmetric, thickness, facing, i)
+         call facet_sides(x, patch%chain(:patch%nnode(i), i), side(:, :, i))
+      end do
+      do i = 1, patch%nchain
+         if (patch%at_node(i)) call add_facet(self, patch, x, side, &
+            & measure_type(axisymmetric, thickness, facing), i)
       end do
       if (.not. self%weight%v > 0.0_wp) return
       if (axisymmetric .and. is_on_axis(x, 1) .and. abs(self%normal(2)%v) > 0.0_wp) &
@@ -186,21 +197,20 @@ contains
    end function is_on_axis
 
    !> Mean of the unit normals of the facets of a piece at a place.
-   function nodal_normal(patch, x, place, piece, axisymmetric) result(normal)
+   function nodal_normal(patch, x, side, place, piece, axisymmetric) result(normal)
       type(patch_type), intent(in) :: patch
       type(dual_type), intent(in) :: x(:, :)
+      type(dual_type), intent(in) :: side(:, :, :) !! (2, 3, facets) facet_sides of the chain
       integer, intent(in) :: place, piece
       logical, intent(in) :: axisymmetric
       type(dual_type) :: normal(2), length
-      integer :: i, k, m
+      integer :: i, k
 
       normal = constant([0.0_wp, 0.0_wp])
       do i = 1, patch%nchain
          if (patch%piece(i) /= piece) cycle
-         m = patch%nnode(i)
-         do k = 1, m
-            if (patch%chain(k, i) /= place) cycle
-            normal = normal + facet_side(x(:, patch%chain(:m, i)), k)
+         do k = 1, patch%nnode(i)
+            if (patch%chain(k, i) == place) normal = normal + side(:, k, i)
          end do
       end do
       if (axisymmetric .and. is_on_axis(x, place) .and. abs(normal(2)%v) > 0.0_wp) &
@@ -210,46 +220,56 @@ contains
       normal(2) = normal(2)/length
    end function nodal_normal
 
-   !> Outward unit normal of a facet at one of its nodes.
-   function facet_side(x, k) result(normal)
-      type(dual_type), intent(in) :: x(:, :)       !! (2, nodes)
-      integer, intent(in) :: k
-      type(dual_type) :: normal(2), n(3), dn(3), tangent(2), length
-      real(wp), parameter :: at(3) = [-1.0_wp, 1.0_wp, 0.0_wp]
-      integer :: m
+   !> Outward unit normals of a facet at its nodes; that of a straight facet is found once.
+   subroutine facet_sides(x, at, side)
+      type(dual_type), intent(in) :: x(:, :)       !! (2, places) [length]
+      integer, intent(in) :: at(:)                 !! places of its nodes
+      type(dual_type), intent(inout) :: side(:, :) !! (2, 3)
+      type(dual_type) :: n(3), dn(3), tangent(2), length
+      real(wp), parameter :: xi(3) = [-1.0_wp, 1.0_wp, 0.0_wp]
+      integer :: k, m
 
-      call line_shape(size(x, 2), constant(at(k)), n, dn)
-      tangent = constant([0.0_wp, 0.0_wp])
-      do m = 1, size(x, 2)
-         tangent = tangent + x(:, m)*dn(m)
+      do k = 1, size(at)
+         if (k == 2 .and. size(at) == 2) then
+            side(:, 2) = side(:, 1)
+            exit
+         end if
+         call line_shape(size(at), constant(xi(k)), n, dn)
+         tangent = constant([0.0_wp, 0.0_wp])
+         do m = 1, size(at)
+            tangent = tangent + dn(m)%v*x(:, at(m))
+         end do
+         length = dual_norm(tangent)
+         side(1, k) = tangent(2)/length
+         side(2, k) = constant(0.0_wp) - tangent(1)/length
       end do
-      length = dual_norm(tangent)
-      normal(1) = tangent(2)/length
-      normal(2) = constant(0.0_wp) - tangent(1)/length
-   end function facet_side
+   end subroutine facet_sides
 
    !> What one facet at the node adds.
-   subroutine add_facet(self, patch, x, axisymmetric, thickness, facing, i)
+   subroutine add_facet(self, patch, x, side, how, i)
       type(mortar_row_type), intent(inout) :: self
       type(patch_type), intent(in) :: patch
       type(dual_type), intent(in) :: x(:, :)
-      logical, intent(in) :: axisymmetric
-      real(wp), intent(in) :: thickness, facing
+      type(dual_type), intent(in) :: side(:, :, :) !! (2, 3, facets) facet_sides of the chain
+      type(measure_type), intent(in) :: how
       integer, intent(in) :: i
       type(segment_type) :: segment(patch%ncover)
-      type(dual_type) :: normal(2, 3), me(3, 3), d(3), a(3), area, side(2)
+      type(dual_type) :: own(2, 3), normal(2, 3), me(3, 3), d(3), a(3), area, out(2, 3)
       real(wp) :: plain(3)
       integer :: c, f, j, k, l, n
       logical :: dual
 
       n = patch%nnode(i)
       do k = 1, n
-         normal(:, k) = nodal_normal(patch, x, patch%chain(k, i), patch%piece(i), axisymmetric)
+         own(:, k) = x(:, patch%chain(k, i))
+         normal(:, k) = nodal_normal(patch, x, side, patch%chain(k, i), patch%piece(i), &
+            & how%axisymmetric)
       end do
       do c = 1, patch%ncover
          if (patch%over(c) /= i) cycle
-         call integrate_segment(x(:, patch%chain(:n, i)), normal(:, :n), &
-            & x(:, patch%cover(:patch%ncovered(c), c)), axisymmetric, thickness, facing, segment(c))
+         call integrate_segment(own(:, :n), normal(:, :n), &
+            & x(:, patch%cover(:patch%ncovered(c), c)), how%axisymmetric, how%thickness, &
+            & how%facing, segment(c))
          if (.not. segment(c)%overlaps) cycle
          me = me + segment(c)%me
          d = d + segment(c)%d
@@ -257,7 +277,7 @@ contains
       end do
       if (.not. area%v > 0.0_wp) return
       call transform(patch%middle(i), me, d)
-      dual = area%v >= thin*whole(x(:, patch%chain(:n, i))%v, axisymmetric, thickness)
+      dual = area%v >= thin*whole(own(:, :n)%v, how%axisymmetric, how%thickness)
       a = constant([0.0_wp, 0.0_wp, 0.0_wp])
       plain = 0.0_wp
       do f = 1, size(patch%function)
@@ -281,14 +301,14 @@ contains
       end if
       do c = 1, patch%ncover
          if (patch%over(c) /= i .or. .not. segment(c)%overlaps) cycle
+         call facet_sides(x, patch%cover(:patch%ncovered(c), c), out)
          do l = 1, patch%ncovered(c)
-            side = facet_side(x(:, patch%cover(:patch%ncovered(c), c)), l)
             associate (to => self%coefficient(patch%cover(l, c)))
                do k = 1, n
                   to = to - a(k)*segment(c)%b(k, l)
                   if (.not. plain(k) > 0.0_wp) cycle
-                  self%normal(1) = self%normal(1) + plain(k)*segment(c)%b(k, l)*side(1)
-                  self%normal(2) = self%normal(2) + plain(k)*segment(c)%b(k, l)*side(2)
+                  self%normal(1) = self%normal(1) + plain(k)*segment(c)%b(k, l)*out(1, l)
+                  self%normal(2) = self%normal(2) + plain(k)*segment(c)%b(k, l)*out(2, l)
                end do
             end associate
          end do
@@ -371,11 +391,11 @@ contains
       type(dual_type), intent(in) :: me(:, :), d
       integer, intent(in) :: j
       type(dual_type), intent(inout) :: sum_(:)
-      type(dual_type) :: m(size(sum_), size(sum_)), a(size(sum_)), factor
+      type(dual_type) :: m(3, 3), a(3), factor
       integer :: i, k, l, n
 
       n = size(sum_)
-      m = me
+      m(:n, :n) = me
       a(j) = d
       do k = 1, n
          do i = k + 1, n
@@ -392,6 +412,6 @@ contains
          end do
          a(k) = a(k)/m(k, k)
       end do
-      sum_ = sum_ + a
+      sum_ = sum_ + a(:n)
    end subroutine dual_function
 end module lopin_mortar_node_2d
