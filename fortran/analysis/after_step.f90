@@ -8,7 +8,6 @@ module lopin_after_step
    use lopin_scene, only : scene_type
    use lopin_present_gaps, only : gap_of
    use lopin_methods, only : has_law
-   use lopin_state, only : energy_type, lost_work, lost_share
    use lopin_say_once, only : say_once
    use lopin_judge_stretch, only : judge_stretch
    use lopin_narrow_tools, only : judge_narrow_tools
@@ -22,14 +21,11 @@ module lopin_after_step
    real(wp), parameter :: chosen_slip = 0.005_wp, slips = 20.0_wp
    !> Gaps below this share of the bodies are none.
    real(wp), parameter :: touching = 1.0e-9_wp
-   !> Work that may be lost, beside all of it.
-   real(wp), parameter :: balance_limit = 0.01_wp
 
    !> What was seen so far.
    type :: seen_type
       logical, allocatable :: closed(:)      !! (npair) at some increment
       real(wp), allocatable :: nearest(:)    !! (npair) smallest gap [length]
-      real(wp) :: lost = 0.0_wp              !! work, when last it was said to be lost [energy]
    end type seen_type
 
 contains
@@ -77,11 +73,10 @@ contains
 
    !> Say at the end of a step what its answer cannot be trusted in, and after the last what never
    !> met.
-   subroutine judge_step(scene, model, seen, energy)
+   subroutine judge_step(scene, model, seen)
       type(scene_type), intent(inout) :: scene
       type(model_type), intent(in) :: model
       type(seen_type), intent(inout) :: seen
-      type(energy_type), intent(in) :: energy      !! of the last increment
       integer :: pair
 
       if (scene%step == size(model%step)) then
@@ -97,7 +92,6 @@ contains
       call judge_narrow_tools(scene, model)
       call judge_narrow_masters(scene, model)
       call judge_elastic_slip(scene, model)
-      if (scene%finite%memory%in_use) call judge_balance(scene, model, energy, seen%lost)
    end subroutine judge_step
 
    !> A pair that never carried a force: it never met, or it touched only.
@@ -124,26 +118,6 @@ contains
             & 'to touch')
       end associate
    end subroutine warn_of_gap
-
-   !> Work that is neither stored nor dissipated: what the increments were too large for. Of a later
-   !> step it is said where as much was lost again since.
-   subroutine judge_balance(scene, model, energy, lost)
-      type(scene_type), intent(inout) :: scene
-      type(model_type), intent(in) :: model
-      type(energy_type), intent(in) :: energy
-      real(wp), intent(inout) :: lost              !! when last it was said [energy]
-      real(wp) :: share
-
-      share = lost_share(energy)
-      if (.not. abs(share) > balance_limit) return
-      if (.not. abs(lost_work(energy) - lost)*abs(share) &
-         & > balance_limit*abs(lost_work(energy))) return
-      lost = lost_work(energy)
-      call say_once(scene%log, 'W0530', to_text(100.0_wp*share, 3)// &
-         & ' % of the work is neither stored nor dissipated at the end of step '// &
-         & to_text(scene%step), model%step(scene%step)%at, &
-         & help='smaller increments on *STATIC: they are what the energies are integrated over')
-   end subroutine judge_balance
 
    !> The nodes of a rigid body follow its rotation linearly: on tangents, not on circles.
    subroutine judge_rigid_bodies(scene, model)

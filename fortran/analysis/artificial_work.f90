@@ -107,6 +107,7 @@ contains
          if (body(i) == 0) cycle
          force(:, body(i)) = max(force(:, body(i)), abs([before(i), now(i)]))
       end do
+      if (scene%finite%in_use .and. scene%finite%grounded == 0) return
       least = no_force*maxval(force)
       if (scene%finite%grounded == 0 .and. .not. any(minval(force, dim=1) <= least &
          & .and. maxval(force, dim=1) > least)) return
@@ -121,9 +122,44 @@ contains
       end do
       do b = 1, size(force, 2)
          if (scene%finite%grounded == 0 .and. minval(force(:, b)) > least) cycle
-         if (product(power(:, b)) <= 0.0_wp) work = work + 0.5_wp*abs(sum(power(:, b)))
+         if (product(power(:, b)) <= 0.0_wp) work = work + 0.5_wp*abs(sum(power(:, b))) &
+            & *share_of_fall(scene, moved, body, b)
       end do
    end function work_of_loads
+
+   !> How much of the way of a body on the linear path lies before its first contact, or after its
+   !> last: the rest is work that contact does.
+   real(wp) function share_of_fall(scene, moved, body, b) result(share)
+      type(scene_type), intent(in) :: scene
+      real(wp), intent(in) :: moved(:)         !! (neq) [length]
+      integer, intent(in) :: body(:)           !! (neq)
+      integer, intent(in) :: b
+      real(wp) :: gap, way, nearest
+      integer :: row, k, equation(scene%dofs%n)
+      logical :: own
+
+      share = 1.0_wp
+      if (scene%finite%in_use) return
+      equation = 0
+      equation(scene%constraints%dof_of_equation) = body
+      way = huge(1.0_wp)
+      nearest = huge(1.0_wp)
+      do row = 1, scene%rows%nnormal
+         own = .false.
+         gap = scene%rows%gap0(row)
+         do k = scene%rows%first(row), scene%rows%first(row + 1) - 1
+            own = own .or. equation(scene%rows%dof(k)) == b
+            gap = gap + scene%rows%coefficient(k)*scene%accepted(scene%rows%dof(k))
+         end do
+         if (.not. own) cycle
+         ! What has closed has come from that far; what has opened stands apart now.
+         if (abs(scene%answer%force(row)) > 0.0_wp) way = min(way, gap)
+         nearest = min(nearest, scene%answer%gap(row))
+      end do
+      if (.not. way < huge(1.0_wp)) way = nearest
+      if (way < huge(1.0_wp)) share = min(1.0_wp, max(way, 0.0_wp) &
+         & /max(maxval(abs(moved), mask=body == b), tiny(1.0_wp)))
+   end function share_of_fall
 
    !> What slip of the increment would have taken beyond the work that friction has done, where soft
    !> springs have led a body.
@@ -238,8 +274,8 @@ contains
       call symmetric_eigen(gram, value, status)
       if (status /= 0 .or. value(1) > resisted*maxval(sum(scene%problem%c**2, dim=1))) return
       call note_once(scene%log, 'N0511', describe_motion(scene%bodies, model, gram(:, 1))// &
-         & ' in an increment of step '//to_text(scene%step)//' and no contact resists: it stays '// &
-         & 'where it is, for nothing acts on it', model%step(scene%step)%at)
+         & ' in an increment of step '//to_text(scene%step)//' and no contact resists: it '// &
+         & 'stays where it is, for nothing acts on it', model%step(scene%step)%at)
    end subroutine tell_rest
 
    !> Say at the end of the run what artificial holds have done, where it is not small.
@@ -250,10 +286,10 @@ contains
       type(energy_type), intent(in) :: energy      !! of the last increment
 
       if (.not. self%work > artificial_limit*energy%most) return
-      call say_once(scene%log, 'W0532', 'bodies that nothing held for a while, or that friction '// &
-         & 'alone holds, were led by artificial means: their work is '//to_text(self%work, 3)// &
-         & ', '//to_text(100.0_wp*self%work/energy%most, 3)//' % of that of the run; most of it, '// &
-         & to_text(self%most, 3)//', in step '//to_text(self%at(1))//', increment '// &
+      call say_once(scene%log, 'W0532', 'bodies that nothing held for a while, or that '// &
+         & 'friction alone holds, were led by artificial means: their work is '// &
+         & to_text(self%work, 3)//', '//to_text(100.0_wp*self%work/energy%most, 3)//' % of that of the run; most of '// &
+         & 'it, '//to_text(self%most, 3)//', in step '//to_text(self%at(1))//', increment '// &
          & to_text(self%at(2)), model%step(scene%step)%at, help='smaller increments; drive the '// &
          & 'body by displacement until it touches, or hold it by *BOUNDARY')
    end subroutine judge_artificial

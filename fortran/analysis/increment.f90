@@ -33,6 +33,7 @@ module lopin_increment
    use lopin_frames, only : fill_frame
    use lopin_judge_drift, only : drift_type, follow_drift
    use lopin_artificial_work, only : artificial_type, follow_artificial
+   use lopin_work_balance, only : balance_type, note_work, note_energy
    use lopin_judge_mesh, only : judge_mesh
    use lopin_after_step, only : seen_type, look_at_pairs
    use lopin_say_once, only : say_once
@@ -57,6 +58,7 @@ module lopin_increment
       type(seen_type) :: seen                  !! how near the pairs came
       type(drift_type) :: drift                !! bodies that nothing has stopped
       type(artificial_type) :: artificial      !! work of what held floating bodies
+      type(balance_type) :: balance            !! work that is lost
       real(wp), allocatable :: f_before(:), u_before(:), r_before(:)
       type(checksum_type) :: checksum          !! of the displacements of all nodes so far
    end type progress_type
@@ -289,6 +291,9 @@ contains
          & + progress%r_before, scene%u - progress%u_before)
       frame%energy%external = progress%work
       call note_most(frame%energy, progress%most)
+      if (scene%finite%in_use) call note_work(progress%balance, frame%increment, &
+         & frame%time_increment, scene%u - progress%u_before, progress%f - progress%f_before &
+         & + progress%residual - progress%r_before)
       progress%f_before = progress%f
       progress%r_before = progress%residual
       progress%u_before = scene%u
@@ -304,6 +309,7 @@ contains
 
       call follow_artificial(progress%artificial, scene, model, pressed, frame%increment, &
          & frame%energy)
+      if (scene%finite%in_use) call note_energy(progress%balance, scene, frame%energy)
       if (.not. frame%energy%artificial > 0.0_wp) return
       frame%certificate%artificial = frame%energy%artificial/max(frame%energy%most, &
          & frame%energy%artificial)

@@ -8,7 +8,7 @@ module lopin_release
    use lopin_scene, only : scene_type
    implicit none
    private
-   public :: held_type, remember_held, let_go
+   public :: held_type, remember_held, let_go, lets_go
 
    !> What held the scene at the end of a step.
    type :: held_type
@@ -25,6 +25,21 @@ contains
       self%prescribed = scene%constraints%dof_of_prescribed
       if (scene%finite%in_use) self%pair_active = scene%finite%contact%pair_active
    end subroutine remember_held
+
+   !> The step takes away a support, or takes away or adds a pair.
+   pure logical function lets_go(held, scene)
+      type(held_type), intent(in) :: held
+      type(scene_type), intent(in) :: scene
+      integer :: i
+
+      lets_go = .false.
+      if (.not. scene%finite%in_use) return
+      do i = 1, size(held%prescribed)
+         lets_go = lets_go .or. .not. any(scene%constraints%dof_of_prescribed == held%prescribed(i))
+      end do
+      if (allocated(held%pair_active)) lets_go = lets_go &
+         & .or. any(held%pair_active .neqv. scene%finite%contact%pair_active)
+   end function lets_go
 
    !> Forces of what holds no more, added to those that the step starts from.
    subroutine let_go(held, scene, model, residual, before, counted, error)

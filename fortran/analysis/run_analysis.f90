@@ -17,9 +17,10 @@ module lopin_run_analysis
    use lopin_reach, only : choose_reach
    use lopin_bodies, only : describe_motion
    use lopin_finite_start, only : start_step
-   use lopin_release, only : held_type, remember_held, let_go
+   use lopin_release, only : held_type, remember_held, let_go, lets_go
    use lopin_after_step, only : judge_step
    use lopin_artificial_work, only : judge_artificial
+   use lopin_work_balance, only : end_balance
    use lopin_judge_drift, only : judge_drift
    use lopin_judge_flow, only : judge_flow
    use lopin_judge_mesh, only : refuse_folded
@@ -298,6 +299,7 @@ contains
             if (allocated(error)) return
          end if
          call start_march(self%march, scene, model, self%progress)
+         if (step > 1) self%progress%balance%springs_back = lets_go(held, scene)
          if (step > 1) call let_go(held, scene, model, self%progress%residual, &
             & self%march%loading%before, self%progress%f_before, error)
       end associate
@@ -394,7 +396,8 @@ contains
          progress%time = progress%time + march%time
          if (scene%step < size(model%step)) call carry_loads(march%loading, model, scene%dofs, &
             & scene%constraints, scene%solids, step, model%step(scene%step + 1), progress%steady)
-         call judge_step(scene, model, progress%seen, march%energy)
+         call judge_step(scene, model, progress%seen)
+         if (scene%finite%in_use) call end_balance(progress%balance, scene, model, march%energy)
          if (scene%step == size(model%step)) then
             call judge_drift(progress%drift, scene, model)
             call judge_artificial(progress%artificial, scene, model, march%energy)

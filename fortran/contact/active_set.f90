@@ -348,8 +348,8 @@ contains
    end function augmented_enough
 
    !> Proximal steps: each gives the floating motions a soft ground that follows them, from where
-   !> the bodies were. The sets found that way are tried without ground, and with the motions at rest
-   !> that nothing resists and nothing drives; if the forces never balance, bodies are not held.
+   !> the bodies were. The sets found that way are tried without ground, and with those motions at
+   !> rest that nothing resists and nothing drives. If the forces never balance, nothing holds.
    subroutine hold_bodies(self, work, result)
       class(condensed_type), intent(inout) :: self
       type(work_type), intent(inout) :: work

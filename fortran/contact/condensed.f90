@@ -255,8 +255,8 @@ contains
          held(:, i) = matmul(stiffness*a(:, m + i), self%c)
       end do
       if (allocated(self%held)) held = held + self%held
-      balance = answer%moving + pull_to_rest(self) + matmul(merge(springs%offset - stiffness*answer%gap, 0.0_wp, &
-         & spring), self%c)
+      balance = answer%moving + pull_to_rest(self) + matmul(merge(springs%offset &
+         & - stiffness*answer%gap, 0.0_wp, spring), self%c)
       block
          real(wp) :: s(m, m)
          s = a(set, :m)

@@ -117,14 +117,16 @@ contains
          & 'a mesh made for the deformed shape, finer where the body turns round an edge.')
       call add_explanation(list, 'W0530', 'energies do not balance', &
          & 'The work of loads and prescribed displacements differs from stored energy, plastic '// &
-         & 'work and friction by more than a hundredth. All are integrated over the increments '// &
-         & 'by the trapezoidal rule. Of later steps it is said where as much was lost again.', &
+         & 'work and friction by more than a hundredth (three of elastic bodies), and by more '// &
+         & 'than the trapezoidal rule over such increments misses by the bend of the forces or '// &
+         & 'by points that close and open. What a body loses that leaps to another equilibrium looks so. The '// &
+         & 'increment that lost most is named.', &
          & 'smaller increments; compare energy.* in the history.')
       call add_explanation(list, 'W0532', 'artificial work is not small', &
          & 'A body that nothing holds for a while has no equilibrium that tells where it goes: '// &
-         & 'artificial supports and soft springs lead it until contact holds it. What loads do on '// &
-         & 'that way, and what friction should have taken of a body that they pulled over its '// &
-         & 'bound, is stored nowhere. It is energy.artificial in the history and the JSON, and '// &
+         & 'artificial supports and soft springs lead it until contact holds it. What loads do '// &
+         & 'on that way, and what friction should have taken of a body that they pulled over '// &
+         & 'its bound, is stored nowhere. It is energy.artificial in the history and the JSON, and '// &
          & 'more than a hundredth of the work of the run here: where the body ends may be the '// &
          & 'doing of these holds if friction or flow remembers the way.', &
          & 'smaller increments; drive the body by displacement until it touches, or hold it.')
