@@ -8,6 +8,7 @@ module lopin_frames
    use lopin_recorder, only : wants_type
    use lopin_scene, only : scene_type
    use lopin_present_gaps, only : relative_motion, gap_of
+   use lopin_row_samples, only : has_samples
    use lopin_methods, only : has_law
    use lopin_solid_memory, only : at_all_points
    use lopin_material_memory, only : strain_at
@@ -135,7 +136,7 @@ contains
                c%u_t(:, i) = motion(:ndim) - c%u_n(i)*c%normal(:, i)
                c%gap(i) = gap_of(scene, model, from + i - 1)
                ! Rows of mid-side nodes have gaps of the transformed basis.
-               if (p%share(from + i - 1) > 0.0_wp) c%gap(i) = c%gap(i) &
+               if (has_samples(p, from + i - 1)) c%gap(i) = c%gap(i) &
                   & + (1.0_wp - scene%interference)*scene%initial%overclosure(from + i - 1)
                if (c%status(i) < 0) c%gap(i) = 0.0_wp
             end do
@@ -154,7 +155,7 @@ contains
                if (scene%rows%tied(row)) then
                   c%status(point) = 3
                else
-                  if (.not. p%share(scene%rows%point(row)) > 0.0_wp) c%gap(point) = &
+                  if (.not. has_samples(p, scene%rows%point(row))) c%gap(point) = &
                      & scene%answer%gap(row) &
                      & + model%interaction(model%pair(pair)%interaction)%clearance
                   ! A law has no set of closed points: it presses or it does not.
@@ -168,7 +169,7 @@ contains
             c%friction_work = scene%friction%trial%work(from:from + n - 1)
             do i = 1, n
                c%pressure(i) = dot_product(c%force(:, i), c%normal(:, i))/c%weight(i)
-               if (p%share(from + i - 1) > 0.0_wp .and. c%status(i) < 3) &
+               if (has_samples(p, from + i - 1) .and. c%status(i) < 3) &
                   & c%pressure(i) = across(from + i - 1)/c%weight(i)
             end do
             frame%closed = frame%closed + count(c%status > 0)

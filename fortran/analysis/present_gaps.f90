@@ -4,7 +4,7 @@ module lopin_present_gaps
    use lopin_model, only : model_type
    use lopin_constraint_rules, only : follower_rule
    use lopin_contact_points, only : pair_is_tied
-   use lopin_row_samples, only : sample_type, most_samples, find_samples, row_value
+   use lopin_row_samples, only : sample_type, find_samples, has_samples, row_value
    use lopin_scene, only : scene_type
    implicit none
    private
@@ -17,21 +17,23 @@ contains
       type(scene_type), intent(in) :: self
       type(model_type), intent(in) :: model
       integer, intent(in) :: point
-      type(sample_type) :: sample(most_samples)
+      type(sample_type), allocatable :: sample(:)
       real(wp) :: way(3)
-      integer :: s, n, k
+      integer :: s, m, k
 
-      if (.not. self%points%share(point) > 0.0_wp) then
+      if (.not. has_samples(self%points, point)) then
          gap = gap_of(self, model, point)
          return
       end if
-      call find_samples(self%points, point, model%mesh%x, sample, n)
-      gap = row_value(sample(:n), self%initial%shift)
-      do s = 1, n
+      call find_samples(self%points, point, model%mesh%x, sample)
+      gap = row_value(sample, self%initial%shift)
+      do s = 1, size(sample)
          way = -tool_way(self, model, self%points%pair(point), sample(s)%foot, .true.)
          do k = 1, model%mesh%ndim
-            if (self%dofs%id(k, sample(s)%node) > 0) way(k) = way(k) + self%u(self%dofs%id(k, &
-               & sample(s)%node))
+            do m = 1, sample(s)%nnode
+               if (self%dofs%id(k, sample(s)%node(m)) > 0) way(k) = way(k) + sample(s)%shape(m) &
+                  & *self%u(self%dofs%id(k, sample(s)%node(m)))
+            end do
          end do
          gap = gap + sample(s)%c*(sample(s)%gap + dot_product(sample(s)%normal, way))
       end do

@@ -12,6 +12,7 @@ module lopin_reach
    use lopin_contact_rows, only : contact_rows_type
    use lopin_scene, only : scene_type
    use lopin_present_gaps, only : row_gap_of
+   use lopin_row_samples, only : has_samples
    use lopin_methods, only : has_law
    implicit none
    private
@@ -38,7 +39,7 @@ contains
          if (pair_is_tied(model, model%pair(pair)) .or. tool_turns(scene, model, pair)) cycle
          do i = scene%points%first(pair), scene%points%first(pair + 1) - 1
             gap = scene%points%gap(i) + scene%initial%shift(i)
-            if (scene%points%share(i) > 0.0_wp) gap = row_gap_of(scene, model, i)
+            if (has_samples(scene%points, i)) gap = row_gap_of(scene, model, i)
             scene%candidate(i) = .not. gap &
                & > bite(model, pair) + moved + near*scene%points%size(i)
          end do

@@ -13,7 +13,7 @@ module lopin_scene
    use lopin_contact_points, only : contact_points_type, pair_is_tied
    use lopin_pairing, only : new_contact_points
    use lopin_tool_points, only : move_tool
-   use lopin_row_samples, only : sample_type, most_samples, find_samples, row_value
+   use lopin_row_samples, only : sample_type, find_samples, row_value
    use lopin_initial_gaps, only : initial_gap_type, new_initial_gaps
    use lopin_contact_rows, only : contact_rows_type, new_contact_rows
    use lopin_tie_release, only : release_ties
@@ -187,6 +187,7 @@ contains
                call want_node(self%points%node(self%points%corner(k, i)))
             end do
          end do
+         if (allocated(self%points%face)) call want_faces(pair)
          associate (reference => model%rigid_body(self%points%body(pair))%reference)
             do k = 1, 6
                if (self%dofs%id(k, reference) > 0) call want(self%dofs%id(k, reference))
@@ -205,6 +206,21 @@ contains
             if (self%dofs%id(c, node) > 0) call want(self%dofs%id(c, node))
          end do
       end subroutine want_node
+
+      !> Points inside a facet push all its nodes.
+      subroutine want_faces(pair)
+         integer, intent(in) :: pair
+         integer :: i, k
+
+         do i = 1, size(self%points%face)
+            associate (f => self%points%face(i))
+               if (f%pair /= pair .or. .not. any(self%candidate(f%point(:f%nnode)))) cycle
+               do k = 1, f%nnode
+                  call want_node(f%node(k))
+               end do
+            end associate
+         end do
+      end subroutine want_faces
 
       subroutine want(dof)
          integer, intent(in) :: dof
@@ -311,8 +327,7 @@ contains
       integer :: pair, row
       real(wp) :: before(6, size(model%rigid_body))
       real(wp), allocatable :: rotation(:)
-      type(sample_type) :: sample(most_samples)
-      integer :: n
+      type(sample_type), allocatable :: sample(:)
 
       before = self%place
       call tool_places(self, model, prescribed, self%place)
@@ -332,9 +347,9 @@ contains
       do row = 1, self%rows%nnormal
          if (self%rows%tied(row)) cycle
          associate (point => self%rows%point(row))
-            call find_samples(self%points, point, model%mesh%x, sample, n)
+            call find_samples(self%points, point, model%mesh%x, sample)
             self%rows%gap0(row) = self%rows%gap0(row) &
-               & + (1.0_wp - self%interference)*row_value(sample(:n), self%initial%overclosure) &
+               & + (1.0_wp - self%interference)*row_value(sample, self%initial%overclosure) &
                & - model%interaction(model%pair(self%points%pair(point))%interaction)%clearance
          end associate
       end do

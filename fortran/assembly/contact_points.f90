@@ -7,7 +7,33 @@ module lopin_contact_points
    use lopin_model, only : model_type, pair_type, overclosure_of
    implicit none
    private
-   public :: contact_points_type, no_contact_points, reserve, add_point, pair_is_tied, facing
+   public :: contact_points_type, face_type, inner_type, sample_type, own_sample
+   public :: no_contact_points, reserve, add_point, pair_is_tied, facing
+
+   !> One place of a row: of a node, or between the nodes of a facet.
+   type :: sample_type
+      real(wp) :: c = 1.0_wp              !! its part of the row
+      integer :: point = 0                !! the contact point there
+      integer :: nnode = 1
+      integer :: node(8) = 0
+      real(wp) :: shape(8) = [1.0_wp, 0.0_wp, 0.0_wp, 0.0_wp, 0.0_wp, 0.0_wp, 0.0_wp, 0.0_wp]
+      real(wp) :: normal(3) = 0.0_wp      !! out of the master, as the gap grows
+      real(wp) :: foot(3) = 0.0_wp        !! [length]
+      real(wp) :: gap = 0.0_wp            !! geometric [length]
+   end type sample_type
+
+   !> A facet of a slave whose tool has creases.
+   type :: face_type
+      integer :: pair = 0, cell = 0, nnode = 0
+      integer :: node(8) = 0
+      integer :: point(8) = 0             !! first points of its nodes
+      real(wp) :: thickness = 1.0_wp      !! [length]
+   end type face_type
+
+   !> Places of the row of a point that meets a crease within its facets.
+   type :: inner_type
+      type(sample_type), allocatable :: sample(:)   !! the node first
+   end type inner_type
 
    type :: contact_points_type
       integer :: n = 0
@@ -30,6 +56,8 @@ module lopin_contact_points
       integer, allocatable :: corner(:, :)    !! (2, n) mid-side node of a transformed basis: first
                                               !! points of the ends of its edge; else 0
       real(wp), allocatable :: share(:)       !! (n) of its function that each end gets; else 0
+      type(face_type), allocatable :: face(:)     !! of pairs with creased tools
+      type(inner_type), allocatable :: inner(:)   !! (n) see lopin_face_rows
       integer, allocatable :: start_facet(:)      !! (n) as found at the start, for tools that move
       real(wp), allocatable :: start_foot(:, :), start_normal(:, :)   !! (3, n)
       integer, allocatable :: released(:)     !! (n) directions in which a tie does not hold the
@@ -131,6 +159,18 @@ contains
       self%depth(self%n) = huge(1.0_wp)
       self%side(:, self%n) = slave%normal(:, i)
    end subroutine add_point
+
+   !> The node of a point as the only place of its row.
+   pure type(sample_type) function own_sample(self, i) result(sample)
+      type(contact_points_type), intent(in) :: self
+      integer, intent(in) :: i
+
+      sample%point = i
+      sample%node(1) = self%node(i)
+      sample%normal = self%normal(:, i)
+      sample%foot = self%foot(:, i)
+      sample%gap = self%gap(i)
+   end function own_sample
 
    !> The pair glues: all directions, both ways.
    pure logical function pair_is_tied(model, pair)

@@ -9,10 +9,10 @@ module lopin_contact_rows
    use lopin_dofs, only : dofs_type
    use lopin_constraint_rules, only : follower_rule
    use lopin_constraints, only : constraints_type
-   use lopin_contact_points, only : contact_points_type, pair_is_tied
+   use lopin_contact_points, only : contact_points_type, sample_type, own_sample, pair_is_tied
    use lopin_initial_gaps, only : initial_gap_type, may_tie
    use lopin_pair_friction, only : pair_slides_with_friction
-   use lopin_row_samples, only : sample_type, most_samples, find_samples, row_value
+   use lopin_row_samples, only : find_samples, has_inner, row_value
    implicit none
    private
    public :: contact_rows_type, new_contact_rows, reduce_rows, row_forces
@@ -47,14 +47,13 @@ contains
       logical, intent(in) :: candidate(:)      !! (npoint) others get no row
       integer :: pair, i, d, ndirection, terms
       real(wp) :: frame(3, 3), here(6)
-      type(sample_type) :: sample(most_samples)
+      type(sample_type), allocatable :: sample(:)
       logical :: tied
-      integer :: n
 
       allocate (self%group_first(size(model%pair) + 1))
       allocate (self%point(3*points%n), self%bilateral(3*points%n), self%tied(3*points%n))
       allocate (self%direction(3, 3*points%n), self%gap0(3*points%n), self%first(3*points%n + 1))
-      terms = (3*max(size(points%master, 1), most_samples*4) + 4)*3*points%n
+      terms = (3*max(size(points%master, 1), 12) + 4)*3*points%n + inner_terms(points)
       allocate (self%dof(terms), self%coefficient(terms))
       self%first(1) = 1
       terms = 0
@@ -68,22 +67,24 @@ contains
             if (points%facet(i) == 0 .or. .not. candidate(i)) cycle
             if (tied .and. .not. may_tie(points, i, model%pair(pair)%adjust)) cycle
             call frame_of(points%normal(:, i), model%mesh%ndim, frame)
-            call find_samples(points, i, model%mesh%x, sample, n)
+            call find_samples(points, i, model%mesh%x, sample)
             ndirection = 1
             if (tied) call take_held(points, i, model%mesh%ndim, frame, ndirection)
             do d = 1, ndirection
                self%n = self%n + 1
                self%point(self%n) = i
                self%direction(:, self%n) = frame(:, d)
-               if (.not. tied .and. n > 1) self%direction(:, self%n) = resultant(sample(:n))
+               if (.not. tied .and. size(sample) > 1) self%direction(:, self%n) = &
+                  & resultant(sample)
                self%tied(self%n) = tied
                self%bilateral(self%n) = tied .or. (sticks(i) &
                   & .and. model%interaction(model%pair(pair)%interaction)%no_separation)
                self%gap0(self%n) = 0.0_wp
-               if (.not. tied) self%gap0(self%n) = gap_of(sample(:n)) &
-                  & + row_value(sample(:n), initial%shift)
-               call add_samples(self, model, dofs, points, sample(:n), here, terms, &
+               if (.not. tied) self%gap0(self%n) = gap_of(sample) &
+                  & + row_value(sample, initial%shift)
+               call add_samples(self, model, dofs, points, sample, here, terms, &
                   & frame(:, d:merge(d, d - 1, tied)))
+               if (has_inner(points, i)) call join_terms(self, terms)
                self%first(self%n + 1) = terms + 1
             end do
          end do
@@ -115,6 +116,54 @@ contains
       frame = 0.0_wp
       frame(:, :n) = points%axes(:, points%released(i) + 1:ndim, i)
    end subroutine take_held
+
+   !> Room for the terms of rows with points inside facets: those of one before they are joined,
+   !> and of all after that, each facet with at most three more nodes.
+   pure integer function inner_terms(points) result(terms)
+      type(contact_points_type), intent(in) :: points
+      integer :: i, most
+
+      terms = 0
+      if (.not. allocated(points%inner)) return
+      most = 0
+      do i = 1, points%n
+         if (.not. has_inner(points, i)) cycle
+         most = max(most, size(points%inner(i)%sample))
+         terms = terms + 3*(1 + 3*size(points%inner(i)%sample)/8) + 6
+      end do
+      terms = terms + 21*most
+   end function inner_terms
+
+   !> One term a dof in the row that is being made; what points inside facets weigh out is dropped.
+   pure subroutine join_terms(self, terms)
+      type(contact_rows_type), intent(inout) :: self
+      integer, intent(inout) :: terms
+      integer :: dof(terms - self%first(self%n) + 1), k, j, n, from
+      real(wp) :: value(size(dof)), least
+
+      from = self%first(self%n)
+      n = 0
+      do k = from, terms
+         do j = 1, n
+            if (dof(j) == self%dof(k)) exit
+         end do
+         if (j > n) then
+            n = j
+            dof(n) = self%dof(k)
+            value(n) = 0.0_wp
+         end if
+         value(j) = value(j) + self%coefficient(k)
+      end do
+      if (n == 0) return
+      least = 16.0_wp*epsilon(1.0_wp)*maxval(abs(value(:n)))
+      terms = from - 1
+      do k = 1, n
+         if (abs(value(k)) <= least) cycle
+         terms = terms + 1
+         self%dof(terms) = dof(k)
+         self%coefficient(terms) = value(k)
+      end do
+   end subroutine join_terms
 
    !> Force of the samples for a unit force of the row.
    pure function resultant(sample) result(total)
@@ -165,8 +214,8 @@ contains
       real(wp), intent(in) :: place(:, :)
       integer, intent(inout) :: terms
       real(wp) :: frame(3, 3), here(6)
-      type(sample_type) :: sample(most_samples)
-      integer :: row, d, pair, n
+      type(sample_type), allocatable :: sample(:)
+      integer :: row, d, pair
 
       allocate (self%tangent(self%nnormal), source=0)
       do pair = 1, size(model%pair)
@@ -175,7 +224,14 @@ contains
          if (points%body(pair) > 0) here = place(:, points%body(pair))
          do row = self%group_first(pair), self%group_first(pair + 1) - 1
             call frame_of(points%normal(:, self%point(row)), model%mesh%ndim, frame)
-            call find_samples(points, self%point(row), model%mesh%x, sample, n)
+            if (has_inner(points, self%point(row))) then
+               ! Slips of points inside facets weigh out to their node's, along the row's plane.
+               call frame_of(self%direction(:, row)/norm2(self%direction(:, row)), &
+                  & model%mesh%ndim, frame)
+               sample = [own_sample(points, self%point(row))]
+            else
+               call find_samples(points, self%point(row), model%mesh%x, sample)
+            end if
             self%tangent(row) = self%n + 1
             do d = 2, model%mesh%ndim
                self%n = self%n + 1
@@ -184,7 +240,7 @@ contains
                self%tied(self%n) = .false.
                self%bilateral(self%n) = .false.
                self%gap0(self%n) = 0.0_wp
-               call add_samples(self, model, dofs, points, sample(:n), here, terms, frame(:, d:d))
+               call add_samples(self, model, dofs, points, sample, here, terms, frame(:, d:d))
                self%gap0(self%n) = 0.0_wp
                self%first(self%n + 1) = terms + 1
             end do
@@ -230,8 +286,10 @@ contains
       ndim = model%mesh%ndim
       i = sample%point
       part = sample%c*direction
-      do k = 1, ndim
-         call add(dofs%id(k, sample%node), part(k))
+      do j = 1, sample%nnode
+         do k = 1, ndim
+            call add(dofs%id(k, sample%node(j)), sample%shape(j)*part(k))
+         end do
       end do
       do m = 1, size(points%master, 1)
          if (points%master(m, i) == 0) exit

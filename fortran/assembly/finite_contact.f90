@@ -69,6 +69,8 @@ module lopin_finite_contact
       type(star_type), allocatable :: star(:)  !! (npair) of the slave, where bounds follow areas
       real(wp), allocatable :: start_normal(:, :)   !! (3, n) where the increment begins
       real(wp), allocatable :: start_gap(:)    !! (n) there; huge: nothing opposite [length]
+      real(wp), allocatable :: start_row(:)    !! (n) there, of rows with points inside facets [length]
+      real(wp), allocatable :: start_x(:, :)   !! (ndim, nnode) places then, if they are needed [length]
       real(wp), allocatable :: touch(:)        !! (n) share of the increment before it touched [-]
       real(wp) :: noted = 0.0_wp   !! > 0: the next evaluation stands this share of the way from the
                                    !! start to where the increment leads before contacts close

@@ -9,6 +9,7 @@ module lopin_finite_evaluation
    use lopin_finite_masters, only : move_masters
    use lopin_finite_opposite, only : anchor_of
    use lopin_finite_owner, only : note_owner
+   use lopin_finite_faces, only : find_inner_feet
    use lopin_finite_samples, only : find_sample_feet, row_value
    use lopin_finite_kernel, only : point_state_type, evaluate_point
    use lopin_finite_mortar, only : evaluate_mortar_point
@@ -48,6 +49,11 @@ contains
       if (allocated(error)) return
       call meet_all(self, model)
       call find_growth(self, model)
+      if (size(self%face) > 0) then
+         if (.not. allocated(self%start_x)) self%start_x = self%masters%x
+         call find_inner_feet(self%opposite, self%masters, self%finite_points_type, model, &
+            & self%start_x)
+      end if
       do i = 1, self%n
          lambda = 0.0_wp
          k = self%first_row(i)
@@ -211,7 +217,8 @@ contains
          self%status(i) = t%status
          self%gap(i) = t%gap + shift_of(self, i)
          self%opening(i) = self%gap(i)
-         if (allocated(self%opposite(i)%sample)) self%opening(i) = t%opening + self%shift(i) &
+         if (allocated(self%opposite(i)%sample) .or. allocated(self%opposite(i)%inner)) &
+            & self%opening(i) = t%opening + self%shift(i) &
             & + (1.0_wp - self%interference)*self%overclosure(i)
          self%normal(:, i) = t%normal
          self%traction(:, i) = t%traction

@@ -12,6 +12,7 @@ module lopin_finite_history
    use lopin_finite_owner, only : start_owners, commit_owners
    use lopin_finite_contact, only : finite_contact_type
    use lopin_finite_meeting, only : find_present, meet, take_anchor, share_roles
+   use lopin_finite_faces, only : find_inner_feet
    use lopin_finite_touch, only : start_approach
    use lopin_finite_slip, only : drawn, path_of, dissipated, mean_work_of, speed_of, turn
    implicit none
@@ -69,6 +70,11 @@ contains
             call remember_elastic(g, self%friction(self%pair(i)), self%opposite(i)%normal)
          end associate
       end do
+      if (size(self%face) > 0) then
+         self%start_x = self%masters%x
+         call find_inner_feet(self%opposite, self%masters, self%finite_points_type, model, &
+            & self%start_x)
+      end if
       call start_approach(self)
       call share_roles(self, model)
    end subroutine start_increment

@@ -11,15 +11,18 @@ module lopin_finite_kernel
    use lopin_contact_traction, only : grip_type, grip_kind, grip_status, traction_of, &
       & normal_stiffness
    use lopin_smooth_facet, only : most_stencil
+   use lopin_tool, only : foot_type
    use lopin_contact_foot, only : facet_foot, smooth_facet_foot, tool_foot, tool_motion, turned, &
       & turned_back
    use lopin_finite_points, only : finite_points_type, growth_type
-   use lopin_finite_opposite, only : opposite_type, anchor_type, sample_foot_type
+   use lopin_finite_opposite, only : opposite_type, anchor_type, sample_foot_type, &
+      & inner_foot_type
    use lopin_finite_masters, only : masters_type
    implicit none
    private
    public :: local_matrix_type, point_state_type, evaluate_point, set_spring
 
+   integer, parameter :: most_around = 36
    integer, parameter :: most_dofs = 3*(most_stencil + 8) + 18
 
    !> The exact tangent of one contact point.
@@ -58,6 +61,9 @@ module lopin_finite_kernel
       integer :: slave(3) = 0                  !! input of each component; 0: it is held
       integer :: master(3, most_stencil) = 0, anchor(3, 8) = 0
       integer :: sample(3, 2) = 0
+      integer :: naround = 0
+      integer :: around(most_around) = 0       !! nodes of points inside facets, and
+      integer :: near(3, most_around) = 0      !! their inputs
       integer :: reference(3) = 0, rotation(3) = 0, multiplier(3) = 0
       integer :: growth = 0                    !! behind the others: of the point's area
    end type inputs_type
@@ -138,6 +144,7 @@ contains
             & shares(opposite%nnode), multiplier(3), to_anchor(3), &
             & rotation(3, 3), reference(3), y(3), arm(3), moment(3), turn(3)
          type(place_type) :: there(3)
+         type(place_type), allocatable :: inner(:)
          integer :: k, m
 
          x = 0.0_wp
@@ -209,6 +216,19 @@ contains
                   call mean_place(there, gap, to_anchor)
                   to_anchor = to_anchor - turned(rotation, constant(anchor%offset))
                end if
+               if (allocated(opposite%inner)) then
+                  allocate (inner(size(opposite%inner) + 1))
+                  call place_inner(inner, opposite%inner, inputs, masters%x, from)
+                  do m = 1, size(opposite%inner)
+                     call find_inner_foot(inner(m), opposite%inner(m)%foot, rotation, reference, &
+                        & motion%reference)
+                  end do
+                  inner(size(inner)) = place_type(1.0_wp - sum(opposite%inner%c), x, n, gap)
+                  gap = inner(1)%c*inner(1)%gap
+                  do m = 2, size(inner)
+                     gap = gap + inner(m)%c*inner(m)%gap
+                  end do
+               end if
             end associate
          end if
          slip = to_anchor - n*dual_dot(to_anchor, n)
@@ -233,6 +253,10 @@ contains
          state%traction = z%v/points%weight(i)
          if (allocated(opposite%sample)) then
             call push_places(there, z, n, reference)
+            return
+         end if
+         if (allocated(opposite%inner)) then
+            call push_inner(inner, z, n, reference)
             return
          end if
          do k = 1, d
@@ -278,6 +302,58 @@ contains
          end do
       end subroutine push_places
 
+      !> Shears push the node, pressures each place inside the facets along its own normal.
+      subroutine push_inner(inner, z, n, reference)
+         type(place_type), intent(in) :: inner(:)                  !! the node last
+         type(dual_type), intent(in) :: z(3), n(3), reference(3)   !! z: force of the row
+         type(dual_type) :: press, own(3)
+         integer :: m, j, k
+
+         press = dual_dot(z, n)
+         own = z - press*n
+         do k = 1, d
+            call push(inputs%slave(k), own(k))
+         end do
+         call hold(inner(size(inner)), own, reference)
+         do m = 1, size(inner)
+            own = (inner(m)%c*press)*inner(m)%normal
+            call hold(inner(m), own, reference)
+            if (m == size(inner)) then
+               do k = 1, d
+                  call push(inputs%slave(k), own(k))
+               end do
+               exit
+            end if
+            associate (s => opposite%inner(m))
+               do j = 1, s%nnode
+                  associate (input => inputs_of(inputs, s%node(j)))
+                     do k = 1, d
+                        call push(input(k), s%shape(j)*own(k))
+                     end do
+                  end associate
+               end do
+            end associate
+         end do
+      end subroutine push_inner
+
+      !> The tool bears a force at a foot.
+      subroutine hold(p, own, reference)
+         type(place_type), intent(in) :: p
+         type(dual_type), intent(in) :: own(3), reference(3)
+         type(dual_type) :: arm(3), moment(3)
+         integer :: k
+
+         do k = 1, d
+            call push(inputs%reference(k), (-1.0_wp)*own(k))
+         end do
+         if (all(inputs%rotation == 0)) return
+         arm = p%x - reference
+         moment = dual_cross(arm - p%normal*p%gap, own)
+         do k = 1, 3
+            call push(inputs%rotation(k), (-1.0_wp)*moment(k))
+         end do
+      end subroutine hold
+
       subroutine push(input, f)
          integer, intent(in) :: input
          type(dual_type), intent(in) :: f
@@ -317,6 +393,53 @@ contains
       call tool_foot(sample%foot, y, self%gap, normal)
       self%normal = turned(rotation, normal)
    end subroutine find_foot
+
+   !> Places inside facets from the nodes of these.
+   pure subroutine place_inner(self, opposite, inputs, x, from)
+      type(place_type), intent(inout) :: self(:)
+      type(inner_foot_type), intent(in) :: opposite(:)
+      type(inputs_type), intent(in) :: inputs
+      real(wp), intent(in) :: x(:, :)                !! (ndim, nnode) [length]
+      integer, intent(in) :: from                    !! slopes along inputs from + 1 and on
+      integer :: m, j, k, input(3)
+
+      do m = 1, size(opposite)
+         self(m)%c = opposite(m)%c
+         self(m)%x = 0.0_wp
+         do j = 1, opposite(m)%nnode
+            input = inputs_of(inputs, opposite(m)%node(j))
+            do k = 1, size(x, 1)
+               self(m)%x(k) = self(m)%x(k) + opposite(m)%shape(j)*variable(x(k, &
+                  & opposite(m)%node(j)), input(k) - from)
+            end do
+         end do
+      end do
+   end subroutine place_inner
+
+   pure subroutine find_inner_foot(self, foot, rotation, reference, origin)
+      type(place_type), intent(inout) :: self
+      type(foot_type), intent(in) :: foot
+      type(dual_type), intent(in) :: rotation(3, 3), reference(3)
+      real(wp), intent(in) :: origin(3)              !! reference of the tool at rest [length]
+      type(dual_type) :: y(3), normal(3)
+
+      y = self%x - reference
+      y = constant(origin) + turned_back(rotation, y)
+      call tool_foot(foot, y, self%gap, normal)
+      self%normal = turned(rotation, normal)
+   end subroutine find_inner_foot
+
+   !> Inputs of the components of a node around the point.
+   pure function inputs_of(self, node) result(input)
+      type(inputs_type), intent(in) :: self
+      integer, intent(in) :: node
+      integer :: input(3), k
+
+      input = 0
+      do k = 1, self%naround
+         if (self%around(k) == node) input = self%near(:, k)
+      end do
+   end function inputs_of
 
    !> Gap of a row from those of its places, and the way of its mean place added to its point's.
    pure subroutine mean_place(there, gap, way)
@@ -416,6 +539,7 @@ contains
             end do
          end do
       end if
+      if (allocated(opposite%inner)) call list_around
       if (masters%of(points%pair(i))%body > 0) then
          associate (node => model%rigid_body(masters%of(points%pair(i))%body)%reference)
             do k = 1, d
@@ -433,6 +557,27 @@ contains
       end do
 
    contains
+
+      !> Nodes of the facets that have points inside; the first is the point's own.
+      subroutine list_around
+         integer :: q, j
+
+         self%naround = 1
+         self%around(1) = points%node(i)
+         self%near(:, 1) = self%slave
+         do q = 1, size(opposite%inner)
+            do j = 1, opposite%inner(q)%nnode
+               associate (node => opposite%inner(q)%node(j))
+                  if (any(self%around(:self%naround) == node)) cycle
+                  self%naround = self%naround + 1
+                  self%around(self%naround) = node
+                  do k = 1, d
+                     call take(dofs%id(k, node), self%near(k, self%naround))
+                  end do
+               end associate
+            end do
+         end do
+      end subroutine list_around
 
       subroutine take(dof, input)
          integer, intent(in) :: dof

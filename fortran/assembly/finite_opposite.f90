@@ -15,7 +15,7 @@ module lopin_finite_opposite
    use lopin_finite_masters, only : masters_type, master_type
    implicit none
    private
-   public :: opposite_type, anchor_type, sample_foot_type, find_opposite, anchor_of
+   public :: opposite_type, anchor_type, sample_foot_type, inner_foot_type, find_opposite, anchor_of
 
    !> Sine below which an arm is square to its facet.
    real(wp), parameter :: square = 1.0e-6_wp
@@ -27,6 +27,15 @@ module lopin_finite_opposite
       type(foot_type) :: foot                      !! in the tool's frame
       logical :: continued = .false.               !! on the tangent plane of the point's own foot
    end type sample_foot_type
+
+   !> What lies opposite a point inside a facet that meets a crease of the tool.
+   type :: inner_foot_type
+      real(wp) :: c = 0.0_wp                       !! its part of the row
+      integer :: nnode = 0
+      integer :: node(4) = 0                       !! of the facet
+      real(wp) :: shape(4) = 0.0_wp
+      type(foot_type) :: foot                      !! in the tool's frame
+   end type inner_foot_type
 
    type :: opposite_type
       integer :: facet = 0                         !! 0: none
@@ -43,6 +52,7 @@ module lopin_finite_opposite
       integer :: cell = 0
       real(wp) :: size = 1.0_wp                    !! of the facet [length]
       type(sample_foot_type), allocatable :: sample(:)   !! the other places of the row
+      type(inner_foot_type), allocatable :: inner(:)     !! those inside facets, lopin_finite_faces
    end type opposite_type
 
    !> The material point of the master that friction measures slip from.

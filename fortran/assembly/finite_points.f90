@@ -7,7 +7,7 @@ module lopin_finite_points
    use lopin_model, only : model_type, pair_type, surface_of
    use lopin_surface_material, only : slave_yields
    use lopin_slave_points, only : slave_type, new_slave
-   use lopin_contact_points, only : contact_points_type
+   use lopin_contact_points, only : contact_points_type, face_type
    use lopin_pairing, only : new_contact_points
    use lopin_mortar_pairs, only : is_mortar
    use lopin_initial_gaps, only : initial_gap_type, new_initial_gaps
@@ -32,6 +32,7 @@ module lopin_finite_points
       real(wp), allocatable :: depth(:)        !! deeper is no contact [length]
       integer, allocatable :: corner(:, :)     !! (2, n), and
       real(wp), allocatable :: share(:)        !! (n) as in lopin_contact_points
+      type(face_type), allocatable :: face(:)  !! of slaves whose tools have creases
       real(wp), allocatable :: side(:, :)      !! (3, n) slave's outward normal; 0: unknown
       real(wp), allocatable :: shift(:)        !! added to gaps: ADJUST, CLEARANCE [length]
       real(wp), allocatable :: overclosure(:)  !! at the start, ramped in [length]
@@ -81,6 +82,8 @@ contains
       self%side = points%side(:, :self%n)
       self%corner = points%corner(:, :self%n)
       self%share = points%share(:self%n)
+      allocate (self%face(0))
+      if (allocated(points%face)) self%face = points%face
       self%shift = initial%shift
       self%overclosure = initial%overclosure
       self%touches = initial%touches

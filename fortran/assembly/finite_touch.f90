@@ -9,6 +9,7 @@ module lopin_finite_touch
    use lopin_friction, only : has_friction
    use lopin_contact_traction, only : grip_kind
    use lopin_finite_samples, only : row_value
+   use lopin_finite_faces, only : start_gap_of
    use lopin_finite_contact, only : finite_contact_type
    implicit none
    private
@@ -24,11 +25,15 @@ contains
       self%noted = 0.0_wp
       self%ahead = 1.0_wp
       self%touch = 0.0_wp
+      if (size(self%face) > 0) self%start_row = self%start_gap
       do i = 1, self%n
          self%start_gap(i) = huge(1.0_wp)
          if (self%opposite(i)%facet == 0) cycle
          self%start_gap(i) = self%opposite(i)%found%gap
          if (self%masters%of(self%pair(i))%tool > 0) self%start_gap(i) = self%opposite(i)%foot%gap
+         if (size(self%face) == 0) cycle
+         self%start_row(i) = self%start_gap(i)
+         if (allocated(self%opposite(i)%inner)) self%start_row(i) = start_gap_of(self%opposite(i))
       end do
    end subroutine start_approach
 
@@ -71,6 +76,7 @@ contains
       integer, intent(in) :: i
 
       gap = self%start_gap(i)
+      if (size(self%face) > 0) gap = self%start_row(i)
       if (.not. self%share(i) > 0.0_wp) return
       if (all(self%start_gap(self%corner(:, i)) < huge(1.0_wp))) gap = row_value(self, i, &
          & self%start_gap)

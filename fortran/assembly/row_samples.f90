@@ -7,24 +7,13 @@
 !> consistent loads of a uniform pressure.
 module lopin_row_samples
    use lopin_kinds, only : wp
-   use lopin_contact_points, only : contact_points_type
+   use lopin_contact_points, only : contact_points_type, sample_type, own_sample
    implicit none
    private
-   public :: sample_type, most_samples, find_samples, row_value, basis_of, one_patch
+   public :: sample_type, find_samples, has_samples, has_inner, row_value, basis_of, one_patch
 
-   integer, parameter :: most_samples = 3
    !> Feet whose normals have a smaller cosine do not lie on one smooth patch of the tool.
    real(wp), parameter :: one_patch = 0.866025403784439_wp
-
-   !> One place of a row.
-   type :: sample_type
-      real(wp) :: c = 1.0_wp              !! its part of the row
-      integer :: point = 0                !! the contact point there
-      integer :: node = 0
-      real(wp) :: normal(3) = 0.0_wp      !! out of the master, as the gap grows
-      real(wp) :: foot(3) = 0.0_wp        !! [length]
-      real(wp) :: gap = 0.0_wp            !! geometric [length]
-   end type sample_type
 
 contains
 
@@ -35,28 +24,50 @@ contains
       c = [1.0_wp, -share]/(1.0_wp - 2.0_wp*share)
    end function basis_of
 
+   !> The row of a point has more places than its node.
+   pure logical function has_samples(points, i)
+      type(contact_points_type), intent(in) :: points
+      integer, intent(in) :: i
+
+      has_samples = points%share(i) > 0.0_wp .or. has_inner(points, i)
+   end function has_samples
+
+   !> Points inside its facets count in the row of a point.
+   pure logical function has_inner(points, i)
+      type(contact_points_type), intent(in) :: points
+      integer, intent(in) :: i
+
+      has_inner = .false.
+      if (.not. allocated(points%inner)) return
+      if (i <= size(points%inner)) has_inner = allocated(points%inner(i)%sample)
+   end function has_inner
+
    !> The samples of the row of a point.
-   pure subroutine find_samples(points, i, x, sample, n)
+   pure subroutine find_samples(points, i, x, sample)
       type(contact_points_type), intent(in) :: points
       integer, intent(in) :: i
       real(wp), intent(in) :: x(:, :)          !! (ndim, nnode) places of the projection [length]
-      type(sample_type), intent(out) :: sample(most_samples)
-      integer, intent(out) :: n
+      type(sample_type), allocatable, intent(out) :: sample(:)
       real(wp) :: c(2)
       integer :: k, other
 
-      n = 1
-      sample(1) = sample_type(1.0_wp, i, points%node(i), points%normal(:, i), points%foot(:, i), &
-         & points%gap(i))
-      if (.not. points%share(i) > 0.0_wp) return
-      n = 3
+      if (has_inner(points, i)) then
+         sample = points%inner(i)%sample
+         return
+      end if
+      if (.not. points%share(i) > 0.0_wp) then
+         sample = [own_sample(points, i)]
+         return
+      end if
+      allocate (sample(3))
+      sample(1) = own_sample(points, i)
       c = basis_of(points%share(i))
       sample(1)%c = c(1)
       do k = 1, 2
          other = met_alike(points, i, points%corner(k, i))
          if (other > 0) then
-            sample(1 + k) = sample_type(c(2), other, points%node(other), points%normal(:, other), &
-               & points%foot(:, other), points%gap(other))
+            sample(1 + k) = own_sample(points, other)
+            sample(1 + k)%c = c(2)
             cycle
          end if
          ! The end meets another patch or none: the patch of the middle is continued.
@@ -64,9 +75,9 @@ contains
          associate (s => sample(1 + k), d => size(x, 1))
             s%c = c(2)
             s%point = points%corner(k, i)
-            s%node = points%node(s%point)
-            s%gap = dot_product(s%normal(:d), x(:, s%node) - s%foot(:d))
-            s%foot(:d) = x(:, s%node) - s%gap*s%normal(:d)
+            s%node(1) = points%node(s%point)
+            s%gap = dot_product(s%normal(:d), x(:, s%node(1)) - s%foot(:d))
+            s%foot(:d) = x(:, s%node(1)) - s%gap*s%normal(:d)
          end associate
       end do
    end subroutine find_samples
@@ -98,6 +109,7 @@ contains
       real(wp), intent(in) :: value(:)         !! (npoint)
 
       total = dot_product(sample%c, value(sample%point))
-      if (size(sample) == 1) total = value(sample(1)%point)
+      ! Points inside facets weigh out to their node.
+      if (all(sample%point == sample(1)%point)) total = value(sample(1)%point)
    end function row_value
 end module lopin_row_samples

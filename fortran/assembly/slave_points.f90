@@ -21,6 +21,9 @@ module lopin_slave_points
       integer, allocatable :: corner(:, :)   !! (2, n) mid-side: places of the ends of its edge in
                                              !! `node`; else 0
       real(wp), allocatable :: share(:)      !! (n) of its function that each end gets; else 0
+      type(facets_type) :: facets            !! none of a surface of nodes
+      integer, allocatable :: local(:, :)    !! (8, facets) places of their nodes in `node`
+      real(wp), allocatable :: thickness(:)  !! (facets) 1 unless plane [length]
    end type slave_type
 
 contains
@@ -70,6 +73,9 @@ contains
          end do
       end do
       self%node = shape%node
+      self%facets = facets
+      self%local = shape%local
+      self%thickness = thickness
       self%weight = weight(shape%node)
       self%size = length(shape%node)
       allocate (self%normal(3, shape%nnode), source=0.0_wp)

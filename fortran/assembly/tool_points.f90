@@ -8,6 +8,7 @@ module lopin_tool_points
    use lopin_rigid_motion, only : rigid_motion_type, new_rigid_motion
    use lopin_model, only : model_type, kind_of
    use lopin_contact_points, only : contact_points_type, add_point, facing
+   use lopin_face_rows, only : list_faces, find_inner
    implicit none
    private
    public :: pair_with_tool, move_tool
@@ -44,6 +45,8 @@ contains
             end do
          end do
          call join_corners(self, slave, first)
+         call list_faces(self, model, pair, slave, first)
+         call find_inner(self, model, pair, rest)
       end associate
    end subroutine pair_with_tool
 
@@ -162,5 +165,6 @@ contains
             self%facet(i) = 0
          end do
       end do
+      call find_inner(self, model, pair, motion)
    end subroutine move_tool
 end module lopin_tool_points

@@ -8,10 +8,14 @@ module lopin_tool
    use lopin_rigid_motion, only : rigid_motion_type
    implicit none
    private
-   public :: tool_type, foot_type, coincidence, project_moved, project_all_moved, outer_product
+   public :: one_plane
+   public :: tool_type, foot_type, coincidence, project_moved, project_all_moved, move_foot, outer_product
 
    !> Lengths below `coincidence` times the size of the tool are rounding, not geometry.
    real(wp), parameter :: coincidence = 1.0e-9_wp
+
+   !> Parts of a tool whose normals have a larger cosine are one plane: 1e-5 rad.
+   real(wp), parameter :: one_plane = 1.0_wp - 0.5e-10_wp
 
    !> The closest point of a surface and what a contact kernel needs of it.
    type :: foot_type
@@ -36,6 +40,8 @@ module lopin_tool
       procedure(tessellate_if), deferred :: tessellate
       procedure(describe_if), deferred :: describe
       procedure :: project_all
+      procedure :: has_creases
+      procedure :: is_creased
    end type tool_type
 
    abstract interface
@@ -86,6 +92,19 @@ contains
       if (feet(1)%found) nfeet = 1
    end subroutine project_all
 
+   !> Somewhere the direction of the surface jumps.
+   pure logical function has_creases(self)
+      class(tool_type), intent(in) :: self
+      has_creases = self%size < 0.0_wp
+   end function has_creases
+
+   !> The direction of the surface jumps between two of its segments.
+   pure logical function is_creased(self, a, b)
+      class(tool_type), intent(in) :: self
+      integer, intent(in) :: a, b              !! segments of feet
+      is_creased = self%size < 0.0_wp .and. a /= b
+   end function is_creased
+
    !> Project a point of the present on a tool that has moved; the foot is in the present too.
    pure subroutine project_moved(tool, motion, x, foot)
       class(tool_type), intent(in) :: tool
@@ -113,6 +132,7 @@ contains
       end do
    end subroutine project_all_moved
 
+   !> A foot of the tool's frame where the tool stands now.
    pure subroutine move_foot(motion, ndim, foot)
       type(rigid_motion_type), intent(in) :: motion
       integer, intent(in) :: ndim

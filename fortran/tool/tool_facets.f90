@@ -7,7 +7,7 @@ module lopin_tool_facets
    use lopin_kinds, only : wp
    use lopin_facet_mesh, only : facet_mesh_type
    use lopin_facet_tree, only : facet_tree_type, new_facet_tree, box_distance2, deepest
-   use lopin_tool, only : tool_type, foot_type, coincidence, outer_product
+   use lopin_tool, only : tool_type, foot_type, coincidence, one_plane, outer_product
    use lopin_triangle, only : closest_on_triangle
    implicit none
    private
@@ -25,6 +25,8 @@ module lopin_tool_facets
       procedure :: project_all => project_walls
       procedure :: tessellate
       procedure :: describe
+      procedure :: has_creases => has_edges
+      procedure :: is_creased => is_bent
    end type facets_tool_type
 
    !> The closest point found so far.
@@ -94,6 +96,26 @@ contains
       across = across - dot_product(across, along)/dot_product(along, along)*along
       chord_of = 0.5_wp*norm2(across)*angle
    end function chord_of
+
+   !> Some facets meet at an angle.
+   pure logical function has_edges(self)
+      class(facets_tool_type), intent(in) :: self
+      integer :: f, k
+
+      has_edges = .false.
+      do f = 1, self%mesh%nfacet
+         do k = 1, 3
+            if (self%mesh%neighbour(k, f) == 0) cycle
+            has_edges = has_edges .or. is_bent(self, f, self%mesh%neighbour(k, f))
+         end do
+      end do
+   end function has_edges
+
+   pure logical function is_bent(self, a, b)
+      class(facets_tool_type), intent(in) :: self
+      integer, intent(in) :: a, b
+      is_bent = dot_product(self%mesh%normal(:, a), self%mesh%normal(:, b)) < one_plane
+   end function is_bent
 
    pure subroutine project(self, x, foot)
       class(facets_tool_type), intent(in) :: self

@@ -2,7 +2,7 @@
 module lopin_tool_profile
    use lopin_kinds, only : wp
    use lopin_vectors, only : cross, across
-   use lopin_tool, only : tool_type, foot_type, outer_product
+   use lopin_tool, only : tool_type, foot_type, one_plane, outer_product
    use lopin_profile, only : profile_type, segment_type, segment_kind, parabola_point
    use lopin_profile_projection, only : foot_2d_type, project_profile, project_profile_all
    implicit none
@@ -21,6 +21,8 @@ module lopin_tool_profile
       procedure :: project_all => project_all_plane
       procedure :: tessellate => tessellate_plane
       procedure :: describe
+      procedure :: has_creases => has_kinks
+      procedure :: is_creased => is_kinked
    end type profile_tool_type
 
    !> The profile in the local (x, y) plane, infinite along the local z.
@@ -57,6 +59,34 @@ module lopin_tool_profile
    end type meridian_type
 
 contains
+
+   pure logical function has_kinks(self)
+      class(profile_tool_type), intent(in) :: self
+      integer :: i
+
+      has_kinks = any([(is_kinked(self, i, 1 + mod(i, size(self%profile%segment))), &
+         & i=1, size(self%profile%segment) - merge(0, 1, self%profile%closed))])
+   end function has_kinks
+
+   !> A kink lies on the shorter way from one segment to another.
+   pure logical function is_kinked(self, a, b)
+      class(profile_tool_type), intent(in) :: self
+      integer, intent(in) :: a, b
+      integer :: i, from, steps, n
+
+      n = size(self%profile%segment)
+      from = min(a, b)
+      steps = abs(a - b)
+      if (self%profile%closed .and. 2*steps > n) then
+         from = max(a, b)
+         steps = n - steps
+      end if
+      is_kinked = .false.
+      do i = from, from + steps - 1
+         is_kinked = is_kinked .or. dot_product(self%profile%segment(1 + mod(i - 1, n))%tb, &
+            & self%profile%segment(1 + mod(i, n))%ta) < one_plane
+      end do
+   end function is_kinked
 
    pure subroutine project_plane(self, x, foot)
       class(profile_tool_type), intent(in) :: self

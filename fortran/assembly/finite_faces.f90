@@ -1,0 +1,115 @@
+!> Points inside the facets that meet creases of a tool, on the present shape.
+!>
+!> As lopin_face_rows for the linear paths: which facets have such points follows the motion; what
+!> each point counts is taken from the shape where the increment begins.
+module lopin_finite_faces
+   use lopin_kinds, only : wp
+   use lopin_tool, only : foot_type
+   use lopin_model, only : model_type
+   use lopin_contact_points, only : face_type
+   use lopin_face_points, only : face_points_type, place_points
+   use lopin_face_rows, only : points_of_face, feet_on_crease
+   use lopin_finite_points, only : finite_points_type
+   use lopin_finite_opposite, only : opposite_type, inner_foot_type
+   use lopin_finite_masters, only : masters_type
+   implicit none
+   private
+   public :: find_inner_feet, start_gap_of
+
+   !> Facets whose nodes are all farther away, in facets, are not looked at.
+   real(wp), parameter :: near = 1.0_wp
+
+contains
+
+   !> The points inside facets that the rows of all points have now.
+   subroutine find_inner_feet(opposite, masters, points, model, x)
+      type(opposite_type), intent(inout) :: opposite(:)
+      type(masters_type), intent(in) :: masters
+      type(finite_points_type), intent(in) :: points
+      type(model_type), intent(in) :: model
+      real(wp), intent(in) :: x(:, :)          !! (ndim, nnode) where the increment began [length]
+      type(face_points_type) :: inside
+      type(foot_type), allocatable :: foot(:)
+      real(wp) :: normal(3, 8), stretch(64)
+      integer :: i, k, n
+
+      do i = 1, size(opposite)
+         if (allocated(opposite(i)%inner)) deallocate (opposite(i)%inner)
+      end do
+      do i = 1, size(points%face)
+         associate (f => points%face(i), m => masters%of(points%face(i)%pair))
+            if (.not. is_met(opposite, points, f)) cycle
+            n = f%nnode
+            call points_of_face(inside, f, model, x)
+            call place_points(inside, masters%x(:, f%node(:n)), stretch(:inside%n))
+            do k = 1, n
+               normal(:, k) = opposite(f%point(k))%normal
+            end do
+            if (feet_on_crease(model%tool(m%tool)%shape, m%motion, m%limits%extension &
+               & *maxval(points%size(f%point(:n))), normal(:, :n), opposite(f%point(:n))%facet, &
+               & inside, foot)) call add_points(opposite, points, f, inside, foot)
+         end associate
+      end do
+   end subroutine find_inner_feet
+
+   !> All nodes of a facet meet the tool, each one side of it, and some node is near.
+   pure logical function is_met(opposite, points, face)
+      type(opposite_type), intent(in) :: opposite(:)
+      type(finite_points_type), intent(in) :: points
+      type(face_type), intent(in) :: face
+      integer :: k
+
+      is_met = .false.
+      do k = 1, face%nnode
+         associate (i => face%point(k))
+            if (opposite(i)%facet == 0) return
+            is_met = is_met .or. opposite(i)%foot%gap <= near*points%size(i)
+         end associate
+      end do
+      do k = 1, face%nnode
+         if (face%point(k) == points%n) cycle
+         associate (i => face%point(k) + 1)
+            if (points%entry(i) == 2 .and. opposite(i)%facet > 0) is_met = .false.
+         end associate
+      end do
+   end function is_met
+
+   subroutine add_points(opposite, points, face, inside, foot)
+      type(opposite_type), intent(inout) :: opposite(:)
+      type(finite_points_type), intent(in) :: points
+      type(face_type), intent(in) :: face
+      type(face_points_type), intent(in) :: inside
+      type(foot_type), intent(in) :: foot(:)
+      type(inner_foot_type), allocatable :: longer(:)
+      integer :: k, q, n
+
+      do k = 1, face%nnode
+         associate (own => opposite(face%point(k)))
+            n = 0
+            if (allocated(own%inner)) n = size(own%inner)
+            allocate (longer(n + inside%n))
+            if (n > 0) longer(:n) = own%inner
+            do q = 1, inside%n
+               associate (s => longer(n + q))
+                  s%c = inside%part(k, q)/points%weight(face%point(k))
+                  s%nnode = face%nnode
+                  s%node(:face%nnode) = face%node(:face%nnode)
+                  s%shape(:face%nnode) = inside%shape(:, q)
+                  s%foot = foot(q)
+               end associate
+            end do
+            call move_alloc(longer, own%inner)
+         end associate
+      end do
+   end subroutine add_points
+
+   !> Gap of a row of a tool, from the feet of its places.
+   pure real(wp) function start_gap_of(opposite) result(gap)
+      type(opposite_type), intent(in) :: opposite
+
+      gap = opposite%foot%gap
+      if (.not. allocated(opposite%inner)) return
+      gap = (1.0_wp - sum(opposite%inner%c))*gap + dot_product(opposite%inner%c, &
+         & opposite%inner%foot%gap)
+   end function start_gap_of
+end module lopin_finite_faces

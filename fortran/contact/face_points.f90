@@ -1,0 +1,121 @@
+!> Points inside a facet, and what each counts in the rows of the facet's nodes.
+!>
+!> The dual functions psi = A N, A = diag(sum w N) (sum w N N^T)^-1, are made with the points' own
+!> sums: a gap that is linear over the facet gives exactly the gaps at its nodes.
+module lopin_face_points
+   use lopin_kinds, only : wp
+   use lopin_vectors, only : cross
+   use lopin_cells, only : cell_type, cell_family, shape_functions
+   use lopin_mortar, only : dual_matrix
+   implicit none
+   private
+   public :: face_points_type, new_face_points, place_points
+
+   real(wp), parameter :: two_pi = 2.0_wp*acos(-1.0_wp)
+
+   type :: face_points_type
+      integer :: n = 0
+      real(wp), allocatable :: shape(:, :)     !! (nnode, n) N
+      real(wp), allocatable :: slope(:, :, :)  !! (ndim - 1, nnode, n) dN/dxi
+      real(wp), allocatable :: part(:, :)      !! (nnode, n) w psi; summed over points the weight
+      real(wp), allocatable :: weight(:)       !! (nnode) integral of N [area]
+      real(wp), allocatable :: x(:, :)         !! (3, n) [length]
+      real(wp), allocatable :: normal(:, :)    !! (3, n) unit, out of the facet
+   end type face_points_type
+
+contains
+
+   !> Points at the middles of equal parts.
+   subroutine new_face_points(self, cell, x, parts, axisymmetric, thickness)
+      type(face_points_type), intent(out) :: self
+      type(cell_type), intent(in) :: cell
+      real(wp), intent(in) :: x(:, :)          !! (ndim, nnode) [length]
+      integer, intent(in) :: parts             !! in each direction
+      logical, intent(in) :: axisymmetric
+      real(wp), intent(in) :: thickness        !! 1 unless plane [length]
+      real(wp), allocatable :: xi(:, :)
+      real(wp) :: area, a(size(x, 2), size(x, 2)), me(size(x, 2), size(x, 2)), w(parts**2)
+      integer :: q, k, m, d
+
+      d = size(x, 1)
+      m = size(x, 2)
+      call middles(cell%family, parts, xi, area)
+      self%n = size(xi, 2)
+      allocate (self%shape(m, self%n), self%slope(d - 1, m, self%n), self%part(m, self%n), &
+         & self%weight(m))
+      allocate (self%x(3, self%n), self%normal(3, self%n), source=0.0_wp)
+      do q = 1, self%n
+         call shape_functions(cell, xi(:d - 1, q), self%shape(:, q), self%slope(:, :, q))
+      end do
+      call place_points(self, x, w(:self%n))
+      me = 0.0_wp
+      do q = 1, self%n
+         w(q) = thickness*area*w(q)
+         if (axisymmetric) w(q) = two_pi*self%x(1, q)*w(q)
+         do k = 1, m
+            me(:, k) = me(:, k) + w(q)*self%shape(k, q)*self%shape(:, q)
+         end do
+      end do
+      self%weight = matmul(self%shape, w(:self%n))
+      call dual_matrix(me, self%weight, a)
+      do q = 1, self%n
+         self%part(:, q) = w(q)*matmul(a, self%shape(:, q))
+      end do
+   end subroutine new_face_points
+
+   !> Places and normals where the nodes of the facet are at x, and areas for one of the cell.
+   pure subroutine place_points(self, x, stretch)
+      type(face_points_type), intent(inout) :: self
+      real(wp), intent(in) :: x(:, :)          !! (ndim, nnode) [length]
+      real(wp), intent(out) :: stretch(:)      !! (n) [area]
+      real(wp) :: t(3, 2)
+      integer :: q, d
+
+      d = size(x, 1)
+      do q = 1, self%n
+         self%x(:d, q) = matmul(x, self%shape(:, q))
+         t = 0.0_wp
+         t(3, 2) = 1.0_wp
+         t(:d, :d - 1) = matmul(x, transpose(self%slope(:, :, q)))
+         self%normal(:, q) = cross(t(:, 1), t(:, 2))
+         stretch(q) = norm2(self%normal(:, q))
+         self%normal(:, q) = self%normal(:, q)/stretch(q)
+      end do
+   end subroutine place_points
+
+   !> Middles of equal parts of a reference cell, and the area of each.
+   pure subroutine middles(family, parts, xi, area)
+      integer, intent(in) :: family, parts
+      real(wp), allocatable, intent(out) :: xi(:, :)   !! (2, points)
+      real(wp), intent(out) :: area
+      integer :: i, j, n
+
+      allocate (xi(2, merge(parts, parts**2, family == cell_family%line)), source=0.0_wp)
+      n = 0
+      select case (family)
+      case (cell_family%line)
+         xi(1, :) = [((2*i - 1)/real(parts, wp) - 1.0_wp, i=1, parts)]
+         area = 2.0_wp/parts
+      case (cell_family%triangle)
+         ! Sub-triangles that stand as the whole, and those between them.
+         do i = 0, parts - 1
+            do j = 0, parts - 1 - i
+               n = n + 1
+               xi(:, n) = ([i, j] + 1.0_wp/3.0_wp)/parts
+               if (i + j == parts - 1) cycle
+               n = n + 1
+               xi(:, n) = ([i, j] + 2.0_wp/3.0_wp)/parts
+            end do
+         end do
+         area = 0.5_wp/parts**2
+      case default
+         do i = 1, parts
+            do j = 1, parts
+               n = n + 1
+               xi(:, n) = [2*i - 1, 2*j - 1]/real(parts, wp) - 1.0_wp
+            end do
+         end do
+         area = 4.0_wp/parts**2
+      end select
+   end subroutine middles
+end module lopin_face_points
