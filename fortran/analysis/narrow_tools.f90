@@ -12,7 +12,8 @@ module lopin_narrow_tools
    use lopin_model, only : model_type, surface_of, kind_of
    use lopin_contact_points, only : pair_is_tied
    use lopin_scene, only : scene_type
-   use lopin_standing_tool, only : stand_type, find_places, place_tool, gap_at
+   use lopin_standing_tool, only : stand_type, find_places, place_tool, gap_at, &
+      & distance_at
    use lopin_present_gaps, only : gap_of
    use lopin_say_once, only : say_once
    implicit none
@@ -30,6 +31,8 @@ module lopin_narrow_tools
    real(wp), parameter :: narrow = 0.9_wp
    !> Samples of a facet in each direction, and of an edge.
    integer, parameter :: parts = 10, steps = 20
+   real(wp), parameter :: shallow = 0.01_wp     !! of a facet: finer parts that go in by less
+   real(wp), parameter :: finest = 0.015_wp      !! of a facet: narrower parts are not found
    !> Edges that leave a node by a larger angle than 120 degrees are opposite.
    real(wp), parameter :: opposite = -0.5_wp
    real(wp), parameter :: rounding = 1.0e-6_wp   !! of a facet: nothing goes in by less
@@ -73,7 +76,7 @@ contains
             call find_closed(scene, pair, closed)
             call place_tool(stand, scene, model, pair)
             if (.not. scene%finite%in_use) call look_inside(scene, model, pair, x, stand)
-            call look_between(scene, model, pair, facets, rules, x, stand)
+            call look_between(scene, model, pair, facets, rules, x, stand, closed)
             if (any(closed)) call look_beside(scene, model, pair, facets, rules, x, stand, closed)
          end associate
       end do
@@ -149,7 +152,7 @@ contains
    end function span
 
    !> A part of a tool that goes into a facet deeper than all its nodes.
-   subroutine look_between(scene, model, pair, facets, rules, x, stand)
+   subroutine look_between(scene, model, pair, facets, rules, x, stand, closed)
       type(scene_type), intent(inout) :: scene
       type(model_type), intent(in) :: model
       integer, intent(in) :: pair
@@ -157,6 +160,7 @@ contains
       type(facet_rule_type), intent(in) :: rules(:)
       real(wp), intent(in) :: x(:, :)
       type(stand_type), intent(in) :: stand
+      logical, intent(in) :: closed(:)         !! (nnode)
       real(wp) :: deepest, least, lowest, long
       integer :: i, k, worst
 
@@ -167,12 +171,15 @@ contains
             & d => size(x, 1))
             long = span(cell, x(:, node))
             if (.not. is_close(stand, x(:, node), long)) cycle
-            least = huge(1.0_wp)
+            ! A node on a corner of the tool may face none of its sides.
+            least = merge(0.0_wp, huge(1.0_wp), any(closed(node)))
             do k = 1, size(node)
                least = min(least, gap_at(stand, cell, x(:, node), cell%xi(:d - 1, k), long, &
                   & .false.))
             end do
-            lowest = lowest_inside(stand, cell, x(:, node), long)
+            ! Between nodes that touch, in space, nothing finer than the places is looked for.
+            lowest = lowest_inside(stand, cell, x(:, node), long, merge(finest, 1.0_wp, d == 2 &
+               & .or. least > open_by*long))
             if (lowest >= -rounding*long) cycle
             if (least <= open_by*long .and. least - lowest <= too_deep*long) cycle
             if (-lowest/long <= deepest) cycle
@@ -211,27 +218,53 @@ contains
    end function is_close
 
    !> The least gap inside a facet.
-   real(wp) function lowest_inside(stand, cell, x, long) result(lowest)
+   real(wp) function lowest_inside(stand, cell, x, long, finest) result(lowest)
       type(stand_type), intent(in) :: stand
       type(cell_type), intent(in) :: cell
       real(wp), intent(in) :: x(:, :), long
-      real(wp) :: xi(2)
+      real(wp), intent(in) :: finest           !! part of the facet that is divided no more
       integer :: i, j
 
       lowest = huge(1.0_wp)
       do i = 1, parts
          do j = 1, merge(1, parts, size(x, 1) == 2)
-            xi = ([i, j] - 0.5_wp)/parts
-            if (cell%family == cell_family%triangle) then
-               if (sum(xi) >= 1.0_wp) cycle
-            else
-               xi = 2.0_wp*xi - 1.0_wp
-            end if
-            lowest = min(lowest, gap_at(stand, cell, x, xi(:size(x, 1) - 1), long, &
-               & .true.))
+            lowest = min(lowest, lowest_about(stand, cell, x, long, finest, &
+               & ([i, j] - 0.5_wp)/parts, 1.0_wp/parts))
          end do
       end do
    end function lowest_inside
+
+   !> The least gap of a part of a facet: divided where the tool is nearer than its rim, so that
+   !> nothing between two places is passed over.
+   recursive real(wp) function lowest_about(stand, cell, x, long, finest, at, share) result(lowest)
+      type(stand_type), intent(in) :: stand
+      type(cell_type), intent(in) :: cell
+      real(wp), intent(in) :: x(:, :), long, finest
+      real(wp), intent(in) :: at(2)            !! middle of the part, the facet in [0, 1]
+      real(wp), intent(in) :: share            !! of the facet's edges
+      real(wp) :: xi(2)
+      integer :: i, j, d
+
+      d = size(x, 1)
+      lowest = huge(1.0_wp)
+      xi = 2.0_wp*at - 1.0_wp
+      if (cell%family == cell_family%triangle) then
+         if (sum(at) >= 1.0_wp) return
+         xi = at
+      end if
+      lowest = gap_at(stand, cell, x, xi(:d - 1), long, .true.)
+      ! Beside a node that an edge let slip, the edge cuts the facet by a little.
+      if (parts*share < 0.9_wp .and. lowest > -shallow*long) lowest = max(lowest, 0.0_wp)
+      if (share <= finest) return
+      if (distance_at(stand, cell, x, xi(:d - 1)) > 0.6_wp*share*norm2(maxval(x, 2) - minval(x, &
+         & 2))) return
+      do i = -1, 1, 2
+         do j = -1, merge(-1, 1, d == 2), 2
+            lowest = min(lowest, lowest_about(stand, cell, x, long, finest, &
+               & at + 0.25_wp*share*[i, j], 0.5_wp*share))
+         end do
+      end do
+   end function lowest_about
 
    !> A closed node opposite a part of the tool that is narrower than a facet.
    subroutine look_beside(scene, model, pair, facets, rules, x, stand, closed)

@@ -9,7 +9,7 @@ module lopin_standing_tool
    use lopin_scene, only : scene_type
    implicit none
    private
-   public :: stand_type, find_places, place_tool, gap_at
+   public :: stand_type, find_places, place_tool, gap_at, distance_at
 
    !> A tool where it stands, as its slave meets it.
    type :: stand_type
@@ -94,4 +94,20 @@ contains
          & .and. .not. (inside .and. foot%gap < 0.0_wp)) return
       gap = foot%gap
    end function gap_at
+
+   !> How far a place of a facet is from the tool, whichever way that faces.
+   real(wp) function distance_at(stand, cell, x, xi) result(distance)
+      type(stand_type), intent(in) :: stand
+      type(cell_type), intent(in) :: cell
+      real(wp), intent(in) :: x(:, :)          !! (ndim, nnode of the facet) [length]
+      real(wp), intent(in) :: xi(:)            !! (ndim - 1)
+      type(foot_type) :: foot
+      real(wp) :: n(8), dn(2, 8), y(size(x, 1))
+
+      call shape_functions(cell, xi, n(:size(x, 2)), dn(:size(xi), :size(x, 2)))
+      y = stand%motion%to_tool(matmul(x, n(:size(x, 2))))
+      call stand%shape%project(y, foot)
+      distance = huge(1.0_wp)
+      if (foot%found) distance = norm2(y - foot%point(:size(y)))
+   end function distance_at
 end module lopin_standing_tool

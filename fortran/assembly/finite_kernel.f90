@@ -10,20 +10,17 @@ module lopin_finite_kernel
    use lopin_friction, only : friction_type, condition_type
    use lopin_contact_traction, only : grip_type, grip_kind, grip_status, traction_of, &
       & normal_stiffness
-   use lopin_smooth_facet, only : most_stencil
-   use lopin_tool, only : foot_type
    use lopin_contact_foot, only : facet_foot, smooth_facet_foot, tool_foot, tool_motion, turned, &
       & turned_back
    use lopin_finite_points, only : finite_points_type, growth_type
-   use lopin_finite_opposite, only : opposite_type, anchor_type, sample_foot_type, &
-      & inner_foot_type
+   use lopin_finite_opposite, only : opposite_type, anchor_type
+   use lopin_finite_inputs, only : inputs_type, list_inputs, inputs_of
+   use lopin_finite_places, only : place_type, find_foot, mean_place, place_inner, find_inner_foot
    use lopin_finite_masters, only : masters_type
    implicit none
    private
    public :: local_matrix_type, point_state_type, evaluate_point, set_spring
 
-   integer, parameter :: most_around = 36
-   integer, parameter :: most_dofs = 3*(most_stencil + 8) + 18
 
    !> The exact tangent of one contact point.
    type :: local_matrix_type
@@ -46,27 +43,6 @@ module lopin_finite_kernel
       real(wp) :: row(3) = 0.0_wp
       real(wp), allocatable :: force(:)        !! on the first nu dofs of the local matrix [force]
    end type point_state_type
-
-   !> A place that a row samples.
-   type :: place_type
-      real(wp) :: c = 0.0_wp                   !! its part of the row
-      type(dual_type) :: x(3), normal(3), gap
-      integer :: input(3) = 0                  !! of its node
-   end type place_type
-
-   !> The inputs of a point in the order of its local dofs.
-   type :: inputs_type
-      integer :: n = 0, nu = 0
-      integer :: dof(most_dofs) = 0
-      integer :: slave(3) = 0                  !! input of each component; 0: it is held
-      integer :: master(3, most_stencil) = 0, anchor(3, 8) = 0
-      integer :: sample(3, 2) = 0
-      integer :: naround = 0
-      integer :: around(most_around) = 0       !! nodes of points inside facets, and
-      integer :: near(3, most_around) = 0      !! their inputs
-      integer :: reference(3) = 0, rotation(3) = 0, multiplier(3) = 0
-      integer :: growth = 0                    !! behind the others: of the point's area
-   end type inputs_type
 
 contains
 
@@ -374,87 +350,6 @@ contains
       end do
    end function held_part
 
-   !> The foot of one more place of a row.
-   pure subroutine find_foot(self, sample, own, rotation, reference, origin)
-      type(place_type), intent(inout) :: self
-      type(sample_foot_type), intent(in) :: sample
-      type(place_type), intent(in) :: own            !! the point's
-      type(dual_type), intent(in) :: rotation(3, 3), reference(3)
-      real(wp), intent(in) :: origin(3)              !! reference of the tool at rest [length]
-      type(dual_type) :: y(3), normal(3)
-
-      if (sample%continued) then
-         self%normal = own%normal
-         self%gap = own%gap + dual_dot(own%normal, self%x - own%x)
-         return
-      end if
-      y = self%x - reference
-      y = constant(origin) + turned_back(rotation, y)
-      call tool_foot(sample%foot, y, self%gap, normal)
-      self%normal = turned(rotation, normal)
-   end subroutine find_foot
-
-   !> Places inside facets from the nodes of these.
-   pure subroutine place_inner(self, opposite, inputs, x, from)
-      type(place_type), intent(inout) :: self(:)
-      type(inner_foot_type), intent(in) :: opposite(:)
-      type(inputs_type), intent(in) :: inputs
-      real(wp), intent(in) :: x(:, :)                !! (ndim, nnode) [length]
-      integer, intent(in) :: from                    !! slopes along inputs from + 1 and on
-      integer :: m, j, k, input(3)
-
-      do m = 1, size(opposite)
-         self(m)%c = opposite(m)%c
-         self(m)%x = 0.0_wp
-         do j = 1, opposite(m)%nnode
-            input = inputs_of(inputs, opposite(m)%node(j))
-            do k = 1, size(x, 1)
-               self(m)%x(k) = self(m)%x(k) + opposite(m)%shape(j)*variable(x(k, &
-                  & opposite(m)%node(j)), input(k) - from)
-            end do
-         end do
-      end do
-   end subroutine place_inner
-
-   pure subroutine find_inner_foot(self, foot, rotation, reference, origin)
-      type(place_type), intent(inout) :: self
-      type(foot_type), intent(in) :: foot
-      type(dual_type), intent(in) :: rotation(3, 3), reference(3)
-      real(wp), intent(in) :: origin(3)              !! reference of the tool at rest [length]
-      type(dual_type) :: y(3), normal(3)
-
-      y = self%x - reference
-      y = constant(origin) + turned_back(rotation, y)
-      call tool_foot(foot, y, self%gap, normal)
-      self%normal = turned(rotation, normal)
-   end subroutine find_inner_foot
-
-   !> Inputs of the components of a node around the point.
-   pure function inputs_of(self, node) result(input)
-      type(inputs_type), intent(in) :: self
-      integer, intent(in) :: node
-      integer :: input(3), k
-
-      input = 0
-      do k = 1, self%naround
-         if (self%around(k) == node) input = self%near(:, k)
-      end do
-   end function inputs_of
-
-   !> Gap of a row from those of its places, and the way of its mean place added to its point's.
-   pure subroutine mean_place(there, gap, way)
-      type(place_type), intent(in) :: there(:)       !! the point's first
-      type(dual_type), intent(out) :: gap
-      type(dual_type), intent(inout) :: way(3)
-      integer :: m
-
-      gap = there(1)%c*there(1)%gap
-      do m = 2, size(there)
-         gap = gap + there(m)%c*there(m)%gap
-         way = way + there(m)%c*(there(m)%x - there(1)%x)
-      end do
-   end subroutine mean_place
-
    !> The last column, slopes in the growth of the area, becomes one for each dof that it reads.
    pure subroutine add_growth(local, growth)
       type(local_matrix_type), intent(inout) :: local
@@ -505,87 +400,4 @@ contains
       end do
    end subroutine set_spring
 
-   !> The dofs of a point: slave, master nodes, anchor nodes or tool, then multipliers.
-   subroutine list_inputs(self, model, dofs, masters, points, i, opposite, anchor, first_row)
-      type(inputs_type), intent(out) :: self
-      type(model_type), intent(in) :: model
-      type(dofs_type), intent(in) :: dofs
-      type(masters_type), intent(in) :: masters
-      type(finite_points_type), intent(in) :: points
-      integer, intent(in) :: i
-      type(opposite_type), intent(in) :: opposite
-      type(anchor_type), intent(in) :: anchor
-      integer, intent(in) :: first_row
-      integer :: k, m, d
-
-      d = model%mesh%ndim
-      do k = 1, d
-         call take(dofs%id(k, points%node(i)), self%slave(k))
-      end do
-      do m = 1, opposite%nnode
-         do k = 1, d
-            call take(dofs%id(k, opposite%node(m)), self%master(k, m))
-         end do
-      end do
-      do m = 1, anchor%nnode
-         do k = 1, d
-            call take(dofs%id(k, anchor%node(m)), self%anchor(k, m))
-         end do
-      end do
-      if (allocated(opposite%sample)) then
-         do m = 1, 2
-            do k = 1, d
-               call take(dofs%id(k, opposite%sample(m)%node), self%sample(k, m))
-            end do
-         end do
-      end if
-      if (allocated(opposite%inner)) call list_around
-      if (masters%of(points%pair(i))%body > 0) then
-         associate (node => model%rigid_body(masters%of(points%pair(i))%body)%reference)
-            do k = 1, d
-               call take(dofs%id(k, node), self%reference(k))
-            end do
-            do k = 4, 6
-               call take(dofs%id(k, node), self%rotation(k - 3))
-            end do
-         end associate
-      end if
-      self%nu = self%n
-      if (first_row == 0) return
-      do k = 1, d
-         call take(dofs%n + first_row + k - 1, self%multiplier(k))
-      end do
-
-   contains
-
-      !> Nodes of the facets that have points inside; the first is the point's own.
-      subroutine list_around
-         integer :: q, j
-
-         self%naround = 1
-         self%around(1) = points%node(i)
-         self%near(:, 1) = self%slave
-         do q = 1, size(opposite%inner)
-            do j = 1, opposite%inner(q)%nnode
-               associate (node => opposite%inner(q)%node(j))
-                  if (any(self%around(:self%naround) == node)) cycle
-                  self%naround = self%naround + 1
-                  self%around(self%naround) = node
-                  do k = 1, d
-                     call take(dofs%id(k, node), self%near(k, self%naround))
-                  end do
-               end associate
-            end do
-         end do
-      end subroutine list_around
-
-      subroutine take(dof, input)
-         integer, intent(in) :: dof
-         integer, intent(inout) :: input
-         if (dof == 0) return
-         self%n = self%n + 1
-         self%dof(self%n) = dof
-         input = self%n
-      end subroutine take
-   end subroutine list_inputs
 end module lopin_finite_kernel

@@ -15,8 +15,8 @@ module lopin_tie_release
    use lopin_dofs, only : dofs_type
    use lopin_constraints, only : constraints_type
    use lopin_rigid_motion, only : rigid_motion_type, new_rigid_motion
-   use lopin_contact_points, only : contact_points_type, pair_is_tied
-   use lopin_row_samples, only : sample_type, most_samples, find_samples
+   use lopin_contact_points, only : contact_points_type, sample_type, pair_is_tied
+   use lopin_row_samples, only : find_samples
    implicit none
    private
    public :: release_ties, released_directions, row_misfit, held_apart, apart_type
@@ -78,13 +78,14 @@ contains
       integer, intent(in) :: i
       integer, allocatable, intent(out) :: node(:)
       real(wp), allocatable, intent(out) :: share(:)
-      type(sample_type) :: sample(most_samples)
-      integer :: n, s, m
+      type(sample_type), allocatable :: sample(:)
+      integer :: s, m
 
-      call find_samples(points, i, model%mesh%x, sample, n)
-      node = sample(:n)%node
-      share = sample(:n)%c
-      do s = 1, n
+      ! Ties have no points inside facets: each place is a node.
+      call find_samples(points, i, model%mesh%x, sample)
+      node = sample%node(1)
+      share = sample%c
+      do s = 1, size(sample)
          m = count(points%master(:, sample(s)%point) > 0)
          node = [node, points%master(:m, sample(s)%point)]
          share = [share, -sample(s)%c*points%shape(:m, sample(s)%point)]

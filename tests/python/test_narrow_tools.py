@@ -51,6 +51,14 @@ def test_a_punch_between_nodes_is_named(solve, path):
 
 
 @pytest.mark.parametrize("path", ["", "FINITE"])
+@pytest.mark.parametrize("width", [0.05, 0.1, 0.15])
+def test_a_rib_much_narrower_than_a_facet_is_named(solve, path, width):
+    # At 21.25 no place of a fixed lattice meets it.
+    result = solve(pressed(rib(21.25, 2.5*width, high=9.0), 0.3, path))
+    assert any("no node sees it" in w["message"] for w in said(result))
+
+
+@pytest.mark.parametrize("path", ["", "FINITE"])
 @pytest.mark.parametrize("tool", ["edge on a node", "edge between nodes", "round", "flat"])
 def test_tools_wider_than_facets_are_not_named(solve, path, tool):
     segments = {"edge on a node": rib(20.0, 10.0, 9.0), "edge between nodes": rib(20.0, 12.0, 9.0),
