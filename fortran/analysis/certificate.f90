@@ -15,7 +15,7 @@ module lopin_certificate
    use lopin_methods, only : has_law, obeys_deck
    implicit none
    private
-   public :: forces_type, find_forces, certify, give_verdict
+   public :: forces_type, find_forces, certify, give_verdict, hold_traction
 
    !> PASS up to these, WARN above, FAIL above ten times (conventions, frozen).
    real(wp), parameter :: complementarity_limit = 1.0e-6_wp, equilibrium_limit = 1.0e-6_wp
@@ -24,6 +24,7 @@ module lopin_certificate
    real(wp), parameter :: rounded = 1.0e-12_wp
    real(wp), parameter :: balance_limit = 1.0e-3_wp, penalty_limit = 2.0e-2_wp
    real(wp), parameter, public :: artificial_limit = 1.0e-2_wp
+   real(wp), parameter :: traction_limit = 2.0e-2_wp
 
    !> Energies of friction below this share of those of the scene are not judged beside themselves.
    real(wp), parameter :: share_of_energy = 1.0e-6_wp
@@ -244,43 +245,52 @@ contains
       type(certificate_type), intent(inout) :: self
 
       self%reason = ''
-      call hold('complementarity', self%complementarity, complementarity_limit)
-      call hold('friction beyond its bound', self%cone, cone_limit)
-      call hold('negative dissipation', -self%dissipation, dissipation_limit)
-      call hold('tension', self%tension, complementarity_limit)
-      call hold('equilibrium', self%equilibrium, equilibrium_limit)
-      call hold('action and reaction', self%action_reaction, equilibrium_limit)
-      call hold('artificial support', self%support, equilibrium_limit)
-      call hold('artificial work', self%artificial, artificial_limit, 1)
-      call hold('energy balance', self%energy, balance_limit)
+      call hold(self, 'complementarity', self%complementarity, complementarity_limit)
+      call hold(self, 'friction beyond its bound', self%cone, cone_limit)
+      call hold(self, 'negative dissipation', -self%dissipation, dissipation_limit)
+      call hold(self, 'tension', self%tension, complementarity_limit)
+      call hold(self, 'equilibrium', self%equilibrium, equilibrium_limit)
+      call hold(self, 'action and reaction', self%action_reaction, equilibrium_limit)
+      call hold(self, 'artificial support', self%support, equilibrium_limit)
+      call hold(self, 'artificial work', self%artificial, artificial_limit, 1)
+      call hold(self, 'energy balance', self%energy, balance_limit)
       ! A slope that the deck gives is its law: the user is warned, and obeyed.
-      call hold('estimated pressure error of the penalty', self%pressure_error, penalty_limit, &
+      call hold(self, 'estimated pressure error of the penalty', self%pressure_error, penalty_limit, &
          & merge(1, 2, self%obeys))
-      call hold('penetration beside the body', self%depth, penalty_limit, 1)
+      call hold(self, 'penetration beside the body', self%depth, penalty_limit, 1)
       if (self%folded == 0) return
       self%verdict = max(self%verdict, self%fold_level)
       if (len(self%reason) > 0) self%reason = self%reason//'; '
       self%reason = self%reason//'a corner of element '//to_text(self%folded)//' is turned inside '// &
          & 'out, its scaled Jacobian '//short(self%corner)
-
-   contains
-
-      subroutine hold(what, value, limit, most)
-         character(len=*), intent(in) :: what
-         real(wp), intent(in) :: value, limit
-         integer, intent(in), optional :: most !! level
-         integer :: level
-
-         level = 0
-         if (.not. value <= limit) level = 1
-         if (.not. value <= 10.0_wp*limit) level = 2
-         if (present(most)) level = min(level, most)
-         if (level == 0) return
-         self%verdict = max(self%verdict, level)
-         if (len(self%reason) > 0) self%reason = self%reason//'; '
-         self%reason = self%reason//what//' '//short(value)//' > '//short(limit)
-      end subroutine hold
    end subroutine give_verdict
+
+   !> The pressures as printed were judged by themselves, when all else was done.
+   subroutine hold_traction(self, pair)
+      type(certificate_type), intent(inout) :: self
+      character(len=*), intent(in) :: pair     !! its name
+
+      call hold(self, 'force that the pressures of pair '//pair//' do not carry', &
+         & self%traction, traction_limit)
+   end subroutine hold_traction
+
+   !> One test: what it makes of the verdict, and of the reason.
+   subroutine hold(self, what, value, limit, most)
+      type(certificate_type), intent(inout) :: self
+      character(len=*), intent(in) :: what
+      real(wp), intent(in) :: value, limit
+      integer, intent(in), optional :: most    !! level
+      integer :: level
+
+      level = 0
+      if (.not. value <= limit) level = 1
+      if (.not. value <= 10.0_wp*limit) level = 2
+      if (present(most)) level = min(level, most)
+      if (level == 0) return
+      self%verdict = max(self%verdict, level)
+      if (len(self%reason) > 0) self%reason = self%reason//'; '
+      self%reason = self%reason//what//' '//short(value)//' > '//short(limit)
+   end subroutine hold
 
    function short(value) result(text)
       real(wp), intent(in) :: value

@@ -15,7 +15,7 @@ module lopin_finite_results
    use lopin_finite_forces, only : forces_about, pressure_about, nil_gap
    use lopin_rounding_floor, only : beyond
    use lopin_contact_traction, only : grip_kind
-   use lopin_finite_growth, only : areas_now
+   use lopin_finite_growth, only : areas_now, pieces_now
    use lopin_finite_contact, only : finite_contact_type
    use lopin_finite_slip, only : dissipated, mean_work_of, held_energy, shear_bound, path_of
    use lopin_scene, only : scene_type
@@ -248,7 +248,7 @@ contains
       if (allocated(field)) deallocate (field)
       allocate (field(size(model%pair)))
       associate (c => scene%finite%contact)
-         weight = areas_now(c, model)
+         weight = areas_now(c, model, pieces_now(c, model))
          do pair = 1, size(model%pair)
             at = pack([(i, i=1, c%n)], c%pair(:c%n) == pair)
             associate (f => field(pair))
@@ -258,6 +258,10 @@ contains
                where (f%status > 0 .and. c%grip(at)%kind == grip_kind%tied) f%status = 3
                ! The area of the end of the increment: the traction was found by that of its start.
                f%weight = weight(at)
+               ! Rows of surface to surface stand on the area that is covered now.
+               if (c%mortar(pair)%is_on .and. .not. c%mortar(pair)%tied) then
+                  where (f%status > 0) f%weight = c%weight(at)
+               end if
                f%gap = c%opening(at)
                f%pressure = c%pressure(at)
                where (f%weight > 0.0_wp) f%pressure = f%pressure*c%weight(at)/f%weight

@@ -31,6 +31,7 @@ module lopin_increment
    use lopin_contact_friction, only : slides_with_friction
    use lopin_friction_state, only : commit_friction => commit, roll_back_friction => roll_back
    use lopin_frames, only : fill_frame
+   use lopin_judge_traction, only : judge_traction
    use lopin_judge_drift, only : drift_type, follow_drift
    use lopin_artificial_work, only : artificial_type, follow_artificial
    use lopin_work_balance, only : balance_type, note_work, note_energy
@@ -127,7 +128,7 @@ contains
          frame%augmentations = scene%finite%augmentations
       end if
       call scene%clock%stop_in(phase%solve)
-      call warn_of(scene, model, frame)
+      if (scene%answer%dependent > 0) call tell_dependent(scene, model)
       if (scene%finite%in_use) then
          call remember(scene%solids, model%mesh, scene%u, scene%finite%memory)
          call limit_flow(scene, model, error)
@@ -352,7 +353,6 @@ contains
          & to_text(frame%step)//', increment '//to_text(frame%increment)//': '// &
          & frame%certificate%reason, &
          & model%step(scene%step)%at)
-      if (scene%answer%dependent > 0) call tell_dependent(scene, model)
    end subroutine warn_of
 
    subroutine record(scene, model, reaction, recorders, frame, error)
@@ -372,6 +372,8 @@ contains
          wants%nodal_stress = wants%nodal_stress .or. more%nodal_stress
       end do
       call fill_frame(frame, scene, model, reaction, wants)
+      call judge_traction(frame, scene, model)
+      call warn_of(scene, model, frame)
       do i = 1, size(recorders)
          call recorders(i)%recorder%increment(model, frame, error)
          if (allocated(error)) exit

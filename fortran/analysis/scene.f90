@@ -18,9 +18,11 @@ module lopin_scene
    use lopin_contact_rows, only : contact_rows_type, new_contact_rows
    use lopin_tie_release, only : release_ties
    use lopin_chord_sag, only : tell_chords
+   use lopin_carried_force, only : skin_type
    use lopin_condensed, only : condensed_type
    use lopin_active_set, only : contact_result_type
    use lopin_friction_state, only : friction_state_type, new_friction_state
+   use lopin_skins, only : new_skins
    use lopin_linear_system, only : linear_system_type
    use lopin_full_system, only : full_system_type
    use lopin_finite_state, only : finite_state_type
@@ -32,6 +34,7 @@ module lopin_scene
    public :: follow_tools
 
    type :: scene_type
+      type(skin_type), allocatable :: skin(:)      !! (npair) faces of the slaves
       type(dofs_type) :: dofs
       type(solids_type) :: solids
       type(csc_type) :: k                          !! stiffness of all physical dofs
@@ -86,6 +89,7 @@ contains
       call self%clock%stop_in(phase%assemble)
       call new_contact_points(self%points, model, self%log, error)
       if (allocated(error)) return
+      call new_skins(self%skin, model)
       call new_initial_gaps(self%initial, model, self%points, self%log, error)
       if (allocated(error)) return
       call tell_chords(self%points, model, self%initial, self%log, error)

@@ -11,6 +11,7 @@ module lopin_finite_contact
    use lopin_model, only : model_type
    use lopin_dofs, only : dofs_type
    use lopin_friction, only : friction_type
+   use lopin_carried_force, only : skin_type
    use lopin_contact_traction, only : grip_type, grip_kind
    use lopin_finite_grips, only : choose_grips
    use lopin_finite_points, only : finite_points_type, new_finite_points
@@ -18,6 +19,7 @@ module lopin_finite_contact
    use lopin_finite_opposite, only : opposite_type, anchor_type
    use lopin_finite_masters, only : masters_type, new_masters, areas_of
    use lopin_finite_owner, only : new_owners
+   use lopin_skins, only : new_skins
    use lopin_finite_kernel, only : local_matrix_type, point_state_type
    use lopin_mortar_node_2d, only : patch_type
    use lopin_finite_mortar, only : present_mortar_type, mortar_anchor_type, new_present_mortar
@@ -78,6 +80,9 @@ module lopin_finite_contact
       type(dofs_type) :: dofs
       type(facet_basis_type) :: basis
       type(masters_type) :: masters
+      type(skin_type), allocatable :: skin(:)          !! (npair) faces of the slaves
+      integer, allocatable :: piece(:)   !! (n) of the skin, on a sharp edge: that which is pressed
+                                         !! where the increment begins; 0: all there
       type(grip_type), allocatable :: grip(:)          !! (n)
       type(anchor_type), allocatable :: anchor(:)      !! (n)
       type(opposite_type), allocatable :: opposite(:)  !! (n) of the last evaluation
@@ -113,6 +118,8 @@ contains
       if (allocated(error)) return
       n = self%n
       call new_owners(self%masters%owner, n)
+      call new_skins(self%skin, model)
+      allocate (self%piece(n), source=0)
       self%first_weight = self%weight
       self%dofs = dofs
       allocate (self%first_area(n), source=0.0_wp)

@@ -6,6 +6,7 @@
 !> area now in its rows.
 module lopin_finite_growth
    use lopin_kinds, only : wp
+   use lopin_carried_force, only : find_pieces, piece_areas
    use lopin_facets, only : facets_type, middle_share
    use lopin_area_slopes, only : weight_slopes
    use lopin_friction, only : bounds_by_area
@@ -14,14 +15,15 @@ module lopin_finite_growth
    use lopin_finite_contact, only : finite_contact_type, star_type
    implicit none
    private
-   public :: areas_now, follow_areas, find_growth, find_growth_slopes
+   public :: areas_now, pieces_now, follow_areas, find_growth, find_growth_slopes
 
 contains
 
    !> Areas of all points now; those of the start where strains are small by assumption.
-   function areas_now(self, model) result(weight)
+   function areas_now(self, model, piece) result(weight)
       type(finite_contact_type), intent(in) :: self
       type(model_type), intent(in) :: model
+      integer, intent(in) :: piece(:)          !! (n) smooth pieces on sharp edges; 0: all there
       real(wp) :: weight(self%n), area(model%mesh%nnode)
       integer :: pair
 
@@ -32,8 +34,48 @@ contains
          area = areas_of(self%masters, model, pair)
          where (self%pair == pair .and. self%first_area > 0.0_wp .and. area(self%node) > 0.0_wp) &
             & weight = self%first_weight*(area(self%node)/self%first_area)
+         call weigh_pieces(self, pair, piece, weight)
       end do
    end function areas_now
+
+   !> On sharp edges the areas of the pieces that are pressed.
+   subroutine weigh_pieces(self, pair, piece, weight)
+      type(finite_contact_type), intent(in) :: self
+      integer, intent(in) :: pair, piece(:)
+      real(wp), intent(inout) :: weight(:)
+      integer, allocatable :: at(:)
+      real(wp), allocatable :: area(:)
+      integer :: i
+
+      if (.not. self%skin(pair)%is_sharp .or. self%skin(pair)%integrated) return
+      at = pack([(i, i=1, self%n)], self%pair(:self%n) == pair)
+      allocate (area(size(at)))
+      call piece_areas(self%skin(pair), self%masters%x, self%node(at), piece(at), area)
+      where (area > 0.0_wp) weight(at) = area
+   end subroutine weigh_pieces
+
+   !> The smooth pieces of points on sharp edges that face what is opposite now; 0: all there.
+   function pieces_now(self, model) result(piece)
+      type(finite_contact_type), intent(in) :: self
+      type(model_type), intent(in) :: model
+      integer :: piece(self%n), pair, i
+      integer, allocatable :: at(:), own(:)
+      real(wp), allocatable :: normal(:, :)
+
+      piece = 0
+      do pair = 1, size(model%pair)
+         if (.not. self%skin(pair)%is_sharp .or. self%skin(pair)%integrated) cycle
+         at = pack([(i, i=1, self%n)], self%pair(:self%n) == pair)
+         if (allocated(own)) deallocate (own, normal)
+         allocate (own(size(at)), normal(model%mesh%ndim, size(at)))
+         do i = 1, size(at)
+            normal(:, i) = self%opposite(at(i))%normal(:model%mesh%ndim)
+         end do
+         call find_pieces(self%skin(pair), self%masters%x, self%node(at), normal, &
+            & self%opposite(at)%facet > 0, own)
+         piece(at) = own
+      end do
+   end function pieces_now
 
    !> Tractions of the increment are by the areas that it begins with.
    subroutine follow_areas(self, model)
@@ -41,7 +83,8 @@ contains
       type(model_type), intent(in) :: model
       integer :: i
 
-      self%weight = areas_now(self, model)
+      self%piece = pieces_now(self, model)
+      self%weight = areas_now(self, model, self%piece)
       do i = 1, size(model%pair)
          if (grows(self, i) .and. .not. allocated(self%star(i)%first)) &
             & call new_star(self%star(i), self%masters%of(i)%slave, model%mesh%nnode)
@@ -94,7 +137,7 @@ contains
    subroutine find_growth(self, model)
       type(finite_contact_type), intent(inout) :: self
       type(model_type), intent(in) :: model
-      real(wp) :: area(model%mesh%nnode), now
+      real(wp) :: area(model%mesh%nnode), now(self%n)
       integer :: pair, i
 
       do pair = 1, size(model%pair)
@@ -102,8 +145,12 @@ contains
          area = areas_of(self%masters, model, pair)
          do i = 1, self%n
             if (self%pair(i) /= pair .or. .not. self%first_area(i) > 0.0_wp) cycle
-            now = self%first_weight(i)*(area(self%node(i))/self%first_area(i))
-            if (now > 0.0_wp) self%growth(i)%ratio = now/self%weight(i)
+            now(i) = self%first_weight(i)*(area(self%node(i))/self%first_area(i))
+         end do
+         call weigh_pieces(self, pair, self%piece, now)
+         do i = 1, self%n
+            if (self%pair(i) /= pair .or. .not. self%first_area(i) > 0.0_wp) cycle
+            if (now(i) > 0.0_wp) self%growth(i)%ratio = now(i)/self%weight(i)
          end do
       end do
    end subroutine find_growth
@@ -128,6 +175,8 @@ contains
          allocate (node(n), slope(d, n))
          n = 0
          do a = star%first(self%node(i)), star%first(self%node(i) + 1) - 1
+            if (self%piece(i) > 0 .and. self%piece(i) /= self%skin(self%pair(i))%piece( &
+               & star%facet(a))) cycle
             m = master%slave%nnode(star%facet(a))
             associate (of => master%slave%node(:m, star%facet(a)), &
                & rule => self%masters%rules(master%slave%cell(star%facet(a))))
@@ -151,7 +200,11 @@ contains
             g%dof = pack(free, free > 0)
             g%slope = pack(reshape(slope(:, :n), [d*n]), free > 0)
          end associate
-         g%slope = g%slope*(self%first_weight(i)/(self%first_area(i)*self%weight(i)))
+         if (self%piece(i) > 0) then
+            g%slope = g%slope/self%weight(i)
+         else
+            g%slope = g%slope*(self%first_weight(i)/(self%first_area(i)*self%weight(i)))
+         end if
       end associate
    end subroutine find_growth_slopes
 end module lopin_finite_growth

@@ -40,7 +40,6 @@ contains
       if (any(self%grip%kind == grip_kind%tied) .and. .not. allocated(self%tied_at)) &
          & self%tied_at = self%masters%x
       call start_owners(self%masters%owner)
-      call follow_areas(self, model)
       call find_present(self, .true., error)
       if (allocated(error)) return
       do i = 1, self%n
@@ -70,6 +69,7 @@ contains
             call remember_elastic(g, self%friction(self%pair(i)), self%opposite(i)%normal)
          end associate
       end do
+      call follow_areas(self, model)
       if (size(self%face) > 0) then
          self%start_x = self%masters%x
          call find_inner_feet(self%opposite, self%masters, self%finite_points_type, model, &

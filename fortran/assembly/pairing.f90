@@ -19,6 +19,7 @@ module lopin_pairing
    use lopin_model, only : model_type, surface_of
    use lopin_contact_points, only : contact_points_type, no_contact_points, reserve, add_point, &
       & facing, pair_is_tied
+   use lopin_skins, only : weigh_sharp_nodes
    use lopin_tool_points, only : pair_with_tool
    implicit none
    private
@@ -48,12 +49,14 @@ contains
                self%tool(pair) = model%surface(p%master)%tool
                self%body(pair) = model%tool(self%tool(pair))%rigid_body
                call pair_with_tool(self, model, pair, slave)
+               call weigh_sharp_nodes(self, model, cells, pair)
             else if (is_mortar(model, p)) then
                call pair_by_mortar(self, model, cells, pair, slave, log, error)
                if (allocated(error)) return
             else
                call pair_with_surface(self, model, cells, pair, slave, error)
                if (allocated(error)) return
+               call weigh_sharp_nodes(self, model, cells, pair)
             end if
             self%first(pair + 1) = self%n + 1
             call check_sides(self, model, pair, log, error)

@@ -24,13 +24,14 @@ contains
       integer, intent(in) :: facet(:)                  !! facets of the slave
       logical, intent(in) :: axisymmetric
       real(wp), intent(inout) :: force(:, :)   !! (ndim, mesh nodes) they are added to [length^2]
-      real(wp), intent(out) :: area(:)         !! (slave%nnode) of the facets, covered or not
+      real(wp), intent(out) :: area(:)         !! (slave%nnode) of facets that meet some
       logical, intent(out) :: opposite(:)      !! (master%facets%n) facets that are met
       type(tree_type) :: tree
       type(limits_type) :: limits
       type(projection_type) :: found
       real(wp), allocatable :: xi(:, :), weight(:), x(:, :), normal(:, :)
-      real(wp) :: n(8), finest
+      real(wp) :: n(8), whole(8), finest
+      logical :: meets
       integer :: i, k, count_, ndim
 
       ndim = slave%ndim
@@ -45,17 +46,21 @@ contains
                & ceiling(min(1.0e3_wp, slave%size(facet(i))/finest)*a_facet)))
             call place_samples(slave%basis%family(cell), count_, xi, weight)
             call look_at_samples(slave, facet(i), axisymmetric, xi, weight, x, normal)
+            whole = 0.0_wp
+            meets = .false.
             do k = 1, size(weight)
                n = shape_values(slave%basis, cell, xi(:, k))
-               associate (at => slave%local(:nodes, facet(i)))
-                  area(at) = area(at) + weight(k)*n(:nodes)
-               end associate
+               whole(:nodes) = whole(:nodes) + weight(k)*n(:nodes)
                call find_projection(master, tree, x(:ndim, k), normal(:ndim, k), limits, found)
                if (found%facet == 0) cycle
+               meets = .true.
                opposite(found%facet) = .true.
                call add(slave, facet(i), weight(k)*n, found%normal)
                call add(master, found%facet, -weight(k)*found%shape, found%normal)
             end do
+            associate (at => slave%local(:nodes, facet(i)))
+               if (meets) area(at) = area(at) + whole(:nodes)
+            end associate
          end associate
       end do
 

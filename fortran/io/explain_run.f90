@@ -25,7 +25,8 @@ contains
       call add_explanation(list, 'E0504', 'the certificate of an increment fails', &
          & 'Every accepted increment is tested: no penetration, no tension, pressure only '// &
          & 'where the gap is '// &
-         & 'closed, forces in equilibrium, action and reaction, energy. A test is above ten '// &
+         & 'closed, forces in equilibrium, action and reaction, energy, pressures that carry '// &
+         & 'the forces. A test is above ten '// &
          & 'times its limit, '// &
          & 'so the answer cannot be trusted.', &
          & 'the message names the test. Penalty: a larger slope, or AUGMENTED LAGRANGE. '// &
@@ -33,7 +34,8 @@ contains
       call add_explanation(list, 'W0504', 'the certificate of an increment warns', &
          & 'A test of the increment is above its limit but below ten times it; the message '// &
          & 'names the test.', &
-         & 'with a penalty raise the slope, or use DIRECT or AUGMENTED LAGRANGE.')
+         & 'with a penalty raise the slope, or use DIRECT or AUGMENTED LAGRANGE; where pressures '// &
+         & 'do not carry the force, faces are too coarse for them: refine there.')
       call add_explanation(list, 'E0505', 'a tool that forces move does not come to rest', &
          & 'A curved tool is projected where it stands, it moves, and is projected again; here '// &
          & 'the places go on changing.', &

@@ -67,6 +67,7 @@ contains
          call json%add('equilibrium', c%equilibrium)
          call json%add('action_reaction', c%action_reaction)
          call json%add('energy', c%energy)
+         call json%add('traction', c%traction)
          call json%add('support', c%support)
          call json%add('artificial', c%artificial)
          call json%add('corner', c%corner)

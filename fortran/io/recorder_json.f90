@@ -35,6 +35,7 @@ module lopin_recorder_json
       character(len=:), allocatable, private :: file(:)        !! what the run writes
       character(len=:), allocatable, private :: deck_file(:)   !! by file index of locations
       type(pair_summary_type), allocatable, private :: pair(:)
+      real(wp), allocatable, private :: lost(:)  !! by pair, worst: contact_field_type
       type(judgement_type) :: judgement
       logical, private :: has_frame = .false.
    contains
@@ -70,6 +71,7 @@ contains
       end associate
       if (allocated(self%pair)) deallocate (self%pair)
       allocate (self%pair(size(model%pair)))
+      self%lost = spread(0.0_wp, 1, size(model%pair))
       self%has_frame = .false.
    end subroutine begin
 
@@ -115,6 +117,7 @@ contains
       call note_verdict(self%judgement, frame)
       do i = 1, size(self%pair)
          call summarise_pair(frame%contact(i), self%pair(i))
+         self%lost(i) = max(self%lost(i), frame%contact(i)%lost)
       end do
    end subroutine increment
 
@@ -136,6 +139,7 @@ contains
             call stream%pass(pair%max_penetration)
             call stream%pass(pair%closed)
             call stream%pass(pair%sticking)
+            call stream%pass(self%lost(i))
          end associate
       end do
    end subroutine keep
@@ -278,6 +282,7 @@ contains
             call json%add('max_penetration', self%pair(i)%max_penetration)
             call json%add('closed', self%pair(i)%closed)
             call json%add('sticking', self%pair(i)%sticking)
+            call json%add('traction', self%lost(i))
          end if
          call json%close('}')
       end do

@@ -33,6 +33,7 @@ module lopin_state
                                            !! [length]
       real(wp), allocatable :: slip_path(:)      !! length of the way slid in contact [length]
       real(wp), allocatable :: friction_work(:)  !! dissipated at the point [force*length]
+      real(wp) :: lost = 0.0_wp              !! of the force, that the pressures do not carry [-]
    end type contact_field_type
 
    !> The frozen tests of an accepted increment; every number is dimensionless.
@@ -53,6 +54,7 @@ module lopin_state
       real(wp) :: energy = 0.0_wp            !! energy balance, relative
       real(wp) :: support = 0.0_wp           !! reaction of artificial supports / load
       real(wp) :: artificial = 0.0_wp        !! work of what held floating bodies / work of the run
+      real(wp) :: traction = 0.0_wp   !! force that printed pressures do not carry / force
       integer :: verdict = 0                 !! index into verdict_words
       character(len=:), allocatable :: reason  !! empty if PASS
    end type certificate_type
@@ -140,6 +142,7 @@ contains
       call stream%pass(self%energy)
       call stream%pass(self%support)
       call stream%pass(self%artificial)
+      call stream%pass(self%traction)
       call stream%pass(self%verdict)
       call stream%pass(self%reason)
    end subroutine keep_certificate

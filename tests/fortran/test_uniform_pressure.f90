@@ -31,7 +31,7 @@ program test_uniform_pressure
    call lines([0.0_wp, 1.0_wp], [0.0_wp, 1.0_wp, 2.0_wp])
    call share([1, 2], .false.)
    call close_to('slave', force(2, 3:), [0.5_wp, 0.5_wp, 0.0_wp], sampled)
-   call close_to('area', area, [0.5_wp, 1.0_wp, 0.5_wp], 1.0e-13_wp)
+   call close_to('area', area, [0.5_wp, 0.5_wp, 0.0_wp], 1.0e-13_wp)
 
    call test('forces and moments of both sides balance')
    call lines([-1.0_wp, 0.3_wp, 1.1_wp, 2.5_wp, 4.0_wp], [0.0_wp, 0.7_wp, 2.0_wp, 3.0_wp])
