@@ -61,9 +61,10 @@ contains
       type(log_type), intent(inout) :: log
       type(error_type), allocatable, intent(out) :: error
       class(keeper_type), intent(inout), optional :: keeper
-      type(run_type) :: run
+      class(run_type), allocatable :: run
       logical :: more
 
+      allocate (run_type :: run)
       call open_run(run, model, recorders, clock, log, error, keeper)
       more = .not. allocated(error)
       do while (more)
@@ -73,10 +74,10 @@ contains
       summary = run%summary
    end subroutine run_analysis
 
-   !> Begin the files, and make what the model needs. A state that the keeper found is gone on from;
-   !> so is `state`, of the same deck, in files that begin anew.
+   !> Begin the files of a run that was just allocated, and make what the model needs. A state that
+   !> the keeper found is gone on from; so is `state`, of the same deck, in files that begin anew.
    subroutine open_run(self, model, recorders, clock, log, error, keeper, state)
-      type(run_type), intent(out) :: self
+      class(run_type), intent(inout) :: self
       type(model_type), intent(in) :: model
       type(recorder_holder_type), intent(inout) :: recorders(:)
       type(clock_type), intent(in) :: clock              !! with the time spent so far
@@ -117,7 +118,7 @@ contains
    end subroutine open_run
 
    subroutine resume_run(self, model, recorders, log, keeper, error)
-      type(run_type), intent(inout) :: self
+      class(run_type), intent(inout) :: self
       type(model_type), intent(in) :: model
       type(recorder_holder_type), intent(inout) :: recorders(:)
       type(log_type), intent(inout) :: log
@@ -134,7 +135,7 @@ contains
 
    !> All that lives from increment to increment, to a stream or back from one of the same deck.
    subroutine run_state(self, model, state, error)
-      type(run_type), intent(inout) :: self
+      class(run_type), intent(inout) :: self
       type(model_type), intent(in) :: model
       type(stream_type), intent(inout) :: state
       type(error_type), allocatable, intent(out) :: error
@@ -150,7 +151,7 @@ contains
    !> Go to the next accepted increment, into the next step if need be. Where the run is at its end
    !> nothing is done, and `more` is false.
    subroutine advance_run(self, model, recorders, more, error, keeper)
-      type(run_type), intent(inout) :: self
+      class(run_type), intent(inout) :: self
       type(model_type), intent(in) :: model
       type(recorder_holder_type), intent(inout) :: recorders(:)
       logical, intent(out) :: more             !! an increment was accepted
@@ -173,14 +174,14 @@ contains
       call reject(self%scene)
       self%may_step = .true.
       if (.not. present(keeper)) return
-      if (allocated(keeper%kept)) error%item(1)%help = 'with --resume (resume=True) the run goes '// &
-         & 'on from '//keeper%kept
+      if (allocated(keeper%kept)) error%item(1)%help = 'with --resume (resume=True) the run '// &
+         & 'goes on from '//keeper%kept
    end subroutine advance_run
 
    !> Warnings to the log, files to their end, also after an error. A run that was left before its
    !> end is `stopped`, and its checkpoint stays.
    subroutine close_run(self, model, recorders, log, error, keeper)
-      type(run_type), intent(inout) :: self
+      class(run_type), intent(inout) :: self
       type(model_type), intent(in) :: model
       type(recorder_holder_type), intent(inout) :: recorders(:)
       type(log_type), intent(inout) :: log
@@ -246,8 +247,8 @@ contains
          if (id /= 'E0602' .and. id(:3) /= 'E07') return
       end associate
       error%item(1)%note = 'no file is torn; no checkpoint is there yet'
-      if (allocated(keeper%kept)) error%item(1)%note = 'no file is torn, and the checkpoint after '// &
-         & keeper%kept//' is whole'
+      if (allocated(keeper%kept)) error%item(1)%note = 'no file is torn, and the checkpoint '// &
+         & 'after '//keeper%kept//' is whole'
    end subroutine say_what_survives
 
    !> The files of an earlier run, its checkpoint included, stay until those of this run are begun.
@@ -276,7 +277,7 @@ contains
 
    !> Supports, loads and, where supports change, the factors of the step that follows.
    subroutine begin_step(self, model, recorders, error)
-      type(run_type), intent(inout) :: self
+      class(run_type), intent(inout) :: self
       type(model_type), intent(in) :: model
       type(recorder_holder_type), intent(inout) :: recorders(:)
       type(error_type), allocatable, intent(out) :: error
@@ -340,7 +341,7 @@ contains
 
    !> One increment, judged and kept.
    subroutine next_increment(self, model, recorders, error, keeper)
-      type(run_type), intent(inout) :: self
+      class(run_type), intent(inout) :: self
       type(model_type), intent(in) :: model
       type(recorder_holder_type), intent(inout) :: recorders(:)
       type(error_type), allocatable, intent(out) :: error
@@ -388,7 +389,7 @@ contains
 
    !> What the step leaves to the next, and what its end says of it.
    subroutine end_step(self, model)
-      type(run_type), intent(inout) :: self
+      class(run_type), intent(inout) :: self
       type(model_type), intent(in) :: model
 
       associate (scene => self%scene, march => self%march, progress => self%progress, &

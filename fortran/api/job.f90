@@ -49,7 +49,7 @@ module lopin_job
 
    !> A run that goes on increment by increment, and what the process did before.
    type :: running_type
-      type(run_type) :: run
+      class(run_type), allocatable :: run      !! through a pointer to its own clean-up
       type(checkpoint_file_type), allocatable :: checkpoint
       logical :: opened = .false.               !! and not ended
       logical, private :: borrowed = .false.    !! the answer to Ctrl-C
@@ -111,7 +111,7 @@ contains
    !> Lock the folder and open the run; `state` is one to go on from.
    subroutine begin_job(self, running, deck, model, outcome, error, state)
       type(job_type), intent(in) :: self
-      type(running_type), intent(out) :: running
+      type(running_type), intent(inout) :: running
       type(deck_type), intent(in) :: deck       !! names the files of messages
       type(model_type), intent(in) :: model
       type(outcome_type), intent(inout) :: outcome
@@ -127,6 +127,7 @@ contains
       if (self%in_memory) call append_memory(outcome%recorder, names_of(deck))
       call enter(self, running, model, outcome%log)
       ! What is not allocated is absent.
+      allocate (run_type :: running%run)
       call open_run(running%run, model, outcome%recorder, outcome%clock, outcome%log, error, &
          & running%checkpoint, state)
       running%opened = .true.

@@ -29,18 +29,24 @@ module lopin_session
       character(len=:), allocatable :: folder    !! where its includes are looked for
    end type deck_text_type
 
+   !> The run of a session. Polymorphic where it is held, so that one procedure cleans it up and not
+   !> a copy of it wherever a session ends.
+   type :: work_type
+      type(job_type) :: job
+      type(deck_type) :: deck
+      type(model_type) :: model
+      type(log_type) :: said                        !! so far
+      type(outcome_type) :: outcome
+      type(running_type) :: running                 !! until it is ended
+   end type work_type
+
    type :: session_type
       integer :: code = 0                                    !! exit code of the executable
       character(len=:), allocatable, private :: diagnostics  !! a JSON list
       character(len=:), allocatable, private :: summary      !! a JSON object; '' before a solution
       character(len=:), allocatable, private :: names        !! of the results, one a line
       class(recorder_type), allocatable, private :: memory   !! of a run that has ended
-      type(job_type), private :: job
-      type(deck_type), private :: deck
-      type(model_type), private :: model
-      type(log_type), private :: said                        !! so far
-      type(outcome_type), private :: outcome
-      type(running_type), private :: running                 !! until it is ended
+      class(work_type), allocatable, private :: work
    end type session_type
 
    type :: slot_type
@@ -53,9 +59,10 @@ module lopin_session
 
 contains
 
-   !> Read and check a deck and, if wanted, begin its run; `state` is one to go on from.
+   !> Read and check the deck of a session that was just allocated and, if wanted, begin its run;
+   !> `state` is one to go on from.
    subroutine new_session(self, deck_text, output, options, begin, state)
-      type(session_type), intent(out) :: self
+      type(session_type), intent(inout) :: self
       type(deck_text_type), intent(in) :: deck_text
       character(len=*), intent(in) :: output     !! folder of the result files; '' for none
       character(len=*), intent(in) :: options    !! lines: solver=..., threads=..., strict ...
@@ -63,12 +70,16 @@ contains
       type(stream_type), intent(inout), optional :: state
       type(error_type), allocatable :: error
 
+      allocate (work_type :: self%work)
       self%summary = ''
       self%names = ''
       !$omp critical (lopin_run)
       call read_job(self, deck_text, output, options, error)
       if (begin .and. .not. allocated(error)) then
-         call begin_job(self%job, self%running, self%deck, self%model, self%outcome, error, state)
+         associate (work => self%work)
+            call begin_job(work%job, work%running, work%deck, work%model, work%outcome, error, &
+               & state)
+         end associate
          if (allocated(error)) call end_run(self, error)
       end if
       if (allocated(error)) self%code = error%code
@@ -82,18 +93,19 @@ contains
       character(len=*), intent(in) :: output, options
       type(error_type), allocatable, intent(out) :: error
 
-      call self%outcome%clock%start()
-      call read_options(self%job, options, error)
+      call self%work%outcome%clock%start()
+      call read_options(self%work%job, options, error)
       if (allocated(error)) return
-      self%job%folder = output
-      self%job%stem = stem_of(deck_text%name)
-      self%job%in_memory = .true.
-      call read_deck_text(self%deck, deck_text%text, deck_text%name, deck_text%folder, self%said, &
-         & error)
+      self%work%job%folder = output
+      self%work%job%stem = stem_of(deck_text%name)
+      self%work%job%in_memory = .true.
+      call read_deck_text(self%work%deck, deck_text%text, deck_text%name, &
+         & deck_text%folder, self%work%said, error)
       if (allocated(error)) return
-      call open_job(self%job, self%deck, self%model, error)
-      call add_log(self%said, self%model%log)
-      if (.not. allocated(error) .and. self%job%strict) call refuse_warnings(self%said, error)
+      call open_job(self%work%job, self%work%deck, self%work%model, error)
+      call add_log(self%work%said, self%work%model%log)
+      if (.not. allocated(error) .and. self%work%job%strict) &
+         & call refuse_warnings(self%work%said, error)
    end subroutine read_job
 
    !> Go to the next accepted increment of a run; at its end, or after an error, it is ended too.
@@ -118,14 +130,19 @@ contains
       logical, intent(out) :: more
       integer, intent(out) :: code
       type(error_type), allocatable :: error
+      logical :: stands
 
       more = .false.
       code = self%code
-      if (.not. self%running%opened) return
-      call advance_job(self%job, self%running, self%model, self%outcome, more, error)
+      if (.not. self%work%running%opened) return
+      associate (work => self%work)
+         call advance_job(work%job, work%running, work%model, work%outcome, more, error)
+      end associate
       if (more) return
       if (allocated(error)) code = error%code
-      if (.not. (stays .and. code == error_code%interrupted .and. self%running%run%may_step)) then
+      stands = stays .and. code == error_code%interrupted
+      if (stands) stands = self%work%running%run%may_step
+      if (.not. stands) then
          self%code = code
          call end_run(self, error)
       end if
@@ -140,7 +157,7 @@ contains
       if (.not. in_use(handle)) return
       !$omp critical (lopin_run)
       associate (self => pool(handle)%session)
-         if (self%running%opened) then
+         if (self%work%running%opened) then
             call end_run(self, error)
             if (allocated(error)) self%code = error%code
             call tell(self, error)
@@ -153,10 +170,12 @@ contains
       type(session_type), intent(inout) :: self
       type(error_type), allocatable, intent(inout) :: error
 
-      call end_job(self%job, self%running, self%model, self%outcome, error)
-      call add_log(self%said, self%outcome%log)
-      if (.not. allocated(self%outcome%recorder)) return
-      call move_alloc(self%outcome%recorder(size(self%outcome%recorder))%recorder, self%memory)
+      call end_job(self%work%job, self%work%running, self%work%model, self%work%outcome, error)
+      call add_log(self%work%said, self%work%outcome%log)
+      if (.not. allocated(self%work%outcome%recorder)) return
+      associate (recorder => self%work%outcome%recorder)
+         call move_alloc(recorder(size(recorder))%recorder, self%memory)
+      end associate
       select type (memory => self%memory)
       type is (memory_recorder_type)
          self%names = memory%names()
@@ -173,8 +192,8 @@ contains
       if (.not. in_use(handle)) return
       !$omp critical (lopin_run)
       associate (self => pool(handle)%session)
-         if (self%running%opened .and. self%running%run%in_step) &
-            & call job_state(self%running, self%deck, self%model, state, error)
+         if (self%work%running%opened .and. self%work%running%run%in_step) &
+            & call job_state(self%work%running, self%work%deck, self%work%model, state, error)
       end associate
       !$omp end critical (lopin_run)
    end subroutine session_state
@@ -248,7 +267,7 @@ contains
       character(len=:), allocatable :: one
       integer :: i
 
-      call add_log(all, self%said)
+      call add_log(all, self%work%said)
       if (allocated(error)) then
          do i = 1, size(error%item)
             associate (d => error%item(i))
@@ -258,10 +277,10 @@ contains
       end if
       self%diagnostics = '['
       do i = 1, all%n
-         one = render_json(all%item(i), self%deck)
+         one = render_json(all%item(i), self%work%deck)
          if (i > 1) self%diagnostics = self%diagnostics//','//nl
          self%diagnostics = self%diagnostics//one(:len(one) - 1)//', "text": ' &
-            & //json_string(render(all%item(i), self%deck, .false.))//'}'
+            & //json_string(render(all%item(i), self%work%deck, .false.))//'}'
       end do
       self%diagnostics = self%diagnostics//']'
    end subroutine tell
@@ -367,9 +386,10 @@ contains
 
       if (allocated(self%memory)) then
          call read_memory(self%memory, name, index, reals, integers)
-      else if (allocated(self%outcome%recorder)) then
-         call read_memory(self%outcome%recorder(size(self%outcome%recorder))%recorder, name, &
-            & index, reals, integers)
+      else if (allocated(self%work%outcome%recorder)) then
+         associate (recorder => self%work%outcome%recorder)
+            call read_memory(recorder(size(recorder))%recorder, name, index, reals, integers)
+         end associate
       end if
    end subroutine read_result
 
@@ -393,8 +413,8 @@ contains
       character(len=:), allocatable :: names
 
       names = self%names
-      if (allocated(self%memory) .or. .not. allocated(self%outcome%recorder)) return
-      select type (memory => self%outcome%recorder(size(self%outcome%recorder))%recorder)
+      if (allocated(self%memory) .or. .not. allocated(self%work%outcome%recorder)) return
+      select type (memory => self%work%outcome%recorder(size(self%work%outcome%recorder))%recorder)
       type is (memory_recorder_type)
          names = memory%names()
       end select
