@@ -15,8 +15,8 @@ module lopin_heat_work
 contains
 
    !> Work of the heat up to the trial state, by the trapezoidal rule over the increment, as that of
-   !> the loads. Where a point begins to flow on the way, its stress may have been that of the end all
-   !> along: how far the work is known is kept too.
+   !> the loads. Where a point begins to flow on the way, its stress may have been that of the end
+   !> all along: how far the work is known is kept too.
    subroutine add_heat_work(scene, model)
       type(scene_type), intent(inout) :: scene
       type(model_type), intent(in) :: model

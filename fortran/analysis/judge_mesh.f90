@@ -17,8 +17,8 @@ module lopin_judge_mesh
    real(wp), parameter :: about_to_fold = 0.1_wp, spoiled = 0.5_wp
    !> Corners that are flat to rounding are not folded.
    real(wp), parameter :: flat = 1.0e-9_wp
-   !> A side that has rolled onto a tool makes its corner flat, to the curvature of the tool: no more
-   !> than a warning.
+   !> A side that has rolled onto a tool makes its corner flat, to the curvature of the tool: no
+   !> more than a warning.
    real(wp), parameter :: rolled_flat = 1.0e-3_wp
 
    !> The worst corner of a mesh.

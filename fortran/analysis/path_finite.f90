@@ -1,9 +1,9 @@
 !> The finite path: one increment of finite sliding, finite rotation and finite strain by Newton.
 !>
 !> Nothing is committed here: what fails leaves the accepted state as it was, and the caller cuts
-!> the increment. One that may not be cut is tried again by parts of its prescribed motion: each part
-!> starts where the one before it has ended, histories stay those of the accepted state, so that only
-!> the way to the answer differs.
+!> the increment. One that may not be cut is tried again by parts of its prescribed motion: each
+!> part starts where the one before it has ended, histories stay those of the accepted state, so
+!> that only the way to the answer differs.
 module lopin_path_finite
    use lopin_kinds, only : wp
    use lopin_error, only : error_type, error_code, raise

@@ -2,7 +2,8 @@
 !> the end.
 !>
 !> In the order of a run: all recorders `begin`, then all `commit`; `increment` and `line` as they
-!> come; all `close`, and when it is known whether all that was written is on the disk, all `finish`.
+!> come; all `close`, and when it is known whether all that was written is on the disk, all
+!> `finish`.
 !>
 !> Recorders never change the run: what they are given is read only, and a recorder that fails
 !> returns an error which ends the run with the files complete up to the last increment.
@@ -56,8 +57,8 @@ module lopin_recorder
 
 contains
 
-   !> `commit`: what was begun replaces the files of an earlier run. `close`: nothing more comes, and
-   !> what was written is on the disk.
+   !> `commit`: what was begun replaces the files of an earlier run. `close`: nothing more comes,
+   !> and what was written is on the disk.
    subroutine nothing_to_do(self, error)
       class(recorder_type), intent(inout) :: self
       type(error_type), allocatable, intent(out) :: error

@@ -56,7 +56,8 @@ contains
          & model%step(scene%step)%at, help='smaller increments on *STATIC, or hold it by *BOUNDARY')
    end subroutine refuse_jump
 
-   !> The longest way of a free equation that a floating motion moves; rotations by the arm [length].
+   !> The longest way of a free equation that a floating motion moves; rotations by the arm
+   !> [length].
    pure real(wp) function free_motion(scene, arm) result(way)
       type(scene_type), intent(in) :: scene
       real(wp), intent(in) :: arm

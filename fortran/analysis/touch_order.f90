@@ -39,8 +39,8 @@ contains
             if (.not. late_on_rows(scene, pair)) cycle
          end if
          associate (text => 'points of '//model%surface(model%pair(pair)%slave)%name// &
-            & ' first touch '//model%surface(model%pair(pair)%master)%name//' one after another '// &
-            & 'in one increment, which shears them too')
+            & ' first touch '//model%surface(model%pair(pair)%master)%name//' one after '// &
+            & 'another in one increment, which shears them too')
             if (direct) then
                call say_once(scene%log, 'W0551', text, model%step(scene%step)%at, &
                   & help='smaller increments on *STATIC')

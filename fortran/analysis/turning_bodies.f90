@@ -1,8 +1,9 @@
 !> Rigid bodies of nodes that turn far: their nodes follow on circles, not on tangents.
 !>
-!> The constraint u = u_ref + (R(rotation) - 1)(x - x_ref) is met exactly at every trial state, and the
-!> linear constraints of the step are those of its slopes there: forces and tangents are reduced by
-!> them. What a free rotation adds to the tangent, because the slopes turn too, is a local matrix.
+!> The constraint u = u_ref + (R(rotation) - 1)(x - x_ref) is met exactly at every trial state, and
+!> the linear constraints of the step are those of its slopes there: forces and tangents are reduced
+!> by them. What a free rotation adds to the tangent, because the slopes turn too, is a local
+!> matrix.
 module lopin_turning_bodies
    use lopin_kinds, only : wp
    use lopin_error, only : error_type

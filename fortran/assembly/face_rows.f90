@@ -1,8 +1,8 @@
 !> Rows of contact with a tool from points inside the facets that meet a crease of it.
 !>
-!> Where a facet of the slave meets planes of a tool that differ, facets of an STL file or a polygon,
-!> a row that samples the gap at its node turns at once when the node passes an edge, and the force
-!> ripples as the tool slides. There the row of a node is
+!> Where a facet of the slave meets planes of a tool that differ, facets of an STL file or a
+!> polygon, a row that samples the gap at its node turns at once when the node passes an edge, and
+!> the force ripples as the tool slides. There the row of a node is
 !>
 !>    D_j gap_j = sum over its facets of sum_q w_q psi_j(x_q) gap(x_q)
 !>

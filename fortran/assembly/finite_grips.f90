@@ -23,8 +23,8 @@ module lopin_finite_grips
    real(wp), parameter :: shear_share = 1.0_wp/3.0_wp, share_augmented = 0.1_wp
    !> Penalties up to this, in moduli over a facet, are springs.
    real(wp), parameter :: soft_enough = 20.0_wp
-   !> Slopes of augmentation above this, in moduli over a facet, leave Newton no way between open and
-   !> closed. Their limit does not depend on them: it is taken at once.
+   !> Slopes of augmentation above this, in moduli over a facet, leave Newton no way between open
+   !> and closed. Their limit does not depend on them: it is taken at once.
    real(wp), parameter :: stiffest_augmented = 10.0_wp*default_penalty
 
 contains

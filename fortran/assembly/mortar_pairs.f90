@@ -120,7 +120,8 @@ contains
          if (lost > 0) call raise(error, error_code%deck, 'E0316', 'a point of face S'// &
             & to_text(slave%facets%face(lost))//' of element '// &
             & to_text(model%mesh%element_label(slave%facets%element(lost)))// &
-            & ' of '//model%surface(model%pair(number)%slave)%name//' has no place on the face opposite', &
+            & ' of '//model%surface(model%pair(number)%slave)%name//' has no place on the face '// &
+            & 'opposite', &
             & model%pair(number)%at, help='the faces are too distorted to be integrated: make them '// &
             & 'convex, or use TYPE=NODE TO SURFACE')
       end subroutine find_overlaps

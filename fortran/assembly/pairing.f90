@@ -131,8 +131,8 @@ contains
       end do
    end subroutine pair_with_surface
 
-   !> Surface to surface: each slave node meets a weighted mean of the master. A node on a sharp edge
-   !> has a point for each of its smooth pieces.
+   !> Surface to surface: each slave node meets a weighted mean of the master. A node on a sharp
+   !> edge has a point for each of its smooth pieces.
    subroutine pair_by_mortar(self, model, cells, pair, slave, log, error)
       type(contact_points_type), intent(inout) :: self
       type(model_type), intent(in) :: model

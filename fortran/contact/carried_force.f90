@@ -42,9 +42,9 @@ contains
    !> functions of the facets: forces are pressure times area.
    !>
    !> Rows of mid-side nodes have the areas of a transformed basis (middle_share). Of a uniform
-   !> pressure its forces are the same; else they differ by how far mid-side nodes stand out from the
-   !> ends of their edges. That is counted where all is pressed: at the rim, facets of which one side
-   !> is pressed say nothing of what lies between.
+   !> pressure its forces are the same; else they differ by how far mid-side nodes stand out from
+   !> the ends of their edges. That is counted where all is pressed: at the rim, facets of which one
+   !> side is pressed say nothing of what lies between.
    subroutine field_areas(self, x, node, normal, pressure, covered, area)
       type(skin_type), intent(in) :: self
       real(wp), intent(in) :: x(:, :)          !! (ndim, mesh nodes) present places [length]

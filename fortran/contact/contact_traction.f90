@@ -13,9 +13,9 @@
 !>    augmented,  phat = l.n - c (g + (l - l0).n/eps), that as perturbed: l0 frozen, l unknown,
 !>    mixed       the same equations without what stiff springs do to Newton
 !>
-!> P = I - n n^T; s is the slip since the increment began, P (x_slave - x_anchor), or since the point
-!> touched in it: less P approach. Where the deck gives an elastic slip u0, that = P l - ct (s + u0 P l/radius + P e0): a traction on the disc
-!> holds u0, e0 what the committed one held.
+!> P = I - n n^T; s is the slip since the increment began, P (x_slave - x_anchor), or since the
+!> point touched in it: less P approach. Where the deck gives an elastic slip u0, that = P l - ct (s
+!> + u0 P l/radius + P e0): a traction on the disc holds u0, e0 what the committed one held.
 module lopin_contact_traction
    use lopin_kinds, only : wp
    use lopin_dual, only : dual_type, constant, dual_dot, dual_norm, operator(+), operator(-), &

@@ -9,7 +9,8 @@
 !>
 !> n_j is the mean normal of the master over the share of the node: the slave's own, a mean over
 !> its edges, would hold the node sideways. Facets quad8 and triangle6, and line3 on the axis, are
-!> dualised in a transformed basis with positive integrals: their mid-side rows have terms at the slave's own corners (Popp, Wohlmuth, Gee, Wall 2012).
+!> dualised in a transformed basis with positive integrals: their mid-side rows have terms at the
+!> slave's own corners (Popp, Wohlmuth, Gee, Wall 2012).
 module lopin_mortar
    use lopin_kinds, only : wp
    use lopin_dense, only : cholesky, cholesky_solve

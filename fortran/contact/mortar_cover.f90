@@ -2,9 +2,9 @@
 !>
 !> A node that the master covers less than its best neighbour has a weak function: as a row of its
 !> own it would keep nodes beside the master at its height (force +15 %, pressures times 3 to 9).
-!> Its function goes in equal parts to the kept nodes of its facets, so that the functions still sum to
-!> one. On a sharp edge a node has a function for every smooth piece: of those that meet masters of
-!> one direction only the piece that faces best has a row, others that face as well join it, and
+!> Its function goes in equal parts to the kept nodes of its facets, so that the functions still sum
+!> to one. On a sharp edge a node has a function for every smooth piece: of those that meet masters
+!> of one direction only the piece that faces best has a row, others that face as well join it, and
 !> those that do not give theirs to their piece; masters of another direction get another row.
 module lopin_mortar_cover
    use lopin_kinds, only : wp

@@ -1,5 +1,5 @@
-!> What a material answers at an integration point: the one place where elements ask, at finite and at
-!> small strain, for the answer and for the memory of the next accepted state.
+!> What a material answers at an integration point: the one place where elements ask, at finite and
+!> at small strain, for the answer and for the memory of the next accepted state.
 !>
 !> Von Mises plasticity with a surface that only grows has its radial return in principal axes; any
 !> other yield surface, or one that moves, goes by module plastic_return. Plane stress is found here

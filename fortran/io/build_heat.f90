@@ -206,7 +206,8 @@ contains
          & model%material(findloc(model%material%has_expansion, .true., dim=1))%at)
       if (.not. heated .or. any(model%material%has_expansion)) return
       if (any([(allocated(model%material(i)%flow%temperature), i=1, size(model%material))])) return
-      call model%log%say(severity%warning, 'W0325', 'temperatures are prescribed, and no material '// &
+      call model%log%say(severity%warning, 'W0325', &
+         & 'temperatures are prescribed, and no material '// &
          & 'has *EXPANSION or a flow curve that looks at them: they do nothing', model%step(1)%at)
    end subroutine check_heat
 end module lopin_build_heat

@@ -76,7 +76,8 @@ contains
       logical :: right
 
       if (.not. material%cyclic) then
-         call complain(log, 'E0203', '*CYCLIC HARDENING belongs to *PLASTIC, HARDENING=COMBINED, '// &
+         call complain(log, 'E0203', &
+            & '*CYCLIC HARDENING belongs to *PLASTIC, HARDENING=COMBINED, '// &
             & 'which material `'//material%name//'` has not', block%at, &
             & help='*PLASTIC, HARDENING=COMBINED, DATA TYPE=PARAMETERS before it')
          return
@@ -92,7 +93,8 @@ contains
       if (right) call take_curve(material%flow, curve)
    end subroutine read_cyclic_hardening
 
-   !> Lines `yield stress, plastic strain, temperature`: strains from 0 upwards, for each temperature.
+   !> Lines `yield stress, plastic strain, temperature`: strains from 0 upwards, for each
+   !> temperature.
    subroutine read_table(material, block, curve, right, log)
       type(material_type), intent(inout) :: material
       type(block_type), intent(in) :: block

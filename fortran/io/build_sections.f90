@@ -195,7 +195,8 @@ contains
             & material => model%material(model%section(s)%material))
             if (word%kind == element_kind%plane_stress .and. material%flow%rigid) then
                told(s) = .true.
-               call complain(model%log, 'E0108', 'a rigid solid that flows in plane stress comes '// &
+               call complain(model%log, 'E0108', &
+                  & 'a rigid solid that flows in plane stress comes '// &
                   & 'with a later version: element '//to_text(model%mesh%element_label(e))// &
                   & ' of type '//trim(word%word)//' has material `'//material%name//'`', &
                   & material%viscous_at, help='*VISCOPLASTIC without RIGID, with *ELASTIC')

@@ -106,7 +106,8 @@ contains
 
       right = block%nline == 2
       if (.not. right) then
-         call complain(log, 'E0103', 'HARDENING=KINEMATIC is a straight line: a yield stress at '// &
+         call complain(log, 'E0103', &
+            & 'HARDENING=KINEMATIC is a straight line: a yield stress at '// &
             & 'plastic strain 0 and another at a strain above it, on two lines', block%at, &
             & help='HARDENING=COMBINED has curves')
          return
@@ -165,7 +166,8 @@ contains
       if (.not. right) return
       right = n >= 3 .and. mod(n, 2) == 1 .and. value(1) > 0.0_wp .and. minval(value(:n)) >= 0.0_wp
       if (.not. right) then
-         call complain(log, 'E0203', 'HARDENING=COMBINED has a yield stress above 0 and pairs of '// &
+         call complain(log, 'E0203', &
+            & 'HARDENING=COMBINED has a yield stress above 0 and pairs of '// &
             & 'C and gamma, none negative', line_place(block%line(1)), &
             & help='yield stress, C1, gamma1, C2, gamma2, ...')
          return
@@ -221,7 +223,8 @@ contains
       if (n == 1 + 2*wanted .or. .not. right) return
       right = .false.
       if (n == 2 + 2*wanted) then
-         call complain(log, 'E0108', 'kinematic hardening that depends on temperature comes with '// &
+         call complain(log, 'E0108', &
+            & 'kinematic hardening that depends on temperature comes with '// &
             & 'a later version', line_place(block%line(1)), help='leave the temperature out')
       else
          call complain(log, 'E0203', 'NUMBER BACKSTRESSES='//word//' needs '// &
@@ -244,7 +247,8 @@ contains
       if (block%nline > 0) call split_fields(block%line(1), field, n)
       right = n == 3 .and. block%nline == 1
       if (.not. right) then
-         call complain(log, 'E0103', '*CYCLIC HARDENING, PARAMETERS needs a yield stress, Q and '// &
+         call complain(log, 'E0103', &
+            & '*CYCLIC HARDENING, PARAMETERS needs a yield stress, Q and '// &
             & 'b on one line', block%at)
          return
       end if

@@ -20,8 +20,8 @@ contains
          & 'no mesh is fine enough.', 'take a curve that does not fall, or read the result as '// &
          & 'that of this mesh.')
       call add_explanation(list, 'W0325', 'temperatures that do nothing', &
-         & 'Temperatures act by thermal expansion and by flow curves of several temperatures, and '// &
-         & 'no material has one.', &
+         & 'Temperatures act by thermal expansion and by flow curves of several temperatures, '// &
+         & 'and no material has one.', &
          & 'add *EXPANSION to a material, or leave *TEMPERATURE out.')
       call add_explanation(list, 'N0325', 'an expansion that does nothing', &
          & 'A material has *EXPANSION and no step prescribes temperatures: programs that write '// &

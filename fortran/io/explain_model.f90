@@ -192,9 +192,10 @@ contains
          & 'most half as long, as the slave.')
       call add_explanation(list, 'W0341', 'chords beside an interference or a gap', &
          & 'Facets that do not match cut an arc at different places: their gaps differ by the '// &
-         & 'sag of a facet, its length times the angle between facets over eight. Beside a small '// &
-         & 'interference pressures then vary by sag / (interference times angle) of themselves, '// &
-         & 'beside a small gap the corners of facets touch first. Mean pressures suffer less.', &
+         & 'sag of a facet, its length times the angle between facets over eight. Beside a '// &
+         & 'small interference pressures then vary by sag / (interference times angle) of '// &
+         & 'themselves, beside a small gap the corners of facets touch first. Mean pressures '// &
+         & 'suffer less.', &
          & 'finer or matching facets, or second-order elements whose mid-side nodes are on the '// &
          & 'arc, on both sides.')
       call add_explanation(list, 'W0336', 'a part of the master is narrower than a slave facet', &

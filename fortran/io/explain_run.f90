@@ -34,8 +34,8 @@ contains
       call add_explanation(list, 'W0504', 'the certificate of an increment warns', &
          & 'A test of the increment is above its limit but below ten times it; the message '// &
          & 'names the test.', &
-         & 'with a penalty raise the slope, or use DIRECT or AUGMENTED LAGRANGE; where pressures '// &
-         & 'do not carry the force, faces are too coarse for them: refine there.')
+         & 'with a penalty raise the slope, or use DIRECT or AUGMENTED LAGRANGE; where '// &
+         & 'pressures do not carry the force, faces are too coarse for them: refine there.')
       call add_explanation(list, 'E0505', 'a tool that forces move does not come to rest', &
          & 'A curved tool is projected where it stands, it moves, and is projected again; here '// &
          & 'the places go on changing.', &
@@ -121,16 +121,16 @@ contains
          & 'The work of loads and prescribed displacements differs from stored energy, plastic '// &
          & 'work and friction by more than a hundredth (three of elastic bodies), and by more '// &
          & 'than the trapezoidal rule over such increments misses by the bend of the forces or '// &
-         & 'by points that close and open. What a body loses that leaps to another equilibrium looks so. The '// &
-         & 'increment that lost most is named.', &
+         & 'by points that close and open. What a body loses that leaps to another equilibrium '// &
+         & 'looks so. The increment that lost most is named.', &
          & 'smaller increments; compare energy.* in the history.')
       call add_explanation(list, 'W0532', 'artificial work is not small', &
          & 'A body that nothing holds for a while has no equilibrium that tells where it goes: '// &
          & 'artificial supports and soft springs lead it until contact holds it. What loads do '// &
          & 'on that way, and what friction should have taken of a body that they pulled over '// &
-         & 'its bound, is stored nowhere. It is energy.artificial in the history and the JSON, and '// &
-         & 'more than a hundredth of the work of the run here: where the body ends may be the '// &
-         & 'doing of these holds if friction or flow remembers the way.', &
+         & 'its bound, is stored nowhere. It is energy.artificial in the history and the JSON, '// &
+         & 'and more than a hundredth of the work of the run here: where the body ends may be '// &
+         & 'the doing of these holds if friction or flow remembers the way.', &
          & 'smaller increments; drive the body by displacement until it touches, or hold it.')
       call add_explanation(list, 'W0514', 'the elastic slip is not small beside the slips', &
          & 'A penalty pair whose deck gives no elastic slip takes 0.5 % of a facet. Here '// &

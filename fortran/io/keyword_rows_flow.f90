@@ -27,12 +27,13 @@ contains
          & 'ISOTROPIC: a table; SWIFT: K (e0 + e)^n; VOCE: S - (S - Y) exp(-d e) + H e; '// &
          & 'HOLLOMON: K e^n in the total strain, from yield on; LINEAR: Y + H e. e is the '// &
          & 'accumulated plastic strain. KINEMATIC: the '// &
-         & 'surface moves along a straight line; COMBINED: it moves as Armstrong, Frederick and '// &
-         & 'Chaboche say, and may grow by *CYCLIC HARDENING.')
+         & 'surface moves along a straight line; COMBINED: it moves as Armstrong, Frederick '// &
+         & 'and Chaboche say, and may grow by *CYCLIC HARDENING.')
       call refuses(table, 'JOHNSON COOK,USER')
       call choice(table, 'DATA TYPE', 'PARAMETERS', '', 'COMBINED: constants.')
       call refuses(table, 'HALF CYCLE,STABILIZED')
-      call whole(table, 'NUMBER BACKSTRESSES', '1', 'COMBINED: pairs of C and gamma; as many as '// &
+      call whole(table, 'NUMBER BACKSTRESSES', '1', &
+         & 'COMBINED: pairs of C and gamma; as many as '// &
          & 'the line has.')
       call choice(table, 'ONLY', 'FRICTION', '', 'FRICTION: the body stays elastic, and only '// &
          & 'laws of friction read the flow stress at plastic strain 0.')
@@ -40,17 +41,19 @@ contains
       call data_line(table, 'yield stress [stress], plastic strain = 0, temperature', &
          & 'ISOTROPIC: true stress against logarithmic plastic strain; strains increase from '// &
          & '0, and the stress stays that of the last line beyond it. Tables of several '// &
-         & 'temperatures follow each other, the coldest first; stresses go linearly from one to '// &
-         & 'the next.')
+         & 'temperatures follow each other, the coldest first; stresses go linearly from one '// &
+         & 'to the next.')
       call data_line(table, 'K [stress], e0, n', 'SWIFT: one line.')
       call data_line(table, 'S [stress], Y [stress], d, H [stress] = 0', 'VOCE: one line; '// &
          & 'saturation, yield stress, decay, last slope.')
       call data_line(table, 'K [stress], n, Y [stress]', 'HOLLOMON: one line; without Y the '// &
          & 'curve begins where it leaves the line of Young''s modulus.')
       call data_line(table, 'Y [stress], H [stress] = 0', 'LINEAR: one line.')
-      call data_line(table, 'yield stress [stress], plastic strain = 0', 'KINEMATIC: two lines, '// &
+      call data_line(table, 'yield stress [stress], plastic strain = 0', &
+         & 'KINEMATIC: two lines, '// &
          & 'the first at plastic strain 0.')
-      call data_line(table, 'yield stress [stress], C1 [stress], gamma1, ...', 'COMBINED: parts '// &
+      call data_line(table, 'yield stress [stress], C1 [stress], gamma1, ...', &
+         & 'COMBINED: parts '// &
          & 'of the backstress, d alpha = C (s - alpha)/Y de - gamma alpha de.')
       call example(table, '*MATERIAL, NAME=DC04|*ELASTIC|210000., 0.3|*PLASTIC|180., 0.|320., 0.2')
       call about(table, 'E')
@@ -64,7 +67,8 @@ contains
          & 'HARDENING=COMBINED grows.')
       call under(table, 'MATERIAL')
       call flag(table, 'PARAMETERS', 'Y + Q (1 - exp(-b e)) in the place of a table.')
-      call data_line(table, 'yield stress [stress], plastic strain = 0, temperature', 'A table as '// &
+      call data_line(table, 'yield stress [stress], plastic strain = 0, temperature', &
+         & 'A table as '// &
          & 'that of *PLASTIC.')
       call data_line(table, 'Y [stress], Q [stress], b', 'PARAMETERS: one line.')
       call example(table, '*MATERIAL, NAME=STEEL|*ELASTIC|210000., 0.3|*PLASTIC, '// &
@@ -78,8 +82,8 @@ contains
       call choice(table, 'TYPE', 'HILL', 'HILL', 'Kind of surface.')
       call refuses(table, 'BARLAT,BARLAT91,HOSFORD,TSAI-WU')
       call choice(table, 'DEFINITION', 'RATIOS,LANKFORD', 'RATIOS', 'RATIOS: yield stresses by '// &
-         & 'the flow stress, as in Abaqus; LANKFORD, a word of Lopin: r of a sheet whose normal '// &
-         & 'is axis 3, with the flow curve of tension along axis 1.')
+         & 'the flow stress, as in Abaqus; LANKFORD, a word of Lopin: r of a sheet whose '// &
+         & 'normal is axis 3, with the flow curve of tension along axis 1.')
       call data_line(table, 'R11, R22, R33, R12, R13, R23', 'RATIOS: one line, each above 0.')
       call data_line(table, 'r0, r45, r90', 'LANKFORD: one line, each above 0.')
       call example(table, '*MATERIAL, NAME=DC04|*ELASTIC|210000., 0.3|*PLASTIC|180., 0.|320., '// &

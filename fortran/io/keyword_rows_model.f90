@@ -222,8 +222,8 @@ contains
       call choice(table, 'DEFINITION', 'COORDINATES', 'COORDINATES', 'How they are given.')
       call refuses(table, 'NODES,OFFSET TO NODES')
       call data_line(table, 'xa [length], ya [length], za [length], xb [length], yb [length], '// &
-         & 'zb [length], xc [length] = 0, yc [length] = 0, zc [length] = 0', 'a on axis 1, b in '// &
-         & 'the plane of 1 and 2, c the origin.')
+         & 'zb [length], xc [length] = 0, yc [length] = 0, zc [length] = 0', 'a on axis 1, b '// &
+         & 'in the plane of 1 and 2, c the origin.')
       call data_line(table, 'axis = 3, angle = 0', 'A second line turns the axes about one of '// &
          & 'them [degrees].')
       call example(table, '*ORIENTATION, NAME=ROLLED|1., 0., 0., 0., 1., 0.|3, 45.')

@@ -58,7 +58,8 @@ contains
          & 'E0203', '*POTENTIAL shapes the yield surface of *PLASTIC, which material `'// &
          & material%name//'` has not', material%potential_at, help='add *PLASTIC')
       if (allocated(material%plastic) .and. material%flow%rigid) call complain(model%log, 'E0108', &
-         & 'a rigid solid with a yield surface of its own comes with a later version: material `'// &
+         & 'a rigid solid with a yield surface of its own comes with a later version: material '// &
+         & '`'// &
          & material%name//'`', material%viscous_at, help='leave out RIGID, and give *ELASTIC')
       if (material%has_neo_hooke .and. flows(material%flow)) call complain(model%log, 'E0205', &
          & 'material `'//material%name//'` has *HYPERELASTIC, which does not flow', material%at, &

@@ -3,9 +3,9 @@
 !>
 !> The deformation is split into an elastic and a plastic part, F = Fe Fp. The law is written in the
 !> logarithmic strain e = ln(Fe^T Fe)/2 of the intermediate shape, in which the axes of the material
-!> stay: they turn in space with the elastic part, the increments of Fp being free of spin (Weber and
-!> Anand 1990, Eterovic and Bathe 1990). With the principal directions N_k there and n_k in space
-!> and the stretches l_k, the stress T that works on e gives Kirchhoff components
+!> stay: they turn in space with the elastic part, the increments of Fp being free of spin (Weber
+!> and Anand 1990, Eterovic and Bathe 1990). With the principal directions N_k there and n_k in
+!> space and the stretches l_k, the stress T that works on e gives Kirchhoff components
 !> t_kl = d/sinh(d) T_kl, d = e_k - e_l, and the tangent adds, to that of the law so scaled, terms
 !> with second divided differences of ln(x)/2 at the squares of the stretches.
 module lopin_material_frame

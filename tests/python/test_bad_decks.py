@@ -39,7 +39,9 @@ DECKS = sorted(FOLDER.glob("*.inp"))
 def test_a_deck_that_cannot_be_run_ends_with_its_reason(deck, tmp_path):
     lines = deck.read_text(encoding="utf-8").splitlines()
     code, text = [part.strip() for part in lines[0].removeprefix("** expect: ").split("|")][:2]
-    assert check(deck.name).returncode == 0, "lopin check has nothing to say"
+    early = check(deck.name)
+    # The first search of `lopin check` makes elements only where meshes do not match.
+    assert early.returncode == 0 or f"error[{code}]: " in early.stderr, early.stderr
     run = subprocess.run([EXECUTABLE, "run", str(deck), "-o", str(tmp_path/"out")],
                          capture_output=True, text=True, timeout=20)
     # Singular: 4, not converged: 3, a deck whose mistake the geometry shows: 1.
