@@ -153,7 +153,7 @@ def _reads_beside(deck: Deck) -> bool:
 
     >>> _reads_beside(Deck.parse("*INCLUDE, INPUT=bar.mesh"))
     True
-    >>> _reads_beside(Deck.parse("*INCLUDE, INPUT=/home/me/bar.mesh"))
+    >>> _reads_beside(Deck.parse("*INCLUDE, INPUT=/srv/bar.mesh"))
     False
     """
     named = (block.parameters.get("INPUT") for block in deck.blocks)

@@ -16,7 +16,7 @@ import sys
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
-sys.path[:0] = [str(ROOT/"pydriver"), str(ROOT/"tests"/"python")]
+sys.path[:0] = [str(ROOT/"tests"/"python")]
 os.environ.update(OMP_NUM_THREADS="1", OPENBLAS_NUM_THREADS="1")
 os.environ.setdefault("LOPIN_EXECUTABLE", str(ROOT/"build"/"lopin"))
 

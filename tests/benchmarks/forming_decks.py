@@ -17,7 +17,7 @@ from pathlib import Path
 import numpy as np
 
 ROOT = Path(__file__).resolve().parents[2]
-sys.path[:0] = [str(ROOT/"pydriver"), str(ROOT/"tests"/"python")]
+sys.path[:0] = [str(ROOT/"tests"/"python")]
 
 import forming_scenes as scenes  # noqa: E402
 

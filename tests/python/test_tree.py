@@ -76,3 +76,10 @@ def test_optional_packages_are_imported_where_they_are_used(root):
     code = f"import sys, lopin; print([m for m in '{heavy}'.split('|') if m in sys.modules])"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert done.stdout.strip() == "[]"
+
+
+def test_the_built_package_comes_before_its_sources(root):
+    """The sources have no compiled part: workers that inherit `sys.path` would find none."""
+    wrong = [path.name for folder in ("tests", "decks") for path in (root/folder).rglob("*.py")
+             if re.search(r"sys\.path.*[\"']pydriver", path.read_text(encoding="utf-8"))]
+    assert not wrong

@@ -33,8 +33,8 @@ def history(folder, name):
     return [np.array(v) for v in increments]
 
 
-def far(deck, **changes):
-    text = deck.text().replace("*STEP,", "*STEP, NLGEOM,", 1)
+def far(model, **changes):
+    text = model.to_deck().text().replace("*STEP,", "*STEP, NLGEOM,", 1)
     for old, new in changes.values():
         assert old in text
         text = text.replace(old, new)
@@ -72,8 +72,8 @@ def test_uniform_pressure(solve, sheet, tmp_path, kind, quadratic, slave):
 @pytest.mark.parametrize("quadratic", [False, True])
 def test_a_tie_turns_with_the_bodies(solve, sheet, tmp_path, quadratic, slave):
     """The base is turned by 90 degrees, its nodes on chords; in the end nothing is strained."""
-    deck = blocks((3, 3, 2), (2, 2, 2), "hex", slave, quadratic=quadratic, tied=True)
-    text = far(deck, time=("1., 1., 1e-06, 1.", "0.1, 1., 1e-06, 1."))
+    model = blocks((3, 3, 2), (2, 2, 2), "hex", slave, quadratic=quadratic, tied=True)
+    text = far(model, time=("1., 1., 1e-06, 1.", "0.1, 1., 1e-06, 1."))
     base = []
     reading = False
     for line in text.splitlines():
@@ -86,7 +86,7 @@ def test_a_tie_turns_with_the_bodies(solve, sheet, tmp_path, quadratic, slave):
                 base += [f"{node}, {k}, {k}, {u:.17g}" for k, u in enumerate(TURN @ x - x, start=1)]
     text = text[:text.index("*BOUNDARY")] + text[text.index("*STEP"):]
     held = "\n".join(["*BOUNDARY", *base, ""])
-    text = text[:text.index("*DSLOAD")] + held + text[text.index("*NODE FILE"):]
+    text = text[:text.index("*DSLOAD")] + held + text[text.index("*EL PRINT"):]
     path = tmp_path/"turn.inp"
     path.write_text(text, encoding="utf-8")
     result = solve(lopin.Deck.read(path))
@@ -100,8 +100,8 @@ def test_a_tie_turns_with_the_bodies(solve, sheet, tmp_path, quadratic, slave):
 
 def dragged(folder, method, slave="upper"):
     """The upper block pressed on the lower, and drawn along over its facets."""
-    deck = blocks((3, 3, 1), (4, 4, 1), "hex", slave)
-    text = far(deck, law=("*SURFACE BEHAVIOR, DIRECT\n",
+    model = blocks((3, 3, 1), (4, 4, 1), "hex", slave)
+    text = far(model, law=("*SURFACE BEHAVIOR, DIRECT\n",
                           f"*SURFACE BEHAVIOR, {method}\n*FRICTION\n0.2\n"),
                time=("1., 1., 1e-06, 1.", "0.25, 1., 1e-06, 1."),
                held=("UP.PIN, 1, 1\nUP.PIN, 2, 2\nUP.GUIDE, 2, 2\n", "LOW.BOTTOM, 1, 2\n"),

@@ -75,8 +75,7 @@ def test_a_hairpin_is_right_or_its_lost_work_is_told(solve, kind, strain, increm
 @pytest.mark.parametrize("mu", [0.0, 0.1], ids=["smooth", "friction"])
 def test_few_increments_of_upsetting_are_no_lost_work(solve, increments, mu):
     part = 1.0/increments
-    assert not said(solve(squeezed(billet(4, 6), E1, coulomb(mu), 0.3,
-                                   static=f"{part!r}, 1., {part!r}, {part!r}")))
+    assert not said(solve(squeezed(billet(4, 6), E1, coulomb(mu), 0.3, sizes=(part, part, part))))
 
 
 @pytest.mark.parametrize("more", [{}, {"static": "0.2, 1."}, {"mu": 0.05, "nx": 40}])
