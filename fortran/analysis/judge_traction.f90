@@ -22,7 +22,8 @@ contains
       worst = 0
       do pair = 1, size(model%pair)
          if (.not. scene%skin(pair)%in_use .or. size(frame%contact(pair)%node) == 0) cycle
-         if (scene%finite%in_use) then
+         ! Without NLGEOM areas stay those of the start.
+         if (scene%finite%in_use .and. scene%finite%nlgeom) then
             call judge(scene%finite%contact%masters%x)
          else
             call judge(model%mesh%x)

@@ -36,6 +36,7 @@ contains
       call find_points(self, size(x, 2), node, piece, at)
       call add_facets(self, x, at, own, full)
       area = full(1:)
+      call share_areas(node, piece, area)
    end subroutine piece_areas
 
    !> The area by which the pressure at each point acts, if its values are interpolated by the shape
@@ -58,9 +59,10 @@ contains
       real(wp) :: own(8, self%facets%n), full(0:size(node))
 
       call find_pieces(self, x, node, normal, covered > 0.0_wp, piece)
-      call find_points(self, size(x, 2), node, piece, at)
+      call find_points(self, size(x, 2), node, piece, at, pressure)
       call add_facets(self, x, at, own, full)
       area = full(1:)
+      call share_areas(node, piece, area)
       if (self%integrated) area = covered
       if (.not. any(self%share > 0.0_wp)) return
       call find_bare(self, at, pressure, bare)
@@ -123,12 +125,31 @@ contains
       end do
    end subroutine find_pieces
 
-   !> The points that stand at the nodes of each facet; 0: none.
-   pure subroutine find_points(self, nnode, node, piece, at)
+   !> Points of one node against several walls press on the same facets.
+   pure subroutine share_areas(node, piece, area)
+      integer, intent(in) :: node(:), piece(:)   !! (n) as in piece_areas
+      real(wp), intent(inout) :: area(:)         !! (n) [length^2]
+      integer :: i, p
+
+      do i = 1, size(node)
+         p = next_point(node, i)
+         do while (p > 0)
+            if (piece(p) == piece(i)) then
+               area(i) = max(area(i), area(p))
+               area(p) = area(i)
+            end if
+            p = next_point(node, p)
+         end do
+      end do
+   end subroutine share_areas
+
+   !> The points that stand at the nodes of each facet; 0: none. Of several, the one most pressed.
+   pure subroutine find_points(self, nnode, node, piece, at, pressure)
       type(skin_type), intent(in) :: self
       integer, intent(in) :: nnode             !! of the mesh
       integer, intent(in) :: node(:), piece(:)
       integer, intent(out) :: at(:, :)         !! (8, facets)
+      real(wp), intent(in), optional :: pressure(:)
       integer :: first(nnode), i, k, p
 
       first = first_points(nnode, node)
@@ -137,7 +158,13 @@ contains
          do k = 1, self%facets%nnode(i)
             p = first(self%facets%node(k, i))
             do while (p > 0)
-               if (piece(p) == self%piece(i)) at(k, i) = p
+               if (piece(p) == self%piece(i)) then
+                  if (at(k, i) == 0 .or. .not. present(pressure)) then
+                     at(k, i) = p
+                  else if (abs(pressure(p)) > abs(pressure(at(k, i)))) then
+                     at(k, i) = p
+                  end if
+               end if
                p = next_point(node, p)
             end do
          end do
