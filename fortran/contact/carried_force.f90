@@ -158,18 +158,22 @@ contains
          do k = 1, self%facets%nnode(i)
             p = first(self%facets%node(k, i))
             do while (p > 0)
-               if (piece(p) == self%piece(i)) then
-                  if (at(k, i) == 0 .or. .not. present(pressure)) then
-                     at(k, i) = p
-                  else if (abs(pressure(p)) > abs(pressure(at(k, i)))) then
-                     at(k, i) = p
-                  end if
-               end if
+               if (piece(p) == self%piece(i)) at(k, i) = more_pressed(at(k, i), p, pressure)
                p = next_point(node, p)
             end do
          end do
       end do
    end subroutine find_points
+
+   !> Of two points the one that is pressed more; the later one where pressures are not given.
+   pure integer function more_pressed(one, other, pressure) result(point)
+      integer, intent(in) :: one, other        !! points; one = 0: none
+      real(wp), intent(in), optional :: pressure(:)
+
+      point = other
+      if (one == 0 .or. .not. present(pressure)) return
+      if (.not. abs(pressure(other)) > abs(pressure(one))) point = one
+   end function more_pressed
 
    !> The first point of each mesh node; 0: none.
    pure function first_points(nnode, node) result(first)
