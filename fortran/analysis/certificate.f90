@@ -266,12 +266,14 @@ contains
    end subroutine give_verdict
 
    !> The pressures as printed were judged by themselves, when all else was done.
-   subroutine hold_traction(self, pair)
+   !> What a tie holds is right without them; supports share its forces in the way of least norm.
+   subroutine hold_traction(self, pair, is_tied)
       type(certificate_type), intent(inout) :: self
       character(len=*), intent(in) :: pair     !! its name
+      logical, intent(in) :: is_tied
 
       call hold(self, 'force that the pressures of pair '//pair//' do not carry', &
-         & self%traction, traction_limit)
+         & self%traction, traction_limit, merge(1, 2, is_tied))
    end subroutine hold_traction
 
    !> One test: what it makes of the verdict, and of the reason.

@@ -3,6 +3,7 @@ module lopin_judge_traction
    use lopin_kinds, only : wp
    use lopin_carried_force, only : field_areas, lost_force
    use lopin_certificate, only : hold_traction
+   use lopin_contact_points, only : pair_is_tied
    use lopin_model, only : model_type
    use lopin_scene, only : scene_type
    use lopin_state, only : frame_type
@@ -35,7 +36,7 @@ contains
       if (worst == 0) return
       associate (p => model%pair(worst))
          call hold_traction(frame%certificate, '('//model%surface(p%slave)%name//', '// &
-            & model%surface(p%master)%name//')')
+            & model%surface(p%master)%name//')', pair_is_tied(model, p))
       end associate
 
    contains

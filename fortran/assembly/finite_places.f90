@@ -1,7 +1,7 @@
 !> The places that the row of a contact point samples on a tool, and their feet, by dual numbers.
 module lopin_finite_places
    use lopin_kinds, only : wp
-   use lopin_dual, only : dual_type, variable, constant, dual_dot, operator(+), operator(-), &
+   use lopin_dual, only : dual_type, dual_width, constant, dual_dot, operator(+), operator(-), &
       & operator(*), assignment(=)
    use lopin_tool, only : foot_type
    use lopin_contact_foot, only : tool_foot, turned, turned_back
@@ -55,8 +55,11 @@ contains
          do j = 1, opposite(m)%nnode
             input = inputs_of(inputs, opposite(m)%node(j))
             do k = 1, size(x, 1)
-               self(m)%x(k) = self(m)%x(k) + opposite(m)%shape(j)*variable(x(k, &
-                  & opposite(m)%node(j)), input(k) - from)
+               associate (place => self(m)%x(k), at => input(k) - from)
+                  place%v = place%v + opposite(m)%shape(j)*x(k, opposite(m)%node(j))
+                  if (at >= 1 .and. at <= dual_width) place%d(at) = place%d(at) &
+                     & + opposite(m)%shape(j)
+               end associate
             end do
          end do
       end do
