@@ -18,8 +18,8 @@ module lopin_contact_patch
    public :: patch_type, new_patch, solve_patch
 
    !> How far from the contact nodes move, in edges of its facets: what alternates from facet to
-   !> facet fades within one.
-   real(wp), parameter :: deep = 4.0_wp
+   !> facet fades within one. In space each costs: the factor grows with the third power of nodes.
+   real(wp), parameter :: deep = 4.0_wp, deep_in_space = 2.0_wp
    !> Springs of the points, and of motions that nothing holds, beside the stiffness.
    real(wp), parameter :: stiff = 1.0e4_wp, soft = 1.0e-8_wp
 
@@ -48,7 +48,8 @@ contains
       self%point = point
       away = huge(1.0_wp)
       away(node) = 0.0_wp
-      call go_inside(model, deep*maxval(scene%points%size(point)), away)
+      call go_inside(model, merge(deep, deep_in_space, model%mesh%ndim == 2)* &
+         & maxval(scene%points%size(point)), away)
       allocate (self%number(constraints%neq), source=0)
       do i = 1, scene%dofs%n
          if (scene%dofs%dof(i) > model%mesh%ndim) cycle

@@ -28,7 +28,7 @@ module lopin_uneven_pressure
    !> Unevenness that is said; more than this may open the contact.
    real(wp), parameter :: noticeable = 0.02_wp, all_of_it = 1.0_wp
    !> Nodes of one side in a window.
-   integer, parameter :: most = 160
+   integer, parameter :: most_in_plane = 160, most_in_space = 64
    !> Shares and lengths that count as equal.
    real(wp), parameter :: same = 1.0e-6_wp
 
@@ -141,9 +141,10 @@ contains
       logical :: inside(slave%nnode)
       real(wp) :: middle(size(x, 1)), radius
       real(wp) :: from_slave(slave%nnode), from_master(master%nnode)
-      integer :: i
+      integer :: i, most
 
       inside = .true.
+      most = merge(most_in_plane, most_in_space, size(x, 1) == 2)
       if (max(slave%nnode, master%nnode) <= most) return
       middle = 0.0_wp
       do i = 1, slave%nnode
