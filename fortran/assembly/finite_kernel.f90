@@ -255,7 +255,7 @@ contains
       subroutine push_places(there, z, n, reference)
          type(place_type), intent(in) :: there(:)
          type(dual_type), intent(in) :: z(3), n(3), reference(3)   !! z: force of the row
-         type(dual_type) :: own(3), press, arm(3), moment(3)
+         type(dual_type) :: own(3), press
          integer :: m, k
 
          press = dual_dot(z, n)
@@ -266,14 +266,8 @@ contains
                own = p%c*own
                do k = 1, d
                   call push(p%input(k), own(k))
-                  call push(inputs%reference(k), (-1.0_wp)*own(k))
                end do
-               if (all(inputs%rotation == 0)) cycle
-               arm = p%x - reference
-               moment = dual_cross(arm - p%normal*p%gap, own)
-               do k = 1, 3
-                  call push(inputs%rotation(k), (-1.0_wp)*moment(k))
-               end do
+               call hold(p, own, reference)
             end associate
          end do
       end subroutine push_places
