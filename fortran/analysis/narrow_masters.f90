@@ -20,16 +20,13 @@ module lopin_narrow_masters
    use lopin_contact_points, only : pair_is_tied, facing
    use lopin_scene, only : scene_type
    use lopin_standing_tool, only : find_places
+   use lopin_narrow_tools, only : open_by, too_deep
    use lopin_present_gaps, only : gap_of
    use lopin_say_once, only : say_once
    implicit none
    private
    public :: judge_narrow_masters
 
-   !> Nodes that are open by more, in facets, do not see what is inside.
-   real(wp), parameter :: open_by = 0.05_wp
-   !> What goes in deeper between nodes that touch, in facets, is more than the bend of a radius.
-   real(wp), parameter :: too_deep = 0.15_wp
    real(wp), parameter :: rounding = 1.0e-6_wp   !! of a facet: nothing goes in by less
    real(wp), parameter :: ahead = 1.0e-3_wp      !! of a facet
    !> Places of a master facet in each direction, at most.

@@ -18,7 +18,7 @@ module lopin_narrow_tools
    use lopin_say_once, only : say_once
    implicit none
    private
-   public :: judge_narrow_tools
+   public :: judge_narrow_tools, open_by, too_deep
 
    !> Nodes that are open by more, in facets, do not see what is inside.
    real(wp), parameter :: open_by = 0.05_wp
