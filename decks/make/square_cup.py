@@ -38,6 +38,15 @@ def led_around(name: str, rows: str) -> str:
             f"{rows.strip()}\n*RIGID BODY, ANALYTICAL SURFACE={name}, REF NODE={name}_REF\n")
 
 
+def section(lankford: tuple[float, float, float] | None) -> str:
+    """The section of the blank, rolled along x if it has values of Lankford."""
+    if lankford is None:
+        return "*SOLID SECTION, ELSET=BLANK, MATERIAL=STEEL"
+    return (f"*POTENTIAL, DEFINITION=LANKFORD\n{', '.join(f'{r:g}' for r in lankford)}\n"
+            "*ORIENTATION, NAME=ROLLED\n1., 0., 0., 0., 1., 0.\n"
+            "*SOLID SECTION, ELSET=BLANK, MATERIAL=STEEL, ORIENTATION=ROLLED")
+
+
 def along_side(cells: int, size: float, fine: float = 56.0) -> np.ndarray:
     """Shorter cells where the blank runs over the edges of punch and die, from 28 to `fine` mm.
 
@@ -53,9 +62,11 @@ def along_side(cells: int, size: float, fine: float = 56.0) -> np.ndarray:
 
 
 def square_cup(cells: int = 14, stroke: float = 15.0, layers: int = 1, *, holder: float = 19600.0,
-               mu: float = 0.144, kind: str = "C3D8I") -> str:
+               mu: float = 0.144, kind: str = "C3D8I",
+               lankford: tuple[float, float, float] | None = None) -> str:
     """The quarter; `cells` along a side, short ones as far as the stroke draws the blank over
-    the die's edge."""
+    the die's edge. `lankford`: r at 0, 45, 90 degrees from x, the rolling direction (Hill 1948);
+    without it the sheet is isotropic."""
     side = along_side(cells, 75.0, 56.0 if stroke <= 15.0 else 75.0)
     blank = mesh_make.block((75.0, 75.0, THICK), (cells, cells, layers), grading=(side, side, 1.0))
     blank = blank.with_points("SIDE",
@@ -80,7 +91,7 @@ The tools are profiles that run around a square. The holder is held by its force
 206000., 0.3
 *PLASTIC
 {swift(565.32, 0.007117, 0.2589)}
-*SOLID SECTION, ELSET=BLANK, MATERIAL=STEEL
+{section(lankford)}
 *NODE, NSET=PUNCH_REF
 900001, 0., 0., 20.
 *NODE, NSET=DIE_REF

@@ -7,7 +7,6 @@ program bench_search
    use lopin_surface, only : update_surface
    use lopin_feature, only : projection_type, limits_type
    use lopin_search, only : tree_type, build_tree, refit_tree, find_projections
-   use lopin_tracker, only : tracker_type, new_tracker, begin, track
    use lopin_tool, only : foot_type
    use lopin_tool_sphere, only : sphere_type, new_sphere
    use search_scenes, only : scene_type, make_sheet
@@ -17,9 +16,8 @@ program bench_search
 
    call omp_set_num_threads(1)
    print '(a)', '| facets | points | follow nodes [ns/facet] | build [ns/facet] '// &
-      & '| refit [ns/facet] | global [ns/query] | begin [ns/query] | tracked [ns/query] '// &
-      & '| hops/query | analytic sphere [ns] |'
-   print '(a)', '| --- | --- | --- | --- | --- | --- | --- | --- | --- | --- |'
+      & '| refit [ns/facet] | global [ns/query] | analytic sphere [ns] |'
+   print '(a)', '| --- | --- | --- | --- | --- | --- | --- |'
    do k = 1, 4
       call measure(nint(sqrt(10.0_wp**(k + 2))), min(10**(k + 2), 100000))
    end do
@@ -36,19 +34,17 @@ contains
       integer, intent(in) :: side          !! facets along an edge
       integer, intent(in) :: n             !! points
       type(scene_type) :: scene
-      type(tracker_type) :: tracker
       type(tree_type) :: tree
       type(limits_type) :: limits
-      type(projection_type), allocatable :: found(:), tracked(:, :)
+      type(projection_type), allocatable :: found(:)
       type(error_type), allocatable :: error
-      real(wp), allocatable :: x(:, :), normal(:, :), step(:, :)
-      real(wp) :: t(0:6), per_facet, per_point, h
-      integer(lk) :: hops
+      real(wp), allocatable :: x(:, :), normal(:, :)
+      real(wp) :: t(0:4), per_facet, per_point, h
 
       call make_sheet(scene, cell_id%quad, side, 0.1_wp)
       h = 1.0_wp/real(side, wp)
       call place_points(n, h, x, normal)
-      allocate (found(n), tracked(1, n), step(3, n))
+      allocate (found(n))
       t(0) = now()
       call update_surface(scene%surface, scene%x, error)
       t(1) = now()
@@ -60,23 +56,9 @@ contains
       t(4) = now()
       per_facet = 1.0e9_wp/real(side**2, wp)
       per_point = 1.0e9_wp/real(n, wp)
-      call new_tracker(tracker, 3, scene%surface%facets, n, limits, 1)
-      call begin(tracker, scene%x, x, normal, 0.1_wp*h, tracked, error)
-      t(5) = now()
-      call begin(tracker, scene%x, x, normal, 0.1_wp*h, tracked, error)
-      t(5) = now() - t(5)
-      call random_number(step)
-      x = x + 0.2_wp*h*(step - 0.5_wp)
-      t(6) = now()
-      call track(tracker, scene%x, x, normal, tracked, error)
-      ! The nodes are followed in every call; only the points count here.
-      t(6) = now() - t(6) - (t(1) - t(0))
-      hops = tracker%counts%hops
-      print '("| ",i0," | ",i0,7(" | ",f0.1)," | ",f0.1," |")', side**2, n,&
-         & (t(1) - t(0))*per_facet, &
-         & (t(2) - t(1))*per_facet, (t(3) - t(2))*per_facet, (t(4) - t(3))*per_point, &
-         & (t(5) - (t(1) - t(0)) - (t(3) - t(2)))*per_point, t(6)*per_point, &
-         & real(hops, wp)/real(n, wp), analytic(x)
+      print '("| ",i0," | ",i0,4(" | ",f0.1)," | ",f0.1," |")', side**2, n, &
+         & (t(1) - t(0))*per_facet, (t(2) - t(1))*per_facet, (t(3) - t(2))*per_facet, &
+         & (t(4) - t(3))*per_point, analytic(x)
    end subroutine measure
 
    !> Points in the order of a slave mesh: rows over the sheet, within a tenth of a facet of it.

@@ -1,5 +1,5 @@
 """The square cup of NUMISHEET'93 with any mesh: `python tests/benchmarks/square_cup.py [cells
-[stroke [layers [friction [kind]]]]]`.
+[stroke [layers [friction [kind [r0,r45,r90]]]]]]`.
 
 Prints how far the edge has moved in, the sheet at its thinnest and the force, for a few strokes.
 Needs decks/make on the path; results go to out/ of the present folder.
@@ -42,11 +42,18 @@ def rows(result) -> list[tuple[float, ...]]:
     return found
 
 
+def three_values(word: str) -> tuple[float, float, float]:
+    """Values of Lankford at 0, 45 and 90 degrees; 1.79,1.51,2.27 are recalled of the conference."""
+    first, second, third = (float(piece) for piece in word.split(","))
+    return first, second, third
+
+
 def main(words: list[str]) -> None:
     """One mesh."""
-    casts = dict(cells=int, stroke=float, layers=int, mu=float, kind=str)
+    casts = dict(cells=int, stroke=float, layers=int, mu=float, kind=str, lankford=three_values)
     given = {name: cast(word) for (name, cast), word in zip(casts.items(), words)}
-    deck = lopin.Deck.parse(square_cup(**given), "_".join(["square_cup", *words]).replace(".", "p"))
+    deck = lopin.Deck.parse(square_cup(**given),
+                            "_".join(["square_cup", *words]).translate(str.maketrans(".,", "p_")))
     print("stroke  side  diagonal  thinnest  force [kN]")
     for row in rows(lopin.run(deck, executable=True)):
         print("{:6.2f} {:5.2f} {:8.2f} {:9.3f} {:9.1f}".format(*row))

@@ -3,7 +3,7 @@ program test_smooth
    use lopin_kinds, only : wp
    use lopin_error, only : error_type
    use lopin_dual, only : dual_type, variable, constant
-   use lopin_cells, only : cell_type, cell_id, cell_family, new_cell_of
+   use lopin_cells, only : cell_type, cell_id, new_cell_of
    use lopin_facets, only : facets_type
    use lopin_facet_basis, only : facet_point_of, ncoefficient, coefficients_of
    use lopin_surface, only : surface_type, new_surface, update_surface
@@ -12,7 +12,6 @@ program test_smooth
    use lopin_smooth_facet, only : smooth_coefficients
    use lopin_smooth_dual, only : dual_coefficients
    use lopin_contact_foot, only : smooth_facet_foot
-   use lopin_smooth_projection, only : project_along
    use search_scenes, only : scene_type, make_cube, allocate_facets
    use check, only : test, close_to, is_true, finish
    implicit none
@@ -28,7 +27,6 @@ program test_smooth
    call gap_follows_over_joints()
    call dual_coefficients_are_exact_slopes()
    call dual_feet_are_exact_slopes()
-   call projecting_along_the_normal_is_continuous()
    call finish()
 
 contains
@@ -321,40 +319,4 @@ contains
       call build_tree(tree, surface%low, surface%high)
       call find_projection(surface, tree, p, 0.0_wp*p, limits, found)
    end subroutine find_now
-
-   !> Seed H4 as repaired: over a polygon the gap is continuous, and exact radially at the nodes.
-   subroutine projecting_along_the_normal_is_continuous()
-      type(surface_type) :: surface
-      real(wp), allocatable :: x(:, :)
-      real(wp) :: normals(3, ncoefficient), nodal(2, 2), xi(2), gap, normal(3), p(3), old, angle
-      integer :: i, k, f, found
-      logical :: converged
-
-      call test('along the smoothed normal the gap over a polygon is continuous')
-      call make_circle(surface, x, 24, .true., .false.)
-      old = 0.0_wp
-      do i = 1, 2000
-         angle = 0.003_wp*real(i, wp)
-         p = 1.05_wp*[cos(angle), sin(angle), 0.0_wp]
-         found = 0
-         do f = 1, surface%facets%n
-            do k = 1, 2
-               nodal(:, k) = x(:, surface%facets%node(k, f))
-            end do
-            normals = coefficients_of(surface%basis, cell_id%line2, nodal)
-            call project_along(surface%coefficient(:, :, f), normals, cell_family%line, &
-               & [0.0_wp, 0.0_wp], p, xi, gap, normal, converged)
-            if (.not. converged .or. abs(xi(1)) > 1.0_wp + 1.0e-9_wp .or. gap < 0.0_wp) cycle
-            found = f
-            exit
-         end do
-         call is_true('claimed', found > 0)
-         call close_to('unit', norm2(normal), 1.0_wp, 1.0e-12_wp)
-         call close_to('on the line', facet_point_of(surface%coefficient(:, :, found), xi) + &
-            & gap*normal, p, 1.0e-12_wp)
-         if (i > 1) call is_true('no jump', abs(gap - old) < 0.003_wp)
-         call is_true('radial', dot_product(normal, p) > 1.05_wp*cos(0.02_wp))
-         old = gap
-      end do
-   end subroutine projecting_along_the_normal_is_continuous
 end program test_smooth

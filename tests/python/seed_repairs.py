@@ -1,4 +1,4 @@
-"""The 25 lines of the lecture that cannot be coded as they stand: quotation, what is wrong, both
+"""The 29 lines of the lecture that cannot be coded as they stand: quotation, what is wrong, both
 forms, Lopin's answer.
 
 Each entry is one small scene. `printed` is the answer of the line as the lecture has it, `repaired`
@@ -148,13 +148,77 @@ def uzawa(free, alpha, gated: bool) -> np.ndarray:
     return m
 
 
-def signed_planes(x) -> np.ndarray:
-    """Distances of a point from the planes of the square [-1, 1] x [-1, 1], positive outside."""
-    return np.array([x[0] - 1.0, -x[0] - 1.0, x[1] - 1.0, -x[1] - 1.0])
+GROOVE = [[0, 0.0, 9.0, 0, 0], [1, 0.0, 0.0, 0, 0], [1, 8.0, 0.0, 0, 0], [1, 8.0, 9.0, 0, 0]]
 
 
-SQUARE = [[0, -1.0, -1.0, 0, 0], [1, -1.0, 1.0, 0, 0], [1, 1.0, 1.0, 0, 0], [1, 1.0, -1.0, 0, 0],
-          [1, -1.0, -1.0, 0, 0]]
+def groove_walls(x) -> np.ndarray:
+    """Distances of a point from the left wall, the bottom and the right wall of the groove, which is
+    8 wide; positive beyond them, as the lecture counts where it searches (H8)."""
+    return np.array([-x[0], -x[1], x[0] - 8.0])
+
+
+#: Normals of a floor and of a wall that leans by 45 degrees, as columns; what pushes against both.
+WALLS, PUSH, STIFF = np.array([[0.0, -1.0], [1.0, 1.0]])/[1.0, np.sqrt(2.0)], np.array([0.1, -0.4]), 9.0
+
+
+def penalised(product) -> np.ndarray:
+    """Where unit springs along x and y end under the push, with STIFF*product in their energy."""
+    return np.linalg.solve(np.eye(2) + STIFF*product, PUSH)
+
+
+def penalised_by_lopin() -> np.ndarray:
+    """The same from Lopin's forces of two walls that both carry."""
+    forces = _bridge.probe_contact(WALLS.T @ WALLS, WALLS.T @ PUSH, "penalty", STIFF)[0]
+    return PUSH + WALLS @ forces
+
+
+@cache
+def strained(strain: float = 0.01) -> float:
+    """What Lopin stores and dissipates in a unit cube of E = 1000, yield stress 4, drawn by a strain."""
+    import lopin
+
+    deck = BAR.replace("DRAWN", f"{strain}")
+    history = lopin.run(lopin.Deck.parse(deck, "drawn")).history
+    return float(history["energy.strain"][-1] + history["energy.plastic"][-1])
+
+
+@cache
+def drawn_by(load: float = 5.0) -> float:
+    """Lopin's stretch of the unit cube of E = 1000 under a load, elastic."""
+    import lopin
+
+    deck = BAR.replace("*PLASTIC\n4., 0.\n", "").replace("2, 1, 1, DRAWN\n3, 1, 1, DRAWN\n", "")
+    deck = deck.replace("*NODE FILE", f"*CLOAD\n2, 1, {load/2}\n3, 1, {load/2}\n*NODE FILE")
+    return float(lopin.run(lopin.Deck.parse(deck, "pulled")).at(-1)["U"][1, 0])
+
+
+BAR = """*NODE
+1, 0., 0.
+2, 1., 0.
+3, 1., 1.
+4, 0., 1.
+*ELEMENT, TYPE=CPS4, ELSET=BODY
+1, 1, 2, 3, 4
+*MATERIAL, NAME=M
+*ELASTIC
+1000., 0.
+*PLASTIC
+4., 0.
+*SOLID SECTION, ELSET=BODY, MATERIAL=M
+1.,
+*BOUNDARY
+1, 1, 2
+4, 1
+*STEP
+*STATIC
+0.05, 1., 0.05, 0.05
+*BOUNDARY
+2, 1, 1, DRAWN
+3, 1, 1, DRAWN
+*NODE FILE
+U
+*END STEP
+"""
 
 
 def rebuilt() -> float:
@@ -245,6 +309,11 @@ REPAIRS = [
            "only the active part of the surface is at h = 0, and which part that is, is unknown",
            "two unit springs, one pressed 0.5 beyond the floor, one 0.2 above it: the reactions",
            lambda: [0.5, -0.2], lambda: [0.5, 0.0], lambda: force([-0.5, 0.2])),
+    Repair("F2", "W_{\\text{solide}} = \\frac{1}{2} \\int_V [\\sigma] : \\{\\varepsilon\\} dV",
+           "half of stress times strain is the energy of a linear solid only; metal that flows takes the "
+           "integral of stress over strain",
+           "a unit cube, E = 1000, yield stress 4, drawn by a strain of 0.01: the energy it takes",
+           lambda: 0.5*4.0*0.01, lambda: 4.0*(0.01 - 0.5*0.004), strained),
     Repair("F3",
            "W_{\\text{cont}} = \\iint_{\\Gamma_c} \\vec{f}_{\\text{cont}} \\cdot \\vec{u}_n dS",
            "f_cont is an integral already: the work is integrated twice, and a force times an area is no "
@@ -278,11 +347,13 @@ REPAIRS = [
            "a point 0.3 above a line of two nodes, put together again: its height",
            lambda: 0.3*float((N + N) @ N), lambda: 0.3, rebuilt),
     Repair("H5", "h = \\min(h_i)",
-           "the least of signed distances is the facet farthest behind; the closest point decides",
-           "a point 0.2 outside the right side of a square of side 2",
-           lambda: float(signed_planes([1.2, 0.3]).min()),
-           lambda: 0.2,
-           lambda: float(_bridge.probe_tool_gap("profile", SQUARE, [[1.2, 0.3]])[0][0])),
+           "h is negative where a surface is away (H8): the least h is the facet farthest away; the "
+           "closest point decides",
+           "a point in a groove, 3 from one wall, 5 from the other, 4 above the bottom: the distance "
+           "that it has to go",
+           lambda: -float(groove_walls([3.0, 4.0]).min()),
+           lambda: 3.0,
+           lambda: float(_bridge.probe_tool_gap("profile", GROOVE, [[3.0, 4.0]])[0][0])),
     Repair("H8", "$h > 0$ pénétration",
            "the reverse of D, where h > 0 is open; the gap is positive when open",
            "a unit spring ends 0.2 above the floor: the reaction that would stop a penetration",
@@ -302,6 +373,17 @@ REPAIRS = [
            "a unit spring pushed by 1 towards a wall 0.1 away, alpha 100: its displacement",
            lambda: 1.0/(1.0 + 100.0), lambda: (1.0 + 100.0*0.1)/(1.0 + 100.0),
            lambda: 1.0 - float(force([0.1 - 1.0], "penalty", 100.0)[0])),
+    Repair("J1, energy", "\\frac{\\alpha}{2} \\vec{u}^T [\\mathbf{G}]^T [\\mathbf{G}] \\vec{u}",
+           "G has a row for each displacement and a column for each contact: G^T G cannot stand between "
+           "displacements, or means others; u^T G G^T u, as the matrix below it has",
+           "unit springs along x and y pushed by (0.1, -0.4) against a floor and a wall that leans by 45 "
+           "degrees, alpha 9: their displacements",
+           lambda: penalised(WALLS.T @ WALLS), lambda: penalised(WALLS @ WALLS.T), penalised_by_lopin),
+    Repair("J1, work", "= \\{F\\} \\vec{u}",
+           "an energy that equals the work of the loads is Clapeyron's balance with its half left out; what "
+           "is least is the energy minus the work, - F^T u",
+           "a unit cube, E = 1000, under a load of 5: how far it stretches",
+           lambda: 2.0*5.0/1000.0, lambda: 5.0/1000.0, drawn_by),
     Repair("J3", "[G]^T u - \\frac{1}{2\\alpha} \\lambda = 0",
            "the text has 1/(2 alpha), its own matrix 1/alpha: the text is a penalty of 2 alpha",
            "a unit spring pressed 0.5 beyond the floor, alpha 1: the multiplier",
@@ -312,13 +394,20 @@ REPAIRS = [
            "two unit springs, one pressed 0.5 beyond the floor, one 0.2 above it, many sweeps: the multipliers",
            lambda: uzawa([-0.5, 0.2], 1.0, False), lambda: uzawa([-0.5, 0.2], 1.0, True),
            lambda: force([-0.5, 0.2], "augmented", 1.0)),
+    Repair("J4, update",
+           "\\frac{\\partial W}{\\partial \\lambda} = 0 \\end{cases} \\Rightarrow \\begin{cases} [K + \\alpha GG^T] u^k",
+           "that the energy is stationary in lambda says where the sweeps end, G^T u = 0, not how lambda goes "
+           "on: without the update lambda stays 0, and the answer is that of the penalty",
+           "a unit spring pressed 0.5 beyond the floor, alpha 1, many sweeps: the force of contact",
+           lambda: 0.5/(1.0 + 1.0), lambda: uzawa([-0.5], 1.0, True),
+           lambda: force([-0.5], "augmented", 1.0)),
 ]
 
 HEAD = """# The lecture, repaired
 
 Written by `tests/python/seed_repairs.py`; do not edit.
 
-Lopin does what a French lecture on contact and friction in metal forming describes. Twenty-five of its lines cannot be
+Lopin does what a French lecture on contact and friction in metal forming describes. Twenty-nine of its lines cannot be
 coded as they stand: signs that contradict each other, equalities for inequalities, factors and gates that are missing. Each
 stands here as it is printed, with the reading that Lopin follows, and with the answers of both in one small scene. The
 table is a test (`tests/python/test_seed_repairs.py`): Lopin gives the second number and not the first.

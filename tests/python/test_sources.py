@@ -6,14 +6,14 @@ import pytest
 
 #: Figures of today; lower them when they have fallen.
 LIMITS = {
-    "files above 400 lines": 10,
-    "lines above 100 columns": 27,
-    "procedures above 8 arguments": 75,
+    "files above 400 lines": 9,
+    "lines above 100 columns": 24,
+    "procedures above 8 arguments": 71,
     "procedures nested deeper than 4": 18,
     "procedures above 60 lines": 38,
     "types above 20 components": 9,
-    "modules out of reach": 5,
-    "public procedures without a docstring, %": 19.9,
+    "modules out of reach": 0,
+    "public procedures without a docstring, %": 19.8,
 }
 
 
