@@ -14,7 +14,7 @@ module lopin_artificial_work
    use lopin_dense, only : symmetric_eigen
    use lopin_constraints, only : reduce, raw_displacement
    use lopin_bodies, only : describe_motion
-   use lopin_state, only : energy_type, lost_work
+   use lopin_report, only : energy_type, lost_work
    use lopin_certificate, only : artificial_limit
    use lopin_finite_slip, only : dissipated, path_of, shear_bound
    use lopin_contact_traction, only : grip_kind, grip_status

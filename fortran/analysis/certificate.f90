@@ -4,7 +4,7 @@ module lopin_certificate
    use lopin_text, only : to_text
    use lopin_vectors, only : largest
    use lopin_model, only : model_type, method_of
-   use lopin_state, only : certificate_type, energy_type
+   use lopin_report, only : certificate_type, energy_type
    use lopin_body_size, only : thinnest
    use lopin_constraints, only : reduce, prescribed_part
    use lopin_contact_points, only : pair_is_tied

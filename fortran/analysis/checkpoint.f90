@@ -9,7 +9,7 @@ module lopin_checkpoint
    use lopin_clock, only : keep_counter
    use lopin_stream, only : stream_type
    use lopin_model, only : model_type
-   use lopin_state, only : summary_type, energy_type, keep_energy
+   use lopin_report, only : summary_type, energy_type, keep_energy
    use lopin_plan, only : plan_type, path_of
    use lopin_active_set, only : contact_result_type
    use lopin_friction_state, only : keep_friction

@@ -6,7 +6,7 @@ module lopin_finite_results
    use lopin_friction, only : has_friction
    use lopin_vectors, only : largest
    use lopin_model, only : model_type, method_of
-   use lopin_state, only : certificate_type, energy_type, contact_field_type
+   use lopin_report, only : certificate_type, energy_type, contact_field_type
    use lopin_constraints, only : reduce, prescribed_part
    use lopin_body_size, only : thinnest
    use lopin_judge_mesh, only : judge_corners

@@ -2,7 +2,7 @@
 module lopin_frames
    use lopin_kinds, only : wp
    use lopin_model, only : model_type
-   use lopin_state, only : frame_type
+   use lopin_report, only : frame_type
    use lopin_recover_stress, only : recover_stress, average_to_nodes
    use lopin_assemble_finite, only : recover_finite
    use lopin_recorder, only : wants_type

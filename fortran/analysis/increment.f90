@@ -8,7 +8,7 @@ module lopin_increment
    use lopin_checksum, only : checksum_type
    use lopin_clock, only : phase
    use lopin_model, only : model_type
-   use lopin_state, only : frame_type, summary_type, lost_share, note_most
+   use lopin_report, only : frame_type, summary_type, lost_share, note_most
    use lopin_recorder, only : recorder_holder_type, wants_type
    use lopin_follower_loading, only : set_followers
    use lopin_loading, only : loading_type, loads_at, prescribed_at

@@ -6,7 +6,7 @@ module lopin_judge_mesh
    use lopin_text, only : to_text
    use lopin_model, only : model_type
    use lopin_corner_shape, only : corners_type, new_corners, worst_corner
-   use lopin_state, only : certificate_type
+   use lopin_report, only : certificate_type
    use lopin_scene, only : scene_type
    use lopin_say_once, only : say_once
    implicit none

@@ -6,7 +6,7 @@ module lopin_judge_traction
    use lopin_contact_points, only : pair_is_tied
    use lopin_model, only : model_type
    use lopin_scene, only : scene_type
-   use lopin_state, only : frame_type
+   use lopin_report, only : frame_type
    implicit none
    private
    public :: judge_traction

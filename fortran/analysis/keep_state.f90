@@ -6,7 +6,7 @@ module lopin_keep_state
    use lopin_text, only : to_text
    use lopin_clock, only : phase
    use lopin_model, only : model_type
-   use lopin_state, only : summary_type
+   use lopin_report, only : summary_type
    use lopin_recorder, only : recorder_holder_type
    use lopin_plan, only : plan_type
    use lopin_scene, only : scene_type

@@ -11,7 +11,7 @@ module lopin_recorder
    use lopin_error, only : error_type
    use lopin_stream, only : stream_type
    use lopin_model, only : model_type
-   use lopin_state, only : frame_type, summary_type
+   use lopin_report, only : frame_type, summary_type
    implicit none
    private
    public :: recorder_type, recorder_holder_type, wants_type

@@ -7,7 +7,7 @@ module lopin_run_analysis
    use lopin_blas_threads, only : ready_blas
    use lopin_memory, only : peak_memory
    use lopin_model, only : model_type, step_type
-   use lopin_state, only : frame_type, summary_type
+   use lopin_report, only : frame_type, summary_type
    use lopin_recorder, only : recorder_holder_type
    use lopin_follower_loading, only : new_followers
    use lopin_loading, only : new_loading, carry_loads

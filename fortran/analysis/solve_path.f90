@@ -4,7 +4,7 @@ module lopin_solve_path
    use lopin_error, only : error_type, error_code, raise
    use lopin_text, only : to_text
    use lopin_model, only : model_type
-   use lopin_state, only : summary_type
+   use lopin_report, only : summary_type
    use lopin_plan, only : plan_type, plan_line, finite_line, path_of
    use lopin_scene, only : scene_type, follow_tools
    use lopin_path_condensed, only : prepare_condensed, solve_condensed, widen_condensed

@@ -4,7 +4,7 @@ module lopin_time_increment
    use lopin_error, only : error_type, error_code
    use lopin_text, only : to_text
    use lopin_model, only : model_type, step_type
-   use lopin_state, only : frame_type, summary_type
+   use lopin_report, only : frame_type, summary_type
    use lopin_recorder, only : recorder_holder_type
    use lopin_plan, only : plan_type, path_of
    use lopin_turning_points, only : next_turn, same_time

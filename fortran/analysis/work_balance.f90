@@ -12,7 +12,7 @@ module lopin_work_balance
    use lopin_text, only : to_text
    use lopin_stream, only : stream_type
    use lopin_model, only : model_type
-   use lopin_state, only : energy_type, lost_work
+   use lopin_report, only : energy_type, lost_work
    use lopin_say_once, only : say_once
    use lopin_scene, only : scene_type
    implicit none

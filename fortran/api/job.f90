@@ -16,7 +16,7 @@ module lopin_job
    use lopin_run_analysis, only : run_type, open_run, advance_run, run_state, close_run
    use lopin_stream, only : stream_type
    use lopin_blas_threads, only : set_blas_threads, blas_threads
-   use lopin_state, only : summary_type
+   use lopin_report, only : summary_type
    use lopin_text, only : plural, to_text, upper
    use lopin_version, only : version
    use omp_lib, only : omp_set_num_threads, omp_get_max_threads

@@ -12,7 +12,7 @@ module lopin_selftest
    use lopin_recorder, only : recorder_holder_type
    use lopin_recorder_last, only : last_recorder_type
    use lopin_run_analysis, only : run_analysis
-   use lopin_state, only : frame_type, summary_type
+   use lopin_report, only : frame_type, summary_type
    use lopin_text, only : to_text
    implicit none
    private

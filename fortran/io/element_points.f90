@@ -3,7 +3,7 @@
 module lopin_element_points
    use lopin_kinds, only : wp
    use lopin_model, only : model_type
-   use lopin_state, only : frame_type
+   use lopin_report, only : frame_type
    use lopin_element_type, only : element_type, new_element_type, element_kind
    use lopin_solid_small, only : strain_matrices
    use lopin_flow_curve, only : flows

@@ -2,7 +2,7 @@
 module lopin_json_judgement
    use lopin_kinds, only : wp
    use lopin_stream, only : stream_type
-   use lopin_state, only : frame_type, certificate_type, energy_type, verdict_words, lost_work, &
+   use lopin_report, only : frame_type, certificate_type, energy_type, verdict_words, lost_work, &
       & keep_certificate, keep_energy
    use lopin_json_writer, only : json_writer_type
    use lopin_text, only : plural, to_text

@@ -9,7 +9,7 @@ module lopin_recorder_dat
    use lopin_stream, only : stream_type
    use lopin_mesh, only : set_type
    use lopin_model, only : model_type, output_type, output_of
-   use lopin_state, only : frame_type
+   use lopin_report, only : frame_type
    use lopin_recorder, only : recorder_type, wants_type
    use lopin_atomic_file, only : log_file_type
    use lopin_text_buffer, only : text_buffer_type

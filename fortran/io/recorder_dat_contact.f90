@@ -6,7 +6,7 @@ module lopin_recorder_dat_contact
    use lopin_kinds, only : wp
    use lopin_vectors, only : cross
    use lopin_model, only : model_type, output_type
-   use lopin_state, only : frame_type, contact_field_type
+   use lopin_report, only : frame_type, contact_field_type
    use lopin_text_buffer, only : text_buffer_type
    use lopin_vtu_writer, only : three_components
    use lopin_recorder_table, only : has_variable

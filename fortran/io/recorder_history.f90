@@ -5,7 +5,7 @@ module lopin_recorder_history
    use lopin_error, only : error_type
    use lopin_stream, only : stream_type
    use lopin_model, only : model_type
-   use lopin_state, only : frame_type
+   use lopin_report, only : frame_type
    use lopin_recorder, only : recorder_type
    use lopin_atomic_file, only : log_file_type
    use lopin_safe_text, only : csv_field

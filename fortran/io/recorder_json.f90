@@ -7,7 +7,7 @@ module lopin_recorder_json
    use lopin_error, only : error_type, error_code, diagnostic_type
    use lopin_stream, only : stream_type
    use lopin_model, only : model_type, kind_of
-   use lopin_state, only : frame_type, summary_type
+   use lopin_report, only : frame_type, summary_type
    use lopin_recorder, only : recorder_type
    use lopin_atomic_file, only : write_atomically
    use lopin_checked_file, only : summary_is, summary_failed

@@ -3,7 +3,7 @@ module lopin_recorder_last
    use lopin_error, only : error_type
    use lopin_model, only : model_type
    use lopin_recorder, only : recorder_type
-   use lopin_state, only : frame_type
+   use lopin_report, only : frame_type
    implicit none
    private
    public :: last_recorder_type

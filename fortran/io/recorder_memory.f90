@@ -8,7 +8,7 @@ module lopin_recorder_memory
    use lopin_element_type, only : element_type, new_element_type
    use lopin_error, only : error_type
    use lopin_model, only : model_type
-   use lopin_state, only : frame_type, summary_type, contact_field_type
+   use lopin_report, only : frame_type, summary_type, contact_field_type
    use lopin_recorder, only : recorder_type, wants_type
    use lopin_recorder_json, only : json_recorder_type, new_json_recorder
    use lopin_recorder_table, only : column_type, history_columns, history_row, pair_name

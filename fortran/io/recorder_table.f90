@@ -3,7 +3,7 @@
 module lopin_recorder_table
    use lopin_kinds, only : wp
    use lopin_model, only : model_type, rigid_body_type, is_heated
-   use lopin_state, only : frame_type, contact_field_type
+   use lopin_report, only : frame_type, contact_field_type
    use lopin_flow_curve, only : flows
    implicit none
    private

@@ -6,7 +6,7 @@ module lopin_recorder_vtu
    use lopin_error, only : error_type, error_code, raise
    use lopin_stream, only : stream_type
    use lopin_model, only : model_type, output_of
-   use lopin_state, only : frame_type
+   use lopin_report, only : frame_type
    use lopin_recorder, only : recorder_type, wants_type
    use lopin_atomic_file, only : read_text, remove_file, written_mark, is_foreign
    use lopin_collection_file, only : collection_file_type

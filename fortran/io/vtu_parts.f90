@@ -7,7 +7,7 @@ module lopin_vtu_parts
    use lopin_element_type, only : cells_of_words
    use lopin_rigid_motion, only : rigid_motion_type, new_rigid_motion
    use lopin_model, only : model_type, surface_of
-   use lopin_state, only : frame_type, contact_field_type
+   use lopin_report, only : frame_type, contact_field_type
    use lopin_vtu_writer, only : vtu_writer_type, vtu_cells_type, three_components
    use lopin_von_mises, only : von_mises
    implicit none

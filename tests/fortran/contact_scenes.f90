@@ -9,7 +9,7 @@ module contact_scenes
    use lopin_recorder, only : recorder_holder_type
    use lopin_recorder_last, only : last_recorder_type
    use lopin_run_analysis, only : run_analysis
-   use lopin_state, only : summary_type, frame_type
+   use lopin_report, only : summary_type, frame_type
    implicit none
    private
    public :: scene_names, scene_text, box, run_text

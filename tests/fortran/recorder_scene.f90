@@ -6,7 +6,7 @@ module recorder_scene
    use lopin_tool_factory, only : new_tool_sphere
    use lopin_element_type, only : element_type, new_element_type
    use lopin_model, only : model_type, output_type, surface_of, kind_of
-   use lopin_state, only : frame_type, summary_type, contact_field_type
+   use lopin_report, only : frame_type, summary_type, contact_field_type
    implicit none
    private
    public :: make_scene, make_frame, make_summary, make_bricks, add_output

@@ -2,7 +2,7 @@
 program test_paths
    use lopin_kinds, only : wp
    use lopin_error, only : error_type
-   use lopin_state, only : summary_type, frame_type
+   use lopin_report, only : summary_type, frame_type
    use check, only : test, close_to, is_true, equal_text, finish
    use contact_scenes, only : scene_names, scene_text, run_text
    implicit none

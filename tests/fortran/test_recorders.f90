@@ -6,7 +6,7 @@ program test_recorders
    use lopin_text, only : to_text
    use lopin_error, only : error_type
    use lopin_model, only : model_type, output_of
-   use lopin_state, only : frame_type, summary_type
+   use lopin_report, only : frame_type, summary_type
    use lopin_recorder, only : recorder_holder_type, wants_type
    use lopin_atomic_file, only : file_exists, read_text, write_atomically, make_folder
    use lopin_text_buffer, only : text_buffer_type

@@ -1,5 +1,5 @@
-!> What one accepted increment, and a whole run, show to the recorders.
-module lopin_state
+!> Reports: what one accepted increment, and a whole run, show to the recorders.
+module lopin_report
    use lopin_kinds, only : wp
    use lopin_error, only : log_type
    use lopin_clock, only : counter_type, clock_type
@@ -193,4 +193,4 @@ contains
       lost_work = energy%external + energy%thermal - energy%strain - energy%contact &
          & - energy%friction_mean - energy%plastic
    end function lost_work
-end module lopin_state
+end module lopin_report
