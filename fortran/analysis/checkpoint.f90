@@ -4,12 +4,11 @@
 !> factors, rows, surfaces, trees of boxes) is made again on reading, in the order in which the run
 !> made it; what an increment makes anew before reading it is left out.
 module lopin_checkpoint
-   use lopin_kinds, only : wp
    use lopin_error, only : error_type, keep_log
    use lopin_clock, only : keep_counter
    use lopin_stream, only : stream_type
    use lopin_model, only : model_type
-   use lopin_report, only : summary_type, energy_type, keep_energy
+   use lopin_report, only : summary_type, keep_energy
    use lopin_plan, only : plan_type, path_of
    use lopin_active_set, only : contact_result_type
    use lopin_friction_state, only : keep_friction
@@ -20,85 +19,68 @@ module lopin_checkpoint
    use lopin_finite_system, only : finite_system_type
    use lopin_follower_loading, only : follower_type
    use lopin_finite_state, only : finite_state_type
-   use lopin_loading, only : loading_type, new_loading
+   use lopin_loading, only : new_loading
    use lopin_scene, only : scene_type, set_supports
    use lopin_solve_path, only : prepare_path
    use lopin_finite_start, only : start_step
-   use lopin_increment, only : progress_type
+   use lopin_run_type, only : run_type, progress_type, march_type
    implicit none
    private
-   public :: march_type, keep_run
-
-   !> How far a step has gone.
-   type :: march_type
-      type(loading_type) :: loading
-      integer :: number = 0                    !! increments accepted
-      real(wp) :: time = 0.0_wp                !! of the step, reached [time]
-      real(wp) :: increment = 0.0_wp           !! to be tried next [time]
-      real(wp) :: parts_until = 0.0_wp         !! time of the step up to which it goes by parts
-      real(wp) :: part = 0.0_wp                !! of an increment in which contact began [time]
-      logical :: at_end = .false.              !! the last increment of the step is accepted
-      type(energy_type) :: energy              !! of the last increment
-   end type march_type
+   public :: keep_run
 
 contains
 
    !> Keep all of a run, or go back to it in a scene that was just made.
-   subroutine keep_run(stream, model, scene, plan, progress, march, summary, error)
-      type(stream_type), intent(inout) :: stream
+   subroutine keep_run(run, model, stream, error)
+      class(run_type), intent(inout) :: run
       type(model_type), intent(in) :: model
-      type(scene_type), intent(inout) :: scene
-      type(plan_type), intent(inout) :: plan
-      type(progress_type), intent(inout) :: progress
-      type(march_type), intent(inout) :: march
-      type(summary_type), intent(inout) :: summary
+      type(stream_type), intent(inout) :: stream
       type(error_type), allocatable, intent(out) :: error
       integer, allocatable :: joined(:)
       integer :: step
 
-      step = scene%step
-      call stream%pass(step)
-      call stream%pass(plan%path)
-      call stream%pass(plan%by_user)
-      call stream%pass(plan%reason)
-      call keep_progress(progress, stream)
-      call keep_motion(scene, stream)
-      call keep_order(scene, plan, joined, stream)
-      if (stream%reading .and. .not. stream%broken) call remake(scene, model, plan, progress, &
-         & march, step, joined, summary, error)
-      if (allocated(error)) return
-      call keep_march(march, stream)
-      call keep_friction(scene%friction, stream)
-      call keep_answer(scene%answer, stream)
-      call keep_finite(scene%finite, stream, error)
-      if (allocated(error)) return
-      call keep_counter(scene%counter, stream)
-      call keep_log(scene%log, stream)
-      call keep_summary(summary, stream)
+      associate (scene => run%scene, plan => run%plan)
+         step = scene%step
+         call stream%pass(step)
+         call stream%pass(plan%path)
+         call stream%pass(plan%by_user)
+         call stream%pass(plan%reason)
+         call keep_progress(run%progress, stream)
+         call keep_motion(scene, stream)
+         call keep_order(scene, plan, joined, stream)
+         if (stream%reading .and. .not. stream%broken) call remake(run, model, step, joined, error)
+         if (allocated(error)) return
+         call keep_march(run%march, stream)
+         call keep_friction(scene%friction, stream)
+         call keep_answer(scene%answer, stream)
+         call keep_finite(scene%finite, stream, error)
+         if (allocated(error)) return
+         call keep_counter(scene%counter, stream)
+         call keep_log(scene%log, stream)
+         call keep_summary(run%summary, stream)
+      end associate
    end subroutine keep_run
 
    !> Supports, factors and contacts of the step; loads that the rest will set right.
-   subroutine remake(scene, model, plan, progress, march, step, joined, summary, error)
-      type(scene_type), intent(inout) :: scene
+   subroutine remake(run, model, step, joined, error)
+      class(run_type), intent(inout) :: run
       type(model_type), intent(in) :: model
-      type(plan_type), intent(in) :: plan
-      type(progress_type), intent(in) :: progress
-      type(march_type), intent(inout) :: march
       integer, intent(in) :: step
       integer, intent(in) :: joined(:)         !! equations that joined the factor
-      type(summary_type), intent(inout) :: summary
       type(error_type), allocatable, intent(out) :: error
       logical :: same
 
-      call set_supports(scene, model, step, same, error)
-      if (allocated(error)) return
-      call prepare_path(scene, model, plan, summary, error)
-      if (allocated(error)) return
-      call widen_system(scene%system, joined, scene%counter, error)
-      if (allocated(error)) return
-      call start_step(scene, model)
-      call new_loading(march%loading, model, scene%dofs, scene%constraints, scene%solids, &
-         & model%step(step), progress%time, progress%steady, scene%accepted)
+      associate (scene => run%scene)
+         call set_supports(scene, model, step, same, error)
+         if (allocated(error)) return
+         call prepare_path(scene, model, run%plan, run%summary, error)
+         if (allocated(error)) return
+         call widen_system(scene%system, joined, scene%counter, error)
+         if (allocated(error)) return
+         call start_step(scene, model)
+         call new_loading(run%march%loading, model, scene%dofs, scene%constraints, scene%solids, &
+            & model%step(step), run%progress%time, run%progress%steady, scene%accepted)
+      end associate
    end subroutine remake
 
    subroutine keep_progress(self, stream)

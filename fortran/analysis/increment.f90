@@ -5,15 +5,15 @@ module lopin_increment
    use lopin_kinds, only : wp
    use lopin_error, only : error_type, error_code, raise, log_type
    use lopin_text, only : to_text
-   use lopin_checksum, only : checksum_type
    use lopin_clock, only : phase
    use lopin_model, only : model_type
-   use lopin_report, only : frame_type, summary_type, lost_share, note_most
+   use lopin_report, only : frame_type, lost_share, note_most
    use lopin_recorder, only : recorder_holder_type, wants_type
    use lopin_follower_loading, only : set_followers
-   use lopin_loading, only : loading_type, loads_at, prescribed_at
+   use lopin_loading, only : loads_at, prescribed_at
    use lopin_friction, only : has_friction
    use lopin_plan, only : plan_type, path_of
+   use lopin_run_type, only : run_type, progress_type
    use lopin_scene, only : scene_type
    use lopin_overconstrained, only : tell_dependent, refuse_held_penetration
    use lopin_reach, only : some_bite, widen_reach, widen_to_nearest, all_within_reach
@@ -32,11 +32,11 @@ module lopin_increment
    use lopin_friction_state, only : commit_friction => commit, roll_back_friction => roll_back
    use lopin_frames, only : fill_frame
    use lopin_judge_traction, only : judge_traction
-   use lopin_judge_drift, only : drift_type, follow_drift
-   use lopin_artificial_work, only : artificial_type, follow_artificial
-   use lopin_work_balance, only : balance_type, note_work, note_energy
+   use lopin_judge_drift, only : follow_drift
+   use lopin_artificial_work, only : follow_artificial
+   use lopin_work_balance, only : note_work, note_energy
    use lopin_judge_mesh, only : judge_mesh
-   use lopin_after_step, only : seen_type, look_at_pairs
+   use lopin_after_step, only : look_at_pairs
    use lopin_say_once, only : say_once
    use lopin_refuse_passage, only : refuse_passage
    use lopin_refuse_jump, only : refuse_jump
@@ -44,25 +44,10 @@ module lopin_increment
    use lopin_small_theory, only : pair_that_slid
    implicit none
    private
-   public :: progress_type, solve_increment, reject, prepare, say
+   public :: solve_increment, reject, prepare, say
 
    !> Largest plastic strain of one increment, where increments may be cut.
    real(wp), parameter :: most_flow = 0.25_wp
-
-   !> What goes on from step to step.
-   type :: progress_type
-      real(wp) :: time = 0.0_wp
-      real(wp), allocatable :: steady(:)       !! (ndof) loads to go on from
-      real(wp), allocatable :: f(:), residual(:)
-      real(wp) :: work = 0.0_wp                !! of loads and prescribed displacements
-      real(wp) :: most = 0.0_wp                !! energy that was about
-      type(seen_type) :: seen                  !! how near the pairs came
-      type(drift_type) :: drift                !! bodies that nothing has stopped
-      type(artificial_type) :: artificial      !! work of what held floating bodies
-      type(balance_type) :: balance            !! work that is lost
-      real(wp), allocatable :: f_before(:), u_before(:), r_before(:)
-      type(checksum_type) :: checksum          !! of the displacements of all nodes so far
-   end type progress_type
 
 contains
 
@@ -76,91 +61,121 @@ contains
    end subroutine reject
 
    !> Solve, look at every gap, certify, accept, record.
-   subroutine solve_increment(scene, model, plan, loading, progress, recorders, summary, frame, &
-      & error)
-      type(scene_type), intent(inout) :: scene
+   subroutine solve_increment(run, model, recorders, error)
+      class(run_type), intent(inout) :: run
       type(model_type), intent(in) :: model
-      type(plan_type), intent(inout) :: plan
-      type(loading_type), intent(in) :: loading
-      type(progress_type), intent(inout) :: progress
       type(recorder_holder_type), intent(inout) :: recorders(:)
-      type(summary_type), intent(inout) :: summary
-      type(frame_type), intent(inout) :: frame
       type(error_type), allocatable, intent(out) :: error
       type(forces_type) :: forces
-      real(wp), allocatable :: prescribed(:), steady(:)
+      real(wp), allocatable :: steady(:)
 
-      allocate (prescribed(scene%constraints%nprescribed), steady(scene%dofs%n))
-      call loads_at(loading, model, frame%step_time, progress%f, steady)
-      call prescribed_at(loading, model, frame%step_time, prescribed)
-      if (scene%finite%nlgeom) call set_followers(scene%finite%follower, model, frame%step_time)
-      scene%interference = 1.0_wp
-      if (scene%step == 1) scene%interference = frame%step_time/loading%period
-      call solve_within_reach(scene, model, plan, progress%f, prescribed, recorders, summary, error)
-      call say_iterations(recorders, scene, frame)
-      if (.not. allocated(error)) call refuse_passage(scene, model, error)
-      if (.not. allocated(error)) call refuse_jump(scene, model, prescribed, error)
-      if (.not. allocated(error)) call judge_order(scene, model, model%step(scene%step)%direct, &
-         & error)
+      call find_trial(run, model, recorders, steady, forces, error)
+      if (.not. allocated(error)) call measure_trial(run, model, forces, error)
       if (allocated(error)) return
-      call scene%clock%stop_in(phase%search)
-      if (.not. scene%finite%in_use) then
-         call close_condensed(scene, model, prescribed, progress, forces, frame)
-         if (slides_away(scene, model, plan)) then
-            call change_to_finite(scene, model, plan, recorders, summary, error)
-            if (allocated(error)) return
-            call solve_path(scene, model, plan, progress%f, prescribed, error)
-            call say_iterations(recorders, scene, frame)
-            if (.not. allocated(error)) call refuse_passage(scene, model, error)
-            if (allocated(error)) return
-         end if
-      end if
-      if (scene%finite%in_use) then
-         if (scene%finite%nlgeom) progress%f = progress%f + scene%finite%follower%force
-         call find_finite_forces(forces, scene, progress%f)
-         progress%residual = forces%residual
-         frame%energy%external = progress%work
-         call certify_finite(frame%certificate, frame%energy, scene, model, forces)
-         call refuse_held_points(scene, model, error)
+      associate (scene => run%scene, progress => run%progress, frame => run%frame)
+         call add_work(scene, progress, frame)
+         if (scene%finite%memory%in_use) frame%certificate%energy = abs(lost_share(frame%energy))
+         call judge_holds(scene, model, progress, forces%pressed, frame)
+         call follow_drift(progress%drift, scene, model, forces%load, forces%pressed)
+         call accept(scene, progress, steady)
+         call look_at_pairs(progress%seen, scene, model)
+         if (scene%finite%nlgeom) call judge_mesh(scene, model, frame%increment)
+         call record(scene, model, forces%reaction, recorders, frame, error)
          if (allocated(error)) return
-         call tell_finite(scene, model)
-         frame%iterations = scene%finite%iterations
-         frame%augmentations = scene%finite%augmentations
-      end if
-      call scene%clock%stop_in(phase%solve)
-      if (scene%answer%dependent > 0) call tell_dependent(scene, model)
-      if (scene%finite%in_use) then
-         call remember(scene%solids, model%mesh, scene%u, scene%finite%memory)
+         if (scene%finite%in_use) call keep(scene%finite%memory)
+         call progress%checksum%add(frame%u(:3, :))
+         run%summary%checksum = progress%checksum%text()
+         if (frame%certificate%verdict == 2) call refuse_verdict(scene, model, frame, error)
+      end associate
+   end subroutine solve_increment
+
+   !> Displacements and tractions for the end of the increment, with what the linear path asks of
+   !> them.
+   subroutine find_trial(run, model, recorders, steady, forces, error)
+      class(run_type), intent(inout) :: run
+      type(model_type), intent(in) :: model
+      type(recorder_holder_type), intent(inout) :: recorders(:)
+      real(wp), allocatable, intent(out) :: steady(:)   !! (ndof) loads without amplitude [force]
+      type(forces_type), intent(out) :: forces          !! of the linear path
+      type(error_type), allocatable, intent(out) :: error
+      real(wp), allocatable :: prescribed(:)
+
+      associate (scene => run%scene, f => run%progress%f, frame => run%frame, &
+         & loading => run%march%loading)
+         allocate (prescribed(scene%constraints%nprescribed), steady(scene%dofs%n))
+         call loads_at(loading, model, frame%step_time, f, steady)
+         call prescribed_at(loading, model, frame%step_time, prescribed)
+         if (scene%finite%nlgeom) call set_followers(scene%finite%follower, model, frame%step_time)
+         scene%interference = 1.0_wp
+         if (scene%step == 1) scene%interference = frame%step_time/loading%period
+         call solve_within_reach(run, model, prescribed, recorders, error)
+         call say_iterations(recorders, scene, frame)
+         if (.not. allocated(error)) call refuse_passage(scene, model, error)
+         if (.not. allocated(error)) call refuse_jump(scene, model, prescribed, error)
+         if (.not. allocated(error)) call judge_order(scene, model, &
+            & model%step(scene%step)%direct, error)
+         if (allocated(error)) return
+         call scene%clock%stop_in(phase%search)
+         if (scene%finite%in_use) return
+         call close_condensed(scene, model, prescribed, run%progress, forces, frame)
+         if (.not. slides_away(scene, model, run%plan)) return
+         call change_to_finite(run, model, recorders, error)
+         if (allocated(error)) return
+         call solve_path(scene, model, run%plan, f, prescribed, error)
+         call say_iterations(recorders, scene, frame)
+         if (.not. allocated(error)) call refuse_passage(scene, model, error)
+      end associate
+   end subroutine find_trial
+
+   !> Forces, certificate and memory of a trial of the nonlinear path; work and heat of its solids.
+   subroutine measure_trial(run, model, forces, error)
+      class(run_type), intent(inout) :: run
+      type(model_type), intent(in) :: model
+      type(forces_type), intent(inout) :: forces
+      type(error_type), allocatable, intent(out) :: error
+
+      associate (scene => run%scene, progress => run%progress, frame => run%frame, &
+         & memory => run%scene%finite%memory)
+         if (scene%finite%in_use) then
+            if (scene%finite%nlgeom) progress%f = progress%f + scene%finite%follower%force
+            call find_finite_forces(forces, scene, progress%f)
+            progress%residual = forces%residual
+            frame%energy%external = progress%work
+            call certify_finite(frame%certificate, frame%energy, scene, model, forces)
+            call refuse_held_points(scene, model, error)
+            if (allocated(error)) return
+            call tell_finite(scene, model)
+            frame%iterations = scene%finite%iterations
+            frame%augmentations = scene%finite%augmentations
+         end if
+         call scene%clock%stop_in(phase%solve)
+         if (scene%answer%dependent > 0) call tell_dependent(scene, model)
+         if (.not. scene%finite%in_use) return
+         call remember(scene%solids, model%mesh, scene%u, memory)
          call limit_flow(scene, model, error)
          if (allocated(error)) return
          call add_heat_work(scene, model)
-         frame%energy%plastic = scene%finite%memory%next_work
-         frame%energy%thermal = scene%finite%memory%next_heat
-         frame%energy%nothing = scene%finite%memory%next_unsure &
-            & + sum(scene%finite%floor)*largest(scene%u)
-         frame%energy%volume = scene%finite%memory%volume
-      end if
-      call add_work(scene, progress, frame)
-      if (scene%finite%memory%in_use) frame%certificate%energy = abs(lost_share(frame%energy))
-      call judge_holds(scene, model, progress, forces%pressed, frame)
-      call follow_drift(progress%drift, scene, model, forces%load, forces%pressed)
-      call accept(scene, progress, steady)
-      call look_at_pairs(progress%seen, scene, model)
-      if (scene%finite%nlgeom) call judge_mesh(scene, model, frame%increment)
-      call record(scene, model, forces%reaction, recorders, frame, error)
-      if (allocated(error)) return
-      if (scene%finite%in_use) call keep(scene%finite%memory)
-      call progress%checksum%add(frame%u(:3, :))
-      summary%checksum = progress%checksum%text()
-      if (frame%certificate%verdict /= 2) return
+         frame%energy%plastic = memory%next_work
+         frame%energy%thermal = memory%next_heat
+         frame%energy%nothing = memory%next_unsure + sum(scene%finite%floor)*largest(scene%u)
+         frame%energy%volume = memory%volume
+      end associate
+   end subroutine measure_trial
+
+   !> An answer that fails its certificate ends the run.
+   subroutine refuse_verdict(scene, model, frame, error)
+      type(scene_type), intent(inout) :: scene
+      type(model_type), intent(in) :: model
+      type(frame_type), intent(in) :: frame
+      type(error_type), allocatable, intent(out) :: error
+
       if (.not. scene%finite%in_use) call refuse_held_penetration(scene, model, &
          & frame%certificate%reason, error)
       if (.not. allocated(error)) call raise(error, error_code%not_converged, 'E0504', &
-         & 'the certificate of step '// &
-         & to_text(frame%step)//', increment '//to_text(frame%increment)//' fails: '// &
-         & frame%certificate%reason, &
+         & 'the certificate of step '//to_text(frame%step)//', increment '// &
+         & to_text(frame%increment)//' fails: '//frame%certificate%reason, &
          & model%step(scene%step)%at, help='see lopin explain E0504')
-   end subroutine solve_increment
+   end subroutine refuse_verdict
 
    !> More plastic flow than one increment follows, where increments may be cut.
    subroutine limit_flow(scene, model, error)
@@ -211,57 +226,56 @@ contains
    end function slides_away
 
    !> From the accepted state on, contact is followed on the present shape.
-   subroutine change_to_finite(scene, model, plan, recorders, summary, error)
-      type(scene_type), intent(inout) :: scene
+   subroutine change_to_finite(run, model, recorders, error)
+      class(run_type), intent(inout) :: run
       type(model_type), intent(in) :: model
-      type(plan_type), intent(inout) :: plan
       type(recorder_holder_type), intent(inout) :: recorders(:)
-      type(summary_type), intent(inout) :: summary
       type(error_type), allocatable, intent(out) :: error
 
-      plan%path = path_of%finite
-      plan%reason = 'a node slides by more than a quarter of its facet'
-      scene%u = scene%accepted
-      call prepare(scene, model, plan, recorders, summary, error)
+      run%plan%path = path_of%finite
+      run%plan%reason = 'a node slides by more than a quarter of its facet'
+      run%scene%u = run%scene%accepted
+      call prepare(run, model, recorders, error)
    end subroutine change_to_finite
 
    !> Solve with rows for the points within reach, and again for more where others would press, or
    !> where those do not hold the bodies.
-   subroutine solve_within_reach(scene, model, plan, f, prescribed, recorders, summary, error)
-      type(scene_type), intent(inout) :: scene
+   subroutine solve_within_reach(run, model, prescribed, recorders, error)
+      class(run_type), intent(inout) :: run
       type(model_type), intent(in) :: model
-      type(plan_type), intent(in) :: plan
-      real(wp), intent(in) :: f(:), prescribed(:)
+      real(wp), intent(in) :: prescribed(:)
       type(recorder_holder_type), intent(inout) :: recorders(:)
-      type(summary_type), intent(inout) :: summary
       type(error_type), allocatable, intent(out) :: error
       type(log_type) :: log
       integer :: round
 
       round = 0
-      do
-         log = scene%log
-         call solve_path(scene, model, plan, f, prescribed, error)
-         if (plan%path == path_of%finite .or. all_within_reach(scene)) return
-         if (.not. allocated(error)) then
-            if (.not. some_bite(scene, model)) return
-         else if (all(error%code /= [error_code%singular, error_code%not_converged])) then
-            return
-         end if
-         round = round + 1
-         if (allocated(error)) then
-            deallocate (error)
-            call reject(scene)
-            call widen_to_nearest(scene, model, round)
-         else
-            call widen_reach(scene, model, round)
-            call reject(scene)
-         end if
-         scene%log = log
-         call widen_path(scene, model, plan, summary, error)
-         if (allocated(error)) return
-         call say(recorders, 'more slave points come within reach: '//summary%plan)
-      end do
+      associate (scene => run%scene, plan => run%plan, f => run%progress%f)
+         do
+            log = scene%log
+            call solve_path(scene, model, plan, f, prescribed, error)
+            if (plan%path == path_of%finite .or. all_within_reach(scene)) return
+            if (.not. allocated(error)) then
+               if (.not. some_bite(scene, model)) return
+            else if (all(error%code /= [error_code%singular, error_code%not_converged])) then
+               return
+            end if
+            round = round + 1
+            if (allocated(error)) then
+               deallocate (error)
+               call reject(scene)
+               call widen_to_nearest(scene, model, round)
+            else
+               call widen_reach(scene, model, round)
+               call reject(scene)
+            end if
+            scene%log = log
+            call widen_path(scene, model, plan, run%summary, error)
+            if (allocated(error)) return
+            call say(recorders, 'more slave points come within reach: '// &
+               & run%summary%plan)
+         end do
+      end associate
    end subroutine solve_within_reach
 
    !> Certify what the condensed paths found.
@@ -380,16 +394,16 @@ contains
       end do
       call scene%clock%stop_in(phase%output)
    end subroutine record
-   subroutine prepare(scene, model, plan, recorders, summary, error)
-      type(scene_type), intent(inout) :: scene
+
+   !> Factors of the path that was planned, and the line that says so.
+   subroutine prepare(run, model, recorders, error)
+      class(run_type), intent(inout) :: run
       type(model_type), intent(in) :: model
-      type(plan_type), intent(in) :: plan
       type(recorder_holder_type), intent(inout) :: recorders(:)
-      type(summary_type), intent(inout) :: summary
       type(error_type), allocatable, intent(out) :: error
 
-      call prepare_path(scene, model, plan, summary, error)
-      if (.not. allocated(error)) call say(recorders, summary%plan)
+      call prepare_path(run%scene, model, run%plan, run%summary, error)
+      if (.not. allocated(error)) call say(recorders, run%summary%plan)
    end subroutine prepare
 
    subroutine say(recorders, line)

@@ -6,13 +6,10 @@ module lopin_keep_state
    use lopin_text, only : to_text
    use lopin_clock, only : phase
    use lopin_model, only : model_type
-   use lopin_report, only : summary_type
    use lopin_recorder, only : recorder_holder_type
-   use lopin_plan, only : plan_type
-   use lopin_scene, only : scene_type
-   use lopin_increment, only : progress_type
+   use lopin_run_type, only : run_type
    use lopin_keeper, only : keeper_type
-   use lopin_checkpoint, only : march_type, keep_run
+   use lopin_checkpoint, only : keep_run
    implicit none
    private
    public :: keep_state, go_back
@@ -20,19 +17,15 @@ module lopin_keep_state
 contains
 
    !> To the state that an earlier run kept; its files are cut to what they were then.
-   subroutine go_back(stream, model, scene, plan, progress, march, recorders, summary, error)
-      type(stream_type), intent(inout) :: stream
+   subroutine go_back(run, model, recorders, stream, error)
+      class(run_type), intent(inout) :: run
       type(model_type), intent(in) :: model
-      type(scene_type), intent(inout) :: scene
-      type(plan_type), intent(inout) :: plan
-      type(progress_type), intent(inout) :: progress
-      type(march_type), intent(inout) :: march
       type(recorder_holder_type), intent(inout) :: recorders(:)
-      type(summary_type), intent(inout) :: summary
+      type(stream_type), intent(inout) :: stream
       type(error_type), allocatable, intent(out) :: error
 
       stream%reading = .true.
-      call keep_run(stream, model, scene, plan, progress, march, summary, error)
+      call keep_run(run, model, stream, error)
       if (.not. allocated(error)) call keep_recorders(recorders, stream, error)
       if (allocated(error)) return
       if (stream%broken .or. .not. stream%ended()) call raise(error, error_code%resource, &
@@ -53,43 +46,41 @@ contains
    end subroutine keep_recorders
 
    !> Keep the state if it is due, or if the run is to end here; then that is the error.
-   subroutine keep_state(scene, model, plan, progress, march, recorders, summary, error, keeper)
-      type(scene_type), intent(inout) :: scene
+   subroutine keep_state(run, model, recorders, error, keeper)
+      class(run_type), intent(inout) :: run
       type(model_type), intent(in) :: model
-      type(plan_type), intent(inout) :: plan
-      type(progress_type), intent(inout) :: progress
-      type(march_type), intent(inout) :: march
       type(recorder_holder_type), intent(inout) :: recorders(:)
-      type(summary_type), intent(inout) :: summary
       type(error_type), allocatable, intent(out) :: error
       class(keeper_type), intent(inout), optional :: keeper
       type(stream_type) :: stream
       logical :: ends, due
 
-      if (march%at_end .and. scene%step == size(model%step)) return
-      ends = is_interrupted()
-      if (.not. present(keeper)) then
-         if (ends) call raise(error, error_code%interrupted, 'E0605', 'interrupted after '// &
-            & 'increment '//to_text(march%number)//' of step '//to_text(scene%step)// &
-            & '; without a folder nothing is kept')
-         return
-      end if
-      associate (every => model%step(scene%step)%checkpoint)
-         due = every > 0
-         if (due) due = march%at_end .or. mod(march%number, every) == 0
+      associate (scene => run%scene, march => run%march)
+         if (march%at_end .and. scene%step == size(model%step)) return
+         ends = is_interrupted()
+         if (.not. present(keeper)) then
+            if (ends) call raise(error, error_code%interrupted, 'E0605', 'interrupted after '// &
+               & 'increment '//to_text(march%number)//' of step '//to_text(scene%step)// &
+               & '; without a folder nothing is kept')
+            return
+         end if
+         associate (every => model%step(scene%step)%checkpoint)
+            due = every > 0
+            if (due) due = march%at_end .or. mod(march%number, every) == 0
+         end associate
+         if (.not. (due .or. ends)) return
+         call move_alloc(keeper%room, stream%bytes)
+         call keep_run(run, model, stream, error)
+         if (.not. allocated(error)) call keep_recorders(recorders, stream, error)
+         if (.not. allocated(error)) call keeper%save(stream, error)
+         if (.not. allocated(error)) keeper%kept = 'increment '//to_text(march%number)// &
+            & ' of step '//to_text(scene%step)
+         call move_alloc(stream%bytes, keeper%room)
+         call scene%clock%stop_in(phase%output)
+         if (allocated(error) .or. .not. ends) return
+         call raise(error, error_code%interrupted, 'E0605', 'interrupted after increment '// &
+            & to_text(march%number)//' of step '//to_text(scene%step)//', which is kept', &
+            & help='the same command with --resume goes on from there')
       end associate
-      if (.not. (due .or. ends)) return
-      call move_alloc(keeper%room, stream%bytes)
-      call keep_run(stream, model, scene, plan, progress, march, summary, error)
-      if (.not. allocated(error)) call keep_recorders(recorders, stream, error)
-      if (.not. allocated(error)) call keeper%save(stream, error)
-      if (.not. allocated(error)) keeper%kept = 'increment '//to_text(march%number)//' of step '// &
-         & to_text(scene%step)
-      call move_alloc(stream%bytes, keeper%room)
-      call scene%clock%stop_in(phase%output)
-      if (allocated(error) .or. .not. ends) return
-      call raise(error, error_code%interrupted, 'E0605', 'interrupted after increment '// &
-         & to_text(march%number)//' of step '//to_text(scene%step)//', which is kept', &
-         & help='the same command with --resume goes on from there')
    end subroutine keep_state
 end module lopin_keep_state

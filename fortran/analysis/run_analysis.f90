@@ -11,7 +11,8 @@ module lopin_run_analysis
    use lopin_recorder, only : recorder_holder_type
    use lopin_follower_loading, only : new_followers
    use lopin_loading, only : new_loading, carry_loads
-   use lopin_plan, only : plan_type, new_plan
+   use lopin_plan, only : new_plan
+   use lopin_run_type, only : run_type, march_type, progress_type
    use lopin_scene, only : scene_type, new_scene, set_supports
    use lopin_uneven_pressure, only : warn_of_uneven_pressure
    use lopin_reach, only : choose_reach
@@ -25,29 +26,17 @@ module lopin_run_analysis
    use lopin_judge_flow, only : judge_flow
    use lopin_judge_mesh, only : refuse_folded
    use lopin_judge_yield, only : judge_yield
-   use lopin_increment, only : progress_type, prepare, reject
+   use lopin_increment, only : prepare, reject
    use lopin_say_once, only : say_again
    use lopin_stream, only : stream_type
    use lopin_keeper, only : keeper_type
-   use lopin_checkpoint, only : march_type, keep_run
+   use lopin_checkpoint, only : keep_run
    use lopin_turning_points, only : turns_within
    use lopin_time_increment, only : advance, grow
    use lopin_keep_state, only : keep_state, go_back
    implicit none
    private
-   public :: run_type, open_run, advance_run, run_state, close_run, run_analysis
-
-   !> A run between two increments.
-   type :: run_type
-      type(scene_type) :: scene
-      type(plan_type) :: plan
-      type(progress_type) :: progress
-      type(march_type) :: march
-      type(summary_type) :: summary
-      type(frame_type) :: frame                !! the last increment that was accepted
-      logical :: in_step = .false.             !! a step is begun and not ended
-      logical :: may_step = .false.            !! opened, without an error so far
-   end type run_type
+   public :: open_run, advance_run, run_state, forget_workspace, close_run, run_analysis
 
 contains
 
@@ -87,6 +76,7 @@ contains
       type(stream_type), intent(inout), optional :: state   !! of `run_state`
       integer :: n
 
+      allocate (self%scene)
       self%scene%clock = clock
       call self%scene%clock%start()
       self%summary%status = 'finished'
@@ -98,10 +88,7 @@ contains
       call ready_blas(error)
       if (.not. allocated(error)) call begin_all(recorders, model, error, keeper)
       if (.not. allocated(error)) call new_plan(self%plan, model, error)
-      if (.not. allocated(error)) call new_scene(self%scene, model, error)
-      if (.not. allocated(error)) call warn_of_uneven_pressure(self%scene, model)
-      if (.not. allocated(error)) call refuse_folded(self%scene, model, error)
-      if (.not. allocated(error)) call choose_reach(self%scene, model)
+      if (.not. allocated(error)) call make_workspace(self%scene, model, error)
       if (allocated(error)) return
       n = self%scene%dofs%n
       associate (progress => self%progress)
@@ -125,8 +112,7 @@ contains
       class(keeper_type), intent(inout) :: keeper
       type(error_type), allocatable, intent(out) :: error
 
-      call go_back(keeper%found, model, self%scene, self%plan, self%progress, self%march, &
-         & recorders, self%summary, error)
+      call go_back(self, model, recorders, keeper%found, error)
       if (allocated(error)) return
       self%in_step = .true.
       keeper%kept = 'increment '//to_text(self%march%number)//' of step '//to_text(self%scene%step)
@@ -140,13 +126,49 @@ contains
       type(stream_type), intent(inout) :: state
       type(error_type), allocatable, intent(out) :: error
 
-      call keep_run(state, model, self%scene, self%plan, self%progress, self%march, &
-         & self%summary, error)
+      call keep_run(self, model, state, error)
       if (allocated(error) .or. .not. state%reading) return
       if (state%broken .or. .not. state%ended()) call raise(error, error_code%resource, 'E0604', &
          & 'the state does not hold what this build of Lopin keeps', &
          & help='give a state that this version took out of the same deck')
    end subroutine run_state
+
+   !> What follows from the model alone.
+   subroutine make_workspace(scene, model, error)
+      type(scene_type), intent(inout) :: scene
+      type(model_type), intent(in) :: model
+      type(error_type), allocatable, intent(out) :: error
+
+      call new_scene(scene, model, error)
+      if (.not. allocated(error)) call warn_of_uneven_pressure(scene, model)
+      if (.not. allocated(error)) call refuse_folded(scene, model, error)
+      if (.not. allocated(error)) call choose_reach(scene, model)
+   end subroutine make_workspace
+
+   !> Throw away all but the state, and make the workspace again from the model and the state: the
+   !> run goes on to the same bits, or something that evolves has a home outside the state.
+   subroutine forget_workspace(self, model, error)
+      class(run_type), intent(inout) :: self
+      type(model_type), intent(in) :: model
+      type(error_type), allocatable, intent(out) :: error
+      type(scene_type), allocatable :: old
+      type(stream_type) :: kept, state
+
+      if (.not. self%in_step) return
+      call run_state(self, model, kept, error)
+      if (allocated(error)) return
+      call move_alloc(self%scene, old)
+      allocate (self%scene)
+      self%scene%clock = old%clock
+      self%scene%stops_at_once = old%stops_at_once
+      deallocate (old)
+      call make_workspace(self%scene, model, error)
+      if (allocated(error)) return
+      state%reading = .true.
+      state%n = kept%n
+      call move_alloc(kept%bytes, state%bytes)
+      call run_state(self, model, state, error)
+   end subroutine forget_workspace
 
    !> Go to the next accepted increment, into the next step if need be. Where the run is at its end
    !> nothing is done, and `more` is false.
@@ -296,7 +318,7 @@ contains
          if (.not. same) then
             call check_supports(scene, model, error)
             if (allocated(error)) return
-            call prepare(scene, model, self%plan, recorders, self%summary, error)
+            call prepare(self, model, recorders, error)
             if (allocated(error)) return
          end if
          call start_march(self%march, scene, model, self%progress)
@@ -357,8 +379,7 @@ contains
             return
          end if
          frame%increment = number
-         call advance(scene, model, self%plan, march, self%progress, recorders, self%summary, &
-            & frame, error)
+         call advance(self, model, recorders, error)
          if (allocated(error)) return
          call judge_yield(scene, model, frame%u)
          call judge_flow(scene, model)
@@ -369,8 +390,7 @@ contains
          if (.not. march%at_end) call grow(march%increment, step, self%plan, frame, &
             & scene%finite%memory%most_strain)
          self%summary%step(scene%step)%counter = scene%counter
-         call keep_state(scene, model, self%plan, self%progress, march, recorders, self%summary, &
-            & error, keeper)
+         call keep_state(self, model, recorders, error, keeper)
       end associate
    end subroutine next_increment
 

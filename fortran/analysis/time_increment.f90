@@ -4,7 +4,7 @@ module lopin_time_increment
    use lopin_error, only : error_type, error_code
    use lopin_text, only : to_text
    use lopin_model, only : model_type, step_type
-   use lopin_report, only : frame_type, summary_type
+   use lopin_report, only : frame_type
    use lopin_recorder, only : recorder_holder_type
    use lopin_plan, only : plan_type, path_of
    use lopin_turning_points, only : next_turn, same_time
@@ -14,8 +14,8 @@ module lopin_time_increment
    use lopin_touch_order, only : order_id, parts_of_touch
    use lopin_scene, only : scene_type
    use lopin_contact_friction, only : slides_with_friction
-   use lopin_increment, only : progress_type, solve_increment, reject, say
-   use lopin_checkpoint, only : march_type
+   use lopin_run_type, only : run_type, march_type
+   use lopin_increment, only : solve_increment, reject, say
    implicit none
    private
    public :: advance, grow
@@ -30,23 +30,19 @@ module lopin_time_increment
 contains
 
    !> One increment from `time`: tried, cut and tried again until it is accepted or cannot be cut.
-   subroutine advance(scene, model, plan, march, progress, recorders, summary, frame, error)
-      type(scene_type), intent(inout) :: scene
+   subroutine advance(run, model, recorders, error)
+      class(run_type), intent(inout) :: run
       type(model_type), intent(in) :: model
-      type(plan_type), intent(inout) :: plan
-      type(march_type), intent(inout) :: march
-      type(progress_type), intent(inout) :: progress
       type(recorder_holder_type), intent(inout) :: recorders(:)
-      type(summary_type), intent(inout) :: summary
-      type(frame_type), intent(inout) :: frame
       type(error_type), allocatable, intent(out) :: error
       real(wp) :: target_time, turn, wanted
       logical :: turns
 
-      associate (step => model%step(scene%step), time => march%time, &
-         & increment => march%increment)
+      associate (scene => run%scene, plan => run%plan, march => run%march, frame => run%frame, &
+         & step => model%step(run%scene%step), time => run%march%time, &
+         & increment => run%march%increment)
          frame%attempt = 1
-         turn = next_turn(model, plan, step, progress%time, time)
+         turn = next_turn(model, plan, step, run%progress%time, time)
          if (time < march%parts_until - same_time*step%period) increment = min(increment, &
             & march%part)
          do
@@ -58,7 +54,7 @@ contains
             increment = target_time - time
             frame%step = scene%step
             frame%step_time = target_time
-            frame%total_time = progress%time + target_time
+            frame%total_time = run%progress%time + target_time
             frame%time_increment = increment
             frame%last_of_step = .not. target_time < step%period
             scene%may_part = .not. step%direct .and. increment/parts_of_touch >= &
@@ -66,8 +62,7 @@ contains
                & - same_time*step%period
             scene%finite%dt = increment
             scene%finite%time = target_time
-            call solve_increment(scene, model, plan, march%loading, progress, recorders, &
-               & summary, frame, error)
+            call solve_increment(run, model, recorders, error)
             if (.not. allocated(error)) exit
             if (frame%certificate%verdict == 2) return
             if (.not. may_cut(plan, scene, step, increment, error)) return

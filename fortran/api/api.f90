@@ -9,12 +9,12 @@ module lopin_api
    use lopin_probes_friction, only : friction_tractions
    use lopin_session, only : session_type, deck_text_type, new_session, keep_session, &
       & forget_session, session_text, session_real, session_integer, advance_session, &
-      & end_session, session_state
+      & end_session, session_state, forget_workspace_of
    use lopin_stream, only : stream_type
    implicit none
    private
    public :: run_deck, check_deck, close_session
-   public :: open_run, advance, end_run, state_length, get_state
+   public :: open_run, advance, end_run, state_length, get_state, forget_workspace
    public :: text_length, copy_text, result_shape, get_real, get_integer
    public :: probe_shape, probe_project, probe_tool_gap, probe_skyline_solve, probe_contact
    public :: probe_hooke, probe_stiffness, probe_friction, probe_friction_increment, echo
@@ -91,6 +91,15 @@ contains
       call session_state(handle, stream)
       n = int(stream%n)
    end subroutine state_length
+
+   !> Make all that is not state again from the model and the state, between two increments.
+   subroutine forget_workspace(handle, code)
+      integer, intent(in) :: handle
+      integer, intent(out) :: code
+      !f2py threadsafe
+
+      call forget_workspace_of(handle, code)
+   end subroutine forget_workspace
 
    subroutine get_state(handle, n, state)
       integer, intent(in) :: handle

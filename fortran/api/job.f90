@@ -13,7 +13,8 @@ module lopin_job
    use lopin_atomic_file, only : make_folder
    use lopin_checkpoint_file, only : checkpoint_file_type, new_checkpoint_file
    use lopin_checksum, only : checksum_type
-   use lopin_run_analysis, only : run_type, open_run, advance_run, run_state, close_run
+   use lopin_run_type, only : run_type
+   use lopin_run_analysis, only : open_run, advance_run, run_state, forget_workspace, close_run
    use lopin_stream, only : stream_type
    use lopin_blas_threads, only : set_blas_threads, blas_threads
    use lopin_report, only : summary_type
@@ -23,7 +24,7 @@ module lopin_job
    implicit none
    private
    public :: job_type, outcome_type, running_type, open_job, run_job, refuse_warnings, stem_of
-   public :: begin_job, advance_job, job_state, end_job
+   public :: begin_job, advance_job, job_state, forget_job, end_job
 
    !> What a caller may ask for beyond the deck.
    type :: job_type
@@ -176,6 +177,19 @@ contains
       call state%pass(mark)
       call run_state(running%run, model, state, error)
    end subroutine job_state
+
+   !> Throw the workspace away and make it again from the model and the state: to the same bits.
+   subroutine forget_job(self, running, model, outcome, error)
+      type(job_type), intent(in) :: self
+      type(running_type), intent(inout) :: running
+      type(model_type), intent(in) :: model
+      type(outcome_type), intent(inout) :: outcome
+      type(error_type), allocatable, intent(out) :: error
+
+      call enter(self, running, model, outcome%log)
+      call forget_workspace(running%run, model, error)
+      call leave(self, running, error)
+   end subroutine forget_job
 
    subroutine refuse_other(state, deck, model, error)
       type(stream_type), intent(inout) :: state

@@ -7,7 +7,7 @@ module lopin_session
    use lopin_deck, only : deck_type, read_deck_text
    use lopin_error, only : error_type, error_code, log_type, severity, raise
    use lopin_job, only : job_type, outcome_type, running_type, open_job, refuse_warnings, stem_of, &
-      & begin_job, advance_job, job_state, end_job
+      & begin_job, advance_job, job_state, forget_job, end_job
    use lopin_keyword_json, only : keywords_json
    use lopin_kinds, only : wp
    use lopin_model, only : model_type
@@ -19,7 +19,7 @@ module lopin_session
    implicit none
    private
    public :: session_type, deck_text_type, new_session, advance_session, end_session
-   public :: session_state
+   public :: session_state, forget_workspace_of
    public :: keep_session, forget_session, session_text, session_real, session_integer
 
    !> A deck as a caller holds it.
@@ -199,6 +199,24 @@ contains
    end subroutine session_state
 
    !> Options of the command line, one a line.
+   !> Throw the workspace of a run away between two increments: the run goes on to the same bits.
+   subroutine forget_workspace_of(handle, code)
+      integer, intent(in) :: handle
+      integer, intent(out) :: code
+      type(error_type), allocatable :: error
+
+      code = 0
+      if (.not. in_use(handle)) return
+      !$omp critical (lopin_run)
+      associate (self => pool(handle)%session)
+         if (self%work%running%opened) call forget_job(self%work%job, self%work%running, &
+            & self%work%model, self%work%outcome, error)
+         if (allocated(error)) code = error%code
+         call tell(self, error)
+      end associate
+      !$omp end critical (lopin_run)
+   end subroutine forget_workspace_of
+
    subroutine read_options(job, options, error)
       type(job_type), intent(inout) :: job
       character(len=*), intent(in) :: options

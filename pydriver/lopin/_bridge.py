@@ -84,6 +84,10 @@ class Session:
         core().end_run(self.handle)
         self.diagnostics = diagnostics(self.handle)
 
+    def forget_workspace(self) -> int:
+        """Make all but the state again, between two increments; the exit code."""
+        return int(core().forget_workspace(self.handle))
+
     def state(self) -> bytes:
         """What an open run holds between two increments; empty before the first."""
         n = int(core().state_length(self.handle))

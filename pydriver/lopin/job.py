@@ -58,6 +58,13 @@ class Job:
         same deck and version; empty before the first increment and after the end."""
         return self._session.state() if self._open else b""
 
+    def forget_workspace(self) -> None:
+        """Throw away all but the state (matrices, factors, surfaces, trees) and make it again. The
+        run goes on to the same bits: a check for developers, or a way to free what is not needed."""
+        code = self._session.forget_workspace() if self._open else 0
+        if code:
+            raise error_of(code, self._session.diagnostics)
+
     @property
     def result(self) -> Result:
         """What was accepted so far; its `summary` is there once the run has ended."""
