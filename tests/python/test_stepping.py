@@ -86,6 +86,36 @@ def test_a_state_goes_on_in_a_new_model_to_the_same_bits(name, root, core):
             same(alone.result, rest.result)
 
 
+#: Cup and ring on the present shape, friction loops on both paths, turning rings, exact springs.
+FORGETTING = {"cup": 3, "ring_compression": 4, "crushed_ring": 4, "cattaneo": 12, "rotating_rings": 3,
+              "two_springs": 4}
+
+
+def forgetting(deck, increments, forget=True):
+    with lopin.open(deck) as job:
+        for k, frame in enumerate(job, start=1):
+            if forget:
+                job.forget_workspace()
+            if k == increments:
+                break
+    return job.result
+
+
+@pytest.mark.parametrize("name", FORGETTING)
+def test_the_workspace_can_be_thrown_away_between_increments(name, root, core):
+    deck, n = root/"decks"/f"{name}.inp", FORGETTING[name]
+    alone, forgot = forgetting(deck, n, forget=False), forgetting(deck, n)
+    assert len(alone.times) == len(forgot.times) > 0
+    assert alone.summary["checksum"] == forgot.summary["checksum"]
+    for k in range(len(alone.times)):
+        same(alone, forgot, k)
+
+
+def test_the_workspace_can_be_thrown_away_across_steps(press):
+    """Contact that slips, is taken away and comes back."""
+    same(lopin.run(press), forgetting(press, None))
+
+
 def test_a_state_across_the_end_of_a_step(press):
     whole = lopin.run(press)
     for n in range(1, len(whole.times)):
