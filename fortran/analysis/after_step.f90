@@ -132,7 +132,7 @@ contains
             turn = 0.0_wp
             do k = 4, 6
                if (scene%dofs%id(k, rigid%reference) > 0) turn(k - 3) = &
-                  & scene%u(scene%dofs%id(k, rigid%reference))
+                  & scene%trial%motion%u(scene%dofs%id(k, rigid%reference))
             end do
             if (norm2(turn) <= rotation_limit) cycle
             call say_once(scene%log, 'W0513', 'rigid body '//rigid%name//' turns by '// &
@@ -151,7 +151,7 @@ contains
       real(wp) :: facet
       integer :: point, pair
 
-      if (scene%finite%in_use .or. .not. allocated(scene%friction%trial%path)) return
+      if (scene%finite%in_use .or. .not. allocated(scene%trial%friction%path)) return
       do pair = 1, size(model%pair)
          associate (way => model%interaction(model%pair(pair)%interaction))
             if (way%method /= method_of%penalty .and. way%method /= method_of%perturbed) cycle
@@ -164,7 +164,7 @@ contains
             facet = max(facet, scene%points%size(point))
          end do
          if (scene%points%first(pair + 1) == scene%points%first(pair)) cycle
-         associate (path => scene%friction%trial%path(scene%points%first(pair): &
+         associate (path => scene%trial%friction%path(scene%points%first(pair): &
             & scene%points%first(pair + 1) - 1))
             if (maxval(path) > slips*chosen_slip*facet) cycle
             call say_once(scene%log, 'W0514', 'no node of '// &

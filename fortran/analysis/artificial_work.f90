@@ -149,7 +149,7 @@ contains
          gap = scene%rows%gap0(row)
          do k = scene%rows%first(row), scene%rows%first(row + 1) - 1
             own = own .or. equation(scene%rows%dof(k)) == b
-            gap = gap + scene%rows%coefficient(k)*scene%accepted(scene%rows%dof(k))
+            gap = gap + scene%rows%coefficient(k)*scene%accepted%motion%u(scene%rows%dof(k))
          end do
          if (.not. own) cycle
          ! What has closed has come from that far; what has opened stands apart now.
@@ -236,8 +236,8 @@ contains
       integer :: i, k, m
 
       associate (c => scene%constraints)
-         way = [(raw_displacement(c, scene%dofs, scene%u, c%dof_of_equation(i)) &
-            & - raw_displacement(c, scene%dofs, scene%accepted, c%dof_of_equation(i)), &
+         way = [(raw_displacement(c, scene%dofs, scene%trial%motion%u, c%dof_of_equation(i)) &
+            & - raw_displacement(c, scene%dofs, scene%accepted%motion%u, c%dof_of_equation(i)), &
             & i=1, size(way))]
       end associate
       basis = matmul(scene%bodies%motion, motion)

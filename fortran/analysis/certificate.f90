@@ -49,7 +49,7 @@ contains
       self%load = f
       allocate (self%internal(scene%dofs%n), self%reaction(scene%constraints%nprescribed))
       allocate (self%pressed(scene%dofs%n), source=0.0_wp)
-      call scene%k%multiply(scene%u, self%internal)
+      call scene%k%multiply(scene%trial%motion%u, self%internal)
       call row_forces(scene%rows, scene%answer%force, self%pressed)
       self%residual = self%internal - f - self%pressed
       call prescribed_part(scene%constraints, self%residual, self%reaction)
@@ -77,17 +77,17 @@ contains
          self%support = beyond(free(scene%bodies%support), floor(scene%bodies%support))/reference
       end if
       call judge_contact(self, energy, scene, model, noise)
-      energy%strain = 0.5_wp*dot_product(scene%u, forces%internal)
+      energy%strain = 0.5_wp*dot_product(scene%trial%motion%u, forces%internal)
       call judge_work(self, energy, scene, largest(floor))
       self%obeys = obeys_deck(model)
       if (scene%rows%n > 0) self%pressure_error = max(scene%answer%soft_error, drift(scene))
       call judge_action(self, scene, model, forces%pressed)
       ! Clapeyron: at equilibrium loads, contact and reactions do twice the stored energy's work.
       ! Where the forces all but cancel no energy is stored: what they do one by one is the measure.
-      work = dot_product(scene%u, forces%load + forces%pressed) &
+      work = dot_product(scene%trial%motion%u, forces%load + forces%pressed) &
          & + dot_product(forces%reaction, prescribed)
-      passed = max(dot_product(abs(scene%u), abs(forces%load) + abs(forces%pressed) &
-         & + abs(forces%internal)), largest(floor)*largest(scene%u)/balance_limit)
+      passed = max(dot_product(abs(scene%trial%motion%u), abs(forces%load) + abs(forces%pressed) &
+         & + abs(forces%internal)), largest(floor)*largest(scene%trial%motion%u)/balance_limit)
       if (passed > 0.0_wp) self%energy = abs(work - 2.0_wp*energy%strain)/passed
       call judge_corners(self, scene, model)
       call give_verdict(self)
@@ -106,7 +106,7 @@ contains
       do row = 1, scene%rows%n
          gap = scene%rows%gap0(row)
          do k = scene%rows%first(row), scene%rows%first(row + 1) - 1
-            gap = gap + scene%rows%coefficient(k)*scene%u(scene%rows%dof(k))
+            gap = gap + scene%rows%coefficient(k)*scene%trial%motion%u(scene%rows%dof(k))
          end do
          drift = max(drift, abs(gap - scene%answer%gap(row)))
       end do
@@ -169,8 +169,8 @@ contains
       end do
       if (.not. p_ref > 0.0_wp) self%complementarity = max(0.0_wp, self%penetration)
       energy%contact = energy%contact + scene%friction%stored
-      energy%friction = sum(scene%friction%trial%work)
-      energy%friction_mean = sum(scene%friction%trial%mean_work)
+      energy%friction = sum(scene%trial%friction%work)
+      energy%friction_mean = sum(scene%trial%friction%mean_work)
       self%complementarity = max(self%complementarity, scene%friction%misfit)
       self%cone = scene%friction%cone_excess
    end subroutine judge_contact

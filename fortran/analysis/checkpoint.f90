@@ -11,7 +11,7 @@ module lopin_checkpoint
    use lopin_report, only : summary_type, keep_energy
    use lopin_plan, only : plan_type, path_of
    use lopin_active_set, only : contact_result_type
-   use lopin_friction_state, only : keep_friction
+   use lopin_state, only : begin
    use lopin_contact_points, only : contact_points_type
    use lopin_contact_memory, only : keep_contact
    use lopin_solver_factory, only : new_solver
@@ -46,12 +46,13 @@ contains
          call stream%pass(plan%by_user)
          call stream%pass(plan%reason)
          call keep_progress(run%progress, stream)
-         call keep_motion(scene, stream)
+         call keep_search(scene, stream)
          call keep_order(scene, plan, joined, stream)
          if (stream%reading .and. .not. stream%broken) call remake(run, model, step, joined, error)
          if (allocated(error)) return
          call keep_march(run%march, stream)
-         call keep_friction(scene%friction, stream)
+         call scene%accepted%pass(stream)
+         call begin(scene%trial, scene%accepted)
          call keep_answer(scene%answer, stream)
          call keep_finite(scene%finite, stream, error)
          if (allocated(error)) return
@@ -79,7 +80,7 @@ contains
          if (allocated(error)) return
          call start_step(scene, model)
          call new_loading(run%march%loading, model, scene%dofs, scene%constraints, scene%solids, &
-            & model%step(step), run%progress%time, run%progress%steady, scene%accepted)
+            & model%step(step), run%progress%time, run%progress%steady, scene%accepted%motion%u)
       end associate
    end subroutine remake
 
@@ -104,20 +105,16 @@ contains
       call self%checksum%keep(stream)
    end subroutine keep_progress
 
-   !> Displacements and the places of the tools.
-   subroutine keep_motion(self, stream)
+   !> Where the tools of the linear path were projected, and which points they reached.
+   subroutine keep_search(self, stream)
       type(scene_type), intent(inout) :: self
       type(stream_type), intent(inout) :: stream
 
-      call stream%pass(self%u)
-      call stream%pass(self%accepted)
-      call stream%pass(self%guess)
       call stream%pass(self%place)
       call stream%pass(self%candidate)
-      call stream%pass(self%sticks)
       call stream%pass(self%interference)
       call keep_points(self%points, stream)
-   end subroutine keep_motion
+   end subroutine keep_search
 
    !> What changes where a tool is projected again.
    subroutine keep_points(self, stream)
@@ -199,36 +196,12 @@ contains
 
       call stream%pass(self%dt)
       if (.not. self%in_use) return
-      call stream%pass(self%multiplier)
-      call stream%pass(self%accepted_multiplier)
-      call stream%pass(self%last_motion)
-      call stream%pass(self%last_dt)
-      call stream%pass(self%motion_before)
-      call stream%pass(self%dt_before)
-      call stream%pass(self%curved)
-      call stream%pass(self%held)
       call stream%pass(self%contraction%bend)
       call stream%pass(self%has_solved)
       call stream%pass(self%energy)
       call stream%pass(self%iterations)
       call stream%pass(self%augmentations)
       call stream%pass(self%grounded)
-      call stream%pass(self%memory%value)
-      call stream%pass(self%memory%work)
-      call stream%pass(self%memory%heat)
-      call stream%pass(self%memory%unsure)
-      call stream%pass(self%memory%heated)
-      call stream%pass(self%memory%place)
-      call stream%pass(self%memory%most_strain)
-      call stream%pass(self%memory%most_element)
-      call stream%pass(self%memory%volume)
-      ! What was found by `remember` has become the accepted state.
-      if (stream%reading .and. .not. stream%broken) then
-         self%memory%next = self%memory%value
-         self%memory%next_work = self%memory%work
-         self%memory%next_heat = self%memory%heat
-         self%memory%next_unsure = self%memory%unsure
-      end if
       call keep_followers(self%follower, stream)
       call keep_system(self%system, stream, error)
       if (allocated(error)) return

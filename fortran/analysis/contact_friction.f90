@@ -38,10 +38,10 @@ contains
       type(friction_result_type) :: friction
 
       call new_points(scene, model, points)
-      if (allocated(scene%friction%accepted%force)) then
-         scene%answer%force = scene%friction%accepted%force
-         scene%answer%gap = scene%friction%accepted%gap
-         scene%answer%q = scene%friction%accepted%q
+      if (allocated(scene%accepted%friction%force)) then
+         scene%answer%force = scene%accepted%friction%force
+         scene%answer%gap = scene%accepted%friction%gap
+         scene%answer%q = scene%accepted%friction%q
       else
          if (allocated(scene%answer%force)) deallocate (scene%answer%force)
       end if
@@ -59,7 +59,7 @@ contains
    !> The speed that decaying friction reads begins with that of the accepted increment.
    subroutine start_speed(scene)
       type(scene_type), intent(inout) :: scene
-      scene%friction%speed = scene%friction%accepted%speed
+      scene%friction%speed = scene%accepted%friction%speed
    end subroutine start_speed
 
    !> Speeds of slip for the next iteration; `change` is how far they moved, beside the largest: 0
@@ -79,9 +79,9 @@ contains
          decays = decays .or. reads_speed(law)
       end do
       if (.not. decays) return
-      associate (s => scene%friction)
-         change = maxval(abs(s%trial%speed - s%speed))/max(maxval(s%trial%speed), tiny(1.0_wp))
-         s%speed = s%trial%speed
+      associate (s => scene%friction, trial => scene%trial%friction)
+         change = maxval(abs(trial%speed - s%speed))/max(maxval(trial%speed), tiny(1.0_wp))
+         s%speed = trial%speed
       end associate
    end subroutine renew_speed
 
@@ -122,9 +122,9 @@ contains
             points%at(k)%speed = scene%friction%speed(i)
             do d = 1, nt
                associate (t => scene%rows%direction(:, points%tangent(k) + d - 1))
-                  points%traction(d, k) = dot_product(t, scene%friction%accepted%traction(:, i))
-                  points%anchor(d, k) = dot_product(t, scene%friction%accepted%anchor(:, i))
-                  points%elastic(d, k) = dot_product(t, scene%friction%accepted%elastic(:, i))
+                  points%traction(d, k) = dot_product(t, scene%accepted%friction%traction(:, i))
+                  points%anchor(d, k) = dot_product(t, scene%accepted%friction%anchor(:, i))
+                  points%elastic(d, k) = dot_product(t, scene%accepted%friction%elastic(:, i))
                end associate
                points%start(d, k) = displaced(scene, points%tangent(k) + d - 1)
             end do
@@ -143,7 +143,8 @@ contains
 
       displaced = 0.0_wp
       do j = scene%rows%first(row), scene%rows%first(row + 1) - 1
-         displaced = displaced + scene%rows%coefficient(j)*scene%accepted(scene%rows%dof(j))
+         displaced = displaced + scene%rows%coefficient(j)*scene%accepted%motion%u( &
+            & scene%rows%dof(j))
       end do
    end function displaced
 

@@ -55,7 +55,8 @@ contains
       call internal_forces(scene, model, with_tangent, look%internal, look%inverted)
       if (look%inverted > 0) return
       call scene%clock%stop_in(phase%assemble)
-      call evaluate(scene%finite%contact, model, scene%u, scene%finite%multiplier, with_tangent, &
+      call evaluate(scene%finite%contact, model, scene%trial%motion%u, &
+         & scene%trial%contact%multiplier, with_tangent, &
          & error)
       if (allocated(error)) return
       call scene%clock%stop_in(phase%contact)
@@ -75,7 +76,7 @@ contains
       look%unbalanced = beyond(look%free, scene%finite%floor)
       look%unmet = beyond(look%row, scene%finite%row_floor)
       look%force = forces_about(scene, f, reaction)
-      if (scene%finite%memory%in_use) look%ajar = ajar(scene)
+      if (scene%finite%flows) look%ajar = ajar(scene)
    end subroutine look_at
 
    !> Largest force of a state: of an element on a node, before its neighbours cancel it; of loads;
@@ -134,10 +135,12 @@ contains
       associate (follower => scene%finite%follower)
          follower%force = 0.0_wp
          if (with_tangent) then
-            call add_follower_loads(scene%solids, model%mesh, scene%u, follower%element, &
+            call add_follower_loads(scene%solids, model%mesh, scene%trial%motion%u, &
+               & follower%element, &
                & follower%face, follower%pressure, follower%force, follower%local)
          else
-            call add_follower_loads(scene%solids, model%mesh, scene%u, follower%element, &
+            call add_follower_loads(scene%solids, model%mesh, scene%trial%motion%u, &
+               & follower%element, &
                & follower%face, follower%pressure, follower%force)
          end if
       end associate
@@ -170,18 +173,20 @@ contains
 
       inverted = 0
       if (.not. is_nonlinear(scene%finite)) then
-         call scene%k%multiply(scene%u, internal)
-         scene%finite%energy = 0.5_wp*dot_product(scene%u, internal)
+         call scene%k%multiply(scene%trial%motion%u, internal)
+         scene%finite%energy = 0.5_wp*dot_product(scene%trial%motion%u, internal)
          ! Without stresses of the start, forces of linear solids vanish with their strains alone.
          scene%finite%element_force = largest(internal)
          return
       end if
       if (with_tangent) then
          if (.not. allocated(scene%finite%k%value)) scene%finite%k = scene%k
-         call assemble_finite(scene%solids, model%mesh, scene%u, scene%finite%memory, internal, &
+         call assemble_finite(scene%solids, model%mesh, scene%trial%motion%u, &
+            & scene%accepted%solids, internal, &
             & scene%finite%energy, bad, scene%finite%k)
       else
-         call assemble_finite(scene%solids, model%mesh, scene%u, scene%finite%memory, internal, &
+         call assemble_finite(scene%solids, model%mesh, scene%trial%motion%u, &
+            & scene%accepted%solids, internal, &
             & scene%finite%energy, bad)
       end if
       inverted = bad%element

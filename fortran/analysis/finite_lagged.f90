@@ -23,7 +23,7 @@ contains
       type(scene_type), intent(in) :: scene
       reads_lagged = any(reads_mises(scene%finite%contact%friction)) &
          & .or. any(reads_speed(scene%finite%contact%friction)) &
-         & .or. (scene%finite%memory%in_use .and. any(reads_yield(scene%finite%contact%friction)))
+         & .or. (scene%finite%flows .and. any(reads_yield(scene%finite%contact%friction)))
    end function reads_lagged
 
    !> From what is accepted: an increment tried again has the same bits.
@@ -32,10 +32,11 @@ contains
       type(model_type), intent(in) :: model
 
       associate (contact => scene%finite%contact)
-         contact%speed = contact%last_speed
-         if (any(reads_mises(contact%friction))) call put_mises(scene, model, scene%accepted)
+         contact%speed = scene%accepted%contact%speed
+         if (any(reads_mises(contact%friction))) call put_mises(scene, model, &
+            & scene%accepted%motion%u)
       end associate
-      call put_yields(scene, model, scene%accepted)
+      call put_yields(scene, model, scene%accepted%motion%u)
    end subroutine start_lagged
 
    !> From the trial state.
@@ -47,9 +48,9 @@ contains
       associate (contact => scene%finite%contact)
          if (any(reads_speed(contact%friction))) contact%speed = &
             & [(speed_of(contact, i), i=1, contact%n)]
-         if (any(reads_mises(contact%friction))) call put_mises(scene, model, scene%u)
+         if (any(reads_mises(contact%friction))) call put_mises(scene, model, scene%trial%motion%u)
       end associate
-      call put_yields(scene, model, scene%u)
+      call put_yields(scene, model, scene%trial%motion%u)
    end subroutine renew_lagged
 
    !> The stress of these displacements at the slave points.
@@ -60,7 +61,7 @@ contains
       real(wp) :: u(3, model%mesh%nnode), mises(model%mesh%nnode)
 
       u = at_nodes(scene%dofs, displacement, model%mesh%nnode, model%mesh%ndim)
-      call nodal_mises(scene%solids, model%mesh, u, scene%finite%memory, mises)
+      call nodal_mises(scene%solids, model%mesh, u, scene%accepted%solids, mises)
       associate (contact => scene%finite%contact)
          contact%mises = mises(contact%node(:contact%n))
       end associate
@@ -77,9 +78,10 @@ contains
       real(wp) :: yield(model%mesh%nnode)
       integer :: i
 
-      if (.not. scene%finite%memory%in_use) return
+      if (.not. scene%finite%flows) return
       if (.not. any(reads_yield(scene%finite%contact%friction))) return
-      call nodal_flow_stress(scene%solids, model%mesh, displacement, scene%finite%memory, yield)
+      call nodal_flow_stress(scene%solids, model%mesh, displacement, scene%accepted%solids, &
+         & scene%trial%solids, yield)
       if (.not. maxval(yield) > 0.0_wp) return
       associate (contact => scene%finite%contact)
          do i = 1, contact%n

@@ -67,7 +67,7 @@ contains
       if (allocated(error)) return
       allocate (jump(scene%dofs%n), source=0.0_wp)
       if (size(prescribed) > 0) call expand(scene%constraints, 0.0_wp*v, prescribed - before, jump)
-      if (loop == 0 .and. scene%finite%memory%in_use .and. any(abs(jump) > 0.0_wp)) then
+      if (loop == 0 .and. scene%finite%flows .and. any(abs(jump) > 0.0_wp)) then
          call let_go(scene, model, f, v, before, prescribed, jump, look, error)
          if (allocated(error)) return
       end if
@@ -90,7 +90,7 @@ contains
             & == seen(max(1, iteration - 1))
          if (settled(scene, look, jump, iteration, loop, last, unchanged)) then
             if (iteration > 1 .and. look%merit > floor_of_rounding*reference_of(scene, look) &
-               & .and. .not. scene%finite%memory%in_use) &
+               & .and. .not. scene%finite%flows) &
                & call polish(scene, model, f, v, prescribed, look, error)
             scene%finite%reference = reference_of(scene, look)
             scene%finite%has_solved = .true.
@@ -104,11 +104,11 @@ contains
          if (iteration > 1 .and. scene%finite%frictionless) fresh = seen(iteration) &
             & /= seen(max(1, iteration - 1))
          if (stale > merge(most_lagged, most_iterations, lagged)) exit
-         if (scene%finite%memory%in_use) then
+         if (scene%finite%flows) then
             ! What has nothing to go on from, as a sheet between flat tools or a body that springs
             ! back, loses contact node by node in any increment: slow, but it gets on.
             associate (step_data => model%step(scene%step))
-               if (scene%finite%last_dt > 0.0_wp) then
+               if (scene%accepted%motion%last_dt > 0.0_wp) then
                   if (iteration > most_of_flow) exit
                   if (.not. step_data%direct &
                      & .and. scene%finite%dt > least_cuts*step_data%smallest) then
@@ -122,7 +122,7 @@ contains
          merits(1 + mod(iteration, memory)) = look%merit
          first = any(abs(jump) > 0.0_wp)
          residual = relative(look, reference_of(scene, look))
-         simplified = scene%finite%memory%in_use .and. .not. (first .or. lagged .or. iteration == 1)
+         simplified = scene%finite%flows .and. .not. (first .or. lagged .or. iteration == 1)
          if (simplified) simplified = by_old_tangent(scene%finite%contraction, residual, last, &
             & equilibrium, correction)
          if (.not. (look%tangent .or. simplified)) &
@@ -167,7 +167,7 @@ contains
          real(wp), intent(in) :: residual      !! before it
 
          with_tangent = .not. lagged
-         if (with_tangent .and. scene%finite%memory%in_use .and. .not. first) with_tangent = &
+         if (with_tangent .and. scene%finite%flows .and. .not. first) with_tangent = &
             & .not. look_without_tangent(scene%finite%contraction, residual, .not. simplified, &
             & equilibrium)
       end function with_tangent
@@ -181,7 +181,7 @@ contains
       type(error_type), allocatable, intent(out) :: error
       character(len=:), allocatable :: fold
 
-      fold = folding_at(scene, model, scene%accepted)
+      fold = folding_at(scene, model, scene%accepted%motion%u)
       if (len(fold) > 0) fold = '; '//fold
       call raise(error, error_code%not_converged, 'E0510', 'Newton has not converged in '// &
          & to_text(scene%finite%iterations)//' iterations: residual '// &
@@ -206,7 +206,7 @@ contains
       associate (c => scene%finite%contact)
          allocate (closed, source=c%status(:c%n) > 0)
          if (.not. (any(closed) .and. scene%finite%has_solved)) return
-         call expand(scene%constraints, v, prescribed, scene%u)
+         call expand(scene%constraints, v, prescribed, scene%trial%motion%u)
          call look_at(scene, model, f, .true., look, error)
          if (allocated(error)) return
          leaves = .false.
@@ -222,7 +222,7 @@ contains
             end if
          end if
       end associate
-      call expand(scene%constraints, v, before, scene%u)
+      call expand(scene%constraints, v, before, scene%trial%motion%u)
       call look_at(scene, model, f, .true., look, error)
    end subroutine let_go
 
@@ -243,7 +243,7 @@ contains
 
       merit = look%merit
       allocate (from, source=v)
-      allocate (traction, source=scene%finite%multiplier)
+      allocate (traction, source=scene%trial%contact%multiplier)
       allocate (status, source=scene%finite%contact%status)
       allocate (right(size(v) + size(traction)), step(size(v) + size(traction)))
       right(:size(v)) = -look%free
@@ -266,8 +266,8 @@ contains
          real(wp), intent(in) :: share
 
          v = from + share*step(:size(v))
-         call expand(scene%constraints, v, prescribed, scene%u)
-         scene%finite%multiplier = traction + share*step(size(v) + 1:)
+         call expand(scene%constraints, v, prescribed, scene%trial%motion%u)
+         scene%trial%contact%multiplier = traction + share*step(size(v) + 1:)
          call look_at(scene, model, f, .false., look, error)
       end subroutine go
    end subroutine polish

@@ -83,11 +83,11 @@ contains
       energy%friction = 0.0_wp
       energy%friction_mean = 0.0_wp
       excess = 0.0_wp
-      associate (c => scene%finite%contact)
+      associate (c => scene%finite%contact, before => scene%accepted%contact)
          most = scene%finite%noise*largest(c%c(:c%n))
          do i = 1, c%n
-            energy%friction = energy%friction + c%friction_work(i)
-            energy%friction_mean = energy%friction_mean + c%mean_work(i)
+            energy%friction = energy%friction + before%friction_work(i)
+            energy%friction_mean = energy%friction_mean + before%mean_work(i)
             if (c%facet(i) == 0 .or. c%grip(i)%kind == grip_kind%tied) cycle
             energy%friction = energy%friction + dissipated(c, i)*c%weight(i)
             energy%friction_mean = energy%friction_mean + mean_work_of(c, i)*c%weight(i)
@@ -271,7 +271,7 @@ contains
                do i = 1, size(at)
                   f%force(:, i) = c%weight(at(i))*c%traction(:ndim, at(i))
                   f%u_n(i) = 0.0_wp
-                  f%u_t(:, i) = c%slip(:ndim, at(i))
+                  f%u_t(:, i) = scene%trial%contact%slip(:ndim, at(i))
                end do
                closed = closed + count(f%status > 0)
             end associate

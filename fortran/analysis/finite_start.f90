@@ -8,6 +8,7 @@ module lopin_finite_start
    use lopin_finite_contact, only : new_finite_contact
    use lopin_solid_memory, only : new_solid_memory
    use lopin_heat, only : start_stresses
+   use lopin_state, only : begin, new_contact_state
    use lopin_scene, only : scene_type
    implicit none
    private
@@ -29,11 +30,13 @@ contains
       call new_finite_contact(scene%finite%contact, model, scene%dofs, scene%log, error)
       if (allocated(error)) return
       scene%finite%in_use = .true.
-      call new_solid_memory(scene%finite%memory, scene%solids, model%mesh)
+      call new_solid_memory(scene%accepted%solids, scene%solids, model%mesh)
+      scene%finite%flows = scene%accepted%solids%in_use
+      call new_contact_state(scene%accepted%contact, scene%finite%contact%nmultiplier, &
+         & scene%finite%contact%touches)
       call start_step(scene, model)
       call start_stresses(scene, model)
-      allocate (scene%finite%multiplier(scene%finite%contact%nmultiplier), &
-         & scene%finite%accepted_multiplier(scene%finite%contact%nmultiplier), source=0.0_wp)
+      call begin(scene%trial, scene%accepted)
       scene%finite%augment_until = complementarity
       do pair = 1, size(model%pair)
          if (model%interaction(model%pair(pair)%interaction)%method /= method_of%augmented) cycle
@@ -50,8 +53,8 @@ contains
 
       scene%finite%nlgeom = model%step(scene%step)%nlgeom
       scene%finite%contact%stretches = scene%finite%nlgeom
-      scene%finite%last_dt = 0.0_wp
-      scene%finite%memory%finite = scene%finite%nlgeom
+      scene%accepted%motion%last_dt = 0.0_wp
+      scene%accepted%solids%finite = scene%finite%nlgeom
       if (.not. scene%finite%in_use) return
       associate (contact => scene%finite%contact)
          do s = 1, scene%step

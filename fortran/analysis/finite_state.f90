@@ -1,4 +1,4 @@
-!> What the finite path keeps: the contacts with their history, tractions, the tangent's system.
+!> What the finite path works with: the contacts, the tangent's system, the last iterations.
 module lopin_finite_state
    use lopin_kinds, only : wp
    use lopin_csc, only : csc_type
@@ -7,7 +7,6 @@ module lopin_finite_state
    use lopin_finite_system, only : finite_system_type
    use lopin_follower_loading, only : follower_type
    use lopin_contraction, only : contraction_type
-   use lopin_solid_memory, only : solid_memory_type
    implicit none
    private
    public :: finite_state_type, add_line, is_nonlinear, iteration_header
@@ -19,23 +18,15 @@ module lopin_finite_state
    type :: finite_state_type
       logical :: in_use = .false.
       logical :: nlgeom = .false.              !! of the present step
+      logical :: flows = .false.               !! some material looks back
       type(finite_contact_type) :: contact
       type(finite_system_type) :: system
       type(follower_type) :: follower          !! pressures under NLGEOM
       type(csc_type) :: k                      !! (ndof) tangent of the solids, if not linear
-      type(solid_memory_type) :: memory        !! of solids that flow
-      real(wp), allocatable :: multiplier(:)   !! (nmultiplier) tractions, global axes [stress]
-      real(wp), allocatable :: accepted_multiplier(:)
       real(wp), allocatable :: internal(:)     !! (ndof) forces of the solids [force]
       type(local_matrix_type), allocatable :: turning(:)   !! tangents of rigid bodies of nodes
       real(wp) :: energy = 0.0_wp              !! strain energy of the solids [force*length]
       real(wp) :: dt = 1.0_wp                  !! time increment [time]
-      real(wp), allocatable :: last_motion(:)  !! (ndof) of the last accepted increment [length]
-      real(wp) :: last_dt = 0.0_wp             !! and its time; 0: none in this step [time]
-      real(wp), allocatable :: motion_before(:)   !! (ndof) and of the one before [length]
-      real(wp) :: dt_before = 0.0_wp           !! its time; 0: none in this step [time]
-      logical :: curved = .false.              !! both tell more of the next than the last alone
-      logical, allocatable :: held(:)          !! (pairs) that had closed points when last accepted
       real(wp) :: time = 0.0_wp                !! its end, since the start of the step [time]
       logical :: parted = .false.              !! a tool has left, or a body floats: no guess
       logical :: frictionless = .true.         !! of the present step
@@ -63,7 +54,7 @@ contains
    !> The solids are not linear: finite strain, or flow.
    pure logical function is_nonlinear(self)
       type(finite_state_type), intent(in) :: self
-      is_nonlinear = self%nlgeom .or. self%memory%in_use
+      is_nonlinear = self%nlgeom .or. self%flows
    end function is_nonlinear
 
    !> Keep a line for the log of the increment.

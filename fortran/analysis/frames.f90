@@ -35,10 +35,10 @@ contains
          call contact_values(frame, scene, model)
       end if
       frame%first_point = scene%solids%first_point
-      if (scene%finite%memory%in_use) call plastic_values(frame, scene, model, wants)
+      if (scene%finite%flows) call plastic_values(frame, scene, model, wants)
       if (.not. (wants%stress .or. wants%strain .or. wants%nodal_stress)) return
       if (is_nonlinear(scene%finite)) then
-         call recover_finite(scene%solids, model%mesh, frame%u(:3, :), scene%finite%memory, &
+         call recover_finite(scene%solids, model%mesh, frame%u(:3, :), scene%accepted%solids, &
             & stress, strain)
       else
          call recover_stress(scene%solids, model%mesh, frame%u(:3, :), stress, strain)
@@ -60,7 +60,7 @@ contains
       integer :: nstress
 
       nstress = merge(6, 4, model%mesh%ndim == 3)
-      frame%plastic_strain = reshape(at_all_points(scene%finite%memory, scene%solids, &
+      frame%plastic_strain = reshape(at_all_points(scene%trial%solids, scene%solids, &
          & strain_at(nstress)), [1, frame%first_point(size(frame%first_point)) - 1])
       if (.not. wants%nodal_stress) return
       if (.not. allocated(frame%nodal_plastic)) allocate (frame%nodal_plastic(1, model%mesh%nnode))
@@ -81,7 +81,8 @@ contains
       frame%rf = 0.0_wp
       do node = 1, model%mesh%nnode
          do k = 1, 6
-            if (scene%dofs%id(k, node) > 0) frame%u(k, node) = scene%u(scene%dofs%id(k, node))
+            if (scene%dofs%id(k, node) > 0) frame%u(k, node) = scene%trial%motion%u( &
+               & scene%dofs%id(k, node))
          end do
       end do
       do i = 1, size(reaction)
@@ -162,11 +163,11 @@ contains
                   if (scene%answer%force(row) > 0.0_wp .or. (scene%answer%active(row) &
                      & .and. .not. has_law(model, pair))) c%status(point) = 2
                   if (scene%rows%tangent(row) > 0) c%status(point) &
-                     & = scene%friction%trial%status(scene%rows%point(row))
+                     & = scene%trial%friction%status(scene%rows%point(row))
                end if
             end do
-            c%slip_path = scene%friction%trial%path(from:from + n - 1)
-            c%friction_work = scene%friction%trial%work(from:from + n - 1)
+            c%slip_path = scene%trial%friction%path(from:from + n - 1)
+            c%friction_work = scene%trial%friction%work(from:from + n - 1)
             do i = 1, n
                c%pressure(i) = dot_product(c%force(:, i), c%normal(:, i))/c%weight(i)
                if (has_samples(p, from + i - 1) .and. c%status(i) < 3) &

@@ -25,7 +25,7 @@ contains
       real(wp) :: most_bound, excess, slack
       integer :: k, i
 
-      associate (s => scene%friction, old => scene%friction%accepted, new => scene%friction%trial)
+      associate (s => scene%friction, old => scene%accepted%friction, new => scene%trial%friction)
          new = old
          new%force = scene%answer%force
          new%gap = scene%answer%gap

@@ -46,7 +46,7 @@ contains
                & displacement(scene%dofs%id(k, node))
          end do
       end do
-      call nodal_mises(scene%solids, model%mesh, u, scene%finite%memory, mises)
+      call nodal_mises(scene%solids, model%mesh, u, scene%accepted%solids, mises)
       change = 0.0_wp
       most = 0.0_wp
       do i = 1, scene%points%n

@@ -17,7 +17,7 @@ contains
       integer :: i
 
       if (.not. allocated(model%initial_stress)) return
-      associate (memory => scene%finite%memory)
+      associate (memory => scene%accepted%solids)
          do i = 1, size(model%initial_stress)
             call stress_points(memory, scene%solids, model%initial_stress(i)%element, &
                & model%initial_stress(i)%stress, memory%pressed)
@@ -25,7 +25,6 @@ contains
          call heat_points(memory, scene%solids, model%mesh, &
             & spread(0.0_wp, 1, model%mesh%nnode), memory%pressed)
          call temper_points(memory, scene%solids, model%mesh, model%temperature)
-         memory%next = memory%value
       end associate
    end subroutine start_stresses
 
@@ -36,11 +35,11 @@ contains
       real(wp), intent(in) :: time         !! since the start of the step [time]
       real(wp) :: temperature(model%mesh%nnode)
 
-      if (.not. (scene%finite%memory%in_use .and. is_heated(model))) return
+      if (.not. (scene%finite%flows .and. is_heated(model))) return
       temperature = temperature_at(model, scene%step, time)
-      call heat_points(scene%finite%memory, scene%solids, model%mesh, &
-         & temperature - model%temperature, scene%finite%memory%pressed)
-      call temper_points(scene%finite%memory, scene%solids, model%mesh, temperature)
+      call heat_points(scene%accepted%solids, scene%solids, model%mesh, &
+         & temperature - model%temperature, scene%accepted%solids%pressed)
+      call temper_points(scene%accepted%solids, scene%solids, model%mesh, temperature)
    end subroutine heat_to
 
    !> Linear from the end of the last step, at once with AMPLITUDE=STEP, or by an amplitude.

@@ -25,22 +25,24 @@ contains
       integer :: e, k, row
 
       if (.not. is_heated(model)) return
-      associate (memory => scene%finite%memory, solids => scene%solids)
-         if (.not. allocated(memory%heated)) call begin(scene, model)
-         call mean_stresses(scene, model, scene%u, now)
-         memory%next_heated = memory%heated
-         memory%next_heat = memory%heat
-         memory%next_unsure = memory%unsure
+      if (.not. allocated(scene%accepted%solids%heated)) call begin(scene, model)
+      associate (memory => scene%accepted%solids, next => scene%trial%solids, &
+         & solids => scene%solids)
+         call mean_stresses(scene, model, scene%trial%motion%u, now)
+         next%heated = memory%heated
+         next%place = memory%place
+         next%heat = memory%heat
+         next%unsure = memory%unsure
          do e = 1, model%mesh%nelement
             if (memory%first(e + 1) == memory%first(e)) cycle
             associate (n => solids%group(solids%which(e))%element%nstress)
                row = strain_at(n)
                do k = memory%first(e), memory%first(e + 1) - 1
-                  memory%next_heated(:, k) = [now(k), memory%value(offset_at(n), k)]
-                  change = memory%place(k)*(memory%next_heated(2, k) - memory%heated(2, k))
-                  memory%next_heat = memory%next_heat + 0.5_wp*(memory%heated(1, k) + now(k))*change
-                  if (memory%next(row, k) > memory%value(row, k)) memory%next_unsure = &
-                     & memory%next_unsure + 0.5_wp*abs((now(k) - memory%heated(1, k))*change)
+                  next%heated(:, k) = [now(k), memory%value(offset_at(n), k)]
+                  change = memory%place(k)*(next%heated(2, k) - memory%heated(2, k))
+                  next%heat = next%heat + 0.5_wp*(memory%heated(1, k) + now(k))*change
+                  if (next%value(row, k) > memory%value(row, k)) next%unsure = &
+                     & next%unsure + 0.5_wp*abs((now(k) - memory%heated(1, k))*change)
                end do
             end associate
          end do
@@ -64,7 +66,7 @@ contains
             if (scene%dofs%id(i, node) > 0) u(i, node) = v(scene%dofs%id(i, node))
          end do
       end do
-      associate (memory => scene%finite%memory, first => scene%solids%first_point)
+      associate (memory => scene%accepted%solids, first => scene%solids%first_point)
          call recover_finite(scene%solids, model%mesh, u, memory, stress, strain)
          allocate (mean(size(memory%value, 2)))
          do e = 1, model%mesh%nelement
@@ -83,7 +85,7 @@ contains
       type(model_type), intent(in) :: model
       integer :: e
 
-      associate (memory => scene%finite%memory)
+      associate (memory => scene%accepted%solids)
          allocate (memory%heated(2, size(memory%value, 2)), source=0.0_wp)
          memory%heated(2, :) = memory%pressed
          allocate (memory%place(size(memory%value, 2)), source=0.0_wp)

@@ -19,17 +19,16 @@ module lopin_increment
    use lopin_reach, only : some_bite, widen_reach, widen_to_nearest, all_within_reach
    use lopin_solve_path, only : prepare_path, widen_path, solve_path
    use lopin_certificate, only : forces_type, find_forces, certify, give_verdict
-   use lopin_finite_history, only : accept_contact => accept, reject_contact => reject
+   use lopin_finite_history, only : leave_history
+   use lopin_state, only : begin, accept, reject_state => reject
    use lopin_finite_state, only : iteration_header
    use lopin_held_points, only : refuse_held_points
-   use lopin_solid_memory, only : keep
-   use lopin_predict, only : note_motion
+   use lopin_predict, only : note_motion, closed_pairs
    use lopin_assemble_finite, only : remember
    use lopin_heat_work, only : add_heat_work
    use lopin_vectors, only : largest
    use lopin_finite_results, only : find_finite_forces, certify_finite, tell_finite
    use lopin_contact_friction, only : slides_with_friction
-   use lopin_friction_state, only : commit_friction => commit, roll_back_friction => roll_back
    use lopin_frames, only : fill_frame
    use lopin_judge_traction, only : judge_traction
    use lopin_judge_drift, only : follow_drift
@@ -55,9 +54,8 @@ contains
    subroutine reject(scene)
       type(scene_type), intent(inout) :: scene
 
-      scene%u = scene%accepted
-      call roll_back_friction(scene%friction)
-      if (scene%finite%in_use) call reject_contact(scene%finite%contact)
+      call reject_state(scene%trial, scene%accepted)
+      scene%finite%contact%nlocal = 0
    end subroutine reject
 
    !> Solve, look at every gap, certify, accept, record.
@@ -69,20 +67,22 @@ contains
       type(forces_type) :: forces
       real(wp), allocatable :: steady(:)
 
+      call begin(run%scene%trial, run%scene%accepted)
       call find_trial(run, model, recorders, steady, forces, error)
       if (.not. allocated(error)) call measure_trial(run, model, forces, error)
       if (allocated(error)) return
       associate (scene => run%scene, progress => run%progress, frame => run%frame)
          call add_work(scene, progress, frame)
-         if (scene%finite%memory%in_use) frame%certificate%energy = abs(lost_share(frame%energy))
+         if (scene%finite%flows) frame%certificate%energy = abs(lost_share(frame%energy))
          call judge_holds(scene, model, progress, forces%pressed, frame)
          call follow_drift(progress%drift, scene, model, forces%load, forces%pressed)
-         call accept(scene, progress, steady)
+         call leave_trial(scene)
          call look_at_pairs(progress%seen, scene, model)
          if (scene%finite%nlgeom) call judge_mesh(scene, model, frame%increment)
          call record(scene, model, forces%reaction, recorders, frame, error)
          if (allocated(error)) return
-         if (scene%finite%in_use) call keep(scene%finite%memory)
+         call accept(scene%accepted, scene%trial)
+         progress%steady = steady
          call progress%checksum%add(frame%u(:3, :))
          run%summary%checksum = progress%checksum%text()
          if (frame%certificate%verdict == 2) call refuse_verdict(scene, model, frame, error)
@@ -135,7 +135,7 @@ contains
       type(error_type), allocatable, intent(out) :: error
 
       associate (scene => run%scene, progress => run%progress, frame => run%frame, &
-         & memory => run%scene%finite%memory)
+         & memory => run%scene%trial%solids)
          if (scene%finite%in_use) then
             if (scene%finite%nlgeom) progress%f = progress%f + scene%finite%follower%force
             call find_finite_forces(forces, scene, progress%f)
@@ -151,13 +151,15 @@ contains
          call scene%clock%stop_in(phase%solve)
          if (scene%answer%dependent > 0) call tell_dependent(scene, model)
          if (.not. scene%finite%in_use) return
-         call remember(scene%solids, model%mesh, scene%u, memory)
+         call remember(scene%solids, model%mesh, scene%trial%motion%u, scene%accepted%solids, &
+            & memory)
          call limit_flow(scene, model, error)
          if (allocated(error)) return
          call add_heat_work(scene, model)
-         frame%energy%plastic = memory%next_work
-         frame%energy%thermal = memory%next_heat
-         frame%energy%nothing = memory%next_unsure + sum(scene%finite%floor)*largest(scene%u)
+         frame%energy%plastic = memory%work
+         frame%energy%thermal = memory%heat
+         frame%energy%nothing = memory%unsure + sum(scene%finite%floor)*largest( &
+            & scene%trial%motion%u)
          frame%energy%volume = memory%volume
       end associate
    end subroutine measure_trial
@@ -183,7 +185,7 @@ contains
       type(model_type), intent(in) :: model
       type(error_type), allocatable, intent(out) :: error
 
-      associate (memory => scene%finite%memory, step => model%step(scene%step))
+      associate (memory => scene%trial%solids, step => model%step(scene%step))
          if (step%direct .or. .not. memory%most_strain > most_flow) return
          call raise(error, error_code%not_converged, 'E0513', 'plastic strain grows by '// &
             & to_text(memory%most_strain, 3)//' in one increment, at element '// &
@@ -234,7 +236,7 @@ contains
 
       run%plan%path = path_of%finite
       run%plan%reason = 'a node slides by more than a quarter of its facet'
-      run%scene%u = run%scene%accepted
+      run%scene%trial%motion%u = run%scene%accepted%motion%u
       call prepare(run, model, recorders, error)
    end subroutine change_to_finite
 
@@ -303,15 +305,16 @@ contains
 
       progress%work = progress%work + 0.5_wp*dot_product(progress%f + progress%f_before &
          & + progress%residual &
-         & + progress%r_before, scene%u - progress%u_before)
+         & + progress%r_before, scene%trial%motion%u - progress%u_before)
       frame%energy%external = progress%work
       call note_most(frame%energy, progress%most)
       if (scene%finite%in_use) call note_work(progress%balance, frame%increment, &
-         & frame%time_increment, scene%u - progress%u_before, progress%f - progress%f_before &
+         & frame%time_increment, scene%trial%motion%u - progress%u_before, progress%f &
+         & - progress%f_before &
          & + progress%residual - progress%r_before)
       progress%f_before = progress%f
       progress%r_before = progress%residual
-      progress%u_before = scene%u
+      progress%u_before = scene%trial%motion%u
    end subroutine add_work
 
    !> Artificial work of the increment, and its share in the verdict.
@@ -333,29 +336,26 @@ contains
          & call give_verdict(frame%certificate)
    end subroutine judge_holds
 
-   subroutine accept(scene, progress, steady)
+   !> What the increment leaves to the next: motion, tractions and histories of contact.
+   subroutine leave_trial(scene)
       type(scene_type), intent(inout) :: scene
-      type(progress_type), intent(inout) :: progress
-      real(wp), intent(in) :: steady(:)
       integer :: row
 
-      call note_motion(scene%finite, scene%u - scene%accepted)
-      scene%accepted = scene%u
-      progress%steady = steady
-      if (scene%finite%in_use) then
-         ! Tractions go on by the area that the next increment begins with.
-         associate (c => scene%finite%contact)
-            scene%finite%accepted_multiplier = scene%finite%multiplier &
-               & /c%growth(c%point_of_row)%ratio
-         end associate
-         call accept_contact(scene%finite%contact)
-         return
-      end if
-      call commit_friction(scene%friction)
-      do row = 1, scene%rows%nnormal
-         if (scene%answer%active(row)) scene%sticks(scene%rows%point(row)) = .true.
-      end do
-   end subroutine accept
+      associate (accepted => scene%accepted, trial => scene%trial, finite => scene%finite)
+         if (finite%in_use) then
+            if (finite%flows) then
+               if (allocated(finite%contact%pair_active)) trial%contact%held = closed_pairs(finite)
+               call note_motion(trial%motion, trial%motion%u - accepted%motion%u, finite%dt, &
+                  & finite%parted)
+            end if
+            call leave_history(finite%contact, accepted%contact, trial%contact)
+            return
+         end if
+         do row = 1, scene%rows%nnormal
+            if (scene%answer%active(row)) trial%friction%closed(scene%rows%point(row)) = .true.
+         end do
+      end associate
+   end subroutine leave_trial
 
    subroutine warn_of(scene, model, frame)
       type(scene_type), intent(inout) :: scene

@@ -47,7 +47,7 @@ contains
       end if
       allocate (stiffness(scene%dofs%n))
       call scene%k%diagonal(stiffness)
-      largest = maxval(abs(scene%u - scene%accepted))
+      largest = maxval(abs(scene%trial%motion%u - scene%accepted%motion%u))
       call find_glued(scene, model, glued)
       do b = 1, scene%bodies%nbody
          force = 0.0_wp
@@ -60,7 +60,7 @@ contains
          moved = largest
          strayed = 0.0_wp
          if (force <= no_force*most*max(largest, self%way(b))) call fit_motion(scene, &
-            & scene%u - scene%accepted, b, q, moved, strayed)
+            & scene%trial%motion%u - scene%accepted%motion%u, b, q, moved, strayed)
          if (force > no_force*most*max(moved, self%way(b)) .or. glued(b)) then
             self%way(b) = 0.0_wp
          else if (strayed <= rigid*moved) then
@@ -106,7 +106,7 @@ contains
       if (.not. allocated(self%way)) return
       do b = 1, size(self%way)
          if (.not. self%way(b) > at_rest*scene%bodies%length) cycle
-         call fit_motion(scene, scene%u, b, q, moved, strayed)
+         call fit_motion(scene, scene%trial%motion%u, b, q, moved, strayed)
          if (.not. moved > 0.0_wp) cycle
          call say_once(scene%log, 'W0515', describe_motion(scene%bodies, model, q)// &
             & ': it has moved away as a whole by '//to_text(self%way(b), 4)//' at the end of '// &

@@ -23,10 +23,10 @@ contains
       integer :: worst(size(model%material)), e, k
 
       if (.not. scene%finite%in_use) return
-      if (.not. scene%finite%memory%in_use) return
+      if (.not. scene%finite%flows) return
       last = [(table_end(model%material(k)%flow), k=1, size(last))]
       if (.not. any(last < huge(1.0_wp))) return
-      strain = at_all_points(scene%finite%memory, scene%solids, &
+      strain = at_all_points(scene%accepted%solids, scene%solids, &
          & strain_at(merge(4, 6, model%mesh%ndim == 2)))
       most = 0.0_wp
       worst = 0

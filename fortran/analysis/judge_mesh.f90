@@ -92,7 +92,7 @@ contains
       type(error_type), allocatable, intent(out) :: error
       type(fold_type) :: fold
 
-      call find_fold(fold, scene, model, 0.0_wp*scene%u, 1.0_wp, .false.)
+      call find_fold(fold, scene, model, 0.0_wp*scene%trial%motion%u, 1.0_wp, .false.)
       scene%margin = max(fold%value, 0.0_wp)*shortest_edge(model)
       if (fold%element == 0 .or. .not. fold%value < -flat) return
       associate (e => fold%element)
@@ -130,8 +130,8 @@ contains
       type(model_type), intent(in) :: model
       type(fold_type) :: fold
 
-      if (4.0_wp*largest(scene%u) < scene%margin) return
-      call find_fold(fold, scene, model, scene%u, -flat, .false.)
+      if (4.0_wp*largest(scene%trial%motion%u) < scene%margin) return
+      call find_fold(fold, scene, model, scene%trial%motion%u, -flat, .false.)
       if (fold%element == 0) return
       ! Displacements of the small theory do not move the mesh.
       self%fold_level = merge(2, 1, scene%finite%nlgeom .and. fold%value < -rolled_flat)
@@ -146,7 +146,7 @@ contains
       integer, intent(in) :: increment
       type(fold_type) :: fold
 
-      call find_fold(fold, scene, model, scene%u, about_to_fold, .true.)
+      call find_fold(fold, scene, model, scene%trial%motion%u, about_to_fold, .true.)
       if (fold%element == 0) return
       associate (worst => fold%element, node => fold%node, least => fold%value)
          call say_once(scene%log, 'W0531', 'element '//to_text(model%mesh%element_label(worst))// &

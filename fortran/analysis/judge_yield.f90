@@ -30,7 +30,7 @@ contains
          & k=1, size(model%material))]
       if (.not. any(judged)) return
       if (scene%finite%in_use) then
-         call recover_finite(scene%solids, model%mesh, u, scene%finite%memory, stress, strain)
+         call recover_finite(scene%solids, model%mesh, u, scene%accepted%solids, stress, strain)
       else
          call recover_stress(scene%solids, model%mesh, u, stress, strain)
       end if

@@ -185,7 +185,7 @@ contains
       forcing = tight
       if (any([(scene%solids%group(i)%law%flow%rigid, i=1, size(scene%solids%group))])) return
       reference = max(scene%finite%reference, look%force)
-      if (.not. scene%finite%memory%in_use .or. .not. reference > 0.0_wp) return
+      if (.not. scene%finite%flows .or. .not. reference > 0.0_wp) return
       residual = look%merit/reference
       forcing = max(tight, min(coarse, residual**2), min(coarsest, enough/max(residual, enough)))
    end function forcing
@@ -251,12 +251,12 @@ contains
       integer :: try
 
       allocate (from, source=v)
-      allocate (from_multiplier, source=scene%finite%multiplier)
+      allocate (from_multiplier, source=scene%trial%contact%multiplier)
       best = huge(1.0_wp)
       best_share = 0.0_wp
       size_ = 0.0_wp
       share = 1.0_wp
-      if (scene%finite%memory%in_use .and. .not. first) share = min(1.0_wp, &
+      if (scene%finite%flows .and. .not. first) share = min(1.0_wp, &
          & longest_facet(scene)/max(largest(step(:scene%constraints%neq)), tiny(1.0_wp)))
       do try = 0, most_halvings
          call go(with_tangent .and. try == 0)
@@ -279,7 +279,8 @@ contains
       if (try > most_halvings) share = best_share
       if (try > 0) call go(.true.)
       scene%finite%correction = share*largest(step(:scene%constraints%neq))
-      size_ = scene%finite%correction/max(largest(scene%u), motionless*scene%bodies%length)
+      size_ = scene%finite%correction/max(largest(scene%trial%motion%u), &
+         & motionless*scene%bodies%length)
 
    contains
 
@@ -288,8 +289,8 @@ contains
          logical, intent(in) :: tangent
 
          v = from + share*step(:scene%constraints%neq)
-         call expand(scene%constraints, v, prescribed, scene%u)
-         scene%finite%multiplier = from_multiplier + share*step(scene%constraints%neq + 1:)
+         call expand(scene%constraints, v, prescribed, scene%trial%motion%u)
+         scene%trial%contact%multiplier = from_multiplier + share*step(scene%constraints%neq + 1:)
          associate (c => scene%finite%contact)
             if (c%noted > 0.0_wp) c%noted = share*c%ahead
          end associate

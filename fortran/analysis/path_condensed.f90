@@ -137,7 +137,7 @@ contains
       reads_stress = friction_reads_stress(scene, model)
       ! From what is accepted: an increment tried again has the same bits.
       call start_speed(scene)
-      if (reads_stress) call update_friction_stress(scene, model, scene%accepted, change)
+      if (reads_stress) call update_friction_stress(scene, model, scene%accepted%motion%u, change)
       do pass = 1, most_stress_passes
          call contact_with_friction(scene, model, gap, load, moving, error)
          if (.not. allocated(error)) call explain_outcome(scene, model, error)
@@ -146,7 +146,7 @@ contains
          call displace(scene, y, prescribed)
          call renew_speed(scene, model, slower)
          change = 0.0_wp
-         if (reads_stress) call update_friction_stress(scene, model, scene%u, change)
+         if (reads_stress) call update_friction_stress(scene, model, scene%trial%motion%u, change)
          change = max(change, slower)
          if (change <= stress_tolerance) return
       end do
@@ -165,7 +165,7 @@ contains
       call recover(scene%system, y, columns_times(scene%problem, scene%answer%force), v)
       scene%counter%back_solves = scene%counter%back_solves + 1
       if (scene%bodies%nq > 0) v = v + matmul(scene%bodies%motion, scene%answer%q)
-      call expand(scene%constraints, v, prescribed, scene%u)
+      call expand(scene%constraints, v, prescribed, scene%trial%motion%u)
       call scene%clock%stop_in(phase%solve)
    end subroutine displace
 
@@ -241,7 +241,8 @@ contains
 
       if (scene%bodies%nq == 0) return
       associate (at => scene%bodies%support, c => scene%constraints)
-         moved = [(raw_displacement(c, scene%dofs, scene%accepted, c%dof_of_equation(at(i))), &
+         moved = [(raw_displacement(c, scene%dofs, scene%accepted%motion%u, &
+            & c%dof_of_equation(at(i))), &
             & i=1, size(at))]
          a = scene%bodies%motion(at, :)
          moved = matmul(moved, a)

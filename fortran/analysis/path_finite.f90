@@ -45,9 +45,10 @@ contains
       scene%finite%grounded = 0
       scene%finite%augmentations = 0
       scene%finite%nline = 0
-      scene%finite%memory%dt = scene%finite%dt
+      scene%accepted%solids%dt = scene%finite%dt
+      scene%trial%solids%dt = scene%finite%dt
       call heat_to(scene, model, scene%finite%time)
-      scene%u = scene%accepted
+      scene%trial%motion%u = scene%accepted%motion%u
       call turn_followers(scene, model, error)
       if (allocated(error)) return
       call set_floor(scene, model)
@@ -62,7 +63,7 @@ contains
       end if
       if (allocated(error)) call try_by_parts(scene, model, f, prescribed, error)
       if (allocated(error)) return
-      if (scene%finite%memory%in_use) then
+      if (scene%finite%flows) then
          if (floats(scene)) scene%finite%parted = .true.
       end if
       call count_searches(scene)
@@ -84,7 +85,7 @@ contains
          if (.not. step%direct .and. scene%finite%dt > least_cuts*step%smallest) return
       end associate
       ! Solids that flow remember the way: their increments are too large then.
-      if (scene%finite%memory%in_use) return
+      if (scene%finite%flows) return
       call start_from_accepted(scene, v, before)
       if (.not. any(abs(prescribed - before) > 0.0_wp)) return
       call add_line(scene%finite, '  by parts of the prescribed motion')
@@ -105,9 +106,10 @@ contains
       integer :: loop
       real(wp) :: change
 
-      scene%finite%multiplier = scene%finite%accepted_multiplier
+      scene%trial%contact%multiplier = scene%accepted%contact%multiplier
       call start_lagged(scene, model)
-      call start_increment(scene%finite%contact, model, scene%accepted, scene%finite%dt, error)
+      call start_increment(scene%finite%contact, model, scene%accepted%contact, &
+         & scene%accepted%motion%u, scene%finite%dt, error)
       if (allocated(error)) return
       call release_finite_ties(scene%finite%contact, model, scene%constraints)
       call scene%clock%stop_in(phase%search)
@@ -145,7 +147,7 @@ contains
          goal = start + (reached + part)*(prescribed - start)
          v_then = v
          before_then = before
-         multiplier = scene%finite%multiplier
+         multiplier = scene%trial%contact%multiplier
          scene%finite%contact%ahead = merge(part, 0.0_wp, .not. reached > 0.0_wp)
          call newton(scene, model, f, v, before, goal, 0, .false., error)
          if (.not. allocated(error)) then
@@ -158,8 +160,8 @@ contains
          deallocate (error)
          v = v_then
          before = before_then
-         scene%finite%multiplier = multiplier
-         call expand(scene%constraints, v, before, scene%u)
+         scene%trial%contact%multiplier = multiplier
+         call expand(scene%constraints, v, before, scene%trial%motion%u)
       end do
       scene%finite%contact%ahead = 0.0_wp
    end subroutine walk

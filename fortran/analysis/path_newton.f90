@@ -105,7 +105,7 @@ contains
          call explain_outcome(scene, model, error)
       end if
       if (allocated(error)) return
-      call expand(scene%constraints, scene%answer%u, prescribed, scene%u)
+      call expand(scene%constraints, scene%answer%u, prescribed, scene%trial%motion%u)
       call scene%clock%stop_in(phase%solve)
    end subroutine solve_newton
 

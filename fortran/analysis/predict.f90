@@ -9,10 +9,12 @@ module lopin_predict
    use lopin_constraints, only : raw_displacement
    use lopin_dense, only : symmetric_eigen
    use lopin_finite_state, only : finite_state_type
+   use lopin_state, only : motion_type
    use lopin_scene, only : scene_type
    implicit none
    private
-   public :: predict, start_from_accepted, note_motion, next_motion, coasts, floats, resistance
+   public :: predict, start_from_accepted, note_motion, next_motion, closed_pairs, coasts, floats
+   public :: resistance
 
    !> Prescribed motion that goes on as before, up to this share of itself.
    real(wp), parameter :: same_way = 0.5_wp
@@ -39,9 +41,9 @@ contains
 
       call start_from_accepted(scene, v, before)
       guessed = .false.
-      associate (state => scene%finite)
-         if (.not. state%memory%in_use .or. .not. state%last_dt > 0.0_wp) return
-         scene%u = scene%accepted + next_motion(state, state%dt, state%curved)
+      associate (motion => scene%accepted%motion)
+         if (.not. scene%finite%flows .or. .not. motion%last_dt > 0.0_wp) return
+         scene%trial%motion%u = motion%u + next_motion(motion, scene%finite%dt, motion%curved)
          call move_alloc(before, from)
          call free_and_prescribed(scene, v, before)
          left = norm2(prescribed - before)
@@ -57,27 +59,27 @@ contains
       type(scene_type), intent(inout) :: scene
       real(wp), allocatable, intent(out) :: v(:), before(:)
 
-      scene%u = scene%accepted
+      scene%trial%motion%u = scene%accepted%motion%u
       call free_and_prescribed(scene, v, before)
    end subroutine start_from_accepted
 
    !> Keep the motion of an increment, and which guess would have come nearer to it.
-   subroutine note_motion(state, motion)
-      type(finite_state_type), intent(inout) :: state
+   subroutine note_motion(self, motion, dt, parted)
+      type(motion_type), intent(inout) :: self
       real(wp), intent(in) :: motion(:)        !! (ndof) of the increment [length]
+      real(wp), intent(in) :: dt               !! [time]
+      logical, intent(in) :: parted            !! a tool has left, or a body floats
 
-      if (.not. state%memory%in_use) return
-      if (allocated(state%contact%pair_active)) state%held = closed_pairs(state)
-      state%curved = .false.
-      if (state%last_dt > 0.0_wp .and. state%dt_before > 0.0_wp) state%curved = &
-         & largest(motion - next_motion(state, state%dt, .true.)) &
-         & < much*largest(motion - next_motion(state, state%dt, .false.))
-      if (state%last_dt > 0.0_wp) call move_alloc(state%last_motion, state%motion_before)
-      state%dt_before = state%last_dt
-      state%last_motion = motion
-      state%last_dt = state%dt
+      self%curved = .false.
+      if (self%last_dt > 0.0_wp .and. self%dt_before > 0.0_wp) self%curved = &
+         & largest(motion - next_motion(self, dt, .true.)) &
+         & < much*largest(motion - next_motion(self, dt, .false.))
+      if (self%last_dt > 0.0_wp) call move_alloc(self%last, self%before)
+      self%dt_before = self%last_dt
+      self%last = motion
+      self%last_dt = dt
       ! A body springs back once.
-      if (state%parted) state%last_dt = 0.0_wp
+      if (parted) self%last_dt = 0.0_wp
    end subroutine note_motion
 
    !> A pair has opened on the way from a guess, and a body may float: nothing then holds it where
@@ -86,7 +88,7 @@ contains
       type(scene_type), intent(in) :: scene
 
       coasts = scene%bodies%nq > 0
-      if (coasts) coasts = any(scene%finite%held .and. .not. closed_pairs(scene%finite))
+      if (coasts) coasts = any(scene%accepted%contact%held .and. .not. closed_pairs(scene%finite))
    end function coasts
 
    !> Some rigid motion is held by no contact: it does not go on by itself.
@@ -133,18 +135,17 @@ contains
    end function closed_pairs
 
    !> Motion in the next increment, of the velocity of the last one or of its trend.
-   pure function next_motion(state, dt, curved) result(motion)
-      type(finite_state_type), intent(in) :: state
+   pure function next_motion(self, dt, curved) result(motion)
+      type(motion_type), intent(in) :: self
       real(wp), intent(in) :: dt               !! of the next increment [time]
       logical, intent(in) :: curved
-      real(wp) :: motion(size(state%last_motion))
+      real(wp) :: motion(size(self%last))
       real(wp) :: ahead
 
-      motion = dt/state%last_dt*state%last_motion
+      motion = dt/self%last_dt*self%last
       if (.not. curved) return
-      ahead = dt*(dt + state%last_dt)/(state%last_dt + state%dt_before)
-      motion = motion + ahead*(state%last_motion/state%last_dt &
-         & - state%motion_before/state%dt_before)
+      ahead = dt*(dt + self%last_dt)/(self%last_dt + self%dt_before)
+      motion = motion + ahead*(self%last/self%last_dt - self%before/self%dt_before)
    end function next_motion
 
    !> The free equations and the prescribed dofs of the trial displacements.
@@ -155,8 +156,10 @@ contains
 
       associate (c => scene%constraints)
          allocate (v(c%neq), prescribed(c%nprescribed))
-         v(:) = [(raw_displacement(c, scene%dofs, scene%u, c%dof_of_equation(i)), i=1, c%neq)]
-         prescribed(:) = [(raw_displacement(c, scene%dofs, scene%u, c%dof_of_prescribed(i)), &
+         v(:) = [(raw_displacement(c, scene%dofs, scene%trial%motion%u, c%dof_of_equation(i)), &
+            & i=1, c%neq)]
+         prescribed(:) = [(raw_displacement(c, scene%dofs, scene%trial%motion%u, &
+            & c%dof_of_prescribed(i)), &
             & i=1, c%nprescribed)]
       end associate
    end subroutine free_and_prescribed

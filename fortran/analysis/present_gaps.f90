@@ -32,7 +32,7 @@ contains
          do k = 1, model%mesh%ndim
             do m = 1, sample(s)%nnode
                if (self%dofs%id(k, sample(s)%node(m)) > 0) way(k) = way(k) + sample(s)%shape(m) &
-                  & *self%u(self%dofs%id(k, sample(s)%node(m)))
+                  & *self%trial%motion%u(self%dofs%id(k, sample(s)%node(m)))
             end do
          end do
          gap = gap + sample(s)%c*(sample(s)%gap + dot_product(sample(s)%normal, way))
@@ -63,14 +63,16 @@ contains
       ndim = model%mesh%ndim
       motion = 0.0_wp
       do k = 1, ndim
-         if (self%dofs%id(k, self%points%node(point)) > 0) motion(k) = self%u(self%dofs%id(k, &
+         if (self%dofs%id(k, self%points%node(point)) > 0) motion(k) = &
+            & self%trial%motion%u(self%dofs%id(k, &
             & self%points%node(point)))
       end do
       do m = 1, size(self%points%master, 1)
          if (self%points%master(m, point) == 0) exit
          do k = 1, ndim
             if (self%dofs%id(k, self%points%master(m, point)) == 0) cycle
-            motion(k) = motion(k) - self%points%shape(m, point)*self%u(self%dofs%id(k, &
+            motion(k) = motion(k) - self%points%shape(m, &
+               & point)*self%trial%motion%u(self%dofs%id(k, &
                & self%points%master(m, point)))
          end do
       end do
@@ -102,7 +104,7 @@ contains
             call follower_rule(arm, ndim, k, dof, coefficient, n)
             do j = 1, n
                if (self%dofs%id(dof(j), reference) == 0) cycle
-               moved = self%u(self%dofs%id(dof(j), reference))
+               moved = self%trial%motion%u(self%dofs%id(dof(j), reference))
                if (since_projection) moved = moved - place(dof(j))
                way(k) = way(k) + coefficient(j)*moved
             end do

@@ -200,7 +200,7 @@ contains
       do row = 1, scene%rows%nnormal
          if (from(row) == 0) gap(row) = max(row_gap_of(scene, model, scene%rows%point(row)), 0.0_wp)
       end do
-      associate (answer => scene%answer, kept => scene%friction%accepted)
+      associate (answer => scene%answer, kept => scene%accepted%friction)
          if (allocated(answer%active)) then
             if (size(answer%active) == old%n) answer%active = [(of(row), row=1, scene%rows%n)]
          end if
@@ -210,7 +210,7 @@ contains
          call carry(kept%force, 0.0_wp*gap)
          call carry(kept%gap, gap)
       end associate
-      scene%friction%trial = scene%friction%accepted
+      scene%trial%friction = scene%accepted%friction
 
    contains
 

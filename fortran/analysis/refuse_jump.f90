@@ -38,7 +38,7 @@ contains
       associate (c => scene%finite%contact)
          arm = 0.0_wp
          do i = 1, c%n
-            if (.not. any(abs(c%lambda(:, i)) > 0.0_wp)) cycle
+            if (.not. any(abs(scene%accepted%contact%traction(:, i)) > 0.0_wp)) cycle
             held = held .or. has_friction(c%friction(c%pair(i)))
             associate (body => c%masters%of(c%pair(i))%body)
                if (body > 0) arm = max(arm, norm2(model%mesh%x(:, c%node(i)) &
@@ -68,8 +68,8 @@ contains
       associate (c => scene%constraints)
          do i = 1, c%neq
             if (.not. any(abs(scene%bodies%motion(i, :)) > 0.0_wp)) cycle
-            moved = raw_displacement(c, scene%dofs, scene%u, c%dof_of_equation(i)) &
-               & - raw_displacement(c, scene%dofs, scene%accepted, c%dof_of_equation(i))
+            moved = raw_displacement(c, scene%dofs, scene%trial%motion%u, c%dof_of_equation(i)) &
+               & - raw_displacement(c, scene%dofs, scene%accepted%motion%u, c%dof_of_equation(i))
             if (scene%dofs%dof(c%dof_of_equation(i)) > 3) moved = moved*arm
             way = max(way, abs(moved))
          end do
@@ -85,7 +85,7 @@ contains
 
       associate (c => scene%constraints)
          do i = 1, size(prescribed)
-            moved(i) = prescribed(i) - raw_displacement(c, scene%dofs, scene%accepted, &
+            moved(i) = prescribed(i) - raw_displacement(c, scene%dofs, scene%accepted%motion%u, &
                & c%dof_of_prescribed(i))
             if (scene%dofs%dof(c%dof_of_prescribed(i)) > 3) moved(i) = moved(i)*arm
          end do

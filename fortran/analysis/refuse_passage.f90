@@ -24,7 +24,8 @@ contains
       integer :: passed, pair, node, row
 
       if (scene%finite%in_use) then
-         call find_passage(scene%finite%contact, model, scene%accepted, scene%u, passed, lost, &
+         call find_passage(scene%finite%contact, model, scene%accepted%motion%u, &
+            & scene%trial%motion%u, passed, lost, &
             & error)
          if (allocated(error) .or. passed == 0) return
          pair = scene%finite%contact%pair(passed)
@@ -34,7 +35,8 @@ contains
          do row = 1, scene%rows%nnormal
             if (scene%answer%active(row)) closed(scene%rows%point(row)) = .true.
          end do
-         call find_tool_passage(scene%points, model, scene%dofs, scene%accepted, scene%u, closed, &
+         call find_tool_passage(scene%points, model, scene%dofs, scene%accepted%motion%u, &
+            & scene%trial%motion%u, closed, &
             & passed, lost)
          if (passed == 0) return
          pair = scene%points%pair(passed)

@@ -53,7 +53,7 @@ contains
       real(wp), allocatable :: pressed(:)
       integer :: i
 
-      if (.not. (allocated(held%pair_active) .and. scene%finite%memory%in_use)) return
+      if (.not. (allocated(held%pair_active) .and. scene%finite%flows)) return
       associate (contact => scene%finite%contact, now => scene%constraints%dof_of_prescribed)
          do i = 1, size(held%prescribed)
             associate (dof => held%prescribed(i))
@@ -62,7 +62,8 @@ contains
          end do
          if (.not. any(held%pair_active .and. .not. contact%pair_active)) return
          allocate (pressed, source=contact%force)
-         call evaluate(contact, model, scene%u, scene%finite%accepted_multiplier, .false., error)
+         call evaluate(contact, model, scene%trial%motion%u, scene%accepted%contact%multiplier, &
+            & .false., error)
          if (allocated(error)) return
          pressed = pressed - contact%force
          before = before + pressed

@@ -25,7 +25,7 @@ contains
       type(model_type), intent(in) :: model
 
       noise = roundings*epsilon(1.0_wp)*(max(maxval(model%mesh%x), -minval(model%mesh%x)) &
-         & + largest(pack(scene%u, scene%dofs%dof <= 3)))
+         & + largest(pack(scene%trial%motion%u, scene%dofs%dof <= 3)))
    end function noise_of_places
 
    !> What that makes of the force of every free equation, by the stiffness there [force].

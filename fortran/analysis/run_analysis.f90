@@ -337,7 +337,7 @@ contains
 
       associate (step => model%step(scene%step))
          call new_loading(march%loading, model, scene%dofs, scene%constraints, scene%solids, &
-            & step, progress%time, progress%steady, scene%accepted)
+            & step, progress%time, progress%steady, scene%accepted%motion%u)
          march%increment = min(step%initial, step%period)
          call start_step(scene, model)
          if (step%nlgeom) call new_followers(scene%finite%follower, step, progress%time, &
@@ -388,7 +388,7 @@ contains
          march%at_end = frame%last_of_step
          march%energy = frame%energy
          if (.not. march%at_end) call grow(march%increment, step, self%plan, frame, &
-            & scene%finite%memory%most_strain)
+            & scene%accepted%solids%most_strain)
          self%summary%step(scene%step)%counter = scene%counter
          call keep_state(self, model, recorders, error, keeper)
       end associate

@@ -21,7 +21,8 @@ module lopin_scene
    use lopin_carried_force, only : skin_type
    use lopin_condensed, only : condensed_type
    use lopin_active_set, only : contact_result_type
-   use lopin_friction_state, only : friction_state_type, new_friction_state
+   use lopin_friction_state, only : friction_tests_type, new_friction_history, new_friction_tests
+   use lopin_state, only : state_type, begin
    use lopin_skins, only : new_skins
    use lopin_linear_system, only : linear_system_type
    use lopin_full_system, only : full_system_type
@@ -34,6 +35,7 @@ module lopin_scene
    public :: follow_tools
 
    type :: scene_type
+      type(state_type) :: accepted, trial          !! all that evolves; the rest follows from it
       type(skin_type), allocatable :: skin(:)      !! (npair) faces of the slaves
       type(dofs_type) :: dofs
       type(solids_type) :: solids
@@ -53,16 +55,13 @@ module lopin_scene
       type(contact_rows_type) :: rows
       type(condensed_type) :: problem
       type(contact_result_type) :: answer
-      type(friction_state_type) :: friction        !! its history
+      type(friction_tests_type) :: friction        !! of the last solve
       integer, allocatable :: kept_equation(:)     !! rows in which the problem stands
       real(wp), allocatable :: kept_value(:)
       real(wp), allocatable :: gap(:)              !! (nrow) gaps at zero equations
       real(wp), allocatable :: place(:, :)         !! (6, nbody) where tools were projected
       logical, allocatable :: candidate(:)         !! (npoint) within reach: may have a row
       real(wp) :: interference = 1.0_wp            !! share of initial overclosures that is applied
-      logical, allocatable :: sticks(:)   !! (npoint) closed before: bilateral if NO SEPARATION
-      real(wp), allocatable :: u(:)                !! (ndof) trial displacements
-      real(wp), allocatable :: accepted(:)   !! (ndof) displacements of the last accepted increment
       real(wp), allocatable :: guess(:)   !! (ndof) those that place the tools that forces move
       real(wp) :: margin = 0.0_wp   !! displacements below a quarter of it fold no corner [length]
       logical :: may_part = .false.   !! an increment in which contact begins may be cut
@@ -95,11 +94,11 @@ contains
       call tell_chords(self%points, model, self%initial, self%log, error)
       if (allocated(error)) return
       call self%clock%stop_in(phase%search)
-      allocate (self%u(self%dofs%n), self%accepted(self%dofs%n), self%guess(self%dofs%n), &
-         & source=0.0_wp)
+      allocate (self%accepted%motion%u(self%dofs%n), self%guess(self%dofs%n), source=0.0_wp)
       allocate (self%place(6, size(model%rigid_body)), source=0.0_wp)
-      self%sticks = self%initial%touches
-      call new_friction_state(self%friction, self%points%n)
+      call new_friction_history(self%accepted%friction, self%initial%touches)
+      call begin(self%trial, self%accepted)
+      call new_friction_tests(self%friction, self%points%n)
       allocate (self%candidate(self%points%n), source=.true.)
    end subroutine new_scene
 
@@ -176,8 +175,7 @@ contains
 
       allocate (wanted(self%constraints%neq), source=.false.)
       call new_contact_rows(self%rows, model, self%dofs, self%points, self%initial, self%place, &
-         & self%sticks, &
-         & self%candidate)
+         & self%accepted%friction%closed, self%candidate)
       do k = 1, size(self%rows%dof)
          call want(self%rows%dof(k))
       end do
@@ -309,7 +307,7 @@ contains
       real(wp) :: place(6, size(model%rigid_body)), moved
       integer :: pair
 
-      self%guess = self%u
+      self%guess = self%trial%motion%u
       call tool_places(self, model, prescribed, place)
       way = 0.0_wp
       do pair = 1, size(model%pair)
@@ -346,8 +344,7 @@ contains
          end associate
       end do
       call new_contact_rows(self%rows, model, self%dofs, self%points, self%initial, self%place, &
-         & self%sticks, &
-         & self%candidate)
+         & self%accepted%friction%closed, self%candidate)
       do row = 1, self%rows%nnormal
          if (self%rows%tied(row)) cycle
          associate (point => self%rows%point(row))

@@ -128,7 +128,7 @@ contains
 
       motion = 0.0_wp
       do k = 1, model%mesh%ndim
-         if (scene%dofs%id(k, node) > 0) motion(k) = scene%u(scene%dofs%id(k, node))
+         if (scene%dofs%id(k, node) > 0) motion(k) = scene%trial%motion%u(scene%dofs%id(k, node))
       end do
    end function own_motion
 

@@ -116,7 +116,7 @@ contains
          call solve_finite(scene, model, f, prescribed, error)
          return
       end if
-      scene%guess = scene%accepted
+      scene%guess = scene%accepted%motion%u
       last = huge(1.0_wp)
       do pass = 1, most_places
          if (plan%path == path_of%newton) then

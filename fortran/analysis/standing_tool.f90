@@ -31,7 +31,7 @@ contains
       do node = 1, size(x, 2)
          do k = 1, size(x, 1)
             if (scene%dofs%id(k, node) > 0) x(k, node) = x(k, node) &
-               & + scene%u(scene%dofs%id(k, node))
+               & + scene%trial%motion%u(scene%dofs%id(k, node))
          end do
       end do
    end subroutine find_places
@@ -55,7 +55,8 @@ contains
             associate (node => model%rigid_body(tool%rigid_body)%reference)
                at = model%mesh%x(:, node)
                do k = 1, 6
-                  if (scene%dofs%id(k, node) > 0) place(k) = scene%u(scene%dofs%id(k, node))
+                  if (scene%dofs%id(k, node) > 0) place(k) = scene%trial%motion%u( &
+                     & scene%dofs%id(k, node))
                end do
             end associate
          end if

@@ -63,7 +63,8 @@ contains
       late = .false.
       associate (c => scene%finite%contact)
          do i = 1, c%n
-            if (c%pair(i) == pair .and. any(abs(c%lambda(:, i)) > 0.0_wp)) return
+            if (c%pair(i) == pair .and. any(abs( &
+               & scene%accepted%contact%traction(:, i)) > 0.0_wp)) return
             closed(i) = c%pair(i) == pair .and. c%status(i) > 0
             press(i) = c%weight(i)*c%pressure(i)
             shear(:, i) = c%weight(i)*c%traction(:, i) - press(i)*c%normal(:, i)
@@ -81,16 +82,17 @@ contains
 
       late = .false.
       associate (of => scene%points%first(pair), to => scene%points%first(pair + 1) - 1, &
-         & f => scene%friction)
-         if (.not. allocated(f%touch)) return
-         if (any(f%accepted%status(of:to) > 0)) return
+         & before => scene%accepted%friction, after => scene%trial%friction, &
+         & touch => scene%friction%touch)
+         if (.not. allocated(scene%friction%touch)) return
+         if (any(before%status(of:to) > 0)) return
          press = 0.0_wp
          do row = scene%rows%group_first(pair), scene%rows%group_first(pair + 1) - 1
             press(scene%rows%point(row)) = scene%answer%force(row)
          end do
          closed = .false.
-         closed(of:to) = f%trial%status(of:to) > 0
-         late = is_late(scene, closed, f%touch, press, f%trial%traction)
+         closed(of:to) = after%status(of:to) > 0
+         late = is_late(scene, closed, touch, press, after%traction)
       end associate
    end function late_on_rows
 

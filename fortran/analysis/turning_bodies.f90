@@ -56,7 +56,7 @@ contains
                moved = of_node(scene, rigid%reference, 0) + matmul(rotation, arm) - arm
                do k = 1, ndim
                   if (scene%dofs%id(k, rigid%node(i)) > 0) &
-                     & scene%u(scene%dofs%id(k, rigid%node(i))) = moved(k)
+                     & scene%trial%motion%u(scene%dofs%id(k, rigid%node(i))) = moved(k)
                end do
             end do
          end associate
@@ -147,7 +147,8 @@ contains
 
       value = 0.0_wp
       do k = 1, 3
-         if (scene%dofs%id(behind + k, node) > 0) value(k) = scene%u(scene%dofs%id(behind + k, node))
+         if (scene%dofs%id(behind + k, node) > 0) value(k) = scene%trial%motion%u( &
+            & scene%dofs%id(behind + k, node))
       end do
    end function of_node
 end module lopin_turning_bodies

@@ -201,7 +201,7 @@ contains
       end do
       whole = max(energy%most, energy%nothing)
       if (.not. max(0.0_wp, abs(self%excess - self%said) - energy%nothing) &
-         & > merge(flow_limit, elastic_limit, scene%finite%memory%in_use)*whole) return
+         & > merge(flow_limit, elastic_limit, scene%finite%flows)*whole) return
       call say_once(scene%log, 'W0530', to_text(100.0_wp*(self%excess - self%said)/whole, 3)// &
          & ' % of the work is neither stored nor dissipated in step '//to_text(scene%step)// &
          & ', beyond what increments of this size may miss; most of it, '//to_text(100.0_wp &

@@ -12,7 +12,7 @@ module lopin_assemble_finite
    use lopin_element_type, only : element_type
    use lopin_simplex_patches, only : patch_element
    use lopin_solids, only : solids_type, group_type, add_slots, unit_nodes, unit_points
-   use lopin_solid_memory, only : solid_memory_type
+   use lopin_state, only : solids_state_type
    use lopin_material_memory, only : strain_at
    implicit none
    private
@@ -36,7 +36,7 @@ contains
       type(solids_type), intent(in) :: self
       type(mesh_type), intent(in) :: mesh
       real(wp), contiguous, intent(in) :: u(:)   !! (n) total displacements by equation [length]
-      type(solid_memory_type), intent(in) :: memory   !! of the accepted state
+      type(solids_state_type), intent(in) :: memory   !! of the accepted state
       real(wp), contiguous, intent(out) :: force(:)   !! (n) internal forces [force]
       real(wp), intent(out) :: energy          !! strain energy [force length]
       type(bad_element_type), intent(out) :: bad
@@ -85,7 +85,7 @@ contains
       type(mesh_type), intent(in) :: mesh
       integer, intent(in) :: e
       real(wp), contiguous, intent(in) :: u(:)
-      type(solid_memory_type), intent(in) :: memory
+      type(solids_state_type), intent(in) :: memory
       real(wp), contiguous, intent(inout) :: force(:)
       real(wp), intent(out) :: energy
       integer, intent(out) :: bad
@@ -116,7 +116,7 @@ contains
       type(mesh_type), intent(in) :: mesh
       integer, intent(in) :: e                 !! its first member
       real(wp), contiguous, intent(in) :: u(:)
-      type(solid_memory_type), intent(in) :: memory
+      type(solids_state_type), intent(in) :: memory
       integer(ik), contiguous, intent(in) :: slot(:)
       real(wp), contiguous, intent(inout) :: force(:)
       real(wp), intent(out) :: energy
@@ -138,7 +138,7 @@ contains
    !> What the points of an element or of its patch remember.
    pure function columns(self, memory, e) result(past)
       type(solids_type), intent(in) :: self
-      type(solid_memory_type), intent(in) :: memory
+      type(solids_state_type), intent(in) :: memory
       integer, intent(in) :: e
       real(wp), allocatable :: past(:, :)   !! (nmemory, ngauss); (0, enough) of what does not flow
 
@@ -159,7 +159,7 @@ contains
       type(mesh_type), intent(in) :: mesh
       integer, contiguous, intent(in) :: node(:)
       real(wp), contiguous, intent(in) :: u(:), past(:, :)
-      type(solid_memory_type), intent(in) :: memory
+      type(solids_state_type), intent(in) :: memory
       integer(ik), contiguous, intent(in) :: slot(:)
       real(wp), contiguous, intent(inout) :: force(:)
       real(wp), intent(out) :: energy
@@ -196,7 +196,7 @@ contains
       type(group_type), intent(in) :: group
       type(element_type), intent(in) :: element
       real(wp), contiguous, intent(in) :: x(:, :), u(:, :), past(:, :)
-      type(solid_memory_type), intent(in) :: memory
+      type(solids_state_type), intent(in) :: memory
       real(wp), contiguous, intent(out) :: force(:, :)
       real(wp), intent(out) :: energy
       integer, intent(out) :: bad
@@ -233,7 +233,7 @@ contains
       type(solids_type), intent(in) :: self
       type(mesh_type), intent(in) :: mesh
       real(wp), intent(in) :: u(:, :)                      !! (>= ndim, nnode) [length]
-      type(solid_memory_type), intent(in) :: memory        !! of the accepted state
+      type(solids_state_type), intent(in) :: memory        !! of the accepted state
       real(wp), allocatable, intent(out) :: stress(:, :)   !! (6, npoint) [stress]
       real(wp), allocatable, intent(out) :: strain(:, :)   !! (6, npoint) engineering shears [-]
       integer :: e, npoint
@@ -251,7 +251,7 @@ contains
       type(solids_type), intent(in) :: self
       type(mesh_type), intent(in) :: mesh
       real(wp), intent(in) :: u(:, :)
-      type(solid_memory_type), intent(in) :: memory
+      type(solids_state_type), intent(in) :: memory
       integer, intent(in) :: e
       real(wp), intent(inout) :: stress(:, :), strain(:, :)
       type(element_type) :: element
@@ -282,7 +282,7 @@ contains
       type(group_type), intent(in) :: group
       type(element_type), intent(in) :: element
       real(wp), intent(in) :: x(:, :), u(:, :), past(:, :)
-      type(solid_memory_type), intent(in) :: memory
+      type(solids_state_type), intent(in) :: memory
       real(wp), intent(out) :: stress(:, :), strain(:, :)
       integer :: bad
 
@@ -295,22 +295,23 @@ contains
       end if
    end subroutine own_stresses
 
-   !> The memory of a state that will be accepted, into `next`, and its plastic work.
-   subroutine remember(self, mesh, u, memory)
+   !> The memory of a trial, and its plastic work.
+   subroutine remember(self, mesh, u, memory, next)
       type(solids_type), intent(in) :: self
       type(mesh_type), intent(in) :: mesh
       real(wp), contiguous, intent(in) :: u(:)   !! (n) total displacements by equation [length]
-      type(solid_memory_type), intent(inout) :: memory
+      type(solids_state_type), intent(in) :: memory      !! of the accepted state
+      type(solids_state_type), intent(inout) :: next     !! of the trial
       real(wp), allocatable :: work(:), volume(:), strain(:)
       integer :: e, p, q, row
 
       if (.not. memory%in_use) return
       allocate (work(mesh%nelement), volume(mesh%nelement), strain(mesh%nelement), source=0.0_wp)
-      memory%next = memory%value
+      next%value = memory%value
       !$omp parallel do schedule(static)
       do e = 1, mesh%nelement
          if (memory%first(e + 1) > memory%first(e)) call remember_unit(self, mesh, u, e, memory, &
-            & work(e), volume(e))
+            & next%value, work(e), volume(e))
       end do
       !$omp end parallel do
       do e = 1, mesh%nelement
@@ -318,21 +319,22 @@ contains
          q = memory%first(e + 1) - 1
          if (q < p) cycle
          row = strain_at(self%group(self%which(e))%element%nstress)
-         strain(e) = maxval(memory%next(row, p:q) - memory%value(row, p:q))
+         strain(e) = maxval(next%value(row, p:q) - memory%value(row, p:q))
       end do
-      memory%next_work = memory%work + sum(work)
-      memory%most_strain = maxval(strain)
-      memory%most_element = maxloc(strain, dim=1)
-      memory%volume = sum(volume)
+      next%work = memory%work + sum(work)
+      next%most_strain = maxval(strain)
+      next%most_element = maxloc(strain, dim=1)
+      next%volume = sum(volume)
    end subroutine remember
 
    !> Of an element or of the patch that it stands for; `next` holds the accepted state before.
-   subroutine remember_unit(self, mesh, u, e, memory, work, volume)
+   subroutine remember_unit(self, mesh, u, e, memory, next, work, volume)
       type(solids_type), intent(in) :: self
       type(mesh_type), intent(in) :: mesh
       real(wp), contiguous, intent(in) :: u(:)
       integer, intent(in) :: e
-      type(solid_memory_type), intent(inout) :: memory
+      type(solids_state_type), intent(in) :: memory
+      real(wp), contiguous, intent(inout) :: next(:, :)   !! (nmemory, ncolumn)
       real(wp), intent(inout) :: work, volume
       type(element_type) :: element
       integer, allocatable :: point(:)
@@ -343,7 +345,7 @@ contains
          if (p == 0) then
             call own_memory(self, group, group%element, mesh, &
                & mesh%conn(:group%element%nnode, e), u, memory%finite, memory%dt, &
-               & memory%next(:, memory%first(e):memory%first(e + 1) - 1), work, volume)
+               & next(:, memory%first(e):memory%first(e + 1) - 1), work, volume)
          else if (patches%member(patches%start(p)) == e) then
             call patch_element(patches, p, mesh%conn, group%element, element)
             allocate (past, source=columns(self, memory, e))
@@ -351,7 +353,7 @@ contains
                & patches%node(patches%first(p):patches%first(p + 1) - 1), u, memory%finite, &
                & memory%dt, past, work, volume)
             allocate (point, source=unit_points(self, memory%first, e))
-            memory%next(:, point) = past
+            next(:, point) = past
          end if
       end associate
    end subroutine remember_unit

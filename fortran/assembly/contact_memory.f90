@@ -32,7 +32,6 @@ contains
       call stream%pass(self%masters%x)
       call stream%pass(self%masters%side)
       call stream%pass(self%masters%part)
-      call stream%pass(self%masters%owner%committed)
       do i = 1, size(self%masters%of)
          call keep_master(self%masters%of(i), stream)
          call stream%pass(self%mortar(i)%cover%state)
@@ -49,18 +48,9 @@ contains
       type(finite_contact_type), intent(inout) :: self
       type(stream_type), intent(inout) :: stream
 
-      call stream%pass(self%lambda)
-      call stream%pass(self%last_normal)
-      call stream%pass(self%creep)
-      call stream%pass(self%closed)
-      call stream%pass(self%last_speed)
       call stream%pass(self%loose)
       call stream%pass(self%yields)
       call stream%pass(self%pressing)
-      call stream%pass(self%slip)
-      call stream%pass(self%slip_path)
-      call stream%pass(self%friction_work)
-      call stream%pass(self%mean_work)
       call stream%pass(self%weight)
       call stream%pass(self%shift)
       call stream%pass(self%overclosure)

@@ -1,9 +1,8 @@
-!> Contact on the present shape: which points there are and what they remember.
+!> Contact on the present shape: which points there are, and what the last evaluation found.
 !>
-!> One point is one slave node of one pair (two near a concave corner of a tool). Within an
-!> increment nothing is committed: any trial displacements may be evaluated
-!> (lopin_finite_evaluation), the last evaluation becomes the history where it is accepted
-!> (lopin_finite_history), and a failed increment simply starts again from it.
+!> One point is one slave node of one pair (two near a concave corner of a tool). Any trial
+!> displacements may be evaluated (lopin_finite_evaluation); what an increment leaves of them is
+!> state (lopin_state, written by lopin_finite_history).
 module lopin_finite_contact
    use lopin_kinds, only : wp
    use lopin_error, only : error_type, log_type
@@ -50,11 +49,7 @@ module lopin_finite_contact
       real(wp), allocatable :: opening(:)      !! gaps of the nodes [length]
       real(wp), allocatable :: traction(:, :)  !! (3, n) on the slave [stress]
       real(wp), allocatable :: normal(:, :)    !! (3, n)
-      real(wp), allocatable :: slip(:, :)      !! (3, n) of accepted increments together [length]
       real(wp), allocatable :: xi(:, :)        !! (2, n)
-      real(wp), allocatable :: slip_path(:)    !! (n) its length
-      real(wp), allocatable :: friction_work(:) !! (n) dissipated [force*length]
-      real(wp), allocatable :: mean_work(:)     !! (n) the same by mean tractions [force*length]
       real(wp) :: soft_error = 0.0_wp          !! estimated pressure error of penalties, relative
       type(cost_type) :: cost                  !! of the search so far
       ! set from outside
@@ -90,12 +85,7 @@ module lopin_finite_contact
       type(mortar_anchor_type), allocatable :: mortar_anchor(:)  !! (n)
       type(patch_type), allocatable :: patch(:)        !! (n) of the last evaluation
       type(point_state_type), allocatable :: trial(:)  !! (n)
-      ! committed
-      real(wp), allocatable :: lambda(:, :)    !! (3, n) tractions [stress]
-      real(wp), allocatable :: last_normal(:, :)
-      real(wp), allocatable :: creep(:, :)     !! (3, n) slip from the stick anchor [length]
-      logical, allocatable :: closed(:)
-      real(wp), allocatable :: last_speed(:)   !! (n) of slip, of the last increment [length/time]
+      ! as it was chosen or measured when it was met first
       logical, allocatable :: loose(:)         !! of a tied pair, but too far to be tied
       logical, allocatable :: yields(:)        !! of self-contact: only pressed upon
       integer, allocatable :: pressing(:)      !! (nnode) pair of self-contact whose node presses
@@ -131,15 +121,12 @@ contains
          end associate
       end do
       allocate (self%force(dofs%n), self%gap(n), self%opening(n), self%pressure(n), &
-         & self%traction(3, n), &
-         & self%normal(3, n), self%slip(3, n), self%xi(2, n), self%slip_path(n), &
-         & self%friction_work(n), self%mean_work(n), self%lambda(3, n), self%last_normal(3, n), &
-         & self%start_normal(3, n), self%creep(3, n), self%c(n), self%ct(n), self%mises(n), &
-         & self%speed(n), self%last_speed(n), self%start_gap(n), self%touch(n), source=0.0_wp)
+         & self%traction(3, n), self%normal(3, n), self%xi(2, n), self%start_normal(3, n), &
+         & self%c(n), self%ct(n), self%mises(n), self%speed(n), self%start_gap(n), self%touch(n), &
+         & source=0.0_wp)
       allocate (self%facet(n), self%status(n), self%first_row(n), source=0)
       allocate (self%pressing(model%mesh%nnode), source=0)
-      allocate (self%bilateral(n), self%closed(n), self%loose(n), &
-         & self%yields(n), source=.false.)
+      allocate (self%bilateral(n), self%loose(n), self%yields(n), source=.false.)
       allocate (self%pair_active(size(model%pair)), source=.true.)
       allocate (self%grip(n), self%anchor(n), self%opposite(n), self%trial(n), self%local(n))
       allocate (self%friction(size(model%pair)))
@@ -153,7 +140,6 @@ contains
             & findloc(self%pair, pair, dim=1))
       end do
       do i = 1, n
-         self%closed(i) = self%touches(i)
          self%c(i) = self%grip(i)%c
          self%ct(i) = self%grip(i)%ct
          if (.not. solves(self%grip(i)%kind)) cycle

@@ -9,7 +9,8 @@ module lopin_finite_history
    use lopin_finite_samples, only : offset_of
    use lopin_finite_masters, only : move_masters
    use lopin_finite_growth, only : follow_areas
-   use lopin_finite_owner, only : start_owners, commit_owners
+   use lopin_finite_owner, only : start_owners, kept_beyond
+   use lopin_state, only : contact_state_type
    use lopin_finite_contact, only : finite_contact_type
    use lopin_finite_meeting, only : find_present, meet, take_anchor, share_roles
    use lopin_finite_faces, only : find_inner_feet
@@ -17,7 +18,7 @@ module lopin_finite_history
    use lopin_finite_slip, only : drawn, path_of, dissipated, mean_work_of, speed_of, turn
    implicit none
    private
-   public :: start_increment, augment, accept, reject
+   public :: start_increment, augment, leave_history
 
    !> A gap below this share of the facet touches.
    real(wp), parameter :: touching = 1.0e-10_wp
@@ -25,9 +26,10 @@ module lopin_finite_history
 contains
 
    !> Search from the accepted state; anchors of friction; tractions turned with the normals.
-   subroutine start_increment(self, model, u, dt, error)
+   subroutine start_increment(self, model, accepted, u, dt, error)
       type(finite_contact_type), intent(inout) :: self
       type(model_type), intent(in) :: model
+      type(contact_state_type), intent(in) :: accepted
       real(wp), intent(in) :: u(:)             !! (ndof) accepted displacements
       real(wp), intent(in) :: dt               !! [time]
       type(error_type), allocatable, intent(out) :: error
@@ -39,7 +41,7 @@ contains
       if (allocated(error)) return
       if (any(self%grip%kind == grip_kind%tied) .and. .not. allocated(self%tied_at)) &
          & self%tied_at = self%masters%x
-      call start_owners(self%masters%owner)
+      call start_owners(self%masters%owner, accepted%facet)
       call find_present(self, .true., error)
       if (allocated(error)) return
       do i = 1, self%n
@@ -53,16 +55,16 @@ contains
             g%ct = self%ct(i)
             g%c = self%c(i)
             g%grazing = touching*g%c*self%size(i)
-            g%committed = self%lambda(:, i)
-            g%creep = self%creep(:, i)
+            g%committed = accepted%traction(:, i)
+            g%creep = accepted%creep(:, i)
             if (self%opposite(i)%facet > 0) then
-               call turn(self%last_normal(:, i), self%opposite(i)%normal, g%committed)
-               call turn(self%last_normal(:, i), self%opposite(i)%normal, g%creep)
+               call turn(accepted%normal(:, i), self%opposite(i)%normal, g%committed)
+               call turn(accepted%normal(:, i), self%opposite(i)%normal, g%creep)
             end if
             self%start_normal(:, i) = self%opposite(i)%normal
             g%frozen = g%committed
             g%approach = 0.0_wp
-            g%bilateral = self%closed(i) &
+            g%bilateral = accepted%closed(i) &
                & .and. model%interaction(model%pair(self%pair(i))%interaction)%no_separation
             self%bilateral(i) = g%bilateral .or. g%kind == grip_kind%tied
             g%yield = self%yield(i)
@@ -76,7 +78,7 @@ contains
             & self%start_x)
       end if
       call start_approach(self)
-      call share_roles(self, model)
+      call share_roles(self, model, accepted)
    end subroutine start_increment
 
    !> Augmented Lagrangian: take the present tractions for the next solve.
@@ -98,40 +100,38 @@ contains
       if (most > 0.0_wp) change = moved/most
    end subroutine augment
 
-   !> Commit the history of the last evaluation.
-   subroutine accept(self)
-      type(finite_contact_type), intent(inout) :: self
+   !> What the last evaluation leaves, as a trial.
+   subroutine leave_history(self, accepted, trial)
+      type(finite_contact_type), intent(in) :: self
+      type(contact_state_type), intent(in) :: accepted
+      type(contact_state_type), intent(inout) :: trial
       integer :: i
 
+      ! Tractions go on by the area that the next increment begins with.
+      trial%multiplier = trial%multiplier/self%growth(self%point_of_row)%ratio
       do i = 1, self%n
-         call commit_owners(self%masters%owner, i, self%opposite(i)%past .and. self%status(i) /= 0)
+         trial%facet(i) = kept_beyond(self%masters%owner, i, self%opposite(i)%past &
+            & .and. self%status(i) /= 0)
          associate (t => self%trial(i))
             if (self%facet(i) == 0 .or. t%status == 0) then
-               self%last_speed(i) = 0.0_wp
+               trial%speed(i) = 0.0_wp
                ! A pair that is taken away has no memory when it comes back.
-               if (.not. self%pair_active(self%pair(i))) self%closed(i) = .false.
-               self%lambda(:, i) = 0.0_wp
-               self%creep(:, i) = 0.0_wp
-               if (self%facet(i) > 0) self%last_normal(:, i) = t%normal
+               if (.not. self%pair_active(self%pair(i))) trial%closed(i) = .false.
+               trial%traction(:, i) = 0.0_wp
+               trial%creep(:, i) = 0.0_wp
+               if (self%facet(i) > 0) trial%normal(:, i) = t%normal
                cycle
             end if
-            self%closed(i) = .true.
-            ! By the area that the next increment begins with.
-            self%lambda(:, i) = t%traction/self%growth(i)%ratio
-            self%last_normal(:, i) = t%normal
-            self%slip(:, i) = self%slip(:, i) + t%slip
-            self%creep(:, i) = drawn(self%friction(self%pair(i)), self%grip(i)%creep + t%slip)
-            self%slip_path(i) = self%slip_path(i) + path_of(self, i)
-            self%last_speed(i) = speed_of(self, i)
-            self%friction_work(i) = self%friction_work(i) + dissipated(self, i)*self%weight(i)
-            self%mean_work(i) = self%mean_work(i) + mean_work_of(self, i)*self%weight(i)
+            trial%closed(i) = .true.
+            trial%traction(:, i) = t%traction/self%growth(i)%ratio
+            trial%normal(:, i) = t%normal
+            trial%slip(:, i) = accepted%slip(:, i) + t%slip
+            trial%creep(:, i) = drawn(self%friction(self%pair(i)), self%grip(i)%creep + t%slip)
+            trial%slip_path(i) = accepted%slip_path(i) + path_of(self, i)
+            trial%speed(i) = speed_of(self, i)
+            trial%friction_work(i) = accepted%friction_work(i) + dissipated(self, i)*self%weight(i)
+            trial%mean_work(i) = accepted%mean_work(i) + mean_work_of(self, i)*self%weight(i)
          end associate
       end do
-   end subroutine accept
-
-   !> Back to the history that was committed last: what is not committed is only overwritten.
-   subroutine reject(self)
-      type(finite_contact_type), intent(inout) :: self
-      self%nlocal = 0
-   end subroutine reject
+   end subroutine leave_history
 end module lopin_finite_history

@@ -9,6 +9,7 @@ module lopin_finite_meeting
    use lopin_finite_roles, only : choose_roles
    use lopin_finite_mortar, only : update_mortar, meet_row
    use lopin_finite_contact, only : finite_contact_type
+   use lopin_state, only : contact_state_type
    use lopin_finite_tie, only : new_tie
    implicit none
    private
@@ -86,9 +87,10 @@ contains
    end subroutine tie_to_facet
 
    !> Of two sides of one surface that face each other only one presses.
-   subroutine share_roles(self, model)
+   subroutine share_roles(self, model, accepted)
       type(finite_contact_type), intent(inout) :: self
       type(model_type), intent(in) :: model
+      type(contact_state_type), intent(in) :: accepted
       integer :: pair, first, last, k
 
       self%pressing = 0
@@ -99,7 +101,8 @@ contains
          last = first + count(self%pair == pair) - 1
          call choose_roles(self%masters%of(pair)%surface, self%node(first:last), &
             & self%opposite(first:last)%facet, self%size(first:last), &
-            & [(any(abs(self%lambda(:, k)) > 0.0_wp), k=first, last)], self%yields(first:last))
+            & [(any(abs(accepted%traction(:, k)) > 0.0_wp), k=first, last)], &
+            & self%yields(first:last))
          do k = first, last
             if (self%opposite(k)%facet > 0 .and. .not. self%yields(k)) &
                & self%pressing(self%node(k)) = pair

@@ -6,7 +6,7 @@
 !> joint, until it is too far beyond it or too far from its nearest facet; then it may not have
 !> that facet again in the increment. All other points belong to their nearest facet.
 !>
-!> What is kept is a trial until `commit_owners`; an increment starts from what was committed.
+!> What is kept is a trial; `kept_beyond` says what of it the increment leaves to the next.
 module lopin_finite_owner
    use lopin_kinds, only : wp
    use lopin_cells, only : cell_family
@@ -15,7 +15,7 @@ module lopin_finite_owner
    use lopin_feature, only : projection_type, limits_type, settle
    implicit none
    private
-   public :: owners_type, new_owners, start_owners, note_owner, commit_owners, keep_facet
+   public :: owners_type, new_owners, start_owners, note_owner, kept_beyond, keep_facet
    public :: most_past, most_apart, most_returns
 
    !> How far past a joint a kept facet goes on, in facets; how much deeper or higher than on the
@@ -27,7 +27,6 @@ module lopin_finite_owner
 
    type :: owners_type
       integer, allocatable :: held(:)          !! (n) facet that a point keeps; 0: the nearest
-      integer, allocatable :: committed(:)     !! (n) the same at the end of the last increment
       integer, allocatable :: last(:, :)       !! (2, n) facet and place of the last iteration
       integer, allocatable :: before(:, :)     !! (2, n) those it had before
       integer, allocatable :: returns(:)       !! (n) how often it came back there
@@ -40,15 +39,16 @@ contains
       type(owners_type), intent(out) :: self
       integer, intent(in) :: n                 !! points
 
-      allocate (self%held(n), self%committed(n), self%returns(n), self%refused(n), source=0)
+      allocate (self%held(n), self%returns(n), self%refused(n), source=0)
       allocate (self%last(2, n), self%before(2, n), source=0)
    end subroutine new_owners
 
-   !> Back to what was committed.
-   subroutine start_owners(self)
+   !> From the facets that the last accepted increment left.
+   subroutine start_owners(self, accepted)
       type(owners_type), intent(inout) :: self
+      integer, intent(in) :: accepted(:)       !! (n) of lopin_state
 
-      self%held = self%committed
+      self%held = accepted
       self%last = 0
       self%before = 0
       self%returns = 0
@@ -79,13 +79,13 @@ contains
    end subroutine note_owner
 
    !> A facet is kept beyond the increment only by a point that lies past its end.
-   pure subroutine commit_owners(self, i, past)
-      type(owners_type), intent(inout) :: self
+   pure integer function kept_beyond(self, i, past) result(facet)
+      type(owners_type), intent(in) :: self
       integer, intent(in) :: i
       logical, intent(in) :: past
 
-      self%committed(i) = merge(self%held(i), 0, past)
-   end subroutine commit_owners
+      facet = merge(self%held(i), 0, past)
+   end function kept_beyond
 
    !> The foot on the continued facet instead of that on the nearest one, if they are near enough.
    pure subroutine keep_facet(surface, facet, x, n_slave, limits, found, kept, past)

@@ -43,7 +43,7 @@ contains
       integer, intent(in) :: i
 
       may_touch = self%noted > 0.0_wp .and. self%start_gap(i) < huge(1.0_wp) &
-         & .and. .not. any(abs(self%lambda(:, i)) > 0.0_wp) .and. self%grip(i)%kind /= &
+         & .and. .not. any(abs(self%grip(i)%committed) > 0.0_wp) .and. self%grip(i)%kind /= &
          & grip_kind%tied .and. has_friction(self%friction(self%pair(i)))
    end function may_touch
 

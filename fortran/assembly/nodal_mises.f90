@@ -3,7 +3,8 @@ module lopin_nodal_mises
    use lopin_kinds, only : wp
    use lopin_mesh, only : mesh_type
    use lopin_solids, only : solids_type
-   use lopin_solid_memory, only : solid_memory_type, at_all_points
+   use lopin_solid_memory, only : at_all_points
+   use lopin_state, only : solids_state_type
    use lopin_material_memory, only : stress_at
    use lopin_assemble_finite, only : recover_finite, remember
    use lopin_recover_stress, only : recover_stress, average_to_nodes
@@ -19,7 +20,7 @@ contains
       type(solids_type), intent(in) :: solids
       type(mesh_type), intent(in) :: mesh
       real(wp), intent(in) :: u(:, :)      !! (>= ndim, nnode) displacements [length]
-      type(solid_memory_type), intent(in) :: memory   !! of the accepted state
+      type(solids_state_type), intent(in) :: memory   !! of the accepted state
       real(wp), intent(out) :: mises(:)    !! (nnode) [stress]
       real(wp), allocatable :: stress(:, :), strain(:, :)
       real(wp) :: at_nodes(6, mesh%nnode)
@@ -37,19 +38,20 @@ contains
    end subroutine nodal_mises
 
    !> Flow stress of the solids behind each node, averaged over those that flow; 0 where none does.
-   subroutine nodal_flow_stress(solids, mesh, u, memory, stress)
+   subroutine nodal_flow_stress(solids, mesh, u, memory, next, stress)
       type(solids_type), intent(in) :: solids
       type(mesh_type), intent(in) :: mesh
       real(wp), intent(in) :: u(:)         !! (n) displacements by equation [length]
-      type(solid_memory_type), intent(inout) :: memory   !! `next` becomes that of u
+      type(solids_state_type), intent(in) :: memory      !! of the accepted state
+      type(solids_state_type), intent(inout) :: next     !! becomes that of u
       real(wp), intent(out) :: stress(:)   !! (nnode) [stress]
       real(wp), allocatable :: at_points(:, :)
       real(wp) :: at_nodes(2, mesh%nnode)
       integer :: node
 
-      call remember(solids, mesh, u, memory)
+      call remember(solids, mesh, u, memory, next)
       allocate (at_points(2, solids%first_point(mesh%nelement + 1) - 1))
-      at_points(1, :) = at_all_points(memory, solids, stress_at(merge(4, 6, mesh%ndim == 2)))
+      at_points(1, :) = at_all_points(next, solids, stress_at(merge(4, 6, mesh%ndim == 2)))
       at_points(2, :) = merge(1.0_wp, 0.0_wp, at_points(1, :) > 0.0_wp)
       call average_to_nodes(solids, mesh, at_points, at_nodes)
       stress = 0.0_wp

@@ -10,7 +10,7 @@ module lopin_stress_free_state
       & exp_minus_one
    use lopin_solids, only : solids_type, group_type
    use lopin_flow_curve, only : flow_at, flow_stress
-   use lopin_solid_memory, only : solid_memory_type
+   use lopin_state, only : solids_state_type
    use lopin_material_memory, only : offset_at, put_metric, put_map, temperature_at, &
       & strain_at, stress_at
    implicit none
@@ -24,7 +24,7 @@ contains
    !>
    !> An element whose change of volume is a mean expands by a mean.
    subroutine heat_points(memory, solids, mesh, rise, pressed)
-      type(solid_memory_type), intent(inout) :: memory
+      type(solids_state_type), intent(inout) :: memory
       type(solids_type), intent(in) :: solids
       type(mesh_type), intent(in) :: mesh
       real(wp), intent(in) :: rise(:)      !! (nnode) since the start [temperature]
@@ -45,7 +45,7 @@ contains
    !> Temperatures of the points whose flow stress looks at it; of those that have not flowed, the
    !> flow stress is that of the temperature.
    subroutine temper_points(memory, solids, mesh, temperature)
-      type(solid_memory_type), intent(inout) :: memory
+      type(solids_state_type), intent(inout) :: memory
       type(solids_type), intent(in) :: solids
       type(mesh_type), intent(in) :: mesh
       real(wp), intent(in) :: temperature(:)   !! (nnode) [temperature]
@@ -87,7 +87,7 @@ contains
    !> Write the deviator of a stress of the start into the memory of an element; its change of
    !> volume is returned.
    subroutine stress_points(memory, solids, element, stress, volume)
-      type(solid_memory_type), intent(inout) :: memory
+      type(solids_state_type), intent(inout) :: memory
       type(solids_type), intent(in) :: solids
       integer, intent(in) :: element
       real(wp), intent(in) :: stress(6)    !! xx yy zz xy xz yz [stress]

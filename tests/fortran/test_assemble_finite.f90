@@ -10,7 +10,8 @@ program test_assemble_finite
    use lopin_assemble_solids, only : assemble_stiffness
    use lopin_assemble_finite, only : assemble_finite, recover_finite, bad_element_type
    use lopin_recover_stress, only : recover_stress
-   use lopin_solid_memory, only : solid_memory_type, new_solid_memory
+   use lopin_state, only : solids_state_type
+   use lopin_solid_memory, only : new_solid_memory
    use blocks, only : new_block, random
    use check, only : test, close_to, is_true, finish
    implicit none
@@ -21,7 +22,7 @@ program test_assemble_finite
    type(mesh_type) :: mesh
    type(element_type) :: element
    type(solids_type) :: solids
-   type(solid_memory_type) :: memory
+   type(solids_state_type) :: memory
    type(csc_type) :: matrix
    type(bad_element_type) :: bad
    type(error_type), allocatable :: error

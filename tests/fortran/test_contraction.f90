@@ -4,7 +4,7 @@ program test_contraction
    use lopin_kinds, only : wp
    use lopin_contraction, only : contraction_type, by_old_tangent, look_without_tangent, note_step, &
       & gets_nowhere
-   use lopin_finite_state, only : finite_state_type
+   use lopin_state, only : motion_type
    use lopin_predict, only : note_motion, next_motion
    use check, only : test, is_true, close_to, finish
    implicit none
@@ -103,26 +103,23 @@ contains
    !> Increments of uneven length: a steady motion is continued from one, a motion with a steady
    !> acceleration from two; a kink puts the trend out of use, and smooth motion brings it back.
    subroutine trends_go_on()
-      type(finite_state_type) :: state
+      type(motion_type) :: state
       real(wp), parameter :: time(5) = [0.0_wp, 1.0_wp, 1.5_wp, 3.5_wp, 4.0_wp]
       real(wp) :: kink
       integer :: i
 
       call test('the trend of motion')
-      state%memory%in_use = .true.
       do i = 1, 3
-         state%dt = time(i + 1) - time(i)
-         call note_motion(state, place(time(i + 1)) - place(time(i)))
+         call note_motion(state, place(time(i + 1)) - place(time(i)), time(i + 1) - time(i), .false.)
       end do
       call is_true('the trend tells more', state%curved)
       call close_to('a steady acceleration', next_motion(state, 0.5_wp, .true.), &
          & place(4.0_wp) - place(3.5_wp), 1.0e-13_wp)
       kink = 1.0_wp
-      state%dt = 0.5_wp
-      call note_motion(state, place(4.0_wp) - place(3.5_wp) + [kink, 0.0_wp, 0.0_wp])
+      call note_motion(state, place(4.0_wp) - place(3.5_wp) + [kink, 0.0_wp, 0.0_wp], 0.5_wp, &
+         & .false.)
       call is_true('a kink is not continued', .not. state%curved)
-      state%parted = .true.
-      call note_motion(state, place(4.5_wp) - place(4.0_wp))
+      call note_motion(state, place(4.5_wp) - place(4.0_wp), 0.5_wp, .true.)
       call is_true('a body springs back once', .not. state%last_dt > 0.0_wp)
    end subroutine trends_go_on
 

@@ -9,7 +9,8 @@ program test_finite_contact
    use lopin_friction, only : law_of
    use lopin_enforcement_factory, only : method_names
    use lopin_finite_contact, only : finite_contact_type, new_finite_contact
-   use lopin_finite_history, only : start_increment, augment, accept, reject
+   use lopin_finite_history, only : start_increment, augment, leave_history
+   use lopin_state, only : state_type, begin, accept, reject, new_contact_state
    use lopin_finite_evaluation, only : evaluate
    use contact_scenes, only : scene_names, scene_text
    use check, only : test, is_true, close_to, finish
@@ -35,6 +36,7 @@ contains
       type(dofs_type) :: dofs
       type(error_type), allocatable :: error
       type(finite_contact_type) :: contact
+      type(state_type) :: accepted, trial
       real(wp), allocatable :: u(:, :), z(:, :), force(:), row(:)
       integer :: i
 
@@ -51,6 +53,8 @@ contains
       call new_finite_contact(contact, model, dofs, log, error)
       call is_true('the contact is made', .not. allocated(error))
       if (allocated(error)) return
+      call new_contact_state(accepted%contact, contact%nmultiplier, contact%touches)
+      call begin(trial, accepted)
       allocate (u(dofs%n, 3), z(contact%nmultiplier, 3))
       call random_number(u)
       u = 0.05_wp*(u - 0.5_wp)
@@ -65,36 +69,38 @@ contains
       end do
       call random_number(z)
       z = 1.0e4_wp*(z - 0.5_wp)
-      call run(contact, model, u, z, 1)
-      call accept(contact)
-      call run(contact, model, u, z, 2)
+      call run(contact, model, accepted, u, z, 1)
+      call leave_history(contact, accepted%contact, trial%contact)
+      call accept(accepted, trial)
+      call run(contact, model, accepted, u, z, 2)
       force = contact%force
       row = contact%row
       call is_true('something presses', any(abs(force) > 0.0_wp))
       call close_to('forces balance', [(sum(contact%force, mask=dofs%dof == i), i=1, 2)] &
          & /maxval(abs(force)), [0.0_wp, 0.0_wp], 1.0e-12_wp)
-      call reject(contact)
-      call run(contact, model, u, z, 3)
+      call reject(trial, accepted)
+      call run(contact, model, accepted, u, z, 3)
       call is_true('another try presses otherwise', any(abs(contact%force - force) > 0.0_wp))
-      call reject(contact)
-      call run(contact, model, u, z, 2)
+      call reject(trial, accepted)
+      call run(contact, model, accepted, u, z, 2)
       call is_true('forces', all(abs(contact%force - force) <= 0.0_wp))
       call is_true('rows', all(abs(contact%row - row) <= 0.0_wp))
    end subroutine rejected
 
    !> An increment from state 1 (the first: from rest), with one augmentation.
-   subroutine run(contact, model, u, z, to)
+   subroutine run(contact, model, accepted, u, z, to)
       type(finite_contact_type), intent(inout) :: contact
       type(model_type), intent(in) :: model
+      type(state_type), intent(in) :: accepted
       real(wp), intent(in) :: u(:, :), z(:, :)
       integer, intent(in) :: to
       type(error_type), allocatable :: error
       real(wp) :: change
 
       if (to == 1) then
-         call start_increment(contact, model, 0.0_wp*u(:, 1), 0.5_wp, error)
+         call start_increment(contact, model, accepted%contact, 0.0_wp*u(:, 1), 0.5_wp, error)
       else
-         call start_increment(contact, model, u(:, 1), 0.5_wp, error)
+         call start_increment(contact, model, accepted%contact, u(:, 1), 0.5_wp, error)
       end if
       call evaluate(contact, model, u(:, to), z(:, to), .true., error)
       call augment(contact, change)

@@ -8,7 +8,7 @@ program test_finite_owner
    use lopin_feature, only : projection_type, limits_type
    use lopin_search, only : tree_type, build_tree, find_projection
    use lopin_finite_owner, only : owners_type, new_owners, start_owners, note_owner, &
-      & commit_owners, keep_facet, most_past, most_apart, most_returns
+      & kept_beyond, keep_facet, most_past, most_apart, most_returns
    use patch_scenes, only : patch_names, patch_dimension, new_patch
    use check, only : test, is_true, close_to, finish
    implicit none
@@ -39,7 +39,7 @@ contains
 
       call test('a point that returns often keeps the facet')
       call new_owners(owner, 2)
-      call start_owners(owner)
+      call start_owners(owner, [4])
       do turn = 1, most_returns + 1
          call note_owner(owner, 1, at_facet(7 + mod(turn, 2)), .false.)
          call note_owner(owner, 1, at_facet(7 + mod(turn, 2)), .false.)
@@ -63,7 +63,7 @@ contains
 
       call test('a facet that no longer carries the point is not kept again')
       call new_owners(owner, 1)
-      call start_owners(owner)
+      call start_owners(owner, [4])
       do turn = 1, most_returns + 2
          call note_owner(owner, 1, at_facet(7 + mod(turn, 2)), .false.)
       end do
@@ -82,21 +82,18 @@ contains
 
       call test('owners of a rejected increment')
       call new_owners(owner, 1)
-      owner%committed = 4
-      call start_owners(owner)
-      call is_true('an increment starts with what was committed', owner%held(1) == 4)
+      call start_owners(owner, [4])
+      call is_true('an increment starts with what was accepted', owner%held(1) == 4)
       do turn = 1, most_returns + 2
          call note_owner(owner, 1, at_facet(7 + mod(turn, 2)), .false.)
       end do
       call is_true('the trial has another', owner%held(1) > 4)
-      call start_owners(owner)
+      call start_owners(owner, [4])
       call is_true('back', owner%held(1) == 4)
       call is_true('without memory', owner%returns(1) + owner%refused(1) + sum(owner%last) &
          & + sum(owner%before) == 0)
-      call commit_owners(owner, 1, .true.)
-      call is_true('past the end it is committed', owner%committed(1) == 4)
-      call commit_owners(owner, 1, .false.)
-      call is_true('within, the nearest facet does', owner%committed(1) == 0)
+      call is_true('past the end it is kept', kept_beyond(owner, 1, .true.) == 4)
+      call is_true('within, the nearest facet does', kept_beyond(owner, 1, .false.) == 0)
    end subroutine what_is_rejected_leaves_no_trace
 
    !> Every facet of valleys and domes, from random places around them.

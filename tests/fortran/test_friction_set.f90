@@ -10,7 +10,8 @@ program test_friction_set
    use lopin_friction, only : law_of
    use lopin_friction_rows, only : friction_points_type
    use lopin_friction_set, only : solve_friction, friction_result_type
-   use lopin_friction_state, only : friction_state_type, new_friction_state, commit, roll_back
+   use lopin_state, only : state_type, begin, accept, reject
+   use lopin_friction_state, only : new_friction_history
    use lopin_friction_limits, only : find_wedging
    implicit none
 
@@ -247,7 +248,7 @@ contains
       type(friction_points_type) :: points
       type(contact_result_type) :: result, again
       type(friction_result_type) :: friction
-      type(friction_state_type) :: state
+      type(state_type) :: accepted, trial
       real(wp) :: k(6, 6), b(6, 6), load(6)
       integer :: i
 
@@ -259,41 +260,42 @@ contains
          b(i, i) = 1.0_wp
       end do
       call new_problem(problem, points, k, b, 2, 0.3_wp, 2)
-      call new_friction_state(state, 2)
+      call new_friction_history(accepted%friction, [.false., .false.])
+      call begin(trial, accepted)
       load = [-1.0_wp, -0.7_wp, 0.2_wp, 0.1_wp, 0.3_wp, -0.1_wp]
       call solve_friction(problem, points, spread(0.0_wp, 1, 6), load, [real(wp) ::], result, &
          & friction)
-      state%trial%force = result%force
-      state%trial%gap = result%gap
-      state%trial%q = result%q
-      call commit(state)
-      call run(problem, points, state, 1.5_wp*load, result)
+      trial%friction%force = result%force
+      trial%friction%gap = result%gap
+      trial%friction%q = result%q
+      call accept(accepted, trial)
+      call run(problem, points, accepted, 1.5_wp*load, result)
       ! Another increment in between, and it is given up.
-      call run(problem, points, state, -3.0_wp*load, again)
-      state%trial%force = again%force
-      state%trial%gap = again%gap
-      call roll_back(state)
-      call is_true('nothing of it is left', all(state%trial%force == state%accepted%force))
-      call run(problem, points, state, 1.5_wp*load, again)
+      call run(problem, points, accepted, -3.0_wp*load, again)
+      trial%friction%force = again%force
+      trial%friction%gap = again%gap
+      call reject(trial, accepted)
+      call is_true('nothing of it is left', all(trial%friction%force == accepted%friction%force))
+      call run(problem, points, accepted, 1.5_wp*load, again)
       call is_true('the same bits', all(again%force == result%force) &
          & .and. all(again%gap == result%gap))
 
    end subroutine increments_given_up
 
    !> An increment from the accepted state.
-   subroutine run(problem, points, state, load, answer)
+   subroutine run(problem, points, accepted, load, answer)
       type(condensed_type), intent(inout) :: problem
       type(friction_points_type), intent(inout) :: points
-      type(friction_state_type), intent(in) :: state
+      type(state_type), intent(in) :: accepted
       real(wp), intent(in) :: load(:)
       type(contact_result_type), intent(out) :: answer
       type(friction_result_type) :: friction
 
-      answer%force = state%accepted%force
-      answer%gap = state%accepted%gap
-      answer%q = state%accepted%q
-      points%traction = reshape(state%accepted%force(3:), [2, 2])
-      points%start = reshape(state%accepted%gap(3:), [2, 2])
+      answer%force = accepted%friction%force
+      answer%gap = accepted%friction%gap
+      answer%q = accepted%friction%q
+      points%traction = reshape(accepted%friction%force(3:), [2, 2])
+      points%start = reshape(accepted%friction%gap(3:), [2, 2])
       call solve_friction(problem, points, spread(0.0_wp, 1, 6), load, [real(wp) ::], answer, &
          & friction)
    end subroutine run

@@ -1,0 +1,174 @@
+!> All that evolves from increment to increment, and nothing else.
+!>
+!> A run holds two values of `state_type`: what was accepted, and a trial of the next increment.
+!> `begin` starts a trial from what was accepted; whatever an increment computes goes into the trial;
+!> `accept` makes it the accepted state, `reject` drops it. `pass` writes a state to a stream or
+!> reads it back. Matrices, factors, surfaces, trees of boxes and the numbers of the last iteration
+!> are no state: they follow from the model and from it.
+module lopin_state
+   use lopin_kinds, only : wp
+   use lopin_stream, only : stream_type
+   use lopin_friction_state, only : friction_history_type
+   implicit none
+   private
+   public :: state_type, motion_type, solids_state_type, contact_state_type
+   public :: begin, accept, reject, new_contact_state
+
+   !> Where the bodies are, and how they went there.
+   type :: motion_type
+      real(wp), allocatable :: u(:)            !! (ndof) displacements [length], rotations [rad]
+      real(wp), allocatable :: last(:)         !! (ndof) motion of the last increment [length]
+      real(wp) :: last_dt = 0.0_wp             !! its time; 0: none in this step [time]
+      real(wp), allocatable :: before(:)       !! (ndof) motion of the increment before [length]
+      real(wp) :: dt_before = 0.0_wp           !! its time; 0: none in this step [time]
+      logical :: curved = .false.              !! both tell more of the next than the last alone
+   contains
+      procedure :: pass => pass_motion
+   end type motion_type
+
+   !> What the integration points of solids that look back remember: a column each, of rows that
+   !> lopin_material_memory names; the columns of an element follow each other.
+   type :: solids_state_type
+      logical :: in_use = .false.              !! some material looks back
+      logical :: finite = .false.              !! finite strain; else small strain
+      real(wp) :: dt = 1.0_wp                  !! time since the accepted state [time]
+      integer, allocatable :: first(:)         !! (nelement+1) first column of each element
+      real(wp), allocatable :: value(:, :)     !! (nmemory, ncolumn)
+      real(wp), allocatable :: pressed(:)      !! (ncolumn) ln J of the stresses of the start [-]
+      real(wp), allocatable :: none(:, :)      !! (0, most_points): elements that remember nothing
+      real(wp) :: work = 0.0_wp                !! plastic work so far [force length]
+      ! of the last increment
+      real(wp) :: most_strain = 0.0_wp         !! largest plastic strain in it
+      integer :: most_element = 0              !! where
+      real(wp) :: volume = 0.0_wp              !! of the elements that flow, deformed [length^3]
+      ! of solids that are heated; heat is its work [force length]
+      real(wp) :: heat = 0.0_wp
+      real(wp) :: unsure = 0.0_wp              !! how far it is known [force length]
+      real(wp), allocatable :: heated(:, :)    !! (2, ncolumn) mean stress and offset
+      real(wp), allocatable :: place(:)        !! (ncolumn) volume of the start [length^3]
+   contains
+      procedure :: pass => pass_solids
+   end type solids_state_type
+
+   !> Contact on the present shape, by slave point. Vectors are in global axes.
+   type :: contact_state_type
+      real(wp), allocatable :: multiplier(:)   !! (nmultiplier) tractions that are unknowns [stress]
+      real(wp), allocatable :: traction(:, :)  !! (3, n) on the slave [stress]
+      real(wp), allocatable :: normal(:, :)    !! (3, n) when it pressed last
+      real(wp), allocatable :: creep(:, :)     !! (3, n) slip from the stick anchor [length]
+      real(wp), allocatable :: slip(:, :)      !! (3, n) of all increments together [length]
+      real(wp), allocatable :: slip_path(:)    !! (n) its length [length]
+      real(wp), allocatable :: speed(:)        !! (n) of slip, of the last increment [length/time]
+      real(wp), allocatable :: friction_work(:)   !! (n) dissipated [force*length]
+      real(wp), allocatable :: mean_work(:)    !! (n) the same by mean tractions [force*length]
+      logical, allocatable :: closed(:)        !! (n) pressed once; NO SEPARATION holds it then
+      integer, allocatable :: facet(:)         !! (n) kept beyond its end; 0: the nearest
+      logical, allocatable :: held(:)          !! (npair) has closed points
+   contains
+      procedure :: pass => pass_contact
+   end type contact_state_type
+
+   type :: state_type
+      type(motion_type) :: motion
+      type(solids_state_type) :: solids
+      type(contact_state_type) :: contact      !! on the present shape: the nonlinear path
+      type(friction_history_type) :: friction  !! on the shape of the start: the linear path
+   contains
+      procedure :: pass
+   end type state_type
+
+contains
+
+   !> An increment starts from what was accepted.
+   subroutine begin(trial, accepted)
+      type(state_type), intent(inout) :: trial
+      type(state_type), intent(in) :: accepted
+      trial = accepted
+   end subroutine begin
+
+   !> The increment is accepted.
+   subroutine accept(accepted, trial)
+      type(state_type), intent(inout) :: accepted
+      type(state_type), intent(in) :: trial
+      accepted = trial
+   end subroutine accept
+
+   !> The increment is given up: nothing of it is left.
+   subroutine reject(trial, accepted)
+      type(state_type), intent(inout) :: trial
+      type(state_type), intent(in) :: accepted
+      trial = accepted
+   end subroutine reject
+
+   !> Points that nothing has pressed yet.
+   subroutine new_contact_state(self, nmultiplier, closed)
+      type(contact_state_type), intent(out) :: self
+      integer, intent(in) :: nmultiplier
+      logical, intent(in) :: closed(:)         !! (n) touch at the start
+      integer :: n
+
+      n = size(closed)
+      allocate (self%multiplier(nmultiplier), self%traction(3, n), self%normal(3, n), &
+         & self%creep(3, n), self%slip(3, n), self%slip_path(n), self%speed(n), &
+         & self%friction_work(n), self%mean_work(n), source=0.0_wp)
+      allocate (self%facet(n), source=0)
+      self%closed = closed
+   end subroutine new_contact_state
+
+   !> To a stream or back.
+   subroutine pass(self, stream)
+      class(state_type), intent(inout) :: self
+      type(stream_type), intent(inout) :: stream
+
+      call self%motion%pass(stream)
+      call self%solids%pass(stream)
+      call self%contact%pass(stream)
+      call self%friction%pass(stream)
+   end subroutine pass
+
+   subroutine pass_motion(self, stream)
+      class(motion_type), intent(inout) :: self
+      type(stream_type), intent(inout) :: stream
+
+      call stream%pass(self%u)
+      call stream%pass(self%last)
+      call stream%pass(self%last_dt)
+      call stream%pass(self%before)
+      call stream%pass(self%dt_before)
+      call stream%pass(self%curved)
+   end subroutine pass_motion
+
+   !> What is not passed is made with the workspace.
+   subroutine pass_solids(self, stream)
+      class(solids_state_type), intent(inout) :: self
+      type(stream_type), intent(inout) :: stream
+
+      call stream%pass(self%value)
+      call stream%pass(self%work)
+      call stream%pass(self%most_strain)
+      call stream%pass(self%most_element)
+      call stream%pass(self%volume)
+      call stream%pass(self%heat)
+      call stream%pass(self%unsure)
+      call stream%pass(self%heated)
+      call stream%pass(self%place)
+   end subroutine pass_solids
+
+   subroutine pass_contact(self, stream)
+      class(contact_state_type), intent(inout) :: self
+      type(stream_type), intent(inout) :: stream
+
+      call stream%pass(self%multiplier)
+      call stream%pass(self%traction)
+      call stream%pass(self%normal)
+      call stream%pass(self%creep)
+      call stream%pass(self%slip)
+      call stream%pass(self%slip_path)
+      call stream%pass(self%speed)
+      call stream%pass(self%friction_work)
+      call stream%pass(self%mean_work)
+      call stream%pass(self%closed)
+      call stream%pass(self%facet)
+      call stream%pass(self%held)
+   end subroutine pass_contact
+end module lopin_state
