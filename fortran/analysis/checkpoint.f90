@@ -19,11 +19,11 @@ module lopin_checkpoint
    use lopin_finite_system, only : finite_system_type
    use lopin_follower_loading, only : follower_type
    use lopin_finite_state, only : finite_state_type
-   use lopin_loading, only : new_loading
+   use lopin_loading, only : loading_type, new_loading
    use lopin_scene, only : scene_type, set_supports
    use lopin_solve_path, only : prepare_path
    use lopin_finite_start, only : start_step
-   use lopin_run_type, only : run_type, progress_type, march_type
+   use lopin_run_type, only : run_type, watch_type
    implicit none
    private
    public :: keep_run
@@ -45,12 +45,13 @@ contains
          call stream%pass(plan%path)
          call stream%pass(plan%by_user)
          call stream%pass(plan%reason)
-         call keep_progress(run%progress, stream)
+         call keep_watch(run%watch, stream)
          call keep_search(scene, stream)
          call keep_order(scene, plan, joined, stream)
          if (stream%reading .and. .not. stream%broken) call remake(run, model, step, joined, error)
          if (allocated(error)) return
-         call keep_march(run%march, stream)
+         call keep_energy(run%frame%energy, stream)
+         call keep_loading(run%loading, stream)
          call scene%accepted%pass(stream)
          call begin(scene%trial, scene%accepted)
          call keep_answer(scene%answer, stream)
@@ -79,31 +80,22 @@ contains
          call widen_system(scene%system, joined, scene%counter, error)
          if (allocated(error)) return
          call start_step(scene, model)
-         call new_loading(run%march%loading, model, scene%dofs, scene%constraints, scene%solids, &
-            & model%step(step), run%progress%time, run%progress%steady, scene%accepted%motion%u)
+         call new_loading(run%loading, model, scene%dofs, scene%constraints, scene%solids, &
+            & model%step(step), scene%accepted)
       end associate
    end subroutine remake
 
-   subroutine keep_progress(self, stream)
-      type(progress_type), intent(inout) :: self
+   subroutine keep_watch(self, stream)
+      type(watch_type), intent(inout) :: self
       type(stream_type), intent(inout) :: stream
 
-      call stream%pass(self%time)
-      call stream%pass(self%steady)
-      call stream%pass(self%f)
-      call stream%pass(self%residual)
-      call stream%pass(self%work)
-      call stream%pass(self%most)
       call stream%pass(self%seen%closed)
       call stream%pass(self%seen%nearest)
       call stream%pass(self%drift%way)
       call self%artificial%keep(stream)
       call self%balance%keep(stream)
-      call stream%pass(self%f_before)
-      call stream%pass(self%u_before)
-      call stream%pass(self%r_before)
       call self%checksum%keep(stream)
-   end subroutine keep_progress
+   end subroutine keep_watch
 
    !> Where the tools of the linear path were projected, and which points they reached.
    subroutine keep_search(self, stream)
@@ -152,21 +144,15 @@ contains
       if (stream%reading) call move_alloc(last, self%kept_last)
    end subroutine keep_order
 
-   subroutine keep_march(self, stream)
-      type(march_type), intent(inout) :: self
+   !> What the step found at its start; the rest follows from the model.
+   subroutine keep_loading(self, stream)
+      type(loading_type), intent(inout) :: self
       type(stream_type), intent(inout) :: stream
 
-      call stream%pass(self%number)
-      call stream%pass(self%time)
-      call stream%pass(self%increment)
-      call stream%pass(self%parts_until)
-      call stream%pass(self%part)
-      call stream%pass(self%at_end)
-      call keep_energy(self%energy, stream)
-      call stream%pass(self%loading%start)
-      call stream%pass(self%loading%before)
-      call stream%pass(self%loading%from)
-   end subroutine keep_march
+      call stream%pass(self%start)
+      call stream%pass(self%before)
+      call stream%pass(self%from)
+   end subroutine keep_loading
 
    !> The last answer of the contact problem, from which the next one starts.
    subroutine keep_answer(self, stream)

@@ -13,7 +13,7 @@ module lopin_increment
    use lopin_loading, only : loads_at, prescribed_at
    use lopin_friction, only : has_friction
    use lopin_plan, only : plan_type, path_of
-   use lopin_run_type, only : run_type, progress_type
+   use lopin_run_type, only : run_type, watch_type
    use lopin_scene, only : scene_type
    use lopin_overconstrained, only : tell_dependent, refuse_held_penetration
    use lopin_reach, only : some_bite, widen_reach, widen_to_nearest, all_within_reach
@@ -33,7 +33,7 @@ module lopin_increment
    use lopin_judge_traction, only : judge_traction
    use lopin_judge_drift, only : follow_drift
    use lopin_artificial_work, only : follow_artificial
-   use lopin_work_balance, only : note_work, note_energy
+   use lopin_work_balance, only : balance_type, note_work, note_energy
    use lopin_judge_mesh, only : judge_mesh
    use lopin_after_step, only : look_at_pairs
    use lopin_say_once, only : say_once
@@ -65,50 +65,49 @@ contains
       type(recorder_holder_type), intent(inout) :: recorders(:)
       type(error_type), allocatable, intent(out) :: error
       type(forces_type) :: forces
-      real(wp), allocatable :: steady(:)
 
       call begin(run%scene%trial, run%scene%accepted)
-      call find_trial(run, model, recorders, steady, forces, error)
+      call find_trial(run, model, recorders, forces, error)
       if (.not. allocated(error)) call measure_trial(run, model, forces, error)
       if (allocated(error)) return
-      associate (scene => run%scene, progress => run%progress, frame => run%frame)
-         call add_work(scene, progress, frame)
+      associate (scene => run%scene, watch => run%watch, frame => run%frame)
+         call add_work(scene, forces, watch%balance, frame)
          if (scene%finite%flows) frame%certificate%energy = abs(lost_share(frame%energy))
-         call judge_holds(scene, model, progress, forces%pressed, frame)
-         call follow_drift(progress%drift, scene, model, forces%load, forces%pressed)
-         call leave_trial(scene)
-         call look_at_pairs(progress%seen, scene, model)
+         call judge_holds(scene, model, watch, forces%pressed, frame)
+         call follow_drift(watch%drift, scene, model, forces%load, forces%pressed)
+         call leave_trial(scene, frame)
+         call look_at_pairs(watch%seen, scene, model)
          if (scene%finite%nlgeom) call judge_mesh(scene, model, frame%increment)
          call record(scene, model, forces%reaction, recorders, frame, error)
          if (allocated(error)) return
          call accept(scene%accepted, scene%trial)
-         progress%steady = steady
-         call progress%checksum%add(frame%u(:3, :))
-         run%summary%checksum = progress%checksum%text()
+         call watch%checksum%add(frame%u(:3, :))
+         run%summary%checksum = watch%checksum%text()
          if (frame%certificate%verdict == 2) call refuse_verdict(scene, model, frame, error)
       end associate
    end subroutine solve_increment
 
-   !> Displacements and tractions for the end of the increment, with what the linear path asks of
-   !> them.
-   subroutine find_trial(run, model, recorders, steady, forces, error)
+   !> Displacements and tractions for the end of the increment; its forces, but for the tractions of
+   !> the nonlinear path.
+   subroutine find_trial(run, model, recorders, forces, error)
       class(run_type), intent(inout) :: run
       type(model_type), intent(in) :: model
       type(recorder_holder_type), intent(inout) :: recorders(:)
-      real(wp), allocatable, intent(out) :: steady(:)   !! (ndof) loads without amplitude [force]
-      type(forces_type), intent(out) :: forces          !! of the linear path
+      type(forces_type), intent(out) :: forces
       type(error_type), allocatable, intent(out) :: error
-      real(wp), allocatable :: prescribed(:)
+      real(wp), allocatable :: prescribed(:), f(:), steady(:)
 
-      associate (scene => run%scene, f => run%progress%f, frame => run%frame, &
-         & loading => run%march%loading)
-         allocate (prescribed(scene%constraints%nprescribed), steady(scene%dofs%n))
+      associate (scene => run%scene, frame => run%frame, loading => run%loading)
+         allocate (prescribed(scene%constraints%nprescribed), f(scene%dofs%n), &
+            & steady(scene%dofs%n))
          call loads_at(loading, model, frame%step_time, f, steady)
          call prescribed_at(loading, model, frame%step_time, prescribed)
          if (scene%finite%nlgeom) call set_followers(scene%finite%follower, model, frame%step_time)
          scene%interference = 1.0_wp
          if (scene%step == 1) scene%interference = frame%step_time/loading%period
-         call solve_within_reach(run, model, prescribed, recorders, error)
+         call solve_within_reach(run, model, f, prescribed, recorders, error)
+         forces%load = f
+         call move_alloc(steady, scene%trial%loads%steady)
          call say_iterations(recorders, scene, frame)
          if (.not. allocated(error)) call refuse_passage(scene, model, error)
          if (.not. allocated(error)) call refuse_jump(scene, model, prescribed, error)
@@ -117,10 +116,12 @@ contains
          if (allocated(error)) return
          call scene%clock%stop_in(phase%search)
          if (scene%finite%in_use) return
-         call close_condensed(scene, model, prescribed, run%progress, forces, frame)
+         call close_condensed(scene, model, prescribed, forces, frame)
          if (.not. slides_away(scene, model, run%plan)) return
+         steady = scene%trial%loads%steady
          call change_to_finite(run, model, recorders, error)
          if (allocated(error)) return
+         call move_alloc(steady, scene%trial%loads%steady)
          call solve_path(scene, model, run%plan, f, prescribed, error)
          call say_iterations(recorders, scene, frame)
          if (.not. allocated(error)) call refuse_passage(scene, model, error)
@@ -133,14 +134,15 @@ contains
       type(model_type), intent(in) :: model
       type(forces_type), intent(inout) :: forces
       type(error_type), allocatable, intent(out) :: error
+      real(wp), allocatable :: f(:)
 
-      associate (scene => run%scene, progress => run%progress, frame => run%frame, &
+      associate (scene => run%scene, frame => run%frame, &
          & memory => run%scene%trial%solids)
          if (scene%finite%in_use) then
-            if (scene%finite%nlgeom) progress%f = progress%f + scene%finite%follower%force
-            call find_finite_forces(forces, scene, progress%f)
-            progress%residual = forces%residual
-            frame%energy%external = progress%work
+            f = forces%load
+            if (scene%finite%nlgeom) f = f + scene%finite%follower%force
+            call find_finite_forces(forces, scene, f)
+            frame%energy%external = scene%accepted%loads%work
             call certify_finite(frame%certificate, frame%energy, scene, model, forces)
             call refuse_held_points(scene, model, error)
             if (allocated(error)) return
@@ -242,17 +244,17 @@ contains
 
    !> Solve with rows for the points within reach, and again for more where others would press, or
    !> where those do not hold the bodies.
-   subroutine solve_within_reach(run, model, prescribed, recorders, error)
+   subroutine solve_within_reach(run, model, f, prescribed, recorders, error)
       class(run_type), intent(inout) :: run
       type(model_type), intent(in) :: model
-      real(wp), intent(in) :: prescribed(:)
+      real(wp), intent(in) :: f(:), prescribed(:)
       type(recorder_holder_type), intent(inout) :: recorders(:)
       type(error_type), allocatable, intent(out) :: error
       type(log_type) :: log
       integer :: round
 
       round = 0
-      associate (scene => run%scene, plan => run%plan, f => run%progress%f)
+      associate (scene => run%scene, plan => run%plan)
          do
             log = scene%log
             call solve_path(scene, model, plan, f, prescribed, error)
@@ -281,53 +283,56 @@ contains
    end subroutine solve_within_reach
 
    !> Certify what the condensed paths found.
-   subroutine close_condensed(scene, model, prescribed, progress, forces, frame)
+   subroutine close_condensed(scene, model, prescribed, forces, frame)
       type(scene_type), intent(inout) :: scene
       type(model_type), intent(in) :: model
       real(wp), intent(in) :: prescribed(:)
-      type(progress_type), intent(inout) :: progress
-      type(forces_type), intent(out) :: forces
+      type(forces_type), intent(inout) :: forces   !! loads are known
       type(frame_type), intent(inout) :: frame
+      real(wp), allocatable :: f(:)
 
-      call find_forces(forces, scene, progress%f)
-      progress%residual = forces%residual
-      frame%energy%external = progress%work
+      call move_alloc(forces%load, f)
+      call find_forces(forces, scene, f)
+      frame%energy%external = scene%accepted%loads%work
       call certify(frame%certificate, frame%energy, scene, model, forces, prescribed)
       frame%iterations = scene%answer%iterations
       frame%augmentations = scene%answer%augmentations
    end subroutine close_condensed
 
    !> Work of everything that moves the boundary, by the trapezoidal rule over the increment.
-   subroutine add_work(scene, progress, frame)
-      type(scene_type), intent(in) :: scene
-      type(progress_type), intent(inout) :: progress
+   subroutine add_work(scene, forces, balance, frame)
+      type(scene_type), intent(inout) :: scene
+      type(forces_type), intent(in) :: forces
+      type(balance_type), intent(inout) :: balance
       type(frame_type), intent(inout) :: frame
+      real(wp) :: moved(scene%dofs%n)
 
-      progress%work = progress%work + 0.5_wp*dot_product(progress%f + progress%f_before &
-         & + progress%residual &
-         & + progress%r_before, scene%trial%motion%u - progress%u_before)
-      frame%energy%external = progress%work
-      call note_most(frame%energy, progress%most)
-      if (scene%finite%in_use) call note_work(progress%balance, frame%increment, &
-         & frame%time_increment, scene%trial%motion%u - progress%u_before, progress%f &
-         & - progress%f_before &
-         & + progress%residual - progress%r_before)
-      progress%f_before = progress%f
-      progress%r_before = progress%residual
-      progress%u_before = scene%trial%motion%u
+      associate (before => scene%accepted%loads, after => scene%trial%loads)
+         moved = scene%trial%motion%u - scene%accepted%motion%u
+         after%force = forces%load
+         after%reaction = forces%residual
+         after%work = before%work + 0.5_wp*dot_product(after%force + before%force &
+            & + after%reaction + before%reaction, moved)
+         frame%energy%external = after%work
+         after%most = before%most
+         call note_most(frame%energy, after%most)
+         if (scene%finite%in_use) call note_work(balance, frame%increment, &
+            & frame%time_increment, moved, after%force - before%force + after%reaction &
+            & - before%reaction)
+      end associate
    end subroutine add_work
 
    !> Artificial work of the increment, and its share in the verdict.
-   subroutine judge_holds(scene, model, progress, pressed, frame)
+   subroutine judge_holds(scene, model, watch, pressed, frame)
       type(scene_type), intent(inout) :: scene
       type(model_type), intent(in) :: model
-      type(progress_type), intent(inout) :: progress
+      type(watch_type), intent(inout) :: watch
       real(wp), intent(in) :: pressed(:)       !! (ndof) contact forces [force]
       type(frame_type), intent(inout) :: frame
 
-      call follow_artificial(progress%artificial, scene, model, pressed, frame%increment, &
+      call follow_artificial(watch%artificial, scene, model, pressed, frame%increment, &
          & frame%energy)
-      if (scene%finite%in_use) call note_energy(progress%balance, scene, frame%energy)
+      if (scene%finite%in_use) call note_energy(watch%balance, scene, frame%energy)
       if (.not. frame%energy%artificial > 0.0_wp) return
       frame%certificate%artificial = frame%energy%artificial/max(frame%energy%most, &
          & frame%energy%artificial)
@@ -337,11 +342,15 @@ contains
    end subroutine judge_holds
 
    !> What the increment leaves to the next: motion, tractions and histories of contact.
-   subroutine leave_trial(scene)
+   subroutine leave_trial(scene, frame)
       type(scene_type), intent(inout) :: scene
+      type(frame_type), intent(in) :: frame
       integer :: row
 
       associate (accepted => scene%accepted, trial => scene%trial, finite => scene%finite)
+         trial%clock%number = frame%increment
+         trial%clock%time = frame%step_time
+         trial%clock%at_end = frame%last_of_step
          if (finite%in_use) then
             if (finite%flows) then
                if (allocated(finite%contact%pair_active)) trial%contact%held = closed_pairs(finite)

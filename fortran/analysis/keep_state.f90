@@ -55,31 +55,31 @@ contains
       type(stream_type) :: stream
       logical :: ends, due
 
-      associate (scene => run%scene, march => run%march)
-         if (march%at_end .and. scene%step == size(model%step)) return
+      associate (scene => run%scene, clock => run%scene%accepted%clock)
+         if (clock%at_end .and. scene%step == size(model%step)) return
          ends = is_interrupted()
          if (.not. present(keeper)) then
             if (ends) call raise(error, error_code%interrupted, 'E0605', 'interrupted after '// &
-               & 'increment '//to_text(march%number)//' of step '//to_text(scene%step)// &
+               & 'increment '//to_text(clock%number)//' of step '//to_text(scene%step)// &
                & '; without a folder nothing is kept')
             return
          end if
          associate (every => model%step(scene%step)%checkpoint)
             due = every > 0
-            if (due) due = march%at_end .or. mod(march%number, every) == 0
+            if (due) due = clock%at_end .or. mod(clock%number, every) == 0
          end associate
          if (.not. (due .or. ends)) return
          call move_alloc(keeper%room, stream%bytes)
          call keep_run(run, model, stream, error)
          if (.not. allocated(error)) call keep_recorders(recorders, stream, error)
          if (.not. allocated(error)) call keeper%save(stream, error)
-         if (.not. allocated(error)) keeper%kept = 'increment '//to_text(march%number)// &
+         if (.not. allocated(error)) keeper%kept = 'increment '//to_text(clock%number)// &
             & ' of step '//to_text(scene%step)
          call move_alloc(stream%bytes, keeper%room)
          call scene%clock%stop_in(phase%output)
          if (allocated(error) .or. .not. ends) return
          call raise(error, error_code%interrupted, 'E0605', 'interrupted after increment '// &
-            & to_text(march%number)//' of step '//to_text(scene%step)//', which is kept', &
+            & to_text(clock%number)//' of step '//to_text(scene%step)//', which is kept', &
             & help='the same command with --resume goes on from there')
       end associate
    end subroutine keep_state

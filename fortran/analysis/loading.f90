@@ -12,6 +12,7 @@ module lopin_loading
    use lopin_dofs, only : dofs_type
    use lopin_constraints, only : constraints_type, raw_displacement
    use lopin_solids, only : solids_type
+   use lopin_state, only : state_type
    use lopin_solid_loads, only : add_body_loads, add_face_loads
    implicit none
    private
@@ -31,22 +32,21 @@ module lopin_loading
 
 contains
 
-   !> `before` are the loads at the end of the last step, `u` the displacements then.
-   subroutine new_loading(self, model, dofs, constraints, solids, step, start, before, u)
+   !> From the loads, displacements and time at the end of the last step.
+   subroutine new_loading(self, model, dofs, constraints, solids, step, accepted)
       type(loading_type), intent(out) :: self
       type(model_type), intent(in) :: model
       type(dofs_type), intent(in) :: dofs
       type(constraints_type), intent(in) :: constraints
       type(solids_type), intent(in) :: solids
       type(step_type), intent(in) :: step
-      real(wp), intent(in) :: start
-      real(wp), intent(in) :: before(:), u(:)          !! (ndof)
+      type(state_type), intent(in) :: accepted
       integer :: i, a
 
-      self%start = start
+      self%start = accepted%clock%start
       self%period = step%period
       self%ramp = step%ramp
-      self%before = before
+      self%before = accepted%loads%steady
       allocate (self%after(dofs%n), source=0.0_wp)
       call add_loads(self%after, model, dofs, constraints, solids, step, 0)
       allocate (self%amplitude(0))
@@ -65,7 +65,8 @@ contains
             self%to(i) = entry%value
             self%follows(i) = entry%amplitude
             self%moves(i) = entry%velocity
-            self%from(i) = raw_displacement(constraints, dofs, u, constraints%dof_of_prescribed(i))
+            self%from(i) = raw_displacement(constraints, dofs, accepted%motion%u, &
+               & constraints%dof_of_prescribed(i))
          end associate
       end do
    end subroutine new_loading

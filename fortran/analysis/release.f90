@@ -42,13 +42,11 @@ contains
    end function lets_go
 
    !> Forces of what holds no more, added to those that the step starts from.
-   subroutine let_go(held, scene, model, residual, before, counted, error)
+   subroutine let_go(held, scene, model, before, error)
       type(held_type), intent(in) :: held
       type(scene_type), intent(inout) :: scene
       type(model_type), intent(in) :: model
-      real(wp), intent(in) :: residual(:)      !! (ndof) of the supports [force]
       real(wp), intent(inout) :: before(:)     !! (ndof) loads that the step starts from [force]
-      real(wp), intent(inout) :: counted(:)    !! (ndof) the same in the work, without supports
       type(error_type), allocatable, intent(out) :: error
       real(wp), allocatable :: pressed(:)
       integer :: i
@@ -57,7 +55,8 @@ contains
       associate (contact => scene%finite%contact, now => scene%constraints%dof_of_prescribed)
          do i = 1, size(held%prescribed)
             associate (dof => held%prescribed(i))
-               if (.not. any(now == dof)) before(dof) = before(dof) + residual(dof)
+               if (.not. any(now == dof)) before(dof) = before(dof) &
+                  & + scene%accepted%loads%reaction(dof)
             end associate
          end do
          if (.not. any(held%pair_active .and. .not. contact%pair_active)) return
@@ -67,7 +66,7 @@ contains
          if (allocated(error)) return
          pressed = pressed - contact%force
          before = before + pressed
-         counted = counted + pressed
+         scene%accepted%loads%force = scene%accepted%loads%force + pressed
       end associate
    end subroutine let_go
 end module lopin_release

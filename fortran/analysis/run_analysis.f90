@@ -10,9 +10,10 @@ module lopin_run_analysis
    use lopin_report, only : frame_type, summary_type
    use lopin_recorder, only : recorder_holder_type
    use lopin_follower_loading, only : new_followers
-   use lopin_loading, only : new_loading, carry_loads
+   use lopin_loading, only : loading_type, new_loading, carry_loads
    use lopin_plan, only : new_plan
-   use lopin_run_type, only : run_type, march_type, progress_type
+   use lopin_run_type, only : run_type
+   use lopin_state, only : clock_state_type
    use lopin_scene, only : scene_type, new_scene, set_supports
    use lopin_uneven_pressure, only : warn_of_uneven_pressure
    use lopin_reach, only : choose_reach
@@ -74,7 +75,6 @@ contains
       type(error_type), allocatable, intent(out) :: error
       class(keeper_type), intent(inout), optional :: keeper
       type(stream_type), intent(inout), optional :: state   !! of `run_state`
-      integer :: n
 
       allocate (self%scene)
       self%scene%clock = clock
@@ -90,11 +90,6 @@ contains
       if (.not. allocated(error)) call new_plan(self%plan, model, error)
       if (.not. allocated(error)) call make_workspace(self%scene, model, error)
       if (allocated(error)) return
-      n = self%scene%dofs%n
-      associate (progress => self%progress)
-         allocate (progress%steady(n), progress%f(n), progress%residual(n), progress%f_before(n), &
-            & progress%u_before(n), progress%r_before(n), source=0.0_wp)
-      end associate
       if (present(state)) then
          call run_state(self, model, state, error)
          self%in_step = .true.
@@ -115,7 +110,8 @@ contains
       call go_back(self, model, recorders, keeper%found, error)
       if (allocated(error)) return
       self%in_step = .true.
-      keeper%kept = 'increment '//to_text(self%march%number)//' of step '//to_text(self%scene%step)
+      keeper%kept = 'increment '//to_text(self%scene%accepted%clock%number)//' of step '// &
+         & to_text(self%scene%step)
       call log%say(severity%note, 'N0604', 'goes on after '//keeper%kept)
    end subroutine resume_run
 
@@ -181,7 +177,7 @@ contains
       class(keeper_type), intent(inout), optional :: keeper
 
       more = .false.
-      if (self%in_step .and. self%march%at_end) call end_step(self, model)
+      if (self%in_step .and. self%scene%accepted%clock%at_end) call end_step(self, model)
       if (.not. self%in_step) then
          if (self%scene%step == size(model%step)) return
          call begin_step(self, model, recorders, error)
@@ -212,7 +208,8 @@ contains
       integer :: i
       logical :: done
 
-      if (self%in_step .and. self%march%at_end .and. self%may_step) call end_step(self, model)
+      if (self%in_step .and. self%scene%accepted%clock%at_end .and. self%may_step) &
+         & call end_step(self, model)
       done = .not. self%in_step .and. self%scene%step == size(model%step)
       if (.not. done) self%summary%status = 'stopped'
       call say_again(self%scene%log)
@@ -321,29 +318,28 @@ contains
             call prepare(self, model, recorders, error)
             if (allocated(error)) return
          end if
-         call start_march(self%march, scene, model, self%progress)
-         if (step > 1) self%progress%balance%springs_back = lets_go(held, scene)
-         if (step > 1) call let_go(held, scene, model, self%progress%residual, &
-            & self%march%loading%before, self%progress%f_before, error)
+         call start_loading(self%loading, scene, model)
+         if (step > 1) self%watch%balance%springs_back = lets_go(held, scene)
+         if (step > 1) call let_go(held, scene, model, self%loading%before, error)
       end associate
    end subroutine begin_step
 
-   !> From rest to the step in force.
-   subroutine start_march(march, scene, model, progress)
-      type(march_type), intent(out) :: march
+   !> From what was accepted to the step in force.
+   subroutine start_loading(loading, scene, model)
+      type(loading_type), intent(inout) :: loading
       type(scene_type), intent(inout) :: scene
       type(model_type), intent(in) :: model
-      type(progress_type), intent(in) :: progress
 
-      associate (step => model%step(scene%step))
-         call new_loading(march%loading, model, scene%dofs, scene%constraints, scene%solids, &
-            & step, progress%time, progress%steady, scene%accepted%motion%u)
-         march%increment = min(step%initial, step%period)
+      associate (step => model%step(scene%step), accepted => scene%accepted)
+         accepted%clock = clock_state_type(start=accepted%clock%start, &
+            & increment=min(step%initial, step%period))
+         call new_loading(loading, model, scene%dofs, scene%constraints, scene%solids, step, &
+            & accepted)
          call start_step(scene, model)
-         if (step%nlgeom) call new_followers(scene%finite%follower, step, progress%time, &
+         if (step%nlgeom) call new_followers(scene%finite%follower, step, accepted%clock%start, &
             & scene%dofs%n)
       end associate
-   end subroutine start_march
+   end subroutine start_loading
 
    !> Without contact nothing may float.
    subroutine check_supports(scene, model, error)
@@ -370,12 +366,12 @@ contains
       class(keeper_type), intent(inout), optional :: keeper
       integer :: number, most
 
-      associate (scene => self%scene, march => self%march, frame => self%frame, &
+      associate (scene => self%scene, clock => self%scene%accepted%clock, frame => self%frame, &
          & step => model%step(self%scene%step))
-         number = march%number + 1
-         most = step%max_increments + turns_within(model, self%plan, step, self%progress%time)
+         number = clock%number + 1
+         most = step%max_increments + turns_within(model, self%plan, step, clock%start)
          if (number > most) then
-            call refuse_more(march, scene, step, most, error)
+            call refuse_more(clock, scene, step, most, error)
             return
          end if
          frame%increment = number
@@ -384,25 +380,22 @@ contains
          call judge_yield(scene, model, frame%u)
          call judge_flow(scene, model)
          self%summary%step(scene%step)%increments = number
-         march%number = number
-         march%at_end = frame%last_of_step
-         march%energy = frame%energy
-         if (.not. march%at_end) call grow(march%increment, step, self%plan, frame, &
+         if (.not. clock%at_end) call grow(clock%increment, step, self%plan, frame, &
             & scene%accepted%solids%most_strain)
          self%summary%step(scene%step)%counter = scene%counter
          call keep_state(self, model, recorders, error, keeper)
       end associate
    end subroutine next_increment
 
-   subroutine refuse_more(march, scene, step, most, error)
-      type(march_type), intent(in) :: march
+   subroutine refuse_more(clock, scene, step, most, error)
+      type(clock_state_type), intent(in) :: clock
       type(scene_type), intent(in) :: scene
       type(step_type), intent(in) :: step
       integer, intent(in) :: most
       type(error_type), allocatable, intent(out) :: error
 
       call raise(error, error_code%not_converged, 'E0503', 'step '//to_text(scene%step)// &
-         & ' reached time '//to_text(march%time)//' of '//to_text(step%period)//' in the '// &
+         & ' reached time '//to_text(clock%time)//' of '//to_text(step%period)//' in the '// &
          & to_text(most)//' increments that INC= allows', step%at, &
          & help='raise INC= on *STEP, or the increments on *STATIC')
    end subroutine refuse_more
@@ -412,16 +405,17 @@ contains
       class(run_type), intent(inout) :: self
       type(model_type), intent(in) :: model
 
-      associate (scene => self%scene, march => self%march, progress => self%progress, &
-         & step => model%step(self%scene%step))
-         progress%time = progress%time + march%time
-         if (scene%step < size(model%step)) call carry_loads(march%loading, model, scene%dofs, &
-            & scene%constraints, scene%solids, step, model%step(scene%step + 1), progress%steady)
-         call judge_step(scene, model, progress%seen)
-         if (scene%finite%in_use) call end_balance(progress%balance, scene, model, march%energy)
+      associate (scene => self%scene, watch => self%watch, energy => self%frame%energy, &
+         & clock => self%scene%accepted%clock, step => model%step(self%scene%step))
+         clock%start = clock%start + clock%time
+         if (scene%step < size(model%step)) call carry_loads(self%loading, model, scene%dofs, &
+            & scene%constraints, scene%solids, step, model%step(scene%step + 1), &
+            & scene%accepted%loads%steady)
+         call judge_step(scene, model, watch%seen)
+         if (scene%finite%in_use) call end_balance(watch%balance, scene, model, energy)
          if (scene%step == size(model%step)) then
-            call judge_drift(progress%drift, scene, model)
-            call judge_artificial(progress%artificial, scene, model, march%energy)
+            call judge_drift(watch%drift, scene, model)
+            call judge_artificial(watch%artificial, scene, model, energy)
          end if
       end associate
       self%in_step = .false.

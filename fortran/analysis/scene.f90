@@ -97,6 +97,10 @@ contains
       allocate (self%accepted%motion%u(self%dofs%n), self%guess(self%dofs%n), source=0.0_wp)
       allocate (self%place(6, size(model%rigid_body)), source=0.0_wp)
       call new_friction_history(self%accepted%friction, self%initial%touches)
+      associate (loads => self%accepted%loads)
+         allocate (loads%steady(self%dofs%n), loads%force(self%dofs%n), &
+            & loads%reaction(self%dofs%n), source=0.0_wp)
+      end associate
       call begin(self%trial, self%accepted)
       call new_friction_tests(self%friction, self%points%n)
       allocate (self%candidate(self%points%n), source=.true.)

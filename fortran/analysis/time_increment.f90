@@ -14,7 +14,8 @@ module lopin_time_increment
    use lopin_touch_order, only : order_id, parts_of_touch
    use lopin_scene, only : scene_type
    use lopin_contact_friction, only : slides_with_friction
-   use lopin_run_type, only : run_type, march_type
+   use lopin_run_type, only : run_type
+   use lopin_state, only : clock_state_type
    use lopin_increment, only : solve_increment, reject, say
    implicit none
    private
@@ -38,13 +39,13 @@ contains
       real(wp) :: target_time, turn, wanted
       logical :: turns
 
-      associate (scene => run%scene, plan => run%plan, march => run%march, frame => run%frame, &
-         & step => model%step(run%scene%step), time => run%march%time, &
-         & increment => run%march%increment)
+      associate (scene => run%scene, plan => run%plan, frame => run%frame, &
+         & clock => run%scene%accepted%clock, step => model%step(run%scene%step), &
+         & time => run%scene%accepted%clock%time, increment => run%scene%accepted%clock%increment)
          frame%attempt = 1
-         turn = next_turn(model, plan, step, run%progress%time, time)
-         if (time < march%parts_until - same_time*step%period) increment = min(increment, &
-            & march%part)
+         turn = next_turn(model, plan, step, clock%start, time)
+         if (time < clock%parts_until - same_time*step%period) increment = min(increment, &
+            & clock%part)
          do
             wanted = increment
             target_time = time + increment
@@ -54,11 +55,11 @@ contains
             increment = target_time - time
             frame%step = scene%step
             frame%step_time = target_time
-            frame%total_time = run%progress%time + target_time
+            frame%total_time = clock%start + target_time
             frame%time_increment = increment
             frame%last_of_step = .not. target_time < step%period
             scene%may_part = .not. step%direct .and. increment/parts_of_touch >= &
-               & max(step%smallest, smallest*step%period) .and. .not. time < march%parts_until &
+               & max(step%smallest, smallest*step%period) .and. .not. time < clock%parts_until &
                & - same_time*step%period
             scene%finite%dt = increment
             scene%finite%time = target_time
@@ -68,7 +69,7 @@ contains
             if (.not. may_cut(plan, scene, step, increment, error)) return
             call reject(scene)
             if (error%item(1)%id == order_id) then
-               call go_by_parts(march, scene%first_touch, time)
+               call go_by_parts(clock, scene%first_touch)
                call say(recorders, 'step '//to_text(scene%step)//', increment '// &
                   & to_text(frame%increment)//': by parts, because '//error%item(1)%message)
                deallocate (error)
@@ -92,20 +93,18 @@ contains
                & 'increments also end at the points of amplitudes, first at time '// &
                & to_text(target_time, 4)//', because the answer depends on the way', step%at)
          end if
-         time = target_time
       end associate
    end subroutine advance
 
    !> The increment ends where contact begins; what is left of it is done in parts.
-   pure subroutine go_by_parts(march, first, time)
-      type(march_type), intent(inout) :: march
+   pure subroutine go_by_parts(clock, first)
+      type(clock_state_type), intent(inout) :: clock
       real(wp), intent(in) :: first            !! share of the increment before the touch
-      real(wp), intent(in) :: time             !! where it begins [time]
 
-      march%parts_until = time + march%increment
-      march%part = (1.0_wp - first)*march%increment/parts_of_touch
-      march%increment = march%part
-      if (first*parts_of_touch > 1.0e-3_wp) march%increment = first*(march%parts_until - time)
+      clock%parts_until = clock%time + clock%increment
+      clock%part = (1.0_wp - first)*clock%increment/parts_of_touch
+      clock%increment = clock%part
+      if (first*parts_of_touch > 1.0e-3_wp) clock%increment = first*(clock%parts_until - clock%time)
    end subroutine go_by_parts
 
    !> The next increment: larger after few iterations, as long as the metal flows little in it.

@@ -11,7 +11,7 @@ module lopin_state
    use lopin_friction_state, only : friction_history_type
    implicit none
    private
-   public :: state_type, motion_type, solids_state_type, contact_state_type
+   public :: state_type, motion_type, solids_state_type, contact_state_type, clock_state_type
    public :: begin, accept, reject, new_contact_state
 
    !> Where the bodies are, and how they went there.
@@ -68,11 +68,37 @@ module lopin_state
       procedure :: pass => pass_contact
    end type contact_state_type
 
+   !> What moves the boundary, and what that has done.
+   type :: loads_state_type
+      real(wp), allocatable :: steady(:)       !! (ndof) loads without amplitude [force]
+      real(wp), allocatable :: force(:)        !! (ndof) all loads [force]
+      real(wp), allocatable :: reaction(:)     !! (ndof) of the supports [force]
+      real(wp) :: work = 0.0_wp                !! of loads and prescribed displacements [energy]
+      real(wp) :: most = 0.0_wp                !! largest energy that was about [energy]
+   contains
+      procedure :: pass => pass_loads
+   end type loads_state_type
+
+   !> How far the run has gone, and how it goes on.
+   type :: clock_state_type
+      real(wp) :: start = 0.0_wp               !! total time at the start of the step [time]
+      integer :: number = 0                    !! increments of the step
+      real(wp) :: time = 0.0_wp                !! of the step, reached [time]
+      logical :: at_end = .false.              !! the last increment of the step is accepted
+      real(wp) :: increment = 0.0_wp           !! to be tried next [time]
+      real(wp) :: parts_until = 0.0_wp         !! time of the step up to which it goes by parts
+      real(wp) :: part = 0.0_wp                !! of an increment in which contact began [time]
+   contains
+      procedure :: pass => pass_clock
+   end type clock_state_type
+
    type :: state_type
       type(motion_type) :: motion
       type(solids_state_type) :: solids
       type(contact_state_type) :: contact      !! on the present shape: the nonlinear path
       type(friction_history_type) :: friction  !! on the shape of the start: the linear path
+      type(loads_state_type) :: loads
+      type(clock_state_type) :: clock
    contains
       procedure :: pass
    end type state_type
@@ -124,6 +150,8 @@ contains
       call self%solids%pass(stream)
       call self%contact%pass(stream)
       call self%friction%pass(stream)
+      call self%loads%pass(stream)
+      call self%clock%pass(stream)
    end subroutine pass
 
    subroutine pass_motion(self, stream)
@@ -171,4 +199,28 @@ contains
       call stream%pass(self%facet)
       call stream%pass(self%held)
    end subroutine pass_contact
+
+   subroutine pass_loads(self, stream)
+      class(loads_state_type), intent(inout) :: self
+      type(stream_type), intent(inout) :: stream
+
+      call stream%pass(self%steady)
+      call stream%pass(self%force)
+      call stream%pass(self%reaction)
+      call stream%pass(self%work)
+      call stream%pass(self%most)
+   end subroutine pass_loads
+
+   subroutine pass_clock(self, stream)
+      class(clock_state_type), intent(inout) :: self
+      type(stream_type), intent(inout) :: stream
+
+      call stream%pass(self%start)
+      call stream%pass(self%number)
+      call stream%pass(self%time)
+      call stream%pass(self%at_end)
+      call stream%pass(self%increment)
+      call stream%pass(self%parts_until)
+      call stream%pass(self%part)
+   end subroutine pass_clock
 end module lopin_state

@@ -6,6 +6,7 @@ program test_loading
    use lopin_model, only : model_type
    use lopin_dofs, only : dofs_type, new_dofs
    use lopin_constraints, only : constraints_type, new_constraints
+   use lopin_state, only : state_type
    use lopin_solids, only : solids_type, solid_section_type, new_solids
    use lopin_loading, only : loading_type, new_loading, loads_at, prescribed_at, carry_loads
    use constraint_scenes, only : model_of, squares, nl
@@ -19,7 +20,7 @@ program test_loading
    type(dofs_type) :: dofs
    type(solids_type) :: solids
    type(constraints_type) :: constraints
-   real(wp), allocatable :: steady(:), u(:)
+   type(state_type) :: state
 
    call test('loads go from the old value to the new one over the step')
    call load(step('', '*CLOAD'//nl//'7, 2, 10.'//nl)//step('', '*CLOAD'//nl//'7, 2, 4.'//nl// &
@@ -61,7 +62,7 @@ program test_loading
    call follow(2, 7, -0.5_wp*[1.0_wp + 3.0_wp, 2.0_wp + 2.0_wp, 1.0_wp])
    call test('a prescribed displacement goes on from where the node is')
    call load(step('', '*BOUNDARY'//nl//'7, 2, 2, 3.'//nl))
-   u(dofs%id(2, 7)) = 1.0_wp
+   state%motion%u(dofs%id(2, 7)) = 1.0_wp
    call place([1.5_wp, 2.0_wp, 3.0_wp])
    call test('a force in local axes acts along them')
    call load('*TRANSFORM, NSET=TOP'//nl//'0.6, 0.8, 0., -0.8, 0.6, 0.'//nl// &
@@ -96,8 +97,9 @@ contains
       section(2)%formulation = ''
       call new_solids(solids, model%mesh, model%element_word, section, dofs%id, k, error)
       call is_true('solids', .not. allocated(error))
-      steady = spread(0.0_wp, 1, dofs%n)
-      u = steady
+      state%loads%steady = spread(0.0_wp, 1, dofs%n)
+      state%motion%u = state%loads%steady
+      state%clock%start = 0.0_wp
    end subroutine load
 
    !> The vertical force on a node at times 0.5, 1 and 2 of a step; then the step is over.
@@ -111,17 +113,17 @@ contains
       integer :: i
 
       call new_constraints(constraints, model, dofs, model%step(number), error)
-      call new_loading(self, model, dofs, constraints, solids, model%step(number), &
-         & 2.0_wp*(number - 1), steady, u)
+      state%clock%start = 2.0_wp*(number - 1)
+      call new_loading(self, model, dofs, constraints, solids, model%step(number), state)
       do i = 1, 3
          call loads_at(self, model, times(i), f, after)
          found(i) = f(dofs%id(2, node))
       end do
       call close_to('force', found, expected, 1.0e-13_wp)
       if (number == size(model%step)) return
-      steady = after
+      state%loads%steady = after
       call carry_loads(self, model, dofs, constraints, solids, model%step(number), &
-         & model%step(number + 1), steady)
+         & model%step(number + 1), state%loads%steady)
    end subroutine follow
 
    subroutine place(expected)
@@ -133,7 +135,7 @@ contains
       integer :: i
 
       call new_constraints(constraints, model, dofs, model%step(1), error)
-      call new_loading(self, model, dofs, constraints, solids, model%step(1), 0.0_wp, steady, u)
+      call new_loading(self, model, dofs, constraints, solids, model%step(1), state)
       allocate (value(constraints%nprescribed))
       do i = 1, 3
          call prescribed_at(self, model, times(i), value)

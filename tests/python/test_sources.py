@@ -7,10 +7,10 @@ import pytest
 #: Figures of today; lower them when they have fallen.
 LIMITS = {
     "files above 400 lines": 9,
-    "lines above 100 columns": 24,
-    "procedures above 8 arguments": 66,
+    "lines above 100 columns": 23,
+    "procedures above 8 arguments": 65,
     "procedures nested deeper than 4": 18,
-    "procedures above 60 lines": 37,
+    "procedures above 60 lines": 36,
     "types above 20 components": 9,
     "modules out of reach": 0,
     "public procedures without a docstring, %": 19.8,
