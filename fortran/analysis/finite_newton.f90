@@ -16,7 +16,8 @@ module lopin_finite_newton
    use lopin_settled, only : settled, relative, reference_of, equilibrium, correction, &
       & floor_of_rounding
    use lopin_predict, only : start_from_accepted
-   use lopin_newton_step, only : some_body_falls, find_step, take_step, refuse_inverted, coarse
+   use lopin_newton_step, only : some_body_falls, find_step, coarse
+   use lopin_line_search, only : way_type, take_step, refuse_inverted
    use lopin_contraction, only : by_old_tangent, look_without_tangent, note_step, gets_nowhere
    use lopin_judge_mesh, only : folding_at
    use lopin_finite_lagged, only : reads_lagged, renew_lagged
@@ -44,11 +45,14 @@ contains
       logical, intent(in) :: guessed           !! (v, before) is no accepted state
       type(error_type), allocatable, intent(out) :: error
       type(look_type) :: look
-      real(wp), allocatable :: step(:), jump(:)
-      real(wp) :: merits(memory), last, share, residual
+      type(way_type) :: way
+      real(wp), allocatable :: jump(:)
+      real(wp) :: merits(memory), last, residual
       integer :: iteration, stale, seen(most_sets), grounded
       logical :: lagged, fresh, first, simplified, unchanged, falls
 
+      way%load = f
+      way%prescribed = prescribed
       merits = 0.0_wp
       lagged = reads_lagged(scene)
       last = huge(1.0_wp)
@@ -130,7 +134,7 @@ contains
          if (allocated(error)) return
          falls = some_body_falls(scene)
          grounded = scene%finite%grounded
-         call find_step(scene, model, look, jump, step, error, flat=fresh, by_old=simplified)
+         call find_step(scene, model, look, jump, way%step, error, flat=fresh, by_old=simplified)
          if (allocated(error)) return
          ! The residual of a body that falls shrinks only once it has met something.
          falls = falls .and. scene%finite%grounded > grounded
@@ -138,20 +142,24 @@ contains
          if (iteration == 1 .and. loop == 0 .and. scene%finite%grounded == 0 &
             & .and. .not. (guessed .and. .not. first)) &
             & scene%finite%contact%noted = scene%finite%contact%ahead
-         call take_step(scene, model, f, v, prescribed, step, first .or. falls, maxval(merits), &
-            & with_tangent(residual), look, last, share, error)
+         way%first = first
+         way%falls = falls
+         way%merit = maxval(merits)
+         way%with_tangent = with_tangent(residual)
+         call take_step(scene, model, way, v, look, error)
          scene%finite%contact%noted = 0.0_wp
          if (allocated(error)) return
+         last = way%size
          call note_step(scene%finite%contraction, residual, relative(look, &
             & reference_of(scene, look)), .not. (first &
-            & .or. simplified .or. share < 1.0_wp) &
+            & .or. simplified .or. way%share < 1.0_wp) &
             & .and. hash_of(scene%finite%contact%status) == seen(iteration))
          if (lagged) then
             call renew_lagged(scene, model)
             call look_at(scene, model, f, .true., look, error)
             if (allocated(error)) return
          end if
-         call log_iteration(scene, look, iteration, last, share, simplified)
+         call log_iteration(scene, look, iteration, last, way%share, simplified)
          jump = 0.0_wp
       end do
       if (scene%finite%grounded > 0 .and. scene%bodies%nq > 0) then

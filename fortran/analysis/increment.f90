@@ -34,7 +34,7 @@ module lopin_increment
    use lopin_judge_drift, only : follow_drift
    use lopin_artificial_work, only : follow_artificial
    use lopin_work_balance, only : balance_type, note_work, note_energy
-   use lopin_judge_mesh, only : judge_mesh
+   use lopin_judge_mesh, only : judge_mesh, refuse_fold
    use lopin_after_step, only : look_at_pairs
    use lopin_say_once, only : say_once
    use lopin_refuse_passage, only : refuse_passage
@@ -145,6 +145,7 @@ contains
             frame%energy%external = scene%accepted%loads%work
             call certify_finite(frame%certificate, frame%energy, scene, model, forces)
             call refuse_held_points(scene, model, error)
+            if (.not. allocated(error)) call refuse_fold(scene, model, frame%certificate, error)
             if (allocated(error)) return
             call tell_finite(scene, model)
             frame%iterations = scene%finite%iterations

@@ -11,7 +11,7 @@ module lopin_judge_mesh
    use lopin_say_once, only : say_once
    implicit none
    private
-   public :: judge_mesh, judge_corners, refuse_folded, folding_at
+   public :: judge_mesh, judge_corners, refuse_folded, refuse_fold, folding_at, folds
 
    !> Scaled Jacobian at a corner below which it is about to fold, if deformation has taken half.
    real(wp), parameter :: about_to_fold = 0.1_wp, spoiled = 0.5_wp
@@ -39,8 +39,8 @@ contains
       real(wp), intent(in) :: least
       logical, intent(in) :: worsened
       type(corners_type) :: corners(size(scene%solids%group))
-      real(wp) :: x(3, 20), value, before
-      integer :: e, a, k, g, corner, first
+      real(wp) :: value, before
+      integer :: e, g, corner, first
 
       do g = 1, size(corners)
          call new_corners(corners(g), scene%solids%group(g)%element%cell)
@@ -49,25 +49,55 @@ contains
       do e = 1, model%mesh%nelement
          g = scene%solids%which(e)
          if (g == 0) cycle
-         associate (n => scene%solids%group(g)%element%cell%nnode, ndim => model%mesh%ndim)
-            do a = 1, n
-               associate (i => model%mesh%conn(a, e))
-                  x(:ndim, a) = model%mesh%x(:, i)
-                  do k = 1, ndim
-                     if (scene%dofs%id(k, i) > 0) x(k, a) = x(k, a) + u(scene%dofs%id(k, i))
-                  end do
-               end associate
-            end do
-            call worst_corner(corners(g), x, value, corner)
-            if (.not. value < fold%value) cycle
-            if (worsened) then
-               call worst_corner(corners(g), model%mesh%x(:, model%mesh%conn(:n, e)), before, first)
-               if (.not. value < spoiled*before) cycle
-            end if
-         end associate
+         call worst_at(corners(g), scene, model, u, 1.0_wp, e, value, corner)
+         if (.not. value < fold%value) cycle
+         if (worsened) then
+            call worst_at(corners(g), scene, model, u, 0.0_wp, e, before, first)
+            if (.not. value < spoiled*before) cycle
+         end if
          fold = fold_type(e, model%mesh%conn(corner, e), value)
       end do
    end subroutine find_fold
+
+   !> The worst corner of an element at a share of displacements u.
+   pure subroutine worst_at(corners, scene, model, u, share, e, value, corner)
+      type(corners_type), intent(in) :: corners
+      type(scene_type), intent(in) :: scene
+      type(model_type), intent(in) :: model
+      real(wp), intent(in) :: u(:)             !! (ndof) [length]
+      real(wp), intent(in) :: share
+      integer, intent(in) :: e
+      real(wp), intent(out) :: value           !! its scaled Jacobian
+      integer, intent(out) :: corner           !! its place among the nodes of the element
+      real(wp) :: x(model%mesh%ndim, 20)
+      integer :: a, k
+
+      associate (n => scene%solids%group(scene%solids%which(e))%element%cell%nnode)
+         do a = 1, n
+            associate (i => model%mesh%conn(a, e))
+               x(:, a) = model%mesh%x(:, i)
+               do k = 1, model%mesh%ndim
+                  if (scene%dofs%id(k, i) > 0) x(k, a) = x(k, a) &
+                     & + share*u(scene%dofs%id(k, i))
+               end do
+            end associate
+         end do
+         call worst_corner(corners, x(:, :n), value, corner)
+      end associate
+   end subroutine worst_at
+
+   !> Some corner is inside out at displacements u.
+   logical function folds(scene, model, u)
+      type(scene_type), intent(in) :: scene
+      type(model_type), intent(in) :: model
+      real(wp), intent(in) :: u(:)             !! (ndof) [length]
+      type(fold_type) :: fold
+
+      folds = .false.
+      if (4.0_wp*largest(u) < scene%margin) return
+      call find_fold(fold, scene, model, u, -rolled_flat, .false.)
+      folds = fold%element > 0
+   end function folds
 
    !> Where a mesh folds, in words; empty if it does not.
    function folding_at(scene, model, u) result(text)
@@ -138,6 +168,29 @@ contains
       self%corner = fold%value
       self%folded = model%mesh%element_label(fold%element)
    end subroutine judge_corners
+
+   !> A balance with a corner inside out that the accepted state does not lead to: forces of a folded
+   !> mesh are those of no solid, and Newton finds states among them that the path never meets.
+   subroutine refuse_fold(scene, model, certificate, error)
+      type(scene_type), intent(in) :: scene
+      type(model_type), intent(in) :: model
+      type(certificate_type), intent(inout) :: certificate
+      type(error_type), allocatable, intent(out) :: error
+      type(corners_type) :: corners
+      integer :: e, corner
+      real(wp) :: first, accepted
+
+      if (.not. scene%may_cut .or. certificate%fold_level < 2) return
+      e = findloc(model%mesh%element_label, certificate%folded, dim=1)
+      call new_corners(corners, scene%solids%group(scene%solids%which(e))%element%cell)
+      call worst_at(corners, scene, model, scene%trial%motion%u, 0.0_wp, e, first, corner)
+      call worst_at(corners, scene, model, scene%accepted%motion%u, 1.0_wp, e, accepted, corner)
+      if (accepted < min(about_to_fold, spoiled*first)) return
+      call raise(error, error_code%not_converged, 'E0514', 'the balance found has '// &
+         & 'a corner of element '//to_text(certificate%folded)//' inside out', &
+         & model%step(scene%step)%at, help='smaller increments on *STATIC')
+      certificate = certificate_type()
+   end subroutine refuse_fold
 
    !> Warn once a step of the worst corner of the accepted displacements.
    subroutine judge_mesh(scene, model, increment)

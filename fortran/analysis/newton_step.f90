@@ -1,31 +1,25 @@
-!> One step of Newton on the finite path: the direction by the exact tangent, and how much of it to
-!> take.
+!> One step of Newton on the finite path: the direction by the exact tangent. How much of it is
+!> taken, the line search says (lopin_line_search).
 module lopin_newton_step
    use lopin_kinds, only : wp
    use lopin_error, only : error_type, error_code, raise
    use lopin_vectors, only : largest
-   use lopin_text, only : to_text
    use lopin_model, only : model_type
-   use lopin_constraints, only : expand, reduce
+   use lopin_constraints, only : reduce
    use lopin_finite_kernel, only : local_matrix_type
    use lopin_finite_system, only : set_tangent, put_on_ground, solve_step
    use lopin_contact_block, only : apply_locals
    use lopin_finite_state, only : is_nonlinear
-   use lopin_finite_forces, only : look_type, look_at, of_rows
+   use lopin_finite_forces, only : look_type, of_rows
    use lopin_scene, only : scene_type
    implicit none
    private
-   public :: some_body_falls, find_step, take_step, refuse_inverted
+   public :: some_body_falls, find_step
 
-   !> Displacements that are no more than rounding, beside the scene.
-   real(wp), parameter :: motionless = 1.0e-9_wp
-   integer, parameter :: most_halvings = 6
-   !> A Newton step that lowers the merit by less than this is not worth a halving.
-   real(wp), parameter :: sufficient = 1.0e-4_wp
-   !> Tolerance of GMRES where only the length of a correction matters.
-   real(wp), parameter, public :: coarse = 1.0e-4_wp
    !> Residuals of a solid that flows, beside the largest force, that nothing asks to be smaller.
    real(wp), parameter :: enough = 1.0e-10_wp
+   !> Tolerance of GMRES where only the length of a correction matters.
+   real(wp), parameter, public :: coarse = 1.0e-4_wp
    !> And then no solution of the linear system better than this.
    real(wp), parameter :: coarsest = 1.0e-2_wp
    !> And of a Newton step.
@@ -199,118 +193,4 @@ contains
       way = largest(step)
       if (way > most_motion*scene%bodies%length) step = step*(most_motion*scene%bodies%length/way)
    end subroutine limit_motion
-
-   !> Natural monotonicity (Deuflhard 2011, 3.3): the next correction, by the same tangent, is
-   !> shorter than this one. Forces of an almost incompressible solid grow on the best of ways; its
-   !> corrections do not.
-   logical function contracts(scene, model, look, step, share)
-      type(scene_type), intent(inout) :: scene
-      type(model_type), intent(in) :: model
-      type(look_type), intent(in) :: look      !! at this share of the step
-      real(wp), intent(in) :: step(:), share
-      real(wp) :: next(size(step)), right(size(step))
-      type(error_type), allocatable :: error
-      integer :: bad
-
-      associate (neq => scene%constraints%neq)
-         right(:neq) = -look%free
-         right(neq + 1:) = -scene%finite%contact%row
-         call solve_step(scene%finite%system, right, coarse, model%solver, next, scene%clock, &
-            & scene%counter, bad, error)
-         contracts = .not. allocated(error) .and. bad == 0
-         if (contracts) contracts = norm2(next(:neq)) <= (1.0_wp - 0.25_wp*share)*norm2(step(:neq))
-      end associate
-   end function contracts
-
-   !> No correction of a solid that flows goes farther than this: beyond it contact knows nothing of
-   !> what lies opposite, and a body that has just lost it flies away.
-   real(wp) function longest_facet(scene)
-      type(scene_type), intent(in) :: scene
-
-      longest_facet = huge(1.0_wp)
-      if (scene%finite%contact%n > 0) longest_facet = maxval(scene%finite%contact%size)
-   end function longest_facet
-
-   !> Take the step, shortened until the merit is acceptable; the best try if none is.
-   subroutine take_step(scene, model, f, v, prescribed, step, first, merit, with_tangent, look, &
-      & size_, share, error)
-      type(scene_type), intent(inout) :: scene
-      type(model_type), intent(in) :: model
-      real(wp), intent(in) :: f(:)
-      real(wp), intent(inout) :: v(:)
-      real(wp), intent(in) :: prescribed(:), step(:)
-      logical, intent(in) :: first             !! the step that applies the prescribed values
-      real(wp), intent(in) :: merit            !! largest of the last few
-      logical, intent(in) :: with_tangent      !! of the whole step; a shorter one always has it
-      type(look_type), intent(inout) :: look
-      real(wp), intent(out) :: size_           !! of the correction beside the displacements
-      real(wp), intent(out) :: share           !! of the step that was taken
-      type(error_type), allocatable, intent(out) :: error
-      real(wp), allocatable :: from(:), from_multiplier(:)
-      real(wp) :: best, best_share
-      integer :: try
-
-      allocate (from, source=v)
-      allocate (from_multiplier, source=scene%trial%contact%multiplier)
-      best = huge(1.0_wp)
-      best_share = 0.0_wp
-      size_ = 0.0_wp
-      share = 1.0_wp
-      if (scene%finite%flows .and. .not. first) share = min(1.0_wp, &
-         & longest_facet(scene)/max(largest(step(:scene%constraints%neq)), tiny(1.0_wp)))
-      do try = 0, most_halvings
-         call go(with_tangent .and. try == 0)
-         if (allocated(error)) return
-         if (look%inverted == 0) then
-            if (first .or. look%merit <= (1.0_wp - sufficient*share)*merit) exit
-            if (contracts(scene, model, look, step, share)) exit
-            if (look%merit < best) then
-               best = look%merit
-               best_share = share
-            end if
-         end if
-         if (first .and. look%inverted > 0) exit
-         share = 0.5_wp*share
-      end do
-      if (look%inverted > 0 .and. .not. best_share > 0.0_wp) then
-         call refuse_inverted(scene, model, look, error)
-         return
-      end if
-      if (try > most_halvings) share = best_share
-      if (try > 0) call go(.true.)
-      scene%finite%correction = share*largest(step(:scene%constraints%neq))
-      size_ = scene%finite%correction/max(largest(scene%trial%motion%u), &
-         & motionless*scene%bodies%length)
-
-   contains
-
-      !> The state at a share of the step.
-      subroutine go(tangent)
-         logical, intent(in) :: tangent
-
-         v = from + share*step(:scene%constraints%neq)
-         call expand(scene%constraints, v, prescribed, scene%trial%motion%u)
-         scene%trial%contact%multiplier = from_multiplier + share*step(scene%constraints%neq + 1:)
-         associate (c => scene%finite%contact)
-            if (c%noted > 0.0_wp) c%noted = share*c%ahead
-         end associate
-         call look_at(scene, model, f, tangent, look, error)
-      end subroutine go
-   end subroutine take_step
-
-   !> A state in which an element is turned inside out, as an error.
-   subroutine refuse_inverted(scene, model, look, error)
-      type(scene_type), intent(in) :: scene
-      type(model_type), intent(in) :: model
-      type(look_type), intent(in) :: look
-      type(error_type), allocatable, intent(out) :: error
-      character(len=:), allocatable :: besides
-
-      besides = ''
-      if (scene%solids%group(scene%solids%which(look%inverted))%element%nmode > 0) &
-         & besides = ', or its internal modes find no balance'
-      call raise(error, error_code%not_converged, 'E0512', 'element '// &
-         & to_text(model%mesh%element_label(look%inverted))//' would turn inside out'//besides, &
-         & model%step(scene%step)%at, help='smaller increments, or a mesh that bears the strain')
-   end subroutine refuse_inverted
 end module lopin_newton_step

@@ -61,12 +61,14 @@ contains
             scene%may_part = .not. step%direct .and. increment/parts_of_touch >= &
                & max(step%smallest, smallest*step%period) .and. .not. time < clock%parts_until &
                & - same_time*step%period
+            scene%may_cut = .not. step%direct .and. cut*increment >= max(step%smallest, &
+               & smallest*step%period)
             scene%finite%dt = increment
             scene%finite%time = target_time
             call solve_increment(run, model, recorders, error)
             if (.not. allocated(error)) exit
             if (frame%certificate%verdict == 2) return
-            if (.not. may_cut(plan, scene, step, increment, error)) return
+            if (.not. may_cut(plan, scene, error)) return
             call reject(scene)
             if (error%item(1)%id == order_id) then
                call go_by_parts(clock, scene%first_touch)
@@ -123,17 +125,14 @@ contains
    end subroutine grow
 
    !> What did not converge may do so in smaller increments, where the path depends on them.
-   logical function may_cut(plan, scene, step, increment, error)
+   logical function may_cut(plan, scene, error)
       type(plan_type), intent(in) :: plan
       type(scene_type), intent(in) :: scene
-      type(step_type), intent(in) :: step
-      real(wp), intent(in) :: increment
       type(error_type), intent(in) :: error
 
       may_cut = (plan%path == path_of%finite .or. slides_with_friction(scene) &
          & .or. error%item(1)%id == passage_id) &
          & .and. error%code == error_code%not_converged &
-         & .and. error%item(1)%id /= torn_id .and. .not. step%direct &
-         & .and. cut*increment >= max(step%smallest, smallest*step%period)
+         & .and. error%item(1)%id /= torn_id .and. scene%may_cut
    end function may_cut
 end module lopin_time_increment

@@ -112,6 +112,12 @@ contains
          & 'increment. Where the strain of one increment is as large as here, the answer '// &
          & 'depends on it; increments that may be cut are.', &
          & 'smaller increments on *STATIC; DIRECT takes them as they are.')
+      call add_explanation(list, 'E0514', 'a balance with an element inside out', &
+         & 'Forces are in equilibrium, but the corner of an element has turned inside out that '// &
+         & 'was far from it where the increment began: Newton has found a balance that the path '// &
+         & 'does not lead to. Increments that may be cut are; E0504 ends the run where the path '// &
+         & 'itself folds the mesh.', &
+         & 'smaller increments on *STATIC.')
       call add_explanation(list, 'W0531', 'an element is about to fold', &
          & 'The scaled Jacobian of an element at one corner (1 where it is square, 0 where two '// &
          & 'edges lie on one line) has fallen below 0.1. The strains there lose their meaning, '// &

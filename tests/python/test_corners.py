@@ -109,3 +109,42 @@ def test_a_corner_that_turns_inside_out_ends_the_run(tmp_path, word):
         pytest.skip("no such element")
     assert done.returncode == 3, done.stderr
     assert "element 2" in done.stderr
+
+
+def pressed(kind, n, depth, static, nu=0.0, words=", NLGEOM"):
+    """A square whose bottom is held and whose middle node of the top goes down."""
+    def at(i, j):
+        return 1 + i + (n + 1)*j
+
+    nodes = "\n".join(f"{at(i, j)}, {i/n}, {j/n}" for j in range(n + 1) for i in range(n + 1))
+    elements = "\n".join(f"{1 + i + n*j}, {at(i, j)}, {at(i + 1, j)}, {at(i + 1, j + 1)}, "
+                         f"{at(i, j + 1)}" for j in range(n) for i in range(n))
+    held = "\n".join(f"{at(i, 0)}, 1, 2" for i in range(n + 1))
+    return (f"*NODE\n{nodes}\n*ELEMENT, TYPE={kind}, ELSET=E\n{elements}\n*MATERIAL, NAME=M\n"
+            f"*ELASTIC\n1000., {nu}\n*SOLID SECTION, ELSET=E, MATERIAL=M\n1.,\n*BOUNDARY\n{held}\n"
+            f"*STEP{words}\n*STATIC\n{static}\n*BOUNDARY\n{at(n//2, n)}, 2, 2, {-depth}\n"
+            "*END STEP\n")
+
+
+@pytest.mark.parametrize("kind, nu, cut", [("CPE4", 0.0, True), ("CPS4", 0.0, True),
+                                           ("CPE4I", 0.3, False)])
+def test_a_folded_balance_beside_the_path_is_not_taken(tmp_path, kind, nu, cut):
+    """In one increment full steps of Newton end in a balance with corners inside out; the path has
+    none. The last one is found by shorter steps, the others by shorter increments."""
+    done, job = run(tmp_path, pressed(kind, 8, 0.3, "1., 1.", nu))
+    assert done.returncode == 0 and job["certificate"]["corner"] == 1, done.stdout + done.stderr
+    assert ("because the balance found" in (tmp_path/"out/job.cvg").read_text()) == cut
+
+
+def test_increments_that_may_not_be_cut_say_that_they_fold(tmp_path):
+    text = pressed("CPE4", 8, 0.3, "1., 1.").replace("*STATIC", "*STATIC, DIRECT")
+    done, job = run(tmp_path, text)
+    assert done.returncode == 3 and "E0504" in done.stderr and job["certificate"]["corner"] < 0
+
+
+def test_a_path_that_folds_is_followed_to_its_fold(tmp_path):
+    """One increment would end folded at time 1; by 0.79 the corner is flat."""
+    done, job = run(tmp_path, pressed("CPE4", 4, 0.6, "1., 1."))
+    assert done.returncode == 3 and "E0504" in done.stderr
+    times = [float(line.split()[5]) for line in (tmp_path/"out/job.sta").read_text().splitlines()[2:]]
+    assert 0.77 < times[-2] < times[-1] < 0.83 and len(times) < 15
