@@ -3,6 +3,7 @@
 module lopin_after_step
    use lopin_kinds, only : wp
    use lopin_text, only : to_text
+   use lopin_stream, only : stream_type
    use lopin_model, only : model_type, method_of
    use lopin_friction, only : has_friction
    use lopin_scene, only : scene_type
@@ -12,10 +13,11 @@ module lopin_after_step
    use lopin_judge_stretch, only : judge_stretch
    use lopin_narrow_tools, only : judge_narrow_tools
    use lopin_narrow_masters, only : judge_narrow_masters
-   use lopin_small_theory, only : judge_slip, judge_elements, rotation_limit
+   use lopin_small_theory, only : strayed_type, follow_small_theory, judge_small_theory, &
+      & rotation_limit
    implicit none
    private
-   public :: seen_type, look_at_pairs, judge_step
+   public :: seen_type, look_at_increment, judge_step
 
    !> The elastic slip that penalty pairs choose, in facets; slips this many times it dwarf it.
    real(wp), parameter :: chosen_slip = 0.005_wp, slips = 20.0_wp
@@ -26,9 +28,60 @@ module lopin_after_step
    type :: seen_type
       logical, allocatable :: closed(:)      !! (npair) at some increment
       real(wp), allocatable :: nearest(:)    !! (npair) smallest gap [length]
+      type(strayed_type) :: strayed          !! beyond the theory of small displacements
+      real(wp), allocatable :: turned(:)     !! (nbody) largest rotation in the step [rad]
+   contains
+      procedure :: keep => keep_seen
    end type seen_type
 
 contains
+
+   !> To a stream or back.
+   subroutine keep_seen(self, stream)
+      class(seen_type), intent(inout) :: self
+      type(stream_type), intent(inout) :: stream
+
+      call stream%pass(self%closed)
+      call stream%pass(self%nearest)
+      call self%strayed%keep(stream)
+      call stream%pass(self%turned)
+   end subroutine keep_seen
+
+   !> Look at an accepted increment.
+   subroutine look_at_increment(self, scene, model)
+      type(seen_type), intent(inout) :: self
+      type(scene_type), intent(in) :: scene
+      type(model_type), intent(in) :: model
+      integer :: body
+
+      call look_at_pairs(self, scene, model)
+      call follow_small_theory(self%strayed, scene, model)
+      if (scene%finite%nlgeom) return
+      if (.not. allocated(self%turned)) allocate (self%turned(size(model%rigid_body)), &
+         & source=0.0_wp)
+      do body = 1, size(model%rigid_body)
+         self%turned(body) = max(self%turned(body), turn_of(scene, model, body))
+      end do
+   end subroutine look_at_increment
+
+   !> Rotation of a rigid body of nodes; 0 for other tools.
+   pure real(wp) function turn_of(scene, model, body)
+      type(scene_type), intent(in) :: scene
+      type(model_type), intent(in) :: model
+      integer, intent(in) :: body
+      real(wp) :: turn(3)
+      integer :: k
+
+      turn = 0.0_wp
+      associate (rigid => model%rigid_body(body))
+         do k = 4, 6
+            if (size(rigid%node) == 0) exit
+            if (scene%dofs%id(k, rigid%reference) > 0) turn(k - 3) = &
+               & scene%trial%motion%u(scene%dofs%id(k, rigid%reference))
+         end do
+      end associate
+      turn_of = norm2(turn)
+   end function turn_of
 
    subroutine look_at_pairs(self, scene, model)
       type(seen_type), intent(inout) :: self
@@ -85,10 +138,9 @@ contains
             call warn_of_gap(scene, model, pair, seen%nearest(pair))
          end do
       end if
-      if (.not. scene%finite%in_use) call judge_slip(scene, model)
-      if (.not. scene%finite%nlgeom) call judge_elements(scene, model)
+      call judge_small_theory(seen%strayed, scene, model)
       if (scene%finite%nlgeom) call judge_stretch(scene, model)
-      if (.not. scene%finite%nlgeom) call judge_rigid_bodies(scene, model)
+      if (.not. scene%finite%nlgeom) call judge_rigid_bodies(scene, model, seen%turned)
       call judge_narrow_tools(scene, model)
       call judge_narrow_masters(scene, model)
       call judge_elastic_slip(scene, model)
@@ -120,26 +172,20 @@ contains
    end subroutine warn_of_gap
 
    !> The nodes of a rigid body follow its rotation linearly: on tangents, not on circles.
-   subroutine judge_rigid_bodies(scene, model)
+   subroutine judge_rigid_bodies(scene, model, turned)
       type(scene_type), intent(inout) :: scene
       type(model_type), intent(in) :: model
-      real(wp) :: turn(3)
-      integer :: body, k
+      real(wp), intent(inout) :: turned(:)     !! (nbody) largest rotation in the step [rad]
+      integer :: body
 
       do body = 1, size(model%rigid_body)
-         associate (rigid => model%rigid_body(body))
-            if (size(rigid%node) == 0) cycle
-            turn = 0.0_wp
-            do k = 4, 6
-               if (scene%dofs%id(k, rigid%reference) > 0) turn(k - 3) = &
-                  & scene%trial%motion%u(scene%dofs%id(k, rigid%reference))
-            end do
-            if (norm2(turn) <= rotation_limit) cycle
-            call say_once(scene%log, 'W0513', 'rigid body '//rigid%name//' turns by '// &
-               & to_text(norm2(turn), 3)//' rad, and its nodes follow on tangents instead of '// &
-               & 'circles: the body swells by '//to_text(100.0_wp*(sqrt(1.0_wp &
-               & + norm2(turn)**2) - 1.0_wp), 3)//' %', rigid%at, &
+         associate (rigid => model%rigid_body(body), turn => turned(body))
+            if (turn > rotation_limit) call say_once(scene%log, 'W0513', 'rigid body '// &
+               & rigid%name//' turns by '//to_text(turn, 3)//' rad, and its nodes follow on '// &
+               & 'tangents instead of circles: the body swells by '// &
+               & to_text(100.0_wp*(sqrt(1.0_wp + turn**2) - 1.0_wp), 3)//' %', rigid%at, &
                & help='prescribe the displacements of the nodes, or use an analytic or STL tool')
+            turn = 0.0_wp
          end associate
       end do
    end subroutine judge_rigid_bodies

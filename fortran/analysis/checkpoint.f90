@@ -89,8 +89,7 @@ contains
       type(watch_type), intent(inout) :: self
       type(stream_type), intent(inout) :: stream
 
-      call stream%pass(self%seen%closed)
-      call stream%pass(self%seen%nearest)
+      call self%seen%keep(stream)
       call stream%pass(self%drift%way)
       call self%artificial%keep(stream)
       call self%balance%keep(stream)

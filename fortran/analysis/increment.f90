@@ -35,7 +35,7 @@ module lopin_increment
    use lopin_artificial_work, only : follow_artificial
    use lopin_work_balance, only : balance_type, note_work, note_energy
    use lopin_judge_mesh, only : judge_mesh, refuse_fold
-   use lopin_after_step, only : look_at_pairs
+   use lopin_after_step, only : look_at_increment
    use lopin_say_once, only : say_once
    use lopin_refuse_passage, only : refuse_passage
    use lopin_refuse_jump, only : refuse_jump
@@ -76,7 +76,7 @@ contains
          call judge_holds(scene, model, watch, forces%pressed, frame)
          call follow_drift(watch%drift, scene, model, forces%load, forces%pressed)
          call leave_trial(scene, frame)
-         call look_at_pairs(watch%seen, scene, model)
+         call look_at_increment(watch%seen, scene, model)
          if (scene%finite%nlgeom) call judge_mesh(scene, model, frame%increment)
          call record(scene, model, forces%reaction, recorders, frame, error)
          if (allocated(error)) return

@@ -20,6 +20,8 @@ module lopin_judge_mesh
    !> A side that has rolled onto a tool makes its corner flat, to the curvature of the tool: no
    !> more than a warning.
    real(wp), parameter :: rolled_flat = 1.0e-3_wp
+   !> Iterations of Newton may fold corners a little on their way, as where they roll onto a tool.
+   real(wp), parameter :: turned_over = 0.2_wp
 
    !> The worst corner of a mesh.
    type :: fold_type
@@ -86,7 +88,7 @@ contains
       end associate
    end subroutine worst_at
 
-   !> Some corner is inside out at displacements u.
+   !> Some corner is well inside out at displacements u: an iteration may pass flat ones.
    logical function folds(scene, model, u)
       type(scene_type), intent(in) :: scene
       type(model_type), intent(in) :: model
@@ -95,7 +97,7 @@ contains
 
       folds = .false.
       if (4.0_wp*largest(u) < scene%margin) return
-      call find_fold(fold, scene, model, u, -rolled_flat, .false.)
+      call find_fold(fold, scene, model, u, -turned_over, .false.)
       folds = fold%element > 0
    end function folds
 
@@ -169,8 +171,9 @@ contains
       self%folded = model%mesh%element_label(fold%element)
    end subroutine judge_corners
 
-   !> A balance with a corner inside out that the accepted state does not lead to: forces of a folded
-   !> mesh are those of no solid, and Newton finds states among them that the path never meets.
+   !> A balance with a corner inside out that the accepted state does not lead to: forces of a
+   !> folded mesh are those of no solid, and Newton finds states among them that the path never
+   !> meets.
    subroutine refuse_fold(scene, model, certificate, error)
       type(scene_type), intent(in) :: scene
       type(model_type), intent(in) :: model
@@ -204,9 +207,9 @@ contains
       associate (worst => fold%element, node => fold%node, least => fold%value)
          call say_once(scene%log, 'W0531', 'element '//to_text(model%mesh%element_label(worst))// &
             & ' is about to fold at node '//to_text(model%mesh%node_label(node))//' in step '// &
-            & to_text(scene%step)//', increment '//to_text(increment)//': its scaled Jacobian is '// &
-            & to_text(least, 3), model%step(scene%step)%at, &
-            & help='a mesh made for the deformed shape, or finer where the body turns round an edge')
+            & to_text(scene%step)//', increment '//to_text(increment)//': its scaled Jacobian '// &
+            & 'is '//to_text(least, 3), model%step(scene%step)%at, help='a mesh made for the '// &
+            & 'deformed shape, or finer where the body turns round an edge')
       end associate
    end subroutine judge_mesh
 end module lopin_judge_mesh

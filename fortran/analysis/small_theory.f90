@@ -1,8 +1,12 @@
 !> Limits of the theory of small displacements: slips, rotations and strains beyond them.
+!>
+!> Every accepted increment is looked at, for what goes beyond a limit may come back before the step
+!> ends; the end of the step says the worst.
 module lopin_small_theory
    use lopin_kinds, only : wp
    use lopin_text, only : to_text
    use lopin_model, only : model_type, kind_of
+   use lopin_stream, only : stream_type
    use lopin_scene, only : scene_type
    use lopin_present_gaps, only : relative_motion
    use lopin_tool, only : foot_type, project_moved
@@ -10,7 +14,7 @@ module lopin_small_theory
    use lopin_say_once, only : say_once
    implicit none
    private
-   public :: judge_slip, judge_elements, pair_that_slid, gradient_of
+   public :: strayed_type, follow_small_theory, judge_small_theory, pair_that_slid, gradient_of
 
    !> Limits of small displacement: slip over facet, rotation [rad], strain [-].
    real(wp), parameter :: slip_limit = 0.25_wp, strain_limit = 0.05_wp
@@ -18,27 +22,77 @@ module lopin_small_theory
    !> Normals are parallel up to this.
    real(wp), parameter :: parallel = 1.0e-8_wp
 
+   !> What went farthest beyond the limits so far in a step; places 0: nothing did.
+   type :: strayed_type
+      real(wp) :: slip = slip_limit            !! over facet [-]
+      real(wp) :: rotation = rotation_limit    !! [rad]
+      real(wp) :: strain = strain_limit        !! [-]
+      integer :: slid = 0                      !! point
+      integer :: turned = 0, strained = 0      !! elements
+   contains
+      procedure :: keep => keep_strayed
+   end type strayed_type
+
 contains
+
+   !> To a stream or back.
+   subroutine keep_strayed(self, stream)
+      class(strayed_type), intent(inout) :: self
+      type(stream_type), intent(inout) :: stream
+
+      call stream%pass(self%slip)
+      call stream%pass(self%rotation)
+      call stream%pass(self%strain)
+      call stream%pass(self%slid)
+      call stream%pass(self%turned)
+      call stream%pass(self%strained)
+   end subroutine keep_strayed
+
+   !> Look at an accepted increment.
+   subroutine follow_small_theory(self, scene, model)
+      type(strayed_type), intent(inout) :: self
+      type(scene_type), intent(in) :: scene
+      type(model_type), intent(in) :: model
+      real(wp) :: slip
+      integer :: worst, pair
+
+      if (.not. scene%finite%in_use) then
+         call worst_slip(scene, model, [(.true., pair=1, size(model%pair))], worst, slip)
+         if (worst > 0 .and. slip > self%slip) then
+            self%slip = slip
+            self%slid = worst
+         end if
+      end if
+      if (.not. scene%finite%nlgeom) call look_at_elements(self, scene, model)
+   end subroutine follow_small_theory
+
+   !> Say at the end of a step what its increments went beyond; the next begins anew.
+   subroutine judge_small_theory(self, scene, model)
+      type(strayed_type), intent(inout) :: self
+      type(scene_type), intent(inout) :: scene
+      type(model_type), intent(in) :: model
+
+      if (self%slid > 0) call say_slip(self, scene, model)
+      call say_elements(self, scene, model)
+      self = strayed_type()
+   end subroutine judge_small_theory
 
    !> Closed points that have slid far on their facet: the normal and the place are those of the
    !> start.
-   subroutine judge_slip(scene, model)
+   subroutine say_slip(self, scene, model)
+      type(strayed_type), intent(in) :: self
       type(scene_type), intent(inout) :: scene
       type(model_type), intent(in) :: model
-      real(wp) :: largest
-      integer :: worst
 
-      call worst_slip(scene, model, [(.true., worst=1, size(model%pair))], worst, largest)
-      if (worst == 0) return
       call say_once(scene%log, 'W0505', 'node '// &
-         & to_text(model%mesh%node_label(scene%points%node(worst)))// &
-         & ' has slid by '//to_text(nint(100.0_wp*largest))//' % of its facet in step '// &
+         & to_text(model%mesh%node_label(scene%points%node(self%slid)))// &
+         & ' has slid by '//to_text(nint(100.0_wp*self%slip))//' % of its facet in step '// &
          & to_text(scene%step)// &
          & ': contact is followed where the node was at the start', &
-         & model%pair(scene%points%pair(worst))%at, &
+         & model%pair(scene%points%pair(self%slid))%at, &
          & help='the pressure is moved by as much: judge the answer by this distance, or '// &
          & 'take *LOPIN, PATH=FINITE, which follows the slave')
-   end subroutine judge_slip
+   end subroutine say_slip
 
    !> The pair without SMALL SLIDING whose points slid farther than the small theory bears; 0: none.
    integer function pair_that_slid(scene, model) result(pair)
@@ -133,41 +187,45 @@ contains
    end function own_motion
 
    !> Rotations and strains of the elements, from the mean gradient of their nodes' displacements.
-   subroutine judge_elements(scene, model)
-      type(scene_type), intent(inout) :: scene
+   subroutine look_at_elements(self, scene, model)
+      type(strayed_type), intent(inout) :: self
+      type(scene_type), intent(in) :: scene
       type(model_type), intent(in) :: model
-      real(wp) :: rotation, strain, most_rotation, most_strain
-      integer :: e, turned, strained
+      real(wp) :: rotation, strain
+      integer :: e
 
-      most_rotation = rotation_limit
-      most_strain = strain_limit
-      turned = 0
-      strained = 0
       do e = 1, model%mesh%nelement
          if (model%mesh%section(e) == 0) cycle
          call mean_gradient(scene, model, e, rotation, strain)
-         if (rotation > most_rotation) then
-            most_rotation = rotation
-            turned = e
+         if (rotation > self%rotation) then
+            self%rotation = rotation
+            self%turned = e
          end if
-         if (strain > most_strain) then
-            most_strain = strain
-            strained = e
+         if (strain > self%strain) then
+            self%strain = strain
+            self%strained = e
          end if
       end do
-      if (turned > 0) call say_once(scene%log, 'W0506', 'element '// &
-         & to_text(model%mesh%element_label(turned))// &
-         & ' turns by '//to_text(most_rotation, 3)// &
+   end subroutine look_at_elements
+
+   subroutine say_elements(self, scene, model)
+      type(strayed_type), intent(in) :: self
+      type(scene_type), intent(inout) :: scene
+      type(model_type), intent(in) :: model
+
+      if (self%turned > 0) call say_once(scene%log, 'W0506', 'element '// &
+         & to_text(model%mesh%element_label(self%turned))// &
+         & ' turns by '//to_text(self%rotation, 3)// &
          & ' rad: rotations are taken as small (NLGEOM=NO)', &
          & model%step(scene%step)%at, &
          & help='a rotation t stretches by t^2/2; hold the motion if it is not meant')
-      if (strained > 0) call say_once(scene%log, 'W0507', 'element '// &
-         & to_text(model%mesh%element_label(strained))// &
-         & ' is strained by '//to_text(100.0_wp*most_strain, 3)// &
+      if (self%strained > 0) call say_once(scene%log, 'W0507', 'element '// &
+         & to_text(model%mesh%element_label(self%strained))// &
+         & ' is strained by '//to_text(100.0_wp*self%strain, 3)// &
          & ' %: strains are taken as small (NLGEOM=NO)', &
          & model%step(scene%step)%at, &
          & help='look at units, loads and modulus; beyond 5 % the answer is linear in name only')
-   end subroutine judge_elements
+   end subroutine say_elements
 
    subroutine mean_gradient(scene, model, e, rotation, strain)
       type(scene_type), intent(in) :: scene

@@ -100,7 +100,8 @@ contains
          & 'hold rotations that are not meant; look at modulus and loads.')
       call add_explanation(list, 'W0507', 'an element is strained much', &
          & 'Stresses are linear in strains that are linear in displacements: beyond 5 % the '// &
-         & 'answer differs from that of finite strains by as much.', &
+         & 'answer differs from that of finite strains by as much. Every increment of a step '// &
+         & 'is looked at; the largest strain is said at its end.', &
          & 'look at units, loads and modulus.')
       call add_explanation(list, 'W0513', 'a rigid body of nodes turns far', &
          & 'Without NLGEOM the nodes of *RIGID BODY, NSET= or ELSET= follow their reference '// &
@@ -114,9 +115,9 @@ contains
          & 'smaller increments on *STATIC; DIRECT takes them as they are.')
       call add_explanation(list, 'E0514', 'a balance with an element inside out', &
          & 'Forces are in equilibrium, but the corner of an element has turned inside out that '// &
-         & 'was far from it where the increment began: Newton has found a balance that the path '// &
-         & 'does not lead to. Increments that may be cut are; E0504 ends the run where the path '// &
-         & 'itself folds the mesh.', &
+         & 'was far from it where the increment began: Newton has found a balance that the '// &
+         & 'path does not lead to. Increments that may be cut are; E0504 ends the run where '// &
+         & 'the path itself folds the mesh.', &
          & 'smaller increments on *STATIC.')
       call add_explanation(list, 'W0531', 'an element is about to fold', &
          & 'The scaled Jacobian of an element at one corner (1 where it is square, 0 where two '// &

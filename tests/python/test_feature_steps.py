@@ -175,6 +175,22 @@ def test_straining_far_is_told(go):
     assert go(s).ids() == []
 
 
+@pytest.mark.parametrize("held, told", [("B, 1\nB_BOTTOM, 2", "6 %"), ("1, 1, 2", "0.1 rad")],
+                         ids=["strain", "rotation"])
+def test_what_goes_too_far_and_comes_back_is_told(go, held, told):
+    """The end of the step is free of it: the increments between are looked at, said once."""
+    s = Scene(E)
+    s.block("B", (0, 0), (W, H), (2, 1))
+    s.add("*AMPLITUDE, NAME=A\n0., 0., 0.5, 1., 1., 0.")
+    moved = "B_TOP, 2, 2, 0.06" if "B" in held else "5, 2, 2, 0.2"
+    s.step(f"*BOUNDARY\n{held}\n*BOUNDARY, AMPLITUDE=A\n{moved}", "0.25, 1.", ", DIRECT")
+    s.step(f"*BOUNDARY\n{held}")
+    r = go(s)
+    assert r.code == 0 and len(r.ids()) == 1, r.output
+    assert told in r.message("W0507" if "%" in told else "W0506")
+    assert np.abs(r.history["energy.strain"][-1]) < 1e-12
+
+
 def test_a_rigid_motion_to_the_touch_is_no_trouble(go):
     """All forces are rounding: nothing may be judged beside them."""
     s = two_blocks(4, 3, gap=0.02)

@@ -9,11 +9,11 @@ LIMITS = {
     "files above 400 lines": 9,
     "lines above 100 columns": 23,
     "procedures above 8 arguments": 65,
-    "procedures nested deeper than 4": 18,
-    "procedures above 60 lines": 36,
+    "procedures nested deeper than 4": 17,
+    "procedures above 60 lines": 35,
     "types above 20 components": 9,
     "modules out of reach": 0,
-    "public procedures without a docstring, %": 19.8,
+    "public procedures without a docstring, %": 19.6,
 }
 
 
