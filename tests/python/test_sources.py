@@ -7,8 +7,8 @@ import pytest
 #: Figures of today; lower them when they have fallen.
 LIMITS = {
     "files above 400 lines": 9,
-    "lines above 100 columns": 23,
-    "procedures above 8 arguments": 65,
+    "lines above 100 columns": 21,
+    "procedures above 8 arguments": 64,
     "procedures nested deeper than 4": 17,
     "procedures above 60 lines": 35,
     "types above 20 components": 9,
