@@ -29,6 +29,9 @@ contains
 
       do pair = 1, size(self%mortar)
          if (.not. self%mortar(pair)%is_on) cycle
+         associate (master => self%masters%of(pair)%surface)
+            if (start .or. .not. allocated(master%outlook)) master%outlook = master%disc(4:6, :)
+         end associate
          call update_mortar(self%mortar(pair), self%masters%rules, self%masters%of(pair)%surface, &
             & self%masters%of(pair)%tree, self%masters%x, start, error)
          if (allocated(error)) return

@@ -128,6 +128,8 @@ contains
       self%is_ready = .true.
       call update_surface(self%slave, x, error)
       if (allocated(error)) return
+      if (start .or. .not. allocated(self%slave%outlook)) self%slave%outlook &
+         & = self%slave%disc(4:6, :)
       call piece_normals(self%slave, rules, x, self%axisymmetric, normal)
       reach = norm2(max(maxval(self%slave%high, 2), maxval(master%high, 2)) &
          & - min(minval(self%slave%low, 2), minval(master%low, 2)))
@@ -184,7 +186,7 @@ contains
       call new_patch(patch, self%slave, master, self%list, node, self%slave%node(also), share, &
          & self%piece, self%piece_of([k, also]), self%cover%share)
       call mortar_row(row, patch, constant(x(:2, patch%node)), self%axisymmetric, &
-         & self%thickness(1), facing)
+         & self%thickness(1))
       patch%met = row
       covered = row%weight%v > 0.0_wp
       if (.not. covered) return
@@ -322,7 +324,7 @@ contains
          end do
          if (with_tangent) then
             call mortar_row(own, patch, place(:, :size(patch%node)), self%axisymmetric, &
-               & self%thickness(1), facing)
+               & self%thickness(1))
          else
             own = patch%met
          end if

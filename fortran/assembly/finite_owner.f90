@@ -74,7 +74,7 @@ contains
       if (all(here == self%before(:, i))) self%returns(i) = self%returns(i) + 1
       self%before(:, i) = self%last(:, i)
       self%last(:, i) = here
-      if (self%returns(i) < most_returns .or. found%place /= place%inside) return
+      if (self%returns(i) < most_returns .or. .not. is_on_facet(found)) return
       if (found%facet /= self%refused(i)) self%held(i) = found%facet
    end subroutine note_owner
 
@@ -103,7 +103,7 @@ contains
       integer :: cell, family
 
       past = .false.
-      kept = found%facet == facet .and. found%place == place%inside
+      kept = found%facet == facet .and. is_on_facet(found)
       if (kept .or. found%facet == 0) return
       at = 0.0_wp
       at(:size(x)) = x
@@ -124,6 +124,12 @@ contains
       past = .true.
       found = other
    end subroutine keep_facet
+
+   !> The foot is free to move on its facet, or on the facet continued at the surface's perimeter.
+   pure logical function is_on_facet(found)
+      type(projection_type), intent(in) :: found
+      is_on_facet = any(found%place == [place%inside, place%extended])
+   end function is_on_facet
 
    !> Normal of a facet in the space of the slave's.
    pure function head_on(surface, facet, xi, ndim) result(n)

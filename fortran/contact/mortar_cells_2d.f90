@@ -39,15 +39,13 @@ module lopin_mortar_cells_2d
 
 contains
 
-   !> The segment of two facets; `overlaps` is false where they share none or do not face.
-   pure subroutine integrate_segment(slave, normal, master, axisymmetric, thickness, facing, &
-      & segment)
+   !> The segment of two facets; `overlaps` is false where they share none.
+   pure subroutine integrate_segment(slave, normal, master, axisymmetric, thickness, segment)
       type(dual_type), intent(in) :: slave(:, :)    !! (2, 2 or 3) its nodes [length]
       type(dual_type), intent(in) :: normal(:, :)   !! (2, the same) slave's outward unit normals
       type(dual_type), intent(in) :: master(:, :)   !! (2, 2 or 3) its nodes [length]
       logical, intent(in) :: axisymmetric
       real(wp), intent(in) :: thickness             !! not read if axisymmetric [length]
-      real(wp), intent(in) :: facing                !! n_slave.n_master must be below this [-]
       type(segment_type), intent(out) :: segment
       type(dual_type) :: x(2, size(slave, 2)), y(2, size(master, 2)), half, middle
       real(wp) :: origin(2)
@@ -63,7 +61,6 @@ contains
       call slave_parameter(x, normal, y(:, 2), segment%from)
       call slave_parameter(x, normal, y(:, 1), segment%to)
       if (.not. segment%to%v - segment%from%v > shortest) return
-      if (.not. faces(x, normal, y, 0.5_wp*(segment%from%v + segment%to%v), facing)) return
       segment%overlaps = .true.
       half = 0.5_wp*(segment%to - segment%from)
       middle = 0.5_wp*(segment%to + segment%from)
@@ -272,23 +269,4 @@ contains
          if (abs(eta) > 3.0_wp) eta = sign(1.0_wp, eta)
       end do
    end function master_value
-
-   !> The master's outward normal looks back at the slave's where they are opposite.
-   pure logical function faces(x, normal, y, xi, facing)
-      type(dual_type), intent(in) :: x(:, :), normal(:, :), y(:, :)
-      real(wp), intent(in) :: xi, facing
-      real(wp) :: n(3), dn(3), nu(2), tangent(2), cosine
-      integer :: k
-
-      k = size(x, 2)
-      call line_values(k, xi, n, dn)
-      nu = matmul(normal%v, n(:k))
-      associate (eta => master_value(matmul(x%v, n(:k)), nu, y%v))
-         call line_values(size(y, 2), eta, n, dn)
-      end associate
-      tangent = matmul(y%v, dn(:size(y, 2)))
-      cosine = (tangent(2)*nu(1) - tangent(1)*nu(2)) &
-         & /max(tiny(1.0_wp), norm2(tangent)*norm2(nu))
-      faces = cosine < facing
-   end function faces
 end module lopin_mortar_cells_2d

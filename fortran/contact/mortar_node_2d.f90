@@ -51,7 +51,6 @@ module lopin_mortar_node_2d
    type :: measure_type
       logical :: axisymmetric = .false.
       real(wp) :: thickness = 1.0_wp               !! not read if axisymmetric [length]
-      real(wp) :: facing = 0.0_wp                  !! n_slave.n_master must be below this [-]
    end type measure_type
 
    !> Below this share of a facet the standard basis stays, as in lopin_mortar.
@@ -155,13 +154,12 @@ contains
    end subroutine take_place
 
    !> The row at present places.
-   subroutine mortar_row(self, patch, x, axisymmetric, thickness, facing)
+   subroutine mortar_row(self, patch, x, axisymmetric, thickness)
       type(mortar_row_type), intent(out) :: self
       type(patch_type), intent(in) :: patch
       type(dual_type), intent(in) :: x(:, :)       !! (2, places) [length]
       logical, intent(in) :: axisymmetric
       real(wp), intent(in) :: thickness            !! not read if axisymmetric [length]
-      real(wp), intent(in) :: facing               !! n_slave.n_master must be below this [-]
       type(dual_type) :: length, side(2, 3, most_facets)
       integer :: i, k
 
@@ -172,7 +170,7 @@ contains
       end do
       do i = 1, patch%nchain
          if (patch%at_node(i)) call add_facet(self, patch, x, side, &
-            & measure_type(axisymmetric, thickness, facing), i)
+            & measure_type(axisymmetric, thickness), i)
       end do
       if (.not. self%weight%v > 0.0_wp) return
       if (axisymmetric .and. is_on_axis(x, 1) .and. abs(self%normal(2)%v) > 0.0_wp) &
@@ -269,7 +267,7 @@ contains
          if (patch%over(c) /= i) cycle
          call integrate_segment(own(:, :n), normal(:, :n), &
             & x(:, patch%cover(:patch%ncovered(c), c)), how%axisymmetric, how%thickness, &
-            & how%facing, segment(c))
+            & segment(c))
          if (.not. segment(c)%overlaps) cycle
          me = me + segment(c)%me
          d = d + segment(c)%d

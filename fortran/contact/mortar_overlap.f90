@@ -1,9 +1,10 @@
 !> What a slave facet and a master facet share: integrals of the standard basis, from the kernels.
 module lopin_mortar_overlap
    use lopin_kinds, only : wp
+   use lopin_surface, only : surface_type
    implicit none
    private
-   public :: overlap_type, overlap_list_type, add_overlap
+   public :: overlap_type, overlap_list_type, add_overlap, cosine_between
 
    !> Weight of all integrals: thickness, or 2 pi r, or 1 in space.
    type :: overlap_type
@@ -22,6 +23,20 @@ module lopin_mortar_overlap
    end type overlap_list_type
 
 contains
+
+   !> Of the axes of two facets, where the increment began if the surfaces move: which facets face
+   !> each other stays within an increment, for a wall that comes and goes as a whole when it is
+   !> seen at an angle makes the rows jump between Newton's iterations.
+   pure real(wp) function cosine_between(slave, i, master, j) result(cosine)
+      type(surface_type), intent(in) :: slave, master
+      integer, intent(in) :: i, j
+
+      if (allocated(slave%outlook) .and. allocated(master%outlook)) then
+         cosine = dot_product(slave%outlook(:, i), master%outlook(:, j))
+      else
+         cosine = dot_product(slave%disc(4:6, i), master%disc(4:6, j))
+      end if
+   end function cosine_between
 
    pure subroutine add_overlap(self, item)
       type(overlap_list_type), intent(inout) :: self

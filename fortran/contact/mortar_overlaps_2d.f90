@@ -5,7 +5,8 @@ module lopin_mortar_overlaps_2d
    use lopin_surface, only : surface_type
    use lopin_search, only : tree_type
    use lopin_box_query, only : facets_in_box
-   use lopin_mortar_overlap, only : overlap_type, overlap_list_type, add_overlap
+   use lopin_mortar_overlap, only : overlap_type, overlap_list_type, add_overlap, &
+      & cosine_between
    use lopin_mortar_cells_2d, only : segment_type, integrate_segment
    implicit none
    private
@@ -52,12 +53,13 @@ contains
          if (allocated(segment)) deallocate (segment)
          allocate (segment(size(candidate)))
          do k = 1, size(candidate)
+            if (.not. cosine_between(slave, i, master, candidate(k)) < facing) cycle
             m = master%facets%nnode(candidate(k))
             if (any(master%facets%node(:m, candidate(k)) == slave%facets%node(1, i)) .and. &
                & any(master%facets%node(:m, candidate(k)) == slave%facets%node(2, i))) cycle
             other(:, :m) = constant(x(:2, master%facets%node(:m, candidate(k))))
             call integrate_segment(place(:, :n), nu(:, :n), other(:, :m), axisymmetric, &
-               & thickness(i), facing, segment(found + 1))
+               & thickness(i), segment(found + 1))
             if (.not. segment(found + 1)%overlaps) cycle
             if (present(depth)) then
                if (sum(segment(found + 1)%gap(:n)%v) < -depth(i)*segment(found + 1)%area%v) cycle

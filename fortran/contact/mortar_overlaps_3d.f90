@@ -5,7 +5,7 @@ module lopin_mortar_overlaps_3d
    use lopin_surface, only : surface_type
    use lopin_search, only : tree_type
    use lopin_box_query, only : facets_in_box
-   use lopin_mortar_overlap, only : overlap_list_type, add_overlap
+   use lopin_mortar_overlap, only : overlap_list_type, add_overlap, cosine_between
    use lopin_mortar_cells_3d, only : mortar_kernel_type, mortar_sums_type, integrate_overlap
    implicit none
    private
@@ -115,7 +115,7 @@ contains
       do k = 1, size(candidate)
          associate (j => candidate(k))
             nm = master%facets%nnode(j)
-            if (.not. dot_product(slave%disc(4:6, i), master%disc(4:6, j)) < facing) cycle
+            if (.not. cosine_between(slave, i, master, j) < facing) cycle
             if (beside(slave%disc(:, i), master%disc(:, j))) cycle
             if (same_nodes(slave%facets%node(:3, i), master%facets%node(:nm, j))) cycle
             other(:, :nm) = x(:, master%facets%node(:nm, j))

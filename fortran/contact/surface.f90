@@ -33,6 +33,7 @@ module lopin_surface
       real(wp), allocatable :: low(:, :), high(:, :) !! (3, n) box of each facet [length]
       real(wp), allocatable :: disc(:, :) !! (8, n) centre, axis, radius, half height [length]
       logical, allocatable :: flat(:)                !! (n) one normal all over
+      real(wp), allocatable :: outlook(:, :)  !! (3, n) axes where the increment began, if it moves
       real(wp), allocatable :: size(:)               !! (n) mean edge length [length]
       real(wp), allocatable :: pseudo(:, :) !! (3, nnode) angle-weighted unit normal of corners
    end type surface_type

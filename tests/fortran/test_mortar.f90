@@ -80,7 +80,7 @@ contains
       type(segment_type) :: s
 
       call integrate_segment(reshape(input(:2*ns), [2, ns]), reshape(input(2*ns + 1:4*ns), &
-         & [2, ns]), reshape(input(4*ns + 1:), [2, nm]), axisymmetric, 0.7_wp, facing, s)
+         & [2, ns]), reshape(input(4*ns + 1:), [2, nm]), axisymmetric, 0.7_wp, s)
       call is_true('overlaps', s%overlaps)
       output(:9) = reshape(s%me, [9])
       output(10:12) = s%d
@@ -131,7 +131,7 @@ contains
       call test('a segment integral is the sum over all rays that meet the master')
       call two_facets(ns, nm, 5*ns + nm, x, normal, y)
       call integrate_segment(constant(x), constant(normal), constant(y), axisymmetric, 0.7_wp, &
-         & facing, s)
+         & s)
       d = 0.0_wp
       b = 0.0_wp
       gap = 0.0_wp

@@ -111,7 +111,7 @@ contains
             at(k, m) = variable(place(k, m), merge(1, 0, 2*(m - 1) + k == input))
          end do
       end do
-      call mortar_row(row, patch, at, axisymmetric, 0.7_wp, facing)
+      call mortar_row(row, patch, at, axisymmetric, 0.7_wp)
    end subroutine row_at
 
    subroutine values_are_the_couplings()
