@@ -20,7 +20,9 @@ module lopin_narrow_masters
    use lopin_contact_points, only : pair_is_tied, facing
    use lopin_scene, only : scene_type
    use lopin_standing_tool, only : find_places
+   use lopin_mortar_pairs, only : is_mortar
    use lopin_narrow_tools, only : open_by, too_deep
+   use lopin_narrow_ribs, only : judge_narrow_ribs
    use lopin_present_gaps, only : gap_of
    use lopin_say_once, only : say_once
    implicit none
@@ -66,6 +68,8 @@ contains
             ! Facets without area: said elsewhere.
             if (allocated(error)) cycle
             call judge_pair(scene, model, cells, pair, slave, master, x)
+            if (.not. is_mortar(model, p)) call judge_narrow_ribs(scene, model, pair, slave, &
+               & master, x)
          end associate
       end do
 

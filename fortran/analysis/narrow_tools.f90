@@ -19,6 +19,7 @@ module lopin_narrow_tools
    implicit none
    private
    public :: judge_narrow_tools, open_by, too_deep
+   public :: touch_type, find_closed, width_of, left, narrow, most_edges, steps
 
    !> Nodes that are open by more, in facets, do not see what is inside.
    real(wp), parameter :: open_by = 0.05_wp

@@ -26,10 +26,11 @@ contains
       real(wp), intent(in) :: area(:)          !! (slave facets) [area]
       type(overlap_list_type), intent(in) :: list
       type(cover_type), intent(in) :: cover    !! planned
-      real(wp) :: share(slave%facets%n), away(slave%facets%n)
+      real(wp) :: share(slave%facets%n), away(slave%facets%n), ratio(slave%nnode)
       integer :: i
       logical :: met(slave%facets%n), part
 
+      ratio = covered_share(slave, area, list, cover)
       share = 0.0_wp
       away = huge(1.0_wp)
       do i = 1, list%n
@@ -43,16 +44,54 @@ contains
       met = .not. share > 0.0_wp
       do i = 1, slave%facets%n
          if (met(i)) cycle
-         call judge_part(slave, share, away, cover, i, met, part)
+         call judge_part(slave, share, away, ratio, i, met, part)
          narrow = narrow .or. part
       end do
    end function has_narrow_part
 
+   !> Share of a node's function that is covered. A function of second order does not reach as far
+   !> as a punch one facet wide: of such facets those of the corners alone count, which are linear.
+   pure function covered_share(slave, area, list, cover) result(ratio)
+      type(surface_type), intent(in) :: slave
+      real(wp), intent(in) :: area(:)
+      type(overlap_list_type), intent(in) :: list
+      type(cover_type), intent(in) :: cover
+      real(wp) :: ratio(slave%nnode), covered(slave%nnode), whole(slave%nnode)
+      integer :: i, k, n, nc
+
+      ratio = cover%ratio
+      covered = 0.0_wp
+      whole = 0.0_wp
+      do i = 1, slave%facets%n
+         nc = slave%basis%ncorner(slave%facets%cell(i))
+         if (slave%facets%nnode(i) == nc) cycle
+         associate (own => slave%local(:slave%facets%nnode(i), i))
+            ratio(own) = 0.0_wp
+            whole(own(:nc)) = whole(own(:nc)) + area(i)/nc
+         end associate
+      end do
+      do i = 1, list%n
+         associate (o => list%item(i))
+            n = slave%facets%nnode(o%slave)
+            nc = slave%basis%ncorner(slave%facets%cell(o%slave))
+            if (n == nc) cycle
+            associate (own => slave%local(:n, o%slave))
+               covered(own(:nc)) = covered(own(:nc)) + o%d(:nc)
+               do k = 1, n - nc
+                  covered(own(k)) = covered(own(k)) + 0.5_wp*o%d(nc + k)
+                  covered(own(1 + mod(k, nc))) = covered(own(1 + mod(k, nc))) + 0.5_wp*o%d(nc + k)
+               end do
+            end associate
+         end associate
+      end do
+      where (whole > 0.0_wp) ratio = covered/max(whole, tiny(1.0_wp))
+   end function covered_share
+
    !> The part that holds a facet; marks its facets as met.
-   pure subroutine judge_part(slave, share, away, cover, first, met, narrow)
+   pure subroutine judge_part(slave, share, away, ratio, first, met, narrow)
       type(surface_type), intent(in) :: slave
       real(wp), intent(in) :: share(:), away(:)
-      type(cover_type), intent(in) :: cover
+      real(wp), intent(in) :: ratio(:)         !! (slave%nnode) covered
       integer, intent(in) :: first
       logical, intent(inout) :: met(:)
       logical, intent(out) :: narrow
@@ -71,7 +110,7 @@ contains
          narrow = narrow .and. share(i) < wholly
          do k = 1, slave%facets%nnode(i)
             associate (node => slave%local(k, i))
-               narrow = narrow .and. cover%ratio(node) < one_facet
+               narrow = narrow .and. ratio(node) < one_facet
                do j = slave%ring_first(node), slave%ring_first(node + 1) - 1
                   if (met(slave%ring(j))) cycle
                   met(slave%ring(j)) = .true.

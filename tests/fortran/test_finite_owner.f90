@@ -49,6 +49,13 @@ contains
       call is_true('more are not', owner%held(1) == 7 + mod(most_returns, 2))
       call note_owner(owner, 1, at_facet(owner%held(1)), .true.)
       call is_true('it stays', owner%held(1) == 7 + mod(most_returns, 2))
+      call test('so does one beside the perimeter, on the facet continued there')
+      call start_owners(owner)
+      do turn = 1, most_returns + 2
+         call note_owner(owner, 1, projection_type(facet=7 + mod(turn, 2), &
+            & place=place%extended), .false.)
+      end do
+      call is_true('kept', owner%held(1) == 7 + mod(most_returns, 2))
       call test('a point that goes on keeps nothing')
       call note_owner(owner, 2, at_facet(1), .false.)
       call note_owner(owner, 2, at_facet(2), .false.)

@@ -9,16 +9,18 @@ FACET = 0.25
 
 def meshes(kind, width, centre):
     """A slab whose top is at 0, and a rib that stands on it."""
-    if kind == "CPE4":
-        return (block((3.0, 1.0), (12, 4), origin=(-1.5, -1.0)),
-                block((width, 1.0), (2, 3), origin=(centre - width/2, 0.0)))
+    if kind.startswith("CPE"):
+        second = kind == "CPE8"
+        return (block((3.0, 1.0), (12, 4), origin=(-1.5, -1.0), quadratic=second),
+                block((width, 1.0), (2, 3), origin=(centre - width/2, 0.0), quadratic=second))
     return (block((3.0, FACET, 1.0), (12, 1, 4), origin=(-1.5, 0.0, -1.0)),
             block((width, FACET, 1.0), (2, 1, 3), origin=(centre - width/2, 0.0, 0.0)))
 
 
 def ribbed(width, kind, contact, nlgeom, centre=FACET/2, down=0.05):
     """A stiff rib as master, its flanks in the skin, pressed into facets of a quarter."""
-    text, skin, d = ["*HEADING", "A rib as master"], {}, 2 if kind == "CPE4" else 3
+    text, skin = ["*HEADING", "A rib as master"], {}
+    d = 2 if kind.startswith("CPE") else 3
     for name, mesh, start in zip("AB", meshes(kind, width, centre), (0, 1000)):
         points = mesh.points.tolist()
         text += [f"*NODE, NSET=N{name}", *(f"{start + i + 1}, " + ", ".join(map(repr, x))
@@ -68,3 +70,28 @@ def test_surface_to_surface_meets_it(solve, kind, nlgeom):
 def test_a_punch_that_nodes_meet_is_not_named(solve, nlgeom):
     result = solve(ribbed(4.5*FACET, "CPE4", "NODE TO SURFACE", nlgeom))
     assert "W0339" not in codes(result)
+
+
+@pytest.mark.parametrize("nlgeom", [False, True])
+@pytest.mark.parametrize("kind", ["CPE4", "C3D8"])
+@pytest.mark.parametrize("width", [0.2, 0.6])
+def test_a_rib_on_one_node_is_named(solve, kind, nlgeom, width):
+    # In space all nodes lie on the perimeter, and the node opposite dents the rib: its facets form
+    # a valley, in which a node keeps one of them.
+    result = solve(ribbed(width*FACET, kind, "NODE TO SURFACE", nlgeom, centre=0.0))
+    said = next(w["message"] for w in result.diagnostics if w["code"] == "W0339")
+    assert "narrower than the facets there" in said
+
+
+# Facets of .25 of CPE4 and CPE8 beside .04 of CPE8: force by NLGEOM.
+REFINED = {0.2: 20.03, 0.4: 28.22, 0.6: 31.42, 0.8: 36.61, 1.2: 43.27, 1.5: 48.45}
+
+
+@pytest.mark.parametrize("centre", [0.0, FACET/4, FACET/2])
+@pytest.mark.parametrize("width", [0.4, 0.6, 1.2])
+def test_ribs_on_second_order_faces_end_and_are_right_or_named(solve, width, centre):
+    # At .6 between nodes the flanks came to face the slave within an increment, and went: E0510.
+    result = solve(ribbed(width*FACET, "CPE8", "SURFACE TO SURFACE", True, centre))
+    error = abs(result.history["TOP-RIB.force2"][-1])/REFINED[width] - 1.0
+    assert abs(error) < 0.2
+    assert "W0336" in codes(result) or abs(error) < 0.05
