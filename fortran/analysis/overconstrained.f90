@@ -14,6 +14,8 @@ module lopin_overconstrained
 
    !> Terms of a row that cancel to this share are gone.
    real(wp), parameter :: cancelled = 1.0e-12_wp
+   !> Cosine below which a direction is along the surface.
+   real(wp), parameter :: aside = 1.0e-6_wp
    !> Penetration beyond this share of a facet is no rounding.
    real(wp), parameter :: penetrates = 1.0e-6_wp
 
@@ -50,6 +52,7 @@ contains
             & to_text(model%pair(other)%at%line))
          return
       end do
+      if (scene%answer%dependent <= supported_ties(scene)) return
       call say_once(scene%log, 'W0403', to_text(scene%answer%dependent)// &
          & ' contact rows depend on supports or on other rows: their forces are '// &
          & 'shared in the way of least norm', model%step(scene%step)%at, &
@@ -125,30 +128,66 @@ contains
          & model%surface(model%pair(pair_of(scene, row))%slave)%name
    end function remedy
 
+   !> Rows along flat ties whose slave node supports hold there, as in a plane of symmetry: they may
+   !> depend on each other, and share nothing of the pressure, which has rows of its own.
+   pure integer function supported_ties(scene) result(number)
+      type(scene_type), intent(in) :: scene
+      integer :: row, k, d
+      logical :: flat(size(scene%points%first) - 1)
+
+      do k = 1, size(flat)
+         associate (n => scene%points%normal(:, scene%points%first(k): &
+            & scene%points%first(k + 1) - 1))
+            flat(k) = all(maxval(n, 2) - minval(n, 2) <= cancelled)
+         end associate
+      end do
+      d = count(scene%dofs%id(:3, scene%points%node(1)) > 0)
+      number = 0
+      do row = 1, scene%rows%n
+         if (.not. scene%rows%tied(row)) cycle
+         if (.not. flat(pair_of(scene, row))) cycle
+         associate (point => scene%rows%point(row))
+            if (abs(dot_product(scene%rows%direction(:, row), scene%points%normal(:, point))) &
+               & > aside) cycle
+            if (stays(scene, [(scene%dofs%id(k, scene%points%node(point)), k=1, d)], &
+               & scene%rows%direction(:d, row))) number = number + 1
+         end associate
+      end do
+   end function supported_ties
+
    !> No free equation moves the row.
    pure logical function is_held(scene, row) result(held)
       type(scene_type), intent(in) :: scene
       integer, intent(in) :: row
+
+      associate (from => scene%rows%first(row), to => scene%rows%first(row + 1) - 1)
+         held = stays(scene, scene%rows%dof(from:to), scene%rows%coefficient(from:to))
+      end associate
+   end function is_held
+
+   !> No free equation moves a sum of displacements.
+   pure logical function stays(scene, dof, coefficient)
+      type(scene_type), intent(in) :: scene
+      integer, intent(in) :: dof(:)
+      real(wp), intent(in) :: coefficient(:)
       integer :: k, c
       real(wp) :: most
       integer, allocatable :: equation(:)
       real(wp), allocatable :: value(:)
 
       allocate (equation(0), value(0))
-      do k = scene%rows%first(row), scene%rows%first(row + 1) - 1
-         associate (dof => scene%rows%dof(k))
-            do c = scene%constraints%first(dof), scene%constraints%first(dof + 1) - 1
-               equation = [equation, scene%constraints%equation(c)]
-               value = [value, scene%rows%coefficient(k)*scene%constraints%coefficient(c)]
-            end do
-         end associate
+      do k = 1, size(dof)
+         do c = scene%constraints%first(dof(k)), scene%constraints%first(dof(k) + 1) - 1
+            equation = [equation, scene%constraints%equation(c)]
+            value = [value, coefficient(k)*scene%constraints%coefficient(c)]
+         end do
       end do
       most = 0.0_wp
       do k = 1, size(value)
          most = max(most, abs(sum(value, mask=equation == equation(k))))
       end do
-      held = .not. most > cancelled
-   end function is_held
+      stays = .not. most > cancelled
+   end function stays
 
    !> The pair that ties the node of a row; 0: none.
    pure integer function tie_of(scene, model, row) result(pair)

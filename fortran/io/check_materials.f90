@@ -17,6 +17,8 @@ module lopin_check_materials
    real(wp), parameter :: most_strain = 5.0_wp
    !> Thermal strain and pressure over modulus beyond which a solid is none.
    real(wp), parameter :: most_heat = 0.1_wp, most_pressure = 1.0_wp
+   !> Stress by weight over modulus.
+   real(wp), parameter :: most_weight = 1.0_wp
    character(len=*), parameter :: cure = 'write all numbers of the deck in one system of '// &
       & 'units: with N and mm, stresses and moduli are in MPa'
 
@@ -181,28 +183,36 @@ contains
       call model%log%say(severity%warning, 'W0402', text, at, help=help)
    end subroutine say
 
-   !> Numbers that are right in another system of units.
+   !> Weight that would crush what it acts on: rho g L beyond the modulus; the first. A modulus
+   !> alone has no wrong unit: a bridge in Pa and m is as good as a bolt in MPa and mm.
    subroutine check_units(model)
       type(model_type), intent(inout) :: model
-      real(wp) :: extent
-      integer :: i
+      real(wp) :: extent, weight
+      integer :: s, k, section
 
       if (model%mesh%nnode == 0) return
       extent = maxval(maxval(model%mesh%x, dim=2) - minval(model%mesh%x, dim=2))
-      do i = 1, size(model%material)
-         associate (material => model%material(i))
-            if (material%young > 1.0e9_wp &
-               & .and. extent > 20.0_wp) call model%log%say(severity%warning, 'W0401', &
-               & 'E = '//to_text(material%young, 4)//' with a model of size '//to_text(extent, 4) &
-               & //': looks like Pa with mm', material%at, &
-               & help='with N and mm, steel has E = 210000')
-            if (material%density > 1.0_wp .and. material%young > 1.0e3_wp &
-               & .and. material%young < 1.0e7_wp) call &
-               & model%log%say(severity%warning, 'W0401', 'density '//to_text(material%density, 4) &
-               & //' with E = ' &
-               & //to_text(material%young, 4)//': looks like kg/m3 with MPa', material%at, &
-               & help='with t, mm, s and N, steel has density 7.8e-9')
-         end associate
+      do s = 1, size(model%step)
+         do k = 1, size(model%step(s)%body_load)
+            associate (load => model%step(s)%body_load(k))
+               section = model%mesh%section(load%element)
+               if (section == 0) cycle
+               associate (material => model%material(model%section(section)%material))
+                  weight = norm2(load%force)*extent
+                  if (.not. weight > most_weight*material%young) cycle
+                  if (.not. material%young > 0.0_wp) cycle
+                  call model%log%say(severity%warning, 'W0401', 'a force of '// &
+                     & to_text(norm2(load%force), 4)//' per volume over the '//to_text(extent, 4) &
+                     & //' of the model makes a stress of '//to_text(weight, 4)// &
+                     & ' in material `'//material%name//'`, whose modulus is '// &
+                     & to_text(material%young, 4)//': density, gravity and modulus look as if '// &
+                     & 'they were of different systems of units', load%at, &
+                     & help='with t, mm, s and N, steel has density 7.8e-9 and E = 210000, and '// &
+                     & 'gravity is 9810')
+                  return
+               end associate
+            end associate
+         end do
       end do
    end subroutine check_units
 end module lopin_check_materials

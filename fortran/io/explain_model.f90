@@ -38,8 +38,9 @@ contains
          & 'check first, last and increment of GENERATE.')
       call add_explanation(list, 'W0401', 'units that do not fit together', &
          & 'Lopin has no units; a deck uses one consistent set, best mm, N, s, t and MPa. The '// &
-         & 'modulus, the density and the size of the model look as if two sets were mixed.', &
-         & 'steel in mm, N, t: E = 210000, density 7.8e-9.')
+         & 'weight of the model, density times gravity times its size, exceeds the modulus: as '// &
+         & 'if two sets were mixed.', &
+         & 'steel in mm, N, t: E = 210000, density 7.8e-9, gravity 9810.')
       call add_explanation(list, 'E0205', 'a definition that cannot be used', &
          & 'Something is defined twice, or a word of the mesh is not known.', &
          & 'keep one of the definitions.')

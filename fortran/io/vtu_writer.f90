@@ -1,10 +1,12 @@
-!> VTK unstructured grids (`.vtu`) with raw appended data and 8-byte block headers.
+!> VTK unstructured grids (`.vtu`) with raw appended data and 8-byte block headers, and the CRC-32
+!> of all of it in a comment behind.
 !>
 !> Use: `start`, then sections (`section`, arrays, `end_section`), `points`, `cells`, `write`.
 !> Fields are single precision, coordinates double.
 module lopin_vtu_writer
    use, intrinsic :: iso_fortran_env, only : int8, int32, int64, real32
    use lopin_kinds, only : wp
+   use lopin_crc32, only : crc32, hexadecimal
    use lopin_text, only : to_text
    use lopin_error, only : error_type
    use lopin_atomic_file, only : write_atomically, written_mark
@@ -123,12 +125,16 @@ contains
       character(len=*), intent(in) :: path
       type(error_type), allocatable, intent(out) :: error
       character(len=*), parameter :: newline = achar(10)
+      character(len=*), parameter :: last = newline//'</AppendedData>'//newline
+      integer(int32) :: sum_
 
       call self%xml%put_line('</Piece>')
       call self%xml%put_line('</UnstructuredGrid>')
       call self%xml%put('<AppendedData encoding="raw">'//newline//'_')
+      sum_ = crc32(0_int32, transfer(self%xml%text(:self%xml%n), [0_int8]))
+      sum_ = crc32(crc32(sum_, self%bytes(:self%n)), transfer(last, [0_int8]))
       call write_atomically(path, self%xml%text(:self%xml%n), error, bytes=self%bytes(:self%n), &
-         & tail=newline//'</AppendedData>'//newline//'</VTKFile>'//newline)
+         & tail=last//'<!-- CRC-32 '//hexadecimal(sum_)//' -->'//newline//'</VTKFile>'//newline)
    end subroutine write_file
 
    !> Vectors of the plane get a third component, 0, so that filters of vectors work.

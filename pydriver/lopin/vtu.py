@@ -5,6 +5,7 @@ meshio reads them, too, except where its renumbering of offsets meets one of our
 from __future__ import annotations
 
 import re
+import zlib
 from pathlib import Path
 from xml.etree import ElementTree
 
@@ -19,6 +20,8 @@ _DTYPES = {"Float32": "<f4", "Float64": "<f8", "Int8": "i1", "UInt8": "u1", "Int
 _NAMES = {1: "vertex", 3: "line", 5: "triangle", 9: "quad", 10: "tetra", 12: "hexahedron",
           13: "wedge", 21: "line3", 22: "triangle6", 23: "quad8", 24: "tetra10",
           25: "hexahedron20", 26: "wedge15"}
+#: Over all bytes before it; files of earlier versions have none.
+_CHECKSUM = re.compile(rb"<!-- CRC-32 ([0-9a-f]{8}) -->")
 
 
 def read_vtu(path: str | Path):
@@ -35,6 +38,9 @@ def read_vtu(path: str | Path):
         start = re.search(rb'<AppendedData encoding="raw">\s*_', raw)
         if not start:
             raise ValueError("its binary part is missing")
+        mark = _CHECKSUM.search(raw, max(start.end(), len(raw) - 100))
+        if mark and zlib.crc32(raw[:mark.start()]) != int(mark[1], 16):
+            raise ValueError("its checksum is not that of what was written")
         piece = ElementTree.fromstring(raw[:start.start()] + b"</VTKFile>").find(".//Piece")
         n_point, n_cell = int(piece.get("NumberOfPoints")), int(piece.get("NumberOfCells"))
 

@@ -78,3 +78,18 @@ def test_a_file_that_is_gone_is_named(sound, tmp_path, what):
 def test_a_folder_without_a_result_is_no_damage(tmp_path):
     with pytest.raises(lopin.ResourceError, match="no result"):
         lopin.open_result(tmp_path)
+
+
+@pytest.mark.parametrize("what", ["solid", "contact"])
+def test_no_flipped_bit_of_a_field_goes_unnoticed(sound, tmp_path, what):
+    [path] = list(sound.glob(KINDS[what]))
+    data = path.read_bytes()
+    end = data.rindex(b"<!-- CRC-32 ")
+    vtu = pytest.importorskip("lopin.vtu")
+    vtu.read_vtu(path)
+    for at in np.random.default_rng(1).integers(end, size=100):
+        other = bytearray(data)
+        other[at] ^= 1 << int(at) % 8
+        (tmp_path/"other.vtu").write_bytes(other)
+        with pytest.raises(lopin.DamagedResultError):
+            vtu.read_vtu(tmp_path/"other.vtu")

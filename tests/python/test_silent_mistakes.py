@@ -165,6 +165,29 @@ def test_a_metal_is_plausible_in_every_unit(scale, tmp_path):
     assert not said(lopin("check", deck(material=text), tmp_path), "W0402")
 
 
+def heavy(young, density, gravity, size=1.0):
+    """The block under its own weight."""
+    nodes = "\n".join(f"{1 + i + 3*j}, {5.*i*size}, {5.*j*size}" for j in range(3) for i in range(3))
+    return (f"*NODE, NSET=ALL\n{nodes}\n*ELEMENT, TYPE=CPE4, ELSET=BLOCK\n1, 1, 2, 5, 4\n"
+            "2, 2, 3, 6, 5\n3, 4, 5, 8, 7\n4, 5, 6, 9, 8\n*NSET, NSET=BOTTOM\n1, 2, 3\n"
+            f"*MATERIAL, NAME=STEEL\n*ELASTIC\n{young!r}, 0.3\n*DENSITY\n{density!r}\n"
+            "*SOLID SECTION, ELSET=BLOCK, MATERIAL=STEEL\n1.,\n*BOUNDARY\nBOTTOM, 1, 2\n"
+            f"*STEP\n*STATIC\n*DLOAD\nBLOCK, GRAV, {gravity!r}, 0., -1.\n*END STEP\n")
+
+
+@pytest.mark.parametrize("mixed", [(210000., 7850., 9810.), (210000., 7850., 9.81)])
+def test_a_weight_beyond_the_modulus_is_said(mixed, tmp_path):
+    run = lopin("check", heavy(*mixed), tmp_path)
+    assert run.returncode == 0 and len(said(run, "W0401")) == 1, run.stderr
+
+
+@pytest.mark.parametrize("right", [(210000., 7.85e-9, 9810., 1.0), (2.1e11, 7850., 9.81, 1.0),
+                                   (2.1e11, 7850., 9.81, 50.0), (5.0e6, 1100., 9.81, 0.01)])
+def test_no_system_of_units_is_suspect(right, tmp_path):
+    # A bridge in SI, and rubber in SI, were warned of.
+    assert not said(lopin("check", heavy(*right), tmp_path), "W0401")
+
+
 RIGID_PLATE = """*NODE
 21, -20., 10.
 22, 20., 10.

@@ -147,14 +147,14 @@ def test_a_clamped_slave_holds_its_master(solve, words, path, facets, kind):
     assert np.abs(tied - alone).max() < (0.05 if facets == (6, 8) else 0.02)*np.abs(alone).max()
 
 
-def blocks(word, facets, kind, nlgeom, lift, tool=False):
+def blocks(word, facets, kind, nlgeom, lift, tool=False, clearance=0.0):
     """Two blocks glued side by side (or one to a wall), the first on the ground."""
     lines = Lines()
     lines.add("*MATERIAL, NAME=M", "*ELASTIC", f"{YOUNG!r}, {NU!r}")
     for k, name in enumerate("AB"[:1 if tool else 2]):
         mesh = block((1.0, 1.0), (2, facets[k]))
         mesh = mesh.quadratic() if is_quadratic(word) else mesh
-        lines.mesh(mesh.mapped(lambda x, k=k: x + [float(k), 0.0]), word, name)
+        lines.mesh(mesh.mapped(lambda x, k=k: x + [k*(1.0 + clearance), 0.0]), word, name)
         lines.add(f"*SOLID SECTION, ELSET={name}E, MATERIAL=M", "1.,")
     if tool:
         lines.add("*NODE", "9000, 2., 0.5", "*SURFACE, NAME=BSLEFT, TYPE=SEGMENTS",
@@ -184,3 +184,34 @@ def test_supports_that_tear_a_tie_are_named(solve, word, facets, kind, nlgeom):
 def test_a_tool_that_tears_a_tie_is_named(solve, nlgeom):
     with pytest.raises(LopinError, match="E0507.*direction 2"):
         solve(blocks("CPE4", (4, 4), "NODE TO SURFACE", nlgeom, 1e-3, tool=True))
+
+
+@pytest.mark.parametrize("kind", ["SURFACE TO SURFACE", "NODE TO SURFACE"])
+@pytest.mark.parametrize("word", ["CPE4", "CPE8"])
+def test_sides_that_supports_move_apart_across_a_clearance_are_told(solve, word, kind):
+    # A body that turns about the seam could move so: said, not refused.
+    deck = blocks(word, (4, 4), kind, False, 1e-3, clearance=0.02)
+    said = [d["message"] for d in solve(deck).diagnostics if d["code"] == "W0410"]
+    assert len(said) == 1 and "apart by 0.001 along direction 2" in said[0]
+    same = blocks(word, (4, 4), kind, False, 0.0, clearance=0.02)
+    assert "W0410" not in {d["code"] for d in solve(same).diagnostics}
+
+
+@pytest.mark.parametrize("words", [("C3D20", "C3D20"), ("C3D20R", "C3D8"), ("C3D8", "C3D20")],
+                         ids="/".join)
+@pytest.mark.parametrize("cells", [(3, 4), (4, 3)])
+def test_a_tie_between_planes_of_symmetry_shares_no_pressure(solve, words, cells):
+    """Uniform pressure across a flat tie of meshes that do not match, held on all four sides."""
+    lines = Lines()
+    lines.add("*MATERIAL, NAME=M", "*ELASTIC", f"{YOUNG!r}, {NU!r}")
+    for name, word, n, low in (("A", words[0], cells[0], -1.0), ("B", words[1], cells[1], 0.0)):
+        mesh = block((2.0, 1.0, 1.0), (n, 2, 2), origin=(0.0, 0.0, low))
+        lines.mesh(mesh.quadratic() if is_quadratic(word) else mesh, word, name)
+        lines.add(f"*SOLID SECTION, ELSET={name}E, MATERIAL=M")
+    lines.add("*TIE, NAME=T", "ASTOP, BSBOTTOM", "*BOUNDARY", "ABOTTOM, 3",
+              *(f"{name}{side}, {k}" for name in "AB" for side, k in
+                (("LEFT", 1), ("RIGHT", 1), ("FRONT", 2), ("BACK", 2))),
+              "*STEP", "*STATIC", "1., 1.", "*BOUNDARY", "BTOP, 3, 3, -0.01", "*END STEP")
+    result = solve(Deck.parse("\n".join(lines.text) + "\n", name="planes"))
+    assert result.summary["certificate"]["verdict"] == "PASS"
+    assert "W0403" not in {d["code"] for d in result.diagnostics}
