@@ -59,8 +59,10 @@ class Job:
         return self._session.state() if self._open else b""
 
     def forget_workspace(self) -> None:
-        """Throw away all but the state (matrices, factors, surfaces, trees) and make it again. The
-        run goes on to the same bits: a check for developers, or a way to free what is not needed."""
+        """Throw away all but the state (matrices, factors, surfaces, trees) and make it again.
+
+        The run goes on to the same bits: a check for developers, or a way to free memory.
+        """
         code = self._session.forget_workspace() if self._open else 0
         if code:
             raise error_of(code, self._session.diagnostics)

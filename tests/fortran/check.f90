@@ -6,7 +6,7 @@ module check
    public :: test, close_to, is_true, equal_text, finish
 
    integer :: passed = 0, failed = 0
-   character(len=:), allocatable :: current
+   character(len=:), allocatable :: current   !! the sentence under test
 
    interface close_to
       module procedure close_scalar, close_vector, close_matrix
@@ -30,15 +30,25 @@ contains
    subroutine close_matrix(what, actual, expected, tolerance)
       character(len=*), intent(in) :: what
       real(wp), intent(in) :: actual(:, :), expected(:, :), tolerance
+
+      if (any(shape(actual) /= shape(expected))) then
+         call fail(what//' has another shape than what is expected')
+         return
+      end if
       call close_vector(what, reshape(actual, [size(actual)]), &
          & reshape(expected, [size(expected)]), tolerance)
    end subroutine close_matrix
 
+   !> Nothing compared is no success: vectors have the same length, and at least one component.
    subroutine close_vector(what, actual, expected, tolerance)
       character(len=*), intent(in) :: what
       real(wp), intent(in) :: actual(:), expected(:), tolerance
       integer :: i
 
+      if (size(actual) /= size(expected) .or. size(expected) == 0) then
+         call fail(what//' is not as long as what is expected, or empty')
+         return
+      end if
       do i = 1, size(expected)
          if (.not. abs(actual(i) - expected(i)) <= tolerance*max(1.0_wp, abs(expected(i)))) then
             failed = failed + 1
@@ -56,19 +66,24 @@ contains
       if (condition) then
          passed = passed + 1
       else
-         failed = failed + 1
-         print '(a,": not true: ",a)', current, what
+         call fail('not true: '//what)
       end if
    end subroutine is_true
+
+   subroutine fail(reason)
+      character(len=*), intent(in) :: reason
+      failed = failed + 1
+      print '(a,": ",a)', current, reason
+   end subroutine fail
 
    subroutine equal_text(what, actual, expected)
       character(len=*), intent(in) :: what, actual, expected
       call is_true(what//": '"//actual//"' is '"//expected//"'", actual == expected)
    end subroutine equal_text
 
-   !> Print the count and stop; non-zero when anything failed.
+   !> Print the count and stop; non-zero when anything failed, or nothing was compared.
    subroutine finish()
       print '(i0," passed, ",i0," failed")', passed, failed
-      if (failed > 0) stop 1, quiet=.true.
+      if (failed > 0 .or. passed == 0) stop 1, quiet=.true.
    end subroutine finish
 end module check

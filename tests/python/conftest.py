@@ -1,12 +1,30 @@
 """Paths and helpers shared by the Python tests."""
+import importlib
 import os
 from pathlib import Path
 
 import pytest
 
-from sheet import SHEET
+from sheet import SHEET, Row
 
 ROOT = Path(__file__).resolve().parents[2]
+# What is tested: a missing executable fails its tests, it skips none.
+os.environ.setdefault("LOPIN_EXECUTABLE", str(ROOT/"build"/"lopin"))
+#: Files of the fast loop: a second and a half each at most, and together something of every area.
+FAST = set("""
+    area_growth bad_decks closed_form codes cut_back damaged_results deep_tools feature_steps feature_tools
+    finite_strain floors flow_words free_block friction_twin friction_words import_graph increments mesh
+    model_words narrow_masters narrow_tools node_areas passage plastic_members press_fits recorders
+    seed_repairs sliding_scenes smooth_rings sources tree turning_bodies velocity verification_incline
+    verification_springs verification_stability
+""".split())
+
+
+def pytest_collection_modifyitems(items):
+    """Mark the tests of the fast loop."""
+    for item in items:
+        if item.path.stem.removeprefix("test_") in FAST:
+            item.add_marker("fast")
 
 
 @pytest.fixture(scope="session")
@@ -17,17 +35,16 @@ def root() -> Path:
 
 @pytest.fixture(scope="session")
 def executable() -> Path:
-    """The executable under test; tests that need it are skipped where there is none."""
-    path = Path(os.environ.get("LOPIN_EXECUTABLE", ROOT / "build" / "lopin")).absolute()
-    if not path.is_file():
-        pytest.skip(f"no executable at {path}")
+    """The executable under test."""
+    path = Path(os.environ["LOPIN_EXECUTABLE"]).absolute()
+    assert path.is_file(), f"no executable at {path}"
     return path
 
 
 @pytest.fixture(scope="session")
 def core():
-    """The compiled part of the package; tests that need it are skipped where there is none."""
-    return pytest.importorskip("lopin._core")
+    """The compiled part of the package."""
+    return importlib.import_module("lopin._core")
 
 
 @pytest.fixture(scope="session")
@@ -36,17 +53,28 @@ def sheet():
     return SHEET
 
 
-def pytest_sessionfinish():
-    """Write the sheet if asked for."""
+def pytest_sessionfinish(session):
+    """Write the sheet if asked for; a worker of pytest-xdist hands its rows to the main process."""
     path = os.environ.get("LOPIN_SHEET")
-    if path and SHEET.rows:
+    if path and hasattr(session.config, "workeroutput"):
+        session.config.workeroutput["sheet"] = [
+            {key: getattr(value, "item", lambda v=value: v)() for key, value in vars(row).items()}
+            for row in SHEET.rows]
+    elif path and SHEET.rows:
         SHEET.write(path)
+
+
+@pytest.hookimpl(optionalhook=True)
+def pytest_testnodedown(node):
+    """Take the rows of a worker."""
+    SHEET.rows += [Row(**row) for row in getattr(node, "workeroutput", {}).get("sheet", ())]
 
 
 @pytest.fixture
 def solve(executable, tmp_path, monkeypatch):
     """Run a deck, a model or the name of a deck of the folder decks by the executable."""
-    lopin = pytest.importorskip("lopin")
+    import lopin
+
     monkeypatch.setenv("LOPIN_EXECUTABLE", str(executable))
     count = iter(range(10000))
 

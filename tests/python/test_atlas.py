@@ -20,7 +20,6 @@ UNDECIDED = 1e10
 @pytest.fixture(scope="module", params=sorted(atlas.MAPS))
 def small(request):
     """A map of few cells."""
-    pytest.importorskip("lopin._core")
     chart = atlas.MAPS[request.param]
     return chart, atlas.measure(chart, small=True)
 

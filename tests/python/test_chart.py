@@ -20,7 +20,6 @@ pytestmark = pytest.mark.usefixtures("core")
 @pytest.fixture(scope="module")
 def small():
     """A short sweep of the sphere."""
-    pytest.importorskip("lopin._core")
     settings = chart.sweep(range(-1, 8, 2), starts=(10.0,))
     return chart.measure(SCENES["sphere"](6.5), settings, repetitions=1)
 

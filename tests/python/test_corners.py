@@ -6,10 +6,7 @@ import subprocess
 
 import pytest
 
-EXECUTABLE = os.environ.get("LOPIN_EXECUTABLE", "")
-
-pytestmark = pytest.mark.skipif(not EXECUTABLE, reason="LOPIN_EXECUTABLE names no executable")
-
+EXECUTABLE = os.environ["LOPIN_EXECUTABLE"]
 SQUARE = [(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0)]
 CUBE = SQUARE + [(x, y, 1) for x, y, _ in SQUARE]
 TETRA = [(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1)]

@@ -6,8 +6,6 @@ from pytest import approx
 
 from feature_scene import E, H, Scene, W, bar, two_blocks
 
-pytest.importorskip("lopin")
-
 # Steps
 # ----------------------------------------------------------------------------------------------------
 

@@ -7,8 +7,6 @@ from pytest import approx
 
 from feature_scene import E, H, K, Scene, W, bar, two_blocks
 
-pytest.importorskip("lopin")
-
 # Bilateral pairs
 # ------------------------------------------------------------------------------------------
 

@@ -1,8 +1,8 @@
 """Friction of elastic bodies: Cattaneo, the plate of SSNV128, blocks that stick and slide."""
+import lopin
 import numpy as np
 import pytest
 
-lopin = pytest.importorskip("lopin")
 
 
 def field(result, index=-1):

@@ -56,4 +56,3 @@ def radius_of_contact(result) -> float:
     gap = np.sqrt(now[top, 0]**2 + (now[top, 1] - centre)**2) - RADIUS
     last = np.flatnonzero(gap < 1e-3)[-1]
     return 0.5*float(now[top[last], 0] + now[top[last + 1], 0])
-

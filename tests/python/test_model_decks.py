@@ -4,10 +4,10 @@
 """
 from pathlib import Path
 
+import lopin
 import numpy as np
 import pytest
 
-lopin = pytest.importorskip("lopin")
 from lopin.model_read_mesh import expanded  # noqa: E402
 
 ROOT = Path(__file__).resolve().parents[2]

@@ -1,8 +1,8 @@
 """What `Model` can say beyond the decks of the collection: laws, relations, loads, refusals."""
+import lopin
 import numpy as np
 import pytest
 
-lopin = pytest.importorskip("lopin")
 from lopin import Elastic, Material, Plastic, UsageError, mesh_make, profile  # noqa: E402
 from lopin import flow_curves, friction, laws, materials  # noqa: E402
 

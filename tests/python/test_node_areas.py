@@ -1,12 +1,8 @@
 """Slave surfaces of nodes under friction whose shear stress has a limit: areas are found between the
 nodes, or their lack is said."""
-import os
-
 import pytest
 
-from test_references import EXECUTABLE, Scene, run
-
-pytestmark = pytest.mark.skipif(not EXECUTABLE, reason="LOPIN_EXECUTABLE names no executable")
+from test_references import Scene, run
 
 
 def scene(nlgeom, law, nodes):

@@ -3,15 +3,15 @@ import doctest
 import importlib
 import pkgutil
 import subprocess
+import sys
 
 import numpy as np
 import pytest
 
 import lopin
-from lopin import mesh_make, profile, reference
+from lopin import _bridge, mesh_make, profile, reference
 from lopin.charts import run as chart_run
 from lopin.__main__ import main
-from lopin._bridge import has_core
 from lopin.mesh.cells import CELLS
 from lopin.errors import error_of
 from lopin.run import find_executable
@@ -282,11 +282,14 @@ def test_pictures():
     assert len(ax.collections[0].get_paths()) == 12
 
 
-def test_the_compiled_part_is_missed_with_a_sentence():
-    if has_core():
-        pytest.skip("the compiled part is here")
-    with pytest.raises(lopin.LopinError, match="compiled part.*missing"):
-        lopin.run(press())
+def test_the_compiled_part_is_missed_with_a_sentence(monkeypatch):
+    monkeypatch.setitem(sys.modules, "lopin._core", None)
+    _bridge.core.cache_clear()
+    try:
+        with pytest.raises(lopin.LopinError, match="compiled part.*missing"):
+            lopin.run(press())
+    finally:
+        _bridge.core.cache_clear()
 
 
 def test_the_executable_accepts_the_decks_of_models(executable, tmp_path):

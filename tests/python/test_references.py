@@ -14,9 +14,7 @@ from dataclasses import dataclass, field
 
 import pytest
 
-EXECUTABLE = os.environ.get("LOPIN_EXECUTABLE", "")
-
-pytestmark = pytest.mark.skipif(not EXECUTABLE, reason="LOPIN_EXECUTABLE names no executable")
+EXECUTABLE = os.environ["LOPIN_EXECUTABLE"]
 
 
 @dataclass

@@ -5,10 +5,10 @@ import types
 from concurrent.futures import ProcessPoolExecutor
 from multiprocessing import get_context
 
+import lopin
 import numpy as np
 import pytest
 
-lopin = pytest.importorskip("lopin")
 from lopin import mesh_make, plot, profile  # noqa: E402
 
 

@@ -7,9 +7,7 @@ and J4 two, which count by themselves.
 import numpy as np
 import pytest
 
-pytest.importorskip("lopin._core")
-
-from seed_repairs import REPAIRS, page  # noqa: E402  (needs the compiled part)
+from seed_repairs import REPAIRS, page
 
 SECTIONS = [*"C1 C2 D2 D3 D4 E1 E2 E3 E4 E5 E6 F1 F2 F3 F4 F5 G1 G2 H4 H5 H8 H9 J0 J1".split(),
             "J1, energy", "J1, work", "J3", "J4", "J4, update"]

@@ -11,10 +11,7 @@ import subprocess
 
 import pytest
 
-EXECUTABLE = os.environ.get("LOPIN_EXECUTABLE", "")
-
-pytestmark = pytest.mark.skipif(not EXECUTABLE, reason="LOPIN_EXECUTABLE names no executable")
-
+EXECUTABLE = os.environ["LOPIN_EXECUTABLE"]
 NODES = "\n".join(f"{1 + i + 3*j}, {5.*i}, {5.*j}" for j in range(3) for i in range(3))
 PARTS = {
     "mesh": "*NODE, NSET=ALL\n" + NODES + """

@@ -3,9 +3,7 @@ moments, in the plane and in space."""
 import numpy as np
 import pytest
 
-from test_references import EXECUTABLE, run
-
-pytestmark = pytest.mark.skipif(not EXECUTABLE, reason="LOPIN_EXECUTABLE names no executable")
+from test_references import run
 
 
 def bar(space, held, drive, increment="0.1, 1."):

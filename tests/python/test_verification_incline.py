@@ -1,8 +1,8 @@
 """A17: a pad falls on an inclined plane and is pushed up along it (code_aster SSNV503)."""
+import lopin
 import numpy as np
 import pytest
 
-lopin = pytest.importorskip("lopin")
 C, S = np.cos(np.pi/6.0), np.sin(np.pi/6.0)
 
 

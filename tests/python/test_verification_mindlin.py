@@ -3,10 +3,10 @@
 import sys
 from pathlib import Path
 
+import lopin
 import numpy as np
 import pytest
 
-lopin = pytest.importorskip("lopin")
 sys.path.insert(0, str(Path(__file__).resolve().parents[2]/"decks"/"make"))
 
 DECK = """*HEADING

@@ -3,12 +3,12 @@ rounded edge."""
 import sys
 from pathlib import Path
 
+import lopin
 import numpy as np
 import pytest
 
 from test_friction_blocks import field
 
-lopin = pytest.importorskip("lopin")
 sys.path.insert(0, str(Path(__file__).resolve().parents[2]/"decks"/"make"))
 
 #: Boundary elements with the full coupling of pressure and shear, extrapolated.

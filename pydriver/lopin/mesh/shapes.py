@@ -5,6 +5,7 @@ quadrature in plain loops. Slow and short: for verification.
 """
 from __future__ import annotations
 
+from functools import cache
 from itertools import product
 
 import numpy as np
@@ -37,6 +38,13 @@ def exponents(name: str) -> list[tuple[int, ...]]:
     return [e for e in product(range(order + 1), repeat=cell.ndim) if sum(e) <= order]
 
 
+@cache
+def monomials(name: str) -> tuple[NDArray, NDArray]:
+    """Powers of the monomials (monomial, ndim), and their values at the nodes (node, monomial)."""
+    powers = np.array(exponents(name))
+    return powers, np.prod(CELLS[name].xi[:, None, :]**powers[None], axis=2)
+
+
 def shape_functions(name: str, xi: ArrayLike) -> tuple[NDArray, NDArray]:
     """Values (node) and parametric gradients (node, ndim) at one point.
 
@@ -45,8 +53,7 @@ def shape_functions(name: str, xi: ArrayLike) -> tuple[NDArray, NDArray]:
     """
     cell = CELLS[name]
     xi = np.atleast_1d(np.asarray(xi, float))
-    powers = np.array(exponents(name))
-    vandermonde = np.prod(cell.xi[:, None, :]**powers[None], axis=2)
+    powers, vandermonde = monomials(name)
     values = np.prod(xi**powers, axis=1)
     slopes = np.empty((len(powers), cell.ndim))
     for d in range(cell.ndim):

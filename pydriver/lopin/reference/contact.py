@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..mesh.cells import CELLS
-from ..mesh.shapes import shape_functions
+from ..mesh.shapes import monomials, shape_functions
 
 
 def closest_on_segment(a: ArrayLike, b: ArrayLike, point: ArrayLike) -> tuple[float, NDArray]:
@@ -48,17 +48,21 @@ def closest_on_facet(name: str, x: ArrayLike, point: ArrayLike, levels: int = 70
     low, high = (-1.0, 1.0) if cell.family in ("line", "quad") else (0.0, 1.0)
     centre, reach = np.full(cell.ndim, 0.5*(low + high)), 0.5*(high - low)
     best = (np.inf, centre, point)
+    powers, at_nodes = monomials(name)
+    coefficients = np.linalg.solve(at_nodes, x)
     for level in range(levels):
         ticks = np.linspace(-1.0, 1.0, 9 if level == 0 else 5)
-        for offset in product(ticks, repeat=cell.ndim):
-            xi = np.clip(centre + reach*np.array(offset), low, high)
-            if cell.family == "triangle" and xi.sum() > 1.0:
-                xi = np.clip(xi + 0.5*(1.0 - xi.sum()), 0.0, 1.0)
-                xi /= max(1.0, xi.sum())
-            position = shape_functions(name, xi)[0] @ x
-            distance = np.linalg.norm(point - position)
-            if distance < best[0]:
-                best = (distance, xi, position)
+        offsets = np.array(list(product(ticks, repeat=cell.ndim)))
+        xi = np.clip(centre + reach*offsets, low, high)
+        if cell.family == "triangle":
+            beyond = np.maximum(xi.sum(axis=1, keepdims=True) - 1.0, 0.0)
+            xi = np.clip(xi - 0.5*beyond, 0.0, 1.0)
+            xi /= np.maximum(1.0, xi.sum(axis=1, keepdims=True))
+        position = np.prod(xi[:, None, :]**powers, axis=2) @ coefficients
+        distance = np.linalg.norm(point - position, axis=1)
+        k = int(np.argmin(distance))
+        if distance[k] < best[0]:
+            best = (distance[k], xi[k], position[k])
         centre, reach = best[1], 0.75*reach
     return best[1], best[2]
 
