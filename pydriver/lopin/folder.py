@@ -34,6 +34,8 @@ class Folder:
                     or not isinstance(self.summary.get("model", {}), dict):
                 raise ValueError("it is not the summary of a run")
         self._frames = self._read_collection()
+        # As it was read from the file in this state.
+        self._history: tuple[tuple[int, ...], dict[str, NDArray]] = ((), {})
 
     def _read_collection(self) -> list[tuple[float, dict[str, Path]]]:
         """(time, files by part) of each output."""
@@ -92,13 +94,18 @@ class Folder:
         if not path.is_file():
             return {}
         with reading(path):
+            now = path.stat()
+            state = (now.st_ino, now.st_size, now.st_mtime_ns)
+            if self._history[0] == state:
+                return dict(self._history[1])
             with path.open(newline="", encoding="utf-8") as file:
                 rows = [r for r in csv.reader(file) if r and not r[0].startswith("#")]
             head = [word.rpartition("[")[0].strip() for word in rows[0]]
             if any(len(row) != len(head) for row in rows) or len(set(head)) < len(head):
                 raise ValueError("its lines do not have one length")
             values = np.array([[float(v) for v in r] for r in rows[1:]]).reshape(-1, len(head))
-            return dict(zip(head, values.T))
+            self._history = state, dict(zip(head, values.T))
+            return dict(self._history[1])
 
     def mesh(self, index: int):
         """The `meshio.Mesh` of one output, fields included."""

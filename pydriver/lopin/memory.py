@@ -19,6 +19,7 @@ class Memory:
         self.session, self.diagnostics = session, session.diagnostics
         self.summary = session.summary()
         self._names = [n for n in session.names() if n]
+        self._history: tuple[int, dict[str, NDArray]] = (-1, {})   # of so many increments
 
     @property
     def times(self) -> NDArray:
@@ -39,9 +40,11 @@ class Memory:
         return {w: self.session.field(f"{pair}:{w}", index) for w in words}
 
     def history(self) -> dict[str, NDArray]:
-        prefix = "history."
-        return {n.removeprefix(prefix): self.session.field(n)
-                for n in self._names if n.startswith(prefix)}
+        prefix, count = "history.", len(self.times)
+        if self._history[0] != count:
+            self._history = count, {n.removeprefix(prefix): self.session.field(n)
+                                    for n in self._names if n.startswith(prefix)}
+        return dict(self._history[1])
 
     def mesh(self, index: int):
         """The mesh of the deck with the fields of one increment."""
