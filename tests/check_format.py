@@ -20,7 +20,7 @@ OPEN = re.compile(r"(?:\w+\s*:\s*)?(?:if\b.*\bthen$|do\b|select\s+(?:case|type|r
                   r"block$|critical$|critical\s*\(|(?:where|forall)\s*\()|(?:abstract\s+)?interface\b|"
                   r"type\b(?!\s*\()(?!\s+is\b)|enum\b|program\b|module\s+(?!procedure\b|subroutine\b|function\b)|"
                   r"submodule\b|(?:(?:pure|elemental|impure|recursive|module|logical|integer|real|"
-                  r"character|complex|type|class|double\s+precision)\b[^=]*?)??\b(?:subroutine|function)\s+\w+",
+                  r"character|complex|type|class|double\s+precision)\b[^:'\"]*?)??\b(?:subroutine|function)\s+\w+",
                   re.IGNORECASE)
 MIDDLE = re.compile(r"else\b|elsewhere\b|contains$", re.IGNORECASE)
 #: Arms of a `select` stand where it stands.
@@ -91,7 +91,7 @@ def faults_of_indentation(text: str):
             continue
         if END.match(statement):
             depth -= 1
-        elif OPEN.match(statement) and not MIDDLE.match(statement) and not ARM.match(statement):
+        elif OPEN.match(statement) and not (MIDDLE.match(statement) or ARM.match(statement)):
             depth += not masks_one_statement(statement)
     if depth:
         yield first, f"{depth} blocks stay open"

@@ -56,7 +56,8 @@ def test_sources_have_the_format_of_the_house(root):
 @pytest.mark.parametrize("line, fault", [
     ("   a = 1", ""), ("  a = 1", "indented by 2"), ("      a = 1", "indented by 6"), ("\ta = 1", "tab"),
     ("   a = 1 ", "blanks"), ("   where (a > b) c = d", ""), ("   if (a) then", "stay open"),
-    ("   critical = 1.0", ""), ("   if (a) b = 1", ""), ("   select case (a)\n   case (1)\n      b = 2\n   end select", "")])
+    ("   critical = 1.0", ""), ("end subroutine\npure character(len=8) function f()\n   f = ''\nend function\n"
+                               "subroutine s", ""), ("   if (a) b = 1", ""), ("   select case (a)\n   case (1)\n      b = 2\n   end select", "")])
 def test_the_check_of_the_format_sees(line, fault, tmp_path):
     path = tmp_path/"probe.f90"
     path.write_text(f"subroutine probe()\n{line}\nend subroutine probe\n")
