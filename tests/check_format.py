@@ -1,8 +1,9 @@
 """The house's format of sources, as far as a program can check it.
 
-All files: no tab, no blank at the end of a line, one newline at the end, no carriage return. Fortran
-beside that: statements and their continuations are indented by threes, and blocks by one step more
-than what opens them. Widths are counted by `tests/measure_sources.py` and `tests/python/test_tree.py`.
+All files: no tab, no blank at the end of a line, one newline at the end, no carriage return.
+Fortran beside that: statements and their continuations are indented by threes, and blocks by one
+step more than what opens them. Widths are counted by `tests/measure_sources.py` and
+`tests/python/test_tree.py`.
 
     python3 tests/check_format.py          # what is not in order; exit code 1 if anything
     python3 tests/check_format.py --fix    # mend blanks, tabs and ends of files
@@ -16,15 +17,16 @@ from measure_sources import ROOT, split_comment
 
 FOLDERS = ("fortran", "pydriver", "tests", "decks/make")
 KINDS = (".f90", ".py", ".c", ".txt", ".cmake", ".map")
-OPEN = re.compile(r"(?:\w+\s*:\s*)?(?:if\b.*\bthen$|do\b|select\s+(?:case|type|rank)\b|associate\s*\(|"
-                  r"block$|critical$|critical\s*\(|(?:where|forall)\s*\()|(?:abstract\s+)?interface\b|"
-                  r"type\b(?!\s*\()(?!\s+is\b)|enum\b|program\b|module\s+(?!procedure\b|subroutine\b|function\b)|"
-                  r"submodule\b|(?:(?:pure|elemental|impure|recursive|module|logical|integer|real|"
-                  r"character|complex|type|class|double\s+precision)\b[^:'\"]*?)??\b(?:subroutine|function)\s+\w+",
-                  re.IGNORECASE)
+BLOCK = (r"(?:\w+\s*:\s*)?(?:if\b.*\bthen$|do\b|select\s+(?:case|type|rank)\b|associate\s*\(|"
+         r"block$|critical$|critical\s*\(|(?:where|forall)\s*\()")
+UNIT = (r"(?:abstract\s+)?interface\b|type\b(?!\s*\()(?!\s+is\b)|enum\b|program\b|submodule\b|"
+        r"module\s+(?!procedure\b|subroutine\b|function\b)")
+PROCEDURE = (r"(?:(?:pure|elemental|impure|recursive|module|logical|integer|real|character|complex|"
+             r"type|class|double\s+precision)\b[^:'\"]*?)??\b(?:subroutine|function)\s+\w+")
+OPEN = re.compile(f"{BLOCK}|{UNIT}|{PROCEDURE}", re.IGNORECASE)
 MIDDLE = re.compile(r"else\b|elsewhere\b|contains$", re.IGNORECASE)
 #: Arms of a `select` stand where it stands.
-ARM = re.compile(r"case\b\s*(?:\(|default)|(?:type|class|rank)\s+(?:is|default)\b|class\s+default\b|"
+ARM = re.compile(r"case\b\s*(?:\(|default)|(?:type|class|rank)\s+(?:is|default)\b|"
                  r"rank\s*(?:\(|default)", re.IGNORECASE)
 END = re.compile(r"end\s*(?:if|do|select|associate|block|critical|where|forall|interface|type|enum|"
                  r"program|module|submodule|subroutine|function|$)", re.IGNORECASE)

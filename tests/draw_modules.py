@@ -1,8 +1,8 @@
 """The graph of the Fortran modules, drawn from their sources.
 
-    python3 tests/draw_modules.py            # the graph of the folders, as it stands in docs/architecture.md
+    python3 tests/draw_modules.py            # the graph of the folders, as in docs/architecture.md
     python3 tests/draw_modules.py --write    # put it there
-    python3 tests/draw_modules.py contact    # modules of a folder: what each is for, uses, and is used by
+    python3 tests/draw_modules.py contact    # modules of a folder: purpose, uses, used by
     python3 tests/draw_modules.py newton     # the same of one module
 """
 import argparse
@@ -13,13 +13,13 @@ from measure_sources import ROOT, read_all
 PAGE = ROOT/"docs"/"architecture.md"
 BEGIN = "<!-- drawn by tests/draw_modules.py: do not edit -->"
 END = "<!-- end of the drawing -->"
-FLOORS = [("app",), ("api",), ("io",), ("analysis",), ("assembly",), ("model",), ("contact", "element"),
-          ("tool", "linalg", "material", "mesh"), ("base",)]
+FOLDERS = ("app", "api", "io", "analysis", "assembly", "model", "contact", "element", "tool",
+           "linalg", "material", "mesh", "base")
 
 
 def edges(modules: dict) -> dict:
     """Folders, to the folders whose modules theirs use."""
-    found = {folder: set() for floor in FLOORS for folder in floor}
+    found = {folder: set() for folder in FOLDERS}
     for module in modules.values():
         found[module.folder] |= {modules[u].folder for u in module.uses if u in modules}
     return {folder: used - {folder} for folder, used in found.items()}
@@ -36,7 +36,8 @@ def without_ways_round(graph: dict) -> dict:
                 todo += graph[one]
         return seen
 
-    return {folder: {u for u in used if u not in reached(folder, u)} for folder, used in graph.items()}
+    return {folder: {u for u in used if u not in reached(folder, u)}
+            for folder, used in graph.items()}
 
 
 def drawing(modules: dict) -> str:
@@ -46,7 +47,8 @@ def drawing(modules: dict) -> str:
     for folder, used in without_ways_round(graph).items():
         lines += [f"  {folder} --> {other}" for other in sorted(used)]
     lines += ["```", "", "| folder | uses modules of |", "| --- | --- |"]
-    lines += [f"| {folder} | {', '.join(sorted(used)) or 'nobody'} |" for folder, used in graph.items()]
+    lines += [f"| {folder} | {', '.join(sorted(used)) or 'none'} |"
+              for folder, used in graph.items()]
     return "\n".join([*lines, END])
 
 

@@ -308,8 +308,8 @@ contains
       integer, parameter :: nnode = 60000, nelement = 50000
       character(len=:), allocatable :: text
       character(len=64) :: line
-      integer :: i, k, length, before, after, rate
-      real(wp) :: value, total
+      integer :: i, k, length
+      real(wp) :: value, total, before, after
       logical :: found
 
       call test('60 000 nodes and 50 000 elements are read and cut into numbers in less than '// &
@@ -331,10 +331,10 @@ contains
          text(k + 1:k + length + 1) = line(:length)//nl
          k = k + length + 1
       end do
-      call system_clock(before, rate)
+      call cpu_time(before)
       call read_text(text(:k))
-      call system_clock(after)
-      print '("large deck: read in ",f6.3," s")', real(after - before, wp)/rate
+      call cpu_time(after)
+      print '("large deck: read in ",f6.3," s")', after - before
       call is_true('no error', .not. allocated(error))
       call is_true('nodes', deck%block(1)%nline == nnode)
       call is_true('elements', deck%block(2)%nline == nelement)
@@ -346,9 +346,9 @@ contains
             total = total + value
          end do
       end do
-      call system_clock(after)
-      print '("large deck: numbers after ",f6.3," s")', real(after - before, wp)/rate
+      call cpu_time(after)
+      print '("large deck: numbers after ",f6.3," s")', after - before
       call close_to('sum', total, 0.5_wp*nnode*(nnode + 1.0_wp) - 0.75_wp*nnode, 1.0e-12_wp)
-      call is_true('quick', after - before < rate)
+      call is_true('quick', after - before < 1.0_wp)
    end subroutine a_large_deck_is_read_quickly
 end program test_deck

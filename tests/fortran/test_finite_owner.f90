@@ -39,7 +39,7 @@ contains
 
       call test('a point that returns often keeps the facet')
       call new_owners(owner, 2)
-      call start_owners(owner, [4])
+      call start_owners(owner, [4, 0])
       do turn = 1, most_returns + 1
          call note_owner(owner, 1, at_facet(7 + mod(turn, 2)), .false.)
          call note_owner(owner, 1, at_facet(7 + mod(turn, 2)), .false.)
@@ -50,7 +50,7 @@ contains
       call note_owner(owner, 1, at_facet(owner%held(1)), .true.)
       call is_true('it stays', owner%held(1) == 7 + mod(most_returns, 2))
       call test('so does one beside the perimeter, on the facet continued there')
-      call start_owners(owner)
+      call start_owners(owner, [4, 0])
       do turn = 1, most_returns + 2
          call note_owner(owner, 1, projection_type(facet=7 + mod(turn, 2), &
             & place=place%extended), .false.)

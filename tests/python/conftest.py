@@ -12,11 +12,11 @@ ROOT = Path(__file__).resolve().parents[2]
 os.environ.setdefault("LOPIN_EXECUTABLE", str(ROOT/"build"/"lopin"))
 #: Files of the fast loop: a second and a half each at most, and together something of every area.
 FAST = set("""
-    area_growth bad_decks closed_form codes cut_back damaged_results deep_tools feature_steps feature_tools
-    finite_strain floors flow_words free_block friction_twin friction_words import_graph increments mesh
-    model_words narrow_masters narrow_tools node_areas passage plastic_members press_fits recorders
-    seed_repairs sliding_scenes smooth_rings sources tree turning_bodies velocity verification_incline
-    verification_springs verification_stability
+    area_growth bad_decks closed_form codes cut_back damaged_results deep_tools feature_steps
+    feature_tools finite_strain floors flow_words free_block friction_twin friction_words
+    import_graph increments mesh model_words narrow_masters narrow_tools node_areas passage
+    plastic_members press_fits recorders seed_repairs sliding_scenes smooth_rings sources tree
+    turning_bodies velocity verification_incline verification_springs verification_stability
 """.split())
 
 

@@ -1,5 +1,5 @@
-"""What a reader of the Fortran sources must hold in mind does not grow (tests/measure_sources.py), their
-format is the house's (tests/check_format.py), and the graph of the modules is today's
+"""What a reader of the Fortran sources must hold in mind does not grow (tests/measure_sources.py),
+their format is the house's (tests/check_format.py), and the graph of the modules is today's
 (tests/draw_modules.py)."""
 import sys
 
@@ -54,10 +54,18 @@ def test_sources_have_the_format_of_the_house(root):
 
 
 @pytest.mark.parametrize("line, fault", [
-    ("   a = 1", ""), ("  a = 1", "indented by 2"), ("      a = 1", "indented by 6"), ("\ta = 1", "tab"),
-    ("   a = 1 ", "blanks"), ("   where (a > b) c = d", ""), ("   if (a) then", "stay open"),
-    ("   critical = 1.0", ""), ("end subroutine\npure character(len=8) function f()\n   f = ''\nend function\n"
-                               "subroutine s", ""), ("   if (a) b = 1", ""), ("   select case (a)\n   case (1)\n      b = 2\n   end select", "")])
+    ("   a = 1", ""),
+    ("  a = 1", "indented by 2"),
+    ("      a = 1", "indented by 6"),
+    ("\ta = 1", "tab"),
+    ("   a = 1 ", "blanks"),
+    ("   if (a) then", "stay open"),
+    ("   if (a) b = 1", ""),
+    ("   where (a > b) c = d", ""),
+    ("   critical = 1.0", ""),
+    ("   select case (a)\n   case (1)\n      b = 2\n   end select", ""),
+    ("end subroutine\npure character(len=8) function f()\n   f = ''\nend function\n"
+     "subroutine s", "")])
 def test_the_check_of_the_format_sees(line, fault, tmp_path):
     path = tmp_path/"probe.f90"
     path.write_text(f"subroutine probe()\n{line}\nend subroutine probe\n")
