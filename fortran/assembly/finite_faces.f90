@@ -10,7 +10,7 @@ module lopin_finite_faces
    use lopin_face_points, only : face_points_type, place_points
    use lopin_face_rows, only : points_of_face, feet_on_crease
    use lopin_finite_points, only : finite_points_type
-   use lopin_finite_opposite, only : opposite_type, inner_foot_type
+   use lopin_finite_opposite, only : opposite_type, inner_row_type, inner_foot_type
    use lopin_finite_masters, only : masters_type
    implicit none
    private
@@ -74,34 +74,76 @@ contains
       end do
    end function is_met
 
+   !> The points of one facet to the rows of its nodes.
    subroutine add_points(opposite, points, face, inside, foot)
       type(opposite_type), intent(inout) :: opposite(:)
       type(finite_points_type), intent(in) :: points
       type(face_type), intent(in) :: face
       type(face_points_type), intent(in) :: inside
       type(foot_type), intent(in) :: foot(:)
-      type(inner_foot_type), allocatable :: longer(:)
-      integer :: k, q, n
+      integer :: at(4), k, q
 
       do k = 1, face%nnode
-         associate (own => opposite(face%point(k)))
-            n = 0
-            if (allocated(own%inner)) n = size(own%inner)
-            allocate (longer(n + inside%n))
-            if (n > 0) longer(:n) = own%inner
+         associate (own => opposite(face%point(k)), node => face%node(:face%nnode), &
+            & part => inside%part(k, :inside%n)/points%weight(face%point(k)))
+            if (.not. allocated(own%inner)) then
+               allocate (own%inner)
+               own%inner%node = [points%node(face%point(k))]
+               allocate (own%inner%normal(3, 1), source=0.0_wp)
+               allocate (own%inner%bent(0))
+            end if
+            call find_nodes(own%inner, node, at(:face%nnode))
+            own%inner%c = own%inner%c + sum(part)
             do q = 1, inside%n
-               associate (s => longer(n + q))
-                  s%c = inside%part(k, q)/points%weight(face%point(k))
-                  s%nnode = face%nnode
-                  s%node(:face%nnode) = face%node(:face%nnode)
-                  s%shape(:face%nnode) = inside%shape(:, q)
-                  s%foot = foot(q)
-               end associate
+               call add_point(own%inner, part(q), inside%shape(:, q), at(:face%nnode), foot(q))
             end do
-            call move_alloc(longer, own%inner)
          end associate
       end do
    end subroutine add_points
+
+   !> Places of nodes in the list of a row, new ones at its end.
+   pure subroutine find_nodes(row, node, at)
+      type(inner_row_type), intent(inout) :: row
+      integer, intent(in) :: node(:)
+      integer, intent(out) :: at(:)
+      real(wp), allocatable :: normal(:, :)
+      integer :: k
+
+      do k = 1, size(node)
+         at(k) = findloc(row%node, node(k), dim=1)
+         if (at(k) > 0) cycle
+         row%node = [row%node, node(k)]
+         at(k) = size(row%node)
+      end do
+      if (size(row%normal, 2) == size(row%node)) return
+      allocate (normal(3, size(row%node)), source=0.0_wp)
+      normal(:, :size(row%normal, 2)) = row%normal
+      call move_alloc(normal, row%normal)
+   end subroutine find_nodes
+
+   pure subroutine add_point(row, c, shape, at, foot)
+      type(inner_row_type), intent(inout) :: row
+      real(wp), intent(in) :: c                !! part of the row
+      real(wp), intent(in) :: shape(:)         !! N of the facet's nodes
+      integer, intent(in) :: at(:)             !! their places in the row's list
+      type(foot_type), intent(in) :: foot
+      type(inner_foot_type) :: bent
+      integer :: j
+
+      if (any(abs(foot%hessian) > 0.0_wp)) then
+         bent%c = c
+         bent%nnode = size(at)
+         bent%at(:size(at)) = at
+         bent%shape(:size(at)) = shape
+         bent%foot = foot
+         row%bent = [row%bent, bent]
+         return
+      end if
+      row%gap = row%gap + c*foot%gap
+      do j = 1, size(at)
+         row%normal(:, at(j)) = row%normal(:, at(j)) + c*shape(j)*foot%normal
+      end do
+   end subroutine add_point
 
    !> Gap of a row of a tool, from the feet of its places.
    pure real(wp) function start_gap_of(opposite) result(gap)
@@ -109,7 +151,8 @@ contains
 
       gap = opposite%foot%gap
       if (.not. allocated(opposite%inner)) return
-      gap = (1.0_wp - sum(opposite%inner%c))*gap + dot_product(opposite%inner%c, &
-         & opposite%inner%foot%gap)
+      associate (row => opposite%inner)
+         gap = (1.0_wp - row%c)*gap + row%gap + dot_product(row%bent%c, row%bent%foot%gap)
+      end associate
    end function start_gap_of
 end module lopin_finite_faces

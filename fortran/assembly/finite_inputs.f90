@@ -8,22 +8,18 @@ module lopin_finite_inputs
    use lopin_finite_masters, only : masters_type
    implicit none
    private
-   public :: inputs_type, list_inputs, inputs_of
+   public :: inputs_type, list_inputs
 
-   !> Nodes of the facets about a node.
-   integer, parameter :: most_around = 36
    integer, parameter :: most_dofs = 3*(most_stencil + 8) + 18
 
    !> The inputs of a point in the order of its local dofs.
    type :: inputs_type
       integer :: n = 0, nu = 0
-      integer :: dof(most_dofs) = 0
+      integer, allocatable :: dof(:)
       integer :: slave(3) = 0                  !! input of each component; 0: it is held
       integer :: master(3, most_stencil) = 0, anchor(3, 8) = 0
       integer :: sample(3, 2) = 0
-      integer :: naround = 0
-      integer :: around(most_around) = 0       !! nodes of points inside facets, and
-      integer :: near(3, most_around) = 0      !! their inputs
+      integer, allocatable :: near(:, :)       !! (3, nodes) of the nodes of points inside facets
       integer :: reference(3) = 0, rotation(3) = 0, multiplier(3) = 0
       integer :: growth = 0                    !! behind the others: of the point's area
    end type inputs_type
@@ -44,6 +40,9 @@ contains
       integer :: k, m, d
 
       d = model%mesh%ndim
+      m = 0
+      if (allocated(opposite%inner)) m = size(opposite%inner%node)
+      allocate (self%dof(most_dofs + 3*m))
       do k = 1, d
          call take(dofs%id(k, points%node(i)), self%slave(k))
       end do
@@ -83,25 +82,19 @@ contains
 
    contains
 
-      !> Nodes of the facets that have points inside; the first is the point's own.
+      !> Nodes of the facets that have points inside.
       subroutine list_around
-         integer :: q, j
+         integer :: j
 
-         self%naround = 1
-         self%around(1) = points%node(i)
-         self%near(:, 1) = self%slave
-         do q = 1, size(opposite%inner)
-            do j = 1, opposite%inner(q)%nnode
-               associate (node => opposite%inner(q)%node(j))
-                  if (any(self%around(:self%naround) == node)) cycle
-                  self%naround = self%naround + 1
-                  self%around(self%naround) = node
-                  do k = 1, d
-                     call take(dofs%id(k, node), self%near(k, self%naround))
-                  end do
-               end associate
+         associate (node => opposite%inner%node)
+            allocate (self%near(3, size(node)), source=0)
+            self%near(:, 1) = self%slave
+            do j = 2, size(node)
+               do k = 1, d
+                  call take(dofs%id(k, node(j)), self%near(k, j))
+               end do
             end do
-         end do
+         end associate
       end subroutine list_around
 
       subroutine take(dof, input)
@@ -113,15 +106,4 @@ contains
          input = self%n
       end subroutine take
    end subroutine list_inputs
-   !> Inputs of the components of a node around the point.
-   pure function inputs_of(self, node) result(input)
-      type(inputs_type), intent(in) :: self
-      integer, intent(in) :: node
-      integer :: input(3), k
-
-      input = 0
-      do k = 1, self%naround
-         if (self%around(k) == node) input = self%near(:, k)
-      end do
-   end function inputs_of
 end module lopin_finite_inputs

@@ -14,14 +14,12 @@ module lopin_finite_kernel
       & turned_back
    use lopin_finite_points, only : finite_points_type, growth_type
    use lopin_finite_opposite, only : opposite_type, anchor_type
-   use lopin_finite_inputs, only : inputs_type, list_inputs, inputs_of
-   use lopin_finite_places, only : place_type, find_foot, mean_place, place_inner, find_inner_foot
+   use lopin_finite_inputs, only : inputs_type, list_inputs
+   use lopin_finite_places, only : place_type, find_foot, mean_place, place_inner, place_planes
    use lopin_finite_masters, only : masters_type
    implicit none
    private
    public :: local_matrix_type, point_state_type, evaluate_point, set_spring
-
-
    !> The exact tangent of one contact point.
    type :: local_matrix_type
       integer, allocatable :: dof(:)           !! physical dofs, then ndof + multiplier row, then
@@ -84,12 +82,15 @@ contains
       allocate (force(inputs%nu))
       if (with_tangent) then
          if (allocated(local%k)) deallocate (local%k)
-         allocate (local%k(inputs%n, columns), along_gap(inputs%nu), along_slip(d, inputs%nu))
+         allocate (local%k(inputs%n, columns), source=0.0_wp)
+         allocate (along_gap(inputs%nu), along_slip(d, inputs%nu))
       end if
       do block = 1, merge((columns + dual_width - 1)/dual_width, 1, with_tangent)
          from = (block - 1)*dual_width
          call point_forces(merge(from, columns, with_tangent))
          if (.not. with_tangent) exit
+         ! What is open and has no multiplier pushes nothing, wherever it goes.
+         if (state%status == grip_status%open .and. first_row == 0) exit
          width = min(dual_width, columns - from)
          do k = 1, inputs%nu
             local%k(k, from + 1:from + width) = -force(k)%d(:width)
@@ -120,7 +121,7 @@ contains
             & shares(opposite%nnode), multiplier(3), to_anchor(3), &
             & rotation(3, 3), reference(3), y(3), arm(3), moment(3), turn(3)
          type(place_type) :: there(3)
-         type(place_type), allocatable :: inner(:)
+         type(place_type), allocatable :: inner(:), around(:)
          integer :: k, m
 
          x = 0.0_wp
@@ -193,15 +194,13 @@ contains
                   to_anchor = to_anchor - turned(rotation, constant(anchor%offset))
                end if
                if (allocated(opposite%inner)) then
-                  allocate (inner(size(opposite%inner) + 1))
-                  call place_inner(inner, opposite%inner, inputs, masters%x, from)
-                  do m = 1, size(opposite%inner)
-                     call find_inner_foot(inner(m), opposite%inner(m)%foot, rotation, reference, &
-                        & motion%reference)
-                  end do
-                  inner(size(inner)) = place_type(1.0_wp - sum(opposite%inner%c), x, n, gap)
-                  gap = inner(1)%c*inner(1)%gap
-                  do m = 2, size(inner)
+                  allocate (around(size(opposite%inner%node)), inner(size(opposite%inner%bent) + 1))
+                  inner(size(inner)) = place_type(1.0_wp - opposite%inner%c, x, n, gap)
+                  call place_planes(around, gap, opposite%inner, inputs, masters%x, rotation, &
+                     & reference, from)
+                  do m = 1, size(inner)
+                     if (m < size(inner)) call place_inner(inner(m), opposite%inner%bent(m), &
+                        & around, rotation, reference, motion%reference)
                      gap = gap + inner(m)%c*inner(m)%gap
                   end do
                end if
@@ -232,7 +231,7 @@ contains
             return
          end if
          if (allocated(opposite%inner)) then
-            call push_inner(inner, z, n, reference)
+            call push_inner(around, inner, z, n, reference)
             return
          end if
          do k = 1, d
@@ -273,8 +272,8 @@ contains
       end subroutine push_places
 
       !> Shears push the node, pressures each place inside the facets along its own normal.
-      subroutine push_inner(inner, z, n, reference)
-         type(place_type), intent(in) :: inner(:)                  !! the node last
+      subroutine push_inner(around, inner, z, n, reference)
+         type(place_type), intent(in) :: around(:), inner(:)       !! the node last
          type(dual_type), intent(in) :: z(3), n(3), reference(3)   !! z: force of the row
          type(dual_type) :: press, own(3)
          integer :: m, j, k
@@ -285,6 +284,13 @@ contains
             call push(inputs%slave(k), own(k))
          end do
          call hold(inner(size(inner)), own, reference)
+         do m = 1, size(around)
+            own = press*around(m)%normal
+            call hold(around(m), own, reference)
+            do k = 1, d
+               call push(around(m)%input(k), own(k))
+            end do
+         end do
          do m = 1, size(inner)
             own = (inner(m)%c*press)*inner(m)%normal
             call hold(inner(m), own, reference)
@@ -294,13 +300,11 @@ contains
                end do
                exit
             end if
-            associate (s => opposite%inner(m))
+            associate (s => opposite%inner%bent(m))
                do j = 1, s%nnode
-                  associate (input => inputs_of(inputs, s%node(j)))
-                     do k = 1, d
-                        call push(input(k), s%shape(j)*own(k))
-                     end do
-                  end associate
+                  do k = 1, d
+                     call push(around(s%at(j))%input(k), s%shape(j)*own(k))
+                  end do
                end do
             end associate
          end do
@@ -393,5 +397,4 @@ contains
             & + matmul(shear, along_slip(:, j))/grip%c
       end do
    end subroutine set_spring
-
 end module lopin_finite_kernel

@@ -15,7 +15,8 @@ module lopin_finite_opposite
    use lopin_finite_masters, only : masters_type, master_type
    implicit none
    private
-   public :: opposite_type, anchor_type, sample_foot_type, inner_foot_type, find_opposite, anchor_of
+   public :: opposite_type, anchor_type, sample_foot_type, inner_foot_type, inner_row_type, &
+      & find_opposite, anchor_of
 
    !> Sine below which an arm is square to its facet.
    real(wp), parameter :: square = 1.0e-6_wp
@@ -32,10 +33,20 @@ module lopin_finite_opposite
    type :: inner_foot_type
       real(wp) :: c = 0.0_wp                       !! its part of the row
       integer :: nnode = 0
-      integer :: node(4) = 0                       !! of the facet
+      integer :: at(4) = 0                         !! nodes of the facet in the list of the row
       real(wp) :: shape(4) = 0.0_wp
       type(foot_type) :: foot                      !! in the tool's frame
    end type inner_foot_type
+
+   !> All points inside facets of one row. Gaps to planes are linear in the places, and forces on
+   !> planes have one direction each: of all points on planes, sum c N n of every node is enough.
+   type :: inner_row_type
+      real(wp) :: c = 0.0_wp                       !! their part of the row
+      integer, allocatable :: node(:)              !! of these facets, the point's own first
+      real(wp) :: gap = 0.0_wp                     !! of points on planes: sum of c gap [length]
+      real(wp), allocatable :: normal(:, :)        !! (3, nodes) sum of c N n, in the tool's frame
+      type(inner_foot_type), allocatable :: bent(:)   !! the others
+   end type inner_row_type
 
    type :: opposite_type
       integer :: facet = 0                         !! 0: none
@@ -52,7 +63,7 @@ module lopin_finite_opposite
       integer :: cell = 0
       real(wp) :: size = 1.0_wp                    !! of the facet [length]
       type(sample_foot_type), allocatable :: sample(:)   !! the other places of the row
-      type(inner_foot_type), allocatable :: inner(:)     !! those inside facets, lopin_finite_faces
+      type(inner_row_type), allocatable :: inner   !! those inside facets, lopin_finite_faces
    end type opposite_type
 
    !> The material point of the master that friction measures slip from.

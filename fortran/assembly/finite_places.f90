@@ -1,15 +1,14 @@
 !> The places that the row of a contact point samples on a tool, and their feet, by dual numbers.
 module lopin_finite_places
    use lopin_kinds, only : wp
-   use lopin_dual, only : dual_type, dual_width, constant, dual_dot, operator(+), operator(-), &
+   use lopin_dual, only : dual_type, variable, constant, dual_dot, operator(+), operator(-), &
       & operator(*), assignment(=)
-   use lopin_tool, only : foot_type
    use lopin_contact_foot, only : tool_foot, turned, turned_back
-   use lopin_finite_opposite, only : sample_foot_type, inner_foot_type
-   use lopin_finite_inputs, only : inputs_type, inputs_of
+   use lopin_finite_opposite, only : sample_foot_type, inner_foot_type, inner_row_type
+   use lopin_finite_inputs, only : inputs_type
    implicit none
    private
-   public :: place_type, find_foot, mean_place, place_inner, find_inner_foot
+   public :: place_type, find_foot, mean_place, place_inner, place_planes
 
    !> A place that a row samples.
    type :: place_type
@@ -40,43 +39,51 @@ contains
       self%normal = turned(rotation, normal)
    end subroutine find_foot
 
-   !> Places inside facets from the nodes of these.
-   pure subroutine place_inner(self, opposite, inputs, x, from)
-      type(place_type), intent(inout) :: self(:)
-      type(inner_foot_type), intent(in) :: opposite(:)
+   !> The nodes around a point, and the gap of its points on planes: each node has its part of their
+   !> normals, and no gap of its own.
+   pure subroutine place_planes(self, gap, row, inputs, x, rotation, reference, from)
+      type(place_type), intent(out) :: self(:)
+      type(dual_type), intent(out) :: gap
+      type(inner_row_type), intent(in) :: row
       type(inputs_type), intent(in) :: inputs
       real(wp), intent(in) :: x(:, :)                !! (ndim, nnode) [length]
+      type(dual_type), intent(in) :: rotation(3, 3), reference(3)
       integer, intent(in) :: from                    !! slopes along inputs from + 1 and on
-      integer :: m, j, k, input(3)
+      integer :: j, k
 
-      do m = 1, size(opposite)
-         self(m)%c = opposite(m)%c
-         self(m)%x = 0.0_wp
-         do j = 1, opposite(m)%nnode
-            input = inputs_of(inputs, opposite(m)%node(j))
-            do k = 1, size(x, 1)
-               associate (place => self(m)%x(k), at => input(k) - from)
-                  place%v = place%v + opposite(m)%shape(j)*x(k, opposite(m)%node(j))
-                  if (at >= 1 .and. at <= dual_width) place%d(at) = place%d(at) &
-                     & + opposite(m)%shape(j)
-               end associate
-            end do
+      gap = 0.0_wp
+      do j = 1, size(self)
+         self(j)%input = inputs%near(:, j)
+         do k = 1, size(x, 1)
+            self(j)%x(k) = variable(x(k, row%node(j)), inputs%near(k, j) - from)
          end do
+         self(j)%normal = rotation(:, 1)*row%normal(1, j) + rotation(:, 2)*row%normal(2, j) &
+            & + rotation(:, 3)*row%normal(3, j)
+         gap = gap + dual_dot(self(j)%normal, self(j)%x - reference)
       end do
-   end subroutine place_inner
+      gap%v = row%gap
+   end subroutine place_planes
 
-   pure subroutine find_inner_foot(self, foot, rotation, reference, origin)
+   !> A place inside a facet from its nodes, and its foot.
+   pure subroutine place_inner(self, foot, around, rotation, reference, origin)
       type(place_type), intent(inout) :: self
-      type(foot_type), intent(in) :: foot
+      type(inner_foot_type), intent(in) :: foot
+      type(place_type), intent(in) :: around(:)      !! the nodes of the row
       type(dual_type), intent(in) :: rotation(3, 3), reference(3)
       real(wp), intent(in) :: origin(3)              !! reference of the tool at rest [length]
       type(dual_type) :: y(3), normal(3)
+      integer :: j
 
+      self%c = foot%c
+      self%x = 0.0_wp
+      do j = 1, foot%nnode
+         self%x = self%x + foot%shape(j)*around(foot%at(j))%x
+      end do
       y = self%x - reference
       y = constant(origin) + turned_back(rotation, y)
-      call tool_foot(foot, y, self%gap, normal)
+      call tool_foot(foot%foot, y, self%gap, normal)
       self%normal = turned(rotation, normal)
-   end subroutine find_inner_foot
+   end subroutine place_inner
 
    !> Gap of a row from those of its places, and the way of its mean place added to its point's.
    pure subroutine mean_place(there, gap, way)
