@@ -24,8 +24,9 @@ contains
       type(constraints_type), intent(in) :: constraints
       logical, intent(in) :: flat
       integer :: i, c, n, m, dof, rows
-      integer, allocatable :: at(:)
+      integer, allocatable :: at(:), from(:)
       real(wp), allocatable :: t(:, :), k(:, :)
+      logical :: picks
 
       m = 0
       do i = 1, size(local%dof)
@@ -33,9 +34,10 @@ contains
          if (local%dof(i) <= constraints%ndof) m = m - 1 + constraints%first(local%dof(i) + 1) &
             & - constraints%first(local%dof(i))
       end do
-      allocate (at(m), t(size(local%dof), m))
+      allocate (at(m), from(m), t(size(local%dof), m))
       t = 0.0_wp
       n = 0
+      picks = .true.
       do i = 1, local%nu
          dof = local%dof(i)
          do c = constraints%first(dof), constraints%first(dof + 1) - 1
@@ -64,6 +66,11 @@ contains
          end if
          k(:, local%nu + rows + 1:) = 0.0_wp
       end if
+      if (picks) then
+         block%k = k(from(:n), from(:n))
+         block%spring = local%spring(from(:block%nu), from(:block%nu))
+         return
+      end if
       block%k = matmul(transpose(t(:, :n)), matmul(k, t(:, :n)))
       block%spring = matmul(transpose(t(:local%nu, :block%nu)), matmul(local%spring, &
          & t(:local%nu, :block%nu)))
@@ -76,10 +83,13 @@ contains
          integer :: j
 
          j = findloc(at(:n), equation, dim=1)
+         ! Nearly always T only leaves out what is held.
+         picks = picks .and. j == 0 .and. abs(coefficient - 1.0_wp) <= 0.0_wp
          if (j == 0) then
             n = n + 1
             j = n
             at(n) = equation
+            from(n) = row
          end if
          t(row, j) = t(row, j) + coefficient
       end subroutine put

@@ -86,6 +86,9 @@ contains
             if (again) call press(self, model, i, at, shift, lambda, with_tangent)
          end if
          call collect(self, i, d)
+         ! What is open and has no multiplier couples nothing.
+         if (allocated(self%opposite(i)%inner) .and. self%status(i) == 0 .and. &
+            & self%first_row(i) == 0) self%nlocal = self%nlocal - 1
          if (self%mortar(self%pair(i))%is_on) cycle
          if (with_tangent .and. self%status(i) /= 0 .and. self%opposite(i)%ncarry > 0) &
             & call note_owner(self%masters%owner, i, self%opposite(i)%found, self%opposite(i)%kept)

@@ -5,7 +5,7 @@ module lopin_deformation
    use lopin_kinds, only : wp
    use lopin_element_type, only : element_type, element_kind
    use lopin_dilatation, only : dilatation_count, dilatation_functions, projection
-   use lopin_solid_small, only : gradients
+   use lopin_gradients, only : gradients, correct_means
    use lopin_solid_enhanced, only : enhanced_deformation
    use lopin_vectors, only : inverse_of
    use lopin_finite_elastic, only : finite_law_type, volume_change
@@ -41,11 +41,14 @@ contains
          if (bad > 0) return
       end if
       do bad = 1, element%ngauss
-         k = bad
-         call gradients(element%ndim, element%nnode, x, element%dn(:, :, k), g(:, :, k), &
+         call gradients(element%ndim, element%nnode, x, element%dn(:, :, bad), g(:, :, bad), &
             & determinant)
          if (.not. determinant > 0.0_wp) return
-         point(k)%weight = element%weight(k)*determinant
+         point(bad)%weight = element%weight(bad)*determinant
+      end do
+      if (allocated(element%whole_weight)) call correct_means(element, x, g, point%weight)
+      do bad = 1, element%ngauss
+         k = bad
          if (element%ndim == 2) then
             call place_in_plane(element, k, x, u, thickness, g(:, :, k), hoop(:, k), point(k))
          else

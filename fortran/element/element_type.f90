@@ -56,6 +56,8 @@ module lopin_element_type
       real(wp), allocatable :: n(:, :)              !! (nnode, ngauss) shape functions
       real(wp), allocatable :: dn(:, :, :)          !! (ndim, nnode, ngauss) parametric slopes
       real(wp), allocatable :: extrapolation(:, :)  !! (nnode, ngauss) from Gauss points to nodes
+      real(wp), allocatable :: whole_weight(:)      !! of a rule that has volumes and mean gradients
+      real(wp), allocatable :: whole_dn(:, :, :)    !! of curved edges, if its own has not
       real(wp), allocatable :: n0(:), dn0(:, :)     !! (nnode), (ndim, nnode) centre, if enhanced
    end type element_type
 
@@ -207,7 +209,34 @@ contains
       end do
       call set_extrapolation(self)
       if (self%formulation == element_formulation%enhanced) call set_modes(self)
+      call set_whole_rule(self)
    end subroutine tabulate
+
+   !> Solids of second order: det J grad N has degree 3 in tetrahedra, 4 in triangles and 5 along
+   !> the axis in wedges, 5 in bricks.
+   subroutine set_whole_rule(self)
+      type(element_type), intent(inout) :: self
+      type(rule_type) :: rule
+      real(wp) :: n(self%nnode)
+      integer :: k
+
+      select case (self%cell%name)
+      case ('tetra10')
+         call new_rule(rule, self%cell%family, 3)
+      case ('wedge15')
+         call new_rule(rule, self%cell%family, 4, through=5)
+      case ('hexahedron20')
+         if (self%formulation /= element_formulation%reduced) return
+         call new_rule(rule, self%cell%family, 5)
+      case default
+         return
+      end select
+      self%whole_weight = rule%weight
+      allocate (self%whole_dn(self%ndim, self%nnode, rule%npoint))
+      do k = 1, rule%npoint
+         call shape_functions(self%cell, rule%xi(:, k), n, self%whole_dn(:, :, k))
+      end do
+   end subroutine set_whole_rule
 
    subroutine set_modes(self)
       type(element_type), intent(inout) :: self

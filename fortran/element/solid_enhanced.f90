@@ -13,7 +13,7 @@ module lopin_solid_enhanced
    use lopin_vectors, only : cross
    use lopin_element_type, only : element_type, element_kind
    use lopin_enhanced_modes, only : modes_type, internal_modes, solve_small, most_nodes, most_points
-   use lopin_solid_small, only : gradients
+   use lopin_gradients, only : gradients
    use lopin_velocity_form, only : velocity_form
    use lopin_finite_elastic, only : finite_law_type, condense_thickness, volume_change
    use lopin_material_memory, only : trial_change, amplitudes_of, offset_at

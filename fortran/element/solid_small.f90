@@ -7,15 +7,15 @@
 !> index is contiguous. Dof (a-1)*ndim + i is component i of local node a.
 module lopin_solid_small
    use lopin_kinds, only : wp
-   use lopin_vectors, only : cross
    use lopin_element_type, only : element_type, element_kind
+   use lopin_gradients, only : gradients, correct_means
    use lopin_dilatation, only : dilatation_count, dilatation_functions
    use lopin_enhanced_modes, only : modes_type, internal_modes, solve_small
    use lopin_facets, only : facet_rule_type, facet_point
    implicit none
    private
    public :: strain_matrices, stiffness, strains, internal_force, body_force, face_force, &
-      & gauss_points, gradients, fill_solid, fill_plane, add_product, mode_strains, follow_nodes
+      & gauss_points, fill_solid, fill_plane, add_product, mode_strains, follow_nodes
 
    real(wp), parameter :: pi = acos(-1.0_wp)
 
@@ -36,14 +36,15 @@ contains
       real(wp), intent(out) :: smallest        !! least det J [length^ndim]
       integer, intent(out) :: point            !! and its Gauss point
       real(wp), intent(in), optional :: d(:, :)   !! (nstress, nstress) Hooke [stress]
-      real(wp) :: g(element%ndim, element%nnode), determinant, radius
+      real(wp) :: g(element%ndim, element%nnode, element%ngauss), determinant, radius
       real(wp) :: own(element%nmode, element%nstress, element%ngauss)
       integer :: k
 
       smallest = huge(1.0_wp)
       point = 1
       do k = 1, element%ngauss
-         call gradients(element%ndim, element%nnode, x, element%dn(:, :, k), g, determinant)
+         call gradients(element%ndim, element%nnode, x, element%dn(:, :, k), g(:, :, k), &
+            & determinant)
          if (determinant < smallest) then
             smallest = determinant
             point = k
@@ -51,9 +52,9 @@ contains
          if (determinant <= 0.0_wp) cycle
          volume(k) = element%weight(k)*determinant
          if (element%ndim == 3) then
-            call fill_solid(element%nnode, g, b(:, :, k))
+            call fill_solid(element%nnode, g(:, :, k), b(:, :, k))
          else
-            call fill_plane(element%nnode, g, b(:, :, k))
+            call fill_plane(element%nnode, g(:, :, k), b(:, :, k))
             if (element%axisymmetric) then
                radius = dot_product(x(1, :element%nnode), element%n(:, k))
                if (radius <= 0.0_wp) then
@@ -69,6 +70,12 @@ contains
          end if
       end do
       if (smallest <= 0.0_wp) return
+      if (allocated(element%whole_weight)) then
+         call correct_means(element, x, g, volume)
+         do k = 1, element%ngauss
+            call fill_solid(element%nnode, g(:, :, k), b(:, :, k))
+         end do
+      end if
       if (dilatation_count(element) > 0) call average_dilatation(element, x, volume, b)
       if (element%nmode == 0 .or. .not. present(d)) return
       call mode_strains(element, x, own)
@@ -118,66 +125,6 @@ contains
          b(:, :, k) = b(:, :, k) - matmul(transpose(follow), own(:, :, k))
       end do
    end subroutine follow_nodes
-
-   !> Cartesian slopes of the shape functions: J**-T dN, and det J.
-   pure subroutine gradients(ndim, nnode, x, dn, g, determinant)
-      integer, intent(in) :: ndim, nnode
-      real(wp), intent(in) :: x(ndim, nnode)       !! [length]
-      real(wp), intent(in) :: dn(ndim, nnode)
-      real(wp), intent(out) :: g(ndim, nnode)      !! [1/length]; undefined unless det J > 0
-      real(wp), intent(out) :: determinant
-
-      if (ndim == 2) then
-         call plane_gradients(nnode, x, dn, g, determinant)
-      else
-         call space_gradients(nnode, x, dn, g, determinant)
-      end if
-   end subroutine gradients
-
-   pure subroutine plane_gradients(nnode, x, dn, g, determinant)
-      integer, intent(in) :: nnode
-      real(wp), intent(in) :: x(2, nnode), dn(2, nnode)
-      real(wp), intent(out) :: g(2, nnode), determinant
-      real(wp) :: j(2, 2)
-      integer :: a
-
-      j = 0.0_wp
-      do a = 1, nnode
-         j(:, 1) = j(:, 1) + x(:, a)*dn(1, a)
-         j(:, 2) = j(:, 2) + x(:, a)*dn(2, a)
-      end do
-      determinant = j(1, 1)*j(2, 2) - j(2, 1)*j(1, 2)
-      if (determinant <= 0.0_wp) return
-      j = j/determinant
-      do a = 1, nnode
-         g(1, a) = j(2, 2)*dn(1, a) - j(2, 1)*dn(2, a)
-         g(2, a) = j(1, 1)*dn(2, a) - j(1, 2)*dn(1, a)
-      end do
-   end subroutine plane_gradients
-
-   pure subroutine space_gradients(nnode, x, dn, g, determinant)
-      integer, intent(in) :: nnode
-      real(wp), intent(in) :: x(3, nnode), dn(3, nnode)
-      real(wp), intent(out) :: g(3, nnode), determinant
-      real(wp) :: j(3, 3), c(3, 3)
-      integer :: a, k
-
-      j = 0.0_wp
-      do a = 1, nnode
-         do k = 1, 3
-            j(:, k) = j(:, k) + x(:, a)*dn(k, a)
-         end do
-      end do
-      c(:, 1) = cross(j(:, 2), j(:, 3))
-      c(:, 2) = cross(j(:, 3), j(:, 1))
-      c(:, 3) = cross(j(:, 1), j(:, 2))
-      determinant = dot_product(j(:, 1), c(:, 1))
-      if (determinant <= 0.0_wp) return
-      c = c/determinant
-      do a = 1, nnode
-         g(:, a) = c(:, 1)*dn(1, a) + c(:, 2)*dn(2, a) + c(:, 3)*dn(3, a)
-      end do
-   end subroutine space_gradients
 
    pure subroutine fill_solid(nnode, g, b)
       integer, intent(in) :: nnode

@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 
 import lopin
+from faceted_die import pressed
 from test_cut_back import pulled
 from test_friction_laws import block
 from test_reach import crown
@@ -115,6 +116,8 @@ SCENES = {
     "axes and backstress, small strain": lambda: billet(SHAPED, nlgeom="", changes=False),
     "following pressure": lambda: billet(pressure="*DLOAD, AMPLITUDE=WAVE\nSIDE, P2, 3.\n*DLOAD\n1, P4, 1.\n"),
     "tied by mortar": tied,
+    "die of facets": lambda: pressed("CPE4", 1.57, 0.0, path="FINITE", mu=0.2, slide=3.0).text(),
+    "die of facets, condensed": lambda: pressed("CPE4", 1.57, 0.0, mu=0.2, slide=3.0).text(),
     "self-contact": lambda: deck("crushed_ring"),
     "large rotation": lambda: deck("elastica"),
     "cut back and stopped": lambda: pulled(0.4),

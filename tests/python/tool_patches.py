@@ -197,6 +197,21 @@ def bent(word):
     return bend
 
 
+def free_deck(word, path, bend) -> Deck:
+    """A distorted block of a solid word between two pressures, without contact; it may widen."""
+    lines, mesh = Lines(), block_of(word, True).mapped(bend)
+    lines.add("*HEADING", f"A block of {word}", *([f"*LOPIN, PATH={path}"] if path else []),
+              "*MATERIAL, NAME=M", "*ELASTIC", f"{YOUNG!r}, 0.3")
+    lines.mesh(mesh, word, "B")
+    corner = {p: int(np.linalg.norm(mesh.points - p, axis=1).argmin()) + 1
+              for p in [(0, 0, 0), (2, 0, 0), (0, 2, 0)]}
+    lines.add("*SOLID SECTION, ELSET=BE, MATERIAL=M", "*BOUNDARY", f"{corner[0, 0, 0]}, 1, 3",
+              f"{corner[2, 0, 0]}, 2, 3", f"{corner[0, 2, 0]}, 3", "*STEP", "*STATIC, DIRECT",
+              "1., 1.", "*DSLOAD", f"BSTOP, P, {PRESSURE!r}", f"BSBOTTOM, P, {PRESSURE!r}",
+              "*EL FILE", "S", "*END STEP")
+    return Deck.parse("\n".join(lines.text) + "\n", name=f"free_{word.lower()}")
+
+
 def ring_deck(word, path) -> Deck:
     """Solid cylinders of an axisymmetric word: pressed down, pressed up, and set into a bore.
 
