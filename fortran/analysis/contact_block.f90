@@ -23,7 +23,7 @@ contains
       type(local_matrix_type), intent(in) :: local
       type(constraints_type), intent(in) :: constraints
       logical, intent(in) :: flat
-      integer :: i, c, n, m, dof, rows
+      integer :: i, c, n, m, dof
       integer, allocatable :: at(:), from(:)
       real(wp), allocatable :: t(:, :), k(:, :)
       logical :: picks
@@ -56,16 +56,8 @@ contains
          end if
       end do
       block%at = at(:n)
-      allocate (k, source=local%k)
-      if (flat) then
-         k(:local%nu, :local%nu) = local%spring
-         rows = count(local%dof > constraints%ndof)
-         if (allocated(local%flat_row)) then
-            if (all(shape(local%flat_row) == [rows, local%nu])) &
-               & k(local%nu + 1:local%nu + rows, :local%nu) = local%flat_row
-         end if
-         k(:, local%nu + rows + 1:) = 0.0_wp
-      end if
+      k = local%k
+      if (flat) call flatten(k, local, count(local%dof > constraints%ndof))
       if (picks) then
          block%k = k(from(:n), from(:n))
          block%spring = local%spring(from(:block%nu), from(:block%nu))
@@ -94,6 +86,20 @@ contains
          t(row, j) = t(row, j) + coefficient
       end subroutine put
    end subroutine reduce_block
+
+   !> Forces by the springs alone, as if normals stood still.
+   pure subroutine flatten(k, local, rows)
+      real(wp), intent(inout) :: k(:, :)
+      type(local_matrix_type), intent(in) :: local
+      integer, intent(in) :: rows              !! of multipliers
+
+      k(:local%nu, :local%nu) = local%spring
+      if (allocated(local%flat_row)) then
+         if (all(shape(local%flat_row) == [rows, local%nu])) &
+            & k(local%nu + 1:local%nu + rows, :local%nu) = local%flat_row
+      end if
+      k(:, local%nu + rows + 1:) = 0.0_wp
+   end subroutine flatten
 
    !> What the local matrices make of displacements (and no multipliers), on dofs and rows.
    subroutine apply_locals(nlocal, local, u, force)
