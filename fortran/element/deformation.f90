@@ -5,7 +5,7 @@ module lopin_deformation
    use lopin_kinds, only : wp
    use lopin_element_type, only : element_type, element_kind
    use lopin_dilatation, only : dilatation_count, dilatation_functions, projection
-   use lopin_gradients, only : gradients, correct_means
+   use lopin_gradients, only : all_gradients
    use lopin_solid_enhanced, only : enhanced_deformation
    use lopin_vectors, only : inverse_of
    use lopin_finite_elastic, only : finite_law_type, volume_change
@@ -32,7 +32,7 @@ contains
                                              !! radius; 0 unless axisymmetric [1/length]
       real(wp), intent(out) :: phi(element%ngauss, dilatation_count(element))
       integer, intent(out) :: bad
-      real(wp) :: determinant, enhanced(3, 3, element%ngauss), alpha(element%nmode)
+      real(wp) :: enhanced(3, 3, element%ngauss), alpha(element%nmode)
       integer :: k
       logical :: found
 
@@ -40,13 +40,8 @@ contains
          call enhanced_deformation(element, law, x, u, thickness, memory, dt, enhanced, alpha, bad)
          if (bad > 0) return
       end if
-      do bad = 1, element%ngauss
-         call gradients(element%ndim, element%nnode, x, element%dn(:, :, bad), g(:, :, bad), &
-            & determinant)
-         if (.not. determinant > 0.0_wp) return
-         point(bad)%weight = element%weight(bad)*determinant
-      end do
-      if (allocated(element%whole_weight)) call correct_means(element, x, g, point%weight)
+      call all_gradients(element, x, g, point%weight, bad)
+      if (bad > 0) return
       do bad = 1, element%ngauss
          k = bad
          if (element%ndim == 2) then

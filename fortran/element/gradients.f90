@@ -17,7 +17,7 @@ module lopin_gradients
    use lopin_vectors, only : cross
    implicit none
    private
-   public :: gradients, correct_means
+   public :: gradients, all_gradients, correct_means
 
    !> Nodes farther off the middles of their edges than this, in edges, bend them.
    real(wp), parameter :: straight = 1.0e-9_wp
@@ -83,6 +83,25 @@ contains
          g(:, a) = c(:, 1)*dn(1, a) + c(:, 2)*dn(2, a) + c(:, 3)*dn(3, a)
       end do
    end subroutine space_gradients
+
+   !> Gradients at all Gauss points, and the volumes (in the plane: areas) of these.
+   pure subroutine all_gradients(element, x, g, volume, bad)
+      type(element_type), intent(in) :: element
+      real(wp), intent(in) :: x(element%ndim, element%nnode)   !! [length]
+      real(wp), intent(out) :: g(element%ndim, element%nnode, element%ngauss)   !! [1/length]
+      real(wp), intent(out) :: volume(element%ngauss)
+      integer, intent(out) :: bad              !! first folded point; 0: none
+      real(wp) :: determinant
+
+      do bad = 1, element%ngauss
+         call gradients(element%ndim, element%nnode, x, element%dn(:, :, bad), g(:, :, bad), &
+            & determinant)
+         if (.not. determinant > 0.0_wp) return
+         volume(bad) = element%weight(bad)*determinant
+      end do
+      bad = 0
+      if (allocated(element%whole_weight)) call correct_means(element, x, g, volume)
+   end subroutine all_gradients
 
    !> The gradients and volumes of all Gauss points; without change where edges are straight.
    pure subroutine correct_means(element, x, g, volume)

@@ -16,6 +16,7 @@ program test_face_points
    use lopin_finite_contact, only : finite_contact_type, new_finite_contact
    use lopin_finite_history, only : start_increment
    use lopin_finite_evaluation, only : evaluate
+   use lopin_state, only : state_type, new_contact_state
    use contact_scenes, only : box
    use check, only : test, is_true, close_to, finish
    implicit none
@@ -118,9 +119,11 @@ contains
    subroutine press(turns)
       logical, intent(in) :: turns
       type(error_type), allocatable :: error
+      type(state_type) :: accepted
       real(wp) :: start(dofs%n)
       integer :: k, body
 
+      call new_contact_state(accepted%contact, contact%nmultiplier, contact%touches)
       call random_number(start)
       start = 0.02_wp*(start - 0.5_wp)
       body = model%rigid_body(1)%reference
@@ -141,7 +144,7 @@ contains
       do k = 1, contact%n
          if (contact%first_row(k) > 0) z(contact%first_row(k) + d - 1) = -1.0_wp
       end do
-      call start_increment(contact, model, start, 0.5_wp, error)
+      call start_increment(contact, model, accepted%contact, start, 0.5_wp, error)
       call evaluate(contact, model, u, z, .true., error)
       call is_true('evaluated', .not. allocated(error))
    end subroutine press
