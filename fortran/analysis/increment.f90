@@ -39,6 +39,7 @@ module lopin_increment
    use lopin_say_once, only : say_once
    use lopin_refuse_passage, only : refuse_passage
    use lopin_refuse_jump, only : refuse_jump
+   use lopin_refuse_turn, only : refuse_turn
    use lopin_touch_order, only : judge_order
    use lopin_small_theory, only : pair_that_slid
    implicit none
@@ -113,6 +114,7 @@ contains
          if (.not. allocated(error)) call refuse_jump(scene, model, prescribed, error)
          if (.not. allocated(error)) call judge_order(scene, model, &
             & model%step(scene%step)%direct, error)
+         if (.not. allocated(error)) call refuse_turn(scene, model, error)
          if (allocated(error)) return
          call scene%clock%stop_in(phase%search)
          if (scene%finite%in_use) return
@@ -125,6 +127,7 @@ contains
          call solve_path(scene, model, run%plan, f, prescribed, error)
          call say_iterations(recorders, scene, frame)
          if (.not. allocated(error)) call refuse_passage(scene, model, error)
+         if (.not. allocated(error)) call refuse_turn(scene, model, error)
       end associate
    end subroutine find_trial
 

@@ -381,7 +381,7 @@ contains
          call judge_flow(scene, model)
          self%summary%step(scene%step)%increments = number
          if (.not. clock%at_end) call grow(clock%increment, step, self%plan, frame, &
-            & scene%accepted%solids%most_strain)
+            & scene%accepted%solids%most_strain, scene%turned)
          self%summary%step(scene%step)%counter = scene%counter
          call keep_state(self, model, recorders, error, keeper)
       end associate

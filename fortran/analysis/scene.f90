@@ -65,6 +65,7 @@ module lopin_scene
       real(wp), allocatable :: guess(:)   !! (ndof) those that place the tools that forces move
       real(wp) :: margin = 0.0_wp   !! displacements below a quarter of it fold no corner [length]
       logical :: may_cut = .false.    !! the increment that is tried may be cut if it fails
+      real(wp) :: turned = 0.0_wp     !! tool against sliding points in the increment [rad]
       logical :: may_part = .false.   !! an increment in which contact begins may be cut
       real(wp) :: first_touch = 0.0_wp   !! share of the increment before it
       logical :: stops_at_once = .false. !! a wish to end is heard within an increment

@@ -10,6 +10,7 @@ module lopin_time_increment
    use lopin_turning_points, only : next_turn, same_time
    use lopin_say_once, only : note_once
    use lopin_refuse_passage, only : passage_id
+   use lopin_refuse_turn, only : turn_id, most_turn
    use lopin_torn_ties, only : torn_id
    use lopin_touch_order, only : order_id, parts_of_touch
    use lopin_scene, only : scene_type
@@ -27,6 +28,8 @@ module lopin_time_increment
    integer, parameter :: few_iterations = 8
    !> Plastic strain that increments grow up to.
    real(wp), parameter :: steady_flow = 0.1_wp
+   !> Angle of tools that slide, beside the largest, that increments grow up to.
+   real(wp), parameter :: steady_turn = 0.95_wp
 
 contains
 
@@ -36,7 +39,7 @@ contains
       type(model_type), intent(in) :: model
       type(recorder_holder_type), intent(inout) :: recorders(:)
       type(error_type), allocatable, intent(out) :: error
-      real(wp) :: target_time, turn, wanted
+      real(wp) :: target_time, turn, wanted, part
       logical :: turns
 
       associate (scene => run%scene, plan => run%plan, frame => run%frame, &
@@ -77,13 +80,16 @@ contains
                deallocate (error)
                cycle
             end if
+            part = cut
+            if (error%item(1)%id == turn_id) part = steady_turn*most_turn/scene%turned
             call say(recorders, 'step '//to_text(scene%step)//', increment '// &
                & to_text(frame%increment)//', attempt '//to_text(frame%attempt)//': cut to '// &
-               & to_text(cut*increment, 4)//', because '//error%item(1)%message)
-            if (error%item(1)%id == passage_id) call note_once(scene%log, 'N0551', 'step '// &
-               & to_text(scene%step)//' takes smaller increments: '//error%item(1)%message, step%at)
+               & to_text(part*increment, 4)//', because '//error%item(1)%message)
+            if (any(error%item(1)%id == [passage_id, turn_id])) call note_once(scene%log, &
+               & 'N0551', 'step '//to_text(scene%step)//' takes smaller increments: '// &
+               & error%item(1)%message, step%at)
             deallocate (error)
-            increment = cut*increment
+            increment = part*increment
             frame%attempt = frame%attempt + 1
          end do
          if (turns) increment = wanted
@@ -110,17 +116,20 @@ contains
    end subroutine go_by_parts
 
    !> The next increment: larger after few iterations, as long as the metal flows little in it.
-   subroutine grow(increment, step, plan, frame, flow)
+   subroutine grow(increment, step, plan, frame, flow, turned)
       real(wp), intent(inout) :: increment
       type(step_type), intent(in) :: step
       type(plan_type), intent(in) :: plan
       type(frame_type), intent(in) :: frame    !! of the last increment
       real(wp), intent(in) :: flow             !! largest plastic strain in it
+      real(wp), intent(in) :: turned           !! tools against sliding points in it [rad]
 
       if (.not. step%direct .and. (plan%path /= path_of%finite &
          & .or. frame%iterations <= few_iterations)) increment = growth*increment
       if (.not. step%direct .and. flow > 0.0_wp) &
          & increment = min(increment, frame%time_increment*steady_flow/flow)
+      if (.not. step%direct .and. turned > 0.0_wp) &
+         & increment = min(increment, frame%time_increment*steady_turn*most_turn/turned)
       if (step%largest > 0.0_wp) increment = min(increment, step%largest)
    end subroutine grow
 

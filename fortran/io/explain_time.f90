@@ -34,6 +34,17 @@ contains
          & 'Increments that may be cut are; otherwise the run stops.', &
          & 'smaller increments on *STATIC; more friction, if it is too little to hold the '// &
          & 'body; or hold the motion by *BOUNDARY.')
+      call add_explanation(list, 'E0553', 'a tool turns far below what slides on it', &
+         & 'On the present shape the slip of an increment is the straight way on the tool from '// &
+         & 'where a point was to where it is. Below a point that stands still a tool that '// &
+         & 'turns draws an arc. Increments that may be cut are, to 6 degrees: shears are then '// &
+         & 'off by 3 degrees at most, torques by .14 %.', &
+         & 'smaller increments on *STATIC.')
+      call add_explanation(list, 'W0553', 'a tool turns far below what slides on it', &
+         & 'As E0553, where increments may not be cut (DIRECT). A tool that turns by t in an '// &
+         & 'increment shears what stands still off its way by t/2, and after a full turn '// &
+         & 'nothing seems to have slid.', &
+         & 'increments of 6 degrees at most on *STATIC.')
       call add_explanation(list, 'E0552', 'points touch one after another', &
          & 'Contact of a pair begins in this increment, its points touch at different times, '// &
          & 'and the same increment shears them. Friction reads the order. Such an increment '// &
@@ -46,9 +57,10 @@ contains
          & 'touched, but the pressures of the end stand for all of the way: forces of friction '// &
          & 'may be off by a tenth or two.', &
          & 'smaller increments on *STATIC, or leave out DIRECT.')
-      call add_explanation(list, 'N0551', 'an increment was cut before a body passed another', &
-         & 'The motion of the increment would have jumped over a body or a tool (see E0550). '// &
-         & 'It was cut, and contact is met on the way.', &
+      call add_explanation(list, 'N0551', 'an increment was cut to follow the way', &
+         & 'The motion of the increment would have jumped over a body or a tool (E0550), or a '// &
+         & 'tool would have turned far below what slides on it (E0553). It was cut, and the '// &
+         & 'way is followed.', &
          & 'nothing to do; a smaller first increment on *STATIC spares the trials.')
    end subroutine time_explanations
 end module lopin_explain_time
