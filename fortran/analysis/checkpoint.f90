@@ -8,7 +8,7 @@ module lopin_checkpoint
    use lopin_clock, only : keep_counter
    use lopin_stream, only : stream_type
    use lopin_model, only : model_type
-   use lopin_report, only : summary_type, keep_energy
+   use lopin_report, only : summary_type
    use lopin_plan, only : plan_type, path_of
    use lopin_active_set, only : contact_result_type
    use lopin_state, only : begin
@@ -50,10 +50,10 @@ contains
          call keep_order(scene, plan, joined, stream)
          if (stream%reading .and. .not. stream%broken) call remake(run, model, step, joined, error)
          if (allocated(error)) return
-         call keep_energy(run%frame%energy, stream)
          call keep_loading(run%loading, stream)
          call scene%accepted%pass(stream)
          call begin(scene%trial, scene%accepted)
+         run%in_step = .not. scene%accepted%clock%at_end
          call keep_answer(scene%answer, stream)
          call keep_finite(scene%finite, stream, error)
          if (allocated(error)) return
@@ -103,7 +103,6 @@ contains
 
       call stream%pass(self%place)
       call stream%pass(self%candidate)
-      call stream%pass(self%interference)
       call keep_points(self%points, stream)
    end subroutine keep_search
 
@@ -158,20 +157,12 @@ contains
       type(contact_result_type), intent(inout) :: self
       type(stream_type), intent(inout) :: stream
 
-      call stream%pass(self%outcome)
-      call stream%pass(self%iterations)
-      call stream%pass(self%augmentations)
-      call stream%pass(self%single_pivots)
-      call stream%pass(self%dependent)
       call stream%pass(self%force)
       call stream%pass(self%gap)
       call stream%pass(self%q)
       call stream%pass(self%u)
       call stream%pass(self%active)
       call stream%pass(self%multiplier)
-      call stream%pass(self%rate)
-      call stream%pass(self%opening)
-      call stream%pass(self%soft_error)
    end subroutine keep_answer
 
    subroutine keep_finite(self, stream, error)
@@ -179,14 +170,9 @@ contains
       type(stream_type), intent(inout) :: stream
       type(error_type), allocatable, intent(out) :: error
 
-      call stream%pass(self%dt)
       if (.not. self%in_use) return
       call stream%pass(self%contraction%bend)
       call stream%pass(self%has_solved)
-      call stream%pass(self%energy)
-      call stream%pass(self%iterations)
-      call stream%pass(self%augmentations)
-      call stream%pass(self%grounded)
       call keep_followers(self%follower, stream)
       call keep_system(self%system, stream, error)
       if (allocated(error)) return

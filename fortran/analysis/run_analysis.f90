@@ -19,7 +19,7 @@ module lopin_run_analysis
    use lopin_reach, only : choose_reach
    use lopin_bodies, only : describe_motion
    use lopin_finite_start, only : start_step
-   use lopin_release, only : held_type, remember_held, let_go, lets_go
+   use lopin_release, only : held_type, remember_held, leave_pairs, let_go, lets_go
    use lopin_after_step, only : judge_step
    use lopin_artificial_work, only : judge_artificial
    use lopin_work_balance, only : end_balance
@@ -92,7 +92,6 @@ contains
       if (allocated(error)) return
       if (present(state)) then
          call run_state(self, model, state, error)
-         self%in_step = .true.
       else if (present(keeper)) then
          if (allocated(keeper%found)) call resume_run(self, model, recorders, log, keeper, error)
       end if
@@ -109,7 +108,6 @@ contains
 
       call go_back(self, model, recorders, keeper%found, error)
       if (allocated(error)) return
-      self%in_step = .true.
       keeper%kept = 'increment '//to_text(self%scene%accepted%clock%number)//' of step '// &
          & to_text(self%scene%step)
       call log%say(severity%note, 'N0604', 'goes on after '//keeper%kept)
@@ -150,7 +148,7 @@ contains
       type(scene_type), allocatable :: old
       type(stream_type) :: kept, state
 
-      if (.not. self%in_step) return
+      if (.not. (self%in_step .or. self%scene%accepted%clock%number > 0)) return
       call run_state(self, model, kept, error)
       if (allocated(error)) return
       call move_alloc(self%scene, old)
@@ -177,7 +175,6 @@ contains
       class(keeper_type), intent(inout), optional :: keeper
 
       more = .false.
-      if (self%in_step .and. self%scene%accepted%clock%at_end) call end_step(self, model)
       if (.not. self%in_step) then
          if (self%scene%step == size(model%step)) return
          call begin_step(self, model, recorders, error)
@@ -208,8 +205,6 @@ contains
       integer :: i
       logical :: done
 
-      if (self%in_step .and. self%scene%accepted%clock%at_end .and. self%may_step) &
-         & call end_step(self, model)
       done = .not. self%in_step .and. self%scene%step == size(model%step)
       if (.not. done) self%summary%status = 'stopped'
       call say_again(self%scene%log)
@@ -320,7 +315,7 @@ contains
          end if
          call start_loading(self%loading, scene, model)
          if (step > 1) self%watch%balance%springs_back = lets_go(held, scene)
-         if (step > 1) call let_go(held, scene, model, self%loading%before, error)
+         if (step > 1) call let_go(held, scene, self%loading%before)
       end associate
    end subroutine begin_step
 
@@ -383,6 +378,8 @@ contains
          if (.not. clock%at_end) call grow(clock%increment, step, self%plan, frame, &
             & scene%accepted%solids%most_strain, scene%turned)
          self%summary%step(scene%step)%counter = scene%counter
+         if (clock%at_end) call end_step(self, model, error)
+         if (allocated(error)) return
          call keep_state(self, model, recorders, error, keeper)
       end associate
    end subroutine next_increment
@@ -401,9 +398,10 @@ contains
    end subroutine refuse_more
 
    !> What the step leaves to the next, and what its end says of it.
-   subroutine end_step(self, model)
+   subroutine end_step(self, model, error)
       class(run_type), intent(inout) :: self
       type(model_type), intent(in) :: model
+      type(error_type), allocatable, intent(out) :: error
 
       associate (scene => self%scene, watch => self%watch, energy => self%frame%energy, &
          & clock => self%scene%accepted%clock, step => model%step(self%scene%step))
@@ -417,6 +415,7 @@ contains
             call judge_drift(watch%drift, scene, model)
             call judge_artificial(watch%artificial, scene, model, energy)
          end if
+         call leave_pairs(scene, model, error)
       end associate
       self%in_step = .false.
    end subroutine end_step

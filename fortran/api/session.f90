@@ -192,7 +192,8 @@ contains
       if (.not. in_use(handle)) return
       !$omp critical (lopin_run)
       associate (self => pool(handle)%session)
-         if (self%work%running%opened .and. self%work%running%run%in_step) &
+         if (self%work%running%opened .and. (self%work%running%run%in_step &
+            & .or. self%work%running%run%scene%accepted%clock%number > 0)) &
             & call job_state(self%work%running, self%work%deck, self%work%model, state, error)
       end associate
       !$omp end critical (lopin_run)

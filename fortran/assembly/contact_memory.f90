@@ -1,4 +1,5 @@
-!> What contacts on the present shape carry from increment to increment, to a stream and back.
+!> What the search of contacts on the present shape remembers between increments, to a stream and
+!> back.
 !>
 !> Reading needs contacts that were made anew from the same model: surfaces, trees of boxes and what
 !> the deck says of stiffnesses come from there, and positions from the next start of an increment.
@@ -19,18 +20,19 @@ module lopin_contact_memory
 
 contains
 
-   !> The committed history, what the last evaluation left, and what the search remembers.
+   !> What the search found when it met points first, and goes on from; histories are state.
    subroutine keep_contact(self, stream, error)
       type(finite_contact_type), intent(inout) :: self
       type(stream_type), intent(inout) :: stream
       type(error_type), allocatable, intent(out) :: error
       integer :: i
 
-      call keep_history(self, stream)
-      call keep_results(self, stream)
+      call stream%pass(self%loose)
+      call stream%pass(self%yields)
       call stream%pass(self%tied_at)
-      call stream%pass(self%masters%x)
-      call stream%pass(self%masters%side)
+      ! Shown where nothing is opposite any more.
+      call stream%pass(self%normal)
+      call stream%pass(self%xi)
       call stream%pass(self%masters%part)
       do i = 1, size(self%masters%of)
          call keep_master(self%masters%of(i), stream)
@@ -43,46 +45,6 @@ contains
       if (stream%reading .and. .not. stream%broken .and. allocated(self%tied_at)) &
          & call tie_again(self, error)
    end subroutine keep_contact
-
-   subroutine keep_history(self, stream)
-      type(finite_contact_type), intent(inout) :: self
-      type(stream_type), intent(inout) :: stream
-
-      call stream%pass(self%loose)
-      call stream%pass(self%yields)
-      call stream%pass(self%pressing)
-      call stream%pass(self%weight)
-      call stream%pass(self%shift)
-      call stream%pass(self%overclosure)
-      call stream%pass(self%pair_active)
-      call stream%pass(self%interference)
-   end subroutine keep_history
-
-   subroutine keep_results(self, stream)
-      type(finite_contact_type), intent(inout) :: self
-      type(stream_type), intent(inout) :: stream
-
-      call stream%pass(self%force)
-      call stream%pass(self%row)
-      call stream%pass(self%facet)
-      call stream%pass(self%status)
-      call stream%pass(self%bilateral)
-      call stream%pass(self%c)
-      call stream%pass(self%ct)
-      call stream%pass(self%gap)
-      call stream%pass(self%opening)
-      call stream%pass(self%pressure)
-      call stream%pass(self%traction)
-      call stream%pass(self%normal)
-      call stream%pass(self%xi)
-      call stream%pass(self%mises)
-      call stream%pass(self%speed)
-      call stream%pass(self%soft_error)
-      call stream%pass(self%dt)
-      call stream%pass(self%cost%query)
-      call stream%pass(self%cost%box)
-      call stream%pass(self%cost%projection)
-   end subroutine keep_results
 
    !> A surface that meets itself measured its walls before they were pressed together.
    subroutine keep_master(self, stream)

@@ -236,10 +236,8 @@ contains
       real(wp), allocatable :: normal(:, :)
       integer :: pair, i
 
-      if (.not. allocated(self%side)) then
-         allocate (self%side(3, points%n))
-         allocate (self%part(points%n), source=0)
-      end if
+      if (.not. allocated(self%side)) allocate (self%side(3, points%n))
+      if (.not. allocated(self%part)) allocate (self%part(points%n), source=0)
       self%side = 0.0_wp
       allocate (normal(model%mesh%ndim, model%mesh%nnode))
       do pair = 1, size(model%pair)

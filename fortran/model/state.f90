@@ -73,6 +73,7 @@ module lopin_state
       real(wp), allocatable :: steady(:)       !! (ndof) loads without amplitude [force]
       real(wp), allocatable :: force(:)        !! (ndof) all loads [force]
       real(wp), allocatable :: reaction(:)     !! (ndof) of the supports [force]
+      real(wp), allocatable :: let_go(:)       !! (ndof) of the pairs that the next step takes away
       real(wp) :: work = 0.0_wp                !! of loads and prescribed displacements [energy]
       real(wp) :: most = 0.0_wp                !! largest energy that was about [energy]
    contains
@@ -207,6 +208,7 @@ contains
       call stream%pass(self%steady)
       call stream%pass(self%force)
       call stream%pass(self%reaction)
+      call stream%pass(self%let_go)
       call stream%pass(self%work)
       call stream%pass(self%most)
    end subroutine pass_loads
