@@ -1,4 +1,5 @@
-!> The workspace of a run: what can be computed again from the model and the displacements.
+!> The accepted state, a trial of the next increment, and the workspace: what can be made again from
+!> the model and the state.
 module lopin_scene
    use lopin_kinds, only : wp
    use lopin_error, only : error_type, log_type

@@ -33,6 +33,10 @@ contains
       ! Shown where nothing is opposite any more.
       call stream%pass(self%normal)
       call stream%pass(self%xi)
+      ! Counted with the next increment.
+      call stream%pass(self%cost%query)
+      call stream%pass(self%cost%box)
+      call stream%pass(self%cost%projection)
       call stream%pass(self%masters%part)
       do i = 1, size(self%masters%of)
          call keep_master(self%masters%of(i), stream)

@@ -75,6 +75,25 @@ FOOT, FLOOR
     return text
 
 
+def wall_that_stays() -> str:
+    """Metal pressed on a floor and against a wall at its side; the floor is taken away, the wall stays."""
+    text = billet(words="*PLASTIC\n5., 0.\n20., 1.\n", steps=(0.1, 0.2), method="PENALTY\n1.E4,",
+                  law="*FRICTION\n0.05,")
+    text = text.replace("999, 0., 0.\n", "999, 0., 0.\n998, 4., 0.\n", 1)
+    text = text.replace("REF NODE=999\n", """REF NODE=999
+*SURFACE, NAME=FLANK
+SIDE, S2
+*SURFACE, NAME=WALL, TYPE=SEGMENTS
+START, 4., -5.
+LINE, 4., 10.
+*RIGID BODY, ANALYTICAL SURFACE=WALL, REF NODE=998
+""", 1)
+    text = text.replace("FOOT, FLOOR\n*BOUNDARY\n", "FOOT, FLOOR\n*CONTACT PAIR, INTERACTION=GREASE\n"
+                        "FLANK, WALL\n*BOUNDARY\n998, 1, 2\n998, 6\n", 1)
+    text = "*STEP".join(text.split("*STEP")[:4])
+    return text.replace("TOP, 1, 1, 0.2", "TOP, 1, 1, 0.03").replace("TOP, 2, 2, 0.05", "TOP, 2, 2, -0.015")
+
+
 def tied() -> str:
     """Two blocks tied by mortar, bent by large rotations."""
     text = re.sub(r"^\*\* expect.*\n", "", deck("two_blocks_mortar"),
@@ -107,6 +126,7 @@ SCENES = {
     "rows that come late": lambda: crown(False, 0.1, 12, friction="*FRICTION\n0.2\n"),
     "changed to finite": lambda: billet(nlgeom="", law="", changes=False, floor=ROUND),
     "model change": lambda: billet(),
+    "model change beside a wall": wall_that_stays,
     "by umfpack": lambda: billet(path="*LOPIN, SOLVER=UMFPACK\n"),
     "mixed penalty": lambda: billet(method="PENALTY"),
     "finite augmented": lambda: billet(method="AUGMENTED LAGRANGE", changes=False),

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import lopin
-from test_checkpoint import billet
+from test_checkpoint import billet, wall_that_stays
 
 DECKS = {"upsetting": 4, "cattaneo": 3, "ring_compression": 3, "rotating_rings": 2, "rough_punch": 2}
 
@@ -114,25 +114,6 @@ def test_the_workspace_can_be_thrown_away_between_increments(name, root, core):
 def test_the_workspace_can_be_thrown_away_across_steps(press):
     """Contact that slips, is taken away and comes back."""
     same(lopin.run(press), forgetting(press, None))
-
-
-def wall_that_stays() -> str:
-    """Metal pressed on a floor and against a wall at its side; the floor is taken away, the wall stays."""
-    text = billet(words="*PLASTIC\n5., 0.\n20., 1.\n", steps=(0.1, 0.2), method="PENALTY\n1.E4,",
-                  law="*FRICTION\n0.05,")
-    text = text.replace("999, 0., 0.\n", "999, 0., 0.\n998, 4., 0.\n", 1)
-    text = text.replace("REF NODE=999\n", """REF NODE=999
-*SURFACE, NAME=FLANK
-SIDE, S2
-*SURFACE, NAME=WALL, TYPE=SEGMENTS
-START, 4., -5.
-LINE, 4., 10.
-*RIGID BODY, ANALYTICAL SURFACE=WALL, REF NODE=998
-""", 1)
-    text = text.replace("FOOT, FLOOR\n*BOUNDARY\n", "FOOT, FLOOR\n*CONTACT PAIR, INTERACTION=GREASE\n"
-                        "FLANK, WALL\n*BOUNDARY\n998, 1, 2\n998, 6\n", 1)
-    text = "*STEP".join(text.split("*STEP")[:4])
-    return text.replace("TOP, 1, 1, 0.2", "TOP, 1, 1, 0.03").replace("TOP, 2, 2, 0.05", "TOP, 2, 2, -0.015")
 
 
 def test_what_a_step_lets_go_is_part_of_the_state(tmp_path, core):
