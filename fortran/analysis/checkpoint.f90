@@ -93,6 +93,7 @@ contains
       call stream%pass(self%drift%way)
       call self%artificial%keep(stream)
       call self%balance%keep(stream)
+      call self%jumps%keep(stream)
       call self%checksum%keep(stream)
    end subroutine keep_watch
 

@@ -67,6 +67,7 @@ contains
       end if
       if (with_tangent .and. has_turning(scene, model)) call turning_tangents(scene, model, &
          & residual, scene%finite%turning)
+      if (scene%finite%drag%on) call resist(scene, residual)
       call reduce(scene%constraints, residual, look%free)
       allocate (reaction(scene%constraints%nprescribed))
       call prescribed_part(scene%constraints, residual, reaction)
@@ -191,5 +192,18 @@ contains
       end if
       inverted = bad%element
       scene%finite%element_force = bad%force
+      if (with_tangent .and. scene%finite%drag%on .and. inverted == 0) scene%finite%k%value = &
+         & scene%finite%k%value + scene%finite%drag%rate*scene%finite%drag%metric%value
    end subroutine internal_forces
+
+   !> What resists the motion through pseudo-time.
+   subroutine resist(scene, residual)
+      type(scene_type), intent(in) :: scene
+      real(wp), intent(inout) :: residual(:)   !! (ndof) [force]
+      real(wp) :: resistance(size(residual))
+
+      call scene%finite%drag%metric%multiply(scene%trial%motion%u - scene%finite%drag%from, &
+         & resistance)
+      residual = residual + scene%finite%drag%rate*resistance
+   end subroutine resist
 end module lopin_finite_forces

@@ -29,6 +29,8 @@ module lopin_finite_newton
    integer, parameter :: most_sets = 400, most_iterations = 30, most_lagged = 200, memory = 4
    !> Solids that flow do better in smaller increments than in more iterations.
    integer, parameter :: most_of_flow = 40
+   !> So many returns to sets of contact met before are a cycle.
+   integer, parameter :: cycle_of = 3
    !> An increment this often the smallest one can still be cut.
    real(wp), parameter, public :: least_cuts = 4.0_wp
 
@@ -54,6 +56,7 @@ contains
       way%load = f
       way%prescribed = prescribed
       merits = 0.0_wp
+      scene%finite%cycled = .false.
       lagged = reads_lagged(scene)
       last = huge(1.0_wp)
       scene%finite%history = [real(wp) ::]
@@ -162,6 +165,7 @@ contains
          call log_iteration(scene, look, iteration, last, way%share, simplified)
          jump = 0.0_wp
       end do
+      scene%finite%cycled = stale >= cycle_of
       if (scene%finite%grounded > 0 .and. scene%bodies%nq > 0) then
          call say_free(scene, model, error)
          return

@@ -54,6 +54,7 @@ contains
       scene%finite%nlgeom = model%step(scene%step)%nlgeom
       scene%finite%contact%stretches = scene%finite%nlgeom
       scene%accepted%motion%last_dt = 0.0_wp
+      scene%accepted%clock%usual = 0.0_wp
       scene%accepted%solids%finite = scene%finite%nlgeom
       if (.not. scene%finite%in_use) return
       associate (contact => scene%finite%contact)

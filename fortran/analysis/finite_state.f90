@@ -15,6 +15,14 @@ module lopin_finite_state
    character(len=*), parameter :: iteration_header = '  it  equilibrium      contact   '// &
       & 'correction     step   open  stick   slip  gmres tangent'
 
+   !> Resistance to a motion through pseudo-time, see lopin_slow_motion.
+   type :: drag_type
+      logical :: on = .false.
+      real(wp) :: rate = 0.0_wp                !! one by the pseudo-time of the step
+      type(csc_type) :: metric                 !! (ndof) [force/length]
+      real(wp), allocatable :: from(:)         !! (ndof) where the step starts [length]
+   end type drag_type
+
    type :: finite_state_type
       logical :: in_use = .false.
       logical :: nlgeom = .false.              !! of the present step
@@ -45,6 +53,10 @@ module lopin_finite_state
       integer :: iterations = 0, augmentations = 0
       integer :: grounded = 0                  !! iterations on soft springs to the ground
       type(contraction_type) :: contraction    !! of Newton
+      type(drag_type) :: drag                  !! of a motion through pseudo-time
+      integer :: attempt = 1                   !! at the increment
+      logical :: jumped = .false.              !! it was ended by slow motion
+      logical :: cycled = .false.              !! Newton came back to the same sets of contact
       real(wp), allocatable :: history(:)      !! residual by iteration, beside the largest force
       integer :: nline = 0
       character(len=100), allocatable :: line(:)   !! what each iteration did, for the log

@@ -34,6 +34,7 @@ module lopin_increment
    use lopin_judge_drift, only : follow_drift
    use lopin_artificial_work, only : follow_artificial
    use lopin_work_balance, only : balance_type, note_work, note_energy
+   use lopin_jumps, only : note_jump
    use lopin_judge_mesh, only : judge_mesh, refuse_fold
    use lopin_after_step, only : look_at_increment
    use lopin_say_once, only : say_once
@@ -73,6 +74,7 @@ contains
       if (allocated(error)) return
       associate (scene => run%scene, watch => run%watch, frame => run%frame)
          call add_work(scene, forces, watch%balance, frame)
+         frame%certificate%flows = scene%finite%flows
          if (scene%finite%flows) frame%certificate%energy = abs(lost_share(frame%energy))
          call judge_holds(scene, model, watch, forces%pressed, frame)
          call follow_drift(watch%drift, scene, model, forces%load, forces%pressed)
@@ -337,6 +339,7 @@ contains
       call follow_artificial(watch%artificial, scene, model, pressed, frame%increment, &
          & frame%energy)
       if (scene%finite%in_use) call note_energy(watch%balance, scene, frame%energy)
+      if (scene%finite%jumped) call note_jump(watch%jumps, frame%increment, watch%balance%of(3)%lost)
       if (.not. frame%energy%artificial > 0.0_wp) return
       frame%certificate%artificial = frame%energy%artificial/max(frame%energy%most, &
          & frame%energy%artificial)

@@ -20,6 +20,7 @@ module lopin_path_finite
    use lopin_settled, only : set_floor
    use lopin_turning_bodies, only : turn_followers
    use lopin_finite_lagged, only : start_lagged
+   use lopin_slow_motion, only : move_slowly
    use lopin_scene, only : scene_type
    implicit none
    private
@@ -27,6 +28,13 @@ module lopin_path_finite
 
    !> Parts of an increment that may not be cut: the first, and the smallest.
    real(wp), parameter :: first_part = 0.25_wp, least_part = 1.0_wp/64.0_wp
+
+   !> Attempts at an increment, each smaller, after which a turn of the path is likelier than a step
+   !> that is too large.
+   integer, parameter :: slow_after = 3
+   !> And so it is where Newton runs in a cycle in increments that have become so small, beside
+   !> those before.
+   real(wp), parameter :: small = 0.25_wp
 
 contains
 
@@ -41,6 +49,7 @@ contains
       logical :: guessed
 
       scene%finite%parted = .false.
+      scene%finite%jumped = .false.
       scene%finite%iterations = 0
       scene%finite%grounded = 0
       scene%finite%augmentations = 0
@@ -62,6 +71,9 @@ contains
          end if
       end if
       if (allocated(error)) call try_by_parts(scene, model, f, prescribed, error)
+      if (allocated(error)) then
+         if (turns_back(scene)) call move_slowly(scene, model, f, prescribed, error)
+      end if
       if (allocated(error)) return
       if (scene%finite%flows) then
          if (floats(scene)) scene%finite%parted = .true.
@@ -70,6 +82,16 @@ contains
       scene%counter%iterations = scene%counter%iterations + scene%finite%iterations
       scene%counter%augmentations = scene%counter%augmentations + scene%finite%augmentations
    end subroutine solve_finite
+
+   !> Newton has failed so that smaller increments promise little: the path may turn back.
+   pure logical function turns_back(scene)
+      type(scene_type), intent(in) :: scene
+
+      associate (state => scene%finite)
+         turns_back = state%attempt >= slow_after &
+            & .or. state%cycled .and. state%dt < small*scene%accepted%clock%usual
+      end associate
+   end function turns_back
 
    !> Again by parts of the motion, if the increment may not be cut; the first error if that fails.
    subroutine try_by_parts(scene, model, f, prescribed, error)

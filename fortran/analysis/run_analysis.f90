@@ -23,6 +23,7 @@ module lopin_run_analysis
    use lopin_after_step, only : judge_step
    use lopin_artificial_work, only : judge_artificial
    use lopin_work_balance, only : end_balance
+   use lopin_jumps, only : end_jumps
    use lopin_judge_drift, only : judge_drift
    use lopin_judge_flow, only : judge_flow
    use lopin_judge_mesh, only : refuse_folded
@@ -376,7 +377,7 @@ contains
          call judge_flow(scene, model)
          self%summary%step(scene%step)%increments = number
          if (.not. clock%at_end) call grow(clock%increment, step, self%plan, frame, &
-            & scene%accepted%solids%most_strain, scene%turned)
+            & scene)
          self%summary%step(scene%step)%counter = scene%counter
          if (clock%at_end) call end_step(self, model, error)
          if (allocated(error)) return
@@ -411,6 +412,7 @@ contains
             & scene%accepted%loads%steady)
          call judge_step(scene, model, watch%seen)
          if (scene%finite%in_use) call end_balance(watch%balance, scene, model, energy)
+         call end_jumps(watch%jumps, scene, model, energy)
          if (scene%step == size(model%step)) then
             call judge_drift(watch%drift, scene, model)
             call judge_artificial(watch%artificial, scene, model, energy)

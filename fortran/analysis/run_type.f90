@@ -9,6 +9,7 @@ module lopin_run_type
    use lopin_judge_drift, only : drift_type
    use lopin_artificial_work, only : artificial_type
    use lopin_work_balance, only : balance_type
+   use lopin_jumps, only : jumps_type
    implicit none
    private
    public :: run_type, watch_type
@@ -19,6 +20,7 @@ module lopin_run_type
       type(drift_type) :: drift                !! bodies that nothing has stopped
       type(artificial_type) :: artificial      !! work of what held floating bodies
       type(balance_type) :: balance            !! work that is lost
+      type(jumps_type) :: jumps                !! to other equilibria
       type(checksum_type) :: checksum          !! of the displacements of all nodes so far
    end type watch_type
 

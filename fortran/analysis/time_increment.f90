@@ -26,6 +26,8 @@ module lopin_time_increment
    !> than the last, beside the period, unless the deck says otherwise.
    real(wp), parameter :: cut = 0.25_wp, growth = 1.5_wp, smallest = 1.0e-6_wp
    integer, parameter :: few_iterations = 8
+   !> Increments that were large once count for less, the longer ago that is.
+   real(wp), parameter :: fading = 0.8_wp
    !> Plastic strain that increments grow up to.
    real(wp), parameter :: steady_flow = 0.1_wp
    !> Angle of tools that slide, beside the largest, that increments grow up to.
@@ -68,6 +70,7 @@ contains
                & smallest*step%period)
             scene%finite%dt = increment
             scene%finite%time = target_time
+            scene%finite%attempt = frame%attempt
             call solve_increment(run, model, recorders, error)
             if (.not. allocated(error)) exit
             if (frame%certificate%verdict == 2) return
@@ -92,6 +95,7 @@ contains
             increment = part*increment
             frame%attempt = frame%attempt + 1
          end do
+         clock%usual = max(increment, fading*clock%usual)
          if (turns) increment = wanted
          if (step%direct) increment = step%initial
          if (step%direct .and. turns) then
@@ -116,15 +120,19 @@ contains
    end subroutine go_by_parts
 
    !> The next increment: larger after few iterations, as long as the metal flows little in it.
-   subroutine grow(increment, step, plan, frame, flow, turned)
+   subroutine grow(increment, step, plan, frame, scene)
       real(wp), intent(inout) :: increment
       type(step_type), intent(in) :: step
       type(plan_type), intent(in) :: plan
       type(frame_type), intent(in) :: frame    !! of the last increment
-      real(wp), intent(in) :: flow             !! largest plastic strain in it
-      real(wp), intent(in) :: turned           !! tools against sliding points in it [rad]
+      type(scene_type), intent(in) :: scene
+      real(wp) :: flow                         !! largest plastic strain in it
+      real(wp) :: turned                       !! tools against sliding points in it [rad]
 
-      if (.not. step%direct .and. (plan%path /= path_of%finite &
+      flow = scene%accepted%solids%most_strain
+      turned = scene%turned
+      ! The iterations of slow motion say nothing of the increment.
+      if (.not. step%direct .and. (plan%path /= path_of%finite .or. scene%finite%jumped &
          & .or. frame%iterations <= few_iterations)) increment = growth*increment
       if (.not. step%direct .and. flow > 0.0_wp) &
          & increment = min(increment, frame%time_increment*steady_flow/flow)

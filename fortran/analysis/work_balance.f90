@@ -107,6 +107,8 @@ contains
          closing = work_of_gaps(self, scene)
          if (abs(now%lost - closing) < abs(now%lost)) now%lost = now%lost - closing
          now%excused = abs(energy%artificial - self%artificial)
+         ! A jump sets its energy free, and is told by itself.
+         if (scene%finite%jumped) now%excused = now%excused + max(0.0_wp, now%lost)
          ! An interference that is ramped in does work of its own.
          if (scene%step == 1 .and. any(abs(scene%finite%contact%overclosure) > 0.0_wp)) &
             & now%excused = huge(1.0_wp)

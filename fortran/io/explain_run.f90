@@ -131,6 +131,19 @@ contains
          & 'by points that close and open. What a body loses that leaps to another equilibrium '// &
          & 'looks so. The increment that lost most is named.', &
          & 'smaller increments; compare energy.* in the history.')
+      call add_explanation(list, 'N0517', 'slow motion found an equilibrium', &
+         & 'The path of equilibria turned back, as where a node of a bent sheet leaves a tool: '// &
+         & 'no equilibrium lies next to the last one, however small the increment. '// &
+         & 'Newton alone finds none there. The run follows an artificial slow motion from the '// &
+         & 'last equilibrium until Newton ends it in the next one, as exact as any other. '// &
+         & 'What is neither stored nor dissipated on the way is set free, in a real part as '// &
+         & 'sound and speed. `.cvg` has the lines `slow motion`.', &
+         & 'nothing; a finer mesh or a pad where the part should not jump.')
+      call add_explanation(list, 'W0517', 'jumps set much of the work free', &
+         & 'As N0517, but more than a twentieth of the work went into jumps: there are several '// &
+         & 'equilibria, and inertia or another mesh may choose another one.', &
+         & 'a finer mesh where the sheet bends; what holds it there in the shop, as a pad; '// &
+         & 'smaller increments.')
       call add_explanation(list, 'W0532', 'artificial work is not small', &
          & 'A body that nothing holds for a while has no equilibrium that tells where it goes: '// &
          & 'artificial supports and soft springs lead it until contact holds it. What loads do '// &

@@ -45,6 +45,7 @@ module lopin_report
       real(wp) :: dissipation = 0.0_wp   !! least friction work of a point in the increment / most
       real(wp) :: pressure_error = 0.0_wp    !! estimate for rows that allow penetration
       logical :: obeys = .false.             !! all slopes of contact are the deck's
+      logical :: flows = .false.             !! some solid flows: its work is a sum over increments
       real(wp) :: depth = 0.0_wp   !! deepest penetration / thinnest body of its pair, of slopes
       real(wp) :: corner = 1.0_wp            !! least scaled Jacobian of a corner, if it is folded
       integer :: folded = 0                  !! label of its element; 0: none
@@ -133,6 +134,7 @@ contains
       call stream%pass(self%dissipation)
       call stream%pass(self%pressure_error)
       call stream%pass(self%obeys)
+      call stream%pass(self%flows)
       call stream%pass(self%depth)
       call stream%pass(self%corner)
       call stream%pass(self%folded)

@@ -87,6 +87,7 @@ module lopin_state
       real(wp) :: time = 0.0_wp                !! of the step, reached [time]
       logical :: at_end = .false.              !! the last increment of the step is accepted
       real(wp) :: increment = 0.0_wp           !! to be tried next [time]
+      real(wp) :: usual = 0.0_wp               !! largest of the last ones accepted [time]
       real(wp) :: parts_until = 0.0_wp         !! time of the step up to which it goes by parts
       real(wp) :: part = 0.0_wp                !! of an increment in which contact began [time]
    contains
@@ -222,6 +223,7 @@ contains
       call stream%pass(self%time)
       call stream%pass(self%at_end)
       call stream%pass(self%increment)
+      call stream%pass(self%usual)
       call stream%pass(self%parts_until)
       call stream%pass(self%part)
    end subroutine pass_clock
