@@ -339,7 +339,8 @@ contains
       call follow_artificial(watch%artificial, scene, model, pressed, frame%increment, &
          & frame%energy)
       if (scene%finite%in_use) call note_energy(watch%balance, scene, frame%energy)
-      if (scene%finite%jumped) call note_jump(watch%jumps, frame%increment, watch%balance%of(3)%lost)
+      if (scene%finite%jumped) call note_jump(watch%jumps, frame%increment, &
+         & watch%balance%of(3)%lost)
       if (.not. frame%energy%artificial > 0.0_wp) return
       frame%certificate%artificial = frame%energy%artificial/max(frame%energy%most, &
          & frame%energy%artificial)
