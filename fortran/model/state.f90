@@ -1,7 +1,7 @@
 !> All that evolves from increment to increment, and nothing else.
 !>
 !> A run holds two values of `state_type`: what was accepted, and a trial of the next increment.
-!> `begin` starts a trial from what was accepted; all that an increment computes goes into the trial;
+!> `begin` starts a trial from what was accepted; all that an increment finds goes into the trial;
 !> `accept` makes it the accepted state, `reject` drops it. `pass` writes a state to a stream or
 !> reads it back. Matrices, factors, surfaces, trees of boxes and the numbers of the last iteration
 !> are no state: they follow from the model and from it.
