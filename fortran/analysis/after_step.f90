@@ -21,6 +21,8 @@ module lopin_after_step
 
    !> The elastic slip that penalty pairs choose, in facets; slips this many times it dwarf it.
    real(wp), parameter :: chosen_slip = 0.005_wp, slips = 20.0_wp
+   !> Elastic slips below this share of what is allowed are rounding of scenes without shear.
+   real(wp), parameter :: no_shear = 1.0e-6_wp
    !> Gaps below this share of the bodies are none.
    real(wp), parameter :: touching = 1.0e-9_wp
 
@@ -213,6 +215,9 @@ contains
          associate (path => scene%trial%friction%path(scene%points%first(pair): &
             & scene%points%first(pair + 1) - 1))
             if (maxval(path) > slips*chosen_slip*facet) cycle
+            ! Where nothing shears, nothing gives way.
+            if (.not. maxval(abs(scene%trial%friction%elastic(:, scene%points%first(pair): &
+               & scene%points%first(pair + 1) - 1))) > no_shear*chosen_slip*facet) cycle
             call say_once(scene%log, 'W0514', 'no node of '// &
                & model%surface(model%pair(pair)%slave)%name//' slips farther than '// &
                & to_text(maxval(path), 3)//', and sticking ones give way by up to '// &

@@ -25,12 +25,13 @@ contains
       type(model_type), intent(in) :: model
       integer :: pair, from, to
       real(wp), allocatable :: weight(:)
-      real(wp) :: slope
+      real(wp) :: slope, least
 
       associate (p => scene%problem)
          allocate (weight(p%nrow))
          weight(:) = scene%points%weight(scene%rows%point)
          p%alpha = weight
+         scene%stiffer = scene%trial%contact%stiffer
          do pair = 1, p%ngroup
             from = p%group_first(pair)
             to = p%group_first(pair + 1) - 1
@@ -43,9 +44,12 @@ contains
                slope = law%slope*law%scale
                if (.not. slope > 0.0_wp) then
                   call form_compliance(p)
-                  slope = (1.0_wp/model%target_error - 1.0_wp)/&
-                     & least_compliance(p%s(from:to, from:to), weight(from:to), p%c(from:to, :))
-                  slope = slope*law%scale
+                  least = least_compliance(p%s(from:to, from:to), weight(from:to), p%c(from:to, :))
+                  ! Supports that are artificial hold every row of the pair.
+                  if (.not. least > 0.0_wp) least = least_compliance(p%s, weight, p%c)
+                  if (.not. least > 0.0_wp) least = compliance_of_nodes(scene, weight)
+                  slope = (1.0_wp/model%target_error - 1.0_wp)/least
+                  slope = slope*law%scale*scene%trial%contact%stiffer
                   call say_once(scene, model, pair, slope)
                end if
                p%alpha(from:to) = slope*weight(from:to)
@@ -84,6 +88,16 @@ contains
          & to_text(real(slope, wp))//' pressure per length, for a pressure error below '// &
          & to_text(model%target_error), model%pair(pair)%at)
    end subroutine say_once
+
+   !> What a node alone gives way by, per area: of rows that meet supports only.
+   real(wp) function compliance_of_nodes(scene, weight) result(compliance)
+      type(scene_type), intent(in) :: scene
+      real(wp), intent(in) :: weight(:)        !! (n) [length^2]
+      real(wp) :: diagonal(scene%dofs%n)
+
+      call scene%k%diagonal(diagonal)
+      compliance = maxval(weight)/maxval(diagonal)
+   end function compliance_of_nodes
 
    !> Least eigenvalue of W^1/2 S W^1/2 among the pressures that leave floating motions in balance
    !> (on the others S depends on where the artificial supports stand): Lanczos' iteration on the

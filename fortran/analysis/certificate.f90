@@ -258,6 +258,8 @@ contains
       ! A slope that the deck gives is its law: the user is warned, and obeyed.
       call hold(self, 'estimated pressure error of the penalty', self%pressure_error, penalty_limit, &
          & merge(1, 2, self%obeys))
+      if (self%obeys .and. self%pressure_error > penalty_limit) self%reason = self%reason// &
+         & ' (beside hard contact: none if the slope of the deck is a law of the surface)'
       call hold(self, 'penetration beside the body', self%depth, penalty_limit, 1)
       if (self%folded == 0) return
       self%verdict = max(self%verdict, self%fold_level)

@@ -140,7 +140,7 @@ contains
       associate (c => scene%finite%contact)
          if (c%n == 0) return
          p_ref = pressure_about(scene)
-         self%pressure_error = c%soft_error
+         self%pressure_error = max(c%soft_error, scene%trial%contact%softness)
          self%obeys = obeys_deck(model)
          thin = [(thinnest(scene%bodies, model, i), i=1, size(model%pair))]
          do i = 1, c%n

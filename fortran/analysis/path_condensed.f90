@@ -5,7 +5,7 @@
 !> keeps that one's. Every increment is one forward and one backward pass.
 module lopin_path_condensed
    use lopin_kinds, only : wp
-   use lopin_error, only : error_type, error_code, raise
+   use lopin_error, only : error_type, error_code, log_type, raise
    use lopin_text, only : to_text
    use lopin_blas_threads, only : set_blas_threads, worth_threads
    use lopin_clock, only : phase
@@ -20,6 +20,7 @@ module lopin_path_condensed
    use lopin_linear_system, only : new_linear_system, condense_load, recover, &
       & widen_system, joins_cheaply
    use lopin_automatic_penalty, only : set_stiffness
+   use lopin_raise_slope, only : raising_type, wants_other_slope
    use lopin_methods, only : choose_methods
    use lopin_contact_friction, only : slides_with_friction, contact_with_friction, start_speed, &
       & renew_speed
@@ -113,6 +114,8 @@ contains
       call rebuild_rows(scene, model, prescribed)
       call fill_problem(scene, model, u_known, gap, error)
       if (allocated(error)) return
+      if (abs(scene%stiffer - scene%trial%contact%stiffer) > 0.0_wp) call set_stiffness(scene, &
+         & model)
       if (slides_with_friction(scene)) then
          call solve_friction_history(scene, model, gap, y, load, moving, prescribed, error)
          return
@@ -139,7 +142,7 @@ contains
       call start_speed(scene)
       if (reads_stress) call update_friction_stress(scene, model, scene%accepted%motion%u, change)
       do pass = 1, most_stress_passes
-         call contact_with_friction(scene, model, gap, load, moving, error)
+         call contact_by_slopes(scene, model, gap, load, moving, error)
          if (.not. allocated(error)) call explain_outcome(scene, model, error)
          call scene%clock%stop_in(phase%contact)
          if (allocated(error)) return
@@ -155,6 +158,25 @@ contains
          & ' of its largest value after '//to_text(most_stress_passes)// &
          & ' passes of an increment of step '//to_text(scene%step), model%step(scene%step)%at)
    end subroutine solve_friction_history
+
+   !> Contact with friction, again by stiffer slopes where those that were chosen are too soft.
+   subroutine contact_by_slopes(scene, model, gap, load, moving, error)
+      type(scene_type), intent(inout) :: scene
+      type(model_type), intent(in) :: model
+      real(wp), intent(in) :: gap(:), load(:), moving(:)
+      type(error_type), allocatable, intent(out) :: error
+      type(raising_type) :: raising
+      type(log_type) :: log
+
+      log = scene%log
+      do
+         call contact_with_friction(scene, model, gap, load, moving, error)
+         if (.not. wants_other_slope(raising, scene, model)) exit
+         if (allocated(error)) deallocate (error)
+         scene%log = log
+         call set_stiffness(scene, model)
+      end do
+   end subroutine contact_by_slopes
 
    !> Displacements from the condensed load and the contact forces.
    subroutine displace(scene, y, prescribed)
@@ -262,18 +284,24 @@ contains
       real(wp), intent(in) :: gap(:), load(:), moving(:)
       type(error_type), allocatable, intent(out) :: error
       real(wp), allocatable :: alpha(:)
+      type(raising_type) :: raising
       integer :: stage
 
       associate (p => scene%problem)
-         allocate (alpha, source=p%alpha)
-         do stage = model%continuation - 1, 0, -1
-            p%alpha = alpha*0.1_wp**stage
-            call solve_contact(p, gap, load, moving, scene%answer)
-            scene%counter%iterations = scene%counter%iterations + scene%answer%iterations
-            scene%counter%augmentations = scene%counter%augmentations + scene%answer%augmentations
-            if (scene%answer%outcome /= outcome%solved) exit
+         do
+            alpha = p%alpha
+            do stage = model%continuation - 1, 0, -1
+               p%alpha = alpha*0.1_wp**stage
+               call solve_contact(p, gap, load, moving, scene%answer)
+               scene%counter%iterations = scene%counter%iterations + scene%answer%iterations
+               scene%counter%augmentations = scene%counter%augmentations &
+                  & + scene%answer%augmentations
+               if (scene%answer%outcome /= outcome%solved) exit
+            end do
+            p%alpha = alpha
+            if (.not. wants_other_slope(raising, scene, model)) exit
+            call set_stiffness(scene, model)
          end do
-         p%alpha = alpha
          scene%gap = gap
       end associate
       call explain_outcome(scene, model, error)

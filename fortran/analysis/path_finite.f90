@@ -15,6 +15,8 @@ module lopin_path_finite
    use lopin_finite_release, only : release_finite_ties
    use lopin_finite_state, only : add_line
    use lopin_finite_newton, only : newton, least_cuts
+   use lopin_finite_softness, only : settle_softness
+   use lopin_finite_forces, only : nil_gap
    use lopin_predict, only : predict, start_from_accepted, coasts, floats
    use lopin_heat, only : heat_to
    use lopin_settled, only : set_floor
@@ -125,8 +127,8 @@ contains
       logical, intent(in) :: guessed           !! (v, before) is no accepted state
       logical, intent(in) :: by_parts
       type(error_type), allocatable, intent(out) :: error
-      integer :: loop
-      real(wp) :: change
+      integer :: loop, i
+      real(wp) :: change, beyond, last
 
       scene%trial%contact%multiplier = scene%accepted%contact%multiplier
       call start_lagged(scene, model)
@@ -137,18 +139,25 @@ contains
       call scene%clock%stop_in(phase%search)
       if (by_parts) call walk(scene, model, f, v, before, prescribed, error)
       if (allocated(error)) return
+      last = huge(1.0_wp)
       do loop = 0, scene%finite%most_augmentations
          call newton(scene, model, f, v, before, prescribed, loop, guessed .and. loop == 0, error)
          if (allocated(error)) return
          before = prescribed
-         call augment(scene%finite%contact, change)
+         call augment(scene%finite%contact, [(nil_gap(scene, i), i=1, scene%finite%contact%n)], &
+            & change, beyond)
+         ! What contracts no more, and is rounding, has settled.
+         if (loop > 1 .and. change > 0.5_wp*last .and. beyond <= scene%finite%augment_until) &
+            & change = 0.0_wp
          if (change <= scene%finite%augment_until) exit
+         last = change
          scene%finite%augmentations = scene%finite%augmentations + 1
       end do
       if (change > scene%finite%augment_until) call raise(error, error_code%not_converged, &
          & 'E0502', 'the augmented Lagrangian has not settled in '// &
          & to_text(scene%finite%most_augmentations)//' augmentations', model%step(scene%step)%at, &
          & help='raise the penalty, or MAX AUGMENTATIONS on *CONTACT CONTROLS')
+      if (.not. allocated(error)) call settle_softness(scene, model, f, v, prescribed, error)
    end subroutine solve_from
 
    !> Equilibria on the way to the prescribed values, and there.

@@ -20,6 +20,7 @@ module lopin_path_newton
    use lopin_full_system, only : full_system_type, new_full_system, set_rows
    use lopin_linear_system, only : linear_system_type, new_linear_system
    use lopin_automatic_penalty, only : set_stiffness, wants_compliance
+   use lopin_raise_slope, only : raising_type, wants_other_slope
    use lopin_methods, only : choose_methods
    use lopin_contact_failure, only : check_held, explain_outcome
    implicit none
@@ -146,7 +147,11 @@ contains
       same = .not. moved
       if (same) same = all(scene%problem%value == value)
       scene%full%bilateral = scene%rows%bilateral
-      if (same) return
+      if (same) then
+         if (abs(scene%stiffer - scene%trial%contact%stiffer) > 0.0_wp) call set_stiffness(scene, &
+            & model)
+         return
+      end if
       scene%fresh_factor = .false.
       associate (p => scene%problem, bodies => scene%bodies)
          call choose_methods_of_rows(scene, model)
@@ -223,16 +228,22 @@ contains
       type(scene_type), intent(inout) :: scene
       type(model_type), intent(in) :: model
       real(wp), intent(in) :: right(:)         !! (neq) loads [force]
+      type(raising_type) :: raising
       integer :: stage
 
       scene%full%dependent_rows = .false.
-      do stage = model%continuation - 1, 0, -1
-         scene%full%alpha = scene%problem%alpha*0.1_wp**stage
-         call settle(scene%full, scene%gap, right, scene%bodies%motion(scene%bodies%support, :), &
-            & scene%answer)
-         scene%counter%iterations = scene%counter%iterations + scene%answer%iterations
-         scene%counter%augmentations = scene%counter%augmentations + scene%answer%augmentations
-         if (scene%answer%outcome /= outcome%solved) exit
+      do
+         do stage = model%continuation - 1, 0, -1
+            scene%full%alpha = scene%problem%alpha*0.1_wp**stage
+            call settle(scene%full, scene%gap, right, &
+               & scene%bodies%motion(scene%bodies%support, :), scene%answer)
+            scene%counter%iterations = scene%counter%iterations + scene%answer%iterations
+            scene%counter%augmentations = scene%counter%augmentations &
+               & + scene%answer%augmentations
+            if (scene%answer%outcome /= outcome%solved) exit
+         end do
+         if (.not. wants_other_slope(raising, scene, model)) exit
+         call set_stiffness(scene, model)
       end do
    end subroutine settle_with_continuation
 

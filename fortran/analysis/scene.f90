@@ -59,6 +59,7 @@ module lopin_scene
       type(friction_tests_type) :: friction        !! of the last solve
       integer, allocatable :: kept_equation(:)     !! rows in which the problem stands
       real(wp), allocatable :: kept_value(:)
+      real(wp) :: stiffer = 1.0_wp                 !! times slopes are raised in it
       real(wp), allocatable :: gap(:)              !! (nrow) gaps at zero equations
       real(wp), allocatable :: place(:, :)         !! (6, nbody) where tools were projected
       logical, allocatable :: candidate(:)         !! (npoint) within reach: may have a row

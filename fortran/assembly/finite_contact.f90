@@ -24,7 +24,7 @@ module lopin_finite_contact
    use lopin_finite_mortar, only : present_mortar_type, mortar_anchor_type, new_present_mortar
    implicit none
    private
-   public :: finite_contact_type, star_type, new_finite_contact
+   public :: finite_contact_type, star_type, new_finite_contact, set_slopes
 
    !> The facets around each node of a mesh.
    type :: star_type
@@ -44,6 +44,8 @@ module lopin_finite_contact
       integer, allocatable :: facet(:)         !! 0: no master opposite
       integer, allocatable :: status(:)        !! 0 open, 1 stick or closed, 2 slip
       logical, allocatable :: bilateral(:)
+      logical, allocatable :: chosen(:)        !! the deck leaves the slope of the point open
+      real(wp), allocatable :: slope(:)        !! as it was chosen first [stress/length]
       real(wp), allocatable :: c(:), ct(:)     !! normal and tangential stiffness [stress/length]
       real(wp), allocatable :: gap(:), pressure(:)   !! of the rows
       real(wp), allocatable :: opening(:)      !! gaps of the nodes [length]
@@ -146,6 +148,7 @@ contains
          self%first_row(i) = self%nmultiplier + 1
          self%nmultiplier = self%nmultiplier + model%mesh%ndim
       end do
+      call keep_slopes(self, model)
       allocate (self%row(self%nmultiplier), source=0.0_wp)
       allocate (self%point_of_row(self%nmultiplier))
       do i = 1, n
@@ -153,6 +156,46 @@ contains
             & self%first_row(i) + model%mesh%ndim - 1) = i
       end do
    end subroutine new_finite_contact
+
+   !> Slopes as they were chosen first, and where the deck leaves them open.
+   subroutine keep_slopes(self, model)
+      type(finite_contact_type), intent(inout) :: self
+      type(model_type), intent(in) :: model
+      integer :: i
+
+      allocate (self%slope(self%n), self%chosen(self%n))
+      do i = 1, self%n
+         self%slope(i) = self%grip(i)%slope
+         self%chosen(i) = leaves_slope(model, self%pair(i)) .and. any(self%grip(i)%kind &
+            & == [grip_kind%perturbed, grip_kind%penalty, grip_kind%augmented])
+      end do
+   end subroutine keep_slopes
+
+   !> The deck names no slope for a pair.
+   pure logical function leaves_slope(model, pair)
+      type(model_type), intent(in) :: model
+      integer, intent(in) :: pair
+
+      associate (way => model%interaction(model%pair(pair)%interaction))
+         leaves_slope = .not. (way%slope*way%scale > 0.0_wp .or. allocated(way%table))
+      end associate
+   end function leaves_slope
+
+   !> Slopes that the deck leaves open are these times what was chosen first.
+   pure subroutine set_slopes(self, stiffer)
+      type(finite_contact_type), intent(inout) :: self
+      real(wp), intent(in) :: stiffer
+      integer :: i
+
+      do i = 1, self%n
+         if (.not. self%chosen(i)) cycle
+         associate (g => self%grip(i))
+            g%slope = self%slope(i)*stiffer
+            if (g%kind == grip_kind%penalty .or. g%kind == grip_kind%augmented) &
+               & g%c = self%c(i)*stiffer
+         end associate
+      end do
+   end subroutine set_slopes
 
    pure logical function solves(kind)
       integer, intent(in) :: kind

@@ -11,7 +11,7 @@ module lopin_finite_history
    use lopin_finite_growth, only : follow_areas
    use lopin_finite_owner, only : start_owners, kept_beyond
    use lopin_state, only : contact_state_type
-   use lopin_finite_contact, only : finite_contact_type
+   use lopin_finite_contact, only : finite_contact_type, set_slopes
    use lopin_finite_meeting, only : find_present, meet, take_anchor, share_roles
    use lopin_finite_faces, only : find_inner_feet
    use lopin_finite_touch, only : start_approach
@@ -71,6 +71,7 @@ contains
             call remember_elastic(g, self%friction(self%pair(i)), self%opposite(i)%normal)
          end associate
       end do
+      call set_slopes(self, accepted%stiffer)
       call follow_areas(self, model)
       if (size(self%face) > 0) then
          self%start_x = self%masters%x
@@ -82,22 +83,30 @@ contains
    end subroutine start_increment
 
    !> Augmented Lagrangian: take the present tractions for the next solve.
-   subroutine augment(self, change)
+   subroutine augment(self, nil, change, beyond)
       type(finite_contact_type), intent(inout) :: self
+      real(wp), intent(in) :: nil(:)           !! (n) gaps that are rounding of places [length]
       real(wp), intent(out) :: change          !! relative, of the tractions
-      real(wp) :: most, moved
+      real(wp), intent(out) :: beyond          !! the same, beyond what rounding makes
+      real(wp) :: most, moved, step, above
       integer :: i
 
       most = 0.0_wp
       moved = 0.0_wp
+      above = 0.0_wp
       do i = 1, self%n
          if (self%grip(i)%kind /= grip_kind%augmented .and. .not. self%grip(i)%augments) cycle
          most = max(most, norm2(self%traction(:, i)))
-         moved = max(moved, norm2(self%traction(:, i) - self%grip(i)%frozen))
+         step = norm2(self%traction(:, i) - self%grip(i)%frozen)
+         moved = max(moved, step)
+         above = max(above, step - self%grip(i)%slope*nil(i))
          self%grip(i)%frozen = self%traction(:, i)
       end do
       change = 0.0_wp
-      if (most > 0.0_wp) change = moved/most
+      beyond = 0.0_wp
+      if (.not. most > 0.0_wp) return
+      change = moved/most
+      beyond = above/most
    end subroutine augment
 
    !> What the last evaluation leaves, as a trial.

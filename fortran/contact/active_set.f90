@@ -8,6 +8,7 @@
 module lopin_active_set
    use lopin_kinds, only : wp
    use lopin_vectors, only : largest
+   use lopin_soft_share, only : largest_share
    use lopin_condensed, only : condensed_type, springs_type, response_type, is_spring, &
       & row_compliance, put_on_ground, hold_at_rest
    implicit none
@@ -39,6 +40,7 @@ module lopin_active_set
       real(wp) :: opening = 0.0_wp                !! largest change of a gap by the forces alone
       real(wp) :: soft_error = 0.0_wp   !! relative force error of rows that allow penetration,
                                         !! estimated
+      real(wp) :: softness = 0.0_wp     !! the same of the pressures alone, by pairs
    end type contact_result_type
 
    !> What one call carries around.
@@ -100,6 +102,7 @@ contains
       integer :: group, from, to, status
 
       result%soft_error = 0.0_wp
+      result%softness = 0.0_wp
       do group = 1, self%ngroup
          from = self%group_first(group)
          to = self%group_first(group + 1) - 1
@@ -116,7 +119,10 @@ contains
       call self%solve_set(result%active, work%spring, work%compliance, work%springs, once, status)
       ! A set that cannot be solved once more has lost all its digits.
       result%soft_error = 1.0_wp
-      if (status == 0) result%soft_error = norm2(pack(once%force - result%force, soft))/size_
+      result%softness = 1.0_wp
+      if (status /= 0) return
+      result%softness = largest_share(once%force - result%force, result%force, self%group_first)
+      result%soft_error = max(norm2(pack(once%force - result%force, soft))/size_, result%softness)
    end subroutine estimate_soft_error
 
    subroutine prepare(self, gap0, load, moving, work, result)

@@ -9,6 +9,7 @@
 module lopin_friction_set
    use lopin_kinds, only : wp
    use lopin_vectors, only : largest
+   use lopin_soft_share, only : largest_share
    use lopin_condensed, only : condensed_type, form_compliance, rows_times
    use lopin_dense, only : cholesky_solve
    use lopin_active_set, only : contact_result_type, outcome
@@ -144,6 +145,7 @@ contains
       result%outcome = outcome%solved
       result%augmentations = 0
       result%soft_error = 0.0_wp
+      result%softness = 0.0_wp
    end subroutine prepare
 
    !> The ladder of cures: each rung starts from the state that the last accepted increment left.
@@ -304,12 +306,14 @@ contains
       real(wp) :: size_
 
       result%soft_error = 0.0_wp
+      result%softness = 0.0_wp
       soft = work%equations%compliance > 0.0_wp
       size_ = norm2(pack(x%force, soft))
       if (.not. size_ > 0.0_wp) return
       where (soft) work%equations%shift = work%equations%compliance*x%force
       call form_equations(work%equations, self, points, x%force, x%gap)
       call step_to(self, points, work, x, once)
-      result%soft_error = norm2(pack(once%force - x%force, soft))/size_
+      result%softness = largest_share(once%force - x%force, x%force, self%group_first)
+      result%soft_error = max(norm2(pack(once%force - x%force, soft))/size_, result%softness)
    end subroutine estimate_soft_error
 end module lopin_friction_set

@@ -252,7 +252,19 @@ contains
          & 'ERROR of *LOPIN; on the finite path it is 100 times the modulus of the softer side '// &
          & 'over the size of the facet.', &
          & 'give a slope under *SURFACE BEHAVIOR to choose it yourself.')
+      call raised(list)
    end subroutine gaps
+
+   subroutine raised(list)
+      type(explanation_type), allocatable, intent(inout) :: list(:)
+
+      call add_explanation(list, 'N0329', 'the chosen stiffness of contact was raised', &
+         & 'Bodies that are confined, nearly incompressible or in many layers give way less '// &
+         & 'than one facet does. The equilibrium by the slopes chosen first told that its '// &
+         & 'pressures were off by more than TARGET ERROR of *LOPIN; it was found again by '// &
+         & 'stiffer ones, which the run keeps.', &
+         & 'nothing; DIRECT has no penetration at all.')
+   end subroutine raised
 
    subroutine conditions(list)
       type(explanation_type), allocatable, intent(inout) :: list(:)

@@ -64,6 +64,10 @@ module lopin_state
       logical, allocatable :: closed(:)        !! (n) pressed once; NO SEPARATION holds it then
       integer, allocatable :: facet(:)         !! (n) kept beyond its end; 0: the nearest
       logical, allocatable :: held(:)          !! (npair) has closed points
+      ! of both paths: penalties that were chosen
+      real(wp) :: stiffer = 1.0_wp             !! slopes now, beside those first chosen
+      integer :: raised = 0                    !! times they were raised; most_raises: no more
+      real(wp) :: softness = 0.0_wp            !! estimated pressure error of penalties, relative
    contains
       procedure :: pass => pass_contact
    end type contact_state_type
@@ -200,6 +204,9 @@ contains
       call stream%pass(self%closed)
       call stream%pass(self%facet)
       call stream%pass(self%held)
+      call stream%pass(self%stiffer)
+      call stream%pass(self%raised)
+      call stream%pass(self%softness)
    end subroutine pass_contact
 
    subroutine pass_loads(self, stream)

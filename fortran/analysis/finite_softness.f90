@@ -1,0 +1,133 @@
+!> How far penetration falsifies the pressures of the finite path, by the tangent itself, and slopes
+!> that follow from it.
+module lopin_finite_softness
+   use lopin_kinds, only : wp
+   use lopin_error, only : error_type
+   use lopin_constraints, only : expand
+   use lopin_model, only : model_type
+   use lopin_soft_share, only : largest_share
+   use lopin_contact_traction, only : grip_kind
+   use lopin_finite_contact, only : set_slopes
+   use lopin_finite_system, only : solve_step
+   use lopin_finite_newton, only : newton
+   use lopin_raise_slope, only : raising_type, chooses_slope, choose_other, tell_raised
+   use lopin_scene, only : scene_type
+   implicit none
+   private
+   public :: settle_softness
+
+   !> Of GMRES: the estimate is good to a few per cent anyway.
+   real(wp), parameter :: tolerance = 1.0e-2_wp
+
+contains
+
+   !> Estimate the error of the pressures of an equilibrium; where slopes that were chosen are too
+   !> soft for it, find it again by stiffer ones.
+   subroutine settle_softness(scene, model, f, v, prescribed, error)
+      type(scene_type), intent(inout) :: scene
+      type(model_type), intent(in) :: model
+      real(wp), intent(in) :: f(:)             !! (ndof) dead loads [force]
+      real(wp), allocatable, intent(inout) :: v(:)
+      real(wp), intent(in) :: prescribed(:)    !! (nprescribed)
+      type(error_type), allocatable, intent(out) :: error
+      type(raising_type) :: raising
+      real(wp), allocatable :: before(:), v_then(:), multiplier(:)
+      real(wp) :: share
+      logical :: chooses, augments, again
+
+      if (scene%finite%iterations == 0) return
+      associate (state => scene%trial%contact)
+         state%softness = 0.0_wp
+         if (.not. any(is_soft(scene))) return
+         call chooses_slope(model, chooses, augments)
+         call estimate(scene, model, share)
+         state%softness = share
+         if (.not. chooses) return
+         before = prescribed
+         do
+            call choose_other(raising, state, .not. allocated(error), share, model%target_error, &
+               & again)
+            if (.not. again) exit
+            call set_slopes(scene%finite%contact, state%stiffer)
+            if (raising%before > 0.0_wp) then
+               v_then = v
+               multiplier = state%multiplier
+            else
+               v = v_then
+               state%multiplier = multiplier
+               call expand(scene%constraints, v, prescribed, scene%trial%motion%u)
+            end if
+            if (allocated(error)) deallocate (error)
+            call newton(scene, model, f, v, before, prescribed, 1, .false., error)
+            if (.not. allocated(error)) then
+               call estimate(scene, model, share)
+            else if (.not. raising%before > 0.0_wp) then
+               return
+            end if
+         end do
+         if (.not. allocated(error)) call tell_raised(raising, scene, model)
+      end associate
+   end subroutine settle_softness
+
+   !> Points whose traction is an unknown, and which penetrate in proportion to it.
+   function is_soft(scene) result(soft)
+      type(scene_type), intent(in) :: scene
+      logical :: soft(scene%finite%contact%n)
+
+      associate (c => scene%finite%contact)
+         soft = c%grip(:c%n)%kind == grip_kind%perturbed .and. .not. c%grip(:c%n)%augments &
+            & .and. c%status(:c%n) > 0 .and. c%first_row(:c%n) > 0
+      end associate
+   end function is_soft
+
+   !> What one augmentation changes, by the tangent at hand: of every mode of the pressures
+   !> 1/(1 + slope*compliance), the share that penetration takes away.
+   subroutine estimate(scene, model, share)
+      type(scene_type), intent(inout) :: scene
+      type(model_type), intent(in) :: model
+      real(wp), intent(out) :: share           !! of the forces of a pair, largest
+      type(error_type), allocatable :: error
+      real(wp), allocatable :: right(:), step(:), change(:), force(:)
+      integer, allocatable :: at(:), first(:)
+      logical :: soft(scene%finite%contact%n)
+      integer :: i, k, d, n, pair, bad, krylov, most
+
+      share = 0.0_wp
+      d = model%mesh%ndim
+      associate (c => scene%finite%contact, system => scene%finite%system, &
+         & neq => scene%constraints%neq)
+         soft = is_soft(scene)
+         if (.not. any(soft)) return
+         allocate (right(neq + c%nmultiplier), step(neq + c%nmultiplier), source=0.0_wp)
+         do i = 1, c%n
+            if (.not. soft(i)) cycle
+            k = neq + c%first_row(i)
+            right(k:k + d - 1) = c%pressure(i)/c%grip(i)%slope*c%normal(:d, i)
+         end do
+         krylov = system%krylov
+         most = system%most_krylov
+         call solve_step(system, right, tolerance, model%solver, step, scene%clock, &
+            & scene%counter, bad, error)
+         system%krylov = krylov
+         system%most_krylov = most
+         share = 1.0_wp
+         if (allocated(error) .or. bad > 0) return
+         n = 0
+         allocate (change(c%n), force(c%n), source=0.0_wp)
+         first = [1]
+         do pair = 1, size(model%pair)
+            at = pack([(i, i=1, c%n)], c%pair(:c%n) == pair .and. c%first_row(:c%n) > 0 &
+               & .and. c%grip(:c%n)%kind /= grip_kind%tied)
+            do i = 1, size(at)
+               k = neq + c%first_row(at(i))
+               n = n + 1
+               force(n) = c%weight(at(i))*c%pressure(at(i))
+               change(n) = c%weight(at(i))*dot_product(step(k:k + d - 1), c%normal(:d, at(i)))
+               if (c%status(at(i)) == 0) change(n) = 0.0_wp
+            end do
+            first = [first, n + 1]
+         end do
+         share = largest_share(change(:n), force(:n), first)
+      end associate
+   end subroutine estimate
+end module lopin_finite_softness
