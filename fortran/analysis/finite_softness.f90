@@ -88,9 +88,8 @@ contains
       real(wp), intent(out) :: share           !! of the forces of a pair, largest
       type(error_type), allocatable :: error
       real(wp), allocatable :: right(:), step(:), change(:), force(:)
-      integer, allocatable :: at(:), first(:)
       logical :: soft(scene%finite%contact%n)
-      integer :: i, k, d, n, pair, bad, krylov, most
+      integer :: i, k, d, pair, bad, krylov, most
 
       share = 0.0_wp
       d = model%mesh%ndim
@@ -112,22 +111,18 @@ contains
          system%most_krylov = most
          share = 1.0_wp
          if (allocated(error) .or. bad > 0) return
-         n = 0
-         allocate (change(c%n), force(c%n), source=0.0_wp)
-         first = [1]
-         do pair = 1, size(model%pair)
-            at = pack([(i, i=1, c%n)], c%pair(:c%n) == pair .and. c%first_row(:c%n) > 0 &
-               & .and. c%grip(:c%n)%kind /= grip_kind%tied)
-            do i = 1, size(at)
-               k = neq + c%first_row(at(i))
-               n = n + 1
-               force(n) = c%weight(at(i))*c%pressure(at(i))
-               change(n) = c%weight(at(i))*dot_product(step(k:k + d - 1), c%normal(:d, at(i)))
-               if (c%status(at(i)) == 0) change(n) = 0.0_wp
-            end do
-            first = [first, n + 1]
+         allocate (change(size(model%pair)), force(size(model%pair)), source=0.0_wp)
+         do i = 1, c%n
+            if (c%status(i) == 0 .or. c%first_row(i) == 0) cycle
+            if (c%grip(i)%kind == grip_kind%tied) cycle
+            k = neq + c%first_row(i)
+            pair = c%pair(i)
+            force(pair) = force(pair) + c%weight(i)*c%pressure(i)
+            change(pair) = change(pair) + c%weight(i)*dot_product(step(k:k + d - 1), &
+               & c%normal(:d, i))
          end do
-         share = largest_share(change(:n), force(:n), first)
+         ! What one facet alone is too soft for, each point's own estimate says.
+         share = largest_share(change, force, [(i, i=1, size(model%pair) + 1)])
       end associate
    end subroutine estimate
 end module lopin_finite_softness

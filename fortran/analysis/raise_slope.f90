@@ -92,7 +92,7 @@ contains
       if (solved) then
          if (.not. self%first > 0.0_wp) self%first = error
          state%softness = error
-         if (error <= promised .or. state%raised >= most_raises) return
+         if (.not. error > promised .or. state%raised >= most_raises) return
       end if
       if (self%before > 0.0_wp .and. .not. (solved .and. error <= no_better*self%error)) then
          state%stiffer = self%before
