@@ -1,11 +1,14 @@
 !> What recorders see of an accepted increment, made from the scene.
 module lopin_frames
    use lopin_kinds, only : wp
+   use lopin_constraints, only : axes_at
    use lopin_model, only : model_type
    use lopin_report, only : frame_type
    use lopin_recover_stress, only : recover_stress, average_to_nodes
    use lopin_assemble_finite, only : recover_finite
    use lopin_recorder, only : wants_type
+   use lopin_vectors, only : cross
+   use lopin_small_theory, only : own_motion, turns
    use lopin_scene, only : scene_type
    use lopin_present_gaps, only : relative_motion, gap_of
    use lopin_row_samples, only : has_samples
@@ -33,6 +36,7 @@ contains
          call finite_contact_fields(frame%contact, frame%closed, scene, model)
       else
          call contact_values(frame, scene, model)
+         call move_moments(frame, scene, model, reaction)
       end if
       frame%first_point = scene%solids%first_point
       if (scene%finite%flows) call plastic_values(frame, scene, model, wants)
@@ -73,7 +77,7 @@ contains
       type(scene_type), intent(in) :: scene
       type(model_type), intent(in) :: model
       real(wp), intent(in) :: reaction(:)
-      integer :: i, k, node, dof, axes
+      integer :: i, k, node, dof, axes, before
 
       if (.not. allocated(frame%u)) allocate (frame%u(6, model%mesh%nnode), &
          & frame%rf(6, model%mesh%nnode))
@@ -88,11 +92,11 @@ contains
       do i = 1, size(reaction)
          node = scene%dofs%node(scene%constraints%dof_of_prescribed(i))
          dof = scene%dofs%dof(scene%constraints%dof_of_prescribed(i))
-         axes = 0
-         if (dof <= 3) axes = scene%constraints%axes_of(node)
+         axes = axes_at(scene%constraints, node, dof)
+         before = merge(0, 3, dof <= 3)
          if (axes > 0) then
-            frame%rf(:3, node) = frame%rf(:3, node) + reaction(i)*scene%constraints%axes(dof, :, &
-               & axes)
+            frame%rf(before + 1:before + 3, node) = frame%rf(before + 1:before + 3, node) &
+               & + reaction(i)*scene%constraints%axes(dof - before, :, axes)
          else
             frame%rf(dof, node) = frame%rf(dof, node) + reaction(i)
          end if
@@ -104,6 +108,49 @@ contains
          frame%rf(:3, node) = frame%rf(4:6, model%rigid_body(i)%reference)
       end do
    end subroutine nodal_values
+
+   !> Small sliding presses a tool where its slave was: along a plane the moment goes on with it.
+   subroutine move_moments(frame, scene, model, reaction)
+      type(frame_type), intent(inout) :: frame
+      type(scene_type), intent(in) :: scene
+      type(model_type), intent(in) :: model
+      real(wp), intent(in) :: reaction(:)
+      integer :: pair, i, k, axes, dof, point
+      real(wp) :: moment(3), way(3), axis(3)
+
+      do pair = 1, size(model%pair)
+         if (scene%points%tool(pair) == 0 .or. scene%points%body(pair) == 0) cycle
+         associate (c => frame%contact(pair), &
+            & reference => model%rigid_body(scene%points%body(pair))%reference)
+            moment = 0.0_wp
+            do i = 1, size(c%node)
+               if (c%status(i) <= 0 .or. c%status(i) == 3) cycle
+               point = scene%points%first(pair) + i - 1
+               way = own_motion(scene, model, c%node(i))
+               way = way - dot_product(way, scene%points%normal(:, point)) &
+                  & *scene%points%normal(:, point)
+               if (.not. any(abs(way) > 0.0_wp)) cycle
+               if (turns(scene, model, point)) cycle
+               axis = 0.0_wp
+               axis(:size(c%force, 1)) = c%force(:, i)
+               moment = moment + cross(way, axis)
+            end do
+            do k = 1, size(reaction)
+               if (scene%dofs%node(scene%constraints%dof_of_prescribed(k)) /= reference) cycle
+               dof = scene%dofs%dof(scene%constraints%dof_of_prescribed(k)) - 3
+               if (dof < 1) cycle
+               axes = axes_at(scene%constraints, reference, dof + 3)
+               axis = 0.0_wp
+               axis(dof) = 1.0_wp
+               if (axes > 0) axis = scene%constraints%axes(dof, :, axes)
+               frame%rf(4:6, reference) = frame%rf(4:6, reference) &
+                  & + dot_product(axis, moment)*axis
+            end do
+            k = model%rigid_body(scene%points%body(pair))%rotation
+            if (k > 0) frame%rf(:3, k) = frame%rf(4:6, reference)
+         end associate
+      end do
+   end subroutine move_moments
 
    subroutine contact_values(frame, scene, model)
       type(frame_type), intent(inout) :: frame

@@ -2,7 +2,8 @@
 module lopin_friction_history
    use lopin_kinds, only : wp
    use lopin_friction, only : is_regularised, by_rate, drag_limit, friction_radius, &
-      & return_to_disc, regularised_traction
+      & return_to_disc
+   use lopin_contact_traction, only : regularised_energy
    use lopin_friction_rows, only : friction_points_type, elastic_compliance
    use lopin_friction_set, only : friction_result_type
    use lopin_scene, only : scene_type
@@ -116,20 +117,11 @@ contains
       integer, intent(in) :: k
       real(wp), intent(in) :: press, force(3)      !! [force]
       real(wp), intent(in) :: kept(3)              !! slip from the anchor [length]
-      integer, parameter :: parts = 64
-      real(wp) :: traction, slope, slope_p, reach
-      integer :: i
 
       energy = 0.0_wp
       if (is_regularised(points%law(k))) then
-         reach = norm2(kept)
-         if (by_rate(points%law(k)) .or. .not. reach > 0.0_wp) return
-         ! The curves are smooth: midpoints on a grid that is finer near the anchor.
-         do i = 1, parts
-            call regularised_traction(points%law(k), reach*((i - 0.5_wp)/parts)**2, &
-               & press/points%weight(k), points%at(k), traction, slope, slope_p)
-            energy = energy + traction*points%weight(k)*reach*2.0_wp*(i - 0.5_wp)/parts**2
-         end do
+         energy = points%weight(k)*regularised_energy(points%law(k), norm2(kept), &
+            & press/points%weight(k), points%at(k))
       else if (.not. points%augmented(k)) then
          energy = 0.5_wp*elastic_compliance(points, k, press)*dot_product(force, force)
       end if

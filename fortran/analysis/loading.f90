@@ -10,7 +10,7 @@ module lopin_loading
    use lopin_kinds, only : wp
    use lopin_model, only : model_type, step_type, amplitude_value, amplitude_integral
    use lopin_dofs, only : dofs_type
-   use lopin_constraints, only : constraints_type, raw_displacement
+   use lopin_constraints, only : constraints_type, raw_displacement, axes_at
    use lopin_solids, only : solids_type
    use lopin_state, only : state_type
    use lopin_solid_loads, only : add_body_loads, add_face_loads
@@ -176,18 +176,18 @@ contains
       integer, intent(in) :: amplitude
       integer, allocatable :: chosen(:)
       real(wp), allocatable :: density(:, :)
-      integer :: i, k, axes, id
+      integer :: i, k, axes, id, before
 
       do i = 1, size(step%point_load)
          associate (load => step%point_load(i))
             if (load%amplitude /= amplitude) cycle
-            axes = 0
-            if (load%dof <= 3) axes = constraints%axes_of(load%node)
+            axes = axes_at(constraints, load%node, load%dof)
+            before = merge(0, 3, load%dof <= 3)
             do k = 1, merge(3, 1, axes > 0)
-               id = dofs%id(merge(k, load%dof, axes > 0), load%node)
+               id = dofs%id(merge(before + k, load%dof, axes > 0), load%node)
                if (id == 0) cycle
                if (axes > 0) then
-                  f(id) = f(id) + load%value*constraints%axes(load%dof, k, axes)
+                  f(id) = f(id) + load%value*constraints%axes(load%dof - before, k, axes)
                else
                   f(id) = f(id) + load%value
                end if

@@ -15,6 +15,7 @@ module lopin_small_theory
    implicit none
    private
    public :: strayed_type, follow_small_theory, judge_small_theory, pair_that_slid, gradient_of
+   public :: own_motion, turns
 
    !> Limits of small displacement: slip over facet, rotation [rad], strain [-].
    real(wp), parameter :: slip_limit = 0.25_wp, strain_limit = 0.05_wp
@@ -57,7 +58,9 @@ contains
       integer :: worst, pair
 
       if (.not. scene%finite%in_use) then
-         call worst_slip(scene, model, [(.true., pair=1, size(model%pair))], worst, slip)
+         ! Along a plane that cannot turn sliding changes nothing.
+         call worst_slip(scene, model, [(.true., pair=1, size(model%pair))], worst, slip, &
+            & held=.true.)
          if (worst > 0 .and. slip > self%slip) then
             self%slip = slip
             self%slid = worst
@@ -137,14 +140,33 @@ contains
       end associate
    end function turns
 
+   !> The tool of a point may turn under a pressure that has moved.
+   pure logical function may_tilt(scene, model, point)
+      type(scene_type), intent(in) :: scene
+      type(model_type), intent(in) :: model
+      integer, intent(in) :: point
+      integer :: k
+
+      may_tilt = .false.
+      associate (body => scene%points%body(scene%points%pair(point)))
+         if (body == 0) return
+         do k = 4, 6
+            associate (id => scene%dofs%id(k, model%rigid_body(body)%reference))
+               if (id > 0) may_tilt = may_tilt .or. scene%constraints%rule(id)%prescribed == 0
+            end associate
+         end do
+      end associate
+   end function may_tilt
+
    !> The closed point of the asked pairs that slid farthest beyond the limit; 0: none did.
-   subroutine worst_slip(scene, model, asked, worst, largest, turning)
+   subroutine worst_slip(scene, model, asked, worst, largest, turning, held)
       type(scene_type), intent(in) :: scene
       type(model_type), intent(in) :: model
       logical, intent(in) :: asked(:)          !! (npair)
       integer, intent(out) :: worst
       real(wp), intent(out) :: largest         !! slip over facet
       logical, intent(in), optional :: turning !! only where the normal has changed
+      logical, intent(in), optional :: held    !! not along planes that cannot turn
       real(wp) :: motion(3), slip
       integer :: row, point
 
@@ -167,6 +189,10 @@ contains
          if (slip <= largest) cycle
          if (present(turning)) then
             if (.not. turns(scene, model, point)) cycle
+         else if (present(held)) then
+            if (.not. may_tilt(scene, model, point)) then
+               if (.not. turns(scene, model, point)) cycle
+            end if
          end if
          largest = slip
          worst = point

@@ -14,6 +14,7 @@ module lopin_work_balance
    use lopin_model, only : model_type
    use lopin_report, only : energy_type, lost_work
    use lopin_say_once, only : say_once
+   use lopin_contact_traction, only : grip_kind
    use lopin_scene, only : scene_type
    implicit none
    private
@@ -121,11 +122,13 @@ contains
    end subroutine note_energy
 
    !> Half the force times the gap of the points that close or open, by the contacts of the trial
-   !> state.
+   !> state; of a pressure-overclosure law what the trapezoid counts beyond the area of its curve.
    real(wp) function work_of_gaps(self, scene) result(work)
       type(balance_type), intent(inout) :: self
       type(scene_type), intent(in) :: scene
       real(wp), allocatable :: gap(:), force(:)
+      logical, allocatable :: springs(:)
+      integer :: i
 
       work = 0.0_wp
       associate (c => scene%finite%contact)
@@ -140,9 +143,19 @@ contains
          self%force = 0.0_wp*self%gap
       end if
       if (size(self%gap) == size(gap)) then
-         work = 0.5_wp*sum(force*self%gap, &
-            & mask=.not. abs(self%force) > 0.0_wp) - 0.5_wp*sum(self%force*gap, &
-            & mask=.not. abs(force) > 0.0_wp)
+         associate (c => scene%finite%contact)
+            springs = [(c%grip(i)%kind == grip_kind%overclosure, i=1, c%n)]
+            work = 0.5_wp*sum(force*self%gap, &
+               & mask=.not. (abs(self%force) > 0.0_wp .or. springs)) &
+               & - 0.5_wp*sum(self%force*gap, mask=.not. (abs(force) > 0.0_wp .or. springs))
+            do i = 1, c%n
+               if (.not. springs(i)) cycle
+               work = work + 0.5_wp*(self%force(i) + force(i))*(self%gap(i) - gap(i))
+               if (self%force(i) > 0.0_wp) work = work + c%grip(i)%law%stored(self%gap(i), &
+                  & c%weight(i))
+               if (force(i) > 0.0_wp) work = work - c%grip(i)%law%stored(gap(i), c%weight(i))
+            end do
+         end associate
       end if
       call move_alloc(gap, self%gap)
       call move_alloc(force, self%force)

@@ -9,7 +9,7 @@ module lopin_bodies
    use lopin_kinds, only : wp
    use lopin_model, only : model_type, kind_of
    use lopin_dofs, only : dofs_type
-   use lopin_constraints, only : constraints_type
+   use lopin_constraints, only : constraints_type, axes_at
    use lopin_dense, only : symmetric_eigen
    implicit none
    private
@@ -156,28 +156,24 @@ contains
       integer, intent(in) :: raw
       integer, intent(out) :: column(6), n
       real(wp), intent(out) :: value(6)
-      integer :: node, dof, i, k
+      integer :: node, dof, i, k, axes, before
       real(wp) :: axis(3)
 
       n = 0
       node = dofs%node(raw)
       dof = dofs%dof(raw)
+      before = merge(0, 3, dof <= 3)
       axis = 0.0_wp
-      if (dof <= 3) axis(dof) = 1.0_wp
-      if (dof <= 3 .and. constraints%axes_of(node) > 0) axis = constraints%axes(dof, :, &
-         & constraints%axes_of(node))
+      axis(dof - before) = 1.0_wp
+      axes = axes_at(constraints, node, dof)
+      if (axes > 0) axis = constraints%axes(dof - before, :, axes)
+      if (dof > 3) axis = axis/self%length
       do i = 1, size(self%column, 2)
          if (model%rigid_body(i)%reference /= node) cycle
-         if (dof > 3) then
-            n = 1
-            column(1) = self%column(dof, i)
-            value(1) = 1.0_wp/self%length
-            return
-         end if
          do k = 1, 3
-            if (self%column(k, i) == 0) cycle
+            if (self%column(before + k, i) == 0 .or. .not. abs(axis(k)) > 0.0_wp) cycle
             n = n + 1
-            column(n) = self%column(k, i)
+            column(n) = self%column(before + k, i)
             value(n) = axis(k)
          end do
          return
@@ -273,9 +269,10 @@ contains
                   touched = [touched, column(:n)]
                end do
             end if
+            ! Axes of nodes make several terms touch one column.
+            touched = pack(touched, [(all(touched(:k - 1) /= touched(k)), k=1, size(touched))])
             if (size_ > 0.0_wp) row(touched) = row(touched)/size_
             do k = 1, size(touched)
-               if (any(touched(:k - 1) == touched(k))) cycle
                gram(:, touched(k)) = gram(:, touched(k)) + row*row(touched(k))
             end do
             row(touched) = 0.0_wp

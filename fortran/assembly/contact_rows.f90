@@ -5,14 +5,15 @@
 !> displacements since the start.
 module lopin_contact_rows
    use lopin_kinds, only : wp
-   use lopin_model, only : model_type
+   use lopin_model, only : model_type, overclosure_of
    use lopin_dofs, only : dofs_type
    use lopin_constraint_rules, only : follower_rule
    use lopin_constraints, only : constraints_type
    use lopin_contact_points, only : contact_points_type, sample_type, own_sample, pair_is_tied
    use lopin_initial_gaps, only : initial_gap_type, may_tie
    use lopin_pair_friction, only : pair_slides_with_friction
-   use lopin_row_samples, only : find_samples, has_inner, row_value
+   use lopin_tie_arm, only : find_tie_arm
+   use lopin_row_samples, only : find_samples, has_inner, row_value, frame_of
    implicit none
    private
    public :: contact_rows_type, new_contact_rows, reduce_rows, row_forces
@@ -54,6 +55,9 @@ contains
       allocate (self%point(3*points%n), self%bilateral(3*points%n), self%tied(3*points%n))
       allocate (self%direction(3, 3*points%n), self%gap0(3*points%n), self%first(3*points%n + 1))
       terms = (3*max(size(points%master, 1), 12) + 4)*3*points%n + inner_terms(points)
+      ! Ties across a gap name their masters twice.
+      if (any(model%pair%tied) .or. any(model%interaction%overclosure == overclosure_of%tied)) &
+         & terms = 2*terms
       allocate (self%dof(terms), self%coefficient(terms))
       self%first(1) = 1
       terms = 0
@@ -248,28 +252,6 @@ contains
       end do
    end subroutine add_tangents
 
-   !> Unit normal and tangents, as columns.
-   pure subroutine frame_of(normal, ndim, frame)
-      real(wp), intent(in) :: normal(3)
-      integer, intent(in) :: ndim
-      real(wp), intent(out) :: frame(3, 3)
-      integer :: least
-
-      frame(:, 1) = normal
-      if (ndim == 2) then
-         frame(:, 2) = [-normal(2), normal(1), 0.0_wp]
-         frame(:, 3) = [0.0_wp, 0.0_wp, 1.0_wp]
-         return
-      end if
-      least = minloc(abs(normal), 1)
-      frame(:, 2) = -normal*normal(least)
-      frame(least, 2) = frame(least, 2) + 1.0_wp
-      frame(:, 2) = frame(:, 2)/norm2(frame(:, 2))
-      frame(:, 3) = [normal(2)*frame(3, 2) - normal(3)*frame(2, 2), normal(3)*frame(1, 2) &
-         & - normal(1)*frame(3, 2), &
-         & normal(1)*frame(2, 2) - normal(2)*frame(1, 2)]
-   end subroutine frame_of
-
    !> Terms of one sample, and for a tool the part of its motion that the projection already
    !> contains.
    subroutine add_terms(self, model, dofs, points, sample, direction, place, terms)
@@ -297,11 +279,13 @@ contains
             call add(dofs%id(k, points%master(m, i)), -part(k)*points%shape(m, i))
          end do
       end do
+      if (self%tied(self%n)) call add_arm(m - 1)
       body = points%body(points%pair(i))
       if (body == 0) return
       arm = 0.0_wp
       associate (reference => model%rigid_body(body)%reference)
          arm(:ndim) = sample%foot(:ndim) - model%mesh%x(:, reference) - place(:ndim)
+         if (self%tied(self%n)) arm(:ndim) = held_place() - model%mesh%x(:, reference)
          do k = 1, ndim
             call follower_rule(arm, ndim, k, dof, coefficient, n)
             do j = 1, n
@@ -312,6 +296,36 @@ contains
       end associate
 
    contains
+
+      !> Where the sample is at the start.
+      pure function held_place() result(x)
+         real(wp) :: x(ndim)
+         integer :: k
+
+         x = 0.0_wp
+         do k = 1, sample%nnode
+            x = x + sample%shape(k)*model%mesh%x(:, sample%node(k))
+         end do
+      end function held_place
+
+      !> A tie across a gap turns with the nodes opposite.
+      subroutine add_arm(n)
+         integer, intent(in) :: n
+         real(wp) :: by(3, n)
+         logical :: found
+         integer :: k, m
+
+         if (n == 0) return
+         call find_tie_arm(model%mesh%x(:, points%master(:n, i)), points%shape(:n, i), &
+            & held_place(), part, by, found)
+         if (.not. found) return
+         do m = 1, n
+            do k = 1, ndim
+               call add(dofs%id(k, points%master(m, i)), -by(k, m))
+            end do
+         end do
+         call join_terms(self, terms)
+      end subroutine add_arm
 
       subroutine add(id, value)
          integer, intent(in) :: id

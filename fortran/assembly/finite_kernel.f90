@@ -242,7 +242,9 @@ contains
             call push(inputs%reference(k), (-1.0_wp)*z(k))
          end do
          if (any(inputs%rotation > 0)) then
-            moment = dual_cross(arm - n*gap, z)
+            ! What is glued across a gap hangs on a rigid arm.
+            if (grip%kind /= grip_kind%tied) arm = arm - n*gap
+            moment = dual_cross(arm, z)
             do k = 1, 3
                call push(inputs%rotation(k), (-1.0_wp)*moment(k))
             end do
@@ -322,7 +324,8 @@ contains
          end do
          if (all(inputs%rotation == 0)) return
          arm = p%x - reference
-         moment = dual_cross(arm - p%normal*p%gap, own)
+         if (grip%kind /= grip_kind%tied) arm = arm - p%normal*p%gap
+         moment = dual_cross(arm, own)
          do k = 1, 3
             call push(inputs%rotation(k), (-1.0_wp)*moment(k))
          end do

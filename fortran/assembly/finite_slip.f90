@@ -110,9 +110,24 @@ contains
       if (self%facet(i) == 0 .or. self%trial(i)%status == 0) return
       associate (t => self%trial(i), p => self%pressure(i), law => self%friction(self%pair(i)))
          energy = stored_energy(self%grip(i), law, condition_at(self, i), p, &
-            & merge(1.0_wp, 0.0_wp, has_friction(law))*along(t%traction, t%normal))
+            & merge(1.0_wp, 0.0_wp, has_friction(law))*along(t%traction, t%normal), self%gap(i), &
+            & kept_slip(self, i))
       end associate
    end function held_energy
+
+   !> Slip from the anchor that a law regularised by slip keeps.
+   pure function kept_slip(self, i) result(slip)
+      type(finite_contact_type), intent(in) :: self
+      integer, intent(in) :: i
+      real(wp) :: slip(3)
+
+      slip = 0.0_wp
+      associate (law => self%friction(self%pair(i)))
+         if (.not. has_friction(law) .or. .not. is_regularised(law)) return
+         if (drag_limit(law) < huge(1.0_wp)) slip = drawn(law, &
+            & self%grip(i)%creep + self%trial(i)%slip)
+      end associate
+   end function kept_slip
 
    !> Largest shear that the law of friction allows a point; huge: no bound [stress].
    pure real(wp) function shear_bound(self, i) result(radius)

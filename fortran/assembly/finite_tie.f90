@@ -24,8 +24,11 @@ module lopin_finite_tie
       real(wp), allocatable :: along(:, :)     !! (ndim-1, nodes) tangents of the frame's facet
       real(wp) :: weight = 0.0_wp              !! D [area]
       real(wp) :: offset(3) = 0.0_wp           !! a [length]
+      logical :: apart = .false.               !! a is more than the rounding of coordinates
    end type tie_type
 
+   !> Offsets below this share of the facets are the rounding of coordinates.
+   real(wp), parameter :: rounding = 1.0e-9_wp
    real(wp), parameter :: unity(3, 3) = reshape([1.0_wp, 0.0_wp, 0.0_wp, 0.0_wp, 1.0_wp, 0.0_wp, &
       & 0.0_wp, 0.0_wp, 1.0_wp], [3, 3])
 
@@ -41,6 +44,7 @@ contains
       real(wp), intent(in) :: x(:, :)                   !! (ndim, nnode) [length]
       real(wp) :: n(8), dn(size(x, 1) - 1, 8)
       type(dual_type) :: place(3, size(node)), frame(3, 3)
+      real(wp) :: size_
       logical :: kept(size(node))
       integer :: i, k, m, at, d
 
@@ -66,6 +70,11 @@ contains
       do k = 1, 3
          self%offset(k) = dot_product(frame(:d, k)%v, matmul(x(:, self%node), self%share))
       end do
+      size_ = 0.0_wp
+      do k = 1, size(self%node)
+         size_ = max(size_, norm2(x(:, self%node(k)) - x(:, self%node(1))))
+      end do
+      self%apart = norm2(self%offset) > rounding*size_
       self%set = .true.
    end subroutine new_tie
 
@@ -155,7 +164,7 @@ contains
       call list_inputs()
       n = size(local%dof)
       allocate (slope(d, n), source=0.0_wp)
-      do from = 0, merge(local%nu - 1, 0, with_tangent), dual_width
+      do from = 0, merge(local%nu - 1, 0, with_tangent .or. self%apart), dual_width
          call part(from)
          width = min(dual_width, local%nu - from)
          do i = 1, d
@@ -179,12 +188,17 @@ contains
       state%slip = 0.0_wp
       state%status = grip_status%stick
       state%force = spread(0.0_wp, 1, local%nu)
-      do m = 1, size(self%node)
-         do i = 1, d
-            if (input(i, m) > 0) state%force(input(i, m)) = self%weight*self%share(m) &
-               & *state%traction(i)
+      if (self%apart) then
+         ! The arm between the sides turns with the frame: its moment falls on the frame's facet.
+         state%force = self%weight*matmul(state%traction(:d), slope(:, :local%nu))
+      else
+         do m = 1, size(self%node)
+            do i = 1, d
+               if (input(i, m) > 0) state%force(input(i, m)) = self%weight*self%share(m) &
+                  & *state%traction(i)
+            end do
          end do
-      end do
+      end if
       if (with_tangent) call make_matrix()
 
    contains
@@ -245,6 +259,11 @@ contains
                      & *grip%held(k, :d)
                end do
             end do
+            if (self%apart) then
+               local%k(:nu, :nu) = self%weight*grip%c*matmul(transpose(slope(:, :nu)), &
+                  & slope(:, :nu))
+               local%k(:nu, nu + 1:) = -self%weight*transpose(slope(:, :nu))
+            end if
             local%k(nu + 1:, :nu) = slope(:, :nu)
             if (grip%partly) local%k(nu + 1:, nu + 1:) = (unity(:d, :d) - grip%held(:d, :d))/grip%c
             local%spring = self%weight*grip%c*matmul(transpose(slope(:, :nu)), slope(:, :nu))

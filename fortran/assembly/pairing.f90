@@ -142,13 +142,15 @@ contains
       type(log_type), intent(inout) :: log
       type(error_type), allocatable, intent(out) :: error
       type(mortar_coupling_type) :: coupling
-      type(surface_type) :: shape
+      type(surface_type) :: shape, opposite
       real(wp), allocatable :: side(:, :)
       integer :: i, j, k, m
-      logical :: narrow
+      logical :: narrow, tied
 
-      call couple_pair(coupling, model, cells, pair, &
-         & pair_is_tied(model, model%pair(pair)), shape, side, narrow, error)
+      tied = pair_is_tied(model, model%pair(pair))
+      call couple_pair(coupling, model, cells, pair, tied, shape, side, narrow, error)
+      if (allocated(error)) return
+      if (tied) call shape_of(opposite, model, cells, model%pair(pair)%master, error)
       if (allocated(error)) return
       if (narrow) call log%say(severity%warning, 'W0336', 'a part of '// &
          & model%surface(model%pair(pair)%master)%name//' is narrower than the facets of '// &
@@ -157,7 +159,7 @@ contains
          & help='a finer mesh there, or the narrow side as slave')
       m = size(self%master, 1)
       do j = 1, coupling%n
-         m = max(m, coupling%first(j + 1) - coupling%first(j))
+         m = max(m, coupling%first(j + 1) - coupling%first(j) + merge(8, 0, tied))
       end do
       call reserve(self, size(self%pair), m)
       j = 1
@@ -177,10 +179,28 @@ contains
             self%foot(:, n) = self%foot(:, n) - coupling%gap(j)*coupling%normal(:, j)
             self%master(:to - from + 1, n) = coupling%other(from:to)
             self%shape(:to - from + 1, n) = coupling%p(from:to)
+            if (tied .and. coupling%facet(j) > 0) call name_facet(self%master(:, n), &
+               & opposite%facets%node(:, coupling%facet(j)), to - from + 1)
          end associate
          j = j + 1
       end do
    end subroutine pair_by_mortar
+
+   !> All nodes of the facet opposite stand in the list, those without a share too: they say how a
+   !> tie across a gap turns.
+   pure subroutine name_facet(master, node, n)
+      integer, intent(inout) :: master(:)
+      integer, intent(in) :: node(:), n        !! of the facet, zeros behind; in the list so far
+      integer :: k, m
+
+      m = n
+      do k = 1, size(node)
+         if (node(k) == 0) exit
+         if (any(master(:m) == node(k))) cycle
+         m = m + 1
+         master(m) = node(k)
+      end do
+   end subroutine name_facet
 
    !> A pair whose points all lie behind their master was described the wrong way round.
    subroutine check_sides(self, model, pair, log, error)

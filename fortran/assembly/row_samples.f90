@@ -11,6 +11,7 @@ module lopin_row_samples
    implicit none
    private
    public :: sample_type, find_samples, has_samples, has_inner, row_value, basis_of, one_patch
+   public :: frame_of
 
    !> Feet whose normals have a smaller cosine do not lie on one smooth patch of the tool.
    real(wp), parameter :: one_patch = 0.866025403784439_wp
@@ -112,4 +113,26 @@ contains
       ! Points inside facets weigh out to their node.
       if (all(sample%point == sample(1)%point)) total = value(sample(1)%point)
    end function row_value
+
+   !> Unit normal and tangents, as columns.
+   pure subroutine frame_of(normal, ndim, frame)
+      real(wp), intent(in) :: normal(3)
+      integer, intent(in) :: ndim
+      real(wp), intent(out) :: frame(3, 3)
+      integer :: least
+
+      frame(:, 1) = normal
+      if (ndim == 2) then
+         frame(:, 2) = [-normal(2), normal(1), 0.0_wp]
+         frame(:, 3) = [0.0_wp, 0.0_wp, 1.0_wp]
+         return
+      end if
+      least = minloc(abs(normal), 1)
+      frame(:, 2) = -normal*normal(least)
+      frame(least, 2) = frame(least, 2) + 1.0_wp
+      frame(:, 2) = frame(:, 2)/norm2(frame(:, 2))
+      frame(:, 3) = [normal(2)*frame(3, 2) - normal(3)*frame(2, 2), normal(3)*frame(1, 2) &
+         & - normal(1)*frame(3, 2), &
+         & normal(1)*frame(2, 2) - normal(2)*frame(1, 2)]
+   end subroutine frame_of
 end module lopin_row_samples

@@ -26,7 +26,7 @@ module lopin_contact_traction
    implicit none
    private
    public :: grip_type, traction_of, grip_kind, grip_status, elastic_slip_of, normal_stiffness
-   public :: stored_energy
+   public :: stored_energy, regularised_energy
 
    type :: kinds_of_grip
       integer :: lagrange = 1, penalty = 2, perturbed = 3, augmented = 4, overclosure = 5, tied = 6
@@ -171,19 +171,44 @@ contains
    end function shear_compliance
 
    !> Energy per area that the springs of a pair hold, normal and along the face.
-   pure real(wp) function stored_energy(grip, friction, at, p, t) result(energy)
+   pure real(wp) function stored_energy(grip, friction, at, p, t, gap, kept) result(energy)
       type(grip_type), intent(in) :: grip
       type(friction_type), intent(in) :: friction
       type(condition_type), intent(in) :: at
       real(wp), intent(in) :: p                !! [stress]
       real(wp), intent(in) :: t(3)             !! along the face [stress]
+      real(wp), intent(in) :: gap              !! [length]
+      real(wp), intent(in) :: kept(3)          !! slip from the anchor of a regularised law [length]
 
       energy = 0.0_wp
+      if (grip%kind == grip_kind%overclosure) energy = grip%law%stored(gap, 1.0_wp)
       if (grip%kind == grip_kind%penalty) energy = 0.5_wp*p**2/grip%c
       if (grip%kind == grip_kind%perturbed .and. .not. grip%augments) &
          & energy = 0.5_wp*p**2/grip%slope
       energy = energy + 0.5_wp*shear_compliance(grip, friction, at, p)*dot_product(t, t)
+      if (has_friction(friction) .and. is_regularised(friction)) energy = energy &
+         & + regularised_energy(friction, norm2(kept), p, at)
    end function stored_energy
+
+   !> Energy per area of a law regularised by slip between its anchor and the slip that it keeps.
+   pure real(wp) function regularised_energy(friction, reach, p, at) result(energy)
+      type(friction_type), intent(in) :: friction
+      real(wp), intent(in) :: reach            !! that slip [length]
+      real(wp), intent(in) :: p                !! [stress]
+      type(condition_type), intent(in) :: at
+      integer, parameter :: parts = 64
+      real(wp) :: traction, slope, slope_p
+      integer :: i
+
+      energy = 0.0_wp
+      if (by_rate(friction) .or. .not. reach > 0.0_wp) return
+      ! The curves are smooth: midpoints on a grid that is finer near the anchor.
+      do i = 1, parts
+         call regularised_traction(friction, reach*((i - 0.5_wp)/parts)**2, p, at, traction, &
+            & slope, slope_p)
+         energy = energy + traction*reach*2.0_wp*(i - 0.5_wp)/parts**2
+      end do
+   end function regularised_energy
 
    !> -dp/dg of a closed point, for a factor: the law's own slope, else the grip's.
    pure real(wp) function normal_stiffness(grip, g) result(stiffness)

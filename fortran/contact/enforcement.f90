@@ -21,6 +21,7 @@ module lopin_enforcement
       procedure(multiplier_if), deferred :: solves_for_multiplier
       procedure :: compliance => no_compliance
       procedure :: forces => pressed_by_springs
+      procedure :: stored => nothing_stored
       procedure :: update => nothing_to_update
       procedure :: piecewise_linear => is_piecewise_linear
    end type enforcement_type
@@ -50,6 +51,16 @@ contains
          no_compliance = 0.0_wp
       end associate
    end function no_compliance
+
+   !> Energy that the law of a point holds at a gap [force*length].
+   elemental real(wp) function nothing_stored(self, gap, alpha)
+      class(enforcement_type), intent(in) :: self
+      real(wp), intent(in) :: gap     !! [length]
+      real(wp), intent(in) :: alpha   !! as of `forces`
+      associate (unused => self, also => gap, too => alpha)
+         nothing_stored = 0.0_wp
+      end associate
+   end function nothing_stored
 
    !> Force and stiffness -d force/d gap of a spring at the given gap; the multiplier shifts it.
    elemental subroutine pressed_by_springs(self, gap, alpha, multiplier, bilateral, force, &

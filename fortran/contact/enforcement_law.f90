@@ -7,6 +7,8 @@ module lopin_enforcement_law
    private
    public :: law_type, new_exponential, new_tabular
 
+   !> An exponential law goes on along its tangent from here, in overclosures over c0, plus 1.
+   real(wp), parameter :: linear_from = 6.0_wp
    !> Gaps below this share of the first line of a table are rounding.
    real(wp), parameter :: touching = 1.0e-12_wp
 
@@ -19,6 +21,7 @@ module lopin_enforcement_law
       procedure :: solves_for_multiplier
       procedure :: piecewise_linear
       procedure :: forces
+      procedure :: stored
    end type law_type
 
 contains
@@ -78,6 +81,36 @@ contains
       stiffness = stiffness*alpha
    end subroutine forces
 
+   !> The integral of the pressure over the overclosure.
+   elemental real(wp) function stored(self, gap, alpha) result(energy)
+      class(law_type), intent(in) :: self
+      real(wp), intent(in) :: gap, alpha
+      real(wp) :: t, far, p, slope, last, from
+      integer :: i, n
+
+      energy = 0.0_wp
+      call pressure_law(self, -gap, p, slope)
+      if (.not. p > 0.0_wp) return
+      if (self%exponential) then
+         t = 1.0_wp - gap/self%c0
+         far = max(t - linear_from, 0.0_wp)*self%c0
+         t = min(t, linear_from)
+         energy = self%p0*self%c0/(exp(1.0_wp) - 1.0_wp) &
+            & *((t - 1.0_wp)*exp(t) + 1.0_wp - 0.5_wp*t**2) + far*(p - 0.5_wp*slope*far)
+      else
+         n = size(self%pressure)
+         last = p
+         from = -gap
+         do i = n, 1, -1
+            if (self%overclosure(i) >= from) cycle
+            energy = energy + 0.5_wp*(last + self%pressure(i))*(from - self%overclosure(i))
+            last = self%pressure(i)
+            from = self%overclosure(i)
+         end do
+      end if
+      energy = alpha*energy
+   end function stored
+
    !> Pressure and its slope. Exponential: p = p0/(e-1) t (e^t - 1), t = overclosure/c0 + 1
    !> (Abaqus); beyond t = 6 it goes on along its tangent, so that no trial overclosure overflows.
    elemental subroutine pressure_law(self, overclosure, pressure, slope)
@@ -93,8 +126,8 @@ contains
       if (self%exponential) then
          t = overclosure/self%c0 + 1.0_wp
          if (t <= 0.0_wp) return
-         far = max(t - 6.0_wp, 0.0_wp)
-         t = min(t, 6.0_wp)
+         far = max(t - linear_from, 0.0_wp)
+         t = min(t, linear_from)
          slope = self%p0/((exp(1.0_wp) - 1.0_wp)*self%c0)*(exp(t) - 1.0_wp + t*exp(t))
          pressure = self%p0/(exp(1.0_wp) - 1.0_wp)*t*(exp(t) - 1.0_wp) + slope*far*self%c0
          return

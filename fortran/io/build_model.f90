@@ -32,6 +32,7 @@ module lopin_build_model
    use lopin_check_loads, only : check_loads
    use lopin_check_materials, only : check_materials
    use lopin_check_seams, only : check_seams
+   use lopin_check_hanging, only : check_hanging
    use lopin_check_unused, only : check_unused
    use lopin_check_options, only : check_options
    implicit none
@@ -82,6 +83,7 @@ contains
          call find_node_areas(model)
          call check_loads(model)
          call check_seams(model)
+         call check_hanging(model, scene)
          call check_unused(model, deck)
          call check_options(model, deck)
       end if

@@ -40,6 +40,11 @@ contains
          & 'pair, tie or equation has to do with both: they move through each other. Mesh '// &
          & 'programs leave such seams where parts were not merged.', &
          & 'merge the nodes, write *TIE, or *CONTACT PAIR.')
+      call add_explanation(list, 'W0309', 'a mid-side node that hangs on a straight edge', &
+         & 'An element of second order and one of first order share the corners of an edge. '// &
+         & 'One edge bends with its mid-side node, the other stays straight: '// &
+         & 'the mesh gapes or overlaps there, and the mid-side node is loaded by one side only.', &
+         & 'give both elements one order, or hold the node by *EQUATION, 2 u = u1 + u2.')
       call add_explanation(list, 'W0305', 'an option of contact that does nothing', &
          & 'The option is known, but has nothing to act on where it stands: SMOOTH on a flat '// &
          & 'master, a tolerance of a method that no pair has, a clearance of a tied pair.', &

@@ -163,7 +163,10 @@ contains
          & 'Profile: an arc of less than 180 degrees to (x, y) about (xc, yc).')
       call data_line(table, 'ax [length], ay [length], az [length], bx [length], by [length], '// &
          & 'bz [length]', &
-         & 'CYLINDER, REVOLUTION: local axes before START; a second line for CYLINDER.')
+         & 'Local axes before START. CYLINDER: a is the origin, b is on local x. REVOLUTION: '// &
+         & 'the axis from a to b.')
+      call data_line(table, 'cx [length], cy [length], cz [length]', 'CYLINDER: a second line, '// &
+         & 'c on local z, along which the profile is swept; local y = z x x.')
       call data_line(table, 'cx [length], cy [length], cz [length], dx [length], dy [length], '// &
          & 'dz [length]', 'REVOLUTION: a second line, the middles of two sides of a rectangle '// &
          & 'about a: the profile runs around it, r is the distance from it.')
@@ -280,8 +283,9 @@ contains
       call example(table, '*EQUATION|2|5, 1, 1., 9, 1, -1.')
 
       call key(table, 'TRANSFORM', 'MPA', 'both', 'Local axes in which the dofs of nodes are '// &
-         & 'meant.')
-      call word(table, 'NSET', 'The nodes.')
+         & 'meant: displacements and forces, rotations and moments of reference nodes too.')
+      call word(table, 'NSET', 'The nodes; for rotations the REF NODE, or the ROT NODE if the '// &
+         & 'body has one.')
       call required(table)
       call choice(table, 'TYPE', 'R,C', 'R', 'R: one Cartesian system; C: radial, tangential, '// &
          & 'axial about an axis.')

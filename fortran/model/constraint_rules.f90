@@ -11,7 +11,7 @@ module lopin_constraint_rules
    use lopin_rigid_motion, only : slopes_of_rotation
    implicit none
    private
-   public :: rule_type, local_axes_type, new_local_axes, new_rules, follower_rule, label_of
+   public :: rule_type, local_axes_type, new_local_axes, axes_at, new_rules, follower_rule, label_of
 
    !> How one raw variable (a dof in the axes of its node) is determined.
    type :: rule_type
@@ -26,6 +26,8 @@ module lopin_constraint_rules
    type :: local_axes_type
       real(wp), allocatable :: axes(:, :, :)   !! (3, 3, nlocal) rows are local axes of a node
       integer, allocatable :: axes_of(:)       !! (nnode) index into axes; 0: global
+      integer, allocatable :: rotation_axes_of(:)   !! (nnode) the same for dofs 4 to 6: the axes of
+                                                    !! the ROT NODE, where a body has one
       real(wp), allocatable :: turn(:, :)      !! (3, nbody) rotations about which rigid bodies are
                                                !! linear [rad]
    end type local_axes_type
@@ -49,7 +51,27 @@ contains
       else
          allocate (self%axes(3, 3, 0))
       end if
+      self%rotation_axes_of = self%axes_of
+      do i = 1, size(model%rigid_body)
+         associate (body => model%rigid_body(i))
+            if (body%rotation > 0) self%rotation_axes_of(body%reference) &
+               & = self%axes_of(body%rotation)
+         end associate
+      end do
    end subroutine new_local_axes
+
+   !> Index of the axes in which a dof of a node is given; 0: the global ones. Dofs 1 to 3 are one
+   !> vector, dofs 4 to 6 another.
+   pure integer function axes_at(self, node, dof) result(axes)
+      class(local_axes_type), intent(in) :: self
+      integer, intent(in) :: node, dof         !! dof: 1..6
+
+      if (dof <= 3) then
+         axes = self%axes_of(node)
+      else
+         axes = self%rotation_axes_of(node)
+      end if
+   end function axes_at
 
    !> The rule of every raw variable: prescribed, rigid follower, first term of an equation, or
    !> free.
@@ -192,6 +214,9 @@ contains
          raw = slope
          if (axes > 0) raw(:3) = matmul(local%axes(:, :, axes), slope(:3))
       end associate
+      associate (axes => local%rotation_axes_of(reference))
+         if (axes > 0) raw(4:) = matmul(local%axes(:, :, axes), slope(4:))
+      end associate
       do k = 1, 6
          if (dofs%id(k, reference) == 0 .or. .not. abs(raw(k)) > 0.0_wp) cycle
          rule%raw = [rule%raw, dofs%id(k, reference)]
@@ -207,17 +232,19 @@ contains
       type(dofs_type), intent(in) :: dofs
       integer, intent(in) :: ndim, reference, axis
       real(wp), intent(in) :: arm(3), share
-      integer :: k, j, n, dof(3), axes
+      integer :: k, j, n, dof(3), axes, before
       real(wp) :: coefficient(3)
 
       call follower_rule(arm, ndim, axis, dof, coefficient, n)
-      axes = local%axes_of(reference)
       do k = 1, n
-         if (dof(k) > 3 .or. axes == 0) then
+         axes = axes_at(local, reference, dof(k))
+         before = merge(0, 3, dof(k) <= 3)
+         if (axes == 0) then
             call add(dofs%id(dof(k), reference), share*coefficient(k))
          else
             do j = 1, 3
-               call add(dofs%id(j, reference), share*coefficient(k)*local%axes(j, dof(k), axes))
+               call add(dofs%id(before + j, reference), &
+                  & share*coefficient(k)*local%axes(j, dof(k) - before, axes))
             end do
          end if
       end do

@@ -10,11 +10,12 @@ module lopin_constraints
    use lopin_text, only : to_text
    use lopin_model, only : model_type, step_type
    use lopin_dofs, only : dofs_type
-   use lopin_constraint_rules, only : rule_type, local_axes_type, new_local_axes, new_rules, &
-      & label_of
+   use lopin_constraint_rules, only : rule_type, local_axes_type, new_local_axes, axes_at, &
+      & new_rules, label_of
    implicit none
    private
    public :: constraints_type, new_constraints, expand, reduce, prescribed_part, raw_displacement
+   public :: axes_at
 
    type, extends(local_axes_type) :: constraints_type
       integer :: ndof = 0, neq = 0, nprescribed = 0
@@ -73,29 +74,27 @@ contains
       type(error_type), allocatable, intent(out) :: error
       integer, allocatable :: equation_of(:), prescribed_of(:), eq(:), pr(:)
       real(wp), allocatable :: ce(:), cp(:)
-      integer :: i, k, id, axes, ne, np, longest
+      integer :: i, k, id, axes, before, ne, np, longest
 
       longest = count(rule%dependent)
       allocate (equation_of(self%ndof), prescribed_of(self%ndof), source=0)
       equation_of(self%dof_of_equation) = [(i, i=1, self%neq)]
       prescribed_of(self%dof_of_prescribed) = [(i, i=1, self%nprescribed)]
-      allocate (self%first(self%ndof + 1), self%pfirst(self%ndof + 1))
+      allocate (self%first(self%ndof + 1), self%pfirst(self%ndof + 1), source=1)
       allocate (self%equation(self%ndof), self%coefficient(self%ndof))
       allocate (self%prescribed(self%ndof), self%pcoefficient(self%ndof))
-      self%first(1) = 1
-      self%pfirst(1) = 1
       allocate (eq(64), pr(64), ce(64), cp(64))
       do i = 1, self%ndof
          ne = 0
          np = 0
-         axes = 0
-         if (dofs%dof(i) <= 3) axes = self%axes_of(dofs%node(i))
+         axes = axes_at(self, dofs%node(i), dofs%dof(i))
          if (axes == 0) then
             call follow_chain(i, 1.0_wp, 0)
          else
+            before = merge(0, 3, dofs%dof(i) <= 3)
             do k = 1, 3
-               id = dofs%id(k, dofs%node(i))
-               if (id > 0) call follow_chain(id, self%axes(k, dofs%dof(i), axes), 0)
+               id = dofs%id(before + k, dofs%node(i))
+               if (id > 0) call follow_chain(id, self%axes(k, dofs%dof(i) - before, axes), 0)
             end do
          end if
          if (allocated(error)) return
@@ -222,17 +221,18 @@ contains
       type(dofs_type), intent(in) :: dofs
       real(wp), intent(in) :: u(:)            !! (ndof)
       integer, intent(in) :: raw
-      integer :: node, dof, k, axes
+      integer :: node, dof, k, axes, before, id
 
       node = dofs%node(raw)
       dof = dofs%dof(raw)
       value = u(raw)
-      if (dof > 3) return
-      axes = self%axes_of(node)
+      axes = axes_at(self, node, dof)
       if (axes == 0) return
+      before = merge(0, 3, dof <= 3)
       value = 0.0_wp
       do k = 1, 3
-         if (dofs%id(k, node) > 0) value = value + self%axes(dof, k, axes)*u(dofs%id(k, node))
+         id = dofs%id(before + k, node)
+         if (id > 0) value = value + self%axes(dof - before, k, axes)*u(id)
       end do
    end function raw_displacement
 end module lopin_constraints
