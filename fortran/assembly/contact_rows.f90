@@ -5,7 +5,7 @@
 !> displacements since the start.
 module lopin_contact_rows
    use lopin_kinds, only : wp
-   use lopin_model, only : model_type, overclosure_of
+   use lopin_model, only : model_type
    use lopin_dofs, only : dofs_type
    use lopin_constraint_rules, only : follower_rule
    use lopin_constraints, only : constraints_type
@@ -54,10 +54,8 @@ contains
       allocate (self%group_first(size(model%pair) + 1))
       allocate (self%point(3*points%n), self%bilateral(3*points%n), self%tied(3*points%n))
       allocate (self%direction(3, 3*points%n), self%gap0(3*points%n), self%first(3*points%n + 1))
-      terms = (3*max(size(points%master, 1), 12) + 4)*3*points%n + inner_terms(points)
       ! Ties across a gap name their masters twice.
-      if (any(model%pair%tied) .or. any(model%interaction%overclosure == overclosure_of%tied)) &
-         & terms = 2*terms
+      terms = 2*(3*max(size(points%master, 1), 12) + 4)*3*points%n + inner_terms(points)
       allocate (self%dof(terms), self%coefficient(terms))
       self%first(1) = 1
       terms = 0
@@ -252,6 +250,39 @@ contains
       end do
    end subroutine add_tangents
 
+   !> Where a sample is at the start.
+   pure function place_of(sample, x) result(place)
+      type(sample_type), intent(in) :: sample
+      real(wp), intent(in) :: x(:, :)
+      real(wp) :: place(size(x, 1))
+      integer :: k
+
+      place = 0.0_wp
+      do k = 1, sample%nnode
+         place = place + sample%shape(k)*x(:, sample%node(k))
+      end do
+   end function place_of
+
+   !> A tie across a gap turns with the nodes opposite.
+   pure subroutine add_arm(self, id, by, terms)
+      type(contact_rows_type), intent(inout) :: self
+      integer, intent(in) :: id(:, :)          !! (ndim, n) their dofs
+      real(wp), intent(in) :: by(:, :)         !! (3, >= n)
+      integer, intent(inout) :: terms
+      integer :: k, m
+
+      if (.not. any(abs(by(:, :size(id, 2))) > 0.0_wp)) return
+      do m = 1, size(id, 2)
+         do k = 1, size(id, 1)
+            if (id(k, m) == 0) cycle
+            terms = terms + 1
+            self%dof(terms) = id(k, m)
+            self%coefficient(terms) = -by(k, m)
+         end do
+      end do
+      call join_terms(self, terms)
+   end subroutine add_arm
+
    !> Terms of one sample, and for a tool the part of its motion that the projection already
    !> contains.
    subroutine add_terms(self, model, dofs, points, sample, direction, place, terms)
@@ -263,7 +294,7 @@ contains
       real(wp), intent(in) :: direction(3), place(6)
       integer, intent(inout) :: terms
       integer :: k, m, ndim, body, dof(3), n, j, i
-      real(wp) :: arm(3), coefficient(3), part(3)
+      real(wp) :: arm(3), coefficient(3), part(3), by(3, size(points%master, 1))
 
       ndim = model%mesh%ndim
       i = sample%point
@@ -279,13 +310,18 @@ contains
             call add(dofs%id(k, points%master(m, i)), -part(k)*points%shape(m, i))
          end do
       end do
-      if (self%tied(self%n)) call add_arm(m - 1)
+      if (self%tied(self%n)) then
+         call find_tie_arm(model%mesh%x(:, points%master(:m - 1, i)), points%shape(:m - 1, i), &
+            & place_of(sample, model%mesh%x), part, by)
+         call add_arm(self, dofs%id(:ndim, points%master(:m - 1, i)), by, terms)
+      end if
       body = points%body(points%pair(i))
       if (body == 0) return
       arm = 0.0_wp
       associate (reference => model%rigid_body(body)%reference)
          arm(:ndim) = sample%foot(:ndim) - model%mesh%x(:, reference) - place(:ndim)
-         if (self%tied(self%n)) arm(:ndim) = held_place() - model%mesh%x(:, reference)
+         if (self%tied(self%n)) arm(:ndim) = place_of(sample, model%mesh%x) &
+            & - model%mesh%x(:, reference)
          do k = 1, ndim
             call follower_rule(arm, ndim, k, dof, coefficient, n)
             do j = 1, n
@@ -296,36 +332,6 @@ contains
       end associate
 
    contains
-
-      !> Where the sample is at the start.
-      pure function held_place() result(x)
-         real(wp) :: x(ndim)
-         integer :: k
-
-         x = 0.0_wp
-         do k = 1, sample%nnode
-            x = x + sample%shape(k)*model%mesh%x(:, sample%node(k))
-         end do
-      end function held_place
-
-      !> A tie across a gap turns with the nodes opposite.
-      subroutine add_arm(n)
-         integer, intent(in) :: n
-         real(wp) :: by(3, n)
-         logical :: found
-         integer :: k, m
-
-         if (n == 0) return
-         call find_tie_arm(model%mesh%x(:, points%master(:n, i)), points%shape(:n, i), &
-            & held_place(), part, by, found)
-         if (.not. found) return
-         do m = 1, n
-            do k = 1, ndim
-               call add(dofs%id(k, points%master(m, i)), -by(k, m))
-            end do
-         end do
-         call join_terms(self, terms)
-      end subroutine add_arm
 
       subroutine add(id, value)
          integer, intent(in) :: id

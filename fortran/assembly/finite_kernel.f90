@@ -242,9 +242,7 @@ contains
             call push(inputs%reference(k), (-1.0_wp)*z(k))
          end do
          if (any(inputs%rotation > 0)) then
-            ! What is glued across a gap hangs on a rigid arm.
-            if (grip%kind /= grip_kind%tied) arm = arm - n*gap
-            moment = dual_cross(arm, z)
+            moment = dual_cross(arm - merge(0.0_wp, 1.0_wp, grip%kind == grip_kind%tied)*(n*gap), z)
             do k = 1, 3
                call push(inputs%rotation(k), (-1.0_wp)*moment(k))
             end do
@@ -318,13 +316,12 @@ contains
          type(dual_type), intent(in) :: own(3), reference(3)
          type(dual_type) :: arm(3), moment(3)
          integer :: k
-
          do k = 1, d
             call push(inputs%reference(k), (-1.0_wp)*own(k))
          end do
          if (all(inputs%rotation == 0)) return
          arm = p%x - reference
-         if (grip%kind /= grip_kind%tied) arm = arm - p%normal*p%gap
+         arm = arm - merge(0.0_wp, 1.0_wp, grip%kind == grip_kind%tied)*(p%normal*p%gap)
          moment = dual_cross(arm, own)
          do k = 1, 3
             call push(inputs%rotation(k), (-1.0_wp)*moment(k))

@@ -18,18 +18,19 @@ module lopin_tie_arm
 contains
 
    !> What along . (theta x a) takes of each displacement of the nodes opposite; 0 without a gap.
-   pure subroutine find_tie_arm(x, share, slave, along, coefficient, found)
+   pure subroutine find_tie_arm(x, share, slave, along, coefficient)
       real(wp), intent(in) :: x(:, :)            !! (ndim, n) nodes opposite [length]
       real(wp), intent(in) :: share(:)           !! (n); sum 1
       real(wp), intent(in) :: slave(:)           !! (ndim) where the tied point is [length]
       real(wp), intent(in) :: along(3)
-      real(wp), intent(out) :: coefficient(:, :) !! (3, n)
-      logical, intent(out) :: found
+      real(wp), intent(out) :: coefficient(:, :) !! (3, >= n)
       real(wp) :: arm(3), r(3, size(share)), turn(3), inertia(3, 3)
       integer :: d, k
+      logical :: found
 
       d = size(x, 1)
       coefficient = 0.0_wp
+      if (size(share) == 0) return
       arm = 0.0_wp
       r = 0.0_wp
       arm(:d) = slave - matmul(x, share)

@@ -11,7 +11,7 @@ FACES = {2: ("S1", "S3"), 3: ("S1", "S2")}
 
 
 def block(name, first, low, high, cells, q):
-    """A block of CPE4 or C3D8; sets NAME.LOW and NAME.HIGH of its lowest and highest nodes, surfaces
+    """A block of CPE4 or C3D8; sets NAME.LOW and NAME.HIGH of its lowest and highest nodes, faces
     NAME.S1 and NAME.S2 there. The last direction is upward."""
     d = len(cells)
     shape = [c + 1 for c in cells]
@@ -52,8 +52,9 @@ def stack(d, tie, nlgeom, gap, drive, q=None, matching=False):
     a, xa = block("A", 1, [0]*d, [2]*(d - 1) + [1], [3]*(d - 1) + [2], q)
     b, xb = block("B", 1001, [0]*(d - 1) + [1 + gap], [2]*(d - 1) + [2 + gap],
                   [3 if matching else 4]*(d - 1) + [2], q)
-    text = [*a, *b, "*MATERIAL, NAME=M", "*ELASTIC", "1000., 0.3", "*SOLID SECTION, ELSET=E, MATERIAL=M",
-            "1.,", *TIES[tie], "*STEP, INC=100" + ", NLGEOM"*nlgeom, "*STATIC", "0.5, 1.", *drive,
+    text = [*a, *b, "*MATERIAL, NAME=M", "*ELASTIC", "1000., 0.3",
+            "*SOLID SECTION, ELSET=E, MATERIAL=M", "1.,", *TIES[tie],
+            "*STEP, INC=100" + ", NLGEOM"*nlgeom, "*STATIC", "0.5, 1.", *drive,
             "*NODE PRINT, NSET=A", "U, RF", "*NODE PRINT, NSET=B", "U, RF", "*END STEP", ""]
     return "\n".join(text), np.vstack([xa, xb])
 
@@ -84,8 +85,8 @@ def test_moments_balance_across_a_gap(tmp_path, d, tie, nlgeom, matching):
     """A stack with a gap of a tenth of its height is sheared: all moments vanish together."""
     turned = np.array([[0.8, -0.6], [0.6, 0.8]]) if d == 2 else np.eye(3)
     load = turned@np.array([1.0, 0.0]) if d == 2 else np.array([0.8, 0.6, 0.0])
-    drive = ["*BOUNDARY", f"A.LOW, 1, {d}", "*CLOAD"] + [f"B.HIGH, {k + 1}, {0.2*load[k]:.17g}" for k in range(d)
-                                                        if load[k]]
+    drive = ["*BOUNDARY", f"A.LOW, 1, {d}", "*CLOAD"]
+    drive += [f"B.HIGH, {k + 1}, {0.2*load[k]:.17g}" for k in range(d) if load[k]]
     text, x = stack(d, tie, nlgeom, 0.1, drive, turned, matching)
     done, summary, _ = run(tmp_path, text)
     assert done.returncode == 0, done.stderr

@@ -23,11 +23,13 @@ def brick(first, low, high, q, names, n=2):
         for i in range(n):
             a = first + i + m*j
             ring = [a, a + 1, a + 1 + m, a + m]
-            cells.append(f"{first + len(cells)}, " + ", ".join(map(str, ring + [r + m*m for r in ring])))
+            ring += [r + m*m for r in ring]
+            cells.append(f"{first + len(cells)}, " + ", ".join(map(str, ring)))
     ends = [", ".join(str(first + k*m*m + i) for i in range(m*m)) for k in range(2)]
     return ["*NODE", *nodes, f"*ELEMENT, TYPE=C3D8, ELSET={names}", *cells,
             f"*NSET, NSET={names}.LOW", ends[0], f"*NSET, NSET={names}.HIGH", ends[1],
-            f"*SURFACE, NAME={names}.S1", f"{names}, S1", f"*SURFACE, NAME={names}.S2", f"{names}, S2"]
+            f"*SURFACE, NAME={names}.S1", f"{names}, S1", f"*SURFACE, NAME={names}.S2",
+            f"{names}, S2"]
 
 
 def line(v):
@@ -37,8 +39,10 @@ def line(v):
 def scene(q, tool, nlgeom, steps, rot_node=False):
     """A block whose top is a rigid body about TREF; under it a tool about PREF: a plane, elements,
     or none, and the block is clamped."""
-    text = [*brick(1, [0, 0, 0], [1, 1, 0.5], q, "B"), "*NODE, NSET=TREF", "901, " + line(q@[0.5, 0.5, 0.5]),
-            "*NODE, NSET=PREF", "902, " + line(q@[0.5, 0.5, 0.0]), "*NODE, NSET=TROT", "903, 0, 0, 0",
+    text = [*brick(1, [0, 0, 0], [1, 1, 0.5], q, "B"),
+            "*NODE, NSET=TREF", "901, " + line(q@[0.5, 0.5, 0.5]),
+            "*NODE, NSET=PREF", "902, " + line(q@[0.5, 0.5, 0.0]),
+            "*NODE, NSET=TROT", "903, 0, 0, 0",
             "*MATERIAL, NAME=M", "*ELASTIC", "20000., 0.3", "*SOLID SECTION, ELSET=B, MATERIAL=M",
             "*RIGID BODY, NSET=B.HIGH, REF NODE=901" + (", ROT NODE=903" if rot_node else "")]
     if tool == "plane":
@@ -79,7 +83,8 @@ def answer(folder, deck, q):
     return np.array(found)
 
 
-PRESSED = ["*BOUNDARY", "TREF, 1, 2", "TREF, 4, 6", "PREF, 1, 5", "PREF, 6, 6, 0.", "*CLOAD", "TREF, 3, -60"]
+PRESSED = ["*BOUNDARY", "TREF, 1, 2", "TREF, 4, 6", "PREF, 1, 5", "PREF, 6, 6, 0.", "*CLOAD",
+           "TREF, 3, -60"]
 CASES = {
     "plane spins": ("plane", [PRESSED, ["*BOUNDARY", "PREF, 6, 6, 0.02"]]),
     "mesh spins": ("mesh", [PRESSED, ["*BOUNDARY", "PREF, 6, 6, 0.02"]]),
@@ -96,7 +101,7 @@ def test_a_turned_scene_has_the_same_answer(tmp_path, case, nlgeom):
     assert max(abs(one[0]).max(), abs(one[1]).max(), abs(one[5]).max()) > 0
     for name, q in TURNED.items():
         other = answer(tmp_path/name, scene(q, tool, nlgeom, steps), q)
-        for a, b in zip(one.reshape(-1, 4, 3).swapaxes(0, 1), other.reshape(-1, 4, 3).swapaxes(0, 1)):
+        for a, b in zip(*(f.reshape(-1, 4, 3).swapaxes(0, 1) for f in (one, other))):
             assert b == pytest.approx(a, rel=1e-6, abs=1e-7*max(abs(a).max(), 1e-3))
 
 
@@ -164,7 +169,7 @@ TREF, 1, 1, 0.
 
 
 def pressed(q, steps, friction=0.3, law=None):
-    """Two elements on a plane floor, their upper nodes a rigid body, pressed and pushed along it."""
+    """Two elements on a plane floor, their upper nodes a rigid body, pressed on it and pushed."""
     at = [q@[0.5*i, 0.5*j] for j in range(2) for i in range(3)]
     text = BLOCK.format(nodes="\n".join(f"{i + 1}, {line(p)}" for i, p in enumerate(at)),
                         tref=line(q@[0.5, 0.5]), start=line(q@[-30.0, 0]), end=line(q@[30.0, 0]),
@@ -181,7 +186,8 @@ def test_local_axes_of_followers_leave_a_floating_body_found(tmp_path):
     """A block that only contact holds, and the nodes of its rigid end have local axes too."""
     found = []
     for q in (np.eye(2), np.array([[0.8, -0.6], [0.6, 0.8]])):
-        step = ["*NSET, NSET=EVERY\nB, TREF, FREF\n*TRANSFORM, NSET=EVERY\n", line([*q[:, 0], 0, *q[:, 1], 0]),
+        step = ["*NSET, NSET=EVERY\nB, TREF, FREF\n*TRANSFORM, NSET=EVERY\n",
+                line([*q[:, 0], 0, *q[:, 1], 0]),
                 "\n*STEP\n*STATIC\n*CLOAD\nTREF, 2, -20\n", OUTPUT]
         done, summary, rows = run(tmp_path, pressed(q, step))
         assert done.returncode == 0, done.stderr
@@ -207,7 +213,8 @@ def test_sliding_along_one_plane_is_exact_and_silent(tmp_path):
 def test_a_free_tool_may_tilt_under_a_pressure_that_moves(tmp_path):
     steps = ["*STEP\n*STATIC\n*CLOAD\nTREF, 2, -20\n" + OUTPUT,
              "*STEP\n*STATIC\n*BOUNDARY\nTREF, 1, 1, 0.25\n" + OUTPUT]
-    text = pressed(np.eye(2), steps, 0.0, ("FREF, 6\n", "*EQUATION\n2\nFREF, 6, 1., TREF, 6, -1.\n*BOUNDARY\n"))
+    text = pressed(np.eye(2), steps, 0.0, (
+        "FREF, 6\n", "*EQUATION\n2\nFREF, 6, 1., TREF, 6, -1.\n*BOUNDARY\n"))
     done, _, _ = run(tmp_path, text)
     assert done.returncode == 0 and "W0505" in done.stderr, done.stderr
 
@@ -216,7 +223,8 @@ def test_a_free_tool_may_tilt_under_a_pressure_that_moves(tmp_path):
 @pytest.mark.parametrize("nlgeom", ["", ", NLGEOM"])
 def test_friction_regularised_by_slip_loses_no_work(tmp_path, law, nlgeom):
     steps = ["*STEP{0}\n*STATIC\n*CLOAD\nTREF, 2, -20\n" + OUTPUT,
-             "*STEP{0}, INC=100\n*STATIC\n0.05, 1., 1e-5, 0.05\n*BOUNDARY\nTREF, 1, 1, 0.02\n" + OUTPUT]
+             "*STEP{0}, INC=100\n*STATIC\n0.05, 1., 1e-5, 0.05\n*BOUNDARY\nTREF, 1, 1, 0.02\n"
+             + OUTPUT]
     text = pressed(np.eye(2), [s.format(nlgeom) for s in steps], law=(
         "*FRICTION\n", f"*FRICTION, REGULARIZATION={law}, ELASTIC SLIP=0.01\n"))
     done, _, rows = run(tmp_path, text)
@@ -231,10 +239,11 @@ LAWS = {"TABULAR": "0., 0.\n10., 0.001\n100., 0.002\n400., 0.003", "EXPONENTIAL"
 @pytest.mark.parametrize("law", LAWS)
 @pytest.mark.parametrize("increments", [1, 20])
 def test_a_pressure_law_holds_the_area_of_its_curve(tmp_path, law, increments):
-    step = [f"*STEP, NLGEOM, INC=100\n*STATIC\n{1/increments}, 1., 1e-5, {1/increments}\n*CLOAD\nTREF, 2, -100\n"
-            + OUTPUT]
+    step = [f"*STEP, NLGEOM, INC=100\n*STATIC\n{1/increments}, 1., 1e-5, {1/increments}\n"
+            "*CLOAD\nTREF, 2, -100\n" + OUTPUT]
     text = pressed(np.eye(2), step, 0.0, (
-        "*SURFACE BEHAVIOR, DIRECT", f"*SURFACE BEHAVIOR, PRESSURE-OVERCLOSURE={law}\n{LAWS[law]}"))
+        "*SURFACE BEHAVIOR, DIRECT",
+        f"*SURFACE BEHAVIOR, PRESSURE-OVERCLOSURE={law}\n{LAWS[law]}"))
     text = text.replace("*FRICTION\n0.0,\n", "").replace("20000., 0.3", "20000., 0.")
     done, _, rows = run(tmp_path, text)
     assert done.returncode == 0 and "W0530" not in done.stderr, done.stderr
