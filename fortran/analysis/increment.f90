@@ -43,6 +43,7 @@ module lopin_increment
    use lopin_refuse_turn, only : refuse_turn
    use lopin_touch_order, only : judge_order
    use lopin_small_theory, only : pair_that_slid
+   use lopin_across_gaps, only : across_type, look_across, tell_across
    implicit none
    private
    public :: solve_increment, reject, prepare, say
@@ -99,6 +100,7 @@ contains
       type(forces_type), intent(out) :: forces
       type(error_type), allocatable, intent(out) :: error
       real(wp), allocatable :: prescribed(:), f(:), steady(:)
+      type(across_type) :: across
 
       associate (scene => run%scene, frame => run%frame, loading => run%loading)
          allocate (prescribed(scene%constraints%nprescribed), f(scene%dofs%n), &
@@ -121,9 +123,14 @@ contains
          call scene%clock%stop_in(phase%search)
          if (scene%finite%in_use) return
          call close_condensed(scene, model, prescribed, forces, frame)
-         if (.not. slides_away(scene, model, run%plan)) return
+         call look_across(across, scene, model)
+         if (.not. (slides_away(scene, model, run%plan) &
+            & .or. leaves_gap(across, scene, model, run%plan))) then
+            call tell_across(across, scene, model)
+            return
+         end if
          steady = scene%trial%loads%steady
-         call change_to_finite(run, model, recorders, error)
+         call change_to_finite(run, model, recorders, across%pair > 0, error)
          if (allocated(error)) return
          call move_alloc(steady, scene%trial%loads%steady)
          call solve_path(scene, model, run%plan, f, prescribed, error)
@@ -235,15 +242,36 @@ contains
       slides_away = pair_that_slid(scene, model) > 0
    end function slides_away
 
+   !> The trial presses across a gap, and nothing forbids to change the path: no node that has
+   !> touched has a history of friction.
+   logical function leaves_gap(across, scene, model, plan) result(leaves)
+      type(across_type), intent(in) :: across
+      type(scene_type), intent(in) :: scene
+      type(model_type), intent(in) :: model
+      type(plan_type), intent(in) :: plan
+      integer :: pair
+
+      leaves = .false.
+      if (across%pair == 0 .or. plan%by_user .or. plan%path /= path_of%condensed) return
+      leaves = .true.
+      if (.not. any(scene%accepted%friction%closed)) return
+      do pair = 1, size(model%pair)
+         leaves = leaves .and. .not. has_friction(model%interaction( &
+            & model%pair(pair)%interaction)%friction)
+      end do
+   end function leaves_gap
+
    !> From the accepted state on, contact is followed on the present shape.
-   subroutine change_to_finite(run, model, recorders, error)
+   subroutine change_to_finite(run, model, recorders, across, error)
       class(run_type), intent(inout) :: run
       type(model_type), intent(in) :: model
       type(recorder_holder_type), intent(inout) :: recorders(:)
+      logical, intent(in) :: across            !! not for slip, but for a gap
       type(error_type), allocatable, intent(out) :: error
 
       run%plan%path = path_of%finite
       run%plan%reason = 'a node slides by more than a quarter of its facet'
+      if (across) run%plan%reason = 'means over facets would press across a gap'
       run%scene%trial%motion%u = run%scene%accepted%motion%u
       call prepare(run, model, recorders, error)
    end subroutine change_to_finite

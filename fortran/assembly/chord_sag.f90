@@ -14,7 +14,7 @@ module lopin_chord_sag
    use lopin_surface, only : surface_type
    use lopin_model, only : model_type, surface_of
    use lopin_element_type, only : cells_of_words
-   use lopin_mortar_pairs, only : shape_of
+   use lopin_mortar_pairs, only : shape_of, is_mortar
    use lopin_contact_points, only : contact_points_type, pair_is_tied
    use lopin_initial_gaps, only : initial_gap_type
    implicit none
@@ -27,6 +27,10 @@ module lopin_chord_sag
    !> Open gaps: how far they vary beside their mean; interfaces whose gaps vary by more than their
    !> sags are not parallel.
    real(wp), parameter :: varies = 0.5_wp, parallel = 2.0_wp
+   !> Of a facet: gaps and sags below are the rounding of positions.
+   real(wp), parameter :: rounding = 1.0e-9_wp
+   !> Tangential share of contact forces that is told, without friction [-].
+   real(wp), parameter :: leaning = 0.01_wp
 
 contains
 
@@ -38,7 +42,7 @@ contains
       type(log_type), intent(inout) :: log
       type(error_type), allocatable, intent(out) :: error
       type(cell_type), allocatable :: cells(:)
-      real(wp) :: fit, spread_, sag(2), turn(2)
+      real(wp) :: fit, spread_, floor_, sag(2), turn(2)
       integer :: pair, side, worst
 
       call cells_of_words(model%element_word, cells)
@@ -47,6 +51,15 @@ contains
             if (pair_is_tied(model, p) .or. p%slave == p%master) cycle
             if (any(model%surface([p%slave, p%master])%kind /= surface_of%faces)) cycle
             call measure_fit(points, initial, pair, fit, spread_)
+            floor_ = smallest_length(points, model, pair)
+            if (.not. (is_mortar(model, p) .or. p%smooth) .and. (p%has_clearance .or. &
+               & max(abs(fit), spread_) <= floor_)) then
+               call sag_of(model, cells, p%master, sag(1), turn(1), error)
+               if (allocated(error)) return
+               if (sag(1) > 0.0_wp) call judge_lean(points, model, pair, turn(1)/sqrt(12.0_wp), &
+                  & log)
+            end if
+            if (abs(fit) <= floor_) cycle
             if (.not. abs(fit) > 0.0_wp .or. .not. spread_ > told*abs(fit)*0.05_wp) cycle
             do side = 1, 2
                call sag_of(model, cells, merge(p%slave, p%master, side == 1), sag(side), &
@@ -60,6 +73,65 @@ contains
          end associate
       end do
    end subroutine tell_chords
+
+   !> What the rounding of positions makes of gaps.
+   pure real(wp) function smallest_length(points, model, pair) result(length)
+      type(contact_points_type), intent(in) :: points
+      type(model_type), intent(in) :: model
+      integer, intent(in) :: pair
+      associate (of => points%first(pair), to => points%first(pair + 1) - 1)
+         length = rounding*maxval([0.0_wp, points%size(of:to)]) &
+            & + 16.0_wp*epsilon(1.0_wp)*maxval(abs(model%mesh%x))
+      end associate
+   end function smallest_length
+
+   !> *CLEARANCE or matching facets even the gaps, but nodes still press along the normals of
+   !> single facets: their forces lean against the normals of the slave.
+   subroutine judge_lean(points, model, pair, half, log)
+      type(contact_points_type), intent(in) :: points
+      type(model_type), intent(in) :: model
+      integer, intent(in) :: pair
+      real(wp), intent(in) :: half             !! of nodes that slide along the chords [-]
+      type(log_type), intent(inout) :: log
+      real(wp) :: lean, most, bound, all
+      integer :: i
+
+      lean = 0.0_wp
+      all = 0.0_wp
+      do i = points%first(pair), points%first(pair + 1) - 1
+         associate (side => points%side(:, i), normal => points%normal(:, i))
+            if (points%facet(i) == 0 .or. .not. dot_product(side, normal) < -crease) cycle
+            lean = lean + points%weight(i)*norm2(side + normal)**2
+            all = all + points%weight(i)
+         end associate
+      end do
+      if (.not. all > 0.0_wp) return
+      lean = sqrt(lean/all)
+      associate (p => model%pair(pair))
+         bound = leaning
+         if (moves(model)) lean = max(lean, half)
+         most = model%interaction(p%interaction)%friction%mu
+         if (most > 0.0_wp) bound = min(bound, told*most)
+         if (.not. lean > bound) return
+         call log%say(severity%warning, 'W0341', 'the facets of '// &
+            & model%surface(p%master)%name//' lean by '//to_text(lean, 2)//' against those of '// &
+            & model%surface(p%slave)%name//': tangential forces of '//pair_name(model, pair)// &
+            & ' may be wrong by this share of the normal ones', p%at, help= &
+            & 'TYPE=SURFACE TO SURFACE, SMOOTH=YES, facets that match or finer ones')
+      end associate
+   end subroutine judge_lean
+
+   !> Nodes are followed along the chords: the paths of the present shape.
+   pure logical function moves(model)
+      type(model_type), intent(in) :: model
+      integer :: i
+
+      moves = any(model%step%nlgeom) .or. model%path == 'FINITE'
+      do i = 1, size(model%step)
+         if (.not. allocated(model%step(i)%temperature)) cycle
+         moves = moves .or. size(model%step(i)%temperature) > 0
+      end do
+   end function moves
 
    !> Mean interference (positive) or mean gap (negative) of a pair, and how far its gaps vary.
    pure subroutine measure_fit(points, initial, pair, fit, spread)
@@ -178,8 +250,8 @@ contains
                end if
                cosine = dot_product(first(:, at), side(:, j))
                if (cosine < crease) cycle
-               angle = acos(min(1.0_wp, cosine))
-               if (.not. surface%size(i)*angle/8.0_wp > sag) cycle
+               angle = 2.0_wp*asin(min(1.0_wp, 0.5_wp*norm2(first(:, at) - side(:, j))))
+               if (.not. surface%size(i)*angle/8.0_wp > max(sag, rounding*surface%size(i))) cycle
                sag = surface%size(i)*angle/8.0_wp
                turn = angle
             end associate

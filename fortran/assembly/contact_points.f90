@@ -4,11 +4,11 @@
 module lopin_contact_points
    use lopin_kinds, only : wp
    use lopin_slave_points, only : slave_type
-   use lopin_model, only : model_type, pair_type, overclosure_of
+   use lopin_model, only : model_type, pair_type, overclosure_of, initial_of
    implicit none
    private
    public :: contact_points_type, face_type, inner_type, sample_type, own_sample
-   public :: no_contact_points, reserve, add_point, pair_is_tied, facing
+   public :: no_contact_points, reserve, add_point, pair_is_tied, gaps_as_meshed, facing
 
    !> One place of a row: of a node, or between the nodes of a facet.
    type :: sample_type
@@ -50,6 +50,8 @@ module lopin_contact_points
       real(wp), allocatable :: side(:, :)     !! (3, n) slave's own outward normal; 0: unknown
       real(wp), allocatable :: foot(:, :)     !! (3, n) [length]
       real(wp), allocatable :: gap(:)         !! (n) geometric [length]
+      real(wp), allocatable :: above(:)       !! (n) >= 0: no gap that the mean of a row weighs is
+                                              !! as small, by this [length]
       real(wp), allocatable :: weight(:)      !! (n) [length^2]
       real(wp), allocatable :: size(:)        !! (n) of the slave's facets there [length]
       real(wp), allocatable :: depth(:)        !! (n) deeper is no contact, lopin_wall_depth [length]
@@ -97,6 +99,7 @@ contains
       call grow_columns(self%side, 3, capacity)
       call grow_columns(self%foot, 3, capacity)
       call grow_reals(self%gap, capacity)
+      call grow_reals(self%above, capacity)
       call grow_reals(self%weight, capacity)
       call grow_reals(self%size, capacity)
       call grow_reals(self%depth, capacity)
@@ -179,4 +182,14 @@ contains
       pair_is_tied = pair%tied &
          & .or. model%interaction(pair%interaction)%overclosure == overclosure_of%tied
    end function pair_is_tied
+
+   !> The gaps of a pair are those of its meshes: nothing sets its sides on each other.
+   pure logical function gaps_as_meshed(model, pair)
+      type(model_type), intent(in) :: model
+      type(pair_type), intent(in) :: pair
+      gaps_as_meshed = .not. (pair_is_tied(model, pair) .or. pair%has_clearance &
+         & .or. pair%adjust >= 0.0_wp .or. allocated(pair%adjust_node) &
+         & .or. pair%control%initial == initial_of%adjust &
+         & .or. model%interaction(pair%interaction)%no_separation)
+   end function gaps_as_meshed
 end module lopin_contact_points

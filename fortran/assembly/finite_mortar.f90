@@ -19,14 +19,16 @@ module lopin_finite_mortar
    use lopin_friction, only : friction_type, condition_type
    use lopin_contact_traction, only : grip_type, grip_kind, grip_status, traction_of, &
       & normal_stiffness
-   use lopin_contact_points, only : pair_is_tied
+   use lopin_contact_points, only : pair_is_tied, gaps_as_meshed
    use lopin_mortar_pairs, only : thickness_of
    use lopin_mortar_overlap, only : overlap_list_type
    use lopin_mortar_overlaps_2d, only : find_overlaps_2d
    use lopin_slave_pieces, only : split_slave, piece_normals, whole_weights
    use lopin_mortar, only : plan_rows
    use lopin_mortar_cover, only : cover_type, new_cover, has_row, taken_over
-   use lopin_mortar_node_2d, only : patch_type, new_patch, mortar_row_type, mortar_row
+   use lopin_mortar_node_2d, only : patch_type, new_patch, mortar_row_type, mortar_row, &
+      & take_nearest
+   use lopin_mortar_least, only : least_of_nodes
    use lopin_finite_points, only : stays_mortar
    use lopin_finite_kernel, only : local_matrix_type, point_state_type, set_spring
    use lopin_mortar_cells_3d, only : new_mortar_kernel
@@ -54,6 +56,8 @@ module lopin_finite_mortar
       integer :: first = 1                     !! point of the pair that is the slave's first number
       logical :: in_space = .false.
       logical :: tied = .false.
+      logical :: lifts = .false.               !! no gap is less than the least that it weighs
+      integer, allocatable :: nearest(:)       !! (slave%nnode) overlap of that; plane
       logical :: is_ready = .false.            !! ties keep their first rows
       type(space_mortar_type) :: space
    end type present_mortar_type
@@ -85,6 +89,8 @@ contains
       self%axisymmetric = model%kind == kind_of%axisymmetric
       self%in_space = model%mesh%ndim == 3
       self%tied = pair_is_tied(model, model%pair(number))
+      self%lifts = gaps_as_meshed(model, model%pair(number))
+      self%space%lifts = self%lifts
       if (self%in_space) call new_mortar_kernel(self%space%kernel, model%mortar_degree)
       call lay_pieces(self, rules, model%mesh%x)
       self%cover%least = rows_needed(model, number)
@@ -142,6 +148,8 @@ contains
       call find_overlaps_2d(self%slave, normal, master, tree, x, self%axisymmetric, &
          & self%thickness, reach, facing, self%list, self%depth)
       call plan_rows(self%cover, rules, self%slave, master, x, self%list, start, direction)
+      if (.not. allocated(self%nearest)) allocate (self%nearest(self%slave%nnode), source=0)
+      if (self%lifts) call least_of_nodes(self%slave, self%list, self%nearest)
    end subroutine update_mortar
 
    !> The row of a node by values, if enough of it is covered; the first one within an increment
@@ -187,6 +195,8 @@ contains
          & self%piece, self%piece_of([k, also]), self%cover%share)
       call mortar_row(row, patch, constant(x(:2, patch%node)), self%axisymmetric, &
          & self%thickness(1))
+      if (self%nearest(k) > 0 .and. row%weight%v > 0.0_wp) call take_nearest(patch, row, &
+         & self%list%item(self%nearest(k)), self%slave, master, x)
       patch%met = row
       covered = row%weight%v > 0.0_wp
       if (.not. covered) return

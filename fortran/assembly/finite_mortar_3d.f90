@@ -17,7 +17,7 @@ module lopin_finite_mortar_3d
    use lopin_mortar_overlaps_3d, only : find_overlaps_3d
    use lopin_mortar, only : plan_rows
    use lopin_mortar_cover, only : cover_type
-   use lopin_mortar_rows_3d, only : mortar_row_type, new_mortar_rows
+   use lopin_mortar_rows_3d, only : mortar_row_type, new_mortar_rows, take_nearest
    use lopin_mortar_traction_3d, only : slip_of_row, forces_of_row
    use lopin_finite_kernel, only : local_matrix_type, point_state_type
    implicit none
@@ -29,6 +29,7 @@ module lopin_finite_mortar_3d
       type(mortar_kernel_type) :: kernel
       type(mortar_row_type), allocatable :: row(:)      !! (slave nodes) now
       type(mortar_row_type), allocatable :: before(:)   !! (slave nodes) when the increment began
+      logical :: lifts = .false.       !! no gap is less than the least that it weighs
    end type space_mortar_type
 
    !> Inputs of the law: gap, normal, slip, multiplier.
@@ -74,6 +75,7 @@ contains
             if (self%before(j)%node == 0 .and. self%row(j)%node > 0) self%before(j) = self%row(j)
          end do
       end if
+      if (self%lifts) call take_nearest(self%row, slave, master, x, list)
    end subroutine update_space_mortar
 
    !> Forces and exact tangent of one node, as evaluate_point of lopin_finite_kernel.

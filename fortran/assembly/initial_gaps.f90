@@ -73,7 +73,7 @@ contains
                cycle
             end if
             if (points%facet(i) == 0) cycle
-            gap = points%gap(i)
+            gap = points%gap(i) + points%above(i)
             if (p%has_clearance) then
                self%shift(i) = p%clearance - gap
                gap = p%clearance
@@ -91,7 +91,7 @@ contains
                   far = abs(gap)/points%size(i)
                   farthest = i
                end if
-               self%shift(i) = self%shift(i) - gap
+               self%shift(i) = self%shift(i) - points%gap(i)
                gap = 0.0_wp
             end if
             self%touches(i) = gap <= inexact*points%size(i)

@@ -38,8 +38,9 @@ contains
          & .and. model%surface(pair%master)%kind == surface_of%faces
    end function is_mortar
 
-   !> The coupling of a pair on the shape at the start, its slave in smooth pieces.
-   subroutine couple_pair(self, model, cells, number, tied, slave, side, narrow, error)
+   !> The coupling of a pair on the shape at the start, or at other places of the nodes; its slave
+   !> in smooth pieces.
+   subroutine couple_pair(self, model, cells, number, tied, slave, side, narrow, error, places)
       type(mortar_coupling_type), intent(out) :: self
       type(model_type), intent(in) :: model
       type(cell_type), intent(in) :: cells(:)
@@ -49,7 +50,9 @@ contains
       real(wp), allocatable, intent(out) :: side(:, :)   !! (3, slave%nnode) outward
       logical, intent(out) :: narrow           !! a part of the master is narrower than a facet
       type(error_type), allocatable, intent(out) :: error
+      real(wp), intent(in), optional :: places(:, :)     !! (ndim, nnode) [length]
       type(surface_type) :: master
+      real(wp), allocatable :: x(:, :)
       type(facet_rule_type) :: rules(6)
       type(tree_type) :: tree
       type(overlap_list_type) :: list
@@ -60,23 +63,30 @@ contains
       logical :: axisymmetric
 
       narrow = .false.
+      x = model%mesh%x
+      if (present(places)) x = places
       call shape_of(slave, model, cells, model%pair(number)%slave, error)
       if (allocated(error)) return
       call shape_of(master, model, cells, model%pair(number)%master, error)
       if (allocated(error)) return
+      if (present(places)) then
+         call update_surface(slave, x, error)
+         if (.not. allocated(error)) call update_surface(master, x, error)
+         if (allocated(error)) return
+      end if
       call build_tree(tree, master%low, master%high)
       call new_facet_rules(rules)
-      call split_slave(slave, rules, model%mesh%x, piece)
+      call split_slave(slave, rules, x, piece)
       thickness = thickness_of(model, slave%facets)
       axisymmetric = model%kind == kind_of%axisymmetric
       allocate (side(3, slave%nnode), full(slave%nnode), source=0.0_wp)
-      call piece_normals(slave, rules, model%mesh%x, axisymmetric, side(:model%mesh%ndim, :))
+      call piece_normals(slave, rules, x, axisymmetric, side(:model%mesh%ndim, :))
       allocate (share(slave%facets%n))
-      call whole_weights(slave, rules, model%mesh%x, axisymmetric, thickness, full, share)
+      call whole_weights(slave, rules, x, axisymmetric, thickness, full, share)
       call find_overlaps(list, error)
       if (allocated(error)) return
       call new_cover(cover, full, share, tied, rows_needed(model, number))
-      call couple(self, rules, slave, master, model%mesh%x, axisymmetric, thickness, list, cover)
+      call couple(self, rules, slave, master, x, axisymmetric, thickness, list, cover)
       if (.not. tied) narrow = has_narrow_part(slave, [(facet_area(i), i=1, slave%facets%n)], list, &
          & cover)
 
@@ -89,9 +99,9 @@ contains
 
          area = 0.0_wp
          associate (rule => rules(slave%facets%cell(i)), &
-            & x => model%mesh%x(:, slave%facets%node(:slave%facets%nnode(i), i)))
+            & own_x => x(:, slave%facets%node(:slave%facets%nnode(i), i)))
             do k = 1, rule%npoint
-               call facet_point(rule, k, x, axisymmetric, normal(:size(x, 1)), own)
+               call facet_point(rule, k, own_x, axisymmetric, normal(:size(x, 1)), own)
                area = area + thickness(i)*own
             end do
          end associate
@@ -110,12 +120,12 @@ contains
          allocate (depth(slave%facets%n))
          call depths_of_facets(slave, facing, depth)
          if (model%mesh%ndim == 2) then
-            call find_overlaps_2d(slave, side, master, tree, model%mesh%x, axisymmetric, &
+            call find_overlaps_2d(slave, side, master, tree, x, axisymmetric, &
                & thickness, reach, facing, list, depth)
             return
          end if
          call new_mortar_kernel(kernel, model%mortar_degree)
-         call find_overlaps_3d(kernel, slave, side, master, tree, model%mesh%x, reach, facing, &
+         call find_overlaps_3d(kernel, slave, side, master, tree, x, reach, facing, &
             & list, lost, depth)
          if (lost > 0) call raise(error, error_code%deck, 'E0316', 'a point of face S'// &
             & to_text(slave%facets%face(lost))//' of element '// &

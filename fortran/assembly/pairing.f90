@@ -13,12 +13,13 @@ module lopin_pairing
    use lopin_surface, only : surface_type, new_surface, update_surface
    use lopin_feature, only : projection_type, limits_type
    use lopin_search, only : tree_type, build_tree, find_projection, find_projections
+   use lopin_joint_foot, only : share_joint
    use lopin_wall_depth, only : depths_of_nodes
    use lopin_mortar, only : mortar_coupling_type
    use lopin_mortar_pairs, only : couple_pair, is_mortar, shape_of
    use lopin_model, only : model_type, surface_of
    use lopin_contact_points, only : contact_points_type, no_contact_points, reserve, add_point, &
-      & facing, pair_is_tied
+      & facing, pair_is_tied, gaps_as_meshed
    use lopin_skins, only : weigh_sharp_nodes
    use lopin_tool_points, only : pair_with_tool
    implicit none
@@ -89,8 +90,10 @@ contains
       integer :: i, n, ndim
       type(surface_type) :: shape
       real(wp) :: depth(size(slave%node))
+      logical :: tied
 
       ndim = model%mesh%ndim
+      tied = pair_is_tied(model, model%pair(pair))
       depth = huge(1.0_wp)
       if (model%surface(model%pair(pair)%slave)%kind == surface_of%faces) then
          call shape_of(shape, model, cells, model%pair(pair)%slave, error)
@@ -120,6 +123,7 @@ contains
          n = self%n
          self%depth(n) = depth(i)
          if (found(i)%facet == 0) cycle
+         if (.not. tied) call share_joint(master, model%mesh%x(:, slave%node(i)), found(i))
          self%facet(n) = found(i)%facet
          self%xi(:, n) = found(i)%xi
          self%normal(:, n) = found(i)%normal
@@ -175,6 +179,7 @@ contains
             self%facet(n) = coupling%facet(j)
             self%normal(:, n) = coupling%normal(:, j)
             self%gap(n) = coupling%gap(j)
+            if (gaps_as_meshed(model, model%pair(pair))) self%above(n) = coupling%above(j)
             self%foot(:model%mesh%ndim, n) = model%mesh%x(:, shape%node(k))
             self%foot(:, n) = self%foot(:, n) - coupling%gap(j)*coupling%normal(:, j)
             self%master(:to - from + 1, n) = coupling%other(from:to)

@@ -11,7 +11,7 @@ module lopin_feature
    use lopin_surface, only : surface_type, slack_of
    implicit none
    private
-   public :: projection_type, limits_type, settle, along_edge
+   public :: projection_type, limits_type, settle, along_edge, joint_normal
 
    !> What a facet must fulfil to be opposite a point.
    type :: limits_type

@@ -19,6 +19,7 @@ module lopin_mortar
    use lopin_surface, only : surface_type
    use lopin_facet_sides, only : facet_sides
    use lopin_mortar_overlap, only : overlap_type, overlap_list_type
+   use lopin_mortar_least, only : least_of_nodes, least_gap, is_above
    use lopin_mortar_cover, only : cover_type, plan_cover, has_row
    implicit none
    private
@@ -32,6 +33,8 @@ module lopin_mortar
       real(wp), allocatable :: weight(:)     !! (n) D_j > 0 [area]
       real(wp), allocatable :: normal(:, :)  !! (3, n) unit, out of the master
       real(wp), allocatable :: gap(:)        !! (n) mean of the gap by Phi_j, >= 0 open [length]
+      real(wp), allocatable :: above(:)      !! (n) >= 0: the least gap over its facets, above the
+                                             !! mean [length]
       real(wp), allocatable :: covered(:)    !! (n) D_j over that of the whole facets [-]
       integer, allocatable :: facet(:)       !! (n) master facet opposite most of it
       integer, allocatable :: first(:)       !! (n+1) rows of P
@@ -91,6 +94,7 @@ contains
       end do
       if (axisymmetric) call straighten(direction, slave, x)
       call take_rows(self, row, slave, direction, x, cover)
+      call find_above(self, slave, master, x, list, cover)
    end subroutine couple
 
    !> Weights and mean master normals of all functions; from them who has a row.
@@ -353,6 +357,28 @@ contains
       self%other = self%other(:terms)
       self%p = self%p(:terms)
    end subroutine take_rows
+
+   !> Where the least gap over the facets of a node is more than its mean.
+   subroutine find_above(self, slave, master, x, list, cover)
+      type(mortar_coupling_type), intent(inout) :: self
+      type(surface_type), intent(in) :: slave, master
+      real(wp), intent(in) :: x(:, :)
+      type(overlap_list_type), intent(in) :: list
+      type(cover_type), intent(in) :: cover
+      integer :: best(slave%nnode), i
+      real(wp) :: gap
+
+      allocate (self%above(self%n), source=0.0_wp)
+      if (cover%tied) return
+      call least_of_nodes(slave, list, best)
+      do i = 1, self%n
+         if (best(self%place(i)) == 0) cycle
+         associate (o => list%item(best(self%place(i))))
+            gap = least_gap(o, slave, master, x, self%normal(:, i))
+            if (is_above(gap, self%gap(i), slave%size(o%slave))) self%above(i) = gap - self%gap(i)
+         end associate
+      end do
+   end subroutine find_above
 
    pure real(wp) function gap_of(row, normal, x, node) result(gap)
       type(row_type), intent(in) :: row

@@ -6,6 +6,7 @@
 !> the values, the moving ends of the segment included. For values alone pass constants.
 module lopin_mortar_cells_2d
    use lopin_kinds, only : wp
+   use lopin_mortar_overlap, only : least_type, meet_point
    use lopin_dual, only : dual_type, constant, operator(+), operator(-), operator(*), operator(/), &
       & sqrt, assignment(=)
    implicit none
@@ -21,6 +22,7 @@ module lopin_mortar_cells_2d
       type(dual_type) :: b(3, 3)         !! integral of N_j N_l of the master [area]
       type(dual_type) :: gap(3)          !! integral of N_j gap [area length]
       type(dual_type) :: area            !! [area]
+      type(least_type) :: least          !! of its ends, and of places between if curved
    end type segment_type
 
    real(wp), parameter :: pi = acos(-1.0_wp)
@@ -64,6 +66,7 @@ contains
       segment%overlaps = .true.
       half = 0.5_wp*(segment%to - segment%from)
       middle = 0.5_wp*(segment%to + segment%from)
+      call find_least(x%v, normal%v, y%v, [segment%from%v, segment%to%v], segment%least)
       if (size(x, 2) > 2 .or. size(y, 2) > 2) then
          do k = 1, 5
             call add_point(x, normal, y, origin(1), axisymmetric, thickness, &
@@ -76,6 +79,25 @@ contains
          end do
       end if
    end subroutine integrate_segment
+
+   !> The least gap of a segment: between straight facets it is at one of its ends.
+   pure subroutine find_least(x, normal, y, range, least)
+      real(wp), intent(in) :: x(:, :), normal(:, :), y(:, :)
+      real(wp), intent(in) :: range(2)              !! slave parameters of the ends
+      type(least_type), intent(inout) :: least
+      real(wp) :: n(3), m(3), slope(3), place(2), nu(2), xi
+      integer :: k, parts
+
+      parts = merge(4, 1, size(x, 2) > 2 .or. size(y, 2) > 2)
+      do k = 0, parts
+         xi = range(1) + (range(2) - range(1))*real(k, wp)/real(parts, wp)
+         call line_values(size(x, 2), xi, n, slope)
+         place = matmul(x, n(:size(x, 2)))
+         nu = matmul(normal, n(:size(x, 2)))
+         call line_values(size(y, 2), master_value(place, nu, y), m, slope)
+         call meet_point(least, dot_product(matmul(y, m(:size(y, 2))) - place, nu)/norm2(nu), n, m)
+      end do
+   end subroutine find_least
 
    !> Add one integration point.
    pure subroutine add_point(x, normal, y, axis, axisymmetric, thickness, xi, weight, segment)

@@ -14,7 +14,7 @@ module lopin_mortar_cells_3d
    use lopin_facet_pieces, only : npiece, piece, ncorner_of_piece, vertex_weights, most_vertex, &
       & piece_polygons
    use lopin_polygon, only : polygon_type, common_type, common_part, polygon_area
-   use lopin_mortar_overlap, only : overlap_type
+   use lopin_mortar_overlap, only : overlap_type, least_type, meet_point
    use lopin_mortar_slopes_3d, only : plane_type, planar_slopes_type, slope_sums_type, &
       & start_slopes, cell_slopes_type, follow_cell, add_point_slopes, lift_slopes
    implicit none
@@ -188,7 +188,7 @@ contains
       type(planar_slopes_type), intent(inout) :: planar
       type(cell_slopes_type), intent(in) :: motion
       logical, intent(in) :: with_slopes
-      real(wp) :: cs(3, ncoefficient), cm(3, ncoefficient), corner(2, 3), y(2), weight, area
+      real(wp) :: cs(3, ncoefficient), cm(3, ncoefficient), corner(2, 3), y(2), weight, area, gap
       real(wp) :: n(8, 0:2), l(8, 0:2), js(2, 2), jm(2, 2), xi(2), eta(2), bary(3)
       integer :: i, g, which, ns, nm
       logical :: found(2)
@@ -197,6 +197,8 @@ contains
       nm = self%basis%nnode(master)
       cs = coefficients_of(self%basis, slave, zs(:, :ns))
       cm = coefficients_of(self%basis, master, zm(:, :nm))
+      if (.not. with_slopes) call meet_corners(self, [slave, master], cs, cm, plane, normal, c, &
+         & sums%least)
       corner(:, 1) = sum(c%y(:, :c%n), dim=2)/real(c%n, wp)
       which = merge(2, 1, order(slave) + max(order(slave), order(master)) > 5)
       do i = 1, c%n
@@ -218,13 +220,39 @@ contains
             end if
             call functions(self%basis, slave, xi, n)
             call functions(self%basis, master, eta, l)
-            call add_values(weight*area, normal_gap(cs, cm, xi, eta, plane, normal, n(:, 0)), &
-               & ns, nm, n(:, 0), l(:, 0), sums)
+            gap = normal_gap(cs, cm, xi, eta, plane, normal, n(:, 0))
+            call add_values(weight*area, gap, ns, nm, n(:, 0), l(:, 0), sums)
+            call meet_point(sums%least, gap, n(:, 0), l(:, 0))
             if (with_slopes) call add_point_slopes(planar, motion, i, bary, weight, area, &
                & corner, n, l, js, jm)
          end do
       end do
    end subroutine integrate_cell
+
+   !> The gaps at the corners of a polygon: between flat facets the least is one of them.
+   pure subroutine meet_corners(self, cell, cs, cm, plane, normal, c, least)
+      type(mortar_kernel_type), intent(in) :: self
+      integer, intent(in) :: cell(2)           !! of slave and master
+      real(wp), intent(in) :: cs(3, ncoefficient), cm(3, ncoefficient), normal(:, :)
+      type(plane_type), intent(in) :: plane
+      type(common_type), intent(in) :: c
+      type(least_type), intent(inout) :: least
+      real(wp) :: n(8, 0:2), l(8, 0:2), slope(2, 2), xi(2), eta(2)
+      logical :: found(2)
+      integer :: k
+
+      xi = self%basis%centre(:, cell(1))
+      eta = self%basis%centre(:, cell(2))
+      do k = 1, c%n
+         call go_back(cs, c%y(:, k), xi, slope, found(1))
+         call go_back(cm, c%y(:, k), eta, slope, found(2))
+         if (.not. all(found)) cycle
+         call functions(self%basis, cell(1), xi, n)
+         call functions(self%basis, cell(2), eta, l)
+         call meet_point(least, normal_gap(cs, cm, xi, eta, plane, normal, n(:, 0)), n(:, 0), &
+            & l(:, 0))
+      end do
+   end subroutine meet_corners
 
    pure subroutine add_values(weight, gap, ns, nm, n, l, sums)
       real(wp), intent(in) :: weight, gap

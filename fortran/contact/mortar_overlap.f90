@@ -4,7 +4,14 @@ module lopin_mortar_overlap
    use lopin_surface, only : surface_type
    implicit none
    private
-   public :: overlap_type, overlap_list_type, add_overlap, cosine_between
+   public :: overlap_type, overlap_list_type, least_type, add_overlap, meet_point, cosine_between
+
+   !> Where the gap of an overlap is least.
+   type :: least_type
+      real(wp) :: gap = huge(1.0_wp)       !! along the slave's normal, >= 0 open [length]
+      real(wp) :: n(8) = 0.0_wp            !! functions of the slave facet there
+      real(wp) :: m(8) = 0.0_wp            !! of the master facet
+   end type least_type
 
    !> Weight of all integrals: thickness, or 2 pi r, or 1 in space.
    type :: overlap_type
@@ -14,6 +21,8 @@ module lopin_mortar_overlap
       real(wp) :: b(8, 8) = 0.0_wp         !! integral of N_j N_l of the master [area]
       real(wp) :: gap(8) = 0.0_wp          !! integral of N_j gap, >= 0 open [area length]
       real(wp) :: area = 0.0_wp            !! [area]
+      real(wp) :: part = 0.0_wp            !! of the slave facet [-]
+      type(least_type) :: least
    end type overlap_type
 
    !> Overlaps in the order of their slave facets.
@@ -37,6 +46,18 @@ contains
          cosine = dot_product(slave%disc(4:6, i), master%disc(4:6, j))
       end if
    end function cosine_between
+
+   !> One more point of an overlap.
+   pure subroutine meet_point(self, gap, n, m)
+      type(least_type), intent(inout) :: self
+      real(wp), intent(in) :: gap              !! [length]
+      real(wp), intent(in) :: n(:), m(:)       !! functions of the two facets there
+
+      if (.not. gap < self%gap) return
+      self%gap = gap
+      self%n(:size(n)) = n
+      self%m(:size(m)) = m
+   end subroutine meet_point
 
    pure subroutine add_overlap(self, item)
       type(overlap_list_type), intent(inout) :: self

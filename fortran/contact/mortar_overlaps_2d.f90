@@ -104,6 +104,8 @@ contains
          item%b(:3, :3) = segment(k)%b%v
          item%gap(:3) = segment(k)%gap%v
          item%area = segment(k)%area%v
+         item%part = 0.5_wp*(segment(k)%to%v - segment(k)%from%v)
+         item%least = segment(k)%least
          call add_overlap(list, item)
       end do
    end subroutine take_nearest

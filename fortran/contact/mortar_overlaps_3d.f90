@@ -194,7 +194,7 @@ contains
 
    !> Nearest first, until the slave facet is covered: of facets behind each other the first is met.
    subroutine take_nearest(found, area, list)
-      type(mortar_sums_type), intent(in) :: found(:)
+      type(mortar_sums_type), intent(inout) :: found(:)
       real(wp), intent(in) :: area                     !! of the slave facet [length^2]
       type(overlap_list_type), intent(inout) :: list
       real(wp) :: distance(size(found)), covered
@@ -213,6 +213,7 @@ contains
          left(k) = .false.
          if (.not. all_of_them .and. covered + found(k)%area > area*(2.0_wp - whole)) cycle
          covered = covered + found(k)%area
+         found(k)%part = found(k)%area/area
          call add_overlap(list, found(k)%overlap_type)
       end do
    end subroutine take_nearest

@@ -196,9 +196,19 @@ contains
          & 'sag of a facet, its length times the angle between facets over eight. Beside a '// &
          & 'small interference pressures then vary by sag / (interference times angle) of '// &
          & 'themselves, beside a small gap the corners of facets touch first. Mean pressures '// &
-         & 'suffer less.', &
+         & 'suffer less. *CLEARANCE or facets that match even the gaps, but nodes still press '// &
+         & 'along the normals of single facets, which lean against the curve by up to half '// &
+         & 'the angle between facets: so much of the normal force is a wrong tangential one.', &
          & 'finer or matching facets, or second-order elements whose mid-side nodes are on the '// &
          & 'arc, on both sides.')
+      call add_explanation(list, 'W0342', 'force across a gap', &
+         & 'The gap of a surface-to-surface node is a mean over its facets by a function that '// &
+         & 'is negative at their far ends. Where a master is convex within a facet the mean '// &
+         & 'is less than every gap there, by up to curvature times facet squared over twelve. '// &
+         & 'Runs with NLGEOM take the least gap instead; runs without change to the nonlinear '// &
+         & 'path when this happens, unless friction has begun or PATH is given.', &
+         & 'finer slave facets, the convex side as the slave, NLGEOM, *LOPIN PATH=FINITE, or '// &
+         & 'TYPE=NODE TO SURFACE.')
       call add_explanation(list, 'W0336', 'a part of the master is narrower than a slave facet', &
          & 'Surface to surface spreads what a narrow punch or rib carries over the functions '// &
          & 'of the slave''s nodes: narrower than one facet it presses the whole facet, and the '// &

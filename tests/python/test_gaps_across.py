@@ -1,0 +1,94 @@
+"""No force between bodies that do not touch, and no sense of turning at the joints of chords."""
+import numpy as np
+import pytest
+from tool_patches import Lines
+
+from lopin.deck import Deck
+from lopin.mesh_make import block, ring
+
+LIFT, RISE = 0.1, 0.32
+
+
+def arched(down, word="CPE4", facets=8, nlgeom=False, friction=False, path="AUTO"):
+    """A convex tool of five chords comes down on a flat block: the least gap is that of the
+    lowest chord, LIFT + RISE/25 - down."""
+    lines = Lines()
+    lines.add("*MATERIAL, NAME=M", "*ELASTIC", "1000., .3")
+    space = word.startswith("C3D")
+    wide = (1,) if space else ()
+    up = 3 if space else 2
+
+    def arch(x):
+        y, u, w = np.array(x, dtype=float), x[:, 0], x[:, -1]
+        y[:, 0] = 1.6*u - 0.8
+        y[:, -1] = 0.5*w + (1.0 - w)*RISE*(2.0*u - 1.0)**2 + LIFT
+        return y
+
+    base = block((4.0, *wide, 2.0), (facets, *wide, 4), origin=(-2.0, *(0.0 for _ in wide), -2.0))
+    lines.mesh(base, word, "B")
+    lines.mesh(block((1.0, *wide, 1.0), (5, *wide, 2)).mapped(arch), word, "T")
+    for name in "BT":
+        lines.add(f"*SOLID SECTION, ELSET={name}E, MATERIAL=M", "1.,")
+    lines.add("*SURFACE INTERACTION, NAME=C", *(("*FRICTION", "0.1,") if friction else ()),
+              f"*LOPIN, PATH={path}",
+              "*CONTACT PAIR, INTERACTION=C, TYPE=SURFACE TO SURFACE", "BSTOP, TSBOTTOM",
+              "*BOUNDARY", f"BBOTTOM, 1, {up}", "TTOP, 1",
+              *(("BN, 2", "TN, 2") if space else ()),
+              f"*STEP, INC=100{', NLGEOM' if nlgeom else ''}", "*STATIC", "0.5, 1.",
+              "*BOUNDARY", f"TTOP, {up}, {up}, {-down!r}", "*CONTACT FILE", "CDIS, CSTR",
+              "*END STEP")
+    return Deck.parse("\n".join(lines.text) + "\n", name="arched")
+
+
+@pytest.mark.parametrize("nlgeom", [False, True])
+@pytest.mark.parametrize("word, facets, friction", [
+    ("CPE4", 4, False), ("CPE4", 8, False), ("CPE4", 12, True), ("C3D8", 8, False)])
+def test_no_force_across_a_gap(solve, word, facets, friction, nlgeom):
+    result = solve(arched(LIFT + RISE/25.0 - 0.0028, word, facets, nlgeom, friction))
+    assert np.abs(result.contact(0).last.pressure).max() < 1e-9
+
+
+def test_a_path_that_is_given_is_kept_and_told(solve):
+    result = solve(arched(LIFT + RISE/25.0 - 0.0028, path="CONDENSED"))
+    assert any("W0342" in w for w in result.warnings)
+
+
+@pytest.mark.parametrize("nlgeom", [False, True])
+def test_bodies_that_touch_press(solve, nlgeom):
+    result = solve(arched(LIFT + RISE/25.0 + 0.05, nlgeom=nlgeom))
+    assert result.contact(0).last.pressure.max() > 1.0
+
+
+def rings(sense, clearance, nlgeom=False):
+    """Rings of 40 matching chords, one pressed into the other and turned until it slips."""
+    lines = Lines()
+    lines.add("*MATERIAL, NAME=M", "*ELASTIC", "2.1e5, .3")
+    for name, radii in (("I", (10.0, 20.0)), ("O", (20.0, 30.0))):
+        lines.mesh(ring(*radii, (3, 40), angles=(0.0, 360.0)), "CPE4", name)
+        lines.add(f"*SOLID SECTION, ELSET={name}E, MATERIAL=M", "1.,",
+                  f"*TRANSFORM, NSET={name}N, TYPE=C", "0., 0., 0., 0., 0., 1.")
+    step = f"*STEP, INC=200{', NLGEOM' if nlgeom else ''}"
+    lines.add("*SURFACE INTERACTION, NAME=C", "*SURFACE BEHAVIOR, DIRECT", "*FRICTION", "0.05,",
+              "*CONTACT PAIR, INTERACTION=C, TYPE=NODE TO SURFACE", "ISOUTER, OSINNER",
+              f"*CLEARANCE, SLAVE=ISOUTER, MASTER=OSINNER, VALUE={clearance!r}",
+              "*BOUNDARY", "IINNER, 2", "OOUTER, 2",
+              step, "*STATIC", "1., 1.", "*END STEP", step, "*STATIC", "0.1, 1., 1e-6, 0.1",
+              "*BOUNDARY", f"IINNER, 2, 2, {0.01*sense!r}", "*CONTACT FILE", "CDIS, CSTR",
+              "*END STEP")
+    return Deck.parse("\n".join(lines.text) + "\n", name="rings")
+
+
+def test_chords_have_no_sense_of_turning(solve):
+    shear = []
+    for sense in (1.0, -1.0):
+        result = solve(rings(sense, -0.01))
+        assert not any("W0341" in w for w in result.warnings)
+        last = result.contact(0).last
+        shear.append(last.pressure)
+        assert np.ptp(last.pressure) < 1e-3*last.pressure.max()
+    assert np.allclose(*shear, rtol=1e-3)
+
+
+def test_nodes_that_follow_chords_are_told(solve):
+    result = solve(rings(1.0, -0.01, nlgeom=True))
+    assert any("W0341" in w and "lean" in w for w in result.warnings)
