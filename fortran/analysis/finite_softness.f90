@@ -118,8 +118,9 @@ contains
             k = neq + c%first_row(i)
             pair = c%pair(i)
             force(pair) = force(pair) + c%weight(i)*c%pressure(i)
-            change(pair) = change(pair) + c%weight(i)*dot_product(step(k:k + d - 1), &
-               & c%normal(:d, i))
+            ! What presses is the unknown less c times its row, which holds the right-hand side.
+            change(pair) = change(pair) + c%weight(i)*dot_product(step(k:k + d - 1) &
+               & - c%c(i)*right(k:k + d - 1), c%normal(:d, i))
          end do
          ! What one facet alone is too soft for, each point's own estimate says.
          share = largest_share(change, force, [(i, i=1, size(model%pair) + 1)])

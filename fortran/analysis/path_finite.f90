@@ -62,7 +62,6 @@ contains
       scene%trial%motion%u = scene%accepted%motion%u
       call turn_followers(scene, model, error)
       if (allocated(error)) return
-      call set_floor(scene, model)
       call predict(scene, prescribed, v, before, guessed)
       call solve_from(scene, model, f, v, before, prescribed, guessed, .false., error)
       if (guessed .and. .not. allocated(error)) then
@@ -136,6 +135,8 @@ contains
          & scene%accepted%motion%u, scene%finite%dt, error)
       if (allocated(error)) return
       call release_finite_ties(scene%finite%contact, model, scene%constraints)
+      ! By the areas that the increment starts with.
+      call set_floor(scene, model)
       call scene%clock%stop_in(phase%search)
       if (by_parts) call walk(scene, model, f, v, before, prescribed, error)
       if (allocated(error)) return

@@ -155,3 +155,20 @@ def test_augmentations_end_in_rounding(go, nlgeom):
     r = go(fit("*SURFACE BEHAVIOR, AUGMENTED LAGRANGE"))
     assert forces(r) == approx(exact, rel=1e-5)
     assert r.summary["certificate"]["verdict"] == "PASS"
+
+
+@pytest.mark.parametrize("slope", [5e4, 2e5])
+def test_the_estimate_of_a_bar_is_its_error(slope):
+    """A bar of stiffness E/L on a tool of slope k gives way by E/(L k) of its force: NLGEOM."""
+    deck = "\n".join([
+        "*NODE", "1, 0., 0.", "2, 1., 0.", "3, 1., 1.", "4, 0., 1.", "9, 0.5, 1.",
+        "*ELEMENT, TYPE=CPE4, ELSET=B", "1, 1, 2, 3, 4", "*NSET, NSET=BASE", "1, 2",
+        "*MATERIAL, NAME=M", "*ELASTIC", "1000., 0.", "*SOLID SECTION, ELSET=B, MATERIAL=M", "1.",
+        "*SURFACE, NAME=TOP", "B, S3", "*SURFACE, NAME=TOOL, TYPE=SEGMENTS", "START, 3., 1.",
+        "LINE, -3., 1.", "*RIGID BODY, ANALYTICAL SURFACE=TOOL, REF NODE=9",
+        "*SURFACE INTERACTION, NAME=I", "*SURFACE BEHAVIOR, PENALTY", f"{slope},",
+        "*CONTACT PAIR, INTERACTION=I", "TOP, TOOL", "*BOUNDARY", "BASE, 2", "1, 1", "4, 1", "9, 1",
+        "9, 6", "*STEP, NLGEOM", "*STATIC", "1., 1.", "*BOUNDARY", "9, 2, 2, -0.001", "*END STEP"])
+    result = lopin.run(lopin.Deck.parse(deck + "\n", "bar"))
+    estimate = result.summary["certificate"]["pressure_error"]
+    assert estimate == pytest.approx(1000.0/slope, rel=0.05)
