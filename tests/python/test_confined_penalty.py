@@ -169,6 +169,8 @@ def test_the_estimate_of_a_bar_is_its_error(slope):
         "*SURFACE INTERACTION, NAME=I", "*SURFACE BEHAVIOR, PENALTY", f"{slope},",
         "*CONTACT PAIR, INTERACTION=I", "TOP, TOOL", "*BOUNDARY", "BASE, 2", "1, 1", "4, 1", "9, 1",
         "9, 6", "*STEP, NLGEOM", "*STATIC", "1., 1.", "*BOUNDARY", "9, 2, 2, -0.001", "*END STEP"])
+    import lopin
+
     result = lopin.run(lopin.Deck.parse(deck + "\n", "bar"))
     estimate = result.summary["certificate"]["pressure_error"]
     assert estimate == pytest.approx(1000.0/slope, rel=0.05)
