@@ -95,15 +95,16 @@ contains
       real(wp), intent(in) :: u(:, :), z(:, :)
       integer, intent(in) :: to
       type(error_type), allocatable :: error
-      real(wp) :: change
+      real(wp) :: change, beyond, nil(size(contact%gap))
 
+      nil = 0.0_wp
       if (to == 1) then
          call start_increment(contact, model, accepted%contact, 0.0_wp*u(:, 1), 0.5_wp, error)
       else
          call start_increment(contact, model, accepted%contact, u(:, 1), 0.5_wp, error)
       end if
       call evaluate(contact, model, u(:, to), z(:, to), .true., error)
-      call augment(contact, change)
+      call augment(contact, nil(:contact%n), change, beyond)
       call evaluate(contact, model, u(:, to), z(:, to), .true., error)
    end subroutine run
 end program test_finite_contact
