@@ -5,7 +5,6 @@
 !> node are projected on the master, until it leaves the plane in which it meets the node.
 module lopin_narrow_ribs
    use lopin_kinds, only : wp
-   use lopin_text, only : to_text
    use lopin_cells, only : cell_type
    use lopin_facets, only : facet_rule_type, new_facet_rules
    use lopin_facet_basis, only : facet_point_of
@@ -16,9 +15,8 @@ module lopin_narrow_ribs
    use lopin_model, only : model_type, kind_of
    use lopin_contact_points, only : facing
    use lopin_scene, only : scene_type
-   use lopin_narrow_tools, only : touch_type, find_closed, width_of, left, narrow, most_edges, &
-      & steps
-   use lopin_say_once, only : say_once
+   use lopin_touched_width, only : touch_type, find_closed, number_closed, find_narrowest, &
+      & say_narrow, left, most_edges, steps
    implicit none
    private
    public :: judge_narrow_ribs
@@ -46,42 +44,23 @@ contains
       type(touch_type), allocatable :: touch(:)
       type(opposite_type) :: opposite
       logical :: closed(size(x, 2))
-      integer :: place(size(x, 2)), node, n, worst
-      real(wp) :: share, least
+      integer :: place(size(x, 2)), worst
+      real(wp) :: least
 
       call find_closed(scene, pair, closed)
       if (.not. any(closed)) return
-      place = 0
-      n = 0
-      do node = 1, size(closed)
-         if (.not. closed(node)) cycle
-         n = n + 1
-         place(node) = n
-      end do
-      allocate (touch(n))
+      call number_closed(closed, touch, place)
       opposite%surface = master
       call build_tree(opposite%tree, master%low, master%high)
       opposite%limits%cosine = facing
       opposite%limits%extension = beyond
       call follow_edges(touch, place, slave, x, opposite)
-      worst = 0
-      least = narrow
-      do node = 1, size(closed)
-         if (place(node) == 0) cycle
-         share = width_of(touch(place(node)), model%kind == kind_of%axisymmetric .and. &
-            & abs(x(1, node)) <= 1.0e-10_wp*maxval(abs(x(1, :))))
-         if (share >= least) cycle
-         least = share
-         worst = node
-      end do
+      call find_narrowest(touch, place, model%kind == kind_of%axisymmetric, x, worst, least)
       if (worst == 0) return
       associate (p => model%pair(pair))
-         call say_once(scene%log, 'W0339', model%surface(p%master)%name//' meets '// &
-            & model%surface(p%slave)%name//' at node '//to_text(model%mesh%node_label(worst))// &
-            & ' over about '//to_text(100.0_wp*least, 2)//' % of a facet, narrower than the '// &
-            & 'facets there, and presses as if over a whole one', p%at, &
-            & help='facets of '//model%surface(p%slave)%name//' half as long as '// &
-            & model%surface(p%master)%name//' is wide there, or exchange slave and master')
+         call say_narrow(scene%log, model, pair, worst, least, 'W0339', 'facets of '// &
+            & model%surface(p%slave)%name//' half as long as '//model%surface(p%master)%name// &
+            & ' is wide there, or exchange slave and master')
       end associate
    end subroutine judge_narrow_ribs
 

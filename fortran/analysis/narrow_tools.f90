@@ -15,38 +15,22 @@ module lopin_narrow_tools
    use lopin_standing_tool, only : stand_type, find_places, place_tool, gap_at, &
       & distance_at
    use lopin_present_gaps, only : gap_of
+   use lopin_touched_width, only : touch_type, find_closed, number_closed, find_narrowest, &
+      & say_narrow, left, most_edges, steps
    use lopin_say_once, only : say_once
    implicit none
    private
    public :: judge_narrow_tools, open_by, too_deep
-   public :: touch_type, find_closed, width_of, left, narrow, most_edges, steps
 
    !> Nodes that are open by more, in facets, do not see what is inside.
    real(wp), parameter :: open_by = 0.05_wp
    !> What goes in deeper between nodes that touch, in facets, is more than the bend of a radius.
    real(wp), parameter :: too_deep = 0.15_wp
-   !> A tool has left the plane in which it meets a node where it stands off by this share of an
-   !> edge: a corner does so at once, a radius as large as the edge does not.
-   real(wp), parameter :: left = 0.2_wp
-   !> A part of a tool narrower than this share of the facets beside is narrow.
-   real(wp), parameter :: narrow = 0.9_wp
-   !> Samples of a facet in each direction, and of an edge.
-   integer, parameter :: parts = 10, steps = 20
+   !> Samples of a facet in each direction.
+   integer, parameter :: parts = 10
    real(wp), parameter :: shallow = 0.01_wp     !! of a facet: finer parts that go in by less
    real(wp), parameter :: finest = 0.015_wp      !! of a facet: narrower parts are not found
-   !> Edges that leave a node by a larger angle than 120 degrees are opposite.
-   real(wp), parameter :: opposite = -0.5_wp
    real(wp), parameter :: rounding = 1.0e-6_wp   !! of a facet: nothing goes in by less
-   integer, parameter :: most_edges = 16
-
-   !> The tool about a closed node along the edges that leave it.
-   type :: touch_type
-      integer :: n = 0
-      real(wp) :: way(3, most_edges) = 0.0_wp     !! unit vectors
-      real(wp) :: length(most_edges) = 0.0_wp     !! [length]
-      real(wp) :: flat(most_edges) = 0.0_wp       !! of it, from the node, opposite the same plane
-      logical :: ends(most_edges) = .false.       !! the tool leaves that plane on the way
-   end type touch_type
 
 contains
 
@@ -82,26 +66,6 @@ contains
          end associate
       end do
    end subroutine judge_narrow_tools
-
-   subroutine find_closed(scene, pair, closed)
-      type(scene_type), intent(in) :: scene
-      integer, intent(in) :: pair
-      logical, intent(out) :: closed(:)        !! (nnode)
-      integer :: i
-
-      closed = .false.
-      if (scene%finite%in_use) then
-         associate (c => scene%finite%contact)
-            do i = 1, c%n
-               if (c%pair(i) == pair .and. c%status(i) > 0) closed(c%node(i)) = .true.
-            end do
-         end associate
-         return
-      end if
-      do i = scene%rows%group_first(pair), scene%rows%group_first(pair + 1) - 1
-         if (scene%answer%force(i) > 0.0_wp) closed(scene%points%node(scene%rows%point(i))) = .true.
-      end do
-   end subroutine find_closed
 
    !> On the linear paths a node goes where its row sends it: to another side of the tool than the
    !> one that it meets there, if that was nearer from where the node was at the start.
@@ -278,35 +242,13 @@ contains
       type(stand_type), intent(in) :: stand
       logical, intent(in) :: closed(:)
       type(touch_type), allocatable :: touch(:)
-      integer :: place(size(closed)), node, n, worst
-      real(wp) :: share, least
+      integer :: place(size(closed)), worst
+      real(wp) :: least
 
-      place = 0
-      n = 0
-      do node = 1, size(closed)
-         if (.not. closed(node)) cycle
-         n = n + 1
-         place(node) = n
-      end do
-      allocate (touch(n))
+      call number_closed(closed, touch, place)
       call follow_edges(touch, place, facets, rules, x, stand)
-      worst = 0
-      least = narrow
-      do node = 1, size(closed)
-         if (place(node) == 0) cycle
-         share = width_of(touch(place(node)), model%kind == kind_of%axisymmetric .and. &
-            & abs(x(1, node)) <= 1.0e-10_wp*maxval(abs(x(1, :))))
-         if (share >= least) cycle
-         least = share
-         worst = node
-      end do
-      if (worst == 0) return
-      associate (p => model%pair(pair))
-         call say_once(scene%log, 'W0337', model%surface(p%master)%name//' meets '// &
-            & model%surface(p%slave)%name//' at node '//to_text(model%mesh%node_label(worst))// &
-            & ' over about '//to_text(100.0_wp*least, 2)//' % of a facet, narrower than the '// &
-            & 'facets there, and presses as if over a whole one', p%at, help=remedy())
-      end associate
+      call find_narrowest(touch, place, model%kind == kind_of%axisymmetric, x, worst, least)
+      if (worst > 0) call say_narrow(scene%log, model, pair, worst, least, 'W0337', remedy())
    end subroutine look_beside
 
    !> How far the tool stays in the plane that a closed node meets, along every edge from there.
@@ -372,25 +314,4 @@ contains
          end associate
       end subroutine follow
    end subroutine follow_edges
-
-   !> Least width of the part of the tool that a node meets, in facets; 1 where it does not end on
-   !> both sides.
-   pure real(wp) function width_of(touch, on_axis) result(width)
-      type(touch_type), intent(in) :: touch
-      logical, intent(in) :: on_axis           !! the other side is the mirrored one
-      integer :: a, b
-
-      width = 1.0_wp
-      do a = 1, touch%n
-         if (.not. touch%ends(a)) cycle
-         if (on_axis) width = min(width, 2.0_wp*(touch%flat(a)/touch%length(a) - left))
-         do b = 1, a - 1
-            if (.not. touch%ends(b)) cycle
-            if (dot_product(touch%way(:, a), touch%way(:, b)) > opposite) cycle
-            width = min(width, 2.0_wp*((touch%flat(a) + touch%flat(b)) &
-               & /(touch%length(a) + touch%length(b)) - left))
-         end do
-      end do
-      width = max(width, 0.0_wp)
-   end function width_of
 end module lopin_narrow_tools

@@ -13,7 +13,7 @@ module lopin_path_finite
    use lopin_constraints, only : expand
    use lopin_finite_history, only : start_increment, augment
    use lopin_finite_release, only : release_finite_ties
-   use lopin_finite_state, only : add_line
+   use lopin_finite_state, only : add_line, is_nonlinear
    use lopin_finite_newton, only : newton, least_cuts
    use lopin_finite_softness, only : settle_softness
    use lopin_finite_forces, only : nil_gap
@@ -37,6 +37,12 @@ module lopin_path_finite
    !> And so it is where Newton runs in a cycle in increments that have become so small, beside
    !> those before.
    real(wp), parameter :: small = 0.25_wp
+
+   !> How Newton comes to the prescribed values.
+   type :: ways_type
+      integer :: direct = 1, parts = 2, slow_motion = 3
+   end type ways_type
+   type(ways_type), parameter :: way_of = ways_type()
 
 contains
 
@@ -63,17 +69,17 @@ contains
       call turn_followers(scene, model, error)
       if (allocated(error)) return
       call predict(scene, prescribed, v, before, guessed)
-      call solve_from(scene, model, f, v, before, prescribed, guessed, .false., error)
+      call solve_from(scene, model, f, v, before, prescribed, guessed, way_of%direct, error)
       if (guessed .and. .not. allocated(error)) then
          if (coasts(scene)) then
             call start_from_accepted(scene, v, before)
-            call solve_from(scene, model, f, v, before, prescribed, .false., .false., error)
+            call solve_from(scene, model, f, v, before, prescribed, .false., way_of%direct, error)
             scene%finite%parted = .true.
          end if
       end if
       if (allocated(error)) call try_by_parts(scene, model, f, prescribed, error)
       if (allocated(error)) then
-         if (turns_back(scene)) call move_slowly(scene, model, f, prescribed, error)
+         if (turns_back(scene)) call try_slowly(scene, model, f, prescribed, error)
       end if
       if (allocated(error)) return
       if (scene%finite%flows) then
@@ -112,19 +118,41 @@ contains
       call start_from_accepted(scene, v, before)
       if (.not. any(abs(prescribed - before) > 0.0_wp)) return
       call add_line(scene%finite, '  by parts of the prescribed motion')
-      call solve_from(scene, model, f, v, before, prescribed, .false., .true., failed)
+      call solve_from(scene, model, f, v, before, prescribed, .false., way_of%parts, failed)
       if (.not. allocated(failed)) deallocate (error)
    end subroutine try_by_parts
 
+   !> Again by slow motion from the accepted state; the first error if that fails.
+   subroutine try_slowly(scene, model, f, prescribed, error)
+      type(scene_type), intent(inout) :: scene
+      type(model_type), intent(in) :: model
+      real(wp), intent(in) :: f(:), prescribed(:)
+      type(error_type), allocatable, intent(inout) :: error
+      type(error_type), allocatable :: failed
+      real(wp), allocatable :: v(:), before(:)
+
+      if (error%code /= error_code%not_converged .or. .not. is_nonlinear(scene%finite)) return
+      call start_from_accepted(scene, v, before)
+      call add_line(scene%finite, '  slow motion from the accepted state')
+      call solve_from(scene, model, f, v, before, prescribed, .false., way_of%slow_motion, failed)
+      if (allocated(failed)) then
+         if (failed%code /= error_code%not_converged) call move_alloc(failed, error)
+         return
+      end if
+      scene%finite%jumped = .true.
+      scene%finite%parted = .true.
+      deallocate (error)
+   end subroutine try_slowly
+
    !> Newton and augmentations from (v, before).
-   subroutine solve_from(scene, model, f, v, before, prescribed, guessed, by_parts, error)
+   subroutine solve_from(scene, model, f, v, before, prescribed, guessed, way, error)
       type(scene_type), intent(inout) :: scene
       type(model_type), intent(in) :: model
       real(wp), intent(in) :: f(:)
       real(wp), allocatable, intent(inout) :: v(:), before(:)
       real(wp), intent(in) :: prescribed(:)
       logical, intent(in) :: guessed           !! (v, before) is no accepted state
-      logical, intent(in) :: by_parts
+      integer, intent(in) :: way               !! way_of%...
       type(error_type), allocatable, intent(out) :: error
       integer :: loop, i
       real(wp) :: change, beyond, last
@@ -138,7 +166,11 @@ contains
       ! By the areas that the increment starts with.
       call set_floor(scene, model)
       call scene%clock%stop_in(phase%search)
-      if (by_parts) call walk(scene, model, f, v, before, prescribed, error)
+      if (way == way_of%parts) call walk(scene, model, f, v, before, prescribed, error)
+      if (way == way_of%slow_motion) then
+         call move_slowly(scene, model, f, v, before, prescribed, error)
+         scene%finite%drag%on = .false.
+      end if
       if (allocated(error)) return
       last = huge(1.0_wp)
       do loop = 0, scene%finite%most_augmentations

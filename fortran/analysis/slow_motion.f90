@@ -15,14 +15,11 @@ module lopin_slow_motion
    use lopin_model, only : model_type
    use lopin_constraints, only : expand
    use lopin_assemble_solids, only : assemble_stiffness
-   use lopin_finite_history, only : start_increment
-   use lopin_finite_release, only : release_finite_ties
-   use lopin_finite_state, only : add_line, is_nonlinear
+   use lopin_finite_state, only : add_line
    use lopin_finite_forces, only : look_type, look_at
    use lopin_newton_step, only : find_step
    use lopin_line_search, only : way_type, take_step
    use lopin_finite_newton, only : newton
-   use lopin_predict, only : start_from_accepted
    use lopin_scene, only : scene_type
    implicit none
    private
@@ -43,37 +40,14 @@ module lopin_slow_motion
       real(wp) :: time = first_time            !! pseudo-time of the next step
       real(wp), allocatable :: v(:)            !! (neq) free displacements [length]
       real(wp), allocatable :: reached(:)      !! (nprescribed) values that go with them
+      real(wp), allocatable :: kept(:)         !! `v` to come back to
+      real(wp), allocatable :: multiplier(:)   !! of the contact there
       type(look_type) :: look
       integer :: used = 0                      !! linear systems of the last step
       logical :: done = .false.                !! it was solved
    end type motion_type
 
 contains
-
-   !> From the accepted state to the equilibrium at the prescribed values, where Newton alone has
-   !> failed; the error of Newton stays if this fails too.
-   subroutine move_slowly(scene, model, f, prescribed, error)
-      type(scene_type), intent(inout) :: scene
-      type(model_type), intent(in) :: model
-      real(wp), intent(in) :: f(:)             !! (ndof) dead loads [force]
-      real(wp), intent(in) :: prescribed(:)    !! (nprescribed)
-      type(error_type), allocatable, intent(inout) :: error
-      type(error_type), allocatable :: failed
-
-      if (error%code /= error_code%not_converged .or. .not. is_nonlinear(scene%finite)) return
-      call add_line(scene%finite, '  slow motion from the accepted state')
-      call set_metric(scene, model, failed)
-      if (allocated(failed)) return
-      call follow(scene, model, f, prescribed, failed)
-      scene%finite%drag%on = .false.
-      if (allocated(failed)) then
-         if (failed%code /= error_code%not_converged) call move_alloc(failed, error)
-         return
-      end if
-      scene%finite%jumped = .true.
-      scene%finite%parted = .true.
-      deallocate (error)
-   end subroutine move_slowly
 
    !> The elastic stiffness of the accepted shape, and a share of mass.
    subroutine set_metric(scene, model, error)
@@ -102,71 +76,91 @@ contains
                if (drag%metric%row(at) == i) drag%metric%value(at) = drag%metric%value(at) + mass
             end associate
          end do
-         drag%from = scene%accepted%motion%u
       end associate
    end subroutine set_metric
 
-   !> Implicit steps, with Newton tried whenever the residual has fallen.
-   subroutine follow(scene, model, f, prescribed, error)
+   !> From the accepted state (v, before), where an increment has started, to an equilibrium at the
+   !> prescribed values: implicit steps, with Newton tried whenever the residual has fallen.
+   subroutine move_slowly(scene, model, f, v, before, prescribed, error)
       type(scene_type), intent(inout) :: scene
       type(model_type), intent(in) :: model
-      real(wp), intent(in) :: f(:), prescribed(:)
+      real(wp), intent(in) :: f(:)             !! (ndof) dead loads [force]
+      real(wp), allocatable, intent(inout) :: v(:)    !! (neq)
+      real(wp), allocatable, intent(inout) :: before(:)   !! (nprescribed) that go with it
+      real(wp), intent(in) :: prescribed(:)    !! (nprescribed)
       type(error_type), allocatable, intent(out) :: error
       type(motion_type) :: motion
-      real(wp), allocatable :: v(:), multiplier(:)
-      real(wp) :: tried, rest
+      real(wp) :: tried
       integer :: systems
+      logical :: rests
 
-      scene%trial%contact%multiplier = scene%accepted%contact%multiplier
-      call start_from_accepted(scene, motion%v, motion%reached)
-      call start_increment(scene%finite%contact, model, scene%accepted%contact, &
-         & scene%accepted%motion%u, scene%finite%dt, error)
+      call set_metric(scene, model, error)
       if (allocated(error)) return
-      call release_finite_ties(scene%finite%contact, model, scene%constraints)
+      motion%v = v
+      motion%reached = before
       tried = huge(1.0_wp)
       systems = 0
       do while (systems < most_systems .and. motion%time > least_time)
-         call keep_place()
+         call keep_place(motion, scene)
          call implicit_step(motion, scene, model, f, prescribed, error)
          if (allocated(error)) return
          systems = systems + motion%used
          if (.not. motion%done) then
-            call go_back()
+            call go_back(motion, scene)
             motion%time = back*motion%time
             cycle
          end if
          motion%reached = prescribed
          motion%time = motion%time*merge(fast, slow, motion%used <= few)
-         scene%finite%drag%on = .false.
-         call look_at(scene, model, f, .false., motion%look, error)
+         call look_at_rest(motion, scene, model, f, systems, error)
          if (allocated(error)) return
-         rest = motion%look%merit
-         call say_step(scene, systems, motion%time, rest/max(motion%look%force, tiny(1.0_wp)))
-         if (rest > fallen*tried) cycle
-         tried = rest
-         call keep_place()
-         call newton(scene, model, f, motion%v, motion%reached, prescribed, 0, .false., error)
-         if (.not. allocated(error)) return
-         if (error%code /= error_code%not_converged) return
-         deallocate (error)
-         call go_back()
+         if (motion%look%merit > fallen*tried) cycle
+         tried = motion%look%merit
+         call try_newton(motion, scene, model, f, prescribed, rests, error)
+         if (allocated(error)) return
+         if (.not. rests) cycle
+         v = motion%v
+         before = prescribed
+         return
       end do
       call raise(error, error_code%not_converged, 'E0510', 'slow motion has come to no rest in '// &
          & to_text(systems)//' linear systems', model%step(scene%step)%at)
+   end subroutine move_slowly
 
-   contains
+   !> Newton from here, without the drag; back here if it fails.
+   subroutine try_newton(self, scene, model, f, prescribed, rests, error)
+      type(motion_type), intent(inout) :: self
+      type(scene_type), intent(inout) :: scene
+      type(model_type), intent(in) :: model
+      real(wp), intent(in) :: f(:), prescribed(:)
+      logical, intent(out) :: rests            !! an equilibrium is reached
+      type(error_type), allocatable, intent(out) :: error
 
-      subroutine keep_place()
-         v = motion%v
-         multiplier = scene%trial%contact%multiplier
-      end subroutine keep_place
+      call keep_place(self, scene)
+      call newton(scene, model, f, self%v, self%reached, prescribed, 0, .false., error)
+      rests = .not. allocated(error)
+      if (rests) return
+      if (error%code /= error_code%not_converged) return
+      deallocate (error)
+      call go_back(self, scene)
+   end subroutine try_newton
 
-      subroutine go_back()
-         motion%v = v
-         scene%trial%contact%multiplier = multiplier
-         call expand(scene%constraints, motion%v, motion%reached, scene%trial%motion%u)
-      end subroutine go_back
-   end subroutine follow
+   subroutine keep_place(self, scene)
+      type(motion_type), intent(inout) :: self
+      type(scene_type), intent(in) :: scene
+
+      self%kept = self%v
+      self%multiplier = scene%trial%contact%multiplier
+   end subroutine keep_place
+
+   subroutine go_back(self, scene)
+      type(motion_type), intent(inout) :: self
+      type(scene_type), intent(inout) :: scene
+
+      self%v = self%kept
+      scene%trial%contact%multiplier = self%multiplier
+      call expand(scene%constraints, self%v, self%reached, scene%trial%motion%u)
+   end subroutine go_back
 
    !> r(x) + D (x - x0)/time = 0 from the present state x0, with exact contact.
    subroutine implicit_step(self, scene, model, f, prescribed, error)
@@ -214,15 +208,21 @@ contains
       self%done = self%look%merit <= enough*start
    end subroutine implicit_step
 
-   !> One line of the log.
-   subroutine say_step(scene, systems, time, residual)
+   !> What is out of balance without the drag, for Newton and as a line of the log.
+   subroutine look_at_rest(self, scene, model, f, systems, error)
+      type(motion_type), intent(inout) :: self
       type(scene_type), intent(inout) :: scene
-      integer, intent(in) :: systems
-      real(wp), intent(in) :: time, residual
+      type(model_type), intent(in) :: model
+      real(wp), intent(in) :: f(:)
+      integer, intent(in) :: systems           !! linear systems so far
+      type(error_type), allocatable, intent(out) :: error
       character(len=100) :: text
 
+      scene%finite%drag%on = .false.
+      call look_at(scene, model, f, .false., self%look, error)
+      if (allocated(error)) return
       write (text, '(a,i4,2(a,es10.2))') '  slow motion: systems', systems, ', next pseudo-time', &
-         & time, ', residual at rest', residual
+         & self%time, ', residual at rest', self%look%merit/max(self%look%force, tiny(1.0_wp))
       call add_line(scene%finite, text)
-   end subroutine say_step
+   end subroutine look_at_rest
 end module lopin_slow_motion
