@@ -22,6 +22,7 @@ module lopin_finite_newton
    use lopin_judge_mesh, only : folding_at
    use lopin_finite_lagged, only : reads_lagged, renew_lagged
    use lopin_scene, only : scene_type
+   use lopin_tell_watcher, only : tell_of_iteration
    implicit none
    private
    public :: newton
@@ -163,6 +164,7 @@ contains
             if (allocated(error)) return
          end if
          call log_iteration(scene, look, iteration, last, way%share, simplified)
+         call tell_of_iteration(scene, model)
          jump = 0.0_wp
       end do
       scene%finite%cycled = stale >= cycle_of

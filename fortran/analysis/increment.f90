@@ -43,6 +43,7 @@ module lopin_increment
    use lopin_refuse_turn, only : refuse_turn
    use lopin_touch_order, only : judge_order
    use lopin_small_theory, only : pair_that_slid
+   use lopin_tell_watcher, only : tell_of_plan, tell_of_increment
    use lopin_across_gaps, only : across_type, look_across, tell_across
    implicit none
    private
@@ -85,6 +86,7 @@ contains
          call record(scene, model, forces%reaction, recorders, frame, error)
          if (allocated(error)) return
          call accept(scene%accepted, scene%trial)
+         call tell_of_increment(scene, model, frame)
          call watch%checksum%add(frame%u(:3, :))
          run%summary%checksum = watch%checksum%text()
          if (frame%certificate%verdict == 2) call refuse_verdict(scene, model, frame, error)
@@ -448,7 +450,9 @@ contains
       type(error_type), allocatable, intent(out) :: error
 
       call prepare_path(run%scene, model, run%plan, run%summary, error)
-      if (.not. allocated(error)) call say(recorders, run%summary%plan)
+      if (allocated(error)) return
+      call say(recorders, run%summary%plan)
+      call tell_of_plan(run%scene, model, run%summary%plan)
    end subroutine prepare
 
    subroutine say(recorders, line)

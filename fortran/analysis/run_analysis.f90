@@ -156,6 +156,7 @@ contains
       allocate (self%scene)
       self%scene%clock = old%clock
       self%scene%stops_at_once = old%stops_at_once
+      call move_alloc(old%watcher, self%scene%watcher)
       deallocate (old)
       call make_workspace(self%scene, model, error)
       if (allocated(error)) return

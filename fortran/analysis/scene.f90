@@ -30,6 +30,7 @@ module lopin_scene
    use lopin_finite_state, only : finite_state_type
    use lopin_tool_plane, only : plane_type
    use lopin_flow_curve, only : flows
+   use lopin_watcher, only : watcher_type
    implicit none
    private
    public :: scene_type, new_scene, set_supports, retained_equations, rebuild_rows
@@ -71,6 +72,7 @@ module lopin_scene
       logical :: may_part = .false.   !! an increment in which contact begins may be cut
       real(wp) :: first_touch = 0.0_wp   !! share of the increment before it
       logical :: stops_at_once = .false. !! a wish to end is heard within an increment
+      class(watcher_type), allocatable :: watcher  !! told of what happens; it changes nothing
       type(clock_type) :: clock
       type(counter_type) :: counter
       type(log_type) :: log

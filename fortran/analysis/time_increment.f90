@@ -17,6 +17,7 @@ module lopin_time_increment
    use lopin_contact_friction, only : slides_with_friction
    use lopin_run_type, only : run_type
    use lopin_state, only : clock_state_type
+   use lopin_tell_watcher, only : tell_of_attempt, tell_of_cut
    use lopin_increment, only : solve_increment, reject, say
    implicit none
    private
@@ -71,11 +72,13 @@ contains
             scene%finite%dt = increment
             scene%finite%time = target_time
             scene%finite%attempt = frame%attempt
+            call tell_of_attempt(scene, model, frame)
             call solve_increment(run, model, recorders, error)
             if (.not. allocated(error)) exit
             if (frame%certificate%verdict == 2) return
             if (.not. may_cut(plan, scene, error)) return
             call reject(scene)
+            call tell_of_cut(scene, model, frame, error%item(1)%message)
             if (error%item(1)%id == order_id) then
                call go_by_parts(clock, scene%first_touch)
                call say(recorders, 'step '//to_text(scene%step)//', increment '// &

@@ -20,6 +20,7 @@ module lopin_job
    use lopin_report, only : summary_type
    use lopin_text, only : plural, to_text, upper
    use lopin_version, only : version
+   use lopin_watcher, only : watcher_type
    use omp_lib, only : omp_set_num_threads, omp_get_max_threads
    implicit none
    private
@@ -46,6 +47,7 @@ module lopin_job
       type(recorder_holder_type), allocatable :: recorder(:)
       type(summary_type) :: summary
       type(log_type) :: log                     !! notes and warnings of the analysis
+      class(watcher_type), allocatable :: watcher  !! of the run, which takes it over
    end type outcome_type
 
    !> A run that goes on increment by increment, and what the process did before.
@@ -133,6 +135,8 @@ contains
          & running%checkpoint, state)
       running%opened = .true.
       running%run%scene%stops_at_once = self%interruptible
+      if (allocated(running%run%scene)) call move_alloc(outcome%watcher, &
+         & running%run%scene%watcher)
       call leave(self, running, error)
    end subroutine begin_job
 

@@ -1,6 +1,7 @@
 !> The words and options of the command line.
 module lopin_command_line
    use lopin_error, only : error_type, error_code, raise
+   use lopin_live, only : form_of, form_words
    use lopin_text, only : nearest_word, parse_integer, quoted, join
    implicit none
    private
@@ -13,6 +14,7 @@ module lopin_command_line
       character(len=:), allocatable :: solver      !! '' : as the deck says
       integer :: threads = 0                       !! 0: as the environment says
       integer :: verbosity = 1                     !! 0 quiet, 1 normal, 2 every iteration
+      integer :: progress = form_of%auto           !! how a run tells where it is
       logical :: resume = .false.                  !! go on from a checkpoint
       logical :: overwrite = .false.
       logical :: deterministic = .false.           !! the same bits for any number of threads
@@ -27,10 +29,10 @@ module lopin_command_line
       & 'selftest', 'help', 'version']
    character(len=*), parameter :: python_words(5) = [character(len=7) :: 'plot', 'chart', &
       & 'atlas', 'convert', 'example']
-   character(len=*), parameter :: option_words(16) = [character(len=15) :: '--output', &
+   character(len=*), parameter :: option_words(17) = [character(len=15) :: '--output', &
       & '--threads', '--solver', &
       & '--resume', '--overwrite', '--deterministic', '--json', '--quiet', '--verbose', &
-      & '--no-color', '--strict', '--all', &
+      & '--no-color', '--strict', '--all', '--progress', &
       & '--help', '--version', '-o', '-v']
 
 contains
@@ -72,6 +74,8 @@ contains
             & help='.venv/bin/lopin '//word//' (made by ./bootstrap), or lopin '//word// &
             & ' after pip install .')
       else if (len(options%subject) == 0) then
+         if (len(options%task) == 0) call refuse_mistyped(word, error)
+         if (allocated(error)) return
          if (len(options%task) == 0) options%task = 'run'
          options%subject = word
       else
@@ -79,6 +83,27 @@ contains
             & help='lopin --help')
       end if
    end subroutine read_word
+
+   !> A word that is no task is a deck, unless nothing has that name and it is nearly a task.
+   subroutine refuse_mistyped(word, error)
+      character(len=*), intent(in) :: word
+      type(error_type), allocatable, intent(out) :: error
+      character(len=:), allocatable :: meant
+      logical :: there
+
+      if (scan(word, './\') > 0) return
+      inquire (file=word, exist=there)
+      if (there) return
+      meant = nearest_word(word, [character(len=8) :: own_words, python_words])
+      if (len(meant) > 0) then
+         call raise(error, error_code%usage, 'E0801', 'unknown command '//quoted(word)// &
+            & '; did you mean '//meant//'?', help='lopin '//meant//', or lopin --help')
+      else
+         call raise(error, error_code%usage, 'E0801', quoted(word)//' is no command, and there '// &
+            & 'is no deck of that name', help='commands: '//join(own_words)//', '// &
+            & join(python_words)//'; a deck ends in .inp')
+      end if
+   end subroutine refuse_mistyped
 
    subroutine read_option(options, word, i, error)
       type(options_type), intent(inout) :: options
@@ -99,6 +124,9 @@ contains
          call parse_integer(value, options%threads, ok)
          if (.not. ok .or. options%threads < 1) call raise(error, error_code%usage, 'E0801', &
             & '--threads needs a number from 1, not '//quoted(value))
+      case ('--progress')
+         call next_value(i, word, value, error)
+         if (.not. allocated(error)) call read_progress(options%progress, value, error)
       case ('--resume')
          options%resume = .true.
       case ('--overwrite')
@@ -128,6 +156,16 @@ contains
             & help='lopin --help')
       end select
    end subroutine read_option
+
+   subroutine read_progress(form, value, error)
+      integer, intent(inout) :: form           !! one of `form_of`
+      character(len=*), intent(in) :: value
+      type(error_type), allocatable, intent(out) :: error
+
+      form = findloc(form_words, value, dim=1)
+      if (form == 0) call raise(error, error_code%usage, 'E0801', '--progress is one of '// &
+         & join(form_words)//', not '//quoted(value))
+   end subroutine read_progress
 
    subroutine next_value(i, word, value, error)
       integer, intent(inout) :: i
@@ -193,6 +231,7 @@ contains
          & '--deterministic       the same bits for any number of threads'//nl// &
          & '--strict              warnings are errors'//nl// &
          & '--json                a JSON object on standard output at the end'//nl// &
+         & '--progress WORD       auto, line, plain (one an increment), json (the same), none'//nl// &
          & '--quiet, -q; --verbose, -v; --no-color; --version; --help'//nl//nl// &
          & 'With the Python package (.venv/bin/lopin, pip install .): '//join(python_words)//nl// &
          & nl// &

@@ -3,21 +3,21 @@ module lopin_tasks
    use, intrinsic :: iso_fortran_env, only : compiler_version
    use omp_lib, only : omp_get_max_threads
    use lopin_blas_threads, only : blas_threads
+   use lopin_closing, only : tell_end
    use lopin_command_line, only : options_type
    use lopin_enforcement_factory, only : method_names
    use lopin_scene, only : scene_type, new_scene
    use lopin_solver_factory, only : solver_names
    use lopin_deck, only : read_deck
-   use lopin_error, only : error_type, error_code, log_type, raise, severity
+   use lopin_error, only : error_type, error_code, log_type, raise
    use lopin_interrupt, only : catch_interrupts
    use lopin_job, only : job_type, outcome_type, open_job, run_job, stem_of
    use lopin_explain, only : explain, explained_codes
    use lopin_first_contact, only : describe_pair
    use lopin_keywords, only : keyword_sheet, keyword_manual
+   use lopin_live, only : live_type, new_live, form_of
    use lopin_model, only : model_type
    use lopin_safe_text, only : printable
-   use lopin_recorder_json, only : json_recorder_type
-   use lopin_json_judgement, only : verdict_line
    use lopin_selftest, only : selftest_case, ncase
    use lopin_terminal, only : terminal_type
    use lopin_text, only : join, plural, to_text
@@ -38,41 +38,23 @@ contains
       type(job_type) :: job
       type(model_type) :: model
       type(outcome_type) :: outcome
+      type(live_type) :: live
       type(error_type), allocatable :: error
 
       call outcome%clock%start()
+      call new_live(live, options%progress, options%verbosity, options%json)
+      terminal%jsonl = live%form == form_of%json
       call new_job(job, options)
       call open_model(job, options, terminal, model)
       call catch_interrupts()
+      terminal%line = live%form == form_of%line
+      allocate (outcome%watcher, source=live)
       call run_job(job, terminal%deck, model, outcome, error)
-      if (len(outcome%summary%plan) > 0) call terminal%say(outcome%summary%plan)
+      call terminal%end_line()
       call terminal%show_log(outcome%log)
+      call tell_end(job, model, outcome, allocated(error), terminal)
       call terminal%stop_on(error)
-      call tell_results(job, model, outcome, terminal)
    end subroutine run_deck
-
-   !> What touches what at the end, and where the files are.
-   subroutine tell_results(job, model, outcome, terminal)
-      type(job_type), intent(in) :: job
-      type(model_type), intent(in) :: model
-      type(outcome_type), intent(in) :: outcome
-      type(terminal_type), intent(inout) :: terminal
-      integer :: i, k
-
-      do k = 1, size(outcome%recorder)
-         select type (recorder => outcome%recorder(k)%recorder)
-         type is (json_recorder_type)
-            do i = 1, size(model%pair)
-               call terminal%say(recorder%told(model, i))
-            end do
-            if (len(verdict_line(recorder%judgement)) > 0) &
-               & call terminal%say(verdict_line(recorder%judgement))
-            i = terminal%said%count_of(severity%warning)
-            if (i > 0) call terminal%say(plural(i, 'warning'))
-         end select
-      end do
-      call terminal%say('results in '//job%folder//'/')
-   end subroutine tell_results
 
    subroutine new_job(job, options)
       type(job_type), intent(out) :: job

@@ -7,6 +7,7 @@ module lopin_terminal
    use lopin_checked_file, only : write_all, has_left, is_closed, reason_of
    use lopin_error, only : error_type, error_code, log_type, diagnostic_type, severity
    use lopin_job, only : refuse_warnings
+   use lopin_live, only : clear_line
    use lopin_render, only : render, render_json, json_string
    use lopin_safe_text, only : printable
    use lopin_text, only : plural, to_text
@@ -23,11 +24,14 @@ module lopin_terminal
       logical :: json = .false.
       logical :: quiet = .false.
       logical :: strict = .false.
+      logical :: line = .false.                     !! a line of the run stands on the terminal
+      logical :: jsonl = .false.                    !! standard output has one JSON object a line
       type(log_type) :: said                        !! what was shown so far, for --json
       type(deck_type) :: deck                       !! whose lines are shown
       integer(c_int), private :: lost = 0           !! errno of what could not be written
    contains
       procedure :: say
+      procedure :: end_line
       procedure :: tell
       procedure :: show_log
       procedure :: stop_on
@@ -78,9 +82,17 @@ contains
       class(terminal_type), intent(inout) :: self
       character(len=*), intent(in) :: text
 
-      if (self%quiet .or. self%json) return
+      if (self%quiet .or. self%json .or. self%jsonl) return
       call self%tell(printable(text)//nl)
    end subroutine say
+
+   !> What stands on the terminal of a run goes.
+   subroutine end_line(self)
+      class(terminal_type), intent(inout) :: self
+
+      if (self%line) call complain(self, clear_line)
+      self%line = .false.
+   end subroutine end_line
 
    !> What was asked for, on standard output as it is.
    subroutine tell(self, text)
@@ -159,6 +171,9 @@ contains
 
       if (self%json) then
          call put_json(self, code)
+      else if (self%jsonl) then
+         call self%tell('{"event": "end", "status": '//json_string(trim(merge('ok    ', &
+            & 'failed', code == 0)))//', "exit_code": '//to_text(code)//'}'//nl)
       else if (len(last_line) > 0) then
          call self%say(last_line)
       end if

@@ -176,7 +176,7 @@ def test_the_verdict_of_a_run_is_that_of_its_worst_increment(tmp_path, nlgeom):
     assert summary["certificate"]["increments_warned"] == len(warned)
     assert summary["certificate"]["step"] == warned[-1]["step"]
     assert "certificate: WARN" in done.stdout
-    assert re.search(r"^\d+ warnings?$", done.stdout, re.M)
+    assert re.search(r"^\d+ warnings? \(lopin explain CODE\): W", done.stdout, re.M)
 
 
 def heated(nlgeom, held, increment):
