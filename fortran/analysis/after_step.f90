@@ -4,11 +4,11 @@ module lopin_after_step
    use lopin_kinds, only : wp
    use lopin_text, only : to_text
    use lopin_stream, only : stream_type
-   use lopin_model, only : model_type, method_of
+   use lopin_model, only : model_type
+   use lopin_methods, only : has_law
    use lopin_friction, only : has_friction
    use lopin_scene, only : scene_type
    use lopin_present_gaps, only : gap_of
-   use lopin_methods, only : has_law
    use lopin_say_once, only : say_once
    use lopin_judge_stretch, only : judge_stretch
    use lopin_narrow_tools, only : judge_narrow_tools
@@ -202,7 +202,7 @@ contains
       if (scene%finite%in_use .or. .not. allocated(scene%trial%friction%path)) return
       do pair = 1, size(model%pair)
          associate (way => model%interaction(model%pair(pair)%interaction))
-            if (way%method /= method_of%penalty .and. way%method /= method_of%perturbed) cycle
+            if (way%method%is_exact()) cycle
             if (.not. has_friction(way%friction) .or. way%friction%exact_stick) cycle
             if (way%friction%elastic_slip + way%friction%slip_tolerance &
                & + way%friction%stick_slope > 0.0_wp) cycle

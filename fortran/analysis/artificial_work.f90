@@ -17,7 +17,7 @@ module lopin_artificial_work
    use lopin_report, only : energy_type, lost_work
    use lopin_certificate, only : artificial_limit
    use lopin_finite_slip, only : dissipated, path_of, shear_bound
-   use lopin_contact_traction, only : grip_kind, grip_status
+   use lopin_contact_traction, only : grip_status
    use lopin_predict, only : resistance
    use lopin_vectors, only : largest
    use lopin_scene, only : scene_type
@@ -172,7 +172,7 @@ contains
       if (.not. scene%finite%in_use .or. scene%finite%grounded == 0) return
       associate (c => scene%finite%contact)
          do i = 1, c%n
-            if (c%facet(i) == 0 .or. c%status(i) == 0 .or. c%grip(i)%kind == grip_kind%tied) cycle
+            if (c%facet(i) == 0 .or. c%status(i) == 0 .or. c%grip(i)%tied) cycle
             bound = shear_bound(c, i)
             if (.not. bound < huge(1.0_wp)) cycle
             work = work + max(0.0_wp, bound*path_of(c, i) - dissipated(c, i))*c%weight(i)

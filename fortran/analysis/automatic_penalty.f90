@@ -8,11 +8,10 @@ module lopin_automatic_penalty
    use lopin_kinds, only : wp
    use lopin_error, only : severity
    use lopin_text, only : to_text
-   use lopin_model, only : model_type, method_of
+   use lopin_model, only : model_type
    use lopin_dense, only : cholesky, cholesky_solve, symmetric_eigen
    use lopin_condensed, only : form_compliance
    use lopin_scene, only : scene_type
-   use lopin_methods, only : has_law
    implicit none
    private
    public :: set_stiffness, wants_compliance
@@ -35,9 +34,10 @@ contains
          do pair = 1, p%ngroup
             from = p%group_first(pair)
             to = p%group_first(pair + 1) - 1
-            if (to < from .or. has_law(model, pair)) cycle
+            if (to < from) cycle
             associate (law => model%interaction(model%pair(pair)%interaction))
-               if (law%method == method_of%lagrange) then
+               if (.not. law%method%piecewise_linear()) cycle
+               if (.not. law%method%reads_slope()) then
                   p%alpha(from:to) = 0.0_wp
                   cycle
                end if
@@ -65,9 +65,8 @@ contains
 
       wants_compliance = .false.
       do pair = 1, size(model%pair)
-         if (has_law(model, pair)) cycle
          associate (law => model%interaction(model%pair(pair)%interaction))
-            wants_compliance = wants_compliance .or. (law%method /= method_of%lagrange &
+            wants_compliance = wants_compliance .or. (law%method%reads_slope() &
                & .and. .not. law%slope*law%scale > 0.0_wp)
          end associate
       end do

@@ -3,7 +3,7 @@ module lopin_certificate
    use lopin_kinds, only : wp
    use lopin_text, only : to_text
    use lopin_vectors, only : largest
-   use lopin_model, only : model_type, method_of
+   use lopin_model, only : model_type
    use lopin_report, only : certificate_type, energy_type
    use lopin_body_size, only : thinnest
    use lopin_constraints, only : reduce, prescribed_part
@@ -134,11 +134,11 @@ contains
       end do
       do pair = 1, size(model%pair)
          associate (method => model%interaction(model%pair(pair)%interaction)%method)
-            exact = method == method_of%lagrange .or. (method == method_of%augmented &
-               & .and. model%pair(pair)%control%relative_penetration <= 0.0_wp &
-               & .and. model%pair(pair)%control%absolute_penetration <= 0.0_wp)
+            exact = method%is_exact()
+            if (method%updates()) exact = &
+               & model%pair(pair)%control%relative_penetration <= 0.0_wp &
+               & .and. model%pair(pair)%control%absolute_penetration <= 0.0_wp
          end associate
-         exact = exact .and. .not. has_law(model, pair)
          if (.not. exact) thin = thinnest(scene%bodies, model, pair)
          do row = scene%rows%group_first(pair), scene%rows%group_first(pair + 1) - 1
             point = scene%rows%point(row)

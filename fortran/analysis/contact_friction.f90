@@ -4,7 +4,7 @@
 module lopin_contact_friction
    use lopin_kinds, only : wp
    use lopin_error, only : error_type
-   use lopin_model, only : model_type, method_of
+   use lopin_model, only : model_type
    use lopin_friction, only : friction_type, is_regularised, reads_speed
    use lopin_pair_friction, only : friction_in_step
    use lopin_surface_material, only : slave_yields
@@ -159,7 +159,7 @@ contains
          & model%interaction(model%pair(pair)%interaction)%method, &
          & facet => scene%points%size(scene%rows%point(row)))
          if (law%exact_stick .or. is_regularised(law)) return
-         points%augmented(k) = method == method_of%augmented .and. .not. max(law%elastic_slip, &
+         points%augmented(k) = method%updates() .and. .not. max(law%elastic_slip, &
             & law%slip_tolerance, law%stick_slope) > 0.0_wp
          if (law%stick_slope > 0.0_wp) then
             points%stiffness(k) = law%stick_slope*points%weight(k)
@@ -169,7 +169,7 @@ contains
             points%elastic_slip(k) = law%elastic_slip
          else if (law%slip_tolerance > 0.0_wp) then
             points%elastic_slip(k) = law%slip_tolerance*facet
-         else if (method == method_of%penalty .or. method == method_of%perturbed) then
+         else if (.not. method%is_exact()) then
             points%elastic_slip(k) = default_slip*facet
          end if
       end associate

@@ -5,7 +5,7 @@ module lopin_finite_results
    use lopin_text, only : to_text
    use lopin_friction, only : has_friction
    use lopin_vectors, only : largest
-   use lopin_model, only : model_type, method_of
+   use lopin_model, only : model_type
    use lopin_report, only : certificate_type, energy_type, contact_field_type
    use lopin_constraints, only : reduce, prescribed_part
    use lopin_body_size, only : thinnest
@@ -14,7 +14,6 @@ module lopin_finite_results
    use lopin_certificate, only : forces_type, give_verdict
    use lopin_finite_forces, only : forces_about, pressure_about, nil_gap
    use lopin_rounding_floor, only : beyond
-   use lopin_contact_traction, only : grip_kind
    use lopin_finite_growth, only : areas_now, pieces_now
    use lopin_finite_contact, only : finite_contact_type
    use lopin_finite_slip, only : dissipated, mean_work_of, held_energy, shear_bound, path_of
@@ -88,7 +87,7 @@ contains
          do i = 1, c%n
             energy%friction = energy%friction + before%friction_work(i)
             energy%friction_mean = energy%friction_mean + before%mean_work(i)
-            if (c%facet(i) == 0 .or. c%grip(i)%kind == grip_kind%tied) cycle
+            if (c%facet(i) == 0 .or. c%grip(i)%tied) cycle
             energy%friction = energy%friction + dissipated(c, i)*c%weight(i)
             energy%friction_mean = energy%friction_mean + mean_work_of(c, i)*c%weight(i)
             energy%contact = energy%contact + held_energy(c, i)*c%weight(i)
@@ -116,7 +115,7 @@ contains
       scale = 0.0_wp
       associate (c => scene%finite%contact, state => scene%finite)
          do i = 1, c%n
-            if (c%facet(i) == 0 .or. c%status(i) == 0 .or. c%grip(i)%kind == grip_kind%tied) cycle
+            if (c%facet(i) == 0 .or. c%status(i) == 0 .or. c%grip(i)%tied) cycle
             bound = shear_bound(c, i)
             if (.not. bound < huge(1.0_wp)) bound = norm2(c%traction(:, i))
             gained = gained + min(dissipated(c, i), 0.0_wp)*c%weight(i)
@@ -135,7 +134,8 @@ contains
       type(scene_type), intent(in) :: scene
       type(model_type), intent(in) :: model
       real(wp) :: p_ref, thin(size(model%pair))
-      integer :: i, method
+      integer :: i
+      logical :: exact
 
       associate (c => scene%finite%contact)
          if (c%n == 0) return
@@ -145,31 +145,24 @@ contains
          thin = [(thinnest(scene%bodies, model, i), i=1, size(model%pair))]
          do i = 1, c%n
             if (c%facet(i) == 0) cycle
-            method = model%interaction(model%pair(c%pair(i))%interaction)%method
+            exact = model%interaction(model%pair(c%pair(i))%interaction)%method%is_exact()
             self%penetration = max(self%penetration, -c%gap(i)/c%size(i))
-            if (any(c%grip(i)%kind == [grip_kind%penalty, grip_kind%perturbed, &
-               & grip_kind%overclosure]) .and. .not. c%grip(i)%augments) &
+            if (.not. c%grip(i)%method%is_exact()) &
                & self%depth = max(self%depth, -c%gap(i)/thin(c%pair(i)))
             if (.not. p_ref > 0.0_wp) cycle
             if (c%bilateral(i)) then
                self%complementarity = max(self%complementarity, &
-                  & merge((abs(c%gap(i)) - nil_gap(scene, i))*c%c(i)/p_ref, 0.0_wp, exact(method)))
+                  & merge((abs(c%gap(i)) - nil_gap(scene, i))*c%c(i)/p_ref, 0.0_wp, exact))
             else
                self%tension = max(self%tension, &
                   & -(c%pressure(i) + scene%finite%noise*c%c(i))/p_ref)
-               if (exact(method)) self%complementarity = max(self%complementarity, &
+               if (exact) self%complementarity = max(self%complementarity, &
                   & (abs(min(c%pressure(i), c%c(i)*c%gap(i))) &
                   & - nil_gap(scene, i)*c%c(i))/p_ref)
             end if
          end do
       end associate
    end subroutine judge_points
-
-   !> Methods that leave no penetration.
-   pure logical function exact(method)
-      integer, intent(in) :: method
-      exact = method == method_of%lagrange .or. method == method_of%augmented
-   end function exact
 
    !> The contact forces on all bodies and tools balance as a whole.
    subroutine judge_balance(self, scene, model, pressed)
@@ -207,7 +200,7 @@ contains
             & 'ground: none is in the answer', 'the springs did no work')
          do i = 1, c%n
             if (.not. c%bilateral(i) .or. c%facet(i) == 0) cycle
-            if (c%grip(i)%kind == grip_kind%tied .or. .not. c%pressure(i) < 0.0_wp) cycle
+            if (c%grip(i)%tied .or. .not. c%pressure(i) < 0.0_wp) cycle
             associate (law => c%friction(c%pair(i)))
                if (.not. has_friction(law) .or. law%rough) cycle
             end associate
@@ -255,7 +248,7 @@ contains
                f%node = c%node(at)
                f%facet = c%facet(at)
                f%status = merge(c%status(at), -1, f%facet > 0)
-               where (f%status > 0 .and. c%grip(at)%kind == grip_kind%tied) f%status = 3
+               where (f%status > 0 .and. c%grip(at)%tied) f%status = 3
                ! The area of the end of the increment: the traction was found by that of its start.
                f%weight = weight(at)
                ! Rows of surface to surface stand on the area that is covered now.

@@ -6,7 +6,6 @@ module lopin_finite_softness
    use lopin_constraints, only : expand
    use lopin_model, only : model_type
    use lopin_soft_share, only : largest_share
-   use lopin_contact_traction, only : grip_kind
    use lopin_finite_contact, only : set_slopes
    use lopin_finite_system, only : solve_step
    use lopin_finite_newton, only : newton
@@ -73,10 +72,11 @@ contains
    function is_soft(scene) result(soft)
       type(scene_type), intent(in) :: scene
       logical :: soft(scene%finite%contact%n)
+      integer :: i
 
       associate (c => scene%finite%contact)
-         soft = c%grip(:c%n)%kind == grip_kind%perturbed .and. .not. c%grip(:c%n)%augments &
-            & .and. c%status(:c%n) > 0 .and. c%first_row(:c%n) > 0
+         soft = [(.not. c%grip(i)%method%is_exact() .and. c%status(i) > 0 &
+            & .and. c%first_row(i) > 0, i=1, c%n)]
       end associate
    end function is_soft
 
@@ -114,7 +114,7 @@ contains
          allocate (change(size(model%pair)), force(size(model%pair)), source=0.0_wp)
          do i = 1, c%n
             if (c%status(i) == 0 .or. c%first_row(i) == 0) cycle
-            if (c%grip(i)%kind == grip_kind%tied) cycle
+            if (c%grip(i)%tied) cycle
             k = neq + c%first_row(i)
             pair = c%pair(i)
             force(pair) = force(pair) + c%weight(i)*c%pressure(i)

@@ -2,7 +2,7 @@
 module lopin_finite_start
    use lopin_kinds, only : wp
    use lopin_error, only : error_type
-   use lopin_model, only : model_type, method_of
+   use lopin_model, only : model_type
    use lopin_friction, only : has_friction
    use lopin_finite_points, only : is_self_contact
    use lopin_finite_contact, only : new_finite_contact
@@ -39,7 +39,7 @@ contains
       call begin(scene%trial, scene%accepted)
       scene%finite%augment_until = complementarity
       do pair = 1, size(model%pair)
-         if (model%interaction(model%pair(pair)%interaction)%method /= method_of%augmented) cycle
+         if (.not. model%interaction(model%pair(pair)%interaction)%method%updates()) cycle
          scene%finite%most_augmentations = max(scene%finite%most_augmentations, &
             & model%pair(pair)%control%max_augmentations)
       end do

@@ -6,8 +6,7 @@ module lopin_held_points
    use lopin_kinds, only : wp
    use lopin_error, only : error_type, error_code, raise
    use lopin_text, only : to_text
-   use lopin_model, only : model_type, method_of
-   use lopin_contact_traction, only : grip_kind
+   use lopin_model, only : model_type
    use lopin_scene, only : scene_type
    implicit none
    private
@@ -27,11 +26,10 @@ contains
       associate (c => scene%finite%contact)
          do i = 1, c%n
             if (c%facet(i) == 0 .or. c%status(i) == 0) cycle
-            if (c%grip(i)%kind == grip_kind%tied) cycle
+            if (c%grip(i)%tied) cycle
             if (.not. -c%gap(i) > penetrates*c%size(i)) cycle
             associate (pair => model%pair(c%pair(i)))
-               if (all(model%interaction(pair%interaction)%method &
-                  & /= [method_of%lagrange, method_of%augmented])) cycle
+               if (.not. model%interaction(pair%interaction)%method%is_exact()) cycle
                if (.not. node_held(scene, model, c%node(i), c%normal(:, i))) cycle
                if (.not. master_held(scene, model, i)) cycle
                call raise(error, error_code%not_converged, 'E0506', 'node '// &

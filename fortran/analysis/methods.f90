@@ -1,10 +1,8 @@
-!> The enforcement of each pair, as the deck chose it.
+!> The enforcement of each pair, as the deck chose it, on the linear path.
 module lopin_methods
    use lopin_kinds, only : wp
-   use lopin_model, only : model_type, method_of, overclosure_of
-   use lopin_enforcement, only : enforcement_type
-   use lopin_enforcement_factory, only : new_enforcement
-   use lopin_enforcement_law, only : law_type, new_exponential, new_tabular
+   use lopin_enforcement, only : copy_method
+   use lopin_model, only : model_type
    use lopin_scene, only : scene_type
    implicit none
    private
@@ -25,13 +23,8 @@ contains
          do pair = 1, p%ngroup
             associate (law => model%interaction(model%pair(pair)%interaction), &
                & control => model%pair(pair)%control)
-               if (has_law(model, pair)) then
-                  call new_law(p%group(pair)%method, &
-                     & law%overclosure == overclosure_of%exponential, law%table)
-                  cycle
-               end if
-               call new_enforcement(p%group(pair)%method, law%method)
-               if (law%method /= method_of%augmented) cycle
+               call copy_method(law%method, p%group(pair)%method)
+               if (.not. law%method%updates()) cycle
                p%max_augmentations(pair) = control%max_augmentations
                p%penetration(pair) = control%absolute_penetration
                from = scene%points%first(pair)
@@ -51,9 +44,8 @@ contains
 
       obeys = .true.
       do pair = 1, size(model%pair)
-         if (has_law(model, pair)) cycle
          associate (law => model%interaction(model%pair(pair)%interaction))
-            if (law%method == method_of%penalty .or. law%method == method_of%perturbed) &
+            if (law%method%reads_slope() .and. .not. law%method%is_exact()) &
                & obeys = obeys .and. law%slope > 0.0_wp
          end associate
       end do
@@ -63,22 +55,8 @@ contains
    pure logical function has_law(model, pair)
       type(model_type), intent(in) :: model
       integer, intent(in) :: pair
-      associate (law => model%interaction(model%pair(pair)%interaction)%overclosure)
-         has_law = law == overclosure_of%exponential .or. law == overclosure_of%tabular
+      associate (law => model%interaction(model%pair(pair)%interaction))
+         has_law = .not. law%method%piecewise_linear()
       end associate
    end function has_law
-
-   subroutine new_law(method, exponential, table)
-      class(enforcement_type), allocatable, intent(out) :: method
-      logical, intent(in) :: exponential
-      real(wp), intent(in) :: table(:, :)
-      type(law_type) :: law
-
-      if (exponential) then
-         call new_exponential(law, table(1, 1), table(2, 1))
-      else
-         call new_tabular(law, table(1, :), table(2, :))
-      end if
-      allocate (method, source=law)
-   end subroutine new_law
 end module lopin_methods

@@ -5,10 +5,9 @@ module lopin_raise_slope
    use lopin_kinds, only : wp
    use lopin_error, only : severity
    use lopin_text, only : to_text
-   use lopin_model, only : model_type, method_of
+   use lopin_model, only : model_type
    use lopin_active_set, only : outcome
    use lopin_state, only : contact_state_type
-   use lopin_methods, only : has_law
    use lopin_scene, only : scene_type
    implicit none
    private
@@ -41,10 +40,9 @@ contains
       chooses = .false.
       augments = .false.
       do pair = 1, size(model%pair)
-         if (has_law(model, pair)) cycle
          associate (law => model%interaction(model%pair(pair)%interaction))
-            if (law%slope*law%scale > 0.0_wp .or. law%method == method_of%lagrange) cycle
-            if (law%method == method_of%augmented) then
+            if (law%slope*law%scale > 0.0_wp .or. .not. law%method%reads_slope()) cycle
+            if (law%method%updates()) then
                augments = .true.
             else
                chooses = .true.

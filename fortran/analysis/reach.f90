@@ -7,7 +7,7 @@
 !> solved again, until none does. So the answer is that of all rows.
 module lopin_reach
    use lopin_kinds, only : wp
-   use lopin_model, only : model_type, overclosure_of, method_of
+   use lopin_model, only : model_type, overclosure_of
    use lopin_contact_points, only : pair_is_tied
    use lopin_contact_rows, only : contact_rows_type
    use lopin_scene, only : scene_type
@@ -113,7 +113,7 @@ contains
       do pair = 1, size(model%pair)
          associate (law => model%interaction(model%pair(pair)%interaction), &
             & mine => scene%candidate(scene%points%first(pair):scene%points%first(pair + 1) - 1))
-            if (has_law(model, pair) .or. law%method == method_of%lagrange) cycle
+            if (.not. law%method%reads_slope()) cycle
             if (.not. law%slope*law%scale > 0.0_wp) mine = any(mine)
          end associate
       end do

@@ -14,7 +14,6 @@ module lopin_work_balance
    use lopin_model, only : model_type
    use lopin_report, only : energy_type, lost_work
    use lopin_say_once, only : say_once
-   use lopin_contact_traction, only : grip_kind
    use lopin_scene, only : scene_type
    implicit none
    private
@@ -144,16 +143,17 @@ contains
       end if
       if (size(self%gap) == size(gap)) then
          associate (c => scene%finite%contact)
-            springs = [(c%grip(i)%kind == grip_kind%overclosure, i=1, c%n)]
+            springs = [(.not. c%grip(i)%method%piecewise_linear(), i=1, c%n)]
             work = 0.5_wp*sum(force*self%gap, &
                & mask=.not. (abs(self%force) > 0.0_wp .or. springs)) &
                & - 0.5_wp*sum(self%force*gap, mask=.not. (abs(force) > 0.0_wp .or. springs))
             do i = 1, c%n
                if (.not. springs(i)) cycle
                work = work + 0.5_wp*(self%force(i) + force(i))*(self%gap(i) - gap(i))
-               if (self%force(i) > 0.0_wp) work = work + c%grip(i)%law%stored(self%gap(i), &
-                  & c%weight(i))
-               if (force(i) > 0.0_wp) work = work - c%grip(i)%law%stored(gap(i), c%weight(i))
+               if (self%force(i) > 0.0_wp) work = work + c%grip(i)%method%stored( &
+                  & self%gap(i), self%force(i), c%weight(i))
+               if (force(i) > 0.0_wp) work = work - c%grip(i)%method%stored(gap(i), &
+                  & force(i), c%weight(i))
             end do
          end associate
       end if

@@ -10,7 +10,7 @@ module lopin_probes
    use lopin_dense, only : cholesky
    use lopin_elastic, only : hooke_matrix, plane_stress_matrix
    use lopin_element_type, only : element_type, element_kind, new_element_type
-   use lopin_enforcement_factory, only : new_enforcement, method_names
+   use lopin_enforcement_factory, only : new_enforcement
    use lopin_error, only : error_type, error_code, nowhere
    use lopin_facet_basis, only : facet_basis_type, new_facet_basis, coefficients_of
    use lopin_kinds, only : wp
@@ -188,15 +188,16 @@ contains
       type(condensed_type) :: problem
       type(contact_result_type) :: result
       real(wp), allocatable :: l(:, :)
-      integer :: i, j, n, number, status
+      integer :: i, j, n, status
       logical :: settled
 
       force = 0.0_wp
       iterations = 0
       n = size(gap)
-      number = findloc(method_names, method, dim=1)
+      allocate (problem%group(1))
+      call new_enforcement(problem%group(1)%method, method)
       code = error_code%usage
-      if (number == 0 .or. n == 0) return
+      if (.not. allocated(problem%group(1)%method) .or. n == 0) return
       ! With S = L L^T: a unit stiffness and the rows of L.
       l = compliance
       call cholesky(l, status)
@@ -215,10 +216,8 @@ contains
       allocate (problem%bilateral(n), source=.false.)
       problem%alpha = alpha
       problem%group_first = [1, n + 1]
-      problem%max_augmentations = [merge(200, 0, method == 'augmented')]
+      problem%max_augmentations = [merge(200, 0, problem%group(1)%method%updates())]
       problem%penetration = [0.0_wp]
-      allocate (problem%group(1))
-      call new_enforcement(problem%group(1)%method, number)
       call solve_contact(problem, gap, spread(0.0_wp, 1, n), [real(wp) ::], result)
       settled = result%outcome == outcome%solved
       code = merge(0, error_code%not_converged, settled)

@@ -2,7 +2,7 @@
 module lopin_probes_friction_set
    use lopin_active_set, only : contact_result_type, outcome
    use lopin_condensed, only : condensed_type
-   use lopin_enforcement_factory, only : new_enforcement, method_names
+   use lopin_enforcement_factory, only : new_enforcement
    use lopin_error, only : error_code
    use lopin_friction, only : law_of
    use lopin_friction_limits, only : find_wedging
@@ -64,7 +64,7 @@ contains
    subroutine new_problem(problem, compliance, alpha)
       type(condensed_type), intent(out) :: problem
       real(wp), intent(in) :: compliance(:, :), alpha
-      integer :: i, n, number
+      integer :: i, n
 
       n = size(compliance, 1)
       problem%n = n
@@ -84,8 +84,8 @@ contains
       problem%max_augmentations = [0]
       problem%penetration = [0.0_wp]
       allocate (problem%group(1))
-      number = findloc(method_names, merge('penalty ', 'lagrange', alpha > 0.0_wp), dim=1)
-      call new_enforcement(problem%group(1)%method, number)
+      call new_enforcement(problem%group(1)%method, trim(merge('penalty ', 'lagrange', &
+         & alpha > 0.0_wp)))
    end subroutine new_problem
 
    !> Points that keep what the last increment left.

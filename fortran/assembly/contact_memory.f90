@@ -13,7 +13,6 @@ module lopin_contact_memory
    use lopin_finite_opposite, only : anchor_type, opposite_type
    use lopin_finite_mortar, only : update_mortar, meet_row
    use lopin_finite_meeting, only : tie_to_facet
-   use lopin_contact_traction, only : grip_kind
    implicit none
    private
    public :: keep_contact
@@ -94,7 +93,7 @@ contains
       logical :: covered
 
       do i = 1, self%n
-         if (self%grip(i)%kind == grip_kind%tied .and. self%anchor(i)%set &
+         if (self%grip(i)%tied .and. self%anchor(i)%set &
             & .and. .not. self%loose(i)) &
             & call tie_to_facet(self, i, self%tied_at)
       end do

@@ -11,7 +11,7 @@ module lopin_finite_contact
    use lopin_dofs, only : dofs_type
    use lopin_friction, only : friction_type
    use lopin_carried_force, only : skin_type
-   use lopin_contact_traction, only : grip_type, grip_kind
+   use lopin_contact_traction, only : grip_type
    use lopin_finite_grips, only : choose_grips
    use lopin_finite_points, only : finite_points_type, new_finite_points
    use lopin_search, only : cost_type
@@ -144,7 +144,7 @@ contains
       do i = 1, n
          self%c(i) = self%grip(i)%c
          self%ct(i) = self%grip(i)%ct
-         if (.not. solves(self%grip(i)%kind)) cycle
+         if (.not. self%grip(i)%method%solves_for_multiplier()) cycle
          self%first_row(i) = self%nmultiplier + 1
          self%nmultiplier = self%nmultiplier + model%mesh%ndim
       end do
@@ -166,8 +166,8 @@ contains
       allocate (self%slope(self%n), self%chosen(self%n))
       do i = 1, self%n
          self%slope(i) = self%grip(i)%slope
-         self%chosen(i) = leaves_slope(model, self%pair(i)) .and. any(self%grip(i)%kind &
-            & == [grip_kind%perturbed, grip_kind%penalty, grip_kind%augmented])
+         self%chosen(i) = leaves_slope(model, self%pair(i)) &
+            & .and. self%grip(i)%method%reads_slope()
       end do
    end subroutine keep_slopes
 
@@ -191,14 +191,8 @@ contains
          if (.not. self%chosen(i)) cycle
          associate (g => self%grip(i))
             g%slope = self%slope(i)*stiffer
-            if (g%kind == grip_kind%penalty .or. g%kind == grip_kind%augmented) &
-               & g%c = self%c(i)*stiffer
+            if (.not. g%method%solves_for_multiplier()) g%c = self%c(i)*stiffer
          end associate
       end do
    end subroutine set_slopes
-
-   pure logical function solves(kind)
-      integer, intent(in) :: kind
-      solves = any(kind == [grip_kind%lagrange, grip_kind%perturbed, grip_kind%tied])
-   end function solves
 end module lopin_finite_contact

@@ -4,7 +4,6 @@ module lopin_finite_evaluation
    use lopin_error, only : error_type
    use lopin_model, only : model_type
    use lopin_friction, only : condition_type
-   use lopin_contact_traction, only : grip_kind
    use lopin_finite_points, only : finite_points_type
    use lopin_finite_masters, only : move_masters
    use lopin_finite_opposite, only : anchor_of
@@ -165,10 +164,11 @@ contains
          if (.not. self%mortar(self%pair(i))%is_on .or. g%bilateral) return
          along = dot_product(lambda, o%normal)
          gap = o%foot%gap + shift
-         if (g%kind == grip_kind%perturbed) gap = gap + along/g%slope
-         if (g%augments) gap = gap - dot_product(g%frozen, o%normal)/g%slope
-         if (g%kind == grip_kind%lagrange .or. g%kind == grip_kind%perturbed) is_clear = &
-            & along - g%c*gap < -g%grazing .and. gap > 0.0_wp
+         if (g%tied .or. .not. g%method%solves_for_multiplier()) return
+         gap = gap + g%method%penetration(along, g%slope)
+         if (g%method%updates()) gap = gap &
+            & - g%method%penetration(dot_product(g%frozen, o%normal), g%slope)
+         is_clear = along - g%c*gap < -g%grazing .and. gap > 0.0_wp
       end associate
    end function is_clear
 
@@ -246,9 +246,8 @@ contains
       if (self%n > 0) most = maxval(abs(self%pressure))
       if (.not. most > 0.0_wp) return
       do i = 1, self%n
-         if (self%grip(i)%kind /= grip_kind%penalty .and. self%grip(i)%kind /= &
-            & grip_kind%perturbed) cycle
-         if (self%status(i) == 0 .or. self%grip(i)%augments) cycle
+         if (self%status(i) == 0 .or. self%grip(i)%method%is_exact() &
+            & .or. .not. self%grip(i)%method%reads_slope()) cycle
          self%soft_error = max(self%soft_error, abs(self%pressure(i))/most &
             & /(1.0_wp + 2.0_wp*self%grip(i)%slope*self%size(i)/self%slave_modulus(i)))
       end do

@@ -3,12 +3,13 @@ module lopin_finite_grips
    use lopin_kinds, only : wp
    use lopin_error, only : log_type, severity
    use lopin_text, only : to_text
-   use lopin_model, only : model_type, interaction_type, method_of, overclosure_of
+   use lopin_model, only : model_type, interaction_type
    use lopin_friction, only : friction_type, condition_type, friction_radius, has_friction, &
       & is_regularised
-   use lopin_contact_traction, only : grip_type, grip_kind
+   use lopin_contact_traction, only : grip_type
    use lopin_contact_points, only : pair_is_tied
-   use lopin_enforcement_law, only : law_type, new_exponential, new_tabular
+   use lopin_enforcement, only : enforcement_type, setting_type, copy_method
+   use lopin_enforcement_factory, only : new_enforcement
    use lopin_finite_points, only : finite_points_type
    implicit none
    private
@@ -21,11 +22,6 @@ module lopin_finite_grips
    !> beyond it takes errors of curved tools for a change of contact.
    real(wp), parameter :: scale_of_flow = 0.1_wp
    real(wp), parameter :: shear_share = 1.0_wp/3.0_wp, share_augmented = 0.1_wp
-   !> Penalties up to this, in moduli over a facet, are springs.
-   real(wp), parameter :: soft_enough = 20.0_wp
-   !> Slopes of augmentation above this, in moduli over a facet, leave Newton no way between open
-   !> and closed. Their limit does not depend on them: it is taken at once.
-   real(wp), parameter :: stiffest_augmented = 10.0_wp*default_penalty
 
 contains
 
@@ -37,7 +33,7 @@ contains
       type(model_type), intent(in) :: model
       integer, intent(in) :: pair
       type(log_type), intent(inout) :: log
-      real(wp) :: slope, shear, stiffest
+      real(wp) :: slope, stiffest
       integer :: i
       logical :: said
 
@@ -51,52 +47,29 @@ contains
          do i = 1, points%n
             if (points%pair(i) /= pair) cycle
             associate (g => grip(i), own => points%modulus(i)/points%size(i))
-               g%kind = way%method
                g%c = merge(scale_of_flow, scale_of_exact, points%yield(i) > 0.0_wp)*own
                g%ct = g%c*shear_share
                slope = way%slope*way%scale
                ! A penalty is one of the pair: points of other facets would yield to a uniform
                ! pressure by other gaps.
                if (.not. slope > 0.0_wp) slope = way%scale*merge(default_slope(points, i, &
-                  & way%method), stiffest, way%method == method_of%augmented)
-               ! A stiff penalty in its mixed form: the same equations, without its loss of digits,
-               ! and Newton does not hop between stick and slip (measured: 5 iterations for 24).
-               ! So is one that sticks exactly, or by a slip that the deck gives.
-               if (g%kind == grip_kind%penalty .and. (slope > soft_enough*own .or. f%exact_stick &
-                  & .or. f%elastic_slip > 0.0_wp .or. f%slip_tolerance > 0.0_wp)) &
-                  & g%kind = grip_kind%perturbed
-               ! So is what gives way along the face as the deck says: augmentation would take it
-               ! for an error, and mend it.
-               if (g%kind == grip_kind%augmented .and. (slope > stiffest_augmented*own &
-                  & .or. gives_way(f))) g%kind = grip_kind%lagrange
-               ! Augmentations by stiff springs along a face that rubs are solved as penalties are.
-               g%augments = g%kind == grip_kind%augmented .and. slope > soft_enough*own &
-                  & .and. has_friction(f)
-               if (g%augments) g%kind = grip_kind%perturbed
-               if (way%method /= method_of%lagrange) then
-                  if (.not. way%slope > 0.0_wp .and. .not. said .and. &
-                     & .not. allocated(way%table)) then
+                  & way%method), stiffest, way%method%updates())
+               call copy_method(way%method, g%method)
+               call take_form(g, f, slope/own)
+               g%tied = pair_is_tied(model, model%pair(pair))
+               if (way%method%updates() .or. .not. way%method%is_exact()) then
+                  if (way%method%reads_slope() .and. .not. way%slope > 0.0_wp .and. .not. said) &
+                     & then
                      said = .true.
                      call log%say(severity%note, 'N0317', 'pair ('// &
                         & model%surface(model%pair(pair)%slave)%name//', '// &
                         & model%surface(model%pair(pair)%master)%name//'): slope '// &
                         & to_text(slope, 4)//' = 100 moduli over a facet', model%pair(pair)%at)
                   end if
-                  g%slope = slope
-                  g%shear_slope = slope*shear_share
-                  if (f%stick_slope > 0.0_wp) g%shear_slope = f%stick_slope
-                  if (g%kind == grip_kind%lagrange) then
-                     g%shear_slope = f%stick_slope
-                  else if (g%kind /= grip_kind%perturbed) then
-                     g%c = slope
-                     g%ct = g%shear_slope
-                  end if
+                  call take_slope(g, f, slope)
                end if
-               shear = g%shear_slope
                call choose_stick(g, f, points%size(i))
-               call take_law(g, way, shear)
-               if (pair_is_tied(model, model%pair(pair))) g%kind = grip_kind%tied
-               g%augments = g%augments .and. g%kind == grip_kind%perturbed
+               if (g%tied) call new_enforcement(g%method, 'lagrange')
             end associate
          end do
          if (any(points%pair(:points%n) == pair)) call tell_stick(way, f, model, pair, log)
@@ -110,25 +83,40 @@ contains
          & friction%elastic_slip, friction%slip_tolerance, friction%stick_slope) > 0.0_wp
    end function gives_way
 
-   !> A pressure-overclosure law; it sticks by springs, as a penalty does.
-   subroutine take_law(grip, way, shear)
+   !> The form in which Newton's iterations solve the method.
+   subroutine take_form(grip, friction, stiffness)
       type(grip_type), intent(inout) :: grip
-      type(interaction_type), intent(in) :: way
-      real(wp), intent(in) :: shear            !! stiffness of the springs [stress/length]
-      type(law_type) :: law
+      type(friction_type), intent(in) :: friction
+      real(wp), intent(in) :: stiffness        !! of the slope beside the modulus over the facet
+      class(enforcement_type), allocatable :: form
 
-      if (way%overclosure == overclosure_of%exponential) then
-         call new_exponential(law, way%table(1, 1), way%table(2, 1))
-      else if (way%overclosure == overclosure_of%tabular) then
-         call new_tabular(law, way%table(1, :), way%table(2, :))
-      else
-         return
+      call grip%method%form_for_newton(setting_type(stiffness, has_friction(friction), &
+         & friction%exact_stick, max(friction%elastic_slip, friction%slip_tolerance) > 0.0_wp, &
+         & gives_way(friction)), form)
+      if (allocated(form)) call move_alloc(form, grip%method)
+   end subroutine take_form
+
+   !> Stiffnesses by a slope; a law has its own along the normal, and sticks by springs as a penalty
+   !> does.
+   subroutine take_slope(grip, friction, slope)
+      type(grip_type), intent(inout) :: grip
+      type(friction_type), intent(in) :: friction
+      real(wp), intent(in) :: slope            !! [stress/length]
+
+      grip%slope = slope
+      grip%shear_slope = slope*shear_share
+      if (friction%stick_slope > 0.0_wp) grip%shear_slope = friction%stick_slope
+      if (.not. grip%method%solves_for_multiplier()) then
+         grip%ct = grip%shear_slope
+         if (grip%method%piecewise_linear()) then
+            grip%c = slope
+         else
+            grip%slope = 1.0_wp
+         end if
+      else if (.not. grip%method%reads_slope()) then
+         grip%shear_slope = friction%stick_slope
       end if
-      grip%kind = grip_kind%overclosure
-      grip%law = law
-      grip%ct = shear
-      grip%elastic_slip = 0.0_wp
-   end subroutine take_law
+   end subroutine take_slope
 
    !> What the deck says of sticking and this path does otherwise.
    subroutine tell_stick(way, friction, model, pair, log)
@@ -157,11 +145,12 @@ contains
    !> dislikes springs that are stiff beside a soft master.
    pure real(wp) function default_slope(points, i, method)
       type(finite_points_type), intent(in) :: points
-      integer, intent(in) :: i, method
+      integer, intent(in) :: i
+      class(enforcement_type), intent(in) :: method
       real(wp) :: modulus
 
       modulus = points%slave_modulus(i)
-      if (method == method_of%augmented) modulus = max(points%modulus(i), share_augmented*modulus)
+      if (method%updates()) modulus = max(points%modulus(i), share_augmented*modulus)
       default_slope = default_penalty*modulus/points%size(i)
    end function default_slope
 
@@ -171,7 +160,7 @@ contains
       type(friction_type), intent(in) :: friction
       real(wp), intent(in) :: facet            !! [length]
 
-      if (grip%kind /= grip_kind%lagrange .and. grip%kind /= grip_kind%perturbed) return
+      if (.not. grip%method%solves_for_multiplier()) return
       grip%elastic_slip = friction%elastic_slip
       if (.not. grip%elastic_slip > 0.0_wp) grip%elastic_slip = friction%slip_tolerance*facet
       if (friction%stick_slope > 0.0_wp) grip%shear_slope = friction%stick_slope

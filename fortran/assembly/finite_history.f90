@@ -3,7 +3,6 @@ module lopin_finite_history
    use lopin_kinds, only : wp
    use lopin_error, only : error_type
    use lopin_model, only : model_type
-   use lopin_contact_traction, only : grip_kind
    use lopin_finite_grips, only : remember_elastic
    use lopin_finite_points, only : finite_points_type
    use lopin_finite_samples, only : offset_of
@@ -39,14 +38,14 @@ contains
       call move_masters(self%masters, model, self%dofs, self%finite_points_type, u, .true., &
          & self%cost, error)
       if (allocated(error)) return
-      if (any(self%grip%kind == grip_kind%tied) .and. .not. allocated(self%tied_at)) &
+      if (any(self%grip%tied) .and. .not. allocated(self%tied_at)) &
          & self%tied_at = self%masters%x
       call start_owners(self%masters%owner, accepted%facet)
       call find_present(self, .true., error)
       if (allocated(error)) return
       do i = 1, self%n
          call meet(self, model, i, .true.)
-         if (.not. (self%grip(i)%kind == grip_kind%tied .and. self%anchor(i)%set)) then
+         if (.not. (self%grip(i)%tied .and. self%anchor(i)%set)) then
             call take_anchor(self, model, i)
             self%anchor(i)%offset = offset_of(self%masters, self%finite_points_type, i)
          end if
@@ -66,7 +65,7 @@ contains
             g%approach = 0.0_wp
             g%bilateral = accepted%closed(i) &
                & .and. model%interaction(model%pair(self%pair(i))%interaction)%no_separation
-            self%bilateral(i) = g%bilateral .or. g%kind == grip_kind%tied
+            self%bilateral(i) = g%bilateral .or. g%tied
             g%yield = self%yield(i)
             call remember_elastic(g, self%friction(self%pair(i)), self%opposite(i)%normal)
          end associate
@@ -88,19 +87,19 @@ contains
       real(wp), intent(in) :: nil(:)           !! (n) gaps that are rounding of places [length]
       real(wp), intent(out) :: change          !! relative, of the tractions
       real(wp), intent(out) :: beyond          !! the same, beyond what rounding makes
-      real(wp) :: most, moved, step, above
+      real(wp) :: most, moved, step, above, of(3)
       integer :: i
 
       most = 0.0_wp
       moved = 0.0_wp
       above = 0.0_wp
       do i = 1, self%n
-         if (self%grip(i)%kind /= grip_kind%augmented .and. .not. self%grip(i)%augments) cycle
+         if (.not. self%grip(i)%method%updates()) cycle
          most = max(most, norm2(self%traction(:, i)))
-         step = norm2(self%traction(:, i) - self%grip(i)%frozen)
+         call self%grip(i)%method%update(self%traction(:, i), self%grip(i)%frozen, of)
+         step = norm2(of)
          moved = max(moved, step)
          above = max(above, step - self%grip(i)%slope*nil(i))
-         self%grip(i)%frozen = self%traction(:, i)
       end do
       change = 0.0_wp
       beyond = 0.0_wp

@@ -8,7 +8,7 @@ module lopin_finite_kernel
    use lopin_model, only : model_type
    use lopin_dofs, only : dofs_type
    use lopin_friction, only : friction_type, condition_type
-   use lopin_contact_traction, only : grip_type, grip_kind, grip_status, traction_of, &
+   use lopin_contact_traction, only : grip_type, grip_status, traction_of, &
       & normal_stiffness
    use lopin_contact_foot, only : facet_foot, smooth_facet_foot, tool_foot, tool_motion, turned, &
       & turned_back
@@ -207,7 +207,7 @@ contains
             end associate
          end if
          slip = to_anchor - n*dual_dot(to_anchor, n)
-         if (grip%kind == grip_kind%tied) then
+         if (grip%tied) then
             ! Glued: all directions, from where the point was at the start.
             z = multiplier - grip%c*(to_anchor - anchor%gap*n)
             if (grip%partly) z = held_part(grip%held, z)
@@ -242,7 +242,7 @@ contains
             call push(inputs%reference(k), (-1.0_wp)*z(k))
          end do
          if (any(inputs%rotation > 0)) then
-            moment = dual_cross(arm - merge(0.0_wp, 1.0_wp, grip%kind == grip_kind%tied)*(n*gap), z)
+            moment = dual_cross(arm - merge(0.0_wp, 1.0_wp, grip%tied)*(n*gap), z)
             do k = 1, 3
                call push(inputs%rotation(k), (-1.0_wp)*moment(k))
             end do
@@ -261,7 +261,7 @@ contains
          do m = 1, size(there)
             associate (p => there(m))
                own = z
-               if (grip%kind /= grip_kind%tied) own = z + press*(p%normal - n)
+               if (.not. grip%tied) own = z + press*(p%normal - n)
                own = p%c*own
                do k = 1, d
                   call push(p%input(k), own(k))
@@ -321,7 +321,7 @@ contains
          end do
          if (all(inputs%rotation == 0)) return
          arm = p%x - reference
-         arm = arm - merge(0.0_wp, 1.0_wp, grip%kind == grip_kind%tied)*(p%normal*p%gap)
+         arm = arm - merge(0.0_wp, 1.0_wp, grip%tied)*(p%normal*p%gap)
          moment = dual_cross(arm, own)
          do k = 1, 3
             call push(inputs%rotation(k), (-1.0_wp)*moment(k))

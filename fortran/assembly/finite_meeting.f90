@@ -3,7 +3,6 @@ module lopin_finite_meeting
    use lopin_kinds, only : wp
    use lopin_error, only : error_type
    use lopin_model, only : model_type
-   use lopin_contact_traction, only : grip_kind
    use lopin_finite_points, only : finite_points_type, is_self_contact
    use lopin_finite_opposite, only : find_opposite, anchor_of
    use lopin_finite_roles, only : choose_roles
@@ -68,7 +67,7 @@ contains
       integer, intent(in) :: i
 
       call anchor_of(self%anchor(i), self%opposite(i))
-      if (self%grip(i)%kind /= grip_kind%tied) return
+      if (.not. self%grip(i)%tied) return
       self%loose(i) = .not. self%anchor(i)%set
       if (self%anchor(i)%set) self%loose(i) = abs(self%anchor(i)%gap) > max(too_far*self%size(i), &
          & model%pair(self%pair(i))%adjust)

@@ -17,7 +17,7 @@ module lopin_finite_mortar
    use lopin_tilting, only : rows_needed
    use lopin_dofs, only : dofs_type
    use lopin_friction, only : friction_type, condition_type
-   use lopin_contact_traction, only : grip_type, grip_kind, grip_status, traction_of, &
+   use lopin_contact_traction, only : grip_type, grip_status, traction_of, &
       & normal_stiffness
    use lopin_contact_points, only : pair_is_tied, gaps_as_meshed
    use lopin_mortar_pairs, only : thickness_of
@@ -235,7 +235,7 @@ contains
       real(wp) :: shear(2, 2)
       integer :: from, width, n, k
 
-      if (grip%kind == grip_kind%tied) then
+      if (grip%tied) then
          call evaluate_tie(state, local, anchor%tie, dofs, x, grip, lambda, first_row, with_tangent)
          weight = anchor%tie%weight
          return

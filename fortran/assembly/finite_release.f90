@@ -3,7 +3,6 @@ module lopin_finite_release
    use lopin_kinds, only : wp
    use lopin_model, only : model_type
    use lopin_constraints, only : constraints_type
-   use lopin_contact_traction, only : grip_kind
    use lopin_tie_release, only : released_directions, row_misfit
    use lopin_finite_tie, only : tie_type, facet_normal
    use lopin_finite_contact, only : finite_contact_type
@@ -26,7 +25,7 @@ contains
       d = model%mesh%ndim
       do i = 1, self%n
          associate (g => self%grip(i), tie => self%mortar_anchor(i)%tie)
-            if (g%kind /= grip_kind%tied) cycle
+            if (.not. g%tied) cycle
             if (tie%set) then
                node = tie%node
                share = tie%share

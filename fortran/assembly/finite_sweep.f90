@@ -4,7 +4,6 @@ module lopin_finite_sweep
    use lopin_error, only : error_type
    use lopin_model, only : model_type
    use lopin_sweep, only : sweep_type, new_sweep, next_share, take_gap
-   use lopin_contact_traction, only : grip_kind
    use lopin_rigid_motion, only : rigid_motion_type
    use lopin_finite_masters, only : move_masters
    use lopin_finite_opposite, only : opposite_type, find_opposite
@@ -81,7 +80,7 @@ contains
       way = 0.0_wp
       do i = 1, self%n
          pair = self%pair(i)
-         if (.not. self%pair_active(pair) .or. self%grip(i)%kind == grip_kind%tied &
+         if (.not. self%pair_active(pair) .or. self%grip(i)%tied &
             & .or. self%masters%of(pair)%against_itself) cycle
          moved = node_motion(self, self%node(i), from, to) - about(:, pair)
          way(i) = norm2(moved) + spread_(pair)

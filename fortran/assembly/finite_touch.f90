@@ -7,7 +7,6 @@
 module lopin_finite_touch
    use lopin_kinds, only : wp
    use lopin_friction, only : has_friction
-   use lopin_contact_traction, only : grip_kind
    use lopin_finite_samples, only : row_value
    use lopin_finite_faces, only : start_gap_of
    use lopin_finite_contact, only : finite_contact_type
@@ -43,8 +42,8 @@ contains
       integer, intent(in) :: i
 
       may_touch = self%noted > 0.0_wp .and. self%start_gap(i) < huge(1.0_wp) &
-         & .and. .not. any(abs(self%grip(i)%committed) > 0.0_wp) .and. self%grip(i)%kind /= &
-         & grip_kind%tied .and. has_friction(self%friction(self%pair(i)))
+         & .and. .not. any(abs(self%grip(i)%committed) > 0.0_wp) .and. &
+         & .not. self%grip(i)%tied .and. has_friction(self%friction(self%pair(i)))
    end function may_touch
 
    !> The motion before the touch, from the evaluation of the point at the noted share of the way;

@@ -1,10 +1,10 @@
-!> What a contact point presses with, in dual numbers: four methods, all laws of friction.
+!> What a contact point presses with, in dual numbers: any method, all laws of friction.
 !>
 !> In vectors, without tangent bases: with the trial pressure phat and the trial shear that,
 !>
 !>    p = max(0, phat)  (bilateral: phat),   t = that F(|that|)/|that|,   z = p n + t,
 !>
-!> and the methods differ in the trials (seed J; Alart and Curnier 1991):
+!> and the methods differ in the trials (lopin_enforcement; seed J; Alart and Curnier 1991):
 !>
 !>    penalty     phat = -c g                     that = P l - ct s     l: committed traction
 !>    augmented   phat = l.n - c g                that = P l - ct s     l: frozen, updated outside
@@ -25,13 +25,8 @@ module lopin_contact_traction
    use lopin_enforcement, only : enforcement_type
    implicit none
    private
-   public :: grip_type, traction_of, grip_kind, grip_status, elastic_slip_of, normal_stiffness
+   public :: grip_type, traction_of, grip_status, elastic_slip_of, normal_stiffness
    public :: stored_energy, regularised_energy
-
-   type :: kinds_of_grip
-      integer :: lagrange = 1, penalty = 2, perturbed = 3, augmented = 4, overclosure = 5, tied = 6
-   end type kinds_of_grip
-   type(kinds_of_grip), parameter :: grip_kind = kinds_of_grip()
 
    type :: statuses
       integer :: open = 0, stick = 1, slip = 2
@@ -43,10 +38,11 @@ module lopin_contact_traction
 
    !> The enforcement at one point.
    type :: grip_type
-      integer :: kind = 1                          !! grip_kind%...
+      class(enforcement_type), allocatable :: method   !! that Newton solves
+      logical :: tied = .false.                    !! glued, in all directions unless `partly`
       logical :: bilateral = .false.
       real(wp) :: c = 1.0_wp, ct = 1.0_wp          !! [stress/length]
-      real(wp) :: slope = 0.0_wp                   !! perturbed: eps [stress/length]
+      real(wp) :: slope = 0.0_wp   !! that the method reads: eps [stress/length]; of a law: 1
       real(wp) :: shear_slope = 0.0_wp   !! unknown traction: epst; 0: exact stick [stress/length]
       real(wp) :: elastic_slip = 0.0_wp   !! the same: u0, slip before sliding; 0: none [length]
       real(wp) :: elastic(3) = 0.0_wp              !! of it, committed [length]
@@ -56,12 +52,10 @@ module lopin_contact_traction
       logical :: clings = .false.   !! at the limit of sticking counts as sticking: so a body that
                                     !! only friction holds starts an increment
       real(wp) :: committed(3) = 0.0_wp           !! traction at the start of the increment [stress]
-      real(wp) :: frozen(3) = 0.0_wp               !! augmented: multiplier [stress]
-      logical :: augments = .false.   !! perturbed from `frozen` on: an augmentation in mixed form
+      real(wp) :: frozen(3) = 0.0_wp   !! multiplier of a method that updates it [stress]
       real(wp) :: approach(3) = 0.0_wp   !! motion along the master before it touched, no slip
                                          !! [length]
       real(wp) :: creep(3) = 0.0_wp               !! regularised by slip: slip from the stick anchor
-      class(enforcement_type), allocatable :: law  !! pressure-overclosure
       logical :: partly = .false.                  !! tied, but not in all directions
       real(wp) :: held(3, 3) = 0.0_wp              !! projector on those, if partly
    end type grip_type
@@ -84,36 +78,30 @@ contains
       real(wp), intent(out) :: shear(:, :)   !! (ndim, ndim) -dt/ds without the coupling to pressure
       type(dual_type), intent(in), optional :: growth   !! at%growth with its slopes; else it stands
       type(dual_type) :: held(size(n)), phat, p, trial(size(n)), t(size(n)), normal_part, s(size(n))
-      logical :: closed
+      logical :: closed, solves, updates
       integer :: d
 
       d = size(n)
       row = 0.0_wp
       shear = 0.0_wp
-      select case (grip%kind)
-      case (grip_kind%lagrange, grip_kind%perturbed)
+      solves = grip%method%solves_for_multiplier()
+      updates = grip%method%updates()
+      if (solves) then
          held = lambda
-      case (grip_kind%augmented)
+      else if (updates) then
          held = constant(grip%frozen(:d))
-      case default
+      else
          held = constant(grip%committed(:d))
-      end select
+      end if
       normal_part = dual_dot(held, n)
-      select case (grip%kind)
-      case (grip_kind%penalty)
-         phat = (-grip%c)*g
-      case (grip_kind%perturbed)
-         if (grip%augments) then
-            phat = normal_part - dual_dot(constant(grip%frozen(:d)), n)
-            phat = normal_part - grip%c*(g + phat/grip%slope)
-         else
-            phat = normal_part - grip%c*(g + normal_part/grip%slope)
-         end if
-      case (grip_kind%overclosure)
-         phat = pressed(grip, g)
-      case default
-         phat = normal_part - grip%c*g
-      end select
+      if (solves .and. updates) then
+         phat = penetrates(grip, normal_part - dual_dot(constant(grip%frozen(:d)), n))
+         phat = normal_part - grip%c*(g + phat)
+      else if (solves) then
+         phat = normal_part - grip%c*(g + penetrates(grip, normal_part))
+      else
+         phat = pressed(grip, g, updates, normal_part)
+      end if
       closed = phat%v > -grip%grazing .or. grip%bilateral
       status = merge(grip_status%slip, grip_status%open, closed)
       p = constant(0.0_wp)
@@ -123,18 +111,17 @@ contains
          s = way
          if (any(abs(grip%approach) > 0.0_wp)) s = s - tangential(constant(grip%approach(:d)), n)
          trial = held - n*normal_part - grip%ct*s
-         if (any(grip%kind == [grip_kind%lagrange, grip_kind%perturbed])) then
+         if (solves) then
             if (grip%shear_slope > 0.0_wp) trial = trial - (grip%ct/grip%shear_slope) &
                & *tangential(held - constant(merge(grip%frozen(:d), grip%committed(:d), &
-               & grip%augments)), n)
+               & updates)), n)
             if (grip%elastic_slip > 0.0_wp) call give_way(grip, friction, at, p, held, n, &
                & trial, growth)
          end if
          call shear_of(grip, friction, at, p, trial, s, n, t, status, shear, growth)
       end if
       z = p*n + t
-      if (grip%kind == grip_kind%lagrange .or. grip%kind == grip_kind%perturbed) &
-         & row = (lambda - z)/grip%c
+      if (solves) row = (lambda - z)/grip%c
    end subroutine traction_of
 
    !> The slip that a traction along the face holds elastically, and gives back.
@@ -157,17 +144,16 @@ contains
       real(wp) :: radius, slope
 
       compliance = 0.0_wp
-      if (is_regularised(friction) .or. grip%augments) return
-      select case (grip%kind)
-      case (grip_kind%penalty, grip_kind%overclosure)
+      if (is_regularised(friction) .or. grip%tied .or. grip%method%updates()) return
+      if (.not. grip%method%solves_for_multiplier()) then
          compliance = 1.0_wp/grip%ct
-      case (grip_kind%lagrange, grip_kind%perturbed)
-         if (grip%shear_slope > 0.0_wp) compliance = 1.0_wp/grip%shear_slope
-         if (.not. grip%elastic_slip > 0.0_wp) return
-         call friction_radius(friction, p, at, radius, slope)
-         if (radius > 0.0_wp .and. radius < huge(1.0_wp)) compliance = compliance &
-            & + grip%elastic_slip/radius
-      end select
+         return
+      end if
+      if (grip%shear_slope > 0.0_wp) compliance = 1.0_wp/grip%shear_slope
+      if (.not. grip%elastic_slip > 0.0_wp) return
+      call friction_radius(friction, p, at, radius, slope)
+      if (radius > 0.0_wp .and. radius < huge(1.0_wp)) compliance = compliance &
+         & + grip%elastic_slip/radius
    end function shear_compliance
 
    !> Energy per area that the springs of a pair hold, normal and along the face.
@@ -181,10 +167,7 @@ contains
       real(wp), intent(in) :: kept(3)          !! slip from the anchor of a regularised law [length]
 
       energy = 0.0_wp
-      if (grip%kind == grip_kind%overclosure) energy = grip%law%stored(gap, 1.0_wp)
-      if (grip%kind == grip_kind%penalty) energy = 0.5_wp*p**2/grip%c
-      if (grip%kind == grip_kind%perturbed .and. .not. grip%augments) &
-         & energy = 0.5_wp*p**2/grip%slope
+      if (.not. grip%tied) energy = grip%method%stored(gap, p, grip%slope)
       energy = energy + 0.5_wp*shear_compliance(grip, friction, at, p)*dot_product(t, t)
       if (has_friction(friction) .and. is_regularised(friction)) energy = energy &
          & + regularised_energy(friction, norm2(kept), p, at)
@@ -210,15 +193,15 @@ contains
       end do
    end function regularised_energy
 
-   !> -dp/dg of a closed point, for a factor: the law's own slope, else the grip's.
+   !> -dp/dg of a closed point, for a factor: that of its springs, else what conditions its rows.
    pure real(wp) function normal_stiffness(grip, g) result(stiffness)
       type(grip_type), intent(in) :: grip
       real(wp), intent(in) :: g                !! gap [length]
       real(wp) :: force
 
       stiffness = grip%c
-      if (grip%kind == grip_kind%overclosure) call grip%law%forces(g, 1.0_wp, 0.0_wp, .false., &
-         & force, stiffness)
+      if (grip%tied .or. grip%method%solves_for_multiplier()) return
+      call grip%method%trial(g, grip%slope, 0.0_wp, force, stiffness)
    end function normal_stiffness
 
    !> The elastic slip of an unknown traction, in the measure of the disc's present radius.
@@ -243,17 +226,29 @@ contains
          & - grip%ct*tangential(constant(grip%elastic(:size(n))), n)
    end subroutine give_way
 
-   !> A pressure-overclosure law as a function of the gap.
-   pure function pressed(grip, g) result(p)
+   !> The trial pressure of springs; a multiplier that is frozen turns with the normal.
+   pure function pressed(grip, g, updates, frozen) result(p)
       type(grip_type), intent(in) :: grip
       type(dual_type), intent(in) :: g
+      logical, intent(in) :: updates
+      type(dual_type), intent(in) :: frozen    !! along the normal [stress]
       type(dual_type) :: p
-      real(wp) :: force, stiffness
+      real(wp) :: stiffness
 
-      call grip%law%forces(g%v, 1.0_wp, 0.0_wp, .false., force, stiffness)
-      p%v = force
+      call grip%method%trial(g%v, grip%slope, merge(frozen%v, 0.0_wp, updates), p%v, stiffness)
       p%d = -stiffness*g%d
+      if (updates) p%d = frozen%d - stiffness*g%d
    end function pressed
+
+   !> The penetration that goes with an unknown pressure.
+   pure function penetrates(grip, p) result(depth)
+      type(grip_type), intent(in) :: grip
+      type(dual_type), intent(in) :: p
+      type(dual_type) :: depth
+
+      depth%v = grip%method%penetration(p%v, grip%slope)
+      depth%d = grip%method%penetration(p%d, grip%slope)
+   end function penetrates
 
    pure function tangential(a, n) result(b)
       type(dual_type), intent(in) :: a(:), n(:)

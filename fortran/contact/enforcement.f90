@@ -1,29 +1,51 @@
-!> Enforcement of contact: one formula, four policies (seed J).
+!> Enforcement of contact: what a method is asked, on the linear and on the nonlinear path (seed J).
 !>
-!> With gap g >= 0 open, nodal force lambda >= 0 pressing and nodal stiffness alpha > 0, all methods
-!> press with
+!> With gap g >= 0 open, force (or pressure) lambda >= 0 pressing and stiffness alpha > 0 of the
+!> point (or of its area), all methods press with
 !>
-!>    lambda = < a*multiplier - alpha*g >,   <x> = max(x, 0)   (no < > where contact is bilateral)
+!>    lambda = < trial >,   <x> = max(x, 0)   (no < > where contact is bilateral)
 !>
-!> and differ in what the multiplier is: penalty has none (a = 0); the augmented Lagrangian keeps it
-!> frozen while it solves and updates it afterwards; Lagrange and the perturbed Lagrangian solve for
-!> it, with the row g + compliance*lambda = 0 in contact, compliance = 0 or 1/alpha. A method is a
-!> file `enforcement_<name>.f90` and a `case` in `new_enforcement`.
+!> and differ in the trial and in what the multiplier is:
+!>
+!>    springs     trial(gap, alpha, multiplier) is all: the multiplier is none (penalty, pressure
+!>                laws) or frozen while the system is solved, and updated afterwards (augmented)
+!>    unknowns    the multiplier is solved for, with the row g + penetration(lambda) = 0 in contact
+!>                (Lagrange: 0; perturbed: lambda/alpha), where what is frozen counts as no force
+!>
+!> A method is a file `enforcement_<name>.f90` that extends `enforcement_type` by its name and
+!> `solves_for_multiplier`, and overrides what it does otherwise; its name and its parameter of
+!> *SURFACE BEHAVIOR are in `lopin_enforcement_factory`.
 module lopin_enforcement
    use lopin_kinds, only : wp
    implicit none
    private
-   public :: enforcement_type
+   public :: enforcement_type, setting_type, copy_method
+
+   !> What a method may look at when it chooses its form in Newton's iterations.
+   type :: setting_type
+      real(wp) :: stiffness = 0.0_wp   !! of the method beside the modulus over the facet [-]
+      logical :: rubs = .false.        !! there is friction
+      logical :: exact_stick = .false. !! it sticks without any slip
+      logical :: elastic_slip = .false.  !! slip before sliding is given as a length
+      logical :: given_slip = .false.  !! the deck says how points give way before they slide
+   end type setting_type
 
    type, abstract :: enforcement_type
    contains
       procedure(word_if), deferred :: word
       procedure(multiplier_if), deferred :: solves_for_multiplier
-      procedure :: compliance => no_compliance
-      procedure :: forces => pressed_by_springs
+      procedure :: updates => is_never_updated
+      procedure :: trial => pressed_by_springs
+      procedure :: penetration => no_penetration
       procedure :: stored => nothing_stored
       procedure :: update => nothing_to_update
       procedure :: piecewise_linear => is_piecewise_linear
+      procedure :: form_for_newton => is_its_own_form
+      procedure :: forces => trial_that_presses
+      ! What follows from those.
+      procedure, non_overridable :: compliance
+      procedure, non_overridable :: is_exact
+      procedure, non_overridable :: reads_slope
    end type enforcement_type
 
    abstract interface
@@ -43,52 +65,57 @@ module lopin_enforcement
 
 contains
 
-   !> Penetration per force that the method allows at a point [length/force].
-   elemental real(wp) function no_compliance(self, alpha)
-      class(enforcement_type), intent(in) :: self
-      real(wp), intent(in) :: alpha   !! nodal stiffness [force/length]
-      associate (unused => self, also => alpha)
-         no_compliance = 0.0_wp
-      end associate
-   end function no_compliance
+   !> A copy of a method. By intrinsic assignment some compilers keep the room of what stood there.
+   subroutine copy_method(method, copy)
+      class(enforcement_type), intent(in) :: method
+      class(enforcement_type), allocatable, intent(out) :: copy
+      allocate (copy, source=method)
+   end subroutine copy_method
 
-   !> Energy that the law of a point holds at a gap [force*length].
-   elemental real(wp) function nothing_stored(self, gap, alpha)
+   !> .true.: `update` moves the multiplier after each solve, until nothing moves.
+   pure logical function is_never_updated(self)
       class(enforcement_type), intent(in) :: self
-      real(wp), intent(in) :: gap     !! [length]
-      real(wp), intent(in) :: alpha   !! as of `forces`
-      associate (unused => self, also => gap, too => alpha)
-         nothing_stored = 0.0_wp
+      associate (unused => self)
+         is_never_updated = .false.
       end associate
-   end function nothing_stored
+   end function is_never_updated
 
-   !> Force and stiffness -d force/d gap of a spring at the given gap; the multiplier shifts it.
-   elemental subroutine pressed_by_springs(self, gap, alpha, multiplier, bilateral, force, &
-      & stiffness)
+   !> Force of a spring at a gap before it is cut where it would pull, and its stiffness -d/d gap.
+   elemental subroutine pressed_by_springs(self, gap, alpha, multiplier, force, stiffness)
       class(enforcement_type), intent(in) :: self
       real(wp), intent(in) :: gap          !! [length]
-      real(wp), intent(in) :: alpha        !! nodal stiffness [force/length]
-      real(wp), intent(in) :: multiplier   !! [force]
-      logical, intent(in) :: bilateral
-      real(wp), intent(out) :: force       !! [force]
-      real(wp), intent(out) :: stiffness   !! [force/length]
+      real(wp), intent(in) :: alpha        !! stiffness; the weight of the point for a pressure law
+                                           !! [force/length], of an area [stress/length]
+      real(wp), intent(in) :: multiplier   !! that is frozen [force or stress]
+      real(wp), intent(out) :: force       !! [force or stress]
+      real(wp), intent(out) :: stiffness   !! [as alpha]
 
       associate (unused => self)
          force = multiplier - alpha*gap
          stiffness = alpha
-         if (force > 0.0_wp .or. bilateral) return
-         force = 0.0_wp
-         stiffness = 0.0_wp
       end associate
    end subroutine pressed_by_springs
 
-   !> .true.: the force is linear in the gap as long as the point stays closed.
-   pure logical function is_piecewise_linear(self)
+   !> Penetration that a method which solves for the force allows under it; linear in the force.
+   elemental real(wp) function no_penetration(self, force, alpha)
       class(enforcement_type), intent(in) :: self
-      associate (unused => self)
-         is_piecewise_linear = .true.
+      real(wp), intent(in) :: force   !! [force or stress]
+      real(wp), intent(in) :: alpha   !! as of `trial`
+      associate (unused => self, also => force, too => alpha)
+         no_penetration = 0.0_wp
       end associate
-   end function is_piecewise_linear
+   end function no_penetration
+
+   !> Energy that the law of a point holds at a gap under a force [force*length, or per area].
+   elemental real(wp) function nothing_stored(self, gap, force, alpha)
+      class(enforcement_type), intent(in) :: self
+      real(wp), intent(in) :: gap     !! [length]
+      real(wp), intent(in) :: force   !! [force or stress]
+      real(wp), intent(in) :: alpha   !! as of `trial`
+      associate (unused => self, also => gap, too => force, and => alpha)
+         nothing_stored = 0.0_wp
+      end associate
+   end function nothing_stored
 
    !> After a converged solve: new multipliers; `change` is what they moved by (0: nothing to do).
    elemental subroutine nothing_to_update(self, force, multiplier, change)
@@ -100,4 +127,59 @@ contains
          change = 0.0_wp
       end associate
    end subroutine nothing_to_update
+
+   !> .true.: the trial is multiplier - alpha*gap, and a set of closed points decides all.
+   pure logical function is_piecewise_linear(self)
+      class(enforcement_type), intent(in) :: self
+      associate (unused => self)
+         is_piecewise_linear = .true.
+      end associate
+   end function is_piecewise_linear
+
+   !> The method that has the same limit and is solved in its place by Newton's iterations;
+   !> unallocated: itself.
+   subroutine is_its_own_form(self, setting, form)
+      class(enforcement_type), intent(in) :: self
+      type(setting_type), intent(in) :: setting
+      class(enforcement_type), allocatable, intent(out) :: form
+      associate (unused => self, also => setting)
+         if (allocated(form)) deallocate (form)
+      end associate
+   end subroutine is_its_own_form
+
+   !> Force and stiffness -d force/d gap of a spring, cut where it would pull.
+   elemental subroutine trial_that_presses(self, gap, alpha, multiplier, bilateral, force, &
+      & stiffness)
+      class(enforcement_type), intent(in) :: self
+      real(wp), intent(in) :: gap, alpha, multiplier   !! as of `trial`
+      logical, intent(in) :: bilateral
+      real(wp), intent(out) :: force, stiffness
+
+      call self%trial(gap, alpha, multiplier, force, stiffness)
+      if (force > 0.0_wp .or. bilateral) return
+      force = 0.0_wp
+      stiffness = 0.0_wp
+   end subroutine trial_that_presses
+
+   !> Penetration per force [length/force].
+   elemental real(wp) function compliance(self, alpha)
+      class(enforcement_type), intent(in) :: self
+      real(wp), intent(in) :: alpha   !! as of `trial`
+      compliance = self%penetration(1.0_wp, alpha)
+   end function compliance
+
+   !> .true.: no penetration is left under a force, whatever the stiffness.
+   pure logical function is_exact(self)
+      class(enforcement_type), intent(in) :: self
+
+      is_exact = self%updates()
+      if (.not. is_exact .and. self%solves_for_multiplier()) &
+         & is_exact = .not. self%penetration(1.0_wp, 1.0_wp) > 0.0_wp
+   end function is_exact
+
+   !> .true.: it needs a slope of pressure over penetration, from the deck or chosen.
+   pure logical function reads_slope(self)
+      class(enforcement_type), intent(in) :: self
+      reads_slope = self%piecewise_linear() .and. (self%updates() .or. .not. self%is_exact())
+   end function reads_slope
 end module lopin_enforcement

@@ -1,4 +1,4 @@
-!> From a method's number or name to the method.
+!> From a method's name to the method. This is the only list of them.
 module lopin_enforcement_factory
    use lopin_enforcement, only : enforcement_type
    use lopin_enforcement_lagrange, only : lagrange_type
@@ -7,11 +7,14 @@ module lopin_enforcement_factory
    use lopin_enforcement_augmented, only : augmented_type
    implicit none
    private
-   public :: new_enforcement, method_names, enforcement_holder_type
+   public :: new_enforcement, method_names, method_parameters, enforcement_holder_type
 
-   !> In the order of the numbers that the model uses.
    character(len=*), parameter :: method_names(4) = [character(len=9) :: &
       & 'lagrange', 'penalty', 'perturbed', 'augmented']
+
+   !> The parameter of *SURFACE BEHAVIOR that asks for each.
+   character(len=*), parameter :: method_parameters(4) = [character(len=18) :: 'DIRECT', &
+      & 'PENALTY', 'PERTURBED LAGRANGE', 'AUGMENTED LAGRANGE']
 
    type :: enforcement_holder_type
       class(enforcement_type), allocatable :: method
@@ -19,19 +22,19 @@ module lopin_enforcement_factory
 
 contains
 
-   !> Unallocated for a number that is not a method.
-   subroutine new_enforcement(self, number)
+   !> Unallocated for a name that is not a method's.
+   subroutine new_enforcement(self, name)
       class(enforcement_type), allocatable, intent(out) :: self
-      integer, intent(in) :: number
+      character(len=*), intent(in) :: name
 
-      select case (number)
-      case (1)
+      select case (name)
+      case ('lagrange')
          allocate (lagrange_type :: self)
-      case (2)
+      case ('penalty')
          allocate (penalty_type :: self)
-      case (3)
+      case ('perturbed')
          allocate (perturbed_type :: self)
-      case (4)
+      case ('augmented')
          allocate (augmented_type :: self)
       end select
    end subroutine new_enforcement

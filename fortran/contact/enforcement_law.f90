@@ -20,6 +20,7 @@ module lopin_enforcement_law
       procedure :: word
       procedure :: solves_for_multiplier
       procedure :: piecewise_linear
+      procedure :: trial
       procedure :: forces
       procedure :: stored
    end type law_type
@@ -68,26 +69,39 @@ contains
    end function piecewise_linear
 
    !> Here alpha is the weight of the point: pressure times alpha is force.
+   elemental subroutine trial(self, gap, alpha, multiplier, force, stiffness)
+      class(law_type), intent(in) :: self
+      real(wp), intent(in) :: gap, alpha, multiplier
+      real(wp), intent(out) :: force, stiffness
+
+      associate (unused => multiplier)
+         call pressure_law(self, -gap, force, stiffness)
+      end associate
+      force = force*alpha
+      stiffness = stiffness*alpha
+   end subroutine trial
+
+   !> A law never pulls, and what just touches has its slope.
    elemental subroutine forces(self, gap, alpha, multiplier, bilateral, force, stiffness)
       class(law_type), intent(in) :: self
       real(wp), intent(in) :: gap, alpha, multiplier
       logical, intent(in) :: bilateral
       real(wp), intent(out) :: force, stiffness
 
-      associate (unused => multiplier, also => bilateral)
-         call pressure_law(self, -gap, force, stiffness)
+      associate (unused => bilateral)
+         call self%trial(gap, alpha, multiplier, force, stiffness)
       end associate
-      force = force*alpha
-      stiffness = stiffness*alpha
    end subroutine forces
 
    !> The integral of the pressure over the overclosure.
-   elemental real(wp) function stored(self, gap, alpha) result(energy)
+   elemental real(wp) function stored(self, gap, force, alpha) result(energy)
       class(law_type), intent(in) :: self
-      real(wp), intent(in) :: gap, alpha
+      real(wp), intent(in) :: gap, force, alpha
       real(wp) :: t, far, p, slope, last, from
       integer :: i, n
 
+      associate (unused => force)
+      end associate
       energy = 0.0_wp
       call pressure_law(self, -gap, p, slope)
       if (.not. p > 0.0_wp) return

@@ -12,7 +12,8 @@ module lopin_enforcement_perturbed
    contains
       procedure :: word
       procedure :: solves_for_multiplier
-      procedure :: compliance
+      procedure :: penetration
+      procedure :: stored
    end type perturbed_type
 
 contains
@@ -32,11 +33,19 @@ contains
       end associate
    end function solves_for_multiplier
 
-   elemental real(wp) function compliance(self, alpha)
+   elemental real(wp) function penetration(self, force, alpha)
       class(perturbed_type), intent(in) :: self
-      real(wp), intent(in) :: alpha
+      real(wp), intent(in) :: force, alpha
       associate (unused => self)
-         compliance = 1.0_wp/alpha
+         penetration = force/alpha
       end associate
-   end function compliance
+   end function penetration
+
+   elemental real(wp) function stored(self, gap, force, alpha)
+      class(perturbed_type), intent(in) :: self
+      real(wp), intent(in) :: gap, force, alpha
+      associate (unused => self, also => gap)
+         stored = 0.5_wp*force**2/alpha
+      end associate
+   end function stored
 end module lopin_enforcement_perturbed

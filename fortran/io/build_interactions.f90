@@ -10,7 +10,11 @@ module lopin_build_interactions
    use lopin_kinds, only : wp
    use lopin_error, only : location_type, log_type, severity
    use lopin_text, only : to_text
-   use lopin_model, only : model_type, interaction_type, method_of, overclosure_of
+   use lopin_enforcement, only : copy_method
+   use lopin_enforcement_factory, only : new_enforcement, method_names, method_parameters
+   use lopin_enforcement_law, only : law_type, new_exponential, new_tabular
+   use lopin_model, only : model_type, interaction_type, overclosure_of
+   use lopin_interactions, only : new_interaction, add_interaction
    use lopin_block, only : deck_type, block_type, field_type, split_fields, field_real, &
       & complain, has_parameter, line_place
    use lopin_build_friction, only : read_friction
@@ -38,7 +42,7 @@ contains
          associate (block => deck%block(scene%card(k)%block), n => size(model%interaction))
             select case (block%keyword)
             case ('SURFACE INTERACTION')
-               interaction = interaction_type()
+               call new_interaction(interaction)
                described = .false.
                rubbed = .false.
                call need_word(block, 'NAME', interaction%name, at, open, model%log)
@@ -51,7 +55,7 @@ contains
                      & //'` is defined twice, first in line ' &
                      & //to_text(model%interaction(i)%at%line), at)
                end do
-               model%interaction = [model%interaction, interaction]
+               call add_interaction(model, interaction)
             case ('SURFACE BEHAVIOR', 'FRICTION')
                if (scene%card(k)%step > 0) cycle
                if (.not. open) then
@@ -89,9 +93,10 @@ contains
       type(interaction_type), intent(inout) :: interaction
       type(block_type), intent(in) :: block
       type(log_type), intent(inout) :: log
-      character(len=:), allocatable :: law
+      character(len=:), allocatable :: law, method
       type(location_type) :: at
       logical :: found, direct, hard
+      integer :: i
 
       call get_word(block, 'PRESSURE-OVERCLOSURE', law, at, found)
       if (.not. found) law = 'HARD'
@@ -111,12 +116,13 @@ contains
       case default
          interaction%overclosure = overclosure_of%hard
       end select
-      interaction%method = method_of%lagrange
-      if (.not. hard .and. law /= 'TIED') interaction%method = merge(method_of%perturbed, &
-         & method_of%penalty, direct)
-      if (has_parameter(block, 'PENALTY')) interaction%method = method_of%penalty
-      if (has_parameter(block, 'AUGMENTED LAGRANGE')) interaction%method = method_of%augmented
-      if (has_parameter(block, 'PERTURBED LAGRANGE')) interaction%method = method_of%perturbed
+      method = 'lagrange'
+      if (.not. hard .and. law /= 'TIED') method = trim(merge('perturbed', 'penalty  ', direct))
+      do i = 1, size(method_names)
+         if (method_parameters(i) == 'DIRECT') cycle
+         if (has_parameter(block, trim(method_parameters(i)))) method = trim(method_names(i))
+      end do
+      call new_enforcement(interaction%method, method)
       call check_one_method(block, log)
       if (law == 'TABULAR' .or. law == 'EXPONENTIAL') call free_law(interaction, block, law, log)
       select case (law)
@@ -130,7 +136,8 @@ contains
       if (law /= 'TABULAR' .and. block%nline > 1) call complain(log, 'E0103', &
          & '*SURFACE BEHAVIOR has one data line here', line_place(block%line(2)), &
          & help='a table needs PRESSURE-OVERCLOSURE=TABULAR')
-      if (law == 'TIED' .and. interaction%slope > 0.0_wp) interaction%method = method_of%penalty
+      if (law == 'TIED' .and. interaction%slope > 0.0_wp) call new_enforcement( &
+         & interaction%method, 'penalty')
    end subroutine read_behaviour
 
    !> A pressure-overclosure law says all: no method is needed to enforce it, and it does not pull.
@@ -140,10 +147,9 @@ contains
       character(len=*), intent(in) :: law
       type(log_type), intent(inout) :: log
 
-      if (interaction%method == method_of%augmented) then
+      if (interaction%method%updates()) then
          call log%say(severity%note, 'N0306', 'AUGMENTED LAGRANGE is not used: '// &
             & 'PRESSURE-OVERCLOSURE='//law//' gives the pressure of every penetration', block%at)
-         interaction%method = method_of%penalty
       end if
       if (interaction%no_separation) then
          call log%say(severity%warning, 'W0305', 'NO SEPARATION does nothing here: '// &
@@ -156,19 +162,16 @@ contains
    subroutine check_one_method(block, log)
       type(block_type), intent(in) :: block
       type(log_type), intent(inout) :: log
-      character(len=*), parameter :: words(4) = [character(len=18) :: 'DIRECT', 'PENALTY', &
-         & 'AUGMENTED LAGRANGE', &
-         & 'PERTURBED LAGRANGE']
       character(len=:), allocatable :: text
       integer :: i, n
 
       n = 0
       text = ''
-      do i = 1, size(words)
-         if (.not. has_parameter(block, trim(words(i)))) cycle
+      do i = 1, size(method_parameters)
+         if (.not. has_parameter(block, trim(method_parameters(i)))) cycle
          n = n + 1
          if (n > 1) text = text//' and '
-         text = text//trim(words(i))
+         text = text//trim(method_parameters(i))
       end do
       if (n > 1 .and. text /= 'DIRECT and PERTURBED LAGRANGE') call complain(log, 'E0306', &
          & '*SURFACE BEHAVIOR asks for '//text//': one method only', block%at)
@@ -198,7 +201,7 @@ contains
          & //' of interaction `'//interaction%name//'` is not positive', field(1)%at, &
          & help='leave it blank to have it chosen from the elements behind the surface')
       if (given(1)) interaction%slope = value(1)
-      if (given(1) .and. interaction%method == method_of%lagrange &
+      if (given(1) .and. .not. interaction%method%reads_slope() &
          & .and. law /= 'TIED') call log%say(severity%note, &
          & 'N0306', 'the slope is not used: contact of interaction `'//interaction%name &
          & //'` is hard', field(1)%at)
@@ -227,6 +230,7 @@ contains
       type(block_type), intent(in) :: block
       type(log_type), intent(inout) :: log
       type(field_type), allocatable :: field(:)
+      type(law_type) :: exponential
       real(wp) :: c0, p0
       integer :: n
       logical :: found
@@ -244,6 +248,8 @@ contains
          & //to_text(c0, 6)//' and p0 = ' &
          & //to_text(p0, 6)//' must be positive', line_place(block%line(1)))
       interaction%table(:, 1) = [p0, c0]
+      call new_exponential(exponential, p0, c0)
+      call copy_method(exponential, interaction%method)
    end subroutine read_exponential
 
    subroutine read_table(interaction, block, log)
@@ -251,6 +257,7 @@ contains
       type(block_type), intent(in) :: block
       type(log_type), intent(inout) :: log
       type(field_type), allocatable :: field(:)
+      type(law_type) :: tabular
       integer :: j, i, n
       logical :: found
 
@@ -271,5 +278,7 @@ contains
       end do
       if (block%nline < 2) call complain(log, 'E0103', &
          & 'PRESSURE-OVERCLOSURE=TABULAR needs at least two lines', block%at)
+      call new_tabular(tabular, interaction%table(1, :), interaction%table(2, :))
+      call copy_method(tabular, interaction%method)
    end subroutine read_table
 end module lopin_build_interactions

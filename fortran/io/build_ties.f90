@@ -3,6 +3,7 @@ module lopin_build_ties
    use lopin_kinds, only : wp
    use lopin_error, only : location_type
    use lopin_text, only : parse_real, to_text
+   use lopin_interactions, only : new_interaction, add_interaction
    use lopin_model, only : model_type, pair_type, interaction_type, surface_of
    use lopin_block, only : deck_type, block_type, field_type, split_fields, complain, line_place
    use lopin_build_scene, only : scene_type, get_word, need_word
@@ -43,9 +44,10 @@ contains
 
       call need_word(block, 'NAME', word, at, found, model%log)
       ! No deck can call an interaction so: names have no asterisk.
+      call new_interaction(interaction)
       interaction%name = '*TIE '//word
       interaction%at = block%at
-      model%interaction = [model%interaction, interaction]
+      call add_interaction(model, interaction)
       same%interaction = size(model%interaction)
       same%tied = .true.
       call get_word(block, 'TYPE', word, at, found)

@@ -7,7 +7,7 @@ module lopin_check_options
    use lopin_facets, only : facets_type, new_facets
    use lopin_surface, only : surface_type, new_surface, update_surface
    use lopin_friction, only : friction_type, has_friction, law_of
-   use lopin_model, only : model_type, surface_of, overclosure_of, method_of, initial_of
+   use lopin_model, only : model_type, surface_of, overclosure_of, initial_of
    use lopin_block, only : deck_type, block_type, has_parameter
    implicit none
    private
@@ -141,7 +141,7 @@ contains
 
       do i = 1, size(model%pair)
          if (model%pair(i)%interaction == 0) cycle
-         if (model%interaction(model%pair(i)%interaction)%method == method_of%augmented) return
+         if (model%interaction(model%pair(i)%interaction)%method%updates()) return
       end do
       do i = 1, size(words)
          if (has_parameter(block, trim(words(i)))) call idle(model, block%at, trim(words(i)), &

@@ -23,8 +23,6 @@ module lopin_recorder_json
    character(len=*), parameter :: kind_words(5) = [character(len=12) :: 'plane strain', &
       & 'plane stress', &
       & 'axisymmetric', 'solid', 'rigid']
-   character(len=*), parameter :: method_words(4) = [character(len=9) :: 'lagrange', 'penalty', &
-      & 'perturbed', 'augmented']
    character(len=*), parameter :: severity_words(0:2) = [character(len=7) :: 'note', 'warning', &
       & 'error']
 
@@ -274,7 +272,7 @@ contains
          if (model%pair(i)%master > 0) call json%add('master', &
             & model%surface(model%pair(i)%master)%name)
          if (model%pair(i)%interaction > 0) call json%add('method', &
-            & trim(method_words(model%interaction(model%pair(i)%interaction)%method)))
+            & model%interaction(model%pair(i)%interaction)%method%word())
          if (self%has_frame) then
             call json%add('force', self%pair(i)%force(:model%mesh%ndim))
             call json%add('area', self%pair(i)%area)

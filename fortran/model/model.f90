@@ -9,6 +9,7 @@ module lopin_model
    use lopin_checksum, only : checksum_type
    use lopin_mesh, only : mesh_type
    use lopin_tool, only : tool_type
+   use lopin_enforcement, only : enforcement_type
    use lopin_friction, only : friction_type
    use lopin_flow_curve, only : flow_type
    use lopin_plastic_return, only : plastic_type
@@ -20,7 +21,7 @@ module lopin_model
    public :: step_type, prescribed_type, point_load_type, face_load_type, body_load_type, &
       & output_type, temperature_type, initial_stress_type
    public :: control_type, tool_holder_type
-   public :: kind_of, method_of, overclosure_of, surface_of, output_of, initial_of
+   public :: kind_of, overclosure_of, surface_of, output_of, initial_of
    public :: amplitude_value, amplitude_integral, is_heated
 
    !> What the whole scene is; every section of a scene has the same number of dimensions.
@@ -28,12 +29,6 @@ module lopin_model
       integer :: plane_strain = 1, plane_stress = 2, axisymmetric = 3, solid = 4, rigid = 5
    end type kinds_of
    type(kinds_of), parameter :: kind_of = kinds_of()
-
-   !> Enforcement: the four methods of seed J.
-   type :: methods_of
-      integer :: lagrange = 1, penalty = 2, perturbed = 3, augmented = 4
-   end type methods_of
-   type(methods_of), parameter :: method_of = methods_of()
 
    type :: overclosures_of
       integer :: hard = 1, linear = 2, exponential = 3, tabular = 4, tied = 5
@@ -120,7 +115,7 @@ module lopin_model
    type :: interaction_type
       character(len=:), allocatable :: name
       type(location_type) :: at
-      integer :: method = 1                             !! method_of%...
+      class(enforcement_type), allocatable :: method    !! what presses, and how
       integer :: overclosure = 1                        !! overclosure_of%...
       logical :: no_separation = .false.
       real(wp) :: slope = 0.0_wp   !! pressure per penetration [stress/length]; 0: automatic

@@ -16,7 +16,10 @@ module point_scenes
    use lopin_model, only : model_type
    use lopin_dofs, only : dofs_type
    use lopin_friction, only : friction_type, condition_type
-   use lopin_contact_traction, only : grip_type, grip_kind
+   use lopin_contact_traction, only : grip_type
+   use lopin_enforcement_factory, only : new_enforcement
+   use lopin_enforcement, only : copy_method
+   use lopin_enforcement_augmented, only : mixed_type
    use lopin_enforcement_law, only : law_type, new_exponential
    use lopin_finite_points, only : finite_points_type
    use lopin_finite_owner, only : new_owners
@@ -28,14 +31,17 @@ module point_scenes
    implicit none
    private
    public :: point_scene_type, master_names, new_point_scene, look, random, grip_names
+   public :: tied_grip, set_method
 
    !> The six cells of facets in the order of their ids, then tools, then patches of facets.
    character(len=*), parameter :: master_names(14 + size(patch_names)) = [character(len=9) :: &
       & 'line2', 'line3', 'tri3', 'tri6', 'quad4', 'quad8', 'plane2', 'plane3', 'circle', &
       & 'sphere', 'cylinder', 'profile', 'extruded', 'revolved', patch_names]
-   !> In the order of grip_kind.
-   character(len=*), parameter :: grip_names(6) = [character(len=11) :: 'lagrange', 'penalty', &
-      & 'perturbed', 'augmented', 'overclosure', 'tied']
+   !> Methods by number: those of the factory, the form of the augmented one with unknown forces, a
+   !> law of pressure over overclosure, ties.
+   character(len=*), parameter :: grip_names(7) = [character(len=11) :: 'lagrange', 'penalty', &
+      & 'perturbed', 'augmented', 'mixed', 'overclosure', 'tied']
+   integer, parameter :: tied_grip = 7
 
    type :: point_scene_type
       integer :: ndim = 3
@@ -69,10 +75,33 @@ contains
       x = size_*(2.0_wp*x - 1.0_wp)
    end function random
 
+   !> A method of `grip_names`; springs have the stiffness c of the grip.
+   subroutine set_method(grip, kind, law)
+      type(grip_type), intent(inout) :: grip
+      integer, intent(in) :: kind
+      type(law_type), intent(in) :: law        !! of the overclosure
+
+      grip%tied = kind == tied_grip
+      select case (grip_names(kind))
+      case ('overclosure')
+         call copy_method(law, grip%method)
+         grip%slope = 1.0_wp
+         return
+      case ('mixed')
+         call copy_method(mixed_type(), grip%method)
+      case ('tied')
+         call new_enforcement(grip%method, 'lagrange')
+      case default
+         call new_enforcement(grip%method, trim(grip_names(kind)))
+      end select
+      if (.not. grip%method%solves_for_multiplier()) grip%slope = grip%c
+      if (grip_names(kind) == 'lagrange') grip%shear_slope = 0.0_wp
+   end subroutine set_method
+
    subroutine new_point_scene(self, name, kind, middle)
       type(point_scene_type), intent(out) :: self
       character(len=*), intent(in) :: name
-      integer, intent(in) :: kind              !! grip_kind%...
+      integer, intent(in) :: kind              !! of grip_names
       logical, intent(in), optional :: middle  !! opposite a tool: a mid-side node
       type(law_type) :: law
       integer :: cell, i
@@ -117,14 +146,12 @@ contains
          self%points%share(1) = 0.2_wp
          self%points%corner(:, 1) = [2, 3]
       end if
-      self%grip%kind = kind
       self%grip%c = 100.0_wp
       self%grip%ct = 40.0_wp
       self%grip%slope = 300.0_wp
       self%grip%shear_slope = 90.0_wp
       call new_exponential(law, 5.0_wp, 0.3_wp)
-      if (kind == grip_kind%overclosure) self%grip%law = law
-      if (kind == grip_kind%lagrange) self%grip%shear_slope = 0.0_wp
+      call set_method(self%grip, kind, law)
       self%grip%committed(:self%ndim) = random(self%ndim, 2.0_wp)
       self%grip%frozen(:self%ndim) = random(self%ndim, 2.0_wp)
       self%grip%creep(:self%ndim) = random(self%ndim, 0.02_wp)
@@ -377,8 +404,7 @@ contains
       if (allocated(self%points%growth(1)%slope)) self%at%growth = 1.1_wp &
          & + dot_product(self%points%growth(1)%slope, u)
       first = 0
-      if (any(self%grip%kind == [grip_kind%lagrange, grip_kind%perturbed, grip_kind%tied])) &
-         & first = 1
+      if (self%grip%method%solves_for_multiplier()) first = 1
       call evaluate_point(self%state, local, self%model, self%dofs, self%basis, self%masters, &
          & self%points, 1, self%opposite, self%anchor, self%grip, self%friction, self%at, &
          & self%shift, lambda, first, wanted)

@@ -76,7 +76,7 @@ contains
       problem%max_augmentations = [merge(60, 0, method == 4)]
       problem%penetration = [0.0_wp]
       allocate (problem%group(1))
-      call new_enforcement(problem%group(1)%method, method)
+      call new_enforcement(problem%group(1)%method, trim(method_names(method)))
    end subroutine new_problem
 
    !> Benchmark A2: springs 1000 and 500, gap 0.2, F = 800.

@@ -4,11 +4,11 @@ program test_contact_point
    use lopin_dense, only : symmetric_eigen
    use lopin_friction, only : friction_type, law_of, law_names, regularization_names, &
       & regularization_of
-   use lopin_contact_traction, only : grip_kind
+   use lopin_enforcement_factory, only : new_enforcement
    use lopin_projection, only : place
    use lopin_rigid_motion, only : rotation_matrix
    use point_scenes, only : point_scene_type, master_names, grip_names, new_point_scene, look, &
-      & random
+      & random, tied_grip
    use check, only : test, close_to, is_true, finish
    implicit none
 
@@ -49,7 +49,7 @@ contains
                do regularization = 1, size(regularization_names)
                   if (law == 0 .and. regularization > 1) cycle
                   if (master > ntool .and. regularization > 2) cycle
-                  if (kind == grip_kind%tied .and. law > 0) cycle
+                  if (kind == tied_grip .and. law > 0) cycle
                   do draw = 1, merge(1, 2, master > ntool)
                      call new_point_scene(scene, trim(master_names(master)), kind)
                      scene%friction = law_with(law, regularization)
@@ -88,7 +88,7 @@ contains
       do kind = 1, size(grip_names)
          do master = first_tool, last_tool
             do law = 0, size(law_names)
-               if (kind == grip_kind%tied .and. law > 0) cycle
+               if (kind == tied_grip .and. law > 0) cycle
                call new_point_scene(scene, trim(master_names(master)), kind, middle=.true.)
                scene%friction = law_with(law, 1)
                if (law == 0) scene%friction%law = law_of%none
@@ -219,15 +219,16 @@ contains
          do law = 0, size(law_names)
             call test('perturbed is penalty on '//trim(master_names(master))//', law '// &
                & achar(48 + law))
-            call new_point_scene(scene, trim(master_names(master)), grip_kind%penalty)
+            call new_point_scene(scene, trim(master_names(master)), findloc(grip_names, 'penalty', &
+               & dim=1))
             scene%friction = law_with(law, 1)
             u = random(scene%dofs%n, 0.02_wp)
-            scene%grip%c = 300.0_wp
+            scene%grip%slope = 300.0_wp
             scene%grip%ct = 90.0_wp
             call look(scene, u, [0.0_wp, 0.0_wp, 0.0_wp])
             z = scene%state%traction
             force = scene%state%force
-            scene%grip%kind = grip_kind%perturbed
+            call new_enforcement(scene%grip%method, 'perturbed')
             scene%grip%c = 50.0_wp
             scene%grip%ct = 20.0_wp
             call look(scene, u, z)
@@ -246,7 +247,7 @@ contains
 
       call test('coefficient 0 gives the bits of no friction')
       do master = 1, size(master_names)
-         do kind = 1, 5
+         do kind = 1, tied_grip - 1
             call new_point_scene(scene, trim(master_names(master)), kind)
             u = random(scene%dofs%n, 0.02_wp)
             call look(scene, u, [0.0_wp, 0.0_wp, 0.0_wp])

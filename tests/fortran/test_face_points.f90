@@ -10,7 +10,7 @@ program test_face_points
    use lopin_build_model, only : new_model
    use lopin_dofs, only : dofs_type, new_dofs
    use lopin_friction, only : law_of
-   use lopin_enforcement_factory, only : method_names
+   use lopin_enforcement_factory, only : method_names, new_enforcement
    use lopin_face_points, only : face_points_type, new_face_points
    use lopin_face_rows, only : points_of_face
    use lopin_finite_contact, only : finite_contact_type, new_finite_contact
@@ -107,7 +107,7 @@ contains
       call read_deck_text(deck, text, 'scene.inp', '', log, error)
       if (.not. allocated(error)) call new_model(model, deck, error)
       call is_true('the deck is read', .not. allocated(error))
-      model%interaction%method = method
+      call new_enforcement(model%interaction(1)%method, trim(method_names(method)))
       model%interaction%friction%law = merge(law_of%coulomb, law_of%none, law == 1)
       model%interaction%friction%mu = 0.2_wp
       call new_dofs(dofs, model)

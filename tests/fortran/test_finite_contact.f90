@@ -7,7 +7,7 @@ program test_finite_contact
    use lopin_build_model, only : new_model
    use lopin_dofs, only : dofs_type, new_dofs
    use lopin_friction, only : law_of
-   use lopin_enforcement_factory, only : method_names
+   use lopin_enforcement_factory, only : method_names, new_enforcement
    use lopin_finite_contact, only : finite_contact_type, new_finite_contact
    use lopin_finite_history, only : start_increment, augment, leave_history
    use lopin_state, only : state_type, begin, accept, reject, new_contact_state
@@ -46,7 +46,9 @@ contains
       if (.not. allocated(error)) call new_model(model, deck, error)
       call is_true('the deck is read', .not. allocated(error))
       if (allocated(error)) return
-      model%interaction%method = method
+      do i = 1, size(model%interaction)
+         call new_enforcement(model%interaction(i)%method, trim(method_names(method)))
+      end do
       model%interaction%friction%law = law_of%coulomb
       model%interaction%friction%mu = 0.3_wp
       call new_dofs(dofs, model)

@@ -7,7 +7,7 @@ program test_finite_mortar
    use lopin_search, only : tree_type, build_tree
    use lopin_dofs, only : dofs_type
    use lopin_friction, only : friction_type, condition_type, law_names, law_of
-   use lopin_contact_traction, only : grip_type, grip_kind
+   use lopin_contact_traction, only : grip_type
    use lopin_enforcement_law, only : law_type, new_exponential
    use lopin_rigid_motion, only : rotation_matrix
    use lopin_mortar_node_2d, only : patch_type
@@ -15,6 +15,7 @@ program test_finite_mortar
    use lopin_finite_kernel, only : local_matrix_type, point_state_type
    use lopin_finite_mortar, only : present_mortar_type, mortar_anchor_type, update_mortar, &
       & meet_row, evaluate_mortar_point, lay_pieces
+   use point_scenes, only : set_method, tied_grip, grip_names
    use check, only : test, close_to, is_true, finish
    implicit none
    type(facet_rule_type) :: rules(6)
@@ -34,9 +35,9 @@ program test_finite_mortar
    call new_facet_rules(rules)
    worst = 0.0_wp
    do d = 2, 3
-      do kind = 1, 6
+      do kind = 1, tied_grip
          do law = 0, size(law_names)
-            if (kind == grip_kind%tied .and. law > 0) cycle
+            if (kind == tied_grip .and. law > 0) cycle
             do seed = 1, 2
                call one_point()
             end do
@@ -58,7 +59,7 @@ contains
       mortar = present_mortar_type()
       mortar%is_on = .true.
       mortar%in_space = d == 3
-      mortar%tied = kind == grip_kind%tied
+      mortar%tied = kind == tied_grip
       anchor = mortar_anchor_type()
       if (d == 3) call new_mortar_kernel(mortar%space%kernel, 0)
       if (allocated(start)) deallocate (start)
@@ -77,11 +78,10 @@ contains
       if (allocated(dofs%id)) deallocate (dofs%id)
       allocate (dofs%id(6, size(start, 2)), source=0)
       dofs%id(:d, :) = reshape([(i, i=1, dofs%n)], shape(start))
-      grip = grip_type(kind=kind, c=20.0_wp, ct=8.0_wp, slope=60.0_wp, shear_slope=18.0_wp)
-      if (kind == grip_kind%lagrange) grip%shear_slope = 0.0_wp
-      if (kind == grip_kind%tied .and. seed == 2) call let_go(grip)
+      grip = grip_type(c=20.0_wp, ct=8.0_wp, slope=60.0_wp, shear_slope=18.0_wp)
       call new_exponential(overclosure, 0.2_wp, 3.0_wp)
-      if (kind == grip_kind%overclosure) grip%law = overclosure
+      call set_method(grip, kind, overclosure)
+      if (kind == tied_grip .and. seed == 2) call let_go(grip)
       grip%committed(:d) = random(d, 0.3_wp)
       grip%frozen(:d) = random(d, 0.3_wp)
       grip%creep(:d) = random(d, 0.01_wp)
@@ -109,7 +109,7 @@ contains
 
    !> A corner in the middle: the last node takes its function on the steep facet over.
    logical function bent()
-      bent = d == 2 .and. seed == 2 .and. kind /= grip_kind%tied
+      bent = d == 2 .and. seed == 2 .and. kind /= tied_grip
    end function bent
 
    !> The last facet of the slave rises by 50 degrees and more.
@@ -189,7 +189,7 @@ contains
          & normal, gap)
       call is_true('covered', covered)
       if (from_start) return
-      first = merge(1, 0, any(kind == [grip_kind%lagrange, grip_kind%perturbed, grip_kind%tied]))
+      first = merge(1, 0, grip%method%solves_for_multiplier())
       call evaluate_mortar_point(state, local, mortar, dofs, x, patch, anchor, grip, friction, at, &
          & merge(-0.6_wp, 0.0_wp, bent()), lambda, first, .true., weight)
    end subroutine look
@@ -227,7 +227,7 @@ contains
       logical :: kink
       character(len=40) :: name
 
-      write (name, '(i0,"D, method ",i0,", law ",i0)') d, kind, law
+      write (name, '(i0,"D, ",a,", law ",i0)') d, trim(grip_names(kind)), law
       do try = 1, 30
          call set_scene()
          lambda = 0.0_wp
@@ -264,11 +264,11 @@ contains
          call close_to('forces balance', sum(pack(state%force, mod(local%dof(:local%nu) - j, d) &
             & == 0))/maxval(abs(state%force)), 0.0_wp, 1.0e-12_wp)
       end do
-      if (kind /= grip_kind%lagrange .and. kind /= grip_kind%perturbed .and. kind /= &
-         & grip_kind%tied) return
+      if (.not. grip%method%solves_for_multiplier()) return
       turn = rotation_matrix([0.0_wp, 0.0_wp, 0.7_wp])
       if (d == 3) turn = rotation_matrix([0.4_wp, -0.8_wp, 0.7_wp])
       grip%committed = matmul(turn, grip%committed)
+      grip%frozen = matmul(turn, grip%frozen)
       grip%creep = matmul(turn, grip%creep)
       grip%held = matmul(matmul(turn, grip%held), transpose(turn))
       turned = matmul(turn(:d, :d), x)

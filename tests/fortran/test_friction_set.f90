@@ -48,7 +48,7 @@ contains
       problem%max_augmentations = [0]
       problem%penetration = [0.0_wp]
       allocate (problem%group(1))
-      call new_enforcement(problem%group(1)%method, 1)
+      call new_enforcement(problem%group(1)%method, 'lagrange')
       associate (n => nnormal)
          points%n = n
          points%nt = nt
