@@ -183,11 +183,11 @@ contains
       if (with_tangent) then
          if (.not. allocated(scene%finite%k%value)) scene%finite%k = scene%k
          call assemble_finite(scene%solids, model%mesh, scene%trial%motion%u, &
-            & scene%accepted%solids, internal, &
+            & scene%finite%past, internal, &
             & scene%finite%energy, bad, scene%finite%k)
       else
          call assemble_finite(scene%solids, model%mesh, scene%trial%motion%u, &
-            & scene%accepted%solids, internal, &
+            & scene%finite%past, internal, &
             & scene%finite%energy, bad)
       end if
       inverted = bad%element

@@ -61,7 +61,7 @@ contains
       real(wp) :: u(3, model%mesh%nnode), mises(model%mesh%nnode)
 
       u = at_nodes(scene%dofs, displacement, model%mesh%nnode, model%mesh%ndim)
-      call nodal_mises(scene%solids, model%mesh, u, scene%accepted%solids, mises)
+      call nodal_mises(scene%solids, model%mesh, u, scene%finite%past, mises)
       associate (contact => scene%finite%contact)
          contact%mises = mises(contact%node(:contact%n))
       end associate
@@ -80,7 +80,7 @@ contains
 
       if (.not. scene%finite%flows) return
       if (.not. any(reads_yield(scene%finite%contact%friction))) return
-      call nodal_flow_stress(scene%solids, model%mesh, displacement, scene%accepted%solids, &
+      call nodal_flow_stress(scene%solids, model%mesh, displacement, scene%finite%past, &
          & scene%trial%solids, yield)
       if (.not. maxval(yield) > 0.0_wp) return
       associate (contact => scene%finite%contact)

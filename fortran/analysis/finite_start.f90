@@ -5,10 +5,11 @@ module lopin_finite_start
    use lopin_model, only : model_type
    use lopin_friction, only : has_friction
    use lopin_finite_points, only : is_self_contact
-   use lopin_finite_contact, only : new_finite_contact
+   use lopin_finite_contact, only : new_finite_contact, cover_size
    use lopin_solid_memory, only : new_solid_memory
    use lopin_heat, only : start_stresses
-   use lopin_state, only : begin, new_contact_state
+   use lopin_heat_work, only : start_heat_work
+   use lopin_state, only : begin, begin_step_of, new_contact_state
    use lopin_scene, only : scene_type
    implicit none
    private
@@ -19,7 +20,7 @@ module lopin_finite_start
 
 contains
 
-   !> Contacts and tractions of a scene that the finite path solves; from rest.
+   !> Contacts of a scene that the finite path solves; its state from rest, unless there is one.
    subroutine begin_finite(scene, model, error)
       type(scene_type), intent(inout) :: scene
       type(model_type), intent(in) :: model
@@ -30,13 +31,9 @@ contains
       call new_finite_contact(scene%finite%contact, model, scene%dofs, scene%log, error)
       if (allocated(error)) return
       scene%finite%in_use = .true.
-      call new_solid_memory(scene%accepted%solids, scene%solids, model%mesh)
-      scene%finite%flows = scene%accepted%solids%in_use
-      call new_contact_state(scene%accepted%contact, scene%finite%contact%nmultiplier, &
-         & scene%finite%contact%touches)
       call start_step(scene, model)
-      call start_stresses(scene, model)
-      call begin(scene%trial, scene%accepted)
+      if (.not. allocated(scene%accepted%solids%first)) call start_from_rest(scene, model)
+      scene%finite%flows = scene%accepted%solids%in_use
       scene%finite%augment_until = complementarity
       do pair = 1, size(model%pair)
          if (.not. model%interaction(model%pair(pair)%interaction)%method%updates()) cycle
@@ -44,6 +41,22 @@ contains
             & model%pair(pair)%control%max_augmentations)
       end do
    end subroutine begin_finite
+
+   !> Solids and contacts of the state before the first increment on this path.
+   subroutine start_from_rest(scene, model)
+      type(scene_type), intent(inout) :: scene
+      type(model_type), intent(in) :: model
+
+      associate (accepted => scene%accepted, contact => scene%finite%contact)
+         call new_solid_memory(accepted%solids, scene%solids, model%mesh)
+         call new_contact_state(accepted%contact, contact%nmultiplier, cover_size(contact), &
+            & contact%touches)
+         call begin_step_of(accepted, scene%finite%nlgeom)
+         call start_stresses(scene, model)
+         call start_heat_work(scene, model)
+         call begin(scene%trial, accepted)
+      end associate
+   end subroutine start_from_rest
 
    !> What steps change up to the present one: friction, pairs, NLGEOM.
    subroutine start_step(scene, model)
@@ -53,9 +66,6 @@ contains
 
       scene%finite%nlgeom = model%step(scene%step)%nlgeom
       scene%finite%contact%stretches = scene%finite%nlgeom
-      scene%accepted%motion%last_dt = 0.0_wp
-      scene%accepted%clock%usual = 0.0_wp
-      scene%accepted%solids%finite = scene%finite%nlgeom
       if (.not. scene%finite%in_use) return
       associate (contact => scene%finite%contact)
          do s = 1, scene%step

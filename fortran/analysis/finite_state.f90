@@ -7,6 +7,7 @@ module lopin_finite_state
    use lopin_finite_system, only : finite_system_type
    use lopin_follower_loading, only : follower_type
    use lopin_contraction, only : contraction_type
+   use lopin_state, only : solids_state_type
    implicit none
    private
    public :: finite_state_type, add_line, is_nonlinear, iteration_header
@@ -32,6 +33,8 @@ module lopin_finite_state
       type(follower_type) :: follower          !! pressures under NLGEOM
       type(csc_type) :: k                      !! (ndof) tangent of the solids, if not linear
       real(wp), allocatable :: internal(:)     !! (ndof) forces of the solids [force]
+      type(solids_state_type) :: past          !! what the solids were accepted with, at the
+                                               !! temperatures and over the time of the increment
       type(local_matrix_type), allocatable :: turning(:)   !! tangents of rigid bodies of nodes
       real(wp) :: energy = 0.0_wp              !! strain energy of the solids [force*length]
       real(wp) :: dt = 1.0_wp                  !! time increment [time]

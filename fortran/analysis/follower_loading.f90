@@ -8,9 +8,10 @@ module lopin_follower_loading
    use lopin_kinds, only : wp
    use lopin_model, only : model_type, step_type, face_load_type, amplitude_value
    use lopin_finite_kernel, only : local_matrix_type
+   use lopin_state, only : pressures_type
    implicit none
    private
-   public :: follower_type, new_followers, set_followers
+   public :: follower_type, new_followers, set_followers, leave_followers, resume_followers
 
    !> One entry for each face and load.
    type :: follower_type
@@ -29,6 +30,34 @@ module lopin_follower_loading
    end type follower_type
 
 contains
+
+   !> What the pressures are now, for the step that starts with them.
+   subroutine leave_followers(self, now)
+      type(follower_type), intent(in) :: self
+      type(pressures_type), intent(inout) :: now
+
+      if (.not. allocated(self%element)) return
+      now%element = self%element
+      now%face = self%face
+      now%family = self%family
+      now%steady = self%steady
+      now%pressure = self%pressure
+   end subroutine leave_followers
+
+   !> Pressures that a step started with.
+   subroutine resume_followers(self, before, ndof)
+      type(follower_type), intent(inout) :: self
+      type(pressures_type), intent(in) :: before
+      integer, intent(in) :: ndof
+
+      if (.not. allocated(before%element)) return
+      call clear(self, ndof)
+      self%element = before%element
+      self%face = before%face
+      self%family = before%family
+      self%steady = before%steady
+      self%pressure = before%pressure
+   end subroutine resume_followers
 
    !> Pressures of a step; before the call `self` are those at the end of the last step.
    subroutine new_followers(self, step, start, ndof)

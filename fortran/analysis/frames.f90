@@ -42,7 +42,7 @@ contains
       if (scene%finite%flows) call plastic_values(frame, scene, model, wants)
       if (.not. (wants%stress .or. wants%strain .or. wants%nodal_stress)) return
       if (is_nonlinear(scene%finite)) then
-         call recover_finite(scene%solids, model%mesh, frame%u(:3, :), scene%accepted%solids, &
+         call recover_finite(scene%solids, model%mesh, frame%u(:3, :), scene%finite%past, &
             & stress, strain)
       else
          call recover_stress(scene%solids, model%mesh, frame%u(:3, :), stress, strain)

@@ -6,7 +6,7 @@ module lopin_heat
    use lopin_scene, only : scene_type
    implicit none
    private
-   public :: start_stresses, heat_to
+   public :: start_stresses, start_solids
 
 contains
 
@@ -28,19 +28,22 @@ contains
       end associate
    end subroutine start_stresses
 
-   !> Bring the solids to the temperatures at a time of the present step.
-   subroutine heat_to(scene, model, time)
+   !> What the solids remember where an increment starts, at the temperatures of its end.
+   subroutine start_solids(scene, model)
       type(scene_type), intent(inout) :: scene
       type(model_type), intent(in) :: model
-      real(wp), intent(in) :: time         !! since the start of the step [time]
       real(wp) :: temperature(model%mesh%nnode)
 
-      if (.not. (scene%finite%flows .and. is_heated(model))) return
-      temperature = temperature_at(model, scene%step, time)
-      call heat_points(scene%accepted%solids, scene%solids, model%mesh, &
-         & temperature - model%temperature, scene%accepted%solids%pressed)
-      call temper_points(scene%accepted%solids, scene%solids, model%mesh, temperature)
-   end subroutine heat_to
+      associate (past => scene%finite%past)
+         past = scene%accepted%solids
+         past%dt = scene%finite%dt
+         if (.not. (scene%finite%flows .and. is_heated(model))) return
+         temperature = temperature_at(model, scene%step, scene%finite%time)
+         call heat_points(past, scene%solids, model%mesh, temperature - model%temperature, &
+            & past%pressed)
+         call temper_points(past, scene%solids, model%mesh, temperature)
+      end associate
+   end subroutine start_solids
 
    !> Linear from the end of the last step, at once with AMPLITUDE=STEP, or by an amplitude.
    function temperature_at(model, s, time) result(value)

@@ -10,7 +10,7 @@ module lopin_heat_work
    use lopin_scene, only : scene_type
    implicit none
    private
-   public :: add_heat_work
+   public :: start_heat_work, add_heat_work
 
 contains
 
@@ -25,8 +25,7 @@ contains
       integer :: e, k, row
 
       if (.not. is_heated(model)) return
-      if (.not. allocated(scene%accepted%solids%heated)) call begin(scene, model)
-      associate (memory => scene%accepted%solids, next => scene%trial%solids, &
+      associate (memory => scene%finite%past, next => scene%trial%solids, &
          & solids => scene%solids)
          call mean_stresses(scene, model, scene%trial%motion%u, now)
          next%heated = memory%heated
@@ -66,7 +65,7 @@ contains
             if (scene%dofs%id(i, node) > 0) u(i, node) = v(scene%dofs%id(i, node))
          end do
       end do
-      associate (memory => scene%accepted%solids, first => scene%solids%first_point)
+      associate (memory => scene%finite%past, first => scene%solids%first_point)
          call recover_finite(scene%solids, model%mesh, u, memory, stress, strain)
          allocate (mean(size(memory%value, 2)))
          do e = 1, model%mesh%nelement
@@ -80,11 +79,12 @@ contains
    end subroutine mean_stresses
 
    !> No work yet; the volumes of the points at the start.
-   subroutine begin(scene, model)
+   subroutine start_heat_work(scene, model)
       type(scene_type), intent(inout) :: scene
       type(model_type), intent(in) :: model
       integer :: e
 
+      if (.not. is_heated(model)) return
       associate (memory => scene%accepted%solids)
          allocate (memory%heated(2, size(memory%value, 2)), source=0.0_wp)
          memory%heated(2, :) = memory%pressed
@@ -94,7 +94,7 @@ contains
                & memory%place(memory%first(e):memory%first(e + 1) - 1))
          end do
       end associate
-   end subroutine begin
+   end subroutine start_heat_work
 
    subroutine measure(solids, model, e, volume)
       type(solids_type), intent(in) :: solids

@@ -15,6 +15,7 @@ module lopin_increment
    use lopin_plan, only : plan_type, path_of
    use lopin_run_type, only : run_type, watch_type
    use lopin_scene, only : scene_type
+   use lopin_solver_state, only : start_solver, leave_solver
    use lopin_overconstrained, only : tell_dependent, refuse_held_penetration
    use lopin_reach, only : some_bite, widen_reach, widen_to_nearest, all_within_reach
    use lopin_solve_path, only : prepare_path, widen_path, solve_path
@@ -71,6 +72,7 @@ contains
       type(forces_type) :: forces
 
       call begin(run%scene%trial, run%scene%accepted)
+      call start_solver(run%scene)
       call find_trial(run, model, recorders, forces, error)
       if (.not. allocated(error)) call measure_trial(run, model, forces, error)
       if (allocated(error)) return
@@ -168,8 +170,7 @@ contains
          call scene%clock%stop_in(phase%solve)
          if (scene%answer%dependent > 0) call tell_dependent(scene, model)
          if (.not. scene%finite%in_use) return
-         call remember(scene%solids, model%mesh, scene%trial%motion%u, scene%accepted%solids, &
-            & memory)
+         call remember(scene%solids, model%mesh, scene%trial%motion%u, scene%finite%past, memory)
          call limit_flow(scene, model, error)
          if (allocated(error)) return
          call add_heat_work(scene, model)
@@ -303,12 +304,11 @@ contains
             round = round + 1
             if (allocated(error)) then
                deallocate (error)
-               call reject(scene)
                call widen_to_nearest(scene, model, round)
             else
                call widen_reach(scene, model, round)
-               call reject(scene)
             end if
+            call reject(scene)
             scene%log = log
             call widen_path(scene, model, plan, run%summary, error)
             if (allocated(error)) return
@@ -389,6 +389,7 @@ contains
          trial%clock%number = frame%increment
          trial%clock%time = frame%step_time
          trial%clock%at_end = frame%last_of_step
+         call leave_solver(scene)
          if (finite%in_use) then
             if (finite%flows) then
                if (allocated(finite%contact%pair_active)) trial%contact%held = closed_pairs(finite)

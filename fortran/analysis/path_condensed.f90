@@ -51,9 +51,21 @@ contains
       call new_linear_system(scene%system, scene%k, scene%constraints, scene%bodies%support, &
          & retained, &
          & model%solver, scene%clock, scene%counter, bad, error)
+      call note_order(scene, retained)
       if (.not. allocated(error)) return
       if (bad > 0) call name_equation(scene, model, bad, error)
    end subroutine prepare_condensed
+
+   !> The order of the factor in force: it is made again in that order.
+   subroutine note_order(scene, last)
+      type(scene_type), intent(inout) :: scene
+      integer, intent(in) :: last(:)           !! equations that it kept last when it was made
+
+      scene%accepted%solver%joined = scene%system%late
+      scene%accepted%solver%last = last
+      scene%trial%solver%joined = scene%system%late
+      scene%trial%solver%last = last
+   end subroutine note_order
 
    !> Rows for the points within reach by now: on the factor that stands if they are few.
    subroutine widen_condensed(scene, model, error)
@@ -69,6 +81,7 @@ contains
       added = pack(retained, scene%system%place(retained) == 0)
       if (joins_cheaply(scene%system, size(added))) then
          call widen_system(scene%system, added, scene%counter, error)
+         call note_order(scene, scene%accepted%solver%last)
       else
          call prepare_condensed(scene, model, error)
       end if

@@ -18,7 +18,7 @@ module lopin_path_finite
    use lopin_finite_softness, only : settle_softness
    use lopin_finite_forces, only : nil_gap
    use lopin_predict, only : predict, start_from_accepted, coasts, floats
-   use lopin_heat, only : heat_to
+   use lopin_heat, only : start_solids
    use lopin_settled, only : set_floor
    use lopin_turning_bodies, only : turn_followers
    use lopin_finite_lagged, only : start_lagged
@@ -62,9 +62,7 @@ contains
       scene%finite%grounded = 0
       scene%finite%augmentations = 0
       scene%finite%nline = 0
-      scene%accepted%solids%dt = scene%finite%dt
-      scene%trial%solids%dt = scene%finite%dt
-      call heat_to(scene, model, scene%finite%time)
+      call start_solids(scene, model)
       scene%trial%motion%u = scene%accepted%motion%u
       call turn_followers(scene, model, error)
       if (allocated(error)) return

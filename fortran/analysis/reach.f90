@@ -40,7 +40,7 @@ contains
          do i = scene%points%first(pair), scene%points%first(pair + 1) - 1
             gap = scene%points%gap(i) + scene%initial%shift(i)
             if (has_samples(scene%points, i)) gap = row_gap_of(scene, model, i)
-            scene%candidate(i) = .not. gap &
+            scene%accepted%solver%candidate(i) = .not. gap &
                & > bite(model, pair) + moved + near*scene%points%size(i)
          end do
       end do
@@ -112,7 +112,8 @@ contains
 
       do pair = 1, size(model%pair)
          associate (law => model%interaction(model%pair(pair)%interaction), &
-            & mine => scene%candidate(scene%points%first(pair):scene%points%first(pair + 1) - 1))
+            & mine => scene%accepted%solver%candidate( &
+            & scene%points%first(pair):scene%points%first(pair + 1) - 1))
             if (.not. law%method%reads_slope()) cycle
             if (.not. law%slope*law%scale > 0.0_wp) mine = any(mine)
          end associate
@@ -123,12 +124,12 @@ contains
    pure logical function is_beyond(scene, i)
       type(scene_type), intent(in) :: scene
       integer, intent(in) :: i
-      is_beyond = scene%points%facet(i) > 0 .and. .not. scene%candidate(i)
+      is_beyond = scene%points%facet(i) > 0 .and. .not. scene%accepted%solver%candidate(i)
    end function is_beyond
 
    pure logical function all_within_reach(scene)
       type(scene_type), intent(in) :: scene
-      all_within_reach = all(scene%candidate)
+      all_within_reach = all(scene%accepted%solver%candidate)
    end function all_within_reach
 
    !> Some point beyond the reach would press on its master in the trial state.
@@ -154,7 +155,7 @@ contains
 
       do i = 1, scene%points%n
          if (.not. is_beyond(scene, i)) cycle
-         scene%candidate(i) = round > last_round .or. row_gap_of(scene, model, i) &
+         scene%accepted%solver%candidate(i) = round > last_round .or. row_gap_of(scene, model, i) &
             & < bite(model, scene%points%pair(i)) + scene%points%size(i)*2.0_wp**(round - 1)
       end do
       call keep_whole(scene, model)
@@ -173,9 +174,9 @@ contains
          if (is_beyond(scene, i)) nearest = min(nearest, scene%points%gap(i))
       end do
       do i = 1, scene%points%n
-         if (scene%candidate(i)) cycle
-         scene%candidate(i) = round > 1 .or. (scene%points%facet(i) > 0 .and. scene%points%gap(i) &
-            & <= 2.0_wp*nearest + facets*scene%points%size(i))
+         if (scene%accepted%solver%candidate(i)) cycle
+         scene%accepted%solver%candidate(i) = round > 1 .or. (scene%points%facet(i) > 0 &
+            & .and. scene%points%gap(i) <= 2.0_wp*nearest + facets*scene%points%size(i))
       end do
       call keep_whole(scene, model)
    end subroutine widen_to_nearest
@@ -200,41 +201,57 @@ contains
       do row = 1, scene%rows%nnormal
          if (from(row) == 0) gap(row) = max(row_gap_of(scene, model, scene%rows%point(row)), 0.0_wp)
       end do
-      associate (answer => scene%answer, kept => scene%accepted%friction)
-         if (allocated(answer%active)) then
-            if (size(answer%active) == old%n) answer%active = [(of(row), row=1, scene%rows%n)]
-         end if
-         call carry(answer%multiplier, 0.0_wp*gap)
-         call carry(answer%force, 0.0_wp*gap)
-         call carry(answer%gap, gap)
-         call carry(kept%force, 0.0_wp*gap)
-         call carry(kept%gap, gap)
+      associate (answer => scene%answer, kept => scene%accepted%friction, &
+         & start => scene%accepted%solver)
+         call carry_marks(answer%active, from, old%n)
+         call carry_marks(start%active, from, old%n)
+         call carry(start%multiplier, 0.0_wp*gap, from, old%n)
+         call carry(start%force, 0.0_wp*gap, from, old%n)
+         call carry(start%gap, gap, from, old%n)
+         call carry(answer%multiplier, 0.0_wp*gap, from, old%n)
+         call carry(answer%force, 0.0_wp*gap, from, old%n)
+         call carry(answer%gap, gap, from, old%n)
+         call carry(kept%force, 0.0_wp*gap, from, old%n)
+         call carry(kept%gap, gap, from, old%n)
       end associate
       scene%trial%friction = scene%accepted%friction
-
-   contains
-
-      logical function of(row)
-         integer, intent(in) :: row
-         of = .false.
-         if (from(row) > 0) of = scene%answer%active(from(row))
-      end function of
-
-      subroutine carry(value, new)
-         real(wp), allocatable, intent(inout) :: value(:)
-         real(wp), intent(in) :: new(:)
-         real(wp), allocatable :: carried(:)
-         integer :: i
-
-         if (.not. allocated(value)) return
-         if (size(value) /= old%n) return
-         allocate (carried, source=new)
-         do i = 1, size(new)
-            if (from(i) > 0) carried(i) = value(from(i))
-         end do
-         call move_alloc(carried, value)
-      end subroutine carry
+      scene%trial%solver = scene%accepted%solver
    end subroutine carry_rows
+
+   !> Marks of the rows that there were; new ones have none.
+   pure subroutine carry_marks(mark, from, nold)
+      logical, allocatable, intent(inout) :: mark(:)
+      integer, intent(in) :: from(:)           !! (nrow) where a row stood; 0: it is new
+      integer, intent(in) :: nold              !! rows that there were
+      logical :: carried(size(from))
+      integer :: i
+
+      if (.not. allocated(mark)) return
+      if (size(mark) /= nold) return
+      carried = .false.
+      do i = 1, size(from)
+         if (from(i) > 0) carried(i) = mark(from(i))
+      end do
+      mark = carried
+   end subroutine carry_marks
+
+   !> Values of the rows that there were; those of new ones are given.
+   pure subroutine carry(value, new, from, nold)
+      real(wp), allocatable, intent(inout) :: value(:)
+      real(wp), intent(in) :: new(:)           !! (nrow)
+      integer, intent(in) :: from(:)           !! (nrow) where a row stood; 0: it is new
+      integer, intent(in) :: nold              !! rows that there were
+      real(wp) :: carried(size(from))
+      integer :: i
+
+      if (.not. allocated(value)) return
+      if (size(value) /= nold) return
+      carried = new
+      do i = 1, size(from)
+         if (from(i) > 0) carried(i) = value(from(i))
+      end do
+      value = carried
+   end subroutine carry
 
    !> Where each of `new` stands in `old`, both increasing; 0: nowhere.
    pure subroutine match(old, new, from)

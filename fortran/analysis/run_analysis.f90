@@ -9,11 +9,11 @@ module lopin_run_analysis
    use lopin_model, only : model_type, step_type
    use lopin_report, only : frame_type, summary_type
    use lopin_recorder, only : recorder_holder_type
-   use lopin_follower_loading, only : new_followers
+   use lopin_follower_loading, only : new_followers, leave_followers
    use lopin_loading, only : loading_type, new_loading, carry_loads
    use lopin_plan, only : new_plan
    use lopin_run_type, only : run_type
-   use lopin_state, only : clock_state_type
+   use lopin_state, only : clock_state_type, begin_step_of
    use lopin_scene, only : scene_type, new_scene, set_supports
    use lopin_uneven_pressure, only : warn_of_uneven_pressure
    use lopin_reach, only : choose_reach
@@ -318,6 +318,8 @@ contains
          call start_loading(self%loading, scene, model)
          if (step > 1) self%watch%balance%springs_back = lets_go(held, scene)
          if (step > 1) call let_go(held, scene, self%loading%before)
+         scene%accepted%loads%before = self%loading%before
+         scene%accepted%loads%from = self%loading%from
       end associate
    end subroutine begin_step
 
@@ -333,6 +335,7 @@ contains
          call new_loading(loading, model, scene%dofs, scene%constraints, scene%solids, step, &
             & accepted)
          call start_step(scene, model)
+         call begin_step_of(accepted, step%nlgeom)
          if (step%nlgeom) call new_followers(scene%finite%follower, step, accepted%clock%start, &
             & scene%dofs%n)
       end associate
@@ -411,6 +414,7 @@ contains
          if (scene%step < size(model%step)) call carry_loads(self%loading, model, scene%dofs, &
             & scene%constraints, scene%solids, step, model%step(scene%step + 1), &
             & scene%accepted%loads%steady)
+         call leave_followers(scene%finite%follower, scene%accepted%loads%followers)
          call judge_step(scene, model, watch%seen)
          if (scene%finite%in_use) call end_balance(watch%balance, scene, model, energy)
          call end_jumps(watch%jumps, scene, model, energy)

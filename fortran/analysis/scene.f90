@@ -34,7 +34,7 @@ module lopin_scene
    implicit none
    private
    public :: scene_type, new_scene, set_supports, retained_equations, rebuild_rows
-   public :: follow_tools
+   public :: follow_tools, stand_tools
 
    type :: scene_type
       type(state_type) :: accepted, trial          !! all that evolves; the rest follows from it
@@ -51,7 +51,7 @@ module lopin_scene
       type(linear_system_type) :: system
       type(full_system_type) :: full               !! in the place of `system` on the path newton
       logical :: fresh_factor = .true.
-      integer, allocatable :: kept_last(:)         !! equations, of a factor to be made again
+      integer, allocatable :: kept_last(:)         !! equations, of a factor that is made again
       type(finite_state_type) :: finite            !! of the finite path; else unused
       ! of an increment
       type(contact_rows_type) :: rows
@@ -63,7 +63,6 @@ module lopin_scene
       real(wp) :: stiffer = 1.0_wp                 !! times slopes are raised in it
       real(wp), allocatable :: gap(:)              !! (nrow) gaps at zero equations
       real(wp), allocatable :: place(:, :)         !! (6, nbody) where tools were projected
-      logical, allocatable :: candidate(:)         !! (npoint) within reach: may have a row
       real(wp) :: interference = 1.0_wp            !! share of initial overclosures that is applied
       real(wp), allocatable :: guess(:)   !! (ndof) those that place the tools that forces move
       real(wp) :: margin = 0.0_wp   !! displacements below a quarter of it fold no corner [length]
@@ -107,9 +106,9 @@ contains
          allocate (loads%steady(self%dofs%n), loads%force(self%dofs%n), &
             & loads%reaction(self%dofs%n), source=0.0_wp)
       end associate
+      allocate (self%accepted%solver%candidate(self%points%n), source=.true.)
       call begin(self%trial, self%accepted)
       call new_friction_tests(self%friction, self%points%n)
-      allocate (self%candidate(self%points%n), source=.true.)
    end subroutine new_scene
 
    function sections_of(model) result(section)
@@ -185,14 +184,14 @@ contains
 
       allocate (wanted(self%constraints%neq), source=.false.)
       call new_contact_rows(self%rows, model, self%dofs, self%points, self%initial, self%place, &
-         & self%accepted%friction%closed, self%candidate)
+         & self%accepted%friction%closed, self%accepted%solver%candidate)
       do k = 1, size(self%rows%dof)
          call want(self%rows%dof(k))
       end do
       do pair = 1, size(model%pair)
          if (.not. may_turn(self, model, pair)) cycle
          do i = self%points%first(pair), self%points%first(pair + 1) - 1
-            if (.not. self%candidate(i)) cycle
+            if (.not. self%accepted%solver%candidate(i)) cycle
             call want_node(self%points%node(i))
             if (.not. self%points%share(i) > 0.0_wp) cycle
             do k = 1, 2
@@ -226,7 +225,8 @@ contains
 
          do i = 1, size(self%points%face)
             associate (f => self%points%face(i))
-               if (f%pair /= pair .or. .not. any(self%candidate(f%point(:f%nnode)))) cycle
+               if (f%pair /= pair .or. .not. any(self%accepted%solver%candidate( &
+                  & f%point(:f%nnode)))) cycle
                do k = 1, f%nnode
                   call want_node(f%node(k))
                end do
@@ -336,25 +336,14 @@ contains
       type(scene_type), intent(inout) :: self
       type(model_type), intent(in) :: model
       real(wp), intent(in) :: prescribed(:)
-      integer :: pair, row
-      real(wp) :: before(6, size(model%rigid_body))
-      real(wp), allocatable :: rotation(:)
+      integer :: row
+      real(wp) :: place(6, size(model%rigid_body))
       type(sample_type), allocatable :: sample(:)
 
-      before = self%place
-      call tool_places(self, model, prescribed, self%place)
-      do pair = 1, size(model%pair)
-         associate (body => self%points%body(pair))
-            if (body == 0) cycle
-            if (pair_is_tied(model, model%pair(pair))) cycle
-            if (all(self%place(:, body) == before(:, body))) cycle
-            rotation = self%place(4:6, body)
-            if (model%mesh%ndim == 2) rotation = self%place(6:6, body)
-            call move_tool(self%points, model, pair, self%place(:model%mesh%ndim, body), rotation)
-         end associate
-      end do
+      call tool_places(self, model, prescribed, place)
+      call stand_tools(self, model, place)
       call new_contact_rows(self%rows, model, self%dofs, self%points, self%initial, self%place, &
-         & self%accepted%friction%closed, self%candidate)
+         & self%accepted%friction%closed, self%accepted%solver%candidate)
       do row = 1, self%rows%nnormal
          if (self%rows%tied(row)) cycle
          associate (point => self%rows%point(row))
@@ -365,4 +354,27 @@ contains
          end associate
       end do
    end subroutine rebuild_rows
+
+   !> Project the points on the tools where these stand; what does not move is left alone.
+   subroutine stand_tools(self, model, place)
+      type(scene_type), intent(inout) :: self
+      type(model_type), intent(in) :: model
+      real(wp), intent(in) :: place(:, :)      !! (6, nbody) of the references [length], [rad]
+      real(wp), allocatable :: rotation(:)
+      real(wp) :: before(6, size(model%rigid_body))
+      integer :: pair
+
+      before = self%place
+      self%place = place
+      do pair = 1, size(model%pair)
+         associate (body => self%points%body(pair))
+            if (body == 0) cycle
+            if (pair_is_tied(model, model%pair(pair))) cycle
+            if (all(place(:, body) == before(:, body))) cycle
+            rotation = place(4:6, body)
+            if (model%mesh%ndim == 2) rotation = place(6:6, body)
+            call move_tool(self%points, model, pair, place(:model%mesh%ndim, body), rotation)
+         end associate
+      end do
+   end subroutine stand_tools
 end module lopin_scene

@@ -94,7 +94,7 @@ contains
       summary%candidates = scene%rows%n
       associate (met => scene%points%facet(:scene%points%n) > 0)
          summary%plan = plan_line(plan, summary%solver, reason, summary%equations, &
-            & summary%retained, scene%rows%n, scene%bodies%nq, count(met .and. scene%candidate), &
+            & summary%retained, scene%rows%n, scene%bodies%nq, count(met .and. scene%accepted%solver%candidate), &
             & count(met), joined)
       end associate
    end subroutine describe

@@ -24,7 +24,7 @@ module lopin_finite_contact
    use lopin_finite_mortar, only : present_mortar_type, mortar_anchor_type, new_present_mortar
    implicit none
    private
-   public :: finite_contact_type, star_type, new_finite_contact, set_slopes
+   public :: finite_contact_type, star_type, new_finite_contact, set_slopes, cover_size
 
    !> The facets around each node of a mesh.
    type :: star_type
@@ -68,8 +68,8 @@ module lopin_finite_contact
       type(star_type), allocatable :: star(:)  !! (npair) of the slave, where bounds follow areas
       real(wp), allocatable :: start_normal(:, :)   !! (3, n) where the increment begins
       real(wp), allocatable :: start_gap(:)    !! (n) there; huge: nothing opposite [length]
-      real(wp), allocatable :: start_row(:)    !! (n) there, of rows with points inside facets [length]
-      real(wp), allocatable :: start_x(:, :)   !! (ndim, nnode) places then, if they are needed [length]
+      real(wp), allocatable :: start_row(:)    !! (n) there, rows with points in facets [length]
+      real(wp), allocatable :: start_x(:, :)   !! (ndim, nnode) places then, if needed [length]
       real(wp), allocatable :: touch(:)        !! (n) share of the increment before it touched [-]
       real(wp) :: noted = 0.0_wp   !! > 0: the next evaluation stands this share of the way from the
                                    !! start to where the increment leads before contacts close
@@ -87,11 +87,13 @@ module lopin_finite_contact
       type(mortar_anchor_type), allocatable :: mortar_anchor(:)  !! (n)
       type(patch_type), allocatable :: patch(:)        !! (n) of the last evaluation
       type(point_state_type), allocatable :: trial(:)  !! (n)
-      ! as it was chosen or measured when it was met first
+      ! as it was measured where contact was met first
+      real(wp), allocatable :: met_at(:)       !! (ndof) displacements there; else not yet [length]
+      real(wp), allocatable :: tied_at(:, :)   !! (ndim, nnode) places there [length]
       logical, allocatable :: loose(:)         !! of a tied pair, but too far to be tied
-      logical, allocatable :: yields(:)        !! of self-contact: only pressed upon
-      integer, allocatable :: pressing(:)      !! (nnode) pair of self-contact whose node presses
-      real(wp), allocatable :: tied_at(:, :)   !! (ndim, nnode) places where mortar ties were made
+      ! of self-contact, where the increment begins
+      logical, allocatable :: yields(:)        !! only pressed upon
+      integer, allocatable :: pressing(:)      !! (nnode) pair whose node presses
    end type finite_contact_type
 
 contains
@@ -156,6 +158,17 @@ contains
             & self%first_row(i) + model%mesh%ndim - 1) = i
       end do
    end subroutine new_finite_contact
+
+   !> Slave nodes of all pairs by mortar.
+   pure integer function cover_size(self)
+      type(finite_contact_type), intent(in) :: self
+      integer :: pair
+
+      cover_size = 0
+      do pair = 1, size(self%mortar)
+         if (self%mortar(pair)%is_on) cover_size = cover_size + size(self%mortar(pair)%cover%state)
+      end do
+   end function cover_size
 
    !> Slopes as they were chosen first, and where the deck leaves them open.
    subroutine keep_slopes(self, model)

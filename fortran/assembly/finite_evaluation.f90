@@ -187,6 +187,8 @@ contains
       self%opening(i) = self%gap(i)
       self%pressure(i) = 0.0_wp
       self%traction(:, i) = 0.0_wp
+      self%normal(:, i) = 0.0_wp
+      self%xi(:, i) = 0.0_wp
       self%trial(i) = point_state_type()
       if (self%first_row(i) == 0) return
       self%row(self%first_row(i):self%first_row(i) + d - 1) = lambda(:d)/self%grip(i)%c

@@ -12,6 +12,7 @@ module lopin_finite_history
    use lopin_state, only : contact_state_type
    use lopin_finite_contact, only : finite_contact_type, set_slopes
    use lopin_finite_meeting, only : find_present, meet, take_anchor, share_roles
+   use lopin_finite_first, only : meet_first
    use lopin_finite_faces, only : find_inner_feet
    use lopin_finite_touch, only : start_approach
    use lopin_finite_slip, only : drawn, path_of, dissipated, mean_work_of, speed_of, turn
@@ -24,7 +25,8 @@ module lopin_finite_history
 
 contains
 
-   !> Search from the accepted state; anchors of friction; tractions turned with the normals.
+   !> Search from the accepted state; anchors of friction; tractions turned with the normals. Ties
+   !> and walls are those of the state in which contact was met first.
    subroutine start_increment(self, model, accepted, u, dt, error)
       type(finite_contact_type), intent(inout) :: self
       type(model_type), intent(in) :: model
@@ -35,40 +37,28 @@ contains
       integer :: i
 
       self%dt = dt
+      if (.not. allocated(self%met_at)) then
+         if (allocated(accepted%met_at)) then
+            call meet_first(self, model, accepted%met_at, error)
+         else
+            call meet_first(self, model, u, error)
+         end if
+         if (allocated(error)) return
+      end if
       call move_masters(self%masters, model, self%dofs, self%finite_points_type, u, .true., &
          & self%cost, error)
       if (allocated(error)) return
-      if (any(self%grip%tied) .and. .not. allocated(self%tied_at)) &
-         & self%tied_at = self%masters%x
-      call start_owners(self%masters%owner, accepted%facet)
+      call start_search(self, accepted)
       call find_present(self, .true., error)
       if (allocated(error)) return
       do i = 1, self%n
          call meet(self, model, i, .true.)
-         if (.not. (self%grip(i)%tied .and. self%anchor(i)%set)) then
+         if (.not. self%grip(i)%tied) then
             call take_anchor(self, model, i)
             self%anchor(i)%offset = offset_of(self%masters, self%finite_points_type, i)
          end if
          if (self%opposite(i)%facet > 0) self%masters%part(i) = self%opposite(i)%foot%segment
-         associate (g => self%grip(i))
-            g%ct = self%ct(i)
-            g%c = self%c(i)
-            g%grazing = touching*g%c*self%size(i)
-            g%committed = accepted%traction(:, i)
-            g%creep = accepted%creep(:, i)
-            if (self%opposite(i)%facet > 0) then
-               call turn(accepted%normal(:, i), self%opposite(i)%normal, g%committed)
-               call turn(accepted%normal(:, i), self%opposite(i)%normal, g%creep)
-            end if
-            self%start_normal(:, i) = self%opposite(i)%normal
-            g%frozen = g%committed
-            g%approach = 0.0_wp
-            g%bilateral = accepted%closed(i) &
-               & .and. model%interaction(model%pair(self%pair(i))%interaction)%no_separation
-            self%bilateral(i) = g%bilateral .or. g%tied
-            g%yield = self%yield(i)
-            call remember_elastic(g, self%friction(self%pair(i)), self%opposite(i)%normal)
-         end associate
+         call start_point(self, model, i, accepted)
       end do
       call set_slopes(self, accepted%stiffer)
       call follow_areas(self, model)
@@ -80,6 +70,53 @@ contains
       call start_approach(self)
       call share_roles(self, model, accepted)
    end subroutine start_increment
+
+   !> The law of a point where an increment begins: from the accepted tractions, turned.
+   subroutine start_point(self, model, i, accepted)
+      type(finite_contact_type), intent(inout) :: self
+      type(model_type), intent(in) :: model
+      integer, intent(in) :: i
+      type(contact_state_type), intent(in) :: accepted
+
+      associate (g => self%grip(i))
+         g%ct = self%ct(i)
+         g%c = self%c(i)
+         g%grazing = touching*g%c*self%size(i)
+         g%committed = accepted%traction(:, i)
+         g%creep = accepted%creep(:, i)
+         if (self%opposite(i)%facet > 0) then
+            call turn(accepted%normal(:, i), self%opposite(i)%normal, g%committed)
+            call turn(accepted%normal(:, i), self%opposite(i)%normal, g%creep)
+         end if
+         self%start_normal(:, i) = self%opposite(i)%normal
+         g%frozen = g%committed
+         g%approach = 0.0_wp
+         g%bilateral = accepted%closed(i) &
+            & .and. model%interaction(model%pair(self%pair(i))%interaction)%no_separation
+         self%bilateral(i) = g%bilateral .or. g%tied
+         g%yield = self%yield(i)
+         call remember_elastic(g, self%friction(self%pair(i)), self%opposite(i)%normal)
+      end associate
+   end subroutine start_point
+
+   !> What the search goes on from.
+   subroutine start_search(self, accepted)
+      type(finite_contact_type), intent(inout) :: self
+      type(contact_state_type), intent(in) :: accepted
+      integer :: pair, n
+
+      call start_owners(self%masters%owner, accepted%facet)
+      self%masters%part = accepted%segment
+      n = 0
+      do pair = 1, size(self%mortar)
+         if (.not. self%mortar(pair)%is_on) cycle
+         associate (mortar => self%mortar(pair))
+            if (.not. mortar%tied) mortar%cover%state = accepted%cover(n + 1:n &
+               & + size(mortar%cover%state))
+            n = n + size(mortar%cover%state)
+         end associate
+      end do
+   end subroutine start_search
 
    !> Augmented Lagrangian: take the present tractions for the next solve.
    subroutine augment(self, nil, change, beyond)
@@ -113,8 +150,14 @@ contains
       type(finite_contact_type), intent(in) :: self
       type(contact_state_type), intent(in) :: accepted
       type(contact_state_type), intent(inout) :: trial
-      integer :: i
+      integer :: i, pair
 
+      trial%met_at = self%met_at
+      trial%segment = self%masters%part
+      trial%cover = [integer ::]
+      do pair = 1, size(self%mortar)
+         if (self%mortar(pair)%is_on) trial%cover = [trial%cover, self%mortar(pair)%cover%state]
+      end do
       ! Tractions go on by the area that the next increment begins with.
       trial%multiplier = trial%multiplier/self%growth(self%point_of_row)%ratio
       do i = 1, self%n

@@ -173,6 +173,8 @@ contains
 
       covered = anchor%tie%set
       if (covered) return
+      normal = 0.0_wp
+      gap = 0.0_wp
       k = point - self%first + 1
       node = self%slave%node(k)
       if (self%in_space) then

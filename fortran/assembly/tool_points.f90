@@ -154,6 +154,10 @@ contains
                & feet, nfeet)
          end associate
          do k = 1, 2
+            self%facet(i) = 0
+            self%normal(:, i) = 0.0_wp
+            self%foot(:, i) = 0.0_wp
+            self%gap(i) = 0.0_wp
             if (k <= nfeet) then
                call take_foot(self, i, feet(k), model%pair(pair)%extension)
                if (feet(k)%overhang <= 0.0_wp) call keep_start(self, i, motion, &
@@ -162,7 +166,6 @@ contains
             i = i + 1
             if (i >= self%first(pair + 1)) exit
             if (self%node(i) /= self%node(i - 1)) exit
-            self%facet(i) = 0
          end do
       end do
       call find_inner(self, model, pair, motion)

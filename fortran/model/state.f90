@@ -12,7 +12,8 @@ module lopin_state
    implicit none
    private
    public :: state_type, motion_type, solids_state_type, contact_state_type, clock_state_type
-   public :: begin, accept, reject, new_contact_state
+   public :: loads_state_type, pressures_type, solver_state_type
+   public :: begin, accept, reject, begin_step_of, new_contact_state
 
    !> Where the bodies are, and how they went there.
    type :: motion_type
@@ -31,7 +32,7 @@ module lopin_state
    type :: solids_state_type
       logical :: in_use = .false.              !! some material looks back
       logical :: finite = .false.              !! finite strain; else small strain
-      real(wp) :: dt = 1.0_wp                  !! time since the accepted state [time]
+      real(wp) :: dt = 1.0_wp                  !! of the increment that starts here [time]
       integer, allocatable :: first(:)         !! (nelement+1) first column of each element
       real(wp), allocatable :: value(:, :)     !! (nmemory, ncolumn)
       real(wp), allocatable :: pressed(:)      !! (ncolumn) ln J of the stresses of the start [-]
@@ -63,6 +64,9 @@ module lopin_state
       real(wp), allocatable :: mean_work(:)    !! (n) the same by mean tractions [force*length]
       logical, allocatable :: closed(:)        !! (n) pressed once; NO SEPARATION holds it then
       integer, allocatable :: facet(:)         !! (n) kept beyond its end; 0: the nearest
+      integer, allocatable :: segment(:)       !! (n) of the tool, met last; 0: none yet
+      integer, allocatable :: cover(:)         !! (slave nodes by mortar) lopin_mortar_cover
+      real(wp), allocatable :: met_at(:)       !! (ndof) where contact was met first [length]
       logical, allocatable :: held(:)          !! (npair) has closed points
       ! of both paths: penalties that were chosen
       real(wp) :: stiffer = 1.0_wp             !! slopes now, beside those first chosen
@@ -72,8 +76,21 @@ module lopin_state
       procedure :: pass => pass_contact
    end type contact_state_type
 
+   !> Pressures that follow faces, where a step begins.
+   type :: pressures_type
+      integer, allocatable :: element(:), face(:)
+      integer, allocatable :: family(:)        !! of the card
+      real(wp), allocatable :: steady(:)       !! part without amplitude [stress]
+      real(wp), allocatable :: pressure(:)     !! all of it [stress]
+   contains
+      procedure :: pass => pass_pressures
+   end type pressures_type
+
    !> What moves the boundary, and what that has done.
    type :: loads_state_type
+      real(wp), allocatable :: before(:)       !! (ndof) steady, where the step starts [force]
+      real(wp), allocatable :: from(:)         !! (nprescribed) values there
+      type(pressures_type) :: followers        !! there
       real(wp), allocatable :: steady(:)       !! (ndof) loads without amplitude [force]
       real(wp), allocatable :: force(:)        !! (ndof) all loads [force]
       real(wp), allocatable :: reaction(:)     !! (ndof) of the supports [force]
@@ -98,6 +115,25 @@ module lopin_state
       procedure :: pass => pass_clock
    end type clock_state_type
 
+   !> What solutions start from, and what was learnt on the way: answers change with it by rounding.
+   type :: solver_state_type
+      ! of the linear paths
+      logical, allocatable :: candidate(:)     !! (npoint) within reach: may have a row
+      real(wp), allocatable :: place(:, :)     !! (6, nbody) where tools were projected
+      integer, allocatable :: last(:)          !! equations that the factor keeps last
+      integer, allocatable :: joined(:)        !! those that joined it since
+      logical, allocatable :: active(:)        !! (nrow) rows that are closed
+      real(wp), allocatable :: force(:), gap(:)   !! (nrow) [force], [length]
+      real(wp), allocatable :: multiplier(:)   !! (nrow) [force]
+      real(wp), allocatable :: q(:), u(:)      !! motions that nothing else holds, displacements
+      ! of the nonlinear path
+      character(len=:), allocatable :: name    !! of the solver that was chosen
+      logical :: has_solved = .false.          !! some increment, with forces about
+      real(wp) :: bend = -1.0_wp               !! lopin_contraction
+   contains
+      procedure :: pass => pass_solver
+   end type solver_state_type
+
    type :: state_type
       type(motion_type) :: motion
       type(solids_state_type) :: solids
@@ -105,6 +141,7 @@ module lopin_state
       type(friction_history_type) :: friction  !! on the shape of the start: the linear path
       type(loads_state_type) :: loads
       type(clock_state_type) :: clock
+      type(solver_state_type) :: solver
    contains
       procedure :: pass
    end type state_type
@@ -132,10 +169,21 @@ contains
       trial = accepted
    end subroutine reject
 
+   !> In a new step no motion foretells the next, and strains are finite or not.
+   subroutine begin_step_of(self, finite)
+      type(state_type), intent(inout) :: self
+      logical, intent(in) :: finite            !! strain
+
+      self%motion%last_dt = 0.0_wp
+      self%clock%usual = 0.0_wp
+      self%solids%finite = finite
+   end subroutine begin_step_of
+
    !> Points that nothing has pressed yet.
-   subroutine new_contact_state(self, nmultiplier, closed)
+   subroutine new_contact_state(self, nmultiplier, ncover, closed)
       type(contact_state_type), intent(out) :: self
       integer, intent(in) :: nmultiplier
+      integer, intent(in) :: ncover            !! slave nodes of pairs by mortar
       logical, intent(in) :: closed(:)         !! (n) touch at the start
       integer :: n
 
@@ -143,7 +191,8 @@ contains
       allocate (self%multiplier(nmultiplier), self%traction(3, n), self%normal(3, n), &
          & self%creep(3, n), self%slip(3, n), self%slip_path(n), self%speed(n), &
          & self%friction_work(n), self%mean_work(n), source=0.0_wp)
-      allocate (self%facet(n), source=0)
+      allocate (self%facet(n), self%segment(n), source=0)
+      allocate (self%cover(ncover), source=-1)
       self%closed = closed
    end subroutine new_contact_state
 
@@ -158,6 +207,7 @@ contains
       call self%friction%pass(stream)
       call self%loads%pass(stream)
       call self%clock%pass(stream)
+      call self%solver%pass(stream)
    end subroutine pass
 
    subroutine pass_motion(self, stream)
@@ -172,12 +222,16 @@ contains
       call stream%pass(self%curved)
    end subroutine pass_motion
 
-   !> What is not passed is made with the workspace.
    subroutine pass_solids(self, stream)
       class(solids_state_type), intent(inout) :: self
       type(stream_type), intent(inout) :: stream
 
+      call stream%pass(self%in_use)
+      call stream%pass(self%finite)
+      call stream%pass(self%first)
       call stream%pass(self%value)
+      call stream%pass(self%pressed)
+      call stream%pass(self%none)
       call stream%pass(self%work)
       call stream%pass(self%most_strain)
       call stream%pass(self%most_element)
@@ -203,6 +257,9 @@ contains
       call stream%pass(self%mean_work)
       call stream%pass(self%closed)
       call stream%pass(self%facet)
+      call stream%pass(self%segment)
+      call stream%pass(self%cover)
+      call stream%pass(self%met_at)
       call stream%pass(self%held)
       call stream%pass(self%stiffer)
       call stream%pass(self%raised)
@@ -213,6 +270,9 @@ contains
       class(loads_state_type), intent(inout) :: self
       type(stream_type), intent(inout) :: stream
 
+      call stream%pass(self%before)
+      call stream%pass(self%from)
+      call self%followers%pass(stream)
       call stream%pass(self%steady)
       call stream%pass(self%force)
       call stream%pass(self%reaction)
@@ -220,6 +280,36 @@ contains
       call stream%pass(self%work)
       call stream%pass(self%most)
    end subroutine pass_loads
+
+   subroutine pass_pressures(self, stream)
+      class(pressures_type), intent(inout) :: self
+      type(stream_type), intent(inout) :: stream
+
+      call stream%pass(self%element)
+      call stream%pass(self%face)
+      call stream%pass(self%family)
+      call stream%pass(self%steady)
+      call stream%pass(self%pressure)
+   end subroutine pass_pressures
+
+   subroutine pass_solver(self, stream)
+      class(solver_state_type), intent(inout) :: self
+      type(stream_type), intent(inout) :: stream
+
+      call stream%pass(self%candidate)
+      call stream%pass(self%place)
+      call stream%pass(self%last)
+      call stream%pass(self%joined)
+      call stream%pass(self%active)
+      call stream%pass(self%force)
+      call stream%pass(self%gap)
+      call stream%pass(self%multiplier)
+      call stream%pass(self%q)
+      call stream%pass(self%u)
+      call stream%pass(self%name)
+      call stream%pass(self%has_solved)
+      call stream%pass(self%bend)
+   end subroutine pass_solver
 
    subroutine pass_clock(self, stream)
       class(clock_state_type), intent(inout) :: self

@@ -13,7 +13,7 @@ program test_face_points
    use lopin_enforcement_factory, only : method_names, new_enforcement
    use lopin_face_points, only : face_points_type, new_face_points
    use lopin_face_rows, only : points_of_face
-   use lopin_finite_contact, only : finite_contact_type, new_finite_contact
+   use lopin_finite_contact, only : finite_contact_type, new_finite_contact, cover_size
    use lopin_finite_history, only : start_increment
    use lopin_finite_evaluation, only : evaluate
    use lopin_state, only : state_type, new_contact_state
@@ -123,7 +123,8 @@ contains
       real(wp) :: start(dofs%n)
       integer :: k, body
 
-      call new_contact_state(accepted%contact, contact%nmultiplier, contact%touches)
+      call new_contact_state(accepted%contact, contact%nmultiplier, cover_size(contact), &
+         & contact%touches)
       call random_number(start)
       start = 0.02_wp*(start - 0.5_wp)
       body = model%rigid_body(1)%reference

@@ -8,7 +8,7 @@ program test_finite_contact
    use lopin_dofs, only : dofs_type, new_dofs
    use lopin_friction, only : law_of
    use lopin_enforcement_factory, only : method_names, new_enforcement
-   use lopin_finite_contact, only : finite_contact_type, new_finite_contact
+   use lopin_finite_contact, only : finite_contact_type, new_finite_contact, cover_size
    use lopin_finite_history, only : start_increment, augment, leave_history
    use lopin_state, only : state_type, begin, accept, reject, new_contact_state
    use lopin_finite_evaluation, only : evaluate
@@ -55,7 +55,8 @@ contains
       call new_finite_contact(contact, model, dofs, log, error)
       call is_true('the contact is made', .not. allocated(error))
       if (allocated(error)) return
-      call new_contact_state(accepted%contact, contact%nmultiplier, contact%touches)
+      call new_contact_state(accepted%contact, contact%nmultiplier, cover_size(contact), &
+         & contact%touches)
       call begin(trial, accepted)
       allocate (u(dofs%n, 3), z(contact%nmultiplier, 3))
       call random_number(u)

@@ -20,7 +20,7 @@ contains
       allocate (self%motion%u(3), self%loads%steady(3), self%loads%force(3), &
          & self%loads%reaction(3), source=0.0_wp)
       allocate (self%solids%value(10, 1), source=0.0_wp)
-      call new_contact_state(self%contact, 3, [.true., .false.])
+      call new_contact_state(self%contact, 3, 2, [.true., .false.])
       call new_friction_history(self%friction, [.false., .true.])
    end subroutine make
 
