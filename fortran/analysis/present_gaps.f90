@@ -26,7 +26,7 @@ contains
          return
       end if
       call find_samples(self%points, point, model%mesh%x, sample)
-      gap = row_value(sample, self%initial%shift)
+      gap = row_value(self%points, sample, self%initial%shift)
       do s = 1, size(sample)
          way = -tool_way(self, model, self%points%pair(point), sample(s)%foot, .true.)
          do k = 1, model%mesh%ndim

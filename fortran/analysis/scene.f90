@@ -349,7 +349,8 @@ contains
          associate (point => self%rows%point(row))
             call find_samples(self%points, point, model%mesh%x, sample)
             self%rows%gap0(row) = self%rows%gap0(row) &
-               & + (1.0_wp - self%interference)*row_value(sample, self%initial%overclosure) &
+               & + (1.0_wp - self%interference)*row_value(self%points, sample, &
+               & self%initial%overclosure) &
                & - model%interaction(model%pair(self%points%pair(point))%interaction)%clearance
          end associate
       end do

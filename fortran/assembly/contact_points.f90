@@ -27,12 +27,13 @@ module lopin_contact_points
       integer :: pair = 0, cell = 0, nnode = 0
       integer :: node(8) = 0
       integer :: point(8) = 0             !! first points of its nodes
+      real(wp) :: share = 0.0_wp          !! of mid-side functions that each corner gets
       real(wp) :: thickness = 1.0_wp      !! [length]
    end type face_type
 
    !> Places of the row of a point that meets a crease within its facets.
    type :: inner_type
-      type(sample_type), allocatable :: sample(:)   !! the node first
+      type(sample_type), allocatable :: sample(:)   !! those of a row without them first
    end type inner_type
 
    type :: contact_points_type

@@ -9,11 +9,11 @@ module lopin_contact_rows
    use lopin_dofs, only : dofs_type
    use lopin_constraint_rules, only : follower_rule
    use lopin_constraints, only : constraints_type
-   use lopin_contact_points, only : contact_points_type, sample_type, own_sample, pair_is_tied
+   use lopin_contact_points, only : contact_points_type, sample_type, pair_is_tied
    use lopin_initial_gaps, only : initial_gap_type, may_tie
    use lopin_pair_friction, only : pair_slides_with_friction
    use lopin_tie_arm, only : find_tie_arm
-   use lopin_row_samples, only : find_samples, has_inner, row_value, frame_of
+   use lopin_row_samples, only : find_samples, base_samples, has_inner, row_value, frame_of
    implicit none
    private
    public :: contact_rows_type, new_contact_rows, reduce_rows, row_forces
@@ -83,7 +83,7 @@ contains
                   & .and. model%interaction(model%pair(pair)%interaction)%no_separation)
                self%gap0(self%n) = 0.0_wp
                if (.not. tied) self%gap0(self%n) = gap_of(sample) &
-                  & + row_value(sample, initial%shift)
+                  & + row_value(points, sample, initial%shift)
                call add_samples(self, model, dofs, points, sample, here, terms, &
                   & frame(:, d:merge(d, d - 1, tied)))
                if (has_inner(points, i)) call join_terms(self, terms)
@@ -120,7 +120,7 @@ contains
    end subroutine take_held
 
    !> Room for the terms of rows with points inside facets: those of one before they are joined,
-   !> and of all after that, each facet with at most three more nodes.
+   !> and of all after that, each facet with at most half as many more nodes as points.
    pure integer function inner_terms(points) result(terms)
       type(contact_points_type), intent(in) :: points
       integer :: i, most
@@ -131,9 +131,9 @@ contains
       do i = 1, points%n
          if (.not. has_inner(points, i)) cycle
          most = max(most, size(points%inner(i)%sample))
-         terms = terms + 3*(1 + 3*size(points%inner(i)%sample)/8) + 6
+         terms = terms + 3*(3 + size(points%inner(i)%sample)/2) + 6
       end do
-      terms = terms + 21*most
+      terms = terms + 30*most
    end function inner_terms
 
    !> One term a dof in the row that is being made; what points inside facets weigh out is dropped.
@@ -227,10 +227,10 @@ contains
          do row = self%group_first(pair), self%group_first(pair + 1) - 1
             call frame_of(points%normal(:, self%point(row)), model%mesh%ndim, frame)
             if (has_inner(points, self%point(row))) then
-               ! Slips of points inside facets weigh out to their node's, along the row's plane.
+               ! Slips of points inside facets weigh out, along the row's plane.
                call frame_of(self%direction(:, row)/norm2(self%direction(:, row)), &
                   & model%mesh%ndim, frame)
-               sample = [own_sample(points, self%point(row))]
+               call base_samples(points, self%point(row), model%mesh%x, sample)
             else
                call find_samples(points, self%point(row), model%mesh%x, sample)
             end if

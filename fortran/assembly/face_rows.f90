@@ -6,8 +6,8 @@
 !>
 !>    D_j gap_j = sum over its facets of sum_q w_q psi_j(x_q) gap(x_q)
 !>
-!> with each point's own foot and normal. Other facets give D_j times the gap of the node, so that
-!> nothing changes where no crease is met.
+!> with each point's own foot and normal. Other facets give D_j times the gap of the node, of a
+!> mid-side node that of the transformed basis, so that nothing changes where no crease is met.
 module lopin_face_rows
    use lopin_kinds, only : wp
    use lopin_cells, only : cell_type, new_cell_of
@@ -17,12 +17,13 @@ module lopin_face_rows
    use lopin_model, only : model_type, kind_of
    use lopin_slave_points, only : slave_type
    use lopin_contact_points, only : contact_points_type, face_type, inner_type, sample_type, &
-      & own_sample, facing, pair_is_tied
+      & facing, pair_is_tied
+   use lopin_row_samples, only : base_samples
    implicit none
    private
    public :: list_faces, find_inner, points_of_face, feet_on_crease
 
-   !> Points of a facet in each direction: of lines, and of surfaces.
+   !> Points of a facet in each direction: of lines and second-order surfaces, of other surfaces.
    integer, parameter :: parts_of_line = 8, parts_of_face = 4
    !> Normals of one piece of a tool differ by less than 30 degrees; more is an edge.
    real(wp), parameter :: one_piece = 0.866025403784439_wp
@@ -48,11 +49,10 @@ contains
          face%pair = pair
          face%cell = slave%facets%cell(i)
          face%nnode = slave%facets%nnode(i)
-         ! Second-order faces keep the rows of their transformed basis.
-         if (mod(face%cell, 2) == 0) cycle
          face%node = slave%facets%node(:, i)
          face%point = 0
          face%point(:face%nnode) = first(slave%local(:face%nnode, i))
+         face%share = slave%share(slave%local(face%nnode, i))
          face%thickness = slave%thickness(i)
          self%face = [self%face, face]
       end do
@@ -85,7 +85,7 @@ contains
             do q = 1, inside%n
                call move_foot(motion, model%mesh%ndim, foot(q))
             end do
-            call add_points(self, f, inside, foot)
+            call add_points(self, model, f, inside, foot)
          end associate
       end do
    end subroutine find_inner
@@ -127,10 +127,12 @@ contains
       type(model_type), intent(in) :: model
       real(wp), intent(in) :: x(:, :)          !! (ndim, mesh nodes) [length]
       type(cell_type) :: cell
+      integer :: parts
 
       call new_cell_of(cell, face%cell)
-      call new_face_points(self, cell, x(:, face%node(:face%nnode)), merge(parts_of_line, &
-         & parts_of_face, size(x, 1) == 2), model%kind == kind_of%axisymmetric, face%thickness)
+      parts = merge(parts_of_line, parts_of_face, size(x, 1) == 2 .or. cell%quadratic)
+      call new_face_points(self, cell, x(:, face%node(:face%nnode)), parts, &
+         & model%kind == kind_of%axisymmetric, face%thickness, face%share)
    end subroutine points_of_face
 
    !> Whether a facet meets a crease of one piece of its tool, and the feet of its points then, in
@@ -175,18 +177,21 @@ contains
       end do
    end function feet_on_crease
 
-   !> Points of one facet to the rows of its nodes; each node itself keeps what is left of its area.
-   subroutine add_points(self, face, inside, foot)
+   !> Points of one facet to the rows of its nodes; the row without them keeps what is left of the
+   !> area.
+   subroutine add_points(self, model, face, inside, foot)
       type(contact_points_type), intent(inout) :: self
+      type(model_type), intent(in) :: model
       type(face_type), intent(in) :: face
       type(face_points_type), intent(in) :: inside
       type(foot_type), intent(in) :: foot(:)
-      type(sample_type), allocatable :: longer(:)
-      integer :: k, q, n
+      type(sample_type), allocatable :: longer(:), base(:)
+      integer :: k, q, n, m
 
       do k = 1, face%nnode
          associate (i => face%point(k))
-            if (.not. allocated(self%inner(i)%sample)) self%inner(i)%sample = [own_sample(self, i)]
+            call base_samples(self, i, model%mesh%x, base)
+            if (.not. allocated(self%inner(i)%sample)) self%inner(i)%sample = base
             n = size(self%inner(i)%sample)
             allocate (longer(n + inside%n))
             longer(:n) = self%inner(i)%sample
@@ -202,7 +207,8 @@ contains
                   s%gap = foot(q)%gap
                end associate
             end do
-            longer(1)%c = longer(1)%c - inside%weight(k)/self%weight(i)
+            m = size(base)
+            longer(:m)%c = longer(:m)%c - base%c*(inside%weight(k)/self%weight(i))
             call move_alloc(longer, self%inner(i)%sample)
          end associate
       end do

@@ -81,7 +81,7 @@ contains
       type(face_type), intent(in) :: face
       type(face_points_type), intent(in) :: inside
       type(foot_type), intent(in) :: foot(:)
-      integer :: at(4), k, q
+      integer :: at(8), k, q
 
       do k = 1, face%nnode
          associate (own => opposite(face%point(k)), node => face%node(:face%nnode), &
@@ -145,11 +145,12 @@ contains
       end do
    end subroutine add_point
 
-   !> Gap of a row of a tool, from the feet of its places.
-   pure real(wp) function start_gap_of(opposite) result(gap)
+   !> Gap of a row of a tool, from the feet of the points inside its facets.
+   pure real(wp) function start_gap_of(opposite, base) result(gap)
       type(opposite_type), intent(in) :: opposite
+      real(wp), intent(in) :: base             !! the row's without such points [length]
 
-      gap = opposite%foot%gap
+      gap = base
       if (.not. allocated(opposite%inner)) return
       associate (row => opposite%inner)
          gap = (1.0_wp - row%c)*gap + row%gap + dot_product(row%bent%c, row%bent%foot%gap)

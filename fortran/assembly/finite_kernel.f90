@@ -119,10 +119,10 @@ contains
          integer, intent(in) :: from
          type(dual_type) :: x(3), n(3), z(3), node(3, opposite%nnode), &
             & shares(opposite%nnode), multiplier(3), to_anchor(3), &
-            & rotation(3, 3), reference(3), y(3), arm(3), moment(3), turn(3)
+            & rotation(3, 3), reference(3), y(3), arm(3), moment(3), turn(3), base
          type(place_type) :: there(3)
          type(place_type), allocatable :: inner(:), around(:)
-         integer :: k, m
+         integer :: k, m, places
 
          x = 0.0_wp
          multiplier = 0.0_wp
@@ -174,8 +174,10 @@ contains
                n = turned(rotation, turn)
                to_anchor = arm - turned(rotation, constant(anchor%y - motion%reference))
                state%opening = gap%v
+               there(1) = place_type(1.0_wp, x, n, gap, inputs%slave)
+               places = 1
                if (allocated(opposite%sample)) then
-                  there(1) = place_type(1.0_wp, x, n, gap, inputs%slave)
+                  places = 3
                   do m = 1, 2
                      associate (s => opposite%sample(m))
                         there(1)%c = there(1)%c - s%c
@@ -194,15 +196,16 @@ contains
                   to_anchor = to_anchor - turned(rotation, constant(anchor%offset))
                end if
                if (allocated(opposite%inner)) then
-                  allocate (around(size(opposite%inner%node)), inner(size(opposite%inner%bent) + 1))
-                  inner(size(inner)) = place_type(1.0_wp - opposite%inner%c, x, n, gap)
+                  allocate (around(size(opposite%inner%node)), inner(size(opposite%inner%bent)))
+                  base = gap
                   call place_planes(around, gap, opposite%inner, inputs, masters%x, rotation, &
                      & reference, from)
                   do m = 1, size(inner)
-                     if (m < size(inner)) call place_inner(inner(m), opposite%inner%bent(m), &
-                        & around, rotation, reference, motion%reference)
+                     call place_inner(inner(m), opposite%inner%bent(m), around, rotation, &
+                        & reference, motion%reference)
                      gap = gap + inner(m)%c*inner(m)%gap
                   end do
+                  gap = gap + (1.0_wp - opposite%inner%c)*base
                end if
             end associate
          end if
@@ -226,12 +229,13 @@ contains
          z = points%weight(i)*z
          state%normal = n%v
          state%traction = z%v/points%weight(i)
-         if (allocated(opposite%sample)) then
-            call push_places(there, z, n, reference)
+         if (allocated(opposite%inner)) then
+            call push_places(there(:places), z, n, reference, 1.0_wp - opposite%inner%c)
+            call push_inner(around, inner, dual_dot(z, n), reference)
             return
          end if
-         if (allocated(opposite%inner)) then
-            call push_inner(around, inner, z, n, reference)
+         if (allocated(opposite%sample)) then
+            call push_places(there, z, n, reference, 1.0_wp)
             return
          end if
          do k = 1, d
@@ -251,9 +255,10 @@ contains
 
       !> Forces of a row with several places: pressures along the normal of each, shears along the
       !> point's tangents; the tool has the reactions.
-      subroutine push_places(there, z, n, reference)
+      subroutine push_places(there, z, n, reference, part)
          type(place_type), intent(in) :: there(:)
          type(dual_type), intent(in) :: z(3), n(3), reference(3)   !! z: force of the row
+         real(wp), intent(in) :: part          !! of the pressure that acts here
          type(dual_type) :: own(3), press
          integer :: m, k
 
@@ -261,7 +266,7 @@ contains
          do m = 1, size(there)
             associate (p => there(m))
                own = z
-               if (.not. grip%tied) own = z + press*(p%normal - n)
+               if (.not. grip%tied) own = z + press*(part*p%normal - n)
                own = p%c*own
                do k = 1, d
                   call push(p%input(k), own(k))
@@ -271,19 +276,13 @@ contains
          end do
       end subroutine push_places
 
-      !> Shears push the node, pressures each place inside the facets along its own normal.
-      subroutine push_inner(around, inner, z, n, reference)
-         type(place_type), intent(in) :: around(:), inner(:)       !! the node last
-         type(dual_type), intent(in) :: z(3), n(3), reference(3)   !! z: force of the row
-         type(dual_type) :: press, own(3)
+      !> Pressures push each place inside the facets along its own normal.
+      subroutine push_inner(around, inner, press, reference)
+         type(place_type), intent(in) :: around(:), inner(:)
+         type(dual_type), intent(in) :: press, reference(3)   !! press: of the row [force]
+         type(dual_type) :: own(3)
          integer :: m, j, k
 
-         press = dual_dot(z, n)
-         own = z - press*n
-         do k = 1, d
-            call push(inputs%slave(k), own(k))
-         end do
-         call hold(inner(size(inner)), own, reference)
          do m = 1, size(around)
             own = press*around(m)%normal
             call hold(around(m), own, reference)
@@ -294,12 +293,6 @@ contains
          do m = 1, size(inner)
             own = (inner(m)%c*press)*inner(m)%normal
             call hold(inner(m), own, reference)
-            if (m == size(inner)) then
-               do k = 1, d
-                  call push(inputs%slave(k), own(k))
-               end do
-               exit
-            end if
             associate (s => opposite%inner%bent(m))
                do j = 1, s%nnode
                   do k = 1, d

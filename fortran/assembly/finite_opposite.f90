@@ -33,8 +33,8 @@ module lopin_finite_opposite
    type :: inner_foot_type
       real(wp) :: c = 0.0_wp                       !! its part of the row
       integer :: nnode = 0
-      integer :: at(4) = 0                         !! nodes of the facet in the list of the row
-      real(wp) :: shape(4) = 0.0_wp
+      integer :: at(8) = 0                         !! nodes of the facet in the list of the row
+      real(wp) :: shape(8) = 0.0_wp
       type(foot_type) :: foot                      !! in the tool's frame
    end type inner_foot_type
 

@@ -24,15 +24,16 @@ contains
       self%noted = 0.0_wp
       self%ahead = 1.0_wp
       self%touch = 0.0_wp
-      if (size(self%face) > 0) self%start_row = self%start_gap
       do i = 1, self%n
          self%start_gap(i) = huge(1.0_wp)
          if (self%opposite(i)%facet == 0) cycle
          self%start_gap(i) = self%opposite(i)%found%gap
          if (self%masters%of(self%pair(i))%tool > 0) self%start_gap(i) = self%opposite(i)%foot%gap
-         if (size(self%face) == 0) cycle
-         self%start_row(i) = self%start_gap(i)
-         if (allocated(self%opposite(i)%inner)) self%start_row(i) = start_gap_of(self%opposite(i))
+      end do
+      if (size(self%face) == 0) return
+      if (.not. allocated(self%start_row)) allocate (self%start_row(self%n))
+      do i = 1, self%n
+         self%start_row(i) = start_gap_of(self%opposite(i), nodes_start(self, i))
       end do
    end subroutine start_approach
 
@@ -74,10 +75,21 @@ contains
       type(finite_contact_type), intent(in) :: self
       integer, intent(in) :: i
 
+      if (size(self%face) > 0) then
+         gap = self%start_row(i)
+      else
+         gap = nodes_start(self, i)
+      end if
+   end function row_start
+
+   !> The same without points inside facets.
+   pure real(wp) function nodes_start(self, i) result(gap)
+      type(finite_contact_type), intent(in) :: self
+      integer, intent(in) :: i
+
       gap = self%start_gap(i)
-      if (size(self%face) > 0) gap = self%start_row(i)
       if (.not. self%share(i) > 0.0_wp) return
       if (all(self%start_gap(self%corner(:, i)) < huge(1.0_wp))) gap = row_value(self, i, &
          & self%start_gap)
-   end function row_start
+   end function nodes_start
 end module lopin_finite_touch

@@ -10,8 +10,8 @@ module lopin_row_samples
    use lopin_contact_points, only : contact_points_type, sample_type, own_sample
    implicit none
    private
-   public :: sample_type, find_samples, has_samples, has_inner, row_value, basis_of, one_patch
-   public :: frame_of
+   public :: sample_type, find_samples, base_samples, has_samples, has_inner, row_value, basis_of
+   public :: one_patch, frame_of
 
    !> Feet whose normals have a smaller cosine do not lie on one smooth patch of the tool.
    real(wp), parameter :: one_patch = 0.866025403784439_wp
@@ -49,13 +49,23 @@ contains
       integer, intent(in) :: i
       real(wp), intent(in) :: x(:, :)          !! (ndim, nnode) places of the projection [length]
       type(sample_type), allocatable, intent(out) :: sample(:)
-      real(wp) :: c(2)
-      integer :: k, other
 
       if (has_inner(points, i)) then
          sample = points%inner(i)%sample
-         return
+      else
+         call base_samples(points, i, x, sample)
       end if
+   end subroutine find_samples
+
+   !> The samples of a row without points inside facets.
+   pure subroutine base_samples(points, i, x, sample)
+      type(contact_points_type), intent(in) :: points
+      integer, intent(in) :: i
+      real(wp), intent(in) :: x(:, :)          !! (ndim, nnode) places of the projection [length]
+      type(sample_type), allocatable, intent(out) :: sample(:)
+      real(wp) :: c(2)
+      integer :: k, other
+
       if (.not. points%share(i) > 0.0_wp) then
          sample = [own_sample(points, i)]
          return
@@ -81,7 +91,7 @@ contains
             s%foot(:d) = x(:, s%node(1)) - s%gap*s%normal(:d)
          end associate
       end do
-   end subroutine find_samples
+   end subroutine base_samples
 
    !> The point of a node that meets the same patch as point i, from the node's first; 0: none.
    pure integer function met_alike(points, i, first) result(other)
@@ -104,14 +114,18 @@ contains
       end do
    end function met_alike
 
-   !> What a row makes of values that its points have.
-   pure real(wp) function row_value(sample, value) result(total)
+   !> What a row makes of values that its points have; points inside facets weigh out to the row
+   !> without them.
+   pure real(wp) function row_value(points, sample, value) result(total)
+      type(contact_points_type), intent(in) :: points
       type(sample_type), intent(in) :: sample(:)
       real(wp), intent(in) :: value(:)         !! (npoint)
+      real(wp) :: c(2)
 
-      total = dot_product(sample%c, value(sample%point))
-      ! Points inside facets weigh out to their node.
-      if (all(sample%point == sample(1)%point)) total = value(sample(1)%point)
+      total = value(sample(1)%point)
+      if (.not. points%share(sample(1)%point) > 0.0_wp) return
+      c = basis_of(points%share(sample(1)%point))
+      total = dot_product([c(1), c(2), c(2)], value(sample(:3)%point))
    end function row_value
 
    !> Unit normal and tangents, as columns.

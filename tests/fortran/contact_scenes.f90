@@ -12,7 +12,7 @@ module contact_scenes
    use lopin_report, only : summary_type, frame_type
    implicit none
    private
-   public :: scene_names, scene_text, box, run_text
+   public :: scene_names, scene_text, box, second_order_box, run_text
 
    character(len=1), parameter :: nl = achar(10)
    !> roller, crown: two bodies, driven and floating; indent, punch: a tool, driven and floating.
@@ -137,6 +137,56 @@ contains
          at = 1 + i(1) + (m(1) + 1)*(i(2) + (m(2) + 1)*i(3))
       end function at
    end function box
+
+   !> A box of CPE8 or C3D20: its surface F on top, its nodes BOT.
+   function second_order_box(name, low, high, n) result(text)
+      character(len=*), intent(in) :: name
+      real(wp), intent(in) :: low(:), high(:)
+      integer, intent(in) :: n(:)
+      character(len=:), allocatable :: text
+      integer, parameter :: corner(3, 8) = reshape([0, 0, 0, 2, 0, 0, 2, 2, 0, 0, 2, 0, &
+         & 0, 0, 2, 2, 0, 2, 2, 2, 2, 0, 2, 2], [3, 8]), &
+         & ends(2, 12) = reshape([1, 2, 2, 3, 3, 4, 4, 1, 5, 6, 6, 7, 7, 8, 8, 5, 1, 5, 2, 6, &
+         & 3, 7, 4, 8], [2, 12])
+      character(len=200) :: line
+      character(len=:), allocatable :: bottom, top
+      integer :: m(3), i(3), d, k, e
+
+      d = size(n)
+      m = 1
+      m(:d) = 2*n + 1
+      bottom = ''
+      top = ''
+      text = '*NODE'//nl
+      do k = 0, product(m) - 1
+         i = [mod(k, m(1)), mod(k/m(1), m(2)), k/(m(1)*m(2))]
+         if (count(mod(i, 2) == 1) > 1) cycle
+         write (line, '(i0,3(", ",f0.12))') k + 1, low + (high - low)*i(:d)/(2.0_wp*n)
+         text = text//trim(line)//nl
+         if (i(d) == 0) bottom = bottom//word(k + 1)
+      end do
+      text = text//'*ELEMENT, ELSET='//name//', TYPE='//trim(merge('CPE8  ', 'C3D20 ', d == 2))//nl
+      do e = 0, product(n) - 1
+         i = 2*[mod(e, n(1)), mod(e/n(1), n(2)), e/(n(1)*n(2))]
+         write (line, '(i0,20(", ",i0))') e + 1, &
+            & [(at(i + corner(:, k)), k=1, merge(4, 8, d == 2))], &
+            & [(at(i + (corner(:, ends(1, k)) + corner(:, ends(2, k)))/2), &
+            & k=1, merge(4, 12, d == 2))]
+         k = merge(len_trim(line), index(line(:100), ',', back=.true.), d == 2)
+         text = text//line(:k)//nl
+         if (d == 3) text = text//trim(line(k + 1:))//nl
+         if (i(d) == m(d) - 3) top = top//word(e + 1)
+      end do
+      text = text//'*NSET, NSET='//name//'BOT'//nl//bottom//'*ELSET, ELSET='//name//'FE'//nl//top &
+         & //'*SURFACE, NAME='//name//'F'//nl//name//'FE, '//merge('S3', 'S2', d == 2)//nl
+
+   contains
+
+      integer function at(i)
+         integer, intent(in) :: i(3)
+         at = 1 + i(1) + m(1)*(i(2) + m(2)*i(3))
+      end function at
+   end function second_order_box
 
    function word(number) result(text)
       integer, intent(in) :: number

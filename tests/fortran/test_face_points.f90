@@ -17,7 +17,8 @@ program test_face_points
    use lopin_finite_history, only : start_increment
    use lopin_finite_evaluation, only : evaluate
    use lopin_state, only : state_type, new_contact_state
-   use contact_scenes, only : box
+   use contact_scenes, only : box, second_order_box
+   use lopin_row_samples, only : basis_of
    use check, only : test, is_true, close_to, finish
    implicit none
 
@@ -27,7 +28,7 @@ program test_face_points
    type(dofs_type) :: dofs
    type(finite_contact_type) :: contact
    real(wp), allocatable :: u(:), z(:)         ! of the increment's end
-   integer :: d, method, law, i
+   integer :: d, method, law, order, i
 
    call random_seed(size=i)
    call random_seed(put=[(4711*method, method=1, i)])
@@ -37,10 +38,20 @@ program test_face_points
       & 1.5_wp, 1.0_wp], [3, 3]), .false., 1.5_wp)
    call points('quad', reshape([0.0_wp, 0.0_wp, 1.0_wp, 2.0_wp, 0.0_wp, 1.0_wp, 1.5_wp, &
       & 1.0_wp, 1.0_wp, 0.2_wp, 1.3_wp, 1.0_wp], [3, 4]), .false., 1.875_wp)
+   call points('line3', reshape([0.3_wp, 0.1_wp, 1.1_wp, 0.7_wp, 0.7_wp, 0.4_wp], [2, 3]), &
+      & .true., 2.0_wp*pi*0.7_wp)
+   call points('triangle6', reshape([0.0_wp, 0.0_wp, 1.0_wp, 2.0_wp, 0.0_wp, 1.0_wp, 0.5_wp, &
+      & 1.5_wp, 1.0_wp, 1.0_wp, 0.0_wp, 1.0_wp, 1.25_wp, 0.75_wp, 1.0_wp, 0.25_wp, 0.75_wp, &
+      & 1.0_wp], [3, 6]), .false., 1.5_wp)
+   call points('quad8', reshape([0.0_wp, 0.0_wp, 1.0_wp, 2.0_wp, 0.0_wp, 1.0_wp, 2.0_wp, 1.0_wp, &
+      & 1.0_wp, 0.0_wp, 1.0_wp, 1.0_wp, 1.0_wp, 0.0_wp, 1.0_wp, 2.0_wp, 0.5_wp, 1.0_wp, 1.0_wp, &
+      & 1.0_wp, 1.0_wp, 0.0_wp, 0.5_wp, 1.0_wp], [3, 8]), .false., 2.0_wp)
    do d = 2, 3
-      do method = 1, size(method_names)
-         do law = 0, 1
-            call rows()
+      do order = 1, 2
+         do method = 1, size(method_names)
+            do law = 0, 1
+               call rows()
+            end do
          end do
       end do
    end do
@@ -48,27 +59,35 @@ program test_face_points
 
 contains
 
-   !> Weights sum to the area, parts to the weights, and linear gaps come out as those of the nodes.
+   !> Weights sum to the area, parts to the weights, and gaps of the shape functions come out as the
+   !> rows of the nodes have them: of mid-side nodes, those of the transformed basis.
    subroutine points(name, x, axisymmetric, area)
       character(len=*), intent(in) :: name
       real(wp), intent(in) :: x(:, :), area
       logical, intent(in) :: axisymmetric
       type(cell_type) :: cell
       type(face_points_type) :: inside
-      real(wp) :: gap(size(x, 2)), unit(size(x, 1))
+      real(wp) :: gap(size(x, 2)), row(size(x, 2)), unit(size(x, 1)), share, c(2)
       logical :: found
-      integer :: k, q, parts
+      integer :: k, q, parts, mid
 
       call test('points inside a '//name)
       call new_cell(cell, name, found)
-      do parts = 3, 8
+      share = merge(0.2_wp, 0.0_wp, cell%quadratic)
+      c = basis_of(share)
+      do parts = merge(4, 3, cell%quadratic), 8, merge(2, 1, cell%quadratic)
          call new_face_points(inside, cell, x, parts, axisymmetric, merge(1.0_wp, 1.5_wp, &
-            & axisymmetric .or. name /= 'line2'))
+            & axisymmetric .or. name /= 'line2'), share)
          call close_to('area', sum(inside%weight), area, 1.0e-13_wp)
          call close_to('parts', sum(inside%part, dim=2), inside%weight, 1.0e-13_wp)
          call random_number(gap)
-         call close_to('a linear gap', [(sum(inside%part(k, :)*matmul(gap, inside%shape)), &
-            & k=1, size(gap))], inside%weight*gap, 1.0e-13_wp)
+         row = gap
+         do k = 1, cell%nnode - cell%ncorner
+            mid = cell%ncorner + k
+            row(mid) = c(1)*gap(mid) + c(2)*sum(gap(cell%edge(:, k)))
+         end do
+         call close_to('a gap', [(sum(inside%part(k, :)*matmul(gap, inside%shape)), &
+            & k=1, size(gap))], inside%weight*row, 1.0e-13_wp)
          call random_number(unit)
          call close_to('places', [(dot_product(unit, inside%x(:size(unit), q)), q=1, inside%n)], &
             & matmul(matmul(unit, x), inside%shape), 1.0e-13_wp)
@@ -85,12 +104,19 @@ contains
       integer :: k
 
       if (d == 2) then
-         text = '*NODE, NSET=REF'//nl//'900000, 0., 5.'//nl//box('UP', 0, [-4.0_wp, -2.0_wp], &
-            & [4.0_wp, 0.0_wp], [7, 2], 0.0_wp)//'*SURFACE, NAME=TOOL, TYPE=SEGMENTS'//nl
+         text = '*NODE, NSET=REF'//nl//'900000, 0., 5.'//nl
+         if (order == 1) text = text//box('UP', 0, [-4.0_wp, -2.0_wp], [4.0_wp, 0.0_wp], [7, 2], &
+            & 0.0_wp)
+         if (order == 2) text = text//second_order_box('UP', [-4.0_wp, -2.0_wp], &
+            & [4.0_wp, 0.0_wp], [5, 1])
+         text = text//'*SURFACE, NAME=TOOL, TYPE=SEGMENTS'//nl
       else
-         text = '*NODE, NSET=REF'//nl//'900000, 0., 0.5, 5.'//nl//box('UP', 0, [-2.0_wp, 0.0_wp, &
-            & -1.0_wp], [2.0_wp, 1.0_wp, 0.0_wp], [4, 1, 1], 0.0_wp) &
-            & //'*SURFACE, NAME=TOOL, TYPE=CYLINDER'//nl//'0., 0., 0., 1., 0., 0.'//nl &
+         text = '*NODE, NSET=REF'//nl//'900000, 0., 0.5, 5.'//nl
+         if (order == 1) text = text//box('UP', 0, [-2.0_wp, 0.0_wp, -1.0_wp], &
+            & [2.0_wp, 1.0_wp, 0.0_wp], [4, 1, 1], 0.0_wp)
+         if (order == 2) text = text//second_order_box('UP', [-2.0_wp, 0.0_wp, -1.0_wp], &
+            & [2.0_wp, 1.0_wp, 0.0_wp], [2, 1, 1])
+         text = text//'*SURFACE, NAME=TOOL, TYPE=CYLINDER'//nl//'0., 0., 0., 1., 0., 0.'//nl &
             & //'0., -1., 0.'//nl
       end if
       do k = 10, -10, -1
@@ -157,7 +183,7 @@ contains
       integer :: try
 
       name = trim(method_names(method))//merge(', plane', ', space', d == 2)//merge(', friction', &
-         & '          ', law == 1)
+         & '          ', law == 1)//merge(', second order', '              ', order == 2)
       do i = 0, 1
          turns = i == 1
          call test(name//': rows of points inside faces')
@@ -207,26 +233,54 @@ contains
          if (.not. allocated(contact%opposite(k)%inner)) cycle
          ! A facet whose rows have no points of their own leaves part of the row to its node.
          if (abs(part(k) - contact%opposite(k)%inner%c) > 1.0e-10_wp) cycle
-         call close_to('gap', contact%gap(k), gap(k) + (1.0_wp - part(k)) &
-            & *contact%opposite(k)%foot%gap, 1.0e-12_wp)
+         if (allocated(contact%opposite(k)%sample)) then
+            if (any(contact%opposite(k)%sample%continued)) cycle
+         end if
+         call close_to('gap', contact%gap(k), gap(k) + (1.0_wp - part(k))*base_gap(k), 1.0e-12_wp)
       end do
       call is_true('there are such rows', any(part > 0.5_wp))
    end subroutine gaps_are_those_of_the_points
+
+   !> Normals of the planes that points inside faces meet, by rows.
+   function planes_met() result(planes)
+      real(wp) :: planes(contact%n)
+      integer :: k, m
+
+      planes = 0.0_wp
+      do k = 1, contact%n
+         if (.not. allocated(contact%opposite(k)%inner)) cycle
+         associate (row => contact%opposite(k)%inner)
+            planes(k) = sum([(m*row%normal(:, m), m=1, size(row%node))])
+         end associate
+      end do
+   end function planes_met
+
+   !> Gap of a row without points inside facets.
+   real(wp) function base_gap(k) result(gap)
+      integer, intent(in) :: k
+
+      gap = contact%opposite(k)%foot%gap
+      if (.not. allocated(contact%opposite(k)%sample)) return
+      associate (other => contact%opposite(k)%sample)
+         gap = (1.0_wp - sum(other%c))*gap + sum(other%c*other%foot%gap)
+      end associate
+   end function base_gap
 
    !> Fourth-order differences of all forces and rows by all unknowns.
    subroutine differences_of_all(difference, smooth)
       real(wp), allocatable, intent(out) :: difference(:, :)
       logical, intent(out) :: smooth           !! no status and no segment changes
-      real(wp), parameter :: h = 1.0e-5_wp, far(4) = [-2.0_wp, -1.0_wp, 1.0_wp, 2.0_wp], &
+      real(wp), parameter :: h = 0.5e-5_wp, far(4) = [-2.0_wp, -1.0_wp, 1.0_wp, 2.0_wp], &
          & share(4) = [1.0_wp, -8.0_wp, 8.0_wp, -1.0_wp]/12.0_wp
       type(error_type), allocatable :: error
-      real(wp), allocatable :: x(:)
+      real(wp), allocatable :: x(:), planes(:)
       integer :: m, j, n, status(contact%n), segment(contact%n)
 
       n = dofs%n
       allocate (difference(n + size(z), n + size(z)), source=0.0_wp)
       status = contact%status
       segment = contact%opposite%foot%segment
+      planes = planes_met()
       smooth = .true.
       do m = 1, n + size(z)
          do j = 1, 4
@@ -235,7 +289,8 @@ contains
             call evaluate(contact, model, x(:n), x(n + 1:), .false., error)
             difference(:, m) = difference(:, m) + share(j)/h*[-contact%force, contact%row]
             smooth = smooth .and. all(contact%status == status) &
-               & .and. all(contact%opposite%foot%segment == segment)
+               & .and. all(contact%opposite%foot%segment == segment) &
+               & .and. maxval(abs(planes_met() - planes)) < 1.0e-12_wp
          end do
       end do
       call evaluate(contact, model, u, z, .true., error)

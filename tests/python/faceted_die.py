@@ -2,7 +2,7 @@
 import math
 
 from lopin.deck import Deck
-from lopin.mesh_make import block, simplices
+from lopin.mesh_make import block, extruded, simplices
 
 RADIUS, DOWN, DEEP, HALF = 20.0, 0.15, 10.0, 10.0
 
@@ -31,7 +31,14 @@ def stl(points, width):
     return "\n".join([*text, "endsolid die"]) + "\n"
 
 
+#: The words of first order whose corners those of second order have.
+CORNERS = {"CPE8": "CPE4", "CPE8R": "CPE4", "CPE6": "CPE3", "CAX8": "CAX4", "C3D20": "C3D8", "C3D20R": "C3D8",
+           "C3D10": "C3D4", "C3D15": "C3D6"}
+
+
 def slab(kind, size):
+    if kind in CORNERS:
+        return slab(CORNERS[kind], size).quadratic()
     n = round(2*HALF/size)
     down = max(4, round(DEEP/size))
     if kind == "CAX4":
@@ -40,14 +47,16 @@ def slab(kind, size):
         mesh = block((2*HALF, DEEP), (n, down), origin=(-HALF, -DEEP))
     else:
         mesh = block((2*HALF, size, DEEP), (n, 1, down), origin=(-HALF, 0.0, -DEEP))
+    if kind == "C3D6":
+        return extruded(simplices(block((2*HALF, size), (n, 1), origin=(-HALF, 0.0))), DEEP, down).moved(0.0, 0.0, -DEEP)
     return simplices(mesh) if kind in ("CPE3", "C3D4") else mesh
 
 
 def pressed(kind, facet, phase, size=2.0, path="", tool="SEGMENTS", mu=0.0, slide=None, steps=12,
-            folder=None):
-    """`facet` 0: round; `tool`: SEGMENTS, CYLINDER or STL; `slide`: the way of a second step in so many increments."""
+            folder=None, down=DOWN, points=None):
+    """`facet` 0: round, `points`: a profile given; `tool`: SEGMENTS, CYLINDER or STL; `slide`: the way of a second step in so many increments."""
     mesh = slab(kind, size)
-    points = corners(facet, phase, kind == "CAX4") if facet else None
+    points = points or (corners(facet, phase, kind.startswith("CAX")) if facet else None)
     d = 3 if kind.startswith("C3") else 2
     text = ["*HEADING", "A die of facets", *([f"*LOPIN, PATH={path}"] if path else []),
             "*NODE, NSET=N", *(f"{i + 1}, " + ", ".join(map(repr, x)) for i, x in
@@ -60,7 +69,7 @@ def pressed(kind, facet, phase, size=2.0, path="", tool="SEGMENTS", mu=0.0, slid
     if points is None:
         x, y = RADIUS*math.sin(1.0), RADIUS - RADIUS*math.cos(1.0)
         profile = [f"START, {x!r}, {y!r}", f"CIRCL, 0., 0., 0., {RADIUS!r}"]
-        if kind != "CAX4":
+        if not kind.startswith("CAX"):
             profile += [f"CIRCL, {-x!r}, {y!r}, 0., {RADIUS!r}"]
     else:
         profile = [f"START, {points[0][0]!r}, {points[0][1]!r}",
@@ -73,7 +82,7 @@ def pressed(kind, facet, phase, size=2.0, path="", tool="SEGMENTS", mu=0.0, slid
     else:
         text += ["*SURFACE, NAME=TOOL, TYPE=SEGMENTS", *profile]
     held = ["P, 1", "P, 6"] if d == 2 else ["P, 1, 2", "P, 4, 6"]
-    if kind == "CAX4":
+    if kind.startswith("CAX"):
         held = ["P, 1", "P, 6"]
         text += ["*NSET, NSET=MID", *(f"{n + 1}," for n in mesh.point_sets["LEFT"].tolist())]
         held += ["MID, 1"]
@@ -83,7 +92,7 @@ def pressed(kind, facet, phase, size=2.0, path="", tool="SEGMENTS", mu=0.0, slid
              "1000., 0.3", "*SOLID SECTION, ELSET=E, MATERIAL=M", "1.,", "*SURFACE INTERACTION, NAME=I",
              *(["*FRICTION", f"{mu!r},"] if mu else []),
              "*CONTACT PAIR, INTERACTION=I", "TOP, TOOL", "*BOUNDARY", f"LOW, 1, {d}", *held,
-             "*STEP, INC=100", "*STATIC", "0.5, 1.", "*BOUNDARY", f"P, {d}, {d}, {-DOWN!r}",
+             "*STEP, INC=100", "*STATIC", "0.5, 1.", "*BOUNDARY", f"P, {d}, {d}, {-down!r}",
              "*END STEP"]
     if slide is not None:
         text += ["*STEP, INC=500", "*STATIC, DIRECT", f"{1/steps!r}, 1.", "*BOUNDARY",
