@@ -2,7 +2,7 @@
 module lopin_contact_block
    use lopin_kinds, only : wp
    use lopin_constraints, only : constraints_type
-   use lopin_finite_kernel, only : local_matrix_type
+   use lopin_local_matrix, only : local_matrix_type
    implicit none
    private
    public :: block_type, reduce_block, apply_locals

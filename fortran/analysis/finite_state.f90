@@ -3,7 +3,7 @@ module lopin_finite_state
    use lopin_kinds, only : wp
    use lopin_csc, only : csc_type
    use lopin_finite_contact, only : finite_contact_type
-   use lopin_finite_kernel, only : local_matrix_type
+   use lopin_local_matrix, only : local_matrix_type
    use lopin_finite_system, only : finite_system_type
    use lopin_follower_loading, only : follower_type
    use lopin_contraction, only : contraction_type

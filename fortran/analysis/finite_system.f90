@@ -22,7 +22,7 @@ module lopin_finite_system
    use lopin_solver_factory, only : new_solver, choose_solver
    use lopin_constraints, only : constraints_type
    use lopin_reduce_matrix, only : reduce_matrix
-   use lopin_finite_kernel, only : local_matrix_type
+   use lopin_local_matrix, only : local_matrix_type
    use lopin_contact_block, only : block_type, reduce_block
    implicit none
    private

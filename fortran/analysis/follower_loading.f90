@@ -7,7 +7,7 @@
 module lopin_follower_loading
    use lopin_kinds, only : wp
    use lopin_model, only : model_type, step_type, face_load_type, amplitude_value
-   use lopin_finite_kernel, only : local_matrix_type
+   use lopin_local_matrix, only : local_matrix_type
    use lopin_state, only : pressures_type
    implicit none
    private

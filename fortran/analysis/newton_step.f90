@@ -6,7 +6,7 @@ module lopin_newton_step
    use lopin_vectors, only : largest
    use lopin_model, only : model_type
    use lopin_constraints, only : reduce
-   use lopin_finite_kernel, only : local_matrix_type
+   use lopin_local_matrix, only : local_matrix_type
    use lopin_finite_system, only : set_tangent, put_on_ground, solve_step
    use lopin_contact_block, only : apply_locals
    use lopin_finite_state, only : is_nonlinear

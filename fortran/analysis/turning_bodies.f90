@@ -10,7 +10,7 @@ module lopin_turning_bodies
    use lopin_model, only : model_type
    use lopin_constraints, only : constraints_type, new_constraints
    use lopin_rigid_motion, only : rotation_matrix, slopes_of_rotation
-   use lopin_finite_kernel, only : local_matrix_type
+   use lopin_local_matrix, only : local_matrix_type
    use lopin_scene, only : scene_type
    implicit none
    private

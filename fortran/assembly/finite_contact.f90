@@ -19,7 +19,8 @@ module lopin_finite_contact
    use lopin_finite_masters, only : masters_type, new_masters, areas_of
    use lopin_finite_owner, only : new_owners
    use lopin_skins, only : new_skins
-   use lopin_finite_kernel, only : local_matrix_type, point_state_type
+   use lopin_finite_kernel, only : point_state_type
+   use lopin_local_matrix, only : local_matrix_type
    use lopin_mortar_node_2d, only : patch_type
    use lopin_finite_mortar, only : present_mortar_type, mortar_anchor_type, new_present_mortar
    implicit none

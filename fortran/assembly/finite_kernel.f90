@@ -6,6 +6,7 @@ module lopin_finite_kernel
       & operator(+), operator(-), operator(*), operator(/), assignment(=)
    use lopin_facet_basis, only : facet_basis_type
    use lopin_model, only : model_type
+   use lopin_local_matrix, only : local_matrix_type
    use lopin_dofs, only : dofs_type
    use lopin_friction, only : friction_type, condition_type
    use lopin_contact_traction, only : grip_type, grip_status, traction_of, &
@@ -19,17 +20,7 @@ module lopin_finite_kernel
    use lopin_finite_masters, only : masters_type
    implicit none
    private
-   public :: local_matrix_type, point_state_type, evaluate_point, set_spring
-   !> The exact tangent of one contact point.
-   type :: local_matrix_type
-      integer, allocatable :: dof(:)           !! physical dofs, then ndof + multiplier row, then
-                                               !! physical dofs that only bounds of shear read
-      real(wp), allocatable :: k(:, :)         !! d(-force, row)/d(u, multiplier)
-      integer :: nu = 0                        !! entries that are displacements
-      real(wp), allocatable :: spring(:, :)    !! (nu, nu) positive semidefinite part, for a factor
-      real(wp), allocatable :: flat_row(:, :)  !! (ndim, nu) multiplier rows, normals standing still
-   end type local_matrix_type
-
+   public :: point_state_type, evaluate_point, set_spring
    !> Results of an evaluation.
    type :: point_state_type
       integer :: status = 0

@@ -30,7 +30,8 @@ module lopin_finite_mortar
       & take_nearest
    use lopin_mortar_least, only : least_of_nodes
    use lopin_finite_points, only : stays_mortar
-   use lopin_finite_kernel, only : local_matrix_type, point_state_type, set_spring
+   use lopin_finite_kernel, only : point_state_type, set_spring
+   use lopin_local_matrix, only : local_matrix_type
    use lopin_mortar_cells_3d, only : new_mortar_kernel
    use lopin_finite_mortar_3d, only : space_mortar_type, update_space_mortar, evaluate_space_point
    use lopin_finite_tie, only : tie_type, new_tie, evaluate_tie

@@ -19,7 +19,8 @@ module lopin_finite_mortar_3d
    use lopin_mortar_cover, only : cover_type
    use lopin_mortar_rows_3d, only : mortar_row_type, new_mortar_rows, take_nearest
    use lopin_mortar_traction_3d, only : slip_of_row, forces_of_row
-   use lopin_finite_kernel, only : local_matrix_type, point_state_type
+   use lopin_finite_kernel, only : point_state_type
+   use lopin_local_matrix, only : local_matrix_type
    implicit none
    private
    public :: space_mortar_type, update_space_mortar, evaluate_space_point

@@ -12,7 +12,8 @@ module lopin_finite_tie
    use lopin_facets, only : facets_type, facet_rule_type
    use lopin_dofs, only : dofs_type
    use lopin_contact_traction, only : grip_type, grip_status
-   use lopin_finite_kernel, only : local_matrix_type, point_state_type
+   use lopin_finite_kernel, only : point_state_type
+   use lopin_local_matrix, only : local_matrix_type
    implicit none
    private
    public :: tie_type, new_tie, evaluate_tie, facet_normal

@@ -3,7 +3,7 @@ module lopin_follower_loads
    use lopin_kinds, only : wp
    use lopin_mesh, only : mesh_type
    use lopin_solids, only : solids_type, group_type
-   use lopin_finite_kernel, only : local_matrix_type
+   use lopin_local_matrix, only : local_matrix_type
    use lopin_follower_face, only : follower_force
    implicit none
    private

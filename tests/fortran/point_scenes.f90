@@ -26,7 +26,8 @@ module point_scenes
    use lopin_finite_opposite, only : opposite_type, anchor_type, find_opposite, anchor_of
    use lopin_finite_samples, only : find_sample_feet, offset_of
    use lopin_finite_masters, only : masters_type, move_masters
-   use lopin_finite_kernel, only : local_matrix_type, point_state_type, evaluate_point
+   use lopin_finite_kernel, only : point_state_type, evaluate_point
+   use lopin_local_matrix, only : local_matrix_type
    use patch_scenes, only : patch_names, patch_dimension, is_dome, new_patch
    implicit none
    private

@@ -4,6 +4,7 @@ module recorder_scene
    use lopin_kinds, only : wp
    use lopin_error, only : error_type, severity, location_type
    use lopin_tool_factory, only : new_tool_sphere
+   use lopin_enforcement_factory, only : new_enforcement
    use lopin_element_type, only : element_type, new_element_type
    use lopin_model, only : model_type, output_type, surface_of, kind_of
    use lopin_report, only : frame_type, summary_type, contact_field_type
@@ -92,6 +93,7 @@ contains
       model%rigid_body(1)%reference = model%mesh%nnode
       model%rigid_body(1)%tool = 1
       model%interaction(1)%name = 'GREASE'
+      call new_enforcement(model%interaction(1)%method, 'lagrange')
       model%pair(1)%slave = 1
       model%pair(1)%master = 2
       model%pair(1)%interaction = 1

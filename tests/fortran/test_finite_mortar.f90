@@ -12,7 +12,8 @@ program test_finite_mortar
    use lopin_rigid_motion, only : rotation_matrix
    use lopin_mortar_node_2d, only : patch_type
    use lopin_mortar_cells_3d, only : new_mortar_kernel
-   use lopin_finite_kernel, only : local_matrix_type, point_state_type
+   use lopin_finite_kernel, only : point_state_type
+   use lopin_local_matrix, only : local_matrix_type
    use lopin_finite_mortar, only : present_mortar_type, mortar_anchor_type, update_mortar, &
       & meet_row, evaluate_mortar_point, lay_pieces
    use point_scenes, only : set_method, tied_grip, grip_names

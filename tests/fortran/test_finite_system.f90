@@ -5,7 +5,7 @@ program test_finite_system
    use lopin_clock, only : clock_type, counter_type
    use lopin_csc, only : csc_type
    use lopin_constraints, only : constraints_type
-   use lopin_finite_kernel, only : local_matrix_type
+   use lopin_local_matrix, only : local_matrix_type
    use lopin_finite_system, only : finite_system_type, set_tangent, solve_step, solve_whole
    use check, only : test, close_to, is_true, finish
    use matrices, only : elastic_block, uniform

@@ -7,7 +7,7 @@ program test_follower_loads
    use lopin_facets, only : facets_type, boundary_facets
    use lopin_solids, only : solids_type, solid_section_type, new_solids
    use lopin_solid_loads, only : add_face_loads
-   use lopin_finite_kernel, only : local_matrix_type
+   use lopin_local_matrix, only : local_matrix_type
    use lopin_follower_loads, only : add_follower_loads
    use blocks, only : new_block, random
    use check, only : test, close_to, is_true, finish

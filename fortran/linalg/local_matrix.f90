@@ -1,0 +1,17 @@
+!> A small dense tangent with the dofs that it couples: a contact point, a face under pressure.
+module lopin_local_matrix
+   use lopin_kinds, only : wp
+   implicit none
+   private
+   public :: local_matrix_type
+
+   !> The exact tangent of one contact point, or of a group of forces that follow their faces.
+   type :: local_matrix_type
+      integer, allocatable :: dof(:)           !! physical dofs, then ndof + multiplier row, then
+                                               !! physical dofs that only bounds of shear read
+      real(wp), allocatable :: k(:, :)         !! d(-force, row)/d(u, multiplier)
+      integer :: nu = 0                        !! entries that are displacements
+      real(wp), allocatable :: spring(:, :)    !! (nu, nu) positive semidefinite part, for a factor
+      real(wp), allocatable :: flat_row(:, :)  !! (ndim, nu) multiplier rows, normals standing still
+   end type local_matrix_type
+end module lopin_local_matrix
