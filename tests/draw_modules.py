@@ -8,13 +8,12 @@
 import argparse
 import re
 
-from measure_sources import ROOT, read_all
+from measure_sources import FLOORS, ROOT, read_all
 
 PAGE = ROOT/"docs"/"architecture.md"
 BEGIN = "<!-- drawn by tests/draw_modules.py: do not edit -->"
 END = "<!-- end of the drawing -->"
-FOLDERS = ("app", "api", "io", "analysis", "assembly", "model", "contact", "element", "tool",
-           "linalg", "material", "mesh", "base")
+FOLDERS = tuple(folder for floor in reversed(FLOORS) for folder in floor)
 
 
 def edges(modules: dict) -> dict:
@@ -23,6 +22,15 @@ def edges(modules: dict) -> dict:
     for module in modules.values():
         found[module.folder] |= {modules[u].folder for u in module.uses if u in modules}
     return {folder: used - {folder} for folder, used in found.items()}
+
+
+def by_area(graph: dict) -> dict:
+    """The same of the folders that stand in fortran/ itself."""
+    found = {}
+    for folder, used in graph.items():
+        area = folder.split("/")[0]
+        found.setdefault(area, set()).update(u.split("/")[0] for u in used)
+    return {area: used - {area} for area, used in found.items()}
 
 
 def without_ways_round(graph: dict) -> dict:
@@ -44,7 +52,7 @@ def drawing(modules: dict) -> str:
     """Folders and their edges as a picture, and all edges as a table."""
     graph = edges(modules)
     lines = [BEGIN, "```mermaid", "flowchart TD"]
-    for folder, used in without_ways_round(graph).items():
+    for folder, used in without_ways_round(by_area(graph)).items():
         lines += [f"  {folder} --> {other}" for other in sorted(used)]
     lines += ["```", "", "| folder | uses modules of |", "| --- | --- |"]
     lines += [f"| {folder} | {', '.join(sorted(used)) or 'none'} |"
@@ -68,7 +76,7 @@ def purpose(module) -> str:
 def describe(modules: dict, name: str):
     """Print the modules of a folder, or one module."""
     for stem, module in modules.items():
-        if name in (stem, module.folder):
+        if name in (stem, module.folder, module.folder.split("/")[0]):
             users = sorted(other for other, m in modules.items() if stem in m.uses)
             print(f"{module.folder}/{module.path.name}: {purpose(module)}")
             print(f"    uses    {', '.join(sorted(module.uses)) or '-'}")

@@ -18,6 +18,8 @@ import sys
 from collections import defaultdict
 from pathlib import Path
 
+from measure_sources import folder_of
+
 ROOT = Path(__file__).resolve().parents[1]
 BUILD = ROOT/"build-coverage"
 JOBS = str(os.cpu_count() or 2)
@@ -76,10 +78,10 @@ def report(listed: str):
     folders = defaultdict(lambda: [0, 0])
     for source, lines in sorted(counted().items()):
         never = sorted(number for number, count in lines.items() if count == 0)
-        for name in (source.parent.name, "all Fortran"):
+        for name in (folder_of(source), "all Fortran"):
             folders[name][0] += len(lines) - len(never)
             folders[name][1] += len(lines)
-        if source.parent.name == listed and never:
+        if listed in (folder_of(source), folder_of(source).split("/")[0]) and never:
             print(f"{source.relative_to(ROOT)}: {', '.join(map(str, never))}")
     for name, (ran, every) in folders.items():
         print(f"{100*ran/every:6.1f} %  {ran:6d} of {every:6d}  {name}")

@@ -9,6 +9,27 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[1]
+#: Folders of fortran/ from the ground up: a module uses modules of lower floors or of its own folder.
+FLOORS = (
+    ("base",),
+    ("mesh", "material", "linalg", "tool"),
+    ("element", "contact/geometry", "contact/enforcement"),
+    ("contact/search", "contact/friction"),
+    ("contact/mortar", "deck"),
+    ("model",),
+    ("solids",),
+    ("pairs/detection",),
+    ("pairs/element", "pairs/linear"),
+    ("pairs/mortar",),
+    ("pairs/newton",),
+    ("solve/workspace",),
+    ("solve/linear", "solve/newton"),
+    ("solve/checks",),
+    ("solve/run",),
+    ("build", "messages", "output"),
+    ("api",),
+    ("app",),
+)
 BEGIN = re.compile(r"^\s*(?:(?:pure|elemental|impure|recursive|module|logical|integer|real|complex|"
                    r"character|type|class|double precision)\b[^!\"']*?)?\b(subroutine|function)\s+(\w+)\s*"
                    r"(?:\(|$|result|bind)", re.IGNORECASE)
@@ -74,10 +95,17 @@ def split_comment(line: str):
     return line, "", ""
 
 
+def folder_of(path: Path) -> str:
+    """The folder of a source below fortran/, as FLOORS names it."""
+    parts = path.parent.parts
+    return "/".join(parts[len(parts) - parts[::-1].index("fortran"):])
+
+
 def read_module(path: Path) -> Module:
     """Measure one file."""
     text = path.read_text(encoding="utf-8")
-    module = Module(path, path.parent.name, text)
+    folder = folder_of(path)
+    module = Module(path, folder, text)
     module.uses = {u.lower() for u in re.findall(r"^\s*use\s*(?:,\s*\w+\s*)?(?:::)?\s*lopin_(\w+)", text,
                                                  re.IGNORECASE | re.MULTILINE)}
     names = " ".join(re.findall(r"^\s*public\s*(?:::)?(.*(?:&\n.*)*)", text,
@@ -106,7 +134,7 @@ def read_module(path: Path) -> Module:
         if begun and not inside:
             listed = re.search(rf"\b{begun[2]}\s*\(([^)]*)\)", code, re.IGNORECASE)
             arguments = [a.strip().lower() for a in listed[1].split(",") if a.strip()] if listed else []
-            stack.append([Procedure(f"{path.parent.name}/{path.name}:{line}", begun[2].lower(), arguments,
+            stack.append([Procedure(f"{folder}/{path.name}:{line}", begun[2].lower(), arguments,
                                     begun[2].lower() in public, documented=bool(before)), line, 0])
         elif END.match(code) and stack:
             one, begin, _ = stack.pop()

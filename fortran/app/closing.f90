@@ -3,7 +3,7 @@
 module lopin_closing
    use lopin_error, only : log_type, severity
    use lopin_job, only : job_type, outcome_type
-   use lopin_json_judgement, only : verdict_line
+   use lopin_json_verdict, only : verdict_line
    use lopin_kinds, only : wp
    use lopin_model, only : model_type
    use lopin_progress_text, only : clock_text

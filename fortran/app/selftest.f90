@@ -54,11 +54,11 @@ contains
       if (allocated(error)) return
       select type (last => recorder(1)%recorder)
       type is (last_recorder_type)
-         call judge(last%frame, element//', '//method, shortening(element, method), line, error)
+         call check(last%frame, element//', '//method, shortening(element, method), line, error)
       end select
    end subroutine selftest_case
 
-   subroutine judge(frame, name, expected, line, error)
+   subroutine check(frame, name, expected, line, error)
       type(frame_type), intent(in) :: frame
       character(len=*), intent(in) :: name
       real(wp), intent(in) :: expected                   !! displacement of the top [length]
@@ -73,7 +73,7 @@ contains
          & to_text(displacement_error, 2)
       if (pressure_error <= tolerance .and. displacement_error <= tolerance) return
       call raise(error, error_code%internal, 'E0902', 'selftest failed, '//line)
-   end subroutine judge
+   end subroutine check
 
    pure real(wp) function shortening(element, method) result(u)
       character(len=*), intent(in) :: element, method

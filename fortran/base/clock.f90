@@ -23,7 +23,7 @@ module lopin_clock
       integer :: back_solves = 0       !! forward plus backward pass over the whole factor
       integer :: iterations = 0        !! contact iterations
       integer :: augmentations = 0
-      ! of the finite path, contacts that are searched on the present shape
+      ! of the nonlinear path, contacts that are searched on the present shape
       integer(lk) :: queries = 0       !! points that asked a surface
       integer(lk) :: projections = 0   !! closest points of one facet
       integer(lk) :: boxes = 0         !! distances to boxes

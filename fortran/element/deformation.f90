@@ -8,7 +8,7 @@ module lopin_deformation
    use lopin_gradients, only : all_gradients
    use lopin_solid_enhanced, only : enhanced_deformation
    use lopin_vectors, only : inverse_of
-   use lopin_finite_elastic, only : finite_law_type, volume_change
+   use lopin_hyperelastic, only : solid_law_type, volume_change
    use lopin_material_memory, only : trial_change
    use lopin_material_point, only : point_type, stretch_thickness
    implicit none
@@ -22,7 +22,7 @@ contains
    !> Gradients of the shape functions in the deformed place and the deformation of every point.
    pure subroutine deform(element, law, x, u, thickness, memory, dt, point, g, hoop, phi, bad)
       type(element_type), intent(in) :: element
-      type(finite_law_type), intent(in) :: law
+      type(solid_law_type), intent(in) :: law
       real(wp), intent(in), dimension(element%ndim, element%nnode) :: x, u
       real(wp), contiguous, intent(in) :: memory(:, :)
       real(wp), intent(in) :: thickness, dt

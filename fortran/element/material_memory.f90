@@ -14,7 +14,7 @@
 module lopin_material_memory
    use lopin_kinds, only : wp
    use lopin_log_strain, only : first_axis, second_axis
-   use lopin_finite_elastic, only : past_type, finite_law_type
+   use lopin_hyperelastic, only : past_type, solid_law_type
    use lopin_plastic_return, only : plastic_past_type, plastic_answer_type
    implicit none
    private
@@ -33,7 +33,7 @@ contains
 
    !> The same with what a law asks for beyond it.
    pure integer function rows_of(law, nstress) result(rows)
-      type(finite_law_type), intent(in) :: law
+      type(solid_law_type), intent(in) :: law
       integer, intent(in) :: nstress
 
       rows = memory_size(nstress)

@@ -9,7 +9,7 @@ module lopin_material_point
    use lopin_vectors, only : inverse_of
    use lopin_kelvin, only : root_two, unit_kelvin, kelvin_rotation
    use lopin_log_strain, only : log_one_plus, exp_minus_one
-   use lopin_finite_elastic, only : finite_law_type, finite_response, past_type, flow_of_trial, &
+   use lopin_hyperelastic, only : solid_law_type, finite_response, past_type, flow_of_trial, &
       & answer_of, thickness_change, condense_thickness
    use lopin_flow_curve, only : flow_at
    use lopin_radial_return, only : return_type
@@ -46,7 +46,7 @@ contains
 
    !> Kirchhoff stress, energy per reference volume and, if asked for, spatial tangent.
    pure subroutine respond_at(law, point, memory, dt, stress, energy, found, tangent)
-      type(finite_law_type), intent(in) :: law
+      type(solid_law_type), intent(in) :: law
       type(point_type), intent(in) :: point
       real(wp), contiguous, intent(in) :: memory(:)    !! of the accepted state; empty: none
       real(wp), intent(in) :: dt                       !! since the accepted state [time]
@@ -65,7 +65,7 @@ contains
    end subroutine respond_at
 
    pure subroutine respond_plastic(law, point, memory, dt, stress, energy, found, tangent)
-      type(finite_law_type), intent(in) :: law
+      type(solid_law_type), intent(in) :: law
       type(point_type), intent(in) :: point
       real(wp), contiguous, intent(in) :: memory(:)
       real(wp), intent(in) :: dt
@@ -101,7 +101,7 @@ contains
 
    !> The return of a trial deformation.
    pure subroutine plastic_answer(law, point, memory, dt, nstress, frame, answer)
-      type(finite_law_type), intent(in) :: law
+      type(solid_law_type), intent(in) :: law
       type(point_type), intent(in) :: point
       real(wp), contiguous, intent(in) :: memory(:)
       real(wp), intent(in) :: dt
@@ -122,7 +122,7 @@ contains
    !> The metric changes by F**-1 (b after flow - b of the trial) F**-T. The work is that of the
    !> mean of the stresses before and after.
    pure subroutine keep_at(law, point, nstress, dt, memory, work)
-      type(finite_law_type), intent(in) :: law
+      type(solid_law_type), intent(in) :: law
       type(point_type), intent(in) :: point
       integer, intent(in) :: nstress
       real(wp), intent(in) :: dt
@@ -165,7 +165,7 @@ contains
 
    !> Plane stress: the stretch through the thickness at which there is no stress across it.
    pure subroutine stretch_thickness(law, memory, nstress, dt, point, found)
-      type(finite_law_type), intent(in) :: law
+      type(solid_law_type), intent(in) :: law
       real(wp), contiguous, intent(in) :: memory(:)
       integer, intent(in) :: nstress
       real(wp), intent(in) :: dt
@@ -198,7 +198,7 @@ contains
 
    !> Newton in the logarithm of the stretch, inside a bracket: the stress rises with it.
    pure subroutine balance_thickness(law, memory, nstress, dt, metric, area, point, found)
-      type(finite_law_type), intent(in) :: law
+      type(solid_law_type), intent(in) :: law
       real(wp), contiguous, intent(in) :: memory(:)
       integer, intent(in) :: nstress
       real(wp), intent(in) :: dt, metric, area
@@ -231,7 +231,7 @@ contains
 
    !> Small strain: stress, tangent and elastic strain of an elastic trial strain.
    pure subroutine respond_small(law, plane, memory, dt, strain, answer)
-      type(finite_law_type), intent(in) :: law
+      type(solid_law_type), intent(in) :: law
       logical, intent(in) :: plane                     !! plane stress: zz of the strain is not read
       real(wp), contiguous, intent(in) :: memory(:)    !! of the accepted state; empty: none
       real(wp), intent(in) :: dt                       !! since the accepted state [time]
@@ -272,7 +272,7 @@ contains
    end subroutine respond_small
 
    pure subroutine respond_in_full(law, memory, nstress, dt, strain, answer)
-      type(finite_law_type), intent(in) :: law
+      type(solid_law_type), intent(in) :: law
       real(wp), contiguous, intent(in) :: memory(:)
       integer, intent(in) :: nstress
       real(wp), intent(in) :: dt, strain(6)
@@ -304,7 +304,7 @@ contains
 
    !> Return to a surface, and the matrix from the axes of the material to space.
    pure subroutine small_return(law, memory, nstress, dt, strain, turn, answer)
-      type(finite_law_type), intent(in) :: law
+      type(solid_law_type), intent(in) :: law
       real(wp), contiguous, intent(in) :: memory(:)
       integer, intent(in) :: nstress
       real(wp), intent(in) :: dt, strain(6)
@@ -324,7 +324,7 @@ contains
 
    !> Von Mises: the deviator of stress is along that of the strain.
    pure subroutine respond_radially(law, memory, nstress, dt, strain, answer)
-      type(finite_law_type), intent(in) :: law
+      type(solid_law_type), intent(in) :: law
       real(wp), contiguous, intent(in) :: memory(:)
       integer, intent(in) :: nstress
       real(wp), intent(in) :: dt, strain(6)
@@ -362,7 +362,7 @@ contains
 
    !> The memory of a point for the state that is accepted, and the plastic work since the last.
    pure subroutine keep_small(law, dt, strain, memory, work)
-      type(finite_law_type), intent(in) :: law
+      type(solid_law_type), intent(in) :: law
       real(wp), intent(in) :: dt
       real(wp), intent(in) :: strain(:)                !! (4 or 6) elastic trial, engineering shears;
                                                        !! zz is that of plane stress

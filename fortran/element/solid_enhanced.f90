@@ -15,7 +15,7 @@ module lopin_solid_enhanced
    use lopin_enhanced_modes, only : modes_type, internal_modes, solve_small, most_nodes, most_points
    use lopin_gradients, only : gradients
    use lopin_velocity_form, only : velocity_form
-   use lopin_finite_elastic, only : finite_law_type, condense_thickness, volume_change
+   use lopin_hyperelastic, only : solid_law_type, condense_thickness, volume_change
    use lopin_material_memory, only : trial_change, amplitudes_of, offset_at
    use lopin_material_point, only : point_type, respond_at, stretch_thickness
    implicit none
@@ -52,7 +52,7 @@ contains
    pure subroutine enhanced_element(element, law, x, u, thickness, memory, dt, force, energy, &
       & bad, ke)
       type(element_type), intent(in) :: element    !! with nmode > 0
-      type(finite_law_type), intent(in) :: law
+      type(solid_law_type), intent(in) :: law
       real(wp), intent(in) :: x(:, :), u(:, :)     !! (ndim, nnode) [length]
       real(wp), intent(in) :: thickness            !! plane kinds [length]
       real(wp), contiguous, intent(in) :: memory(:, :)   !! of the accepted state, or empty
@@ -102,7 +102,7 @@ contains
    !> Enhanced F - 1 at the Gauss points.
    pure subroutine enhanced_deformation(element, law, x, u, thickness, memory, dt, h, alpha, bad)
       type(element_type), intent(in) :: element    !! with nmode > 0
-      type(finite_law_type), intent(in) :: law
+      type(solid_law_type), intent(in) :: law
       real(wp), intent(in) :: x(:, :), u(:, :)     !! (ndim, nnode) [length]
       real(wp), intent(in) :: thickness            !! plane kinds [length]
       real(wp), contiguous, intent(in) :: memory(:, :)   !! of the accepted state, or empty
@@ -166,7 +166,7 @@ contains
    !> Amplitudes that make the energy stationary.
    pure subroutine relax(element, law, motion, memory, dt, alpha, bad)
       type(element_type), intent(in) :: element
-      type(finite_law_type), intent(in) :: law
+      type(solid_law_type), intent(in) :: law
       type(motion_type), intent(in) :: motion
       real(wp), contiguous, intent(in) :: memory(:, :)
       real(wp), intent(in) :: dt
@@ -206,7 +206,7 @@ contains
    !> points that unload are stiffer than the tangent says.
    pure subroutine advance(element, law, motion, memory, dt, step, alpha, force, pivot, turned)
       type(element_type), intent(in) :: element
-      type(finite_law_type), intent(in) :: law
+      type(solid_law_type), intent(in) :: law
       type(motion_type), intent(in) :: motion
       real(wp), contiguous, intent(in) :: memory(:, :)
       real(wp), intent(in) :: dt, step(:)
@@ -245,7 +245,7 @@ contains
    !> Forces on the amplitudes and their slopes; `force` is kept where a point is `turned`.
    pure subroutine balance(element, law, motion, memory, dt, alpha, force, pivot, turned)
       type(element_type), intent(in) :: element
-      type(finite_law_type), intent(in) :: law
+      type(solid_law_type), intent(in) :: law
       type(motion_type), intent(in) :: motion
       real(wp), contiguous, intent(in) :: memory(:, :)
       real(wp), intent(in) :: dt, alpha(:)
@@ -273,7 +273,7 @@ contains
    !> Deformation, stress and stiffness of a point.
    pure subroutine respond(element, law, motion, k, memory, dt, alpha, answer)
       type(element_type), intent(in) :: element
-      type(finite_law_type), intent(in) :: law
+      type(solid_law_type), intent(in) :: law
       type(motion_type), intent(in) :: motion
       integer, intent(in) :: k
       real(wp), contiguous, intent(in) :: memory(:)

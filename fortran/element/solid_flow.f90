@@ -1,7 +1,7 @@
 !> Solids at small strain whose material flows: force, tangent, stress and memory of one element.
 !>
 !> The same laws as at finite strain, in the small strains of the B matrices (mean dilatation
-!> included). Arguments are those of module solid_finite, so that an assembly calls
+!> included). Arguments are those of module solid_finite_strain, so that an assembly calls
 !> either.
 module lopin_solid_flow
    use lopin_kinds, only : wp
@@ -9,7 +9,7 @@ module lopin_solid_flow
    use lopin_solid_small, only : strain_matrices, strains, internal_force, add_product, &
       & mode_strains, follow_nodes
    use lopin_enhanced_modes, only : solve_small
-   use lopin_finite_elastic, only : finite_law_type
+   use lopin_hyperelastic, only : solid_law_type
    use lopin_material_memory, only : amplitudes_of, put_amplitudes, offset_at
    use lopin_material_point, only : small_answer_type, respond_small, keep_small
    implicit none
@@ -21,7 +21,7 @@ contains
    !> Force, elastic energy and, if asked for, tangent of an element.
    pure subroutine flow_element(element, law, x, u, thickness, memory, dt, force, energy, bad, ke)
       type(element_type), intent(in) :: element
-      type(finite_law_type), intent(in) :: law
+      type(solid_law_type), intent(in) :: law
       real(wp), intent(in) :: x(:, :)        !! (ndim, nnode) coordinates [length]
       real(wp), intent(in) :: u(:, :)        !! (ndim, nnode) displacements [length]
       real(wp), intent(in) :: thickness      !! plane kinds [length]
@@ -66,7 +66,7 @@ contains
    !> Stress and strain (engineering shears) at the Gauss points: xx yy zz xy xz yz.
    pure subroutine flow_stresses(element, law, x, u, thickness, memory, dt, stress, strain, bad)
       type(element_type), intent(in) :: element
-      type(finite_law_type), intent(in) :: law
+      type(solid_law_type), intent(in) :: law
       real(wp), intent(in) :: x(:, :), u(:, :)               !! (ndim, nnode) [length]
       real(wp), intent(in) :: thickness                      !! plane kinds [length]
       real(wp), intent(in) :: memory(:, :)                   !! as for flow_element
@@ -97,7 +97,7 @@ contains
    !> The memory of this state, to be kept once it is accepted, plastic work since the last, volume.
    pure subroutine flow_memory(element, law, x, u, thickness, dt, memory, work, held, bad)
       type(element_type), intent(in) :: element
-      type(finite_law_type), intent(in) :: law
+      type(solid_law_type), intent(in) :: law
       real(wp), intent(in) :: x(:, :), u(:, :)               !! (ndim, nnode) [length]
       real(wp), intent(in) :: thickness                      !! plane kinds [length]
       real(wp), intent(in) :: dt                             !! since the accepted state [time]
@@ -133,7 +133,7 @@ contains
    !> Elastic strain (engineering shears) of every point if nothing flowed.
    pure subroutine trial(element, law, x, u, thickness, memory, dt, b, volume, strain, alpha, bad)
       type(element_type), intent(in) :: element
-      type(finite_law_type), intent(in) :: law
+      type(solid_law_type), intent(in) :: law
       real(wp), intent(in) :: x(:, :), u(:, :), thickness, memory(:, :), dt
       real(wp), intent(out) :: b(element%ndof, element%nstress, element%ngauss)
       real(wp), intent(out) :: volume(element%ngauss), strain(element%nstress, element%ngauss)
@@ -157,7 +157,7 @@ contains
    !> where the forces on the modes grow.
    pure subroutine relax(element, law, x, memory, dt, volume, b, strain, alpha, bad)
       type(element_type), intent(in) :: element
-      type(finite_law_type), intent(in) :: law
+      type(solid_law_type), intent(in) :: law
       real(wp), intent(in) :: x(:, :), memory(:, :), dt, volume(element%ngauss)
       real(wp), intent(inout) :: b(element%ndof, element%nstress, element%ngauss)
       real(wp), intent(inout) :: strain(element%nstress, element%ngauss)

@@ -97,14 +97,14 @@ contains
             return
          end if
          self%negative = 0
-         call judge(self, [(self%factor(i, i)**2, i=1, self%n)], size_of, bad)
+         call check(self, [(self%factor(i, i)**2, i=1, self%n)], size_of, bad)
       case (matrix_class%symmetric_indefinite)
          size_of = maxval(abs(self%factor), 1)
          call factorise_indefinite(self, size_of, bad)
       case default
          size_of = maxval(abs(self%factor), 1)
          call dgetrf(self%n, self%n, self%factor, max(1, self%n), self%exchange, info)
-         call judge(self, [(self%factor(i, i), i=1, self%n)], size_of, bad)
+         call check(self, [(self%factor(i, i), i=1, self%n)], size_of, bad)
       end select
       if (bad > 0) call raise_singular(error, self%name(), bad, self%pivot_ratio, 'singular')
    end subroutine factorise
@@ -147,11 +147,11 @@ contains
             i = i + 2
          end if
       end do
-      call judge(self, pivot, size_of, bad)
+      call check(self, pivot, size_of, bad)
    end subroutine factorise_indefinite
 
    !> The weakest pivot; `bad` is its equation when it is zero but for rounding.
-   subroutine judge(self, pivot, size_of, bad)
+   subroutine check(self, pivot, size_of, bad)
       class(solver_dense_type), intent(inout) :: self
       real(wp), intent(in) :: pivot(:), size_of(:)
       integer, intent(out) :: bad
@@ -163,7 +163,7 @@ contains
       where (size_of > 0.0_wp) ratio = abs(pivot)/size_of
       self%pivot_ratio = minval(ratio)
       if (.not. self%pivot_ratio > pivot_tolerance(self%n)) bad = self%order(minloc(ratio, 1))
-   end subroutine judge
+   end subroutine check
 
    subroutine solve(self, x)
       class(solver_dense_type), intent(inout) :: self

@@ -83,7 +83,7 @@ contains
       integer :: i, f, t, e, n
 
       call number_faces(mesh, cells, number, n)
-      call count_owners(mesh, cells, number, n, element, inside, outside)
+      call count_facets(mesh, cells, number, n, element, inside, outside)
       allocate (found_element(6*size(element)), found_face(6*size(element)))
       allocate (found_shared(6*size(element)))
       n = 0
@@ -175,7 +175,7 @@ contains
    end function sorted_corners
 
    !> How many elements of the set, and how many others, have each face.
-   pure subroutine count_owners(mesh, cells, number, n, element, inside, outside)
+   pure subroutine count_facets(mesh, cells, number, n, element, inside, outside)
       type(mesh_type), intent(in) :: mesh
       type(cell_type), intent(in) :: cells(:)
       integer, intent(in) :: number(:, :), n, element(:)
@@ -199,7 +199,7 @@ contains
             end if
          end do
       end do
-   end subroutine count_owners
+   end subroutine count_facets
 
    !> Tables for the six facet cells, indexed by cell id.
    pure subroutine new_facet_rules(self)

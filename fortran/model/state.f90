@@ -31,7 +31,7 @@ module lopin_state
    !> lopin_material_memory names; the columns of an element follow each other.
    type :: solids_state_type
       logical :: in_use = .false.              !! some material looks back
-      logical :: finite = .false.              !! finite strain; else small strain
+      logical :: finite_strain = .false.       !! finite strain; else small strain
       real(wp) :: dt = 1.0_wp                  !! of the increment that starts here [time]
       integer, allocatable :: first(:)         !! (nelement+1) first column of each element
       real(wp), allocatable :: value(:, :)     !! (nmemory, ncolumn)
@@ -94,7 +94,7 @@ module lopin_state
       real(wp), allocatable :: steady(:)       !! (ndof) loads without amplitude [force]
       real(wp), allocatable :: force(:)        !! (ndof) all loads [force]
       real(wp), allocatable :: reaction(:)     !! (ndof) of the supports [force]
-      real(wp), allocatable :: let_go(:)       !! (ndof) of the pairs that the next step takes away
+      real(wp), allocatable :: released(:)     !! (ndof) of the pairs that the next step takes away
       real(wp) :: work = 0.0_wp                !! of loads and prescribed displacements [energy]
       real(wp) :: most = 0.0_wp                !! largest energy that was about [energy]
    contains
@@ -170,13 +170,13 @@ contains
    end subroutine reject
 
    !> In a new step no motion foretells the next, and strains are finite or not.
-   subroutine begin_step_of(self, finite)
+   subroutine begin_step_of(self, finite_strain)
       type(state_type), intent(inout) :: self
-      logical, intent(in) :: finite            !! strain
+      logical, intent(in) :: finite_strain     !! strain
 
       self%motion%last_dt = 0.0_wp
       self%clock%usual = 0.0_wp
-      self%solids%finite = finite
+      self%solids%finite_strain = finite_strain
    end subroutine begin_step_of
 
    !> Points that nothing has pressed yet.
@@ -227,7 +227,7 @@ contains
       type(stream_type), intent(inout) :: stream
 
       call stream%pass(self%in_use)
-      call stream%pass(self%finite)
+      call stream%pass(self%finite_strain)
       call stream%pass(self%first)
       call stream%pass(self%value)
       call stream%pass(self%pressed)
@@ -276,7 +276,7 @@ contains
       call stream%pass(self%steady)
       call stream%pass(self%force)
       call stream%pass(self%reaction)
-      call stream%pass(self%let_go)
+      call stream%pass(self%released)
       call stream%pass(self%work)
       call stream%pass(self%most)
    end subroutine pass_loads

@@ -16,17 +16,17 @@ module point_scenes
    use lopin_model, only : model_type
    use lopin_dofs, only : dofs_type
    use lopin_friction, only : friction_type, condition_type
-   use lopin_contact_traction, only : grip_type
+   use lopin_contact_traction, only : enforcement_parameters_type
    use lopin_enforcement_factory, only : new_enforcement
    use lopin_enforcement, only : copy_method
    use lopin_enforcement_augmented, only : mixed_type
    use lopin_enforcement_law, only : law_type, new_exponential
-   use lopin_finite_points, only : finite_points_type
-   use lopin_finite_owner, only : new_owners
-   use lopin_finite_opposite, only : opposite_type, anchor_type, find_opposite, anchor_of
-   use lopin_finite_samples, only : find_sample_feet, offset_of
-   use lopin_finite_masters, only : masters_type, move_masters
-   use lopin_finite_kernel, only : point_state_type, evaluate_point
+   use lopin_nonlinear_points, only : nonlinear_points_type
+   use lopin_facet_hysteresis, only : new_facet_hysteresis
+   use lopin_closest_feature, only : opposite_type, anchor_type, find_opposite, anchor_of
+   use lopin_nonlinear_samples, only : find_sample_feet, offset_of
+   use lopin_master_surfaces, only : masters_type, move_masters
+   use lopin_contact_element, only : point_state_type, evaluate_point
    use lopin_local_matrix, only : local_matrix_type
    use patch_scenes, only : patch_names, patch_dimension, is_dome, new_patch
    implicit none
@@ -52,9 +52,9 @@ module point_scenes
       type(model_type) :: model
       type(dofs_type) :: dofs
       type(masters_type) :: masters
-      type(finite_points_type) :: points
+      type(nonlinear_points_type) :: points
       type(facet_basis_type) :: basis
-      type(grip_type) :: grip
+      type(enforcement_parameters_type) :: enforcement
       type(friction_type) :: friction
       type(condition_type) :: at
       type(anchor_type) :: anchor
@@ -77,26 +77,26 @@ contains
    end function random
 
    !> A method of `grip_names`; springs have the stiffness c of the grip.
-   subroutine set_method(grip, kind, law)
-      type(grip_type), intent(inout) :: grip
+   subroutine set_method(enforcement, kind, law)
+      type(enforcement_parameters_type), intent(inout) :: enforcement
       integer, intent(in) :: kind
       type(law_type), intent(in) :: law        !! of the overclosure
 
-      grip%tied = kind == tied_grip
+      enforcement%tied = kind == tied_grip
       select case (grip_names(kind))
       case ('overclosure')
-         call copy_method(law, grip%method)
-         grip%slope = 1.0_wp
+         call copy_method(law, enforcement%method)
+         enforcement%slope = 1.0_wp
          return
       case ('mixed')
-         call copy_method(mixed_type(), grip%method)
+         call copy_method(mixed_type(), enforcement%method)
       case ('tied')
-         call new_enforcement(grip%method, 'lagrange')
+         call new_enforcement(enforcement%method, 'lagrange')
       case default
-         call new_enforcement(grip%method, trim(grip_names(kind)))
+         call new_enforcement(enforcement%method, trim(grip_names(kind)))
       end select
-      if (.not. grip%method%solves_for_multiplier()) grip%slope = grip%c
-      if (grip_names(kind) == 'lagrange') grip%shear_slope = 0.0_wp
+      if (.not. enforcement%method%solves_for_multiplier()) enforcement%slope = enforcement%c
+      if (grip_names(kind) == 'lagrange') enforcement%shear_slope = 0.0_wp
    end subroutine set_method
 
    subroutine new_point_scene(self, name, kind, middle)
@@ -133,7 +133,7 @@ contains
       self%points%n = size(self%points%node)
       associate (n => self%points%n)
          allocate (self%masters%side(3, n), source=0.0_wp)
-         call new_owners(self%masters%owner, n)
+         call new_facet_hysteresis(self%masters%owner, n)
          self%points%pair = spread(1, 1, n)
          self%points%entry = spread(1, 1, n)
          self%points%weight = spread(0.7_wp, 1, n)
@@ -147,15 +147,15 @@ contains
          self%points%share(1) = 0.2_wp
          self%points%corner(:, 1) = [2, 3]
       end if
-      self%grip%c = 100.0_wp
-      self%grip%ct = 40.0_wp
-      self%grip%slope = 300.0_wp
-      self%grip%shear_slope = 90.0_wp
+      self%enforcement%c = 100.0_wp
+      self%enforcement%ct = 40.0_wp
+      self%enforcement%slope = 300.0_wp
+      self%enforcement%shear_slope = 90.0_wp
       call new_exponential(law, 5.0_wp, 0.3_wp)
-      call set_method(self%grip, kind, law)
-      self%grip%committed(:self%ndim) = random(self%ndim, 2.0_wp)
-      self%grip%frozen(:self%ndim) = random(self%ndim, 2.0_wp)
-      self%grip%creep(:self%ndim) = random(self%ndim, 0.02_wp)
+      call set_method(self%enforcement, kind, law)
+      self%enforcement%committed(:self%ndim) = random(self%ndim, 2.0_wp)
+      self%enforcement%frozen(:self%ndim) = random(self%ndim, 2.0_wp)
+      self%enforcement%creep(:self%ndim) = random(self%ndim, 0.02_wp)
       self%at = condition_type(yield=8.0_wp, mises=6.0_wp, dt=0.5_wp, speed=0.7_wp)
       self%dofs%n = maxval(self%dofs%id)
       ! The anchor is where the point is at rest.
@@ -405,9 +405,9 @@ contains
       if (allocated(self%points%growth(1)%slope)) self%at%growth = 1.1_wp &
          & + dot_product(self%points%growth(1)%slope, u)
       first = 0
-      if (self%grip%method%solves_for_multiplier()) first = 1
+      if (self%enforcement%method%solves_for_multiplier()) first = 1
       call evaluate_point(self%state, local, self%model, self%dofs, self%basis, self%masters, &
-         & self%points, 1, self%opposite, self%anchor, self%grip, self%friction, self%at, &
+         & self%points, 1, self%opposite, self%anchor, self%enforcement, self%friction, self%at, &
          & self%shift, lambda, first, wanted)
       n = self%dofs%n + self%ndim
       self%residual = spread(0.0_wp, 1, n)

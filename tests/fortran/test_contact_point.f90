@@ -55,8 +55,8 @@ contains
                      scene%friction = law_with(law, regularization)
                      if (law == 0) scene%friction%law = law_of%none
                      if (draw == 2) then
-                        scene%grip%elastic_slip = 0.01_wp
-                        scene%grip%elastic(:scene%ndim) = random(scene%ndim, 0.01_wp)
+                        scene%enforcement%elastic_slip = 0.01_wp
+                        scene%enforcement%elastic(:scene%ndim) = random(scene%ndim, 0.01_wp)
                         if (law == law_of%coulomb) scene%friction%tau_max = 1.0_wp
                      end if
                      if (law > 0) call let_grow(scene)
@@ -223,16 +223,16 @@ contains
                & dim=1))
             scene%friction = law_with(law, 1)
             u = random(scene%dofs%n, 0.02_wp)
-            scene%grip%slope = 300.0_wp
-            scene%grip%ct = 90.0_wp
+            scene%enforcement%slope = 300.0_wp
+            scene%enforcement%ct = 90.0_wp
             call look(scene, u, [0.0_wp, 0.0_wp, 0.0_wp])
             z = scene%state%traction
             force = scene%state%force
-            call new_enforcement(scene%grip%method, 'perturbed')
-            scene%grip%c = 50.0_wp
-            scene%grip%ct = 20.0_wp
+            call new_enforcement(scene%enforcement%method, 'perturbed')
+            scene%enforcement%c = 50.0_wp
+            scene%enforcement%ct = 20.0_wp
             call look(scene, u, z)
-            call close_to('row', scene%grip%c*scene%state%row(:scene%ndim)/norm2(z), &
+            call close_to('row', scene%enforcement%c*scene%state%row(:scene%ndim)/norm2(z), &
                & 0.0_wp*z(:scene%ndim), 1.0e-12_wp)
             call close_to('force', scene%state%force/norm2(z), force/norm2(z), 1.0e-12_wp)
          end do
@@ -313,8 +313,8 @@ contains
          end associate
       end do
       force(scene%dofs%n + 1:) = matmul(q(:d, :d), scene%residual(scene%dofs%n + 1:))
-      scene%grip%committed = matmul(q, scene%grip%committed)
-      scene%grip%frozen = matmul(q, scene%grip%frozen)
+      scene%enforcement%committed = matmul(q, scene%enforcement%committed)
+      scene%enforcement%frozen = matmul(q, scene%enforcement%frozen)
       call look(scene, moved, matmul(q, lambda))
       call close_to('forces', scene%residual, force, 1.0e-10_wp)
       call close_to('gap', scene%state%gap, gap, 1.0e-12_wp)

@@ -1,11 +1,11 @@
 !> Tests of lopin_contraction on Newton's method for equations with known roots, and of the guess of
-!> lopin_predict on motions that it must continue exactly.
+!> lopin_predictor on motions that it must continue exactly.
 program test_contraction
    use lopin_kinds, only : wp
-   use lopin_contraction, only : contraction_type, by_old_tangent, look_without_tangent, note_step, &
-      & gets_nowhere
+   use lopin_contraction, only : contraction_type, by_old_tangent, evaluate_without_tangent, &
+      & note_step, gets_nowhere
    use lopin_state, only : motion_type
-   use lopin_predict, only : note_motion, next_motion
+   use lopin_predictor, only : record_motion, extrapolated_motion
    use check, only : test, is_true, close_to, finish
    implicit none
 
@@ -45,7 +45,7 @@ contains
                   exit
                end if
             end if
-            blind = look_without_tangent(newton, r, .true., wanted)
+            blind = evaluate_without_tangent(newton, r, .true., wanted)
             old = x
             before = r
             correction = abs(f(x, a)/slope(x))
@@ -82,8 +82,8 @@ contains
       call note_step(newton, 1.0e-3_wp, 1.0e-6_wp, .false.)
       call is_true('no old tangent after a kink', .not. by_old_tangent(newton, 1.0e-6_wp, &
          & 1.0e-9_wp, 1.0e-8_wp, 1.0e-6_wp))
-      call is_true('no forecast without experience', .not. look_without_tangent(newton, 1.0e-6_wp, &
-         & .true., 1.0e-8_wp))
+      call is_true('no forecast without experience', .not. evaluate_without_tangent(newton, &
+         & 1.0e-6_wp, .true., 1.0e-8_wp))
       call note_step(newton, 1.0e-3_wp, 1.0e-4_wp, .true.)
       call is_true('slow steps are not near', .not. by_old_tangent(newton, 1.0e-9_wp, 1.0e-9_wp, &
          & 1.0e-8_wp, 1.0e-6_wp))
@@ -110,16 +110,17 @@ contains
 
       call test('the trend of motion')
       do i = 1, 3
-         call note_motion(state, place(time(i + 1)) - place(time(i)), time(i + 1) - time(i), .false.)
+         call record_motion(state, place(time(i + 1)) - place(time(i)), time(i + 1) - time(i), &
+            & .false.)
       end do
       call is_true('the trend tells more', state%curved)
-      call close_to('a steady acceleration', next_motion(state, 0.5_wp, .true.), &
+      call close_to('a steady acceleration', extrapolated_motion(state, 0.5_wp, .true.), &
          & place(4.0_wp) - place(3.5_wp), 1.0e-13_wp)
       kink = 1.0_wp
-      call note_motion(state, place(4.0_wp) - place(3.5_wp) + [kink, 0.0_wp, 0.0_wp], 0.5_wp, &
+      call record_motion(state, place(4.0_wp) - place(3.5_wp) + [kink, 0.0_wp, 0.0_wp], 0.5_wp, &
          & .false.)
       call is_true('a kink is not continued', .not. state%curved)
-      call note_motion(state, place(4.5_wp) - place(4.0_wp), 0.5_wp, .true.)
+      call record_motion(state, place(4.5_wp) - place(4.0_wp), 0.5_wp, .true.)
       call is_true('a body springs back once', .not. state%last_dt > 0.0_wp)
    end subroutine trends_go_on
 

@@ -13,9 +13,9 @@ program test_face_points
    use lopin_enforcement_factory, only : method_names, new_enforcement
    use lopin_face_points, only : face_points_type, new_face_points
    use lopin_face_rows, only : points_of_face
-   use lopin_finite_contact, only : finite_contact_type, new_finite_contact, cover_size
-   use lopin_finite_history, only : start_increment
-   use lopin_finite_evaluation, only : evaluate
+   use lopin_nonlinear_contact, only : nonlinear_contact_type, new_nonlinear_contact, cover_size
+   use lopin_contact_history, only : start_increment
+   use lopin_contact_evaluation, only : evaluate_contact
    use lopin_state, only : state_type, new_contact_state
    use contact_scenes, only : box, second_order_box
    use lopin_row_samples, only : basis_of
@@ -26,7 +26,7 @@ program test_face_points
    real(wp), parameter :: pi = acos(-1.0_wp)
    type(model_type) :: model
    type(dofs_type) :: dofs
-   type(finite_contact_type) :: contact
+   type(nonlinear_contact_type) :: contact
    real(wp), allocatable :: u(:), z(:)         ! of the increment's end
    integer :: d, method, law, order, i
 
@@ -137,7 +137,7 @@ contains
       model%interaction%friction%law = merge(law_of%coulomb, law_of%none, law == 1)
       model%interaction%friction%mu = 0.2_wp
       call new_dofs(dofs, model)
-      call new_finite_contact(contact, model, dofs, log, error)
+      call new_nonlinear_contact(contact, model, dofs, log, error)
       call is_true('the contact is made', .not. allocated(error))
    end subroutine new_scene
 
@@ -172,7 +172,7 @@ contains
          if (contact%first_row(k) > 0) z(contact%first_row(k) + d - 1) = -1.0_wp
       end do
       call start_increment(contact, model, accepted%contact, start, 0.5_wp, error)
-      call evaluate(contact, model, u, z, .true., error)
+      call evaluate_contact(contact, model, u, z, .true., error)
       call is_true('evaluated', .not. allocated(error))
    end subroutine press
 
@@ -286,14 +286,14 @@ contains
          do j = 1, 4
             x = [u, z]
             x(m) = x(m) + far(j)*h
-            call evaluate(contact, model, x(:n), x(n + 1:), .false., error)
+            call evaluate_contact(contact, model, x(:n), x(n + 1:), .false., error)
             difference(:, m) = difference(:, m) + share(j)/h*[-contact%force, contact%row]
             smooth = smooth .and. all(contact%status == status) &
                & .and. all(contact%opposite%foot%segment == segment) &
                & .and. maxval(abs(planes_met() - planes)) < 1.0e-12_wp
          end do
       end do
-      call evaluate(contact, model, u, z, .true., error)
+      call evaluate_contact(contact, model, u, z, .true., error)
    end subroutine differences_of_all
 
    subroutine slopes_equal(difference)

@@ -9,7 +9,7 @@ program test_locking
    use lopin_linear_solver, only : matrix_class
    use lopin_solver_cholmod, only : solver_cholmod_type
    use lopin_solids, only : solids_type, solid_section_type, new_solids
-   use lopin_assemble_solids, only : assemble_stiffness
+   use lopin_assemble_linear, only : assemble_stiffness
    use lopin_solid_loads, only : add_face_loads
    use blocks, only : new_block
    use check, only : test, close_to, is_true, finish

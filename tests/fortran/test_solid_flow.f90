@@ -4,16 +4,16 @@ program test_solid_flow
    use lopin_element_type, only : element_type, element_words, element_kind, &
       & element_formulation, new_element_type
    use lopin_flow_curve, only : flow_type, voce_flow
-   use lopin_finite_elastic, only : finite_law_type, hencky_law, give_flow
+   use lopin_hyperelastic, only : solid_law_type, hencky_law, give_flow
    use lopin_material_memory, only : memory_size, strain_at
-   use lopin_solid_finite, only : finite_element, finite_memory
+   use lopin_solid_finite_strain, only : finite_strain_element, finite_strain_memory
    use lopin_solid_flow, only : flow_element, flow_memory
    use blocks, only : random
    use check, only : test, close_to, is_true, finish
    implicit none
    real(wp), parameter :: young = 210.0_wp, yield = 0.3_wp, thickness = 0.7_wp
    type(element_type) :: element
-   type(finite_law_type) :: law
+   type(solid_law_type) :: law
    type(flow_type) :: flow
    real(wp), allocatable :: memory(:, :)
    logical :: found, finite
@@ -108,8 +108,8 @@ contains
       integer :: bad
 
       if (finite) then
-         call finite_element(element, law, distorted(), u, thickness, memory, 0.1_wp, force, &
-            & energy, bad, ke)
+         call finite_strain_element(element, law, distorted(), u, thickness, memory, 0.1_wp, &
+            & force, energy, bad, ke)
       else
          call flow_element(element, law, distorted(), u, thickness, memory, 0.1_wp, force, &
             & energy, bad, ke)
@@ -167,8 +167,8 @@ contains
       integer, intent(out) :: bad
 
       if (finite) then
-         call finite_memory(element, law, distorted(), u, thickness, 0.1_wp, memory, work, held, &
-            & bad)
+         call finite_strain_memory(element, law, distorted(), u, thickness, 0.1_wp, memory, work, &
+            & held, bad)
       else
          call flow_memory(element, law, distorted(), u, thickness, 0.1_wp, memory, work, held, bad)
       end if

@@ -4,11 +4,12 @@ program test_solid_flowing
    use lopin_element_type, only : element_type, element_words, element_kind, new_element_type
    use lopin_flow_curve, only : flow_type, table_flow, swift_flow, voce_flow, linear_flow, &
       & give_viscosity
-   use lopin_finite_elastic, only : finite_law_type, hencky_law, give_flow
+   use lopin_hyperelastic, only : solid_law_type, hencky_law, give_flow
    use lopin_yield_hill, only : hill_yield
    use lopin_material_memory, only : rows_of, strain_at, stress_at, offset_at, temperature_at, &
       & put_map
-   use lopin_solid_finite, only : finite_element, finite_stresses, finite_memory
+   use lopin_solid_finite_strain, only : finite_strain_element, finite_strain_stresses, &
+      & finite_strain_memory
    use lopin_solid_flow, only : flow_element, flow_stresses, flow_memory
    use blocks, only : random
    use check, only : test, close_to, is_true, finish
@@ -19,7 +20,7 @@ program test_solid_flowing
       & 'norton', 'hill', 'moving', 'rigid']
    character(len=6), parameter :: kinds(2) = [character(len=6) :: 'finite', 'small']
    type(element_type) :: element
-   type(finite_law_type) :: law
+   type(solid_law_type) :: law
    real(wp), allocatable :: memory(:, :)
    logical :: found
    integer :: i, k, l
@@ -46,7 +47,7 @@ contains
 
    function flowing(name) result(law)
       character(len=*), intent(in) :: name
-      type(finite_law_type) :: law
+      type(solid_law_type) :: law
       type(flow_type) :: flow
 
       law = hencky_law(young, poisson)
@@ -174,8 +175,8 @@ contains
       integer :: bad
 
       if (kinds(k) == 'finite') then
-         call finite_element(element, law, distorted(), u, thickness, memory, dt, force, energy, &
-            & bad, ke)
+         call finite_strain_element(element, law, distorted(), u, thickness, memory, dt, force, &
+            & energy, bad, ke)
       else
          call flow_element(element, law, distorted(), u, thickness, memory, dt, force, energy, &
             & bad, ke)
@@ -218,7 +219,8 @@ contains
       integer :: bad
 
       if (kinds(k) == 'finite') then
-         call finite_memory(element, law, distorted(), u, thickness, dt, memory, work, held, bad)
+         call finite_strain_memory(element, law, distorted(), u, thickness, dt, memory, work, &
+            & held, bad)
       else
          call flow_memory(element, law, distorted(), u, thickness, dt, memory, work, held, bad)
       end if
@@ -304,13 +306,14 @@ contains
                across = 0.5_wp*(low + high)
                if (across <= low .or. across >= high) exit
                u = pressed(across, 1.0_wp - 0.6_wp*n/increment)
-               call finite_stresses(element, law, disc(), u, 1.0_wp, memory, 1.0_wp, stress, &
-                  & strain, bad)
+               call finite_strain_stresses(element, law, disc(), u, 1.0_wp, memory, 1.0_wp, &
+                  & stress, strain, bad)
                if (stress(1, 1) > 0.0_wp) high = across
                if (.not. stress(1, 1) > 0.0_wp) low = across
             end do
             if (n == increment) exit
-            call finite_memory(element, law, disc(), u, 1.0_wp, 1.0_wp, memory, tau, held, bad)
+            call finite_strain_memory(element, law, disc(), u, 1.0_wp, 1.0_wp, memory, tau, held, &
+               & bad)
             tau = (y + h*log(2.5_wp))/(1.0_wp + h/e)
          end do
          call close_to('logarithmic strain', -strain(2, 1), 0.9162907_wp, 1.0e-7_wp)
@@ -318,7 +321,7 @@ contains
          call close_to('volume', across**2*0.4_wp, 0.9980550_wp, 1.0e-7_wp)
          call close_to('closed form', -stress(2, 1)*j/tau, 1.0_wp, 1.0e-11_wp)
       end do
-      call finite_memory(element, law, disc(), u, 1.0_wp, 1.0_wp, memory, tau, held, bad)
+      call finite_strain_memory(element, law, disc(), u, 1.0_wp, 1.0_wp, memory, tau, held, bad)
       call close_to('plastic strain', memory(strain_at(4), 1), 0.9114236_wp, 1.0e-7_wp)
       call close_to('Kirchhoff stress', memory(stress_at(4), 1), 973.42708_wp, 1.0e-5_wp)
    end subroutine uniaxial_compression
@@ -349,8 +352,8 @@ contains
       memory = committed()
       memory = 0.0_wp
       do n = 1, 2
-         call finite_stresses(element, law, disc(), sheared(g(n)), 1.0_wp, memory(:0, :), 1.0_wp, &
-            & stress, strain, bad)
+         call finite_strain_stresses(element, law, disc(), sheared(g(n)), 1.0_wp, memory(:0, :), &
+            & 1.0_wp, stress, strain, bad)
          call close_to('shear', stress(4, 1)/shear, exact(n), 1.0e-6_wp)
       end do
       call test('hardening simple shear to 10 rises at every increment')
@@ -358,10 +361,11 @@ contains
       before = 0.0_wp
       do n = 1, 200
          u = sheared(0.05_wp*n)
-         call finite_stresses(element, law, disc(), u, 1.0_wp, memory, 1.0_wp, stress, strain, bad)
+         call finite_strain_stresses(element, law, disc(), u, 1.0_wp, memory, 1.0_wp, stress, &
+            & strain, bad)
          call is_true('rises', stress(4, 1) > before)
          before = stress(4, 1)
-         call finite_memory(element, law, disc(), u, 1.0_wp, 1.0_wp, memory, work, held, bad)
+         call finite_strain_memory(element, law, disc(), u, 1.0_wp, 1.0_wp, memory, work, held, bad)
       end do
       call close_to('small beside it: normal stress', abs(stress(1, 1))/stress(4, 1), 0.0_wp, &
          & 0.05_wp)

@@ -16,7 +16,7 @@ import lopin
 from faceted_die import pressed
 from test_cut_back import pulled
 from test_friction_laws import block
-from test_reach import crown
+from test_contact_candidates import crown
 
 NX, NY = 8, 4
 

@@ -1,10 +1,15 @@
 """The dependency rule: a module uses only lower floors, or its own folder without cycles."""
 import re
+import sys
 
 import pytest
 
-FLOORS = {"base": 0, "mesh": 1, "material": 1, "linalg": 1, "tool": 1, "element": 2, "contact": 2,
-          "model": 3, "assembly": 4, "analysis": 5, "io": 6, "api": 7, "app": 8}
+from conftest import ROOT
+
+sys.path.insert(0, str(ROOT/"tests"))
+import measure_sources  # noqa: E402
+
+FLOORS = {folder: level for level, floor in enumerate(measure_sources.FLOORS) for folder in floor}
 USE = re.compile(r"^\s*use\s*(?:,\s*\w+\s*)?(?:::)?\s*lopin_(\w+)", re.IGNORECASE | re.MULTILINE)
 MODULE = re.compile(r"^\s*module\s+(?!procedure\b|subroutine\b|function\b)(\w+)\s*$",
                     re.IGNORECASE | re.MULTILINE)
@@ -13,15 +18,21 @@ MODULE = re.compile(r"^\s*module\s+(?!procedure\b|subroutine\b|function\b)(\w+)\
 @pytest.fixture(scope="module")
 def sources(root):
     """Fortran files by stem: (folder, text)."""
-    files = sorted((root / "fortran").glob("*/*.f90"))
+    files = sorted((root / "fortran").rglob("*.f90"))
     assert files
     stems = [f.stem for f in files]
     assert len(stems) == len(set(stems)), "two files have the same stem"
-    return {f.stem: (f.parent.name, f.read_text()) for f in files}
+    return {f.stem: (measure_sources.folder_of(f), f.read_text()) for f in files}
 
 
 def test_every_folder_is_a_floor(sources):
-    assert {folder for folder, _ in sources.values()} <= set(FLOORS)
+    assert {folder for folder, _ in sources.values()} == set(FLOORS)
+
+
+def test_every_area_is_compiled(root):
+    text = (root/"fortran"/"CMakeLists.txt").read_text()
+    listed = re.search(r"foreach\(area ([^)]*)\)", text)[1].split()
+    assert set(listed) == {folder.split("/")[0] for folder in FLOORS} - {"app"}
 
 
 def test_a_module_is_named_after_its_file(sources):

@@ -1,0 +1,191 @@
+!> Materials that flow, held against the whole model: what one card cannot know.
+module lopin_settle_flow
+   use lopin_kinds, only : wp
+   use lopin_error, only : severity
+   use lopin_text, only : to_text
+   use lopin_model, only : model_type, material_type
+   use lopin_flow_curve, only : flow_stress, flow_at, flows, hollomon_flow, hardening_of, is_viscous, &
+      & least_slope
+   use lopin_hyperelastic, only : solid_law_type, elastic_constants
+   use lopin_block, only : complain
+   implicit none
+   private
+   public :: settle_flow
+
+   !> A rigid solid keeps its volume to the inverse of this: bulk modulus beside the flow stress.
+   real(wp), parameter :: keeps_volume = 1.0e6_wp
+   !> Shear modulus beside the flow stress that only scales penalties and first guesses.
+   real(wp), parameter :: stiff = 100.0_wp
+
+contains
+
+   subroutine settle_flow(model)
+      type(model_type), intent(inout) :: model
+      integer :: i
+
+      do i = 1, size(model%material)
+         if (model%material(i)%starts_elastic) call start_on_elastic_line(model%material(i))
+         call check_threshold(model, model%material(i))
+         if (.not. flows(model%material(i)%flow)) cycle
+         call check_softening(model, model%material(i))
+         if (is_viscous(model%material(i)%flow)) call check_time(model, model%material(i))
+         call scale_rates(model, i)
+      end do
+   end subroutine settle_flow
+
+   !> Hollomon's curve K e^n in the total strain leaves the line E e at Y = (K/E^n)^(1/(1 - n)).
+   subroutine start_on_elastic_line(material)
+      type(material_type), intent(inout) :: material
+
+      associate (k => material%flow%constant(1), n => material%flow%constant(3))
+         if (material%flow%hardening == hardening_of%none .or. .not. material%young > 0.0_wp &
+            & .or. .not. n < 1.0_wp) return
+         material%yield = (k/material%young**n)**(1.0_wp/(1.0_wp - n))
+         material%flow%constant(2) = (material%yield/k)**(1.0_wp/n)
+      end associate
+   end subroutine start_on_elastic_line
+
+   !> A factor on a flow curve needs that curve, and rubber has none.
+   subroutine check_threshold(model, material)
+      type(model_type), intent(inout) :: model
+      type(material_type), intent(in) :: material
+
+      if (material%flow%rate > 0.0_wp .and. material%flow%hardening == hardening_of%none) &
+         & call complain(model%log, 'E0203', '*RATE DEPENDENT multiplies a flow curve, which '// &
+         & 'material `'//material%name//'` has not', material%viscous_at, &
+         & help='add *PLASTIC; *VISCOPLASTIC is a law of its own')
+      if (material%potential_at%line > 0 .and. .not. flows(material%flow)) call complain(model%log, &
+         & 'E0203', '*POTENTIAL shapes the yield surface of *PLASTIC, which material `'// &
+         & material%name//'` has not', material%potential_at, help='add *PLASTIC')
+      if (allocated(material%plastic) .and. material%flow%rigid) call complain(model%log, 'E0108', &
+         & 'a rigid solid with a yield surface of its own comes with a later version: material '// &
+         & '`'// &
+         & material%name//'`', material%viscous_at, help='leave out RIGID, and give *ELASTIC')
+      if (material%has_neo_hooke .and. flows(material%flow)) call complain(model%log, 'E0205', &
+         & 'material `'//material%name//'` has *HYPERELASTIC, which does not flow', material%at, &
+         & help='metals have *ELASTIC')
+   end subroutine check_threshold
+
+   !> Softening solids have no answer that meshes agree on; beyond 3 G they have none at all.
+   subroutine check_softening(model, material)
+      type(model_type), intent(inout) :: model
+      type(material_type), intent(in) :: material
+      real(wp) :: least
+
+      least = least_slope(material%flow)
+      if (.not. least < 0.0_wp) return
+      if (-least >= 1.5_wp*material%young/(1.0_wp + material%poisson) &
+         & .and. material%young > 0.0_wp) then
+         call complain(model%log, 'E0203', 'the flow curve of material `'//material%name// &
+            & '` falls faster ('//to_text(-least, 4)// &
+            & ' per strain) than elasticity unloads (3 G)', material%plastic_at)
+         return
+      end if
+      call model%log%say(severity%warning, 'W0324', 'the flow curve of material `'// &
+         & material%name//'` falls: strain will gather in a row of elements, and the answer '// &
+         & 'depends on the mesh', material%plastic_at, help='there is no cure but a curve that '// &
+         & 'does not fall; compare two meshes')
+   end subroutine check_softening
+
+   !> A rate needs a real time: the default period of 1 is one by chance.
+   subroutine check_time(model, material)
+      type(model_type), intent(inout) :: model
+      type(material_type), intent(in) :: material
+      integer :: s
+
+      do s = 1, size(model%step)
+         if (model%step(s)%timed) cycle
+         call model%log%say(severity%warning, 'W0323', 'the flow stress of material `'// &
+            & material%name//'` depends on the rate of strain, and step '//to_text(s)// &
+            & ' has no period: it is 1 by default', material%viscous_at, &
+            & help='write the times after *STATIC: initial, period')
+         return
+      end do
+   end subroutine check_time
+
+   !> What follows from the mean rate of strain: moduli of a rigid solid, and the yield stress of
+   !> one without threshold, from which friction starts.
+   subroutine scale_rates(model, number)
+      type(model_type), intent(inout) :: model
+      integer, intent(in) :: number
+      type(solid_law_type) :: law
+      real(wp) :: strain, rate, stress, slope, rate_slope
+
+      call mean_rate(model, number, strain, rate)
+      associate (material => model%material(number))
+         ! Before anything is heated.
+         if (allocated(material%flow%temperature)) call flow_stress(flow_at(material%flow, &
+            & sum(model%temperature)/size(model%temperature)), 0.0_wp, 0.0_wp, material%yield, &
+            & slope, rate_slope)
+         call flow_stress(material%flow, strain, rate, stress, slope, rate_slope)
+         if (.not. material%yield > 0.0_wp) material%yield = stress
+         if (.not. material%flow%rigid) return
+         material%flow%usual = rate
+         law%bulk = keeps_volume*stress
+         if (material%has_elastic) law%bulk = material%young/(3.0_wp*(1.0_wp &
+            & - 2.0_wp*material%poisson))
+         law%shear = min(stiff*stress, law%bulk)
+         call elastic_constants(law, material%young, material%poisson)
+      end associate
+   end subroutine scale_rates
+
+   !> The largest prescribed motion of a step beside the smallest extent of the bodies, per period;
+   !> strains of 1 where forces drive.
+   subroutine mean_rate(model, number, strain, rate)
+      type(model_type), intent(in) :: model
+      integer, intent(in) :: number
+      real(wp), intent(out) :: strain, rate
+      real(wp) :: low(3), high(3), extent, move
+      integer :: e, a, s, d
+
+      low = huge(1.0_wp)
+      high = -huge(1.0_wp)
+      do e = 1, model%mesh%nelement
+         if (model%mesh%section(e) == 0) cycle
+         if (model%section(model%mesh%section(e))%material /= number) cycle
+         do a = 1, count(model%mesh%conn(:, e) > 0)
+            d = size(model%mesh%x, 1)
+            low(:d) = min(low(:d), model%mesh%x(:, model%mesh%conn(a, e)))
+            high(:d) = max(high(:d), model%mesh%x(:, model%mesh%conn(a, e)))
+         end do
+      end do
+      extent = minval(high(:model%mesh%ndim) - low(:model%mesh%ndim))
+      strain = 0.0_wp
+      rate = 0.0_wp
+      do s = 1, size(model%step)
+         move = largest_move(model, s)
+         if (.not. (move > 0.0_wp .and. extent > 0.0_wp)) cycle
+         strain = strain + move/extent
+         rate = max(rate, move/extent/model%step(s)%period)
+      end do
+      if (rate > 0.0_wp) return
+      strain = 1.0_wp
+      if (size(model%step) > 0) rate = 1.0_wp/minval(model%step%period)
+   end subroutine mean_rate
+
+   !> The largest change of a prescribed displacement in a step.
+   real(wp) function largest_move(model, s) result(move)
+      type(model_type), intent(in) :: model
+      integer, intent(in) :: s
+      real(wp) :: before, swing
+      integer :: i, k
+
+      move = 0.0_wp
+      do i = 1, size(model%step(s)%prescribed)
+         associate (now => model%step(s)%prescribed(i))
+            if (now%dof > 3) cycle
+            swing = 1.0_wp
+            if (now%amplitude > 0) swing = maxval(abs(model%amplitude(now%amplitude)%value))
+            before = 0.0_wp
+            if (s > 1) then
+               do k = 1, size(model%step(s - 1)%prescribed)
+                  associate (old => model%step(s - 1)%prescribed(k))
+                     if (old%node == now%node .and. old%dof == now%dof) before = old%value
+                  end associate
+               end do
+            end if
+            move = max(move, abs(swing*now%value - before))
+         end associate
+      end do
+   end function largest_move
+end module lopin_settle_flow

@@ -1,0 +1,172 @@
+!> Gaps at the start: ADJUST, CLEARANCE and the frozen rule for overclosures, never applied
+!> silently.
+module lopin_initial_gaps
+   use lopin_kinds, only : wp
+   use lopin_error, only : error_type, error_code, raise, log_type, severity
+   use lopin_text, only : to_text, plural
+   use lopin_model, only : model_type, initial_of
+   use lopin_contact_points, only : contact_points_type, pair_is_tied
+   implicit none
+   private
+   public :: initial_gap_type, new_initial_gaps, may_tie
+
+   !> Overclosures below this share of a facet are inexact geometry, not interference (frozen).
+   real(wp), parameter :: inexact = 1.0e-3_wp
+   !> Deeper overclosures, in facets, are mistakes.
+   real(wp), parameter :: too_deep = 0.5_wp
+   !> Gaps below this share of a facet are the rounding of coordinates: nothing is said of them.
+   real(wp), parameter :: rounding = 1.0e-9_wp
+   !> Digits of lengths in messages.
+   integer, parameter :: shown = 5
+
+   type :: initial_gap_type
+      real(wp), allocatable :: shift(:)   !! (npoint) added to the geometric gap: ADJUST, CLEARANCE
+                                          !! [length]
+      real(wp), allocatable :: overclosure(:)   !! (npoint) >= 0, ramped in over the first step
+                                                !! [length]
+      logical, allocatable :: touches(:)       !! (npoint) closed at the start
+   end type initial_gap_type
+
+contains
+
+   !> ADJUST, CLEARANCE and the rule for overclosures of every pair.
+   subroutine new_initial_gaps(self, model, points, log, error)
+      type(initial_gap_type), intent(out) :: self
+      type(model_type), intent(in) :: model
+      type(contact_points_type), intent(in) :: points
+      type(log_type), intent(inout) :: log
+      type(error_type), allocatable, intent(out) :: error
+      integer :: pair
+
+      allocate (self%shift(points%n), self%overclosure(points%n), source=0.0_wp)
+      allocate (self%touches(points%n), source=.false.)
+      do pair = 1, size(model%pair)
+         call check_pair(self, model, points, pair, log, error)
+         if (allocated(error)) return
+      end do
+   end subroutine new_initial_gaps
+
+   subroutine check_pair(self, model, points, pair, log, error)
+      type(initial_gap_type), intent(inout) :: self
+      type(model_type), intent(in) :: model
+      type(contact_points_type), intent(in) :: points
+      integer, intent(in) :: pair
+      type(log_type), intent(inout) :: log
+      type(error_type), allocatable, intent(out) :: error
+      integer :: i, adjusted, interfering, worst, untied, farthest
+      real(wp) :: gap, deepest, moved, far
+      logical :: adjust, keeps
+
+      adjusted = 0
+      interfering = 0
+      worst = 0
+      deepest = 0.0_wp
+      moved = 0.0_wp
+      far = 0.0_wp
+      farthest = 0
+      untied = 0
+      associate (p => model%pair(pair))
+         keeps = model%interaction(p%interaction)%no_separation
+         do i = points%first(pair), points%first(pair + 1) - 1
+            if (pair_is_tied(model, p)) then
+               if (.not. may_tie(points, i, p%adjust)) untied = untied + 1
+               cycle
+            end if
+            if (points%facet(i) == 0) cycle
+            gap = points%gap(i) + points%above(i)
+            if (p%has_clearance) then
+               self%shift(i) = p%clearance - gap
+               gap = p%clearance
+            end if
+            adjust = gap < 0.0_wp .and. gap > -inexact*points%size(i)
+            ! What never separates is not pulled together by inexact geometry either.
+            if (keeps) adjust = adjust .or. abs(gap) < inexact*points%size(i)
+            if (p%adjust >= 0.0_wp) adjust = adjust .or. gap <= p%adjust
+            if (allocated(p%adjust_node)) adjust = adjust .or. any(p%adjust_node == points%node(i))
+            if (p%control%initial == initial_of%adjust) adjust = adjust .or. gap < 0.0_wp
+            if (adjust .and. .not. p%has_clearance) then
+               if (abs(gap) > rounding*points%size(i)) adjusted = adjusted + 1
+               moved = max(moved, abs(gap))
+               if (abs(gap) > far*points%size(i)) then
+                  far = abs(gap)/points%size(i)
+                  farthest = i
+               end if
+               self%shift(i) = self%shift(i) - points%gap(i)
+               gap = 0.0_wp
+            end if
+            self%touches(i) = gap <= inexact*points%size(i)
+            if (gap >= 0.0_wp) cycle
+            self%overclosure(i) = -gap
+            interfering = interfering + 1
+            if (-gap/points%size(i) <= deepest) cycle
+            deepest = -gap/points%size(i)
+            worst = i
+         end do
+         if (adjusted > 0) call log%say(severity%note, 'N0316', to_text(adjusted)// &
+            & ' slave points of '// &
+            & model%surface(p%slave)%name//' were set on '//model%surface(p%master)%name// &
+            & ' without strain, by at most '//to_text(moved, shown), p%at)
+         if (far > too_deep) call log%say(severity%warning, 'W0316', 'ADJUST sets slave points '// &
+            & 'of '//model%surface(p%slave)%name//' on '//model%surface(p%master)%name// &
+            & ' over more than half a facet: node '//to_text(model%mesh%node_label( &
+            & points%node(farthest)))//' by '//to_text(far*points%size(farthest), shown)//' ('// &
+            & to_text(nint(100.0_wp*far))//' % of a facet)', p%at, help='move the bodies '// &
+            & 'together in the mesh; ADJUST is for gaps that the mesh makes')
+         if (untied > 0) call log%say(severity%warning, 'W0318', to_text(untied)//' of '// &
+            & to_text(points%first(pair + 1) - points%first(pair))//' slave nodes of '// &
+            & model%surface(p%slave)%name// &
+            & ' are not tied: they are farther than half a facet from '// &
+            & model%surface(p%master)%name, p%at, &
+            & help='ADJUST= on *CONTACT PAIR ties what is nearer than its value')
+         if (interfering == 0) return
+         call report_overclosure(model, points, pair, interfering, worst, deepest, log, error)
+      end associate
+   end subroutine check_pair
+
+   !> A point of a tied pair that has a master near enough.
+   pure logical function may_tie(points, i, adjust)
+      type(contact_points_type), intent(in) :: points
+      integer, intent(in) :: i
+      real(wp), intent(in) :: adjust           !! ADJUST= [length]
+      may_tie = points%facet(i) > 0 .and. abs(points%gap(i)) <= max(too_deep*points%size(i), adjust)
+   end function may_tie
+
+   subroutine report_overclosure(model, points, pair, number, worst, deepest, log, error)
+      type(model_type), intent(in) :: model
+      type(contact_points_type), intent(in) :: points
+      integer, intent(in) :: pair, number, worst
+      real(wp), intent(in) :: deepest
+      type(log_type), intent(inout) :: log
+      type(error_type), allocatable, intent(out) :: error
+      character(len=:), allocatable :: text, help, note
+
+      associate (p => model%pair(pair))
+         text = plural(number, 'slave point')//' of '//model%surface(p%slave)%name// &
+            & trim(merge(' penetrates', ' penetrate ', number == 1))//' '// &
+            & model%surface(p%master)%name//' at the start, the deepest, node '// &
+            & to_text(model%mesh%node_label(points%node(worst)))//', by '// &
+            & to_text(deepest*points%size(worst), shown)//' ('// &
+            & to_text(100.0_wp*deepest, 2)//' % of a facet)'
+         help = 'ADJUST=YES on *CONTACT PAIR moves them out without strain; a tool with its '// &
+            & 'outward side away from the slave shows like this too'
+         if (deepest > too_deep .or. p%control%initial == initial_of%error) then
+            note = 'INITIAL=ERROR asks to refuse it'
+            if (deepest > too_deep) then
+               note = 'deeper than half a facet is a mistake of position, unit or side'
+               help = 'the outward side of '//model%surface(p%master)%name//' is the one that '// &
+                  & 'faces '//model%surface(p%slave)%name//' (a profile has it on the left of '// &
+                  & 'the way); move them apart, or leave faces that look elsewhere out of the slave'
+            end if
+            call raise(error, error_code%deck, 'E0311', text, p%at, help=help, note=note)
+         else if (p%control%initial == initial_of%interference .or. p%has_clearance) then
+            call log%say(severity%note, 'N0311', text// &
+               & ': an interference as meant, ramped in over the first step', &
+               & p%at)
+         else
+            call log%say(severity%warning, 'W0311', text// &
+               & ': treated as interference, ramped in over the first step', &
+               & p%at, help=help//'; *CONTACT CONTROLS, INITIAL=INTERFERENCE says that it is meant')
+         end if
+      end associate
+   end subroutine report_overclosure
+end module lopin_initial_gaps

@@ -1,0 +1,340 @@
+!> What a contact point presses with, in dual numbers: any method, all laws of friction.
+!>
+!> In vectors, without tangent bases: with the trial pressure phat and the trial shear that,
+!>
+!>    p = max(0, phat)  (bilateral: phat),   t = that F(|that|)/|that|,   z = p n + t,
+!>
+!> and the methods differ in the trials (lopin_enforcement; seed J; Alart and Curnier 1991):
+!>
+!>    penalty     phat = -c g                     that = P l - ct s     l: committed traction
+!>    augmented   phat = l.n - c g                that = P l - ct s     l: frozen, updated outside
+!>    Lagrange    phat = l.n - c g                that = P l - ct s     l: unknown, row (l - z)/c
+!>    perturbed   phat = l.n - c (g + l.n/eps)   that = P l - ct (s + P (l - l0)/epst)   as Lagrange
+!>    augmented,  phat = l.n - c (g + (l - l0).n/eps), that as perturbed: l0 frozen, l unknown,
+!>    mixed       the same equations without what stiff springs do to Newton
+!>
+!> P = I - n n^T; s is the slip since the increment began, P (x_slave - x_anchor), or since the
+!> point touched in it: less P approach. Where the deck gives an elastic slip u0, that = P l - ct (s
+!> + u0 P l/radius + P e0): a traction on the disc holds u0, e0 what the committed one held.
+module lopin_contact_traction
+   use lopin_kinds, only : wp
+   use lopin_dual, only : dual_type, constant, dual_dot, dual_norm, operator(+), operator(-), &
+      & operator(*), operator(/), assignment(=)
+   use lopin_friction, only : friction_type, condition_type, has_friction, is_regularised, &
+      & by_rate, return_to_disc, regularised_traction, friction_radius, drag_limit
+   use lopin_enforcement, only : enforcement_type
+   implicit none
+   private
+   public :: enforcement_parameters_type, traction_of, contact_status, elastic_slip_of, &
+      & normal_stiffness
+   public :: stored_energy, regularised_energy
+
+   type :: statuses
+      integer :: open = 0, stick = 1, slip = 2
+   end type statuses
+   type(statuses), parameter :: contact_status = statuses()
+
+   !> Shears this near to the limit, beside it, are at it.
+   real(wp), parameter :: at_limit = 1.0e-6_wp
+
+   !> The enforcement at one point.
+   type :: enforcement_parameters_type
+      class(enforcement_type), allocatable :: method   !! that Newton solves
+      logical :: tied = .false.                    !! glued, in all directions unless `partly`
+      logical :: bilateral = .false.
+      real(wp) :: c = 1.0_wp, ct = 1.0_wp          !! [stress/length]
+      real(wp) :: slope = 0.0_wp   !! that the method reads: eps [stress/length]; of a law: 1
+      real(wp) :: shear_slope = 0.0_wp   !! unknown traction: epst; 0: exact stick [stress/length]
+      real(wp) :: elastic_slip = 0.0_wp   !! the same: u0, slip before sliding; 0: none [length]
+      real(wp) :: elastic(3) = 0.0_wp              !! of it, committed [length]
+      real(wp) :: yield = 0.0_wp                   !! of the slave; 0: unknown [stress]
+      real(wp) :: grazing = 0.0_wp   !! trial pressures down to minus this count as closed: a point
+                                     !! that just touches holds a body that nothing else holds
+      logical :: clings = .false.   !! at the limit of sticking counts as sticking: so a body that
+                                    !! only friction holds starts an increment
+      real(wp) :: committed(3) = 0.0_wp           !! traction at the start of the increment [stress]
+      real(wp) :: frozen(3) = 0.0_wp   !! multiplier of a method that updates it [stress]
+      real(wp) :: approach(3) = 0.0_wp   !! motion along the master before it touched, no slip
+                                         !! [length]
+      real(wp) :: creep(3) = 0.0_wp               !! regularised by slip: slip from the stick anchor
+      logical :: partly = .false.                  !! tied, but not in all directions
+      real(wp) :: held(3, 3) = 0.0_wp              !! projector on those, if partly
+   end type enforcement_parameters_type
+
+contains
+
+   !> The traction on the slave and the residual of the multiplier's rows.
+   pure subroutine traction_of(enforcement, friction, at, g, n, way, lambda, z, row, status, &
+      & shear, growth)
+      type(enforcement_parameters_type), intent(in) :: enforcement
+      type(friction_type), intent(in) :: friction
+      type(condition_type), intent(in) :: at
+      type(dual_type), intent(in) :: g             !! gap [length]
+      type(dual_type), intent(in) :: n(:), way(:)  !! (ndim) normal, motion along it in the
+                                                   !! increment [length]
+      type(dual_type), intent(in) :: lambda(:)     !! (ndim) multiplier, if it is an unknown
+      type(dual_type), intent(out) :: z(:)         !! (ndim) [stress]
+      type(dual_type), intent(out) :: row(:)       !! (ndim) [length]
+      integer, intent(out) :: status
+      real(wp), intent(out) :: shear(:, :)   !! (ndim, ndim) -dt/ds without the coupling to pressure
+      type(dual_type), intent(in), optional :: growth   !! at%growth with its slopes; else it stands
+      type(dual_type) :: held(size(n)), phat, p, trial(size(n)), t(size(n)), normal_part, s(size(n))
+      logical :: closed, solves, updates
+      integer :: d
+
+      d = size(n)
+      row = 0.0_wp
+      shear = 0.0_wp
+      solves = enforcement%method%solves_for_multiplier()
+      updates = enforcement%method%updates()
+      if (solves) then
+         held = lambda
+      else if (updates) then
+         held = constant(enforcement%frozen(:d))
+      else
+         held = constant(enforcement%committed(:d))
+      end if
+      normal_part = dual_dot(held, n)
+      if (solves .and. updates) then
+         phat = penetrates(enforcement, normal_part - dual_dot(constant(enforcement%frozen(:d)), n))
+         phat = normal_part - enforcement%c*(g + phat)
+      else if (solves) then
+         phat = normal_part - enforcement%c*(g + penetrates(enforcement, normal_part))
+      else
+         phat = pressed(enforcement, g, updates, normal_part)
+      end if
+      closed = phat%v > -enforcement%grazing .or. enforcement%bilateral
+      status = merge(contact_status%slip, contact_status%open, closed)
+      p = constant(0.0_wp)
+      if (closed) p = phat
+      t = 0.0_wp
+      if (closed .and. has_friction(friction)) then
+         s = way
+         if (any(abs(enforcement%approach) > 0.0_wp)) s = s &
+            & - tangential(constant(enforcement%approach(:d)), n)
+         trial = held - n*normal_part - enforcement%ct*s
+         if (solves) then
+            if (enforcement%shear_slope > 0.0_wp) trial = trial &
+               & - (enforcement%ct/enforcement%shear_slope) *tangential(held &
+               & - constant(merge(enforcement%frozen(:d), enforcement%committed(:d), updates)), n)
+            if (enforcement%elastic_slip > 0.0_wp) call give_way(enforcement, friction, at, p, &
+               & held, n, trial, growth)
+         end if
+         call shear_of(enforcement, friction, at, p, trial, s, n, t, status, shear, growth)
+      end if
+      z = p*n + t
+      if (solves) row = (lambda - z)/enforcement%c
+   end subroutine traction_of
+
+   !> The slip that a traction along the face holds elastically, and gives back.
+   pure function elastic_slip_of(enforcement, friction, at, p, t) result(slip)
+      type(enforcement_parameters_type), intent(in) :: enforcement
+      type(friction_type), intent(in) :: friction
+      type(condition_type), intent(in) :: at
+      real(wp), intent(in) :: p                !! [stress]
+      real(wp), intent(in) :: t(3)             !! along the face [stress]
+      real(wp) :: slip(3)                      !! [length]
+      slip = -shear_compliance(enforcement, friction, at, p)*t
+   end function elastic_slip_of
+
+   !> Elastic slip per shear; 0: the point sticks exactly.
+   pure real(wp) function shear_compliance(enforcement, friction, at, p) result(compliance)
+      type(enforcement_parameters_type), intent(in) :: enforcement
+      type(friction_type), intent(in) :: friction
+      type(condition_type), intent(in) :: at
+      real(wp), intent(in) :: p                !! [stress]
+      real(wp) :: radius, slope
+
+      compliance = 0.0_wp
+      if (is_regularised(friction) .or. enforcement%tied .or. enforcement%method%updates()) return
+      if (.not. enforcement%method%solves_for_multiplier()) then
+         compliance = 1.0_wp/enforcement%ct
+         return
+      end if
+      if (enforcement%shear_slope > 0.0_wp) compliance = 1.0_wp/enforcement%shear_slope
+      if (.not. enforcement%elastic_slip > 0.0_wp) return
+      call friction_radius(friction, p, at, radius, slope)
+      if (radius > 0.0_wp .and. radius < huge(1.0_wp)) compliance = compliance &
+         & + enforcement%elastic_slip/radius
+   end function shear_compliance
+
+   !> Energy per area that the springs of a pair hold, normal and along the face.
+   pure real(wp) function stored_energy(enforcement, friction, at, p, t, gap, kept) result(energy)
+      type(enforcement_parameters_type), intent(in) :: enforcement
+      type(friction_type), intent(in) :: friction
+      type(condition_type), intent(in) :: at
+      real(wp), intent(in) :: p                !! [stress]
+      real(wp), intent(in) :: t(3)             !! along the face [stress]
+      real(wp), intent(in) :: gap              !! [length]
+      real(wp), intent(in) :: kept(3)          !! slip from the anchor of a regularised law [length]
+
+      energy = 0.0_wp
+      if (.not. enforcement%tied) energy = enforcement%method%stored(gap, p, enforcement%slope)
+      energy = energy + 0.5_wp*shear_compliance(enforcement, friction, at, p)*dot_product(t, t)
+      if (has_friction(friction) .and. is_regularised(friction)) energy = energy &
+         & + regularised_energy(friction, norm2(kept), p, at)
+   end function stored_energy
+
+   !> Energy per area of a law regularised by slip between its anchor and the slip that it keeps.
+   pure real(wp) function regularised_energy(friction, reach, p, at) result(energy)
+      type(friction_type), intent(in) :: friction
+      real(wp), intent(in) :: reach            !! that slip [length]
+      real(wp), intent(in) :: p                !! [stress]
+      type(condition_type), intent(in) :: at
+      integer, parameter :: parts = 64
+      real(wp) :: traction, slope, slope_p
+      integer :: i
+
+      energy = 0.0_wp
+      if (by_rate(friction) .or. .not. reach > 0.0_wp) return
+      ! The curves are smooth: midpoints on a grid that is finer near the anchor.
+      do i = 1, parts
+         call regularised_traction(friction, reach*((i - 0.5_wp)/parts)**2, p, at, traction, &
+            & slope, slope_p)
+         energy = energy + traction*reach*2.0_wp*(i - 0.5_wp)/parts**2
+      end do
+   end function regularised_energy
+
+   !> -dp/dg of a closed point, for a factor: that of its springs, else what conditions its rows.
+   pure real(wp) function normal_stiffness(enforcement, g) result(stiffness)
+      type(enforcement_parameters_type), intent(in) :: enforcement
+      real(wp), intent(in) :: g                !! gap [length]
+      real(wp) :: force
+
+      stiffness = enforcement%c
+      if (enforcement%tied .or. enforcement%method%solves_for_multiplier()) return
+      call enforcement%method%trial(g, enforcement%slope, 0.0_wp, force, stiffness)
+   end function normal_stiffness
+
+   !> The elastic slip of an unknown traction, in the measure of the disc's present radius.
+   pure subroutine give_way(enforcement, friction, at, p, held, n, trial, growth)
+      type(enforcement_parameters_type), intent(in) :: enforcement
+      type(friction_type), intent(in) :: friction
+      type(condition_type), intent(in) :: at
+      type(dual_type), intent(in) :: p, held(:), n(:)
+      type(dual_type), intent(inout) :: trial(:)
+      type(dual_type), intent(in), optional :: growth
+      type(dual_type) :: compliance
+      real(wp) :: radius, slope
+
+      call friction_radius(friction, p%v, at, radius, slope)
+      if (.not. radius > 0.0_wp .or. .not. radius < huge(1.0_wp)) return
+      compliance = p
+      compliance%v = radius
+      compliance%d = slope*p%d
+      if (present(growth)) compliance%d = compliance%d + (radius - slope*p%v)/growth%v*growth%d
+      compliance = (enforcement%ct*enforcement%elastic_slip)/compliance
+      trial = trial - compliance*tangential(held, n) &
+         & - enforcement%ct*tangential(constant(enforcement%elastic(:size(n))), n)
+   end subroutine give_way
+
+   !> The trial pressure of springs; a multiplier that is frozen turns with the normal.
+   pure function pressed(enforcement, g, updates, frozen) result(p)
+      type(enforcement_parameters_type), intent(in) :: enforcement
+      type(dual_type), intent(in) :: g
+      logical, intent(in) :: updates
+      type(dual_type), intent(in) :: frozen    !! along the normal [stress]
+      type(dual_type) :: p
+      real(wp) :: stiffness
+
+      call enforcement%method%trial(g%v, enforcement%slope, merge(frozen%v, 0.0_wp, updates), p%v, &
+         & stiffness)
+      p%d = -stiffness*g%d
+      if (updates) p%d = frozen%d - stiffness*g%d
+   end function pressed
+
+   !> The penetration that goes with an unknown pressure.
+   pure function penetrates(enforcement, p) result(depth)
+      type(enforcement_parameters_type), intent(in) :: enforcement
+      type(dual_type), intent(in) :: p
+      type(dual_type) :: depth
+
+      depth%v = enforcement%method%penetration(p%v, enforcement%slope)
+      depth%d = enforcement%method%penetration(p%d, enforcement%slope)
+   end function penetrates
+
+   pure function tangential(a, n) result(b)
+      type(dual_type), intent(in) :: a(:), n(:)
+      type(dual_type) :: b(size(a))
+      b = a - n*dual_dot(a, n)
+   end function tangential
+
+   !> Shear of a closed point by the law of friction.
+   !>
+   !> A law of stresses is homogeneous: F(J q, J p, J c) = J F(q, p, c) with the growth J in its
+   !> bounds, which gives the slope of F in J from those in q and p.
+   pure subroutine shear_of(enforcement, friction, at, p, trial, s, n, t, status, shear, growth)
+      type(enforcement_parameters_type), intent(in) :: enforcement
+      type(friction_type), intent(in) :: friction
+      type(condition_type), intent(in) :: at
+      type(dual_type), intent(in) :: p, trial(:), s(:), n(:)
+      type(dual_type), intent(out) :: t(:)
+      integer, intent(out) :: status
+      real(wp), intent(out) :: shear(:, :)
+      type(dual_type), intent(in), optional :: growth
+      type(dual_type) :: magnitude, f, way(size(trial))
+      real(wp) :: slope, slope_p, direction(size(trial)), share, reach
+      logical :: slips
+      integer :: i, d
+
+      d = size(trial)
+      status = contact_status%stick
+      if (is_regularised(friction)) then
+         status = contact_status%slip
+         way = s
+         if (.not. by_rate(friction)) way = tangential(s + constant(enforcement%creep(:d)), n)
+      else
+         way = trial
+      end if
+      share = norm2(way%v)
+      magnitude = constant(0.0_wp)
+      if (share > 0.0_wp) magnitude = dual_norm(way)
+      if (is_regularised(friction)) then
+         ! Beyond the drag limit the anchor follows with the whole of its traction.
+         reach = min(magnitude%v, drag_limit(friction))
+         call regularised_traction(friction, reach, p%v, at, f%v, slope, slope_p)
+         if (reach < magnitude%v) slope = 0.0_wp
+         f%d = slope*magnitude%d + slope_p*p%d
+         if (present(growth)) f%d = f%d + (f%v - slope_p*p%v)/growth%v*growth%d
+         t = 0.0_wp
+         if (share > 0.0_wp) t = (-1.0_wp)*(f/magnitude)*way
+         if (.not. share > 0.0_wp) then
+            do i = 1, d
+               t(i) = (-slope)*way(i)
+            end do
+         end if
+      else
+         call return_to_disc(friction, magnitude%v, enforcement%ct, p%v, at, f%v, slope, slope_p, &
+            & slips)
+         if (enforcement%clings .and. magnitude%v <= (1.0_wp + at_limit)*f%v) then
+            slips = .false.
+            f%v = magnitude%v
+         end if
+         if (slips) status = contact_status%slip
+         t = trial
+         if (f%v >= magnitude%v) then
+            slope = enforcement%ct
+            f%v = magnitude%v
+         else
+            f%d = slope*magnitude%d + slope_p*p%d
+            if (present(growth)) f%d = f%d + (f%v*(1.0_wp - slope) - slope_p*p%v)/growth%v &
+               & *growth%d
+            t = (f/magnitude)*trial
+            slope = slope*enforcement%ct
+         end if
+      end if
+      ! Positive semidefinite: slope along the direction, secant across it.
+      do i = 1, d
+         shear(i, i) = slope
+      end do
+      if (.not. share > 0.0_wp .or. f%v >= magnitude%v .and. .not. is_regularised(friction)) return
+      direction = way%v/share
+      share = f%v/magnitude%v
+      if (.not. is_regularised(friction)) share = share*enforcement%ct
+      shear = 0.0_wp
+      do i = 1, d
+         shear(i, i) = share
+         shear(:, i) = shear(:, i) + (slope - share)*direction*direction(i)
+      end do
+   end subroutine shear_of
+end module lopin_contact_traction

@@ -1,0 +1,373 @@
+!> Mortar on the present shape: overlaps, rows with exact slopes; in the plane forces and tangents.
+!>
+!> Weights, normals and couplings follow the motion. Slip is the frame-indifferent increment of
+!> the weighted positions: with the coefficients c of a row (lopin_mortar_node_2d) and those at the
+!> start of the increment, s = P_n sum (c_start - c) x / D (Puso and Laursen 2004; Gitterle et al.
+!> 2010).
+module lopin_mortar_element
+   use lopin_kinds, only : wp
+   use lopin_dual, only : dual_type, dual_width, variable, constant, dual_dot, operator(+), &
+      & operator(-), operator(*), operator(/), assignment(=)
+   use lopin_facets, only : facets_type, facet_rule_type
+   use lopin_surface, only : surface_type, new_surface, update_surface
+   use lopin_search, only : tree_type
+   use lopin_error, only : error_type
+   use lopin_model, only : model_type, kind_of
+   use lopin_wall_depth, only : depths_of_facets
+   use lopin_tilting, only : rows_needed
+   use lopin_dofs, only : dofs_type
+   use lopin_friction, only : friction_type, condition_type
+   use lopin_contact_traction, only : enforcement_parameters_type, contact_status, traction_of, &
+      & normal_stiffness
+   use lopin_contact_points, only : pair_is_tied, gaps_as_meshed
+   use lopin_mortar_pairs, only : thickness_of
+   use lopin_mortar_overlap, only : overlap_list_type
+   use lopin_mortar_overlaps_2d, only : find_overlaps_2d
+   use lopin_slave_pieces, only : split_slave, piece_normals, whole_weights
+   use lopin_mortar, only : plan_rows
+   use lopin_mortar_cover, only : cover_type, new_cover, has_row, taken_over
+   use lopin_mortar_node_2d, only : patch_type, new_patch, mortar_row_type, mortar_row, &
+      & take_nearest
+   use lopin_mortar_least, only : least_of_nodes
+   use lopin_nonlinear_points, only : stays_mortar
+   use lopin_contact_element, only : point_state_type, set_spring
+   use lopin_local_matrix, only : local_matrix_type
+   use lopin_mortar_cells_3d, only : new_mortar_kernel
+   use lopin_mortar_element_3d, only : space_mortar_type, update_space_mortar, evaluate_space_point
+   use lopin_tie_element, only : tie_type, new_tie, evaluate_tie
+   implicit none
+   private
+   public :: present_mortar_type, mortar_anchor_type, new_present_mortar
+   public :: update_mortar, find_mortar_row, evaluate_mortar_point, lay_pieces
+
+   !> n_slave.n_master must be below this for the two to face each other.
+   real(wp), parameter :: facing = -0.2_wp
+
+   !> A pair on the present shape.
+   type :: present_mortar_type
+      logical :: is_on = .false.
+      type(surface_type) :: slave
+      real(wp), allocatable :: thickness(:)    !! (slave facets) [length]
+      real(wp), allocatable :: depth(:)        !! (slave facets) deeper is no contact [length]
+      type(overlap_list_type) :: list
+      logical :: axisymmetric = .false.
+      integer, allocatable :: piece(:)         !! (slave facets) smooth piece, lopin_slave_pieces
+      integer, allocatable :: piece_of(:)      !! (slave%nnode)
+      type(cover_type) :: cover
+      integer :: first = 1                     !! point of the pair that is the slave's first number
+      logical :: in_space = .false.
+      logical :: tied = .false.
+      logical :: lifts = .false.               !! no gap is less than the least that it weighs
+      integer, allocatable :: nearest(:)       !! (slave%nnode) overlap of that; plane
+      logical :: is_ready = .false.            !! ties keep their first rows
+      type(space_mortar_type) :: space
+   end type present_mortar_type
+
+   !> The row of a node when the increment began.
+   type :: mortar_anchor_type
+      logical :: set = .false.
+      integer :: place = 0                     !! in space: number of the node on the slave
+      integer, allocatable :: node(:)
+      real(wp), allocatable :: coefficient(:)  !! [area]
+      type(tie_type) :: tie
+   end type mortar_anchor_type
+
+contains
+
+   subroutine new_present_mortar(self, model, number, facets, rules, first)
+      type(present_mortar_type), intent(out) :: self
+      type(model_type), intent(in) :: model
+      integer, intent(in) :: number               !! of the pair
+      type(facets_type), intent(in) :: facets     !! of the slave
+      type(facet_rule_type), intent(in) :: rules(:)
+      integer, intent(in) :: first                !! point of the pair
+
+      self%is_on = stays_mortar(model, model%pair(number))
+      if (.not. self%is_on) return
+      self%first = first
+      call new_surface(self%slave, model%mesh%ndim, facets)
+      self%thickness = thickness_of(model, facets)
+      self%axisymmetric = model%kind == kind_of%axisymmetric
+      self%in_space = model%mesh%ndim == 3
+      self%tied = pair_is_tied(model, model%pair(number))
+      self%lifts = gaps_as_meshed(model, model%pair(number))
+      self%space%lifts = self%lifts
+      if (self%in_space) call new_mortar_kernel(self%space%kernel, model%mortar_degree)
+      call lay_pieces(self, rules, model%mesh%x)
+      self%cover%least = rows_needed(model, number)
+   end subroutine new_present_mortar
+
+   !> Cut the slave at its sharp edges; nothing is covered yet.
+   subroutine lay_pieces(self, rules, x)
+      type(present_mortar_type), intent(inout) :: self
+      type(facet_rule_type), intent(in) :: rules(:)
+      real(wp), intent(in) :: x(:, :)             !! (ndim, nnode) at the start [length]
+      real(wp), allocatable :: full(:)
+      real(wp) :: share(self%slave%facets%n)
+      type(error_type), allocatable :: error
+      integer :: i
+
+      call split_slave(self%slave, rules, x, self%piece)
+      allocate (full(self%slave%nnode), self%piece_of(self%slave%nnode))
+      do i = 1, self%slave%facets%n
+         self%piece_of(self%slave%local(:self%slave%facets%nnode(i), i)) = self%piece(i)
+      end do
+      call whole_weights(self%slave, rules, x, self%axisymmetric, self%thickness, full, &
+         & share)
+      call new_cover(self%cover, full, share, self%tied)
+      allocate (self%depth(self%slave%facets%n), source=huge(1.0_wp))
+      call update_surface(self%slave, x, error)
+      if (.not. allocated(error)) call depths_of_facets(self%slave, facing, self%depth)
+   end subroutine lay_pieces
+
+   !> The overlaps at present places.
+   subroutine update_mortar(self, rules, master, tree, x, start, error)
+      type(present_mortar_type), intent(inout) :: self
+      type(facet_rule_type), intent(in) :: rules(:)
+      type(surface_type), intent(in) :: master
+      type(tree_type), intent(in) :: tree
+      real(wp), intent(in) :: x(:, :)             !! (ndim, nnode) [length]
+      logical, intent(in) :: start                !! of an increment
+      type(error_type), allocatable, intent(out) :: error
+      real(wp) :: normal(size(x, 1), self%slave%nnode), direction(3, self%slave%nnode), reach
+
+      if (self%tied .and. self%is_ready) return
+      self%is_ready = .true.
+      call update_surface(self%slave, x, error)
+      if (allocated(error)) return
+      if (start .or. .not. allocated(self%slave%outlook)) self%slave%outlook &
+         & = self%slave%disc(4:6, :)
+      call piece_normals(self%slave, rules, x, self%axisymmetric, normal)
+      reach = norm2(max(maxval(self%slave%high, 2), maxval(master%high, 2)) &
+         & - min(minval(self%slave%low, 2), minval(master%low, 2)))
+      if (self%in_space) then
+         call update_space_mortar(self%space, self%cover, self%slave, normal, rules, master, tree, &
+            & x, reach, facing, self%depth, start, error)
+         return
+      end if
+      self%list = overlap_list_type()
+      call find_overlaps_2d(self%slave, normal, master, tree, x, self%axisymmetric, &
+         & self%thickness, reach, facing, self%list, self%depth)
+      call plan_rows(self%cover, rules, self%slave, master, x, self%list, start, direction)
+      if (.not. allocated(self%nearest)) allocate (self%nearest(self%slave%nnode), source=0)
+      if (self%lifts) call least_of_nodes(self%slave, self%list, self%nearest)
+   end subroutine update_mortar
+
+   !> The row of a node by values, if enough of it is covered; the first one within an increment
+   !> is the anchor of its slip.
+   subroutine find_mortar_row(self, master, rules, x, point, start, patch, anchor, covered, &
+      & normal, gap)
+      type(present_mortar_type), intent(in) :: self
+      type(surface_type), intent(in) :: master
+      type(facet_rule_type), intent(in) :: rules(:)
+      real(wp), intent(in) :: x(:, :)
+      integer, intent(in) :: point                !! of the pair
+      logical, intent(in) :: start                !! of an increment
+      type(patch_type), intent(out) :: patch
+      type(mortar_anchor_type), intent(inout) :: anchor
+      logical, intent(out) :: covered
+      real(wp), intent(inout) :: normal(3)        !! out of the master
+      real(wp), intent(inout) :: gap              !! [length]
+      type(mortar_row_type) :: row
+      integer, allocatable :: also(:)
+      real(wp), allocatable :: share(:)
+      integer :: k, node
+
+      covered = anchor%tie%set
+      if (covered) return
+      normal = 0.0_wp
+      gap = 0.0_wp
+      k = point - self%first + 1
+      node = self%slave%node(k)
+      if (self%in_space) then
+         anchor%place = k
+         associate (own => self%space%row(k))
+            covered = own%node > 0 .and. own%weight > 0.0_wp
+            if (.not. covered) return
+            normal = own%normal
+            gap = own%gap
+            if (self%tied) call new_tie(anchor%tie, node, own%of, own%c, own%weight, &
+               & self%slave%facets, rules, x)
+         end associate
+         return
+      end if
+      if (start) anchor%set = .false.
+      covered = has_row(self%cover, k)
+      if (.not. covered) return
+      call taken_over(self%cover, k, also, share)
+      call new_patch(patch, self%slave, master, self%list, node, self%slave%node(also), share, &
+         & self%piece, self%piece_of([k, also]), self%cover%share)
+      call mortar_row(row, patch, constant(x(:2, patch%node)), self%axisymmetric, &
+         & self%thickness(1))
+      if (self%nearest(k) > 0 .and. row%weight%v > 0.0_wp) call take_nearest(patch, row, &
+         & self%list%item(self%nearest(k)), self%slave, master, x)
+      patch%met = row
+      covered = row%weight%v > 0.0_wp
+      if (.not. covered) return
+      normal(:2) = row%normal%v
+      gap = row%gap%v
+      if (self%tied) call new_tie(anchor%tie, node, patch%node, row%coefficient%v, row%weight%v, &
+         & self%slave%facets, rules, x)
+      if (anchor%set) return
+      anchor%set = .true.
+      anchor%node = patch%node
+      anchor%coefficient = row%coefficient%v
+   end subroutine find_mortar_row
+
+   !> Forces and exact tangent of one node, as evaluate_point of lopin_contact_element.
+   subroutine evaluate_mortar_point(state, local, self, dofs, x, patch, anchor, enforcement, &
+      & friction, at, shift, lambda, first_row, with_tangent, weight)
+      type(point_state_type), intent(inout) :: state
+      type(local_matrix_type), intent(inout) :: local
+      type(present_mortar_type), intent(in) :: self
+      type(dofs_type), intent(in) :: dofs
+      real(wp), intent(in) :: x(:, :)          !! (ndim, nnode) present places [length]
+      type(patch_type), intent(in) :: patch
+      type(mortar_anchor_type), intent(in) :: anchor
+      type(enforcement_parameters_type), intent(in) :: enforcement
+      type(friction_type), intent(in) :: friction
+      type(condition_type), intent(in) :: at
+      real(wp), intent(in) :: shift            !! added to the gap [length]
+      real(wp), intent(in) :: lambda(3)        !! multiplier, if it is an unknown [stress]
+      integer, intent(in) :: first_row         !! of the multiplier; 0: none
+      logical, intent(in) :: with_tangent
+      real(wp), intent(out) :: weight          !! D [area]
+      integer, allocatable :: node(:), input(:, :), of_anchor(:)
+      type(dual_type), allocatable :: force(:)
+      type(dual_type) :: gap, slip(2), row(2)
+      real(wp), allocatable :: along_gap(:), along_slip(:, :)
+      real(wp) :: shear(2, 2)
+      integer :: from, width, n, k
+
+      if (enforcement%tied) then
+         call evaluate_tie(state, local, anchor%tie, dofs, x, enforcement, lambda, first_row, &
+            & with_tangent)
+         weight = anchor%tie%weight
+         return
+      end if
+      if (self%in_space) then
+         associate (own => self%space%row(anchor%place))
+            call evaluate_space_point(state, local, own, self%space%before(anchor%place), dofs, x, &
+               & enforcement, friction, at, shift, lambda, first_row, with_tangent)
+            weight = own%weight
+         end associate
+         return
+      end if
+      call list_inputs()
+      allocate (force(local%nu))
+      if (with_tangent) then
+         if (allocated(local%k)) deallocate (local%k)
+         allocate (local%k(n, n), along_gap(local%nu), along_slip(2, local%nu))
+      end if
+      from = 0
+      do
+         call forces(merge(from, n, with_tangent))
+         if (.not. with_tangent) exit
+         width = min(dual_width, n - from)
+         do k = 1, local%nu
+            local%k(k, from + 1:from + width) = -force(k)%d(:width)
+         end do
+         do k = local%nu + 1, n
+            local%k(k, from + 1:from + width) = row(k - local%nu)%d(:width)
+         end do
+         do k = from + 1, min(from + width, local%nu)
+            along_gap(k) = gap%d(k - from)
+            along_slip(:, k) = slip%d(k - from)
+         end do
+         from = from + dual_width
+         if (from >= n) exit
+      end do
+      state%force = force%v
+      state%row = 0.0_wp
+      state%row(:2) = row%v
+      state%gap = gap%v
+      state%slip = 0.0_wp
+      state%slip(:2) = slip%v
+      if (with_tangent) call set_spring(local, enforcement, weight, normal_stiffness(enforcement, &
+         & state%gap + shift), state%normal(:2), along_gap, along_slip, shear, &
+         & state%status /= contact_status%open, first_row > 0)
+
+   contains
+
+      !> Places of the patch, then those that only the anchor has; their free dofs are the inputs.
+      subroutine list_inputs()
+         integer :: all_nodes(size(patch%node) + size(anchor%node)), nnode
+         integer :: dof(2*(size(patch%node) + size(anchor%node)) + 2), m, j
+
+         nnode = size(patch%node)
+         all_nodes(:nnode) = patch%node
+         allocate (of_anchor(size(anchor%node)))
+         do m = 1, size(anchor%node)
+            of_anchor(m) = findloc(all_nodes(:nnode), anchor%node(m), 1)
+            if (of_anchor(m) > 0) cycle
+            nnode = nnode + 1
+            all_nodes(nnode) = anchor%node(m)
+            of_anchor(m) = nnode
+         end do
+         node = all_nodes(:nnode)
+         allocate (input(2, nnode), source=0)
+         local%nu = 0
+         do m = 1, nnode
+            do j = 1, 2
+               if (dofs%id(j, node(m)) == 0) cycle
+               local%nu = local%nu + 1
+               dof(local%nu) = dofs%id(j, node(m))
+               input(j, m) = local%nu
+            end do
+         end do
+         n = local%nu
+         if (first_row > 0) then
+            dof(n + 1:n + 2) = dofs%n + first_row + [0, 1]
+            n = n + 2
+         end if
+         local%dof = dof(:n)
+      end subroutine list_inputs
+
+      subroutine forces(from)
+         integer, intent(in) :: from
+         type(dual_type) :: place(2, size(node)), multiplier(2), z(2), moved(2)
+         type(mortar_row_type) :: own
+         integer :: m, j
+
+         do m = 1, size(node)
+            do j = 1, 2
+               place(j, m) = variable(x(j, node(m)), merge(input(j, m) - from, 0, input(j, m) > 0))
+            end do
+         end do
+         do j = 1, 2
+            multiplier(j) = variable(lambda(j), merge(local%nu + j - from, 0, first_row > 0))
+         end do
+         if (with_tangent) then
+            call mortar_row(own, patch, place(:, :size(patch%node)), self%axisymmetric, &
+               & self%thickness(1))
+         else
+            own = patch%met
+         end if
+         moved = constant([0.0_wp, 0.0_wp])
+         do m = 1, size(anchor%node)
+            moved = moved + place(:, of_anchor(m))*anchor%coefficient(m)
+         end do
+         do m = 1, size(patch%node)
+            moved = moved - place(:, m)*own%coefficient(m)
+         end do
+         moved(1) = moved(1)/own%weight
+         moved(2) = moved(2)/own%weight
+         slip = moved - own%normal*dual_dot(moved, own%normal)
+         gap = own%gap
+         call traction_of(enforcement, friction, at, gap + shift, own%normal, slip, multiplier, z, &
+            & row, state%status, shear)
+         force = constant(spread(0.0_wp, 1, local%nu))
+         do m = 1, size(patch%node)
+            do j = 1, 2
+               if (input(j, m) > 0) force(input(j, m)) = force(input(j, m)) &
+                  & + own%coefficient(m)*z(j)
+            end do
+         end do
+         weight = own%weight%v
+         state%normal = 0.0_wp
+         state%normal(:2) = own%normal%v
+         state%traction = 0.0_wp
+         state%traction(:2) = z%v
+      end subroutine forces
+   end subroutine evaluate_mortar_point
+end module lopin_mortar_element

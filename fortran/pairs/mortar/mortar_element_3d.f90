@@ -1,0 +1,219 @@
+!> Mortar on the present shape in space: rows with exact slopes, forces and tangents.
+!>
+!> The rows and their slopes by all places come from lopin_mortar_rows_3d; the law is asked once in
+!> dual numbers along gap, normal, slip and multiplier, and the chain rule does the rest.
+module lopin_mortar_element_3d
+   use lopin_kinds, only : wp
+   use lopin_dual, only : dual_type, variable
+   use lopin_error, only : error_type, error_code, raise
+   use lopin_facets, only : facet_rule_type
+   use lopin_surface, only : surface_type
+   use lopin_search, only : tree_type
+   use lopin_dofs, only : dofs_type
+   use lopin_friction, only : friction_type, condition_type
+   use lopin_contact_traction, only : enforcement_parameters_type, contact_status, traction_of, &
+      & normal_stiffness
+   use lopin_mortar_overlap, only : overlap_list_type
+   use lopin_mortar_cells_3d, only : mortar_kernel_type
+   use lopin_mortar_overlaps_3d, only : find_overlaps_3d
+   use lopin_mortar, only : plan_rows
+   use lopin_mortar_cover, only : cover_type
+   use lopin_mortar_rows_3d, only : mortar_row_type, new_mortar_rows, take_nearest
+   use lopin_mortar_traction_3d, only : slip_of_row, forces_of_row
+   use lopin_contact_element, only : point_state_type
+   use lopin_local_matrix, only : local_matrix_type
+   implicit none
+   private
+   public :: space_mortar_type, update_space_mortar, evaluate_space_point
+
+   !> A pair in space.
+   type :: space_mortar_type
+      type(mortar_kernel_type) :: kernel
+      type(mortar_row_type), allocatable :: row(:)      !! (slave nodes) now
+      type(mortar_row_type), allocatable :: before(:)   !! (slave nodes) when the increment began
+      logical :: lifts = .false.       !! no gap is less than the least that it weighs
+   end type space_mortar_type
+
+   !> Inputs of the law: gap, normal, slip, multiplier.
+   integer, parameter :: at_normal = 1, at_slip = 4, at_multiplier = 7
+
+contains
+
+   !> Rows at present places; at the start of an increment they are kept for the slip.
+   subroutine update_space_mortar(self, cover, slave, normal, rules, master, tree, x, reach, &
+      & facing, depth, start, error)
+      type(space_mortar_type), intent(inout) :: self
+      type(cover_type), intent(inout) :: cover
+      type(surface_type), intent(in) :: slave, master
+      real(wp), intent(in) :: normal(:, :)        !! (3, slave%nnode) outward, by pieces
+      type(facet_rule_type), intent(in) :: rules(:)
+      type(tree_type), intent(in) :: tree
+      real(wp), intent(in) :: x(:, :)             !! (3, nnode) [length]
+      real(wp), intent(in) :: reach               !! [length]
+      real(wp), intent(in) :: facing
+      real(wp), intent(in) :: depth(:)            !! (slave facets) deeper is no contact [length]
+      logical, intent(in) :: start                !! of an increment
+      type(error_type), allocatable, intent(out) :: error
+      type(overlap_list_type) :: list
+      real(wp) :: direction(3, slave%nnode)
+      integer :: lost, j
+
+      call find_overlaps_3d(self%kernel, slave, normal, master, tree, x, reach, facing, list, &
+         & lost, depth)
+      if (lost > 0) then
+         call raise(error, error_code%not_converged, 'E0316', 'a face of a surface-to-surface '// &
+            & 'pair is too distorted to be integrated')
+         return
+      end if
+      call plan_rows(cover, rules, slave, master, x, list, start, direction)
+      if (start .or. .not. allocated(self%before)) then
+         call new_mortar_rows(self%row, self%kernel, rules, slave, master, x, list, cover=cover)
+         self%before = self%row
+      else
+         call new_mortar_rows(self%row, self%kernel, rules, slave, master, x, list, self%before, &
+            & cover)
+         do j = 1, size(self%row)
+            ! What is met only within the increment slips from where it was met first.
+            if (self%before(j)%node == 0 .and. self%row(j)%node > 0) self%before(j) = self%row(j)
+         end do
+      end if
+      if (self%lifts) call take_nearest(self%row, slave, master, x, list)
+   end subroutine update_space_mortar
+
+   !> Forces and exact tangent of one node, as evaluate_point of lopin_contact_element.
+   subroutine evaluate_space_point(state, local, row, before, dofs, x, enforcement, friction, at, &
+      & shift, lambda, first_row, with_tangent)
+      type(point_state_type), intent(inout) :: state
+      type(local_matrix_type), intent(inout) :: local
+      type(mortar_row_type), intent(in) :: row, before
+      type(dofs_type), intent(in) :: dofs
+      real(wp), intent(in) :: x(:, :)          !! (3, nnode) present places [length]
+      type(enforcement_parameters_type), intent(in) :: enforcement
+      type(friction_type), intent(in) :: friction
+      type(condition_type), intent(in) :: at
+      real(wp), intent(in) :: shift            !! added to the gap [length]
+      real(wp), intent(in) :: lambda(3)        !! multiplier, if it is an unknown [stress]
+      integer, intent(in) :: first_row         !! of the multiplier; 0: none
+      logical, intent(in) :: with_tangent
+      real(wp) :: slip(3), slip_slope(3, 3*size(row%of)), shear(3, 3)
+      type(dual_type) :: z(3), residual(3)
+      integer :: k
+
+      call slip_of_row(row, before, x, slip, slip_slope)
+      call traction_of(enforcement, friction, at, variable(row%gap + shift, 1), &
+         & variable(row%normal, [(at_normal + k, k=1, 3)]), &
+         & variable(slip, [(at_slip + k, k=1, 3)]), &
+         & variable(lambda, [(merge(at_multiplier + k, 0, first_row > 0), k=1, 3)]), &
+         & z, residual, state%status, shear)
+      state%row = residual%v
+      state%gap = row%gap
+      state%slip = slip
+      state%normal = row%normal
+      state%traction = z%v
+      if (state%status == contact_status%open) then
+         call stay_away()
+      else
+         call press()
+      end if
+
+   contains
+
+      !> Open: no force on any dof; the multiplier's row is its own.
+      subroutine stay_away()
+         local%nu = 0
+         state%force = [real(wp) ::]
+         local%dof = [(dofs%n + first_row + k, k=0, merge(2, -1, first_row > 0))]
+         if (.not. with_tangent) return
+         call clear(local, size(local%dof))
+         if (first_row > 0) call take_multiplier()
+      end subroutine stay_away
+
+      subroutine take_multiplier()
+         integer :: i, j
+         do j = 1, 3
+            do i = 1, 3
+               local%k(local%nu + i, local%nu + j) = residual(i)%d(at_multiplier + j)
+            end do
+         end do
+      end subroutine take_multiplier
+
+      subroutine press()
+         integer :: way(3*size(row%of))        !! places of the local dofs
+         real(wp) :: force(size(way)), along(3, size(way)), stiffness
+         real(wp) :: k_all(merge(size(way), 0, with_tangent), merge(size(way), 0, with_tangent))
+         integer :: i, q
+
+         call list_dofs(way)
+         if (.not. with_tangent) then
+            force = [(row%c(i)*z%v, i=1, size(row%of))]
+            state%force = force(way(:local%nu))
+            return
+         end if
+         call clear(local, size(local%dof))
+         call chain(z, along)
+         call forces_of_row(row, z%v, along, force, k_all)
+         state%force = force(way(:local%nu))
+         stiffness = normal_stiffness(enforcement, row%gap + shift)
+         associate (nu => local%nu)
+            local%k(:nu, :nu) = k_all(way(:nu), way(:nu))
+            do q = 1, nu
+               local%spring(:, q) = row%weight*(stiffness*row%gap_slope(way(:nu)) &
+                  & *row%gap_slope(way(q)) + matmul(transpose(slip_slope(:, way(:nu))), &
+                  & matmul(shear, slip_slope(:, way(q)))))
+            end do
+            if (first_row == 0) return
+            call chain(residual, along)
+            local%k(nu + 1:, :nu) = along(:, way(:nu))
+            do i = 1, nu
+               do q = 1, 3
+                  local%k(i, nu + q) = -row%c((way(i) + 2)/3) &
+                     & *z(modulo(way(i) - 1, 3) + 1)%d(at_multiplier + q)
+               end do
+            end do
+         end associate
+         call take_multiplier()
+      end subroutine press
+
+      !> The free dofs of the row's nodes, then the multiplier's.
+      subroutine list_dofs(way)
+         integer, intent(out) :: way(:)
+         integer :: free(3*size(row%of)), m, i
+
+         local%nu = 0
+         do i = 1, size(row%of)
+            do m = 1, 3
+               if (dofs%id(m, row%of(i)) == 0) cycle
+               local%nu = local%nu + 1
+               free(local%nu) = dofs%id(m, row%of(i))
+               way(local%nu) = 3*(i - 1) + m
+            end do
+         end do
+         local%dof = free(:local%nu)
+         if (first_row > 0) local%dof = [local%dof, (dofs%n + first_row + m, m=0, 2)]
+      end subroutine list_dofs
+
+      !> Slopes by the places of what depends on gap, normal and slip.
+      subroutine chain(y, along)
+         type(dual_type), intent(in) :: y(3)
+         real(wp), intent(out) :: along(:, :)  !! (3, 3n)
+         integer :: i
+
+         do i = 1, 3
+            along(i, :) = y(i)%d(1)*row%gap_slope &
+               & + matmul(y(i)%d(at_normal + 1:at_normal + 3), row%normal_slope) &
+               & + matmul(y(i)%d(at_slip + 1:at_slip + 3), slip_slope)
+         end do
+      end subroutine chain
+   end subroutine evaluate_space_point
+
+   !> Room of a local matrix, zero.
+   subroutine clear(local, n)
+      type(local_matrix_type), intent(inout) :: local
+      integer, intent(in) :: n
+
+      if (allocated(local%k)) deallocate (local%k)
+      if (allocated(local%spring)) deallocate (local%spring)
+      if (allocated(local%flat_row)) deallocate (local%flat_row)
+      allocate (local%k(n, n), local%spring(local%nu, local%nu), source=0.0_wp)
+   end subroutine clear
+end module lopin_mortar_element_3d

@@ -1,0 +1,258 @@
+!> Contact on the present shape at trial displacements: gaps, laws, forces, rows and slopes.
+module lopin_contact_evaluation
+   use lopin_kinds, only : wp
+   use lopin_error, only : error_type
+   use lopin_model, only : model_type
+   use lopin_friction, only : condition_type
+   use lopin_nonlinear_points, only : nonlinear_points_type
+   use lopin_master_surfaces, only : move_masters
+   use lopin_closest_feature, only : anchor_of
+   use lopin_facet_hysteresis, only : record_facet
+   use lopin_nonlinear_faces, only : find_inner_feet
+   use lopin_nonlinear_samples, only : find_sample_feet, row_value
+   use lopin_contact_element, only : point_state_type, evaluate_point
+   use lopin_mortar_element, only : evaluate_mortar_point
+   use lopin_nonlinear_contact, only : nonlinear_contact_type
+   use lopin_contact_detection, only : find_closest_features, detect_contact, is_excluded
+   use lopin_slip_increment, only : condition_at
+   use lopin_slave_areas, only : find_growth, find_growth_slopes
+   use lopin_touch_onset, only : may_touch, note_approach
+   implicit none
+   private
+   public :: evaluate_contact
+
+contains
+
+   !> Project at x = X + u, apply the laws: force, row and, if asked, the local matrices.
+   subroutine evaluate_contact(self, model, u, multiplier, with_tangent, error)
+      type(nonlinear_contact_type), intent(inout) :: self
+      type(model_type), intent(in) :: model
+      real(wp), intent(in) :: u(:)             !! (ndof)
+      real(wp), intent(in) :: multiplier(:)    !! (nmultiplier) tractions, global axes [stress]
+      logical, intent(in) :: with_tangent
+      type(error_type), allocatable, intent(out) :: error
+      type(condition_type) :: at
+      real(wp) :: lambda(3), shift
+      logical :: again
+      integer :: i, k, d
+
+      d = model%mesh%ndim
+      self%force = 0.0_wp
+      self%row = 0.0_wp
+      self%nlocal = 0
+      self%soft_error = 0.0_wp
+      call move_masters(self%masters, model, self%dofs, self%nonlinear_points_type, u, .false., &
+         & self%cost, error)
+      if (allocated(error)) return
+      call find_closest_features(self, .false., error)
+      if (allocated(error)) return
+      call detect_all(self, model)
+      call find_growth(self, model)
+      if (size(self%face) > 0) then
+         if (.not. allocated(self%start_x)) self%start_x = self%masters%x
+         call find_inner_feet(self%opposite, self%masters, self%nonlinear_points_type, model, &
+            & self%start_x)
+      end if
+      do i = 1, self%n
+         lambda = 0.0_wp
+         k = self%first_row(i)
+         if (k > 0) lambda(:d) = multiplier(k:k + d - 1)
+         if (self%facet(i) == 0) then
+            call stay_open(self, i, d, lambda, with_tangent)
+            cycle
+         end if
+         if (.not. self%anchor(i)%set) call anchor_of(self%anchor(i), self%opposite(i))
+         if (self%masters%of(self%pair(i))%tool > 0) call find_sample_feet(self%opposite, &
+            & self%nonlinear_points_type, i)
+         shift = shift_of(self, i) &
+            & - model%interaction(model%pair(self%pair(i))%interaction)%clearance
+         if (is_clear(self, i, lambda, shift)) then
+            call stay_open(self, i, d, lambda, with_tangent)
+            self%trial(i)%normal = self%opposite(i)%normal
+            self%trial(i)%gap = self%opposite(i)%foot%gap
+            self%normal(:, i) = self%trial(i)%normal
+            self%gap(i) = self%trial(i)%gap + shift_of(self, i)
+            self%opening(i) = self%gap(i)
+            cycle
+         end if
+         at = condition_at(self, i)
+         if (with_tangent) call find_growth_slopes(self, model, i)
+         self%nlocal = self%nlocal + 1
+         call press(self, model, i, at, shift, lambda, with_tangent)
+         if (may_touch(self, i)) then
+            call note_approach(self, i, shift, again)
+            at = condition_at(self, i)
+            if (again) call press(self, model, i, at, shift, lambda, with_tangent)
+         end if
+         call collect(self, i, d)
+         ! What is open and has no multiplier couples nothing.
+         if (allocated(self%opposite(i)%inner) .and. self%status(i) == 0 .and. &
+            & self%first_row(i) == 0) self%nlocal = self%nlocal - 1
+         if (self%mortar(self%pair(i))%is_on) cycle
+         if (with_tangent .and. self%status(i) /= 0 .and. self%opposite(i)%ncarry > 0) &
+            & call record_facet(self%masters%owner, i, self%opposite(i)%found, &
+            & self%opposite(i)%kept)
+      end do
+      call estimate_softness(self)
+      ! Touching counts as closed where Newton starts, and no longer; so does the limit as sticking.
+      self%enforcement%grazing = 0.0_wp
+      self%enforcement%clings = .false.
+   end subroutine evaluate_contact
+
+   !> What lies opposite all points now.
+   subroutine detect_all(self, model)
+      type(nonlinear_contact_type), intent(inout) :: self
+      type(model_type), intent(in) :: model
+      integer :: i
+
+      do i = 1, self%n
+         if (self%pair_active(self%pair(i))) then
+            call detect_contact(self, model, i, .false.)
+         else
+            self%opposite(i)%facet = 0
+         end if
+         if (self%loose(i)) self%opposite(i)%facet = 0
+         if (is_excluded(self, i)) self%opposite(i)%facet = 0
+         self%facet(i) = self%opposite(i)%facet
+      end do
+   end subroutine detect_all
+
+   !> Added to the gap of a row: ADJUST, CLEARANCE, and overclosures that are not yet applied.
+   pure real(wp) function shift_of(self, i)
+      type(nonlinear_contact_type), intent(in) :: self
+      integer, intent(in) :: i
+
+      if (self%share(i) > 0.0_wp) then
+         shift_of = row_value(self, i, self%shift) &
+            & + (1.0_wp - self%interference)*row_value(self, i, self%overclosure)
+      else
+         shift_of = self%shift(i) + (1.0_wp - self%interference)*self%overclosure(i)
+      end if
+   end function shift_of
+
+   !> One point: its state, and its matrices if asked, behind those of the points before.
+   subroutine press(self, model, i, at, shift, lambda, with_tangent)
+      type(nonlinear_contact_type), intent(inout) :: self
+      type(model_type), intent(in) :: model
+      integer, intent(in) :: i
+      type(condition_type), intent(in) :: at
+      real(wp), intent(in) :: shift, lambda(3)
+      logical, intent(in) :: with_tangent
+
+      if (self%mortar(self%pair(i))%is_on .or. self%mortar_anchor(i)%tie%set) then
+         call evaluate_mortar_point(self%trial(i), self%local(self%nlocal), &
+            & self%mortar(self%pair(i)), self%dofs, self%masters%x, self%patch(i), &
+            & self%mortar_anchor(i), self%enforcement(i), self%friction(self%pair(i)), at, shift, &
+            & lambda, self%first_row(i), with_tangent, self%weight(i))
+      else
+         call evaluate_point(self%trial(i), self%local(self%nlocal), model, self%dofs, self%basis, &
+            & self%masters, self%nonlinear_points_type, i, self%opposite(i), self%anchor(i), &
+            & self%enforcement(i), self%friction(self%pair(i)), at, shift, lambda, &
+            & self%first_row(i), with_tangent)
+      end if
+   end subroutine press
+
+   !> A mortar row that its values already show to be open: its slopes, which cost most of it, are
+   !> not needed.
+   pure logical function is_clear(self, i, lambda, shift)
+      type(nonlinear_contact_type), intent(in) :: self
+      integer, intent(in) :: i
+      real(wp), intent(in) :: lambda(3), shift
+      real(wp) :: along, gap
+
+      is_clear = .false.
+      associate (g => self%enforcement(i), o => self%opposite(i))
+         if (.not. self%mortar(self%pair(i))%is_on .or. g%bilateral) return
+         along = dot_product(lambda, o%normal)
+         gap = o%foot%gap + shift
+         if (g%tied .or. .not. g%method%solves_for_multiplier()) return
+         gap = gap + g%method%penetration(along, g%slope)
+         if (g%method%updates()) gap = gap &
+            & - g%method%penetration(dot_product(g%frozen, o%normal), g%slope)
+         is_clear = along - g%c*gap < -g%grazing .and. gap > 0.0_wp
+      end associate
+   end function is_clear
+
+   !> A point with no master opposite has no traction; its multiplier is sent to zero.
+   subroutine stay_open(self, i, d, lambda, with_tangent)
+      type(nonlinear_contact_type), intent(inout) :: self
+      integer, intent(in) :: i, d
+      real(wp), intent(in) :: lambda(3)
+      logical, intent(in) :: with_tangent
+      integer :: k
+
+      self%status(i) = 0
+      self%gap(i) = 0.0_wp
+      ! Of a surface too far to be asked, at least so much.
+      if (self%masters%of(self%pair(i))%asleep) self%gap(i) = self%masters%of(self%pair(i))%distance
+      self%opening(i) = self%gap(i)
+      self%pressure(i) = 0.0_wp
+      self%traction(:, i) = 0.0_wp
+      self%normal(:, i) = 0.0_wp
+      self%xi(:, i) = 0.0_wp
+      self%trial(i) = point_state_type()
+      if (self%first_row(i) == 0) return
+      self%row(self%first_row(i):self%first_row(i) + d - 1) = lambda(:d)/self%enforcement(i)%c
+      if (.not. with_tangent) return
+      self%nlocal = self%nlocal + 1
+      associate (l => self%local(self%nlocal))
+         l%nu = 0
+         l%dof = [(self%dofs%n + self%first_row(i) + k, k=0, d - 1)]
+         if (allocated(l%k)) deallocate (l%k)
+         if (allocated(l%spring)) deallocate (l%spring)
+         if (allocated(l%flat_row)) deallocate (l%flat_row)
+         allocate (l%k(d, d), l%spring(0, 0), source=0.0_wp)
+         do k = 1, d
+            l%k(k, k) = 1.0_wp/self%enforcement(i)%c
+         end do
+      end associate
+   end subroutine stay_open
+
+   !> Forces, row and results of one evaluated point.
+   subroutine collect(self, i, d)
+      type(nonlinear_contact_type), intent(inout) :: self
+      integer, intent(in) :: i, d
+      integer :: k
+
+      associate (l => self%local(self%nlocal), t => self%trial(i))
+         do k = 1, l%nu
+            self%force(l%dof(k)) = self%force(l%dof(k)) + t%force(k)
+         end do
+         if (self%first_row(i) > 0) self%row(self%first_row(i):self%first_row(i) + d - 1) = &
+            & t%row(:d)
+         self%status(i) = t%status
+         self%gap(i) = t%gap + shift_of(self, i)
+         self%opening(i) = self%gap(i)
+         if (allocated(self%opposite(i)%sample) .or. allocated(self%opposite(i)%inner)) &
+            & self%opening(i) = t%opening + self%shift(i) &
+            & + (1.0_wp - self%interference)*self%overclosure(i)
+         self%normal(:, i) = t%normal
+         self%traction(:, i) = t%traction
+         self%pressure(i) = dot_product(t%traction, t%normal)
+         associate (before => self%enforcement(i)%approach)
+            if (any(abs(before) > 0.0_wp)) t%slip = t%slip - (before &
+               & - dot_product(before, t%normal)*t%normal)
+         end associate
+         self%xi(:, i) = self%opposite(i)%found%xi
+      end associate
+   end subroutine collect
+
+   !> One augmentation would change the pressure by slope times penetration beside the compliance;
+   !> the compliance of a facet, 1/(2 moduli over facet), stands for it. The slave's own: pressures
+   !> of nodes that share a master facet can change without moving the master.
+   subroutine estimate_softness(self)
+      type(nonlinear_contact_type), intent(inout) :: self
+      real(wp) :: most
+      integer :: i
+
+      most = 0.0_wp
+      if (self%n > 0) most = maxval(abs(self%pressure))
+      if (.not. most > 0.0_wp) return
+      do i = 1, self%n
+         if (self%status(i) == 0 .or. self%enforcement(i)%method%is_exact() &
+            & .or. .not. self%enforcement(i)%method%reads_slope()) cycle
+         self%soft_error = max(self%soft_error, abs(self%pressure(i))/most &
+            & /(1.0_wp + 2.0_wp*self%enforcement(i)%slope*self%size(i)/self%slave_modulus(i)))
+      end do
+   end subroutine estimate_softness
+end module lopin_contact_evaluation

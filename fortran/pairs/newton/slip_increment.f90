@@ -1,0 +1,171 @@
+!> What points do on the present shape in a trial state: their slip, its work, energy held, bounds.
+module lopin_slip_increment
+   use lopin_kinds, only : wp
+   use lopin_friction, only : friction_type, condition_type, has_friction, is_regularised, &
+      & drag_limit, friction_radius
+   use lopin_contact_traction, only : contact_status, elastic_slip_of, stored_energy
+   use lopin_nonlinear_contact, only : nonlinear_contact_type
+   implicit none
+   private
+   public :: condition_at, anchor_slip, path_of, dissipated, mean_work_of, held_energy, &
+      & shear_bound, speed_of, turn
+
+   !> Share of the increment that rates of slip are at least taken over.
+   real(wp), parameter :: least_left = 0.1_wp
+
+contains
+
+   !> What the law of friction reads at a point besides pressure and slip.
+   pure function condition_at(self, i) result(at)
+      type(nonlinear_contact_type), intent(in) :: self
+      integer, intent(in) :: i
+      type(condition_type) :: at
+      at = condition_type(yield=self%yield(i), mises=self%mises(i), &
+         & dt=time_of_slip(self, i), &
+         & speed=self%speed(i), held=self%enforcement(i)%bilateral, growth=self%growth(i)%ratio)
+   end function condition_at
+
+   !> Time that the slip of the increment took: since the point touched.
+   pure real(wp) function time_of_slip(self, i) result(time)
+      type(nonlinear_contact_type), intent(in) :: self
+      integer, intent(in) :: i
+      time = self%dt*max(1.0_wp - self%touch(i), least_left)
+   end function time_of_slip
+
+   !> The slip of the trial state that is not given back: what it is more than elastic slip.
+   pure function lost_slip(self, i) result(slip)
+      type(nonlinear_contact_type), intent(in) :: self
+      integer, intent(in) :: i
+      real(wp) :: slip(3)
+
+      slip = 0.0_wp
+      if (self%facet(i) == 0 .or. self%trial(i)%status /= contact_status%slip) return
+      associate (t => self%trial(i), g => self%enforcement(i), law => self%friction(self%pair(i)))
+         if (.not. has_friction(law)) return
+         slip = t%slip
+         if (is_regularised(law)) then
+            if (drag_limit(law) < huge(1.0_wp)) slip = g%creep + t%slip &
+               & - anchor_slip(law, g%creep + t%slip)
+            return
+         end if
+         slip = slip - elastic_slip_of(g, law, condition_at(self, i), self%pressure(i), &
+            & t%traction - self%pressure(i)*t%normal)
+         if (g%elastic_slip > 0.0_wp) slip = slip + g%elastic
+         if (.not. g%elastic_slip > 0.0_wp) slip = slip + elastic_slip_of(g, law, &
+            & condition_at(self, i), self%pressure(i), along(g%committed, t%normal))
+      end associate
+   end function lost_slip
+
+   !> Slip from the stick anchor after the anchor has followed.
+   pure function anchor_slip(law, slip) result(left)
+      type(friction_type), intent(in) :: law
+      real(wp), intent(in) :: slip(3)          !! [length]
+      real(wp) :: left(3), limit
+
+      left = slip
+      limit = drag_limit(law)
+      if (norm2(slip) > limit) left = slip*(limit/norm2(slip))
+   end function anchor_slip
+
+   !> Way slid in the increment, with friction only what is not given back.
+   pure real(wp) function path_of(self, i) result(way)
+      type(nonlinear_contact_type), intent(in) :: self
+      integer, intent(in) :: i
+
+      way = norm2(self%trial(i)%slip)
+      associate (law => self%friction(self%pair(i)))
+         if (has_friction(law) .and. .not. is_regularised(law)) way = norm2(lost_slip(self, i))
+      end associate
+   end function path_of
+
+   !> Friction work per area of the trial state, in this increment, as its law has it: by the
+   !> traction at the end, never negative [stress*length].
+   pure real(wp) function dissipated(self, i)
+      type(nonlinear_contact_type), intent(in) :: self
+      integer, intent(in) :: i
+      dissipated = -dot_product(self%trial(i)%traction, lost_slip(self, i))
+   end function dissipated
+
+   !> The same by the mean of the tractions at start and end, as the work of external forces is
+   !> counted: negative where friction turns round while the pressure falls [stress*length].
+   pure real(wp) function mean_work_of(self, i) result(work)
+      type(nonlinear_contact_type), intent(in) :: self
+      integer, intent(in) :: i
+      real(wp) :: before(3)
+
+      associate (t => self%trial(i))
+         before = self%enforcement(i)%committed
+         ! On a curved master the pressure of the start would work along the chord of the way.
+         if (self%opposite(i)%facet > 0) call turn(self%start_normal(:, i), t%normal, before)
+         work = -0.5_wp*dot_product(t%traction + along(before, t%normal), lost_slip(self, i))
+      end associate
+   end function mean_work_of
+
+   !> Energy per area that a point's springs hold [stress*length].
+   pure real(wp) function held_energy(self, i) result(energy)
+      type(nonlinear_contact_type), intent(in) :: self
+      integer, intent(in) :: i
+
+      energy = 0.0_wp
+      if (self%facet(i) == 0 .or. self%trial(i)%status == 0) return
+      associate (t => self%trial(i), p => self%pressure(i), law => self%friction(self%pair(i)))
+         energy = stored_energy(self%enforcement(i), law, condition_at(self, i), p, &
+            & merge(1.0_wp, 0.0_wp, has_friction(law))*along(t%traction, t%normal), self%gap(i), &
+            & kept_slip(self, i))
+      end associate
+   end function held_energy
+
+   !> Slip from the anchor that a law regularised by slip keeps.
+   pure function kept_slip(self, i) result(slip)
+      type(nonlinear_contact_type), intent(in) :: self
+      integer, intent(in) :: i
+      real(wp) :: slip(3)
+
+      slip = 0.0_wp
+      associate (law => self%friction(self%pair(i)))
+         if (.not. has_friction(law) .or. .not. is_regularised(law)) return
+         if (drag_limit(law) < huge(1.0_wp)) slip = anchor_slip(law, &
+            & self%enforcement(i)%creep + self%trial(i)%slip)
+      end associate
+   end function kept_slip
+
+   !> Largest shear that the law of friction allows a point; huge: no bound [stress].
+   pure real(wp) function shear_bound(self, i) result(radius)
+      type(nonlinear_contact_type), intent(in) :: self
+      integer, intent(in) :: i
+      real(wp) :: slope
+
+      radius = huge(1.0_wp)
+      associate (law => self%friction(self%pair(i)))
+         if (has_friction(law)) call friction_radius(law, self%pressure(i), condition_at(self, i), &
+            & radius, slope)
+      end associate
+   end function shear_bound
+
+   !> Speed of slip of the trial state [length/time].
+   pure real(wp) function speed_of(self, i) result(speed)
+      type(nonlinear_contact_type), intent(in) :: self
+      integer, intent(in) :: i
+      speed = norm2(lost_slip(self, i))/time_of_slip(self, i)
+   end function speed_of
+
+   pure function along(v, normal) result(t)
+      real(wp), intent(in) :: v(3), normal(3)
+      real(wp) :: t(3)
+      t = v - dot_product(v, normal)*normal
+   end function along
+
+   !> The least rotation that takes one unit vector to another, applied to a third vector.
+   pure subroutine turn(from, to, v)
+      real(wp), intent(in) :: from(3), to(3)
+      real(wp), intent(inout) :: v(3)
+      real(wp) :: c, axis(3)
+
+      c = dot_product(from, to)
+      if (.not. c > -0.5_wp .or. .not. any(abs(v) > 0.0_wp)) return
+      axis = [from(2)*to(3) - from(3)*to(2), from(3)*to(1) - from(1)*to(3), &
+         & from(1)*to(2) - from(2)*to(1)]
+      v = c*v + [axis(2)*v(3) - axis(3)*v(2), axis(3)*v(1) - axis(1)*v(3), &
+         & axis(1)*v(2) - axis(2)*v(1)] + axis*dot_product(axis, v)/(1.0_wp + c)
+   end subroutine turn
+end module lopin_slip_increment

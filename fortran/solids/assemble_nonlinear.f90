@@ -1,0 +1,388 @@
+!> Assembly of solids that are not linear, at finite strain or because they flow: internal force,
+!> energy and tangent of a whole mesh, stresses for output, memory of what is accepted.
+!>
+!> Groups, colours and slots are those of the small-strain stiffness, so that the tangent has the
+!> pattern of that matrix and the bits do not depend on the number of threads.
+module lopin_assemble_nonlinear
+   use lopin_kinds, only : wp, ik
+   use lopin_mesh, only : mesh_type
+   use lopin_csc, only : csc_type
+   use lopin_solid_finite_strain, only : finite_strain_element, finite_strain_stresses, &
+      & finite_strain_memory
+   use lopin_solid_flow, only : flow_element, flow_stresses, flow_memory
+   use lopin_element_type, only : element_type
+   use lopin_simplex_patches, only : patch_element
+   use lopin_solids, only : solids_type, group_type, add_slots, unit_nodes, unit_points
+   use lopin_state, only : solids_state_type
+   use lopin_material_memory, only : strain_at
+   implicit none
+   private
+   public :: assemble_nonlinear, recover_nonlinear, remember, bad_element_type
+
+   !> An element that the displacements turn inside out; and the largest force of an element on one
+   !> of its nodes, before those of its neighbours cancel it.
+   type :: bad_element_type
+      integer :: element = 0     !! the first one; 0: none
+      integer :: point = 0       !! its Gauss point
+      integer :: number = 0      !! how many there are
+      real(wp) :: force = 0.0_wp !! of all elements, by component [force]
+   end type bad_element_type
+
+contains
+
+   !> Internal force and energy of all solid elements and, if asked for, their tangent.
+   !>
+   !> Where `bad` names an element, nothing else is defined: the step was too large.
+   subroutine assemble_nonlinear(self, mesh, u, memory, force, energy, bad, matrix)
+      type(solids_type), intent(in) :: self
+      type(mesh_type), intent(in) :: mesh
+      real(wp), contiguous, intent(in) :: u(:)   !! (n) total displacements by equation [length]
+      type(solids_state_type), intent(in) :: memory   !! of the accepted state
+      real(wp), contiguous, intent(out) :: force(:)   !! (n) internal forces [force]
+      real(wp), intent(out) :: energy          !! strain energy [force length]
+      type(bad_element_type), intent(out) :: bad
+      type(csc_type), intent(inout), optional :: matrix   !! of new_solids; values are replaced
+      real(wp), allocatable :: part(:)
+      integer, allocatable :: point(:)
+      integer :: c, k, e, ncolour
+      real(wp) :: most
+      logical :: shared_out
+
+      ncolour = size(self%colour_start) - 1
+      allocate (part(mesh%nelement), source=0.0_wp)
+      allocate (point(mesh%nelement), source=0)
+      force = 0.0_wp
+      if (present(matrix)) matrix%value = 0.0_wp
+      most = 0.0_wp
+      do c = 1, ncolour
+         shared_out = .not. (self%last_is_serial .and. c == ncolour)
+         !$omp parallel do schedule(static) private(e) reduction(max:most) if(shared_out)
+         do k = self%colour_start(c), self%colour_start(c + 1) - 1
+            e = self%order(k)
+            call add_unit(self, mesh, e, u, memory, force, part(e), point(e), most, matrix)
+         end do
+         !$omp end parallel do
+      end do
+      energy = sum(part)
+      bad%force = most
+      bad%number = count(point > 0)
+      if (bad%number == 0) return
+      bad%element = 1
+      do while (point(bad%element) == 0)
+         bad%element = bad%element + 1
+      end do
+      bad%point = point(bad%element)
+      if (self%patches%of(bad%element) == 0) return
+      ! The point is one of its patch.
+      associate (p => self%patches, n => self%group(self%which(bad%element))%element%ngauss)
+         bad%element = p%member(p%start(p%of(bad%element)) + (bad%point - 1)/n)
+         bad%point = 1 + mod(bad%point - 1, n)
+      end associate
+   end subroutine assemble_nonlinear
+
+   !> An element, or the patch that it stands for.
+   subroutine add_unit(self, mesh, e, u, memory, force, energy, bad, most, matrix)
+      type(solids_type), intent(in) :: self
+      type(mesh_type), intent(in) :: mesh
+      integer, intent(in) :: e
+      real(wp), contiguous, intent(in) :: u(:)
+      type(solids_state_type), intent(in) :: memory
+      real(wp), contiguous, intent(inout) :: force(:)
+      real(wp), intent(out) :: energy
+      integer, intent(out) :: bad
+      real(wp), intent(inout) :: most          !! largest force of an element so far [force]
+      type(csc_type), intent(inout), optional :: matrix
+
+      associate (group => self%group(self%which(e)), p => self%patches%of(e), &
+         & slot => self%slot(self%first_slot(e):self%first_slot(e + 1) - 1))
+         if (p > 0) then
+            call add_patch(self, mesh, e, u, memory, slot, force, energy, bad, most, matrix)
+         else
+            associate (node => mesh%conn(:group%element%nnode, e))
+               if (group%law%remembers) then
+                  call add_element(self, group, group%element, mesh, node, u, &
+                     & memory%value(:, memory%first(e):memory%first(e + 1) - 1), memory, slot, &
+                     & force, energy, bad, most, matrix)
+               else
+                  call add_element(self, group, group%element, mesh, node, u, memory%none, memory, &
+                     & slot, force, energy, bad, most, matrix)
+               end if
+            end associate
+         end if
+      end associate
+   end subroutine add_unit
+
+   subroutine add_patch(self, mesh, e, u, memory, slot, force, energy, bad, most, matrix)
+      type(solids_type), intent(in) :: self
+      type(mesh_type), intent(in) :: mesh
+      integer, intent(in) :: e                 !! its first member
+      real(wp), contiguous, intent(in) :: u(:)
+      type(solids_state_type), intent(in) :: memory
+      integer(ik), contiguous, intent(in) :: slot(:)
+      real(wp), contiguous, intent(inout) :: force(:)
+      real(wp), intent(out) :: energy
+      integer, intent(out) :: bad
+      real(wp), intent(inout) :: most          !! largest force of an element so far [force]
+      type(csc_type), intent(inout), optional :: matrix
+      type(element_type) :: element
+
+      associate (group => self%group(self%which(e)), patches => self%patches, &
+         & p => self%patches%of(e))
+         call patch_element(patches, p, mesh%conn, group%element, element)
+         associate (node => patches%node(patches%first(p):patches%first(p + 1) - 1))
+            call add_element(self, group, element, mesh, node, u, columns(self, memory, e), &
+               & memory, slot, force, energy, bad, most, matrix)
+         end associate
+      end associate
+   end subroutine add_patch
+
+   !> What the points of an element or of its patch remember.
+   pure function columns(self, memory, e) result(past)
+      type(solids_type), intent(in) :: self
+      type(solids_state_type), intent(in) :: memory
+      integer, intent(in) :: e
+      real(wp), allocatable :: past(:, :)   !! (nmemory, ngauss); (0, enough) of what does not flow
+
+      if (.not. self%group(self%which(e))%law%remembers) then
+         allocate (past, source=memory%none)
+      else if (self%patches%of(e) == 0) then
+         allocate (past, source=memory%value(:, memory%first(e):memory%first(e + 1) - 1))
+      else
+         allocate (past, source=memory%value(:, unit_points(self, memory%first, e)))
+      end if
+   end function columns
+
+   subroutine add_element(self, group, element, mesh, node, u, past, memory, slot, force, energy, &
+      & bad, most, matrix)
+      type(solids_type), intent(in) :: self
+      type(group_type), intent(in) :: group
+      type(element_type), intent(in) :: element
+      type(mesh_type), intent(in) :: mesh
+      integer, contiguous, intent(in) :: node(:)
+      real(wp), contiguous, intent(in) :: u(:), past(:, :)
+      type(solids_state_type), intent(in) :: memory
+      integer(ik), contiguous, intent(in) :: slot(:)
+      real(wp), contiguous, intent(inout) :: force(:)
+      real(wp), intent(out) :: energy
+      integer, intent(out) :: bad
+      real(wp), intent(inout) :: most          !! largest force of an element so far [force]
+      type(csc_type), intent(inout), optional :: matrix
+      real(wp), dimension(element%ndim, element%nnode) :: x, moved, own
+      real(wp) :: ke(element%ndof, element%ndof)
+      integer :: a, i
+
+      do a = 1, element%nnode
+         x(:, a) = mesh%x(:, node(a))
+      end do
+      call displacements(self, node, u, moved)
+      if (present(matrix)) then
+         call own_element(group, element, x, moved, past, memory, own, energy, bad, ke)
+      else
+         call own_element(group, element, x, moved, past, memory, own, energy, bad)
+      end if
+      if (bad > 0) return
+      most = max(most, maxval(abs(own)))
+      do a = 1, element%nnode
+         do i = 1, element%ndim
+            associate (k => self%dof(i, node(a)))
+               if (k > 0) force(k) = force(k) + own(i, a)
+            end associate
+         end do
+      end do
+      if (present(matrix)) call add_slots(slot, ke, matrix%value)
+   end subroutine add_element
+
+   !> One element, by the kinematics of the step.
+   subroutine own_element(group, element, x, u, past, memory, force, energy, bad, ke)
+      type(group_type), intent(in) :: group
+      type(element_type), intent(in) :: element
+      real(wp), contiguous, intent(in) :: x(:, :), u(:, :), past(:, :)
+      type(solids_state_type), intent(in) :: memory
+      real(wp), contiguous, intent(out) :: force(:, :)
+      real(wp), intent(out) :: energy
+      integer, intent(out) :: bad
+      real(wp), contiguous, intent(out), optional :: ke(:, :)
+
+      if (memory%finite_strain) then
+         call finite_strain_element(element, group%law, x, u, group%thickness, past, memory%dt, &
+            & force, energy, bad, ke)
+      else
+         call flow_element(element, group%law, x, u, group%thickness, past, memory%dt, force, &
+            & energy, bad, ke)
+      end if
+   end subroutine own_element
+
+   !> Displacements of nodes; zero where there is no equation.
+   pure subroutine displacements(self, node, u, moved)
+      type(solids_type), intent(in) :: self
+      integer, contiguous, intent(in) :: node(:)
+      real(wp), contiguous, intent(in) :: u(:)
+      real(wp), contiguous, intent(out) :: moved(:, :)   !! (ndim, size(node)) [length]
+      integer :: a, i
+
+      moved = 0.0_wp
+      do a = 1, size(node)
+         do i = 1, size(moved, 1)
+            if (self%dof(i, node(a)) > 0) moved(i, a) = u(self%dof(i, node(a)))
+         end do
+      end do
+   end subroutine displacements
+
+   !> Stresses and strains at all Gauss points, laid out as by recover_stress: Cauchy and
+   !> logarithmic at finite strain.
+   subroutine recover_nonlinear(self, mesh, u, memory, stress, strain)
+      type(solids_type), intent(in) :: self
+      type(mesh_type), intent(in) :: mesh
+      real(wp), intent(in) :: u(:, :)                      !! (>= ndim, nnode) [length]
+      type(solids_state_type), intent(in) :: memory        !! of the accepted state
+      real(wp), allocatable, intent(out) :: stress(:, :)   !! (6, npoint) [stress]
+      real(wp), allocatable, intent(out) :: strain(:, :)   !! (6, npoint) engineering shears [-]
+      integer :: e, npoint
+
+      npoint = self%first_point(mesh%nelement + 1) - 1
+      allocate (stress(6, npoint), strain(6, npoint))
+      !$omp parallel do schedule(static)
+      do e = 1, mesh%nelement
+         call recover_unit(self, mesh, u, memory, e, stress, strain)
+      end do
+      !$omp end parallel do
+   end subroutine recover_nonlinear
+
+   subroutine recover_unit(self, mesh, u, memory, e, stress, strain)
+      type(solids_type), intent(in) :: self
+      type(mesh_type), intent(in) :: mesh
+      real(wp), intent(in) :: u(:, :)
+      type(solids_state_type), intent(in) :: memory
+      integer, intent(in) :: e
+      real(wp), intent(inout) :: stress(:, :), strain(:, :)
+      type(element_type) :: element
+      integer, allocatable :: node(:), point(:)
+      real(wp), allocatable :: own(:, :), elongation(:, :)
+
+      allocate (node, source=unit_nodes(self, mesh, e))
+      if (size(node) == 0) return
+      associate (group => self%group(self%which(e)), p => self%patches%of(e))
+         if (p == 0) then
+            call own_stresses(group, group%element, mesh%x(:, node), &
+               & u(:group%element%ndim, node), columns(self, memory, e), memory, &
+               & stress(:, self%first_point(e):self%first_point(e + 1) - 1), &
+               & strain(:, self%first_point(e):self%first_point(e + 1) - 1))
+         else
+            call patch_element(self%patches, p, mesh%conn, group%element, element)
+            allocate (own(6, element%ngauss), elongation(6, element%ngauss))
+            call own_stresses(group, element, mesh%x(:, node), u(:element%ndim, node), &
+               & columns(self, memory, e), memory, own, elongation)
+            allocate (point, source=unit_points(self, self%first_point, e))
+            stress(:, point) = own
+            strain(:, point) = elongation
+         end if
+      end associate
+   end subroutine recover_unit
+
+   subroutine own_stresses(group, element, x, u, past, memory, stress, strain)
+      type(group_type), intent(in) :: group
+      type(element_type), intent(in) :: element
+      real(wp), intent(in) :: x(:, :), u(:, :), past(:, :)
+      type(solids_state_type), intent(in) :: memory
+      real(wp), intent(out) :: stress(:, :), strain(:, :)
+      integer :: bad
+
+      if (memory%finite_strain) then
+         call finite_strain_stresses(element, group%law, x, u, group%thickness, past, memory%dt, &
+            & stress, strain, bad)
+      else
+         call flow_stresses(element, group%law, x, u, group%thickness, past, memory%dt, stress, &
+            & strain, bad)
+      end if
+   end subroutine own_stresses
+
+   !> The memory of a trial, and its plastic work.
+   subroutine remember(self, mesh, u, memory, next)
+      type(solids_type), intent(in) :: self
+      type(mesh_type), intent(in) :: mesh
+      real(wp), contiguous, intent(in) :: u(:)   !! (n) total displacements by equation [length]
+      type(solids_state_type), intent(in) :: memory      !! of the accepted state
+      type(solids_state_type), intent(inout) :: next     !! of the trial
+      real(wp), allocatable :: work(:), volume(:), strain(:)
+      integer :: e, p, q, row
+
+      if (.not. memory%in_use) return
+      allocate (work(mesh%nelement), volume(mesh%nelement), strain(mesh%nelement), source=0.0_wp)
+      next%value = memory%value
+      !$omp parallel do schedule(static)
+      do e = 1, mesh%nelement
+         if (memory%first(e + 1) > memory%first(e)) call remember_unit(self, mesh, u, e, memory, &
+            & next%value, work(e), volume(e))
+      end do
+      !$omp end parallel do
+      do e = 1, mesh%nelement
+         p = memory%first(e)
+         q = memory%first(e + 1) - 1
+         if (q < p) cycle
+         row = strain_at(self%group(self%which(e))%element%nstress)
+         strain(e) = maxval(next%value(row, p:q) - memory%value(row, p:q))
+      end do
+      next%work = memory%work + sum(work)
+      next%most_strain = maxval(strain)
+      next%most_element = maxloc(strain, dim=1)
+      next%volume = sum(volume)
+   end subroutine remember
+
+   !> Of an element or of the patch that it stands for; `next` holds the accepted state before.
+   subroutine remember_unit(self, mesh, u, e, memory, next, work, volume)
+      type(solids_type), intent(in) :: self
+      type(mesh_type), intent(in) :: mesh
+      real(wp), contiguous, intent(in) :: u(:)
+      integer, intent(in) :: e
+      type(solids_state_type), intent(in) :: memory
+      real(wp), contiguous, intent(inout) :: next(:, :)   !! (nmemory, ncolumn)
+      real(wp), intent(inout) :: work, volume
+      type(element_type) :: element
+      integer, allocatable :: point(:)
+      real(wp), allocatable :: past(:, :)
+
+      associate (group => self%group(self%which(e)), patches => self%patches, &
+         & p => self%patches%of(e))
+         if (p == 0) then
+            call own_memory(self, group, group%element, mesh, &
+               & mesh%conn(:group%element%nnode, e), u, memory%finite_strain, memory%dt, &
+               & next(:, memory%first(e):memory%first(e + 1) - 1), work, volume)
+         else if (patches%member(patches%start(p)) == e) then
+            call patch_element(patches, p, mesh%conn, group%element, element)
+            allocate (past, source=columns(self, memory, e))
+            call own_memory(self, group, element, mesh, &
+               & patches%node(patches%first(p):patches%first(p + 1) - 1), u, memory%finite_strain, &
+               & memory%dt, past, work, volume)
+            allocate (point, source=unit_points(self, memory%first, e))
+            next(:, point) = past
+         end if
+      end associate
+   end subroutine remember_unit
+
+   subroutine own_memory(self, group, element, mesh, node, u, finite_strain, dt, past, work, volume)
+      type(solids_type), intent(in) :: self
+      type(group_type), intent(in) :: group
+      type(element_type), intent(in) :: element
+      type(mesh_type), intent(in) :: mesh
+      integer, contiguous, intent(in) :: node(:)
+      real(wp), contiguous, intent(in) :: u(:)
+      logical, intent(in) :: finite_strain
+      real(wp), intent(in) :: dt
+      real(wp), contiguous, intent(inout) :: past(:, :)
+      real(wp), intent(inout) :: work, volume
+      real(wp), dimension(element%ndim, element%nnode) :: x, moved
+      integer :: a, bad
+
+      do a = 1, element%nnode
+         x(:, a) = mesh%x(:, node(a))
+      end do
+      call displacements(self, node, u, moved)
+      if (finite_strain) then
+         call finite_strain_memory(element, group%law, x, moved, group%thickness, dt, past, work, &
+            & volume, bad)
+      else
+         call flow_memory(element, group%law, x, moved, group%thickness, dt, past, work, volume, &
+            & bad)
+      end if
+   end subroutine own_memory
+end module lopin_assemble_nonlinear

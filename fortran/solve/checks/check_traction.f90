@@ -1,0 +1,55 @@
+!> The line `traction` of the certificate: the pressures as printed carry the forces of contact.
+module lopin_check_traction
+   use lopin_kinds, only : wp
+   use lopin_carried_force, only : field_areas, lost_force
+   use lopin_certificate, only : hold_traction
+   use lopin_contact_points, only : pair_is_tied
+   use lopin_model, only : model_type
+   use lopin_scene, only : scene_type
+   use lopin_report, only : frame_type
+   implicit none
+   private
+   public :: check_traction
+
+contains
+
+   !> Of the fields of a frame, by pair; the verdict of the frame follows.
+   subroutine check_traction(frame, scene, model)
+      type(frame_type), intent(inout) :: frame
+      type(scene_type), intent(in) :: scene
+      type(model_type), intent(in) :: model
+      integer :: pair, worst
+
+      worst = 0
+      do pair = 1, size(model%pair)
+         if (.not. scene%skin(pair)%in_use .or. size(frame%contact(pair)%node) == 0) cycle
+         ! Without NLGEOM areas stay those of the start.
+         if (scene%newton%in_use .and. scene%newton%nlgeom) then
+            call check(scene%newton%contact%masters%x)
+         else
+            call check(model%mesh%x)
+         end if
+         if (.not. frame%contact(pair)%lost > frame%certificate%traction) cycle
+         frame%certificate%traction = frame%contact(pair)%lost
+         worst = pair
+      end do
+      if (worst == 0) return
+      associate (p => model%pair(worst))
+         call hold_traction(frame%certificate, '('//model%surface(p%slave)%name//', '// &
+            & model%surface(p%master)%name//')', pair_is_tied(model, p))
+      end associate
+
+   contains
+
+      subroutine check(x)
+         real(wp), intent(in) :: x(:, :)          !! present places [length]
+         real(wp) :: area(size(frame%contact(pair)%node))
+
+         associate (f => frame%contact(pair))
+            call field_areas(scene%skin(pair), x, f%node, f%normal, f%pressure, &
+               & merge(f%weight, 0.0_wp, f%facet > 0), area)
+            f%lost = lost_force(f%pressure, area, f%force, f%normal, x(:, f%node))
+         end associate
+      end subroutine check
+   end subroutine check_traction
+end module lopin_check_traction

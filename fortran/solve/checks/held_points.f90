@@ -1,0 +1,98 @@
+!> Slave nodes that supports press into a master that cannot give way, on the nonlinear path.
+!>
+!> Nothing can open such a penetration: every iteration raises the pressure, and beside a pressure
+!> without bounds the rest looks like rounding.
+module lopin_held_points
+   use lopin_kinds, only : wp
+   use lopin_error, only : error_type, error_code, raise
+   use lopin_text, only : to_text
+   use lopin_model, only : model_type
+   use lopin_scene, only : scene_type
+   implicit none
+   private
+   public :: refuse_held_points
+
+   !> Penetration beyond this share of a facet is no rounding; components of a normal that count.
+   real(wp), parameter :: penetrates = 1.0e-6_wp, counts = 1.0e-6_wp
+
+contains
+
+   subroutine refuse_held_points(scene, model, error)
+      type(scene_type), intent(in) :: scene
+      type(model_type), intent(in) :: model
+      type(error_type), allocatable, intent(out) :: error
+      integer :: i
+
+      associate (c => scene%newton%contact)
+         do i = 1, c%n
+            if (c%facet(i) == 0 .or. c%status(i) == 0) cycle
+            if (c%enforcement(i)%tied) cycle
+            if (.not. -c%gap(i) > penetrates*c%size(i)) cycle
+            associate (pair => model%pair(c%pair(i)))
+               if (.not. model%interaction(pair%interaction)%method%is_exact()) cycle
+               if (.not. node_held(scene, model, c%node(i), c%normal(:, i))) cycle
+               if (.not. master_held(scene, model, i)) cycle
+               call raise(error, error_code%not_converged, 'E0506', 'node '// &
+                  & to_text(model%mesh%node_label(c%node(i)))//' of pair ('// &
+                  & model%surface(pair%slave)%name//', '//model%surface(pair%master)%name// &
+                  & ') is overconstrained: supports hold it along its contact normal, and the '// &
+                  & 'master opposite, and they press it into its master by '// &
+                  & to_text(-c%gap(i), 4)//': no contact force can open that', pair%at, &
+                  & help='leave the direction of the normal out of its support, or take it '// &
+                  & 'out of the slave surface '//model%surface(pair%slave)%name)
+               return
+            end associate
+         end do
+      end associate
+   end subroutine refuse_held_points
+
+   !> No free equation moves the node along a direction.
+   pure logical function node_held(scene, model, node, direction) result(held)
+      type(scene_type), intent(in) :: scene
+      type(model_type), intent(in) :: model
+      integer, intent(in) :: node
+      real(wp), intent(in) :: direction(3)
+      integer :: k
+
+      held = .true.
+      do k = 1, model%mesh%ndim
+         if (abs(direction(k)) > counts) held = held .and. dof_held(scene, scene%dofs%id(k, node))
+      end do
+   end function node_held
+
+   pure logical function dof_held(scene, dof) result(held)
+      type(scene_type), intent(in) :: scene
+      integer, intent(in) :: dof               !! 0: there is none
+      held = dof == 0
+      if (.not. held) held = scene%constraints%first(dof + 1) == scene%constraints%first(dof)
+   end function dof_held
+
+   !> The tool, or the nodes of the facet opposite, have no free way along the normal.
+   pure logical function master_held(scene, model, i) result(held)
+      type(scene_type), intent(in) :: scene
+      type(model_type), intent(in) :: model
+      integer, intent(in) :: i                 !! point
+      integer :: f, k
+
+      associate (c => scene%newton%contact, master => &
+         & scene%newton%contact%masters%of(scene%newton%contact%pair(i)))
+         held = .true.
+         if (master%tool > 0) then
+            if (master%body == 0) return
+            associate (reference => model%rigid_body(master%body)%reference)
+               held = node_held(scene, model, reference, c%normal(:, i))
+               do k = 4, 6
+                  held = held .and. dof_held(scene, scene%dofs%id(k, reference))
+               end do
+            end associate
+            return
+         end if
+         f = c%facet(i)
+         if (f > master%surface%facets%n) f = 0
+         do k = 1, merge(master%surface%facets%nnode(max(f, 1)), 0, f > 0)
+            held = held .and. node_held(scene, model, master%surface%facets%node(k, f), &
+               & c%normal(:, i))
+         end do
+      end associate
+   end function master_held
+end module lopin_held_points

@@ -1,0 +1,295 @@
+!> Meshed masters that go into the slave where its rows do not see them: a rib between two nodes, a
+!> corner deep inside a facet.
+!>
+!> Looked at where a step ends, on the present shape: places of the facets of the master, its nodes
+!> among them, are projected on the slave.
+module lopin_narrow_masters
+   use lopin_kinds, only : wp
+   use lopin_error, only : error_type
+   use lopin_text, only : to_text
+   use lopin_vectors, only : cross
+   use lopin_cells, only : cell_type, cell_family, cell_id
+   use lopin_element_type, only : cells_of_words
+   use lopin_facets, only : facets_type, new_facets
+   use lopin_facet_basis, only : facet_point_of
+   use lopin_projection, only : facet_unit_normal
+   use lopin_surface, only : surface_type, new_surface, update_surface
+   use lopin_feature, only : projection_type, limits_type
+   use lopin_search, only : tree_type, build_tree, find_projection
+   use lopin_model, only : model_type, surface_of
+   use lopin_contact_points, only : pair_is_tied, facing
+   use lopin_scene, only : scene_type
+   use lopin_placed_tool, only : find_places
+   use lopin_mortar_pairs, only : is_mortar
+   use lopin_narrow_tools, only : open_by, too_deep
+   use lopin_narrow_ribs, only : check_narrow_ribs
+   use lopin_present_gaps, only : gap_of
+   use lopin_repeated_messages, only : warn_once
+   implicit none
+   private
+   public :: check_narrow_masters
+
+   real(wp), parameter :: rounding = 1.0e-6_wp   !! of a facet: nothing goes in by less
+   real(wp), parameter :: ahead = 1.0e-3_wp      !! of a facet
+   !> Places of a master facet in each direction, at most.
+   integer, parameter :: most_parts = 8
+
+   !> What goes into one facet of the slave.
+   type :: entry_type
+      real(wp) :: depth = 0.0_wp                 !! of the deepest place [length]
+      real(wp) :: ahead(3) = 0.0_wp              !! just before the master there [length]
+      real(wp) :: low(2) = huge(1.0_wp)          !! extent along its edges [length]
+      real(wp) :: high(2) = -huge(1.0_wp)
+   end type entry_type
+
+contains
+
+   subroutine check_narrow_masters(scene, model)
+      type(scene_type), intent(inout) :: scene
+      type(model_type), intent(in) :: model
+      type(cell_type), allocatable :: cells(:)
+      type(surface_type) :: slave, master
+      type(error_type), allocatable :: error
+      real(wp) :: x(model%mesh%ndim, model%mesh%nnode)
+      integer :: pair
+
+      call cells_of_words(model%element_word, cells)
+      do pair = 1, size(model%pair)
+         associate (p => model%pair(pair))
+            if (model%surface(p%master)%kind /= surface_of%faces) cycle
+            if (model%surface(p%slave)%kind /= surface_of%faces .or. p%slave == p%master) cycle
+            if (pair_is_tied(model, p)) cycle
+            if (scene%newton%in_use) then
+               if (.not. scene%newton%contact%pair_active(pair)) cycle
+            end if
+            call find_places(scene, model, x)
+            call stand(p%slave, slave)
+            if (.not. allocated(error)) call stand(p%master, master)
+            ! Facets without area: said elsewhere.
+            if (allocated(error)) cycle
+            call check_pair(scene, model, cells, pair, slave, master, x)
+            if (.not. is_mortar(model, p)) call check_narrow_ribs(scene, model, pair, slave, &
+               & master, x)
+         end associate
+      end do
+
+   contains
+
+      !> A surface where it is now.
+      subroutine stand(number, surface)
+         integer, intent(in) :: number
+         type(surface_type), intent(out) :: surface
+         type(facets_type) :: facets
+
+         call new_facets(facets, model%mesh, cells, model%surface(number)%element, &
+            & model%surface(number)%face)
+         call new_surface(surface, model%mesh%ndim, facets)
+         call update_surface(surface, x, error)
+      end subroutine stand
+   end subroutine check_narrow_masters
+
+   subroutine check_pair(scene, model, cells, pair, slave, master, x)
+      type(scene_type), intent(inout) :: scene
+      type(model_type), intent(in) :: model
+      type(cell_type), intent(in) :: cells(:)
+      integer, intent(in) :: pair
+      type(surface_type), intent(in) :: slave, master
+      real(wp), intent(in) :: x(:, :)
+      type(entry_type) :: entry(slave%facets%n)
+      real(wp) :: least(size(x, 2)), shift(size(x, 2)), depth, deepest, top, width
+      integer :: i, worst
+
+      call find_in_bay(slave, master, x, entry)
+      if (.not. any(entry%depth > rounding*slave%size)) return
+      call node_gaps(scene, model, pair, least, shift)
+      worst = 0
+      deepest = 0.0_wp
+      do i = 1, slave%facets%n
+         associate (node => slave%facets%node(:slave%facets%nnode(i), i), long => slave%size(i))
+            top = minval(least(node))
+            depth = entry(i)%depth - max(0.0_wp, maxval(shift(node)))
+            if (depth <= rounding*long .or. depth <= deepest*long) cycle
+            if (top <= open_by*long .and. depth + top <= too_deep*long) cycle
+            if (.not. is_filled(model, cells, x, entry(i)%ahead(:size(x, 1)))) cycle
+            deepest = depth/long
+            worst = i
+         end associate
+      end do
+      if (worst == 0) return
+      width = minval(max(0.0_wp, entry(worst)%high(:size(x, 1) - 1) &
+         & - entry(worst)%low(:size(x, 1) - 1)))
+      associate (p => model%pair(pair), f => slave%facets)
+         call warn_once(scene%log, 'W0339', model%surface(p%master)%name//' goes into face S'// &
+            & to_text(f%face(worst))//' of element '// &
+            & to_text(model%mesh%element_label(f%element(worst)))//' of '// &
+            & model%surface(p%slave)%name//' between its nodes, by '//to_text(deepest &
+            & *slave%size(worst), 3)//'; it is about '//to_text(width, 3)//' wide there, the '// &
+            & 'facet '//to_text(slave%size(worst), 3)//' long', p%at, &
+            & help='facets of '//model%surface(p%slave)%name//' at most as long as '// &
+            & model%surface(p%master)%name//' is wide there, TYPE=SURFACE TO SURFACE, or '// &
+            & 'exchange slave and master')
+      end associate
+   end subroutine check_pair
+
+   !> The deepest place of the master inside each facet of the slave, and how far the part that is
+   !> inside extends.
+   subroutine find_in_bay(slave, master, x, entry)
+      type(surface_type), intent(in) :: slave, master
+      real(wp), intent(in) :: x(:, :)
+      type(entry_type), intent(inout) :: entry(:)      !! (slave facets)
+      type(tree_type) :: tree
+      type(limits_type) :: limits
+      type(projection_type) :: found
+      real(wp) :: at(3), normal(3), xi(2), low(3), high(3), reach, typical
+      integer :: i, a, b, parts, d
+
+      d = slave%ndim
+      call build_tree(tree, slave%low, slave%high)
+      limits%cosine = facing
+      limits%extension = 0.0_wp
+      low = minval(slave%low, 2)
+      high = maxval(slave%high, 2)
+      reach = norm2(high - low)
+      low = low - reach
+      high = high + reach
+      typical = minval(slave%size)
+      do i = 1, master%facets%n
+         if (any(master%low(:, i) > high) .or. any(master%high(:, i) < low)) cycle
+         associate (cell => master%facets%cell(i), basis => master%basis)
+            parts = 2*min(most_parts/2, max(1, ceiling(master%size(i)/typical)))
+            do a = 0, parts
+               do b = 0, merge(0, parts, d == 2)
+                  xi = real([a, b], wp)/parts
+                  if (basis%family(cell) == cell_family%triangle) then
+                     if (a + b > parts) cycle
+                  else
+                     xi = 2.0_wp*xi - 1.0_wp
+                  end if
+                  if (d == 2) xi(2) = 0.0_wp
+                  at = facet_point_of(master%coefficient(:, :, i), xi)
+                  if (any(at > high) .or. any(at < low)) cycle
+                  normal = facet_unit_normal(master%coefficient(:, :, i), basis%family(cell), xi)
+                  call find_projection(slave, tree, at(:d), normal(:d), limits, found)
+                  if (found%facet == 0) cycle
+                  if (found%gap >= 0.0_wp .or. dot_product(found%normal, normal) > facing) cycle
+                  call take_place(entry(found%facet), slave, found, x, at, normal)
+               end do
+            end do
+         end associate
+      end do
+   end subroutine find_in_bay
+
+   subroutine take_place(self, slave, found, x, at, normal)
+      type(entry_type), intent(inout) :: self
+      type(surface_type), intent(in) :: slave
+      type(projection_type), intent(in) :: found
+      real(wp), intent(in) :: x(:, :), at(3), normal(3)   !! of the master
+      real(wp) :: way(size(x, 1)), along
+      integer :: k
+
+      associate (node => slave%facets%node(:, found%facet), d => size(x, 1))
+         do k = 1, d - 1
+            way = x(:, node(k + 1)) - x(:, node(k))
+            along = dot_product(at(:d) - x(:, node(k)), way)/norm2(way)
+            self%low(k) = min(self%low(k), along)
+            self%high(k) = max(self%high(k), along)
+         end do
+      end associate
+      if (-found%gap <= self%depth) return
+      self%depth = -found%gap
+      self%ahead = at + ahead*slave%size(found%facet)*normal
+   end subroutine take_place
+
+   !> Gaps of the slave's nodes as their rows have them, and what CLEARANCE or ADJUST add to them.
+   subroutine node_gaps(scene, model, pair, least, shift)
+      type(scene_type), intent(in) :: scene
+      type(model_type), intent(in) :: model
+      integer, intent(in) :: pair
+      real(wp), intent(out) :: least(:)        !! (nnode) huge: none [length]
+      real(wp), intent(out) :: shift(:)        !! (nnode) [length]
+      integer :: i
+
+      least = huge(1.0_wp)
+      shift = 0.0_wp
+      if (scene%newton%in_use) then
+         associate (c => scene%newton%contact)
+            do i = 1, c%n
+               if (c%pair(i) /= pair .or. c%facet(i) == 0) cycle
+               call take(c%node(i), c%opening(i), c%shift(i), c%status(i) > 0)
+            end do
+         end associate
+         return
+      end if
+      do i = scene%points%first(pair), scene%points%first(pair + 1) - 1
+         if (scene%points%facet(i) == 0) cycle
+         call take(scene%points%node(i), gap_of(scene, model, i), scene%initial%shift(i), .false.)
+      end do
+
+   contains
+
+      subroutine take(node, gap, moved, closed)
+         integer, intent(in) :: node
+         real(wp), intent(in) :: gap, moved
+         logical, intent(in) :: closed
+         least(node) = min(least(node), gap)
+         if (closed) least(node) = min(least(node), 0.0_wp)
+         shift(node) = max(shift(node), moved)
+      end subroutine take
+   end subroutine node_gaps
+
+   !> Some element is there: beyond a thin wall nothing is entered.
+   pure logical function is_filled(model, cells, x, at)
+      type(model_type), intent(in) :: model
+      type(cell_type), intent(in) :: cells(:)
+      real(wp), intent(in) :: x(:, :), at(:)
+      real(wp) :: low(size(at)), high(size(at)), slack
+      integer :: e
+
+      is_filled = .false.
+      do e = 1, model%mesh%nelement
+         associate (cell => cells(model%mesh%etype(e)))
+            if (cell%ndim < size(at)) cycle
+            associate (node => model%mesh%conn(:cell%nnode, e))
+               low = minval(x(:, node), 2)
+               high = maxval(x(:, node), 2)
+               slack = rounding*maxval(high - low)
+               if (any(low > at + slack) .or. any(high < at - slack)) cycle
+               is_filled = holds(cell, x(:, node), at, slack)
+            end associate
+         end associate
+         if (is_filled) return
+      end do
+   end function is_filled
+
+   !> A place is behind all faces of an element, as planes through their corners.
+   pure logical function holds(cell, x, at, slack)
+      type(cell_type), intent(in) :: cell
+      real(wp), intent(in) :: x(:, :)          !! (ndim, nnode) [length]
+      real(wp), intent(in) :: at(:), slack     !! [length]
+      real(wp) :: one(3), two(3), normal(3)
+      integer :: k, d
+
+      d = size(at)
+      holds = .false.
+      do k = 1, cell%nface
+         associate (node => cell%face_node(:, k))
+            one = 0.0_wp
+            two = [0.0_wp, 0.0_wp, 1.0_wp]
+            one(:d) = x(:, node(2)) - x(:, node(1))
+            if (d == 3) two = x(:, node(3)) - x(:, node(1))
+            if (is_quad(cell%face_cell(k))) then
+               one(:d) = x(:, node(3)) - x(:, node(1))
+               two(:d) = x(:, node(4)) - x(:, node(2))
+            end if
+            normal = cross(one, two)
+            if (dot_product(normal(:d), at - x(:, node(1))) > slack*norm2(normal)) return
+         end associate
+      end do
+      holds = .true.
+   end function holds
+
+   pure logical function is_quad(id)
+      integer, intent(in) :: id
+      is_quad = any(id == [cell_id%quad, cell_id%quad8])
+   end function is_quad
+end module lopin_narrow_masters

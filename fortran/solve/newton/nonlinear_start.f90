@@ -1,0 +1,92 @@
+!> What the nonlinear path needs before its first increment, and what each step changes.
+module lopin_nonlinear_start
+   use lopin_kinds, only : wp
+   use lopin_error, only : error_type
+   use lopin_model, only : model_type
+   use lopin_friction, only : has_friction
+   use lopin_nonlinear_points, only : is_self_contact
+   use lopin_nonlinear_contact, only : new_nonlinear_contact, cover_size
+   use lopin_solid_memory, only : new_solid_memory
+   use lopin_heat, only : start_stresses
+   use lopin_heat_work, only : start_heat_work
+   use lopin_state, only : begin, begin_step_of, new_contact_state
+   use lopin_scene, only : scene_type
+   implicit none
+   private
+   public :: begin_nonlinear, start_step, complementarity
+
+   !> Contact is met to this share of the largest force, by Newton and by augmentation.
+   real(wp), parameter :: complementarity = 1.0e-8_wp
+
+contains
+
+   !> Contacts of a scene that the nonlinear path solves; its state from rest, unless there is one.
+   subroutine begin_nonlinear(scene, model, error)
+      type(scene_type), intent(inout) :: scene
+      type(model_type), intent(in) :: model
+      type(error_type), allocatable, intent(out) :: error
+      integer :: pair
+
+      if (scene%newton%in_use) return
+      call new_nonlinear_contact(scene%newton%contact, model, scene%dofs, scene%log, error)
+      if (allocated(error)) return
+      scene%newton%in_use = .true.
+      call start_step(scene, model)
+      if (.not. allocated(scene%accepted%solids%first)) call start_from_rest(scene, model)
+      scene%newton%flows = scene%accepted%solids%in_use
+      scene%newton%augment_until = complementarity
+      do pair = 1, size(model%pair)
+         if (.not. model%interaction(model%pair(pair)%interaction)%method%updates()) cycle
+         scene%newton%most_augmentations = max(scene%newton%most_augmentations, &
+            & model%pair(pair)%control%max_augmentations)
+      end do
+   end subroutine begin_nonlinear
+
+   !> Solids and contacts of the state before the first increment on this path.
+   subroutine start_from_rest(scene, model)
+      type(scene_type), intent(inout) :: scene
+      type(model_type), intent(in) :: model
+
+      associate (accepted => scene%accepted, contact => scene%newton%contact)
+         call new_solid_memory(accepted%solids, scene%solids, model%mesh)
+         call new_contact_state(accepted%contact, contact%nmultiplier, cover_size(contact), &
+            & contact%touches)
+         call begin_step_of(accepted, scene%newton%nlgeom)
+         call start_stresses(scene, model)
+         call start_heat_work(scene, model)
+         call begin(scene%trial, accepted)
+      end associate
+   end subroutine start_from_rest
+
+   !> What steps change up to the present one: friction, pairs, NLGEOM.
+   subroutine start_step(scene, model)
+      type(scene_type), intent(inout) :: scene
+      type(model_type), intent(in) :: model
+      integer :: s, i, pair
+
+      scene%newton%nlgeom = model%step(scene%step)%nlgeom
+      scene%newton%contact%stretches = scene%newton%nlgeom
+      if (.not. scene%newton%in_use) return
+      associate (contact => scene%newton%contact)
+         do s = 1, scene%step
+            do i = 1, size(model%step(s)%pair_change)
+               contact%pair_active(model%step(s)%pair_change(i)%pair) = &
+                  & model%step(s)%pair_change(i)%active
+            end do
+            do i = 1, size(model%step(s)%friction_change)
+               do pair = 1, size(model%pair)
+                  if (model%pair(pair)%interaction &
+                     & == model%step(s)%friction_change(i)%interaction) &
+                     & contact%friction(pair) = model%step(s)%friction_change(i)%friction
+               end do
+            end do
+         end do
+         scene%newton%frictionless = .true.
+         do pair = 1, size(model%pair)
+            if (has_friction(contact%friction(pair))) scene%newton%frictionless = .false.
+            ! A surface that meets itself is as far from flat.
+            if (is_self_contact(model%pair(pair))) scene%newton%frictionless = .false.
+         end do
+      end associate
+   end subroutine start_step
+end module lopin_nonlinear_start

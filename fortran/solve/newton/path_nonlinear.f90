@@ -1,0 +1,246 @@
+!> The nonlinear path: one increment of finite sliding, finite rotation and finite strain by Newton.
+!>
+!> Nothing is committed here: what fails leaves the accepted state as it was, and the caller cuts
+!> the increment. One that may not be cut is tried again by parts of its prescribed motion: each
+!> part starts where the one before it has ended, histories stay those of the accepted state, so
+!> that only the way to the answer differs.
+module lopin_path_nonlinear
+   use lopin_kinds, only : wp
+   use lopin_error, only : error_type, error_code, raise
+   use lopin_text, only : to_text
+   use lopin_clock, only : phase
+   use lopin_model, only : model_type
+   use lopin_constraints, only : expand
+   use lopin_contact_history, only : start_increment, augment
+   use lopin_nonlinear_tie_release, only : release_nonlinear_ties
+   use lopin_newton_workspace, only : add_line, is_nonlinear
+   use lopin_semismooth_newton, only : solve_newton, least_cuts
+   use lopin_compliance_error, only : limit_compliance
+   use lopin_residual, only : gap_rounding
+   use lopin_predictor, only : predict, start_from_accepted, opened_after_guess, has_free_motion
+   use lopin_heat, only : start_solids
+   use lopin_newton_convergence, only : set_rounding_floors
+   use lopin_rotating_bodies, only : rotate_followers
+   use lopin_lagged_friction, only : start_lagged
+   use lopin_pseudo_transient, only : pseudo_transient
+   use lopin_scene, only : scene_type
+   implicit none
+   private
+   public :: solve_nonlinear
+
+   !> Parts of an increment that may not be cut: the first, and the smallest.
+   real(wp), parameter :: first_part = 0.25_wp, least_part = 1.0_wp/64.0_wp
+
+   !> Attempts at an increment, each smaller, after which a turn of the path is likelier than a step
+   !> that is too large.
+   integer, parameter :: slow_after = 3
+   !> And so it is where Newton runs in a cycle in increments that have become so small, beside
+   !> those before.
+   real(wp), parameter :: small = 0.25_wp
+
+   !> How Newton comes to the prescribed values.
+   type :: ways_type
+      integer :: direct = 1, parts = 2, pseudo_transient = 3
+   end type ways_type
+   type(ways_type), parameter :: way_of = ways_type()
+
+contains
+
+   !> Displacements and tractions for the loads and prescribed values of one increment.
+   subroutine solve_nonlinear(scene, model, f, prescribed, error)
+      type(scene_type), intent(inout) :: scene
+      type(model_type), intent(in) :: model
+      real(wp), intent(in) :: f(:)             !! (ndof) dead loads [force]
+      real(wp), intent(in) :: prescribed(:)    !! (nprescribed)
+      type(error_type), allocatable, intent(out) :: error
+      real(wp), allocatable :: v(:), before(:)
+      logical :: guessed
+
+      scene%newton%separated = .false.
+      scene%newton%jumped = .false.
+      scene%newton%iterations = 0
+      scene%newton%grounded = 0
+      scene%newton%augmentations = 0
+      scene%newton%nline = 0
+      call start_solids(scene, model)
+      scene%trial%motion%u = scene%accepted%motion%u
+      call rotate_followers(scene, model, error)
+      if (allocated(error)) return
+      call predict(scene, prescribed, v, before, guessed)
+      call solve_from(scene, model, f, v, before, prescribed, guessed, way_of%direct, error)
+      if (guessed .and. .not. allocated(error)) then
+         if (opened_after_guess(scene)) then
+            call start_from_accepted(scene, v, before)
+            call solve_from(scene, model, f, v, before, prescribed, .false., way_of%direct, error)
+            scene%newton%separated = .true.
+         end if
+      end if
+      if (allocated(error)) call try_by_parts(scene, model, f, prescribed, error)
+      if (allocated(error)) then
+         if (turns_back(scene)) call try_slowly(scene, model, f, prescribed, error)
+      end if
+      if (allocated(error)) return
+      if (scene%newton%flows) then
+         if (has_free_motion(scene)) scene%newton%separated = .true.
+      end if
+      call count_searches(scene)
+      scene%counter%iterations = scene%counter%iterations + scene%newton%iterations
+      scene%counter%augmentations = scene%counter%augmentations + scene%newton%augmentations
+   end subroutine solve_nonlinear
+
+   !> Newton has failed so that smaller increments promise little: the path may turn back.
+   pure logical function turns_back(scene)
+      type(scene_type), intent(in) :: scene
+
+      associate (state => scene%newton)
+         turns_back = state%attempt >= slow_after &
+            & .or. state%cycled .and. state%dt < small*scene%accepted%clock%usual
+      end associate
+   end function turns_back
+
+   !> Again by parts of the motion, if the increment may not be cut; the first error if that fails.
+   subroutine try_by_parts(scene, model, f, prescribed, error)
+      type(scene_type), intent(inout) :: scene
+      type(model_type), intent(in) :: model
+      real(wp), intent(in) :: f(:), prescribed(:)
+      type(error_type), allocatable, intent(inout) :: error
+      type(error_type), allocatable :: failed
+      real(wp), allocatable :: v(:), before(:)
+
+      associate (step => model%step(scene%step))
+         if (error%code /= error_code%not_converged) return
+         if (.not. step%direct .and. scene%newton%dt > least_cuts*step%smallest) return
+      end associate
+      ! Solids that flow remember the way: their increments are too large then.
+      if (scene%newton%flows) return
+      call start_from_accepted(scene, v, before)
+      if (.not. any(abs(prescribed - before) > 0.0_wp)) return
+      call add_line(scene%newton, '  by parts of the prescribed motion')
+      call solve_from(scene, model, f, v, before, prescribed, .false., way_of%parts, failed)
+      if (.not. allocated(failed)) deallocate (error)
+   end subroutine try_by_parts
+
+   !> Again by slow motion from the accepted state; the first error if that fails.
+   subroutine try_slowly(scene, model, f, prescribed, error)
+      type(scene_type), intent(inout) :: scene
+      type(model_type), intent(in) :: model
+      real(wp), intent(in) :: f(:), prescribed(:)
+      type(error_type), allocatable, intent(inout) :: error
+      type(error_type), allocatable :: failed
+      real(wp), allocatable :: v(:), before(:)
+
+      if (error%code /= error_code%not_converged .or. .not. is_nonlinear(scene%newton)) return
+      call start_from_accepted(scene, v, before)
+      call add_line(scene%newton, '  slow motion from the accepted state')
+      call solve_from(scene, model, f, v, before, prescribed, .false., way_of%pseudo_transient, &
+         & failed)
+      if (allocated(failed)) then
+         if (failed%code /= error_code%not_converged) call move_alloc(failed, error)
+         return
+      end if
+      scene%newton%jumped = .true.
+      scene%newton%separated = .true.
+      deallocate (error)
+   end subroutine try_slowly
+
+   !> Newton and augmentations from (v, before).
+   subroutine solve_from(scene, model, f, v, before, prescribed, guessed, way, error)
+      type(scene_type), intent(inout) :: scene
+      type(model_type), intent(in) :: model
+      real(wp), intent(in) :: f(:)
+      real(wp), allocatable, intent(inout) :: v(:), before(:)
+      real(wp), intent(in) :: prescribed(:)
+      logical, intent(in) :: guessed           !! (v, before) is no accepted state
+      integer, intent(in) :: way               !! way_of%...
+      type(error_type), allocatable, intent(out) :: error
+      integer :: loop, i
+      real(wp) :: change, beyond, last
+
+      scene%trial%contact%multiplier = scene%accepted%contact%multiplier
+      call start_lagged(scene, model)
+      call start_increment(scene%newton%contact, model, scene%accepted%contact, &
+         & scene%accepted%motion%u, scene%newton%dt, error)
+      if (allocated(error)) return
+      call release_nonlinear_ties(scene%newton%contact, model, scene%constraints)
+      ! By the areas that the increment starts with.
+      call set_rounding_floors(scene, model)
+      call scene%clock%stop_in(phase%search)
+      if (way == way_of%parts) call solve_by_parts(scene, model, f, v, before, prescribed, error)
+      if (way == way_of%pseudo_transient) then
+         call pseudo_transient(scene, model, f, v, before, prescribed, error)
+         scene%newton%damping%on = .false.
+      end if
+      if (allocated(error)) return
+      last = huge(1.0_wp)
+      do loop = 0, scene%newton%most_augmentations
+         call solve_newton(scene, model, f, v, before, prescribed, loop, guessed .and. loop == 0, &
+            & error)
+         if (allocated(error)) return
+         before = prescribed
+         call augment(scene%newton%contact, [(gap_rounding(scene, i), i=1, &
+            & scene%newton%contact%n)], change, beyond)
+         ! What contracts no more, and is rounding, has settled.
+         if (loop > 1 .and. change > 0.5_wp*last .and. beyond <= scene%newton%augment_until) &
+            & change = 0.0_wp
+         if (change <= scene%newton%augment_until) exit
+         last = change
+         scene%newton%augmentations = scene%newton%augmentations + 1
+      end do
+      if (change > scene%newton%augment_until) call raise(error, error_code%not_converged, &
+         & 'E0502', 'the augmented Lagrangian has not settled in '// &
+         & to_text(scene%newton%most_augmentations)//' augmentations', model%step(scene%step)%at, &
+         & help='raise the penalty, or MAX AUGMENTATIONS on *CONTACT CONTROLS')
+      if (.not. allocated(error)) call limit_compliance(scene, model, f, v, prescribed, error)
+   end subroutine solve_from
+
+   !> Equilibria on the way to the prescribed values, and there.
+   subroutine solve_by_parts(scene, model, f, v, before, prescribed, error)
+      type(scene_type), intent(inout) :: scene
+      type(model_type), intent(in) :: model
+      real(wp), intent(in) :: f(:)
+      real(wp), allocatable, intent(inout) :: v(:), before(:)
+      real(wp), intent(in) :: prescribed(:)
+      type(error_type), allocatable, intent(out) :: error
+      real(wp), allocatable :: start(:), goal(:), v_then(:), before_then(:), multiplier(:)
+      real(wp) :: reached, part
+
+      allocate (start, source=before)
+      reached = 0.0_wp
+      part = first_part
+      do while (reached < 1.0_wp)
+         goal = start + (reached + part)*(prescribed - start)
+         v_then = v
+         before_then = before
+         multiplier = scene%trial%contact%multiplier
+         scene%newton%contact%ahead = merge(part, 0.0_wp, .not. reached > 0.0_wp)
+         call solve_newton(scene, model, f, v, before, goal, 0, .false., error)
+         if (.not. allocated(error)) then
+            reached = reached + part
+            before = goal
+            cycle
+         end if
+         part = 0.5_wp*part
+         if (error%code /= error_code%not_converged .or. part < least_part) return
+         deallocate (error)
+         v = v_then
+         before = before_then
+         scene%trial%contact%multiplier = multiplier
+         call expand(scene%constraints, v, before, scene%trial%motion%u)
+      end do
+      scene%newton%contact%ahead = 0.0_wp
+   end subroutine solve_by_parts
+
+   !> What the contacts asked since this was called last.
+   subroutine count_searches(scene)
+      type(scene_type), intent(inout) :: scene
+
+      associate (cost => scene%newton%contact%cost)
+         scene%counter%queries = scene%counter%queries + cost%query
+         scene%counter%projections = scene%counter%projections + cost%projection
+         scene%counter%boxes = scene%counter%boxes + cost%box
+         cost%query = 0
+         cost%projection = 0
+         cost%box = 0
+      end associate
+   end subroutine count_searches
+end module lopin_path_nonlinear

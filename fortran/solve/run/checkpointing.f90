@@ -1,0 +1,86 @@
+!> When the state of a run is kept, and how a run goes back to what was kept.
+module lopin_checkpointing
+   use lopin_error, only : error_type, error_code, raise
+   use lopin_interrupt, only : is_interrupted
+   use lopin_stream, only : stream_type
+   use lopin_text, only : to_text
+   use lopin_clock, only : phase
+   use lopin_model, only : model_type
+   use lopin_recorder, only : recorder_holder_type
+   use lopin_run_type, only : run_type
+   use lopin_checkpoint_store, only : checkpoint_store_type
+   use lopin_checkpoint, only : pass_run
+   implicit none
+   private
+   public :: save_checkpoint, go_back
+
+contains
+
+   !> To the state that an earlier run kept; its files are cut to what they were then.
+   subroutine go_back(run, model, recorders, stream, error)
+      class(run_type), intent(inout) :: run
+      type(model_type), intent(in) :: model
+      type(recorder_holder_type), intent(inout) :: recorders(:)
+      type(stream_type), intent(inout) :: stream
+      type(error_type), allocatable, intent(out) :: error
+
+      stream%reading = .true.
+      call pass_run(run, model, stream, error)
+      if (.not. allocated(error)) call pass_recorders(recorders, stream, error)
+      if (allocated(error)) return
+      if (stream%broken .or. .not. stream%ended()) call raise(error, error_code%resource, &
+         & 'E0604', 'the checkpoint does not hold what this build of Lopin keeps', &
+         & help='run the deck without --resume')
+   end subroutine go_back
+
+   subroutine pass_recorders(recorders, stream, error)
+      type(recorder_holder_type), intent(inout) :: recorders(:)
+      type(stream_type), intent(inout) :: stream
+      type(error_type), allocatable, intent(out) :: error
+      integer :: i
+
+      do i = 1, size(recorders)
+         call recorders(i)%recorder%keep(stream, error)
+         if (allocated(error)) return
+      end do
+   end subroutine pass_recorders
+
+   !> Keep the state if it is due, or if the run is to end here; then that is the error.
+   subroutine save_checkpoint(run, model, recorders, error, store)
+      class(run_type), intent(inout) :: run
+      type(model_type), intent(in) :: model
+      type(recorder_holder_type), intent(inout) :: recorders(:)
+      type(error_type), allocatable, intent(out) :: error
+      class(checkpoint_store_type), intent(inout), optional :: store
+      type(stream_type) :: stream
+      logical :: ends, due
+
+      associate (scene => run%scene, clock => run%scene%accepted%clock)
+         if (clock%at_end .and. scene%step == size(model%step)) return
+         ends = is_interrupted()
+         if (.not. present(store)) then
+            if (ends) call raise(error, error_code%interrupted, 'E0605', 'interrupted after '// &
+               & 'increment '//to_text(clock%number)//' of step '//to_text(scene%step)// &
+               & '; without a folder nothing is kept')
+            return
+         end if
+         associate (every => model%step(scene%step)%checkpoint)
+            due = every > 0
+            if (due) due = clock%at_end .or. mod(clock%number, every) == 0
+         end associate
+         if (.not. (due .or. ends)) return
+         call move_alloc(store%room, stream%bytes)
+         call pass_run(run, model, stream, error)
+         if (.not. allocated(error)) call pass_recorders(recorders, stream, error)
+         if (.not. allocated(error)) call store%save(stream, error)
+         if (.not. allocated(error)) store%kept = 'increment '//to_text(clock%number)// &
+            & ' of step '//to_text(scene%step)
+         call move_alloc(stream%bytes, store%room)
+         call scene%clock%stop_in(phase%output)
+         if (allocated(error) .or. .not. ends) return
+         call raise(error, error_code%interrupted, 'E0605', 'interrupted after increment '// &
+            & to_text(clock%number)//' of step '//to_text(scene%step)//', which is kept', &
+            & help='the same command with --resume goes on from there')
+      end associate
+   end subroutine save_checkpoint
+end module lopin_checkpointing

@@ -1,0 +1,430 @@
+!> The only loop a reader must understand: steps, increments, solve, certify, accept, record.
+module lopin_run_analysis
+   use lopin_kinds, only : wp
+   use lopin_error, only : error_type, error_code, raise, log_type, severity
+   use lopin_text, only : to_text
+   use lopin_clock, only : clock_type, counter_type
+   use lopin_blas_threads, only : ready_blas
+   use lopin_memory, only : peak_memory
+   use lopin_model, only : model_type, step_type
+   use lopin_report, only : frame_type, summary_type
+   use lopin_recorder, only : recorder_holder_type
+   use lopin_follower_loading, only : new_followers, leave_followers
+   use lopin_loading, only : loading_type, new_loading, carry_loads
+   use lopin_plan, only : new_plan
+   use lopin_run_type, only : run_type
+   use lopin_state, only : clock_state_type, begin_step_of
+   use lopin_scene, only : scene_type, new_scene, set_supports
+   use lopin_uneven_pressure, only : warn_of_uneven_pressure
+   use lopin_contact_candidates, only : choose_candidates
+   use lopin_bodies, only : describe_motion
+   use lopin_nonlinear_start, only : start_step
+   use lopin_released_forces, only : supports_type, record_supports, release_pairs, &
+      & add_released_forces, releases_support
+   use lopin_after_step, only : check_step
+   use lopin_artificial_work, only : check_artificial_work
+   use lopin_work_balance, only : end_balance
+   use lopin_snap_through, only : report_snap_through
+   use lopin_check_drift, only : check_drift
+   use lopin_check_flow_curves, only : check_flow_curves
+   use lopin_check_mesh, only : refuse_folded
+   use lopin_check_yield, only : check_yield
+   use lopin_increment, only : prepare, reject
+   use lopin_repeated_messages, only : report_repeats
+   use lopin_stream, only : stream_type
+   use lopin_checkpoint_store, only : checkpoint_store_type
+   use lopin_checkpoint, only : pass_run
+   use lopin_turning_points, only : turns_within
+   use lopin_time_increment, only : advance, grow
+   use lopin_checkpointing, only : save_checkpoint, go_back
+   implicit none
+   private
+   public :: open_run, advance_run, run_state, forget_workspace, close_run, run_analysis
+
+contains
+
+   !> Run all steps. `log` gets the warnings of the run; `error` what ended it. With a keeper the
+   !> state is kept after increments, and a run that was broken off goes on from it.
+   subroutine run_analysis(model, recorders, clock, summary, log, error, store)
+      type(model_type), intent(in) :: model
+      type(recorder_holder_type), intent(inout) :: recorders(:)
+      type(clock_type), intent(in) :: clock              !! with the time spent so far
+      type(summary_type), intent(out) :: summary
+      type(log_type), intent(inout) :: log
+      type(error_type), allocatable, intent(out) :: error
+      class(checkpoint_store_type), intent(inout), optional :: store
+      class(run_type), allocatable :: run
+      logical :: more
+
+      allocate (run_type :: run)
+      call open_run(run, model, recorders, clock, log, error, store)
+      more = .not. allocated(error)
+      do while (more)
+         call advance_run(run, model, recorders, more, error, store)
+      end do
+      call close_run(run, model, recorders, log, error, store)
+      summary = run%summary
+   end subroutine run_analysis
+
+   !> Begin the files of a run that was just allocated, and make what the model needs. A state that
+   !> the keeper found is gone on from; so is `state`, of the same deck, in files that begin anew.
+   subroutine open_run(self, model, recorders, clock, log, error, store, state)
+      class(run_type), intent(inout) :: self
+      type(model_type), intent(in) :: model
+      type(recorder_holder_type), intent(inout) :: recorders(:)
+      type(clock_type), intent(in) :: clock              !! with the time spent so far
+      type(log_type), intent(inout) :: log
+      type(error_type), allocatable, intent(out) :: error
+      class(checkpoint_store_type), intent(inout), optional :: store
+      type(stream_type), intent(inout), optional :: state   !! of `run_state`
+
+      allocate (self%scene)
+      self%scene%clock = clock
+      call self%scene%clock%start()
+      self%summary%status = 'finished'
+      self%summary%plan = ''
+      self%summary%path = ''
+      self%summary%solver = ''
+      self%summary%checksum = ''
+      allocate (self%summary%step(size(model%step)))
+      call ready_blas(error)
+      if (.not. allocated(error)) call begin_all(recorders, model, error, store)
+      if (.not. allocated(error)) call new_plan(self%plan, model, error)
+      if (.not. allocated(error)) call make_workspace(self%scene, model, error)
+      if (allocated(error)) return
+      if (present(state)) then
+         call run_state(self, model, state, error)
+      else if (present(store)) then
+         if (allocated(store%found)) call resume_run(self, model, recorders, log, store, error)
+      end if
+      self%may_step = .not. allocated(error)
+   end subroutine open_run
+
+   subroutine resume_run(self, model, recorders, log, store, error)
+      class(run_type), intent(inout) :: self
+      type(model_type), intent(in) :: model
+      type(recorder_holder_type), intent(inout) :: recorders(:)
+      type(log_type), intent(inout) :: log
+      class(checkpoint_store_type), intent(inout) :: store
+      type(error_type), allocatable, intent(out) :: error
+
+      call go_back(self, model, recorders, store%found, error)
+      if (allocated(error)) return
+      store%kept = 'increment '//to_text(self%scene%accepted%clock%number)//' of step '// &
+         & to_text(self%scene%step)
+      call log%say(severity%note, 'N0604', 'goes on after '//store%kept)
+   end subroutine resume_run
+
+   !> All that lives from increment to increment, to a stream or back from one of the same deck.
+   subroutine run_state(self, model, state, error)
+      class(run_type), intent(inout) :: self
+      type(model_type), intent(in) :: model
+      type(stream_type), intent(inout) :: state
+      type(error_type), allocatable, intent(out) :: error
+
+      call pass_run(self, model, state, error)
+      if (allocated(error) .or. .not. state%reading) return
+      if (state%broken .or. .not. state%ended()) call raise(error, error_code%resource, 'E0604', &
+         & 'the state does not hold what this build of Lopin keeps', &
+         & help='give a state that this version took out of the same deck')
+   end subroutine run_state
+
+   !> What follows from the model alone.
+   subroutine make_workspace(scene, model, error)
+      type(scene_type), intent(inout) :: scene
+      type(model_type), intent(in) :: model
+      type(error_type), allocatable, intent(out) :: error
+
+      call new_scene(scene, model, error)
+      if (.not. allocated(error)) call warn_of_uneven_pressure(scene, model)
+      if (.not. allocated(error)) call refuse_folded(scene, model, error)
+      if (.not. allocated(error)) call choose_candidates(scene, model)
+   end subroutine make_workspace
+
+   !> Throw away all but the state, and make the workspace again from the model and the state: the
+   !> run goes on to the same bits, or something that evolves has a home outside the state.
+   subroutine forget_workspace(self, model, error)
+      class(run_type), intent(inout) :: self
+      type(model_type), intent(in) :: model
+      type(error_type), allocatable, intent(out) :: error
+      type(scene_type), allocatable :: old
+      type(stream_type) :: kept, state
+
+      if (.not. (self%in_step .or. self%scene%accepted%clock%number > 0)) return
+      call run_state(self, model, kept, error)
+      if (allocated(error)) return
+      call move_alloc(self%scene, old)
+      allocate (self%scene)
+      self%scene%clock = old%clock
+      self%scene%stops_at_once = old%stops_at_once
+      call move_alloc(old%watcher, self%scene%watcher)
+      deallocate (old)
+      call make_workspace(self%scene, model, error)
+      if (allocated(error)) return
+      state%reading = .true.
+      state%n = kept%n
+      call move_alloc(kept%bytes, state%bytes)
+      call run_state(self, model, state, error)
+   end subroutine forget_workspace
+
+   !> Go to the next accepted increment, into the next step if need be. Where the run is at its end
+   !> nothing is done, and `more` is false.
+   subroutine advance_run(self, model, recorders, more, error, store)
+      class(run_type), intent(inout) :: self
+      type(model_type), intent(in) :: model
+      type(recorder_holder_type), intent(inout) :: recorders(:)
+      logical, intent(out) :: more             !! an increment was accepted
+      type(error_type), allocatable, intent(out) :: error
+      class(checkpoint_store_type), intent(inout), optional :: store
+
+      more = .false.
+      if (.not. self%in_step) then
+         if (self%scene%step == size(model%step)) return
+         call begin_step(self, model, recorders, error)
+      end if
+      if (.not. allocated(error)) call next_increment(self, model, recorders, error, store)
+      if (self%scene%step > 0) self%summary%step(self%scene%step)%counter = self%scene%counter
+      more = .not. allocated(error)
+      self%may_step = more
+      if (more) return
+      if (error%code /= error_code%interrupted .or. .not. self%scene%stops_at_once) return
+      ! The increment in hand is given up; what was accepted may go on.
+      call reject(self%scene)
+      self%may_step = .true.
+      if (.not. present(store)) return
+      if (allocated(store%kept)) error%item(1)%help = 'with --resume (resume=True) the run '// &
+         & 'goes on from '//store%kept
+   end subroutine advance_run
+
+   !> Warnings to the log, files to their end, also after an error. A run that was left before its
+   !> end is `stopped`, and its checkpoint stays.
+   subroutine close_run(self, model, recorders, log, error, store)
+      class(run_type), intent(inout) :: self
+      type(model_type), intent(in) :: model
+      type(recorder_holder_type), intent(inout) :: recorders(:)
+      type(log_type), intent(inout) :: log
+      type(error_type), allocatable, intent(inout) :: error
+      class(checkpoint_store_type), intent(inout), optional :: store
+      integer :: i
+      logical :: done
+
+      done = .not. self%in_step .and. self%scene%step == size(model%step)
+      if (.not. done) self%summary%status = 'stopped'
+      call report_repeats(self%scene%log)
+      do i = 1, self%scene%log%n
+         associate (d => self%scene%log%item(i))
+            call log%say(d%severity, d%id, d%message, d%at, d%label, d%note, d%help)
+         end associate
+      end do
+      self%summary%clock = self%scene%clock
+      self%summary%log = self%scene%log
+      self%summary%peak_memory = peak_memory()
+      call finish_all(recorders, model, self%summary, error, store)
+      if (present(store) .and. done .and. .not. allocated(error)) call store%forget()
+      self%may_step = .false.
+   end subroutine close_run
+
+   !> Files are closed and on the disk before the summary says how the run ended.
+   subroutine finish_all(recorders, model, summary, error, store)
+      type(recorder_holder_type), intent(inout) :: recorders(:)
+      type(model_type), intent(in) :: model
+      type(summary_type), intent(inout) :: summary
+      type(error_type), allocatable, intent(inout) :: error
+      class(checkpoint_store_type), intent(inout), optional :: store
+      type(error_type), allocatable :: trouble
+      integer :: i
+
+      if (present(store)) call store%settle(trouble)
+      if (.not. allocated(error)) call move_alloc(trouble, error)
+      do i = 1, size(recorders)
+         call recorders(i)%recorder%close(trouble)
+         if (.not. allocated(error)) call move_alloc(trouble, error)
+      end do
+      if (allocated(error)) then
+         summary%status = 'failed'
+         if (error%code == error_code%not_converged) summary%status = 'not converged'
+         if (error%code == error_code%interrupted) summary%status = 'interrupted'
+         summary%exit_code = error%code
+         if (present(store)) call note_what_survives(error, store)
+      end if
+      do i = 1, size(recorders)
+         call recorders(i)%recorder%finish(model, summary, error, trouble)
+         if (.not. allocated(trouble)) cycle
+         if (present(store)) call note_what_survives(trouble, store)
+         if (.not. allocated(error)) call move_alloc(trouble, error)
+      end do
+   end subroutine finish_all
+
+   !> Where memory or a disk ended the run: what is whole.
+   subroutine note_what_survives(error, store)
+      type(error_type), intent(inout) :: error
+      class(checkpoint_store_type), intent(in) :: store
+
+      associate (id => error%item(1)%id)
+         if (id /= 'E0602' .and. id(:3) /= 'E07') return
+      end associate
+      error%item(1)%note = 'no file is torn; no checkpoint is there yet'
+      if (allocated(store%kept)) error%item(1)%note = 'no file is torn, and the checkpoint '// &
+         & 'after '//store%kept//' is whole'
+   end subroutine note_what_survives
+
+   !> The files of an earlier run, its checkpoint included, stay until those of this run are begun.
+   subroutine begin_all(recorders, model, error, store)
+      type(recorder_holder_type), intent(inout) :: recorders(:)
+      type(model_type), intent(in) :: model
+      type(error_type), allocatable, intent(out) :: error
+      class(checkpoint_store_type), intent(inout), optional :: store
+      logical :: resumes
+      integer :: i
+
+      resumes = .false.
+      if (present(store)) resumes = allocated(store%found)
+      do i = 1, size(recorders)
+         recorders(i)%recorder%resumes = resumes
+         call recorders(i)%recorder%begin(model, error)
+         if (allocated(error)) return
+      end do
+      do i = 1, size(recorders)
+         call recorders(i)%recorder%commit(error)
+         if (allocated(error)) return
+         ! The first file that is replaced ends the earlier run.
+         if (i == 1 .and. present(store) .and. .not. resumes) call store%forget()
+      end do
+   end subroutine begin_all
+
+   !> Supports, loads and, where supports change, the factors of the step that follows.
+   subroutine begin_step(self, model, recorders, error)
+      class(run_type), intent(inout) :: self
+      type(model_type), intent(in) :: model
+      type(recorder_holder_type), intent(inout) :: recorders(:)
+      type(error_type), allocatable, intent(out) :: error
+      type(supports_type) :: held
+      integer :: step
+      logical :: same
+
+      associate (scene => self%scene)
+         step = scene%step + 1
+         scene%counter = counter_type()
+         if (step > 1) call record_supports(held, scene)
+         call set_supports(scene, model, step, same, error)
+         if (allocated(error)) return
+         self%in_step = .true.
+         self%frame = frame_type()
+         if (.not. same) then
+            call check_supports(scene, model, error)
+            if (allocated(error)) return
+            call prepare(self, model, recorders, error)
+            if (allocated(error)) return
+         end if
+         call start_loading(self%loading, scene, model)
+         if (step > 1) self%watch%balance%springs_back = releases_support(held, scene)
+         if (step > 1) call add_released_forces(held, scene, self%loading%before)
+         scene%accepted%loads%before = self%loading%before
+         scene%accepted%loads%from = self%loading%from
+      end associate
+   end subroutine begin_step
+
+   !> From what was accepted to the step in force.
+   subroutine start_loading(loading, scene, model)
+      type(loading_type), intent(inout) :: loading
+      type(scene_type), intent(inout) :: scene
+      type(model_type), intent(in) :: model
+
+      associate (step => model%step(scene%step), accepted => scene%accepted)
+         accepted%clock = clock_state_type(start=accepted%clock%start, &
+            & increment=min(step%initial, step%period))
+         call new_loading(loading, model, scene%dofs, scene%constraints, scene%solids, step, &
+            & accepted)
+         call start_step(scene, model)
+         call begin_step_of(accepted, step%nlgeom)
+         if (step%nlgeom) call new_followers(scene%newton%follower, step, accepted%clock%start, &
+            & scene%dofs%n)
+      end associate
+   end subroutine start_loading
+
+   !> Without contact nothing may float.
+   subroutine check_supports(scene, model, error)
+      type(scene_type), intent(in) :: scene
+      type(model_type), intent(in) :: model
+      type(error_type), allocatable, intent(out) :: error
+      real(wp), allocatable :: q(:)
+
+      if (scene%bodies%nq == 0 .or. any(scene%points%facet(:scene%points%n) > 0)) return
+      allocate (q(scene%bodies%nq), source=0.0_wp)
+      q(1) = 1.0_wp
+      call raise(error, error_code%singular, 'E0310', describe_motion(scene%bodies, model, q)// &
+         & ': nothing holds it', &
+         & model%step(scene%step)%at, note=to_text(scene%bodies%nq)//' rigid motions are free', &
+         & help='fix degrees of freedom by *BOUNDARY, or add the contact that holds the body')
+   end subroutine check_supports
+
+   !> One increment, judged and kept.
+   subroutine next_increment(self, model, recorders, error, store)
+      class(run_type), intent(inout) :: self
+      type(model_type), intent(in) :: model
+      type(recorder_holder_type), intent(inout) :: recorders(:)
+      type(error_type), allocatable, intent(out) :: error
+      class(checkpoint_store_type), intent(inout), optional :: store
+      integer :: number, most
+
+      associate (scene => self%scene, clock => self%scene%accepted%clock, frame => self%frame, &
+         & step => model%step(self%scene%step))
+         number = clock%number + 1
+         most = step%max_increments + turns_within(model, self%plan, step, clock%start)
+         if (number > most) then
+            call refuse_more(clock, scene, step, most, error)
+            return
+         end if
+         frame%increment = number
+         call advance(self, model, recorders, error)
+         if (allocated(error)) return
+         call check_yield(scene, model, frame%u)
+         call check_flow_curves(scene, model)
+         self%summary%step(scene%step)%increments = number
+         if (.not. clock%at_end) call grow(clock%increment, step, self%plan, frame, &
+            & scene)
+         self%summary%step(scene%step)%counter = scene%counter
+         if (clock%at_end) call end_step(self, model, error)
+         if (allocated(error)) return
+         call save_checkpoint(self, model, recorders, error, store)
+      end associate
+   end subroutine next_increment
+
+   subroutine refuse_more(clock, scene, step, most, error)
+      type(clock_state_type), intent(in) :: clock
+      type(scene_type), intent(in) :: scene
+      type(step_type), intent(in) :: step
+      integer, intent(in) :: most
+      type(error_type), allocatable, intent(out) :: error
+
+      call raise(error, error_code%not_converged, 'E0503', 'step '//to_text(scene%step)// &
+         & ' reached time '//to_text(clock%time)//' of '//to_text(step%period)//' in the '// &
+         & to_text(most)//' increments that INC= allows', step%at, &
+         & help='raise INC= on *STEP, or the increments on *STATIC')
+   end subroutine refuse_more
+
+   !> What the step leaves to the next, and what its end says of it.
+   subroutine end_step(self, model, error)
+      class(run_type), intent(inout) :: self
+      type(model_type), intent(in) :: model
+      type(error_type), allocatable, intent(out) :: error
+
+      associate (scene => self%scene, watch => self%watch, energy => self%frame%energy, &
+         & clock => self%scene%accepted%clock, step => model%step(self%scene%step))
+         clock%start = clock%start + clock%time
+         if (scene%step < size(model%step)) call carry_loads(self%loading, model, scene%dofs, &
+            & scene%constraints, scene%solids, step, model%step(scene%step + 1), &
+            & scene%accepted%loads%steady)
+         call leave_followers(scene%newton%follower, scene%accepted%loads%followers)
+         call check_step(scene, model, watch%seen)
+         if (scene%newton%in_use) call end_balance(watch%balance, scene, model, energy)
+         call report_snap_through(watch%jumps, scene, model, energy)
+         if (scene%step == size(model%step)) then
+            call check_drift(watch%drift, scene, model)
+            call check_artificial_work(watch%artificial, scene, model, energy)
+         end if
+         call release_pairs(scene, model, error)
+      end associate
+      self%in_step = .false.
+   end subroutine end_step
+end module lopin_run_analysis

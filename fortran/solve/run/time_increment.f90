@@ -1,0 +1,158 @@
+!> The length of increments: cut where one fails, grown where few iterations did, ended at turns.
+module lopin_time_increment
+   use lopin_kinds, only : wp
+   use lopin_error, only : error_type, error_code
+   use lopin_text, only : to_text
+   use lopin_model, only : model_type, step_type
+   use lopin_report, only : frame_type
+   use lopin_recorder, only : recorder_holder_type
+   use lopin_plan, only : plan_type, path_of
+   use lopin_turning_points, only : next_turn, same_time
+   use lopin_repeated_messages, only : note_once
+   use lopin_refuse_passage, only : passage_id
+   use lopin_refuse_turn, only : turn_id, most_turn
+   use lopin_torn_ties, only : torn_id
+   use lopin_touch_order, only : order_id, parts_of_touch
+   use lopin_scene, only : scene_type
+   use lopin_contact_friction, only : slides_with_friction
+   use lopin_run_type, only : run_type
+   use lopin_state, only : clock_state_type
+   use lopin_tell_watcher, only : tell_of_attempt, tell_of_cut
+   use lopin_increment, only : solve_increment, reject, say
+   implicit none
+   private
+   public :: advance, grow
+
+   !> A failed increment is cut to this share; one that took few iterations grows; none is smaller
+   !> than the last, beside the period, unless the deck says otherwise.
+   real(wp), parameter :: cut = 0.25_wp, growth = 1.5_wp, smallest = 1.0e-6_wp
+   integer, parameter :: few_iterations = 8
+   !> Increments that were large once count for less, the longer ago that is.
+   real(wp), parameter :: fading = 0.8_wp
+   !> Plastic strain that increments grow up to.
+   real(wp), parameter :: steady_flow = 0.1_wp
+   !> Angle of tools that slide, beside the largest, that increments grow up to.
+   real(wp), parameter :: steady_turn = 0.95_wp
+
+contains
+
+   !> One increment from `time`: tried, cut and tried again until it is accepted or cannot be cut.
+   subroutine advance(run, model, recorders, error)
+      class(run_type), intent(inout) :: run
+      type(model_type), intent(in) :: model
+      type(recorder_holder_type), intent(inout) :: recorders(:)
+      type(error_type), allocatable, intent(out) :: error
+      real(wp) :: target_time, turn, wanted, part
+      logical :: turns
+
+      associate (scene => run%scene, plan => run%plan, frame => run%frame, &
+         & clock => run%scene%accepted%clock, step => model%step(run%scene%step), &
+         & time => run%scene%accepted%clock%time, increment => run%scene%accepted%clock%increment)
+         frame%attempt = 1
+         turn = next_turn(model, plan, step, clock%start, time)
+         if (time < clock%parts_until - same_time*step%period) increment = min(increment, &
+            & clock%part)
+         do
+            wanted = increment
+            target_time = time + increment
+            turns = turn < target_time - same_time*step%period
+            if (turns) target_time = turn
+            if (target_time + 1.0e-9_wp*increment >= step%period) target_time = step%period
+            increment = target_time - time
+            frame%step = scene%step
+            frame%step_time = target_time
+            frame%total_time = clock%start + target_time
+            frame%time_increment = increment
+            frame%last_of_step = .not. target_time < step%period
+            scene%may_part = .not. step%direct .and. increment/parts_of_touch >= &
+               & max(step%smallest, smallest*step%period) .and. .not. time < clock%parts_until &
+               & - same_time*step%period
+            scene%may_cut = .not. step%direct .and. cut*increment >= max(step%smallest, &
+               & smallest*step%period)
+            scene%newton%dt = increment
+            scene%newton%time = target_time
+            scene%newton%attempt = frame%attempt
+            call tell_of_attempt(scene, model, frame)
+            call solve_increment(run, model, recorders, error)
+            if (.not. allocated(error)) exit
+            if (frame%certificate%verdict == 2) return
+            if (.not. may_cut(plan, scene, error)) return
+            call reject(scene)
+            call tell_of_cut(scene, model, frame, error%item(1)%message)
+            if (error%item(1)%id == order_id) then
+               call go_by_parts(clock, scene%first_touch)
+               call say(recorders, 'step '//to_text(scene%step)//', increment '// &
+                  & to_text(frame%increment)//': by parts, because '//error%item(1)%message)
+               deallocate (error)
+               cycle
+            end if
+            part = cut
+            if (error%item(1)%id == turn_id) part = steady_turn*most_turn/scene%turned
+            call say(recorders, 'step '//to_text(scene%step)//', increment '// &
+               & to_text(frame%increment)//', attempt '//to_text(frame%attempt)//': cut to '// &
+               & to_text(part*increment, 4)//', because '//error%item(1)%message)
+            if (any(error%item(1)%id == [passage_id, turn_id])) call note_once(scene%log, &
+               & 'N0551', 'step '//to_text(scene%step)//' takes smaller increments: '// &
+               & error%item(1)%message, step%at)
+            deallocate (error)
+            increment = part*increment
+            frame%attempt = frame%attempt + 1
+         end do
+         clock%usual = max(increment, fading*clock%usual)
+         if (turns) increment = wanted
+         if (step%direct) increment = step%initial
+         if (step%direct .and. turns) then
+            ! Fixed increments go on in their places.
+            increment = wanted - frame%time_increment
+            call note_once(scene%log, 'N0550', 'step '//to_text(scene%step)//': DIRECT '// &
+               & 'increments also end at the points of amplitudes, first at time '// &
+               & to_text(target_time, 4)//', because the answer depends on the way', step%at)
+         end if
+      end associate
+   end subroutine advance
+
+   !> The increment ends where contact begins; what is left of it is done in parts.
+   pure subroutine go_by_parts(clock, first)
+      type(clock_state_type), intent(inout) :: clock
+      real(wp), intent(in) :: first            !! share of the increment before the touch
+
+      clock%parts_until = clock%time + clock%increment
+      clock%part = (1.0_wp - first)*clock%increment/parts_of_touch
+      clock%increment = clock%part
+      if (first*parts_of_touch > 1.0e-3_wp) clock%increment = first*(clock%parts_until - clock%time)
+   end subroutine go_by_parts
+
+   !> The next increment: larger after few iterations, as long as the metal flows little in it.
+   subroutine grow(increment, step, plan, frame, scene)
+      real(wp), intent(inout) :: increment
+      type(step_type), intent(in) :: step
+      type(plan_type), intent(in) :: plan
+      type(frame_type), intent(in) :: frame    !! of the last increment
+      type(scene_type), intent(in) :: scene
+      real(wp) :: flow                         !! largest plastic strain in it
+      real(wp) :: turned                       !! tools against sliding points in it [rad]
+
+      flow = scene%accepted%solids%most_strain
+      turned = scene%turned
+      ! The iterations of slow motion say nothing of the increment.
+      if (.not. step%direct .and. (plan%path /= path_of%nonlinear .or. scene%newton%jumped &
+         & .or. frame%iterations <= few_iterations)) increment = growth*increment
+      if (.not. step%direct .and. flow > 0.0_wp) &
+         & increment = min(increment, frame%time_increment*steady_flow/flow)
+      if (.not. step%direct .and. turned > 0.0_wp) &
+         & increment = min(increment, frame%time_increment*steady_turn*most_turn/turned)
+      if (step%largest > 0.0_wp) increment = min(increment, step%largest)
+   end subroutine grow
+
+   !> What did not converge may do so in smaller increments, where the path depends on them.
+   logical function may_cut(plan, scene, error)
+      type(plan_type), intent(in) :: plan
+      type(scene_type), intent(in) :: scene
+      type(error_type), intent(in) :: error
+
+      may_cut = (plan%path == path_of%nonlinear .or. slides_with_friction(scene) &
+         & .or. error%item(1)%id == passage_id) &
+         & .and. error%code == error_code%not_converged &
+         & .and. error%item(1)%id /= torn_id .and. scene%may_cut
+   end function may_cut
+end module lopin_time_increment

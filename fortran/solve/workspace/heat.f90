@@ -1,0 +1,102 @@
+!> Temperatures of a step as functions of time, and what they do to the solids.
+module lopin_heat
+   use lopin_kinds, only : wp
+   use lopin_model, only : model_type, amplitude_value, is_heated
+   use lopin_stress_free_state, only : heat_points, stress_points, temper_points
+   use lopin_scene, only : scene_type
+   implicit none
+   private
+   public :: start_stresses, start_solids
+
+contains
+
+   !> The stresses before the first step, into a memory that is at rest.
+   subroutine start_stresses(scene, model)
+      type(scene_type), intent(inout) :: scene
+      type(model_type), intent(in) :: model
+      integer :: i
+
+      if (.not. allocated(model%initial_stress)) return
+      associate (memory => scene%accepted%solids)
+         do i = 1, size(model%initial_stress)
+            call stress_points(memory, scene%solids, model%initial_stress(i)%element, &
+               & model%initial_stress(i)%stress, memory%pressed)
+         end do
+         call heat_points(memory, scene%solids, model%mesh, &
+            & spread(0.0_wp, 1, model%mesh%nnode), memory%pressed)
+         call temper_points(memory, scene%solids, model%mesh, model%temperature)
+      end associate
+   end subroutine start_stresses
+
+   !> What the solids remember where an increment starts, at the temperatures of its end.
+   subroutine start_solids(scene, model)
+      type(scene_type), intent(inout) :: scene
+      type(model_type), intent(in) :: model
+      real(wp) :: temperature(model%mesh%nnode)
+
+      associate (past => scene%newton%past)
+         past = scene%accepted%solids
+         past%dt = scene%newton%dt
+         if (.not. (scene%newton%flows .and. is_heated(model))) return
+         temperature = temperature_at(model, scene%step, scene%newton%time)
+         call heat_points(past, scene%solids, model%mesh, temperature - model%temperature, &
+            & past%pressed)
+         call temper_points(past, scene%solids, model%mesh, temperature)
+      end associate
+   end subroutine start_solids
+
+   !> Linear from the end of the last step, at once with AMPLITUDE=STEP, or by an amplitude.
+   function temperature_at(model, s, time) result(value)
+      type(model_type), intent(in) :: model
+      integer, intent(in) :: s
+      real(wp), intent(in) :: time
+      real(wp) :: value(model%mesh%nnode), before(model%mesh%nnode), share
+      logical :: follows(model%mesh%nnode)
+      integer :: i
+
+      before = model%temperature
+      if (s > 1) before = temperature_at_end(model, s - 1)
+      value = model%temperature
+      follows = .false.
+      associate (step => model%step(s))
+         do i = 1, size(step%temperature)
+            associate (entry => step%temperature(i))
+               value(entry%node) = entry%value
+               if (entry%amplitude == 0) cycle
+               follows(entry%node) = .true.
+               value(entry%node) = entry%value*factor(model, s, entry%amplitude, time)
+            end associate
+         end do
+         share = 1.0_wp
+         if (step%ramp) share = time/step%period
+      end associate
+      where (.not. follows) value = before + share*(value - before)
+   end function temperature_at
+
+   function temperature_at_end(model, s) result(value)
+      type(model_type), intent(in) :: model
+      integer, intent(in) :: s
+      real(wp) :: value(model%mesh%nnode)
+      integer :: i
+
+      value = model%temperature
+      do i = 1, size(model%step(s)%temperature)
+         associate (entry => model%step(s)%temperature(i))
+            value(entry%node) = entry%value
+            if (entry%amplitude > 0) value(entry%node) = entry%value &
+               & *factor(model, s, entry%amplitude, model%step(s)%period)
+         end associate
+      end do
+   end function temperature_at_end
+
+   pure real(wp) function factor(model, s, amplitude, time)
+      type(model_type), intent(in) :: model
+      integer, intent(in) :: s, amplitude
+      real(wp), intent(in) :: time
+      real(wp) :: start
+
+      start = 0.0_wp
+      if (model%amplitude(amplitude)%total_time) start = sum(model%step(:s - 1)%period)
+      factor = amplitude_value(model%amplitude(amplitude), start + time)
+   end function factor
+end module lopin_heat

@@ -1,0 +1,341 @@
+!> The linear system of one Newton step with contact: exact operator, positive definite factor.
+!>
+!>    [ K + A   C ] [du]   [f]      A, C, R, D: sums of the exact local matrices of the contact
+!>    [   R     D ] [dl] = [h]      points, unsymmetric where friction slips
+!>
+!> Factorised is K plus the springs of the contact points (no coupling of pressure into friction, no
+!> curvature): symmetric, positive definite, of the size of K whatever the method. GMRES on the
+!> exact operator mends what the factor leaves out (design: the dropped coupling, not the symmetric
+!> part, makes a good preconditioner of slip). Multipliers: D - R (K + springs)^-1 C is close to
+!> 1/c, because the springs have the stiffness c; that is the second block of the preconditioner.
+!> Where the factor does not exist (indefinite tangent) or the iterations stall, the whole matrix is
+!> factorised by UMFPACK.
+module lopin_newton_system
+   use lopin_kinds, only : wp, ik
+   use lopin_error, only : error_type
+   use lopin_text, only : lower
+   use lopin_clock, only : clock_type, counter_type, phase
+   use lopin_csc, only : csc_type, storage
+   use lopin_csc_sum, only : sum_of
+   use lopin_gmres, only : operator_type, gmres
+   use lopin_linear_solver, only : linear_solver_type, matrix_class
+   use lopin_solver_factory, only : new_solver, choose_solver
+   use lopin_constraints, only : constraints_type
+   use lopin_reduce_matrix, only : reduce_matrix
+   use lopin_local_matrix, only : local_matrix_type
+   use lopin_contact_block, only : block_type, reduce_block
+   implicit none
+   private
+   public :: newton_system_type, set_tangent, add_ground_springs, solve_step, solve_whole
+
+   !> Iterations before the whole matrix is factorised instead.
+   integer, parameter :: most_iterations = 60
+   !> Corrections of tractions give way so much, beside c, where the whole matrix is factorised: a
+   !> traction that works on supports alone (shear on the axis) is then none, and not undetermined.
+   real(wp), parameter :: give = 1.0e-11_wp
+
+   type, extends(operator_type) :: newton_system_type
+      integer :: neq = 0, n = 0                !! equations; with multipliers
+      type(csc_type) :: k                      !! reduced K
+      type(block_type), allocatable :: block(:)
+      real(wp), allocatable :: scale(:)        !! (n - neq) turns row residuals into forces
+      real(wp), allocatable :: area(:)         !! (n - neq) turns multipliers into forces
+      type(csc_type) :: matrix                 !! what is factorised: K + springs
+      class(linear_solver_type), allocatable :: solver
+      class(linear_solver_type), allocatable :: whole
+      character(len=:), allocatable :: reason  !! why this solver
+      logical :: factorised = .false.
+      logical :: direct = .false.              !! the whole matrix is factorised
+      integer :: krylov = 0                    !! iterations of the last step
+      integer :: most_krylov = 0               !! largest number in the run
+      integer :: whole_factors = 0             !! times the whole matrix was factorised in the run
+   contains
+      procedure :: multiply
+      procedure :: precondition
+   end type newton_system_type
+
+contains
+
+   !> Take a tangent; nothing is factorised yet.
+   subroutine set_tangent(self, k, constraints, nlocal, local, stiffness, area, flat)
+      type(newton_system_type), intent(inout) :: self
+      type(csc_type), intent(in) :: k                    !! (ndof) solids, lower triangle
+      type(constraints_type), intent(in) :: constraints
+      integer, intent(in) :: nlocal
+      type(local_matrix_type), intent(in) :: local(:)    !! nlocal of them
+      real(wp), intent(in) :: stiffness(:)   !! (nmultiplier) c of its row [stress/length]
+      real(wp), intent(in) :: area(:)                    !! (nmultiplier) of its point [length^2]
+      logical, intent(in) :: flat             !! forces by the springs alone, as if normals stood
+                                              !! still: where pressures are still guesses
+      integer :: i
+
+      self%neq = constraints%neq
+      self%n = self%neq + size(area)
+      self%scale = stiffness*area
+      self%area = area
+      call reduce_matrix(k, constraints, [(i, i=1, self%neq)], self%neq, self%k)
+      if (allocated(self%block)) deallocate (self%block)
+      allocate (self%block(nlocal))
+      do i = 1, nlocal
+         call reduce_block(self%block(i), local(i), constraints, flat)
+      end do
+      self%factorised = .false.
+      self%direct = .false.
+   end subroutine set_tangent
+
+   !> Soft springs to the ground at some equations, for bodies that nothing holds yet. As blocks: a
+   !> tool that only contact holds has no place in K.
+   subroutine add_ground_springs(self, equation, stiffness)
+      type(newton_system_type), intent(inout) :: self
+      integer, intent(in) :: equation(:)
+      real(wp), intent(in) :: stiffness          !! beside the largest of the diagonal
+      real(wp), allocatable :: diagonal(:)
+      type(block_type) :: spring(size(equation))
+      integer :: i
+
+      allocate (diagonal(self%neq))
+      call self%k%diagonal(diagonal)
+      do i = 1, size(equation)
+         spring(i)%at = equation(i:i)
+         spring(i)%nu = 1
+         allocate (spring(i)%k(1, 1), source=stiffness*maxval(diagonal))
+         allocate (spring(i)%spring, source=spring(i)%k)
+      end do
+      self%block = [self%block, spring]
+      self%factorised = .false.
+      self%direct = .false.
+   end subroutine add_ground_springs
+
+   !> Solve the Newton step. `bad` > 0: the matrix is singular (equation).
+   subroutine solve_step(self, right, tolerance, wish, step, clock, counter, bad, error)
+      type(newton_system_type), intent(inout) :: self
+      real(wp), intent(in) :: right(:)           !! (n)
+      real(wp), intent(in) :: tolerance          !! of GMRES, relative
+      character(len=*), intent(in) :: wish       !! AUTO or a solver's word
+      real(wp), intent(out) :: step(:)           !! (n)
+      type(clock_type), intent(inout) :: clock
+      type(counter_type), intent(inout) :: counter
+      integer, intent(out) :: bad
+      type(error_type), allocatable, intent(out) :: error
+      real(wp) :: ratio
+
+      bad = 0
+      call clock%stop_in(phase%contact)
+      if (.not. (self%factorised .or. self%direct)) call factorise_springs(self, wish, clock, &
+         & counter, bad, error)
+      if (allocated(error)) return
+      if (bad == 0 .and. .not. self%direct) then
+         call gmres(self, as_forces(self, right), tolerance, most_iterations, step, self%krylov, &
+            & ratio)
+         counter%back_solves = counter%back_solves + self%krylov + 1
+         self%most_krylov = max(self%most_krylov, self%krylov)
+         call clock%stop_in(phase%solve)
+         if (ratio <= max(10.0_wp*tolerance, 1.0e-3_wp)) return
+      end if
+      call solve_whole(self, right, step, clock, counter, bad, error)
+   end subroutine solve_step
+
+   !> All rows as forces.
+   pure function as_forces(self, right) result(b)
+      type(newton_system_type), intent(in) :: self
+      real(wp), intent(in) :: right(:)
+      real(wp) :: b(size(right))
+      b = right
+      b(self%neq + 1:) = self%scale*right(self%neq + 1:)
+   end function as_forces
+
+   subroutine factorise_springs(self, wish, clock, counter, bad, error)
+      type(newton_system_type), intent(inout) :: self
+      character(len=*), intent(in) :: wish
+      type(clock_type), intent(inout) :: clock
+      type(counter_type), intent(inout) :: counter
+      integer, intent(out) :: bad
+      type(error_type), allocatable, intent(out) :: error
+      type(csc_type) :: springs, before
+      integer, allocatable :: row(:), column(:)
+      real(wp), allocatable :: value(:)
+      character(len=:), allocatable :: name
+      integer :: total, b, i, j
+      logical :: same
+
+      total = 0
+      do b = 1, size(self%block)
+         total = total + (self%block(b)%nu*(self%block(b)%nu + 1))/2
+      end do
+      allocate (row(total), column(total), value(total))
+      total = 0
+      do b = 1, size(self%block)
+         associate (block => self%block(b))
+            do j = 1, block%nu
+               do i = j, block%nu
+                  total = total + 1
+                  row(total) = max(block%at(i), block%at(j))
+                  column(total) = min(block%at(i), block%at(j))
+                  value(total) = block%spring(i, j)
+               end do
+            end do
+         end associate
+      end do
+      call springs%new_from_triplets(self%neq, storage%symmetric_lower, row, column, value)
+      if (allocated(self%matrix%row)) before = self%matrix
+      call sum_of(self%k, springs, self%matrix)
+      same = allocated(self%solver) .and. allocated(before%row)
+      if (same) same = size(before%row) == size(self%matrix%row)
+      if (same) same = before%n == self%matrix%n
+      if (same) same = all(before%row == self%matrix%row) &
+         & .and. all(before%colptr == self%matrix%colptr) &
+         & .and. .not. self%solver%orders_by_values()
+      call clock%stop_in(phase%assemble)
+      if (.not. same) then
+         if (.not. allocated(self%solver)) then
+            name = lower(wish)
+            self%reason = 'as asked'
+            if (name == 'auto') call choose_solver(self%matrix, matrix_class%positive_definite, &
+               & [integer ::], name, self%reason)
+            call new_solver(self%solver, name, error)
+            if (allocated(error)) return
+         end if
+         call self%solver%analyse(self%matrix, matrix_class%positive_definite, [integer ::], error)
+         if (allocated(error)) return
+         call clock%stop_in(phase%analyse)
+      end if
+      call self%solver%factorise(self%matrix, bad, error)
+      if (allocated(error) .and. bad > 0) deallocate (error)
+      self%factorised = bad == 0 .and. .not. allocated(error)
+      counter%factorisations = counter%factorisations + 1
+      call clock%stop_in(phase%factorise)
+   end subroutine factorise_springs
+
+   !> Exact product, all rows as forces.
+   subroutine multiply(self, x, y)
+      class(newton_system_type), intent(inout) :: self
+      real(wp), intent(in) :: x(:)
+      real(wp), intent(out) :: y(:)
+      integer :: b, i, j
+
+      call self%k%multiply(x(:self%neq), y(:self%neq))
+      y(self%neq + 1:) = 0.0_wp
+      do b = 1, size(self%block)
+         associate (at => self%block(b)%at, k => self%block(b)%k)
+            do j = 1, size(at)
+               do i = 1, size(at)
+                  y(at(i)) = y(at(i)) + k(i, j)*x(at(j))
+               end do
+            end do
+         end associate
+      end do
+      y(self%neq + 1:) = self%scale*y(self%neq + 1:)
+   end subroutine multiply
+
+   !> du = (K + springs)^-1 x, then dl = (x - c area R du)/area: a block triangular inverse.
+   subroutine precondition(self, x, y)
+      class(newton_system_type), intent(inout) :: self
+      real(wp), intent(in) :: x(:)
+      real(wp), intent(out) :: y(:)
+      real(wp), allocatable :: du(:, :)
+      integer :: b, i, j
+
+      allocate (du(self%neq, 1))
+      du(:, 1) = x(:self%neq)
+      call self%solver%solve(du)
+      y(:self%neq) = du(:, 1)
+      if (self%n == self%neq) return
+      y(self%neq + 1:) = 0.0_wp
+      do b = 1, size(self%block)
+         associate (at => self%block(b)%at, k => self%block(b)%k, nu => self%block(b)%nu)
+            do j = 1, nu
+               do i = nu + 1, size(at)
+                  y(at(i)) = y(at(i)) + k(i, j)*y(at(j))
+               end do
+            end do
+         end associate
+      end do
+      y(self%neq + 1:) = (x(self%neq + 1:) - self%scale*y(self%neq + 1:))/self%area
+   end subroutine precondition
+
+   !> The whole unsymmetric matrix, factorised.
+   subroutine solve_whole(self, right, step, clock, counter, bad, error)
+      type(newton_system_type), intent(inout) :: self
+      real(wp), intent(in) :: right(:)
+      real(wp), intent(out) :: step(:)
+      type(clock_type), intent(inout) :: clock
+      type(counter_type), intent(inout) :: counter
+      integer, intent(out) :: bad
+      type(error_type), allocatable, intent(out) :: error
+      type(csc_type) :: contacts, solids, matrix, general
+      real(wp), allocatable :: x(:, :)
+      integer, allocatable :: row(:), column(:), source(:)
+      real(wp), allocatable :: value(:)
+      integer :: total, b, i, j
+
+      bad = 0
+      if (.not. self%direct) then
+         total = 0
+         do b = 1, size(self%block)
+            total = total + size(self%block(b)%at)**2
+         end do
+         total = total + self%n - self%neq
+         allocate (row(total), column(total), value(total))
+         total = 0
+         do i = self%neq + 1, self%n
+            total = total + 1
+            row(total) = i
+            column(total) = i
+            value(total) = give*self%area(i - self%neq)
+         end do
+         do b = 1, size(self%block)
+            associate (block => self%block(b))
+               do j = 1, size(block%at)
+                  do i = 1, size(block%at)
+                     total = total + 1
+                     row(total) = block%at(i)
+                     column(total) = block%at(j)
+                     value(total) = block%k(i, j)
+                     if (row(total) > self%neq) value(total) = value(total) &
+                        & *self%scale(row(total) - self%neq)
+                  end do
+               end do
+            end associate
+         end do
+         call contacts%new_from_triplets(self%n, storage%general, row, column, value)
+         call self%k%to_general(general, source)
+         call widen(general, self%n, solids)
+         call sum_of(solids, contacts, matrix)
+         if (allocated(self%whole)) deallocate (self%whole)
+         call new_solver(self%whole, 'umfpack', error)
+         if (allocated(error)) return
+         call clock%stop_in(phase%assemble)
+         call self%whole%analyse(matrix, matrix_class%general, [integer ::], error)
+         if (allocated(error)) return
+         call clock%stop_in(phase%analyse)
+         call self%whole%factorise(matrix, bad, error)
+         counter%factorisations = counter%factorisations + 1
+         self%whole_factors = self%whole_factors + 1
+         call clock%stop_in(phase%factorise)
+         if (bad > 0 .and. allocated(error)) deallocate (error)
+         if (bad > 0 .or. allocated(error)) return
+         self%direct = .true.
+      end if
+      allocate (x(self%n, 1))
+      x(:, 1) = as_forces(self, right)
+      call self%whole%solve(x)
+      step = x(:, 1)
+      counter%back_solves = counter%back_solves + 1
+      call clock%stop_in(phase%solve)
+   end subroutine solve_whole
+
+   !> The same matrix with empty rows and columns behind it.
+   pure subroutine widen(a, n, wide)
+      type(csc_type), intent(in) :: a
+      integer, intent(in) :: n
+      type(csc_type), intent(out) :: wide
+
+      wide%n = n
+      wide%kind = a%kind
+      wide%row = a%row
+      wide%value = a%value
+      allocate (wide%colptr(n + 1))
+      wide%colptr(:a%n + 1) = a%colptr
+      wide%colptr(a%n + 2:) = a%colptr(a%n + 1)
+   end subroutine widen
+end module lopin_newton_system

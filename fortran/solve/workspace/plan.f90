@@ -1,0 +1,153 @@
+!> What a scene needs and no more: the path, the method of each pair, and the line that says why.
+module lopin_plan
+   use lopin_kinds, only : wp
+   use lopin_text, only : to_text
+   use lopin_error, only : error_type, error_code, raise
+   use lopin_model, only : model_type
+   use lopin_flow_curve, only : flows
+   use lopin_pair_friction, only : pair_slides_with_friction
+   implicit none
+   private
+   public :: plan_type, new_plan, plan_line, nonlinear_line, path_of
+
+   type :: paths
+      integer :: condensed = 1, refactorised = 2, nonlinear = 3
+   end type paths
+   type(paths), parameter :: path_of = paths()
+
+   type :: plan_type
+      integer :: path = 1
+      logical :: by_user = .false.
+      character(len=:), allocatable :: reason
+   end type plan_type
+
+contains
+
+   subroutine new_plan(self, model, error)
+      type(plan_type), intent(out) :: self
+      type(model_type), intent(in) :: model
+      type(error_type), allocatable, intent(out) :: error
+      logical :: friction
+      integer :: pair
+
+      self%reason = 'linear elastic, small strain'
+      friction = .false.
+      do pair = 1, size(model%pair)
+         friction = friction .or. pair_slides_with_friction(model, pair)
+      end do
+      if (friction) then
+         self%reason = self%reason//', small sliding, friction: whole history on one factorisation'
+      else if (size(model%pair) == 0) then
+         self%reason = self%reason//', no contact: one linear solve a load'
+      else
+         self%reason = self%reason// &
+            & ', small sliding, no friction: contact is solved exactly on the '// &
+            & 'condensed contact equations'
+      end if
+      select case (model%path)
+      case ('AUTO')
+         self%path = path_of%condensed
+         if (needs_nonlinear(model)) then
+            self%path = path_of%nonlinear
+            self%reason = why_nonlinear(model)
+         end if
+      case ('CONDENSED')
+         self%path = path_of%condensed
+      case ('FINITE')
+         self%path = path_of%nonlinear
+         self%reason = 'PATH=FINITE asks for it'
+      case ('NEWTON')
+         self%path = path_of%refactorised
+         if (friction) then
+            call raise(error, error_code%deck, 'E0521', 'PATH=NEWTON solves contact without '// &
+               & 'friction only', help='leave out PATH=, or PATH=FINITE')
+            return
+         end if
+         self%reason = 'PATH=NEWTON asks for the whole system, factorised again at every '// &
+            & 'change of contact'
+      case default
+         call raise(error, error_code%deck, 'E0106', "PATH="//model%path//' is not a path', &
+            & help='paths are AUTO, CONDENSED, NEWTON and FINITE')
+         return
+      end select
+      self%by_user = model%path /= 'AUTO'
+      if (self%path /= path_of%nonlinear .and. needs_nonlinear(model) &
+         & .and. .not. only_flows(model)) call raise(error, &
+         & error_code%deck, 'E0116', 'PATH='//model%path//' cannot solve this scene: ' &
+         & //why_nonlinear(model), help='leave out PATH=')
+   end subroutine new_plan
+
+   !> Linear solutions on the shape at the start do not hold.
+   logical function needs_nonlinear(model)
+      type(model_type), intent(in) :: model
+      needs_nonlinear = why_nonlinear(model) /= ''
+   end function needs_nonlinear
+
+   !> Plastic materials alone ask for Newton: a user who knows that they stay elastic may say so.
+   logical function only_flows(model)
+      type(model_type), intent(in) :: model
+      only_flows = index(why_nonlinear(model), 'plastic') == 1
+   end function only_flows
+
+   function why_nonlinear(model) result(reason)
+      type(model_type), intent(in) :: model
+      character(len=:), allocatable :: reason
+      integer :: i
+
+      reason = ''
+      do i = 1, size(model%step)
+         if (size(model%step(i)%pair_change) > 0) reason = 'contact pairs change'
+      end do
+      if (any(model%pair%slave == model%pair%master)) &
+         & reason = 'self-contact is searched on the present shape'
+      do i = 1, size(model%section)
+         if (flows(model%material(model%section(i)%material)%flow)) reason = 'plastic flow'
+      end do
+      do i = 1, size(model%step)
+         if (allocated(model%step(i)%temperature)) then
+            if (size(model%step(i)%temperature) > 0) reason = 'temperatures'
+         end if
+      end do
+      if (allocated(model%initial_stress)) then
+         if (size(model%initial_stress) > 0) reason = 'stresses of the start'
+      end if
+      if (any(model%step%nlgeom)) reason = 'NLGEOM: finite rotation and sliding'
+      if (reason /= '') reason = reason//', Newton with exact tangents'
+   end function why_nonlinear
+
+   !> One line: what was chosen, and why.
+   function plan_line(self, solver, solver_reason, equations, retained, rows, nq, reached, points, &
+      & joined) result(line)
+      type(plan_type), intent(in) :: self
+      character(len=*), intent(in) :: solver, solver_reason
+      integer, intent(in) :: equations, retained, rows, nq
+      integer, intent(in) :: reached, points   !! slave points within reach, and all of them
+      integer, intent(in) :: joined            !! equations that came into reach after the factor
+      character(len=:), allocatable :: line
+
+      line = 'path '
+      if (self%path == path_of%condensed) line = line//'condensed'
+      if (self%path == path_of%refactorised) line = line//'newton'
+      if (self%path == path_of%nonlinear) line = line//'finite'
+      line = line//', solver '//solver//' ('//solver_reason//'): '//to_text(equations)//' equations'
+      if (rows > 0) line = line//', '//to_text(rows)//' contact rows on '//to_text(retained)// &
+         & ' of them'
+      if (joined > 0) line = line//' ('//to_text(joined)//' joined by a back-solve each)'
+      if (reached < points) line = line//', '//to_text(reached)//' of '//to_text(points)// &
+         & ' slave points within reach'
+      if (nq > 0) line = line//', '//to_text(nq)//' motions held only by contact'
+      line = line//'; because '//self%reason
+   end function plan_line
+
+   !> The same for the nonlinear path, whose contacts change as they slide.
+   function nonlinear_line(self, equations, points, multipliers) result(line)
+      type(plan_type), intent(in) :: self
+      integer, intent(in) :: equations, points, multipliers
+      character(len=:), allocatable :: line
+
+      line = 'path finite: '//to_text(equations)//' equations, '//to_text(points)// &
+         & ' contact points'
+      if (multipliers > 0) line = line//', '//to_text(multipliers)//' tractions as unknowns'
+      line = line//'; because '//self%reason
+   end function nonlinear_line
+end module lopin_plan

@@ -1,0 +1,111 @@
+!> Tests of lopin_newton_system: GMRES on the positive definite factor against UMFPACK on the whole.
+program test_newton_system
+   use lopin_kinds, only : wp
+   use lopin_error, only : error_type
+   use lopin_clock, only : clock_type, counter_type
+   use lopin_csc, only : csc_type
+   use lopin_constraints, only : constraints_type
+   use lopin_local_matrix, only : local_matrix_type
+   use lopin_newton_system, only : newton_system_type, set_tangent, solve_step, solve_whole
+   use check, only : test, close_to, is_true, finish
+   use matrices, only : elastic_block, uniform
+   implicit none
+   integer :: seed = 11
+
+   call agrees_with_the_whole('closed, no friction', mu=0.0_wp, slips=.false., stiffness=10.0_wp)
+   call agrees_with_the_whole('stick', mu=0.5_wp, slips=.false., stiffness=10.0_wp)
+   call agrees_with_the_whole('slip, mu = 0.3', mu=0.3_wp, slips=.true., stiffness=10.0_wp)
+   call agrees_with_the_whole('slip, mu = 1', mu=1.0_wp, slips=.true., stiffness=10.0_wp)
+   call agrees_with_the_whole('slip, hard springs', mu=0.3_wp, slips=.true., stiffness=1.0e4_wp)
+   call finish()
+
+contains
+
+   !> A block whose top nodes press on a rigid floor by unknown tractions; springs c and c.
+   subroutine agrees_with_the_whole(name, mu, slips, stiffness)
+      character(len=*), intent(in) :: name
+      real(wp), intent(in) :: mu, stiffness    !! springs beside the block's own stiffness
+      logical, intent(in) :: slips
+      type(newton_system_type) :: system
+      type(constraints_type) :: constraints
+      type(csc_type) :: k
+      type(local_matrix_type), allocatable :: local(:)
+      type(clock_type) :: clock
+      type(counter_type) :: counter
+      type(error_type), allocatable :: error
+      integer, allocatable :: top(:)
+      real(wp), allocatable :: right(:), step(:), whole(:), diagonal(:)
+      real(wp) :: c
+      integer :: i, n, m, bad
+
+      call test('step with '//name//' is that of the whole matrix')
+      call elastic_block([6, 5], .true., k, top)
+      n = k%n
+      call free_constraints(constraints, n)
+      allocate (diagonal(n))
+      call k%diagonal(diagonal)
+      c = stiffness*maxval(diagonal)
+      m = size(top)/2
+      allocate (local(m), right(n + 2*m), step(n + 2*m), whole(n + 2*m))
+      do i = 1, m
+         call press(local(i), top(2*i - 1:2*i), n + [2*i - 1, 2*i], c, mu, slips)
+      end do
+      do i = 1, n + 2*m
+         right(i) = uniform(seed) - 0.5_wp
+      end do
+      call clock%start()
+      call set_tangent(system, k, constraints, m, local, spread(c, 1, 2*m), &
+         & spread(1.0_wp, 1, 2*m), .false.)
+      call solve_step(system, right, 1.0e-12_wp, 'cholmod', step, clock, counter, bad, error)
+      call is_true('no error', .not. allocated(error) .and. bad == 0)
+      call is_true('by GMRES', .not. system%direct)
+      call is_true('few products', system%krylov <= 30)
+      call solve_whole(system, right, whole, clock, counter, bad, error)
+      call close_to('step', step/maxval(abs(whole)), whole/maxval(abs(whole)), 1.0e-8_wp)
+   end subroutine agrees_with_the_whole
+
+   !> Every dof is free.
+   subroutine free_constraints(self, n)
+      type(constraints_type), intent(out) :: self
+      integer, intent(in) :: n
+      integer :: i
+
+      self%ndof = n
+      self%neq = n
+      self%first = [(i, i=1, n + 1)]
+      self%equation = [(i, i=1, n)]
+      self%coefficient = spread(1.0_wp, 1, n)
+      self%pfirst = spread(1, 1, n + 1)
+      allocate (self%prescribed(0), self%pcoefficient(0))
+   end subroutine free_constraints
+
+   !> A point closed along y: z_y = l - c g; along x it sticks, or slips with z_x = mu z_y.
+   subroutine press(local, dof, row, c, mu, slips)
+      type(local_matrix_type), intent(out) :: local
+      integer, intent(in) :: dof(2), row(2)
+      real(wp), intent(in) :: c, mu
+      logical, intent(in) :: slips
+      real(wp) :: z(2, 4)
+
+      ! Slopes of the traction (x, y) by u_x, u_y, l_x, l_y.
+      z = 0.0_wp
+      z(2, 2) = -c
+      z(2, 4) = 1.0_wp
+      if (slips) then
+         z(1, :) = mu*z(2, :)
+      else if (mu > 0.0_wp) then
+         z(1, 1) = -c
+         z(1, 3) = 1.0_wp
+      end if
+      local%dof = [dof, row]
+      local%nu = 2
+      allocate (local%k(4, 4), local%spring(2, 2))
+      local%k(:2, :) = -z
+      local%k(3:, :) = -z/c
+      local%k(3, 3) = local%k(3, 3) + 1.0_wp/c
+      local%k(4, 4) = local%k(4, 4) + 1.0_wp/c
+      local%spring = 0.0_wp
+      local%spring(2, 2) = c
+      if (.not. slips .and. mu > 0.0_wp) local%spring(1, 1) = c
+   end subroutine press
+end program test_newton_system
