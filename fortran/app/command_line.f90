@@ -231,7 +231,8 @@ contains
          & '--deterministic       the same bits for any number of threads'//nl// &
          & '--strict              warnings are errors'//nl// &
          & '--json                a JSON object on standard output at the end'//nl// &
-         & '--progress WORD       auto, line, plain (one an increment), json (the same), none'//nl// &
+         & '--progress WORD       auto, line, plain (one an increment), json (the same), none'// &
+         & nl// &
          & '--quiet, -q; --verbose, -v; --no-color; --version; --help'//nl//nl// &
          & 'With the Python package (.venv/bin/lopin, pip install .): '//join(python_words)//nl// &
          & nl// &

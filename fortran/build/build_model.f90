@@ -17,6 +17,7 @@ module lopin_build_model
    use lopin_build_materials, only : build_materials
    use lopin_build_sections, only : build_sections, check_sections
    use lopin_build_surfaces, only : build_surfaces
+   use lopin_build_pretension, only : cut_type, cut_sections, join_sections
    use lopin_build_constraints, only : build_rigid_bodies, build_equations
    use lopin_build_transforms, only : build_transforms
    use lopin_build_interactions, only : build_interactions
@@ -47,6 +48,7 @@ contains
       type(deck_type), intent(in) :: deck
       type(error_type), allocatable, intent(out) :: error
       type(scene_type) :: scene
+      type(cut_type), allocatable :: cuts(:)
       logical, allocatable :: rigid(:), absolute(:)
 
       call read_general(model, deck)
@@ -62,6 +64,7 @@ contains
       call build_materials(model, deck, scene)
       call build_sections(model, deck, scene)
       call build_surfaces(model, deck, scene)
+      call cut_sections(cuts, model, deck, scene)
       allocate (rigid(model%mesh%nelement))
       call build_rigid_bodies(model, deck, scene, rigid)
       if (model%log%count_of(severity%error) == 0) call check_sections(model, scene, rigid)
@@ -74,6 +77,7 @@ contains
       call build_amplitudes(model, deck, scene, absolute)
       call build_steps(model, deck, scene, absolute)
       call build_temperatures(model, deck, scene)
+      call join_sections(cuts, model)
       call build_changes(model, deck, scene)
       if (model%log%count_of(severity%error) == 0) call settle_flow(model)
       if (model%log%count_of(severity%error) == 0) call settle_friction(model)

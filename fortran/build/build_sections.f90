@@ -1,7 +1,7 @@
 !> Sections of the deck, and which elements have which: every one that deforms needs one.
 module lopin_build_sections
    use lopin_kinds, only : wp
-   use lopin_error, only : location_type, log_type
+   use lopin_error, only : location_type, log_type, severity
    use lopin_text, only : to_text, plural
    use lopin_model, only : model_type, section_type
    use lopin_element_type, only : element_kind
@@ -123,9 +123,10 @@ contains
          e = model%mesh%elset(k)%member(i)
          if (other == 0 .and. model%mesh%section(e) > 0) then
             other = model%mesh%section(e)
-            call complain(model%log, 'E0203', 'element '//to_text(model%mesh%element_label(e)) &
-               & //' of set '//name//' has a section already, from line ' &
-               & //to_text(model%section(other)%at%line), at)
+            call model%log%say(severity%warning, 'W0203', 'element '// &
+               & to_text(model%mesh%element_label(e))//' of set '//name//' has a section '// &
+               & 'already, from line '//to_text(model%section(other)%at%line)// &
+               & ': this later one holds', at, help='one *SOLID SECTION for each element')
          end if
          if (scene%etype(model%mesh%etype(e))%kind == element_kind%rigid) cycle
          model%mesh%section(e) = size(model%section)

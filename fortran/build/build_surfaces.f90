@@ -14,11 +14,12 @@ module lopin_build_surfaces
    use lopin_build_tools, only : build_tool
    implicit none
    private
-   public :: build_surfaces, surface_named
+   public :: build_surfaces, surface_named, slave_named
 
    !> Which elements have each node as a corner, for the neighbour across a face.
    type :: neighbours_type
       integer, allocatable :: start(:), element(:)
+      logical :: within = .false.              !! faces between elements may be taken too
    end type neighbours_type
 
 contains
@@ -43,17 +44,18 @@ contains
             surface = surface_data_type()
             surface%name = scoped(scene, scope, name)
             surface%at = at
-            do i = 1, size(model%surface)
-               if (model%surface(i)%name == surface%name) call complain(model%log, 'E0205', &
-                  & 'surface `' &
-                  & //surface%name//'` is defined twice, first in line ' &
-                  & //to_text(model%surface(i)%at%line), at)
-            end do
             call get_word(block, 'TYPE', word, word_at, found)
             if (.not. found) word = 'ELEMENT'
+            do i = 1, size(model%surface)
+               if (model%surface(i)%name /= surface%name) cycle
+               if ((model%surface(i)%kind == surface_of%nodes) .neqv. word == 'NODE') cycle
+               call complain(model%log, 'E0205', 'surface `'//surface%name//'` is defined '// &
+                  & 'twice, first in line '//to_text(model%surface(i)%at%line), at)
+            end do
             select case (word)
             case ('ELEMENT')
                if (.not. allocated(neighbours%start)) call find_neighbours(neighbours, model, scene)
+               neighbours%within = cuts_a_body(deck, scene, name)
                call read_faces(surface, model, scene, block, scope, neighbours)
             case ('NODE')
                call read_surface_nodes(surface, model, scene, block, scope)
@@ -73,6 +75,26 @@ contains
          end associate
       end do
    end subroutine build_surfaces
+
+   !> Is it the surface of a *PRE-TENSION SECTION?
+   logical function cuts_a_body(deck, scene, name)
+      type(deck_type), intent(in) :: deck
+      type(scene_type), intent(in) :: scene
+      character(len=*), intent(in) :: name
+      character(len=:), allocatable :: word
+      type(location_type) :: at
+      integer :: k
+
+      cuts_a_body = .false.
+      do k = 1, scene%ncard
+         associate (block => deck%block(scene%card(k)%block))
+            if (block%keyword == 'PRE-TENSION SECTION') &
+               & call get_word(block, 'SURFACE', word, at, cuts_a_body)
+         end associate
+         if (cuts_a_body) cuts_a_body = word == name
+         if (cuts_a_body) return
+      end do
+   end function cuts_a_body
 
    subroutine read_surface_nodes(surface, model, scene, block, scope)
       type(surface_data_type), intent(inout) :: surface
@@ -188,7 +210,7 @@ contains
                   & //' does not exist', label%at)
                return
             end if
-            if (.not. etype%cell%sided) then
+            if (.not. (etype%cell%sided .or. neighbours%within)) then
                other = across(model, etype%cell, neighbours, e, f)
                if (other > 0) then
                   call complain(model%log, 'E0301', 'face '//upper(label%text)//' of element ' &
@@ -307,15 +329,18 @@ contains
       face%n = n
    end subroutine keep_once
 
-   !> The index of a surface; complains and returns 0 when there is none.
-   integer function surface_named(model, scene, name, scope, at) result(k)
+   !> The index of a surface; complains and returns 0 when there is none. Where nodes and faces
+   !> have the same name it is the faces, unless nodes are asked for.
+   integer function surface_named(model, scene, name, scope, at, of_nodes) result(k)
       type(model_type), intent(inout) :: model
       type(scene_type), intent(in) :: scene
       character(len=*), intent(in) :: name
       integer, intent(in) :: scope
       type(location_type), intent(in) :: at
+      logical, intent(in), optional :: of_nodes
       type(name_type) :: names(size(model%surface))
-      integer :: i
+      integer :: i, twin
+      logical :: nodes
 
       do i = 1, size(names)
          names(i)%text = model%surface(i)%name
@@ -323,5 +348,38 @@ contains
       k = find_name(names, scoped(scene, scope, name))
       if (k == 0) k = find_name(names, upper(name))
       if (k == 0) call no_such(model%log, 'surface', upper(name), names, at)
+      twin = twin_of(model, k)
+      if (twin == 0) return
+      nodes = .false.
+      if (present(of_nodes)) nodes = of_nodes
+      if (nodes .neqv. model%surface(k)%kind == surface_of%nodes) k = twin
    end function surface_named
+
+   !> The slave of a pair that is there by its name, or by the name of the surface alone.
+   integer function slave_named(model, scene, name, scope, at) result(k)
+      type(model_type), intent(inout) :: model
+      type(scene_type), intent(in) :: scene
+      character(len=*), intent(in) :: name
+      integer, intent(in) :: scope
+      type(location_type), intent(in) :: at
+      integer :: twin
+
+      k = surface_named(model, scene, name, scope, at)
+      twin = twin_of(model, k)
+      if (twin == 0) return
+      if (any(model%pair%slave == twin) .and. .not. any(model%pair%slave == k)) k = twin
+   end function slave_named
+
+   !> The surface of nodes with the name of one of faces, or the other way round; 0: none.
+   pure integer function twin_of(model, k) result(twin)
+      type(model_type), intent(in) :: model
+      integer, intent(in) :: k                 !! surface; 0: none
+
+      if (k > 0) then
+         do twin = 1, size(model%surface)
+            if (twin /= k .and. model%surface(twin)%name == model%surface(k)%name) return
+         end do
+      end if
+      twin = 0
+   end function twin_of
 end module lopin_build_surfaces

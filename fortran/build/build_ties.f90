@@ -1,10 +1,12 @@
 !> `*TIE`: surfaces glued for the whole run, as a pair of its own with an interaction of its own.
 module lopin_build_ties
    use lopin_kinds, only : wp
-   use lopin_error, only : location_type
+   use lopin_error, only : location_type, severity
+   use lopin_face_vectors, only : surface_vector
    use lopin_text, only : parse_real, to_text
    use lopin_interactions, only : new_interaction, add_interaction
-   use lopin_model, only : model_type, pair_type, interaction_type, surface_of
+   use lopin_model, only : model_type, pair_type, interaction_type, surface_of, &
+      & surface_data_type
    use lopin_block, only : deck_type, block_type, field_type, split_fields, complain, line_place
    use lopin_build_scene, only : scene_type, get_word, need_word
    use lopin_build_surfaces, only : surface_named
@@ -77,9 +79,48 @@ contains
                & //'` is tied to itself', pair%at)
             cycle
          end if
+         call turn_round(model, scene, pair)
          call check_sides(model, pair, field(1), field(2), ok)
          if (model%surface(pair%slave)%kind == surface_of%nodes) pair%surface_to_surface = .false.
          if (ok) model%pair = [model%pair, pair]
       end do
    end subroutine read_tie
+
+   !> Surfaces that look the same way meet nowhere, but what they join is meant: the nodes of the
+   !> slave are tied to the nearest points of the master.
+   subroutine turn_round(model, scene, pair)
+      type(model_type), intent(inout) :: model
+      type(scene_type), intent(in) :: scene
+      type(pair_type), intent(inout) :: pair
+      type(surface_data_type) :: nodes
+      real(wp) :: one(3), other(3)
+      logical :: met(model%mesh%nnode)
+      integer :: i
+
+      associate (slave => model%surface(pair%slave), master => model%surface(pair%master))
+         if (any([slave%kind, master%kind] /= surface_of%faces)) return
+         one = surface_vector(model%mesh, scene%etype%cell, slave)
+         other = surface_vector(model%mesh, scene%etype%cell, master)
+         if (dot_product(one, other) <= 0.5_wp*norm2(one)*norm2(other)) return
+         met = .false.
+         do i = 1, size(slave%element)
+            associate (cell => scene%etype(model%mesh%etype(slave%element(i)))%cell, &
+               & f => slave%face(i))
+               met(model%mesh%conn(cell%face_node(:cell%face_nnode(f), f), slave%element(i))) &
+                  & = .true.
+            end associate
+         end do
+         call model%log%say(severity%warning, 'W0319', 'surfaces '//slave%name//' and '// &
+            & master%name//' of *TIE look the same way: the nodes of '//slave%name// &
+            & ' are tied to the nearest points', pair%at, &
+            & help='two bodies overlap there, or a face number is wrong')
+         nodes%name = slave%name
+         nodes%at = slave%at
+      end associate
+      nodes%kind = surface_of%nodes
+      nodes%node = pack([(i, i=1, size(met))], met)
+      allocate (nodes%area(size(nodes%node)), source=0.0_wp)
+      model%surface = [model%surface, nodes]
+      pair%slave = size(model%surface)
+   end subroutine turn_round
 end module lopin_build_ties

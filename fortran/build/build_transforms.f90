@@ -2,7 +2,8 @@
 module lopin_build_transforms
    use lopin_kinds, only : wp
    use lopin_vectors, only : cross
-   use lopin_error, only : location_type, log_type
+   use lopin_error, only : location_type, log_type, severity
+   use lopin_text, only : to_text
    use lopin_model, only : model_type
    use lopin_block, only : deck_type, block_type, field_type, split_fields, field_real, &
       & complain, line_place
@@ -24,7 +25,7 @@ contains
       real(wp) :: point(6)
       integer, allocatable :: slot(:)
       integer :: k, i, s, n
-      logical :: found
+      logical :: found, lies_on_axis, told
 
       allocate (model%transform%node(0), slot(model%mesh%nnode), axes(3, 3, model%mesh%nnode))
       slot = 0
@@ -44,6 +45,7 @@ contains
             point(4:) = placed(scene, scope, point(4:)) - merge(placed(scene, scope, [0.0_wp, &
                & 0.0_wp, 0.0_wp]), &
                & 0.0_wp, kind /= 'C')
+            told = .false.
             associate (member => model%mesh%nset(s)%member)
                do i = 1, size(member)
                   if (slot(member(i)) == 0) then
@@ -52,12 +54,18 @@ contains
                      model%transform%node = [model%transform%node, member(i)]
                   end if
                   call local_axes(kind, point, model%mesh%x(:, member(i)), &
-                     & axes(:, :, slot(member(i))), found)
+                     & axes(:, :, slot(member(i))), found, lies_on_axis)
+                  if (found .and. lies_on_axis .and. .not. told) call model%log%say(severity%note, &
+                     & 'N0406', 'node '// &
+                     & to_text(model%mesh%node_label(member(i)))//' lies on the axis of '// &
+                     & '*TRANSFORM: its radial direction is '//direction( &
+                     & axes(1, :, slot(member(i)))), line_place(block%line(1)))
+                  told = told .or. lies_on_axis
                   if (found) cycle
                   call complain(model%log, 'E0405', 'the points of *TRANSFORM give no axes', &
                      & line_place(block%line(1)), &
                      & help='R: a on local x, b in the xy plane, not in line with the origin; ' &
-                     & //'C: a and b on the axis, no node of the set on it')
+                     & //'C: a and b, two points of the axis')
                   exit
                end do
             end associate
@@ -88,25 +96,29 @@ contains
    end subroutine read_points
 
    !> Rows are the local directions: R from two points, C radial, tangential, axial at a node.
-   pure subroutine local_axes(kind, point, x, axes, found)
+   !> At a node on the axis of C every direction is radial: CalculiX' choice is taken.
+   pure subroutine local_axes(kind, point, x, axes, found, lies_on_axis)
       character(len=*), intent(in) :: kind
       real(wp), intent(in) :: point(6)       !! a and b [length]
       real(wp), intent(in) :: x(:)           !! (ndim) the node [length]
       real(wp), intent(out) :: axes(3, 3)
-      logical, intent(out) :: found
+      logical, intent(out) :: found, lies_on_axis
       real(wp), parameter :: smallest = 1.0e-9_wp
       real(wp) :: one(3), two(3), three(3), scale
 
       axes = 0.0_wp
+      lies_on_axis = .false.
       if (kind == 'C') then
          three = point(4:) - point(:3)
          one = -point(:3)
          one(:size(x)) = one(:size(x)) + x
          scale = norm2(three)
          if (scale > 0.0_wp) three = three/scale
-         scale = norm2(one)
+         scale = max(scale, norm2(one))
          one = one - three*dot_product(one, three)
-         found = norm2(three) > 0.5_wp .and. norm2(one) > smallest*scale
+         found = norm2(three) > 0.5_wp
+         lies_on_axis = .not. norm2(one) > smallest*scale
+         if (found .and. lies_on_axis) one = across(three)
       else
          one = point(:3)
          two = point(4:)
@@ -118,4 +130,26 @@ contains
       axes(3, :) = three/norm2(three)
       axes(2, :) = cross(axes(3, :), axes(1, :))
    end subroutine local_axes
+
+   !> A direction across an axis.
+   pure function across(axis) result(one)
+      real(wp), intent(in) :: axis(3)
+      real(wp) :: one(3)
+      real(wp), parameter :: smallest = 1.0e-9_wp
+
+      if (abs(axis(1)) > smallest) then
+         one = [-axis(2)/axis(1), 1.0_wp, 0.0_wp]
+      else if (abs(axis(2)) > smallest) then
+         one = [0.0_wp, -axis(3)/axis(2), 1.0_wp]
+      else
+         one = [1.0_wp, 0.0_wp, 0.0_wp]
+      end if
+   end function across
+
+   pure function direction(one) result(text)
+      real(wp), intent(in) :: one(3)
+      character(len=:), allocatable :: text
+
+      text = '('//to_text(one(1), 3)//', '//to_text(one(2), 3)//', '//to_text(one(3), 3)//')'
+   end function direction
 end module lopin_build_transforms

@@ -73,7 +73,7 @@ contains
       end do
    end subroutine check_forces
 
-   !> Nodes of elements and of rigid bodies.
+   !> Nodes of elements, of rigid bodies and of equations.
    pure subroutine find_bodies(model, there)
       type(model_type), intent(in) :: model
       logical, allocatable, intent(out) :: there(:)      !! (0:nnode)
@@ -87,6 +87,9 @@ contains
          there(model%rigid_body(i)%reference) = .true.
          there(model%rigid_body(i)%rotation) = .true.
          there(model%rigid_body(i)%node) = .true.
+      end do
+      do i = 1, size(model%equation)
+         there(model%equation(i)%node) = .true.
       end do
    end subroutine find_bodies
 

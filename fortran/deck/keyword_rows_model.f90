@@ -64,6 +64,7 @@ contains
       call required(table)
       call add_set_words(table)
       call word(table, 'ELSET', 'Take the nodes of this element set.')
+      call ignored_flag(table, 'FREQUENCY', 'Sets have no frequency; CalculiX reads over it.')
       call data_line(table, 'node or node set, ...', 'Members.')
       call data_line(table, 'first, last, increment = 1', 'With GENERATE.')
       call example(table, '*NSET, NSET=BOTTOM, GENERATE|1, 9, 2')
@@ -281,6 +282,17 @@ contains
       call data_line(table, 'node or node set, dof, coefficient, ...', &
          & 'The terms; the first is eliminated.')
       call example(table, '*EQUATION|2|5, 1, 1., 9, 1, -1.')
+
+      call key(table, 'PRE-TENSION SECTION', 'M', 'both', 'Cuts a bolt: the pre-tension node '// &
+         & 'pulls the two sides of a section together.')
+      call word(table, 'SURFACE', 'Faces across the bolt, of the elements on one side.')
+      call required(table)
+      call word(table, 'NODE', 'The pre-tension node: *CLOAD on its dof 1 is the tension, '// &
+         & '*BOUNDARY the shortening.')
+      call required(table)
+      call later_flag(table, 'ELEMENT', 'A beam that is tightened.')
+      call data_line(table, 'x, y, z', 'Normal of the section; without it that of the faces.')
+      call example(table, '*PRE-TENSION SECTION, SURFACE=CUT, NODE=9000|0., 1., 0.')
 
       call key(table, 'TRANSFORM', 'MPA', 'both', 'Local axes in which the dofs of nodes are '// &
          & 'meant: displacements and forces, rotations and moments of reference nodes too.')

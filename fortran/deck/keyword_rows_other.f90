@@ -89,7 +89,6 @@ contains
       call later(table, 'KINEMATIC COUPLING', 'couplings (*RIGID BODY exists)')
       call later(table, 'DISTRIBUTING', 'couplings (*RIGID BODY exists)')
       call later(table, 'DISTRIBUTING COUPLING', 'couplings (*RIGID BODY exists)')
-      call later(table, 'PRE-TENSION SECTION', 'bolt pretension')
       call later(table, 'SPRING', 'springs')
       call later(table, 'DASHPOT', 'dashpots')
       call later(table, 'MASS', 'point masses')

@@ -206,6 +206,7 @@ contains
       call word(table, 'MASTER', 'Master surface of the pair.')
       call known_as(table, 'MAIN')
       call word(table, 'NSET', 'Only these nodes.')
+      call known_as(table, 'SET')
       call choice(table, 'TOTALS', 'NO,YES,ONLY', 'NO', 'Sum over the pair.')
       call data_line(table, 'variable, ...', &
          & 'CDIS (signed gap), CSTR (pressure and shear), CF, CFN, CFS (forces), CPRESS, '// &
@@ -247,6 +248,7 @@ contains
       call ignored_flag(table, 'OUTPUT', '2D or 3D.')
       call ignored_flag(table, 'LAST ITERATIONS', 'Iterations of CalculiX.')
       call ignored_flag(table, 'CONTACT ELEMENTS', 'Contact elements of CalculiX.')
+      call known_as(table, 'CONTACT ELEMENT')
       call ignored_flag(table, 'SUMMARY', 'Extremes of a table.')
       call later_flag(table, 'TIME POINTS', 'Chosen times.')
    end subroutine add_print_words

@@ -8,6 +8,7 @@ module lopin_explain
    use lopin_explain_friction, only : friction_explanations
    use lopin_explain_mistakes, only : mistake_explanations
    use lopin_explain_model, only : model_explanations
+   use lopin_explain_others, only : other_explanations
    use lopin_explain_run, only : run_explanations
    use lopin_explain_time, only : time_explanations
    use lopin_text, only : upper
@@ -62,6 +63,7 @@ contains
       call mistake_explanations(list)
       call friction_explanations(list)
       call flow_explanations(list)
+      call other_explanations(list)
       call run_explanations(list)
       call time_explanations(list)
    end subroutine all_explanations

@@ -1,8 +1,8 @@
 !> Physical dofs: which node has which, and their numbers.
 !>
 !> Nodes of deformable elements and followers of rigid bodies have translations; a reference node
-!> has its translations and rotations. A rotation node is another name for the rotations of its
-!> reference node.
+!> has its translations and rotations; other nodes have the dofs that equations name. A rotation
+!> node is another name for the rotations of its reference node.
 module lopin_dofs
    use lopin_model, only : model_type, kind_of
    implicit none
@@ -14,6 +14,7 @@ module lopin_dofs
       integer, allocatable :: id(:, :)    !! (6, nnode) number of dof 1..6 of a node; 0: none
       integer, allocatable :: node(:)     !! (n) node of a dof; the reference node for rotations
       integer, allocatable :: dof(:)      !! (n) 1..6
+      logical, allocatable :: alone(:)    !! (nnode) of no element and no body: only in equations
    end type dofs_type
 
 contains
@@ -39,6 +40,7 @@ contains
             call mark_reference(self%id(:, rigid%reference), model%kind)
          end associate
       end do
+      call mark_equations(self%id, self%alone, model)
       do node = 1, model%mesh%nnode
          do k = 1, 6
             if (self%id(k, node) == 0) cycle
@@ -60,6 +62,26 @@ contains
          end associate
       end do
    end subroutine new_dofs
+
+   !> A node of nothing else that an equation names carries what it is loaded by to the others.
+   pure subroutine mark_equations(id, alone, model)
+      integer, intent(inout) :: id(:, :)       !! (6, nnode)
+      type(model_type), intent(in) :: model
+      logical, allocatable, intent(out) :: alone(:)
+      integer :: i, k
+
+      alone = all(id == 0, dim=1)
+      do i = 1, size(model%rigid_body)
+         if (model%rigid_body(i)%rotation > 0) alone(model%rigid_body(i)%rotation) = .false.
+      end do
+      do i = 1, size(model%equation)
+         associate (node => model%equation(i)%node, dof => model%equation(i)%dof)
+            do k = 1, size(node)
+               if (alone(node(k)) .and. dof(k) <= model%mesh%ndim) id(dof(k), node(k)) = 1
+            end do
+         end associate
+      end do
+   end subroutine mark_equations
 
    !> A rigid body moves along its plane's translations and turns about the axes that keep it in
    !> plane.

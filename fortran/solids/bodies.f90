@@ -30,6 +30,7 @@ module lopin_bodies
       real(wp) :: length = 1.0_wp             !! of the scene, scales rotations [length]
       integer :: nmode = 0                    !! rigid motions of a deformable body
       integer, allocatable :: column(:, :)    !! (6, nrigid) column of each reference dof; 0: none
+      integer, allocatable :: lone(:)         !! (ndof) column of a dof that only equations name
    end type bodies_type
 
 contains
@@ -144,6 +145,12 @@ contains
             self%column(k, i) = ncolumn
          end do
       end do
+      allocate (self%lone(dofs%n), source=0)
+      do i = 1, dofs%n
+         if (.not. dofs%alone(dofs%node(i))) cycle
+         ncolumn = ncolumn + 1
+         self%lone(i) = ncolumn
+      end do
    end subroutine number_columns
 
    !> Value of a raw variable per amplitude of each column that moves it; rotations are times
@@ -160,6 +167,12 @@ contains
       real(wp) :: axis(3)
 
       n = 0
+      if (self%lone(raw) > 0) then
+         n = 1
+         column(1) = self%lone(raw)
+         value(1) = 1.0_wp
+         return
+      end if
       node = dofs%node(raw)
       dof = dofs%dof(raw)
       before = merge(0, 3, dof <= 3)
@@ -360,7 +373,7 @@ contains
       character(len=12) :: digits
       integer :: i, e, members, best
 
-      text = 'the body'
+      text = 'a node of *EQUATION or *PRE-TENSION SECTION'
       if (body == 0) return
       members = 0
       do e = 1, model%mesh%nelement

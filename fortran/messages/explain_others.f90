@@ -1,0 +1,32 @@
+!> Explanations: what decks of other programs say in their own way.
+module lopin_explain_others
+   use lopin_explanation, only : explanation_type, add_explanation
+   implicit none
+   private
+   public :: other_explanations
+
+contains
+
+   subroutine other_explanations(list)
+      type(explanation_type), allocatable, intent(inout) :: list(:)
+
+      call add_explanation(list, 'W0203', 'an element in two sections', &
+         & 'Two *SOLID SECTION cards name sets that share elements. The later card holds, as '// &
+         & 'in CalculiX; with two different materials that is often a set too many.', &
+         & 'leave the elements out of one of the two sets.')
+      call add_explanation(list, 'W0319', 'tied surfaces that look the same way', &
+         & 'Surfaces that are glued face each other: where they look the same way the bodies '// &
+         & 'behind them overlap, or one has the wrong face number. What is joined is clear, '// &
+         & 'though: the nodes of the slave follow the nearest points of the master.', &
+         & 'look at the two surfaces in check.vtu or in ParaView.')
+      call add_explanation(list, 'N0406', 'a node on the axis of *TRANSFORM', &
+         & 'On the axis of a cylindrical system every direction across is radial. The one that '// &
+         & 'CalculiX takes is taken; a condition on the radial or tangential dof of such a '// &
+         & 'node depends on that choice.', &
+         & 'prescribe nodes on the axis in a set of their own.')
+      call add_explanation(list, 'E0315', 'a pre-tension section that cuts nothing', &
+         & 'The surface of *PRE-TENSION SECTION is the element faces on one side of a plane '// &
+         & 'across the bolt; the direction on the data line is the normal of that plane.', &
+         & 'name faces by *SURFACE, TYPE=ELEMENT and give their normal, or none.')
+   end subroutine other_explanations
+end module lopin_explain_others
