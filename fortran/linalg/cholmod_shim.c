@@ -142,16 +142,41 @@ static void weakest_pivot(const cholmod_factor *L, const int *p, const int *i, c
     }
 }
 
+/* CHOLMOD starts four threads of its own in every larger supernode, whatever anybody asked for: they
+ * spin between two loops of microseconds (a tenth of the CPU time of a factorisation). With no level
+ * of parallel regions they are none; the threads of the BLAS are not those of OpenMP unless it says
+ * so, and then it is left as it is. */
+extern void omp_set_max_active_levels(int) __attribute__((weak));
+extern int omp_get_max_active_levels(void) __attribute__((weak));
+extern int openblas_get_parallel(void) __attribute__((weak));
+
+static int without_levels(void)
+{
+    int levels;
+    if (!omp_set_max_active_levels || !omp_get_max_active_levels) return -1;
+    if (openblas_get_parallel && openblas_get_parallel() == 2) return -1;
+    levels = omp_get_max_active_levels();
+    omp_set_max_active_levels(0);
+    return levels;
+}
+
+static void with_levels(int levels)
+{
+    if (levels >= 0) omp_set_max_active_levels(levels);
+}
+
 /* *where: 0-based equation of the failed (status LOPIN_NOT_POSITIVE) or weakest pivot. */
 int lopin_cholmod_factorise(void *v, int *p, int *i, double *x, double *ratio, int *where)
 {
     handle_type *h = v;
     cholmod_sparse a = sparse_view(h->n, p, i, x, 1);
-    int status, column = 0;
+    int status, levels, column = 0;
     *ratio = 0.0;
     *where = 0;
     if (!h->L) return LOPIN_OTHER;
+    levels = without_levels();
     cholmod_factorize(&a, h->L, &h->c);
+    with_levels(levels);
     status = status_of(h);
     if (status == LOPIN_NOT_POSITIVE) column = (int)h->L->minor;
     else if (status == LOPIN_OK) weakest_pivot(h->L, p, i, x, ratio, &column);

@@ -171,7 +171,7 @@ contains
    end subroutine hencky_response
 
    !> What the law makes of a trial deviator of strain.
-   pure function answer_of(law, past, magnitude) result(back)
+   pure recursive function answer_of(law, past, magnitude) result(back)
       type(solid_law_type), intent(in) :: law
       type(past_type), intent(in) :: past
       real(wp), intent(in) :: magnitude      !! sqrt(e:e)
@@ -179,8 +179,7 @@ contains
 
       if (law%flows) then
          if (allocated(law%flow%temperature)) then
-            back = return_radially(flow_at(law%flow, past%temperature), law%shear, magnitude, &
-               & past%strain, past%dt)
+            back = answer_at_temperature(law, past, magnitude)
          else
             back = return_radially(law%flow, law%shear, magnitude, past%strain, past%dt)
          end if
@@ -188,6 +187,19 @@ contains
          back%secant = 2.0_wp*law%shear
       end if
    end function answer_of
+
+   !> The same of tables for several temperatures; apart, so that the usual answer has one way.
+   pure function answer_at_temperature(law, past, magnitude) result(back)
+      type(solid_law_type), intent(in) :: law
+      type(past_type), intent(in) :: past
+      real(wp), intent(in) :: magnitude      !! sqrt(e:e)
+      type(return_type) :: back
+      type(solid_law_type) :: one
+
+      one = law
+      one%flow = flow_at(law%flow, past%temperature)
+      back = answer_of(one, past, magnitude)
+   end function answer_at_temperature
 
    !> Plastic flow of a trial deformation: its answer, and what it takes from b.
    pure subroutine flow_of_trial(law, past, change, back, taken)

@@ -9,7 +9,7 @@ module lopin_corner_shape
    use lopin_cells, only : cell_type
    implicit none
    private
-   public :: corners_type, new_corners, worst_corner
+   public :: corners_type, new_corners, worst_corner, turns_over
 
    !> The corners of a cell and what leaves them.
    type :: corners_type
@@ -77,6 +77,26 @@ contains
          corner = a
       end do
    end subroutine worst_of_corners
+
+   !> Some corner of a cell is inside out, by the sign alone.
+   pure logical function turns_over(self, x)
+      type(corners_type), intent(in) :: self
+      real(wp), intent(in) :: x(:, :)        !! (ndim, nnode) coordinates [length]
+      real(wp) :: one(2), other(2)
+      integer :: a
+
+      turns_over = .true.
+      do a = 1, self%n
+         if (self%ndim == 2 .and. self%middle(1, a) == 0) then
+            one = x(:2, self%end(1, a)) - x(:2, a)
+            other = x(:2, self%end(2, a)) - x(:2, a)
+            if ((one(1)*other(2) - one(2)*other(1))*self%sense(a) < 0.0_wp) return
+         else
+            if (at_corner(self, a, x)*self%sense(a) < 0.0_wp) return
+         end if
+      end do
+      turns_over = .false.
+   end function turns_over
 
    !> Determinant of the unit edges that leave a corner; an edge without length counts as flat.
    pure real(wp) function at_corner(self, a, x) result(value)

@@ -72,6 +72,9 @@ module lopin_state
       real(wp) :: stiffer = 1.0_wp             !! slopes now, beside those first chosen
       integer :: raised = 0                    !! times they were raised; most_raises: no more
       real(wp) :: softness = 0.0_wp            !! estimated pressure error of penalties, relative
+      logical, allocatable :: judged(:)        !! (n) closed when that was estimated
+      integer :: judged_before = 0             !! increments since then
+      real(wp), allocatable :: pressed(:)      !! (npair) normal forces [force]
    contains
       procedure :: pass => pass_contact
    end type contact_state_type
@@ -264,6 +267,9 @@ contains
       call stream%pass(self%stiffer)
       call stream%pass(self%raised)
       call stream%pass(self%softness)
+      call stream%pass(self%judged)
+      call stream%pass(self%judged_before)
+      call stream%pass(self%pressed)
    end subroutine pass_contact
 
    subroutine pass_loads(self, stream)

@@ -8,7 +8,7 @@ program test_mortar
    use lopin_surface, only : surface_type, new_surface, update_surface
    use lopin_search, only : tree_type, build_tree
    use lopin_error, only : error_type
-   use lopin_mortar_cells_2d, only : segment_type, integrate_segment
+   use lopin_mortar_cells_2d, only : segment_type, integrate_segment, find_least
    use lopin_mortar_overlap, only : overlap_type, overlap_list_type, add_overlap
    use lopin_mortar_overlaps_2d, only : find_overlaps_2d
    use lopin_slave_pieces, only : split_slave, piece_normals, whole_weights
@@ -35,6 +35,7 @@ program test_mortar
       call rows_reproduce(k, .false.)
       call rows_reproduce(k, .true.)
    end do
+   call the_least_gap_is_along_the_master()
    call uncovered_nodes_are_shared()
    call the_nearest_layer_is_met()
    call positive_rows_of_transformed_bases(cell_id%quad8)
@@ -42,6 +43,24 @@ program test_mortar
    call finish()
 
 contains
+
+   !> The deeper of two nodes is the nearest place, however much the slave turns away at the other.
+   subroutine the_least_gap_is_along_the_master()
+      type(segment_type) :: segment
+      type(dual_type) :: x(2, 2), normal(2, 2), y(2, 2)
+
+      x(1, :) = constant([0.0_wp, 1.0_wp])
+      x(2, :) = constant([-0.01_wp, -0.009_wp])
+      normal(:, 1) = constant([0.0_wp, -1.0_wp])
+      normal(:, 2) = constant([0.9_wp, -sqrt(0.19_wp)])
+      y(1, :) = constant([3.0_wp, -1.0_wp])
+      y(2, :) = constant([0.0_wp, 0.0_wp])
+      call integrate_segment(x, normal, y, .false., 1.0_wp, segment)
+      call find_least(x%v, normal%v, y%v, segment)
+      call test('the least gap is along the normal of the master')
+      call close_to('its value', segment%least%gap, -0.01_wp, 1.0e-14_wp)
+      call close_to('its place', segment%least%n(1), 1.0_wp, 1.0e-14_wp)
+   end subroutine the_least_gap_is_along_the_master
 
    !> A repeatable disturbance between -1 and 1.
    pure real(wp) function noise(k)

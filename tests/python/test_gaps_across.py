@@ -59,6 +59,39 @@ def test_bodies_that_touch_press(solve, nlgeom):
     assert result.contact(0).last.pressure.max() > 1.0
 
 
+@pytest.mark.parametrize("word", ["CPE4", "C3D8"])
+def test_gaps_from_a_flat_master_are_those_of_the_nodes(solve, word):
+    """However the slave turns away: linear gaps are their own means, none is another node's."""
+    lines = Lines()
+    lines.add("*MATERIAL, NAME=M", "*ELASTIC", "1000., 0.3")
+    space = word.startswith("C3D")
+    up, wide = (3, (1,)) if space else (2, ())
+
+    def rocker(x):
+        y, u = np.array(x, dtype=float), x[:, 0]
+        y[:, 0] = 2.0*u
+        y[:, -1] = x[:, -1] + (1.0 - x[:, -1])*0.6*u**3
+        return y
+
+    lines.mesh(block((1.0, *wide, 1.0), (8, *wide, 3)).mapped(rocker), word, "B")
+    lines.mesh(block((5.0, *wide, 1.0), (7, *wide, 1), origin=(-1.0, *(0.0 for _ in wide), -1.0)),
+               word, "T")
+    for name in "BT":
+        lines.add(f"*SOLID SECTION, ELSET={name}E, MATERIAL=M", "1.,")
+    slope = 2000.0
+    lines.add("*SURFACE INTERACTION, NAME=C", "*SURFACE BEHAVIOR, PERTURBED LAGRANGE", f"{slope},",
+              "*CONTACT PAIR, INTERACTION=C, TYPE=SURFACE TO SURFACE", "BSBOTTOM, TSTOP",
+              "*BOUNDARY", f"TN, 1, {up}", "BTOP, 1", *(("BN, 2",) if space else ()),
+              "*STEP, NLGEOM", "*STATIC", "0.25, 1.", "*BOUNDARY", f"BTOP, {up}, {up}, -0.5",
+              "*NODE FILE", "U", "*CONTACT FILE", "CDIS, CSTR", "*END STEP")
+    deck = Deck.parse("\n".join(lines.text) + "\n", name="rocker")
+    last = solve(deck).contact(0).last
+    depth = -last.place[:, -1]
+    closed = last.pressure > 0.0
+    assert closed.sum() >= 6
+    assert np.allclose(last.pressure[closed], slope*depth[closed], rtol=1e-6)
+
+
 def rings(sense, clearance, nlgeom=False):
     """Rings of 40 matching chords, one pressed into the other and turned until it slips."""
     lines = Lines()

@@ -11,7 +11,8 @@ module lopin_mortar_cells_2d
       & sqrt, assignment(=)
    implicit none
    private
-   public :: segment_type, integrate_segment, slave_parameter, master_parameter, line_shape
+   public :: segment_type, integrate_segment, find_least, slave_parameter, master_parameter, &
+      & line_shape
 
    !> Integrals over a segment; weight: thickness, or 2 pi r.
    type :: segment_type
@@ -22,7 +23,7 @@ module lopin_mortar_cells_2d
       type(dual_type) :: b(3, 3)         !! integral of N_j N_l of the master [area]
       type(dual_type) :: gap(3)          !! integral of N_j gap [area length]
       type(dual_type) :: area            !! [area]
-      type(least_type) :: least          !! of its ends, and of places between if curved
+      type(least_type) :: least          !! by find_least
    end type segment_type
 
    real(wp), parameter :: pi = acos(-1.0_wp)
@@ -66,7 +67,6 @@ contains
       segment%overlaps = .true.
       half = 0.5_wp*(segment%to - segment%from)
       middle = 0.5_wp*(segment%to + segment%from)
-      call find_least(x%v, normal%v, y%v, [segment%from%v, segment%to%v], segment%least)
       if (size(x, 2) > 2 .or. size(y, 2) > 2) then
          do k = 1, 5
             call add_point(x, normal, y, origin(1), axisymmetric, thickness, &
@@ -80,22 +80,30 @@ contains
       end if
    end subroutine integrate_segment
 
-   !> The least gap of a segment: between straight facets it is at one of its ends.
-   pure subroutine find_least(x, normal, y, range, least)
-      real(wp), intent(in) :: x(:, :), normal(:, :), y(:, :)
-      real(wp), intent(in) :: range(2)              !! slave parameters of the ends
-      type(least_type), intent(inout) :: least
-      real(wp) :: n(3), m(3), slope(3), place(2), nu(2), xi
+   !> The least gap of a segment: between straight facets it is at one of its ends. Along the normal
+   !> of the master: the slave's lean where it turns away, and what they order differs.
+   pure subroutine find_least(slave, normal, master, segment)
+      real(wp), intent(in) :: slave(:, :)           !! (2, 2 or 3) its nodes [length]
+      real(wp), intent(in) :: normal(:, :)          !! (2, the same) slave's outward unit normals
+      real(wp), intent(in) :: master(:, :)          !! (2, 2 or 3) its nodes [length]
+      type(segment_type), intent(inout) :: segment
+      real(wp) :: x(2, size(slave, 2)), y(2, size(master, 2))
+      real(wp) :: n(3), m(3), slope(3), place(2), nu(2), way(2), along(2), xi
       integer :: k, parts
 
+      x = slave - spread(slave(:, 1), 2, size(x, 2))
+      y = master - spread(slave(:, 1), 2, size(y, 2))
       parts = merge(4, 1, size(x, 2) > 2 .or. size(y, 2) > 2)
       do k = 0, parts
-         xi = range(1) + (range(2) - range(1))*real(k, wp)/real(parts, wp)
+         xi = segment%from%v + (segment%to%v - segment%from%v)*real(k, wp)/real(parts, wp)
          call line_values(size(x, 2), xi, n, slope)
          place = matmul(x, n(:size(x, 2)))
          nu = matmul(normal, n(:size(x, 2)))
          call line_values(size(y, 2), master_value(place, nu, y), m, slope)
-         call meet_point(least, dot_product(matmul(y, m(:size(y, 2))) - place, nu)/norm2(nu), n, m)
+         way = matmul(y, m(:size(y, 2))) - place
+         along = matmul(y, slope(:size(y, 2)))
+         call meet_point(segment%least, sign((way(1)*along(2) - way(2)*along(1))/norm2(along), &
+            & dot_product(way, nu)), n, m)
       end do
    end subroutine find_least
 

@@ -197,8 +197,7 @@ contains
       nm = self%basis%nnode(master)
       cs = coefficients_of(self%basis, slave, zs(:, :ns))
       cm = coefficients_of(self%basis, master, zm(:, :nm))
-      if (.not. with_slopes) call meet_corners(self, [slave, master], cs, cm, plane, normal, c, &
-         & sums%least)
+      if (.not. with_slopes) call meet_corners(self, [slave, master], cs, cm, c, sums%least)
       corner(:, 1) = sum(c%y(:, :c%n), dim=2)/real(c%n, wp)
       which = merge(2, 1, order(slave) + max(order(slave), order(master)) > 5)
       do i = 1, c%n
@@ -222,7 +221,8 @@ contains
             call functions(self%basis, master, eta, l)
             gap = normal_gap(cs, cm, xi, eta, plane, normal, n(:, 0))
             call add_values(weight*area, gap, ns, nm, n(:, 0), l(:, 0), sums)
-            call meet_point(sums%least, gap, n(:, 0), l(:, 0))
+            if (.not. with_slopes) call meet_point(sums%least, master_gap(cs, cm, xi, eta), &
+               & n(:, 0), l(:, 0))
             if (with_slopes) call add_point_slopes(planar, motion, i, bary, weight, area, &
                & corner, n, l, js, jm)
          end do
@@ -230,11 +230,10 @@ contains
    end subroutine integrate_cell
 
    !> The gaps at the corners of a polygon: between flat facets the least is one of them.
-   pure subroutine meet_corners(self, cell, cs, cm, plane, normal, c, least)
+   pure subroutine meet_corners(self, cell, cs, cm, c, least)
       type(mortar_kernel_type), intent(in) :: self
       integer, intent(in) :: cell(2)           !! of slave and master
-      real(wp), intent(in) :: cs(3, ncoefficient), cm(3, ncoefficient), normal(:, :)
-      type(plane_type), intent(in) :: plane
+      real(wp), intent(in) :: cs(3, ncoefficient), cm(3, ncoefficient)
       type(common_type), intent(in) :: c
       type(least_type), intent(inout) :: least
       real(wp) :: n(8, 0:2), l(8, 0:2), slope(2, 2), xi(2), eta(2)
@@ -249,8 +248,7 @@ contains
          if (.not. all(found)) cycle
          call functions(self%basis, cell(1), xi, n)
          call functions(self%basis, cell(2), eta, l)
-         call meet_point(least, normal_gap(cs, cm, xi, eta, plane, normal, n(:, 0)), n(:, 0), &
-            & l(:, 0))
+         call meet_point(least, master_gap(cs, cm, xi, eta), n(:, 0), l(:, 0))
       end do
    end subroutine meet_corners
 
@@ -285,6 +283,18 @@ contains
       gap = xm(3) - xs(3)
       if (length > 0.0_wp) gap = gap*dot_product(own, plane%axis(:, 3))/length
    end function normal_gap
+
+   !> The same along the normal of the master: the slave's lean where it turns away.
+   pure real(wp) function master_gap(cs, cm, xi, eta) result(gap)
+      real(wp), intent(in) :: cs(3, ncoefficient), cm(3, ncoefficient), xi(2), eta(2)
+      real(wp) :: xs(3), xm(3), t1(3), t2(3), area(3)
+
+      xs = facet_point_of(cs, xi)
+      xm = facet_point_of(cm, eta)
+      call facet_tangents(cm, eta, t1, t2)
+      area = [t1(2)*t2(3) - t1(3)*t2(2), t1(3)*t2(1) - t1(1)*t2(3), t1(1)*t2(2) - t1(2)*t2(1)]
+      gap = (xm(3) - xs(3))*abs(area(3))/norm2(area)
+   end function master_gap
 
    !> The reference coordinates of a facet over a place in the plane, by Newton's method.
    !>

@@ -8,7 +8,7 @@ module lopin_mortar_overlap
 
    !> Where the gap of an overlap is least.
    type :: least_type
-      real(wp) :: gap = huge(1.0_wp)       !! along the slave's normal, >= 0 open [length]
+      real(wp) :: gap = huge(1.0_wp)       !! along the master's normal, >= 0 open [length]
       real(wp) :: n(8) = 0.0_wp            !! functions of the slave facet there
       real(wp) :: m(8) = 0.0_wp            !! of the master facet
    end type least_type

@@ -7,7 +7,7 @@ module lopin_mortar_overlaps_2d
    use lopin_box_query, only : facets_in_box
    use lopin_mortar_overlap, only : overlap_type, overlap_list_type, add_overlap, &
       & cosine_between
-   use lopin_mortar_cells_2d, only : segment_type, integrate_segment
+   use lopin_mortar_cells_2d, only : segment_type, integrate_segment, find_least
    implicit none
    private
    public :: find_overlaps_2d
@@ -64,6 +64,7 @@ contains
             if (present(depth)) then
                if (sum(segment(found + 1)%gap(:n)%v) < -depth(i)*segment(found + 1)%area%v) cycle
             end if
+            call find_least(place(:, :n)%v, nu(:, :n)%v, other(:, :m)%v, segment(found + 1))
             found = found + 1
             candidate(found) = candidate(k)
             if (found == size(segment)) exit

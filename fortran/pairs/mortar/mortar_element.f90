@@ -145,7 +145,7 @@ contains
             & x, reach, facing, self%depth, start, error)
          return
       end if
-      self%list = overlap_list_type()
+      self%list%n = 0
       call find_overlaps_2d(self%slave, normal, master, tree, x, self%axisymmetric, &
          & self%thickness, reach, facing, self%list, self%depth)
       call plan_rows(self%cover, rules, self%slave, master, x, self%list, start, direction)

@@ -5,7 +5,7 @@ module lopin_check_mesh
    use lopin_vectors, only : largest
    use lopin_text, only : to_text
    use lopin_model, only : model_type
-   use lopin_corner_shape, only : corners_type, new_corners, worst_corner
+   use lopin_corner_shape, only : corners_type, new_corners, worst_corner, turns_over
    use lopin_report, only : certificate_type
    use lopin_scene, only : scene_type
    use lopin_repeated_messages, only : warn_once
@@ -41,8 +41,8 @@ contains
       real(wp), intent(in) :: least
       logical, intent(in) :: worsened
       type(corners_type) :: corners(size(scene%solids%group))
-      real(wp) :: value, before
-      integer :: e, g, corner, first
+      real(wp) :: value, before, x(model%mesh%ndim, 20)
+      integer :: e, g, n, corner, first
 
       do g = 1, size(corners)
          call new_corners(corners(g), scene%solids%group(g)%element%cell)
@@ -51,7 +51,11 @@ contains
       do e = 1, model%mesh%nelement
          g = scene%solids%which(e)
          if (g == 0) cycle
-         call worst_at(corners(g), scene, model, u, 1.0_wp, e, value, corner)
+         call place_corners(scene, model, u, 1.0_wp, e, x, n)
+         if (.not. least > 0.0_wp) then
+            if (.not. turns_over(corners(g), x(:, :n))) cycle
+         end if
+         call worst_corner(corners(g), x(:, :n), value, corner)
          if (.not. value < fold%value) cycle
          if (worsened) then
             call worst_at(corners(g), scene, model, u, 0.0_wp, e, before, first)
@@ -72,21 +76,33 @@ contains
       real(wp), intent(out) :: value           !! its scaled Jacobian
       integer, intent(out) :: corner           !! its place among the nodes of the element
       real(wp) :: x(model%mesh%ndim, 20)
+      integer :: n
+
+      call place_corners(scene, model, u, share, e, x, n)
+      call worst_corner(corners, x(:, :n), value, corner)
+   end subroutine worst_at
+
+   !> Where the nodes of an element are at a share of displacements u.
+   pure subroutine place_corners(scene, model, u, share, e, x, n)
+      type(scene_type), intent(in) :: scene
+      type(model_type), intent(in) :: model
+      real(wp), intent(in) :: u(:)             !! (ndof) [length]
+      real(wp), intent(in) :: share
+      integer, intent(in) :: e
+      real(wp), intent(inout) :: x(:, :)       !! (ndim, n and more) [length]
+      integer, intent(out) :: n                !! nodes
       integer :: a, k
 
-      associate (n => scene%solids%group(scene%solids%which(e))%element%cell%nnode)
-         do a = 1, n
-            associate (i => model%mesh%conn(a, e))
-               x(:, a) = model%mesh%x(:, i)
-               do k = 1, model%mesh%ndim
-                  if (scene%dofs%id(k, i) > 0) x(k, a) = x(k, a) &
-                     & + share*u(scene%dofs%id(k, i))
-               end do
-            end associate
-         end do
-         call worst_corner(corners, x(:, :n), value, corner)
-      end associate
-   end subroutine worst_at
+      n = scene%solids%group(scene%solids%which(e))%element%cell%nnode
+      do a = 1, n
+         associate (i => model%mesh%conn(a, e))
+            x(:, a) = model%mesh%x(:, i)
+            do k = 1, model%mesh%ndim
+               if (scene%dofs%id(k, i) > 0) x(k, a) = x(k, a) + share*u(scene%dofs%id(k, i))
+            end do
+         end associate
+      end do
+   end subroutine place_corners
 
    !> Some corner is well inside out at displacements u: an iteration may pass flat ones.
    logical function folds(scene, model, u)

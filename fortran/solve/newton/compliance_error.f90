@@ -17,6 +17,10 @@ module lopin_compliance_error
 
    !> Of GMRES: the estimate is good to a few per cent anyway.
    real(wp), parameter :: tolerance = 1.0e-2_wp
+   !> An estimate holds for so many increments, and below this share of the promised error where it
+   !> decides on slopes.
+   integer, parameter :: most_increments = 10
+   real(wp), parameter :: well_below = 0.25_wp
 
 contains
 
@@ -39,6 +43,10 @@ contains
          state%softness = 0.0_wp
          if (.not. any(is_too_compliant(scene))) return
          call chooses_slope(model, chooses, augments)
+         if (still_holds(scene, model, chooses)) then
+            state%softness = scene%accepted%contact%softness
+            return
+         end if
          call estimate(scene, model, share)
          state%softness = share
          if (.not. chooses) return
@@ -67,6 +75,34 @@ contains
          if (.not. allocated(error)) call report_raised(raising, scene, model)
       end associate
    end subroutine limit_compliance
+
+   !> The estimate of an increment before still holds: the same points are closed, and no pair
+   !> presses less than before, for solids that flow are stiff again when they unload.
+   logical function still_holds(scene, model, chooses) result(holds)
+      type(scene_type), intent(inout) :: scene
+      type(model_type), intent(in) :: model
+      logical, intent(in) :: chooses           !! some slopes may be raised
+      logical :: closed(scene%finite%contact%n)
+      real(wp) :: pressed(size(model%pair))
+      integer :: i
+
+      pressed = 0.0_wp
+      associate (c => scene%finite%contact, before => scene%accepted%contact, &
+         & state => scene%trial%contact)
+         closed = c%status(:c%n) > 0
+         do i = 1, c%n
+            if (closed(i)) pressed(c%pair(i)) = pressed(c%pair(i)) + c%weight(i)*c%pressure(i)
+         end do
+         holds = allocated(before%judged) .and. before%judged_before < most_increments &
+            & .and. scene%finite%time < model%step(scene%step)%period
+         if (holds) holds = size(before%judged) == c%n .and. size(before%pressed) == size(pressed)
+         if (holds) holds = all(before%judged .eqv. closed) .and. all(pressed >= before%pressed)
+         if (holds .and. chooses) holds = before%softness <= well_below*model%target_error
+         state%judged = closed
+         state%judged_before = merge(before%judged_before + 1, 0, holds)
+         state%pressed = pressed
+      end associate
+   end function still_holds
 
    !> Points whose traction is an unknown, and which penetrate in proportion to it.
    function is_too_compliant(scene) result(soft)
