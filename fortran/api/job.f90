@@ -14,7 +14,8 @@ module lopin_job
    use lopin_checkpoint_file, only : checkpoint_file_type, new_checkpoint_file
    use lopin_checksum, only : checksum_type
    use lopin_run_type, only : run_type
-   use lopin_run_analysis, only : open_run, advance_run, run_state, forget_workspace, close_run
+   use lopin_run_analysis, only : open_run, advance_run, close_run
+   use lopin_run_state, only : run_state, forget_workspace
    use lopin_stream, only : stream_type
    use lopin_blas_threads, only : set_blas_threads, blas_threads
    use lopin_report, only : summary_type

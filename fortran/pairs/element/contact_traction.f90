@@ -79,30 +79,24 @@ contains
       real(wp), intent(out) :: shear(:, :)   !! (ndim, ndim) -dt/ds without the coupling to pressure
       type(dual_type), intent(in), optional :: growth   !! at%growth with its slopes; else it stands
       type(dual_type) :: held(size(n)), phat, p, trial(size(n)), t(size(n)), normal_part, s(size(n))
-      logical :: closed, solves, updates
+      type(dual_type) :: magnitude, f
+      real(wp) :: slope, slope_p
+      logical :: closed, solves, slips
       integer :: d
 
       d = size(n)
       row = 0.0_wp
       shear = 0.0_wp
       solves = enforcement%method%solves_for_multiplier()
-      updates = enforcement%method%updates()
       if (solves) then
          held = lambda
-      else if (updates) then
+      else if (enforcement%method%updates()) then
          held = constant(enforcement%frozen(:d))
       else
          held = constant(enforcement%committed(:d))
       end if
       normal_part = dual_dot(held, n)
-      if (solves .and. updates) then
-         phat = penetrates(enforcement, normal_part - dual_dot(constant(enforcement%frozen(:d)), n))
-         phat = normal_part - enforcement%c*(g + phat)
-      else if (solves) then
-         phat = normal_part - enforcement%c*(g + penetrates(enforcement, normal_part))
-      else
-         phat = pressed(enforcement, g, updates, normal_part)
-      end if
+      phat = trial_pressure(enforcement, g, n, normal_part)
       closed = phat%v > -enforcement%grazing .or. enforcement%bilateral
       status = merge(contact_status%slip, contact_status%open, closed)
       p = constant(0.0_wp)
@@ -112,19 +106,55 @@ contains
          s = way
          if (any(abs(enforcement%approach) > 0.0_wp)) s = s &
             & - tangential(constant(enforcement%approach(:d)), n)
-         trial = held - n*normal_part - enforcement%ct*s
-         if (solves) then
-            if (enforcement%shear_slope > 0.0_wp) trial = trial &
-               & - (enforcement%ct/enforcement%shear_slope) *tangential(held &
-               & - constant(merge(enforcement%frozen(:d), enforcement%committed(:d), updates)), n)
-            if (enforcement%elastic_slip > 0.0_wp) call give_way(enforcement, friction, at, p, &
-               & held, n, trial, growth)
+         if (is_regularised(friction)) then
+            if (.not. by_rate(friction)) s = tangential(s + constant(enforcement%creep(:d)), n)
+            call regularised_shear(friction, at, p, s, t, shear, growth)
+         else
+            trial = held - n*normal_part - enforcement%ct*s
+            if (solves) call give_way(enforcement, friction, at, p, held, n, trial, growth)
+            magnitude = constant(0.0_wp)
+            if (norm2(trial%v) > 0.0_wp) magnitude = dual_norm(trial)
+            call return_to_disc(friction, magnitude%v, enforcement%ct, p%v, at, f%v, slope, &
+               & slope_p, slips)
+            if (enforcement%clings .and. magnitude%v <= (1.0_wp + at_limit)*f%v) then
+               slips = .false.
+               f%v = magnitude%v
+            end if
+            status = merge(contact_status%slip, contact_status%stick, slips)
+            t = trial
+            if (f%v < magnitude%v) then
+               f%d = slope*magnitude%d + slope_p*p%d
+               if (present(growth)) f%d = f%d + growth_slope(f%v*(1.0_wp - slope) &
+                  & - slope_p*p%v, growth)
+               t = (f/magnitude)*trial
+               call set_shear(shear, trial%v, slope*enforcement%ct, f%v/magnitude%v*enforcement%ct)
+            else
+               call set_shear(shear, trial%v, enforcement%ct, enforcement%ct)
+            end if
          end if
-         call shear_of(enforcement, friction, at, p, trial, s, n, t, status, shear, growth)
       end if
       z = p*n + t
       if (solves) row = (lambda - z)/enforcement%c
    end subroutine traction_of
+
+   !> The normal trial traction: of springs, or of a multiplier with what conditions its row.
+   pure function trial_pressure(enforcement, g, n, normal_part) result(phat)
+      type(enforcement_parameters_type), intent(in) :: enforcement
+      type(dual_type), intent(in) :: g             !! gap [length]
+      type(dual_type), intent(in) :: n(:)          !! (ndim)
+      type(dual_type), intent(in) :: normal_part   !! of the multiplier or its stand-in [stress]
+      type(dual_type) :: phat
+
+      if (.not. enforcement%method%solves_for_multiplier()) then
+         phat = pressed(enforcement, g, enforcement%method%updates(), normal_part)
+      else if (enforcement%method%updates()) then
+         phat = penetrates(enforcement, normal_part &
+            & - dual_dot(constant(enforcement%frozen(:size(n))), n))
+         phat = normal_part - enforcement%c*(g + phat)
+      else
+         phat = normal_part - enforcement%c*(g + penetrates(enforcement, normal_part))
+      end if
+   end function trial_pressure
 
    !> The slip that a traction along the face holds elastically, and gives back.
    pure function elastic_slip_of(enforcement, friction, at, p, t) result(slip)
@@ -206,17 +236,24 @@ contains
       call enforcement%method%trial(g, enforcement%slope, 0.0_wp, force, stiffness)
    end function normal_stiffness
 
-   !> The elastic slip of an unknown traction, in the measure of the disc's present radius.
+   !> What an unknown traction gives way by before it slides: springs along the face, and the
+   !> elastic slip of the deck in the measure of the disc's present radius.
    pure subroutine give_way(enforcement, friction, at, p, held, n, trial, growth)
       type(enforcement_parameters_type), intent(in) :: enforcement
       type(friction_type), intent(in) :: friction
       type(condition_type), intent(in) :: at
       type(dual_type), intent(in) :: p, held(:), n(:)
-      type(dual_type), intent(inout) :: trial(:)
+      type(dual_type), intent(inout) :: trial(:)   !! (ndim) [stress]
       type(dual_type), intent(in), optional :: growth
       type(dual_type) :: compliance
       real(wp) :: radius, slope
+      integer :: d
 
+      d = size(n)
+      if (enforcement%shear_slope > 0.0_wp) trial = trial &
+         & - (enforcement%ct/enforcement%shear_slope)*tangential(held - constant(merge( &
+         & enforcement%frozen(:d), enforcement%committed(:d), enforcement%method%updates())), n)
+      if (.not. enforcement%elastic_slip > 0.0_wp) return
       call friction_radius(friction, p%v, at, radius, slope)
       if (.not. radius > 0.0_wp .or. .not. radius < huge(1.0_wp)) return
       compliance = p
@@ -259,82 +296,63 @@ contains
       b = a - n*dual_dot(a, n)
    end function tangential
 
-   !> Shear of a closed point by the law of friction.
-   !>
-   !> A law of stresses is homogeneous: F(J q, J p, J c) = J F(q, p, c) with the growth J in its
-   !> bounds, which gives the slope of F in J from those in q and p.
-   pure subroutine shear_of(enforcement, friction, at, p, trial, s, n, t, status, shear, growth)
-      type(enforcement_parameters_type), intent(in) :: enforcement
+   !> Shear of a closed point by a law that is regularised.
+   pure subroutine regularised_shear(friction, at, p, way, t, shear, growth)
       type(friction_type), intent(in) :: friction
       type(condition_type), intent(in) :: at
-      type(dual_type), intent(in) :: p, trial(:), s(:), n(:)
-      type(dual_type), intent(out) :: t(:)
-      integer, intent(out) :: status
-      real(wp), intent(out) :: shear(:, :)
+      type(dual_type), intent(in) :: p             !! [stress]
+      type(dual_type), intent(in) :: way(:)   !! (ndim) slip, by rates of the increment [length]
+      type(dual_type), intent(out) :: t(:)         !! (ndim) [stress]
+      real(wp), intent(out) :: shear(:, :)         !! (ndim, ndim) -dt/ds [stress/length]
       type(dual_type), intent(in), optional :: growth
-      type(dual_type) :: magnitude, f, way(size(trial))
-      real(wp) :: slope, slope_p, direction(size(trial)), share, reach
-      logical :: slips
-      integer :: i, d
+      type(dual_type) :: magnitude, f
+      real(wp) :: slope, slope_p, length, reach
+      integer :: i
 
-      d = size(trial)
-      status = contact_status%stick
-      if (is_regularised(friction)) then
-         status = contact_status%slip
-         way = s
-         if (.not. by_rate(friction)) way = tangential(s + constant(enforcement%creep(:d)), n)
-      else
-         way = trial
-      end if
-      share = norm2(way%v)
+      length = norm2(way%v)
       magnitude = constant(0.0_wp)
-      if (share > 0.0_wp) magnitude = dual_norm(way)
-      if (is_regularised(friction)) then
-         ! Beyond the drag limit the anchor follows with the whole of its traction.
-         reach = min(magnitude%v, drag_limit(friction))
-         call regularised_traction(friction, reach, p%v, at, f%v, slope, slope_p)
-         if (reach < magnitude%v) slope = 0.0_wp
-         f%d = slope*magnitude%d + slope_p*p%d
-         if (present(growth)) f%d = f%d + (f%v - slope_p*p%v)/growth%v*growth%d
-         t = 0.0_wp
-         if (share > 0.0_wp) t = (-1.0_wp)*(f/magnitude)*way
-         if (.not. share > 0.0_wp) then
-            do i = 1, d
-               t(i) = (-slope)*way(i)
-            end do
-         end if
+      if (length > 0.0_wp) magnitude = dual_norm(way)
+      ! Beyond the drag limit the anchor follows with the whole of its traction.
+      reach = min(magnitude%v, drag_limit(friction))
+      call regularised_traction(friction, reach, p%v, at, f%v, slope, slope_p)
+      if (reach < magnitude%v) slope = 0.0_wp
+      f%d = slope*magnitude%d + slope_p*p%d
+      if (present(growth)) f%d = f%d + growth_slope(f%v - slope_p*p%v, growth)
+      t = 0.0_wp
+      if (length > 0.0_wp) then
+         t = (-1.0_wp)*(f/magnitude)*way
+         call set_shear(shear, way%v, slope, f%v/magnitude%v)
       else
-         call return_to_disc(friction, magnitude%v, enforcement%ct, p%v, at, f%v, slope, slope_p, &
-            & slips)
-         if (enforcement%clings .and. magnitude%v <= (1.0_wp + at_limit)*f%v) then
-            slips = .false.
-            f%v = magnitude%v
-         end if
-         if (slips) status = contact_status%slip
-         t = trial
-         if (f%v >= magnitude%v) then
-            slope = enforcement%ct
-            f%v = magnitude%v
-         else
-            f%d = slope*magnitude%d + slope_p*p%d
-            if (present(growth)) f%d = f%d + (f%v*(1.0_wp - slope) - slope_p*p%v)/growth%v &
-               & *growth%d
-            t = (f/magnitude)*trial
-            slope = slope*enforcement%ct
-         end if
+         do i = 1, size(way)
+            t(i) = (-slope)*way(i)
+         end do
+         call set_shear(shear, way%v, slope, slope)
       end if
-      ! Positive semidefinite: slope along the direction, secant across it.
-      do i = 1, d
-         shear(i, i) = slope
-      end do
-      if (.not. share > 0.0_wp .or. f%v >= magnitude%v .and. .not. is_regularised(friction)) return
-      direction = way%v/share
-      share = f%v/magnitude%v
-      if (.not. is_regularised(friction)) share = share*enforcement%ct
+   end subroutine regularised_shear
+
+   !> Slopes of a bound of shear in the growth J of its area. A law of stresses is homogeneous:
+   !> F(J q, J p, J c) = J F(q, p, c), which gives the slope in J from those in q and p.
+   pure function growth_slope(rest, growth) result(slopes)
+      real(wp), intent(in) :: rest             !! F less its slopes in q and p times these [stress]
+      type(dual_type), intent(in) :: growth    !! J [-]
+      real(wp) :: slopes(size(growth%d))
+      slopes = rest/growth%v*growth%d
+   end function growth_slope
+
+   !> -dt/ds, positive semidefinite: the slope along the direction, the secant across it.
+   pure subroutine set_shear(shear, way, slope, secant)
+      real(wp), intent(out) :: shear(:, :)     !! (ndim, ndim) [stress/length]
+      real(wp), intent(in) :: way(:)           !! (ndim) of the direction, if the two differ
+      real(wp), intent(in) :: slope, secant    !! [stress/length]
+      real(wp) :: direction(size(way))
+      integer :: i
+
+      direction = 0.0_wp
+      if (slope < secant .or. slope > secant) direction = way/norm2(way)
       shear = 0.0_wp
-      do i = 1, d
-         shear(i, i) = share
-         shear(:, i) = shear(:, i) + (slope - share)*direction*direction(i)
+      do i = 1, size(way)
+         shear(i, i) = secant
+         shear(:, i) = shear(:, i) + (slope - secant)*direction*direction(i)
       end do
-   end subroutine shear_of
+   end subroutine set_shear
 end module lopin_contact_traction

@@ -34,25 +34,15 @@ contains
       type(condition_type) :: at
       real(wp) :: lambda(3), shift
       logical :: again
-      integer :: i, k, d
+      integer :: i, k, d, pass
 
       d = model%mesh%ndim
       self%force = 0.0_wp
       self%row = 0.0_wp
       self%nlocal = 0
       self%soft_error = 0.0_wp
-      call move_masters(self%masters, model, self%dofs, self%nonlinear_points_type, u, .false., &
-         & self%cost, error)
+      call detect_all(self, model, u, error)
       if (allocated(error)) return
-      call find_closest_features(self, .false., error)
-      if (allocated(error)) return
-      call detect_all(self, model)
-      call find_growth(self, model)
-      if (size(self%face) > 0) then
-         if (.not. allocated(self%start_x)) self%start_x = self%masters%x
-         call find_inner_feet(self%opposite, self%masters, self%nonlinear_points_type, model, &
-            & self%start_x)
-      end if
       do i = 1, self%n
          lambda = 0.0_wp
          k = self%first_row(i)
@@ -67,23 +57,31 @@ contains
          shift = shift_of(self, i) &
             & - model%interaction(model%pair(self%pair(i))%interaction)%clearance
          if (is_clear(self, i, lambda, shift)) then
-            call stay_open(self, i, d, lambda, with_tangent)
-            self%trial(i)%normal = self%opposite(i)%normal
-            self%trial(i)%gap = self%opposite(i)%foot%gap
-            self%normal(:, i) = self%trial(i)%normal
-            self%gap(i) = self%trial(i)%gap + shift_of(self, i)
-            self%opening(i) = self%gap(i)
+            call stay_clear(self, i, d, lambda, with_tangent)
             cycle
          end if
-         at = condition_at(self, i)
          if (with_tangent) call find_growth_slopes(self, model, i)
          self%nlocal = self%nlocal + 1
-         call press(self, model, i, at, shift, lambda, with_tangent)
-         if (may_touch(self, i)) then
-            call note_approach(self, i, shift, again)
-            at = condition_at(self, i)
-            if (again) call press(self, model, i, at, shift, lambda, with_tangent)
-         end if
+         associate (pair => self%pair(i), local => self%local(self%nlocal))
+            do pass = 1, 2
+               at = condition_at(self, i)
+               if (self%mortar(pair)%is_on .or. self%mortar_anchor(i)%tie%set) then
+                  call evaluate_mortar_point(self%trial(i), local, self%mortar(pair), self%dofs, &
+                     & self%masters%x, self%patch(i), self%mortar_anchor(i), &
+                     & self%enforcement(i), self%friction(pair), at, shift, lambda, &
+                     & self%first_row(i), with_tangent, self%weight(i))
+               else
+                  call evaluate_point(self%trial(i), local, model, self%dofs, self%basis, &
+                     & self%masters, self%nonlinear_points_type, i, self%opposite(i), &
+                     & self%anchor(i), self%enforcement(i), self%friction(pair), at, shift, &
+                     & lambda, self%first_row(i), with_tangent)
+               end if
+               if (pass == 2 .or. .not. may_touch(self, i)) exit
+               ! The motion before the point touched is no slip; with it, once more.
+               call note_approach(self, i, shift, again)
+               if (.not. again) exit
+            end do
+         end associate
          call collect(self, i, d)
          ! What is open and has no multiplier couples nothing.
          if (allocated(self%opposite(i)%inner) .and. self%status(i) == 0 .and. &
@@ -99,12 +97,19 @@ contains
       self%enforcement%clings = .false.
    end subroutine evaluate_contact
 
-   !> What lies opposite all points now.
-   subroutine detect_all(self, model)
+   !> What lies opposite all points at these displacements, and areas of slaves there.
+   subroutine detect_all(self, model, u, error)
       type(nonlinear_contact_type), intent(inout) :: self
       type(model_type), intent(in) :: model
+      real(wp), intent(in) :: u(:)             !! (ndof) [length]
+      type(error_type), allocatable, intent(out) :: error
       integer :: i
 
+      call move_masters(self%masters, model, self%dofs, self%nonlinear_points_type, u, .false., &
+         & self%cost, error)
+      if (allocated(error)) return
+      call find_closest_features(self, .false., error)
+      if (allocated(error)) return
       do i = 1, self%n
          if (self%pair_active(self%pair(i))) then
             call detect_contact(self, model, i, .false.)
@@ -115,6 +120,12 @@ contains
          if (is_excluded(self, i)) self%opposite(i)%facet = 0
          self%facet(i) = self%opposite(i)%facet
       end do
+      call find_growth(self, model)
+      if (size(self%face) > 0) then
+         if (.not. allocated(self%start_x)) self%start_x = self%masters%x
+         call find_inner_feet(self%opposite, self%masters, self%nonlinear_points_type, model, &
+            & self%start_x)
+      end if
    end subroutine detect_all
 
    !> Added to the gap of a row: ADJUST, CLEARANCE, and overclosures that are not yet applied.
@@ -129,28 +140,6 @@ contains
          shift_of = self%shift(i) + (1.0_wp - self%interference)*self%overclosure(i)
       end if
    end function shift_of
-
-   !> One point: its state, and its matrices if asked, behind those of the points before.
-   subroutine press(self, model, i, at, shift, lambda, with_tangent)
-      type(nonlinear_contact_type), intent(inout) :: self
-      type(model_type), intent(in) :: model
-      integer, intent(in) :: i
-      type(condition_type), intent(in) :: at
-      real(wp), intent(in) :: shift, lambda(3)
-      logical, intent(in) :: with_tangent
-
-      if (self%mortar(self%pair(i))%is_on .or. self%mortar_anchor(i)%tie%set) then
-         call evaluate_mortar_point(self%trial(i), self%local(self%nlocal), &
-            & self%mortar(self%pair(i)), self%dofs, self%masters%x, self%patch(i), &
-            & self%mortar_anchor(i), self%enforcement(i), self%friction(self%pair(i)), at, shift, &
-            & lambda, self%first_row(i), with_tangent, self%weight(i))
-      else
-         call evaluate_point(self%trial(i), self%local(self%nlocal), model, self%dofs, self%basis, &
-            & self%masters, self%nonlinear_points_type, i, self%opposite(i), self%anchor(i), &
-            & self%enforcement(i), self%friction(self%pair(i)), at, shift, lambda, &
-            & self%first_row(i), with_tangent)
-      end if
-   end subroutine press
 
    !> A mortar row that its values already show to be open: its slopes, which cost most of it, are
    !> not needed.
@@ -172,6 +161,21 @@ contains
          is_clear = along - g%c*gap < -g%grazing .and. gap > 0.0_wp
       end associate
    end function is_clear
+
+   !> Such a row is open, with its gap and its normal.
+   subroutine stay_clear(self, i, d, lambda, with_tangent)
+      type(nonlinear_contact_type), intent(inout) :: self
+      integer, intent(in) :: i, d
+      real(wp), intent(in) :: lambda(3)        !! [stress]
+      logical, intent(in) :: with_tangent
+
+      call stay_open(self, i, d, lambda, with_tangent)
+      self%trial(i)%normal = self%opposite(i)%normal
+      self%trial(i)%gap = self%opposite(i)%foot%gap
+      self%normal(:, i) = self%trial(i)%normal
+      self%gap(i) = self%trial(i)%gap + shift_of(self, i)
+      self%opening(i) = self%gap(i)
+   end subroutine stay_clear
 
    !> A point with no master opposite has no traction; its multiplier is sent to zero.
    subroutine stay_open(self, i, d, lambda, with_tangent)

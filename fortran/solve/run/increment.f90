@@ -19,7 +19,9 @@ module lopin_increment
    use lopin_overconstrained, only : report_dependent, refuse_held_penetration
    use lopin_contact_candidates, only : some_penetrate, add_candidates, add_nearest_candidates, &
       & all_are_candidates
-   use lopin_solve_path, only : prepare_path, widen_path, solve_path
+   use lopin_solve_path, only : prepare_path, widen_path, solve_linear
+   use lopin_path_nonlinear, only : solve_nonlinear
+   use lopin_torn_ties, only : refuse_torn_ties
    use lopin_certificate, only : forces_type, find_forces, certify, give_verdict
    use lopin_contact_history, only : leave_history
    use lopin_state, only : begin, accept, reject_state => reject
@@ -115,7 +117,13 @@ contains
          if (scene%newton%nlgeom) call set_followers(scene%newton%follower, model, frame%step_time)
          scene%interference = 1.0_wp
          if (scene%step == 1) scene%interference = frame%step_time/loading%period
-         call solve_with_candidates(run, model, f, prescribed, recorders, error)
+         call refuse_torn_ties(scene, model, prescribed, error)
+         if (allocated(error)) return
+         if (run%plan%path == path_of%nonlinear) then
+            call solve_nonlinear(scene, model, f, prescribed, error)
+         else
+            call solve_with_candidates(run, model, f, prescribed, recorders, error)
+         end if
          forces%load = f
          call move_alloc(steady, scene%trial%loads%steady)
          call log_iterations(recorders, scene, frame)
@@ -138,7 +146,7 @@ contains
          call switch_to_nonlinear(run, model, recorders, across%pair > 0, error)
          if (allocated(error)) return
          call move_alloc(steady, scene%trial%loads%steady)
-         call solve_path(scene, model, run%plan, f, prescribed, error)
+         call solve_nonlinear(scene, model, f, prescribed, error)
          call log_iterations(recorders, scene, frame)
          if (.not. allocated(error)) call refuse_passage(scene, model, error)
          if (.not. allocated(error)) call refuse_turn(scene, model, error)
@@ -295,8 +303,8 @@ contains
       associate (scene => run%scene, plan => run%plan)
          do
             log = scene%log
-            call solve_path(scene, model, plan, f, prescribed, error)
-            if (plan%path == path_of%nonlinear .or. all_are_candidates(scene)) return
+            call solve_linear(scene, model, plan, f, prescribed, error)
+            if (all_are_candidates(scene)) return
             if (.not. allocated(error)) then
                if (.not. some_penetrate(scene, model)) return
             else if (all(error%code /= [error_code%singular, error_code%not_converged])) then

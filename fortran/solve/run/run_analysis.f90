@@ -1,7 +1,8 @@
-!> The only loop a reader must understand: steps, increments, solve, certify, accept, record.
+!> The only loop a reader must understand: steps, increments, attempts; each attempt is solved,
+!> certified, accepted and recorded by `solve_increment` (lopin_increment).
 module lopin_run_analysis
    use lopin_kinds, only : wp
-   use lopin_error, only : error_type, error_code, raise, log_type, severity
+   use lopin_error, only : error_type, error_code, raise, log_type
    use lopin_text, only : to_text
    use lopin_clock, only : clock_type, counter_type
    use lopin_blas_threads, only : ready_blas
@@ -14,9 +15,7 @@ module lopin_run_analysis
    use lopin_plan, only : new_plan
    use lopin_run_type, only : run_type
    use lopin_state, only : clock_state_type, begin_step_of
-   use lopin_scene, only : scene_type, new_scene, set_supports
-   use lopin_uneven_pressure, only : warn_of_uneven_pressure
-   use lopin_contact_candidates, only : choose_candidates
+   use lopin_scene, only : scene_type, set_supports
    use lopin_bodies, only : describe_motion
    use lopin_nonlinear_start, only : start_step
    use lopin_released_forces, only : supports_type, record_supports, release_pairs, &
@@ -27,19 +26,20 @@ module lopin_run_analysis
    use lopin_snap_through, only : report_snap_through
    use lopin_check_drift, only : check_drift
    use lopin_check_flow_curves, only : check_flow_curves
-   use lopin_check_mesh, only : refuse_folded
    use lopin_check_yield, only : check_yield
-   use lopin_increment, only : prepare, reject
+   use lopin_increment, only : solve_increment, prepare, reject
    use lopin_repeated_messages, only : report_repeats
    use lopin_stream, only : stream_type
    use lopin_checkpoint_store, only : checkpoint_store_type
-   use lopin_checkpoint, only : pass_run
    use lopin_turning_points, only : turns_within
-   use lopin_time_increment, only : advance, grow
-   use lopin_checkpointing, only : save_checkpoint, go_back
+   use lopin_time_increment, only : attempt_type, first_attempt, set_attempt, cut_increment, &
+      & end_attempts, grow
+   use lopin_checkpointing, only : save_checkpoint
+   use lopin_run_files, only : begin_files, finish_files
+   use lopin_run_state, only : run_state, resume_run, make_workspace
    implicit none
    private
-   public :: open_run, advance_run, run_state, forget_workspace, close_run, run_analysis
+   public :: open_run, advance_run, close_run, run_analysis
 
 contains
 
@@ -88,7 +88,7 @@ contains
       self%summary%checksum = ''
       allocate (self%summary%step(size(model%step)))
       call ready_blas(error)
-      if (.not. allocated(error)) call begin_all(recorders, model, error, store)
+      if (.not. allocated(error)) call begin_files(recorders, model, error, store)
       if (.not. allocated(error)) call new_plan(self%plan, model, error)
       if (.not. allocated(error)) call make_workspace(self%scene, model, error)
       if (allocated(error)) return
@@ -99,73 +99,6 @@ contains
       end if
       self%may_step = .not. allocated(error)
    end subroutine open_run
-
-   subroutine resume_run(self, model, recorders, log, store, error)
-      class(run_type), intent(inout) :: self
-      type(model_type), intent(in) :: model
-      type(recorder_holder_type), intent(inout) :: recorders(:)
-      type(log_type), intent(inout) :: log
-      class(checkpoint_store_type), intent(inout) :: store
-      type(error_type), allocatable, intent(out) :: error
-
-      call go_back(self, model, recorders, store%found, error)
-      if (allocated(error)) return
-      store%kept = 'increment '//to_text(self%scene%accepted%clock%number)//' of step '// &
-         & to_text(self%scene%step)
-      call log%say(severity%note, 'N0604', 'goes on after '//store%kept)
-   end subroutine resume_run
-
-   !> All that lives from increment to increment, to a stream or back from one of the same deck.
-   subroutine run_state(self, model, state, error)
-      class(run_type), intent(inout) :: self
-      type(model_type), intent(in) :: model
-      type(stream_type), intent(inout) :: state
-      type(error_type), allocatable, intent(out) :: error
-
-      call pass_run(self, model, state, error)
-      if (allocated(error) .or. .not. state%reading) return
-      if (state%broken .or. .not. state%ended()) call raise(error, error_code%resource, 'E0604', &
-         & 'the state does not hold what this build of Lopin keeps', &
-         & help='give a state that this version took out of the same deck')
-   end subroutine run_state
-
-   !> What follows from the model alone.
-   subroutine make_workspace(scene, model, error)
-      type(scene_type), intent(inout) :: scene
-      type(model_type), intent(in) :: model
-      type(error_type), allocatable, intent(out) :: error
-
-      call new_scene(scene, model, error)
-      if (.not. allocated(error)) call warn_of_uneven_pressure(scene, model)
-      if (.not. allocated(error)) call refuse_folded(scene, model, error)
-      if (.not. allocated(error)) call choose_candidates(scene, model)
-   end subroutine make_workspace
-
-   !> Throw away all but the state, and make the workspace again from the model and the state: the
-   !> run goes on to the same bits, or something that evolves has a home outside the state.
-   subroutine forget_workspace(self, model, error)
-      class(run_type), intent(inout) :: self
-      type(model_type), intent(in) :: model
-      type(error_type), allocatable, intent(out) :: error
-      type(scene_type), allocatable :: old
-      type(stream_type) :: kept, state
-
-      if (.not. (self%in_step .or. self%scene%accepted%clock%number > 0)) return
-      call run_state(self, model, kept, error)
-      if (allocated(error)) return
-      call move_alloc(self%scene, old)
-      allocate (self%scene)
-      self%scene%clock = old%clock
-      self%scene%stops_at_once = old%stops_at_once
-      call move_alloc(old%watcher, self%scene%watcher)
-      deallocate (old)
-      call make_workspace(self%scene, model, error)
-      if (allocated(error)) return
-      state%reading = .true.
-      state%n = kept%n
-      call move_alloc(kept%bytes, state%bytes)
-      call run_state(self, model, state, error)
-   end subroutine forget_workspace
 
    !> Go to the next accepted increment, into the next step if need be. Where the run is at its end
    !> nothing is done, and `more` is false.
@@ -219,78 +152,10 @@ contains
       self%summary%clock = self%scene%clock
       self%summary%log = self%scene%log
       self%summary%peak_memory = peak_memory()
-      call finish_all(recorders, model, self%summary, error, store)
+      call finish_files(recorders, model, self%summary, error, store)
       if (present(store) .and. done .and. .not. allocated(error)) call store%forget()
       self%may_step = .false.
    end subroutine close_run
-
-   !> Files are closed and on the disk before the summary says how the run ended.
-   subroutine finish_all(recorders, model, summary, error, store)
-      type(recorder_holder_type), intent(inout) :: recorders(:)
-      type(model_type), intent(in) :: model
-      type(summary_type), intent(inout) :: summary
-      type(error_type), allocatable, intent(inout) :: error
-      class(checkpoint_store_type), intent(inout), optional :: store
-      type(error_type), allocatable :: trouble
-      integer :: i
-
-      if (present(store)) call store%settle(trouble)
-      if (.not. allocated(error)) call move_alloc(trouble, error)
-      do i = 1, size(recorders)
-         call recorders(i)%recorder%close(trouble)
-         if (.not. allocated(error)) call move_alloc(trouble, error)
-      end do
-      if (allocated(error)) then
-         summary%status = 'failed'
-         if (error%code == error_code%not_converged) summary%status = 'not converged'
-         if (error%code == error_code%interrupted) summary%status = 'interrupted'
-         summary%exit_code = error%code
-         if (present(store)) call note_what_survives(error, store)
-      end if
-      do i = 1, size(recorders)
-         call recorders(i)%recorder%finish(model, summary, error, trouble)
-         if (.not. allocated(trouble)) cycle
-         if (present(store)) call note_what_survives(trouble, store)
-         if (.not. allocated(error)) call move_alloc(trouble, error)
-      end do
-   end subroutine finish_all
-
-   !> Where memory or a disk ended the run: what is whole.
-   subroutine note_what_survives(error, store)
-      type(error_type), intent(inout) :: error
-      class(checkpoint_store_type), intent(in) :: store
-
-      associate (id => error%item(1)%id)
-         if (id /= 'E0602' .and. id(:3) /= 'E07') return
-      end associate
-      error%item(1)%note = 'no file is torn; no checkpoint is there yet'
-      if (allocated(store%kept)) error%item(1)%note = 'no file is torn, and the checkpoint '// &
-         & 'after '//store%kept//' is whole'
-   end subroutine note_what_survives
-
-   !> The files of an earlier run, its checkpoint included, stay until those of this run are begun.
-   subroutine begin_all(recorders, model, error, store)
-      type(recorder_holder_type), intent(inout) :: recorders(:)
-      type(model_type), intent(in) :: model
-      type(error_type), allocatable, intent(out) :: error
-      class(checkpoint_store_type), intent(inout), optional :: store
-      logical :: resumes
-      integer :: i
-
-      resumes = .false.
-      if (present(store)) resumes = allocated(store%found)
-      do i = 1, size(recorders)
-         recorders(i)%recorder%resumes = resumes
-         call recorders(i)%recorder%begin(model, error)
-         if (allocated(error)) return
-      end do
-      do i = 1, size(recorders)
-         call recorders(i)%recorder%commit(error)
-         if (allocated(error)) return
-         ! The first file that is replaced ends the earlier run.
-         if (i == 1 .and. present(store) .and. .not. resumes) call store%forget()
-      end do
-   end subroutine begin_all
 
    !> Supports, loads and, where supports change, the factors of the step that follows.
    subroutine begin_step(self, model, recorders, error)
@@ -390,6 +255,26 @@ contains
       end associate
    end subroutine next_increment
 
+   !> One increment: tried, cut and tried again until it is accepted or cannot be cut.
+   subroutine advance(self, model, recorders, error)
+      class(run_type), intent(inout) :: self
+      type(model_type), intent(in) :: model
+      type(recorder_holder_type), intent(inout) :: recorders(:)
+      type(error_type), allocatable, intent(out) :: error
+      type(attempt_type) :: attempt
+
+      call first_attempt(attempt, self, model)
+      do
+         call set_attempt(attempt, self, model)
+         call solve_increment(self, model, recorders, error)
+         if (.not. allocated(error)) exit
+         call cut_increment(self, model, recorders, error)
+         if (allocated(error)) return
+      end do
+      call end_attempts(attempt, self, model)
+   end subroutine advance
+
+   !> More increments than the step allows.
    subroutine refuse_more(clock, scene, step, most, error)
       type(clock_state_type), intent(in) :: clock
       type(scene_type), intent(in) :: scene

@@ -1,4 +1,4 @@
-!> One increment on the path that was planned.
+!> What the path that was planned needs, and one solution on a linear path.
 module lopin_solve_path
    use lopin_kinds, only : wp
    use lopin_error, only : error_type, error_code, raise
@@ -10,11 +10,9 @@ module lopin_solve_path
    use lopin_path_condensed, only : prepare_condensed, solve_condensed, widen_condensed
    use lopin_path_refactorised, only : prepare_refactorised, solve_refactorised
    use lopin_nonlinear_start, only : begin_nonlinear
-   use lopin_torn_ties, only : refuse_torn_ties
-   use lopin_path_nonlinear, only : solve_nonlinear
    implicit none
    private
-   public :: prepare_path, widen_path, solve_path
+   public :: prepare_path, widen_path, solve_linear
 
    !> Projections of a tool that forces move within one increment; a few are the rule.
    integer, parameter :: most_places = 40
@@ -94,14 +92,14 @@ contains
       summary%candidates = scene%rows%n
       associate (met => scene%points%facet(:scene%points%n) > 0)
          summary%plan = plan_line(plan, summary%solver, reason, summary%equations, &
-            & summary%retained, scene%rows%n, scene%bodies%nq, count(met .and. scene%accepted%solver%candidate), &
-            & count(met), joined)
+            & summary%retained, scene%rows%n, scene%bodies%nq, &
+            & count(met .and. scene%accepted%solver%candidate), count(met), joined)
       end associate
    end subroutine describe
 
-   !> Solve; where a tool that forces move is curved, again for the place it has moved to, until it
+   !> Solve on a linear path; where a tool that forces move is curved, again for the place it has moved to, until it
    !> rests.
-   subroutine solve_path(scene, model, plan, f, prescribed, error)
+   subroutine solve_linear(scene, model, plan, f, prescribed, error)
       type(scene_type), intent(inout) :: scene
       type(model_type), intent(in) :: model
       type(plan_type), intent(in) :: plan
@@ -110,12 +108,6 @@ contains
       integer :: pass
       real(wp) :: way, last
 
-      call refuse_torn_ties(scene, model, prescribed, error)
-      if (allocated(error)) return
-      if (plan%path == path_of%nonlinear) then
-         call solve_nonlinear(scene, model, f, prescribed, error)
-         return
-      end if
       scene%guess = scene%accepted%motion%u
       last = huge(1.0_wp)
       do pass = 1, most_places
@@ -135,5 +127,5 @@ contains
          & 'the place of a tool that forces move does not settle in '// &
          & to_text(most_places)//' passes', model%step(scene%step)%at, &
          & help='prescribe its displacement, or take smaller increments')
-   end subroutine solve_path
+   end subroutine solve_linear
 end module lopin_solve_path

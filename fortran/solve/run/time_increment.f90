@@ -1,4 +1,5 @@
-!> The length of increments: cut where one fails, grown where few iterations did, ended at turns.
+!> The length of increments: cut where one fails, grown where few iterations did, ended at the
+!> points of amplitudes. The loop over attempts is `advance` of lopin_run_analysis.
 module lopin_time_increment
    use lopin_kinds, only : wp
    use lopin_error, only : error_type, error_code
@@ -18,10 +19,10 @@ module lopin_time_increment
    use lopin_run_type, only : run_type
    use lopin_state, only : clock_state_type
    use lopin_tell_watcher, only : tell_of_attempt, tell_of_cut
-   use lopin_increment, only : solve_increment, reject, say
+   use lopin_increment, only : reject, say
    implicit none
    private
-   public :: advance, grow
+   public :: attempt_type, first_attempt, set_attempt, cut_increment, end_attempts, grow
 
    !> A failed increment is cut to this share; one that took few iterations grows; none is smaller
    !> than the last, beside the period, unless the deck says otherwise.
@@ -34,82 +35,118 @@ module lopin_time_increment
    !> Angle of tools that slide, beside the largest, that increments grow up to.
    real(wp), parameter :: steady_turn = 0.95_wp
 
+   !> What the attempts at one increment share.
+   type :: attempt_type
+      real(wp) :: turn = 0.0_wp                !! next point of an amplitude, in the step [time]
+      real(wp) :: wanted = 0.0_wp              !! length before that point cut it [time]
+      logical :: turns = .false.               !! it ends there
+   end type attempt_type
+
 contains
 
-   !> One increment from `time`: tried, cut and tried again until it is accepted or cannot be cut.
-   subroutine advance(run, model, recorders, error)
+   !> Before the first attempt at an increment.
+   subroutine first_attempt(self, run, model)
+      type(attempt_type), intent(out) :: self
+      class(run_type), intent(inout) :: run
+      type(model_type), intent(in) :: model
+
+      associate (clock => run%scene%accepted%clock, step => model%step(run%scene%step))
+         run%frame%attempt = 1
+         self%turn = next_turn(model, run%plan, step, clock%start, clock%time)
+         if (clock%time < clock%parts_until - same_time*step%period) clock%increment = &
+            & min(clock%increment, clock%part)
+      end associate
+   end subroutine first_attempt
+
+   !> The end of the increment, from its length and the points of amplitudes; told to the frame and
+   !> to what solves it.
+   subroutine set_attempt(self, run, model)
+      type(attempt_type), intent(inout) :: self
+      class(run_type), intent(inout) :: run
+      type(model_type), intent(in) :: model
+      real(wp) :: target_time
+
+      associate (scene => run%scene, frame => run%frame, clock => run%scene%accepted%clock, &
+         & step => model%step(run%scene%step), &
+         & time => run%scene%accepted%clock%time, increment => run%scene%accepted%clock%increment)
+         self%wanted = increment
+         target_time = time + increment
+         self%turns = self%turn < target_time - same_time*step%period
+         if (self%turns) target_time = self%turn
+         if (target_time + 1.0e-9_wp*increment >= step%period) target_time = step%period
+         increment = target_time - time
+         frame%step = scene%step
+         frame%step_time = target_time
+         frame%total_time = clock%start + target_time
+         frame%time_increment = increment
+         frame%last_of_step = .not. target_time < step%period
+         scene%may_part = .not. step%direct .and. increment/parts_of_touch >= &
+            & max(step%smallest, smallest*step%period) .and. .not. time < clock%parts_until &
+            & - same_time*step%period
+         scene%may_cut = .not. step%direct .and. cut*increment >= max(step%smallest, &
+            & smallest*step%period)
+         scene%newton%dt = increment
+         scene%newton%time = target_time
+         scene%newton%attempt = frame%attempt
+         call tell_of_attempt(scene, model, frame)
+      end associate
+   end subroutine set_attempt
+
+   !> After an attempt that has failed: the error goes where a shorter one may be tried; it stays
+   !> where the increment cannot be cut, or was solved and is refused by its certificate.
+   subroutine cut_increment(run, model, recorders, error)
       class(run_type), intent(inout) :: run
       type(model_type), intent(in) :: model
       type(recorder_holder_type), intent(inout) :: recorders(:)
-      type(error_type), allocatable, intent(out) :: error
-      real(wp) :: target_time, turn, wanted, part
-      logical :: turns
+      type(error_type), allocatable, intent(inout) :: error
+      character(len=:), allocatable :: begin
+      real(wp) :: part
 
-      associate (scene => run%scene, plan => run%plan, frame => run%frame, &
-         & clock => run%scene%accepted%clock, step => model%step(run%scene%step), &
-         & time => run%scene%accepted%clock%time, increment => run%scene%accepted%clock%increment)
-         frame%attempt = 1
-         turn = next_turn(model, plan, step, clock%start, time)
-         if (time < clock%parts_until - same_time*step%period) increment = min(increment, &
-            & clock%part)
-         do
-            wanted = increment
-            target_time = time + increment
-            turns = turn < target_time - same_time*step%period
-            if (turns) target_time = turn
-            if (target_time + 1.0e-9_wp*increment >= step%period) target_time = step%period
-            increment = target_time - time
-            frame%step = scene%step
-            frame%step_time = target_time
-            frame%total_time = clock%start + target_time
-            frame%time_increment = increment
-            frame%last_of_step = .not. target_time < step%period
-            scene%may_part = .not. step%direct .and. increment/parts_of_touch >= &
-               & max(step%smallest, smallest*step%period) .and. .not. time < clock%parts_until &
-               & - same_time*step%period
-            scene%may_cut = .not. step%direct .and. cut*increment >= max(step%smallest, &
-               & smallest*step%period)
-            scene%newton%dt = increment
-            scene%newton%time = target_time
-            scene%newton%attempt = frame%attempt
-            call tell_of_attempt(scene, model, frame)
-            call solve_increment(run, model, recorders, error)
-            if (.not. allocated(error)) exit
-            if (frame%certificate%verdict == 2) return
-            if (.not. may_cut(plan, scene, error)) return
-            call reject(scene)
-            call tell_of_cut(scene, model, frame, error%item(1)%message)
-            if (error%item(1)%id == order_id) then
-               call go_by_parts(clock, scene%first_touch)
-               call say(recorders, 'step '//to_text(scene%step)//', increment '// &
-                  & to_text(frame%increment)//': by parts, because '//error%item(1)%message)
-               deallocate (error)
-               cycle
-            end if
-            part = cut
-            if (error%item(1)%id == turn_id) part = steady_turn*most_turn/scene%turned
-            call say(recorders, 'step '//to_text(scene%step)//', increment '// &
-               & to_text(frame%increment)//', attempt '//to_text(frame%attempt)//': cut to '// &
-               & to_text(part*increment, 4)//', because '//error%item(1)%message)
-            if (any(error%item(1)%id == [passage_id, turn_id])) call note_once(scene%log, &
-               & 'N0551', 'step '//to_text(scene%step)//' takes smaller increments: '// &
-               & error%item(1)%message, step%at)
+      associate (scene => run%scene, frame => run%frame, clock => run%scene%accepted%clock)
+         if (frame%certificate%verdict == 2) return
+         if (.not. may_cut(run%plan, scene, error)) return
+         call reject(scene)
+         call tell_of_cut(scene, model, frame, error%item(1)%message)
+         begin = 'step '//to_text(scene%step)//', increment '//to_text(frame%increment)
+         if (error%item(1)%id == order_id) then
+            call go_by_parts(clock, scene%first_touch)
+            call say(recorders, begin//': by parts, because '//error%item(1)%message)
             deallocate (error)
-            increment = part*increment
-            frame%attempt = frame%attempt + 1
-         end do
-         clock%usual = max(increment, fading*clock%usual)
-         if (turns) increment = wanted
-         if (step%direct) increment = step%initial
-         if (step%direct .and. turns) then
+            return
+         end if
+         part = cut
+         if (error%item(1)%id == turn_id) part = steady_turn*most_turn/scene%turned
+         call say(recorders, begin//', attempt '//to_text(frame%attempt)//': cut to '// &
+            & to_text(part*clock%increment, 4)//', because '//error%item(1)%message)
+         if (any(error%item(1)%id == [passage_id, turn_id])) call note_once(scene%log, &
+            & 'N0551', 'step '//to_text(scene%step)//' takes smaller increments: '// &
+            & error%item(1)%message, model%step(scene%step)%at)
+         deallocate (error)
+         clock%increment = part*clock%increment
+         frame%attempt = frame%attempt + 1
+      end associate
+   end subroutine cut_increment
+
+   !> After the attempt that was accepted: what the next increment starts from.
+   subroutine end_attempts(self, run, model)
+      type(attempt_type), intent(in) :: self
+      class(run_type), intent(inout) :: run
+      type(model_type), intent(in) :: model
+
+      associate (scene => run%scene, frame => run%frame, clock => run%scene%accepted%clock, &
+         & step => model%step(run%scene%step))
+         clock%usual = max(clock%increment, fading*clock%usual)
+         if (self%turns) clock%increment = self%wanted
+         if (step%direct) clock%increment = step%initial
+         if (step%direct .and. self%turns) then
             ! Fixed increments go on in their places.
-            increment = wanted - frame%time_increment
+            clock%increment = self%wanted - frame%time_increment
             call note_once(scene%log, 'N0550', 'step '//to_text(scene%step)//': DIRECT '// &
                & 'increments also end at the points of amplitudes, first at time '// &
-               & to_text(target_time, 4)//', because the answer depends on the way', step%at)
+               & to_text(frame%step_time, 4)//', because the answer depends on the way', step%at)
          end if
       end associate
-   end subroutine advance
+   end subroutine end_attempts
 
    !> The increment ends where contact begins; what is left of it is done in parts.
    pure subroutine go_by_parts(clock, first)
