@@ -17,6 +17,7 @@ FAST = set("""
     import_graph increments mesh model_words narrow_masters narrow_tools node_areas passage
     plastic_members press_fits recorders seed_repairs sliding_scenes smooth_rings sources tree
     turning_bodies velocity verification_incline verification_springs verification_stability
+    walk
 """.split())
 
 
