@@ -82,19 +82,19 @@ contains
       type(scene_type), intent(inout) :: scene
       type(model_type), intent(in) :: model
       logical, intent(in) :: chooses           !! some slopes may be raised
-      logical :: closed(scene%finite%contact%n)
+      logical :: closed(scene%newton%contact%n)
       real(wp) :: pressed(size(model%pair))
       integer :: i
 
       pressed = 0.0_wp
-      associate (c => scene%finite%contact, before => scene%accepted%contact, &
+      associate (c => scene%newton%contact, before => scene%accepted%contact, &
          & state => scene%trial%contact)
          closed = c%status(:c%n) > 0
          do i = 1, c%n
             if (closed(i)) pressed(c%pair(i)) = pressed(c%pair(i)) + c%weight(i)*c%pressure(i)
          end do
          holds = allocated(before%judged) .and. before%judged_before < most_increments &
-            & .and. scene%finite%time < model%step(scene%step)%period
+            & .and. scene%newton%time < model%step(scene%step)%period
          if (holds) holds = size(before%judged) == c%n .and. size(before%pressed) == size(pressed)
          if (holds) holds = all(before%judged .eqv. closed) .and. all(pressed >= before%pressed)
          if (holds .and. chooses) holds = before%softness <= well_below*model%target_error
