@@ -9,7 +9,7 @@ from lopin.mesh_make import block, ring
 LIFT, RISE = 0.1, 0.32
 
 
-def arched(down, word="CPE4", facets=8, nlgeom=False, friction=False, path="AUTO"):
+def arched(down, word="CPE4", facets=8, nlgeom=False, friction=False, path="AUTO", pair="", behavior=""):
     """A convex tool of five chords comes down on a flat block: the least gap is that of the
     lowest chord, LIFT + RISE/25 - down."""
     lines = Lines()
@@ -30,8 +30,8 @@ def arched(down, word="CPE4", facets=8, nlgeom=False, friction=False, path="AUTO
     for name in "BT":
         lines.add(f"*SOLID SECTION, ELSET={name}E, MATERIAL=M", "1.,")
     lines.add("*SURFACE INTERACTION, NAME=C", *(("*FRICTION", "0.1,") if friction else ()),
-              f"*LOPIN, PATH={path}",
-              "*CONTACT PAIR, INTERACTION=C, TYPE=SURFACE TO SURFACE", "BSTOP, TSBOTTOM",
+              *((f"*SURFACE BEHAVIOR, {behavior}",) if behavior else ()), f"*LOPIN, PATH={path}",
+              f"*CONTACT PAIR, INTERACTION=C, TYPE=SURFACE TO SURFACE{pair}", "BSTOP, TSBOTTOM",
               "*BOUNDARY", f"BBOTTOM, 1, {up}", "TTOP, 1",
               *(("BN, 2", "TN, 2") if space else ()),
               f"*STEP, INC=100{', NLGEOM' if nlgeom else ''}", "*STATIC", "0.5, 1.",
@@ -45,6 +45,14 @@ def arched(down, word="CPE4", facets=8, nlgeom=False, friction=False, path="AUTO
     ("CPE4", 4, False), ("CPE4", 8, False), ("CPE4", 12, True), ("C3D8", 8, False)])
 def test_no_force_across_a_gap(solve, word, facets, friction, nlgeom):
     result = solve(arched(LIFT + RISE/25.0 - 0.0028, word, facets, nlgeom, friction))
+    assert np.abs(result.contact(0).last.pressure).max() < 1e-9
+
+
+@pytest.mark.parametrize("nlgeom", [False, True])
+@pytest.mark.parametrize("word", ["CPE4", "C3D8"])
+@pytest.mark.parametrize("options", [{"pair": ", ADJUST=0."}, {"pair": ", ADJUST=0.01"}, {"behavior": "NO SEPARATION"}])
+def test_nor_where_nodes_may_be_adjusted_or_are_to_stay(solve, options, word, nlgeom):
+    result = solve(arched(LIFT + RISE/25.0 - 0.0028, word, nlgeom=nlgeom, **options))
     assert np.abs(result.contact(0).last.pressure).max() < 1e-9
 
 

@@ -62,8 +62,9 @@ contains
    end subroutine new_mortar_rows
 
    !> The gap of a row is no less than the least over its facets; the place moves with the facets.
-   subroutine take_nearest(row, slave, master, x, list)
+   subroutine take_nearest(row, lifts, slave, master, x, list)
       type(mortar_row_type), intent(inout) :: row(:)    !! (slave%nnode)
+      logical, intent(in) :: lifts(:)                   !! (slave%nnode) others keep their mean
       type(surface_type), intent(in) :: slave, master
       real(wp), intent(in) :: x(:, :)                   !! (3, all mesh nodes) [length]
       type(overlap_list_type), intent(in) :: list
@@ -72,7 +73,8 @@ contains
 
       call least_of_nodes(slave, list, best)
       do j = 1, size(row)
-         if (best(j) == 0 .or. row(j)%node == 0 .or. .not. row(j)%weight > 0.0_wp) cycle
+         if (best(j) == 0 .or. row(j)%node == 0 .or. .not. lifts(j)) cycle
+         if (.not. row(j)%weight > 0.0_wp) cycle
          associate (o => list%item(best(j)))
             gap = least_gap(o, slave, master, x, row(j)%normal)
             if (.not. is_above(gap, row(j)%gap, slave%size(o%slave))) cycle

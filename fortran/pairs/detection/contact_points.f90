@@ -4,7 +4,7 @@
 module lopin_contact_points
    use lopin_kinds, only : wp
    use lopin_slave_points, only : slave_type
-   use lopin_model, only : model_type, pair_type, overclosure_of, initial_of
+   use lopin_model, only : model_type, pair_type, overclosure_of
    implicit none
    private
    public :: contact_points_type, face_type, inner_type, sample_type, own_sample
@@ -184,13 +184,11 @@ contains
          & .or. model%interaction(pair%interaction)%overclosure == overclosure_of%tied
    end function pair_is_tied
 
-   !> The gaps of a pair are those of its meshes: nothing sets its sides on each other.
+   !> The gaps of a pair are those of its meshes, but where ADJUST moves nodes: it is not tied, and
+   !> no *CLEARANCE stands for its geometry.
    pure logical function gaps_as_meshed(model, pair)
       type(model_type), intent(in) :: model
       type(pair_type), intent(in) :: pair
-      gaps_as_meshed = .not. (pair_is_tied(model, pair) .or. pair%has_clearance &
-         & .or. pair%adjust >= 0.0_wp .or. allocated(pair%adjust_node) &
-         & .or. pair%control%initial == initial_of%adjust &
-         & .or. model%interaction(pair%interaction)%no_separation)
+      gaps_as_meshed = .not. (pair_is_tied(model, pair) .or. pair%has_clearance)
    end function gaps_as_meshed
 end module lopin_contact_points

@@ -8,7 +8,7 @@ module lopin_initial_gaps
    use lopin_contact_points, only : contact_points_type, pair_is_tied
    implicit none
    private
-   public :: initial_gap_type, new_initial_gaps, may_tie
+   public :: initial_gap_type, new_initial_gaps, may_tie, is_moved
 
    !> Overclosures below this share of a facet are inexact geometry, not interference (frozen).
    real(wp), parameter :: inexact = 1.0e-3_wp
@@ -122,6 +122,12 @@ contains
          call report_overclosure(model, points, pair, interfering, worst, deepest, log, error)
       end associate
    end subroutine check_pair
+
+   !> ADJUST moved a point, over more than inexact geometry: its gaps are those of no mesh.
+   elemental logical function is_moved(shift, size)
+      real(wp), intent(in) :: shift, size      !! size: of the facets there [length]
+      is_moved = abs(shift) > inexact*size
+   end function is_moved
 
    !> A point of a tied pair that has a master near enough.
    pure logical function may_tie(points, i, adjust)

@@ -57,7 +57,8 @@ module lopin_mortar_element
       integer :: first = 1                     !! point of the pair that is the slave's first number
       logical :: in_space = .false.
       logical :: tied = .false.
-      logical :: lifts = .false.               !! no gap is less than the least that it weighs
+      logical, allocatable :: lifts(:)         !! (slave%nnode) no gap is less than the least that
+                                               !! it weighs
       integer, allocatable :: nearest(:)       !! (slave%nnode) overlap of that; plane
       logical :: is_ready = .false.            !! ties keep their first rows
       type(space_mortar_type) :: space
@@ -74,13 +75,14 @@ module lopin_mortar_element
 
 contains
 
-   subroutine new_present_mortar(self, model, number, facets, rules, first)
+   subroutine new_present_mortar(self, model, number, facets, rules, first, moved)
       type(present_mortar_type), intent(out) :: self
       type(model_type), intent(in) :: model
       integer, intent(in) :: number               !! of the pair
       type(facets_type), intent(in) :: facets     !! of the slave
       type(facet_rule_type), intent(in) :: rules(:)
       integer, intent(in) :: first                !! point of the pair
+      logical, intent(in) :: moved(:)             !! (points) by ADJUST
 
       self%is_on = stays_mortar(model, model%pair(number))
       if (.not. self%is_on) return
@@ -90,7 +92,8 @@ contains
       self%axisymmetric = model%kind == kind_of%axisymmetric
       self%in_space = model%mesh%ndim == 3
       self%tied = pair_is_tied(model, model%pair(number))
-      self%lifts = gaps_as_meshed(model, model%pair(number))
+      self%lifts = gaps_as_meshed(model, model%pair(number)) &
+         & .and. .not. moved(first:first + self%slave%nnode - 1)
       self%space%lifts = self%lifts
       if (self%in_space) call new_mortar_kernel(self%space%kernel, model%mortar_degree)
       call lay_pieces(self, rules, model%mesh%x)
@@ -150,7 +153,9 @@ contains
          & self%thickness, reach, facing, self%list, self%depth)
       call plan_rows(self%cover, rules, self%slave, master, x, self%list, start, direction)
       if (.not. allocated(self%nearest)) allocate (self%nearest(self%slave%nnode), source=0)
-      if (self%lifts) call least_of_nodes(self%slave, self%list, self%nearest)
+      if (.not. any(self%lifts)) return
+      call least_of_nodes(self%slave, self%list, self%nearest)
+      where (.not. self%lifts) self%nearest = 0
    end subroutine update_mortar
 
    !> The row of a node by values, if enough of it is covered; the first one within an increment

@@ -31,7 +31,7 @@ module lopin_mortar_element_3d
       type(mortar_kernel_type) :: kernel
       type(mortar_row_type), allocatable :: row(:)      !! (slave nodes) now
       type(mortar_row_type), allocatable :: before(:)   !! (slave nodes) when the increment began
-      logical :: lifts = .false.       !! no gap is less than the least that it weighs
+      logical, allocatable :: lifts(:) !! (slave%nnode) no gap is less than the least that it weighs
    end type space_mortar_type
 
    !> Inputs of the law: gap, normal, slip, multiplier.
@@ -77,7 +77,7 @@ contains
             if (self%before(j)%node == 0 .and. self%row(j)%node > 0) self%before(j) = self%row(j)
          end do
       end if
-      if (self%lifts) call take_nearest(self%row, slave, master, x, list)
+      if (any(self%lifts)) call take_nearest(self%row, self%lifts, slave, master, x, list)
    end subroutine update_space_mortar
 
    !> Forces and exact tangent of one node, as evaluate_point of lopin_contact_element.

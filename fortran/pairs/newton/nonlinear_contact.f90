@@ -22,6 +22,7 @@ module lopin_nonlinear_contact
    use lopin_contact_element, only : point_state_type
    use lopin_local_matrix, only : local_matrix_type
    use lopin_mortar_node_2d, only : patch_type
+   use lopin_initial_gaps, only : is_moved
    use lopin_mortar_element, only : present_mortar_type, mortar_anchor_type, new_present_mortar
    implicit none
    private
@@ -142,7 +143,7 @@ contains
             & self%friction(pair), model, pair, log)
          if (self%masters%of(pair)%has_slave_faces) call new_present_mortar(self%mortar(pair), &
             & model, pair, self%masters%of(pair)%slave, self%masters%rules, &
-            & findloc(self%pair, pair, dim=1))
+            & findloc(self%pair, pair, dim=1), is_moved(self%shift, self%size))
       end do
       do i = 1, n
          self%c(i) = self%enforcement(i)%c

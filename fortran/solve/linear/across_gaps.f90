@@ -14,6 +14,7 @@ module lopin_across_gaps
    use lopin_mortar, only : mortar_coupling_type
    use lopin_mortar_pairs, only : couple_pair, is_mortar
    use lopin_contact_points, only : gaps_as_meshed
+   use lopin_initial_gaps, only : is_moved
    use lopin_repeated_messages, only : warn_once
    use lopin_scene, only : scene_type
    implicit none
@@ -85,7 +86,8 @@ contains
       most = 0.0_wp
       do j = 1, coupling%n
          i = scene%points%first(pair) + coupling%place(j) - 1
-         gap = coupling%gap(j) + coupling%above(j) + scene%initial%shift(i)
+         if (is_moved(scene%initial%shift(i), scene%points%size(i))) cycle
+         gap = coupling%gap(j) + coupling%above(j)
          if (.not. coupling%above(j) > 0.0_wp .or. .not. gap > inexact*scene%points%size(i)) cycle
          self%share = self%share + force(i)/sum(force)
          if (.not. force(i) > most) cycle
