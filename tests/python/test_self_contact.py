@@ -5,6 +5,7 @@ One surface stands on both sides of its pair. The reference is symmetry, and the
 node of one arm may lie behind the other arm.
 """
 import json
+import re
 import subprocess
 
 import numpy as np
@@ -127,3 +128,68 @@ def test_a_thin_wall_is_not_its_own_contact(executable, tmp_path):
     pin = Hairpin()
     job, _ = pin.run(executable, tmp_path, both=True, pair="SKIN, SKIN", beyond=-2*OPEN)
     assert job["contact"][0]["closed"] == 0
+
+
+def crossing(words, inc):
+    """A block above a strip that is held at its ends, one skin: the block goes down by 1.5, or by 4
+    and out below."""
+    number, elements = {}, []
+    for kind, nx, ny in (("S", 20, 2), ("B", 3, 3)):
+        for i in range(nx):
+            for j in range(ny):
+                elements.append([number.setdefault((kind, *at), len(number) + 1) for at in
+                                 ((i, j), (i + 1, j), (i + 1, j + 1), (i, j + 1))])
+    text = "*NODE\n"
+    for (kind, i, j), n in number.items():
+        x, y = (0.5*i, 0.25*j) if kind == "S" else (4.1 + 0.4*i, 1.0 + 0.4*j)
+        text += f"{n}, {x!r}, {y!r}\n"
+    text += "*ELEMENT, TYPE=CPE4, ELSET=E\n"
+    text += "".join(f"{k}, {', '.join(map(str, e))}\n" for k, e in enumerate(elements, 1))
+    for name, kept in (("ENDS", [("S", i, j) for i in (0, 20) for j in range(3)]),
+                       ("TOP", [("B", i, 3) for i in range(4)])):
+        text += f"*NSET, NSET={name}\n" + "".join(f"{number[at]}\n" for at in kept)
+    down = -4.0 if "DIRECT" in words else -1.5
+    return text + f"""*MATERIAL, NAME=M
+*ELASTIC
+1000., 0.3
+*SOLID SECTION, ELSET=E, MATERIAL=M
+1.
+*SURFACE, NAME=SKIN
+E,
+*SURFACE INTERACTION, NAME=I
+*CONTACT PAIR, INTERACTION=I, TYPE=NODE TO SURFACE
+SKIN, SKIN
+*STEP, NLGEOM, INC=500
+*STATIC{words}
+{inc}
+*BOUNDARY
+ENDS, 1, 2
+TOP, 1
+TOP, 2, 2, {down}
+*END STEP
+"""
+
+
+@pytest.mark.parametrize(("words", "inc", "code"), [("", "1., 1., 1e-5, 1.", "N0551"),
+                                                    (", DIRECT", "1., 1.", "E0550")])
+def test_no_part_of_a_skin_passes_through_another(executable, tmp_path, words, inc, code):
+    """In one increment, without a word, before: the increment is cut and said, or refused."""
+    (tmp_path/"skin.inp").write_text(crossing(words, inc))
+    done = subprocess.run([executable, "run", "skin.inp", "-o", "."], cwd=tmp_path,
+                          capture_output=True, text=True, check=False)
+    assert code in done.stdout + done.stderr
+    assert (done.returncode == 0) == (code == "N0551")
+    if code == "N0551":
+        assert json.loads((tmp_path/"skin.json").read_text())["contact"][0]["closed"] > 0
+
+
+def test_newton_that_fails_says_where(executable, tmp_path):
+    """The worst dof, its pair, and a contact that changed in the last iteration."""
+    text = Hairpin().deck(both=False, pair="SKIN, SKIN", inc="1., 1.", beyond=1.3)
+    (tmp_path/"pin.inp").write_text(text.replace("*STATIC\n", "*STATIC, DIRECT\n"))
+    done = subprocess.run([executable, "run", "pin.inp", "-o", "."], cwd=tmp_path,
+                          capture_output=True, text=True, check=False)
+    assert done.returncode == 3
+    said = done.stdout + done.stderr
+    assert "E0510" not in said or re.search(r"most at node \d+, dof [123]", said)
+    assert "E0510" in said or "E0512" in said

@@ -81,8 +81,7 @@ contains
       way = 0.0_wp
       do i = 1, self%n
          pair = self%pair(i)
-         if (.not. self%pair_active(pair) .or. self%enforcement(i)%tied &
-            & .or. self%masters%of(pair)%against_itself) cycle
+         if (.not. self%pair_active(pair) .or. self%enforcement(i)%tied) cycle
          moved = node_motion(self, self%node(i), from, to) - about(:, pair)
          way(i) = norm2(moved) + spread_(pair)
          if (any(abs(angle(:, pair)) > 0.0_wp)) then

@@ -23,6 +23,7 @@ module lopin_semismooth_newton
    use lopin_lagged_friction, only : reads_lagged, renew_lagged
    use lopin_scene, only : scene_type
    use lopin_tell_watcher, only : tell_of_iteration
+   use lopin_worst_residual, only : describe_worst
    implicit none
    private
    public :: solve_newton
@@ -51,6 +52,7 @@ contains
       type(search_type) :: search
       real(wp), allocatable :: remaining(:)
       real(wp) :: merits(memory), last, residual
+      integer, allocatable :: status(:)
       integer :: iteration, stale, seen(most_sets), grounded
       logical :: lagged, fresh, first, simplified, unchanged, falls
 
@@ -59,6 +61,7 @@ contains
       merits = 0.0_wp
       scene%newton%cycled = .false.
       lagged = reads_lagged(scene)
+      status = [integer ::]
       last = huge(1.0_wp)
       scene%newton%history = [real(wp) ::]
       scene%newton%contact%noted = merge(scene%newton%contact%ahead, 0.0_wp, guessed)
@@ -153,6 +156,7 @@ contains
          search%falls = falls
          search%merit = maxval(merits)
          search%with_tangent = with_tangent(residual)
+         status = scene%newton%contact%status
          call take_step(scene, model, search, v, evaluation, error)
          scene%newton%contact%noted = 0.0_wp
          if (allocated(error)) return
@@ -175,7 +179,7 @@ contains
          call raise_free_body(scene, model, error)
          return
       end if
-      call raise_not_converged(scene, model, evaluation, error)
+      call raise_not_converged(scene, model, evaluation, status, error)
 
    contains
 
@@ -191,10 +195,11 @@ contains
    end subroutine solve_newton
 
    !> Newton has not ended; where the mesh folds is said, for that is why.
-   subroutine raise_not_converged(scene, model, evaluation, error)
+   subroutine raise_not_converged(scene, model, evaluation, before, error)
       type(scene_type), intent(in) :: scene
       type(model_type), intent(in) :: model
       type(evaluation_type), intent(in) :: evaluation
+      integer, intent(in) :: before(:)         !! (points) status before the last iteration
       type(error_type), allocatable, intent(out) :: error
       character(len=:), allocatable :: fold
 
@@ -202,10 +207,10 @@ contains
       if (len(fold) > 0) fold = '; '//fold
       call raise(error, error_code%not_converged, 'E0510', 'Newton has not converged in '// &
          & to_text(scene%newton%iterations)//' iterations: residual '// &
-         & to_text(relative(evaluation, reference_of(scene, evaluation)), &
-         & 3)//' of the largest force'//fold, model%step(scene%step)%at, &
-         & help='smaller increments on *STATIC'// trim(merge(', and a mesh that bears the strain', &
-         & repeat(' ', 34), len(fold) > 0)))
+         & to_text(relative(evaluation, reference_of(scene, evaluation)), 3)// &
+         & ' of the largest force'//describe_worst(scene, model, evaluation, before)//fold, &
+         & model%step(scene%step)%at, help='smaller increments on *STATIC'// &
+         & trim(merge(', and a mesh that bears the strain', repeat(' ', 34), len(fold) > 0)))
    end subroutine raise_not_converged
 
    !> A tool that leaves goes first, and the body springs back: contact that is about to open would
