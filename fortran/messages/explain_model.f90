@@ -212,7 +212,9 @@ contains
       call add_explanation(list, 'W0336', 'a part of the master is narrower than a slave facet', &
          & 'Surface to surface spreads what a narrow punch or rib carries over the functions '// &
          & 'of the slave''s nodes: narrower than one facet it presses the whole facet, and the '// &
-         & 'force may be a quarter to two thirds too large.', &
+         & 'force may be a quarter to two thirds too large. Up to one and a half facets wide '// &
+         & 'it is 14 to 5 % too large at a given motion on first-order faces, 29 to 17 % on '// &
+         & 'triangles and tetrahedra of constant strain.', &
          & 'make the slave''s facets there at most as long as the master is wide, or exchange '// &
          & 'slave and master.')
       call add_explanation(list, 'N0334', 'a pair at the nodes is carried out surface to surface', &

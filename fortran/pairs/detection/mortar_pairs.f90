@@ -5,7 +5,7 @@ module lopin_mortar_pairs
    use lopin_text, only : to_text
    use lopin_cells, only : cell_type
    use lopin_facets, only : facets_type, facet_rule_type, new_facets, new_facet_rules, facet_point
-   use lopin_narrow_master, only : has_narrow_part
+   use lopin_narrow_master, only : narrowest_part
    use lopin_surface, only : surface_type, new_surface, update_surface
    use lopin_search, only : tree_type, build_tree
    use lopin_mortar_overlap, only : overlap_list_type
@@ -40,7 +40,7 @@ contains
 
    !> The coupling of a pair on the shape at the start, or at other places of the nodes; its slave
    !> in smooth pieces.
-   subroutine couple_pair(self, model, cells, number, tied, slave, side, narrow, error, places)
+   subroutine couple_pair(self, model, cells, number, tied, slave, side, width, error, places)
       type(mortar_coupling_type), intent(out) :: self
       type(model_type), intent(in) :: model
       type(cell_type), intent(in) :: cells(:)
@@ -48,7 +48,7 @@ contains
       logical, intent(in) :: tied
       type(surface_type), intent(out) :: slave
       real(wp), allocatable, intent(out) :: side(:, :)   !! (3, slave%nnode) outward
-      logical, intent(out) :: narrow           !! a part of the master is narrower than a facet
+      real(wp), intent(out) :: width   !! of the narrowest part of the master, in facets; huge: wide
       type(error_type), allocatable, intent(out) :: error
       real(wp), intent(in), optional :: places(:, :)     !! (ndim, nnode) [length]
       type(surface_type) :: master
@@ -62,7 +62,7 @@ contains
       integer :: i
       logical :: axisymmetric
 
-      narrow = .false.
+      width = huge(1.0_wp)
       x = model%mesh%x
       if (present(places)) x = places
       call shape_of(slave, model, cells, model%pair(number)%slave, error)
@@ -87,7 +87,7 @@ contains
       if (allocated(error)) return
       call new_cover(cover, full, share, tied, rows_needed(model, number))
       call couple(self, rules, slave, master, x, axisymmetric, thickness, list, cover)
-      if (.not. tied) narrow = has_narrow_part(slave, [(facet_area(i), i=1, slave%facets%n)], list, &
+      if (.not. tied) width = narrowest_part(slave, [(facet_area(i), i=1, slave%facets%n)], list, &
          & cover)
 
    contains

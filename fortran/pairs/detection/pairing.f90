@@ -135,6 +135,40 @@ contains
       end do
    end subroutine pair_with_surface
 
+   !> How much too large the force of a part is, measured with stiff punches at every place on a
+   !> mesh of quadrilaterals, 14, 7 and 5 % at a width of 1, 1.25 and 1.5 facets, and of triangles of
+   !> constant strain, 29, 20 and 17 %.
+   subroutine say_narrow(model, cells, pair, slave, width, log)
+      type(model_type), intent(in) :: model
+      type(cell_type), intent(in) :: cells(:)
+      integer, intent(in) :: pair
+      type(surface_type), intent(in) :: slave
+      real(wp), intent(in) :: width            !! in facets
+      type(log_type), intent(inout) :: log
+      character(len=:), allocatable :: text
+      real(wp) :: more
+      integer :: i
+
+      associate (p => model%pair(pair))
+         text = 'a part of '//model%surface(p%master)%name//' is narrower than the facets of '// &
+            & model%surface(p%slave)%name//' opposite: force and pressure are those of a '// &
+            & 'coarse facet'
+         if (width >= 1.0_wp) then
+            more = 14.0_wp*width**(-2.5_wp)
+            do i = 1, slave%facets%n
+               associate (cell => cells(model%mesh%etype(slave%facets%element(i))))
+                  if (cell%nnode == cell%ndim + 1) more = 29.0_wp*width**(-1.4_wp)
+               end associate
+            end do
+            text = 'a part of '//model%surface(p%master)%name//' is about '//to_text(width, 2)// &
+               & ' facets of '//model%surface(p%slave)%name//' wide: at a given motion its '// &
+               & 'force may be '//to_text(more, 1)//' % too large'
+         end if
+         call log%say(severity%warning, 'W0336', text, p%at, &
+            & help='a finer mesh there, or the narrow side as slave')
+      end associate
+   end subroutine say_narrow
+
    !> Surface to surface: each slave node meets a weighted mean of the master. A node on a sharp
    !> edge has a point for each of its smooth pieces.
    subroutine pair_by_mortar(self, model, cells, pair, slave, log, error)
@@ -148,19 +182,16 @@ contains
       type(mortar_coupling_type) :: coupling
       type(surface_type) :: shape, opposite
       real(wp), allocatable :: side(:, :)
+      real(wp) :: width
       integer :: i, j, k, m
-      logical :: narrow, tied
+      logical :: tied
 
       tied = pair_is_tied(model, model%pair(pair))
-      call couple_pair(coupling, model, cells, pair, tied, shape, side, narrow, error)
+      call couple_pair(coupling, model, cells, pair, tied, shape, side, width, error)
       if (allocated(error)) return
       if (tied) call shape_of(opposite, model, cells, model%pair(pair)%master, error)
       if (allocated(error)) return
-      if (narrow) call log%say(severity%warning, 'W0336', 'a part of '// &
-         & model%surface(model%pair(pair)%master)%name//' is narrower than the facets of '// &
-         & model%surface(model%pair(pair)%slave)%name//' opposite: force and pressure are those '// &
-         & 'of a coarse facet', model%pair(pair)%at, &
-         & help='a finer mesh there, or the narrow side as slave')
+      if (width < 2.0_wp) call say_narrow(model, cells, pair, shape, width, log)
       m = size(self%master, 1)
       do j = 1, coupling%n
          m = max(m, coupling%first(j + 1) - coupling%first(j) + merge(8, 0, tied))

@@ -64,9 +64,8 @@ contains
       type(error_type), allocatable :: error
       real(wp), allocatable :: side(:, :)
       real(wp) :: force(scene%points%n), x(size(model%mesh%x, 1), size(model%mesh%x, 2)), gap, &
-         & most
+         & most, width
       integer :: row, j, k, i
-      logical :: narrow
 
       force = 0.0_wp
       do row = scene%rows%group_first(pair), scene%rows%group_first(pair + 1) - 1
@@ -81,7 +80,7 @@ contains
          end do
       end do
       call cells_of_words(model%element_word, cells)
-      call couple_pair(coupling, model, cells, pair, .false., slave, side, narrow, error, x)
+      call couple_pair(coupling, model, cells, pair, .false., slave, side, width, error, x)
       if (allocated(error)) return
       most = 0.0_wp
       do j = 1, coupling%n
