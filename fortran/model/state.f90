@@ -12,7 +12,7 @@ module lopin_state
    implicit none
    private
    public :: state_type, motion_type, solids_state_type, contact_state_type, clock_state_type
-   public :: loads_state_type, pressures_type, solver_state_type
+   public :: loads_state_type, pressures_type, solver_state_type, judged_type
    public :: begin, accept, reject, begin_step_of, new_contact_state
 
    !> Where the bodies are, and how they went there.
@@ -51,6 +51,13 @@ module lopin_state
       procedure :: pass => pass_solids
    end type solids_state_type
 
+   !> The contact at which the error of penalties was estimated last.
+   type :: judged_type
+      logical, allocatable :: closed(:)        !! (n) points that were closed
+      integer :: before = 0                    !! increments since then
+      real(wp), allocatable :: pressed(:)      !! (npair) normal forces one increment ago [force]
+   end type judged_type
+
    !> Contact on the present shape, by slave point. Vectors are in global axes.
    type :: contact_state_type
       real(wp), allocatable :: multiplier(:)   !! (nmultiplier) tractions that are unknowns [stress]
@@ -72,9 +79,7 @@ module lopin_state
       real(wp) :: stiffer = 1.0_wp             !! slopes now, beside those first chosen
       integer :: raised = 0                    !! times they were raised; most_raises: no more
       real(wp) :: softness = 0.0_wp            !! estimated pressure error of penalties, relative
-      logical, allocatable :: judged(:)        !! (n) closed when that was estimated
-      integer :: judged_before = 0             !! increments since then
-      real(wp), allocatable :: pressed(:)      !! (npair) normal forces [force]
+      type(judged_type) :: judged              !! what that was estimated at
    contains
       procedure :: pass => pass_contact
    end type contact_state_type
@@ -267,9 +272,9 @@ contains
       call stream%pass(self%stiffer)
       call stream%pass(self%raised)
       call stream%pass(self%softness)
-      call stream%pass(self%judged)
-      call stream%pass(self%judged_before)
-      call stream%pass(self%pressed)
+      call stream%pass(self%judged%closed)
+      call stream%pass(self%judged%before)
+      call stream%pass(self%judged%pressed)
    end subroutine pass_contact
 
    subroutine pass_loads(self, stream)

@@ -10,6 +10,7 @@ module lopin_compliance_error
    use lopin_newton_system, only : solve_step
    use lopin_semismooth_newton, only : solve_newton
    use lopin_raise_penalty, only : raising_type, chooses_slope, choose_other, report_raised
+   use lopin_state, only : judged_type
    use lopin_scene, only : scene_type
    implicit none
    private
@@ -87,20 +88,18 @@ contains
       integer :: i
 
       pressed = 0.0_wp
-      associate (c => scene%newton%contact, before => scene%accepted%contact, &
-         & state => scene%trial%contact)
+      associate (c => scene%newton%contact, last => scene%accepted%contact%judged)
          closed = c%status(:c%n) > 0
          do i = 1, c%n
             if (closed(i)) pressed(c%pair(i)) = pressed(c%pair(i)) + c%weight(i)*c%pressure(i)
          end do
-         holds = allocated(before%judged) .and. before%judged_before < most_increments &
+         holds = allocated(last%closed) .and. last%before < most_increments &
             & .and. scene%newton%time < model%step(scene%step)%period
-         if (holds) holds = size(before%judged) == c%n .and. size(before%pressed) == size(pressed)
-         if (holds) holds = all(before%judged .eqv. closed) .and. all(pressed >= before%pressed)
-         if (holds .and. chooses) holds = before%softness <= well_below*model%target_error
-         state%judged = closed
-         state%judged_before = merge(before%judged_before + 1, 0, holds)
-         state%pressed = pressed
+         if (holds) holds = size(last%closed) == c%n .and. size(last%pressed) == size(pressed)
+         if (holds) holds = all(last%closed .eqv. closed) .and. all(pressed >= last%pressed)
+         if (holds .and. chooses) holds = scene%accepted%contact%softness &
+            & <= well_below*model%target_error
+         scene%trial%contact%judged = judged_type(closed, merge(last%before + 1, 0, holds), pressed)
       end associate
    end function still_holds
 
