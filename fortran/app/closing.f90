@@ -47,7 +47,7 @@ contains
       else
          call terminal%say('results in '//job%folder//'/')
       end if
-      call terminal%say('to see them: lopin plot '//job%folder//' (Python package), paraview '// &
+      call terminal%say('to see them: lopin report '//job%folder//' (Python package), paraview '// &
          & job%folder//'/'//job%stem//'.pvd')
    end subroutine tell_end
 

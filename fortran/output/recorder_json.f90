@@ -14,6 +14,7 @@ module lopin_recorder_json
    use lopin_json_writer, only : json_writer_type
    use lopin_json_verdict, only : verdict_type, note_verdict, keep_verdict, add_judgement
    use lopin_text, only : plural
+   use lopin_version, only : version
    use lopin_recorder_table, only : pair_summary_type, summarise_pair, pair_name
    implicit none
    private
@@ -152,6 +153,8 @@ contains
 
       call json%open('{', '')
       call json%add('schema', json_schema)
+      call json%add('version', version)
+      if (size(self%deck_file) > 0) call json%add('deck', trim(self%deck_file(1)))
       call json%add('status', summary%status)
       call json%add('exit_code', summary%exit_code)
       call add_model(json, model)

@@ -1,7 +1,7 @@
 """``lopin`` and ``python -m lopin``: one command for the executable and for the Python side.
 
-run, check, info, explain, doc and selftest are the executable's; plot, chart, atlas, convert and
-example are answered here.
+run, check, info, explain, doc and selftest are the executable's; report, plot, chart, atlas,
+convert and example are answered here.
 """
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from pathlib import Path
 
 from .errors import Interrupted, LopinError, ResourceError
 
-PYTHON_COMMANDS = ("plot", "chart", "atlas", "convert", "example")
+PYTHON_COMMANDS = ("report", "plot", "chart", "atlas", "convert", "example")
 
 
 def main(arguments: list[str] | None = None) -> int:
@@ -49,9 +49,14 @@ def forward(arguments: list[str]) -> int:
 
 
 def python_command(arguments: list[str]) -> int:
-    """plot, chart, atlas, convert, example."""
+    """report, plot, chart, atlas, convert, example."""
     parser = argparse.ArgumentParser(prog="lopin", description=__doc__)
     commands = parser.add_subparsers(dest="command", required=True)
+    report = commands.add_parser("report", help="one HTML file that shows what a run did")
+    report.add_argument("folder", type=Path)
+    report.add_argument("--compare", type=Path, nargs="+", default=[], metavar="FOLDER",
+                        help="runs that are laid beside it")
+    report.add_argument("-o", "--output", type=Path, help="default: <folder>/report.html")
     plot = commands.add_parser("plot", help="picture of the contact pressure of a result folder")
     plot.add_argument("folder", type=Path)
     plot.add_argument("-o", "--output", type=Path,

@@ -1,4 +1,4 @@
-"""The commands that Python answers: plot, chart, atlas, convert, example."""
+"""The commands that Python answers: report, plot, chart, atlas, convert, example."""
 from __future__ import annotations
 
 import os
@@ -8,6 +8,14 @@ from pathlib import Path
 from .deck import Deck
 from .errors import ResourceError, UsageError
 from .files import whole_file
+
+
+def report(options) -> int:
+    """What a run did, as one HTML file."""
+    from .report import write_report
+
+    print(write_report([options.folder, *options.compare], options.output))
+    return 0
 
 
 def plot(options) -> int:

@@ -77,8 +77,8 @@ def test_the_end_says_what_came_of_it(executable, root, tmp_path):
     assert int(cost[2]) == pytest.approx(summary["peak_memory_mib"], abs=0.6)
     assert int(cost[3]) == sum(step["increments"] for step in summary["steps"])
     assert int(cost[4]) == sum(step["iterations"] for step in summary["steps"])
-    assert lines[-3:] == [f"results in {tmp_path}/", f"to see them: lopin plot {tmp_path} (Python "
-                          f"package), paraview {tmp_path}/bar_gap.pvd", "Job finished"]
+    assert lines[-3:] == [f"results in {tmp_path}/", f"to see them: lopin report {tmp_path} "
+                          f"(Python package), paraview {tmp_path}/bar_gap.pvd", "Job finished"]
     assert done.stderr == ""                   # too short for a line of a log
 
 
@@ -135,7 +135,7 @@ def test_ctrl_c_is_answered_and_the_run_goes_on(executable, root, tmp_path):
 
 
 @pytest.mark.parametrize("word, answer", [
-    ("rnu", "did you mean run?"), ("chek", "did you mean check?"), ("plto", "did you mean plot?"),
+    ("rnu", "did you mean run?"), ("chek", "did you mean check?"), ("reprot", "did you mean report?"),
     ("exlpain", "did you mean explain?"), ("foo", "there is no deck of that name")])
 def test_a_command_that_is_misspelt(executable, tmp_path, word, answer):
     done = subprocess.run([executable, word, "x.inp"], capture_output=True, text=True, cwd=tmp_path)

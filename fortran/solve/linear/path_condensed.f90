@@ -51,8 +51,10 @@ contains
       call new_linear_system(scene%system, scene%k, scene%constraints, scene%bodies%support, &
          & retained, &
          & model%solver, scene%clock, scene%counter, bad, error)
-      call note_order(scene, retained)
-      if (.not. allocated(error)) return
+      if (.not. allocated(error)) then
+         call note_order(scene, retained)
+         return
+      end if
       if (bad > 0) call name_equation(scene, model, bad, error)
    end subroutine prepare_condensed
 

@@ -1,0 +1,172 @@
+"""The skin of a part over time, small enough to stand in a page: places and fields as 16-bit
+numbers between their least and largest values."""
+from __future__ import annotations
+
+import base64
+from dataclasses import dataclass, field
+
+import numpy as np
+
+#: Bytes of all frames together, before base64.
+ROOM = 2_000_000
+#: Words of fields of the body that are shown, with what they are called.
+FIELDS = {"Mises": "von Mises stress", "PEEQ": "plastic strain", "U": "displacement"}
+#: Faces of the cells of a solid, by their corners.
+_FACES = {
+    "tetra": [(0, 2, 1), (0, 1, 3), (1, 2, 3), (0, 3, 2)],
+    "wedge": [(0, 2, 1), (3, 4, 5), (0, 1, 4, 3), (1, 2, 5, 4), (2, 0, 3, 5)],
+    "hexahedron": [(0, 3, 2, 1), (4, 5, 6, 7), (0, 1, 5, 4), (1, 2, 6, 5), (2, 3, 7, 6),
+                   (3, 0, 4, 7)],
+}
+_CORNERS = {"tetra": 4, "tetra10": 4, "wedge": 6, "wedge15": 6, "hexahedron": 8, "hexahedron20": 8,
+            "triangle": 3, "triangle6": 3, "quad": 4, "quad8": 4, "line": 2, "line3": 2,
+            "vertex": 1}
+
+
+@dataclass
+class Part:
+    """Polygons, or lines, and their points and fields in every frame."""
+    kind: str                                        # body, contact, tool
+    name: str
+    faces: list
+    places: list = field(default_factory=list)       # a (n, 3) array a frame
+    fields: dict = field(default_factory=dict)       # name: an (n,) array a frame
+
+
+@dataclass
+class Shape:
+    """All parts of a scene and the times of the frames."""
+    dimensions: int
+    axisymmetric: bool
+    times: list
+    parts: list
+
+    def data(self) -> dict:
+        """For the viewer: numbers as base64 of little-endian 16-bit words."""
+        box = np.array([p.min(axis=0) for part in self.parts for p in part.places if len(p)])
+        top = np.array([p.max(axis=0) for part in self.parts for p in part.places if len(p)])
+        low, high = box.min(axis=0), top.max(axis=0)
+        size = float((high - low).max()) or 1.0
+        parts = []
+        for part in self.parts:
+            fields = {}
+            for name, values in part.fields.items():
+                least, most = _range(values)
+                fields[name] = {"min": least, "max": most,
+                                "data": [_pack((v - least)/((most - least) or 1.0))
+                                         for v in values]}
+            parts.append({"kind": part.kind, "name": part.name,
+                          "faces": [list(map(int, face)) for face in part.faces],
+                          "places": [_pack((p - low)/size) for p in part.places],
+                          "fields": fields})
+        return {"dimensions": self.dimensions, "low": low.tolist(), "size": size,
+                "times": list(map(float, self.times)), "parts": parts}
+
+
+def shapes_of(result) -> Shape | None:
+    """The scene of a result; nothing where it wrote no fields."""
+    times = result.times
+    if not len(times):
+        return None
+    model = result.summary.get("model", {})
+    chosen = range(len(times))
+    parts: dict = {}
+    source = result.source
+    names = [name for name in source._frames[-1][1]]   # parts of the collection
+    skin = _body(source, chosen[-1])
+    bytes_a_frame = 6*len(skin.places[0])*2 + 1
+    for name in names:
+        if name != "solid":
+            bytes_a_frame += 14*len(source._piece(chosen[-1], name).points)
+    most = int(max(2, min(60, ROOM//bytes_a_frame)))
+    if len(times) > most:
+        chosen = sorted({int(round(i)) for i in np.linspace(0, len(times) - 1, most)})
+    for index in chosen:
+        for name in names:
+            if name not in source._frames[index][1]:
+                continue
+            if name == "solid":
+                one = _body(source, index, skin.faces, skin.fields["points"])
+            else:
+                one = _other(source, index, name)
+            part = parts.setdefault(name, Part(one.kind, one.name, one.faces))
+            part.places.append(one.places[0])
+            for word, values in one.fields.items():
+                if word != "points":
+                    part.fields.setdefault(word, []).append(values)
+    whole = [part for part in parts.values() if len(part.places) == len(chosen)]
+    return Shape(int(model.get("dimensions", 3)), model.get("kind") == "axisymmetric",
+                 [times[i] for i in chosen], whole)
+
+
+def _body(source, index: int, faces=None, points=None) -> Part:
+    """The skin of the deformable bodies."""
+    mesh = source._piece(index, "solid")
+    if faces is None:
+        faces, points = _skin(mesh)
+    moved = _moved(mesh)[points]
+    part = Part("body", "body", faces, [moved], {"points": points})
+    for word, shown in FIELDS.items():
+        if word in mesh.point_data:
+            values = np.asarray(mesh.point_data[word], float)
+            part.fields[shown] = (np.linalg.norm(values, axis=1) if values.ndim == 2 and
+                                  values.shape[1] > 1 else values.ravel())[points]
+    return part
+
+
+def _other(source, index: int, name: str) -> Part:
+    """A contact surface or a tool."""
+    mesh = source._piece(index, name)
+    kind, _, plain = name.partition(" ")
+    faces = [tuple(cell[:_CORNERS[block.type]]) for block in mesh.cells for cell in block.data]
+    part = Part(kind, plain, faces, [_moved(mesh)])
+    if kind == "contact":
+        for word, shown in (("CPRESS", "contact pressure"), ("CSTATUS", "contact status"),
+                            ("COPEN", "gap")):
+            if word in mesh.point_data:
+                part.fields[shown] = np.asarray(mesh.point_data[word], float).ravel()
+    return part
+
+
+def _moved(mesh) -> np.ndarray:
+    """Points where they are: those of the body by their displacement."""
+    places = np.zeros((len(mesh.points), 3))
+    places[:, :mesh.points.shape[1]] = mesh.points
+    if "U" in mesh.point_data:
+        u = np.asarray(mesh.point_data["U"], float)
+        places[:, :u.shape[1]] += u
+    return places
+
+
+def _skin(mesh) -> tuple[list, np.ndarray]:
+    """Faces that one cell alone has, by their corners, and the points that they use."""
+    faces = []
+    for block in mesh.cells:
+        kind = next((k for k in _FACES if block.type.startswith(k)), None)
+        if kind is None:
+            if _CORNERS.get(block.type, 0) >= 3:
+                faces += [tuple(cell[:_CORNERS[block.type]]) for cell in block.data]
+            continue
+        seen: dict = {}
+        for cell in block.data:
+            for corners in _FACES[kind]:
+                face = tuple(int(cell[k]) for k in corners)
+                seen.setdefault(tuple(sorted(face)), []).append(face)
+        faces += [found[0] for found in seen.values() if len(found) == 1]
+    points = np.unique([k for face in faces for k in face]).astype(int)
+    place = {int(k): i for i, k in enumerate(points)}
+    return [tuple(place[int(k)] for k in face) for face in faces], points
+
+
+def _range(values) -> tuple[float, float]:
+    """Least and largest of a field over all frames."""
+    finite = [v[np.isfinite(v)] for v in values if len(v)]
+    least = min((float(v.min()) for v in finite if len(v)), default=0.0)
+    most = max((float(v.max()) for v in finite if len(v)), default=0.0)
+    return least, most
+
+
+def _pack(shares: np.ndarray) -> str:
+    """Numbers from 0 to 1 as base64 of 16-bit words."""
+    words = np.nan_to_num(np.clip(np.asarray(shares), 0.0, 1.0)*65535.0).round().astype("<u2")
+    return base64.b64encode(words.tobytes()).decode()
