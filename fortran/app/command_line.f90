@@ -1,6 +1,7 @@
 !> The words and options of the command line.
 module lopin_command_line
    use lopin_error, only : error_type, error_code, raise
+   use lopin_solver_factory, only : solver_names
    use lopin_live, only : form_of, form_words
    use lopin_text, only : nearest_word, parse_integer, quoted, join
    implicit none
@@ -225,7 +226,7 @@ contains
          & 'lopin selftest                 checks of the installed program'//nl//nl// &
          & '-o, --output FOLDER   where results go'//nl// &
          & '--threads N           number of threads'//nl// &
-         & '--solver WORD         auto, cholmod, umfpack, skyline, dense'//nl// &
+         & '--solver WORD         auto, '//join(solver_names)//nl// &
          & '--resume              go on from the checkpoint of a run that was broken off'//nl// &
          & '--overwrite           replace the unfinished run of another deck'//nl// &
          & '--deterministic       the same bits for any number of threads'//nl// &

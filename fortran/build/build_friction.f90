@@ -6,8 +6,8 @@ module lopin_build_friction
    use lopin_kinds, only : wp
    use lopin_error, only : location_type, log_type, severity
    use lopin_text, only : to_text
-   use lopin_friction, only : friction_type, law_of, law_number, regularization_of, &
-      & regularization_number, is_regularised
+   use lopin_friction, only : friction_type, law_of, law_number, law_data, regularization_of, &
+      & regularization_number, is_regularised, reads_mises
    use lopin_block, only : block_type, field_type, split_fields, field_real, complain, &
       & has_parameter, get_parameter, line_place
    use lopin_build_scene, only : get_word
@@ -225,15 +225,6 @@ contains
                & 'line')
          end if
          if (.not. max(friction%mu, friction%mu_static) > 0.0_wp) friction%law = law_of%none
-      case (law_of%orowan)
-         call need(data, merge(1, 2, has_parameter(block, 'TAUMAX')), 'mu, m', block, log)
-         call take_mu(friction%mu, data, 1, log)
-         call take_share(friction%m, data, 2, 'the shear factor m', log)
-         friction%has_m = data%given(2)
-      case (law_of%norton_hoff)
-         call need(data, 2, 'alpha, q', block, log)
-         call take_alpha(friction%alpha, data, 1, log)
-         call take_share(friction%q, data, 2, 'the exponent q of NORTON-HOFF', log)
       case (law_of%automatic)
          call take_mu(friction%mu, data, 1, log)
          call take_share(friction%m, data, 2, 'the shear factor m', log)
@@ -243,13 +234,43 @@ contains
          if (.not. data%given(2)) friction%m = missing
          if (.not. all(data%given(3:))) friction%alpha = missing
       case default
-         call need(data, merge(0, 1, friction%law == law_of%tresca &
-            & .and. has_parameter(block, 'TAUMAX')), 'm', block, log)
-         call take_share(friction%m, data, 1, 'the shear factor m', log)
-         friction%has_m = data%given(1)
+         call take_listed(friction, data, block, log)
       end select
       if (has_parameter(block, 'EQUIVALENT')) friction%law = law_of%cristescu
    end subroutine take_data
+
+   !> The data of a law as `law_data` lists them. A shear factor that bounds beside TAUMAX, and
+   !> comes last, may be left out.
+   subroutine take_listed(friction, data, block, log)
+      type(friction_type), intent(inout) :: friction
+      type(data_type), intent(in) :: data
+      type(block_type), intent(in) :: block
+      type(log_type), intent(inout) :: log
+      character(len=len(law_data)) :: list
+      character(len=:), allocatable :: name
+      integer :: i, n
+
+      list = law_data(friction%law)
+      n = 1 + count([(list(i:i) == ',', i=1, len(list))])
+      name = trim(list(index(list, ',', back=.true.) + 1:))
+      call need(data, merge(n - 1, n, adjustl(name) == 'm' .and. has_parameter(block, 'TAUMAX') &
+         & .and. .not. reads_mises(friction)), trim(list), block, log)
+      do i = 1, n
+         name = list(:scan(list, ', ') - 1)
+         select case (name)
+         case ('mu')
+            call take_mu(friction%mu, data, i, log)
+         case ('m')
+            call take_share(friction%m, data, i, 'the shear factor m', log)
+            friction%has_m = data%given(i)
+         case ('alpha')
+            call take_alpha(friction%alpha, data, i, log)
+         case ('q')
+            call take_share(friction%q, data, i, 'the exponent q of NORTON-HOFF', log)
+         end select
+         list = adjustl(list(len(name) + 2:))
+      end do
+   end subroutine take_listed
 
    !> `mu static, mu kinetic, decay`; without decay the static one holds for ever.
    subroutine take_decay(friction, data, block, log)

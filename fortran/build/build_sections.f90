@@ -4,9 +4,10 @@ module lopin_build_sections
    use lopin_error, only : location_type, log_type, severity
    use lopin_text, only : to_text, plural
    use lopin_model, only : model_type, section_type
-   use lopin_element_type, only : element_kind
+   use lopin_element_type, only : element_type, element_kind, new_element_type
    use lopin_flow_curve, only : flows
-   use lopin_block, only : deck_type, block_type, field_type, split_fields, field_real, complain
+   use lopin_block, only : deck_type, block_type, field_type, split_fields, field_real, complain, &
+      & has_parameter
    use lopin_build_locking, only : judge_locking
    use lopin_build_scene, only : scene_type, name_type, need_word, get_word, set_named, &
       & find_name, no_such
@@ -20,7 +21,7 @@ contains
    subroutine build_sections(model, deck, scene)
       type(model_type), intent(inout) :: model
       type(deck_type), intent(in) :: deck
-      type(scene_type), intent(in) :: scene
+      type(scene_type), intent(inout) :: scene
       type(name_type), allocatable :: names(:)
       type(section_type) :: section
       integer :: k, i
@@ -72,7 +73,7 @@ contains
          & //to_text(section%thickness, 6)//' is not positive', field(1)%at)
    end subroutine read_section
 
-   !> `*SECTION CONTROLS, NAME=, FORMULATION=FULL`.
+   !> `*SECTION CONTROLS, NAME=, FORMULATION=FULL, HOURGLASS=`.
    subroutine read_controls(section, deck, scene, name, at, log)
       type(section_type), intent(inout) :: section
       type(deck_type), intent(in) :: deck
@@ -95,6 +96,11 @@ contains
             if (other /= name) cycle
             call get_word(block, 'FORMULATION', word, there, found)
             if (word == 'FULL') section%formulation = 'FULL'
+            if (has_parameter(block, 'HOURGLASS')) then
+               if (word /= 'FULL') section%formulation = 'ONE'
+               if (word == 'FULL') call log%say(severity%note, 'N0306', 'HOURGLASS does '// &
+                  & 'nothing beside FORMULATION=FULL', there)
+            end if
             if (found .and. word /= 'FULL' .and. word /= 'AUTO') call complain(log, 'E0203', &
                & 'formulation `'//word//'` is not known', there, &
                & help='FULL, or leave it out for mean dilatation')
@@ -106,7 +112,7 @@ contains
 
    subroutine give_section(model, scene, block, scope)
       type(model_type), intent(inout) :: model
-      type(scene_type), intent(in) :: scene
+      type(scene_type), intent(inout) :: scene
       type(block_type), intent(in) :: block
       integer, intent(in) :: scope
       character(len=:), allocatable :: name
@@ -131,7 +137,42 @@ contains
          if (scene%etype(model%mesh%etype(e))%kind == element_kind%rigid) cycle
          model%mesh%section(e) = size(model%section)
       end do
+      if (model%section(size(model%section))%formulation == 'ONE') &
+         & call take_one_point(model, scene, model%mesh%elset(k)%member)
    end subroutine give_section
+
+   !> HOURGLASS of *SECTION CONTROLS: its C3D8R have one integration point.
+   subroutine take_one_point(model, scene, member)
+      type(model_type), intent(inout) :: model
+      type(scene_type), intent(inout) :: scene
+      integer, intent(in) :: member(:)
+      character(len=*), parameter :: word = 'C3D8RS'
+      type(element_type) :: element
+      logical :: found, some
+      integer :: i, e, t
+
+      some = .false.
+      t = findloc(model%element_word == word, .true., dim=1)
+      do i = 1, size(member)
+         e = member(i)
+         if (.not. any(model%element_word(model%mesh%etype(e)) == ['C3D8R ', 'C3D8RH', word])) cycle
+         some = .true.
+         if (t == 0) then
+            call new_element_type(element, word, '', found)
+            model%element_word = [character(len=8) :: model%element_word, word]
+            scene%etype = [scene%etype, element]
+            scene%etype_at = [scene%etype_at, model%section(size(model%section))%at]
+            t = size(model%element_word)
+         end if
+         model%mesh%etype(e) = t
+      end do
+      associate (at => model%section(size(model%section))%at)
+         if (some) call model%log%say(severity%note, 'N0206', 'C3D8R of this section has one '// &
+            & 'integration point and hourglass control, as its *SECTION CONTROLS asks', at)
+         if (.not. some) call model%log%say(severity%note, 'N0306', 'HOURGLASS on the *SECTION '// &
+            & 'CONTROLS of this section does nothing: no element is a C3D8R', at)
+      end associate
+   end subroutine take_one_point
 
    !> Every element that deforms has a section, every section a material that can be computed.
    subroutine check_sections(model, scene, rigid)

@@ -6,7 +6,7 @@ module lopin_check_options
    use lopin_element_type, only : cells_of_words
    use lopin_facets, only : facets_type, new_facets
    use lopin_surface, only : surface_type, new_surface, update_surface
-   use lopin_friction, only : friction_type, has_friction, law_of
+   use lopin_friction, only : has_friction, bounds_by_area
    use lopin_model, only : model_type, surface_of, overclosure_of, initial_of
    use lopin_block, only : deck_type, block_type, has_parameter
    implicit none
@@ -78,7 +78,7 @@ contains
       associate (p => model%pair(pair), slave => model%surface(model%pair(pair)%slave))
          if (slave%kind /= surface_of%nodes) return
          if (all(slave%area > 0.0_wp)) return
-         if (.not. bounds_stress(model%interaction(p%interaction)%friction)) return
+         if (.not. bounds_by_area(model%interaction(p%interaction)%friction)) return
          call model%log%say(severity%warning, 'W0307', 'surface '//slave%name//' is made of '// &
             & 'nodes without areas, and the friction of interaction '// &
             & model%interaction(p%interaction)%name//' bounds the shear stress: the bound acts '// &
@@ -86,14 +86,6 @@ contains
             & 'of each node under *SURFACE, TYPE=NODE')
       end associate
    end subroutine check_areas
-
-   pure logical function bounds_stress(friction)
-      type(friction_type), intent(in) :: friction
-
-      bounds_stress = .not. friction%rough .and. has_friction(friction)
-      if (bounds_stress) bounds_stress = friction%law /= law_of%coulomb &
-         & .or. (friction%tau_max > 0.0_wp .and. friction%tau_max < huge(1.0_wp))
-   end function bounds_stress
 
    !> SMOOTH on tools, on faces that are curved by themselves, and where all facets lie in a plane
    !> or meet at edges.

@@ -11,7 +11,7 @@ module lopin_node_areas
    use lopin_facets, only : facets_type, facet_rule_type, boundary_facets, new_facet_rules, &
       & nodal_weights
    use lopin_element_type, only : cells_of_words
-   use lopin_friction, only : friction_type, law_of
+   use lopin_friction, only : friction_type, bounds_by_area
    use lopin_model, only : model_type, surface_of, kind_of
    implicit none
    private
@@ -55,23 +55,17 @@ contains
       integer, intent(in) :: interaction
       integer :: s, i
 
-      limits = has_limit(model%interaction(interaction)%friction)
+      limits = bounds_by_area(model%interaction(interaction)%friction)
       do s = 1, size(model%step)
          if (.not. allocated(model%step(s)%friction_change)) cycle
          do i = 1, size(model%step(s)%friction_change)
             associate (change => model%step(s)%friction_change(i))
                if (change%interaction == interaction) &
-                  & limits = limits .or. has_limit(change%friction)
+                  & limits = limits .or. bounds_by_area(change%friction)
             end associate
          end do
       end do
    end function limits_stress
-
-   pure logical function has_limit(law)
-      type(friction_type), intent(in) :: law
-      has_limit = law%tau_max < huge(1.0_wp) .or. any(law%law == [law_of%tresca, law_of%orowan, &
-         & law_of%cristescu, law_of%norton_hoff])
-   end function has_limit
 
    !> Areas of the mesh's nodes by the free faces whose nodes are all in a list; zero elsewhere.
    subroutine weigh(model, node, weight)

@@ -1,6 +1,6 @@
 !> Rows of the keyword table: friction, and what changes it in a step.
 module lopin_keyword_rows_friction
-   use lopin_friction, only : law_names, regularization_names
+   use lopin_friction, only : law_names, law_data, law_notes, regularization_names
    use lopin_keyword_table, only : keyword_table_type, key, flag, word, number, choice, &
       & ignored_flag, later_flag, required, refuses, respells, data_line, example, under, about
    use lopin_text, only : join
@@ -19,6 +19,7 @@ contains
 
    subroutine add_friction(table)
       type(keyword_table_type), intent(inout) :: table
+      integer :: i
 
       call key(table, 'FRICTION', 'MS', 'both', &
          & 'Friction of a contact: a law bounds the shear, slip opposes it.')
@@ -52,10 +53,9 @@ contains
       call data_line(table, 'mu = 0, slip rate [length/time], pressure [stress], temperature', &
          & 'COULOMB, as Abaqus: three or more data; mu must not vary.')
       call data_line(table, 'mu static, mu kinetic, decay [time/length]', 'EXPONENTIAL DECAY.')
-      call data_line(table, 'm', 'TRESCA, CRISTESCU: shear factor, 0 to 1; TRESCA may be left '// &
-         & 'to TAUMAX alone.')
-      call data_line(table, 'mu, m', 'COULOMB-OROWAN.')
-      call data_line(table, 'alpha [stress*(time/length)^q], q', 'NORTON-HOFF: q from 0 to 1.')
+      do i = 2, size(law_names)
+         call data_line(table, trim(law_data(i)), trim(law_names(i))//': '//trim(law_notes(i)))
+      end do
       call data_line(table, 'mu, m, alpha [stress*(time/length)^q], q', 'AUTO: what the law '// &
          & 'chosen needs.')
       call example(table, '*SURFACE INTERACTION, NAME=GREASE|*FRICTION, LAW=COULOMB-OROWAN, '// &

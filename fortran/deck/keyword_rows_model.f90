@@ -240,7 +240,10 @@ contains
          & 'AUTO: mean dilatation in linear quads and bricks, as in Abaqus, internal modes in '// &
          & 'words with I, patches in linear simplices that keep their volume; FULL: plain full '// &
          & 'integration, as in CalculiX.')
-      call ignored_flag(table, 'HOURGLASS', 'Hourglass control of reduced elements.')
+      call choice(table, 'HOURGLASS', 'ENHANCED,STIFFNESS,RELAX STIFFNESS', '', &
+         & 'C3D8R of the section has one integration point, and a stiffness in its hourglass '// &
+         & 'motions by which a box bends as a beam does; without it C3D8R is integrated fully.')
+      call refuses(table, 'VISCOUS,COMBINED')
       call data_line(table, 'factor, ...', 'Factors of Abaqus; read past.')
       call example(table, '*SECTION CONTROLS, NAME=PLAIN, FORMULATION=FULL')
    end subroutine add_materials

@@ -1,8 +1,9 @@
 !> Element words of the deck: which cell, which kind, which formulation, tabulated at its Gauss
 !> points.
 !>
-!> A word is prefix (CPE, CPS, CAX, C3D), number of nodes and letters (R, H, I, M). Variants that
-!> Lopin does not have are read as the nearest formulation, and `note` says so.
+!> A word is prefix (CPE, CPS, CAX, C3D), number of nodes and letters (R, H, I, M; S: one point and
+!> hourglass control). Variants that Lopin does not have are read as the nearest formulation, and
+!> `note` says so.
 module lopin_element_type
    use lopin_kinds, only : wp
    use lopin_cells, only : cell_type, new_cell, new_sided_cell, new_cell_of, shape_functions
@@ -18,13 +19,15 @@ module lopin_element_type
    type(kinds), parameter :: element_kind = kinds()
 
    !> bbar: mean dilatation; full: no change; reduced: quadratic with the points of the linear cell;
-   !> enhanced: internal modes, see module enhanced_modes; projected: linear dilatation.
+   !> enhanced: internal modes, see module enhanced_modes; projected: linear dilatation; centre: one
+   !> point, see module hourglass.
    type :: formulations
       integer :: bbar = 1, full = 2, reduced = 3, enhanced = 4, projected = 5
+      integer :: centre = 6
    end type formulations
    type(formulations), parameter :: element_formulation = formulations()
 
-   character(len=*), parameter :: element_words(66) = [character(len=7) :: &
+   character(len=*), parameter :: element_words(67) = [character(len=7) :: &
       & 'CPE3', 'CPE3H', 'CPE4', 'CPE4R', 'CPE4H', 'CPE4I', 'CPE4RH', 'CPE4IH', 'CPE6', &
       & 'CPE6H', 'CPE6M', 'CPE6MH', 'CPE8', 'CPE8R', 'CPE8H', 'CPE8RH', 'CPS3', 'CPS4', &
       & 'CPS4R', 'CPS4I', 'CPS6', 'CPS6M', 'CPS8', 'CPS8R', 'CAX3', 'CAX3H', 'CAX4', 'CAX4R', &
@@ -32,7 +35,7 @@ module lopin_element_type
       & 'CAX8R', 'CAX8H', 'CAX8RH', 'C3D4', 'C3D4H', 'C3D6', 'C3D6H', 'C3D8', 'C3D8R', 'C3D8H', &
       & 'C3D8I', 'C3D8RH', 'C3D8IH', 'C3D10', 'C3D10H', 'C3D10M', 'C3D10MH', 'C3D10I', 'C3D15', &
       & 'C3D15H', 'C3D20', 'C3D20R', 'C3D20H', 'C3D20RH', 'R2D2', 'RAX2', 'R3D3', 'R3D4', &
-      & 'C3D6R']
+      & 'C3D6R', 'C3D8RS']
 
    !> Everything that is the same for all elements of a word.
    type :: element_type
@@ -165,6 +168,10 @@ contains
       averaged = product .and. self%kind /= element_kind%plane_stress
       name = trim(self%word)
       self%formulation = element_formulation%full
+      if (index(letters, 'S') > 0) then
+         self%formulation = element_formulation%centre
+         return
+      end if
       if (wish == 'FULL') then
          if (index(letters, 'R') > 0) self%note = &
             & name//' is integrated fully, as FORMULATION=FULL asks'
@@ -213,7 +220,7 @@ contains
    end subroutine tabulate
 
    !> Solids of second order: det J grad N has degree 3 in tetrahedra, 4 in triangles and 5 along
-   !> the axis in wedges, 5 in bricks.
+   !> the axis in wedges, 5 in bricks; 2 in bricks of eight nodes, which have more than one point.
    subroutine set_whole_rule(self)
       type(element_type), intent(inout) :: self
       type(rule_type) :: rule
@@ -228,6 +235,9 @@ contains
       case ('hexahedron20')
          if (self%formulation /= element_formulation%reduced) return
          call new_rule(rule, self%cell%family, 5)
+      case ('hexahedron')
+         if (self%formulation /= element_formulation%centre) return
+         call new_rule(rule, self%cell%family, 3)
       case default
          return
       end select
@@ -268,7 +278,8 @@ contains
       case ('wedge15')
          call new_rule(rule, self%cell%family, 2, through=5)
       case ('quad', 'hexahedron')
-         call new_rule(rule, self%cell%family, 3)
+         call new_rule(rule, self%cell%family, merge(1, 3, &
+            & self%formulation == element_formulation%centre))
       case default
          degree = merge(3, 5, self%formulation == element_formulation%reduced)
          call new_rule(rule, self%cell%family, degree)

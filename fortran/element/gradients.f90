@@ -103,7 +103,8 @@ contains
       if (allocated(element%whole_weight)) call correct_means(element, x, g, volume)
    end subroutine all_gradients
 
-   !> The gradients and volumes of all Gauss points; without change where edges are straight.
+   !> The gradients and volumes of all Gauss points; without change where edges are straight and
+   !> have nodes in their middles. Bricks of one point have the mean always.
    pure subroutine correct_means(element, x, g, volume)
       type(element_type), intent(in) :: element
       real(wp), intent(in) :: x(3, element%nnode)      !! [length]
@@ -139,6 +140,7 @@ contains
       integer :: k
 
       is_curved = .true.
+      if (element%nnode == element%cell%ncorner) return
       do k = 1, element%nnode - element%cell%ncorner
          associate (ends => element%cell%edge(:, k))
             edge = x(:, ends(2)) - x(:, ends(1))

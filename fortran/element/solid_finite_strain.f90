@@ -19,7 +19,9 @@ module lopin_solid_finite_strain
    use lopin_material_point, only : point_type, respond_at, keep_at
    use lopin_velocity_form, only : velocity_form, add_force, add_stiffness
    use lopin_solid_enhanced, only : enhanced_element, enhanced_deformation
-   use lopin_hyperelastic, only : solid_law_type, log_strain, condense_thickness
+   use lopin_hyperelastic, only : solid_law_type, log_strain, condense_thickness, &
+      & elastic_constants
+   use lopin_hourglass, only : add_hourglass
    use lopin_material_memory, only : put_amplitudes
    implicit none
    private
@@ -47,7 +49,7 @@ contains
       real(wp) :: g(element%ndim, element%nnode, element%ngauss)
       real(wp) :: hoop(element%nnode, element%ngauss)
       real(wp) :: phi(element%ngauss, dilatation_count(element))
-      real(wp) :: stress(element%nstress, element%ngauss), density
+      real(wp) :: stress(element%nstress, element%ngauss), density, moduli(2)
       real(wp) :: tangent(element%nstress, element%nstress, element%ngauss)
       integer :: k
       logical :: found
@@ -81,6 +83,8 @@ contains
          call add_force(element%ndim, element%nnode, g(:, :, k), hoop(:, k), stress(:, k), &
             & point(k)%weight, force)
       end do
+      call elastic_constants(law, moduli(1), moduli(2))
+      call add_hourglass(element, moduli, x, u, .true., force, energy, ke)
    end subroutine finite_strain_element
 
    !> Cauchy stress and logarithmic strain (engineering shears) at the Gauss points, in the order

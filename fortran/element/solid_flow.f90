@@ -9,7 +9,8 @@ module lopin_solid_flow
    use lopin_solid_small, only : strain_matrices, strains, internal_force, add_product, &
       & mode_strains, follow_nodes
    use lopin_enhanced_modes, only : solve_small
-   use lopin_hyperelastic, only : solid_law_type
+   use lopin_hyperelastic, only : solid_law_type, elastic_constants
+   use lopin_hourglass, only : add_hourglass
    use lopin_material_memory, only : amplitudes_of, put_amplitudes, offset_at
    use lopin_material_point, only : small_answer_type, respond_small, keep_small
    implicit none
@@ -34,7 +35,7 @@ contains
       real(wp), intent(out), optional :: ke(element%ndof, element%ndof)   !! [force/length]
       real(wp) :: b(element%ndof, element%nstress, element%ngauss), volume(element%ngauss)
       real(wp) :: stress(element%nstress, element%ngauss), strain(element%nstress, element%ngauss)
-      real(wp) :: alpha(element%nmode)
+      real(wp) :: alpha(element%nmode), moduli(2)
       type(small_answer_type) :: answer
       integer :: i, k, m
 
@@ -57,10 +58,13 @@ contains
          call add_product(element%ndof, m, b(:, :, k), volume(k)*answer%tangent(:m, :m), ke)
       end do
       call internal_force(element, b, volume, stress, force)
-      if (.not. present(ke)) return
-      do i = 2, element%ndof
-         ke(:i - 1, i) = ke(i, :i - 1)
-      end do
+      if (present(ke)) then
+         do i = 2, element%ndof
+            ke(:i - 1, i) = ke(i, :i - 1)
+         end do
+      end if
+      call elastic_constants(law, moduli(1), moduli(2))
+      call add_hourglass(element, moduli, x, u, .false., force, energy, ke)
    end subroutine flow_element
 
    !> Stress and strain (engineering shears) at the Gauss points: xx yy zz xy xz yz.

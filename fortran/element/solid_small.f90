@@ -11,6 +11,7 @@ module lopin_solid_small
    use lopin_gradients, only : gradients, correct_means
    use lopin_dilatation, only : dilatation_count, dilatation_functions
    use lopin_enhanced_modes, only : modes_type, internal_modes, solve_small
+   use lopin_hourglass, only : stiffen_hourglass
    use lopin_facets, only : facet_rule_type, facet_point
    implicit none
    private
@@ -209,6 +210,7 @@ contains
       do i = 2, element%ndof
          ke(:i - 1, i) = ke(i, :i - 1)
       end do
+      call stiffen_hourglass(element, d, x(:, :element%nnode), ke)
    end subroutine stiffness
 
    !> Lower triangle of ke + b d b^T.

@@ -79,7 +79,7 @@ module lopin_model
       type(location_type) :: at
       integer :: material = 0
       real(wp) :: thickness = 1.0_wp                    !! plane kinds [length]
-      character(len=4) :: formulation = ''              !! '' (default), 'FULL'
+      character(len=4) :: formulation = ''   !! '' (default), 'FULL', 'ONE': one point for C3D8R
       real(wp) :: axes(3, 3) = reshape([1.0_wp, 0.0_wp, 0.0_wp, 0.0_wp, 1.0_wp, 0.0_wp, 0.0_wp, &
          & 0.0_wp, 1.0_wp], [3, 3])                     !! rows: axes of the material, *ORIENTATION
       logical :: oriented = .false.                     !! the deck gives them

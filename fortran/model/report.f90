@@ -54,7 +54,8 @@ module lopin_report
       real(wp) :: action_reaction = 0.0_wp   !! |sum of slave and master forces| / sum of |forces|
       real(wp) :: energy = 0.0_wp            !! energy balance, relative
       real(wp) :: support = 0.0_wp           !! reaction of artificial supports / load
-      real(wp) :: artificial = 0.0_wp        !! work of what held floating bodies / work of the run
+      real(wp) :: artificial = 0.0_wp        !! work of what held floating bodies / work of the run,
+                                             !! or energy of hourglass motions / of the bodies
       real(wp) :: traction = 0.0_wp   !! force that printed pressures do not carry / force
       integer :: verdict = 0                 !! index into verdict_words
       character(len=:), allocatable :: reason  !! empty if PASS
@@ -69,6 +70,7 @@ module lopin_report
       real(wp) :: plastic = 0.0_wp           !! work of plastic and viscous flow since the start
       real(wp) :: thermal = 0.0_wp           !! work of heat against stresses since the start
       real(wp) :: artificial = 0.0_wp        !! taken up by what held floating bodies since the start
+      real(wp) :: hourglass = 0.0_wp         !! of `strain`, in hourglass motions
       real(wp) :: volume = 0.0_wp            !! of the bodies that flow, deformed [length^3]
       real(wp) :: nothing = 0.0_wp           !! below which they are not known
       real(wp) :: most = 0.0_wp              !! largest that was about since the start
@@ -164,6 +166,7 @@ contains
       call stream%pass(self%nothing)
       call stream%pass(self%most)
       call stream%pass(self%volume)
+      call stream%pass(self%hourglass)
       call stream%pass(self%artificial)
    end subroutine keep_energy
 

@@ -83,6 +83,7 @@ contains
          call json%add('friction_mean', energy%friction_mean)
          call json%add('plastic', energy%plastic)
          call json%add('artificial', energy%artificial)
+         if (energy%hourglass > 0.0_wp) call json%add('hourglass', energy%hourglass)
          call json%add('lost', lost_work(energy))
          call json%close('}')
       end associate
@@ -99,6 +100,8 @@ contains
       if (self%energy%artificial > unseen*self%energy%most) text = text//'; artificial work '// &
          & to_text(self%energy%artificial, 3)//', '//to_text(100.0_wp*self%energy%artificial/ &
          & self%energy%most, 3)//' % of all'
+      if (self%energy%hourglass > unseen*self%energy%most) text = text//'; energy of hourglass '// &
+         & 'motions '//to_text(self%energy%hourglass, 3)
       if (self%warned == 0) return
       text = text//', '//plural(self%warned, 'increment')//' not PASS; step '// &
          & to_text(self%at(1))//', increment '//to_text(self%at(2))//': '//self%certificate%reason

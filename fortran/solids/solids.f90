@@ -44,8 +44,8 @@ module lopin_solids
       integer :: etype = 0, section = 0
       type(element_type) :: element
       real(wp), allocatable :: d(:, :)       !! (nstress, nstress) Hooke [stress]
-      type(solid_law_type) :: law            !! at finite strain
-      real(wp) :: poisson = 0.0_wp
+      type(solid_law_type) :: law           !! at finite strain
+      real(wp) :: young = 0.0_wp, poisson = 0.0_wp   !! [stress], [-]
       real(wp) :: thickness = 1.0_wp
       logical :: patched = .false.           !! neighbours share their change of volume
       real(wp) :: expansion = 0.0_wp         !! [1/temperature]
@@ -204,6 +204,7 @@ contains
       end if
       new%law%remembers = new%law%flows .or. section%heated
       new%expansion = section%expansion
+      new%young = young
       new%poisson = poisson
       if (poisson > keeps_volume .or. new%law%flows) then
          new%patched = new%element%patched

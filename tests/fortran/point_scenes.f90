@@ -26,7 +26,8 @@ module point_scenes
    use lopin_closest_feature, only : opposite_type, anchor_type, find_opposite, anchor_of
    use lopin_nonlinear_samples, only : find_sample_feet, offset_of
    use lopin_master_surfaces, only : masters_type, move_masters
-   use lopin_contact_element, only : point_state_type, evaluate_point
+   use lopin_row_element, only : point_state_type
+   use lopin_contact_element, only : evaluate_point
    use lopin_local_matrix, only : local_matrix_type
    use patch_scenes, only : patch_names, patch_dimension, is_dome, new_patch
    implicit none

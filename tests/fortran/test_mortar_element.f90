@@ -12,7 +12,7 @@ program test_mortar_element
    use lopin_rigid_motion, only : rotation_matrix
    use lopin_mortar_node_2d, only : patch_type
    use lopin_mortar_cells_3d, only : new_mortar_kernel
-   use lopin_contact_element, only : point_state_type
+   use lopin_row_element, only : point_state_type
    use lopin_local_matrix, only : local_matrix_type
    use lopin_mortar_element, only : present_mortar_type, mortar_anchor_type, update_mortar, &
       & find_mortar_row, evaluate_mortar_point, lay_pieces

@@ -40,6 +40,7 @@ module lopin_enforcement
       procedure :: stored => nothing_stored
       procedure :: update => nothing_to_update
       procedure :: piecewise_linear => is_piecewise_linear
+      procedure :: first_gap => touches_at_zero
       procedure :: form_for_newton => is_its_own_form
       procedure :: forces => trial_that_presses
       ! What follows from those.
@@ -135,6 +136,14 @@ contains
          is_piecewise_linear = .true.
       end associate
    end function is_piecewise_linear
+
+   !> Gap at which it begins to press, >= 0 [length].
+   pure real(wp) function touches_at_zero(self)
+      class(enforcement_type), intent(in) :: self
+      associate (unused => self)
+         touches_at_zero = 0.0_wp
+      end associate
+   end function touches_at_zero
 
    !> The method that has the same limit and is solved in its place by Newton's iterations;
    !> unallocated: itself.

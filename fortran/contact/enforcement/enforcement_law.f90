@@ -20,6 +20,7 @@ module lopin_enforcement_law
       procedure :: word
       procedure :: solves_for_multiplier
       procedure :: piecewise_linear
+      procedure :: first_gap
       procedure :: trial
       procedure :: forces
       procedure :: stored
@@ -67,6 +68,16 @@ contains
          piecewise_linear = .false.
       end associate
    end function piecewise_linear
+
+   pure real(wp) function first_gap(self)
+      class(law_type), intent(in) :: self
+
+      if (self%exponential) then
+         first_gap = max(self%c0, 0.0_wp)
+      else
+         first_gap = max(-self%overclosure(1), 0.0_wp)
+      end if
+   end function first_gap
 
    !> Here alpha is the weight of the point: pressure times alpha is force.
    elemental subroutine trial(self, gap, alpha, multiplier, force, stiffness)

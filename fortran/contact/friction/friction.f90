@@ -13,6 +13,10 @@
 !> | norton_hoff    | alpha v^q, not a disc         | E5: opposes v; unit stress (time/length)^q |
 !>
 !> TAUMAX cuts all of them. What is not known (no yield stress) does not bound.
+!>
+!> To add a law: its number, word and data here, its radius as a `case` of `friction_radius`, and
+!> what it reads below; a datum that no law has yet also in `lopin_build_friction`. A caller's own
+!> law is `law_of%own` with its radius in `friction_type%own`.
 module lopin_friction
    use lopin_kinds, only : wp
    use lopin_error, only : location_type
@@ -20,7 +24,8 @@ module lopin_friction
    implicit none
    private
    public :: friction_type, condition_type, law_of, regularization_of
-   public :: law_names, regularization_names, law_number, regularization_number, automatic_law
+   public :: law_names, law_data, law_notes, law_number, automatic_law, radius_if
+   public :: regularization_names, regularization_number
    public :: has_friction, is_regularised, by_rate, reads_yield, reads_mises, reads_speed
    public :: bounds_by_area, depends_on_time, drag_limit
    public :: coefficient, friction_radius, return_to_disc, regularised_traction
@@ -28,12 +33,20 @@ module lopin_friction
    type :: laws
       integer :: automatic = -1      !! AUTO: chosen from the material when the model is built
       integer :: none = 0, coulomb = 1, tresca = 2, orowan = 3, cristescu = 4, norton_hoff = 5
+      integer :: own = 100           !! a law of the caller: no word of the deck
    end type laws
    type(laws), parameter :: law_of = laws()
 
    !> The deck's word of each law; its place is the number in `law_of`.
    character(len=*), parameter :: law_names(5) = [character(len=14) :: 'COULOMB', 'TRESCA', &
       & 'COULOMB-OROWAN', 'CRISTESCU', 'NORTON-HOFF']
+   !> What each law reads from the line under *FRICTION, in this order, and what it says of that.
+   character(len=*), parameter :: law_data(5) = [character(len=8) :: 'mu', 'm', 'mu, m', 'm', &
+      & 'alpha, q']
+   character(len=*), parameter :: law_notes(5) = [character(len=56) :: 'a coefficient.', &
+      & 'a shear factor, 0 to 1; it may be left to TAUMAX alone.', &
+      & 'a coefficient and a shear factor; m as of TRESCA.', 'a shear factor, 0 to 1.', &
+      & 'alpha [stress*(time/length)^q]; q from 0 to 1.']
 
    type :: regularizations
       integer :: linear = 1     !! return mapping: exact stick, or elastic slip where asked for
@@ -62,6 +75,7 @@ module lopin_friction
       real(wp) :: v0 = 0.0_wp                  !! V0 of the regularisation [length/time]; 0: by slip
       real(wp) :: stick_slope = 0.0_wp         !! CalculiX's second value [stress/length]; 0: none
       logical :: has_m = .true.                !! .false.: TAUMAX alone bounds Tresca and Orowan
+      procedure(radius_if), pointer, nopass :: own => null()   !! radius of `law_of%own`
       type(location_type) :: at                !! of *FRICTION in the deck
    end type friction_type
 
@@ -75,6 +89,19 @@ module lopin_friction
       real(wp) :: growth = 1.0_wp  !! area now over the area that tractions count on; bounds of
                                    !! shear are stresses on the area now [-]
    end type condition_type
+
+   abstract interface
+      !> Radius of the disc and its slope in the pressure p > 0; a bound that is a stress of its own
+      !> grows with the area (`at%growth`).
+      pure subroutine radius_if(law, p, at, radius, slope)
+         import :: friction_type, condition_type, wp
+         type(friction_type), intent(in) :: law
+         real(wp), intent(in) :: p                !! pressure [stress]
+         type(condition_type), intent(in) :: at
+         real(wp), intent(out) :: radius          !! [stress]
+         real(wp), intent(out) :: slope           !! d radius / d p [-]
+      end subroutine radius_if
+   end interface
 
    !> Least equivalent stress of Cristescu as a fraction of the pressure: at first touch the body
    !> has no stress, and a disc without radius would let everything slide.
@@ -150,13 +177,14 @@ contains
    elemental logical function reads_yield(law)
       type(friction_type), intent(in) :: law
       reads_yield = .not. law%rough .and. law%has_m .and. (law%law == law_of%tresca &
-         & .or. law%law == law_of%orowan .or. law%law == law_of%cristescu)
+         & .or. law%law == law_of%orowan .or. law%law == law_of%cristescu &
+         & .or. law%law == law_of%own)
    end function reads_yield
 
    !> Whether the law reads `condition_type%mises`.
    elemental logical function reads_mises(law)
       type(friction_type), intent(in) :: law
-      reads_mises = .not. law%rough .and. law%law == law_of%cristescu
+      reads_mises = .not. law%rough .and. (law%law == law_of%cristescu .or. law%law == law_of%own)
    end function reads_mises
 
    !> Whether the law reads `condition_type%speed`.
@@ -218,6 +246,8 @@ contains
       case (law_of%norton_hoff)
          radius = huge(1.0_wp)
          if (.not. law%q > 0.0_wp) radius = law%alpha*at%growth
+      case (law_of%own)
+         call law%own(law, p, at, radius, slope)
       end select
       if (radius <= cap) return
       radius = cap

@@ -13,7 +13,7 @@ module lopin_master_surfaces
    use lopin_search, only : tree_type, cost_type, build_tree, refit_tree
    use lopin_self_contact, only : self_contact_type, new_self_contact, measure_thickness
    use lopin_rigid_motion, only : rigid_motion_type, new_rigid_motion
-   use lopin_model, only : model_type, surface_of, kind_of, overclosure_of
+   use lopin_model, only : model_type, surface_of, kind_of
    use lopin_dofs, only : dofs_type
    use lopin_contact_points, only : pair_is_tied, facing
    use lopin_nonlinear_points, only : nonlinear_points_type, is_self_contact, stays_mortar
@@ -106,8 +106,7 @@ contains
          & .and. .not. pair_is_tied(model, model%pair(pair))
       if (.not. can_sleep) return
       associate (way => model%interaction(model%pair(pair)%interaction))
-         can_sleep = way%overclosure /= overclosure_of%exponential &
-            & .and. way%overclosure /= overclosure_of%tabular
+         can_sleep = way%method%piecewise_linear()
       end associate
    end function can_sleep
 

@@ -2,15 +2,16 @@
 !> numbers.
 module lopin_contact_element
    use lopin_kinds, only : wp
-   use lopin_dual, only : dual_type, dual_width, variable, constant, dual_dot, dual_cross, &
+   use lopin_dual, only : dual_type, variable, constant, dual_dot, dual_cross, &
       & operator(+), operator(-), operator(*), operator(/), assignment(=)
    use lopin_facet_basis, only : facet_basis_type
    use lopin_model, only : model_type
    use lopin_local_matrix, only : local_matrix_type
    use lopin_dofs, only : dofs_type
    use lopin_friction, only : friction_type, condition_type
-   use lopin_contact_traction, only : enforcement_parameters_type, contact_status, traction_of, &
-      & normal_stiffness
+   use lopin_contact_traction, only : enforcement_parameters_type
+   use lopin_row_element, only : row_type, point_state_type, begin_row, press_row, last_block, &
+      & end_row
    use lopin_contact_foot, only : facet_foot, smooth_facet_foot, tool_foot, tool_motion, turned, &
       & turned_back
    use lopin_nonlinear_points, only : nonlinear_points_type, growth_type
@@ -20,18 +21,7 @@ module lopin_contact_element
    use lopin_master_surfaces, only : masters_type
    implicit none
    private
-   public :: point_state_type, evaluate_point, set_spring
-   !> Results of an evaluation.
-   type :: point_state_type
-      integer :: status = 0
-      real(wp) :: gap = 0.0_wp                 !! of the row [length]
-      real(wp) :: opening = 0.0_wp             !! of the node itself [length]
-      real(wp) :: normal(3) = 0.0_wp
-      real(wp) :: traction(3) = 0.0_wp         !! on the slave [stress]
-      real(wp) :: slip(3) = 0.0_wp             !! of the increment [length]
-      real(wp) :: row(3) = 0.0_wp
-      real(wp), allocatable :: force(:)        !! on the first nu dofs of the local matrix [force]
-   end type point_state_type
+   public :: evaluate_point
 
 contains
 
@@ -56,10 +46,8 @@ contains
       logical, intent(in) :: with_tangent
       type(inputs_type) :: inputs
       type(dual_type), allocatable :: force(:)
-      type(dual_type) :: row(3), gap, slip(3)
-      real(wp) :: shear(3, 3)
-      real(wp), allocatable :: along_gap(:), along_slip(:, :)
-      integer :: block, from, width, columns, d, k
+      type(row_type) :: row
+      integer :: columns, d
 
       d = model%mesh%ndim
       call list_inputs(inputs, model, dofs, masters, points, i, opposite, anchor, first_row)
@@ -71,36 +59,17 @@ contains
       local%dof = inputs%dof(:inputs%n)
       local%nu = inputs%nu
       allocate (force(inputs%nu))
-      if (with_tangent) then
-         if (allocated(local%k)) deallocate (local%k)
-         allocate (local%k(inputs%n, columns), source=0.0_wp)
-         allocate (along_gap(inputs%nu), along_slip(d, inputs%nu))
-      end if
-      do block = 1, merge((columns + dual_width - 1)/dual_width, 1, with_tangent)
-         from = (block - 1)*dual_width
-         call point_forces(merge(from, columns, with_tangent))
-         if (.not. with_tangent) exit
-         ! What is open and has no multiplier pushes nothing, wherever it goes.
-         if (state%status == contact_status%open .and. first_row == 0) exit
-         width = min(dual_width, columns - from)
-         do k = 1, inputs%nu
-            local%k(k, from + 1:from + width) = -force(k)%d(:width)
-         end do
-         do k = inputs%nu + 1, inputs%n
-            local%k(k, from + 1:from + width) = row(k - inputs%nu)%d(:width)
-         end do
-         do k = from + 1, min(from + width, inputs%nu)
-            along_gap(k) = gap%d(k - from)
-            along_slip(:, k) = slip(:d)%d(k - from)
-         end do
+      row%ndim = d
+      row%shift = shift
+      row%weight = points%weight(i)
+      row%held_gap = anchor%gap
+      row%has_rows = first_row > 0
+      call begin_row(row, local, columns, with_tangent)
+      do
+         call point_forces(row%from)
+         if (last_block(row, local, force)) exit
       end do
-      state%force = force%v
-      state%row = row%v
-      state%gap = gap%v
-      state%slip = slip%v
-      if (with_tangent) call set_spring(local, enforcement, points%weight(i), &
-         & normal_stiffness(enforcement, state%gap + shift), state%normal(:d), along_gap, &
-         & along_slip, shear(:d, :d), state%status /= contact_status%open, first_row > 0)
+      call end_row(state, local, row, enforcement, force)
       if (inputs%growth > 0) call add_growth(local, points%growth(i))
 
    contains
@@ -108,140 +77,128 @@ contains
       !> Forces on the inputs, rows, gap and slip, with slopes along inputs from+1 and on.
       subroutine point_forces(from)
          integer, intent(in) :: from
-         type(dual_type) :: x(3), n(3), z(3), node(3, opposite%nnode), &
-            & shares(opposite%nnode), multiplier(3), to_anchor(3), &
+         type(dual_type) :: x(3), z(3), node(3, opposite%nnode), shares(opposite%nnode), &
             & rotation(3, 3), reference(3), y(3), arm(3), moment(3), turn(3), base
          type(place_type) :: there(3)
          type(place_type), allocatable :: inner(:), around(:)
          integer :: k, m, places
 
          x = 0.0_wp
-         multiplier = 0.0_wp
+         row%multiplier = constant(0.0_wp)
          do k = 1, d
             x(k) = variable(masters%x(k, points%node(i)), inputs%slave(k) - from)
-            multiplier(k) = variable(lambda(k), inputs%multiplier(k) - from)
+            row%multiplier(k) = variable(lambda(k), inputs%multiplier(k) - from)
          end do
-         force = constant(0.0_wp)
-         if (opposite%nnode > 0) then
-            do m = 1, opposite%nnode
-               do k = 1, d
-                  node(k, m) = variable(masters%x(k, opposite%node(m)), inputs%master(k, m) - from)
-               end do
-            end do
-            if (allocated(opposite%stencil)) then
-               call smooth_facet_foot(basis, opposite%cell, opposite%found, opposite%feature, &
-                  & opposite%size, x, node, opposite%stencil, gap, n, shares(:opposite%ncarry))
-            else
-               call facet_foot(basis, opposite%cell, opposite%found, opposite%feature, &
-                  & opposite%size, x, node, gap, n, shares)
-            end if
-            to_anchor = x
-            do m = 1, anchor%nnode
-               do k = 1, d
-                  to_anchor(k) = to_anchor(k) - anchor%share(m)*variable(masters%x(k, &
-                     & anchor%node(m)), inputs%anchor(k, m) - from)
-               end do
-            end do
-         else
-            associate (motion => masters%of(points%pair(i))%motion, &
-               & body => masters%of(points%pair(i))%body)
-               turn = 0.0_wp
-               reference = constant(motion%reference + motion%displacement)
-               rotation = constant(motion%rotation)
-               if (body > 0) then
+         associate (gap => row%gap, n => row%normal, to_anchor => row%arm)
+            force = constant(0.0_wp)
+            if (opposite%nnode > 0) then
+               do m = 1, opposite%nnode
                   do k = 1, d
-                     reference(k) = variable(motion%reference(k) + motion%displacement(k), &
-                        & inputs%reference(k) - from)
+                     node(k, m) = variable(masters%x(k, opposite%node(m)), &
+                        & inputs%master(k, m) - from)
                   end do
-                  do k = 1, 3
-                     turn(k) = variable(masters%of(points%pair(i))%rotation(k), &
-                        & inputs%rotation(k) - from)
-                  end do
-                  rotation = tool_motion(turn)
+               end do
+               if (allocated(opposite%stencil)) then
+                  call smooth_facet_foot(basis, opposite%cell, opposite%found, opposite%feature, &
+                     & opposite%size, x, node, opposite%stencil, gap, n, shares(:opposite%ncarry))
+               else
+                  call facet_foot(basis, opposite%cell, opposite%found, opposite%feature, &
+                     & opposite%size, x, node, gap, n, shares)
                end if
-               arm = x - reference
-               y = constant(motion%reference) + turned_back(rotation, arm)
-               call tool_foot(opposite%foot, y, gap, turn)
-               n = turned(rotation, turn)
-               to_anchor = arm - turned(rotation, constant(anchor%y - motion%reference))
-               state%opening = gap%v
-               there(1) = place_type(1.0_wp, x, n, gap, inputs%slave)
-               places = 1
-               if (allocated(opposite%sample)) then
-                  places = 3
-                  do m = 1, 2
-                     associate (s => opposite%sample(m))
-                        there(1)%c = there(1)%c - s%c
-                        there(1 + m)%c = s%c
-                        there(1 + m)%input = inputs%sample(:, m)
-                        there(1 + m)%x = 0.0_wp
-                        do k = 1, d
-                           there(1 + m)%x(k) = variable(masters%x(k, s%node), &
-                              & inputs%sample(k, m) - from)
-                        end do
-                        call find_foot(there(1 + m), s, there(1), rotation, reference, &
-                           & motion%reference)
-                     end associate
+               to_anchor = x
+               do m = 1, anchor%nnode
+                  do k = 1, d
+                     to_anchor(k) = to_anchor(k) - anchor%share(m)*variable(masters%x(k, &
+                        & anchor%node(m)), inputs%anchor(k, m) - from)
                   end do
-                  call mean_place(there, gap, to_anchor)
-                  to_anchor = to_anchor - turned(rotation, constant(anchor%offset))
-               end if
-               if (allocated(opposite%inner)) then
-                  allocate (around(size(opposite%inner%node)), inner(size(opposite%inner%bent)))
-                  base = gap
-                  call place_planes(around, gap, opposite%inner, inputs, masters%x, rotation, &
-                     & reference, from)
-                  do m = 1, size(inner)
-                     call place_inner(inner(m), opposite%inner%bent(m), around, rotation, &
-                        & reference, motion%reference)
-                     gap = gap + inner(m)%c*inner(m)%gap
-                  end do
-                  gap = gap + (1.0_wp - opposite%inner%c)*base
-               end if
-            end associate
-         end if
-         slip = to_anchor - n*dual_dot(to_anchor, n)
-         if (enforcement%tied) then
-            ! Glued: all directions, from where the point was at the start.
-            z = multiplier - enforcement%c*(to_anchor - anchor%gap*n)
-            if (enforcement%partly) z = held_part(enforcement%held, z)
-            row = (multiplier - z)/enforcement%c
-            state%status = contact_status%stick
-            shear = 0.0_wp
-            do k = 1, d
-               shear(k, k) = enforcement%c
-            end do
-         else
-            call traction_of(enforcement, friction, at, gap + shift, n(:d), slip(:d), &
-               & multiplier(:d), z(:d), row(:d), state%status, shear(:d, :d), &
+               end do
+            else
+               associate (motion => masters%of(points%pair(i))%motion, &
+                  & body => masters%of(points%pair(i))%body)
+                  turn = 0.0_wp
+                  reference = constant(motion%reference + motion%displacement)
+                  rotation = constant(motion%rotation)
+                  if (body > 0) then
+                     do k = 1, d
+                        reference(k) = variable(motion%reference(k) + motion%displacement(k), &
+                           & inputs%reference(k) - from)
+                     end do
+                     do k = 1, 3
+                        turn(k) = variable(masters%of(points%pair(i))%rotation(k), &
+                           & inputs%rotation(k) - from)
+                     end do
+                     rotation = tool_motion(turn)
+                  end if
+                  arm = x - reference
+                  y = constant(motion%reference) + turned_back(rotation, arm)
+                  call tool_foot(opposite%foot, y, gap, turn)
+                  n = turned(rotation, turn)
+                  to_anchor = arm - turned(rotation, constant(anchor%y - motion%reference))
+                  state%opening = gap%v
+                  there(1) = place_type(1.0_wp, x, n, gap, inputs%slave)
+                  places = 1
+                  if (allocated(opposite%sample)) then
+                     places = 3
+                     do m = 1, 2
+                        associate (s => opposite%sample(m))
+                           there(1)%c = there(1)%c - s%c
+                           there(1 + m)%c = s%c
+                           there(1 + m)%input = inputs%sample(:, m)
+                           there(1 + m)%x = 0.0_wp
+                           do k = 1, d
+                              there(1 + m)%x(k) = variable(masters%x(k, s%node), &
+                                 & inputs%sample(k, m) - from)
+                           end do
+                           call find_foot(there(1 + m), s, there(1), rotation, reference, &
+                              & motion%reference)
+                        end associate
+                     end do
+                     call mean_place(there, gap, to_anchor)
+                     to_anchor = to_anchor - turned(rotation, constant(anchor%offset))
+                  end if
+                  if (allocated(opposite%inner)) then
+                     allocate (around(size(opposite%inner%node)), inner(size(opposite%inner%bent)))
+                     base = gap
+                     call place_planes(around, gap, opposite%inner, inputs, masters%x, rotation, &
+                        & reference, from)
+                     do m = 1, size(inner)
+                        call place_inner(inner(m), opposite%inner%bent(m), around, rotation, &
+                           & reference, motion%reference)
+                        gap = gap + inner(m)%c*inner(m)%gap
+                     end do
+                     gap = gap + (1.0_wp - opposite%inner%c)*base
+                  end if
+               end associate
+            end if
+            row%slip = to_anchor - n*dual_dot(to_anchor, n)
+            call press_row(row, enforcement, friction, at, &
                & variable(at%growth, inputs%growth - from))
-         end if
-         if (d == 2) z(3) = constant(0.0_wp)
-         z = points%weight(i)*z
-         state%normal = n%v
-         state%traction = z%v/points%weight(i)
-         if (allocated(opposite%inner)) then
-            call push_places(there(:places), z, n, reference, 1.0_wp - opposite%inner%c)
-            call push_inner(around, inner, dual_dot(z, n), reference)
-            return
-         end if
-         if (allocated(opposite%sample)) then
-            call push_places(there, z, n, reference, 1.0_wp)
-            return
-         end if
-         do k = 1, d
-            call push(inputs%slave(k), z(k))
-            do m = 1, opposite%ncarry
-               call push(inputs%master(k, m), (-1.0_wp)*(shares(m)*z(k)))
+            z = points%weight(i)*row%z
+            state%normal = n%v
+            state%traction = z%v/points%weight(i)
+            if (allocated(opposite%inner)) then
+               call push_places(there(:places), z, n, reference, 1.0_wp - opposite%inner%c)
+               call push_inner(around, inner, dual_dot(z, n), reference)
+               return
+            end if
+            if (allocated(opposite%sample)) then
+               call push_places(there, z, n, reference, 1.0_wp)
+               return
+            end if
+            do k = 1, d
+               call push(inputs%slave(k), z(k))
+               do m = 1, opposite%ncarry
+                  call push(inputs%master(k, m), (-1.0_wp)*(shares(m)*z(k)))
+               end do
+               call push(inputs%reference(k), (-1.0_wp)*z(k))
             end do
-            call push(inputs%reference(k), (-1.0_wp)*z(k))
-         end do
-         if (any(inputs%rotation > 0)) then
-            moment = dual_cross(arm - merge(0.0_wp, 1.0_wp, enforcement%tied)*(n*gap), z)
-            do k = 1, 3
-               call push(inputs%rotation(k), (-1.0_wp)*moment(k))
-            end do
-         end if
+            if (any(inputs%rotation > 0)) then
+               moment = dual_cross(arm - merge(0.0_wp, 1.0_wp, enforcement%tied)*(n*gap), z)
+               do k = 1, 3
+                  call push(inputs%rotation(k), (-1.0_wp)*moment(k))
+               end do
+            end if
+         end associate
       end subroutine point_forces
 
       !> Forces of a row with several places: pressures along the normal of each, shears along the
@@ -319,19 +276,6 @@ contains
       end subroutine push
    end subroutine evaluate_point
 
-   !> What is left of a traction in the directions in which a tie holds.
-   pure function held_part(projector, z) result(part)
-      real(wp), intent(in) :: projector(3, 3)
-      type(dual_type), intent(in) :: z(3)
-      type(dual_type) :: part(3)
-      integer :: k
-
-      part = 0.0_wp
-      do k = 1, 3
-         part = part + projector(:, k)*z(k)
-      end do
-   end function held_part
-
    !> The last column, slopes in the growth of the area, becomes one for each dof that it reads.
    pure subroutine add_growth(local, growth)
       type(local_matrix_type), intent(inout) :: local
@@ -352,33 +296,4 @@ contains
       end do
       call move_alloc(k, local%k)
    end subroutine add_growth
-
-   !> w (c g' g'^T + s'^T shear s') for a closed point, and its multiplier rows as if normals stood
-   !> still.
-   pure subroutine set_spring(local, enforcement, weight, press, normal, along_gap, along_slip, &
-      & shear, closed, has_rows)
-      type(local_matrix_type), intent(inout) :: local
-      type(enforcement_parameters_type), intent(in) :: enforcement
-      real(wp), intent(in) :: weight           !! [area]
-      real(wp), intent(in) :: press            !! -dp/dg [stress/length]
-      real(wp), intent(in) :: normal(:)        !! (ndim)
-      real(wp), intent(in) :: along_gap(:)     !! (nu) slopes of the gap
-      real(wp), intent(in) :: along_slip(:, :) !! (ndim, nu) of the slip
-      real(wp), intent(in) :: shear(:, :)      !! (ndim, ndim) [stress/length]
-      logical, intent(in) :: closed, has_rows
-      integer :: j, nu
-
-      nu = size(along_gap)
-      if (allocated(local%spring)) deallocate (local%spring)
-      if (allocated(local%flat_row)) deallocate (local%flat_row)
-      allocate (local%spring(nu, nu), source=0.0_wp)
-      if (has_rows) allocate (local%flat_row(size(normal), nu), source=0.0_wp)
-      if (.not. closed) return
-      do j = 1, nu
-         local%spring(:, j) = weight*(press*along_gap*along_gap(j) &
-            & + matmul(transpose(along_slip), matmul(shear, along_slip(:, j))))
-         if (has_rows) local%flat_row(:, j) = normal*along_gap(j) &
-            & + matmul(shear, along_slip(:, j))/enforcement%c
-      end do
-   end subroutine set_spring
 end module lopin_contact_element

@@ -17,8 +17,7 @@ module lopin_mortar_element
    use lopin_tilting, only : rows_needed
    use lopin_dofs, only : dofs_type
    use lopin_friction, only : friction_type, condition_type
-   use lopin_contact_traction, only : enforcement_parameters_type, contact_status, traction_of, &
-      & normal_stiffness
+   use lopin_contact_traction, only : enforcement_parameters_type
    use lopin_contact_points, only : pair_is_tied, gaps_as_meshed
    use lopin_mortar_pairs, only : thickness_of
    use lopin_mortar_overlap, only : overlap_list_type
@@ -30,7 +29,8 @@ module lopin_mortar_element
       & take_nearest
    use lopin_mortar_least, only : least_of_nodes
    use lopin_nonlinear_points, only : stays_mortar
-   use lopin_contact_element, only : point_state_type, set_spring
+   use lopin_row_element, only : row_type, point_state_type, begin_row, press_row, last_block, &
+      & end_row
    use lopin_local_matrix, only : local_matrix_type
    use lopin_mortar_cells_3d, only : new_mortar_kernel
    use lopin_mortar_element_3d, only : space_mortar_type, update_space_mortar, evaluate_space_point
@@ -239,10 +239,8 @@ contains
       real(wp), intent(out) :: weight          !! D [area]
       integer, allocatable :: node(:), input(:, :), of_anchor(:)
       type(dual_type), allocatable :: force(:)
-      type(dual_type) :: gap, slip(2), row(2)
-      real(wp), allocatable :: along_gap(:), along_slip(:, :)
-      real(wp) :: shear(2, 2)
-      integer :: from, width, n, k
+      type(row_type) :: row
+      integer :: n
 
       if (enforcement%tied) then
          call evaluate_tie(state, local, anchor%tie, dofs, x, enforcement, lambda, first_row, &
@@ -260,37 +258,16 @@ contains
       end if
       call list_inputs()
       allocate (force(local%nu))
-      if (with_tangent) then
-         if (allocated(local%k)) deallocate (local%k)
-         allocate (local%k(n, n), along_gap(local%nu), along_slip(2, local%nu))
-      end if
-      from = 0
+      row%ndim = 2
+      row%shift = shift
+      row%has_rows = first_row > 0
+      call begin_row(row, local, n, with_tangent)
       do
-         call forces(merge(from, n, with_tangent))
-         if (.not. with_tangent) exit
-         width = min(dual_width, n - from)
-         do k = 1, local%nu
-            local%k(k, from + 1:from + width) = -force(k)%d(:width)
-         end do
-         do k = local%nu + 1, n
-            local%k(k, from + 1:from + width) = row(k - local%nu)%d(:width)
-         end do
-         do k = from + 1, min(from + width, local%nu)
-            along_gap(k) = gap%d(k - from)
-            along_slip(:, k) = slip%d(k - from)
-         end do
-         from = from + dual_width
-         if (from >= n) exit
+         call forces(row%from)
+         if (last_block(row, local, force)) exit
       end do
-      state%force = force%v
-      state%row = 0.0_wp
-      state%row(:2) = row%v
-      state%gap = gap%v
-      state%slip = 0.0_wp
-      state%slip(:2) = slip%v
-      if (with_tangent) call set_spring(local, enforcement, weight, normal_stiffness(enforcement, &
-         & state%gap + shift), state%normal(:2), along_gap, along_slip, shear, &
-         & state%status /= contact_status%open, first_row > 0)
+      row%weight = weight
+      call end_row(state, local, row, enforcement, force)
 
    contains
 
@@ -330,7 +307,7 @@ contains
 
       subroutine forces(from)
          integer, intent(in) :: from
-         type(dual_type) :: place(2, size(node)), multiplier(2), z(2), moved(2)
+         type(dual_type) :: place(2, size(node)), moved(2)
          type(mortar_row_type) :: own
          integer :: m, j
 
@@ -340,7 +317,7 @@ contains
             end do
          end do
          do j = 1, 2
-            multiplier(j) = variable(lambda(j), merge(local%nu + j - from, 0, first_row > 0))
+            row%multiplier(j) = variable(lambda(j), merge(local%nu + j - from, 0, first_row > 0))
          end do
          if (with_tangent) then
             call mortar_row(own, patch, place(:, :size(patch%node)), self%axisymmetric, &
@@ -357,22 +334,22 @@ contains
          end do
          moved(1) = moved(1)/own%weight
          moved(2) = moved(2)/own%weight
-         slip = moved - own%normal*dual_dot(moved, own%normal)
-         gap = own%gap
-         call traction_of(enforcement, friction, at, gap + shift, own%normal, slip, multiplier, z, &
-            & row, state%status, shear)
+         row%slip(:2) = moved - own%normal*dual_dot(moved, own%normal)
+         row%normal(:2) = own%normal
+         row%gap = own%gap
+         call press_row(row, enforcement, friction, at)
          force = constant(spread(0.0_wp, 1, local%nu))
          do m = 1, size(patch%node)
             do j = 1, 2
                if (input(j, m) > 0) force(input(j, m)) = force(input(j, m)) &
-                  & + own%coefficient(m)*z(j)
+                  & + own%coefficient(m)*row%z(j)
             end do
          end do
          weight = own%weight%v
          state%normal = 0.0_wp
          state%normal(:2) = own%normal%v
          state%traction = 0.0_wp
-         state%traction(:2) = z%v
+         state%traction(:2) = row%z(:2)%v
       end subroutine forces
    end subroutine evaluate_mortar_point
 end module lopin_mortar_element

@@ -11,8 +11,7 @@ module lopin_mortar_element_3d
    use lopin_search, only : tree_type
    use lopin_dofs, only : dofs_type
    use lopin_friction, only : friction_type, condition_type
-   use lopin_contact_traction, only : enforcement_parameters_type, contact_status, traction_of, &
-      & normal_stiffness
+   use lopin_contact_traction, only : enforcement_parameters_type, contact_status
    use lopin_mortar_overlap, only : overlap_list_type
    use lopin_mortar_cells_3d, only : mortar_kernel_type
    use lopin_mortar_overlaps_3d, only : find_overlaps_3d
@@ -20,7 +19,7 @@ module lopin_mortar_element_3d
    use lopin_mortar_cover, only : cover_type
    use lopin_mortar_rows_3d, only : mortar_row_type, new_mortar_rows, take_nearest
    use lopin_mortar_traction_3d, only : slip_of_row, forces_of_row
-   use lopin_contact_element, only : point_state_type
+   use lopin_row_element, only : row_type, point_state_type, press_row, set_spring
    use lopin_local_matrix, only : local_matrix_type
    implicit none
    private
@@ -95,21 +94,24 @@ contains
       real(wp), intent(in) :: lambda(3)        !! multiplier, if it is an unknown [stress]
       integer, intent(in) :: first_row         !! of the multiplier; 0: none
       logical, intent(in) :: with_tangent
-      real(wp) :: slip(3), slip_slope(3, 3*size(row%of)), shear(3, 3)
-      type(dual_type) :: z(3), residual(3)
+      real(wp) :: slip(3), slip_slope(3, 3*size(row%of))
+      type(row_type) :: point
       integer :: k
 
       call slip_of_row(row, before, x, slip, slip_slope)
-      call traction_of(enforcement, friction, at, variable(row%gap + shift, 1), &
-         & variable(row%normal, [(at_normal + k, k=1, 3)]), &
-         & variable(slip, [(at_slip + k, k=1, 3)]), &
-         & variable(lambda, [(merge(at_multiplier + k, 0, first_row > 0), k=1, 3)]), &
-         & z, residual, state%status, shear)
-      state%row = residual%v
+      point%shift = shift
+      point%weight = row%weight
+      point%gap = variable(row%gap, 1)
+      point%normal = variable(row%normal, [(at_normal + k, k=1, 3)])
+      point%slip = variable(slip, [(at_slip + k, k=1, 3)])
+      point%multiplier = variable(lambda, [(merge(at_multiplier + k, 0, first_row > 0), k=1, 3)])
+      call press_row(point, enforcement, friction, at)
+      state%status = point%status
+      state%row = point%residual%v
       state%gap = row%gap
       state%slip = slip
       state%normal = row%normal
-      state%traction = z%v
+      state%traction = point%z%v
       if (state%status == contact_status%open) then
          call stay_away()
       else
@@ -132,42 +134,38 @@ contains
          integer :: i, j
          do j = 1, 3
             do i = 1, 3
-               local%k(local%nu + i, local%nu + j) = residual(i)%d(at_multiplier + j)
+               local%k(local%nu + i, local%nu + j) = point%residual(i)%d(at_multiplier + j)
             end do
          end do
       end subroutine take_multiplier
 
       subroutine press()
          integer :: way(3*size(row%of))        !! places of the local dofs
-         real(wp) :: force(size(way)), along(3, size(way)), stiffness
+         real(wp) :: force(size(way)), along(3, size(way))
          real(wp) :: k_all(merge(size(way), 0, with_tangent), merge(size(way), 0, with_tangent))
          integer :: i, q
 
          call list_dofs(way)
          if (.not. with_tangent) then
-            force = [(row%c(i)*z%v, i=1, size(row%of))]
+            force = [(row%c(i)*point%z%v, i=1, size(row%of))]
             state%force = force(way(:local%nu))
             return
          end if
          call clear(local, size(local%dof))
-         call chain(z, along)
-         call forces_of_row(row, z%v, along, force, k_all)
+         call chain(point%z, along)
+         call forces_of_row(row, point%z%v, along, force, k_all)
          state%force = force(way(:local%nu))
-         stiffness = normal_stiffness(enforcement, row%gap + shift)
          associate (nu => local%nu)
             local%k(:nu, :nu) = k_all(way(:nu), way(:nu))
-            do q = 1, nu
-               local%spring(:, q) = row%weight*(stiffness*row%gap_slope(way(:nu)) &
-                  & *row%gap_slope(way(q)) + matmul(transpose(slip_slope(:, way(:nu))), &
-                  & matmul(shear, slip_slope(:, way(q)))))
-            end do
+            call set_spring(local, enforcement, point, row%gap_slope(way(:nu)), &
+               & slip_slope(:, way(:nu)))
             if (first_row == 0) return
-            call chain(residual, along)
+            call chain(point%residual, along)
             local%k(nu + 1:, :nu) = along(:, way(:nu))
             do i = 1, nu
                do q = 1, 3
                   local%k(i, nu + q) = -row%c((way(i) + 2)/3) &
-                     & *z(modulo(way(i) - 1, 3) + 1)%d(at_multiplier + q)
+                     & *point%z(modulo(way(i) - 1, 3) + 1)%d(at_multiplier + q)
                end do
             end do
          end associate

@@ -12,7 +12,7 @@ module lopin_tie_element
    use lopin_facets, only : facets_type, facet_rule_type
    use lopin_dofs, only : dofs_type
    use lopin_contact_traction, only : enforcement_parameters_type, contact_status
-   use lopin_contact_element, only : point_state_type
+   use lopin_row_element, only : point_state_type
    use lopin_local_matrix, only : local_matrix_type
    implicit none
    private

@@ -10,7 +10,8 @@ module lopin_contact_evaluation
    use lopin_facet_hysteresis, only : record_facet
    use lopin_nonlinear_faces, only : find_inner_feet
    use lopin_nonlinear_samples, only : find_sample_feet, row_value
-   use lopin_contact_element, only : point_state_type, evaluate_point
+   use lopin_row_element, only : point_state_type
+   use lopin_contact_element, only : evaluate_point
    use lopin_mortar_element, only : evaluate_mortar_point
    use lopin_nonlinear_contact, only : nonlinear_contact_type
    use lopin_contact_detection, only : find_closest_features, detect_contact, is_excluded

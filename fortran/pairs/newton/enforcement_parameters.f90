@@ -132,7 +132,8 @@ contains
       if (.not. has_friction(friction) .or. friction%rough .or. is_regularised(friction)) return
       slips = friction%elastic_slip + friction%slip_tolerance > 0.0_wp
       why = ''
-      if (allocated(way%table) .and. (slips .or. friction%exact_stick)) why = 'a pressure-'// &
+      if (.not. way%method%piecewise_linear() .and. (slips .or. friction%exact_stick)) &
+         & why = 'a pressure-'// &
          & 'overclosure law sticks by springs of 33 moduli over a facet where bodies move far '// &
          & 'or flow'
       if (len(why) == 0) return

@@ -19,7 +19,7 @@ module lopin_nonlinear_contact
    use lopin_master_surfaces, only : masters_type, new_masters, areas_of
    use lopin_facet_hysteresis, only : new_facet_hysteresis
    use lopin_skins, only : new_skins
-   use lopin_contact_element, only : point_state_type
+   use lopin_row_element, only : point_state_type
    use lopin_local_matrix, only : local_matrix_type
    use lopin_mortar_node_2d, only : patch_type
    use lopin_initial_gaps, only : is_moved
@@ -192,7 +192,7 @@ contains
       integer, intent(in) :: pair
 
       associate (way => model%interaction(model%pair(pair)%interaction))
-         leaves_slope = .not. (way%slope*way%scale > 0.0_wp .or. allocated(way%table))
+         leaves_slope = .not. way%slope*way%scale > 0.0_wp
       end associate
    end function leaves_slope
 

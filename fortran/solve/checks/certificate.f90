@@ -12,10 +12,11 @@ module lopin_certificate
    use lopin_scene, only : scene_type
    use lopin_rounding_floor, only : noise_of_places, floor_of_forces, beyond
    use lopin_check_mesh, only : check_corners
+   use lopin_hourglass_energy, only : hourglass_energy
    use lopin_methods, only : has_law, obeys_deck
    implicit none
    private
-   public :: forces_type, find_forces, certify, give_verdict, hold_traction
+   public :: forces_type, find_forces, certify, give_verdict, hold_traction, check_hourglass
 
    !> PASS up to these, WARN above, FAIL above ten times (conventions, frozen).
    real(wp), parameter :: complementarity_limit = 1.0e-6_wp, equilibrium_limit = 1.0e-6_wp
@@ -80,6 +81,7 @@ contains
       call check_contact(self, energy, scene, model, noise)
       energy%strain = 0.5_wp*dot_product(scene%trial%motion%u, forces%internal)
       call check_work(self, energy, scene, largest(floor))
+      call check_hourglass(self, energy, scene, model)
       self%obeys = obeys_deck(model)
       if (scene%rows%n > 0) self%pressure_error = max(scene%answer%soft_error, drift(scene))
       call check_action(self, scene, model, forces%pressed)
@@ -135,9 +137,8 @@ contains
       do pair = 1, size(model%pair)
          associate (method => model%interaction(model%pair(pair)%interaction)%method)
             exact = method%is_exact()
-            if (method%updates()) exact = &
-               & model%pair(pair)%control%relative_penetration <= 0.0_wp &
-               & .and. model%pair(pair)%control%absolute_penetration <= 0.0_wp
+            if (method%updates()) exact = max(model%pair(pair)%control%relative_penetration, &
+               & model%pair(pair)%control%absolute_penetration) <= 0.0_wp
          end associate
          if (.not. exact) thin = thinnest(scene%bodies, model, pair)
          do row = scene%rows%group_first(pair), scene%rows%group_first(pair + 1) - 1
@@ -163,7 +164,8 @@ contains
                   end if
                   if (p_ref > 0.0_wp) self%complementarity = max(self%complementarity, scaled/p_ref)
                else if (scene%problem%alpha(row) > 0.0_wp .and. .not. has_law(model, pair)) then
-                  energy%contact = energy%contact + 0.5_wp*force**2/scene%problem%alpha(row)
+                  energy%contact = energy%contact + scene%problem%group(pair)%method%stored(gap, &
+                     & force, scene%problem%alpha(row))
                end if
             end associate
          end do
@@ -241,6 +243,19 @@ contains
       if (any(scene%dofs%id(1, :) == 0 .and. scene%dofs%id(2, :) > 0)) total(1) = 0.0_wp
       if (size_ > 0.0_wp) self%action_reaction = norm2(total)/size_
    end subroutine check_action
+
+   !> How much of the bodies' energy only holds bricks of one point in shape.
+   subroutine check_hourglass(self, energy, scene, model)
+      type(certificate_type), intent(inout) :: self
+      type(energy_type), intent(inout) :: energy
+      type(scene_type), intent(in) :: scene
+      type(model_type), intent(in) :: model
+
+      energy%hourglass = hourglass_energy(scene%solids, model%mesh, scene%trial%motion%u, &
+         & scene%accepted%solids%finite_strain)
+      if (energy%hourglass > 0.0_wp) self%artificial = energy%hourglass/max(energy%strain &
+         & + scene%trial%solids%work, energy%hourglass)
+   end subroutine check_hourglass
 
    subroutine give_verdict(self)
       type(certificate_type), intent(inout) :: self

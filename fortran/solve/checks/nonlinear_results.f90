@@ -11,7 +11,7 @@ module lopin_nonlinear_results
    use lopin_body_size, only : thinnest
    use lopin_check_mesh, only : check_corners
    use lopin_methods, only : obeys_deck
-   use lopin_certificate, only : forces_type, give_verdict
+   use lopin_certificate, only : forces_type, give_verdict, check_hourglass
    use lopin_residual, only : largest_force, largest_pressure, gap_rounding
    use lopin_rounding_floor, only : beyond
    use lopin_slave_areas, only : areas_now, pieces_now
@@ -65,6 +65,7 @@ contains
       call check_points(self, scene, model)
       call check_friction(self, energy, scene)
       call check_work(self, energy, scene)
+      call check_hourglass(self, energy, scene, model)
       call check_balance(self, scene, model, forces%pressed)
       call check_corners(self, scene, model)
       call give_verdict(self)

@@ -7,13 +7,12 @@
 !> solved again, until none does. So the answer is that of all rows.
 module lopin_contact_candidates
    use lopin_kinds, only : wp
-   use lopin_model, only : model_type, overclosure_of
+   use lopin_model, only : model_type
    use lopin_contact_points, only : pair_is_tied
    use lopin_contact_rows, only : contact_rows_type
    use lopin_scene, only : scene_type
    use lopin_present_gaps, only : row_gap_of
    use lopin_row_samples, only : has_samples
-   use lopin_methods, only : has_law
    implicit none
    private
    public :: choose_candidates, some_penetrate, add_candidates, add_nearest_candidates, &
@@ -95,13 +94,7 @@ contains
       integer, intent(in) :: pair
 
       associate (law => model%interaction(model%pair(pair)%interaction))
-         penetrates = max(law%clearance, 0.0_wp)
-         if (.not. has_law(model, pair)) return
-         if (law%overclosure == overclosure_of%exponential) then
-            penetrates = penetrates + max(law%table(2, 1), 0.0_wp)
-         else
-            penetrates = penetrates + max(-law%table(2, 1), 0.0_wp)
-         end if
+         penetrates = max(law%clearance, 0.0_wp) + law%method%first_gap()
       end associate
    end function penetrates
 

@@ -381,8 +381,8 @@ contains
       if (scene%newton%jumped) call record_snap_through(watch%jumps, frame%increment, &
          & watch%balance%of(3)%lost)
       if (.not. frame%energy%artificial > 0.0_wp) return
-      frame%certificate%artificial = frame%energy%artificial/max(frame%energy%most, &
-         & frame%energy%artificial)
+      frame%certificate%artificial = max(frame%certificate%artificial, &
+         & frame%energy%artificial/max(frame%energy%most, frame%energy%artificial))
       ! It is the run's work that it must be small beside.
       if (frame%last_of_step .and. frame%step == size(model%step)) &
          & call give_verdict(frame%certificate)

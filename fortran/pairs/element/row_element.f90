@@ -1,0 +1,196 @@
+!> The contact element: what a row presses with, and what its forces make of the local matrix,
+!> wherever its weights, gap, normal and slip come from.
+!>
+!> Nodes opposite tools and facets (lopin_contact_element) and mortar rows in the plane
+!> (lopin_mortar_element) measure a row in dual numbers, one block of columns of its derivatives
+!> after the other:
+!>
+!>    call begin_row(row, local, columns, with_tangent)
+!>    do
+!>       row%gap, normal, slip, multiplier = ...  with slopes along columns row%from + 1 and on
+!>       call press_row(row, enforcement, friction, at)
+!>       force = what row%z does to the dofs
+!>       if (last_block(row, local, force)) exit
+!>    end do
+!>    call end_row(state, local, row, enforcement, force)
+module lopin_row_element
+   use lopin_kinds, only : wp
+   use lopin_dual, only : dual_type, dual_width, constant, operator(+), operator(-), &
+      & operator(*), operator(/), assignment(=)
+   use lopin_local_matrix, only : local_matrix_type
+   use lopin_friction, only : friction_type, condition_type
+   use lopin_contact_traction, only : enforcement_parameters_type, contact_status, traction_of, &
+      & normal_stiffness
+   implicit none
+   private
+   public :: row_type, point_state_type, begin_row, press_row, last_block, end_row, set_spring
+
+   !> A row in one block of columns.
+   type :: row_type
+      integer :: ndim = 3
+      integer :: from = 0              !! the block has the columns behind this one
+      integer :: columns = 0           !! of the matrix that is asked for
+      logical :: with_tangent = .true., has_rows = .false.   !! has_rows: the traction is an unknown
+      integer :: status = 0            !! contact_status%...
+      real(wp) :: shift = 0.0_wp       !! added to the gap [length]
+      real(wp) :: weight = 1.0_wp      !! [area]
+      ! measured by who makes the row
+      type(dual_type) :: gap           !! [length]
+      type(dual_type) :: normal(3)
+      type(dual_type) :: slip(3)       !! of the increment [length]
+      type(dual_type) :: arm(3)        !! of a tie: from where it holds on [length]
+      type(dual_type) :: multiplier(3) !! if it is an unknown [stress]
+      real(wp) :: held_gap = 0.0_wp    !! of a tie: the gap that it keeps [length]
+      ! what follows
+      type(dual_type) :: z(3)          !! traction on the slave [stress]
+      type(dual_type) :: residual(3)   !! of the multiplier's rows [length]
+      real(wp) :: shear(3, 3) = 0.0_wp !! -dz/dslip without the coupling to pressure [stress/length]
+      real(wp), allocatable :: along_gap(:), along_slip(:, :)   !! slopes by the dofs
+   end type row_type
+
+   !> Results of an evaluation.
+   type :: point_state_type
+      integer :: status = 0
+      real(wp) :: gap = 0.0_wp                 !! of the row [length]
+      real(wp) :: opening = 0.0_wp             !! of the node itself [length]
+      real(wp) :: normal(3) = 0.0_wp
+      real(wp) :: traction(3) = 0.0_wp         !! on the slave [stress]
+      real(wp) :: slip(3) = 0.0_wp             !! of the increment [length]
+      real(wp) :: row(3) = 0.0_wp
+      real(wp), allocatable :: force(:)        !! on the first nu dofs of the local matrix [force]
+   end type point_state_type
+
+contains
+
+   !> Room for the matrix; without a tangent the one block has no columns.
+   pure subroutine begin_row(row, local, columns, with_tangent)
+      type(row_type), intent(inout) :: row
+      type(local_matrix_type), intent(inout) :: local   !! its dofs are listed
+      integer, intent(in) :: columns
+      logical, intent(in) :: with_tangent
+
+      row%columns = columns
+      row%with_tangent = with_tangent
+      row%from = merge(0, columns, with_tangent)
+      row%slip = constant(0.0_wp)
+      if (.not. with_tangent) return
+      if (allocated(local%k)) deallocate (local%k)
+      allocate (local%k(size(local%dof), columns), source=0.0_wp)
+      allocate (row%along_gap(local%nu), row%along_slip(row%ndim, local%nu))
+   end subroutine begin_row
+
+   !> Traction and residual by the law, or of what is glued.
+   pure subroutine press_row(row, enforcement, friction, at, growth)
+      type(row_type), intent(inout) :: row
+      type(enforcement_parameters_type), intent(in) :: enforcement
+      type(friction_type), intent(in) :: friction
+      type(condition_type), intent(in) :: at
+      type(dual_type), intent(in), optional :: growth   !! at%growth with its slopes; else it stands
+      integer :: d, k
+
+      d = row%ndim
+      row%z = constant(0.0_wp)
+      row%residual = constant(0.0_wp)
+      associate (n => row%normal(:d), z => row%z(:d))
+         if (.not. enforcement%tied) then
+            call traction_of(enforcement, friction, at, row%gap + row%shift, n, row%slip(:d), &
+               & row%multiplier(:d), z, row%residual(:d), row%status, row%shear(:d, :d), growth)
+            return
+         end if
+         ! Glued: all directions, from where the point was at the start.
+         z = row%multiplier(:d) - enforcement%c*(row%arm(:d) - row%held_gap*n)
+         if (enforcement%partly) z = held_part(enforcement%held(:d, :d), z)
+         row%residual(:d) = (row%multiplier(:d) - z)/enforcement%c
+      end associate
+      row%status = contact_status%stick
+      row%shear = 0.0_wp
+      do k = 1, d
+         row%shear(k, k) = enforcement%c
+      end do
+   end subroutine press_row
+
+   !> What is left of a traction in the directions in which a tie holds.
+   pure function held_part(projector, z) result(part)
+      real(wp), intent(in) :: projector(:, :)
+      type(dual_type), intent(in) :: z(:)
+      type(dual_type) :: part(size(z))
+      integer :: k
+
+      part = 0.0_wp
+      do k = 1, size(z)
+         part = part + projector(:, k)*z(k)
+      end do
+   end function held_part
+
+   !> Put the columns of the block into the matrix; .false.: there are more.
+   logical function last_block(row, local, force) result(last)
+      type(row_type), intent(inout) :: row
+      type(local_matrix_type), intent(inout) :: local
+      type(dual_type), intent(in) :: force(:)  !! (nu) on the dofs [force]
+      integer :: k, width
+
+      last = .true.
+      if (.not. row%with_tangent) return
+      ! What is open and has no multiplier pushes nothing, wherever it goes.
+      if (row%status == contact_status%open .and. .not. row%has_rows) return
+      associate (from => row%from, nu => local%nu)
+         width = min(dual_width, row%columns - from)
+         do k = 1, nu
+            local%k(k, from + 1:from + width) = -force(k)%d(:width)
+         end do
+         do k = nu + 1, size(local%dof)
+            local%k(k, from + 1:from + width) = row%residual(k - nu)%d(:width)
+         end do
+         do k = from + 1, min(from + width, nu)
+            row%along_gap(k) = row%gap%d(k - from)
+            row%along_slip(:, k) = row%slip(:row%ndim)%d(k - from)
+         end do
+         from = from + dual_width
+         last = from >= row%columns
+      end associate
+   end function last_block
+
+   !> Values of the last block, and the spring of the row.
+   subroutine end_row(state, local, row, enforcement, force)
+      type(point_state_type), intent(inout) :: state
+      type(local_matrix_type), intent(inout) :: local
+      type(row_type), intent(in) :: row
+      type(enforcement_parameters_type), intent(in) :: enforcement
+      type(dual_type), intent(in) :: force(:)
+
+      state%status = row%status
+      state%force = force%v
+      state%row = row%residual%v
+      state%gap = row%gap%v
+      state%slip = row%slip%v
+      if (row%with_tangent) call set_spring(local, enforcement, row, row%along_gap, row%along_slip)
+   end subroutine end_row
+
+   !> w (c g' g'^T + s'^T shear s') for a closed row, and its multiplier rows as if normals stood
+   !> still.
+   pure subroutine set_spring(local, enforcement, row, along_gap, along_slip)
+      type(local_matrix_type), intent(inout) :: local
+      type(enforcement_parameters_type), intent(in) :: enforcement
+      type(row_type), intent(in) :: row
+      real(wp), intent(in) :: along_gap(:)     !! (nu) slopes of the gap
+      real(wp), intent(in) :: along_slip(:, :) !! (ndim, nu) of the slip
+      real(wp) :: press
+      integer :: j, nu
+
+      nu = size(along_gap)
+      if (allocated(local%spring)) deallocate (local%spring)
+      if (allocated(local%flat_row)) deallocate (local%flat_row)
+      allocate (local%spring(nu, nu), source=0.0_wp)
+      if (row%has_rows) allocate (local%flat_row(row%ndim, nu), source=0.0_wp)
+      if (row%status == contact_status%open) return
+      press = normal_stiffness(enforcement, row%gap%v + row%shift)
+      associate (shear => row%shear(:row%ndim, :row%ndim), normal => row%normal(:row%ndim)%v)
+         do j = 1, nu
+            local%spring(:, j) = row%weight*(press*along_gap*along_gap(j) &
+               & + matmul(transpose(along_slip), matmul(shear, along_slip(:, j))))
+            if (row%has_rows) local%flat_row(:, j) = normal*along_gap(j) &
+               & + matmul(shear, along_slip(:, j))/enforcement%c
+         end do
+      end associate
+   end subroutine set_spring
+end module lopin_row_element
