@@ -7,7 +7,7 @@ module lopin_build_changes
       & has_parameter, line_place
    use lopin_build_friction, only : read_friction
    use lopin_build_scene, only : scene_type, name_type, need_word, find_name, no_such
-   use lopin_build_surfaces, only : surface_named, slave_named
+   use lopin_build_surfaces, only : surface_named
    implicit none
    private
    public :: build_changes
@@ -102,7 +102,7 @@ contains
          call split_fields(block%line(j), field, n)
          change%at = line_place(block%line(j))
          if (n < 2) n = 1
-         slave = slave_named(model, scene, field(1)%text, scope, field(1)%at)
+         slave = surface_named(model, scene, field(1)%text, scope, field(1)%at)
          master = surface_named(model, scene, field(n)%text, scope, field(n)%at)
          if (slave == 0 .or. master == 0) cycle
          change%active = add

@@ -11,7 +11,7 @@ module lopin_build_contact
       & complain, has_parameter, line_place, get_parameter
    use lopin_build_scene, only : scene_type, name_type, need_word, get_word, set_named, &
       & find_name, no_such
-   use lopin_build_surfaces, only : surface_named, slave_named
+   use lopin_build_surfaces, only : surface_named
    implicit none
    private
    public :: build_pairs, check_sides
@@ -69,8 +69,7 @@ contains
          if (n > 1) then
             if (len(field(2)%text) > 0) twin = 2
          end if
-         pair%slave = surface_named(model, scene, field(1)%text, scope, field(1)%at, &
-            & of_nodes=.not. pair%surface_to_surface)
+         pair%slave = surface_named(model, scene, field(1)%text, scope, field(1)%at)
          pair%master = surface_named(model, scene, field(twin)%text, scope, field(twin)%at)
          if (pair%slave == 0 .or. pair%master == 0) cycle
          call check_sides(model, pair, field(1), field(twin), ok)
@@ -298,7 +297,7 @@ contains
       call get_word(block, 'SLAVE', word, at, found)
       if (found) then
          named = .true.
-         k = slave_named(model, scene, word, scope, at)
+         k = surface_named(model, scene, word, scope, at)
          chosen = chosen .and. model%pair%slave == k
          if (k == 0) return
       end if

@@ -9,7 +9,7 @@ module lopin_build_output
    use lopin_model, only : model_type, output_type, output_of
    use lopin_block, only : deck_type, block_type, field_type, split_fields, has_parameter
    use lopin_build_scene, only : scene_type, get_word, set_named
-   use lopin_build_surfaces, only : surface_named, slave_named
+   use lopin_build_surfaces, only : surface_named
    implicit none
    private
    public :: output_of_step
@@ -107,7 +107,7 @@ contains
       if (found) output%set = set_named(scene, model%mesh%elset, 'element set', word, scope, at, &
          & model%log)
       call get_word(block, 'SLAVE', word, at, found)
-      if (found) output%slave = slave_named(model, scene, word, scope, at)
+      if (found) output%slave = surface_named(model, scene, word, scope, at)
       call get_word(block, 'MASTER', word, at, found)
       if (found) output%master = surface_named(model, scene, word, scope, at)
       call get_word(block, 'TOTALS', word, at, found)

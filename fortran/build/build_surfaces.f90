@@ -14,7 +14,7 @@ module lopin_build_surfaces
    use lopin_build_tools, only : build_tool
    implicit none
    private
-   public :: build_surfaces, surface_named, slave_named
+   public :: build_surfaces, surface_named
 
    !> Which elements have each node as a corner, for the neighbour across a face.
    type :: neighbours_type
@@ -330,17 +330,15 @@ contains
    end subroutine keep_once
 
    !> The index of a surface; complains and returns 0 when there is none. Where nodes and faces
-   !> have the same name it is the faces, unless nodes are asked for.
-   integer function surface_named(model, scene, name, scope, at, of_nodes) result(k)
+   !> have the same name it is the faces, which know their areas.
+   integer function surface_named(model, scene, name, scope, at) result(k)
       type(model_type), intent(inout) :: model
       type(scene_type), intent(in) :: scene
       character(len=*), intent(in) :: name
       integer, intent(in) :: scope
       type(location_type), intent(in) :: at
-      logical, intent(in), optional :: of_nodes
       type(name_type) :: names(size(model%surface))
-      integer :: i, twin
-      logical :: nodes
+      integer :: i
 
       do i = 1, size(names)
          names(i)%text = model%surface(i)%name
@@ -348,27 +346,10 @@ contains
       k = find_name(names, scoped(scene, scope, name))
       if (k == 0) k = find_name(names, upper(name))
       if (k == 0) call no_such(model%log, 'surface', upper(name), names, at)
-      twin = twin_of(model, k)
-      if (twin == 0) return
-      nodes = .false.
-      if (present(of_nodes)) nodes = of_nodes
-      if (nodes .neqv. model%surface(k)%kind == surface_of%nodes) k = twin
+      if (k == 0) return
+      if (model%surface(k)%kind == surface_of%nodes .and. twin_of(model, k) > 0) &
+         & k = twin_of(model, k)
    end function surface_named
-
-   !> The slave of a pair that is there by its name, or by the name of the surface alone.
-   integer function slave_named(model, scene, name, scope, at) result(k)
-      type(model_type), intent(inout) :: model
-      type(scene_type), intent(in) :: scene
-      character(len=*), intent(in) :: name
-      integer, intent(in) :: scope
-      type(location_type), intent(in) :: at
-      integer :: twin
-
-      k = surface_named(model, scene, name, scope, at)
-      twin = twin_of(model, k)
-      if (twin == 0) return
-      if (any(model%pair%slave == twin) .and. .not. any(model%pair%slave == k)) k = twin
-   end function slave_named
 
    !> The surface of nodes with the name of one of faces, or the other way round; 0: none.
    pure integer function twin_of(model, k) result(twin)

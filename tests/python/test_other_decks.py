@@ -140,7 +140,7 @@ UP, LOW
 
 
 def test_nodes_and_faces_may_have_one_name(tmp_path):
-    """A slave of NODE TO SURFACE is made of the nodes, a master of the faces, whichever is first."""
+    """A pair takes the faces, which know their areas, whichever is first."""
     for order in (1, -1):
         surfaces = ["*SURFACE, NAME=ONE, TYPE=NODE\nFOOT, 0.5\n", "*SURFACE, NAME=ONE\nUP, S1\n"]
         result = run(tmp_path, BLOCKS + STEEL + "".join(surfaces[::order]) +
@@ -201,3 +201,20 @@ S
     result = run(tmp_path, text)
     assert codes(tmp_path).count("N0406") == 1
     assert result["S"][:, 1] == pytest.approx(200.0, rel=1e-6)
+
+
+@pytest.mark.parametrize("control, load, code", [
+    ("", "", "W0311"), ("*CONTACT CONTROLS, INITIAL=INTERFERENCE\n", "", "N0311"),
+    ("*CONTACT CONTROLS, INITIAL=INTERFERENCE\n", "TOP, 2, -1e-3\n", "N0311"),
+    ("", "TOP, 2, -1e-3\n", "N0316")])
+def test_a_small_overlap_is_the_load_where_nothing_else_is(tmp_path, control, load, code):
+    """CalculiX' press fits have no load at all: 5e-4 of an element is pressed out, not set right."""
+    blocks = BLOCKS.replace("1, 0., 1.\n2, 1., 1.\n3, 1., 2.\n4, 0., 2.",
+                            "1, 0., 0.9995\n2, 1., 0.9995\n3, 1., 2.\n4, 0., 2.")
+    result = run(tmp_path, blocks + STEEL + "*SURFACE, NAME=ONE\nUP, S1\n*SURFACE, NAME=OTHER\nLOW, S3\n"
+                 "*SURFACE INTERACTION, NAME=I\n*SURFACE BEHAVIOR, DIRECT\n*CONTACT PAIR, INTERACTION=I, "
+                 f"TYPE=NODE TO SURFACE\nONE, OTHER\n{control}*BOUNDARY\n5, 1, 2\n6, 1, 2\nTOP, 1, 2\n"
+                 f"FOOT, 1\n*STEP\n*STATIC\n*CLOAD\n{load.replace('TOP', 'FOOT')}*END STEP\n")
+    assert code in codes(tmp_path)
+    most = result.contact("ONE").last.pressure.max()
+    assert most < 1.0 if code == "N0316" else most > 10.0

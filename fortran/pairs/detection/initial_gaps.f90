@@ -55,7 +55,7 @@ contains
       type(error_type), allocatable, intent(out) :: error
       integer :: i, adjusted, interfering, worst, untied, farthest
       real(wp) :: gap, deepest, moved, far
-      logical :: adjust, keeps
+      logical :: adjust, keeps, meant
 
       adjusted = 0
       interfering = 0
@@ -67,6 +67,7 @@ contains
       untied = 0
       associate (p => model%pair(pair))
          keeps = model%interaction(p%interaction)%no_separation
+         meant = p%control%initial == initial_of%interference .or. nothing_acts(model)
          do i = points%first(pair), points%first(pair + 1) - 1
             if (pair_is_tied(model, p)) then
                if (.not. may_tie(points, i, p%adjust)) untied = untied + 1
@@ -78,7 +79,7 @@ contains
                self%shift(i) = p%clearance - gap
                gap = p%clearance
             end if
-            adjust = gap < 0.0_wp .and. gap > -inexact*points%size(i)
+            adjust = gap < 0.0_wp .and. gap > -merge(rounding, inexact, meant)*points%size(i)
             ! What never separates is not pulled together by inexact geometry either.
             if (keeps) adjust = adjust .or. abs(gap) < inexact*points%size(i)
             if (p%adjust >= 0.0_wp) adjust = adjust .or. gap <= p%adjust
@@ -122,6 +123,27 @@ contains
          call report_overclosure(model, points, pair, interfering, worst, deepest, log, error)
       end associate
    end subroutine check_pair
+
+   !> No load, no motion, no heat in the whole deck: what overlaps is all that it can be about.
+   pure logical function nothing_acts(model) result(none)
+      type(model_type), intent(in) :: model
+      integer :: s
+
+      none = .false.
+      if (.not. allocated(model%step)) return
+      none = .true.
+      do s = 1, size(model%step)
+         associate (step => model%step(s))
+            if (allocated(step%point_load)) none = none .and. size(step%point_load) == 0
+            if (allocated(step%face_load)) none = none .and. size(step%face_load) == 0
+            if (allocated(step%body_load)) none = none .and. size(step%body_load) == 0
+            if (allocated(step%temperature)) none = none .and. size(step%temperature) == 0
+            if (allocated(step%prescribed)) none = none &
+               & .and. .not. any(abs(step%prescribed%value) > 0.0_wp)
+         end associate
+      end do
+      if (allocated(model%initial_stress)) none = none .and. size(model%initial_stress) == 0
+   end function nothing_acts
 
    !> ADJUST moved a point, over more than inexact geometry: its gaps are those of no mesh.
    elemental logical function is_moved(shift, size)
