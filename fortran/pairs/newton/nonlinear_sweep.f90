@@ -12,6 +12,10 @@ module lopin_nonlinear_sweep
    private
    public :: find_passage
 
+   !> Of a facet: nodes of a surface that meets itself are behind it by less, where they do not press
+   !> but are pressed upon, and facets cut off what lies between.
+   real(wp), parameter :: cut_off = 0.1_wp
+
 contains
 
    !> A point that passes through its master between two states; 0: none. `lost`: and the contacts
@@ -55,7 +59,8 @@ contains
          i = sweep%point(k)
          ! Behind when last seen, and not in front again.
          if (sweep%behind(k) .and. self%status(i) == 0 .and. .not. (self%facet(i) > 0 &
-            & .and. self%opening(i) >= 0.0_wp)) passed = i
+            & .and. self%opening(i) >= merge(level(i), 0.0_wp, &
+            & self%masters%of(self%pair(i))%against_itself))) passed = i
       end do
       if (passed > 0) lost = self%status(passed) == 0
    end subroutine find_passage
@@ -82,6 +87,9 @@ contains
       do i = 1, self%n
          pair = self%pair(i)
          if (.not. self%pair_active(pair) .or. self%enforcement(i)%tied) cycle
+         ! In a corner of a fold what a node is behind of is no wall: it has to come from the front.
+         if (self%masters%of(pair)%against_itself .and. .not. (self%start_gap(i) < huge(1.0_wp) &
+            & .and. self%start_gap(i) >= -cut_off*self%size(i))) cycle
          moved = node_motion(self, self%node(i), from, to) - about(:, pair)
          way(i) = norm2(moved) + spread_(pair)
          if (any(abs(angle(:, pair)) > 0.0_wp)) then
@@ -171,6 +179,7 @@ contains
       do i = 1, self%n
          gap(i) = -1.0_wp
          level(i) = 0.0_wp
+         if (self%masters%of(self%pair(i))%against_itself) level(i) = -cut_off*self%size(i)
          if (self%start_gap(i) < huge(1.0_wp)) then
             gap(i) = self%start_gap(i) + shift_of(self, model, i)
             level(i) = min(level(i), gap(i))
