@@ -71,6 +71,8 @@ contains
       call add_sheet(facets, 3, 1.1_wp, .false.)
       call new_surface(master, d, facets)
       call update_surface(mortar%slave, start, error)
+      mortar%lifts = spread(.false., 1, mortar%slave%nnode)
+      mortar%space%lifts = mortar%lifts
       call is_true('a surface', .not. allocated(error))
       mortar%thickness = spread(0.8_wp, 1, mortar%slave%facets%n)
       call lay_pieces(mortar, rules, start)
