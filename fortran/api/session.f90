@@ -6,6 +6,7 @@
 module lopin_session
    use lopin_deck, only : deck_type, read_deck_text
    use lopin_error, only : error_type, error_code, log_type, severity, raise
+   use lopin_job_options, only : read_options
    use lopin_job, only : job_type, outcome_type, running_type, open_job, refuse_warnings, stem_of, &
       & begin_job, advance_job, job_state, forget_job, end_job
    use lopin_keyword_json, only : keywords_json
@@ -15,7 +16,6 @@ module lopin_session
    use lopin_recorder_memory, only : memory_recorder_type
    use lopin_render, only : render, render_json, json_string
    use lopin_stream, only : stream_type
-   use lopin_text, only : parse_integer, quoted
    implicit none
    private
    public :: session_type, deck_text_type, new_session, advance_session, end_session
@@ -217,52 +217,6 @@ contains
       end associate
       !$omp end critical (lopin_run)
    end subroutine forget_workspace_of
-
-   subroutine read_options(job, options, error)
-      type(job_type), intent(inout) :: job
-      character(len=*), intent(in) :: options
-      type(error_type), allocatable, intent(out) :: error
-      integer :: first, length, equals
-      logical :: ok
-
-      job%solver = ''
-      first = 1
-      do while (first <= len(options))
-         length = index(options(first:)//nl, nl) - 1
-         associate (line => options(first:first + length - 1))
-            equals = index(line//'=', '=')
-            ok = .true.
-            select case (line(:equals - 1))
-            case ('solver')
-               job%solver = line(equals + 1:)
-            case ('threads')
-               call parse_integer(line(equals + 1:), job%threads, ok)
-               ok = ok .and. job%threads > 0
-            case ('deterministic')
-               job%deterministic = .true.
-            case ('strict')
-               job%strict = .true.
-            case ('resume')
-               job%resume = .true.
-            case ('overwrite')
-               job%overwrite = .true.
-            case ('interruptible')
-               job%interruptible = .true.
-            case ('stepwise')
-               job%stepwise = .true.
-            case default
-               ok = len(line) == 0
-            end select
-            if (.not. ok) then
-               call raise(error, error_code%usage, 'E0801', 'no such option: '//quoted(line), &
-                  & help='options are solver=, threads= (from 1), deterministic, strict, '// &
-                  & 'resume and overwrite')
-               return
-            end if
-         end associate
-         first = first + length + 1
-      end do
-   end subroutine read_options
 
    !> Notes and warnings; errors come by themselves.
    subroutine add_log(said, log)

@@ -189,7 +189,7 @@ contains
          if (item%amplitude > 0) then
             if (absolute(item%amplitude)) item%value = 1.0_wp
          end if
-         call prescribe_range(self, model, node, first, last, item, role, fixed, field(2)%at)
+         call prescribe_range(self, model, node, [first, last], item, role, fixed, field(2)%at)
       end do
    end subroutine read_card
 
@@ -258,11 +258,11 @@ contains
       end do
    end subroutine prescribe_mark
 
-   subroutine prescribe_range(self, model, node, first, last, item, role, fixed, at)
+   subroutine prescribe_range(self, model, node, range, item, role, fixed, at)
       type(boundary_type), intent(inout) :: self
       type(model_type), intent(inout) :: model
       integer, intent(in) :: node(:)
-      integer, intent(in) :: first, last
+      integer, intent(in) :: range(2)               !! first and last dof
       type(prescribed_type), intent(inout) :: item
       integer, intent(in) :: role(:)
       logical, intent(in) :: fixed
@@ -271,7 +271,7 @@ contains
       logical :: told
 
       told = .false.
-      do dof = first, last
+      do dof = range(1), range(2)
          do i = 1, size(node)
             select case (checked_dof(model%mesh%ndim, role(node(i)), dof))
             case (verdict%refuse)
@@ -279,7 +279,7 @@ contains
                return
             case (verdict%ignore)
                ! `1, 6` at a reference node is a habit, not a mistake.
-               told = told .or. (role(node(i)) == role_of%reference .and. last > first)
+               told = told .or. (role(node(i)) == role_of%reference .and. range(2) > range(1))
                if (.not. told) call model%log%say(severity%note, 'N0404', 'dof '//to_text(dof) &
                   & //' does not exist in a scene of two dimensions: ignored', at)
                told = .true.

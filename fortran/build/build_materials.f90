@@ -28,7 +28,7 @@ contains
       type(material_type) :: material
       type(location_type) :: at
       integer :: k, i
-      logical :: found, open
+      logical :: open
 
       allocate (model%material(0))
       open = .false.
@@ -74,17 +74,24 @@ contains
                if (is_open(open, block, model%log)) call read_expansion( &
                   & model%material(size(model%material)), block, model%log)
             case ('DENSITY')
-               if (.not. is_open(open, block, model%log)) cycle
-               associate (rho => model%material(size(model%material))%density)
-                  call read_one(block, 'a density', rho, found, model%log)
-                  if (found .and. .not. rho > 0.0_wp) call complain(model%log, 'E0203', &
-                     & 'a density of '//to_text(rho, 6)//' is not positive', &
-                     & line_place(block%line(1)))
-               end associate
+               if (is_open(open, block, model%log)) call read_density( &
+                  & model%material(size(model%material)), block, model%log)
             end select
          end associate
       end do
    end subroutine build_materials
+
+   subroutine read_density(material, block, log)
+      type(material_type), intent(inout) :: material
+      type(block_type), intent(in) :: block
+      type(log_type), intent(inout) :: log
+      logical :: found
+
+      call read_one(block, 'a density', material%density, found, log)
+      if (found .and. .not. material%density > 0.0_wp) call complain(log, 'E0203', &
+         & 'a density of '//to_text(material%density, 6)//' is not positive', &
+         & line_place(block%line(1)))
+   end subroutine read_density
 
    logical function is_open(open, block, log)
       logical, intent(in) :: open

@@ -184,17 +184,23 @@ contains
                   equation%node = [cut%twin(i), cut%node(i)]
                   equation%dof = [k, k]
                   equation%coefficient = [1.0_wp, -1.0_wp]
-                  if (abs(along) > epsilon(along)) then
-                     equation%node = [equation%node, cut%mover]
-                     equation%dof = [equation%dof, 1]
-                     equation%coefficient = [equation%coefficient, along]
-                  end if
+                  if (abs(along) > epsilon(along)) call add_mover(cut%mover)
                   model%equation = [model%equation, equation]
                end do
             end do
             call share_temperatures(model, cut)
          end associate
       end do
+
+   contains
+
+      subroutine add_mover(mover)
+         integer, intent(in) :: mover
+
+         equation%node = [equation%node, mover]
+         equation%dof = [equation%dof, 1]
+         equation%coefficient = [equation%coefficient, along]
+      end subroutine add_mover
    end subroutine join_sections
 
    subroutine share_axes(model, node, twin, axes)

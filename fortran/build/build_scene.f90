@@ -227,9 +227,7 @@ contains
       integer, allocatable, intent(out) :: node(:)
       type(log_type), intent(inout) :: log
 
-      call members_of(self, field, scope, 'node', mesh%node_label, mesh%node_order, &
-         & self%node_offset, mesh%nset, &
-         & node, log)
+      call members_of(self, mesh, field, scope, 'node', node, log)
    end subroutine nodes_of
 
    !> The elements a field means: a number or an element set. Empty after a complaint.
@@ -241,18 +239,15 @@ contains
       integer, allocatable, intent(out) :: element(:)
       type(log_type), intent(inout) :: log
 
-      call members_of(self, field, scope, 'element', mesh%element_label, mesh%element_order, &
-         & self%element_offset, mesh%elset, element, log)
+      call members_of(self, mesh, field, scope, 'element', element, log)
    end subroutine elements_of
 
-   subroutine members_of(self, field, scope, what, label, order, offset, sets, member, log)
+   subroutine members_of(self, mesh, field, scope, what, member, log)
       type(scene_type), intent(in) :: self
+      type(mesh_type), intent(in) :: mesh
       type(field_type), intent(in) :: field
       integer, intent(in) :: scope
       character(len=*), intent(in) :: what          !! 'node' or 'element'
-      integer, intent(in) :: label(:), order(:)
-      integer, intent(in) :: offset(0:)
-      type(set_type), intent(in) :: sets(:)
       integer, allocatable, intent(out) :: member(:)
       type(log_type), intent(inout) :: log
       character(len=:), allocatable :: rest
@@ -263,21 +258,29 @@ contains
       call split_prefix(self, field%text, within, rest)
       call parse_integer(rest, number, ok)
       if (ok) then
-         k = find_label(label, order, number + offset(within))
+         if (what == 'node') then
+            k = find_label(mesh%node_label, mesh%node_order, number + self%node_offset(within))
+            if (k == 0) call no_number(log, what, number, mesh%node_label, field%at)
+         else
+            k = find_label(mesh%element_label, mesh%element_order, &
+               & number + self%element_offset(within))
+            if (k == 0) call no_number(log, what, number, mesh%element_label, field%at)
+         end if
          if (k == 0) then
-            call no_number(log, what, number, label, field%at)
             allocate (member(0))
          else
             member = [k]
          end if
          return
       end if
-      k = set_named(self, sets, what//' set', rest, within, field%at, log)
-      if (k == 0) then
-         allocate (member(0))
+      if (what == 'node') then
+         k = set_named(self, mesh%nset, 'node set', rest, within, field%at, log)
+         if (k > 0) member = mesh%nset(k)%member
       else
-         member = sets(k)%member
+         k = set_named(self, mesh%elset, 'element set', rest, within, field%at, log)
+         if (k > 0) member = mesh%elset(k)%member
       end if
+      if (k == 0) allocate (member(0))
    end subroutine members_of
 
    !> Complain that a node or element number does not exist.

@@ -15,6 +15,14 @@ module lopin_build_stl
    private
    public :: build_stl_tool
 
+   !> What a file of triangles says.
+   type :: stl_file_type
+      character(len=:), allocatable :: path
+      type(location_type) :: at                      !! of its name in the deck
+      real(wp), allocatable :: corner(:, :, :)       !! (3, 3, n) [length]
+      integer :: contrary = 0                        !! triangles whose normal looks inward
+   end type stl_file_type
+
 contains
 
    subroutine build_stl_tool(k, model, deck, scene, block, scope, name)
@@ -28,25 +36,22 @@ contains
       type(tool_holder_type) :: holder
       type(facet_flaws_type) :: flaws
       type(error_type), allocatable :: error
-      type(location_type) :: at
-      character(len=:), allocatable :: path
-      real(wp), allocatable :: corner(:, :, :)
-      integer :: contrary
+      type(stl_file_type) :: file
 
       k = 0
-      call read_corners(corner, contrary, path, at, model, deck, scene, block, scope)
-      if (.not. allocated(corner)) return
-      call new_tool_from_facets(holder%shape, corner, has_parameter(block, 'OPEN'), &
+      call read_corners(file, model, deck, scene, block, scope)
+      if (.not. allocated(file%corner)) return
+      call new_tool_from_facets(holder%shape, file%corner, has_parameter(block, 'OPEN'), &
          & has_parameter(block, 'REPAIR'), flaws, error)
       if (allocated(error)) then
-         call complain(model%log, error%item(1)%id, path//': '//error%item(1)%message, at, &
-            & help=error%item(1)%help)
+         call complain(model%log, error%item(1)%id, file%path//': '//error%item(1)%message, &
+            & file%at, help=error%item(1)%help)
          return
       end if
-      call tell(model, path, flaws, contrary, at)
+      call tell(model, file%path, flaws, file%contrary, file%at)
       if (model%mesh%ndim /= 3) then
          call complain(model%log, 'E0314', 'TYPE=STL makes a tool of 3 dimensions; the mesh '// &
-            & 'has 2', at, help='TYPE=SEGMENTS in two dimensions')
+            & 'has 2', file%at, help='TYPE=SEGMENTS in two dimensions')
          return
       end if
       holder%name = name
@@ -55,11 +60,8 @@ contains
    end subroutine build_stl_tool
 
    !> Scaled first, then moved with the instance of the part.
-   subroutine read_corners(corner, contrary, path, at, model, deck, scene, block, scope)
-      real(wp), allocatable, intent(out) :: corner(:, :, :)   !! not allocated after a complaint
-      integer, intent(out) :: contrary
-      character(len=:), allocatable, intent(out) :: path
-      type(location_type), intent(out) :: at
+   subroutine read_corners(self, model, deck, scene, block, scope)
+      type(stl_file_type), intent(out) :: self       !! without corners after a complaint
       type(model_type), intent(inout) :: model
       type(deck_type), intent(in) :: deck
       type(scene_type), intent(in) :: scene
@@ -72,37 +74,36 @@ contains
       integer :: i, j
 
       scale = 1.0_wp
-      contrary = 0
-      path = ''
+      self%path = ''
       call get_parameter(block, 'SCALE', text, scale_at, found)
       if (found) call parse_real(text, scale, ok)
       if (.not. scale > 0.0_wp) then
          call complain(model%log, 'E0106', 'SCALE='//text//' must be positive', scale_at)
          return
       end if
-      call get_parameter(block, 'INPUT', file, at, found)
+      call get_parameter(block, 'INPUT', file, self%at, found)
       if (.not. found .or. len(file) == 0) then
          call complain(model%log, 'E0331', 'TYPE=STL needs INPUT=, the file of the triangles', &
             & block%at)
          return
       end if
-      call find_include(deck%source, block%at%file, file, path, tried)
-      if (path == '') then
-         call complain(model%log, 'E0331', 'the file `'//file//'` is not there', at, &
+      call find_include(deck%source, block%at%file, file, self%path, tried)
+      if (self%path == '') then
+         call complain(model%log, 'E0331', 'the file `'//file//'` is not there', self%at, &
             & note='looked for '//tried)
          return
       end if
-      call read_stl(path, corner, contrary, reason)
+      call read_stl(self%path, self%corner, self%contrary, reason)
       if (reason /= '') then
-         call complain(model%log, 'E0331', path//' is not an STL file that can be used: '//reason, &
-            & at)
-         deallocate (corner)
+         call complain(model%log, 'E0331', self%path//' is not an STL file that can be used: '// &
+            & reason, self%at)
+         deallocate (self%corner)
          return
       end if
-      do j = 1, size(corner, 3)
-         call model%outside%add(corner(:, :, j))
+      do j = 1, size(self%corner, 3)
+         call model%outside%add(self%corner(:, :, j))
          do i = 1, 3
-            corner(:, i, j) = placed(scene, scope, scale*corner(:, i, j))
+            self%corner(:, i, j) = placed(scene, scope, scale*self%corner(:, i, j))
          end do
       end do
    end subroutine read_corners

@@ -22,7 +22,7 @@ contains
       character(len=:), allocatable :: word, kind
       type(location_type) :: at
       real(wp), allocatable :: axes(:, :, :)
-      real(wp) :: point(6)
+      real(wp) :: point(6), origin(3)
       integer, allocatable :: slot(:)
       integer :: k, i, s, n
       logical :: found, lies_on_axis, told
@@ -39,39 +39,41 @@ contains
             call get_word(block, 'TYPE', kind, at, found)
             call read_points(block, point, found, model%log)
             if (s == 0 .or. .not. found) cycle
-            point(:3) = placed(scene, scope, point(:3)) - merge(placed(scene, scope, [0.0_wp, &
-               & 0.0_wp, 0.0_wp]), &
-               & 0.0_wp, kind /= 'C')
-            point(4:) = placed(scene, scope, point(4:)) - merge(placed(scene, scope, [0.0_wp, &
-               & 0.0_wp, 0.0_wp]), &
-               & 0.0_wp, kind /= 'C')
+            ! R: directions, which instances turn and do not move.
+            origin = merge(placed(scene, scope, [0.0_wp, 0.0_wp, 0.0_wp]), 0.0_wp, kind /= 'C')
+            point(:3) = placed(scene, scope, point(:3)) - origin
+            point(4:) = placed(scene, scope, point(4:)) - origin
             told = .false.
-            associate (member => model%mesh%nset(s)%member)
-               do i = 1, size(member)
-                  if (slot(member(i)) == 0) then
-                     n = n + 1
-                     slot(member(i)) = n
-                     model%transform%node = [model%transform%node, member(i)]
-                  end if
-                  call local_axes(kind, point, model%mesh%x(:, member(i)), &
-                     & axes(:, :, slot(member(i))), found, lies_on_axis)
-                  if (found .and. lies_on_axis .and. .not. told) call model%log%say(severity%note, &
-                     & 'N0406', 'node '// &
-                     & to_text(model%mesh%node_label(member(i)))//' lies on the axis of '// &
-                     & '*TRANSFORM: its radial direction is '//direction( &
-                     & axes(1, :, slot(member(i)))), line_place(block%line(1)))
-                  told = told .or. lies_on_axis
-                  if (found) cycle
-                  call complain(model%log, 'E0405', 'the points of *TRANSFORM give no axes', &
-                     & line_place(block%line(1)), &
-                     & help='R: a on local x, b in the xy plane, not in line with the origin; ' &
-                     & //'C: a and b, two points of the axis')
-                  exit
-               end do
-            end associate
+            do i = 1, size(model%mesh%nset(s)%member)
+               call turn_node(model%mesh%nset(s)%member(i), line_place(block%line(1)))
+               if (.not. found) exit
+            end do
+            if (.not. found) call complain(model%log, 'E0405', 'the points of *TRANSFORM give '// &
+               & 'no axes', line_place(block%line(1)), help='R: a on local x, b in the xy '// &
+               & 'plane, not in line with the origin; C: a and b, two points of the axis')
          end associate
       end do
       model%transform%axes = axes(:, :, :n)
+
+   contains
+
+      !> Axes of a node; `found` if the points give any.
+      subroutine turn_node(node, place)
+         integer, intent(in) :: node
+         type(location_type), intent(in) :: place   !! of the points
+
+         if (slot(node) == 0) then
+            n = n + 1
+            slot(node) = n
+            model%transform%node = [model%transform%node, node]
+         end if
+         call local_axes(kind, point, model%mesh%x(:, node), axes(:, :, slot(node)), found, &
+            & lies_on_axis)
+         if (found .and. lies_on_axis .and. .not. told) call model%log%say(severity%note, 'N0406', &
+            & 'node '//to_text(model%mesh%node_label(node))//' lies on the axis of '// &
+            & '*TRANSFORM: its radial direction is '//direction(axes(1, :, slot(node))), place)
+         told = told .or. lies_on_axis
+      end subroutine turn_node
    end subroutine build_transforms
 
    subroutine read_points(block, point, found, log)

@@ -3,7 +3,7 @@ module lopin_settle_flow
    use lopin_kinds, only : wp
    use lopin_error, only : severity
    use lopin_text, only : to_text
-   use lopin_model, only : model_type, material_type
+   use lopin_model, only : model_type, material_type, prescribed_type
    use lopin_flow_curve, only : flow_stress, flow_at, flows, hollomon_flow, hardening_of, is_viscous, &
       & least_slope
    use lopin_hyperelastic, only : solid_law_type, elastic_constants
@@ -168,7 +168,7 @@ contains
       type(model_type), intent(in) :: model
       integer, intent(in) :: s
       real(wp) :: before, swing
-      integer :: i, k
+      integer :: i
 
       move = 0.0_wp
       do i = 1, size(model%step(s)%prescribed)
@@ -177,15 +177,21 @@ contains
             swing = 1.0_wp
             if (now%amplitude > 0) swing = maxval(abs(model%amplitude(now%amplitude)%value))
             before = 0.0_wp
-            if (s > 1) then
-               do k = 1, size(model%step(s - 1)%prescribed)
-                  associate (old => model%step(s - 1)%prescribed(k))
-                     if (old%node == now%node .and. old%dof == now%dof) before = old%value
-                  end associate
-               end do
-            end if
+            if (s > 1) before = value_of(model%step(s - 1)%prescribed, now%node, now%dof)
             move = max(move, abs(swing*now%value - before))
          end associate
       end do
    end function largest_move
+
+   !> What is prescribed to a degree of freedom; 0: nothing.
+   pure real(wp) function value_of(prescribed, node, dof) result(value)
+      type(prescribed_type), intent(in) :: prescribed(:)
+      integer, intent(in) :: node, dof
+      integer :: k
+
+      value = 0.0_wp
+      do k = 1, size(prescribed)
+         if (prescribed(k)%node == node .and. prescribed(k)%dof == dof) value = prescribed(k)%value
+      end do
+   end function value_of
 end module lopin_settle_flow

@@ -14,7 +14,7 @@ module lopin_solid_enhanced
    use lopin_element_type, only : element_type, element_kind
    use lopin_enhanced_modes, only : modes_type, internal_modes, solve_small, most_nodes, most_points
    use lopin_gradients, only : gradients
-   use lopin_velocity_form, only : velocity_form
+   use lopin_velocity_form, only : velocity_form, listed, tensor_of
    use lopin_hyperelastic, only : solid_law_type, condense_thickness, volume_change
    use lopin_material_memory, only : trial_change, amplitudes_of, offset_at
    use lopin_material_point, only : point_type, respond_at, stretch_thickness
@@ -44,7 +44,6 @@ module lopin_solid_enhanced
       logical :: bad = .false.              !! turned inside out
    end type answer_type
 
-   integer, parameter :: row(6) = [1, 2, 3, 1, 1, 2], column(6) = [1, 2, 3, 2, 3, 3]
 
 contains
 
@@ -317,18 +316,6 @@ contains
       call velocity_form(element%ndim, stress, tangent, 0.0_wp, motion%weight(k), answer%a)
    end subroutine respond
 
-   pure function tensor_of(stress) result(s)
-      real(wp), intent(in) :: stress(:)   !! (4 or 6)
-      real(wp) :: s(3, 3)
-      integer :: r
-
-      s = 0.0_wp
-      do r = 1, size(stress)
-         s(row(r), column(r)) = stress(r)
-         s(column(r), row(r)) = stress(r)
-      end do
-   end function tensor_of
-
    !> Gradient of the amplitudes.
    pure function summed(element, motion, k, alpha) result(e)
       type(element_type), intent(in) :: element
@@ -343,17 +330,6 @@ contains
          e = e + alpha(m)*motion%modes%e(:, :, m, k)
       end do
    end function summed
-
-   !> Entries of a tensor in the order of a velocity gradient.
-   pure function listed(d, s) result(list)
-      integer, intent(in) :: d
-      real(wp), intent(in) :: s(3, 3)
-      real(wp) :: list(9)
-
-      list = 0.0_wp
-      list(:d*d) = reshape(s(:d, :d), [d*d])
-      if (d == 2) list(5) = s(3, 3)
-   end function listed
 
    !> Velocity gradients of the displacements of the nodes.
    pure subroutine node_rows(element, motion, k, alpha, answer, l)

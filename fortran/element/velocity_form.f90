@@ -8,7 +8,7 @@ module lopin_velocity_form
    use lopin_kinds, only : wp
    implicit none
    private
-   public :: velocity_form, add_force, add_stiffness
+   public :: velocity_form, add_force, add_stiffness, listed, tensor_of
 
 contains
 
@@ -156,4 +156,29 @@ contains
          end do
       end do
    end subroutine add_in_space
+
+   !> Entries of a tensor in the order of a velocity gradient.
+   pure function listed(d, s) result(list)
+      integer, intent(in) :: d
+      real(wp), intent(in) :: s(3, 3)
+      real(wp) :: list(9)
+
+      list = 0.0_wp
+      list(:d*d) = reshape(s(:d, :d), [d*d])
+      if (d == 2) list(5) = s(3, 3)
+   end function listed
+
+   !> The tensor of stresses in the order xx yy zz xy xz yz.
+   pure function tensor_of(stress) result(s)
+      real(wp), intent(in) :: stress(:)   !! (4 or 6)
+      real(wp) :: s(3, 3)
+      integer, parameter :: row(6) = [1, 2, 3, 1, 1, 2], column(6) = [1, 2, 3, 2, 3, 3]
+      integer :: r
+
+      s = 0.0_wp
+      do r = 1, size(stress)
+         s(row(r), column(r)) = stress(r)
+         s(column(r), row(r)) = stress(r)
+      end do
+   end function tensor_of
 end module lopin_velocity_form

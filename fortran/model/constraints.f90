@@ -81,9 +81,8 @@ contains
       equation_of(self%dof_of_equation) = [(i, i=1, self%neq)]
       prescribed_of(self%dof_of_prescribed) = [(i, i=1, self%nprescribed)]
       allocate (self%first(self%ndof + 1), self%pfirst(self%ndof + 1), source=1)
-      allocate (self%equation(self%ndof), self%coefficient(self%ndof))
-      allocate (self%prescribed(self%ndof), self%pcoefficient(self%ndof))
-      allocate (eq(64), pr(64), ce(64), cp(64))
+      allocate (self%equation(self%ndof), self%coefficient(self%ndof), &
+         & self%prescribed(self%ndof), self%pcoefficient(self%ndof), eq(64), pr(64), ce(64), cp(64))
       do i = 1, self%ndof
          ne = 0
          np = 0
@@ -113,10 +112,9 @@ contains
 
          if (allocated(error) .or. factor == 0.0_wp) return
          if (depth > longest) then
-            call raise(error, error_code%deck, 'E0403', 'the constraint on dof '// &
-               & to_text(dofs%dof(raw))// &
-               & ' of node '//label_of(model, dofs%node(raw))//' depends on itself', rule(raw)%at, &
-               & help='order the terms so that no chain closes')
+            call raise(error, error_code%deck, 'E0403', 'the constraint on dof '//to_text( &
+               & dofs%dof(raw))//' of node '//label_of(model, dofs%node(raw))//' depends on '// &
+               & 'itself', rule(raw)%at, help='order the terms so that no chain closes')
          else if (rule(raw)%dependent) then
             do j = 1, size(rule(raw)%raw)
                call follow_chain(rule(raw)%raw(j), factor*rule(raw)%coefficient(j), depth + 1)

@@ -58,6 +58,13 @@ module lopin_state
       real(wp), allocatable :: pressed(:)      !! (npair) normal forces one increment ago [force]
    end type judged_type
 
+   !> What the search of contacts goes on from.
+   type :: search_state_type
+      integer, allocatable :: segment(:)       !! (n) of the tool, met last; 0: none yet
+      integer, allocatable :: cover(:)         !! (slave nodes by mortar) lopin_mortar_cover
+      real(wp), allocatable :: met_at(:)       !! (ndof) where contact was met first [length]
+   end type search_state_type
+
    !> Contact on the present shape, by slave point. Vectors are in global axes.
    type :: contact_state_type
       real(wp), allocatable :: multiplier(:)   !! (nmultiplier) tractions that are unknowns [stress]
@@ -71,9 +78,7 @@ module lopin_state
       real(wp), allocatable :: mean_work(:)    !! (n) the same by mean tractions [force*length]
       logical, allocatable :: closed(:)        !! (n) pressed once; NO SEPARATION holds it then
       integer, allocatable :: facet(:)         !! (n) kept beyond its end; 0: the nearest
-      integer, allocatable :: segment(:)       !! (n) of the tool, met last; 0: none yet
-      integer, allocatable :: cover(:)         !! (slave nodes by mortar) lopin_mortar_cover
-      real(wp), allocatable :: met_at(:)       !! (ndof) where contact was met first [length]
+      type(search_state_type) :: search
       logical, allocatable :: held(:)          !! (npair) has closed points
       ! of both paths: penalties that were chosen
       real(wp) :: stiffer = 1.0_wp             !! slopes now, beside those first chosen
@@ -199,8 +204,8 @@ contains
       allocate (self%multiplier(nmultiplier), self%traction(3, n), self%normal(3, n), &
          & self%creep(3, n), self%slip(3, n), self%slip_path(n), self%speed(n), &
          & self%friction_work(n), self%mean_work(n), source=0.0_wp)
-      allocate (self%facet(n), self%segment(n), source=0)
-      allocate (self%cover(ncover), source=-1)
+      allocate (self%facet(n), self%search%segment(n), source=0)
+      allocate (self%search%cover(ncover), source=-1)
       self%closed = closed
    end subroutine new_contact_state
 
@@ -265,9 +270,9 @@ contains
       call stream%pass(self%mean_work)
       call stream%pass(self%closed)
       call stream%pass(self%facet)
-      call stream%pass(self%segment)
-      call stream%pass(self%cover)
-      call stream%pass(self%met_at)
+      call stream%pass(self%search%segment)
+      call stream%pass(self%search%cover)
+      call stream%pass(self%search%met_at)
       call stream%pass(self%held)
       call stream%pass(self%stiffer)
       call stream%pass(self%raised)

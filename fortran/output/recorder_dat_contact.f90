@@ -16,6 +16,15 @@ module lopin_recorder_dat_contact
 
    integer, parameter :: both = 1, normal_part = 2, shear_part = 3
 
+   !> What a pair presses, all together.
+   type :: resultant_type
+      real(wp) :: force(3) = 0.0_wp                  !! [force]
+      real(wp) :: moment(3) = 0.0_wp                 !! about the origin [force length]
+      real(wp) :: area = 0.0_wp                      !! [area]
+      real(wp) :: centre(3) = 0.0_wp                 !! [length]
+      real(wp) :: normal(3) = 0.0_wp                 !! mean of the slave, unit
+   end type resultant_type
+
 contains
 
    subroutine put_contact(text, model, output, frame)
@@ -163,11 +172,12 @@ contains
       type(model_type), intent(in) :: model
       type(frame_type), intent(in) :: frame
       integer, intent(in) :: p, part
-      real(wp) :: force(3), moment(3), centre(3), normal(3), area, at_normal
+      type(resultant_type) :: total
+      real(wp) :: at_normal
       character(len=14) :: time
       character(len=:), allocatable :: master
 
-      call integrate(model, frame, frame%contact(p), part, force, moment, area, centre, normal)
+      call integrate(model, frame, frame%contact(p), part, total)
       master = ''
       if (model%pair(p)%master > 0) master = model%surface(model%pair(p)%master)%name
       write (time, '(e14.7)') frame%total_time
@@ -177,17 +187,17 @@ contains
          & ', master set '//master//' and time '//time)
       call text%put_line()
       call text%put_line('   total surface force (fx,fy,fz) and moment about the origin (mx,my,mz)')
-      call put_row([force, moment])
+      call put_row([total%force, total%moment])
       call text%put_line()
       call text%put_line('   center of gravity and mean normal')
-      call put_row([centre, normal])
+      call put_row([total%centre, total%normal])
       call text%put_line()
       call text%put_line('   moment about the center of gravity(mx,my,mz)')
-      call put_row(moment - cross(centre, force))
+      call put_row(total%moment - cross(total%centre, total%force))
       call text%put_line()
       call text%put_line('   area,  normal force (+ = tension) and shear force (size)')
-      at_normal = dot_product(force, normal)
-      call put_row([area, at_normal, norm2(force - at_normal*normal)])
+      at_normal = dot_product(total%force, total%normal)
+      call put_row([total%area, at_normal, norm2(total%force - at_normal*total%normal)])
    contains
       subroutine put_row(values)
          real(wp), intent(in) :: values(:)
@@ -203,20 +213,15 @@ contains
       end subroutine put_row
    end subroutine put_resultant
 
-   subroutine integrate(model, frame, field, part, force, moment, area, centre, normal)
+   subroutine integrate(model, frame, field, part, total)
       type(model_type), intent(in) :: model
       type(frame_type), intent(in) :: frame
       type(contact_field_type), intent(in) :: field
       integer, intent(in) :: part
-      real(wp), intent(out) :: force(3), moment(3), area, centre(3), normal(3)
+      type(resultant_type), intent(out) :: total
       real(wp) :: x(3), f(3), n(3), across(3)
       integer :: i
 
-      force = 0.0_wp
-      moment = 0.0_wp
-      centre = 0.0_wp
-      normal = 0.0_wp
-      area = 0.0_wp
       do i = 1, size(field%node)
          if (field%status(i) <= 0) cycle
          x = reshape(three_components(model%mesh%x(:, field%node(i):field%node(i))), [3]) &
@@ -226,13 +231,13 @@ contains
          across = f - dot_product(f, n)*n
          if (part == normal_part) f = f - across
          if (part == shear_part) f = across
-         force = force + f
-         moment = moment + cross(x, f)
-         area = area + field%weight(i)
-         centre = centre + field%weight(i)*x
-         normal = normal - field%weight(i)*n
+         total%force = total%force + f
+         total%moment = total%moment + cross(x, f)
+         total%area = total%area + field%weight(i)
+         total%centre = total%centre + field%weight(i)*x
+         total%normal = total%normal - field%weight(i)*n
       end do
-      if (area > 0.0_wp) centre = centre/area
-      if (norm2(normal) > 0.0_wp) normal = normal/norm2(normal)
+      if (total%area > 0.0_wp) total%centre = total%centre/total%area
+      if (norm2(total%normal) > 0.0_wp) total%normal = total%normal/norm2(total%normal)
    end subroutine integrate
 end module lopin_recorder_dat_contact

@@ -247,7 +247,7 @@ contains
       type(cell_type), intent(in) :: cell(:)
       integer, allocatable :: number(:)
       logical, allocatable :: small(:)
-      integer :: e, f, best, sweep
+      integer :: e, best, sweep
 
       allocate (number(self%n), source=0)
       allocate (small(self%n), source=.false.)
@@ -261,17 +261,7 @@ contains
          do e = 1, size(key)
             if (key(e) == 0) cycle
             if (.not. small(self%of(e))) cycle
-            best = 0
-            do f = 1, most_faces
-               if (near(f, e) == 0) cycle
-               associate (other => self%of(near(f, e)))
-                  if (small(other)) cycle
-                  if (best > 0) then
-                     if (number(other) >= number(best)) cycle
-                  end if
-                  best = other
-               end associate
-            end do
+            best = smallest_of(near(:, e))
             if (best == 0) cycle
             number(self%of(e)) = number(self%of(e)) - 1
             self%of(e) = best
@@ -279,6 +269,26 @@ contains
          end do
       end do
       call renumber(self)
+
+   contains
+
+      !> The smallest patch of these elements that is large enough; 0: none.
+      pure integer function smallest_of(beside) result(best)
+         integer, intent(in) :: beside(:)
+         integer :: f
+
+         best = 0
+         do f = 1, most_faces
+            if (beside(f) == 0) cycle
+            associate (other => self%of(beside(f)))
+               if (small(other)) cycle
+               if (best > 0) then
+                  if (number(other) >= number(best)) cycle
+               end if
+               best = other
+            end associate
+         end do
+      end function smallest_of
    end subroutine join_remnants
 
    !> Numbers without gaps, in the order of the first element.

@@ -5,7 +5,8 @@ program test_bodies
    use lopin_model, only : model_type
    use lopin_dofs, only : dofs_type, new_dofs
    use lopin_constraints, only : constraints_type, new_constraints, expand
-   use lopin_bodies, only : bodies_type, new_bodies, describe_motion
+   use lopin_bodies, only : bodies_type, new_bodies
+   use lopin_body_words, only : describe_motion
    use constraint_scenes, only : model_of, squares, cube, ended, nl
    use check, only : test, close_to, is_true, equal_text, finish
    implicit none

@@ -8,7 +8,8 @@ program test_contact_rows
    use lopin_pairing, only : new_contact_points
    use lopin_tool_points, only : move_tool
    use lopin_initial_gaps, only : initial_gap_type, new_initial_gaps
-   use lopin_contact_rows, only : contact_rows_type, new_contact_rows, row_forces
+   use lopin_contact_rows, only : contact_rows_type, new_contact_rows
+   use lopin_reduced_rows, only : row_forces
    use constraint_scenes, only : model_of, ended, nl
    use check, only : test, close_to, is_true, finish
    implicit none

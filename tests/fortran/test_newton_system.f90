@@ -56,7 +56,8 @@ contains
       call clock%start()
       call set_tangent(system, k, constraints, m, local, spread(c, 1, 2*m), &
          & spread(1.0_wp, 1, 2*m), .false.)
-      call solve_step(system, right, 1.0e-12_wp, 'cholmod', step, clock, counter, bad, error)
+      system%wish = 'cholmod'
+      call solve_step(system, right, 1.0e-12_wp, step, clock, counter, bad, error)
       call is_true('no error', .not. allocated(error) .and. bad == 0)
       call is_true('by GMRES', .not. system%direct)
       call is_true('few products', system%krylov <= 30)

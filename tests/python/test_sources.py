@@ -14,11 +14,11 @@ import measure_sources  # noqa: E402
 
 #: Figures of today; lower them when they have fallen.
 LIMITS = {
-    "files above 400 lines": 8,
-    "lines above 100 columns": 20,
-    "procedures above 8 arguments": 63,
-    "procedures nested deeper than 4": 17,
-    "procedures above 60 lines": 32,
+    "files above 400 lines": 0,
+    "lines above 100 columns": 19,
+    "procedures above 8 arguments": 54,
+    "procedures nested deeper than 4": 1,
+    "procedures above 60 lines": 24,
     "types above 20 components": 9,
     "modules out of reach": 0,
     "public procedures without a docstring, %": 18.5,

@@ -8,9 +8,10 @@
 module lopin_active_set
    use lopin_kinds, only : wp
    use lopin_vectors, only : largest
-   use lopin_soft_share, only : largest_share
-   use lopin_condensed, only : condensed_type, springs_type, response_type, is_spring, &
-      & row_compliance, add_ground_springs, hold_at_rest
+   use lopin_condensed, only : condensed_type, is_spring, row_compliance, add_ground_springs, &
+      & hold_at_rest
+   use lopin_contact_result, only : contact_result_type, work_type, outcome
+   use lopin_soft_error, only : estimate_soft_error
    implicit none
    private
    public :: contact_result_type, solve_contact, outcome
@@ -21,36 +22,6 @@ module lopin_active_set
    real(wp), parameter :: settled = 1.0e-10_wp
    !> Newton on laws of pressure, from the gaps on soft ground.
    integer, parameter :: most_law_passes = 60
-
-   type :: outcomes
-      integer :: solved = 0, not_held = 1, cycling = 2, not_augmented = 3, broken = 4
-   end type outcomes
-   type(outcomes), parameter :: outcome = outcomes()
-
-   !> The answer; `active` and `multiplier` may hold the last answer as a start.
-   type :: contact_result_type
-      integer :: outcome = 0
-      integer :: iterations = 0, augmentations = 0, single_pivots = 0, dependent = 0
-      real(wp), allocatable :: force(:), gap(:)   !! (nrow)
-      real(wp), allocatable :: q(:)               !! (nq); if not held: the motion that escapes
-      real(wp), allocatable :: u(:)   !! displacements, where the system solves for all of them
-      logical, allocatable :: active(:)           !! (nrow)
-      real(wp), allocatable :: multiplier(:)      !! (nrow)
-      real(wp) :: rate = 0.0_wp                   !! last contraction of the augmentations
-      real(wp) :: opening = 0.0_wp                !! largest change of a gap by the forces alone
-      real(wp) :: soft_error = 0.0_wp   !! relative force error of rows that allow penetration,
-                                        !! estimated
-      real(wp) :: softness = 0.0_wp     !! the same of the pressures alone, by pairs
-   end type contact_result_type
-
-   !> What one call carries around.
-   type :: work_type
-      logical, allocatable :: spring(:)
-      real(wp), allocatable :: compliance(:)
-      real(wp) :: gap_scale = 0.0_wp
-      type(springs_type) :: springs
-      type(response_type) :: answer
-   end type work_type
 
 contains
 
@@ -89,41 +60,6 @@ contains
       end if
       call estimate_soft_error(self, work, result)
    end subroutine solve_contact
-
-   !> One augmentation of all rows that allow penetration, on the set found: what it changes is the
-   !> error of their forces to a few per cent (measured in docs/theory.md). Costs back-solves only.
-   subroutine estimate_soft_error(self, work, result)
-      class(condensed_type), intent(inout) :: self
-      type(work_type), intent(inout) :: work
-      type(contact_result_type), intent(inout) :: result
-      type(response_type) :: once
-      logical :: soft(self%nrow)
-      real(wp) :: size_
-      integer :: group, from, to, status
-
-      result%soft_error = 0.0_wp
-      result%softness = 0.0_wp
-      do group = 1, self%ngroup
-         from = self%group_first(group)
-         to = self%group_first(group + 1) - 1
-         soft(from:to) = self%group(group)%method%piecewise_linear() &
-            & .and. (work%spring(from:to) .or. work%compliance(from:to) > 0.0_wp)
-      end do
-      size_ = norm2(pack(result%force, soft))
-      if (.not. size_ > 0.0_wp) return
-      once = work%answer
-      where (soft .and. work%spring .and. result%active) work%springs%offset = result%force
-      where (soft .and. .not. work%spring) once%free_gap = once%free_gap &
-         & - work%compliance*result%force
-      once%gap0 = once%gap0 + (once%free_gap - work%answer%free_gap)
-      call self%solve_set(result%active, work%spring, work%compliance, work%springs, once, status)
-      ! A set that cannot be solved once more has lost all its digits.
-      result%soft_error = 1.0_wp
-      result%softness = 1.0_wp
-      if (status /= 0) return
-      result%softness = largest_share(once%force - result%force, result%force, self%group_first)
-      result%soft_error = max(norm2(pack(once%force - result%force, soft))/size_, result%softness)
-   end subroutine estimate_soft_error
 
    subroutine prepare(self, gap0, load, moving, work, result)
       class(condensed_type), intent(inout) :: self

@@ -25,10 +25,9 @@ module lopin_friction
    private
    public :: friction_type, condition_type, law_of, regularization_of
    public :: law_names, law_data, law_notes, law_number, automatic_law, radius_if
-   public :: regularization_names, regularization_number
+   public :: regularization_names, regularization_number, coefficient, drag_limit
    public :: has_friction, is_regularised, by_rate, reads_yield, reads_mises, reads_speed
-   public :: bounds_by_area, depends_on_time, drag_limit
-   public :: coefficient, friction_radius, return_to_disc, regularised_traction
+   public :: bounds_by_area, depends_on_time, friction_radius, return_to_disc, regularised_traction
 
    type :: laws
       integer :: automatic = -1      !! AUTO: chosen from the material when the model is built

@@ -202,7 +202,7 @@ contains
       real(wp), intent(in) :: pressure(:)
       logical, intent(out) :: bare(0:)
       logical :: pressed(0:size(pressure))
-      integer :: i, k, m
+      integer :: i, k
 
       pressed(0) = .false.
       pressed(1:) = abs(pressure) > 0.0_wp
@@ -211,15 +211,23 @@ contains
       do i = 1, self%facets%n
          associate (cell => self%rules(self%facets%cell(i))%cell)
             do k = 1, cell%nnode - cell%ncorner
-               associate (middle => at(cell%ncorner + k, i), ends => at(cell%edge(:, k), i))
-                  do m = 1, 2
-                     if (pressed(middle) .or. pressed(ends(m))) cycle
-                     bare([middle, ends(m)]) = .true.
-                  end do
-               end associate
+               call look_at_edge(at(cell%ncorner + k, i), at(cell%edge(:, k), i), bare)
             end do
          end associate
       end do
+
+   contains
+
+      pure subroutine look_at_edge(middle, ends, bare)
+         integer, intent(in) :: middle, ends(:)
+         logical, intent(inout) :: bare(0:)
+         integer :: m
+
+         do m = 1, 2
+            if (pressed(middle) .or. pressed(ends(m))) cycle
+            bare([middle, ends(m)]) = .true.
+         end do
+      end subroutine look_at_edge
    end subroutine find_bare
 
    !> What the shape functions give mid-side nodes more, and the ends of their edges less, than the

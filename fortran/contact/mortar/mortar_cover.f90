@@ -275,20 +275,27 @@ contains
          i = around(f)
          if (.not. self%facet(i)) cycle
          do k = 1, slave%facets%nnode(i)
-            associate (other => slave%local(k, i))
-               if (other == j) cycle
-               if (self%state(other) == is%kept) then
-                  if (.not. any(heir == other)) heir = [heir, other]
-               else if (self%state(other) == is%weak) then
-                  if (.not. self%ratio(other) > self%ratio(j)) cycle
-                  if (best > 0) then
-                     if (.not. self%ratio(other) > self%ratio(best)) cycle
-                  end if
-                  best = other
-               end if
-            end associate
+            if (slave%local(k, i) /= j) call ask(slave%local(k, i), heir, best)
          end do
       end do
+
+   contains
+
+      pure subroutine ask(other, heir, best)
+         integer, intent(in) :: other
+         integer, allocatable, intent(inout) :: heir(:)
+         integer, intent(inout) :: best
+
+         if (self%state(other) == is%kept) then
+            if (.not. any(heir == other)) heir = [heir, other]
+         else if (self%state(other) == is%weak) then
+            if (.not. self%ratio(other) > self%ratio(j)) return
+            if (best > 0) then
+               if (.not. self%ratio(other) > self%ratio(best)) return
+            end if
+            best = other
+         end if
+      end subroutine ask
    end subroutine ask_around
 
    !> The facets of a node; of a mid-side node those of its ends that have it.

@@ -15,6 +15,7 @@ module lopin_mortar_node_2d
    use lopin_mortar_overlap, only : overlap_type, overlap_list_type
    use lopin_mortar_least, only : least_gap, is_above
    use lopin_mortar_cells_2d, only : segment_type, integrate_segment, line_shape
+   use lopin_mortar_dual_2d, only : transform, whole, dual_function
    implicit none
    private
    public :: patch_type, new_patch, mortar_row_type, mortar_row, take_nearest
@@ -58,8 +59,6 @@ module lopin_mortar_node_2d
 
    !> Below this share of a facet the standard basis stays, as in lopin_mortar.
    real(wp), parameter :: thin = 0.1_wp
-   real(wp), parameter :: pi = acos(-1.0_wp)
-
 contains
 
    !> The neighbourhood of a slave node; the overlaps are those found on the present shape.
@@ -294,9 +293,9 @@ contains
       type(measure_type), intent(in) :: how
       integer, intent(in) :: i
       type(segment_type) :: segment(patch%ncover)
-      type(dual_type) :: own(2, 3), normal(2, 3), me(3, 3), d(3), a(3), area, out(2, 3)
+      type(dual_type) :: own(2, 3), normal(2, 3), me(3, 3), d(3), a(3), area
       real(wp) :: plain(3)
-      integer :: c, f, j, k, l, n
+      integer :: c, f, j, k, n
       logical :: dual
 
       n = patch%nnode(i)
@@ -339,12 +338,27 @@ contains
          plain(3) = patch%middle(i)*(plain(1) + plain(2)) &
             & + (1.0_wp - 2.0_wp*patch%middle(i))*plain(3)
       end if
+      call subtract_masters(self, patch, x, segment, a(:n), plain(:n), i)
+   end subroutine add_facet
+
+   !> What the masters under a facet weigh, and their normals.
+   subroutine subtract_masters(self, patch, x, segment, a, plain, i)
+      type(mortar_row_type), intent(inout) :: self
+      type(patch_type), intent(in) :: patch
+      type(dual_type), intent(in) :: x(:, :)
+      type(segment_type), intent(in) :: segment(:) !! (ncover)
+      type(dual_type), intent(in) :: a(:)          !! coefficients of the standard basis
+      real(wp), intent(in) :: plain(:)             !! the same of its sum
+      integer, intent(in) :: i                     !! the facet, in the chain
+      type(dual_type) :: out(2, 3)
+      integer :: c, k, l
+
       do c = 1, patch%ncover
          if (patch%over(c) /= i .or. .not. segment(c)%overlaps) cycle
          call facet_sides(x, patch%cover(:patch%ncovered(c), c), out)
          do l = 1, patch%ncovered(c)
             associate (to => self%coefficient(patch%cover(l, c)))
-               do k = 1, n
+               do k = 1, size(a)
                   to = to - a(k)*segment(c)%b(k, l)
                   if (.not. plain(k) > 0.0_wp) cycle
                   self%normal(1) = self%normal(1) + plain(k)*segment(c)%b(k, l)*out(1, l)
@@ -353,7 +367,7 @@ contains
             end associate
          end do
       end do
-   end subroutine add_facet
+   end subroutine subtract_masters
 
    !> The slave's side of function j of a facet: of a transformed one that of the middle is
    !> (u_3 - share (u_1 + u_2))/(1 - 2 share).
@@ -377,81 +391,4 @@ contains
          end associate
       end do
    end subroutine add_own
-
-   !> Integrals of line3 in the transformed basis.
-   subroutine transform(share, me, d)
-      real(wp), intent(in) :: share
-      type(dual_type), intent(inout) :: me(3, 3), d(3)
-      real(wp) :: inner
-      integer :: k
-
-      if (.not. share > 0.0_wp) return
-      inner = 1.0_wp - 2.0_wp*share
-      do k = 1, 2
-         d(k) = d(k) + share*d(3)
-      end do
-      d(3) = inner*d(3)
-      do k = 1, 3
-         me(1, k) = me(1, k) + share*me(3, k)
-         me(2, k) = me(2, k) + share*me(3, k)
-         me(3, k) = inner*me(3, k)
-      end do
-      do k = 1, 3
-         me(k, 1) = me(k, 1) + share*me(k, 3)
-         me(k, 2) = me(k, 2) + share*me(k, 3)
-         me(k, 3) = inner*me(k, 3)
-      end do
-   end subroutine transform
-
-   !> Area of a whole facet.
-   real(wp) function whole(x, axisymmetric, thickness) result(area)
-      real(wp), intent(in) :: x(:, :)
-      logical, intent(in) :: axisymmetric
-      real(wp), intent(in) :: thickness
-      real(wp), parameter :: at(3) = [-sqrt(0.6_wp), 0.0_wp, sqrt(0.6_wp)]
-      real(wp), parameter :: weight(3) = [5.0_wp, 8.0_wp, 5.0_wp]/9.0_wp
-      type(dual_type) :: n(3), dn(3)
-      real(wp) :: length
-      integer :: k
-
-      area = 0.0_wp
-      do k = 1, 3
-         call line_shape(size(x, 2), constant(at(k)), n, dn)
-         length = weight(k)*norm2(matmul(x, dn(:size(x, 2))%v))
-         if (axisymmetric) then
-            area = area + 2.0_wp*pi*dot_product(x(1, :), n(:size(x, 2))%v)*length
-         else
-            area = area + thickness*length
-         end if
-      end do
-   end function whole
-
-   !> Add row j of diag(d) me^-1: Gauss elimination of a positive matrix.
-   subroutine dual_function(me, d, j, sum_)
-      type(dual_type), intent(in) :: me(:, :), d
-      integer, intent(in) :: j
-      type(dual_type), intent(inout) :: sum_(:)
-      type(dual_type) :: m(3, 3), a(3), factor
-      integer :: i, k, l, n
-
-      n = size(sum_)
-      m(:n, :n) = me
-      a(j) = d
-      do k = 1, n
-         do i = k + 1, n
-            factor = m(i, k)/m(k, k)
-            do l = k, n
-               m(i, l) = m(i, l) - factor*m(k, l)
-            end do
-            a(i) = a(i) - factor*a(k)
-         end do
-      end do
-      do k = n, 1, -1
-         do l = k + 1, n
-            a(k) = a(k) - m(k, l)*a(l)
-         end do
-         a(k) = a(k)/m(k, k)
-      end do
-      sum_ = sum_ + a(:n)
-   end subroutine dual_function
 end module lopin_mortar_node_2d

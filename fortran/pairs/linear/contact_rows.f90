@@ -8,7 +8,6 @@ module lopin_contact_rows
    use lopin_model, only : model_type
    use lopin_dofs, only : dofs_type
    use lopin_constraint_rules, only : follower_rule
-   use lopin_constraints, only : constraints_type
    use lopin_contact_points, only : contact_points_type, sample_type, pair_is_tied
    use lopin_initial_gaps, only : initial_gap_type, may_tie
    use lopin_pair_friction, only : pair_slides_with_friction
@@ -16,7 +15,7 @@ module lopin_contact_rows
    use lopin_row_samples, only : find_samples, base_samples, has_inner, row_value, frame_of
    implicit none
    private
-   public :: contact_rows_type, new_contact_rows, reduce_rows, row_forces
+   public :: contact_rows_type, new_contact_rows
 
    type :: contact_rows_type
       integer :: n = 0
@@ -94,6 +93,14 @@ contains
       self%group_first(size(model%pair) + 1) = self%n + 1
       self%nnormal = self%n
       call add_tangents(self, model, dofs, points, place, terms)
+      call trim_rows(self, terms)
+   end subroutine new_contact_rows
+
+   !> Arrays as long as they are filled.
+   subroutine trim_rows(self, terms)
+      type(contact_rows_type), intent(inout) :: self
+      integer, intent(in) :: terms             !! of all rows
+
       self%point = self%point(:self%n)
       self%bilateral = self%bilateral(:self%n)
       self%tied = self%tied(:self%n)
@@ -102,7 +109,7 @@ contains
       self%first = self%first(:self%n + 1)
       self%dof = self%dof(:terms)
       self%coefficient = self%coefficient(:terms)
-   end subroutine new_contact_rows
+   end subroutine trim_rows
 
    !> The directions in which a tie holds a point: the frame's, or what its supports leave.
    pure subroutine take_held(points, i, ndim, frame, n)
@@ -342,59 +349,4 @@ contains
          self%coefficient(terms) = value
       end subroutine add
    end subroutine add_terms
-
-   !> Rows on the free equations, and what prescribed displacements (in `u_known`) do to the gaps.
-   subroutine reduce_rows(self, constraints, u_known, first, equation, value, gap)
-      type(contact_rows_type), intent(in) :: self
-      type(constraints_type), intent(in) :: constraints
-      real(wp), intent(in) :: u_known(:)   !! (ndof) displacements with all equations zero
-      integer, allocatable, intent(out) :: first(:), equation(:)
-      real(wp), allocatable, intent(out) :: value(:), gap(:)
-      integer :: row, k, c, m, from, total
-      integer, allocatable :: seen(:)
-
-      total = 0
-      do k = 1, size(self%dof)
-         total = total + constraints%first(self%dof(k) + 1) - constraints%first(self%dof(k))
-      end do
-      allocate (first(self%n + 1), equation(total), seen(constraints%neq), source=0)
-      allocate (value(total), source=0.0_wp)
-      allocate (gap, source=self%gap0)
-      m = 0
-      first(1) = 1
-      do row = 1, self%n
-         from = m + 1
-         do k = self%first(row), self%first(row + 1) - 1
-            gap(row) = gap(row) + self%coefficient(k)*u_known(self%dof(k))
-            do c = constraints%first(self%dof(k)), constraints%first(self%dof(k) + 1) - 1
-               associate (eq => constraints%equation(c))
-                  if (seen(eq) < from) then
-                     m = m + 1
-                     seen(eq) = m
-                     equation(m) = eq
-                     value(m) = 0.0_wp
-                  end if
-                  value(seen(eq)) = value(seen(eq)) + self%coefficient(k)*constraints%coefficient(c)
-               end associate
-            end do
-         end do
-         first(row + 1) = m + 1
-      end do
-      equation = equation(:m)
-      value = value(:m)
-   end subroutine reduce_rows
-
-   !> Forces on the physical dofs from forces of the rows.
-   pure subroutine row_forces(self, force, f)
-      type(contact_rows_type), intent(in) :: self
-      real(wp), intent(in) :: force(:)       !! (n) [force]
-      real(wp), intent(inout) :: f(:)        !! (ndof) added to
-      integer :: row, k
-
-      do row = 1, self%n
-         do k = self%first(row), self%first(row + 1) - 1
-            f(self%dof(k)) = f(self%dof(k)) + self%coefficient(k)*force(row)
-         end do
-      end do
-   end subroutine row_forces
 end module lopin_contact_rows

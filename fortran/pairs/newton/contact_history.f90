@@ -39,8 +39,8 @@ contains
 
       self%dt = dt
       if (.not. allocated(self%met_at)) then
-         if (allocated(accepted%met_at)) then
-            call measure_initial_contact(self, model, accepted%met_at, error)
+         if (allocated(accepted%search%met_at)) then
+            call measure_initial_contact(self, model, accepted%search%met_at, error)
          else
             call measure_initial_contact(self, model, u, error)
          end if
@@ -107,12 +107,12 @@ contains
       integer :: pair, n
 
       call start_facet_hysteresis(self%masters%owner, accepted%facet)
-      self%masters%part = accepted%segment
+      self%masters%part = accepted%search%segment
       n = 0
       do pair = 1, size(self%mortar)
          if (.not. self%mortar(pair)%is_on) cycle
          associate (mortar => self%mortar(pair))
-            if (.not. mortar%tied) mortar%cover%state = accepted%cover(n + 1:n &
+            if (.not. mortar%tied) mortar%cover%state = accepted%search%cover(n + 1:n &
                & + size(mortar%cover%state))
             n = n + size(mortar%cover%state)
          end associate
@@ -153,11 +153,12 @@ contains
       type(contact_state_type), intent(inout) :: trial
       integer :: i, pair
 
-      trial%met_at = self%met_at
-      trial%segment = self%masters%part
-      trial%cover = [integer ::]
+      trial%search%met_at = self%met_at
+      trial%search%segment = self%masters%part
+      trial%search%cover = [integer ::]
       do pair = 1, size(self%mortar)
-         if (self%mortar(pair)%is_on) trial%cover = [trial%cover, self%mortar(pair)%cover%state]
+         if (self%mortar(pair)%is_on) trial%search%cover = [trial%search%cover, &
+            & self%mortar(pair)%cover%state]
       end do
       ! Tractions go on by the area that the next increment begins with.
       trial%multiplier = trial%multiplier/self%growth(self%point_of_row)%ratio

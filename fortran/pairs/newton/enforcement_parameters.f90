@@ -59,14 +59,7 @@ contains
                call take_form(g, f, slope/own)
                g%tied = pair_is_tied(model, model%pair(pair))
                if (way%method%updates() .or. .not. way%method%is_exact()) then
-                  if (way%method%reads_slope() .and. .not. way%slope > 0.0_wp .and. .not. said) &
-                     & then
-                     said = .true.
-                     call log%say(severity%note, 'N0317', 'pair ('// &
-                        & model%surface(model%pair(pair)%slave)%name//', '// &
-                        & model%surface(model%pair(pair)%master)%name//'): slope '// &
-                        & to_text(slope, 4)//' = 100 moduli over a facet', model%pair(pair)%at)
-                  end if
+                  if (way%method%reads_slope() .and. .not. way%slope > 0.0_wp) call tell_slope()
                   call take_slope(g, f, slope)
                end if
                call choose_stick(g, f, points%size(i))
@@ -75,6 +68,18 @@ contains
          end do
          if (any(points%pair(:points%n) == pair)) call stick_of_deck(way, f, model, pair, log)
       end associate
+
+   contains
+
+      !> Once for the pair.
+      subroutine tell_slope()
+         if (said) return
+         said = .true.
+         call log%say(severity%note, 'N0317', 'pair ('// &
+            & model%surface(model%pair(pair)%slave)%name//', '// &
+            & model%surface(model%pair(pair)%master)%name//'): slope '// &
+            & to_text(slope, 4)//' = 100 moduli over a facet', model%pair(pair)%at)
+      end subroutine tell_slope
    end subroutine choose_enforcement
 
    !> Whether the deck says how points give way before they slide.

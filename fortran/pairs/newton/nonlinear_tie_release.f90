@@ -32,15 +32,8 @@ contains
                call slave_first(self%node(i), node, share)
                misfit = row_misfit(self%tied_at, node, share, facet_normal(tie, self%tied_at))
             else
-               node = [self%node(i)]
-               share = [1.0_wp]
+               call row_on_tool(self, model, i, node, share)
                misfit = 0.0_wp
-               associate (body => self%masters%of(self%pair(i))%body)
-                  if (body > 0) then
-                     node = [node, model%rigid_body(body)%reference]
-                     share = [share, -1.0_wp]
-                  end if
-               end associate
             end if
             call released_directions(constraints, self%dofs, node, share, misfit, basis, n)
             g%partly = n > 0
@@ -49,6 +42,23 @@ contains
          end associate
       end do
    end subroutine release_nonlinear_ties
+
+   !> A node that is glued to a tool, or to the space.
+   pure subroutine row_on_tool(self, model, i, node, share)
+      type(nonlinear_contact_type), intent(in) :: self
+      type(model_type), intent(in) :: model
+      integer, intent(in) :: i                 !! the point
+      integer, allocatable, intent(out) :: node(:)
+      real(wp), allocatable, intent(out) :: share(:)
+
+      node = [self%node(i)]
+      share = [1.0_wp]
+      associate (body => self%masters%of(self%pair(i))%body)
+         if (body == 0) return
+         node = [node, model%rigid_body(body)%reference]
+         share = [share, -1.0_wp]
+      end associate
+   end subroutine row_on_tool
 
    pure subroutine slave_first(own, node, share)
       integer, intent(in) :: own

@@ -163,11 +163,9 @@ contains
       integer, allocatable :: node(:)
       real(wp), allocatable :: slope(:, :)
       real(wp) :: own(model%mesh%ndim, 8)
-      integer :: a, k, m, d, n, at
-      logical :: axisymmetric
+      integer :: a, m, d, n
 
       d = model%mesh%ndim
-      axisymmetric = model%kind == kind_of%axisymmetric
       if (.not. grows(self, self%pair(i)) .or. .not. self%first_area(i) > 0.0_wp) return
       associate (star => self%star(self%pair(i)), master => self%masters%of(self%pair(i)), &
          & g => self%growth(i))
@@ -179,21 +177,12 @@ contains
                & star%facet(a))) cycle
             m = master%slave%nnode(star%facet(a))
             associate (of => master%slave%node(:m, star%facet(a)), &
-               & rule => self%masters%rules(master%slave%cell(star%facet(a))))
-               call weight_slopes(rule, self%masters%x(:, of), axisymmetric, &
-                  & middle_share(rule, model%mesh%x(:, of), axisymmetric), star%place(a), &
-                  & own(:, :m))
+               & rule => self%masters%rules(master%slave%cell(star%facet(a))), &
+               & turned => model%kind == kind_of%axisymmetric)
+               call weight_slopes(rule, self%masters%x(:, of), turned, &
+                  & middle_share(rule, model%mesh%x(:, of), turned), star%place(a), own(:, :m))
                own(:, :m) = master%thickness(star%facet(a))*own(:, :m)
-               do k = 1, m
-                  at = findloc(node(:n), of(k), dim=1)
-                  if (at == 0) then
-                     n = n + 1
-                     at = n
-                     node(n) = of(k)
-                     slope(:, n) = 0.0_wp
-                  end if
-                  slope(:, at) = slope(:, at) + own(:, k)
-               end do
+               call add(of, own(:, :m))
             end associate
          end do
          associate (free => reshape(self%dofs%id(:d, node(:n)), [d*n]))
@@ -206,5 +195,25 @@ contains
             g%slope = g%slope*(self%first_weight(i)/(self%first_area(i)*self%weight(i)))
          end if
       end associate
+
+   contains
+
+      !> Slopes of one facet to those of its nodes.
+      subroutine add(of, own)
+         integer, intent(in) :: of(:)
+         real(wp), intent(in) :: own(:, :)
+         integer :: k, at
+
+         do k = 1, size(of)
+            at = findloc(node(:n), of(k), dim=1)
+            if (at == 0) then
+               n = n + 1
+               at = n
+               node(n) = of(k)
+               slope(:, n) = 0.0_wp
+            end if
+            slope(:, at) = slope(:, at) + own(:, k)
+         end do
+      end subroutine add
    end subroutine find_growth_slopes
 end module lopin_slave_areas

@@ -13,7 +13,7 @@ module lopin_artificial_work
    use lopin_model, only : model_type
    use lopin_dense, only : symmetric_eigen
    use lopin_constraints, only : reduce, raw_displacement
-   use lopin_bodies, only : describe_motion
+   use lopin_body_words, only : describe_motion
    use lopin_report, only : energy_type, lost_work
    use lopin_certificate, only : artificial_limit
    use lopin_slip_increment, only : dissipated, path_of, shear_bound

@@ -8,7 +8,7 @@ module lopin_certificate
    use lopin_body_size, only : thinnest
    use lopin_constraints, only : reduce, prescribed_part
    use lopin_contact_points, only : pair_is_tied
-   use lopin_contact_rows, only : row_forces
+   use lopin_reduced_rows, only : row_forces
    use lopin_scene, only : scene_type
    use lopin_rounding_floor, only : noise_of_places, floor_of_forces, beyond
    use lopin_check_mesh, only : check_corners
@@ -124,59 +124,74 @@ contains
       type(model_type), intent(in) :: model
       real(wp), intent(in) :: noise            !! of places [length]
       real(wp) :: p_ref, size_, scaled, stiff, bite, thin, softest
-      integer :: row, pair, point
+      integer :: row, pair
       logical :: exact
 
       energy%contact = 0.0_wp
       if (scene%rows%n == 0) return
+      energy%friction = sum(scene%trial%friction%work)
+      energy%friction_mean = sum(scene%trial%friction%mean_work)
       softest = softest_row(scene)
-      p_ref = largest(scene%answer%force)
-      do row = 1, scene%rows%nnormal
-         p_ref = max(p_ref, noise*stiffness_of(scene, row, softest))
-      end do
+      p_ref = max(largest(scene%answer%force), maxval([0.0_wp, &
+         & (noise*stiffness_of(scene, row, softest), row=1, scene%rows%nnormal)]))
       do pair = 1, size(model%pair)
-         associate (method => model%interaction(model%pair(pair)%interaction)%method)
-            exact = method%is_exact()
-            if (method%updates()) exact = max(model%pair(pair)%control%relative_penetration, &
-               & model%pair(pair)%control%absolute_penetration) <= 0.0_wp
-         end associate
+         exact = is_exact(model, pair)
          if (.not. exact) thin = thinnest(scene%bodies, model, pair)
          do row = scene%rows%group_first(pair), scene%rows%group_first(pair + 1) - 1
-            point = scene%rows%point(row)
-            size_ = scene%points%size(point)
-            associate (force => scene%answer%force(row), gap => scene%answer%gap(row))
-               ! A spring may start at a clearance: what counts as penetration is the gap itself.
-               if (.not. scene%rows%tied(row)) then
-                  bite = -(gap + model%interaction(model%pair(pair)%interaction)%clearance)
-                  self%penetration = max(self%penetration, bite/size_)
-                  if (.not. exact) self%depth = max(self%depth, bite/thin)
-               end if
-               stiff = stiffness_of(scene, row, softest)
-               if (.not. scene%rows%bilateral(row) .and. p_ref > 0.0_wp) &
-                  & self%tension = max(self%tension, -(force + noise*stiff)/p_ref)
-               if (exact) then
-                  if (.not. stiff > 0.0_wp) stiff = p_ref/size_
-                  scaled = stiff*sign(max(abs(gap) - noise, 0.0_wp), gap)
-                  if (scene%rows%bilateral(row)) then
-                     scaled = abs(scaled)
-                  else
-                     scaled = abs(min(force, scaled))
-                  end if
-                  if (p_ref > 0.0_wp) self%complementarity = max(self%complementarity, scaled/p_ref)
-               else if (scene%problem%alpha(row) > 0.0_wp .and. .not. has_law(model, pair)) then
-                  energy%contact = energy%contact + scene%problem%group(pair)%method%stored(gap, &
-                     & force, scene%problem%alpha(row))
-               end if
-            end associate
+            call judge_row(row)
          end do
       end do
       if (.not. p_ref > 0.0_wp) self%complementarity = max(0.0_wp, self%penetration)
       energy%contact = energy%contact + scene%friction%stored
-      energy%friction = sum(scene%trial%friction%work)
-      energy%friction_mean = sum(scene%trial%friction%mean_work)
       self%complementarity = max(self%complementarity, scene%friction%misfit)
       self%cone = scene%friction%cone_excess
+
+   contains
+
+      subroutine judge_row(row)
+         integer, intent(in) :: row
+
+         size_ = scene%points%size(scene%rows%point(row))
+         associate (force => scene%answer%force(row), gap => scene%answer%gap(row))
+            ! A spring may start at a clearance: what counts as penetration is the gap itself.
+            if (.not. scene%rows%tied(row)) then
+               bite = -(gap + model%interaction(model%pair(pair)%interaction)%clearance)
+               self%penetration = max(self%penetration, bite/size_)
+               if (.not. exact) self%depth = max(self%depth, bite/thin)
+            end if
+            stiff = stiffness_of(scene, row, softest)
+            if (.not. scene%rows%bilateral(row) .and. p_ref > 0.0_wp) &
+               & self%tension = max(self%tension, -(force + noise*stiff)/p_ref)
+            if (exact) then
+               if (.not. stiff > 0.0_wp) stiff = p_ref/size_
+               scaled = stiff*sign(max(abs(gap) - noise, 0.0_wp), gap)
+               if (scene%rows%bilateral(row)) then
+                  scaled = abs(scaled)
+               else
+                  scaled = abs(min(force, scaled))
+               end if
+               if (p_ref > 0.0_wp) self%complementarity = max(self%complementarity, scaled/p_ref)
+            else if (scene%problem%alpha(row) > 0.0_wp .and. .not. has_law(model, pair)) then
+               energy%contact = energy%contact &
+                  & + scene%problem%group(pair)%method%stored(gap, force, &
+                  & scene%problem%alpha(row))
+            end if
+         end associate
+      end subroutine judge_row
    end subroutine check_contact
+
+   !> The method of a pair allows no penetration.
+   logical function is_exact(model, pair)
+      type(model_type), intent(in) :: model
+      integer, intent(in) :: pair
+
+      associate (method => model%interaction(model%pair(pair)%interaction)%method, &
+         & control => model%pair(pair)%control)
+         is_exact = method%is_exact()
+         if (method%updates()) is_exact = control%relative_penetration <= 0.0_wp &
+            & .and. control%absolute_penetration <= 0.0_wp
+      end associate
+   end function is_exact
 
    !> Work of friction is not negative but for what rounding leaves, beside what slips, and beside
    !> the energies of the scene.

@@ -7,7 +7,7 @@ module lopin_check_drift
    use lopin_kinds, only : wp
    use lopin_text, only : to_text
    use lopin_model, only : model_type
-   use lopin_bodies, only : describe_motion
+   use lopin_body_words, only : describe_motion
    use lopin_contact_points, only : pair_is_tied
    use lopin_constraints, only : raw_displacement
    use lopin_scene, only : scene_type

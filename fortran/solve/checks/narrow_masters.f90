@@ -159,12 +159,9 @@ contains
             parts = 2*min(most_parts/2, max(1, ceiling(master%size(i)/typical)))
             do a = 0, parts
                do b = 0, merge(0, parts, d == 2)
+                  if (basis%family(cell) == cell_family%triangle .and. a + b > parts) cycle
                   xi = real([a, b], wp)/parts
-                  if (basis%family(cell) == cell_family%triangle) then
-                     if (a + b > parts) cycle
-                  else
-                     xi = 2.0_wp*xi - 1.0_wp
-                  end if
+                  if (basis%family(cell) /= cell_family%triangle) xi = 2.0_wp*xi - 1.0_wp
                   if (d == 2) xi(2) = 0.0_wp
                   at = facet_point_of(master%coefficient(:, :, i), xi)
                   if (any(at > high) .or. any(at < low)) cycle

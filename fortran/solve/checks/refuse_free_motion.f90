@@ -11,7 +11,7 @@ module lopin_refuse_free_motion
    use lopin_model, only : model_type
    use lopin_friction, only : has_friction
    use lopin_constraints, only : raw_displacement
-   use lopin_bodies, only : describe_motion
+   use lopin_body_words, only : describe_motion
    use lopin_scene, only : scene_type
    implicit none
    private

@@ -5,7 +5,7 @@ module lopin_contact_failure
    use lopin_error, only : error_type, error_code, raise
    use lopin_text, only : to_text
    use lopin_model, only : model_type
-   use lopin_bodies, only : describe_motion
+   use lopin_body_words, only : describe_motion
    use lopin_active_set, only : outcome
    use lopin_condensed, only : condensed_type, form_compliance
    use lopin_dense, only : symmetric_eigen

@@ -73,9 +73,8 @@ contains
       type(model_type), intent(in) :: model
       real(wp), intent(in) :: reach                !! [length]
       real(wp), intent(inout) :: away(:)           !! (mesh nodes); huge: not reached [length]
-      real(wp) :: new
       logical :: changed
-      integer :: e, i, k, n
+      integer :: e, i, n
 
       do
          changed = .false.
@@ -84,19 +83,30 @@ contains
             associate (node => model%mesh%conn(:n, e))
                if (.not. minval(away(node)) <= reach) cycle
                do i = 1, n
-                  if (.not. away(node(i)) <= reach) cycle
-                  do k = 1, n
-                     new = away(node(i)) + norm2(model%mesh%x(:, node(k)) &
-                        & - model%mesh%x(:, node(i)))
-                     if (.not. new < away(node(k))) cycle
-                     changed = .true.
-                     away(node(k)) = new
-                  end do
+                  if (away(node(i)) <= reach) call go_on(node, node(i), away, changed)
                end do
             end associate
          end do
          if (.not. changed) return
       end do
+
+   contains
+
+      !> From one node of an element to the others.
+      pure subroutine go_on(node, from, away, changed)
+         integer, intent(in) :: node(:), from
+         real(wp), intent(inout) :: away(:)
+         logical, intent(inout) :: changed
+         real(wp) :: new
+         integer :: k
+
+         do k = 1, size(node)
+            new = away(from) + norm2(model%mesh%x(:, node(k)) - model%mesh%x(:, from))
+            if (.not. new < away(node(k))) cycle
+            changed = .true.
+            away(node(k)) = new
+         end do
+      end subroutine go_on
    end subroutine go_inside
 
    !> The gap of each point in the equations of the patch; one may stand in several entries.

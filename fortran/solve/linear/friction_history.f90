@@ -14,6 +14,12 @@ module lopin_friction_history
    !> A compliance below this share of the largest is rounding: an artificial support holds the row.
    real(wp), parameter :: rounded = 1.0e-12_wp
 
+   type :: sums_type
+      real(wp) :: slack = 0.0_wp               !! work of slips that are rounding [force*length]
+      real(wp) :: most_bound = 0.0_wp          !! largest bound of the shear [force]
+      real(wp) :: excess = 0.0_wp              !! largest force beyond its bound [force]
+   end type sums_type
+
 contains
 
    !> The history that the answer leaves, as a trial, and the tests of friction.
@@ -21,13 +27,11 @@ contains
       type(scene_type), intent(inout) :: scene
       type(friction_points_type), intent(in) :: points
       type(friction_result_type), intent(in) :: friction
-      real(wp) :: slip(3), slid(points%nt), lost(points%nt), elastic(points%nt), done, radius, &
-         & slope, press, force(3)
-      real(wp) :: most_bound, excess, slack
-      integer :: k, i
+      type(sums_type) :: sums
+      integer :: k
 
-      associate (s => scene%friction, old => scene%accepted%friction, new => scene%trial%friction)
-         new = old
+      associate (s => scene%friction, new => scene%trial%friction)
+         new = scene%accepted%friction
          new%force = scene%answer%force
          new%gap = scene%answer%gap
          new%q = scene%answer%q
@@ -35,80 +39,107 @@ contains
          s%touch = 0.0_wp
          s%stored = 0.0_wp
          s%gained = 0.0_wp
-         slack = 0.0_wp
          s%slid_work = 0.0_wp
-         most_bound = 0.0_wp
-         excess = 0.0_wp
          do k = 1, points%n
-            i = scene%rows%point(points%normal(k))
-            new%status(i) = friction%status(k)
-            new%traction(:, i) = 0.0_wp
-            new%elastic(:, i) = 0.0_wp
-            new%anchor(:, i) = 0.0_wp
-            new%speed(i) = 0.0_wp
-            if (friction%status(k) == 0) cycle
-            s%touch(i) = points%touch(k)
-            associate (from => points%tangent(k), to => points%tangent(k) + points%nt - 1)
-               press = max(scene%answer%force(points%normal(k)), 0.0_wp)
-               elastic = -elastic_compliance(points, k, press)*scene%answer%force(from:to)
-               slid = scene%answer%gap(from:to) - points%start(:, k)
-               lost = 0.0_wp
-               if (is_regularised(points%law(k))) then
-                  lost = slid + points%anchor(:, k)
-                  new%anchor(:, i) = global(drawn(points, k, lost))
-                  ! What the anchor does not keep is dissipated; the rest is a spring's.
-                  lost = lost - drawn(points, k, lost)
-               else
-                  ! Stick leaves no slip: its residual is rounding.
-                  if (.not. points%augmented(k)) slid = slid - (elastic - points%elastic(:, k))
-                  if (friction%status(k) == 1) slid = 0.0_wp
-                  lost = slid
-               end if
-               force = global(scene%answer%force(from:to))
-               slip = global(slid)
-               new%elastic(:, i) = global(elastic)
-            end associate
-            new%traction(:, i) = force
-            s%slid(:, i) = slip
-            new%slip(:, i) = old%slip(:, i) + slip
-            new%path(i) = old%path(i) + norm2(slip)
-            new%speed(i) = norm2(slip)/points%at(k)%dt
-            done = -dot_product(force, global(lost))
-            new%work(i) = old%work(i) + done
-            new%mean_work(i) = old%mean_work(i) &
-               & - 0.5_wp*dot_product(old%traction(:, i) + force, global(lost))
-            s%stored = s%stored + stored_energy(points, k, press, force, new%anchor(:, i))
-            s%gained = s%gained + min(done, 0.0_wp)
-            slack = slack + norm2(force)*maxval(friction%noise( &
-               & points%tangent(k):points%tangent(k) + points%nt - 1))
-            s%slid_work = s%slid_work + norm2(force)*norm2(lost)
-            call friction_radius(points%law(k), press/points%weight(k), points%at(k), radius, slope)
-            if (radius < huge(1.0_wp)/max(points%weight(k), 1.0_wp)) then
-               most_bound = max(most_bound, radius*points%weight(k))
-               excess = max(excess, norm2(force) - radius*points%weight(k))
-            end if
+            call remember_point(scene, points, friction, k, sums)
          end do
          ! Slips that are rounding do rounding's work.
-         s%gained = min(s%gained + slack, 0.0_wp)
+         s%gained = min(s%gained + sums%slack, 0.0_wp)
          s%misfit = largest_misfit(scene, points, friction%noise)
          s%cone_excess = 0.0_wp
-         if (most_bound > 0.0_wp) s%cone_excess = max(excess, 0.0_wp)/most_bound
+         if (sums%most_bound > 0.0_wp) s%cone_excess = max(sums%excess, 0.0_wp)/sums%most_bound
       end associate
-
-   contains
-
-      !> A tangential vector of point k in global axes.
-      function global(t) result(v)
-         real(wp), intent(in) :: t(:)
-         real(wp) :: v(3)
-         integer :: d
-
-         v = 0.0_wp
-         do d = 1, size(t)
-            v = v + t(d)*scene%rows%direction(:, points%tangent(k) + d - 1)
-         end do
-      end function global
    end subroutine remember
+
+   !> One point: its traction, slip and work; and what it adds to the tests.
+   subroutine remember_point(scene, points, friction, k, sums)
+      type(scene_type), intent(inout) :: scene
+      type(friction_points_type), intent(in) :: points
+      type(friction_result_type), intent(in) :: friction
+      integer, intent(in) :: k
+      type(sums_type), intent(inout) :: sums
+      real(wp) :: slip(3), lost(points%nt), done, radius, slope, press, force(3)
+      integer :: i
+
+      i = scene%rows%point(points%normal(k))
+      associate (s => scene%friction, old => scene%accepted%friction, new => scene%trial%friction)
+         new%status(i) = friction%status(k)
+         new%traction(:, i) = 0.0_wp
+         new%elastic(:, i) = 0.0_wp
+         new%anchor(:, i) = 0.0_wp
+         new%speed(i) = 0.0_wp
+         if (friction%status(k) == 0) return
+         s%touch(i) = points%touch(k)
+         press = max(scene%answer%force(points%normal(k)), 0.0_wp)
+         call find_slip(scene, points, friction%status(k), k, slip, lost)
+         force = global(scene, points, k, scene%answer%force( &
+            & points%tangent(k):points%tangent(k) + points%nt - 1))
+         new%traction(:, i) = force
+         s%slid(:, i) = slip
+         new%slip(:, i) = old%slip(:, i) + slip
+         new%path(i) = old%path(i) + norm2(slip)
+         new%speed(i) = norm2(slip)/points%at(k)%dt
+         done = -dot_product(force, global(scene, points, k, lost))
+         new%work(i) = old%work(i) + done
+         new%mean_work(i) = old%mean_work(i) - 0.5_wp*dot_product(old%traction(:, i) + force, &
+            & global(scene, points, k, lost))
+         s%stored = s%stored + stored_energy(points, k, press, force, new%anchor(:, i))
+         s%gained = s%gained + min(done, 0.0_wp)
+         sums%slack = sums%slack + norm2(force)*maxval(friction%noise( &
+            & points%tangent(k):points%tangent(k) + points%nt - 1))
+         s%slid_work = s%slid_work + norm2(force)*norm2(lost)
+         call friction_radius(points%law(k), press/points%weight(k), points%at(k), radius, slope)
+         if (radius < huge(1.0_wp)/max(points%weight(k), 1.0_wp)) then
+            sums%most_bound = max(sums%most_bound, radius*points%weight(k))
+            sums%excess = max(sums%excess, norm2(force) - radius*points%weight(k))
+         end if
+      end associate
+   end subroutine remember_point
+
+   !> Slip of the increment, and of it what is lost; elastic slip and anchor go into the trial.
+   subroutine find_slip(scene, points, status, k, slip, lost)
+      type(scene_type), intent(inout) :: scene
+      type(friction_points_type), intent(in) :: points
+      integer, intent(in) :: status, k
+      real(wp), intent(out) :: slip(3)         !! in global axes [length]
+      real(wp), intent(out) :: lost(:)         !! (nt) along the tangents [length]
+      real(wp) :: slid(points%nt), elastic(points%nt), press
+
+      press = max(scene%answer%force(points%normal(k)), 0.0_wp)
+      associate (from => points%tangent(k), to => points%tangent(k) + points%nt - 1, &
+         & i => scene%rows%point(points%normal(k)), new => scene%trial%friction)
+         elastic = -elastic_compliance(points, k, press)*scene%answer%force(from:to)
+         slid = scene%answer%gap(from:to) - points%start(:, k)
+         if (is_regularised(points%law(k))) then
+            lost = slid + points%anchor(:, k)
+            new%anchor(:, i) = global(scene, points, k, drawn(points, k, lost))
+            ! What the anchor does not keep is dissipated; the rest is a spring's.
+            lost = lost - drawn(points, k, lost)
+         else
+            ! Stick leaves no slip: its residual is rounding.
+            if (.not. points%augmented(k)) slid = slid - (elastic - points%elastic(:, k))
+            if (status == 1) slid = 0.0_wp
+            lost = slid
+         end if
+         slip = global(scene, points, k, slid)
+         new%elastic(:, i) = global(scene, points, k, elastic)
+      end associate
+   end subroutine find_slip
+
+   !> A tangential vector of point k in global axes.
+   pure function global(scene, points, k, t) result(v)
+      type(scene_type), intent(in) :: scene
+      type(friction_points_type), intent(in) :: points
+      integer, intent(in) :: k
+      real(wp), intent(in) :: t(:)             !! (nt)
+      real(wp) :: v(3)
+      integer :: d
+
+      v = 0.0_wp
+      do d = 1, size(t)
+         v = v + t(d)*scene%rows%direction(:, points%tangent(k) + d - 1)
+      end do
+   end function global
 
    !> Energy that a point gives back when its traction goes: of elastic stick, or of a regularised
    !> law between its anchor and the slip that it keeps [force*length].

@@ -14,7 +14,8 @@ module lopin_path_condensed
    use lopin_dense, only : cholesky, cholesky_solve
    use lopin_condensed, only : columns_times
    use lopin_active_set, only : solve_contact, outcome
-   use lopin_contact_rows, only : contact_rows_type, reduce_rows
+   use lopin_contact_rows, only : contact_rows_type
+   use lopin_reduced_rows, only : reduce_rows
    use lopin_contact_candidates, only : transfer_rows
    use lopin_scene, only : scene_type, retained_equations, rebuild_rows
    use lopin_linear_system, only : new_linear_system, condense_load, recover, &

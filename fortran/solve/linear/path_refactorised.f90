@@ -14,7 +14,7 @@ module lopin_path_refactorised
    use lopin_model, only : model_type
    use lopin_constraints, only : expand, reduce
    use lopin_reduce_matrix, only : reduce_matrix
-   use lopin_contact_rows, only : reduce_rows
+   use lopin_reduced_rows, only : reduce_rows
    use lopin_active_set, only : contact_result_type, solve_contact, outcome
    use lopin_scene, only : scene_type, retained_equations, rebuild_rows
    use lopin_full_system, only : full_system_type, new_full_system, set_rows

@@ -8,6 +8,7 @@ module lopin_compliance_error
    use lopin_soft_share, only : largest_share
    use lopin_nonlinear_contact, only : set_slopes
    use lopin_newton_system, only : solve_step
+   use lopin_predictor, only : iterate_type
    use lopin_semismooth_newton, only : solve_newton
    use lopin_raise_penalty, only : raising_type, chooses_slope, choose_other, report_raised
    use lopin_state, only : judged_type
@@ -27,15 +28,15 @@ contains
 
    !> Estimate the error of the pressures of an equilibrium; where slopes that were chosen are too
    !> soft for it, find it again by stiffer ones.
-   subroutine limit_compliance(scene, model, f, v, prescribed, error)
+   subroutine limit_compliance(scene, model, f, iterate, prescribed, error)
       type(scene_type), intent(inout) :: scene
       type(model_type), intent(in) :: model
       real(wp), intent(in) :: f(:)             !! (ndof) dead loads [force]
-      real(wp), allocatable, intent(inout) :: v(:)
+      type(iterate_type), intent(inout) :: iterate
       real(wp), intent(in) :: prescribed(:)    !! (nprescribed)
       type(error_type), allocatable, intent(out) :: error
       type(raising_type) :: raising
-      real(wp), allocatable :: before(:), v_then(:), multiplier(:)
+      real(wp), allocatable :: v_then(:), multiplier(:)
       real(wp) :: share
       logical :: chooses, augments, again
 
@@ -51,22 +52,23 @@ contains
          call estimate(scene, model, share)
          state%softness = share
          if (.not. chooses) return
-         before = prescribed
+         iterate%before = prescribed
+         iterate%guessed = .false.
          do
             call choose_other(raising, state, .not. allocated(error), share, model%target_error, &
                & again)
             if (.not. again) exit
             call set_slopes(scene%newton%contact, state%stiffer)
             if (raising%before > 0.0_wp) then
-               v_then = v
+               v_then = iterate%v
                multiplier = state%multiplier
             else
-               v = v_then
+               iterate%v = v_then
                state%multiplier = multiplier
-               call expand(scene%constraints, v, prescribed, scene%trial%motion%u)
+               call expand(scene%constraints, iterate%v, prescribed, scene%trial%motion%u)
             end if
             if (allocated(error)) deallocate (error)
-            call solve_newton(scene, model, f, v, before, prescribed, 1, .false., error)
+            call solve_newton(scene, model, f, iterate, prescribed, 1, error)
             if (.not. allocated(error)) then
                call estimate(scene, model, share)
             else if (.not. raising%before > 0.0_wp) then
@@ -140,7 +142,7 @@ contains
          end do
          krylov = system%krylov
          most = system%most_krylov
-         call solve_step(system, right, tolerance, model%solver, step, scene%clock, &
+         call solve_step(system, right, tolerance, step, scene%clock, &
             & scene%counter, bad, error)
          system%krylov = krylov
          system%most_krylov = most

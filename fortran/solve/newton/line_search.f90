@@ -100,7 +100,7 @@ contains
          if (free) exit
          if (evaluation%inverted == 0) then
             good = evaluation%merit <= (1.0_wp - sufficient*search%share)*search%merit
-            if (.not. good) good = contracts(scene, model, evaluation, search%step, search%share)
+            if (.not. good) good = contracts(scene, evaluation, search%step, search%share)
             kind = 1
             if (good .or. evaluation%merit < best(1)) kind = merge(2, 1, folds_another(scene, &
                & model, search))
@@ -187,9 +187,8 @@ contains
    !> Natural monotonicity (Deuflhard 2011, 3.3): the next correction, by the same tangent, is
    !> shorter than this one. Forces of an almost incompressible solid grow on the best of ways; its
    !> corrections do not.
-   logical function contracts(scene, model, evaluation, step, share)
+   logical function contracts(scene, evaluation, step, share)
       type(scene_type), intent(inout) :: scene
-      type(model_type), intent(in) :: model
       type(evaluation_type), intent(in) :: evaluation !! at this share of the step
       real(wp), intent(in) :: step(:), share
       real(wp) :: next(size(step)), right(size(step))
@@ -199,7 +198,7 @@ contains
       associate (neq => scene%constraints%neq)
          right(:neq) = -evaluation%free
          right(neq + 1:) = -scene%newton%contact%row
-         call solve_step(scene%newton%system, right, coarse, model%solver, next, scene%clock, &
+         call solve_step(scene%newton%system, right, coarse, next, scene%clock, &
             & scene%counter, bad, error)
          contracts = .not. allocated(error) .and. bad == 0
          if (contracts) contracts = norm2(next(:neq)) <= (1.0_wp - 0.25_wp*share)*norm2(step(:neq))

@@ -75,7 +75,7 @@ contains
          end if
          tolerance = forcing(scene, evaluation)
          do pass = 1, 2
-            call solve_step(system, right, tolerance, model%solver, step, scene%clock, &
+            call solve_step(system, right, tolerance, step, scene%clock, &
                & scene%counter, bad, error)
             if (allocated(error)) return
             if (bad == 0 .and. .not. (scene%bodies%nq > 0 .and. pass == 1 .and. &

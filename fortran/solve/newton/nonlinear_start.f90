@@ -31,6 +31,7 @@ contains
       call new_nonlinear_contact(scene%newton%contact, model, scene%dofs, scene%log, error)
       if (allocated(error)) return
       scene%newton%in_use = .true.
+      scene%newton%system%wish = model%solver
       call start_step(scene, model)
       if (.not. allocated(scene%accepted%solids%first)) call start_from_rest(scene, model)
       scene%newton%flows = scene%accepted%solids%in_use

@@ -17,7 +17,8 @@ module lopin_path_nonlinear
    use lopin_semismooth_newton, only : solve_newton, least_cuts
    use lopin_compliance_error, only : limit_compliance
    use lopin_residual, only : gap_rounding
-   use lopin_predictor, only : predict, start_from_accepted, opened_after_guess, has_free_motion
+   use lopin_predictor, only : iterate_type, predict, start_from_accepted, opened_after_guess, &
+      & has_free_motion
    use lopin_heat, only : start_solids
    use lopin_newton_convergence, only : set_rounding_floors
    use lopin_rotating_bodies, only : rotate_followers
@@ -53,7 +54,7 @@ contains
       real(wp), intent(in) :: f(:)             !! (ndof) dead loads [force]
       real(wp), intent(in) :: prescribed(:)    !! (nprescribed)
       type(error_type), allocatable, intent(out) :: error
-      real(wp), allocatable :: v(:), before(:)
+      type(iterate_type) :: iterate
       logical :: guessed
 
       scene%newton%separated = .false.
@@ -66,12 +67,13 @@ contains
       scene%trial%motion%u = scene%accepted%motion%u
       call rotate_followers(scene, model, error)
       if (allocated(error)) return
-      call predict(scene, prescribed, v, before, guessed)
-      call solve_from(scene, model, f, v, before, prescribed, guessed, way_of%direct, error)
+      call predict(scene, prescribed, iterate)
+      guessed = iterate%guessed
+      call solve_from(scene, model, f, iterate, prescribed, way_of%direct, error)
       if (guessed .and. .not. allocated(error)) then
          if (opened_after_guess(scene)) then
-            call start_from_accepted(scene, v, before)
-            call solve_from(scene, model, f, v, before, prescribed, .false., way_of%direct, error)
+            call start_from_accepted(scene, iterate)
+            call solve_from(scene, model, f, iterate, prescribed, way_of%direct, error)
             scene%newton%separated = .true.
          end if
       end if
@@ -105,7 +107,7 @@ contains
       real(wp), intent(in) :: f(:), prescribed(:)
       type(error_type), allocatable, intent(inout) :: error
       type(error_type), allocatable :: failed
-      real(wp), allocatable :: v(:), before(:)
+      type(iterate_type) :: iterate
 
       associate (step => model%step(scene%step))
          if (error%code /= error_code%not_converged) return
@@ -113,10 +115,10 @@ contains
       end associate
       ! Solids that flow remember the way: their increments are too large then.
       if (scene%newton%flows) return
-      call start_from_accepted(scene, v, before)
-      if (.not. any(abs(prescribed - before) > 0.0_wp)) return
+      call start_from_accepted(scene, iterate)
+      if (.not. any(abs(prescribed - iterate%before) > 0.0_wp)) return
       call add_line(scene%newton, '  by parts of the prescribed motion')
-      call solve_from(scene, model, f, v, before, prescribed, .false., way_of%parts, failed)
+      call solve_from(scene, model, f, iterate, prescribed, way_of%parts, failed)
       if (.not. allocated(failed)) deallocate (error)
    end subroutine try_by_parts
 
@@ -127,13 +129,12 @@ contains
       real(wp), intent(in) :: f(:), prescribed(:)
       type(error_type), allocatable, intent(inout) :: error
       type(error_type), allocatable :: failed
-      real(wp), allocatable :: v(:), before(:)
+      type(iterate_type) :: iterate
 
       if (error%code /= error_code%not_converged .or. .not. is_nonlinear(scene%newton)) return
-      call start_from_accepted(scene, v, before)
+      call start_from_accepted(scene, iterate)
       call add_line(scene%newton, '  slow motion from the accepted state')
-      call solve_from(scene, model, f, v, before, prescribed, .false., way_of%pseudo_transient, &
-         & failed)
+      call solve_from(scene, model, f, iterate, prescribed, way_of%pseudo_transient, failed)
       if (allocated(failed)) then
          if (failed%code /= error_code%not_converged) call move_alloc(failed, error)
          return
@@ -143,14 +144,13 @@ contains
       deallocate (error)
    end subroutine try_slowly
 
-   !> Newton and augmentations from (v, before).
-   subroutine solve_from(scene, model, f, v, before, prescribed, guessed, way, error)
+   !> Newton and augmentations.
+   subroutine solve_from(scene, model, f, iterate, prescribed, way, error)
       type(scene_type), intent(inout) :: scene
       type(model_type), intent(in) :: model
-      real(wp), intent(in) :: f(:)
-      real(wp), allocatable, intent(inout) :: v(:), before(:)
-      real(wp), intent(in) :: prescribed(:)
-      logical, intent(in) :: guessed           !! (v, before) is no accepted state
+      real(wp), intent(in) :: f(:)             !! (ndof) dead loads [force]
+      type(iterate_type), intent(inout) :: iterate
+      real(wp), intent(in) :: prescribed(:)    !! (nprescribed)
       integer, intent(in) :: way               !! way_of%...
       type(error_type), allocatable, intent(out) :: error
       integer :: loop, i
@@ -165,18 +165,18 @@ contains
       ! By the areas that the increment starts with.
       call set_rounding_floors(scene, model)
       call scene%clock%stop_in(phase%search)
-      if (way == way_of%parts) call solve_by_parts(scene, model, f, v, before, prescribed, error)
+      if (way == way_of%parts) call solve_by_parts(scene, model, f, iterate, prescribed, error)
       if (way == way_of%pseudo_transient) then
-         call pseudo_transient(scene, model, f, v, before, prescribed, error)
+         call pseudo_transient(scene, model, f, iterate, prescribed, error)
          scene%newton%damping%on = .false.
       end if
       if (allocated(error)) return
       last = huge(1.0_wp)
       do loop = 0, scene%newton%most_augmentations
-         call solve_newton(scene, model, f, v, before, prescribed, loop, guessed .and. loop == 0, &
-            & error)
+         call solve_newton(scene, model, f, iterate, prescribed, loop, error)
          if (allocated(error)) return
-         before = prescribed
+         iterate%before = prescribed
+         iterate%guessed = .false.
          call augment(scene%newton%contact, [(gap_rounding(scene, i), i=1, &
             & scene%newton%contact%n)], change, beyond)
          ! What contracts no more, and is rounding, has settled.
@@ -190,42 +190,42 @@ contains
          & 'E0502', 'the augmented Lagrangian has not settled in '// &
          & to_text(scene%newton%most_augmentations)//' augmentations', model%step(scene%step)%at, &
          & help='raise the penalty, or MAX AUGMENTATIONS on *CONTACT CONTROLS')
-      if (.not. allocated(error)) call limit_compliance(scene, model, f, v, prescribed, error)
+      if (.not. allocated(error)) call limit_compliance(scene, model, f, iterate, &
+         & prescribed, error)
    end subroutine solve_from
 
    !> Equilibria on the way to the prescribed values, and there.
-   subroutine solve_by_parts(scene, model, f, v, before, prescribed, error)
+   subroutine solve_by_parts(scene, model, f, iterate, prescribed, error)
       type(scene_type), intent(inout) :: scene
       type(model_type), intent(in) :: model
-      real(wp), intent(in) :: f(:)
-      real(wp), allocatable, intent(inout) :: v(:), before(:)
-      real(wp), intent(in) :: prescribed(:)
+      real(wp), intent(in) :: f(:)             !! (ndof) dead loads [force]
+      type(iterate_type), intent(inout) :: iterate
+      real(wp), intent(in) :: prescribed(:)    !! (nprescribed)
       type(error_type), allocatable, intent(out) :: error
-      real(wp), allocatable :: start(:), goal(:), v_then(:), before_then(:), multiplier(:)
+      type(iterate_type) :: last
+      real(wp), allocatable :: start(:), goal(:), multiplier(:)
       real(wp) :: reached, part
 
-      allocate (start, source=before)
+      allocate (start, source=iterate%before)
       reached = 0.0_wp
       part = first_part
       do while (reached < 1.0_wp)
          goal = start + (reached + part)*(prescribed - start)
-         v_then = v
-         before_then = before
+         last = iterate
          multiplier = scene%trial%contact%multiplier
          scene%newton%contact%ahead = merge(part, 0.0_wp, .not. reached > 0.0_wp)
-         call solve_newton(scene, model, f, v, before, goal, 0, .false., error)
+         call solve_newton(scene, model, f, iterate, goal, 0, error)
          if (.not. allocated(error)) then
             reached = reached + part
-            before = goal
+            iterate%before = goal
             cycle
          end if
          part = 0.5_wp*part
          if (error%code /= error_code%not_converged .or. part < least_part) return
          deallocate (error)
-         v = v_then
-         before = before_then
+         iterate = last
          scene%trial%contact%multiplier = multiplier
-         call expand(scene%constraints, v, before, scene%trial%motion%u)
+         call expand(scene%constraints, iterate%v, iterate%before, scene%trial%motion%u)
       end do
       scene%newton%contact%ahead = 0.0_wp
    end subroutine solve_by_parts

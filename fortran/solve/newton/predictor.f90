@@ -15,7 +15,14 @@ module lopin_predictor
    private
    public :: predict, start_from_accepted, record_motion, extrapolated_motion, closed_pairs, &
       & opened_after_guess, has_free_motion
-   public :: resistance
+   public :: resistance, iterate_type
+
+   !> Where trial displacements stand.
+   type :: iterate_type
+      real(wp), allocatable :: v(:)            !! (neq) free displacements [length]
+      real(wp), allocatable :: before(:)       !! (nprescribed) values that go with them
+      logical :: guessed = .false.             !! no accepted state
+   end type iterate_type
 
    !> Prescribed motion that goes on as before, up to this share of itself.
    real(wp), parameter :: same_way = 0.5_wp
@@ -31,38 +38,35 @@ module lopin_predictor
 contains
 
    !> A guess, where solids flow and what is prescribed goes on; otherwise the accepted state.
-   subroutine predict(scene, prescribed, v, before, guessed)
+   subroutine predict(scene, prescribed, iterate)
       type(scene_type), intent(inout) :: scene
-      real(wp), intent(in) :: prescribed(:)
-      real(wp), allocatable, intent(out) :: v(:)        !! (neq)
-      real(wp), allocatable, intent(out) :: before(:)   !! (nprescribed) that go with it
-      logical, intent(out) :: guessed
+      real(wp), intent(in) :: prescribed(:)    !! (nprescribed)
+      type(iterate_type), intent(out) :: iterate
       real(wp), allocatable :: from(:)
       real(wp) :: left, way
 
-      call start_from_accepted(scene, v, before)
-      guessed = .false.
+      call start_from_accepted(scene, iterate)
       associate (motion => scene%accepted%motion)
          if (.not. scene%newton%flows .or. .not. motion%last_dt > 0.0_wp) return
          scene%trial%motion%u = motion%u + extrapolated_motion(motion, scene%newton%dt, &
             & motion%curved)
-         call move_alloc(before, from)
-         call free_and_prescribed(scene, v, before)
-         left = norm2(prescribed - before)
+         call move_alloc(iterate%before, from)
+         call free_and_prescribed(scene, iterate%v, iterate%before)
+         left = norm2(prescribed - iterate%before)
          way = norm2(prescribed - from)
-         if (left <= rounding*way) before = prescribed
-         guessed = left <= same_way*way
+         if (left <= rounding*way) iterate%before = prescribed
+         iterate%guessed = left <= same_way*way
       end associate
-      if (.not. guessed) call start_from_accepted(scene, v, before)
+      if (.not. iterate%guessed) call start_from_accepted(scene, iterate)
    end subroutine predict
 
    !> The accepted state, and what was prescribed then.
-   subroutine start_from_accepted(scene, v, before)
+   subroutine start_from_accepted(scene, iterate)
       type(scene_type), intent(inout) :: scene
-      real(wp), allocatable, intent(out) :: v(:), before(:)
+      type(iterate_type), intent(out) :: iterate
 
       scene%trial%motion%u = scene%accepted%motion%u
-      call free_and_prescribed(scene, v, before)
+      call free_and_prescribed(scene, iterate%v, iterate%before)
    end subroutine start_from_accepted
 
    !> Keep the motion of an increment, and which guess would have come nearer to it.

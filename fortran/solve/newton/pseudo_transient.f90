@@ -19,6 +19,7 @@ module lopin_pseudo_transient
    use lopin_residual, only : evaluation_type, evaluate
    use lopin_newton_step, only : find_step
    use lopin_line_search, only : search_type, take_step
+   use lopin_predictor, only : iterate_type
    use lopin_semismooth_newton, only : solve_newton
    use lopin_scene, only : scene_type
    implicit none
@@ -38,8 +39,7 @@ module lopin_pseudo_transient
    !> A motion on its way.
    type :: transient_type
       real(wp) :: time = first_time            !! pseudo-time of the next step
-      real(wp), allocatable :: v(:)            !! (neq) free displacements [length]
-      real(wp), allocatable :: reached(:)      !! (nprescribed) values that go with them
+      type(iterate_type) :: at
       real(wp), allocatable :: kept(:)         !! `v` to come back to
       real(wp), allocatable :: multiplier(:)   !! of the contact there
       type(evaluation_type) :: evaluation
@@ -80,14 +80,13 @@ contains
       end associate
    end subroutine set_metric
 
-   !> From the accepted state (v, before), where an increment has started, to an equilibrium at the
+   !> From the accepted state, where an increment has started, to an equilibrium at the
    !> prescribed values: implicit steps, with Newton tried whenever the residual has fallen.
-   subroutine pseudo_transient(scene, model, f, v, before, prescribed, error)
+   subroutine pseudo_transient(scene, model, f, iterate, prescribed, error)
       type(scene_type), intent(inout) :: scene
       type(model_type), intent(in) :: model
       real(wp), intent(in) :: f(:)             !! (ndof) dead loads [force]
-      real(wp), allocatable, intent(inout) :: v(:)    !! (neq)
-      real(wp), allocatable, intent(inout) :: before(:)   !! (nprescribed) that go with it
+      type(iterate_type), intent(inout) :: iterate
       real(wp), intent(in) :: prescribed(:)    !! (nprescribed)
       type(error_type), allocatable, intent(out) :: error
       type(transient_type) :: motion
@@ -97,8 +96,7 @@ contains
 
       call set_metric(scene, model, error)
       if (allocated(error)) return
-      motion%v = v
-      motion%reached = before
+      motion%at = iterate
       tried = huge(1.0_wp)
       systems = 0
       do while (systems < most_systems .and. motion%time > least_time)
@@ -111,7 +109,7 @@ contains
             motion%time = back*motion%time
             cycle
          end if
-         motion%reached = prescribed
+         motion%at%before = prescribed
          motion%time = motion%time*merge(fast, slow, motion%used <= few)
          call look_at_rest(motion, scene, model, f, systems, error)
          if (allocated(error)) return
@@ -120,8 +118,8 @@ contains
          call try_newton(motion, scene, model, f, prescribed, rests, error)
          if (allocated(error)) return
          if (.not. rests) cycle
-         v = motion%v
-         before = prescribed
+         iterate%v = motion%at%v
+         iterate%before = prescribed
          return
       end do
       call raise(error, error_code%not_converged, 'E0510', 'slow motion has come to no rest in '// &
@@ -138,7 +136,7 @@ contains
       type(error_type), allocatable, intent(out) :: error
 
       call keep_place(self, scene)
-      call solve_newton(scene, model, f, self%v, self%reached, prescribed, 0, .false., error)
+      call solve_newton(scene, model, f, self%at, prescribed, 0, error)
       rests = .not. allocated(error)
       if (rests) return
       if (error%code /= error_code%not_converged) return
@@ -150,7 +148,7 @@ contains
       type(transient_type), intent(inout) :: self
       type(scene_type), intent(in) :: scene
 
-      self%kept = self%v
+      self%kept = self%at%v
       self%multiplier = scene%trial%contact%multiplier
    end subroutine keep_place
 
@@ -158,9 +156,9 @@ contains
       type(transient_type), intent(inout) :: self
       type(scene_type), intent(inout) :: scene
 
-      self%v = self%kept
+      self%at%v = self%kept
       scene%trial%contact%multiplier = self%multiplier
-      call expand(scene%constraints, self%v, self%reached, scene%trial%motion%u)
+      call expand(scene%constraints, self%at%v, self%at%before, scene%trial%motion%u)
    end subroutine go_back
 
    !> r(x) + D (x - x0)/time = 0 from the present state x0, with exact contact.
@@ -178,7 +176,7 @@ contains
       scene%newton%damping%rate = 1.0_wp/self%time
       scene%newton%damping%from = scene%trial%motion%u
       allocate (remaining(scene%dofs%n), source=0.0_wp)
-      call expand(scene%constraints, 0.0_wp*self%v, prescribed - self%reached, remaining)
+      call expand(scene%constraints, 0.0_wp*self%at%v, prescribed - self%at%before, remaining)
       search%load = f
       search%prescribed = prescribed
       self%done = .false.
@@ -201,8 +199,8 @@ contains
          search%merit = maxval(merits)
          call find_step(scene, model, self%evaluation, remaining, search%step, error, &
             & flat=.false., by_old=.false.)
-         if (.not. allocated(error)) call take_step(scene, model, search, self%v, self%evaluation, &
-            & error)
+         if (.not. allocated(error)) call take_step(scene, model, search, self%at%v, &
+            & self%evaluation, error)
          if (allocated(error)) then
             if (error%code == error_code%not_converged) deallocate (error)
             return

@@ -8,15 +8,15 @@ module lopin_semismooth_newton
    use lopin_vectors, only : largest
    use lopin_text, only : to_text
    use lopin_model, only : model_type
-   use lopin_bodies, only : describe_motion
+   use lopin_body_words, only : describe_motion
    use lopin_constraints, only : expand
-   use lopin_newton_system, only : solve_step
+   use lopin_newton_refinement, only : refine
    use lopin_newton_workspace, only : add_line
    use lopin_residual, only : evaluation_type, evaluate
    use lopin_newton_convergence, only : converged, relative, reference_of, equilibrium, &
       & correction, floor_of_rounding
-   use lopin_predictor, only : start_from_accepted
-   use lopin_newton_step, only : some_body_falls, find_step, coarse
+   use lopin_predictor, only : iterate_type, start_from_accepted
+   use lopin_newton_step, only : some_body_falls, find_step
    use lopin_line_search, only : search_type, take_step, refuse_inverted
    use lopin_contraction, only : by_old_tangent, evaluate_without_tangent, note_step, gets_nowhere
    use lopin_check_mesh, only : folding_at
@@ -36,163 +36,223 @@ module lopin_semismooth_newton
    !> An increment this often the smallest one can still be cut.
    real(wp), parameter, public :: least_cuts = 4.0_wp
 
+   type :: iteration_type
+      type(evaluation_type) :: evaluation      !! where it stands
+      type(search_type) :: search              !! to there
+      integer :: loop = 0                      !! augmentations so far
+      logical :: guessed = .false.             !! it started from a guess
+      logical :: lagged = .false.              !! laws read what the last iteration found
+      integer :: number = 0
+      real(wp), allocatable :: remaining(:)    !! (ndof) still to be prescribed
+      real(wp) :: merits(memory) = 0.0_wp      !! of the last looks
+      real(wp) :: last = huge(1.0_wp)          !! size of the last step
+      integer :: seen(most_sets) = 0           !! sets of contact met
+      integer :: stale = 0                     !! of those, met again
+      integer, allocatable :: status(:)        !! (npoint) of contact before the last step
+      logical :: fresh = .false.               !! the set has changed, without friction
+   end type iteration_type
+
 contains
 
-   !> Newton from (v, before) to equilibrium at the prescribed values.
-   subroutine solve_newton(scene, model, f, v, before, prescribed, loop, guessed, error)
+   !> Newton to equilibrium at the prescribed values.
+   subroutine solve_newton(scene, model, f, iterate, prescribed, loop, error)
       type(scene_type), intent(inout) :: scene
       type(model_type), intent(in) :: model
-      real(wp), intent(in) :: f(:)
-      real(wp), allocatable, intent(inout) :: v(:), before(:)
-      real(wp), intent(in) :: prescribed(:)
+      real(wp), intent(in) :: f(:)             !! (ndof) dead loads [force]
+      type(iterate_type), intent(inout) :: iterate
+      real(wp), intent(in) :: prescribed(:)    !! (nprescribed)
       integer, intent(in) :: loop              !! augmentations so far
-      logical, intent(in) :: guessed           !! (v, before) is no accepted state
       type(error_type), allocatable, intent(out) :: error
-      type(evaluation_type) :: evaluation
-      type(search_type) :: search
-      real(wp), allocatable :: remaining(:)
-      real(wp) :: merits(memory), last, residual
-      integer, allocatable :: status(:)
-      integer :: iteration, stale, seen(most_sets), grounded
-      logical :: lagged, fresh, first, simplified, unchanged, falls
+      type(iteration_type) :: it
+      integer :: iteration
 
-      search%load = f
-      search%prescribed = prescribed
-      merits = 0.0_wp
+      it%search%load = f
+      it%search%prescribed = prescribed
+      it%loop = loop
+      it%lagged = reads_lagged(scene)
       scene%newton%cycled = .false.
-      lagged = reads_lagged(scene)
-      status = [integer ::]
-      last = huge(1.0_wp)
+      it%status = [integer ::]
       scene%newton%history = [real(wp) ::]
-      scene%newton%contact%noted = merge(scene%newton%contact%ahead, 0.0_wp, guessed)
+      it%guessed = iterate%guessed .and. loop == 0
+      scene%newton%contact%noted = merge(scene%newton%contact%ahead, 0.0_wp, it%guessed)
       if (scene%bodies%nq > 0 .and. loop == 0) scene%newton%contact%enforcement%clings = .true.
-      call evaluate(scene, model, f, .true., evaluation, error)
+      call evaluate(scene, model, f, .true., it%evaluation, error)
       scene%newton%contact%noted = 0.0_wp
+      if (.not. allocated(error)) call look_at_start(it, scene, model, iterate, error)
       if (allocated(error)) return
-      if (evaluation%inverted > 0 .and. guessed) then
-         call start_from_accepted(scene, v, before)
-         call evaluate(scene, model, f, .true., evaluation, error)
-         if (allocated(error)) return
-      end if
-      if (evaluation%inverted > 0) call refuse_inverted(scene, model, evaluation, error)
-      if (allocated(error)) return
-      allocate (remaining(scene%dofs%n), source=0.0_wp)
-      if (size(prescribed) > 0) call expand(scene%constraints, 0.0_wp*v, prescribed - before, &
-         & remaining)
-      if (loop == 0 .and. scene%newton%flows .and. any(abs(remaining) > 0.0_wp)) then
-         call open_leaving_pairs(scene, model, f, v, before, prescribed, remaining, evaluation, &
-            & error)
-         if (allocated(error)) return
-      end if
-      scene%newton%began = evaluation%force
-      scene%newton%reference = evaluation%force
-      scene%newton%correction = 0.0_wp
-      stale = 0
-      seen = 0
       do iteration = 1, most_sets
          if (scene%stops_at_once) then
             if (is_interrupted()) call raise(error, error_code%interrupted, 'E0605', &
                & 'interrupted within an increment; what was accepted before it stands')
             if (allocated(error)) return
          end if
+         it%number = iteration
          ! What the increment brings is about once it is applied; a trial far out moves it no more.
-         if (iteration == 2) scene%newton%reference = max(scene%newton%reference, evaluation%force)
-         scene%newton%history = [scene%newton%history, relative(evaluation, scene%newton%reference)]
-         unchanged = iteration == 1
-         if (iteration > 1) unchanged = hash_of(scene%newton%contact%status) &
-            & == seen(max(1, iteration - 1))
-         if (converged(scene, evaluation, remaining, iteration, loop, last, unchanged)) then
-            if (iteration > 1 .and. evaluation%merit > floor_of_rounding*reference_of(scene, &
-               & evaluation) .and. .not. scene%newton%flows) &
-               & call refine(scene, model, f, v, prescribed, evaluation, error)
-            scene%newton%reference = reference_of(scene, evaluation)
+         if (iteration == 2) scene%newton%reference = max(scene%newton%reference, &
+            & it%evaluation%force)
+         scene%newton%history = [scene%newton%history, relative(it%evaluation, &
+            & scene%newton%reference)]
+         if (has_settled(it, scene)) then
+            if (iteration > 1 .and. it%evaluation%merit > floor_of_rounding*reference_of(scene, &
+               & it%evaluation) .and. .not. scene%newton%flows) &
+               & call refine(scene, model, f, iterate%v, prescribed, it%evaluation, error)
+            scene%newton%reference = reference_of(scene, it%evaluation)
             scene%newton%has_solved = .true.
             return
          end if
          scene%newton%iterations = scene%newton%iterations + 1
-         ! A front of contact may open point by point: sets not met before are progress.
-         seen(iteration) = hash_of(scene%newton%contact%status)
-         if (any(seen(:iteration - 1) == seen(iteration))) stale = stale + 1
-         fresh = .false.
-         if (iteration > 1 .and. scene%newton%frictionless) fresh = seen(iteration) &
-            & /= seen(max(1, iteration - 1))
-         if (stale > merge(most_lagged, most_iterations, lagged)) exit
-         if (scene%newton%flows) then
-            ! What has nothing to go on from, as a sheet between flat tools or a body that springs
-            ! back, loses contact node by node in any increment: slow, but it gets on.
-            associate (step_data => model%step(scene%step))
-               if (scene%accepted%motion%last_dt > 0.0_wp) then
-                  if (iteration > most_of_flow) exit
-                  if (.not. step_data%direct &
-                     & .and. scene%newton%dt > least_cuts*step_data%smallest) then
-                     if (gets_nowhere(scene%newton%history(2:))) exit
-                  end if
-               else if (iteration > most_of_flow) then
-                  if (gets_nowhere(scene%newton%history(2:))) exit
-               end if
-            end associate
+         call note_set(it, scene)
+         if (is_vain(it, scene, model)) exit
+         call correct(it, scene, model, iterate, error)
+         if (allocated(error)) return
+      end do
+      scene%newton%cycled = it%stale >= cycle_of
+      if (scene%newton%grounded > 0 .and. scene%bodies%nq > 0) then
+         call raise_free_body(scene, model, error)
+      else
+         call raise_not_converged(scene, model, it%evaluation, it%status, error)
+      end if
+   end subroutine solve_newton
+
+   !> Where the iteration starts: not from a guess that folds; what is still to be prescribed.
+   subroutine look_at_start(it, scene, model, iterate, error)
+      type(iteration_type), intent(inout) :: it
+      type(scene_type), intent(inout) :: scene
+      type(model_type), intent(in) :: model
+      type(iterate_type), intent(inout) :: iterate
+      type(error_type), allocatable, intent(out) :: error
+
+      associate (prescribed => it%search%prescribed)
+         if (it%evaluation%inverted > 0 .and. it%guessed) then
+            call start_from_accepted(scene, iterate)
+            call evaluate(scene, model, it%search%load, .true., it%evaluation, error)
+            if (allocated(error)) return
          end if
-         merits(1 + mod(iteration, memory)) = evaluation%merit
-         first = any(abs(remaining) > 0.0_wp)
+         if (it%evaluation%inverted > 0) call refuse_inverted(scene, model, it%evaluation, error)
+         if (allocated(error)) return
+         allocate (it%remaining(scene%dofs%n), source=0.0_wp)
+         if (size(prescribed) > 0) call expand(scene%constraints, 0.0_wp*iterate%v, &
+            & prescribed - iterate%before, it%remaining)
+         if (it%loop == 0 .and. scene%newton%flows .and. any(abs(it%remaining) > 0.0_wp)) &
+            & call open_leaving_pairs(it, scene, model, iterate, error)
+      end associate
+      scene%newton%began = it%evaluation%force
+      scene%newton%reference = it%evaluation%force
+      scene%newton%correction = 0.0_wp
+   end subroutine look_at_start
+
+   logical function has_settled(it, scene)
+      type(iteration_type), intent(in) :: it
+      type(scene_type), intent(in) :: scene
+      logical :: unchanged
+
+      unchanged = it%number == 1 .or. hash_of(scene%newton%contact%status) &
+         & == it%seen(max(1, it%number - 1))
+      has_settled = converged(scene, it%evaluation, it%remaining, it%number, it%loop, it%last, &
+         & unchanged)
+   end function has_settled
+
+   !> The set of contact: a front may open point by point, and sets not met before are progress.
+   subroutine note_set(it, scene)
+      type(iteration_type), intent(inout) :: it
+      type(scene_type), intent(in) :: scene
+
+      associate (i => it%number, seen => it%seen)
+         seen(i) = hash_of(scene%newton%contact%status)
+         if (any(seen(:i - 1) == seen(i))) it%stale = it%stale + 1
+         it%fresh = .false.
+         if (i > 1 .and. scene%newton%frictionless) it%fresh = seen(i) /= seen(max(1, i - 1))
+      end associate
+   end subroutine note_set
+
+   !> More iterations promise nothing.
+   logical function is_vain(it, scene, model)
+      type(iteration_type), intent(in) :: it
+      type(scene_type), intent(in) :: scene
+      type(model_type), intent(in) :: model
+
+      is_vain = it%stale > merge(most_lagged, most_iterations, it%lagged)
+      if (is_vain .or. .not. scene%newton%flows) return
+      ! What has nothing to go on from, as a sheet between flat tools or a body that springs
+      ! back, loses contact node by node in any increment: slow, but it gets on.
+      associate (step => model%step(scene%step), history => scene%newton%history)
+         if (scene%accepted%motion%last_dt > 0.0_wp) then
+            is_vain = it%number > most_of_flow
+            if (is_vain .or. step%direct) return
+            if (scene%newton%dt > least_cuts*step%smallest) is_vain = gets_nowhere(history(2:))
+         else if (it%number > most_of_flow) then
+            is_vain = gets_nowhere(history(2:))
+         end if
+      end associate
+   end function is_vain
+
+   !> One step of Newton, and a look at where it leads.
+   subroutine correct(it, scene, model, iterate, error)
+      type(iteration_type), intent(inout) :: it
+      type(scene_type), intent(inout) :: scene
+      type(model_type), intent(in) :: model
+      type(iterate_type), intent(inout) :: iterate
+      type(error_type), allocatable, intent(out) :: error
+      real(wp) :: residual
+      integer :: grounded
+      logical :: first, falls, simplified
+
+      associate (search => it%search, evaluation => it%evaluation, finite => scene%newton)
+         it%merits(1 + mod(it%number, memory)) = evaluation%merit
+         first = any(abs(it%remaining) > 0.0_wp)
          residual = relative(evaluation, reference_of(scene, evaluation))
-         simplified = scene%newton%flows .and. .not. (first .or. lagged .or. iteration == 1)
-         if (simplified) simplified = by_old_tangent(scene%newton%contraction, residual, last, &
+         simplified = finite%flows .and. .not. (first .or. it%lagged .or. it%number == 1)
+         if (simplified) simplified = by_old_tangent(finite%contraction, residual, it%last, &
             & equilibrium, correction)
          if (.not. (evaluation%tangent .or. simplified)) &
-            & call evaluate(scene, model, f, .true., evaluation, error)
+            & call evaluate(scene, model, search%load, .true., evaluation, error)
          if (allocated(error)) return
          falls = some_body_falls(scene)
-         grounded = scene%newton%grounded
-         call find_step(scene, model, evaluation, remaining, search%step, error, flat=fresh, &
+         grounded = finite%grounded
+         call find_step(scene, model, evaluation, it%remaining, search%step, error, flat=it%fresh, &
             & by_old=simplified)
          if (allocated(error)) return
          ! The residual of a body that falls shrinks only once it has met something.
-         falls = falls .and. scene%newton%grounded > grounded
+         search%falls = falls .and. finite%grounded > grounded
          ! Where the increment leads before further contacts close.
-         if (iteration == 1 .and. loop == 0 .and. scene%newton%grounded == 0 &
-            & .and. .not. (guessed .and. .not. first)) &
-            & scene%newton%contact%noted = scene%newton%contact%ahead
+         if (it%number == 1 .and. it%loop == 0 .and. finite%grounded == 0 &
+            & .and. .not. (it%guessed .and. .not. first)) finite%contact%noted = &
+            & finite%contact%ahead
          search%first = first
-         search%falls = falls
-         search%merit = maxval(merits)
-         search%with_tangent = with_tangent(residual)
-         status = scene%newton%contact%status
-         call take_step(scene, model, search, v, evaluation, error)
-         scene%newton%contact%noted = 0.0_wp
-         if (allocated(error)) return
-         last = search%size
-         call note_step(scene%newton%contraction, residual, relative(evaluation, &
-            & reference_of(scene, evaluation)), .not. (first &
-            & .or. simplified .or. search%share < 1.0_wp) &
-            & .and. hash_of(scene%newton%contact%status) == seen(iteration))
-         if (lagged) then
-            call renew_lagged(scene, model)
-            call evaluate(scene, model, f, .true., evaluation, error)
-            if (allocated(error)) return
-         end if
-         call log_iteration(scene, evaluation, iteration, last, search%share, simplified)
-         call tell_of_iteration(scene, model)
-         remaining = 0.0_wp
-      end do
-      scene%newton%cycled = stale >= cycle_of
-      if (scene%newton%grounded > 0 .and. scene%bodies%nq > 0) then
-         call raise_free_body(scene, model, error)
-         return
-      end if
-      call raise_not_converged(scene, model, evaluation, status, error)
-
-   contains
-
-      !> What the look after the step is to form.
-      logical function with_tangent(residual)
-         real(wp), intent(in) :: residual      !! before it
-
-         with_tangent = .not. lagged
-         if (with_tangent .and. scene%newton%flows .and. .not. first) with_tangent = &
-            & .not. evaluate_without_tangent(scene%newton%contraction, residual, .not. simplified, &
+         search%merit = maxval(it%merits)
+         search%with_tangent = .not. it%lagged
+         if (search%with_tangent .and. finite%flows .and. .not. first) search%with_tangent = &
+            & .not. evaluate_without_tangent(finite%contraction, residual, .not. simplified, &
             & equilibrium)
-      end function with_tangent
-   end subroutine solve_newton
+         it%status = finite%contact%status
+         call take_step(scene, model, search, iterate%v, evaluation, error)
+         finite%contact%noted = 0.0_wp
+         if (allocated(error)) return
+         it%last = search%size
+         call note_step(finite%contraction, residual, relative(evaluation, reference_of(scene, &
+            & evaluation)), .not. (first .or. simplified .or. search%share < 1.0_wp) &
+            & .and. hash_of(finite%contact%status) == it%seen(it%number))
+      end associate
+      call end_iteration(it, scene, model, simplified, error)
+   end subroutine correct
+
+   !> What laws read of the last iteration, and the line of the log.
+   subroutine end_iteration(it, scene, model, simplified, error)
+      type(iteration_type), intent(inout) :: it
+      type(scene_type), intent(inout) :: scene
+      type(model_type), intent(in) :: model
+      logical, intent(in) :: simplified        !! the step was by the last tangent
+      type(error_type), allocatable, intent(out) :: error
+
+      if (it%lagged) then
+         call renew_lagged(scene, model)
+         call evaluate(scene, model, it%search%load, .true., it%evaluation, error)
+         if (allocated(error)) return
+      end if
+      call log_iteration(scene, it%evaluation, it%number, it%last, it%search%share, simplified)
+      call tell_of_iteration(scene, model)
+      it%remaining = 0.0_wp
+   end subroutine end_iteration
 
    !> Newton has not ended; where the mesh folds is said, for that is why.
    subroutine raise_not_converged(scene, model, evaluation, before, error)
@@ -215,13 +275,11 @@ contains
 
    !> A tool that leaves goes first, and the body springs back: contact that is about to open would
    !> drag a solid that flows along until it flows the other way.
-   subroutine open_leaving_pairs(scene, model, f, v, before, prescribed, remaining, evaluation, &
-      & error)
+   subroutine open_leaving_pairs(it, scene, model, iterate, error)
+      type(iteration_type), intent(inout) :: it    !! nothing jumps where the tools have gone
       type(scene_type), intent(inout) :: scene
       type(model_type), intent(in) :: model
-      real(wp), intent(in) :: f(:), v(:), before(:), prescribed(:)
-      real(wp), intent(inout) :: remaining(:)  !! (ndof) 0 where the tools have gone
-      type(evaluation_type), intent(inout) :: evaluation
+      type(iterate_type), intent(in) :: iterate
       type(error_type), allocatable, intent(out) :: error
       logical, allocatable :: closed(:)
       logical :: leaves(size(model%pair))
@@ -230,71 +288,25 @@ contains
       associate (c => scene%newton%contact)
          allocate (closed, source=c%status(:c%n) > 0)
          if (.not. (any(closed) .and. scene%newton%has_solved)) return
-         call expand(scene%constraints, v, prescribed, scene%trial%motion%u)
-         call evaluate(scene, model, f, .true., evaluation, error)
+         call expand(scene%constraints, iterate%v, it%search%prescribed, scene%trial%motion%u)
+         call evaluate(scene, model, it%search%load, .true., it%evaluation, error)
          if (allocated(error)) return
          leaves = .false.
          do i = 1, c%n
             if (closed(i) .and. c%status(i) <= 0) leaves(c%pair(i)) = .true.
          end do
-         if (evaluation%inverted == 0 .and. any(leaves)) then
+         if (it%evaluation%inverted == 0 .and. any(leaves)) then
             ! Whole pairs open, and nothing else closes.
             if (all(c%status(:c%n) <= 0 .or. closed .and. .not. leaves(c%pair(:c%n)))) then
-               remaining = 0.0_wp
+               it%remaining = 0.0_wp
                scene%newton%separated = .true.
                return
             end if
          end if
       end associate
-      call expand(scene%constraints, v, before, scene%trial%motion%u)
-      call evaluate(scene, model, f, .true., evaluation, error)
+      call expand(scene%constraints, iterate%v, iterate%before, scene%trial%motion%u)
+      call evaluate(scene, model, it%search%load, .true., it%evaluation, error)
    end subroutine open_leaving_pairs
-
-   !> One more correction by the factor at hand: converged answers become as good as rounding lets
-   !> them, for a few back-solves. Kept only if it is better.
-   subroutine refine(scene, model, f, v, prescribed, evaluation, error)
-      type(scene_type), intent(inout) :: scene
-      type(model_type), intent(in) :: model
-      real(wp), intent(in) :: f(:)
-      real(wp), intent(inout) :: v(:)
-      real(wp), intent(in) :: prescribed(:)
-      type(evaluation_type), intent(inout) :: evaluation
-      type(error_type), allocatable, intent(out) :: error
-      real(wp), allocatable :: right(:), step(:), from(:), traction(:)
-      integer, allocatable :: status(:)
-      real(wp) :: merit
-      integer :: bad
-
-      merit = evaluation%merit
-      allocate (from, source=v)
-      allocate (traction, source=scene%trial%contact%multiplier)
-      allocate (status, source=scene%newton%contact%status)
-      allocate (right(size(v) + size(traction)), step(size(v) + size(traction)))
-      right(:size(v)) = -evaluation%free
-      right(size(v) + 1:) = -scene%newton%contact%row
-      call solve_step(scene%newton%system, right, coarse, model%solver, step, scene%clock, &
-         & scene%counter, bad, error)
-      if (allocated(error) .or. bad > 0) then
-         if (allocated(error)) deallocate (error)
-         return
-      end if
-      call try_share(1.0_wp)
-      if (allocated(error)) return
-      if (evaluation%inverted == 0 .and. evaluation%merit < merit &
-         & .and. all(status == scene%newton%contact%status)) return
-      call try_share(0.0_wp)
-
-   contains
-
-      subroutine try_share(share)
-         real(wp), intent(in) :: share
-
-         v = from + share*step(:size(v))
-         call expand(scene%constraints, v, prescribed, scene%trial%motion%u)
-         scene%trial%contact%multiplier = traction + share*step(size(v) + 1:)
-         call evaluate(scene, model, f, .false., evaluation, error)
-      end subroutine try_share
-   end subroutine refine
 
    !> A body that only contact could hold, and contact does not.
    subroutine raise_free_body(scene, model, error)

@@ -7,38 +7,33 @@ module lopin_increment
    use lopin_text, only : to_text
    use lopin_clock, only : phase
    use lopin_model, only : model_type
-   use lopin_report, only : frame_type, lost_share, note_most
+   use lopin_report, only : frame_type, lost_share
    use lopin_recorder, only : recorder_holder_type, wants_type
    use lopin_follower_loading, only : set_followers
    use lopin_loading, only : loads_at, prescribed_at
    use lopin_friction, only : has_friction
    use lopin_plan, only : plan_type, path_of
-   use lopin_run_type, only : run_type, watch_type
+   use lopin_run_type, only : run_type
    use lopin_scene, only : scene_type
-   use lopin_solver_state, only : start_solver, leave_solver
+   use lopin_solver_state, only : start_solver
    use lopin_overconstrained, only : report_dependent, refuse_held_penetration
    use lopin_contact_candidates, only : some_penetrate, add_candidates, add_nearest_candidates, &
       & all_are_candidates
    use lopin_solve_path, only : prepare_path, widen_path, solve_linear
    use lopin_path_nonlinear, only : solve_nonlinear
    use lopin_torn_ties, only : refuse_torn_ties
-   use lopin_certificate, only : forces_type, find_forces, certify, give_verdict
-   use lopin_contact_history, only : leave_history
+   use lopin_certificate, only : forces_type, find_forces, certify
    use lopin_state, only : begin, accept, reject_state => reject
    use lopin_newton_workspace, only : iteration_header
    use lopin_held_points, only : refuse_held_points
-   use lopin_predictor, only : record_motion, closed_pairs
    use lopin_assemble_nonlinear, only : remember
    use lopin_heat_work, only : add_heat_work
    use lopin_vectors, only : largest
    use lopin_nonlinear_results, only : find_nonlinear_forces, certify_nonlinear, report_nonlinear
-   use lopin_contact_friction, only : slides_with_friction
    use lopin_frames, only : fill_frame
+   use lopin_leave_increment, only : add_work, check_solids, leave_trial
    use lopin_check_traction, only : check_traction
    use lopin_check_drift, only : measure_drift
-   use lopin_artificial_work, only : measure_artificial_work
-   use lopin_work_balance, only : balance_type, note_work, note_energy
-   use lopin_snap_through, only : record_snap_through
    use lopin_check_mesh, only : check_mesh, refuse_fold
    use lopin_after_step, only : record_increment
    use lopin_repeated_messages, only : warn_once
@@ -344,86 +339,14 @@ contains
       frame%augmentations = scene%answer%augmentations
    end subroutine close_condensed
 
-   !> Work of everything that moves the boundary, by the trapezoidal rule over the increment.
-   subroutine add_work(scene, forces, balance, frame)
-      type(scene_type), intent(inout) :: scene
-      type(forces_type), intent(in) :: forces
-      type(balance_type), intent(inout) :: balance
-      type(frame_type), intent(inout) :: frame
-      real(wp) :: moved(scene%dofs%n)
-
-      associate (before => scene%accepted%loads, after => scene%trial%loads)
-         moved = scene%trial%motion%u - scene%accepted%motion%u
-         after%force = forces%load
-         after%reaction = forces%residual
-         after%work = before%work + 0.5_wp*dot_product(after%force + before%force &
-            & + after%reaction + before%reaction, moved)
-         frame%energy%external = after%work
-         after%most = before%most
-         call note_most(frame%energy, after%most)
-         if (scene%newton%in_use) call note_work(balance, frame%increment, &
-            & frame%time_increment, moved, after%force - before%force + after%reaction &
-            & - before%reaction)
-      end associate
-   end subroutine add_work
-
-   !> Artificial work of the increment, and its share in the verdict.
-   subroutine check_solids(scene, model, watch, pressed, frame)
-      type(scene_type), intent(inout) :: scene
-      type(model_type), intent(in) :: model
-      type(watch_type), intent(inout) :: watch
-      real(wp), intent(in) :: pressed(:)       !! (ndof) contact forces [force]
-      type(frame_type), intent(inout) :: frame
-
-      call measure_artificial_work(watch%artificial, scene, model, pressed, frame%increment, &
-         & frame%energy)
-      if (scene%newton%in_use) call note_energy(watch%balance, scene, frame%energy)
-      if (scene%newton%jumped) call record_snap_through(watch%jumps, frame%increment, &
-         & watch%balance%of(3)%lost)
-      if (.not. frame%energy%artificial > 0.0_wp) return
-      frame%certificate%artificial = max(frame%certificate%artificial, &
-         & frame%energy%artificial/max(frame%energy%most, frame%energy%artificial))
-      ! It is the run's work that it must be small beside.
-      if (frame%last_of_step .and. frame%step == size(model%step)) &
-         & call give_verdict(frame%certificate)
-   end subroutine check_solids
-
-   !> What the increment leaves to the next: motion, tractions and histories of contact.
-   subroutine leave_trial(scene, frame)
-      type(scene_type), intent(inout) :: scene
-      type(frame_type), intent(in) :: frame
-      integer :: row
-
-      associate (accepted => scene%accepted, trial => scene%trial, newton => scene%newton)
-         trial%clock%number = frame%increment
-         trial%clock%time = frame%step_time
-         trial%clock%at_end = frame%last_of_step
-         call leave_solver(scene)
-         if (newton%in_use) then
-            if (newton%flows) then
-               if (allocated(newton%contact%pair_active)) trial%contact%held = closed_pairs(newton)
-               call record_motion(trial%motion, trial%motion%u - accepted%motion%u, newton%dt, &
-                  & newton%separated)
-            end if
-            call leave_history(newton%contact, accepted%contact, trial%contact)
-            return
-         end if
-         do row = 1, scene%rows%nnormal
-            if (scene%answer%active(row)) trial%friction%closed(scene%rows%point(row)) = .true.
-         end do
-      end associate
-   end subroutine leave_trial
-
    subroutine warn_of(scene, model, frame)
       type(scene_type), intent(inout) :: scene
       type(model_type), intent(in) :: model
       type(frame_type), intent(in) :: frame
 
       if (frame%certificate%verdict == 1) call warn_once(scene%log, 'W0504', &
-         & 'certificate of step '// &
-         & to_text(frame%step)//', increment '//to_text(frame%increment)//': '// &
-         & frame%certificate%reason, &
-         & model%step(scene%step)%at)
+         & 'certificate of step '//to_text(frame%step)//', increment '// &
+         & to_text(frame%increment)//': '//frame%certificate%reason, model%step(scene%step)%at)
    end subroutine warn_of
 
    subroutine record(scene, model, reaction, recorders, frame, error)

@@ -16,7 +16,7 @@ module lopin_run_analysis
    use lopin_run_type, only : run_type
    use lopin_state, only : clock_state_type, begin_step_of
    use lopin_scene, only : scene_type, set_supports
-   use lopin_bodies, only : describe_motion
+   use lopin_body_words, only : describe_motion
    use lopin_nonlinear_start, only : start_step
    use lopin_released_forces, only : supports_type, record_supports, release_pairs, &
       & add_released_forces, releases_support

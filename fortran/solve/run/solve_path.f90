@@ -91,14 +91,13 @@ contains
       end if
       summary%candidates = scene%rows%n
       associate (met => scene%points%facet(:scene%points%n) > 0)
-         summary%plan = plan_line(plan, summary%solver, reason, summary%equations, &
-            & summary%retained, scene%rows%n, scene%bodies%nq, &
+         summary%plan = plan_line(plan, summary, reason, scene%bodies%nq, &
             & count(met .and. scene%accepted%solver%candidate), count(met), joined)
       end associate
    end subroutine describe
 
-   !> Solve on a linear path; where a tool that forces move is curved, again for the place it has moved to, until it
-   !> rests.
+   !> Solve on a linear path; where a tool that forces move is curved, again for the place it has
+   !> moved to, until it rests.
    subroutine solve_linear(scene, model, plan, f, prescribed, error)
       type(scene_type), intent(inout) :: scene
       type(model_type), intent(in) :: model

@@ -23,38 +23,21 @@ contains
       type(local_matrix_type), intent(in) :: local
       type(constraints_type), intent(in) :: constraints
       logical, intent(in) :: flat
-      integer :: i, c, n, m, dof
+      integer :: i, n, m
       integer, allocatable :: at(:), from(:)
       real(wp), allocatable :: t(:, :), k(:, :)
       logical :: picks
 
-      m = 0
-      do i = 1, size(local%dof)
-         m = m + 1
-         if (local%dof(i) <= constraints%ndof) m = m - 1 + constraints%first(local%dof(i) + 1) &
-            & - constraints%first(local%dof(i))
-      end do
+      m = terms_of(local, constraints)
       allocate (at(m), from(m), t(size(local%dof), m))
       t = 0.0_wp
       n = 0
       picks = .true.
-      do i = 1, local%nu
-         dof = local%dof(i)
-         do c = constraints%first(dof), constraints%first(dof + 1) - 1
-            call put(i, constraints%equation(c), constraints%coefficient(c))
-         end do
+      do i = 1, size(local%dof)
+         if (i == local%nu + 1) block%nu = n
+         call put_dof(i, local%dof(i))
       end do
-      block%nu = n
-      do i = local%nu + 1, size(local%dof)
-         dof = local%dof(i)
-         if (dof > constraints%ndof) then
-            call put(i, constraints%neq + dof - constraints%ndof, 1.0_wp)
-         else
-            do c = constraints%first(dof), constraints%first(dof + 1) - 1
-               call put(i, constraints%equation(c), constraints%coefficient(c))
-            end do
-         end if
-      end do
+      if (size(local%dof) == local%nu) block%nu = n
       block%at = at(:n)
       k = local%k
       if (flat) call flatten(k, local, count(local%dof > constraints%ndof))
@@ -68,6 +51,19 @@ contains
          & t(:local%nu, :block%nu)))
 
    contains
+
+      subroutine put_dof(row, dof)
+         integer, intent(in) :: row, dof
+         integer :: c
+
+         if (dof > constraints%ndof) then
+            call put(row, constraints%neq + dof - constraints%ndof, 1.0_wp)
+            return
+         end if
+         do c = constraints%first(dof), constraints%first(dof + 1) - 1
+            call put(row, constraints%equation(c), constraints%coefficient(c))
+         end do
+      end subroutine put_dof
 
       subroutine put(row, equation, coefficient)
          integer, intent(in) :: row, equation
@@ -86,6 +82,20 @@ contains
          t(row, j) = t(row, j) + coefficient
       end subroutine put
    end subroutine reduce_block
+
+   !> Terms of all degrees of freedom of a contact in the equations.
+   pure integer function terms_of(local, constraints) result(m)
+      type(local_matrix_type), intent(in) :: local
+      type(constraints_type), intent(in) :: constraints
+      integer :: i
+
+      m = 0
+      do i = 1, size(local%dof)
+         m = m + 1
+         if (local%dof(i) <= constraints%ndof) m = m - 1 + constraints%first(local%dof(i) + 1) &
+            & - constraints%first(local%dof(i))
+      end do
+   end function terms_of
 
    !> Forces by the springs alone, as if normals stood still.
    pure subroutine flatten(k, local, rows)

@@ -41,6 +41,7 @@ module lopin_newton_system
       real(wp), allocatable :: scale(:)        !! (n - neq) turns row residuals into forces
       real(wp), allocatable :: area(:)         !! (n - neq) turns multipliers into forces
       type(csc_type) :: matrix                 !! what is factorised: K + springs
+      character(len=:), allocatable :: wish    !! AUTO or a solver's word
       class(linear_solver_type), allocatable :: solver
       class(linear_solver_type), allocatable :: whole
       character(len=:), allocatable :: reason  !! why this solver
@@ -107,11 +108,10 @@ contains
    end subroutine add_ground_springs
 
    !> Solve the Newton step. `bad` > 0: the matrix is singular (equation).
-   subroutine solve_step(self, right, tolerance, wish, step, clock, counter, bad, error)
+   subroutine solve_step(self, right, tolerance, step, clock, counter, bad, error)
       type(newton_system_type), intent(inout) :: self
       real(wp), intent(in) :: right(:)           !! (n)
       real(wp), intent(in) :: tolerance          !! of GMRES, relative
-      character(len=*), intent(in) :: wish       !! AUTO or a solver's word
       real(wp), intent(out) :: step(:)           !! (n)
       type(clock_type), intent(inout) :: clock
       type(counter_type), intent(inout) :: counter
@@ -121,8 +121,8 @@ contains
 
       bad = 0
       call clock%stop_in(phase%contact)
-      if (.not. (self%factorised .or. self%direct)) call factorise_springs(self, wish, clock, &
-         & counter, bad, error)
+      if (.not. (self%factorised .or. self%direct)) call factorise_springs(self, clock, counter, &
+         & bad, error)
       if (allocated(error)) return
       if (bad == 0 .and. .not. self%direct) then
          call gmres(self, as_forces(self, right), tolerance, most_iterations, step, self%krylov, &
@@ -144,19 +144,53 @@ contains
       b(self%neq + 1:) = self%scale*right(self%neq + 1:)
    end function as_forces
 
-   subroutine factorise_springs(self, wish, clock, counter, bad, error)
+   subroutine factorise_springs(self, clock, counter, bad, error)
       type(newton_system_type), intent(inout) :: self
-      character(len=*), intent(in) :: wish
       type(clock_type), intent(inout) :: clock
       type(counter_type), intent(inout) :: counter
       integer, intent(out) :: bad
       type(error_type), allocatable, intent(out) :: error
       type(csc_type) :: springs, before
+      character(len=:), allocatable :: name
+      logical :: same
+
+      call add_up_springs(self, springs)
+      if (allocated(self%matrix%row)) before = self%matrix
+      call sum_of(self%k, springs, self%matrix)
+      same = allocated(self%solver) .and. allocated(before%row)
+      if (same) same = size(before%row) == size(self%matrix%row)
+      if (same) same = before%n == self%matrix%n
+      if (same) same = all(before%row == self%matrix%row) &
+         & .and. all(before%colptr == self%matrix%colptr) &
+         & .and. .not. self%solver%orders_by_values()
+      call clock%stop_in(phase%assemble)
+      if (.not. same) then
+         if (.not. allocated(self%solver)) then
+            name = lower(self%wish)
+            self%reason = 'as asked'
+            if (name == 'auto') call choose_solver(self%matrix, matrix_class%positive_definite, &
+               & [integer ::], name, self%reason)
+            call new_solver(self%solver, name, error)
+            if (allocated(error)) return
+         end if
+         call self%solver%analyse(self%matrix, matrix_class%positive_definite, [integer ::], error)
+         if (allocated(error)) return
+         call clock%stop_in(phase%analyse)
+      end if
+      call self%solver%factorise(self%matrix, bad, error)
+      if (allocated(error) .and. bad > 0) deallocate (error)
+      self%factorised = bad == 0 .and. .not. allocated(error)
+      counter%factorisations = counter%factorisations + 1
+      call clock%stop_in(phase%factorise)
+   end subroutine factorise_springs
+
+   !> The springs of all contacts.
+   subroutine add_up_springs(self, springs)
+      type(newton_system_type), intent(in) :: self
+      type(csc_type), intent(out) :: springs
       integer, allocatable :: row(:), column(:)
       real(wp), allocatable :: value(:)
-      character(len=:), allocatable :: name
       integer :: total, b, i, j
-      logical :: same
 
       total = 0
       do b = 1, size(self%block)
@@ -177,34 +211,7 @@ contains
          end associate
       end do
       call springs%new_from_triplets(self%neq, storage%symmetric_lower, row, column, value)
-      if (allocated(self%matrix%row)) before = self%matrix
-      call sum_of(self%k, springs, self%matrix)
-      same = allocated(self%solver) .and. allocated(before%row)
-      if (same) same = size(before%row) == size(self%matrix%row)
-      if (same) same = before%n == self%matrix%n
-      if (same) same = all(before%row == self%matrix%row) &
-         & .and. all(before%colptr == self%matrix%colptr) &
-         & .and. .not. self%solver%orders_by_values()
-      call clock%stop_in(phase%assemble)
-      if (.not. same) then
-         if (.not. allocated(self%solver)) then
-            name = lower(wish)
-            self%reason = 'as asked'
-            if (name == 'auto') call choose_solver(self%matrix, matrix_class%positive_definite, &
-               & [integer ::], name, self%reason)
-            call new_solver(self%solver, name, error)
-            if (allocated(error)) return
-         end if
-         call self%solver%analyse(self%matrix, matrix_class%positive_definite, [integer ::], error)
-         if (allocated(error)) return
-         call clock%stop_in(phase%analyse)
-      end if
-      call self%solver%factorise(self%matrix, bad, error)
-      if (allocated(error) .and. bad > 0) deallocate (error)
-      self%factorised = bad == 0 .and. .not. allocated(error)
-      counter%factorisations = counter%factorisations + 1
-      call clock%stop_in(phase%factorise)
-   end subroutine factorise_springs
+   end subroutine add_up_springs
 
    !> Exact product, all rows as forces.
    subroutine multiply(self, x, y)
@@ -262,59 +269,12 @@ contains
       type(counter_type), intent(inout) :: counter
       integer, intent(out) :: bad
       type(error_type), allocatable, intent(out) :: error
-      type(csc_type) :: contacts, solids, matrix, general
       real(wp), allocatable :: x(:, :)
-      integer, allocatable :: row(:), column(:), source(:)
-      real(wp), allocatable :: value(:)
-      integer :: total, b, i, j
 
       bad = 0
       if (.not. self%direct) then
-         total = 0
-         do b = 1, size(self%block)
-            total = total + size(self%block(b)%at)**2
-         end do
-         total = total + self%n - self%neq
-         allocate (row(total), column(total), value(total))
-         total = 0
-         do i = self%neq + 1, self%n
-            total = total + 1
-            row(total) = i
-            column(total) = i
-            value(total) = give*self%area(i - self%neq)
-         end do
-         do b = 1, size(self%block)
-            associate (block => self%block(b))
-               do j = 1, size(block%at)
-                  do i = 1, size(block%at)
-                     total = total + 1
-                     row(total) = block%at(i)
-                     column(total) = block%at(j)
-                     value(total) = block%k(i, j)
-                     if (row(total) > self%neq) value(total) = value(total) &
-                        & *self%scale(row(total) - self%neq)
-                  end do
-               end do
-            end associate
-         end do
-         call contacts%new_from_triplets(self%n, storage%general, row, column, value)
-         call self%k%to_general(general, source)
-         call widen(general, self%n, solids)
-         call sum_of(solids, contacts, matrix)
-         if (allocated(self%whole)) deallocate (self%whole)
-         call new_solver(self%whole, 'umfpack', error)
-         if (allocated(error)) return
-         call clock%stop_in(phase%assemble)
-         call self%whole%analyse(matrix, matrix_class%general, [integer ::], error)
-         if (allocated(error)) return
-         call clock%stop_in(phase%analyse)
-         call self%whole%factorise(matrix, bad, error)
-         counter%factorisations = counter%factorisations + 1
-         self%whole_factors = self%whole_factors + 1
-         call clock%stop_in(phase%factorise)
-         if (bad > 0 .and. allocated(error)) deallocate (error)
+         call factorise_whole(self, clock, counter, bad, error)
          if (bad > 0 .or. allocated(error)) return
-         self%direct = .true.
       end if
       allocate (x(self%n, 1))
       x(:, 1) = as_forces(self, right)
@@ -323,6 +283,73 @@ contains
       counter%back_solves = counter%back_solves + 1
       call clock%stop_in(phase%solve)
    end subroutine solve_whole
+
+   subroutine factorise_whole(self, clock, counter, bad, error)
+      type(newton_system_type), intent(inout) :: self
+      type(clock_type), intent(inout) :: clock
+      type(counter_type), intent(inout) :: counter
+      integer, intent(out) :: bad              !! a pivot that vanished; 0: none
+      type(error_type), allocatable, intent(out) :: error
+      type(csc_type) :: contacts, solids, matrix, general
+      integer, allocatable :: source(:)
+
+      bad = 0
+      call add_up_contacts(self, contacts)
+      call self%k%to_general(general, source)
+      call widen(general, self%n, solids)
+      call sum_of(solids, contacts, matrix)
+      if (allocated(self%whole)) deallocate (self%whole)
+      call new_solver(self%whole, 'umfpack', error)
+      if (allocated(error)) return
+      call clock%stop_in(phase%assemble)
+      call self%whole%analyse(matrix, matrix_class%general, [integer ::], error)
+      if (allocated(error)) return
+      call clock%stop_in(phase%analyse)
+      call self%whole%factorise(matrix, bad, error)
+      counter%factorisations = counter%factorisations + 1
+      self%whole_factors = self%whole_factors + 1
+      call clock%stop_in(phase%factorise)
+      if (bad > 0 .and. allocated(error)) deallocate (error)
+      self%direct = .not. (bad > 0 .or. allocated(error))
+   end subroutine factorise_whole
+
+   !> All contacts, and the little by which tractions give way.
+   subroutine add_up_contacts(self, contacts)
+      type(newton_system_type), intent(in) :: self
+      type(csc_type), intent(out) :: contacts
+      integer, allocatable :: row(:), column(:)
+      real(wp), allocatable :: value(:)
+      integer :: total, b, i, j
+
+      total = 0
+      do b = 1, size(self%block)
+         total = total + size(self%block(b)%at)**2
+      end do
+      total = total + self%n - self%neq
+      allocate (row(total), column(total), value(total))
+      total = 0
+      do i = self%neq + 1, self%n
+         total = total + 1
+         row(total) = i
+         column(total) = i
+         value(total) = give*self%area(i - self%neq)
+      end do
+      do b = 1, size(self%block)
+         associate (block => self%block(b))
+            do j = 1, size(block%at)
+               do i = 1, size(block%at)
+                  total = total + 1
+                  row(total) = block%at(i)
+                  column(total) = block%at(j)
+                  value(total) = block%k(i, j)
+                  if (row(total) > self%neq) value(total) = value(total) &
+                     & *self%scale(row(total) - self%neq)
+               end do
+            end do
+         end associate
+      end do
+      call contacts%new_from_triplets(self%n, storage%general, row, column, value)
+   end subroutine add_up_contacts
 
    !> The same matrix with empty rows and columns behind it.
    pure subroutine widen(a, n, wide)

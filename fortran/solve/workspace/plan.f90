@@ -6,6 +6,7 @@ module lopin_plan
    use lopin_model, only : model_type
    use lopin_flow_curve, only : flows
    use lopin_pair_friction, only : pair_slides_with_friction
+   use lopin_report, only : summary_type
    implicit none
    private
    public :: plan_type, new_plan, plan_line, nonlinear_line, path_of
@@ -116,11 +117,11 @@ contains
    end function why_nonlinear
 
    !> One line: what was chosen, and why.
-   function plan_line(self, solver, solver_reason, equations, retained, rows, nq, reached, points, &
-      & joined) result(line)
+   function plan_line(self, summary, reason, nq, reached, points, joined) result(line)
       type(plan_type), intent(in) :: self
-      character(len=*), intent(in) :: solver, solver_reason
-      integer, intent(in) :: equations, retained, rows, nq
+      type(summary_type), intent(in) :: summary   !! solver, equations, retained, candidates
+      character(len=*), intent(in) :: reason      !! of the solver
+      integer, intent(in) :: nq                   !! motions held only by contact
       integer, intent(in) :: reached, points   !! slave points within reach, and all of them
       integer, intent(in) :: joined            !! equations that came into reach after the factor
       character(len=:), allocatable :: line
@@ -129,9 +130,10 @@ contains
       if (self%path == path_of%condensed) line = line//'condensed'
       if (self%path == path_of%refactorised) line = line//'newton'
       if (self%path == path_of%nonlinear) line = line//'finite'
-      line = line//', solver '//solver//' ('//solver_reason//'): '//to_text(equations)//' equations'
-      if (rows > 0) line = line//', '//to_text(rows)//' contact rows on '//to_text(retained)// &
-         & ' of them'
+      line = line//', solver '//summary%solver//' ('//reason//'): '//to_text(summary%equations)// &
+         & ' equations'
+      if (summary%candidates > 0) line = line//', '//to_text(summary%candidates)// &
+         & ' contact rows on '//to_text(summary%retained)//' of them'
       if (joined > 0) line = line//' ('//to_text(joined)//' joined by a back-solve each)'
       if (reached < points) line = line//', '//to_text(reached)//' of '//to_text(points)// &
          & ' slave points within reach'
