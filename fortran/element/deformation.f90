@@ -5,7 +5,7 @@ module lopin_deformation
    use lopin_kinds, only : wp
    use lopin_element_type, only : element_type, element_kind
    use lopin_dilatation, only : dilatation_count, dilatation_functions, projection
-   use lopin_gradients, only : all_gradients
+   use lopin_gradients, only : all_gradients, correct_ring_means
    use lopin_solid_enhanced, only : enhanced_deformation
    use lopin_vectors, only : inverse_of
    use lopin_hyperelastic, only : solid_law_type, volume_change
@@ -42,13 +42,17 @@ contains
       end if
       call all_gradients(element, x, g, point%weight, bad)
       if (bad > 0) return
+      hoop = 0.0_wp
+      if (element%axisymmetric) then
+         call correct_ring_means(element, x, g, point%weight, hoop(:, 1))
+         hoop = spread(hoop(:, 1), 2, element%ngauss)
+      end if
       do bad = 1, element%ngauss
          k = bad
          if (element%ndim == 2) then
             call place_in_plane(element, k, x, u, thickness, g(:, :, k), hoop(:, k), point(k))
          else
             call place_in_space(element%nnode, u, g(:, :, k), point(k)%h)
-            hoop(:, k) = 0.0_wp
          end if
          if (element%nmode > 0) point(k)%h = enhanced(:, :, k)
          call trial_change(point(k)%h, memory(:, k), element%nstress, point(k)%change)
@@ -84,7 +88,7 @@ contains
       real(wp), intent(in), dimension(2, element%nnode) :: x, u
       real(wp), intent(in) :: thickness
       real(wp), intent(in) :: g(2, element%nnode)      !! in the reference shape [1/length]
-      real(wp), intent(out) :: hoop(element%nnode)     !! the same
+      real(wp), intent(inout) :: hoop(element%nnode)   !! the same; what it corrects when entered
       type(point_type), intent(inout) :: point         !! its weight is an area
       real(wp) :: h(2, 2), radius
       integer :: a
@@ -106,7 +110,7 @@ contains
       point%weight = point%weight*2.0_wp*pi*radius
       radius = 1.0_wp/radius
       do a = 1, element%nnode
-         hoop(a) = element%n(a, k)*radius
+         hoop(a) = hoop(a) + element%n(a, k)*radius
          point%h(3, 3) = point%h(3, 3) + u(1, a)*hoop(a)
       end do
    end subroutine place_in_plane

@@ -61,6 +61,7 @@ module lopin_element_type
       real(wp), allocatable :: extrapolation(:, :)  !! (nnode, ngauss) from Gauss points to nodes
       real(wp), allocatable :: whole_weight(:)      !! of a rule that has volumes and mean gradients
       real(wp), allocatable :: whole_dn(:, :, :)    !! of curved edges, if its own has not
+      real(wp), allocatable :: whole_n(:, :)        !! shape functions there
       real(wp), allocatable :: n0(:), dn0(:, :)     !! (nnode), (ndim, nnode) centre, if enhanced
    end type element_type
 
@@ -221,10 +222,10 @@ contains
 
    !> Solids of second order: det J grad N has degree 3 in tetrahedra, 4 in triangles and 5 along
    !> the axis in wedges, 5 in bricks; 2 in bricks of eight nodes, which have more than one point.
+   !> Rings: r det J grad N has 4 in triangles and 5 in quadrilaterals.
    subroutine set_whole_rule(self)
       type(element_type), intent(inout) :: self
       type(rule_type) :: rule
-      real(wp) :: n(self%nnode)
       integer :: k
 
       select case (self%cell%name)
@@ -238,13 +239,20 @@ contains
       case ('hexahedron')
          if (self%formulation /= element_formulation%centre) return
          call new_rule(rule, self%cell%family, 3)
+      case ('triangle6')
+         if (.not. self%axisymmetric) return
+         call new_rule(rule, self%cell%family, 4)
+      case ('quad8')
+         if (.not. (self%axisymmetric .and. self%formulation == element_formulation%reduced)) return
+         call new_rule(rule, self%cell%family, 5)
       case default
          return
       end select
       self%whole_weight = rule%weight
       allocate (self%whole_dn(self%ndim, self%nnode, rule%npoint))
+      allocate (self%whole_n(self%nnode, rule%npoint))
       do k = 1, rule%npoint
-         call shape_functions(self%cell, rule%xi(:, k), n, self%whole_dn(:, :, k))
+         call shape_functions(self%cell, rule%xi(:, k), self%whole_n(:, k), self%whole_dn(:, :, k))
       end do
    end subroutine set_whole_rule
 

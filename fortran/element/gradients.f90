@@ -10,14 +10,15 @@
 !>    grad N_a <- grad N_a + (mean by a whole rule) - (mean by the element's own),
 !>
 !> with the volumes of the points scaled to the whole volume. Linear fields keep their gradients:
-!> both means of x grad N are 1.
+!> both means of x grad N are 1. Rings have the mean over their volumes, of N / r too: those of CAX6
+!> and CAX8R (degrees 4 and 5) are not exact on curved edges.
 module lopin_gradients
    use lopin_kinds, only : wp
    use lopin_element_type, only : element_type
    use lopin_vectors, only : cross
    implicit none
    private
-   public :: gradients, all_gradients, correct_means
+   public :: gradients, all_gradients, correct_means, correct_ring_means, is_curved
 
    !> Nodes farther off the middles of their edges than this, in edges, bend them.
    real(wp), parameter :: straight = 1.0e-9_wp
@@ -100,7 +101,7 @@ contains
          volume(bad) = element%weight(bad)*determinant
       end do
       bad = 0
-      if (allocated(element%whole_weight)) call correct_means(element, x, g, volume)
+      if (element%ndim == 3) call correct_means(element, x, g, volume)
    end subroutine all_gradients
 
    !> The gradients and volumes of all Gauss points; without change where edges are straight and
@@ -133,10 +134,51 @@ contains
       end do
    end subroutine correct_means
 
+   !> The same of a ring, its areas scaled so that its volume is whole, and what functions per radius
+   !> have to be given.
+   pure subroutine correct_ring_means(element, x, g, area, hoop)
+      type(element_type), intent(in) :: element
+      real(wp), intent(in) :: x(2, element%nnode)      !! r, z [length]
+      real(wp), intent(inout) :: g(2, element%nnode, element%ngauss)   !! [1/length]
+      real(wp), intent(inout) :: area(element%ngauss)
+      real(wp), intent(out) :: hoop(element%nnode)     !! added to N / r [1/length]
+      real(wp) :: at_point(2, element%nnode), mean(2, element%nnode), whole, determinant, radius
+      integer :: k
+
+      hoop = 0.0_wp
+      if (.not. allocated(element%whole_weight)) return
+      if (.not. is_curved(element, x)) return
+      mean = 0.0_wp
+      whole = 0.0_wp
+      do k = 1, size(element%whole_weight)
+         call plane_gradients(element%nnode, x, element%whole_dn(:, :, k), at_point, determinant)
+         radius = dot_product(x(1, :), element%whole_n(:, k))
+         if (.not. determinant*radius > 0.0_wp) then
+            hoop = 0.0_wp
+            return
+         end if
+         associate (part => element%whole_weight(k)*determinant)
+            whole = whole + part*radius
+            mean = mean + part*radius*at_point
+            hoop = hoop + part*element%whole_n(:, k)
+         end associate
+      end do
+      area = area*(whole/dot_product(area, matmul(x(1, :), element%n)))
+      do k = 1, element%ngauss
+         mean = mean - area(k)*dot_product(x(1, :), element%n(:, k))*g(:, :, k)
+         hoop = hoop - area(k)*element%n(:, k)
+      end do
+      mean = mean/whole
+      hoop = hoop/whole
+      do k = 1, element%ngauss
+         g(:, :, k) = g(:, :, k) + mean
+      end do
+   end subroutine correct_ring_means
+
    pure logical function is_curved(element, x)
       type(element_type), intent(in) :: element
-      real(wp), intent(in) :: x(3, element%nnode)
-      real(wp) :: off(3), edge(3)
+      real(wp), intent(in) :: x(element%ndim, element%nnode)
+      real(wp) :: off(element%ndim), edge(element%ndim)
       integer :: k
 
       is_curved = .true.

@@ -8,7 +8,7 @@
 module lopin_solid_small
    use lopin_kinds, only : wp
    use lopin_element_type, only : element_type, element_kind
-   use lopin_gradients, only : gradients, correct_means
+   use lopin_gradients, only : gradients, correct_means, correct_ring_means, is_curved
    use lopin_dilatation, only : dilatation_count, dilatation_functions
    use lopin_enhanced_modes, only : modes_type, internal_modes, solve_small
    use lopin_hourglass, only : stiffen_hourglass
@@ -71,17 +71,39 @@ contains
          end if
       end do
       if (smallest <= 0.0_wp) return
-      if (allocated(element%whole_weight)) then
-         call correct_means(element, x, g, volume)
-         do k = 1, element%ngauss
-            call fill_solid(element%nnode, g(:, :, k), b(:, :, k))
-         end do
-      end if
+      if (allocated(element%whole_weight)) call correct_curved(element, x, g, volume, b)
       if (dilatation_count(element) > 0) call average_dilatation(element, x, volume, b)
       if (element%nmode == 0 .or. .not. present(d)) return
       call mode_strains(element, x, own)
       call follow_nodes(element, own, spread(d, 3, element%ngauss), volume, b)
    end subroutine strain_matrices
+
+   !> B where curved edges ask for other gradients, lopin_gradients.
+   pure subroutine correct_curved(element, x, g, volume, b)
+      type(element_type), intent(in) :: element
+      real(wp), intent(in) :: x(:, :)          !! (ndim, nnode) [length]
+      real(wp), intent(inout) :: g(element%ndim, element%nnode, element%ngauss), volume(:)
+      real(wp), intent(inout) :: b(element%ndof, element%nstress, element%ngauss)
+      real(wp) :: hoop(element%nnode), round(element%ngauss)
+      integer :: k
+
+      if (.not. is_curved(element, x)) return
+      if (element%ndim == 3) then
+         call correct_means(element, x, g, volume)
+         do k = 1, element%ngauss
+            call fill_solid(element%nnode, g(:, :, k), b(:, :, k))
+         end do
+         return
+      end if
+      round = 2.0_wp*pi*matmul(x(1, :element%nnode), element%n)
+      volume = volume/round
+      call correct_ring_means(element, x, g, volume, hoop)
+      do k = 1, element%ngauss
+         call fill_plane(element%nnode, g(:, :, k), b(:, :, k))
+         b(1::2, 3, k) = 2.0_wp*pi*element%n(:, k)/round(k) + hoop
+      end do
+      volume = volume*round
+   end subroutine correct_curved
 
    !> Strains of the internal modes at the Gauss points, laid out as B.
    pure subroutine mode_strains(element, x, own)

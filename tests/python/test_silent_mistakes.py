@@ -298,6 +298,10 @@ def test_an_elastic_solid_stretched_beyond_any_metal_is_said(tmp_path):
     assert not said(lopin("run", few, tmp_path, "-o", "out"), "W0516")
     run = lopin("run", many, tmp_path, "-o", "out", "--overwrite")
     assert said(run, "W0516"), run.stderr
+    back = "*AMPLITUDE, NAME=BACK\n0., 0., 0.5, 1., 1., 0.\n" + load.format(400000.)
+    back = text.replace(PARTS["steps"], back.replace("*DSLOAD", "*DSLOAD, AMPLITUDE=BACK"))
+    run = lopin("run", back, tmp_path, "-o", "out", "--overwrite")
+    assert said(run, "W0516"), run.stderr
 
 
 def test_a_warning_that_holds_again_is_said_once_and_counted(tmp_path):

@@ -212,12 +212,14 @@ def free_deck(word, path, bend) -> Deck:
     return Deck.parse("\n".join(lines.text) + "\n", name=f"free_{word.lower()}")
 
 
-def ring_deck(word, path) -> Deck:
+def ring_deck(word, path, bend=None) -> Deck:
     """Solid cylinders of an axisymmetric word: pressed down, pressed up, and set into a bore.
 
     In the bore, narrower by 0.01, the strain is -0.01/2 in all directions of the plane.
     """
     mesh = block_of(word, distorted=False)
+    if bend is not None:
+        mesh = mesh.mapped(bend)
     lines = Lines()
     lines.add("*HEADING", f"Cylinders of {word} on tools", *([f"*LOPIN, PATH={path}"] if path else []),
               "*MATERIAL, NAME=M", "*ELASTIC", f"{YOUNG!r}, 0.")

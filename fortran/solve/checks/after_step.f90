@@ -10,7 +10,7 @@ module lopin_after_step
    use lopin_scene, only : scene_type
    use lopin_present_gaps, only : gap_of
    use lopin_repeated_messages, only : warn_once
-   use lopin_check_stretch, only : check_stretch
+   use lopin_check_stretch, only : stretched_type, measure_stretch, check_stretch
    use lopin_narrow_tools, only : check_narrow_tools
    use lopin_narrow_masters, only : check_narrow_masters
    use lopin_small_displacements, only : excursion_type, measure_small_displacements, &
@@ -31,6 +31,7 @@ module lopin_after_step
       logical, allocatable :: closed(:)      !! (npair) at some increment
       real(wp), allocatable :: nearest(:)    !! (npair) smallest gap [length]
       type(excursion_type) :: strayed        !! beyond the theory of small displacements
+      type(stretched_type) :: stretched      !! under NLGEOM
       real(wp), allocatable :: turned(:)     !! (nbody) largest rotation in the step [rad]
    contains
       procedure :: keep => keep_seen
@@ -46,6 +47,7 @@ contains
       call stream%pass(self%closed)
       call stream%pass(self%nearest)
       call self%strayed%keep(stream)
+      call self%stretched%keep(stream)
       call stream%pass(self%turned)
    end subroutine keep_seen
 
@@ -58,6 +60,7 @@ contains
 
       call record_pairs(self, scene, model)
       call measure_small_displacements(self%strayed, scene, model)
+      if (scene%newton%nlgeom) call measure_stretch(self%stretched, scene, model)
       if (scene%newton%nlgeom) return
       if (.not. allocated(self%turned)) allocate (self%turned(size(model%rigid_body)), &
          & source=0.0_wp)
@@ -141,7 +144,7 @@ contains
          end do
       end if
       call check_small_displacements(seen%strayed, scene, model)
-      if (scene%newton%nlgeom) call check_stretch(scene, model)
+      if (scene%newton%nlgeom) call check_stretch(seen%stretched, scene, model)
       if (.not. scene%newton%nlgeom) call check_rigid_bodies(scene, model, seen%turned)
       call check_narrow_tools(scene, model)
       call check_narrow_masters(scene, model)
