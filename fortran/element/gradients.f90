@@ -134,8 +134,8 @@ contains
       end do
    end subroutine correct_means
 
-   !> The same of a ring, its areas scaled so that its volume is whole, and what functions per radius
-   !> have to be given.
+   !> The same of a ring, its areas scaled so that its volume is whole, and what functions per
+   !> radius have to be given.
    pure subroutine correct_ring_means(element, x, g, area, hoop)
       type(element_type), intent(in) :: element
       real(wp), intent(in) :: x(2, element%nnode)      !! r, z [length]
