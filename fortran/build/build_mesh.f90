@@ -127,7 +127,7 @@ contains
       type(scene_type), intent(in) :: scene
       integer, allocatable :: file(:), line(:)
       character(len=:), allocatable :: word
-      character(len=8) :: short
+      character(len=10) :: short
       type(location_type) :: at
       type(log_type) :: deaf
       integer :: k, m, e

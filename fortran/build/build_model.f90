@@ -28,6 +28,7 @@ module lopin_build_model
    use lopin_build_changes, only : build_changes
    use lopin_settle_flow, only : settle_flow
    use lopin_settle_friction, only : settle_friction
+   use lopin_settle_layers, only : settle_layers
    use lopin_check_rigid_pairs, only : check_rigid_pairs
    use lopin_node_areas, only : find_node_areas
    use lopin_check_loads, only : check_loads
@@ -90,6 +91,7 @@ contains
          call check_hanging(model, scene)
          call check_unused(model, deck)
          call check_options(model, deck)
+         call settle_layers(model)
       end if
       call raise_all(error, error_code%deck, model%log)
    end subroutine new_model

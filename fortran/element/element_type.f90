@@ -3,11 +3,13 @@
 !>
 !> A word is prefix (CPE, CPS, CAX, C3D), number of nodes and letters (R, H, I, M; S: one point and
 !> hourglass control). Variants that Lopin does not have are read as the nearest formulation, and
-!> `note` says so.
+!> `note` says so. A word with /1, /2, /3, /12 ... behind it, which no deck has, is that of a sheet
+!> in one layer: more points along these parametric directions. CSS8, the solid shell of Abaqus, is
+!> C3D8I/3.
 module lopin_element_type
    use lopin_kinds, only : wp
    use lopin_cells, only : cell_type, new_cell, new_sided_cell, new_cell_of, shape_functions
-   use lopin_quadrature, only : rule_type, new_rule
+   use lopin_quadrature, only : rule_type, new_rule, new_layered_rule
    implicit none
    private
    public :: element_type, element_kind, element_formulation, element_words, new_element_type
@@ -27,7 +29,7 @@ module lopin_element_type
    end type formulations
    type(formulations), parameter :: element_formulation = formulations()
 
-   character(len=*), parameter :: element_words(67) = [character(len=7) :: &
+   character(len=*), parameter :: element_words(68) = [character(len=7) :: &
       & 'CPE3', 'CPE3H', 'CPE4', 'CPE4R', 'CPE4H', 'CPE4I', 'CPE4RH', 'CPE4IH', 'CPE6', &
       & 'CPE6H', 'CPE6M', 'CPE6MH', 'CPE8', 'CPE8R', 'CPE8H', 'CPE8RH', 'CPS3', 'CPS4', &
       & 'CPS4R', 'CPS4I', 'CPS6', 'CPS6M', 'CPS8', 'CPS8R', 'CAX3', 'CAX3H', 'CAX4', 'CAX4R', &
@@ -35,7 +37,7 @@ module lopin_element_type
       & 'CAX8R', 'CAX8H', 'CAX8RH', 'C3D4', 'C3D4H', 'C3D6', 'C3D6H', 'C3D8', 'C3D8R', 'C3D8H', &
       & 'C3D8I', 'C3D8RH', 'C3D8IH', 'C3D10', 'C3D10H', 'C3D10M', 'C3D10MH', 'C3D10I', 'C3D15', &
       & 'C3D15H', 'C3D20', 'C3D20R', 'C3D20H', 'C3D20RH', 'R2D2', 'RAX2', 'R3D3', 'R3D4', &
-      & 'C3D6R', 'C3D8RS']
+      & 'C3D6R', 'C3D8RS', 'CSS8']
 
    !> Everything that is the same for all elements of a word.
    type :: element_type
@@ -48,6 +50,7 @@ module lopin_element_type
                                               !! where the material keeps its volume
       logical :: projectable = .false.        !! is `projected` where the material keeps its volume
       logical :: axisymmetric = .false.       !! also of the rigid RAX2
+      logical :: layered(3) = .false.         !! parametric directions with more points
       integer :: ndim = 0                     !! displacement components of a node, 2 or 3
       integer :: nnode = 0
       integer :: ndof = 0                     !! ndim*nnode; 0 if rigid
@@ -70,22 +73,34 @@ contains
    !> The element of a deck word.
    subroutine new_element_type(self, word, formulation, found)
       type(element_type), intent(out) :: self
-      character(len=*), intent(in) :: word          !! upper case, e.g. 'CAX4R'
+      character(len=*), intent(in) :: word          !! upper case, e.g. 'CAX4R', 'C3D8I/3'
       character(len=*), intent(in) :: formulation   !! '' or 'FULL': neither mean nor reduced
       logical, intent(out) :: found
-      integer :: last
+      character(len=:), allocatable :: own
+      integer :: last, d
 
       self%note = ''
-      found = any(element_words == word)
+      own = word
+      last = index(word, '/')
+      if (last > 0) then
+         own = word(:last - 1)
+         self%layered = [(index(word(last + 1:), achar(iachar('0') + d)) > 0, d=1, 3)]
+      end if
+      found = any(element_words == own)
       if (.not. found) return
-      self%word = word
-      if (word(1:1) == 'R') then
+      self%word = own
+      if (own(1:1) == 'R') then
          call set_rigid(self)
          return
       end if
-      last = scan(word, '0123456789', back=.true.)
-      call set_solid_cell(self, word(:3), word(4:last))
-      call set_formulation(self, word(last + 1:), formulation)
+      if (own == 'CSS8') then
+         own = 'C3D8I'
+         self%layered(3) = .true.
+         self%note = 'CSS8 is C3D8I with six points through the thickness, from face S1 to S2'
+      end if
+      last = scan(own, '0123456789', back=.true.)
+      call set_solid_cell(self, own(:3), own(4:last))
+      call set_formulation(self, own(last + 1:), formulation)
       call tabulate(self)
    end subroutine new_element_type
 
@@ -263,6 +278,7 @@ contains
       self%nmode = self%ndim**2
       if (self%axisymmetric) self%nmode = self%nmode + 1
       if (self%ndim == 3) self%nmode = self%nmode + 3
+      self%nmode = self%nmode + 2*count(self%layered)
       centre = 0.0_wp
       allocate (self%n0(self%nnode), self%dn0(self%ndim, self%nnode))
       call shape_functions(self%cell, centre, self%n0, self%dn0)
@@ -275,6 +291,12 @@ contains
       type(rule_type), intent(out) :: rule
       integer :: degree
 
+      if (any(self%layered)) then
+         degree = 3
+         if (self%cell%quadratic .and. self%formulation /= element_formulation%reduced) degree = 5
+         call new_layered_rule(rule, self%cell%family, degree, self%layered)
+         return
+      end if
       select case (self%cell%name)
       case ('triangle', 'tetra')
          degree = merge(2, 1, self%axisymmetric)

@@ -5,7 +5,9 @@
 !> xi_i, carried to the reference shape by the Jacobian of the centre (Simo and Rifai 1990; the
 !> transposed Wilson modes of Glaser and Armero 1997, which stay free of hourglassing in large
 !> compression). Bricks and axisymmetric quads also have the products of two parameters in the
-!> dilatation, so that they do not lock in volume. Every mode has a vanishing integral over the
+!> dilatation, so that they do not lock in volume. Layered elements have the square and the cube in
+!> the stretch of their thickness, so that the stress across all but vanishes at each of its points,
+!> as in a thick sheet that bends. Every mode has a vanishing integral over the
 !> reference volume, so the patch test passes; no amplitude depends on the frame or on units.
 module lopin_enhanced_modes
    use lopin_kinds, only : wp
@@ -15,7 +17,7 @@ module lopin_enhanced_modes
    private
    public :: modes_type, internal_modes, solve_small
 
-   integer, parameter, public :: most_modes = 12, most_nodes = 8, most_points = 8
+   integer, parameter, public :: most_modes = 16, most_nodes = 8, most_points = 72
 
    !> Modes at the Gauss points and gradients at the centre, in the reference shape.
    type :: modes_type
@@ -39,7 +41,7 @@ contains
       call invert(d, matmul(x(:, :m), transpose(element%dn0)), inverse, centre)
       smallest = centre
       if (.not. centre > 0.0_wp) return
-      self%e = 0.0_wp
+      self%e(:, :, :element%nmode, :element%ngauss) = 0.0_wp
       self%hoop = 0.0_wp
       self%g(:d, :m) = matmul(transpose(inverse(:d, :d)), element%dn0)
       if (element%axisymmetric) then
@@ -61,6 +63,7 @@ contains
       type(element_type), intent(in) :: element
       real(wp), intent(in) :: inverse(3, 3), scale, xi(:)
       real(wp), intent(inout) :: e(:, :, :)
+      real(wp), parameter :: third = 1.0_wp/3.0_wp
       integer :: i, j, p, q, m, d
 
       d = element%ndim
@@ -72,6 +75,16 @@ contains
                do p = 1, d
                   e(p, q, m) = scale*xi(i)*inverse(i, p)*inverse(j, q)
                end do
+            end do
+         end do
+      end do
+      do i = 1, d
+         if (.not. element%layered(i)) cycle
+         m = m + 2
+         do q = 1, d
+            do p = 1, d
+               e(p, q, m - 1) = scale*(xi(i)**2 - third)*inverse(i, p)*inverse(i, q)
+               e(p, q, m) = scale*xi(i)**3*inverse(i, p)*inverse(i, q)
             end do
          end do
       end do

@@ -139,8 +139,8 @@ contains
       call internal_modes(element, x, motion%modes, determinant)
       if (.not. determinant > 0.0_wp) return
       bad = 0
-      motion%h = 0.0_wp
-      motion%hoop = 0.0_wp
+      motion%h(:, :, :element%ngauss) = 0.0_wp
+      motion%hoop(:, :element%ngauss) = 0.0_wp
       do k = 1, element%ngauss
          call gradients(d, m, x, element%dn(:, :, k), motion%g(:d, :m, k), determinant)
          motion%weight(k) = element%weight(k)*determinant

@@ -145,6 +145,16 @@ contains
          & 'equilibria, and inertia or another mesh may choose another one.', &
          & 'a finer mesh where the sheet bends; what holds it there in the shop, as a pad; '// &
          & 'smaller increments.')
+      call add_explanation(list, 'N0518', 'work done while a body is let go of', &
+         & 'A release that is elastic and without friction ends in one shape, whichever way '// &
+         & 'the tools go: pairs removed, motion, loads taken off. Here the metal flows again or '// &
+         & 'rubs on its way out. That work, beside the elastic energy that comes free, tells '// &
+         & 'how far another way may end elsewhere.', &
+         & 'nothing; let go as the press does where the springback matters.')
+      call add_explanation(list, 'W0518', 'the springback depends on the way of the release', &
+         & 'As N0518, but more than a twentieth of the elastic energy that comes free is used '// &
+         & 'up by plastic flow and friction.', &
+         & 'withdraw the tools by their motion, in the order of the press.')
       call add_explanation(list, 'W0532', 'artificial work is not small', &
          & 'A body that nothing holds for a while has no equilibrium that tells where it goes: '// &
          & 'artificial supports and soft springs lead it until contact holds it. What loads do '// &

@@ -11,12 +11,12 @@ module lopin_element_points
    private
    public :: point_tables_type, new_point_tables, element_measures, nodal_average
 
-   integer, parameter :: max_points = 27
+   integer, parameter :: max_points = 108
 
    !> One column for each word of the model's list of element words.
    type :: point_tables_type
       type(element_type), allocatable :: element(:)
-      integer, allocatable :: order(:, :)   !! (27, nword) our point of the file's k-th
+      integer, allocatable :: order(:, :)   !! (108, nword) our point of the file's k-th
    end type point_tables_type
 
 contains

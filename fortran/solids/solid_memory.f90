@@ -11,7 +11,7 @@ module lopin_solid_memory
    public :: new_solid_memory, at_all_points
 
    !> More Gauss points than an element has.
-   integer, parameter :: most_points = 64
+   integer, parameter :: most_points = 108
 
 contains
 

@@ -1,7 +1,7 @@
 program test_quadrature
    use lopin_kinds, only : wp
    use lopin_cells, only : cell_family
-   use lopin_quadrature, only : rule_type, new_rule
+   use lopin_quadrature, only : rule_type, new_rule, new_layered_rule
    use check, only : test, close_to, is_true, finish
    implicit none
    character(len=*), parameter :: family_names(6) = [character(len=10) :: 'line', 'triangle', &
@@ -17,6 +17,7 @@ program test_quadrature
       end do
    end do
    call a_wedge_may_have_its_own_degree_along_the_axis()
+   call layers_integrate_a_jump_in_the_middle()
    call finish()
 
 contains
@@ -81,4 +82,28 @@ contains
       call is_true('nine', rule%npoint == 9)
       call close_to('t**4', sum(rule%weight*rule%xi(3, :)**4), 0.2_wp, 1.0e-14_wp)
    end subroutine a_wedge_may_have_its_own_degree_along_the_axis
+
+   !> Moments of a stress that jumps where the direction does: |x| and sign(x) x^2 y^2.
+   subroutine layers_integrate_a_jump_in_the_middle()
+      logical :: layered(3)
+      integer :: d, other
+
+      call test('layered rules integrate a jump in the middle')
+      do d = 1, 3
+         layered = .false.
+         layered(d) = .true.
+         other = 1 + mod(d, 3)
+         call new_layered_rule(rule, cell_family%hexahedron, 3, layered)
+         call is_true('24 points of positive weight', rule%npoint == 24 .and. &
+            & all(rule%weight > 0.0_wp))
+         call close_to('moment', sum(rule%weight*abs(rule%xi(d, :))), 4.0_wp, 1.0e-14_wp)
+         call close_to('product', sum(rule%weight*abs(rule%xi(d, :)**3)*rule%xi(other, :)**2), &
+            & 2.0_wp/3.0_wp, 1.0e-14_wp)
+      end do
+      layered = [.false., .true., .false.]
+      call new_layered_rule(rule, cell_family%quad, 5, layered)
+      call is_true('30 points in the plane', rule%npoint == 30)
+      call close_to('area', sum(rule%weight), 4.0_wp, 1.0e-14_wp)
+      call close_to('moment in the plane', sum(rule%weight*abs(rule%xi(2, :))), 2.0_wp, 1.0e-14_wp)
+   end subroutine layers_integrate_a_jump_in_the_middle
 end program test_quadrature

@@ -13,6 +13,7 @@ module lopin_nonlinear_results
    use lopin_methods, only : obeys_deck
    use lopin_certificate, only : forces_type, give_verdict, check_hourglass
    use lopin_residual, only : largest_force, largest_pressure, gap_rounding
+   use lopin_nonlinear_start, only : complementarity
    use lopin_rounding_floor, only : beyond
    use lopin_slave_areas, only : areas_now, pieces_now
    use lopin_nonlinear_contact, only : nonlinear_contact_type
@@ -102,8 +103,8 @@ contains
       if (excess > 0.0_wp) self%cone = excess/most
    end subroutine check_friction
 
-   !> Work of friction is not negative but for what the last corrections and rounding leave, beside
-   !> what slips, and beside the energies of the scene.
+   !> Work of friction is not negative but for what Newton's tolerance of slips, the last
+   !> corrections and rounding leave, beside what slips, and beside the energies of the scene.
    subroutine check_work(self, energy, scene)
       type(certificate_type), intent(inout) :: self
       type(energy_type), intent(in) :: energy
@@ -122,6 +123,7 @@ contains
             gained = gained + min(dissipated(c, i), 0.0_wp)*c%weight(i)
             scale = scale + bound*path_of(c, i)*c%weight(i)
             slack = slack + bound*c%weight(i)*(state%correction + state%noise)
+            if (c%c(i) > 0.0_wp) slack = slack + bound*complementarity*state%reference/c%c(i)
          end do
          if (c%n > 0) scale = max(scale, share_of_energy*max(abs(energy%external), &
             & energy%strain, energy%plastic), largest(state%floor)*maxval(c%size(:c%n)))
@@ -156,7 +158,7 @@ contains
                   & merge((abs(c%gap(i)) - gap_rounding(scene, i))*c%c(i)/p_ref, 0.0_wp, exact))
             else
                self%tension = max(self%tension, &
-                  & -(c%pressure(i) + scene%newton%noise*c%c(i))/p_ref)
+                  & -(c%pressure(i) + gap_rounding(scene, i)*c%c(i))/p_ref)
                if (exact) self%complementarity = max(self%complementarity, &
                   & (abs(min(c%pressure(i), c%c(i)*c%gap(i))) &
                   & - gap_rounding(scene, i)*c%c(i))/p_ref)

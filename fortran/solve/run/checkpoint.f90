@@ -112,6 +112,7 @@ contains
       call self%artificial%keep(stream)
       call self%balance%keep(stream)
       call self%jumps%keep(stream)
+      call self%springback%keep(stream)
       call self%checksum%keep(stream)
    end subroutine pass_watch
 

@@ -1,8 +1,13 @@
 !> What a step lets go of - pairs that it takes away, supports that it frees - acts on as a force
 !> and fades over the step: a body that flowed springs back along a path, not in one leap.
+!>
+!> A metal whose stress depends on its rate would flow on under such a force for as long as the step
+!> lasts, as under no real tool, which loses its force with the first micrometres: it is let go of
+!> at once.
 module lopin_released_forces
    use lopin_kinds, only : wp
    use lopin_error, only : error_type
+   use lopin_flow_curve, only : is_viscous
    use lopin_model, only : model_type
    use lopin_contact_evaluation, only : evaluate_contact
    use lopin_scene, only : scene_type
@@ -43,23 +48,29 @@ contains
    end function releases_support
 
    !> Forces of what holds no more, added to those that the step starts from.
-   subroutine add_released_forces(held, scene, before)
+   subroutine add_released_forces(held, scene, model, before)
       type(supports_type), intent(in) :: held
       type(scene_type), intent(inout) :: scene
+      type(model_type), intent(in) :: model
       real(wp), intent(inout) :: before(:)     !! (ndof) loads that the step starts from [force]
       integer :: i
+      logical :: at_once
 
       if (.not. (allocated(held%pair_active) .and. scene%newton%flows)) return
+      at_once = any([(is_viscous(model%material(i)%flow), i=1, size(model%material))])
       associate (loads => scene%accepted%loads, now => scene%constraints%dof_of_prescribed)
          do i = 1, size(held%prescribed)
             associate (dof => held%prescribed(i))
-               if (.not. any(now == dof)) before(dof) = before(dof) &
-                  & + scene%accepted%loads%reaction(dof)
+               if (any(now == dof)) cycle
+               if (.not. at_once) before(dof) = before(dof) + loads%reaction(dof)
+               if (at_once) loads%reaction(dof) = 0.0_wp
             end associate
          end do
          if (.not. allocated(loads%released)) return
-         before = before + loads%released
-         loads%force = loads%force + loads%released
+         if (.not. at_once) then
+            before = before + loads%released
+            loads%force = loads%force + loads%released
+         end if
          deallocate (loads%released)
       end associate
    end subroutine add_released_forces

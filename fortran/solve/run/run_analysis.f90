@@ -24,6 +24,7 @@ module lopin_run_analysis
    use lopin_artificial_work, only : check_artificial_work
    use lopin_work_balance, only : end_balance
    use lopin_snap_through, only : report_snap_through
+   use lopin_springback, only : report_springback
    use lopin_check_drift, only : check_drift
    use lopin_check_flow_curves, only : check_flow_curves
    use lopin_check_yield, only : check_yield
@@ -183,7 +184,8 @@ contains
          end if
          call start_loading(self%loading, scene, model)
          if (step > 1) self%watch%balance%springs_back = releases_support(held, scene)
-         if (step > 1) call add_released_forces(held, scene, self%loading%before)
+         if (step > 1) call add_released_forces(held, scene, model, &
+            & self%loading%before)
          scene%accepted%loads%before = self%loading%before
          scene%accepted%loads%from = self%loading%from
       end associate
@@ -304,6 +306,8 @@ contains
          call check_step(scene, model, watch%seen)
          if (scene%newton%in_use) call end_balance(watch%balance, scene, model, energy)
          call report_snap_through(watch%jumps, scene, model, energy)
+         if (scene%newton%in_use) call report_springback(watch%springback, scene, model, energy, &
+            & watch%balance%springs_back)
          if (scene%step == size(model%step)) then
             call check_drift(watch%drift, scene, model)
             call check_artificial_work(watch%artificial, scene, model, energy)

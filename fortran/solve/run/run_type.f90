@@ -10,6 +10,7 @@ module lopin_run_type
    use lopin_artificial_work, only : artificial_type
    use lopin_work_balance, only : balance_type
    use lopin_snap_through, only : snap_through_type
+   use lopin_springback, only : springback_type
    implicit none
    private
    public :: run_type, watch_type
@@ -21,6 +22,7 @@ module lopin_run_type
       type(artificial_type) :: artificial      !! work of what held floating bodies
       type(balance_type) :: balance            !! work that is lost
       type(snap_through_type) :: jumps         !! to other equilibria
+      type(springback_type) :: springback      !! work done in a release
       type(checksum_type) :: checksum          !! of the displacements of all nodes so far
    end type watch_type
 

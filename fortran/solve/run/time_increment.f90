@@ -28,6 +28,10 @@ module lopin_time_increment
    !> than the last, beside the period, unless the deck says otherwise.
    real(wp), parameter :: cut = 0.25_wp, growth = 1.5_wp, smallest = 1.0e-6_wp
    integer, parameter :: few_iterations = 8
+   !> Increments below this share of the period grow after more: hundreds of them cost more than an
+   !> attempt that fails.
+   real(wp), parameter :: short = 0.01_wp
+   integer, parameter :: some_iterations = 15
    !> Increments that were large once count for less, the longer ago that is.
    real(wp), parameter :: fading = 0.8_wp
    !> Plastic strain that increments grow up to.
@@ -173,7 +177,8 @@ contains
       turned = scene%turned
       ! The iterations of slow motion say nothing of the increment.
       if (.not. step%direct .and. (plan%path /= path_of%nonlinear .or. scene%newton%jumped &
-         & .or. frame%iterations <= few_iterations)) increment = growth*increment
+         & .or. frame%iterations <= merge(some_iterations, few_iterations, &
+         & increment < short*step%period))) increment = growth*increment
       if (.not. step%direct .and. flow > 0.0_wp) &
          & increment = min(increment, frame%time_increment*steady_flow/flow)
       if (.not. step%direct .and. turned > 0.0_wp) &

@@ -33,6 +33,8 @@ module lopin_newton_system
    !> Corrections of tractions give way so much, beside c, where the whole matrix is factorised: a
    !> traction that works on supports alone (shear on the axis) is then none, and not undetermined.
    real(wp), parameter :: give = 1.0e-11_wp
+   !> Entries of a row below which nothing can meet it.
+   real(wp), parameter :: counts = 1.0e-6_wp
 
    type, extends(operator_type) :: newton_system_type
       integer :: neq = 0, n = 0                !! equations; with multipliers
@@ -319,6 +321,7 @@ contains
       type(csc_type), intent(out) :: contacts
       integer, allocatable :: row(:), column(:)
       real(wp), allocatable :: value(:)
+      logical, allocatable :: acts(:)
       integer :: total, b, i, j
 
       total = 0
@@ -327,12 +330,14 @@ contains
       end do
       total = total + self%n - self%neq
       allocate (row(total), column(total), value(total))
+      acts = acting_rows(self)
       total = 0
       do i = self%neq + 1, self%n
          total = total + 1
          row(total) = i
          column(total) = i
-         value(total) = give*self%area(i - self%neq)
+         value(total) = self%area(i - self%neq)
+         if (acts(i - self%neq)) value(total) = give*value(total)
       end do
       do b = 1, size(self%block)
          associate (block => self%block(b))
@@ -350,6 +355,27 @@ contains
       end do
       call contacts%new_from_triplets(self%n, storage%general, row, column, value)
    end subroutine add_up_contacts
+
+   !> Rows that a free motion or a traction of their own can meet. That of a node which supports
+   !> hold on a tool that stands still is none: its pressure goes by its penetration, c of it.
+   pure function acting_rows(self) result(acts)
+      type(newton_system_type), intent(in) :: self
+      logical, allocatable :: acts(:)
+      real(wp) :: most(self%n - self%neq)
+      integer :: b, i, row
+
+      most = 0.0_wp
+      do b = 1, size(self%block)
+         associate (at => self%block(b)%at, k => self%block(b)%k, nu => self%block(b)%nu)
+            do i = nu + 1, size(at)
+               row = at(i) - self%neq
+               if (nu > 0) most(row) = max(most(row), maxval(abs(k(i, :nu))))
+               most(row) = max(most(row), maxval(abs(k(i, nu + 1:)))*self%scale(row)/self%area(row))
+            end do
+         end associate
+      end do
+      acts = most > counts
+   end function acting_rows
 
    !> The same matrix with empty rows and columns behind it.
    pure subroutine widen(a, n, wide)

@@ -63,8 +63,10 @@ from .punch import (
     punch_tractions,
 )
 from .sheet import (
+    BentFibres,
     BentSheet,
     air_bending_force,
+    bent_fibres,
     bent_sheet,
     considere_strength,
     ideal_cup_force,

@@ -1,0 +1,95 @@
+!> What a body does on its way out of the tools: where it flows or rubs there, its springback
+!> depends on the way.
+!>
+!> An elastic release without friction ends in one shape, whether pairs are removed, tools withdrawn
+!> or loads taken off. Beside the energy that comes free, the plastic work and the friction of the
+!> release tell how far other ways may end elsewhere.
+module lopin_springback
+   use lopin_kinds, only : wp
+   use lopin_text, only : to_text
+   use lopin_stream, only : stream_type
+   use lopin_vectors, only : largest
+   use lopin_model, only : model_type
+   use lopin_report, only : energy_type
+   use lopin_repeated_messages, only : warn_once, note_once
+   use lopin_scene, only : scene_type
+   implicit none
+   private
+   public :: springback_type, report_springback
+
+   !> Work done in a release, beside the energy that came free, that is told, and warned of.
+   real(wp), parameter :: some = 1.0e-3_wp, much = 0.05_wp
+   !> Contact forces that are gone, beside those of the step before.
+   real(wp), parameter :: gone = 1.0e-3_wp
+
+   !> How the last step ended.
+   type :: springback_type
+      real(wp) :: strain = 0.0_wp              !! elastic energy [energy]
+      real(wp) :: plastic = 0.0_wp, friction = 0.0_wp   !! work so far [energy]
+      real(wp) :: pressed = 0.0_wp             !! largest contact force [force]
+   contains
+      procedure :: keep
+   end type springback_type
+
+contains
+
+   !> To a stream or back.
+   subroutine keep(self, stream)
+      class(springback_type), intent(inout) :: self
+      type(stream_type), intent(inout) :: stream
+
+      call stream%pass(self%strain)
+      call stream%pass(self%plastic)
+      call stream%pass(self%friction)
+      call stream%pass(self%pressed)
+   end subroutine keep
+
+   !> A step of the nonlinear path ends: say what it did if it was a release.
+   subroutine report_springback(self, scene, model, energy, releases)
+      type(springback_type), intent(inout) :: self
+      type(scene_type), intent(inout) :: scene
+      type(model_type), intent(in) :: model
+      type(energy_type), intent(in) :: energy
+      logical, intent(in) :: releases           !! the step took away pairs or supports
+      real(wp) :: pressed, released
+
+      if (.not. scene%newton%flows) return
+      pressed = largest(scene%newton%contact%force)
+      released = self%strain - energy%strain
+      if (pressed <= gone*self%pressed .and. self%pressed > 0.0_wp .and. released > 0.0_wp &
+         & .or. releases .and. released > 0.5_wp*self%strain) &
+         & call report_way(scene, model, self%strain, released, energy%plastic - self%plastic, &
+         & energy%friction - self%friction)
+      self = springback_type(energy%strain, energy%plastic, energy%friction, pressed)
+   end subroutine report_springback
+
+   !> The work of a release, if there is any.
+   subroutine report_way(scene, model, stored, released, flowed, rubbed)
+      type(scene_type), intent(inout) :: scene
+      type(model_type), intent(in) :: model
+      real(wp), intent(in) :: stored, released, flowed, rubbed   !! [energy]
+      character(len=:), allocatable :: text
+      real(wp) :: share
+
+      share = (flowed + rubbed)/released
+      if (.not. share > some) return
+      text = 'step '//to_text(scene%step)//' is a release: of the elastic energy of '// &
+         & to_text(stored, 4)//', '//to_text(released, 4)//' comes free, and '
+      if (flowed > some*released) text = text//'the metal flows again (plastic work '// &
+         & to_text(flowed, 3)//')'
+      if (flowed > some*released .and. rubbed > some*released) text = text//' and '
+      if (rubbed > some*released) text = text//'rubs on the tools (work of friction '// &
+         & to_text(rubbed, 3)//')'
+      if (max(flowed, rubbed) <= some*released) text = text//'a little is used up on the way'
+      text = text//': the springback depends on the way, by about '// &
+         & to_text(100.0_wp*min(share, 1.0_wp), 2)//' % of it'
+      associate (at => model%step(scene%step)%at)
+         if (share > much) then
+            call warn_once(scene%log, 'W0518', text, at, help='let go as the press does: '// &
+               & 'withdraw the tools by their motion, in their order')
+         else
+            call note_once(scene%log, 'N0518', text, at)
+         end if
+      end associate
+   end subroutine report_way
+end module lopin_springback

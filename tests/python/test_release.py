@@ -1,0 +1,83 @@
+"""Tools that let go: pairs removed, tools withdrawn, loads taken off. An elastic release without
+friction ends in one shape; work that is done on the way is said."""
+import numpy as np
+import pytest
+
+import lopin
+
+HELD = ["LEFT, 1", "BOTTOM, 2", "9001, 1", "9001, 6"]
+STEEL = ["*PLASTIC", "300., 0.", "800., 1."]
+HOT = ["*VISCOPLASTIC, LAW=NORTON-HOFF", "50., 0.15"]
+WAYS = {
+    "removed": ["*MODEL CHANGE, TYPE=CONTACT PAIR, REMOVE", "TOP, PLATE"],
+    "withdrawn": ["*BOUNDARY", "9001, 2, 2, -0.5"],
+    "unloaded": ["*BOUNDARY, OP=NEW", *HELD],
+}
+
+
+def billet(flow, way, friction="", stroke=2.0, period=1.0):
+    """A billet of radius and half height 5 pressed by a plate, which lets go."""
+    n = 5
+    lines = ["*NODE, NSET=ALL"]
+    lines += [f"{1 + i*n + j}, {5.0*i/4}, {5.0*j/4}" for i in range(n) for j in range(n)]
+    lines.append("*ELEMENT, TYPE=CAX4, ELSET=BILLET")
+    lines += [f"{1 + 4*i + j}, {1 + i*n + j}, {1 + (i + 1)*n + j}, {2 + (i + 1)*n + j}, "
+              f"{2 + i*n + j}" for i in range(4) for j in range(4)]
+    return "\n".join([
+        *lines, "*NSET, NSET=LEFT", *(str(1 + j) for j in range(n)), "*NSET, NSET=BOTTOM",
+        *(str(1 + i*n) for i in range(n)), "*SURFACE, NAME=TOP", *(f"{4 + 4*i}, S3"
+                                                                  for i in range(4)),
+        "*MATERIAL, NAME=METAL", "*ELASTIC", "200000., 0.3", *flow,
+        "*SOLID SECTION, ELSET=BILLET, MATERIAL=METAL", "*NODE", "9001, 0., 5.",
+        "*SURFACE, NAME=PLATE, TYPE=SEGMENTS", "START, 20., 5.", "LINE, -1., 5.",
+        "*RIGID BODY, ANALYTICAL SURFACE=PLATE, REF NODE=9001", "*SURFACE INTERACTION, NAME=DRY",
+        "*SURFACE BEHAVIOR, DIRECT", *friction, "*CONTACT PAIR, INTERACTION=DRY", "TOP, PLATE",
+        "*BOUNDARY", *HELD, "*STEP, NLGEOM, INC=500", "*STATIC", f"{0.02*period}, {period}",
+        "*BOUNDARY", f"9001, 2, 2, {-stroke}", "*NODE FILE", "U", "*END STEP",
+        "*STEP, NLGEOM, INC=500", "*STATIC", "0.1, 1.", *WAYS[way], "*NODE FILE", "U",
+        "*END STEP", ""])
+
+
+def released(solve, deck):
+    """Displacements of the nodes as formed and at the end, plastic work at both, codes."""
+    result = solve(lopin.Deck.parse(deck, "billet"))
+    work = result.history["energy.plastic"]
+    before = np.flatnonzero(result.history["step"] == 1)[-1]
+    at = int(np.argmin(abs(np.asarray(result.times) - result.history["time"][before])))
+    ends = [result.to_meshio(k).point_data["U"][:25, :2] for k in (at, len(result.times) - 1)]
+    return *ends, work[before], work[-1], [d["code"] for d in result.diagnostics]
+
+
+@pytest.mark.parametrize("friction", [(), ("*FRICTION", "0.1,")])
+def test_three_ways_end_in_one_shape(solve, friction):
+    """To 0.1 % of what springs back; nothing flows, so that nothing is said."""
+    shapes = {}
+    for way in WAYS:
+        formed, shape, before, after, codes = released(solve, billet(STEEL, way, friction))
+        assert after == pytest.approx(before, rel=1e-9)
+        assert "W0518" not in codes and ("N0518" not in codes or friction and way == "unloaded")
+        shapes[way] = shape
+    back = abs(shapes["removed"] - formed).max()
+    for shape in shapes.values():
+        assert abs(shape - shapes["removed"]).max() < 1e-3*back
+
+
+@pytest.mark.parametrize("way", ["removed", "unloaded"])
+def test_hot_metal_does_not_flow_on_under_a_tool_that_lets_go(solve, way):
+    """Under a force that fades over the step a billet pressed in 0.05 s flowed twice as far."""
+    shapes = []
+    for each in (way, "withdrawn"):
+        formed, shape, before, after, _ = released(solve, billet(HOT, each, period=0.05))
+        assert after < 1.002*before
+        shapes.append(shape - formed)
+    assert abs(shapes[0] - shapes[1]).max() < 0.02
+
+
+def test_work_of_a_release_is_said(solve):
+    """A load that is taken off slowly presses the hot billet on."""
+    deck = billet(HOT, "unloaded", period=0.05).replace(
+        "*BOUNDARY\n9001, 2, 2, -2.0", "*CLOAD\n9001, 2, -20000.").replace(
+        "*BOUNDARY, OP=NEW\n" + "\n".join(HELD), "*CLOAD\n9001, 2, 0.")
+    _, _, before, after, codes = released(solve, deck)
+    assert after > 1.01*before
+    assert "W0518" in codes
