@@ -53,8 +53,10 @@ contains
       call measure_artificial_work(watch%artificial, scene, model, pressed, frame%increment, &
          & frame%energy)
       if (scene%newton%in_use) call note_energy(watch%balance, scene, frame%energy)
+      ! What is let go of gives its energy to nothing: that is no jump.
       if (scene%newton%jumped) call record_snap_through(watch%jumps, frame%increment, &
-         & watch%balance%of(3)%lost)
+         & merge(0.0_wp, watch%balance%of(3)%lost, watch%balance%springs_back &
+         & .and. frame%increment == 1))
       if (.not. frame%energy%artificial > 0.0_wp) return
       frame%certificate%artificial = max(frame%certificate%artificial, &
          & frame%energy%artificial/max(frame%energy%most, frame%energy%artificial))
