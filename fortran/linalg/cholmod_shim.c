@@ -122,6 +122,12 @@ int lopin_cholmod_analyse(void *v, int n, int *p, int *i, int *perm, long long *
     return status_of(h);
 }
 
+/* The order and the supernodes, for factors of another precision (single_shim.c). */
+const cholmod_factor *lopin_cholmod_symbolic(void *v)
+{
+    return v ? ((handle_type *)v)->L : NULL;
+}
+
 /* Smallest pivot over its own diagonal entry: *ratio, and its column of L: *where. */
 static void weakest_pivot(const cholmod_factor *L, const int *p, const int *i, const double *a,
                           double *ratio, int *where)

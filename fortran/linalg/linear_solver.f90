@@ -1,5 +1,6 @@
-!> What every direct solver can do: analyse a pattern once, factorise values, solve, and give
-!> the exact condensation onto the equations that were ordered last.
+!> What every linear solver can do: analyse a pattern once, factorise values, solve, and give
+!> the exact condensation onto the equations that were ordered last. One that is not exact leaves
+!> a part of the answer to iterations (lopin_gmres) of which it is the preconditioner.
 !>
 !> To add one: a file `solver_<name>.f90` that extends this type, and a `case` in the factory.
 module lopin_linear_solver
@@ -33,6 +34,8 @@ module lopin_linear_solver
       procedure(accepts_if), deferred :: accepts
       procedure :: can_condense
       procedure :: orders_by_values
+      procedure :: is_exact
+      procedure :: factorise_exactly
       procedure(analyse_if), deferred :: analyse
       procedure(factorise_if), deferred :: factorise
       procedure(solve_if), deferred :: solve
@@ -121,6 +124,23 @@ contains
          orders_by_values = .false.
       end associate
    end function orders_by_values
+
+   !> The factor at hand solves to rounding; where not, it is good for a preconditioner.
+   pure logical function is_exact(self)
+      class(linear_solver_type), intent(in) :: self
+      associate (unused => self)
+         is_exact = .true.
+      end associate
+   end function is_exact
+
+   !> `factorise`, but exact this time, whatever the solver would choose.
+   subroutine factorise_exactly(self, a, bad, error)
+      class(linear_solver_type), intent(inout) :: self
+      type(csc_type), intent(in) :: a
+      integer, intent(out) :: bad
+      type(error_type), allocatable, intent(out) :: error
+      call self%factorise(a, bad, error)
+   end subroutine factorise_exactly
 
    !> What a matrix class is called in a message.
    pure function class_name(class_of) result(name)

@@ -53,6 +53,7 @@ module lopin_solver_cholmod
       procedure :: trailing_factor
       procedure :: forward
       procedure :: backward
+      procedure :: symbolic
       final :: destroy
    end type solver_cholmod_type
 
@@ -299,6 +300,13 @@ contains
          if (status /= code%ok) x(:, first:first + n - 1) = ieee_value(1.0_wp, ieee_quiet_nan)
       end do
    end subroutine solve
+
+   !> What other factors on the same analysis ask for; null before it.
+   function symbolic(self) result(handle)
+      class(solver_cholmod_type), intent(in) :: self
+      type(c_ptr) :: handle
+      handle = self%handle
+   end function symbolic
 
    subroutine trailing_factor(self, l, error)
       class(solver_cholmod_type), intent(inout) :: self

@@ -7,13 +7,15 @@ module lopin_solver_factory
    use lopin_linear_solver, only : linear_solver_type, matrix_class, class_name
    use lopin_solver_skyline, only : solver_skyline_type
    use lopin_solver_cholmod, only : solver_cholmod_type
+   use lopin_solver_mixed, only : solver_mixed_type
    use lopin_solver_umfpack, only : solver_umfpack_type
    use lopin_solver_dense, only : solver_dense_type
    implicit none
    private
    public :: choose_solver, new_solver, solver_names
 
-   !> All solvers; where several can do it, the first one that accepts the matrix is a fair choice.
+   !> All direct solvers; where several can do it, the first one that accepts the matrix is a fair
+   !> choice. 'mixed' is 'cholmod' for iterations that mend what single precision leaves.
    character(len=7), parameter :: solver_names(4) = ['cholmod', 'skyline', 'umfpack', 'dense  ']
 
 contains
@@ -29,6 +31,8 @@ contains
       select case (name)
       case ('cholmod')
          allocate (solver_cholmod_type :: solver)
+      case ('mixed')
+         allocate (solver_mixed_type :: solver)
       case ('skyline')
          allocate (solver_skyline_type :: solver)
       case ('umfpack')

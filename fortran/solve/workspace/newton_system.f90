@@ -126,14 +126,21 @@ contains
       if (.not. (self%factorised .or. self%direct)) call factorise_springs(self, clock, counter, &
          & bad, error)
       if (allocated(error)) return
-      if (bad == 0 .and. .not. self%direct) then
+      do while (bad == 0 .and. .not. self%direct)
          call gmres(self, as_forces(self, right), tolerance, most_iterations, step, self%krylov, &
             & ratio)
          counter%back_solves = counter%back_solves + self%krylov + 1
          self%most_krylov = max(self%most_krylov, self%krylov)
          call clock%stop_in(phase%solve)
          if (ratio <= max(10.0_wp*tolerance, 1.0e-3_wp)) return
-      end if
+         if (self%solver%is_exact()) exit
+         ! A factor of single precision may be what iterations cannot mend.
+         call self%solver%factorise_exactly(self%matrix, bad, error)
+         if (allocated(error) .and. bad == 0) return
+         counter%factorisations = counter%factorisations + 1
+         call clock%stop_in(phase%factorise)
+      end do
+      if (allocated(error)) deallocate (error)
       call solve_whole(self, right, step, clock, counter, bad, error)
    end subroutine solve_step
 
@@ -152,26 +159,33 @@ contains
       type(counter_type), intent(inout) :: counter
       integer, intent(out) :: bad
       type(error_type), allocatable, intent(out) :: error
-      type(csc_type) :: springs, before
+      type(csc_type) :: springs
+      integer(ik), allocatable :: row(:), colptr(:)
       character(len=:), allocatable :: name
       logical :: same
 
       call add_up_springs(self, springs)
-      if (allocated(self%matrix%row)) before = self%matrix
+      if (allocated(self%matrix%row)) then
+         call move_alloc(self%matrix%row, row)
+         call move_alloc(self%matrix%colptr, colptr)
+      end if
       call sum_of(self%k, springs, self%matrix)
-      same = allocated(self%solver) .and. allocated(before%row)
-      if (same) same = size(before%row) == size(self%matrix%row)
-      if (same) same = before%n == self%matrix%n
-      if (same) same = all(before%row == self%matrix%row) &
-         & .and. all(before%colptr == self%matrix%colptr) &
+      same = allocated(self%solver) .and. allocated(row)
+      if (same) same = size(row) == size(self%matrix%row) &
+         & .and. size(colptr) == size(self%matrix%colptr)
+      if (same) same = all(row == self%matrix%row) .and. all(colptr == self%matrix%colptr) &
          & .and. .not. self%solver%orders_by_values()
       call clock%stop_in(phase%assemble)
       if (.not. same) then
          if (.not. allocated(self%solver)) then
             name = lower(self%wish)
             self%reason = 'as asked'
-            if (name == 'auto') call choose_solver(self%matrix, matrix_class%positive_definite, &
-               & [integer ::], name, self%reason)
+            if (name == 'auto') then
+               call choose_solver(self%matrix, matrix_class%positive_definite, [integer ::], &
+                  & name, self%reason)
+               ! Iterations mend what single precision leaves.
+               if (name == 'cholmod') name = 'mixed'
+            end if
             call new_solver(self%solver, name, error)
             if (allocated(error)) return
          end if
