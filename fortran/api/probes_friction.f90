@@ -2,7 +2,8 @@
 module lopin_probes_friction
    use lopin_error, only : error_code
    use lopin_friction, only : friction_type, condition_type, law_of, law_number, &
-      & regularization_of, regularization_number, return_to_disc, regularised_traction
+      & regularization_of, regularization_number
+   use lopin_friction_return, only : return_to_disc, regularised_traction
    use lopin_kinds, only : wp
    implicit none
    private

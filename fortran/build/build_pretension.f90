@@ -3,8 +3,8 @@
 !>
 !> Nodes of the section get a twin, which the elements beyond the section take. With n the normal
 !> out of the elements of the surface and s the displacement (dof 1) of the pre-tension node, every
-!> twin follows u(twin) = u(node) - n s: s > 0 pulls the sides together, and the force that is conjugate
-!> to s is the tension of the bolt.
+!> twin follows u(twin) = u(node) - n s: s > 0 pulls the sides together, and the force that is
+!> conjugate to s is the tension of the bolt.
 module lopin_build_pretension
    use lopin_kinds, only : wp
    use lopin_error, only : location_type

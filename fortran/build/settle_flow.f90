@@ -4,8 +4,8 @@ module lopin_settle_flow
    use lopin_error, only : severity
    use lopin_text, only : to_text
    use lopin_model, only : model_type, material_type, prescribed_type
-   use lopin_flow_curve, only : flow_stress, flow_at, flows, hollomon_flow, hardening_of, is_viscous, &
-      & least_slope
+   use lopin_flow_curve, only : flow_stress, flow_at, flows, hollomon_flow, hardening_of, &
+      & is_viscous, least_slope
    use lopin_hyperelastic, only : solid_law_type, elastic_constants
    use lopin_block, only : complain
    implicit none
@@ -54,7 +54,8 @@ contains
          & call complain(model%log, 'E0203', '*RATE DEPENDENT multiplies a flow curve, which '// &
          & 'material `'//material%name//'` has not', material%viscous_at, &
          & help='add *PLASTIC; *VISCOPLASTIC is a law of its own')
-      if (material%potential_at%line > 0 .and. .not. flows(material%flow)) call complain(model%log, &
+      if (material%potential_at%line > 0 .and. .not. flows(material%flow)) call complain( &
+         & model%log, &
          & 'E0203', '*POTENTIAL shapes the yield surface of *PLASTIC, which material `'// &
          & material%name//'` has not', material%potential_at, help='add *PLASTIC')
       if (allocated(material%plastic) .and. material%flow%rigid) call complain(model%log, 'E0108', &

@@ -1,10 +1,11 @@
-!> The sum of two sparse matrices of one size and storage; the pattern is the union of theirs.
+!> The sum of two sparse matrices of one size and storage, with the union of their patterns; and a
+!> matrix among empty rows and columns.
 module lopin_csc_sum
    use lopin_kinds, only : ik
    use lopin_csc, only : csc_type
    implicit none
    private
-   public :: sum_of
+   public :: sum_of, widen
 
 contains
 
@@ -59,4 +60,19 @@ contains
          at = at + 1
       end subroutine put
    end subroutine sum_of
+
+   !> The same matrix with empty rows and columns behind it.
+   pure subroutine widen(a, n, wide)
+      type(csc_type), intent(in) :: a
+      integer, intent(in) :: n
+      type(csc_type), intent(out) :: wide
+
+      wide%n = n
+      wide%kind = a%kind
+      wide%row = a%row
+      wide%value = a%value
+      allocate (wide%colptr(n + 1))
+      wide%colptr(:a%n + 1) = a%colptr
+      wide%colptr(a%n + 2:) = a%colptr(a%n + 1)
+   end subroutine widen
 end module lopin_csc_sum

@@ -9,7 +9,8 @@ module lopin_tool
    implicit none
    private
    public :: one_plane
-   public :: tool_type, foot_type, coincidence, project_moved, project_all_moved, move_foot, outer_product
+   public :: tool_type, foot_type, coincidence, project_moved, project_all_moved, move_foot
+   public :: outer_product
 
    !> Lengths below `coincidence` times the size of the tool are rounding, not geometry.
    real(wp), parameter :: coincidence = 1.0e-9_wp

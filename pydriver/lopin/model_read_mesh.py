@@ -10,6 +10,8 @@ from .deck import Block, Deck
 from .errors import ModelError, UsageError
 from .mesh.mesh import Mesh
 
+#: Words that stand for another.
+_SAME = {"CSS8": "C3D8I/3"}
 _KINDS = {"CPE": "plane strain", "CPS": "plane stress", "CAX": "axisymmetric", "C3D": "3d"}
 _PLANE = {3: "triangle", 6: "triangle6", 4: "quad", 8: "quad8"}
 _SOLID = {4: "tetra", 10: "tetra10", 6: "wedge", 15: "wedge15", 8: "hexahedron",
@@ -137,7 +139,7 @@ class MeshCards:
         kinds, letters, blocks, at = set(), set(), [], {}
         for k, label in enumerate(sorted(self.elements)):
             word, nodes = self.elements[label]
-            match = re.fullmatch(r"(CPE|CPS|CAX|C3D)(\d+)(\w*)", word)
+            match = re.fullmatch(r"(CPE|CPS|CAX|C3D)(\d+)([\w/]*)", _SAME.get(word, word))
             if not match:
                 raise UsageError(f"Model has no element '{word}'")
             cell = (_SOLID if match[1] == "C3D" else _PLANE)[int(match[2])]

@@ -3,8 +3,8 @@ program test_friction
    use lopin_kinds, only : wp
    use lopin_friction, only : friction_type, condition_type, law_of, regularization_of, &
       & law_names, regularization_names, law_number, regularization_number, has_friction, &
-      & is_regularised, reads_yield, reads_mises, depends_on_time, friction_radius, &
-      & return_to_disc, regularised_traction
+      & is_regularised, reads_yield, reads_mises, depends_on_time, friction_radius
+   use lopin_friction_return, only : return_to_disc, regularised_traction
    use check, only : test, close_to, is_true, finish
    use friction_cases, only : law_with, scene, slope_of
    implicit none

@@ -3,7 +3,8 @@ program test_friction_limits
    use lopin_kinds, only : wp
    use lopin_friction, only : friction_type, condition_type, law_of, regularization_of, &
       & law_names, regularization_names, by_rate, reads_yield, depends_on_time, coefficient, &
-      & friction_radius, return_to_disc, regularised_traction
+      & friction_radius
+   use lopin_friction_return, only : return_to_disc, regularised_traction
    use check, only : test, close_to, is_true, finish
    use friction_cases, only : law_with, scene
    implicit none

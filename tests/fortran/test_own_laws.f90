@@ -13,7 +13,8 @@ program test_own_laws
    use lopin_report, only : summary_type, frame_type, verdict_words
    use lopin_enforcement, only : enforcement_type, copy_method
    use lopin_enforcement_factory, only : new_enforcement
-   use lopin_friction, only : friction_type, condition_type, law_of, return_to_disc
+   use lopin_friction, only : friction_type, condition_type, law_of
+   use lopin_friction_return, only : return_to_disc
    use lopin_flow_curve, only : voce_flow
    use lopin_plastic_return, only : plastic_type, plastic_past_type, plastic_answer_type, &
       & return_to_surface

@@ -7,7 +7,7 @@ is no longer covered: there the pressure is that before sliding, and the drag ac
 at the end, along the face as it stands then.
 """
 import numpy as np
-from tool_patches import (METHODS, PRESSURE, SHEAR, YOUNG, Lines, family, is_quadratic, numbers,
+from tool_patches import (METHODS, PRESSURE, SHEAR, YOUNG, Lines, family, is_quadratic, is_solid, numbers,
                           turned)
 
 from lopin.deck import Deck
@@ -113,7 +113,7 @@ def covered(result, word, ratio, methods=METHODS):
 
 def errors(result, word, path, ratio, methods=METHODS):
     """Worst error of any pressure, of the normal and of the tangential force; relative."""
-    d = 3 if word.startswith("C3D") else 2
+    d = 3 if is_solid(word) else 2
     area = 2.0 if d == 2 else 4.0
     left = covered(result, word, ratio, methods) if path else []
     pressure, normal, drag = [], [], []

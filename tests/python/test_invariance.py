@@ -95,13 +95,13 @@ def test_sides_swapped_on_other_meshes_differ_by_the_mesh(solve, sheet):
 
 
 def files_of(folder):
-    """Bytes of all results; of job.json what is not a time, a size of memory."""
+    """Bytes of all results; of job.json what is not a time, a size of memory, a place."""
     out = {}
     for path in sorted(folder.iterdir()):
         data = path.read_bytes()
         if path.name == "job.json":
             job = json.loads(data)
-            for key in ("timing", "peak_memory_mib"):
+            for key in ("timing", "peak_memory_mib", "deck"):
                 job.pop(key)
             for item in job["diagnostics"]:
                 item.pop("file", None)

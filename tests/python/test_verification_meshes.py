@@ -5,11 +5,12 @@ import lopin
 import numpy as np
 import pytest
 from mesh_patches import RATIOS, errors, patch_deck
+from tool_patches import is_solid
 from test_verification_tools import WORDS
 
 CASE = "B7 patch test between meshes, surface to surface: "
-PLANE = [w for w in WORDS if not w.startswith(("CAX", "C3D"))]
-SPACE = [w for w in WORDS if w.startswith("C3D")]
+PLANE = [w for w in WORDS if not (is_solid(w) or w.startswith("CAX"))]
+SPACE = [w for w in WORDS if is_solid(w)]
 #: What all ratios are solved for on both paths here; the others take turns.
 CHOSEN = ("CPE4", "CPE8")
 

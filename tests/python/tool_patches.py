@@ -32,19 +32,24 @@ def turned(vector):
 ORIENTATIONS = {2: [0.0, 2.3, 0.6], 3: [(0.0, 0, 0), (0.4, -1.1, 0.7), (np.pi/2, 0, 0)]}
 
 
+def is_solid(word) -> bool:
+    """Of three dimensions."""
+    return word.startswith(("C3D", "CSS"))
+
+
 def nodes_of(word):
     return int("".join(c for c in word[3:] if c.isdigit()))
 
 
 def is_quadratic(word):
-    return nodes_of(word) in ((10, 15, 20) if word.startswith("C3D") else (6, 8))
+    return nodes_of(word) in ((10, 15, 20) if is_solid(word) else (6, 8))
 
 
 def family(word):
     """The linear cell of a word."""
     solid = {4: "tetra", 10: "tetra", 6: "wedge", 15: "wedge", 8: "hexahedron", 20: "hexahedron"}
     plane = {3: "triangle", 6: "triangle", 4: "quad", 8: "quad"}
-    return (solid if word.startswith("C3D") else plane)[nodes_of(word)]
+    return (solid if is_solid(word) else plane)[nodes_of(word)]
 
 
 def linear_block(cell, distorted):
@@ -124,7 +129,7 @@ def plane_tool(lines, name, q):
 
 def cases(word, methods=METHODS):
     """(name, method, rotation) of the blocks of a deck."""
-    d = 3 if word.startswith("C3D") else 2
+    d = 3 if is_solid(word) else 2
     return [(f"{'DPLA'[m]}{k}", method, turned(vector)) for m, method in enumerate(methods)
             for k, vector in enumerate(ORIENTATIONS[d])]
 
@@ -169,7 +174,7 @@ def patch_deck(word, path, distorted=False, bend=None, methods=METHODS) -> Deck:
 
 def errors(result, word, methods=METHODS):
     """Worst error of any pressure, and of the normal and tangential force of any tool; relative."""
-    d = 3 if word.startswith("C3D") else 2
+    d = 3 if is_solid(word) else 2
     area = 2.0 if d == 2 else 4.0
     pressure, normal, drag = [], [], []
     for k, (name, _, q) in enumerate(cases(word, methods)):

@@ -12,8 +12,8 @@
 module lopin_friction_rows
    use lopin_kinds, only : wp
    use lopin_condensed, only : condensed_type
-   use lopin_friction, only : friction_type, condition_type, friction_radius, return_to_disc, &
-      & regularised_traction, is_regularised, drag_limit
+   use lopin_friction, only : friction_type, condition_type, friction_radius, is_regularised
+   use lopin_friction_return, only : return_to_disc, regularised_traction, drag_limit
    use lopin_tool, only : outer => outer_product
    implicit none
    private

@@ -62,7 +62,7 @@ contains
                & thickness(i), segment(found + 1))
             if (.not. segment(found + 1)%overlaps) cycle
             if (present(depth)) then
-               if (sum(segment(found + 1)%gap(:n)%v) < -depth(i)*segment(found + 1)%area%v) cycle
+               if (sum(segment(found + 1)%gap(:n)%v)/segment(found + 1)%area%v < -depth(i)) cycle
             end if
             call find_least(place(:, :n)%v, nu(:, :n)%v, other(:, :m)%v, segment(found + 1))
             found = found + 1

@@ -57,7 +57,7 @@ contains
 
       kept = 0
       do k = 1, n
-         if (sum(found(k)%gap) < -depth*found(k)%area) cycle
+         if (sum(found(k)%gap)/found(k)%area < -depth) cycle
          kept = kept + 1
          if (kept < k) found(kept) = found(k)
       end do

@@ -55,7 +55,7 @@ module lopin_contact_points
                                               !! as small, by this [length]
       real(wp), allocatable :: weight(:)      !! (n) [length^2]
       real(wp), allocatable :: size(:)        !! (n) of the slave's facets there [length]
-      real(wp), allocatable :: depth(:)        !! (n) deeper is no contact, lopin_wall_depth [length]
+      real(wp), allocatable :: depth(:)   !! (n) deeper is no contact, lopin_wall_depth [length]
       integer, allocatable :: corner(:, :)    !! (2, n) mid-side node of a transformed basis: first
                                               !! points of the ends of its edge; else 0
       real(wp), allocatable :: share(:)       !! (n) of its function that each end gets; else 0

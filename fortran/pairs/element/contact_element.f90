@@ -47,7 +47,10 @@ contains
       type(inputs_type) :: inputs
       type(dual_type), allocatable :: force(:)
       type(row_type) :: row
-      integer :: columns, d
+      type(dual_type) :: z(3), shares(opposite%nnode), reference(3), arm(3)
+      type(place_type) :: there(3)
+      type(place_type), allocatable :: inner(:), around(:)
+      integer :: columns, d, places
 
       d = model%mesh%ndim
       call list_inputs(inputs, model, dofs, masters, points, i, opposite, anchor, first_row)
@@ -66,7 +69,10 @@ contains
       row%has_rows = first_row > 0
       call begin_row(row, local, columns, with_tangent)
       do
-         call point_forces(row%from)
+         call find_gap(row%from)
+         call press_row(row, enforcement, friction, at, &
+            & variable(at%growth, inputs%growth - row%from))
+         call share_force()
          if (last_block(row, local, force)) exit
       end do
       call end_row(state, local, row, enforcement, force)
@@ -74,14 +80,11 @@ contains
 
    contains
 
-      !> Forces on the inputs, rows, gap and slip, with slopes along inputs from+1 and on.
-      subroutine point_forces(from)
+      !> Gap, normal and slip of the point, with slopes along inputs from+1 and on.
+      subroutine find_gap(from)
          integer, intent(in) :: from
-         type(dual_type) :: x(3), z(3), node(3, opposite%nnode), shares(opposite%nnode), &
-            & rotation(3, 3), reference(3), y(3), arm(3), moment(3), turn(3), base
-         type(place_type) :: there(3)
-         type(place_type), allocatable :: inner(:), around(:)
-         integer :: k, m, places
+         type(dual_type) :: x(3)
+         integer :: k
 
          x = 0.0_wp
          row%multiplier = constant(0.0_wp)
@@ -89,90 +92,132 @@ contains
             x(k) = variable(masters%x(k, points%node(i)), inputs%slave(k) - from)
             row%multiplier(k) = variable(lambda(k), inputs%multiplier(k) - from)
          end do
-         associate (gap => row%gap, n => row%normal, to_anchor => row%arm)
-            force = constant(0.0_wp)
-            if (opposite%nnode > 0) then
-               do m = 1, opposite%nnode
-                  do k = 1, d
-                     node(k, m) = variable(masters%x(k, opposite%node(m)), &
-                        & inputs%master(k, m) - from)
-                  end do
+         if (opposite%nnode > 0) then
+            call find_gap_to_facet(from, x, row%gap, row%normal, row%arm)
+         else
+            call find_gap_to_tool(from, x, row%gap, row%normal, row%arm)
+         end if
+         row%slip = row%arm - row%normal*dual_dot(row%arm, row%normal)
+      end subroutine find_gap
+
+      subroutine find_gap_to_facet(from, x, gap, n, to_anchor)
+         integer, intent(in) :: from
+         type(dual_type), intent(in) :: x(3)
+         type(dual_type), intent(inout) :: gap, n(3), to_anchor(3)
+         type(dual_type) :: node(3, opposite%nnode)
+         integer :: k, m
+
+         do m = 1, opposite%nnode
+            do k = 1, d
+               node(k, m) = variable(masters%x(k, opposite%node(m)), inputs%master(k, m) - from)
+            end do
+         end do
+         if (allocated(opposite%stencil)) then
+            call smooth_facet_foot(basis, opposite%cell, opposite%found, opposite%feature, &
+               & opposite%size, x, node, opposite%stencil, gap, n, shares(:opposite%ncarry))
+         else
+            call facet_foot(basis, opposite%cell, opposite%found, opposite%feature, &
+               & opposite%size, x, node, gap, n, shares)
+         end if
+         to_anchor = x
+         do m = 1, anchor%nnode
+            do k = 1, d
+               to_anchor(k) = to_anchor(k) - anchor%share(m)*variable(masters%x(k, &
+                  & anchor%node(m)), inputs%anchor(k, m) - from)
+            end do
+         end do
+      end subroutine find_gap_to_facet
+
+      !> What several places of the slave face give is in `there`, `around` and `inner`.
+      subroutine find_gap_to_tool(from, x, gap, n, to_anchor)
+         integer, intent(in) :: from
+         type(dual_type), intent(in) :: x(3)
+         type(dual_type), intent(inout) :: gap, n(3), to_anchor(3)
+         type(dual_type) :: rotation(3, 3), y(3), turn(3)
+         integer :: k
+
+         associate (motion => masters%of(points%pair(i))%motion, &
+            & body => masters%of(points%pair(i))%body)
+            turn = 0.0_wp
+            reference = constant(motion%reference + motion%displacement)
+            rotation = constant(motion%rotation)
+            if (body > 0) then
+               do k = 1, d
+                  reference(k) = variable(motion%reference(k) + motion%displacement(k), &
+                     & inputs%reference(k) - from)
                end do
-               if (allocated(opposite%stencil)) then
-                  call smooth_facet_foot(basis, opposite%cell, opposite%found, opposite%feature, &
-                     & opposite%size, x, node, opposite%stencil, gap, n, shares(:opposite%ncarry))
-               else
-                  call facet_foot(basis, opposite%cell, opposite%found, opposite%feature, &
-                     & opposite%size, x, node, gap, n, shares)
-               end if
-               to_anchor = x
-               do m = 1, anchor%nnode
-                  do k = 1, d
-                     to_anchor(k) = to_anchor(k) - anchor%share(m)*variable(masters%x(k, &
-                        & anchor%node(m)), inputs%anchor(k, m) - from)
-                  end do
+               do k = 1, 3
+                  turn(k) = variable(masters%of(points%pair(i))%rotation(k), &
+                     & inputs%rotation(k) - from)
                end do
-            else
-               associate (motion => masters%of(points%pair(i))%motion, &
-                  & body => masters%of(points%pair(i))%body)
-                  turn = 0.0_wp
-                  reference = constant(motion%reference + motion%displacement)
-                  rotation = constant(motion%rotation)
-                  if (body > 0) then
-                     do k = 1, d
-                        reference(k) = variable(motion%reference(k) + motion%displacement(k), &
-                           & inputs%reference(k) - from)
-                     end do
-                     do k = 1, 3
-                        turn(k) = variable(masters%of(points%pair(i))%rotation(k), &
-                           & inputs%rotation(k) - from)
-                     end do
-                     rotation = tool_motion(turn)
-                  end if
-                  arm = x - reference
-                  y = constant(motion%reference) + turned_back(rotation, arm)
-                  call tool_foot(opposite%foot, y, gap, turn)
-                  n = turned(rotation, turn)
-                  to_anchor = arm - turned(rotation, constant(anchor%y - motion%reference))
-                  state%opening = gap%v
-                  there(1) = place_type(1.0_wp, x, n, gap, inputs%slave)
-                  places = 1
-                  if (allocated(opposite%sample)) then
-                     places = 3
-                     do m = 1, 2
-                        associate (s => opposite%sample(m))
-                           there(1)%c = there(1)%c - s%c
-                           there(1 + m)%c = s%c
-                           there(1 + m)%input = inputs%sample(:, m)
-                           there(1 + m)%x = 0.0_wp
-                           do k = 1, d
-                              there(1 + m)%x(k) = variable(masters%x(k, s%node), &
-                                 & inputs%sample(k, m) - from)
-                           end do
-                           call find_foot(there(1 + m), s, there(1), rotation, reference, &
-                              & motion%reference)
-                        end associate
-                     end do
-                     call mean_place(there, gap, to_anchor)
-                     to_anchor = to_anchor - turned(rotation, constant(anchor%offset))
-                  end if
-                  if (allocated(opposite%inner)) then
-                     allocate (around(size(opposite%inner%node)), inner(size(opposite%inner%bent)))
-                     base = gap
-                     call place_planes(around, gap, opposite%inner, inputs, masters%x, rotation, &
-                        & reference, from)
-                     do m = 1, size(inner)
-                        call place_inner(inner(m), opposite%inner%bent(m), around, rotation, &
-                           & reference, motion%reference)
-                        gap = gap + inner(m)%c*inner(m)%gap
-                     end do
-                     gap = gap + (1.0_wp - opposite%inner%c)*base
-                  end if
-               end associate
+               rotation = tool_motion(turn)
             end if
-            row%slip = to_anchor - n*dual_dot(to_anchor, n)
-            call press_row(row, enforcement, friction, at, &
-               & variable(at%growth, inputs%growth - from))
+            arm = x - reference
+            y = constant(motion%reference) + turned_back(rotation, arm)
+            call tool_foot(opposite%foot, y, gap, turn)
+            n = turned(rotation, turn)
+            to_anchor = arm - turned(rotation, constant(anchor%y - motion%reference))
+            state%opening = gap%v
+            there(1) = place_type(1.0_wp, x, n, gap, inputs%slave)
+            places = 1
+            if (allocated(opposite%sample)) then
+               call add_samples(from, rotation, motion%reference)
+               call mean_place(there, gap, to_anchor)
+               to_anchor = to_anchor - turned(rotation, constant(anchor%offset))
+            end if
+            if (allocated(opposite%inner)) call add_inner(from, rotation, motion%reference, gap)
+         end associate
+      end subroutine find_gap_to_tool
+
+      !> Points beside the node that have a share in its row.
+      subroutine add_samples(from, rotation, start)
+         integer, intent(in) :: from
+         type(dual_type), intent(in) :: rotation(3, 3)
+         real(wp), intent(in) :: start(3)      !! reference point before it moved [length]
+         integer :: k, m
+
+         places = 3
+         do m = 1, 2
+            associate (s => opposite%sample(m))
+               there(1)%c = there(1)%c - s%c
+               there(1 + m)%c = s%c
+               there(1 + m)%input = inputs%sample(:, m)
+               there(1 + m)%x = 0.0_wp
+               do k = 1, d
+                  there(1 + m)%x(k) = variable(masters%x(k, s%node), inputs%sample(k, m) - from)
+               end do
+               call find_foot(there(1 + m), s, there(1), rotation, reference, start)
+            end associate
+         end do
+      end subroutine add_samples
+
+      !> Points inside the facets: their gaps to the tool, in its tangent planes and as it bends.
+      subroutine add_inner(from, rotation, start, gap)
+         integer, intent(in) :: from
+         type(dual_type), intent(in) :: rotation(3, 3)
+         real(wp), intent(in) :: start(3)      !! reference point before it moved [length]
+         type(dual_type), intent(inout) :: gap
+         type(dual_type) :: base
+         integer :: m
+
+         if (.not. allocated(around)) allocate (around(size(opposite%inner%node)), &
+            & inner(size(opposite%inner%bent)))
+         base = gap
+         call place_planes(around, gap, opposite%inner, inputs, masters%x, rotation, reference, from)
+         do m = 1, size(inner)
+            call place_inner(inner(m), opposite%inner%bent(m), around, rotation, reference, start)
+            gap = gap + inner(m)%c*inner(m)%gap
+         end do
+         gap = gap + (1.0_wp - opposite%inner%c)*base
+      end subroutine add_inner
+
+      !> Forces on the inputs: the traction of the row, shared among the nodes.
+      subroutine share_force()
+         type(dual_type) :: moment(3)
+         integer :: k, m
+
+         force = constant(0.0_wp)
+         associate (gap => row%gap, n => row%normal)
             z = points%weight(i)*row%z
             state%normal = n%v
             state%traction = z%v/points%weight(i)
@@ -199,7 +244,7 @@ contains
                end do
             end if
          end associate
-      end subroutine point_forces
+      end subroutine share_force
 
       !> Forces of a row with several places: pressures along the normal of each, shears along the
       !> point's tangents; the tool has the reactions.

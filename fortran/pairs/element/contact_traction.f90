@@ -21,7 +21,8 @@ module lopin_contact_traction
    use lopin_dual, only : dual_type, constant, dual_dot, dual_norm, operator(+), operator(-), &
       & operator(*), operator(/), assignment(=)
    use lopin_friction, only : friction_type, condition_type, has_friction, is_regularised, &
-      & by_rate, return_to_disc, regularised_traction, friction_radius, drag_limit
+      & by_rate, friction_radius
+   use lopin_friction_return, only : return_to_disc, regularised_traction, drag_limit
    use lopin_enforcement, only : enforcement_type
    implicit none
    private

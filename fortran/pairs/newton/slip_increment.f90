@@ -2,7 +2,8 @@
 module lopin_slip_increment
    use lopin_kinds, only : wp
    use lopin_friction, only : friction_type, condition_type, has_friction, is_regularised, &
-      & drag_limit, friction_radius
+      & friction_radius
+   use lopin_friction_return, only : drag_limit
    use lopin_contact_traction, only : contact_status, elastic_slip_of, stored_energy
    use lopin_nonlinear_contact, only : nonlinear_contact_type
    implicit none

@@ -288,7 +288,8 @@ contains
       if (.not. self%work > artificial_limit*energy%most) return
       call warn_once(scene%log, 'W0532', 'bodies that nothing held for a while, or that '// &
          & 'friction alone holds, were led by artificial means: their work is '// &
-         & to_text(self%work, 3)//', '//to_text(100.0_wp*self%work/energy%most, 3)//' % of that of the run; most of '// &
+         & to_text(self%work, 3)//', '//to_text(100.0_wp*self%work/energy%most, 3)// &
+         & ' % of that of the run; most of '// &
          & 'it, '//to_text(self%most, 3)//', in step '//to_text(self%at(1))//', increment '// &
          & to_text(self%at(2)), model%step(scene%step)%at, help='smaller increments; drive the '// &
          & 'body by displacement until it touches, or hold it by *BOUNDARY')

@@ -10,7 +10,7 @@ module lopin_held_points
    use lopin_scene, only : scene_type
    implicit none
    private
-   public :: refuse_held_points
+   public :: refuse_held_points, name_held_point
 
    !> Penetration beyond this share of a facet is no rounding; components of a normal that count.
    real(wp), parameter :: penetrates = 1.0e-6_wp, counts = 1.0e-6_wp
@@ -45,6 +45,18 @@ contains
          end do
       end associate
    end subroutine refuse_held_points
+
+   !> Where iterations failed for a node that supports press into its master, that is the message.
+   subroutine name_held_point(scene, model, error)
+      type(scene_type), intent(in) :: scene
+      type(model_type), intent(in) :: model
+      type(error_type), allocatable, intent(inout) :: error
+      type(error_type), allocatable :: cause
+
+      if (.not. scene%newton%in_use) return
+      call refuse_held_points(scene, model, cause)
+      if (allocated(cause)) call move_alloc(cause, error)
+   end subroutine name_held_point
 
    !> No free equation moves the node along a direction.
    pure logical function node_held(scene, model, node, direction) result(held)

@@ -96,7 +96,8 @@ contains
       associate (pair => model%pair(scene%points%pair(i)))
          text = 'node '//to_text(model%mesh%node_label(scene%points%node(i)))// &
             & ' is tied by pair ('//model%surface(pair%slave)%name//', '// &
-            & model%surface(pair%master)%name//'), and supports move it and the master opposite apart by '// &
+            & model%surface(pair%master)%name// &
+            & '), and supports move it and the master opposite apart by '// &
             & to_text(apart%jump, 4)//' along direction '//to_text(dof_of(apart))
       end associate
    end function describe

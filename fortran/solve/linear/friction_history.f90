@@ -1,8 +1,8 @@
 !> What an increment of friction leaves: tractions, slips, work; and the tests of it.
 module lopin_friction_history
    use lopin_kinds, only : wp
-   use lopin_friction, only : is_regularised, by_rate, drag_limit, friction_radius, &
-      & return_to_disc
+   use lopin_friction, only : is_regularised, by_rate, friction_radius
+   use lopin_friction_return, only : drag_limit, return_to_disc
    use lopin_contact_traction, only : regularised_energy
    use lopin_friction_rows, only : friction_points_type, elastic_compliance
    use lopin_friction_set, only : friction_result_type

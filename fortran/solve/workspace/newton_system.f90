@@ -16,7 +16,7 @@ module lopin_newton_system
    use lopin_text, only : lower
    use lopin_clock, only : clock_type, counter_type, phase
    use lopin_csc, only : csc_type, storage
-   use lopin_csc_sum, only : sum_of
+   use lopin_csc_sum, only : sum_of, widen
    use lopin_gmres, only : operator_type, gmres
    use lopin_linear_solver, only : linear_solver_type, matrix_class
    use lopin_solver_factory, only : new_solver, choose_solver
@@ -390,19 +390,4 @@ contains
       end do
       acts = most > counts
    end function acting_rows
-
-   !> The same matrix with empty rows and columns behind it.
-   pure subroutine widen(a, n, wide)
-      type(csc_type), intent(in) :: a
-      integer, intent(in) :: n
-      type(csc_type), intent(out) :: wide
-
-      wide%n = n
-      wide%kind = a%kind
-      wide%row = a%row
-      wide%value = a%value
-      allocate (wide%colptr(n + 1))
-      wide%colptr(:a%n + 1) = a%colptr
-      wide%colptr(a%n + 2:) = a%colptr(a%n + 1)
-   end subroutine widen
 end module lopin_newton_system
