@@ -24,6 +24,7 @@ module lopin_semismooth_newton
    use lopin_scene, only : scene_type
    use lopin_tell_watcher, only : tell_of_iteration
    use lopin_worst_residual, only : describe_worst
+   use lopin_held_points, only : name_held_point
    implicit none
    private
    public :: solve_newton
@@ -271,6 +272,7 @@ contains
          & ' of the largest force'//describe_worst(scene, model, evaluation, before)//fold, &
          & model%step(scene%step)%at, help='smaller increments on *STATIC'// &
          & trim(merge(', and a mesh that bears the strain', repeat(' ', 34), len(fold) > 0)))
+      call name_held_point(scene, model, error)
    end subroutine raise_not_converged
 
    !> A tool that leaves goes first, and the body springs back: contact that is about to open would

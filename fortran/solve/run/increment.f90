@@ -25,7 +25,7 @@ module lopin_increment
    use lopin_certificate, only : forces_type, find_forces, certify
    use lopin_state, only : begin, accept, reject_state => reject
    use lopin_newton_workspace, only : iteration_header
-   use lopin_held_points, only : refuse_held_points, name_held_point
+   use lopin_held_points, only : refuse_held_points
    use lopin_assemble_nonlinear, only : remember
    use lopin_heat_work, only : add_heat_work
    use lopin_vectors, only : largest
@@ -72,7 +72,6 @@ contains
       call begin(run%scene%trial, run%scene%accepted)
       call start_solver(run%scene)
       call find_trial(run, model, recorders, forces, error)
-      if (allocated(error)) call name_held_point(run%scene, model, error)
       if (.not. allocated(error)) call measure_trial(run, model, forces, error)
       if (allocated(error)) return
       associate (scene => run%scene, watch => run%watch, frame => run%frame)
@@ -143,7 +142,6 @@ contains
          call move_alloc(steady, scene%trial%loads%steady)
          call solve_nonlinear(scene, model, f, prescribed, error)
          call log_iterations(recorders, scene, frame)
-         if (allocated(error)) call name_held_point(scene, model, error)
          if (.not. allocated(error)) call refuse_passage(scene, model, error)
          if (.not. allocated(error)) call refuse_turn(scene, model, error)
       end associate

@@ -13,6 +13,7 @@ module lopin_time_increment
    use lopin_refuse_passage, only : passage_id
    use lopin_refuse_turn, only : turn_id, most_turn
    use lopin_torn_ties, only : torn_id
+   use lopin_held_points, only : held_id
    use lopin_touch_order, only : order_id, parts_of_touch
    use lopin_scene, only : scene_type
    use lopin_contact_friction, only : slides_with_friction
@@ -195,6 +196,7 @@ contains
       may_cut = (plan%path == path_of%nonlinear .or. slides_with_friction(scene) &
          & .or. error%item(1)%id == passage_id) &
          & .and. error%code == error_code%not_converged &
-         & .and. error%item(1)%id /= torn_id .and. scene%may_cut
+         & .and. error%item(1)%id /= torn_id .and. error%item(1)%id /= held_id &
+         & .and. scene%may_cut
    end function may_cut
 end module lopin_time_increment

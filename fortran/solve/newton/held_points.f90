@@ -10,7 +10,10 @@ module lopin_held_points
    use lopin_scene, only : scene_type
    implicit none
    private
-   public :: refuse_held_points, name_held_point
+   public :: refuse_held_points, name_held_point, held_id
+
+   !> Of what no smaller increment mends.
+   character(len=*), parameter :: held_id = 'E0506'
 
    !> Penetration beyond this share of a facet is no rounding; components of a normal that count.
    real(wp), parameter :: penetrates = 1.0e-6_wp, counts = 1.0e-6_wp
@@ -32,7 +35,7 @@ contains
                if (.not. model%interaction(pair%interaction)%method%is_exact()) cycle
                if (.not. node_held(scene, model, c%node(i), c%normal(:, i))) cycle
                if (.not. master_held(scene, model, i)) cycle
-               call raise(error, error_code%not_converged, 'E0506', 'node '// &
+               call raise(error, error_code%not_converged, held_id, 'node '// &
                   & to_text(model%mesh%node_label(c%node(i)))//' of pair ('// &
                   & model%surface(pair%slave)%name//', '//model%surface(pair%master)%name// &
                   & ') is overconstrained: supports hold it along its contact normal, and the '// &
@@ -53,7 +56,6 @@ contains
       type(error_type), allocatable, intent(inout) :: error
       type(error_type), allocatable :: cause
 
-      if (.not. scene%newton%in_use) return
       call refuse_held_points(scene, model, cause)
       if (allocated(cause)) call move_alloc(cause, error)
    end subroutine name_held_point
