@@ -9,9 +9,11 @@ module lopin_contact_block
 
    !> A local matrix on free equations and multipliers.
    type :: block_type
-      integer, allocatable :: at(:)            !! equations, then neq + multiplier
+      integer, allocatable :: at(:)            !! equations of the contact, neq + its multipliers,
+                                               !! and equations of what else it reads (areas)
       real(wp), allocatable :: k(:, :)
-      integer :: nu = 0
+      integer :: nu = 0                        !! equations of the contact
+      integer :: nrow = 0                      !! multipliers
       real(wp), allocatable :: spring(:, :)
    end type block_type
 
@@ -39,6 +41,7 @@ contains
       end do
       if (size(local%dof) == local%nu) block%nu = n
       block%at = at(:n)
+      block%nrow = count(at(:n) > constraints%neq)
       k = local%k
       if (flat) call flatten(k, local, count(local%dof > constraints%ndof))
       if (picks) then

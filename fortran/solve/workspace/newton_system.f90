@@ -265,10 +265,12 @@ contains
       if (self%n == self%neq) return
       y(self%neq + 1:) = 0.0_wp
       do b = 1, size(self%block)
-         associate (at => self%block(b)%at, k => self%block(b)%k, nu => self%block(b)%nu)
-            do j = 1, nu
-               do i = nu + 1, size(at)
-                  y(at(i)) = y(at(i)) + k(i, j)*y(at(j))
+         associate (block => self%block(b), first => self%block(b)%nu + 1, &
+            & last => self%block(b)%nu + self%block(b)%nrow)
+            do j = 1, size(block%at)
+               if (block%at(j) > self%neq) cycle
+               do i = first, last
+                  y(block%at(i)) = y(block%at(i)) + block%k(i, j)*y(block%at(j))
                end do
             end do
          end associate
@@ -375,16 +377,19 @@ contains
    pure function acting_rows(self) result(acts)
       type(newton_system_type), intent(in) :: self
       logical, allocatable :: acts(:)
-      real(wp) :: most(self%n - self%neq)
-      integer :: b, i, row
+      real(wp) :: most(self%n - self%neq), part
+      integer :: b, i, j, row
 
       most = 0.0_wp
       do b = 1, size(self%block)
          associate (at => self%block(b)%at, k => self%block(b)%k, nu => self%block(b)%nu)
-            do i = nu + 1, size(at)
+            do i = nu + 1, nu + self%block(b)%nrow
                row = at(i) - self%neq
-               if (nu > 0) most(row) = max(most(row), maxval(abs(k(i, :nu))))
-               most(row) = max(most(row), maxval(abs(k(i, nu + 1:)))*self%scale(row)/self%area(row))
+               do j = 1, size(at)
+                  part = abs(k(i, j))
+                  if (at(j) > self%neq) part = part*self%scale(row)/self%area(row)
+                  most(row) = max(most(row), part)
+               end do
             end do
          end associate
       end do
