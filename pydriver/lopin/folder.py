@@ -19,23 +19,46 @@ _FROM_VTK = [0, 1, 2, 3, 5, 4]
 
 
 class Folder:
-    """A finished run on disk."""
+    """A run on disk: finished, or what is left of one.
 
-    def __init__(self, folder: str | Path, name: str | None = None):
+    Parameters
+    ----------
+    whole : False: files that are missing or damaged are left out and told in `troubles`; a folder
+        without any is refused
+    """
+
+    def __init__(self, folder: str | Path, name: str | None = None, *, whole: bool = True):
         self.folder = Path(folder)
+        self.troubles: list[str] = []
+        self.summary, self.diagnostics, self._frames = {}, [], []
         found = sorted(self.folder.glob(f"{name or '*'}.json"))
+        if not found and not whole:
+            found = sorted(self.folder.glob(f"{name or '*'}.sta"))
         if not found:
             raise ResourceError(f"no result '{name or '*'}.json' in {self.folder}")
         self.name = found[0].stem
-        with reading(found[0]):
-            self.summary = json.loads(found[0].read_text(encoding="utf-8"))
-            self.diagnostics = self.summary.get("diagnostics", [])
-            if not all(isinstance(d["message"], str) for d in self.diagnostics) \
-                    or not isinstance(self.summary.get("model", {}), dict):
-                raise ValueError("it is not the summary of a run")
-        self._frames = self._read_collection()
+        for read in (self._read_summary, self._read_frames):
+            try:
+                read()
+            except ResourceError as problem:
+                if whole:
+                    raise
+                self.troubles.append(problem.message)
         # As it was read from the file in this state.
         self._history: tuple[tuple[int, ...], dict[str, NDArray]] = ((), {})
+
+    def _read_summary(self) -> None:
+        path = self.folder/f"{self.name}.json"
+        with reading(path):
+            summary = json.loads(path.read_text(encoding="utf-8"))
+            diagnostics = summary.get("diagnostics", [])
+            if not all(isinstance(d["message"], str) for d in diagnostics) \
+                    or not isinstance(summary.get("model", {}), dict):
+                raise ValueError("it is not the summary of a run")
+        self.summary, self.diagnostics = summary, diagnostics
+
+    def _read_frames(self) -> None:
+        self._frames = self._read_collection()
 
     def _read_collection(self) -> list[tuple[float, dict[str, Path]]]:
         """(time, files by part) of each output."""

@@ -8,12 +8,15 @@ import sys
 from html.parser import HTMLParser
 from pathlib import Path
 
+import matplotlib.image
 import numpy as np
 import pytest
 
 import lopin
 from lopin.report import write_report
+from lopin.report.along import along, chains, last_pressed
 from lopin.report.curves import chart, ticks
+from lopin.report.shape import shapes_of
 
 
 class Page(HTMLParser):
@@ -180,10 +183,59 @@ def test_ticks_are_round_and_within():
     assert "nan" not in chart([("gap", [0, 1, 2], [1, float("nan"), 3])], "x", "y")
 
 
+def test_a_run_without_its_end_shows_what_there_is(pressed, tmp_path):
+    """Killed, or going on; with files that are missing, cut off or written by an old Fortran."""
+    shutil.copytree(pressed/"good", tmp_path/"cut")
+    for name in ("report.html", "drawn.html"):
+        (tmp_path/"cut"/name).unlink(missing_ok=True)
+    summary, fields = tmp_path/"cut"/"hot_upsetting.json", sorted((tmp_path/"cut").glob("*_00*.vtu"))
+    summary.write_text('{"schema": "lopin-result/1", "status": "running", "files": []}')
+    text = write_report(tmp_path/"cut").read_text(encoding="utf-8")
+    rows = (tmp_path/"cut"/"hot_upsetting.sta").read_text().split("\n")[2:-1]
+    assert re.search(r"running, step \d+, increment", text) and "left out" not in text and not Page(text).open
+    assert '"dimensions":2' in text and "--resume" in text and len(rows) > 3
+
+    summary.unlink()
+    fields[0].write_bytes(fields[0].read_bytes()[:500])
+    with (tmp_path/"cut"/"hot_upsetting_history.csv").open("a") as file:
+        file.write("1,2,3")
+    convergence = tmp_path/"cut"/"hot_upsetting.cvg"
+    convergence.write_text(re.sub(r"(?m)^( +\d+ +\S+) +\S+", r"\1   1.2791-111",
+                                  convergence.read_text()))
+    page = Page(write_report(tmp_path/"cut").read_text(encoding="utf-8"))
+    words = " ".join(page.words)
+    assert page.banner["data-status"] == "without a summary" and words.count("left out") == 3
+    assert "1 outputs of fields" in words and "'size of increments'" not in words
+    for path in (tmp_path/"cut").iterdir():
+        path.write_bytes(path.read_bytes()[:100])
+    page = Page(write_report(tmp_path/"cut", tmp_path/"x.html").read_text(encoding="utf-8"))
+    assert page.banner["data-status"] == "without a summary"
+
+
+def test_pressure_along_the_surface_is_that_of_the_points(pressed):
+    result = lopin.open_result(pressed/"good")
+    shape = shapes_of(result)
+    part = next(p for p in shape.parts if p.kind == "contact")
+    frame = last_pressed(shape, part)
+    contact = result.contact(part.name).at(list(result.times).index(shape.times[frame]))
+    (length, pressure), = along(part, frame, "contact pressure")
+    order = np.argsort(contact.place[:, 0])
+    assert length == pytest.approx(contact.place[order, 0] - contact.place[order[0], 0], abs=1e-9)
+    assert pressure == pytest.approx(contact.pressure[order])
+    assert chains([(2, 1), (0, 1), (5, 4)]) == [[0, 1, 2], [4, 5]]
+
+
 @pytest.mark.skipif(not shutil.which("chromium"), reason="needs a headless browser")
 def test_a_browser_draws_it(pressed):
     path = write_report(pressed/"good", pressed/"drawn.html")
+    picture = pressed/"drawn.png"
     done = subprocess.run(["chromium", "--headless=new", "--no-sandbox", "--disable-gpu",
-                           "--virtual-time-budget=4000", "--dump-dom", path.as_uri()],
+                           "--window-size=1000,3000", "--virtual-time-budget=4000", "--dump-dom",
+                           f"--screenshot={picture}", path.as_uri()],
                           capture_output=True, text=True, timeout=60)
     assert int(re.search(r'data-drawn="(\d+)"', done.stdout)[1]) > 0
+    assert "contact pressure</option>" in done.stdout and "NaN" not in done.stdout
+    pixels = matplotlib.image.imread(picture)[:, :, :3]
+    top = next(i for i in range(len(pixels)) if np.ptp(pixels[i]) > 0.5)
+    assert top < 100 and np.ptp(pixels.reshape(-1, 3), axis=0).min() > 0.8
+    assert len(np.unique((pixels.reshape(-1, 3)*255).astype(int)@[65536, 256, 1])) > 200

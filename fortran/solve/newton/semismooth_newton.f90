@@ -345,13 +345,15 @@ contains
       real(wp), intent(in) :: last, share
       logical, intent(in) :: simplified        !! by the tangent of the step before
       character(len=100) :: text
-      real(wp) :: reference
+      real(wp), parameter :: shown(2) = [1.0e-99_wp, 9.0e99_wp]   ! two digits of exponent
+      real(wp) :: reference, size(3)
 
       reference = max(reference_of(scene, evaluation), tiny(1.0_wp))
+      size = [largest(evaluation%free)/reference, largest(evaluation%row)/reference, last]
+      size = merge(min(size, shown(2)), 0.0_wp, size >= shown(1))
       associate (c => scene%newton%contact)
-         write (text, '(i4,3(1x,es12.4),1x,f8.5,3(1x,i6),1x,i6,1x,a)') iteration, &
-            & largest(evaluation%free)/reference, largest(evaluation%row)/reference, min(last, &
-            & 9.0e99_wp), share, count(c%status(:c%n) == 0), count(c%status(:c%n) == 1), &
+         write (text, '(i4,3(1x,es12.4),1x,f8.5,3(1x,i6),1x,i6,1x,a)') iteration, size, share, &
+            & count(c%status(:c%n) == 0), count(c%status(:c%n) == 1), &
             & count(c%status(:c%n) == 2), scene%newton%system%krylov, &
             & trim(merge('   old', '      ', simplified))
       end associate

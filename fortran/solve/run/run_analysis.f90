@@ -285,7 +285,7 @@ contains
       type(error_type), allocatable, intent(out) :: error
 
       call raise(error, error_code%not_converged, 'E0503', 'step '//to_text(scene%step)// &
-         & ' reached time '//to_text(clock%time)//' of '//to_text(step%period)//' in the '// &
+         & ' reached time '//to_text(clock%time, 6)//' of '//to_text(step%period)//' in the '// &
          & to_text(most)//' increments that INC= allows', step%at, &
          & help='raise INC= on *STEP, or the increments on *STATIC')
    end subroutine refuse_more

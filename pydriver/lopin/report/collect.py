@@ -7,6 +7,8 @@ from pathlib import Path
 
 import numpy as np
 
+from ..errors import ResourceError
+from ..folder import Folder
 from ..result import Result
 from .shape import Shape, shapes_of
 
@@ -25,11 +27,12 @@ class Run:
     attempts: list = field(default_factory=list)     # (step, increment, residuals, cut reason)
     lines: dict = field(default_factory=dict)        # (file, line): text of the deck
     shape: Shape | None = None
+    troubles: list = field(default_factory=list)     # what of the folder cannot be read
 
     @property
     def status(self) -> str:
         """finished, not converged, failed, interrupted, stopped, running."""
-        return str(self.summary.get("status", "unknown"))
+        return str(self.summary.get("status", "without a summary"))
 
     @property
     def verdict(self) -> str:
@@ -59,15 +62,23 @@ class Run:
 
 
 def collect(folder: Path, decks: Path) -> Run:
-    """All of a run that its folder still has; a part that is missing is left out."""
-    from .. import open_result
-
-    result: Result = open_result(folder)
-    run = Run(Path(folder), result.name, result.summary, dict(result.history))
+    """All of a run that its folder still has; a part that is missing is left out, and told where
+    it is damaged."""
+    source = Folder(folder, whole=False)
+    result = Result(source)
+    run = Run(Path(folder), result.name, result.summary, {}, troubles=source.troubles)
+    try:
+        run.history = dict(result.history)
+    except ResourceError as problem:
+        run.troubles.append(problem.message)
     run.steps = _steps(folder/f"{run.name}.sta")
     run.attempts = _attempts(folder/f"{run.name}.cvg")
     run.lines = _deck_lines(run, decks)
     run.shape = shapes_of(result)
+    if run.shape and run.shape.unread:
+        some = ", ".join(f"{time:g}" for time in run.shape.unread[:5])
+        run.troubles.append(f"{len(run.shape.unread)} outputs of fields are damaged or missing (at "
+                            f"time {some}{', ...' if len(run.shape.unread) > 5 else ''})")
     return run
 
 
@@ -76,8 +87,20 @@ def _steps(path: Path) -> list[list[float]]:
     augmentations."""
     if not path.is_file():
         return []
-    rows = [line.split() for line in path.read_text(encoding="utf-8").splitlines()[2:]]
-    return [[float(word) for word in row] for row in rows if len(row) == 9]
+    rows = [line.split() for line in path.read_text(errors="replace").splitlines()[2:]]
+    return [[_float(word) for word in row] for row in rows if len(row) == 9]
+
+
+def _float(word: str) -> float:
+    """A number as Fortran writes it: its exponent may stand without letter; nan: none.
+
+    >>> _float("1.2791-111") == 1.2791e-111, _float("3.5E-02"), _float("x")
+    (True, 0.035, nan)
+    """
+    try:
+        return float(re.sub(r"(?<=\d)([+-]\d+)$", r"e\1", word))
+    except ValueError:
+        return float("nan")
 
 
 def _attempts(path: Path) -> list[tuple[int, int, list[float], str]]:
@@ -85,7 +108,7 @@ def _attempts(path: Path) -> list[tuple[int, int, list[float], str]]:
     found: list = []
     if not path.is_file():
         return found
-    for line in path.read_text(encoding="utf-8").splitlines():
+    for line in path.read_text(errors="replace").splitlines():
         start = _STEP.match(line)
         if start and start[4]:
             found.append((int(start[1]), int(start[2]), [], ""))
@@ -93,7 +116,7 @@ def _attempts(path: Path) -> list[tuple[int, int, list[float], str]]:
             found[-1] = (*found[-1][:3], start[7] or start[5])
         elif found and re.match(r"\s*\d+\s+\d", line):
             words = line.split()
-            found[-1][2].append(max(float(words[1]), float(words[2])))
+            found[-1][2].append(max(map(_float, words[1:3])))
     return found
 
 

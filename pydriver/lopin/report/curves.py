@@ -37,7 +37,7 @@ def chart(curves, across: str, up: str, *, logarithmic: bool = False) -> str:
                    f'y="{_HEIGHT - _BOTTOM + 15}">{_short(value)}</text>')
     for value in ticks(y_low, y_high):
         _, y = place(x_low, value)
-        label = f"1e{value:g}" if logarithmic else _short(value)
+        label = _short(float(f"{10.0**value:.2g}")) if logarithmic else _short(value)
         out.append(f'<path class="grid" d="M{_LEFT} {y:.1f}H{_WIDTH - _RIGHT}"/><text class="tick" '
                    f'text-anchor="end" x="{_LEFT - 6}" y="{y + 4:.1f}">{label}</text>')
     out.append(f'<path class="axis" d="M{_LEFT} {_TOP}V{_HEIGHT - _BOTTOM}H{_WIDTH - _RIGHT}"/>'

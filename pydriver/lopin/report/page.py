@@ -6,6 +6,7 @@ from html import escape
 
 import numpy as np
 
+from .along import along, last_pressed
 from .collect import Run
 from .curves import chart
 from .viewer import SCRIPT
@@ -17,6 +18,7 @@ h1{font-size:23px;margin:22px 0 6px}h2{font-size:17px;margin:30px 0 8px;
 border-bottom:1px solid #d5dce4}
 .banner{padding:12px 16px;border-radius:6px;color:#fff;font-size:17px;margin:12px 0}
 .PASS{background:#00785a}.WARN{background:#9a6700}.FAIL,.bad{background:#b3261e}.none{color:#6a7683}
+.banner.none{color:#fff;background:#35618e}
 table{border-collapse:collapse;margin:6px 0}th,td{padding:3px 12px 3px 0;text-align:left;
 vertical-align:top}
 th{font-weight:600;color:#445}td.n,th.n{text-align:right;font-variant-numeric:tabular-nums}
@@ -57,6 +59,19 @@ CERTIFICATE = {
     "corner": ("least scaled Jacobian of a corner (1 is square, 0 folded)", None),
 }
 
+#: Energies of the summary: what they are.
+ENERGY = {
+    "strain": "stored in the bodies",
+    "external": "work of loads and prescribed motions",
+    "thermal": "work of thermal strains",
+    "contact": "stored in penalties of contact",
+    "friction": "friction, by the tractions at the ends of increments",
+    "friction_mean": "friction, by mean tractions: the rule of external",
+    "plastic": "dissipated by plastic or viscous flow",
+    "artificial": "of what held floating bodies",
+    "lost": "external less all others; points that close within an increment add to it",
+}
+
 
 def page(runs: list[Run]) -> str:
     """The whole page of a run; more runs are laid beside it."""
@@ -64,8 +79,8 @@ def page(runs: list[Run]) -> str:
     body = [_banner(run), _box(run)]
     if len(runs) > 1:
         body.append(_beside(runs))
-    body += [_picture(run), _contact(run), _tools(runs), _energies(runs), _convergence(runs),
-             _certificate(run), _timing(run), _diagnostics(run)]
+    body += [_picture(run), _contact(run), _surfaces(runs), _tools(runs), _energies(runs),
+             _convergence(runs), _certificate(run), _timing(run), _diagnostics(run)]
     title = f"{run.name}: {run.status}"
     return (f"<!DOCTYPE html>\n<html lang='en'><head><meta charset='utf-8'><title>{escape(title)}"
             f"</title><style>{STYLE}</style></head><body>\n"
@@ -99,20 +114,36 @@ def _banner(run: Run) -> str:
     reason = certificate.get("reason") or ""
     errors = [d for d in run.diagnostics if d.get("severity") == "error"]
     colour = run.verdict or "none"
+    finished = run.status == "finished"
     text = f"{run.status}"
-    if run.verdict:
+    if run.verdict and finished:
         text += f"; certificate {run.verdict}"
-    if run.status != "finished":
-        colour = "bad"
+    if not finished:
+        colour = "none" if run.status == "running" else "bad"
     if errors:
         text += f": {errors[0]['code']}, {errors[0]['message']}"
+    if run.verdict and not finished:
+        text += f". Increments up to there: {run.verdict}"
+    elif not errors and not finished:
+        text += _so_far(run)
     elif run.verdict in ("WARN", "FAIL") and reason:
         text += (f": {reason} (step {certificate['step']}, increment {certificate['increment']}; "
                  f"{certificate.get('increments_warned', 0)} increments not PASS)")
     heading = str(run.summary.get("heading") or run.name)
     return (f"<h1>{escape(heading)}</h1><div class='banner {colour}' id='status' "
             f"data-status='{escape(run.status)}' data-verdict='{escape(run.verdict)}'>"
-            f"{escape(text)}</div>")
+            f"{escape(text)}</div>"
+            + "".join(f"<p class='warning'><b>left out</b>: {escape(trouble)}</p>"
+                      for trouble in run.troubles))
+
+
+def _so_far(run: Run) -> str:
+    """How far a run has come that has not said its end: it goes on, or was killed."""
+    if not run.steps:
+        return ", no increment yet"
+    step, increment, *_ = run.steps[-1]
+    return (f", step {step:.0f}, increment {increment:.0f}, time {run.steps[-1][4]:g} so far (if "
+            "it was killed, the same command with --resume goes on)")
 
 
 def _box(run: Run) -> str:
@@ -131,7 +162,11 @@ def _box(run: Run) -> str:
              "of all displacements"),
             ("again", f"<code>lopin run {escape(str(summary.get('deck', run.name + '.inp')))}"
              f"</code>, Lopin {escape(str(summary.get('version', '')))}")]
+    if not model:   # a run that has not ended says no more
+        rows = rows[:1]
     table = "<table>" + "".join(f"<tr><th>{k}</th><td>{v}</td></tr>" for k, v in rows) + "</table>"
+    if not steps:
+        return table
     head = ("step", "increments", "iterations", "factorisations", "back solves", "augmentations")
     words = ("increments", "iterations", "factorisations", "back_solves", "augmentations")
     return table + _table([[i + 1] + [_number(step.get(w), f"steps.{i}.{w}") for w in words]
@@ -143,14 +178,18 @@ def _picture(run: Run) -> str:
     if run.shape is None or not run.shape.parts:
         return ""
     data = json.dumps(run.shape.data(), separators=(",", ":"))
-    hint = "" if run.shape.dimensions == 2 else "; drag to turn"
+    hint = "drag to move" if run.shape.dimensions == 2 else "drag to turn, with shift to move"
     return ("<h2>The deformed part</h2><div class='viewer'><div class='row'><select></select>"
             "<label><input type='checkbox' class='tools'> tools</label>"
-            "<span class='scale'></span></div><canvas width='980' height='520'></canvas>"
-            "<div class='row'><button>play</button><input type='range' min='0' step='1'>"
+            "<label><input type='checkbox' class='own'> colours of this time</label>"
+            "<button class='close'>to the contact</button><button class='whole'>all</button>"
+            "<span class='scale'></span><span class='value'></span></div>"
+            "<canvas width='980' height='520'></canvas>"
+            "<div class='row'><button class='play'>play</button>"
+            "<input type='range' min='0' step='1'>"
             "<span class='time'></span></div>"
             f"<p class='none'>{len(run.shape.times)} of {len(run.history.get('time', []))} "
-            f"increments; wheel to zoom{hint}</p>"
+            f"increments; {hint}, wheel to zoom, point to read a value</p>"
             f"<script type='application/json'>{data}</script></div>")
 
 
@@ -172,18 +211,45 @@ def _contact(run: Run) -> str:
         "closed", "sticking", "not carried")) + note
 
 
+def _surfaces(runs: list[Run]) -> str:
+    """Pressure along every slave surface of the plane, where it was last pressed."""
+    pictures = []
+    for name in dict.fromkeys(part.name for run in runs for part in _pressed(run)):
+        curves: list = []
+        for run in runs:
+            for part in (p for p in _pressed(run) if p.name == name):
+                frame = last_pressed(run.shape, part)
+                label = run.folder.name if len(runs) > 1 else f"at time {run.shape.times[frame]:g}"
+                for field in ("contact pressure", "friction traction")[:2 if len(runs) == 1 else 1]:
+                    if np.abs(part.fields.get(field, [[0.0]]*(frame + 1))[frame]).max() > 0.0:
+                        curves += [(f"{field} {label}", s, values, run is not runs[0])
+                                   for s, values in along(part, frame, field)]
+        pictures.append(f"<div><div><b>{escape(name)}</b></div>"
+                        f"{chart(curves, 'length along the slave surface', 'traction')}</div>")
+    return f"<h2>Contact pressure</h2><div class='two'>{''.join(pictures)}</div>" \
+        if pictures else ""
+
+
+def _pressed(run: Run) -> list:
+    """Contact surfaces of the plane that were pressed."""
+    return [part for part in (run.shape.parts if run.shape else ()) if part.kind == "contact"
+            and last_pressed(run.shape, part) is not None]
+
+
 def _tools(runs: list[Run]) -> str:
     """Force against travel of every tool."""
     pictures = []
     for name, moves in runs[0].tools().items():
-        for dof, _, _ in moves:
-            curves = []
+        for dof, travel, _ in moves:
+            curves, sense = [], -1.0 if np.sum(travel) < 0.0 else 1.0
             for run in runs:
                 found = [m for m in run.tools().get(name, []) if m[0] == dof]
                 curves += [(run.folder.name if len(runs) > 1 else f"{name}, dof {dof}",
-                            np.append(0.0, m[1]), np.append(0.0, m[2]))
+                            np.append(0.0, sense*m[1]), np.append(0.0, sense*m[2]),
+                            run is not runs[0])
                            for m in found]
-            pictures.append(f"<div>{chart(curves, f'travel of {name}, dof {dof}', 'force')}</div>")
+            way = f"{'-' if sense < 0.0 else ''}{'xyz'[dof - 1]}"
+            pictures.append(f"<div>{chart(curves, f'stroke of {name} along {way}', 'force')}</div>")
     if not pictures:
         return ""
     return f"<h2>Tools: force and travel</h2><div class='two'>{''.join(pictures)}</div>"
@@ -200,8 +266,9 @@ def _energies(runs: list[Run]) -> str:
                 curves.append((name, np.append(0.0, run.history["time"]), np.append(0.0, values),
                                number > 0))
     energy = runs[0].summary.get("energy") or {}
-    rows = [(escape(word), _number(value, f"energy.{word}")) for word, value in energy.items()]
-    if not rows:
+    rows = [(escape(word), _number(value, f"energy.{word}"), ENERGY.get(word, ""))
+            for word, value in energy.items()]
+    if not rows and not curves:
         return ""
     return (f"<h2>Energies</h2><div class='two'><div>{chart(curves, 'time', 'energy')}</div>"
             f"<div>{_table(rows)}</div></div>")
@@ -226,7 +293,8 @@ def _convergence(runs: list[Run]) -> str:
         text = f"<details><summary>{len(cuts)} attempts were cut</summary>" + _table(
             [(step, number, escape(reason)) for step, number, _, reason in cuts[:40]],
             ("step", "increment", "because")) + "</details>"
-    pictures = [chart(sizes, "time", "size of increments"), chart(iterations, "time", "iterations")]
+    pictures = [chart(sizes, "time", "size of increments", logarithmic=True),
+                chart(iterations, "time", "iterations")]
     if history:
         pictures.append(chart(history, "iteration", "residual, by step.increment",
                               logarithmic=True))

@@ -7,6 +7,8 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from ..errors import ResourceError
+
 #: Bytes of all frames together, before base64.
 ROOM = 2_000_000
 #: Words of fields of the body that are shown, with what they are called.
@@ -40,6 +42,7 @@ class Shape:
     axisymmetric: bool
     times: list
     parts: list
+    unread: list = field(default_factory=list)       # times of outputs that are damaged
 
     def data(self) -> dict:
         """For the viewer: numbers as base64 of little-endian 16-bit words."""
@@ -69,34 +72,51 @@ def shapes_of(result) -> Shape | None:
     if not len(times):
         return None
     model = result.summary.get("model", {})
-    chosen = range(len(times))
+    source, unread = result.source, []
+    chosen = list(range(len(times)))
+    while chosen:
+        try:
+            skin = _body(source, chosen[-1])
+            break
+        except ResourceError:
+            unread.append(chosen.pop())
+    if not chosen:
+        return Shape(3, False, [], [], [times[i] for i in unread])
+    names = list(source._frames[chosen[-1]][1])   # parts of the collection
+    chosen = _some(chosen, skin, source, names)
     parts: dict = {}
-    source = result.source
-    names = [name for name in source._frames[-1][1]]   # parts of the collection
-    skin = _body(source, chosen[-1])
-    bytes_a_frame = 6*len(skin.places[0])*2 + 1
-    for name in names:
-        if name != "solid":
-            bytes_a_frame += 14*len(source._piece(chosen[-1], name).points)
-    most = int(max(2, min(60, ROOM//bytes_a_frame)))
-    if len(times) > most:
-        chosen = sorted({int(round(i)) for i in np.linspace(0, len(times) - 1, most)})
-    for index in chosen:
-        for name in names:
-            if name not in source._frames[index][1]:
-                continue
-            if name == "solid":
-                one = _body(source, index, skin.faces, skin.fields["points"])
-            else:
-                one = _other(source, index, name)
+    for index in list(chosen):
+        try:
+            frame = [(name, _body(source, index, skin.faces, skin.fields["points"])
+                      if name == "solid" else _other(source, index, name))
+                     for name in names if name in source._frames[index][1]]
+        except ResourceError:
+            unread.append(index)
+            chosen.remove(index)
+            continue
+        for name, one in frame:
             part = parts.setdefault(name, Part(one.kind, one.name, one.faces))
             part.places.append(one.places[0])
             for word, values in one.fields.items():
                 if word != "points":
                     part.fields.setdefault(word, []).append(values)
     whole = [part for part in parts.values() if len(part.places) == len(chosen)]
-    return Shape(int(model.get("dimensions", 3)), model.get("kind") == "axisymmetric",
-                 [times[i] for i in chosen], whole)
+    flat = all(not len(p) or float(np.ptp(p[:, 2])) == 0.0 for part in whole for p in part.places)
+    return Shape(int(model.get("dimensions") or (2 if flat else 3)),
+                 model.get("kind") == "axisymmetric", [times[i] for i in chosen], whole,
+                 [times[i] for i in sorted(unread)])
+
+
+def _some(chosen: list[int], skin: Part, source, names) -> list[int]:
+    """As many of the outputs as there is room for."""
+    bytes_a_frame = 6*len(skin.places[0])*2 + 1
+    for name in names:
+        if name != "solid":
+            bytes_a_frame += 14*len(source._piece(chosen[-1], name).points)
+    most = int(max(2, min(60, ROOM//bytes_a_frame)))
+    if len(chosen) <= most:
+        return chosen
+    return sorted({chosen[int(round(i))] for i in np.linspace(0, len(chosen) - 1, most)})
 
 
 def _body(source, index: int, faces=None, points=None) -> Part:
@@ -122,9 +142,14 @@ def _other(source, index: int, name: str) -> Part:
     part = Part(kind, plain, faces, [_moved(mesh)])
     if kind == "contact":
         for word, shown in (("CPRESS", "contact pressure"), ("CSTATUS", "contact status"),
-                            ("COPEN", "gap")):
+                            ("COPEN", "gap"), ("SLIP_PATH", "path of slip")):
             if word in mesh.point_data:
                 part.fields[shown] = np.asarray(mesh.point_data[word], float).ravel()
+        if {"CPRESS", "R_n", "R_t"} <= set(mesh.point_data):   # forces of one area
+            normal, sheared = (np.linalg.norm(mesh.point_data[word], axis=1)
+                               for word in ("R_n", "R_t"))
+            share = np.divide(sheared, normal, out=np.zeros(len(normal)), where=normal > 0.0)
+            part.fields["friction traction"] = share*np.abs(part.fields["contact pressure"])
     return part
 
 
