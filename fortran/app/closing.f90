@@ -17,7 +17,7 @@ module lopin_closing
 
 contains
 
-   !> Of a run that ended, or of one that failed after increments were accepted.
+   !> Of a run that ended, or that failed once it had begun.
    subroutine tell_end(job, model, outcome, failed, terminal)
       type(job_type), intent(in) :: job
       type(model_type), intent(in) :: model
@@ -25,25 +25,34 @@ contains
       logical, intent(in) :: failed
       type(terminal_type), intent(inout) :: terminal
       integer :: i, k, increments
+      logical :: has_frame, refused
 
       increments = 0
       if (allocated(outcome%summary%step)) increments = sum(outcome%summary%step%increments)
-      if (.not. allocated(outcome%recorder) .or. failed .and. increments == 0) return
+      if (.not. allocated(outcome%recorder)) return
+      has_frame = .false.
+      refused = .false.
       do k = 1, size(outcome%recorder)
          select type (recorder => outcome%recorder(k)%recorder)
          type is (json_recorder_type)
+            has_frame = len(verdict_line(recorder%judgement)) > 0
+            refused = recorder%judgement%certificate%verdict == 2
+            if (failed .and. .not. has_frame) exit
             do i = 1, size(model%pair)
                call terminal%say(recorder%told(model, i))
             end do
-            if (len(verdict_line(recorder%judgement)) > 0) &
-               & call terminal%say(verdict_line(recorder%judgement))
+            if (has_frame) call terminal%say(verdict_line(recorder%judgement))
          end select
       end do
       if (terminal%said%count_of(severity%warning) > 0) &
          & call terminal%say(warnings_by_kind(terminal%said))
       call terminal%say(cost_of(outcome%summary, increments))
-      if (failed) then
-         call terminal%say('results up to '//last_of(outcome%summary)//' in '//job%folder//'/')
+      if (failed .and. .not. has_frame) then
+         call terminal%say('no increment was found; its iterations are in '//job%folder//'/'// &
+            & job%stem//'.cvg')
+         return
+      else if (failed) then
+         call terminal%say(found_of(outcome%summary, increments, refused)//' in '//job%folder//'/')
       else
          call terminal%say('results in '//job%folder//'/')
       end if
@@ -88,6 +97,21 @@ contains
          & plural(increments, 'increment')//', '// &
          & plural(sum(summary%step%counter%iterations), 'iteration')
    end function cost_of
+
+   !> What of a failed run is kept.
+   function found_of(summary, increments, refused) result(text)
+      type(summary_type), intent(in) :: summary
+      integer, intent(in) :: increments        !! accepted
+      logical, intent(in) :: refused           !! one more was found, and fails its certificate
+      character(len=:), allocatable :: text
+
+      if (increments == 0) then
+         text = 'the increment that was refused is'
+      else
+         text = 'results up to '//last_of(summary)
+         if (refused) text = text//', and the increment that was refused,'
+      end if
+   end function found_of
 
    !> The last step that has increments.
    function last_of(summary) result(text)

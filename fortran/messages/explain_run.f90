@@ -46,9 +46,12 @@ contains
          & 'leave out PATH= on *LOPIN: the path is then chosen.')
       call add_explanation(list, 'E0510', 'Newton has not converged', &
          & 'The finite path cuts an increment that does not converge; here it cannot be cut '// &
-         & 'further (smallest increment, or DIRECT on *STATIC). Named are the dof that is farthest '// &
-         & 'from balance and a contact that has changed in the last iteration: look there.', &
-         & 'smaller increments, drive by displacement, or look at the last frame written.')
+         & 'further (smallest increment, or DIRECT on *STATIC). Named are the dof farthest from '// &
+         & 'balance and a contact that has changed in the last iteration, and how far the '// &
+         & 'step came: look there (lopin report draws the last increment that was found).', &
+         & 'the message says what suits the scene: let increments be cut; drive by '// &
+         & 'displacement beyond a limit load; SMOOTH=YES or ELASTIC SLIP= where contacts '// &
+         & 'change for ever.')
       call add_explanation(list, 'E0511', 'the tangent is singular', &
          & 'At the trial state a motion meets no resistance: a limit load under force control, '// &
          & 'or a part that nothing holds.', &

@@ -28,6 +28,7 @@ module lopin_run_analysis
    use lopin_check_drift, only : check_drift
    use lopin_check_flow_curves, only : check_flow_curves
    use lopin_check_yield, only : check_yield
+   use lopin_failure_advice, only : advise
    use lopin_increment, only : solve_increment, prepare, reject
    use lopin_repeated_messages, only : report_repeats
    use lopin_stream, only : stream_type
@@ -271,7 +272,9 @@ contains
          call solve_increment(self, model, recorders, error)
          if (.not. allocated(error)) exit
          call cut_increment(self, model, recorders, error)
-         if (allocated(error)) return
+         if (.not. allocated(error)) cycle
+         call advise(self, model, error)
+         return
       end do
       call end_attempts(attempt, self, model)
    end subroutine advance

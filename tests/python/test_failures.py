@@ -1,0 +1,82 @@
+"""Runs that fail: where they stood, and what to try in that scene."""
+import json
+import subprocess
+
+import pytest
+
+BAR = """*HEADING
+bar, N mm
+*NODE, NSET=ALL
+1, 0., 0.
+2, 10., 0.
+3, 20., 0.
+4, 0., 10.
+5, 10., 10.
+6, 20., 10.
+*ELEMENT, TYPE=CPE4, ELSET=E
+1, 1, 2, 5, 4
+2, 2, 3, 6, 5
+*NSET, NSET=LEFT
+1, 4
+*NSET, NSET=RIGHT
+3, 6
+*MATERIAL, NAME=METAL
+*ELASTIC
+210000., 0.3
+*PLASTIC
+250., 0.
+{hardening}*SOLID SECTION, ELSET=E, MATERIAL=METAL
+1.
+*BOUNDARY
+LEFT, 1, 1
+1, 2, 2
+*STEP, NLGEOM
+*STATIC{direct}
+{increments}
+*{load}
+*END STEP
+"""
+
+
+@pytest.fixture
+def fails(executable, tmp_path):
+    """What a run that ends with exit code 3 says, and its summary."""
+    def run(**words):
+        words = {"hardening": "", "direct": "", "increments": "0.1, 1.",
+                 "load": "CLOAD\nRIGHT, 1, 2000."} | words
+        (tmp_path/"bar.inp").write_text(BAR.format(**words))
+        done = subprocess.run([executable, "run", "bar.inp", "-o", "out"], cwd=tmp_path,
+                              capture_output=True, text=True)
+        assert done.returncode == 3, done.stderr
+        return done.stdout + done.stderr, json.loads((tmp_path/"out"/"bar.json").read_text())
+    return run
+
+
+def test_a_load_beyond_the_limit_load_is_named(fails):
+    said, summary = fails()
+    error, = (d for d in summary["diagnostics"] if d["severity"] == "error")
+    assert error["code"] == "E0510" and "most at node" in error["message"]
+    assert "METAL does not harden" in error["help"] and "smaller increments" not in error["help"]
+    # In plane strain a bar bears 2/sqrt(3) times the yield stress: 2886.8 of 4000 N.
+    assert "step 1 has come to time 0.72" in said or "step 1 has come to time 0.71" in said
+    said, _ = fails(hardening="251., 10.\n", load="CLOAD\nRIGHT, 1, 20000.")
+    assert "forces drive this step" in said and "smaller increments" not in said
+
+
+def test_who_forbids_shorter_increments_is_told_so(fails):
+    said, _ = fails(increments="0.1, 1., 0.05")
+    assert "the third number of *STATIC, 0.05" in said and "smaller increments" not in said
+    said, _ = fails(direct=", DIRECT", increments="0.5, 1.")
+    assert "leave DIRECT out of *STATIC" in said
+
+
+def test_elements_pressed_through_themselves_are_no_matter_of_increments(fails):
+    said, _ = fails(load="BOUNDARY\nRIGHT, 1, 1, -21.", hardening="500., 1.\n")
+    assert "smaller increments" not in said and "force" not in said
+    assert "E0511" in said and "hold the part that is free to move" in said
+
+
+def test_a_run_that_fails_at_once_ends_with_its_summary(fails):
+    said, _ = fails(direct=", DIRECT", increments="1., 1.")
+    assert "no increment was found; its iterations are in out/bar.cvg" in said
+    assert "MiB; 0 increments" in said
