@@ -232,14 +232,15 @@ contains
       end if
    end function d_coth_d
 
-   !> log(1 + x) with all digits also for small x > -1 (Goldberg 1991, theorem 4).
+   !> log(1 + x) with all digits also for small x > -1 (Goldberg 1991, theorem 4); large and negative
+   !> for x <= -1, of a folded trial.
    elemental real(wp) function log_one_plus(x) result(y)
       real(wp), intent(in) :: x
       real(wp) :: one
 
       one = 1.0_wp + x
       y = x
-      if (abs(one - 1.0_wp) > 0.0_wp) y = x*(log(one)/(one - 1.0_wp))
+      if (abs(one - 1.0_wp) > 0.0_wp) y = x*(log(max(one, tiny(1.0_wp)))/(one - 1.0_wp))
    end function log_one_plus
 
    !> exp(x) - 1 with all digits also for small x (Kahan).

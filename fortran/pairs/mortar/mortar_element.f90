@@ -92,11 +92,12 @@ contains
       self%axisymmetric = model%kind == kind_of%axisymmetric
       self%in_space = model%mesh%ndim == 3
       self%tied = pair_is_tied(model, model%pair(number))
+      if (self%in_space) call new_mortar_kernel(self%space%kernel, model%mortar_degree)
+      call lay_pieces(self, rules, model%mesh%x)
+      ! Pieces have points of their own where they meet.
       self%lifts = gaps_as_meshed(model, model%pair(number)) &
          & .and. .not. moved(first:first + self%slave%nnode - 1)
       self%space%lifts = self%lifts
-      if (self%in_space) call new_mortar_kernel(self%space%kernel, model%mortar_degree)
-      call lay_pieces(self, rules, model%mesh%x)
       self%cover%least = rows_needed(model, number)
    end subroutine new_present_mortar
 

@@ -66,7 +66,7 @@ contains
       associate (step => search%step(:scene%constraints%neq))
          search%pull = dot_product(step, evaluation%free)
          if (scene%newton%flows .and. .not. (search%first .or. search%falls)) search%share = &
-            & min(1.0_wp, longest_facet(scene)/max(largest(step), tiny(1.0_wp)))
+            & longest_facet(scene)/max(largest(step), longest_facet(scene), tiny(1.0_wp))
          call backtrack(scene, model, search, v, evaluation, error)
          if (allocated(error)) return
          if (search%falls .and. .not. search%first) call find_landing(scene, model, search, v, &

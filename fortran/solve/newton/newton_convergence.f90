@@ -38,11 +38,13 @@ contains
       scene%newton%row_floor = floor_of_rows(scene, scene%newton%noise)
    end subroutine set_rounding_floors
 
-   !> Size of what is out of balance, beside a force.
+   !> Size of what is out of balance, beside a force; huge beside none.
    pure real(wp) function relative(evaluation, force)
       type(evaluation_type), intent(in) :: evaluation
       real(wp), intent(in) :: force
-      relative = evaluation%merit/max(force, tiny(1.0_wp))
+      relative = huge(1.0_wp)
+      if (evaluation%merit < force*huge(1.0_wp)**0.5_wp) relative = evaluation%merit/force
+      if (.not. evaluation%merit > 0.0_wp) relative = 0.0_wp
    end function relative
 
    !> Forces beside which a state is in balance: its own, or those that the increment began with.

@@ -78,9 +78,11 @@ contains
             call solve_step(system, right, tolerance, step, scene%clock, &
                & scene%counter, bad, error)
             if (allocated(error)) return
-            if (bad == 0 .and. .not. (scene%bodies%nq > 0 .and. pass == 1 .and. &
-               & largest(step(:neq)) > beyond*scene%bodies%length)) exit
-            if (bad == 0) bad = 1
+            if (bad == 0) then
+               if (scene%bodies%nq == 0 .or. pass > 1) exit
+               if (.not. largest(step(:neq)) > beyond*scene%bodies%length) exit
+               bad = 1
+            end if
             if (pass == 2 .or. scene%bodies%nq == 0) then
                call raise(error, error_code%not_converged, 'E0511', &
                   & 'the tangent is singular: a limit load, or a part that is free to move', &

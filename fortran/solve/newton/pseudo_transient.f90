@@ -72,9 +72,8 @@ contains
          if (scene%newton%contact%n > 0) size_ = maxval(scene%newton%contact%size)
          mass = scene%newton%reference/(size_*max(1, scene%dofs%n))
          do i = 1, damping%metric%n
-            associate (at => damping%metric%colptr(i))
-               if (damping%metric%row(at) == i) damping%metric%value(at) = &
-                  & damping%metric%value(at) + mass
+            associate (at => damping%metric%slot(i, i))
+               damping%metric%value(at) = damping%metric%value(at) + mass
             end associate
          end do
       end associate
