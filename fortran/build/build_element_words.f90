@@ -20,15 +20,17 @@ contains
       character(len=:), allocatable :: word
       character(len=10) :: short
       type(location_type) :: at
-      integer :: k
+      integer :: k, skin
       logical :: found
 
       allocate (model%element_word(0), scene%etype(0), scene%etype_at(0))
+      call refuse_skins(model%log, deck, scene, skin)
       do k = 1, scene%ncard
          associate (block => deck%block(scene%card(k)%block))
             if (block%keyword /= 'ELEMENT') cycle
             call need_word(block, 'TYPE', word, at, found, model%log)
             if (.not. found) cycle
+            if (dimensions_of(word) <= skin) cycle
             short = word
             if (any(model%element_word == short)) cycle
             call new_element_type(etype, word, '', found)
@@ -44,6 +46,64 @@ contains
       end do
    end subroutine find_element_words
 
+   !> Edges and faces of a mesh beside its cells, as gmsh writes them: one message for all of them.
+   subroutine refuse_skins(log, deck, scene, skin)
+      type(log_type), intent(inout) :: log
+      type(deck_type), intent(in) :: deck
+      type(scene_type), intent(in) :: scene
+      integer, intent(out) :: skin   !! words of so many dimensions or less have been refused
+      type(log_type) :: deaf
+      type(location_type) :: at, first_at
+      character(len=:), allocatable :: word, cells, skins
+      logical :: found
+      integer :: k, pass, most
+
+      most = 0
+      skin = -1
+      skins = ''
+      do pass = 1, 2
+         do k = 1, scene%ncard
+            associate (block => deck%block(scene%card(k)%block))
+               if (block%keyword /= 'ELEMENT') cycle
+               call need_word(block, 'TYPE', word, at, found, deaf)
+               if (.not. found) cycle
+               if (pass == 1) then
+                  if (dimensions_of(word) <= most) cycle
+                  most = dimensions_of(word)
+                  cells = word
+               else if (dimensions_of(word) > 0 .and. dimensions_of(word) < most) then
+                  if (len(skins) == 0) first_at = at
+                  if (index(', '//skins//',', ', '//word//',') > 0) cycle
+                  if (len(skins) > 0) skins = skins//', '
+                  skins = skins//word
+               end if
+            end associate
+         end do
+      end do
+      if (len(skins) == 0) return
+      skin = most - 1
+      call complain(log, 'E0206', skins//' cannot stand beside '//cells//': one scene does not '// &
+         & 'mix dimensions', first_at, note='gmsh writes the edges and faces of a part as '// &
+         & 'elements, too; Lopin has solids only, no trusses, beams or shells', help='leave '// &
+         & 'them out: `lopin convert part.msh part.inp` makes a deck of gmsh''s mesh with its '// &
+         & 'groups as sets and surfaces')
+   end subroutine refuse_skins
+
+   !> Of the body that elements of a type make: 3, 2, or 1; 0: unknown, or rigid.
+   pure integer function dimensions_of(word) result(n)
+      character(len=*), intent(in) :: word
+
+      n = 0
+      if (index(word, 'C3D') == 1) then
+         n = 3
+      else if (any(word(:min(3, len(word))) == ['CPE', 'CPS', 'CAX', 'M3D', 'STR']) .or. &
+         & any(word == ['S3 ', 'S4 ', 'S6 ', 'S8 ', 'S3R', 'S4R', 'S8R'])) then
+         n = 2
+      else if (any(word(:min(3, len(word))) == ['T3D', 'T2D', 'B31', 'B32', 'B21', 'B22'])) then
+         n = 1
+      end if
+   end function dimensions_of
+
    subroutine unknown_word(log, word, at)
       type(log_type), intent(inout) :: log
       character(len=*), intent(in) :: word
@@ -51,8 +111,7 @@ contains
       character(len=:), allocatable :: label, help
 
       help = 'elements are CPE, CPS, CAX 3 4 6 8, C3D 4 6 8 10 15 20, rigid R2D2, RAX2, R3D3, R3D4'
-      if (any(word(1:1) == ['T', 'M', 'S', 'B'])) help = help &
-         & //'; gmsh writes the boundary as elements: save only the cells of the highest dimension'
+      if (dimensions_of(word) > 0) help = help//'; there are no trusses, beams or shells'
       label = 'not an element of Lopin'
       if (len(nearest_word(word, element_words)) > 0) label = 'did you mean ' &
          & //nearest_word(word, element_words)//' ?'
@@ -93,13 +152,9 @@ contains
       type(scene_type), intent(in) :: scene
       integer, intent(in) :: first, other
       character(len=*), intent(in) :: what
-      character(len=:), allocatable :: help
 
-      help = ''
-      if (what == 'dimensions') help = 'gmsh writes the boundary as elements: save only the ' &
-         & //'cells of the highest dimension'
       call complain(log, 'E0206', trim(scene%etype(other)%word)//' cannot stand beside ' &
          & //trim(scene%etype(first)%word)//' of line '//to_text(scene%etype_at(first)%line) &
-         & //': one scene does not mix '//what, scene%etype_at(other), help=help)
+         & //': one scene does not mix '//what, scene%etype_at(other))
    end subroutine mixed
 end module lopin_build_element_words

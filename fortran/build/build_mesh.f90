@@ -250,10 +250,11 @@ contains
       type(location_type), intent(in) :: at
       character(len=:), allocatable :: text
 
+      if (model%mesh%nnode == 0) return   ! said once, of the deck
       text = 'node '//to_text(number)//' of element ' &
          & //to_text(model%mesh%element_label(model%mesh%nelement)) &
          & //' does not exist'
-      if (model%mesh%nnode > 0) text = text//'; numbers run ' &
+      text = text//'; numbers run ' &
          & //to_text(minval(model%mesh%node_label))//'-' &
          & //to_text(maxval(model%mesh%node_label))
       call complain(model%log, 'E0202', text, at)

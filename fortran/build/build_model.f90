@@ -57,7 +57,8 @@ contains
       call build_mesh(model, deck, scene)
       if (model%log%count_of(severity%error) == 0 &
          & .and. model%mesh%nnode == 0) call complain(model%log, 'E0202', &
-         & 'the deck has no nodes', location_type(1, 1, 1, 1))
+         & 'the deck has no nodes', location_type(1, 1, 1, 1), &
+         & help='give them by *NODE, or the file that has them by *INCLUDE, INPUT=')
       call raise_all(error, error_code%deck, model%log)
       if (allocated(error)) return
 
