@@ -219,8 +219,9 @@ def main():
     """Print the table."""
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
     parser.add_argument("--list", action="store_true", help="the places behind each figure")
+    parser.add_argument("--root", type=Path, default=ROOT, help="the tree to count; default: this one")
     options = parser.parse_args()
-    for name, (value, where) in figures(read_all()).items():
+    for name, (value, where) in figures(read_all(options.root)).items():
         print(f"{value:>8}  {name}")
         for place in where if options.list else ():
             print(" "*12 + place)

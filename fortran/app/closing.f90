@@ -1,5 +1,5 @@
-!> What a run says at its end: contact, verdict, warnings by kind, time and memory, where its
-!> results are and what shows them.
+!> The closing lines of a run: contact, verdict, warnings by kind, time and memory, where the
+!> results are and which commands show them.
 module lopin_closing
    use lopin_error, only : log_type, severity
    use lopin_job, only : job_type, outcome_type

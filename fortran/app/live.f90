@@ -1,5 +1,5 @@
-!> What a user sees while a run goes on: one line that is rewritten on a terminal, a line now and
-!> then in a log, a line an increment for programs.
+!> The progress display of a run: one rewritten line on a terminal, an occasional line in a log, one
+!> line per increment for programs.
 module lopin_live
    use, intrinsic :: iso_c_binding, only : c_int, c_long_long
    use lopin_checked_file, only : write_all

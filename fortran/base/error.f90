@@ -1,4 +1,4 @@
-!> Errors, warnings and notes as values: who says what, where in the deck, and how to mend it.
+!> Errors, warnings and notes as values: code, message, place in the deck, and remedy.
 !>
 !> Nothing below `app/` stops or prints. A fallible procedure ends with
 !> `type(error_type), allocatable, intent(out) :: error`; unallocated means success.

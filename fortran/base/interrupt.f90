@@ -1,4 +1,4 @@
-!> The wish that a run ends: the first SIGINT, SIGTERM, SIGHUP or SIGXCPU is noted, the second ends
+!> Requests to stop a run: the first SIGINT, SIGTERM, SIGHUP or SIGXCPU is noted, the second ends
 !> the process.
 module lopin_interrupt
    use, intrinsic :: iso_c_binding, only : c_int

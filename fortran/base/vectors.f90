@@ -1,4 +1,4 @@
-!> Short vectors: what several floors need of them.
+!> Short vectors: cross products, normals and norms used on several floors.
 module lopin_vectors
    use, intrinsic :: ieee_arithmetic, only : ieee_is_nan
    use lopin_kinds, only : wp

@@ -1,4 +1,4 @@
-!> `*AMPLITUDE` cards, and what becomes of an amplitude when its step is over.
+!> `*AMPLITUDE` cards, and the value that an amplitude leaves when its step is over.
 module lopin_build_amplitudes
    use lopin_kinds, only : wp
    use lopin_error, only : location_type, log_type, severity

@@ -1,4 +1,4 @@
-!> What a step changes of contact: *CHANGE FRICTION and *MODEL CHANGE, TYPE=CONTACT PAIR.
+!> Changes of contact in a step: *CHANGE FRICTION and *MODEL CHANGE, TYPE=CONTACT PAIR.
 module lopin_build_changes
    use lopin_error, only : location_type
    use lopin_text, only : upper

@@ -288,7 +288,7 @@ contains
       if (.not. friction%decay > 0.0_wp) friction%mu = friction%mu_static
    end subroutine take_decay
 
-   !> Seed D prints `1 <= mu <= 0`: the order is the other way round, and 1 is no limit.
+   !> Lecture D prints `1 <= mu <= 0`: the order is the other way round, and 1 is no limit.
    subroutine take_mu(mu, data, i, log)
       real(wp), intent(inout) :: mu
       type(data_type), intent(in) :: data

@@ -1,4 +1,4 @@
-!> *EXPANSION, *INITIAL CONDITIONS and *TEMPERATURE: heat, and what a body carries from before.
+!> *EXPANSION, *INITIAL CONDITIONS and *TEMPERATURE: thermal strain, temperatures, initial stresses.
 module lopin_build_heat
    use lopin_kinds, only : wp
    use lopin_error, only : location_type, log_type, severity

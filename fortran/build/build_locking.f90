@@ -1,5 +1,5 @@
-!> Elements that lock where the material keeps its volume: which are cured, which the deck leaves
-!> so.
+!> Elements that lock where the material keeps its volume: which get mean dilatation, and which are
+!> warned of.
 module lopin_build_locking
    use lopin_kinds, only : wp
    use lopin_error, only : severity

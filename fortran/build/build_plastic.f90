@@ -8,7 +8,7 @@ module lopin_build_plastic
    use lopin_text, only : to_text
    use lopin_model, only : material_type
    use lopin_flow_curve, only : flow_type, table_flow, swift_flow, voce_flow, hollomon_flow, &
-      & linear_flow, give_viscosity, flow_stress, hardening_of
+      & linear_flow, give_viscosity, hardening_of
    use lopin_block, only : block_type, field_type, split_fields, field_real, complain, line_place, &
       & has_parameter
    use lopin_build_scene, only : need_real, get_word
@@ -28,7 +28,7 @@ contains
       character(len=:), allocatable :: word
       type(location_type) :: at
 
-      if (material%yield > 0.0_wp) then
+      if (material%plastic_at%line > 0) then
          call complain(log, 'E0205', 'material `'//material%name//'` has a second *PLASTIC', &
             & block%at)
          return
@@ -48,7 +48,12 @@ contains
       call get_word(block, 'ONLY', word, at, only)
       if (only .and. word /= 'FRICTION') call complain(log, 'E0106', 'ONLY='//word// &
          & ' is not known', at, help='ONLY=FRICTION: the body stays elastic')
-      if (right .and. .not. only) call take_curve(material%flow, curve)
+      if (.not. right) return
+      if (only) then
+         call take_curve(material%friction_flow, curve)
+      else
+         call take_curve(material%flow, curve)
+      end if
    end subroutine read_plastic
 
    !> The hardening of one law in the place of that of another, which keeps its viscosity.
@@ -117,7 +122,6 @@ contains
             call start_table(block, j, row, before, log)
             n = n + 1
             first(n) = j
-            if (j == 1) material%yield = row(1)
          else
             if (.not. row(2) > before(2)) call complain(log, 'E0203', 'plastic strain ' &
                & //to_text(row(2), 6)//' does not increase', line_place(block%line(j)))
@@ -178,7 +182,7 @@ contains
       type(flow_type), intent(out) :: curve
       logical, intent(out) :: right
       type(log_type), intent(inout) :: log
-      real(wp) :: c(4), slope, rate_slope
+      real(wp) :: c(4)
 
       material%hardens = .true.
       select case (word)
@@ -213,7 +217,6 @@ contains
          if (right) curve = linear_flow(c(1), c(2))
          material%hardens = c(2) > 0.0_wp
       end select
-      if (right) call flow_stress(curve, 0.0_wp, 0.0_wp, material%yield, slope, rate_slope)
    end subroutine read_law
 
    !> The numbers of the only data line; those beyond `least` are 0 where they are missing.

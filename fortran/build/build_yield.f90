@@ -136,7 +136,6 @@ contains
       kinematic%modulus(1) = (stress(2) - stress(1))/strain(2)
       call give_kinematic(material, kinematic)
       material%hardens = stress(2) > stress(1)
-      material%yield = stress(1)
       curve = linear_flow(stress(1), 0.0_wp)
    end subroutine read_kinematic
 
@@ -177,7 +176,6 @@ contains
       kinematic%recovery(:kinematic%n) = value(3:n:2)
       call give_kinematic(material, kinematic)
       material%hardens = any(kinematic%modulus > 0.0_wp)
-      material%yield = value(1)
       material%cyclic = .true.
       curve = linear_flow(value(1), 0.0_wp)
    end subroutine read_combined

@@ -1,4 +1,4 @@
-!> What else holds the dofs that a step prescribes: equations, rigid bodies, another line.
+!> Conflicts of the dofs that a step prescribes with equations, rigid bodies and other lines.
 module lopin_check_boundary
    use lopin_error, only : location_type
    use lopin_text, only : to_text

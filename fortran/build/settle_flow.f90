@@ -1,10 +1,11 @@
-!> Materials that flow, held against the whole model: what one card cannot know.
+!> Flow laws completed and checked against the whole model: yield stress, rates, moduli of rigid
+!> solids.
 module lopin_settle_flow
    use lopin_kinds, only : wp
    use lopin_error, only : severity
    use lopin_text, only : to_text
    use lopin_model, only : model_type, material_type, prescribed_type
-   use lopin_flow_curve, only : flow_stress, flow_at, flows, hollomon_flow, hardening_of, &
+   use lopin_flow_curve, only : flow_type, flow_stress, flow_at, flows, hardening_of, &
       & is_viscous, least_slope
    use lopin_hyperelastic, only : solid_law_type, elastic_constants
    use lopin_block, only : complain
@@ -24,24 +25,31 @@ contains
       integer :: i
 
       do i = 1, size(model%material)
-         if (model%material(i)%starts_elastic) call start_on_elastic_line(model%material(i))
-         call check_threshold(model, model%material(i))
-         if (.not. flows(model%material(i)%flow)) cycle
-         call check_softening(model, model%material(i))
-         if (is_viscous(model%material(i)%flow)) call check_time(model, model%material(i))
-         call scale_rates(model, i)
+         associate (material => model%material(i))
+            if (material%starts_elastic) then
+               call start_on_elastic_line(material%flow, material%young)
+               call start_on_elastic_line(material%friction_flow, material%young)
+            end if
+            call check_threshold(model, material)
+            if (flows(material%flow)) then
+               call check_softening(model, material)
+               if (is_viscous(material%flow)) call check_time(model, material)
+            end if
+         end associate
+         call settle_yield(model, i)
+         if (model%material(i)%flow%rigid) call settle_rigid(model, i)
       end do
    end subroutine settle_flow
 
    !> Hollomon's curve K e^n in the total strain leaves the line E e at Y = (K/E^n)^(1/(1 - n)).
-   subroutine start_on_elastic_line(material)
-      type(material_type), intent(inout) :: material
+   subroutine start_on_elastic_line(flow, young)
+      type(flow_type), intent(inout) :: flow
+      real(wp), intent(in) :: young        !! 0: none [stress]
 
-      associate (k => material%flow%constant(1), n => material%flow%constant(3))
-         if (material%flow%hardening == hardening_of%none .or. .not. material%young > 0.0_wp &
+      associate (k => flow%constant(1), n => flow%constant(3))
+         if (flow%hardening == hardening_of%none .or. .not. young > 0.0_wp &
             & .or. .not. n < 1.0_wp) return
-         material%yield = (k/material%young**n)**(1.0_wp/(1.0_wp - n))
-         material%flow%constant(2) = (material%yield/k)**(1.0_wp/n)
+         flow%constant(2) = ((k/young**n)**(1.0_wp/(1.0_wp - n))/k)**(1.0_wp/n)
       end associate
    end subroutine start_on_elastic_line
 
@@ -104,23 +112,55 @@ contains
       end do
    end subroutine check_time
 
-   !> What follows from the mean rate of strain: moduli of a rigid solid, and the yield stress of
-   !> one without threshold, from which friction starts.
-   subroutine scale_rates(model, number)
+   !> The one home of the yield stress: of the curve of *PLASTIC before anything is strained or
+   !> heated; of a law without threshold the flow stress at the mean rate, from which friction
+   !> starts.
+   subroutine settle_yield(model, number)
+      type(model_type), intent(inout) :: model
+      integer, intent(in) :: number
+      type(flow_type) :: flow
+      real(wp) :: slope, rate_slope
+
+      associate (material => model%material(number))
+         flow = initial_curve(model, material%flow)
+         if (flows(material%friction_flow)) flow = initial_curve(model, material%friction_flow)
+         call flow_stress(flow, 0.0_wp, 0.0_wp, material%yield, slope, rate_slope)
+         if (.not. material%yield > 0.0_wp .and. flows(material%flow)) &
+            & material%yield = mean_stress(model, number)
+      end associate
+   end subroutine settle_yield
+
+   !> The curve at the mean temperature before anything is heated.
+   type(flow_type) function initial_curve(model, flow) result(curve)
+      type(model_type), intent(in) :: model
+      type(flow_type), intent(in) :: flow
+
+      curve = flow
+      if (allocated(flow%temperature)) curve = flow_at(flow, &
+         & sum(model%temperature)/size(model%temperature))
+   end function initial_curve
+
+   !> The flow stress at the mean strain and rate of the run [stress].
+   real(wp) function mean_stress(model, number) result(stress)
+      type(model_type), intent(in) :: model
+      integer, intent(in) :: number
+      real(wp) :: strain, rate, slope, rate_slope
+
+      call mean_rate(model, number, strain, rate)
+      call flow_stress(initial_curve(model, model%material(number)%flow), strain, rate, stress, &
+         & slope, rate_slope)
+   end function mean_stress
+
+   !> Moduli of a rigid solid follow from its flow stress at the mean rate.
+   subroutine settle_rigid(model, number)
       type(model_type), intent(inout) :: model
       integer, intent(in) :: number
       type(solid_law_type) :: law
-      real(wp) :: strain, rate, stress, slope, rate_slope
+      real(wp) :: strain, rate, stress
 
       call mean_rate(model, number, strain, rate)
+      stress = mean_stress(model, number)
       associate (material => model%material(number))
-         ! Before anything is heated.
-         if (allocated(material%flow%temperature)) call flow_stress(flow_at(material%flow, &
-            & sum(model%temperature)/size(model%temperature)), 0.0_wp, 0.0_wp, material%yield, &
-            & slope, rate_slope)
-         call flow_stress(material%flow, strain, rate, stress, slope, rate_slope)
-         if (.not. material%yield > 0.0_wp) material%yield = stress
-         if (.not. material%flow%rigid) return
          material%flow%usual = rate
          law%bulk = keeps_volume*stress
          if (material%has_elastic) law%bulk = material%young/(3.0_wp*(1.0_wp &
@@ -128,7 +168,7 @@ contains
          law%shear = min(stiff*stress, law%bulk)
          call elastic_constants(law, material%young, material%poisson)
       end associate
-   end subroutine scale_rates
+   end subroutine settle_rigid
 
    !> The largest prescribed motion of a step beside the smallest extent of the bodies, per period;
    !> strains of 1 where forces drive.

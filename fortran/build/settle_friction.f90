@@ -1,4 +1,5 @@
-!> Friction held against the whole model: LAW=AUTO chosen, materials and times that a law needs.
+!> Friction completed and checked against the whole model: LAW=AUTO chosen, materials and times that
+!> a law needs.
 module lopin_settle_friction
    use lopin_kinds, only : wp
    use lopin_error, only : location_type, severity
@@ -57,7 +58,7 @@ contains
       if (depends_on_time(friction)) call check_time(model, interaction, friction)
    end subroutine settle
 
-   !> Seed E, remarks 2 to 6: the law that goes with the material.
+   !> Lecture E, remarks 2 to 6: the law that goes with the material.
    subroutine choose(model, interaction, friction, used)
       type(model_type), intent(inout) :: model
       integer, intent(in) :: interaction

@@ -28,7 +28,7 @@ module lopin_keyword_table
       character(len=:), allocatable :: choices     !! allowed values, separated by commas
       character(len=:), allocatable :: refused     !! values known but not yet there
       character(len=:), allocatable :: replaced    !! values of other codes, read as the default
-      character(len=:), allocatable :: misspelt    !! values of the seed, `AS IT IS=AS IT SHOULD BE`
+      character(len=:), allocatable :: misspelt    !! of the lecture, `AS IT IS=AS IT SHOULD BE`
       character(len=:), allocatable :: default     !! value when absent; '' if none
       character(len=:), allocatable :: bare        !! value when written without; '': needs one
       character(len=:), allocatable :: aliases     !! other spellings, separated by commas
@@ -58,7 +58,7 @@ module lopin_keyword_table
       integer :: status = 1
       character(len=:), allocatable :: sentence
       character(len=:), allocatable :: parents     !! keywords that it must follow
-      character(len=:), allocatable :: seed        !! section of the seed lecture
+      character(len=:), allocatable :: lecture     !! section of the lecture
       character(len=:), allocatable :: example     !! lines separated by |
       logical :: is_free_text = .false.            !! its data lines are prose
       type(keyword_parameter_type), allocatable :: parameter(:)
@@ -94,7 +94,7 @@ contains
          row%origin = origin
          row%sentence = sentence
          row%parents = ''
-         row%seed = ''
+         row%lecture = ''
          row%example = ''
          if (present(status)) row%status = status
          allocate (row%parameter(0), row%data(0))
@@ -301,11 +301,11 @@ contains
       table%row(table%n)%parents = parents
    end subroutine under
 
-   !> The section of the seed lecture that the keyword serves.
-   subroutine about(table, seed)
+   !> The section of the lecture that the keyword serves.
+   subroutine about(table, lecture)
       type(keyword_table_type), intent(inout) :: table
-      character(len=*), intent(in) :: seed
-      table%row(table%n)%seed = seed
+      character(len=*), intent(in) :: lecture
+      table%row(table%n)%lecture = lecture
    end subroutine about
 
    !> The most fields that a data line may have; -1: no data lines, huge: no limit.

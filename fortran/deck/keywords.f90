@@ -146,7 +146,7 @@ contains
       case default
          text = text//'Lopin.'
       end select
-      if (len(row%seed) > 0) text = text//' Seed: '//row%seed//'.'
+      if (len(row%lecture) > 0) text = text//' Lecture: '//row%lecture//'.'
    end function place
 
    function parameter_line(parameter, markdown) result(text)

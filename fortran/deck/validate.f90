@@ -1,4 +1,4 @@
-!> Holds every block of a deck against the keyword table: words, parameters, values, places.
+!> Checks every block of a deck against the keyword table: words, parameters, values, places.
 !>
 !> What passes has its first spelling: *ENDSTEP becomes END STEP, MAIN= becomes MASTER=, choices
 !> are in

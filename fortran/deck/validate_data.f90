@@ -1,4 +1,5 @@
-!> Judges data lines as far as the keyword table can: how many fields, and what never is meant.
+!> Checks data lines as far as the keyword table can: number of fields, and values that are never
+!> valid.
 module lopin_validate_data
    use lopin_block, only : block_type, data_line_type, field_type, complain, count_fields, &
       & split_fields, &

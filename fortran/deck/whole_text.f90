@@ -1,4 +1,4 @@
-!> A file read whole, or the reason why not.
+!> Reads a whole file, or returns the reason why not.
 module lopin_whole_text
    use, intrinsic :: iso_c_binding, only : c_int, c_long_long, c_null_char
    use, intrinsic :: iso_fortran_env, only : int64

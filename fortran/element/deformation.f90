@@ -1,4 +1,4 @@
-!> Where displacements bring the Gauss points of a solid at finite strain.
+!> Deformation of the Gauss points of a solid at finite strain.
 !>
 !> Strains keep all their digits where they are small: F - 1, b - 1 and J - 1 are computed as such.
 module lopin_deformation

@@ -1,5 +1,5 @@
-!> Hourglass control of bricks of one integration point: what they do in the motions that their one
-!> point does not see.
+!> Hourglass control of bricks of one integration point: stiffness of the modes that the point does
+!> not see.
 !>
 !> With shape vectors h = (eta zeta, xi zeta, xi eta, xi eta zeta) at the corners and b the mean of
 !> grad N, gamma = (h - (h.x) b)/8 sees no motion that is linear in place (Flanagan and

@@ -1,4 +1,4 @@
-!> What a Gauss point that flows remembers of the accepted state, as one column of reals.
+!> History variables of a Gauss point that flows, as one column of reals.
 !>
 !> The plastic metric Cp^-1 - 1 stands in the order of stress (4 numbers in 2D, 6 in 3D; tensor
 !> components), so that small plastic strains keep their digits: b of the trial is F Cp^-1 F^T. It

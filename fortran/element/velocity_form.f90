@@ -1,4 +1,4 @@
-!> What a Gauss point gives to the nodes of its element: forces of a stress, stiffness of a
+!> Contributions of a Gauss point to the nodes of its element: forces of a stress, stiffness of a
 !> quadratic form on velocity gradients.
 !>
 !> A velocity gradient is listed as its entries (i, j), first index fastest, of the plane, with the

@@ -1,16 +1,23 @@
-!> What every linear solver can do: analyse a pattern once, factorise values, solve, and give
-!> the exact condensation onto the equations that were ordered last. One that is not exact leaves
-!> a part of the answer to iterations (lopin_gmres) of which it is the preconditioner.
+!> The contract of linear solvers: analyse a pattern once, factorise values, solve, and give the
+!> exact condensation onto the equations that were ordered last. A solver that is not exact is the
+!> preconditioner of iterations (lopin_gmres).
 !>
-!> To add one: a file `solver_<name>.f90` that extends this type, and a `case` in the factory.
+!> To add one: a file `solver_<name>.f90` that extends this type by `name`, `accepts`, `analyse`,
+!> `factorise` and `solve`, and a `case` in the factory. One that condenses also overrides
+!> `can_condense`, `trailing_factor`, `forward` and `backward`; a preconditioner overrides
+!> `is_exact` and `factorise_exactly`.
 module lopin_linear_solver
+   use, intrinsic :: ieee_arithmetic, only : ieee_value, ieee_quiet_nan
    use lopin_kinds, only : wp, lk
    use lopin_error, only : error_type, error_code, raise
+   use lopin_text, only : to_text
    use lopin_csc, only : csc_type, storage
+   use lopin_graph, only : number_interior
    implicit none
    private
    public :: linear_solver_type, matrix_class, class_name
-   public :: pivot_tolerance, raise_singular, raise_refused, not_distinct, refuse_unknown_class
+   public :: pivot_tolerance, raise_singular, raise_refused, raise_no_memory, raise_failed
+   public :: refuse_unknown_class
 
    !> What is known of a matrix; a solver refuses by name what it cannot take.
    type :: matrix_classes
@@ -18,13 +25,10 @@ module lopin_linear_solver
    end type matrix_classes
    type(matrix_classes), parameter :: matrix_class = matrix_classes()
 
-   !> Why a list of equations to keep last is refused.
-   character(len=*), &
-      & parameter :: not_distinct = 'the equations kept last are not distinct equations'
-
    type, abstract :: linear_solver_type
       integer :: n = 0                    !! equations
       integer :: nlast = 0                !! equations kept last
+      integer :: class_of = 0             !! matrix_class%... of the matrix analysed
       integer(lk) :: factor_entries = 0   !! numbers stored in the factor
       real(wp) :: flops = 0.0_wp          !! of the last factorisation; 0 if unknown
       integer :: negative = -1   !! negative pivots of the last factorisation; -1 if unknown
@@ -39,10 +43,10 @@ module lopin_linear_solver
       procedure(analyse_if), deferred :: analyse
       procedure(factorise_if), deferred :: factorise
       procedure(solve_if), deferred :: solve
-      procedure(trailing_if), deferred :: trailing_factor
-      procedure(pass_if), deferred :: forward
-      procedure(pass_if), deferred :: backward
-      procedure :: check_matrix
+      procedure :: trailing_factor
+      procedure :: forward => half_solve
+      procedure :: backward => half_solve
+      procedure :: begin_analysis
    end type linear_solver_type
 
    abstract interface
@@ -86,23 +90,6 @@ module lopin_linear_solver
          class(linear_solver_type), intent(inout) :: self
          real(wp), contiguous, intent(inout) :: x(:, :)   !! (n, nrhs)
       end subroutine solve_if
-
-      !> Dense lower L with L L^T = Schur complement on the equations kept last, in their order.
-      subroutine trailing_if(self, l, error)
-         import :: linear_solver_type, wp, error_type
-         class(linear_solver_type), intent(inout) :: self
-         real(wp), intent(out) :: l(:, :)                 !! (nlast, nlast), zero above the diagonal
-         type(error_type), allocatable, intent(out) :: error
-      end subroutine trailing_if
-
-      !> One half of a solve, A = (P^T L)(L^T P). forward: y = L^-1 P b; backward: x = P^T L^-T y.
-      !> The last nlast entries of y belong to the equations kept last, in their order.
-      subroutine pass_if(self, b, y)
-         import :: linear_solver_type, wp
-         class(linear_solver_type), intent(inout) :: self
-         real(wp), contiguous, intent(in) :: b(:)         !! (n)
-         real(wp), contiguous, intent(out) :: y(:)        !! (n)
-      end subroutine pass_if
    end interface
 
 contains
@@ -142,6 +129,29 @@ contains
       call self%factorise(a, bad, error)
    end subroutine factorise_exactly
 
+   !> Dense lower L with L L^T = Schur complement on the equations kept last, in their order. A
+   !> solver that cannot condense refuses.
+   subroutine trailing_factor(self, l, error)
+      class(linear_solver_type), intent(inout) :: self
+      real(wp), intent(out) :: l(:, :)                 !! (nlast, nlast), zero above the diagonal
+      type(error_type), allocatable, intent(out) :: error
+
+      l = 0.0_wp
+      call raise_refused(error, self%name(), 'has no factor of a condensed matrix')
+   end subroutine trailing_factor
+
+   !> One half of a solve, A = (P^T L)(L^T P). forward: y = L^-1 P b; backward: x = P^T L^-T y.
+   !> The last nlast entries of y belong to the equations kept last, in their order. Not a number
+   !> from a solver that cannot condense.
+   subroutine half_solve(self, b, y)
+      class(linear_solver_type), intent(inout) :: self
+      real(wp), contiguous, intent(in) :: b(:)         !! (n)
+      real(wp), contiguous, intent(out) :: y(:)        !! (n)
+
+      y = 0.0_wp*b(:self%n)
+      y = ieee_value(1.0_wp, ieee_quiet_nan)
+   end subroutine half_solve
+
    !> What a matrix class is called in a message.
    pure function class_name(class_of) result(name)
       integer, intent(in) :: class_of
@@ -167,20 +177,33 @@ contains
          & matrix_class%general])) reason = 'does not know this class of matrices'
    end function refuse_unknown_class
 
-   !> Refuse a matrix of a class, or stored in a way, that this solver cannot take.
-   subroutine check_matrix(self, a, class_of, needs_lower, error)
-      class(linear_solver_type), intent(in) :: self
+   !> Where every `analyse` begins: refuse a matrix of a class, or stored in a way, that this solver
+   !> cannot take, and equations that cannot be kept last; else note the sizes of the problem.
+   subroutine begin_analysis(self, a, class_of, last, needs_lower, error)
+      class(linear_solver_type), intent(inout) :: self
       type(csc_type), intent(in) :: a
-      integer, intent(in) :: class_of
-      logical, intent(in) :: needs_lower
+      integer, intent(in) :: class_of        !! matrix_class%...
+      integer, intent(in) :: last(:)         !! equations to keep last, 1-based
+      logical, intent(in) :: needs_lower     !! the solver reads a lower triangle only
       type(error_type), allocatable, intent(out) :: error
+      integer, allocatable :: local(:)
+      integer :: m
+      logical :: distinct
 
+      call number_interior(a%n, last, local, m, distinct)
       if (self%accepts(class_of) /= '') then
          call raise_refused(error, self%name(), self%accepts(class_of))
       else if (needs_lower .and. a%kind /= storage%symmetric_lower) then
          call raise_refused(error, self%name(), 'the matrix must be stored by its lower triangle')
+      else if (.not. distinct) then
+         call raise_refused(error, self%name(), &
+            & 'the equations kept last are not distinct equations')
       end if
-   end subroutine check_matrix
+      if (allocated(error)) return
+      self%n = a%n
+      self%nlast = size(last)
+      self%class_of = class_of
+   end subroutine begin_analysis
 
    !> A pivot smaller than this times the terms that cancelled in it is zero but for rounding.
    !>
@@ -199,12 +222,11 @@ contains
       integer, intent(in) :: equation        !! 1-based; 0 if unknown
       real(wp), intent(in) :: ratio          !! pivot over the terms that formed it
       character(len=*), intent(in) :: what   !! e.g. 'singular', 'not positive definite'
-      character(len=12) :: number, value
+      character(len=12) :: value
 
-      write (number, '(i0)') equation
       write (value, '(es9.2)') ratio
       call raise(error, error_code%singular, 'E0310', 'the matrix is '//what//' at equation '// &
-         & trim(number)//' (relative pivot '//trim(adjustl(value))//', solver '//solver//')', &
+         & to_text(equation)//' (relative pivot '//trim(adjustl(value))//', solver '//solver//')', &
          & help='look for a part that can move freely, or for a constraint stated twice')
    end subroutine raise_singular
 
@@ -215,4 +237,25 @@ contains
 
       call raise(error, error_code%internal, 'E0701', 'solver '//solver//': '//reason)
    end subroutine raise_refused
+
+   !> The error of a factor that does not fit into the memory.
+   subroutine raise_no_memory(error, solver, n)
+      type(error_type), allocatable, intent(out) :: error
+      character(len=*), intent(in) :: solver
+      integer, intent(in) :: n               !! equations
+
+      call raise(error, error_code%resource, 'E0702', 'not enough memory to factorise '// &
+         & to_text(n)//' equations with '//solver)
+   end subroutine raise_no_memory
+
+   !> The error of a library that gives up for a reason of its own.
+   subroutine raise_failed(error, solver, n, status)
+      type(error_type), allocatable, intent(out) :: error
+      character(len=*), intent(in) :: solver
+      integer, intent(in) :: n               !! equations
+      integer, intent(in) :: status          !! what the library returned
+
+      call raise(error, error_code%internal, 'E0703', solver//' could not treat '//to_text(n)// &
+         & ' equations (status '//to_text(status)//')')
+   end subroutine raise_failed
 end module lopin_linear_solver

@@ -5,10 +5,11 @@ module lopin_solver_cholmod
    use, intrinsic :: ieee_arithmetic, only : ieee_value, ieee_quiet_nan
    use lopin_kinds, only : wp, ik, lk
    use lopin_error, only : error_type, error_code, raise
+   use lopin_text, only : to_text
    use lopin_csc, only : csc_type
    use lopin_graph, only : node_graph_type, number_interior, postorder
    use lopin_linear_solver, only : linear_solver_type, matrix_class, class_name, pivot_tolerance, &
-      & raise_singular, raise_refused, not_distinct
+      & raise_singular, raise_no_memory, raise_failed
    implicit none
    private
    public :: solver_cholmod_type
@@ -148,22 +149,16 @@ contains
       integer, allocatable :: local(:)
       integer(c_long_long) :: stored
       integer :: status, m, i
-      logical :: valid
+      logical :: distinct
 
-      call self%check_matrix(a, class_of, .true., error)
+      call self%begin_analysis(a, class_of, last, .true., error)
       if (allocated(error)) return
-      call number_interior(a%n, last, local, m, valid)
-      if (.not. valid) then
-         call raise_refused(error, self%name(), not_distinct)
-         return
-      end if
+      call number_interior(a%n, last, local, m, distinct)
       if (.not. c_associated(self%handle)) then
          status = lopin_cholmod_create(self%handle)
          call explain(status, a%n, error)
          if (allocated(error)) return
       end if
-      self%n = a%n
-      self%nlast = size(last)
       call choose_order(self, a, local, m, last, error)
       if (allocated(error)) return
       status = lopin_cholmod_analyse(self%handle, a%n, a%colptr, a%row, self%order - 1, stored, &
@@ -357,20 +352,17 @@ contains
    subroutine explain(status, n, error)
       integer, intent(in) :: status, n
       type(error_type), allocatable, intent(out) :: error
-      character(len=12) :: number
 
-      if (status == code%ok) return
-      write (number, '(i0)') n
       select case (status)
+      case (code%ok)
+         return
       case (code%no_memory)
-         call raise(error, error_code%resource, 'E0702', &
-            & 'not enough memory to factorise '//trim(number)// ' equations with cholmod')
+         call raise_no_memory(error, 'cholmod', n)
       case (code%too_large)
-         call raise(error, error_code%resource, 'E0702', 'the factor of '//trim(number)// &
+         call raise(error, error_code%resource, 'E0702', 'the factor of '//to_text(n)// &
             & ' equations has more than 2**31 entries, too many for cholmod with short integers')
       case default
-         call raise(error, error_code%internal, 'E0703', &
-            & 'cholmod could not treat '//trim(number)//' equations')
+         call raise_failed(error, 'cholmod', n, status)
       end select
    end subroutine explain
 

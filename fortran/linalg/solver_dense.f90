@@ -6,7 +6,7 @@ module lopin_solver_dense
    use lopin_graph, only : number_interior
    use lopin_blas, only : dgetrf, dgetrs, dpotrf, dpotrs, dsytrf, dsytrs, dtrsm
    use lopin_linear_solver, only : linear_solver_type, matrix_class, pivot_tolerance, &
-      & raise_singular, raise_refused, not_distinct, refuse_unknown_class
+      & raise_singular, raise_refused, refuse_unknown_class
    implicit none
    private
    public :: solver_dense_type
@@ -16,7 +16,6 @@ module lopin_solver_dense
 
    type, extends(linear_solver_type) :: solver_dense_type
       private
-      integer :: class_of = 0
       integer, allocatable :: order(:)       !! (n) place -> equation
       integer, allocatable :: exchange(:)    !! (n) of LAPACK
       real(wp), allocatable :: factor(:, :)  !! (n, n)
@@ -58,18 +57,11 @@ contains
       type(error_type), allocatable, intent(out) :: error
       integer, allocatable :: local(:)
       integer :: m, i
-      logical :: valid
+      logical :: distinct
 
-      call self%check_matrix(a, class_of, .false., error)
+      call self%begin_analysis(a, class_of, last, .false., error)
       if (allocated(error)) return
-      call number_interior(a%n, last, local, m, valid)
-      if (.not. valid) then
-         call raise_refused(error, self%name(), not_distinct)
-         return
-      end if
-      self%n = a%n
-      self%nlast = size(last)
-      self%class_of = class_of
+      call number_interior(a%n, last, local, m, distinct)
       self%order = [pack([(i, i=1, a%n)], local > 0), last]
       self%factor_entries = int(a%n, lk)**2
       self%flops = real(a%n, wp)**3*merge(2.0_wp, 1.0_wp, class_of == matrix_class%general)/3.0_wp

@@ -12,7 +12,7 @@ module lopin_solver_factory
    use lopin_solver_dense, only : solver_dense_type
    implicit none
    private
-   public :: choose_solver, new_solver, solver_names
+   public :: choose_solver, choose_preconditioner, general_solver, new_solver, solver_names
 
    !> All direct solvers; where several can do it, the first one that accepts the matrix is a fair
    !> choice. 'mixed' is 'cholmod' for iterations that mend what single precision leaves.
@@ -66,7 +66,7 @@ contains
       character(len=60) :: numbers
       logical :: valid
 
-      name = 'umfpack'
+      name = general_solver('auto')
       reason = 'the matrix is '//class_name(class_of)
       if (class_of /= matrix_class%positive_definite) return
       name = 'cholmod'
@@ -81,4 +81,23 @@ contains
       write (numbers, '("mean half band ",i0,", break-even at ",i0)') nint(length), nint(limit)
       reason = trim(numbers)
    end subroutine choose_solver
+
+   !> The same for a positive definite matrix whose factor iterations use and mend.
+   subroutine choose_preconditioner(a, name, reason)
+      type(csc_type), intent(in) :: a
+      character(len=:), allocatable, intent(out) :: name
+      character(len=:), allocatable, intent(out) :: reason   !! in words, for the log
+
+      call choose_solver(a, matrix_class%positive_definite, [integer ::], name, reason)
+      if (name == 'cholmod') name = 'mixed'
+   end subroutine choose_preconditioner
+
+   !> The solver of matrices that are not positive definite.
+   pure function general_solver(wish) result(name)
+      character(len=*), intent(in) :: wish       !! what was asked for, lower case
+      character(len=:), allocatable :: name
+
+      name = 'umfpack'
+      if (wish == 'dense') name = 'dense'
+   end function general_solver
 end module lopin_solver_factory

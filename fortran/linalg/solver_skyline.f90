@@ -6,7 +6,7 @@ module lopin_solver_skyline
    use lopin_ordering, only : profile_order, row_starts, profile_cost
    use lopin_skyline, only : skyline_type
    use lopin_linear_solver, only : linear_solver_type, matrix_class, class_name, pivot_tolerance, &
-      & raise_singular, raise_refused, not_distinct
+      & raise_singular, raise_refused
    implicit none
    private
    public :: solver_skyline_type
@@ -16,7 +16,6 @@ module lopin_solver_skyline
 
    type, extends(linear_solver_type) :: solver_skyline_type
       private
-      integer :: class_of = 0
       integer, allocatable :: order(:)         !! (n) place in the profile -> equation
       integer(lk), allocatable :: target(:)    !! (nnz) place in the profile of each entry
       type(skyline_type) :: profile
@@ -60,23 +59,16 @@ contains
       integer, allocatable :: first(:), at(:)
       real(wp) :: diagonal(a%n)
       integer :: i, j, k
-      logical :: valid
+      logical :: distinct
 
-      call self%check_matrix(a, class_of, .true., error)
+      call self%begin_analysis(a, class_of, last, .true., error)
       if (allocated(error)) return
       if (class_of == matrix_class%symmetric_indefinite .and. allocated(a%value)) then
          call a%diagonal(diagonal)
-         call profile_order(a, last, self%order, valid, .not. diagonal > 0.0_wp)
+         call profile_order(a, last, self%order, distinct, .not. diagonal > 0.0_wp)
       else
-         call profile_order(a, last, self%order, valid)
+         call profile_order(a, last, self%order, distinct)
       end if
-      if (.not. valid) then
-         call raise_refused(error, self%name(), not_distinct)
-         return
-      end if
-      self%n = a%n
-      self%nlast = size(last)
-      self%class_of = class_of
       first = row_starts(a, self%order)
       call self%profile%new(first, a%n - self%nlast + 1)
       self%factor_entries = size(self%profile%value, kind=lk)

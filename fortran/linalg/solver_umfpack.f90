@@ -3,10 +3,10 @@ module lopin_solver_umfpack
    use, intrinsic :: iso_c_binding, only : c_ptr, c_null_ptr, c_int, c_double, c_associated
    use, intrinsic :: ieee_arithmetic, only : ieee_value, ieee_quiet_nan
    use lopin_kinds, only : wp, lk
-   use lopin_error, only : error_type, error_code, raise
+   use lopin_error, only : error_type
    use lopin_csc, only : csc_type
    use lopin_linear_solver, only : linear_solver_type, pivot_tolerance, &
-      & raise_singular, raise_refused, refuse_unknown_class
+      & raise_singular, raise_refused, raise_no_memory, raise_failed, refuse_unknown_class
    implicit none
    private
    public :: solver_umfpack_type
@@ -23,7 +23,6 @@ module lopin_solver_umfpack
 
    type, extends(linear_solver_type) :: solver_umfpack_type
       private
-      integer :: class_of = 0
       type(csc_type) :: full                !! both triangles
       integer, allocatable :: source(:)     !! (nnz of full) place of each value in the given matrix
       type(c_ptr) :: symbolic = c_null_ptr
@@ -37,9 +36,6 @@ module lopin_solver_umfpack
       procedure :: analyse
       procedure :: factorise
       procedure :: solve
-      procedure :: trailing_factor
-      procedure :: forward
-      procedure :: backward
       procedure, private :: clear
       final :: destroy
    end type solver_umfpack_type
@@ -141,7 +137,7 @@ contains
       real(wp) :: flops, expected
       integer :: status
 
-      call self%check_matrix(a, class_of, .false., error)
+      call self%begin_analysis(a, class_of, last, .false., error)
       if (allocated(error)) return
       if (size(last) > 0) then
          call raise_refused(error, self%name(), &
@@ -149,9 +145,6 @@ contains
          return
       end if
       call self%clear()
-      self%n = a%n
-      self%nlast = 0
-      self%class_of = class_of
       call a%to_general(full, self%source)
       self%full = full
       if (self%n == 0) return
@@ -274,51 +267,14 @@ contains
       end do
    end subroutine solve
 
-   subroutine trailing_factor(self, l, error)
-      class(solver_umfpack_type), intent(inout) :: self
-      real(wp), intent(out) :: l(:, :)
-      type(error_type), allocatable, intent(out) :: error
-
-      l = 0.0_wp
-      call raise_refused(error, self%name(), 'has no factor of a condensed matrix')
-   end subroutine trailing_factor
-
-   !> Not available (see can_condense): not a number.
-   subroutine forward(self, b, y)
-      class(solver_umfpack_type), intent(inout) :: self
-      real(wp), contiguous, intent(in) :: b(:)
-      real(wp), contiguous, intent(out) :: y(:)
-
-      y = 0.0_wp*b(:self%n)
-      y = ieee_value(1.0_wp, ieee_quiet_nan)
-   end subroutine forward
-
-   !> Not available (see can_condense): not a number.
-   subroutine backward(self, b, y)
-      class(solver_umfpack_type), intent(inout) :: self
-      real(wp), contiguous, intent(in) :: b(:)
-      real(wp), contiguous, intent(out) :: y(:)
-
-      call self%forward(b, y)
-   end subroutine backward
-
    !> A negative status of UMFPACK as an error.
    subroutine explain(status, n, error)
       integer, intent(in) :: status, n
       type(error_type), allocatable, intent(out) :: error
-      character(len=12) :: number, code
 
-      if (status == umfpack_ok) return
-      write (number, '(i0)') n
-      write (code, '(i0)') status
-      if (status == umfpack_no_memory) then
-         call raise(error, error_code%resource, 'E0702', &
-            & 'not enough memory to factorise '//trim(number)// ' equations with umfpack')
-      else
-         call raise(error, error_code%internal, 'E0703', &
-            & 'umfpack could not treat '//trim(number)// &
-            & ' equations (status '//trim(code)//')')
-      end if
+      if (status == umfpack_no_memory) call raise_no_memory(error, 'umfpack', n)
+      if (status /= umfpack_ok .and. status /= umfpack_no_memory) call raise_failed(error, &
+         & 'umfpack', n, status)
    end subroutine explain
 
    subroutine clear(self)

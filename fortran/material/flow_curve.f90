@@ -11,7 +11,7 @@
 !>   VOCE       S - (S - Y) exp(-d eps) + H eps
 !>   LINEAR     Y + H eps (Voce without its exponential)
 !> Rates: factor 1 + (rate/D)^(1/p) (power law of Cowper and Symonds), and a viscous part
-!> K sqrt(3)^(m+1) rate^m (Norton-Hoff: s = 2 K (sqrt(3) rate)^(m-1) strain rate; seed section G).
+!> K sqrt(3)^(m+1) rate^m (Norton-Hoff: s = 2 K (sqrt(3) rate)^(m-1) strain rate; lecture G).
 module lopin_flow_curve
    use lopin_kinds, only : wp
    implicit none

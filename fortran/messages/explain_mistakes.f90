@@ -1,4 +1,4 @@
-!> Explanations: what a deck says twice, for nothing, or in two systems of units.
+!> Explanations: contradictions, statements without effect, and mixed units in a deck.
 module lopin_explain_mistakes
    use lopin_explanation, only : explanation_type, add_explanation
    implicit none

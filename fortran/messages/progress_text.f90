@@ -1,4 +1,4 @@
-!> Where a run is, in a line: for terminals, for logs, for programs.
+!> The progress of a run as one line: for terminals, for logs, for programs.
 module lopin_progress_text
    use lopin_kinds, only : wp
    use lopin_render, only : json_string

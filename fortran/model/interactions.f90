@@ -1,4 +1,4 @@
-!> Interactions of a model: one that the deck says nothing of yet, and one more.
+!> Interactions of a model: the default, and the addition of another.
 module lopin_interactions
    use lopin_enforcement_factory, only : new_enforcement
    use lopin_model, only : model_type, interaction_type

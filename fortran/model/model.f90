@@ -64,9 +64,11 @@ module lopin_model
       logical :: has_neo_hooke = .false.
       real(wp) :: c10 = 0.0_wp        !! *HYPERELASTIC, NEO HOOKE: half the shear modulus [stress]
       real(wp) :: d1 = 0.0_wp         !! 2 / bulk modulus [1/stress]
-      real(wp) :: yield = 0.0_wp   !! first row of *PLASTIC, read by friction laws; 0: none [stress]
+      real(wp) :: yield = 0.0_wp   !! where flow begins, before anything is strained or heated; set
+                                   !! by settle_flow; friction laws read it; 0: none [stress]
       logical :: hardens = .false.    !! *PLASTIC has a row above the first
       type(flow_type) :: flow         !! of *PLASTIC and *VISCOPLASTIC
+      type(flow_type) :: friction_flow   !! of *PLASTIC, ONLY=FRICTION: the solid stays elastic
       type(plastic_type), allocatable :: plastic   !! of *POTENTIAL and of hardening that moves
       logical :: cyclic = .false.     !! *PLASTIC, HARDENING=COMBINED: *CYCLIC HARDENING fits
       type(location_type) :: plastic_at, viscous_at, potential_at, cyclic_at
@@ -283,7 +285,7 @@ module lopin_model
       integer :: blas_threads = 1                       !! for systems large enough to gain by them
       real(wp) :: target_error = 0.01_wp   !! relative pressure error that the automatic penalty
                                            !! aims at [-]
-      integer :: continuation = 1   !! number of penalties of the sequence of problems (seed J.1)
+      integer :: continuation = 1   !! number of penalties of the sequence of problems (lecture J.1)
       integer :: mortar_degree = 5  !! exactness of the cells of surface-to-surface pairs in space
       type(checksum_type) :: outside                    !! of what other files than the deck give
       type(log_type) :: log                             !! notes and warnings met while building

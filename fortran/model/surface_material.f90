@@ -1,4 +1,4 @@
-!> What lies behind a surface: its materials, and the yield stress that laws of friction read there.
+!> The materials behind a surface, and the yield stress that laws of friction read there.
 module lopin_surface_material
    use lopin_kinds, only : wp
    use lopin_model, only : model_type, surface_of

@@ -1,4 +1,4 @@
-!> What a run says of itself at its end: the verdict of its worst increment, and its energies.
+!> The verdict of a run in `job.json`: that of its worst increment, and its energies.
 module lopin_json_verdict
    use lopin_kinds, only : wp
    use lopin_stream, only : stream_type

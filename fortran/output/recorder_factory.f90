@@ -1,10 +1,13 @@
 !> Which recorders a run needs: always the fields, the tables of increments and the summary;
-!> `job.dat`
-!> and `job.frd` only if the deck asks for them. Files that Lopin did not write are never touched.
+!> `job.dat` and `job.frd` only if the deck asks for them. Files that Lopin did not write are never
+!> touched.
+!>
+!> To add a recorder: a file `recorder_<name>.f90` that extends recorder_type, and its lines in
+!> new_recorders.
 module lopin_recorder_factory
    use lopin_error, only : error_type, error_code, raise
    use lopin_model, only : model_type, output_of
-   use lopin_recorder, only : recorder_holder_type
+   use lopin_recorder, only : recorder_type, recorder_holder_type
    use lopin_atomic_file, only : make_folder, file_exists, read_text
    use lopin_safe_text, only : json_text
    use lopin_recorder_table, only : any_request
@@ -31,6 +34,13 @@ contains
       character(len=*), intent(in), optional :: deck_file(:)    !! by file index of locations
       character(len=len(stem) + 12) :: file(7)
       character(len=:), allocatable :: base
+      type(json_recorder_type), allocatable :: json
+      type(vtu_recorder_type), allocatable :: vtu
+      type(sta_recorder_type), allocatable :: sta
+      type(history_recorder_type), allocatable :: history
+      type(dat_recorder_type), allocatable :: dat
+      type(frd_recorder_type), allocatable :: frd
+      class(recorder_type), allocatable :: one
       logical :: tables, fields
       integer :: n
 
@@ -49,13 +59,25 @@ contains
       call refuse_foreign(folder, stem, file(:n), error)
       if (allocated(error)) return
       base = folder//'/'//stem
-      allocate (list(n - 1))
-      call hold_json(list(1), base//'.json', file(:n), deck_file)
-      call hold_vtu(list(2), folder, stem)
-      call hold_sta(list(3), base)
-      call hold_history(list(4), base//'_history.csv')
-      if (tables) call hold_dat(list(5), base//'.dat')
-      if (fields) call hold_frd(list(n - 1), base//'.frd')
+      allocate (list(0), json, vtu, sta, history, dat, frd)
+      call new_json_recorder(json, base//'.json', file(:n), deck_file)
+      call move_alloc(json, one)
+      call append(list, one)
+      call new_vtu_recorder(vtu, folder, stem)
+      call move_alloc(vtu, one)
+      call append(list, one)
+      call new_sta_recorder(sta, base//'.sta', base//'.cvg')
+      call move_alloc(sta, one)
+      call append(list, one)
+      call new_history_recorder(history, base//'_history.csv')
+      call move_alloc(history, one)
+      call append(list, one)
+      call new_dat_recorder(dat, base//'.dat')
+      call move_alloc(dat, one)
+      if (tables) call append(list, one)
+      call new_frd_recorder(frd, base//'.frd')
+      call move_alloc(frd, one)
+      if (fields) call append(list, one)
    contains
       subroutine add_file(suffix)
          character(len=*), intent(in) :: suffix
@@ -68,26 +90,31 @@ contains
    subroutine append_memory(list, deck_file)
       type(recorder_holder_type), allocatable, intent(inout) :: list(:)
       character(len=*), intent(in), optional :: deck_file(:)    !! by file index of locations
-      type(recorder_holder_type), allocatable :: longer(:)
-      type(memory_recorder_type), allocatable :: one
-      character(len=1) :: none(0)
-      integer :: i, n
+      type(memory_recorder_type), allocatable :: memory
+      class(recorder_type), allocatable :: one
 
-      n = 0
-      if (allocated(list)) n = size(list)
-      allocate (longer(n + 1))
-      do i = 1, n
+      allocate (memory)
+      call new_memory_recorder(memory, deck_file)
+      call move_alloc(memory, one)
+      if (.not. allocated(list)) allocate (list(0))
+      call append(list, one)
+   end subroutine append_memory
+
+   !> One more recorder at the end of the list. It is moved there: gfortran 12 copies texts of
+   !> deferred length wrongly.
+   subroutine append(list, recorder)
+      type(recorder_holder_type), allocatable, intent(inout) :: list(:)
+      class(recorder_type), allocatable, intent(inout) :: recorder
+      type(recorder_holder_type), allocatable :: longer(:)
+      integer :: i
+
+      allocate (longer(size(list) + 1))
+      do i = 1, size(list)
          call move_alloc(list(i)%recorder, longer(i)%recorder)
       end do
-      allocate (one)
-      if (present(deck_file)) then
-         call new_memory_recorder(one, deck_file)
-      else
-         call new_memory_recorder(one, none)
-      end if
-      call move_alloc(one, longer(n + 1)%recorder)
+      call move_alloc(recorder, longer(size(longer))%recorder)
       call move_alloc(longer, list)
-   end subroutine append_memory
+   end subroutine append
 
    !> A file that exists must be in the list of the `job.json` of an earlier run.
    subroutine refuse_foreign(folder, stem, file, error)
@@ -109,70 +136,4 @@ contains
          return
       end do
    end subroutine refuse_foreign
-
-   subroutine hold_json(holder, path, file, deck_file)
-      type(recorder_holder_type), intent(inout) :: holder
-      character(len=*), intent(in) :: path, file(:)
-      character(len=*), intent(in), optional :: deck_file(:)
-      type(json_recorder_type), allocatable :: one
-      character(len=1) :: none(0)
-
-      allocate (one)
-      if (present(deck_file)) then
-         call new_json_recorder(one, path, file, deck_file)
-      else
-         call new_json_recorder(one, path, file, none)
-      end if
-      call move_alloc(one, holder%recorder)
-   end subroutine hold_json
-
-   subroutine hold_vtu(holder, folder, stem)
-      type(recorder_holder_type), intent(inout) :: holder
-      character(len=*), intent(in) :: folder, stem
-      type(vtu_recorder_type), allocatable :: one
-
-      allocate (one)
-      call new_vtu_recorder(one, folder, stem)
-      call move_alloc(one, holder%recorder)
-   end subroutine hold_vtu
-
-   subroutine hold_sta(holder, base)
-      type(recorder_holder_type), intent(inout) :: holder
-      character(len=*), intent(in) :: base
-      type(sta_recorder_type), allocatable :: one
-
-      allocate (one)
-      call new_sta_recorder(one, base//'.sta', base//'.cvg')
-      call move_alloc(one, holder%recorder)
-   end subroutine hold_sta
-
-   subroutine hold_history(holder, path)
-      type(recorder_holder_type), intent(inout) :: holder
-      character(len=*), intent(in) :: path
-      type(history_recorder_type), allocatable :: one
-
-      allocate (one)
-      call new_history_recorder(one, path)
-      call move_alloc(one, holder%recorder)
-   end subroutine hold_history
-
-   subroutine hold_dat(holder, path)
-      type(recorder_holder_type), intent(inout) :: holder
-      character(len=*), intent(in) :: path
-      type(dat_recorder_type), allocatable :: one
-
-      allocate (one)
-      call new_dat_recorder(one, path)
-      call move_alloc(one, holder%recorder)
-   end subroutine hold_dat
-
-   subroutine hold_frd(holder, path)
-      type(recorder_holder_type), intent(inout) :: holder
-      character(len=*), intent(in) :: path
-      type(frd_recorder_type), allocatable :: one
-
-      allocate (one)
-      call new_frd_recorder(one, path)
-      call move_alloc(one, holder%recorder)
-   end subroutine hold_frd
 end module lopin_recorder_factory

@@ -52,13 +52,17 @@ contains
       type(json_recorder_type), intent(out) :: self
       character(len=*), intent(in) :: path            !! '': no file, the text is kept only
       character(len=*), intent(in) :: file(:)
-      character(len=*), intent(in) :: deck_file(:)
+      character(len=*), intent(in), optional :: deck_file(:)   !! by file index of locations
 
       self%path = path
       allocate (character(len=len(file)) :: self%file(size(file)))
       self%file(:) = file
-      allocate (character(len=len(deck_file)) :: self%deck_file(size(deck_file)))
-      self%deck_file(:) = deck_file
+      if (present(deck_file)) then
+         allocate (character(len=len(deck_file)) :: self%deck_file(size(deck_file)))
+         self%deck_file(:) = deck_file
+      else
+         allocate (character(len=1) :: self%deck_file(0))
+      end if
    end subroutine new_json_recorder
 
    subroutine begin(self, model, error)

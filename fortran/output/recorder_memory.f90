@@ -59,7 +59,7 @@ contains
 
    subroutine new_memory_recorder(self, deck_file)
       type(memory_recorder_type), intent(out) :: self
-      character(len=*), intent(in) :: deck_file(:)     !! by file index of locations
+      character(len=*), intent(in), optional :: deck_file(:)   !! by file index of locations
       character(len=1) :: none(0)
       call new_json_recorder(self%json, '', none, deck_file)
    end subroutine new_memory_recorder

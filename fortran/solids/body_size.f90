@@ -1,4 +1,4 @@
-!> How thick bodies are: what a penetration is large beside.
+!> Thickness of bodies: the length that a penetration is compared with.
 module lopin_body_size
    use lopin_kinds, only : wp
    use lopin_model, only : model_type

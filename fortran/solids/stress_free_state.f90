@@ -1,4 +1,4 @@
-!> The state in which a solid is free of stress: other temperatures, stresses of the start.
+!> The stress-free state of a solid: reference temperatures and initial stresses.
 !>
 !> Both are an elastic strain beside that of the deformation. Its change of volume is added to ln J
 !> in the memory of each point, its deviator is a plastic metric of the start.

@@ -1,4 +1,4 @@
-!> The contract of a rigid tool: where is the closest point of its surface, and on which side.
+!> The contract of a rigid tool: closest point of its surface, normal, and signed gap.
 !>
 !> The geometry stands in the tool frame, which is the global frame at time 0. The normal points
 !> out of the tool, towards the body that may touch it; the gap g = n.(x - foot) is positive when

@@ -21,6 +21,7 @@ program test_build_friction
    call automatic()
    call changes()
    call yields()
+   call yield_of_every_hardening()
    call finish()
 
 contains
@@ -107,7 +108,7 @@ contains
       call is_true('orowan', law%law == law_of%orowan)
       call close_to('mu, m', [law%mu, law%m], [0.1_wp, 0.4_wp], 0.0_wp)
       law = friction_of('*FRICTION, LAW=CRITESCU|0.4')
-      call is_true('as the seed spells it', law%law == law_of%cristescu)
+      call is_true('as the lecture spells it', law%law == law_of%cristescu)
       law = friction_of('*FRICTION, LAW=TRESCA, EQUIVALENT=MISES|0.4')
       call is_true('Tresca of the von Mises stress', law%law == law_of%cristescu)
    end subroutine laws_of_the_yield_stress
@@ -134,7 +135,7 @@ contains
       character(len=:), allocatable :: why
       integer :: number
 
-      call test('LAW=AUTO goes with the material of the slave (seed E, remarks 2 to 6)')
+      call test('LAW=AUTO goes with the material of the slave (lecture E, remarks 2 to 6)')
       law = friction_of('*FRICTION, LAW=AUTO|0.1, 0.4, 5., 0.2')
       call is_true('elastic', law%law == law_of%coulomb)
       call close_to('mu', law%mu, 0.1_wp, 0.0_wp)
@@ -177,4 +178,37 @@ contains
       call close_to('of the upper square', yield, [90.0_wp, 90.0_wp, 90.0_wp, 90.0_wp, 0.0_wp, &
          & 0.0_wp, 0.0_wp, 0.0_wp], 0.0_wp)
    end subroutine yields
+
+   !> Whatever card says it, also where the solid stays elastic and only friction reads it.
+   subroutine yield_of_every_hardening()
+      real(wp), parameter :: hollomon = (500.0_wp/7000.0_wp**0.2_wp)**1.25_wp
+      character(len=13), parameter :: only(2) = [character(len=13) :: '', 'ONLY=FRICTION']
+      character(len=:), allocatable :: word
+      integer :: i
+
+      call test('the yield stress is that of the curve before anything is strained')
+      do i = 1, 2
+         word = '*PLASTIC'
+         if (len_trim(only(i)) > 0) word = word//', '//trim(only(i))
+         call yield_is(word//'|90., 0.|120., 0.1', 90.0_wp)
+         call yield_is(word//'|90., 0., 20.|120., 0.1, 20.|60., 0., 120.', 90.0_wp)
+         call yield_is(word//', HARDENING=SWIFT|500., 0.01, 0.2', 500.0_wp*0.01_wp**0.2_wp)
+         call yield_is(word//', HARDENING=VOCE|300., 90., 5.', 90.0_wp)
+         call yield_is(word//', HARDENING=LINEAR|90., 7.', 90.0_wp)
+         call yield_is(word//', HARDENING=HOLLOMON|500., 0.2, 80.', 80.0_wp)
+         call yield_is(word//', HARDENING=HOLLOMON|500., 0.2', hollomon)
+         call yield_is(word//', HARDENING=KINEMATIC|90., 0.|120., 0.1', 90.0_wp)
+         call yield_is(word//', HARDENING=COMBINED, DATA TYPE=PARAMETERS|90., 500., 5.', 90.0_wp)
+      end do
+      call yield_is('*PLASTIC, HARDENING=COMBINED, DATA TYPE=PARAMETERS|90., 500., 5.|' &
+         & //'*CYCLIC HARDENING|75., 0.|85., 0.1', 75.0_wp)
+   end subroutine yield_of_every_hardening
+
+   subroutine yield_is(plastic, expected)
+      character(len=*), intent(in) :: plastic
+      real(wp), intent(in) :: expected     !! [stress]
+
+      call build('*FRICTION, LAW=TRESCA|0.1', plastic)
+      call close_to(plastic, model%material(2)%yield/expected, 1.0_wp, 1.0e-12_wp)
+   end subroutine yield_is
 end program test_build_friction

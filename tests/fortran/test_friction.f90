@@ -213,7 +213,7 @@ contains
       logical :: slips
       integer :: i, j
 
-      call test('seed E5, "R_t = alpha |v|^q": the return solves q - c_t dgamma = alpha v^q')
+      call test('lecture E5, "R_t = alpha |v|^q": the return solves q - c_t dgamma = alpha v^q')
       at = scene()
       law = law_with(law_of%norton_hoff)
       do i = 1, size(exponent)
@@ -235,7 +235,7 @@ contains
       real(wp) :: radius(3), slope(3), switch
       integer :: i
 
-      call test('seed E3, "min(mu p, m sigma_y/sqrt 3)" of two numbers: Coulomb, then Tresca')
+      call test('lecture E3, "min(mu p, m sigma_y/sqrt 3)" of two numbers: Coulomb, then Tresca')
       law = law_with(law_of%orowan)
       switch = law%m*200.0_wp/(law%mu*root_3)
       call friction_radius(law, 1.0e-3_wp*switch, scene(), radius(1), slope(1))
@@ -256,7 +256,7 @@ contains
       type(condition_type) :: at
       real(wp) :: one, two, slope
 
-      call test('seed E4, "Critescu": Tresca where the body yields, less where it does not')
+      call test('lecture E4, "Critescu": Tresca where the body yields, less where it does not')
       at = scene()
       call friction_radius(law_with(law_of%tresca), 100.0_wp, at, one, slope)
       at%mises = at%yield

@@ -28,7 +28,7 @@ contains
       logical :: slips
       integer :: i, r
 
-      call test('seed E2, E4: no shear without pressure, and stick has an inequality')
+      call test('lecture E2, E4: no shear without pressure, and stick has an inequality')
       do i = 1, size(law_names)
          call return_to_disc(law_with(i), 7.0_wp, 3.0_wp, 0.0_wp, scene(), traction, dq, dp, slips)
          call is_true(trim(law_names(i))//' at p = 0', max(traction, dq, dp) <= 0.0_wp .and. slips)
@@ -88,7 +88,7 @@ contains
       real(wp) :: traction, ds, dp, slip
       integer :: k
 
-      call test('seed E6: creep of the arctangent under T < mu N is u0 tan(pi T/(2 mu N))')
+      call test('lecture E6: creep of the arctangent under T < mu N is u0 tan(pi T/(2 mu N))')
       law = law_with(law_of%coulomb, regularization_of%arctan)
       do k = 1, 9
          slip = law%elastic_slip*tan(0.5_wp*pi*0.1_wp*k)
@@ -96,7 +96,7 @@ contains
          call close_to('share of mu N', traction/30.0_wp, 0.1_wp*k, 1.0e-13_wp)
       end do
 
-      call test('seed E6: the argument is no slip per increment: two halves are the whole')
+      call test('lecture E6: the argument is no slip per increment: two halves are the whole')
       law%v0 = 0.2_wp
       call is_true('a rate', by_rate(law))
       call regularised_traction(law, 0.04_wp, 100.0_wp, condition_type(dt=0.4_wp), traction, ds, dp)

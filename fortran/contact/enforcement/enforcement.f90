@@ -1,4 +1,4 @@
-!> Enforcement of contact: what a method is asked, on the linear and on the nonlinear path (seed J).
+!> The contract of enforcement methods, on the linear and on the nonlinear path (lecture J).
 !>
 !> With gap g >= 0 open, force (or pressure) lambda >= 0 pressing and stiffness alpha > 0 of the
 !> point (or of its area), all methods press with

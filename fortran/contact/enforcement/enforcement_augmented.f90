@@ -1,4 +1,4 @@
-!> Augmented Lagrangian (seed J.4, Uzawa's update): the penalty system with a frozen multiplier,
+!> Augmented Lagrangian (lecture J.4, Uzawa's update): the penalty system with a frozen multiplier,
 !> which takes over the spring's force after each solve until nothing moves.
 module lopin_enforcement_augmented
    use lopin_kinds, only : wp

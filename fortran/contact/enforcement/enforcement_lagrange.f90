@@ -1,4 +1,4 @@
-!> Lagrange multipliers (seed J.2): the force is an unknown, the gap of a closed point is zero.
+!> Lagrange multipliers (lecture J.2): the force is an unknown, the gap of a closed point is zero.
 module lopin_enforcement_lagrange
    use lopin_enforcement, only : enforcement_type
    implicit none

@@ -1,4 +1,4 @@
-!> Penalty (seed J.1): a spring of stiffness alpha where the point penetrates, K + alpha G G^T.
+!> Penalty (lecture J.1): a spring of stiffness alpha where the point penetrates, K + alpha G G^T.
 module lopin_enforcement_penalty
    use lopin_kinds, only : wp
    use lopin_enforcement, only : enforcement_type, setting_type

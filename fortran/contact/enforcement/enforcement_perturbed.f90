@@ -1,6 +1,6 @@
-!> Perturbed Lagrangian (seed J.3, with 1/alpha as in its matrix): the force is an unknown and the
-!> closed gap is -force/alpha. Condensing the force gives the penalty system; keeping it keeps the
-!> digits.
+!> Perturbed Lagrangian (lecture J.3, with 1/alpha as in its matrix): the force is an unknown and
+!> the closed gap is -force/alpha. Condensing the force gives the penalty system; keeping it keeps
+!> the digits.
 module lopin_enforcement_perturbed
    use lopin_kinds, only : wp
    use lopin_enforcement, only : enforcement_type

@@ -1,4 +1,4 @@
-!> How far pressures are off that stand on penetration.
+!> Estimate of the pressure error that penetration causes in penalty methods.
 module lopin_soft_error
    use lopin_kinds, only : wp
    use lopin_soft_share, only : largest_share

@@ -1,4 +1,4 @@
-!> The error of contact forces where points may penetrate, as one number.
+!> The error of contact forces by penetration, over all points, as one number.
 module lopin_soft_share
    use lopin_kinds, only : wp
    implicit none

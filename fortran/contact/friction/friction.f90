@@ -1,9 +1,9 @@
-!> Friction laws: one kernel; a law is the radius of a disc and its slopes (seed E).
+!> Friction laws: one kernel; a law is the radius of a disc and its slopes (lecture E).
 !>
 !> What a trial traction becomes under them is told by `lopin_friction_return`. Tractions are
 !> stresses.
 !>
-!> | law            | radius                        | seed, and what is repaired               |
+!> | law            | radius                        | lecture, and what is repaired            |
 !> | coulomb        | mu p                          | E1: slip is a rate, not a displacement   |
 !> | tresca         | m sigma_y / sqrt 3            | E2: acts only where p > 0, and sticks    |
 !> | orowan         | min(mu p, m sigma_y / sqrt 3) | E3: the least of two numbers             |
@@ -128,8 +128,8 @@ contains
       place = 0
    end function place_of
 
-   !> LAW=AUTO (seed E, remarks 2 to 6): the law that goes with what the material does, and the word
-   !> for it.
+   !> LAW=AUTO (lecture E, remarks 2 to 6): the law that goes with what the material does, and the
+   !> word for it.
    pure subroutine automatic_law(plastic, hardens, viscoplastic, number, why)
       logical, intent(in) :: plastic, hardens, viscoplastic
       integer, intent(out) :: number

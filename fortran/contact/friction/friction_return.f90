@@ -1,4 +1,5 @@
-!> What a law of friction makes of a trial: the return to its disc, and regularised tractions.
+!> The tangential traction of a law of friction from a trial: return to the disc, or a regularised
+!> law.
 !>
 !> With pressure p >= 0, trial traction q = |lambda_t - c_t s| and direction m, all laws press with
 !> t = F m. Exact: F is q inside the disc and its radius outside. Norton-Hoff, whose traction grows

@@ -1,4 +1,4 @@
-!> What friction remembers of each point of the linear path, and what an increment shows beside it.
+!> History of friction at each point of the linear path, and the increments that are reported.
 !>
 !> Vectors are in global axes, so that a tool may turn between increments.
 module lopin_friction_state

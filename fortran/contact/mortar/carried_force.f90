@@ -1,5 +1,5 @@
-!> Do pressures carry their forces? Pressures at points, interpolated between them, against the
-!> forces on the points.
+!> Consistency of pressures and nodal forces: point pressures, interpolated and integrated, against
+!> the forces on the points.
 module lopin_carried_force
    use lopin_kinds, only : wp
    use lopin_facets, only : facets_type, facet_rule_type, facet_weights

@@ -1,4 +1,4 @@
-!> Points inside a facet, and what each counts in the rows of the facet's nodes.
+!> Integration points inside a facet, and their weights in the rows of the facet's nodes.
 !>
 !> The dual functions psi = A N, A = diag(sum w N) (sum w N N^T)^-1, are made with the points' own
 !> sums: a gap that is linear over the facet gives exactly the gaps at its nodes. On second-order

@@ -1,4 +1,5 @@
-!> Dual mortar coupling of two surfaces: what each slave node meets, on average over its share.
+!> Dual mortar coupling of two surfaces: gaps and normals of each slave node, averaged by its dual
+!> function.
 !>
 !> A dual function Phi_j belongs to every slave node: the integral of Phi_j N_k is 0 for k /= j, so
 !> that each node has a gap of its own (Wohlmuth 2000). On every slave facet Phi = A N with

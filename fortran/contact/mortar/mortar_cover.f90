@@ -1,4 +1,5 @@
-!> Which slave nodes have a row of their own, and who takes over the functions of the others.
+!> Slave nodes that the master covers in part: which keep a row, and to which the functions of the
+!> others are added.
 !>
 !> A node that the master covers less than its best neighbour has a weak function: as a row of its
 !> own it would keep nodes beside the master at its height (force +15 %, pressures times 3 to 9).

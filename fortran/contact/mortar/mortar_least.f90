@@ -1,4 +1,4 @@
-!> The least gap over the facets of a slave node: no mean of gaps is less.
+!> Lower bound of a weighted gap: the least gap over the facets of the slave node.
 !>
 !> Dual functions are negative over a part of their facets: where a master is convex within them,
 !> the weighted gap of a node lies below every gap that it weighs, by up to kappa h^2/12, and would

@@ -1,4 +1,4 @@
-!> What a slave facet and a master facet share: integrals of the standard basis, from the kernels.
+!> The overlap of a slave facet and a master facet: integrals of the standard basis.
 module lopin_mortar_overlap
    use lopin_kinds, only : wp
    use lopin_surface, only : surface_type

@@ -1,4 +1,4 @@
-!> A mortar row in space with its slopes: what it holds, and how one takes another over.
+!> A mortar row in space with its slopes, and how one row is added to another.
 !>
 !> A node without a row of its own hands it over to others, so that the functions still sum to one:
 !> lopin_mortar_cover.

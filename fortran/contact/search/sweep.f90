@@ -1,4 +1,4 @@
-!> The way of points between the ends of an increment: does one pass through what lies opposite?
+!> Continuous collision test: does a point pass through the opposite surface within an increment?
 !>
 !> At the ends of the increment nothing may show. A point that goes no farther than its gap, or than
 !> half a facet, cannot pass. The others are looked at on the way: a gap is a distance, so a point

@@ -1,4 +1,5 @@
-!> How deep a surface may enter another before it would come out of its own other side.
+!> Wall thickness behind a surface: the depth beyond which a penetration belongs to the opposite
+!> skin.
 !>
 !> The skin of a thin sheet looks both ways: from its upper side the under side of what lies below
 !> seems to be entered by both thicknesses. Half the way to the other side of one's own wall bounds

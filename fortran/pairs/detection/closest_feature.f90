@@ -1,4 +1,5 @@
-!> What lies opposite a contact point now: a place on a master surface, or the foot on a tool.
+!> The feature opposite a contact point on the present shape: a place on a master surface, or the
+!> foot on a tool.
 module lopin_closest_feature
    use lopin_kinds, only : wp
    use lopin_cells, only : cell_family

@@ -1,4 +1,4 @@
-!> Slave points of all pairs: what each weighs, what lies opposite, along which normal, how far.
+!> Slave points of all pairs: area, opposite feature, normal and gap of each.
 !>
 !> A point in a concave corner of a tool has two entries, one a wall.
 module lopin_contact_points

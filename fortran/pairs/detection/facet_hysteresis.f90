@@ -1,4 +1,5 @@
-!> Which facet a point belongs to when it sits in a joint, and cannot rest on either facet alone.
+!> Hysteresis of the facet that a point belongs to at a joint of facets, where neither facet alone
+!> has an equilibrium.
 !>
 !> In a valley between two facets the normal jumps where the nearer facet changes. A point that is
 !> pushed to that place from both sides has no equilibrium on the nearest facet: Newton passes it

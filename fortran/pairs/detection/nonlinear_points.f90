@@ -1,4 +1,5 @@
-!> The points of finite contact: slave nodes of all pairs, with areas, sizes, moduli, initial gaps.
+!> Contact points of the nonlinear path: slave nodes of all pairs, with areas, sizes, moduli,
+!> initial gaps.
 module lopin_nonlinear_points
    use lopin_kinds, only : wp
    use lopin_error, only : error_type, log_type, severity

@@ -1,4 +1,4 @@
-!> Which points of a surface against itself press, and which are only pressed upon.
+!> Slave and master roles of the points of a surface in contact with itself.
 !>
 !> Both sides of a fold are slaves of the other. With exact constraints two nodes that face each
 !> other would state one condition twice: the tractions are not unique, and two polygons that may

@@ -1,5 +1,4 @@
-!> The nodes of a slave surface: what area each stands for, which way it faces, how large its
-!> facets are.
+!> The nodes of a slave surface: tributary area, normal, and size of the facets.
 module lopin_slave_points
    use lopin_kinds, only : wp
    use lopin_error, only : error_type

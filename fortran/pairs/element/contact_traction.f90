@@ -1,10 +1,10 @@
-!> What a contact point presses with, in dual numbers: any method, all laws of friction.
+!> The traction of a contact point in dual numbers: any method, all laws of friction.
 !>
 !> In vectors, without tangent bases: with the trial pressure phat and the trial shear that,
 !>
 !>    p = max(0, phat)  (bilateral: phat),   t = that F(|that|)/|that|,   z = p n + t,
 !>
-!> and the methods differ in the trials (lopin_enforcement; seed J; Alart and Curnier 1991):
+!> and the methods differ in the trials (lopin_enforcement; lecture J; Alart and Curnier 1991):
 !>
 !>    penalty     phat = -c g                     that = P l - ct s     l: committed traction
 !>    augmented   phat = l.n - c g                that = P l - ct s     l: frozen, updated outside

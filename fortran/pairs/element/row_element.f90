@@ -1,5 +1,5 @@
-!> The contact element: what a row presses with, and what its forces make of the local matrix,
-!> wherever its weights, gap, normal and slip come from.
+!> The contact element: traction of a row, and its forces and slopes in the local matrix, wherever
+!> its weights, gap, normal and slip come from.
 !>
 !> Nodes opposite tools and facets (lopin_contact_element) and mortar rows in the plane
 !> (lopin_mortar_element) measure a row in dual numbers, one block of columns of its derivatives

@@ -1,4 +1,5 @@
-!> What lies opposite each point on the present shape, and which of two sides that meet presses.
+!> Detection on the present shape: the feature opposite each point, and which of two facing sides is
+!> the slave.
 module lopin_contact_detection
    use lopin_kinds, only : wp
    use lopin_error, only : error_type

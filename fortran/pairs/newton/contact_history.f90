@@ -1,4 +1,5 @@
-!> What contact on the present shape remembers: where increments start, what they leave.
+!> History of contact on the present shape: the state that an increment starts from, and the one
+!> that it leaves.
 module lopin_contact_history
    use lopin_kinds, only : wp
    use lopin_error, only : error_type

@@ -1,4 +1,5 @@
-!> How the points of finite contact press: methods and stiffnesses by the deck and the moduli.
+!> Enforcement parameters of the points of the nonlinear path: methods and stiffnesses by the deck
+!> and the moduli.
 module lopin_enforcement_parameters
    use lopin_kinds, only : wp
    use lopin_error, only : log_type, severity

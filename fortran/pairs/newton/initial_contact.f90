@@ -1,5 +1,5 @@
-!> What is measured once, in the state in which contact is met first: ties, and the walls of
-!> surfaces that meet themselves.
+!> Quantities measured once, in the state in which contact is first evaluated: ties, and walls of
+!> surfaces in contact with themselves.
 module lopin_initial_contact
    use lopin_kinds, only : wp
    use lopin_error, only : error_type

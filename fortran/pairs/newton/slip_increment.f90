@@ -1,4 +1,5 @@
-!> What points do on the present shape in a trial state: their slip, its work, energy held, bounds.
+!> Slip increments of the points on the present shape: slip, its work, elastic energy, bounds of
+!> shear.
 module lopin_slip_increment
    use lopin_kinds, only : wp
    use lopin_friction, only : friction_type, condition_type, has_friction, is_regularised, &

@@ -1,5 +1,5 @@
-!> What the end of a step tells the user: pairs that never met, work that was lost, motions too
-!> large for the theory.
+!> Messages at the end of a step: pairs that never touched, work lost, motions beyond small
+!> displacements.
 module lopin_after_step
    use lopin_kinds, only : wp
    use lopin_text, only : to_text

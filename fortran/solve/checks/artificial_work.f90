@@ -1,4 +1,4 @@
-!> Work of what holds a body while nothing else does.
+!> Work of the artificial springs that hold floating bodies.
 !>
 !> A body that floats has no equilibrium that tells where it goes: artificial supports of the linear
 !> path keep it where it was, soft springs of Newton's iterations lead it to where contact holds it.

@@ -1,4 +1,4 @@
-!> The frozen tests of an accepted increment, each made from what the run computed, not assumed.
+!> The certificate of an accepted increment: tests of quantities that the run computed.
 module lopin_certificate
    use lopin_kinds, only : wp
    use lopin_text, only : to_text

@@ -1,4 +1,5 @@
-!> Where friction holds a free body, soft springs of an iteration must not decide where it goes.
+!> Refusal of increments in which artificial springs decide where a free body goes, although
+!> friction would hold it.
 !>
 !> An iteration of Newton in which all contact slips leaves such a body to springs to the ground
 !> (lopin_newton_step). It may then find its next balance far from the last one, in contact with

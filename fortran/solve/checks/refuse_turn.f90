@@ -1,4 +1,5 @@
-!> A tool that turns far under points that slide on it: friction takes the chord of their way.
+!> Limit of the rotation of a tool in one increment under points that slide on it: the slip is taken
+!> along the chord.
 !>
 !> On the present shape the slip of an increment is the straight way in the frame of the tool from
 !> the place where a point was to where it is. A tool that turns by t below a point that stands

@@ -1,5 +1,5 @@
-!> What a body does on its way out of the tools: where it flows or rubs there, its springback
-!> depends on the way.
+!> Path dependence of a release from the tools: where a body flows or slips on its way out, its
+!> springback depends on the way.
 !>
 !> An elastic release without friction ends in one shape, whether pairs are removed, tools withdrawn
 !> or loads taken off. Beside the energy that comes free, the plastic work and the friction of the

@@ -1,5 +1,5 @@
-!> Does what was put in come back? Work that is neither stored nor dissipated, beyond what the rule
-!> that integrates it may miss.
+!> Balance of work: what is neither stored nor dissipated, beyond the error of the rule that
+!> integrates it.
 !>
 !> External work is a trapezoid over increments. A point that closes or opens in one adds half its
 !> force times its gap, which is known and taken off if that explains it. Of forces r and

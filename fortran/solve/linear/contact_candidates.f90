@@ -1,5 +1,5 @@
-!> Which slave points have a row on the linear paths: those within reach, and more once they prove
-!> too few.
+!> Contact candidates of the linear paths: the slave points that get a row, and more where these
+!> prove too few.
 !>
 !> A row costs a column of the compliance. Points much farther apart than anything is prescribed to
 !> move, or than two facets where forces act, get none at first. After every solve the gap of every

@@ -1,5 +1,5 @@
-!> The bodies near some points of contact, cut out of the stiffness of the run: the forces with
-!> which the points close where loads on the bodies would open them.
+!> A part of the bodies near some contact points, cut out of the stiffness of the run: the forces
+!> with which the points close where loads on the bodies would open them.
 !>
 !> Farther nodes are held. A point is a stiff spring, so that the matrix is positive definite.
 module lopin_contact_patch

@@ -1,4 +1,4 @@
-!> What an increment of friction leaves: tractions, slips, work; and the tests of it.
+!> The history that an increment of friction leaves: tractions, slips, work; and the checks of it.
 module lopin_friction_history
    use lopin_kinds, only : wp
    use lopin_friction, only : is_regularised, by_rate, friction_radius

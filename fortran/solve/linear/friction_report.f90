@@ -1,4 +1,4 @@
-!> What a run says about friction: elastic slip, wedging, tension, states that cycle.
+!> Messages about friction: elastic slip, wedging, tension, states that cycle.
 module lopin_friction_report
    use lopin_kinds, only : wp
    use lopin_error, only : error_type, error_code, raise, severity

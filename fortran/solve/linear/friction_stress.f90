@@ -1,7 +1,8 @@
 !> The von Mises stress that Cristescu's friction reads, lagged from pass to pass of an increment.
 !>
-!> The stress contains the shear that it bounds (seed E4), so that the two are solved in turn until
-!> the stress settles. Taken from the last increment instead, the answer would depend on the step.
+!> The stress contains the shear that it bounds (lecture E4), so that the two are solved in turn
+!> until the stress settles. Taken from the last increment instead, the answer would depend on the
+!> step.
 module lopin_friction_stress
    use lopin_kinds, only : wp
    use lopin_pair_friction, only : friction_in_step

@@ -292,7 +292,7 @@ contains
       scene%problem%rest = moved
    end subroutine stay_where_they_are
 
-   !> The sequence of problems of seed J.1: softer penalties first, each starting from the last
+   !> The sequence of problems of lecture J.1: softer penalties first, each starting from the last
    !> one's set.
    subroutine contact_by_continuation(scene, model, gap, load, moving, error)
       type(scene_type), intent(inout) :: scene

@@ -1,10 +1,11 @@
 !> The second path, *LOPIN, PATH=NEWTON: the whole system, factorised again at every change of
 !> contact.
 !>
-!> It condenses nothing and supports nothing artificially: the matrices are those of seed J. It is
-!> the reference of the condensed path and the cost of doing without it. A motion that only contact
-!> holds makes K singular and the matrix of a set regular as soon as the set holds it; where a set
-!> on the way does not, soft springs that follow the motion (proximal steps) lead to one that does.
+!> It condenses nothing and supports nothing artificially: the matrices are those of lecture J. It
+!> is the reference of the condensed path and the cost of doing without it. A motion that only
+!> contact holds makes K singular and the matrix of a set regular as soon as the set holds it; where
+!> a set on the way does not, soft springs that follow the motion (proximal steps) lead to one that
+!> does.
 module lopin_path_refactorised
    use lopin_kinds, only : wp
    use lopin_error, only : error_type, error_code, raise
@@ -222,7 +223,7 @@ contains
       call scene%clock%stop_in(phase%solve)
    end subroutine compliance_by_solves
 
-   !> The sequence of problems of seed J.1: softer penalties first, each starting from the last
+   !> The sequence of problems of lecture J.1: softer penalties first, each starting from the last
    !> one's set.
    subroutine settle_with_continuation(scene, model, right)
       type(scene_type), intent(inout) :: scene

@@ -1,5 +1,5 @@
-!> How far penetration falsifies the pressures of the nonlinear path, by the tangent itself, and
-!> slopes that follow from it.
+!> Estimate of the pressure error by penetration on the nonlinear path, from the tangent; and slopes
+!> that follow from it.
 module lopin_compliance_error
    use lopin_kinds, only : wp
    use lopin_error, only : error_type

@@ -1,4 +1,5 @@
-!> What friction reads from the last iteration of Newton on the nonlinear path: stress and speed.
+!> Quantities that friction takes from the last Newton iteration on the nonlinear path: stress and
+!> speed.
 !>
 !> Cristescu's law reads the von Mises stress at the slave, Tresca's and Orowan's the flow stress
 !> there where it hardens, EXPONENTIAL DECAY the speed of slip. They are put in place between

@@ -1,4 +1,4 @@
-!> How much of a Newton step is taken on the nonlinear path.
+!> The line search of the nonlinear path.
 !>
 !> The step is shortened until it lowers the merit or contracts, and until no corner of an element
 !> that was right turns inside out: beyond that the forces of a solid are those of no solid, and

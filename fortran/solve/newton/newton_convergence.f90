@@ -1,5 +1,5 @@
-!> When Newton has arrived: residual, contact and correction, beside the forces of the scene, or all
-!> of it below what rounding leaves.
+!> Convergence of Newton: residual, contact and correction, relative to the forces of the scene, or
+!> below the rounding of both.
 !>
 !> The forces beside which a residual is small are those that elements, loads and supports bear, one
 !> by one. They do not fade where a body is let go of, as assembled forces do, nor grow with a trial

@@ -1,4 +1,4 @@
-!> What the nonlinear path needs before its first increment, and what each step changes.
+!> Initialisation of the nonlinear path, and its update at the beginning of a step.
 module lopin_nonlinear_start
    use lopin_kinds, only : wp
    use lopin_error, only : error_type

@@ -1,4 +1,5 @@
-!> Where Newton starts on the nonlinear path: solids that flow go on as they did.
+!> The predictor of the nonlinear path: the start of Newton is extrapolated from the last increments
+!> of solids that flow.
 !>
 !> The motion of the next increment is read off the last one, or off the last two where these would
 !> have told the last one better: velocities at mid-increment, extended linearly. A contact that

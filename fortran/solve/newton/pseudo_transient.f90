@@ -1,4 +1,4 @@
-!> Where Newton finds no way to the next equilibrium: an implicit motion through pseudo-time.
+!> Pseudo-transient continuation, used where Newton finds no next equilibrium.
 !>
 !> A path of equilibria may turn back where a node leaves a tool: the states beyond are far from the
 !> last one however small the increment is. A real part jumps there. The motion D dx/dt = -r, taken

@@ -1,4 +1,4 @@
-!> All forces of a trial state of the nonlinear path, and how far it is from equilibrium.
+!> The residual of the nonlinear path at a trial state.
 module lopin_residual
    use lopin_kinds, only : wp
    use lopin_error, only : error_type

@@ -1,6 +1,8 @@
-!> Where the state of a run is kept between two processes: asked after accepted increments.
+!> The contract of checkpoint stores: where the state of a run is kept between two processes, asked
+!> after accepted increments.
 !>
-!> The analysis knows what to keep, a keeper where; a run without a keeper keeps nothing.
+!> The analysis knows what belongs to the state, a store knows where it is kept; a run without a
+!> store keeps nothing.
 module lopin_checkpoint_store
    use, intrinsic :: iso_fortran_env, only : int8
    use lopin_error, only : error_type

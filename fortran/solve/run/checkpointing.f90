@@ -1,4 +1,4 @@
-!> When the state of a run is kept, and how a run goes back to what was kept.
+!> When a checkpoint is written, and how a run resumes from one.
 module lopin_checkpointing
    use lopin_error, only : error_type, error_code, raise
    use lopin_interrupt, only : is_interrupted

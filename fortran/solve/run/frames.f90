@@ -1,4 +1,4 @@
-!> What recorders see of an accepted increment, made from the scene.
+!> The frame of an accepted increment that recorders see, made from the workspace.
 module lopin_frames
    use lopin_kinds, only : wp
    use lopin_constraints, only : axes_at

@@ -1,5 +1,4 @@
-!> What an increment leaves: work, what is judged of it, and the state that the next one starts
-!> from.
+!> The end of an increment: work, checks, and the state that the next one starts from.
 module lopin_leave_increment
    use lopin_kinds, only : wp
    use lopin_model, only : model_type

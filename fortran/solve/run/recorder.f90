@@ -1,5 +1,5 @@
-!> What an analysis tells the outside: once before the first step, after each accepted increment, at
-!> the end.
+!> The contract of recorders: called once before the first step, after each accepted increment, and
+!> at the end.
 !>
 !> In the order of a run: all recorders `begin`, then all `commit`; `increment` and `line` as they
 !> come; all `close`, and when it is known whether all that was written is on the disk, all

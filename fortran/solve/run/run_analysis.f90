@@ -45,8 +45,8 @@ module lopin_run_analysis
 
 contains
 
-   !> Run all steps. `log` gets the warnings of the run; `error` what ended it. With a keeper the
-   !> state is kept after increments, and a run that was broken off goes on from it.
+   !> Run all steps. `log` gets the warnings of the run; `error` what ended it. With a store the
+   !> state is kept after increments, and a run that was broken off resumes from it.
    subroutine run_analysis(model, recorders, clock, summary, log, error, store)
       type(model_type), intent(in) :: model
       type(recorder_holder_type), intent(inout) :: recorders(:)
@@ -68,8 +68,8 @@ contains
       summary = run%summary
    end subroutine run_analysis
 
-   !> Begin the files of a run that was just allocated, and make what the model needs. A state that
-   !> the keeper found is gone on from; so is `state`, of the same deck, in files that begin anew.
+   !> Begin the files of a run that was just allocated, and make what the model needs. The run goes
+   !> on from a state that the store found, or from `state`, of the same deck, in new files.
    subroutine open_run(self, model, recorders, clock, log, error, store, state)
       class(run_type), intent(inout) :: self
       type(model_type), intent(in) :: model

@@ -1,4 +1,4 @@
-!> The state of a run, out of it and into it; and the workspace, which follows from model and state.
+!> The state of a run, out of it and into it; and making the workspace again from model and state.
 module lopin_run_state
    use lopin_error, only : error_type, error_code, raise, log_type, severity
    use lopin_text, only : to_text

@@ -1,4 +1,4 @@
-!> A run between two increments: what evolves, the workspace, and what was reported so far.
+!> A run between two increments: its state, the workspace, and the reports so far.
 module lopin_run_type
    use lopin_checksum, only : checksum_type
    use lopin_report, only : frame_type, summary_type

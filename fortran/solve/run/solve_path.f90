@@ -1,4 +1,4 @@
-!> What the path that was planned needs, and one solution on a linear path.
+!> Preparation of the chosen path, and one solution on a linear path.
 module lopin_solve_path
    use lopin_kinds, only : wp
    use lopin_error, only : error_type, error_code, raise

@@ -1,4 +1,4 @@
-!> The contact problem on the whole system, factorised again at every change of contact: seed J.
+!> The contact problem on the whole system, factorised again at every change of contact: lecture J.
 !>
 !> With G = -B^T (gaps g = gap0 + B u), on the rows of a set:
 !>
@@ -15,7 +15,7 @@ module lopin_full_system
    use lopin_clock, only : clock_type, counter_type, phase
    use lopin_csc, only : csc_type, storage
    use lopin_linear_solver, only : linear_solver_type, matrix_class
-   use lopin_solver_factory, only : new_solver, choose_solver
+   use lopin_solver_factory, only : new_solver, choose_solver, general_solver
    use lopin_condensed, only : condensed_type, springs_type, response_type, rows_times, &
       & columns_times, is_spring
    implicit none
@@ -70,8 +70,7 @@ contains
       call k%diagonal(diagonal)
       if (any(diagonal > 0.0_wp)) self%scale = sum(diagonal)/count(diagonal > 0.0_wp)
       self%definite_name = lower(wish)
-      self%indefinite_name = 'umfpack'
-      if (self%definite_name == 'dense') self%indefinite_name = 'dense'
+      self%indefinite_name = general_solver(self%definite_name)
       self%reason = 'as asked'
       if (self%definite_name == 'auto') call choose_solver(k, matrix_class%positive_definite, &
          & [integer ::], self%definite_name, self%reason)

@@ -19,7 +19,7 @@ module lopin_newton_system
    use lopin_csc_sum, only : sum_of, widen
    use lopin_gmres, only : operator_type, gmres
    use lopin_linear_solver, only : linear_solver_type, matrix_class
-   use lopin_solver_factory, only : new_solver, choose_solver
+   use lopin_solver_factory, only : new_solver, choose_preconditioner, general_solver
    use lopin_constraints, only : constraints_type
    use lopin_reduce_matrix, only : reduce_matrix
    use lopin_local_matrix, only : local_matrix_type
@@ -180,12 +180,7 @@ contains
          if (.not. allocated(self%solver)) then
             name = lower(self%wish)
             self%reason = 'as asked'
-            if (name == 'auto') then
-               call choose_solver(self%matrix, matrix_class%positive_definite, [integer ::], &
-                  & name, self%reason)
-               ! Iterations mend what single precision leaves.
-               if (name == 'cholmod') name = 'mixed'
-            end if
+            if (name == 'auto') call choose_preconditioner(self%matrix, name, self%reason)
             call new_solver(self%solver, name, error)
             if (allocated(error)) return
          end if
@@ -317,7 +312,7 @@ contains
       call widen(general, self%n, solids)
       call sum_of(solids, contacts, matrix)
       if (allocated(self%whole)) deallocate (self%whole)
-      call new_solver(self%whole, 'umfpack', error)
+      call new_solver(self%whole, general_solver('auto'), error)
       if (allocated(error)) return
       call clock%stop_in(phase%assemble)
       call self%whole%analyse(matrix, matrix_class%general, [integer ::], error)

@@ -1,4 +1,4 @@
-!> What a scene needs and no more: the path, the method of each pair, and the line that says why.
+!> The plan of a run: path, method of each pair, and the line that says why.
 module lopin_plan
    use lopin_kinds, only : wp
    use lopin_text, only : to_text

@@ -1,4 +1,4 @@
-!> Warnings and notes that are given once at a place of the deck, and how often they held again.
+!> Warnings and notes that are given once per place of the deck, and how often each recurred.
 module lopin_repeated_messages
    use lopin_error, only : location_type, log_type, severity
    use lopin_text, only : to_text, plural

@@ -1,4 +1,5 @@
-!> What solutions start from: out of the state where an increment begins, into it where it is left.
+!> Start values of solutions: copied out of the state where an increment begins, and into it where
+!> it ends.
 module lopin_solver_state
    use lopin_kinds, only : wp
    use lopin_model, only : model_type

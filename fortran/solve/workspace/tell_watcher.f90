@@ -1,4 +1,4 @@
-!> What a watcher is told of a run, gathered where something happens.
+!> The reports to a watcher of a run, gathered in one place.
 module lopin_tell_watcher
    use lopin_kinds, only : wp
    use lopin_model, only : model_type

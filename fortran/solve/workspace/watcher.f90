@@ -1,4 +1,5 @@
-!> Whoever watches a run while it goes on: told of each attempt, iteration, cut and increment.
+!> The contract of watchers (observers) of a run: told of each attempt, iteration, cut and
+!> increment.
 !>
 !> A watcher never changes the run; recorders keep what a watcher only sees.
 module lopin_watcher
