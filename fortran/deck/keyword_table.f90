@@ -246,23 +246,22 @@ contains
       type(keyword_table_type), intent(inout) :: table
       character(len=*), intent(in) :: fields, sentence
       type(keyword_data_type) :: new
-      integer :: i
+      integer :: i, n
 
       new%sentence = sentence
-      allocate (new%field(0))
-      do i = 1, list_size(fields)
-         if (list_item(fields, i) == '...') then
-            new%is_list = .true.
-         else
-            new%field = [new%field, field_of(list_item(fields, i))]
-         end if
+      n = list_size(fields)
+      if (n > 0) new%is_list = list_item(fields, n) == '...'
+      if (new%is_list) n = n - 1
+      allocate (new%field(n))
+      do i = 1, n
+         call read_field(list_item(fields, i), new%field(i))
       end do
       table%row(table%n)%data = [table%row(table%n)%data, new]
    end subroutine data_line
 
-   function field_of(text) result(field)
+   subroutine read_field(text, field)
       character(len=*), intent(in) :: text   !! `name [unit] = default`
-      type(keyword_field_type) :: field
+      type(keyword_field_type), intent(out) :: field
       integer :: open, close, equals, last
 
       open = index(text, '[')
@@ -280,7 +279,7 @@ contains
          last = open - 1
       end if
       field%name = trim(text(:last))
-   end function field_of
+   end subroutine read_field
 
    !> The data lines are prose, in any alphabet.
    subroutine free_text(table)
