@@ -50,6 +50,7 @@ contains
    end subroutine put_contact
 
    !> Gap, pressure and their tangential companions of a slave point: CalculiX's six numbers.
+   !> Shear has the sign of the slip that it resists, as there: what the slave does to its master.
    pure function contact_components(field, i) result(six)
       type(contact_field_type), intent(in) :: field
       integer, intent(in) :: i
@@ -63,7 +64,7 @@ contains
       call tangents(n, d, t)
       shear = 0.0_wp
       if (field%weight(i) > 0.0_wp) then
-         shear(:d) = (field%force(:, i) - dot_product(field%force(:, i), field%normal(:, i)) &
+         shear(:d) = -(field%force(:, i) - dot_product(field%force(:, i), field%normal(:, i)) &
             & *field%normal(:, i))/field%weight(i)
       end if
       six(1) = field%gap(i)
@@ -114,7 +115,7 @@ contains
          if (.not. asks_pair(model, output, p)) cycle
          associate (field => frame%contact(p))
             do i = 1, size(field%node)
-               if (field%status(i) < 0) cycle
+               if (field%status(i) < merge(1, 0, stress)) cycle
                six = contact_components(field, i)
                call text%put_integer(model%mesh%node_label(field%node(i)), 10)
                do k = merge(4, 1, stress), merge(6, 3, stress)
