@@ -2,7 +2,7 @@
 module lopin_build_stl
    use lopin_kinds, only : wp
    use lopin_error, only : error_type, severity, location_type
-   use lopin_text, only : to_text, parse_real
+   use lopin_text, only : to_text, parse_real, upper
    use lopin_facet_mesh, only : facet_flaws_type
    use lopin_tool_factory, only : new_tool_from_facets
    use lopin_model, only : model_type, tool_holder_type
@@ -37,12 +37,18 @@ contains
       type(facet_flaws_type) :: flaws
       type(error_type), allocatable :: error
       type(stl_file_type) :: file
+      type(location_type) :: at
+      character(len=:), allocatable :: word
+      logical :: curved, found
 
       k = 0
       call read_corners(file, model, deck, scene, block, scope)
       if (.not. allocated(file%corner)) return
+      curved = .true.
+      call get_parameter(block, 'SMOOTH', word, at, found)
+      if (found) curved = upper(word) /= 'NO'
       call new_tool_from_facets(holder%shape, file%corner, has_parameter(block, 'OPEN'), &
-         & has_parameter(block, 'REPAIR'), flaws, error)
+         & has_parameter(block, 'REPAIR'), flaws, error, curved)
       if (allocated(error)) then
          call complain(model%log, error%item(1)%id, file%path//': '//error%item(1)%message, &
             & file%at, help=error%item(1)%help)

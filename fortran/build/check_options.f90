@@ -101,7 +101,8 @@ contains
       associate (p => model%pair(pair), master => model%surface(model%pair(pair)%master))
          if (master%kind == surface_of%tool) then
             call idle(model, p%at, 'SMOOTH', 'the master is a tool, which has its own shape', &
-               & 'leave it out; FILLET RADIUS on *SURFACE rounds the corners of a profile')
+               & 'leave it out; FILLET RADIUS on *SURFACE rounds the corners of a profile, '// &
+               & 'SMOOTH on *SURFACE curves the facets of STL')
             return
          end if
          if (master%kind /= surface_of%faces) return

@@ -85,6 +85,10 @@ contains
          friction%law = law
          first = k
       end do
+      if (friction%mu > 0.0_wp .and. friction%law /= law_of%coulomb) then
+         friction%rise = min(friction%mu, friction%rise)
+         why = why//'; below '//to_text(friction%rise)//' p'
+      end if
       call model%log%say(severity%note, 'N0321', 'LAW=AUTO of interaction `'// &
          & model%interaction(interaction)%name//'` is '//trim(law_names(friction%law))//': '//why, &
          & friction%at)

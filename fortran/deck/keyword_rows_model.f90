@@ -144,6 +144,8 @@ contains
          & 'z; REVOLUTION: profile turned about local z; STL: triangles of a file.')
       call word(table, 'INPUT', 'STL: the file, binary or in words, beside this one or the deck.')
       call number(table, 'SCALE', '1', 'STL: factor on the lengths of the file.')
+      call choice(table, 'SMOOTH', 'YES,NO', 'YES', 'STL: facets that meet at less than 30 '// &
+         & 'degrees are curved by the normals of their corners; NO: they stay flat.')
       call flag(table, 'OPEN', 'STL: a sheet, such as the face of a die; without it a surface '// &
          & 'with a hole is refused.')
       call flag(table, 'REPAIR', 'STL: facets that look against the greater area are turned; '// &

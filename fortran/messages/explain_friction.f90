@@ -30,6 +30,13 @@ contains
          & 'Norton-Hoff, V0 and EXPONENTIAL DECAY need the speed of slip. A step whose *STATIC '// &
          & 'gives no period lasts 1 by default, so that the speed is what the unit of time '// &
          & 'makes of it.', 'write initial increment and period after *STATIC.')
+      call add_explanation(list, 'W0327', 'points that slip are pressed lightly for their law', &
+         & 'TRESCA, CRISTESCU and NORTON-HOFF allow a shear that does not fade with the '// &
+         & 'pressure. It would jump from nothing where a point touches, so it rises as 10 p '// &
+         & 'until it reaches what the law says, at a tenth of that as a pressure. The '// &
+         & 'certificate has the share that is left out so (ramp); here it is above 2 %.', &
+         & 'with a friction stress above ten times the pressure ask whether the law is meant; '// &
+         & 'COULOMB-OROWAN rises by a coefficient of its own.')
       call add_explanation(list, 'W0508', 'a body would yield', &
          & 'The von Mises stress at an integration point is above the first row of *PLASTIC. '// &
          & 'The deck computes the body as elastic, by ONLY=FRICTION on *PLASTIC or by '// &

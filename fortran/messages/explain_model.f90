@@ -189,6 +189,11 @@ contains
          & 'The facets stand off the curved surface they mean by more than a fiftieth of a '// &
          & 'slave facet: pressures will show the facets.', &
          & 'export the tool with a smaller chord error, or use an analytical tool.')
+      call add_explanation(list, 'N0332', 'the facets of a tool are curved', &
+         & 'Triangles of an STL file that meet at less than 30 degrees are taken for a curved '// &
+         & 'surface: each becomes the quadratic one whose edges follow the normals of its '// &
+         & 'corners. Sharper edges stay. The figure is how far that is off the facets, beside '// &
+         & 'a slave facet.', 'SMOOTH=NO on *SURFACE where the facets are meant as they are.')
       call add_explanation(list, 'W0333', 'facets that do not match make the pressure uneven', &
          & 'Contact is at the nodes of the slave. Where its facets and those of the master do '// &
          & 'not match, or are longer, a uniform load gives no uniform pressure, and master '// &

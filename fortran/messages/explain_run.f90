@@ -123,6 +123,11 @@ contains
          & 'path does not lead to. Increments that may be cut are; E0504 ends the run where '// &
          & 'the path itself folds the mesh.', &
          & 'smaller increments on *STATIC.')
+      call add_explanation(list, 'E0515', 'a first increment that flows too far', &
+         & 'Without a first datum on *STATIC the whole step is tried as one increment. Where '// &
+         & 'the first steps of Newton make the metal flow by more than five times the strain '// &
+         & 'of first yield, the increment is cut to where it does not, and grows from there.', &
+         & 'the first datum of *STATIC is an increment of your own.')
       call add_explanation(list, 'W0531', 'an element is about to fold', &
          & 'The scaled Jacobian of an element at one corner (1 where it is square, 0 where two '// &
          & 'edges lie on one line) has fallen below 0.1. The strains there lose their meaning, '// &

@@ -36,13 +36,19 @@ module lopin_report
       real(wp) :: lost = 0.0_wp              !! of the force, that the pressures do not carry [-]
    end type contact_field_type
 
+   !> Tests of friction.
+   type :: rubbing_type
+      real(wp) :: cone = 0.0_wp   !! largest tangential force beyond its bound / largest bound
+      real(wp) :: ramp = 0.0_wp   !! share of the bounds of shear that lightly pressed points lack
+      real(wp) :: dissipation = 0.0_wp   !! least friction work of a point in the increment / most
+   end type rubbing_type
+
    !> The frozen tests of an accepted increment; every number is dimensionless.
    type :: certificate_type
       real(wp) :: penetration = 0.0_wp       !! deepest penetration / slave facet size
       real(wp) :: tension = 0.0_wp   !! largest tension / largest pressure, unilateral points
       real(wp) :: complementarity = 0.0_wp   !! max |min(p, c g)| / p_ref over the exact pairs
-      real(wp) :: cone = 0.0_wp   !! largest tangential force beyond its bound / largest bound
-      real(wp) :: dissipation = 0.0_wp   !! least friction work of a point in the increment / most
+      type(rubbing_type) :: rubs             !! tests of friction
       real(wp) :: pressure_error = 0.0_wp    !! estimate for rows that allow penetration
       logical :: obeys = .false.             !! all slopes of contact are the deck's
       logical :: flows = .false.             !! some solid flows: its work is a sum over increments
@@ -132,8 +138,9 @@ contains
       call stream%pass(self%penetration)
       call stream%pass(self%tension)
       call stream%pass(self%complementarity)
-      call stream%pass(self%cone)
-      call stream%pass(self%dissipation)
+      call stream%pass(self%rubs%cone)
+      call stream%pass(self%rubs%ramp)
+      call stream%pass(self%rubs%dissipation)
       call stream%pass(self%pressure_error)
       call stream%pass(self%obeys)
       call stream%pass(self%flows)

@@ -35,6 +35,7 @@ module lopin_tool
       integer :: ndim = 3
       character(len=:), allocatable :: name
       real(wp) :: size = 1.0_wp !! a length of the geometry; scale of its tolerances [length]
+      logical :: curved = .false.         !! facets are curved by the normals of their corners
       real(wp), allocatable :: chord(:)   !! of facets: how far off the surface they mean [length]
    contains
       procedure(project_if), deferred :: project

@@ -11,9 +11,10 @@ module lopin_tool_facets
    use lopin_triangle, only : closest_on_triangle
    implicit none
    private
-   public :: facets_tool_type, new_facets_tool
+   public :: facets_tool_type, new_facets_tool, nearest_type, find_nearest, settle, add_wall
 
-   real(wp), parameter :: sharp = cos(acos(-1.0_wp)/6.0_wp)   !! 30 degrees: two walls, not one
+   !> 30 degrees: two walls, not one.
+   real(wp), parameter, public :: sharp = cos(acos(-1.0_wp)/6.0_wp)
    real(wp), parameter :: tie = 1.0e-12_wp   !! relative: of equal distances the least facet wins
 
    type, extends(tool_type) :: facets_tool_type
@@ -106,7 +107,7 @@ contains
       do f = 1, self%mesh%nfacet
          do k = 1, 3
             if (self%mesh%neighbour(k, f) == 0) cycle
-            has_edges = has_edges .or. is_bent(self, f, self%mesh%neighbour(k, f))
+            has_edges = has_edges .or. self%is_creased(f, self%mesh%neighbour(k, f))
          end do
       end do
    end function has_edges
@@ -136,6 +137,21 @@ contains
       integer, intent(out) :: nfeet
       type(nearest_type) :: other
 
+      call add_wall(self, x, reach, feet, nfeet, other)
+      if (other%facet == 0) return
+      call settle(self, x, other, feet(2))
+      nfeet = 2
+      if (feet(2)%gap < feet(1)%gap) feet = feet([2, 1])
+   end subroutine project_walls
+
+   !> The first foot, and where the other wall is; its facet is 0 where there is none.
+   pure subroutine add_wall(self, x, reach, feet, nfeet, other)
+      class(facets_tool_type), intent(in) :: self
+      real(wp), intent(in) :: x(:), reach
+      type(foot_type), intent(inout) :: feet(2)
+      integer, intent(out) :: nfeet
+      type(nearest_type), intent(out) :: other
+
       nfeet = 0
       if (reach < 0.0_wp) return
       call self%project(x, feet(1))
@@ -151,11 +167,7 @@ contains
       if (feet(1)%corner) return
       other%distance2 = min(reach, sqrt(huge(1.0_wp)))**2
       call find_nearest(self, x, other, feet(1))
-      if (other%facet == 0) return
-      call settle(self, x, other, feet(2))
-      nfeet = 2
-      if (feet(2)%gap < feet(1)%gap) feet = feet([2, 1])
-   end subroutine project_walls
+   end subroutine add_wall
 
    !> Nearest of all facets, or of those that make a concave corner with the wall of a foot.
    pure subroutine find_nearest(self, x, nearest, wall)

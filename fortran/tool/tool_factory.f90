@@ -12,6 +12,7 @@ module lopin_tool_factory
    use lopin_tool_profile, only : profile_tool_type, extruded_type, revolved_type
    use lopin_facet_mesh, only : facet_mesh_type, facet_flaws_type, new_facet_mesh
    use lopin_tool_facets, only : facets_tool_type, new_facets_tool
+   use lopin_tool_curved, only : curved_tool_type, new_curved_tool
    implicit none
    private
    public :: new_tool_from_segments, new_tool_plane, new_tool_sphere, new_tool_cylinder, &
@@ -146,15 +147,17 @@ contains
    end subroutine set_revolution
 
    !> A tool from triangles, if they make one surface with two sides.
-   subroutine new_tool_from_facets(tool, corner, may_be_open, may_turn, flaws, error)
+   subroutine new_tool_from_facets(tool, corner, may_be_open, may_turn, flaws, error, curved)
       class(tool_type), allocatable, intent(out) :: tool
       real(wp), intent(in) :: corner(:, :, :)   !! (3, 3, n): coordinate, corner, facet [length]
       logical, intent(in) :: may_be_open        !! a sheet, not a body: edges of one facet
       logical, intent(in) :: may_turn           !! facets that look the wrong way are turned
       type(facet_flaws_type), intent(out) :: flaws
       type(error_type), allocatable, intent(out) :: error
+      logical, intent(in), optional :: curved   !! by the normals of corners
       type(facet_mesh_type) :: mesh
       type(facets_tool_type), allocatable :: facets
+      type(curved_tool_type), allocatable :: bent
 
       call new_facet_mesh(mesh, corner, flaws)
       if (mesh%nfacet == 0) then
@@ -176,6 +179,14 @@ contains
             & ' looking against the others, one at '//place_text(flaws%against_at), &
             & help='export it again, or have the lesser area turned by REPAIR')
       else
+         if (present(curved)) then
+            if (curved) then
+               allocate (bent)
+               call new_curved_tool(bent, mesh)
+               call move_alloc(bent, tool)
+               return
+            end if
+         end if
          allocate (facets)
          call new_facets_tool(facets, mesh)
          call move_alloc(facets, tool)

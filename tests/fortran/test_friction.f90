@@ -3,7 +3,8 @@ program test_friction
    use lopin_kinds, only : wp
    use lopin_friction, only : friction_type, condition_type, law_of, regularization_of, &
       & law_names, regularization_names, law_number, regularization_number, has_friction, &
-      & is_regularised, reads_yield, reads_mises, depends_on_time, friction_radius
+      & is_regularised, reads_yield, reads_mises, depends_on_time, friction_radius, &
+      & lost_at_touch
    use lopin_friction_return, only : return_to_disc, regularised_traction
    use check, only : test, close_to, is_true, finish
    use friction_cases, only : law_with, scene, slope_of
@@ -20,6 +21,7 @@ program test_friction
    call norton_and_its_speed()
    call orowan_switches()
    call cristescu_at_yield()
+   call bounds_rise()
    call finish()
 
 contains
@@ -209,7 +211,8 @@ contains
       type(friction_type) :: law
       type(condition_type) :: at
       real(wp) :: traction, dq, dp, speed
-      real(wp), parameter :: ct = 40.0_wp
+      !> Pressed so hard that the bound has risen to what the law says.
+      real(wp), parameter :: ct = 40.0_wp, p = 1.0e9_wp
       logical :: slips
       integer :: i, j
 
@@ -219,14 +222,14 @@ contains
       do i = 1, size(exponent)
          law%q = exponent(i)
          do j = 1, size(trial)
-            call return_to_disc(law, trial(j), ct, 1.0_wp, at, traction, dq, dp, slips)
+            call return_to_disc(law, trial(j), ct, p, at, traction, dq, dp, slips)
             call is_true('between 0 and the trial', traction >= 0.0_wp .and. traction <= trial(j))
             speed = (traction/law%alpha)**(1.0_wp/law%q)
             call close_to('residual', (traction + ct*at%dt*speed)/trial(j), 1.0_wp, 1.0e-10_wp)
          end do
       end do
       law%q = 1.0_wp
-      call return_to_disc(law, 7.0_wp, ct, 1.0_wp, at, traction, dq, dp, slips)
+      call return_to_disc(law, 7.0_wp, ct, p, at, traction, dq, dp, slips)
       call close_to('q = 1 is linear', traction, 7.0_wp/(1.0_wp + ct*at%dt/law%alpha), 1.0e-14_wp)
    end subroutine norton_and_its_speed
 
@@ -273,4 +276,26 @@ contains
       call is_true('at first touch the disc has a radius', two > 0.0_wp .and. two < 0.02_wp)
       call close_to('that grows with p', slope, two/100.0_wp, 1.0e-14_wp)
    end subroutine cristescu_at_yield
+
+   subroutine bounds_rise()
+      type(friction_type) :: law
+      real(wp) :: p, radius, slope, lost, whole
+
+      call test('a bound that is a stress rises as ten times p, or as the coefficient of AUTO')
+      law = law_with(law_of%tresca)
+      p = law%m*200.0_wp/root_3/40.0_wp
+      call friction_radius(law, p, scene(), radius, slope)
+      call close_to('a quarter of it', radius, 10.0_wp*p, 1.0e-14_wp)
+      call close_to('its slope', slope, 10.0_wp, 0.0_wp)
+      call lost_at_touch(law, p, scene(), lost, whole)
+      call close_to('three quarters are lost', lost, 30.0_wp*p, 1.0e-13_wp)
+      call close_to('of all', whole, 40.0_wp*p, 1.0e-13_wp)
+      call lost_at_touch(law, 5.0_wp*p, scene(), lost, whole)
+      call close_to('nothing where it is whole', lost, 0.0_wp, 0.0_wp)
+      law%rise = 0.1_wp
+      call friction_radius(law, p, scene(), radius, slope)
+      call close_to('a coefficient', radius, 0.1_wp*p, 1.0e-14_wp)
+      call lost_at_touch(law, p, scene(), lost, whole)
+      call close_to('which is the law: nothing is lost', lost, 0.0_wp, 0.0_wp)
+   end subroutine bounds_rise
 end program test_friction

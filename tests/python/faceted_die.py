@@ -53,8 +53,8 @@ def slab(kind, size):
 
 
 def pressed(kind, facet, phase, size=2.0, path="", tool="SEGMENTS", mu=0.0, slide=None, steps=12,
-            folder=None, down=DOWN, points=None):
-    """`facet` 0: round, `points`: a profile given; `tool`: SEGMENTS, CYLINDER or STL; `slide`: the way of a second step in so many increments."""
+            folder=None, down=DOWN, points=None, smooth=""):
+    """`facet` 0: round, `points`: a profile given; `smooth`: `, SMOOTH=NO`; `tool`: SEGMENTS, CYLINDER or STL; `slide`: the way of a second step in so many increments."""
     mesh = slab(kind, size)
     points = points or (corners(facet, phase, kind.startswith("CAX")) if facet else None)
     d = 3 if kind.startswith("C3") else 2
@@ -76,7 +76,7 @@ def pressed(kind, facet, phase, size=2.0, path="", tool="SEGMENTS", mu=0.0, slid
                    *(f"LINE, {p[0]!r}, {p[1]!r}" for p in points[1:])]
     if tool == "STL":
         (folder/"die.stl").write_text(stl(points, size + 1.0))
-        text += [f"*SURFACE, NAME=TOOL, TYPE=STL, OPEN, INPUT={folder/'die.stl'}"]
+        text += [f"*SURFACE, NAME=TOOL, TYPE=STL, OPEN{smooth}, INPUT={folder/'die.stl'}"]
     elif d == 3:
         text += ["*SURFACE, NAME=TOOL, TYPE=CYLINDER", "0., 0., 0., 1., 0., 0.", "0., -1., 0.", *profile]
     else:

@@ -13,9 +13,9 @@ RISE = math.tan(math.radians(15.0))
 SLOPES = {0.5: 407.6, 1.0: 424.9, 1.5: 442.2}
 
 
-def forces(solve, kind, phases=PHASES, **scene):
+def forces(solve, kind, phases=PHASES, facet=FACET, **scene):
     key = "TOOL.rf3" if kind.startswith("C3") else "TOOL.rf2"
-    return np.array([abs(solve(pressed(kind, FACET, p, **scene)).history[key][-1]) for p in phases])
+    return np.array([abs(solve(pressed(kind, facet, p, **scene)).history[key][-1]) for p in phases])
 
 
 def ripple(force):
@@ -37,7 +37,7 @@ def test_a_polygon_turned_over_its_facets_presses_evenly(solve, path, kind, most
 @pytest.mark.parametrize("kind, tool, most", [("C3D8", "STL", 0.02), ("C3D8", "CYLINDER", 0.02),
                                               ("C3D4", "STL", 0.03)])
 def test_so_it_does_in_space(solve, tmp_path, path, kind, tool, most):
-    force = forces(solve, kind, PHASES[::2], path=path, tool=tool, folder=tmp_path)
+    force = forces(solve, kind, PHASES[::2], path=path, tool=tool, folder=tmp_path, smooth=", SMOOTH=NO")
     assert ripple(force) < most
     # Plane strain, 2 wide.
     assert force.mean()/2.0 == pytest.approx(92.0, rel=0.1)
@@ -47,6 +47,15 @@ def test_so_it_does_in_space(solve, tmp_path, path, kind, tool, most):
 def test_both_paths_agree(solve, kind):
     linear, finite = (forces(solve, kind, [0.2], path=path)[0] for path in ("", "FINITE"))
     assert finite == pytest.approx(linear, rel=2e-3)
+
+
+@pytest.mark.parametrize("path", ["", "FINITE"])
+@pytest.mark.parametrize("kind", ["C3D8", "C3D4"])
+def test_triangles_curved_by_their_normals_press_as_the_circle_they_mean(solve, tmp_path, path, kind):
+    """At four phases of facets that are nearly as long as those of the slab."""
+    round_ = forces(solve, kind, [0.0], path=path, tool="CYLINDER", facet=0.0)
+    curved = forces(solve, kind, PHASES[::2], path=path, tool="STL", folder=tmp_path)
+    assert curved == pytest.approx(round_[0], rel=0.01)
 
 
 @pytest.mark.parametrize("path", ["", "FINITE"])

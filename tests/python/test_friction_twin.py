@@ -18,6 +18,7 @@ SCENES = {
 }
 AT = dict(yield_stress=200.0, mises=150.0, dt=0.3, speed=0.7)
 STIFFNESS = 60.0
+RISE = 10.0    # with the pressure, of bounds that are stresses
 
 
 @pytest.fixture
@@ -37,6 +38,8 @@ def bound(law, p, mu=0.0, mu_static=0.0, decay=0.0, m=0.0, alpha=0.0, q=0.0, tau
     shear = m*AT["yield_stress"]/np.sqrt(3.0)
     constant = {"COULOMB": mu*p, "TRESCA": shear, "COULOMB-OROWAN": min(mu*p, shear),
                 "CRISTESCU": m*min(max(AT["mises"], 1e-3*p), AT["yield_stress"])/np.sqrt(3.0)}
+    if law in ("TRESCA", "CRISTESCU", "NORTON-HOFF"):
+        tau_max = min(tau_max, RISE*p)
     if law == "NORTON-HOFF":
         return lambda v: min(tau_max, alpha*v**q)
     return lambda v: min(tau_max, constant[law])

@@ -98,6 +98,6 @@ def test_heat_that_comes_and_goes_in_one_increment(solve, direct):
                  material="*ELASTIC\n200000., 0.3\n*PLASTIC\n200., 0.\n400., 1.\n*EXPANSION\n1.2E-5",
                  before="*AMPLITUDE, NAME=SAW\n0., 0., 0.5, 1., 1., 0.")
     run = solve(deck)
-    assert run.times[-1] == 1.0 and len(run.times) == 2
+    assert run.times[-1] == 1.0 and 0.5 in run.times and len(run.times) <= 3
     stress = np.asarray(run["S"])[:4, 0]
     assert stress == pytest.approx(np.full(stress.shape, 203.9485), rel=1e-2)

@@ -10,7 +10,9 @@
 !> | cristescu      | m sigma_vm / sqrt 3           | E4: capped at sigma_y, floored, lagged   |
 !> | norton_hoff    | alpha v^q, not a disc         | E5: opposes v; unit stress (time/length)^q |
 !>
-!> TAUMAX cuts all of them. What is not known (no yield stress) does not bound.
+!> TAUMAX cuts all of them. What is not known (no yield stress) does not bound. A bound that is a
+!> stress of its own would jump from 0 to m k at first touch, and a point there may have no state at
+!> all: it rises with the pressure, as `steepest` times p, until it is reached.
 !>
 !> To add a law: its number, word and data here, its radius as a `case` of `friction_radius`, and
 !> what it reads below; a datum that no law has yet also in `lopin_build_friction`. A caller's own
@@ -25,7 +27,7 @@ module lopin_friction
    public :: law_names, law_data, law_notes, law_number, automatic_law, radius_if
    public :: regularization_names, regularization_number, coefficient
    public :: has_friction, is_regularised, by_rate, reads_yield, reads_mises, reads_speed
-   public :: bounds_by_area, depends_on_time, friction_radius
+   public :: bounds_by_area, depends_on_time, friction_radius, whole_bound, lost_at_touch
 
    type :: laws
       integer :: automatic = -1      !! AUTO: chosen from the material when the model is built
@@ -54,6 +56,10 @@ module lopin_friction
    character(len=*), parameter :: regularization_names(4) = [character(len=6) :: 'LINEAR', &
       & 'ARCTAN', 'TANH', 'SQRT']
 
+   !> Slope in the pressure of bounds that are stresses of their own, up to where they are reached:
+   !> a range of pressures of m k/10. The law is not changed by it where p > m k/10.
+   real(wp), parameter :: steepest = 10.0_wp
+
    !> Parameters of the law of one interaction, as the deck gave them.
    type :: friction_type
       integer :: law = 0                       !! law_of%...
@@ -67,6 +73,7 @@ module lopin_friction
       real(wp) :: alpha = 0.0_wp               !! Norton-Hoff [stress*(time/length)^q]
       real(wp) :: q = 0.0_wp                   !! Norton-Hoff exponent, 0..1 [-]
       real(wp) :: tau_max = huge(1.0_wp)       !! TAUMAX [stress]
+      real(wp) :: rise = steepest              !! of a bound that is a stress, with p [-]
       real(wp) :: elastic_slip = 0.0_wp        !! ELASTIC SLIP or u0 [length]; 0: not given
       real(wp) :: slip_tolerance = 0.0_wp      !! of the facet size; 0: not given [-]
       real(wp) :: v0 = 0.0_wp                  !! V0 of the regularisation [length/time]; 0: by slip
@@ -195,6 +202,13 @@ contains
          & .and. (law%law /= law_of%coulomb .or. law%tau_max < huge(1.0_wp))
    end function bounds_by_area
 
+   !> Whether a bound would jump from nothing where a point touches.
+   elemental logical function jumps_at_touch(law)
+      type(friction_type), intent(in) :: law
+      jumps_at_touch = .not. law%rough .and. any(law%law == [law_of%tresca, law_of%cristescu, &
+         & law_of%norton_hoff])
+   end function jumps_at_touch
+
    !> Whether the answer depends on the speed of slip, hence on a real scale of time.
    pure logical function depends_on_time(law)
       type(friction_type), intent(in) :: law
@@ -220,12 +234,28 @@ contains
       type(condition_type), intent(in) :: at
       real(wp), intent(out) :: radius          !! [stress]
       real(wp), intent(out) :: slope           !! d radius / d p [-]
-      real(wp) :: cap
 
       radius = 0.0_wp
       slope = 0.0_wp
       if (law%rough .and. (p > 0.0_wp .or. at%held)) radius = huge(1.0_wp)
       if (law%rough .or. .not. p > 0.0_wp) return
+      call whole_bound(law, p, at, radius, slope)
+      if (.not. jumps_at_touch(law) .or. radius <= law%rise*p) return
+      radius = law%rise*p
+      slope = law%rise
+   end subroutine friction_radius
+
+   !> The same as the law has it, a jump at p = 0 included.
+   pure subroutine whole_bound(law, p, at, radius, slope)
+      type(friction_type), intent(in) :: law
+      real(wp), intent(in) :: p                !! > 0 [stress]
+      type(condition_type), intent(in) :: at
+      real(wp), intent(out) :: radius          !! [stress]
+      real(wp), intent(out) :: slope           !! d radius / d p [-]
+      real(wp) :: cap
+
+      radius = 0.0_wp
+      slope = 0.0_wp
       cap = huge(1.0_wp)
       if (law%tau_max < huge(1.0_wp)) cap = law%tau_max*at%growth
       select case (law%law)
@@ -246,7 +276,25 @@ contains
       if (radius <= cap) return
       radius = cap
       slope = 0.0_wp
-   end subroutine friction_radius
+   end subroutine whole_bound
+
+   !> What a slipping point lacks of its law's bound because that rises from nothing; 0 where the
+   !> law has its bound. `whole` is 0 where it has none.
+   pure subroutine lost_at_touch(law, p, at, lost, whole)
+      type(friction_type), intent(in) :: law
+      real(wp), intent(in) :: p                !! [stress]
+      type(condition_type), intent(in) :: at   !! with the speed of the slip
+      real(wp), intent(out) :: lost, whole     !! [stress]
+      real(wp) :: slope
+
+      lost = 0.0_wp
+      whole = 0.0_wp
+      if (law%rough .or. .not. p > 0.0_wp) return
+      call whole_bound(law, p, at, whole, slope)
+      if (law%law == law_of%norton_hoff) whole = min(whole, law%alpha*at%growth*at%speed**law%q)
+      if (.not. whole < huge(1.0_wp)) whole = 0.0_wp
+      if (jumps_at_touch(law) .and. law%rise >= steepest) lost = max(whole - law%rise*p, 0.0_wp)
+   end subroutine lost_at_touch
 
    !> m sigma_y / sqrt 3; no bound where the yield stress is unknown.
    pure real(wp) function shear_yield(law, at) result(k)

@@ -5,7 +5,7 @@
 !> Archiv 60, 1990). All points together: the tangent of the slipping set turns its orientation.
 module lopin_friction_limits
    use lopin_kinds, only : wp
-   use lopin_friction, only : friction_radius
+   use lopin_friction, only : whole_bound
    use lopin_friction_rows, only : friction_points_type
    implicit none
    private
@@ -32,8 +32,9 @@ contains
       most = 1.0_wp
       do k = 1, points%n
          if (status(k) == 0 .and. any(status > 0)) cycle
-         call friction_radius(points%law(k), tiny(1.0_wp), points%at(k), radius, slope)
-         if (points%law(k)%rough .or. .not. slope > 0.0_wp) cycle
+         if (points%law(k)%rough) cycle
+         call whole_bound(points%law(k), tiny(1.0_wp), points%at(k), radius, slope)
+         if (.not. slope > 0.0_wp) cycle
          associate (n => points%normal(k), from => points%tangent(k))
             coupling = norm2(s(from:from + points%nt - 1, n))
             if (.not. coupling > no_coupling*s(n, n)) cycle

@@ -97,15 +97,17 @@ contains
       real(wp), intent(out) :: traction        !! [stress]
       real(wp), intent(out) :: slope_slip      !! [stress/length]
       real(wp), intent(out) :: slope_p         !! [-]
-      real(wp) :: radius, u0, share, slope, growth
+      real(wp) :: radius, cap, u0, share, slope, growth
 
       call friction_radius(law, p, at, radius, slope_p)
+      cap = radius
       u0 = law%elastic_slip
       if (law%v0 > 0.0_wp) u0 = law%v0*at%dt
       call saturation(law%regularization, slip/u0, share, slope)
       growth = 0.0_wp
       if (law%law == law_of%norton_hoff .and. law%q > 0.0_wp .and. p > 0.0_wp) &
          & call smoothed_rate(law, slip, u0, at, radius, growth)
+      if (radius < cap) slope_p = 0.0_wp
       traction = radius*share
       slope_slip = radius*slope/u0 + growth*share
       slope_p = slope_p*share

@@ -37,6 +37,7 @@ module lopin_friction_state
       real(wp) :: stored = 0.0_wp               !! in elastic stick [force*length]
       real(wp) :: gained = 0.0_wp               !! negative dissipation beyond noise [force*length]
       real(wp) :: slid_work = 0.0_wp            !! bounds times slips [force*length]
+      real(wp) :: ramp = 0.0_wp                 !! share of the bounds that touching points lack [-]
    end type friction_tests_type
 
 contains

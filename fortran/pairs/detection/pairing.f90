@@ -286,6 +286,7 @@ contains
       real(wp), parameter :: coarse = 0.02_wp
       real(wp) :: ratio
       integer :: i
+      character(len=:), allocatable :: text
 
       associate (tool => model%tool(self%tool(pair)))
          if (.not. allocated(tool%shape%chord)) return
@@ -294,10 +295,17 @@ contains
             if (self%facet(i) == 0 .or. self%gap(i) > self%size(i)) cycle
             ratio = max(ratio, tool%shape%chord(self%facet(i))/self%size(i))
          end do
-         if (ratio > coarse) call log%say(severity%warning, 'W0332', 'the facets of '// &
-            & tool%name//' stand up to '//to_text(100.0_wp*ratio)//' % of a slave facet off '// &
-            & 'the curved surface they mean', model%pair(pair)%at, &
-            & help='finer triangles, or an analytical tool')
+         if (.not. ratio > coarse) return
+         text = 'the facets of '//tool%name//' stand up to '//to_text(100.0_wp*ratio, 3)// &
+            & ' % of a slave facet off the curved surface they mean'
+         if (tool%shape%curved) then
+            call log%say(severity%note, 'N0332', text//': they are curved by the normals of '// &
+               & 'their corners', model%pair(pair)%at, &
+               & help='SMOOTH=NO on *SURFACE if the facets are meant as they are')
+         else
+            call log%say(severity%warning, 'W0332', text, model%pair(pair)%at, &
+               & help='finer triangles, SMOOTH=YES, or an analytical tool')
+         end if
       end associate
    end subroutine check_chord
 end module lopin_pairing

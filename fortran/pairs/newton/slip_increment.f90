@@ -3,14 +3,14 @@
 module lopin_slip_increment
    use lopin_kinds, only : wp
    use lopin_friction, only : friction_type, condition_type, has_friction, is_regularised, &
-      & friction_radius
+      & friction_radius, lost_at_touch
    use lopin_friction_return, only : drag_limit
    use lopin_contact_traction, only : contact_status, elastic_slip_of, stored_energy
    use lopin_nonlinear_contact, only : nonlinear_contact_type
    implicit none
    private
    public :: condition_at, anchor_slip, path_of, dissipated, mean_work_of, held_energy, &
-      & shear_bound, speed_of, turn
+      & shear_bound, speed_of, lost_bound, turn
 
    !> Share of the increment that rates of slip are at least taken over.
    real(wp), parameter :: least_left = 0.1_wp
@@ -143,6 +143,25 @@ contains
             & radius, slope)
       end associate
    end function shear_bound
+
+   !> What a closed point lacks of its bound because it is pressed lightly, and the bound.
+   pure subroutine lost_bound(self, i, lost, whole)
+      type(nonlinear_contact_type), intent(in) :: self
+      integer, intent(in) :: i
+      real(wp), intent(out) :: lost, whole     !! [stress]
+      type(condition_type) :: at
+
+      lost = 0.0_wp
+      whole = 0.0_wp
+      if (self%facet(i) == 0 .or. self%trial(i)%status == 0) return
+      associate (law => self%friction(self%pair(i)))
+         if (.not. has_friction(law)) return
+         at = condition_at(self, i)
+         at%speed = speed_of(self, i)
+         call lost_at_touch(law, self%pressure(i), at, lost, whole)
+         if (self%trial(i)%status /= contact_status%slip) lost = 0.0_wp
+      end associate
+   end subroutine lost_bound
 
    !> Speed of slip of the trial state [length/time].
    pure real(wp) function speed_of(self, i) result(speed)

@@ -23,6 +23,8 @@ module lopin_after_step
    real(wp), parameter :: chosen_slip = 0.005_wp, slips = 20.0_wp
    !> Elastic slips below this share of what is allowed are rounding of scenes without shear.
    real(wp), parameter :: no_shear = 1.0e-6_wp
+   !> Bounds of shear that lightly pressed points lack, beside all bounds.
+   real(wp), parameter :: most_ramp = 0.02_wp
    !> Gaps below this share of the bodies are none.
    real(wp), parameter :: touching = 1.0e-9_wp
 
@@ -131,10 +133,11 @@ contains
 
    !> Say at the end of a step what its answer cannot be trusted in, and after the last what never
    !> met.
-   subroutine check_step(scene, model, seen)
+   subroutine check_step(scene, model, seen, ramp)
       type(scene_type), intent(inout) :: scene
       type(model_type), intent(in) :: model
       type(step_record_type), intent(inout) :: seen
+      real(wp), intent(in) :: ramp             !! share of bounds of shear that is lacking [-]
       integer :: pair
 
       if (scene%step == size(model%step)) then
@@ -149,7 +152,21 @@ contains
       call check_narrow_tools(scene, model)
       call check_narrow_masters(scene, model)
       call check_elastic_slip(scene, model)
+      if (ramp > most_ramp) call tell_ramp(scene, model, ramp)
    end subroutine check_step
+
+   !> Points that slip under so little pressure that their law has not its bound there.
+   subroutine tell_ramp(scene, model, ramp)
+      type(scene_type), intent(inout) :: scene
+      type(model_type), intent(in) :: model
+      real(wp), intent(in) :: ramp             !! share of bounds of shear that is lacking [-]
+
+      call warn_once(scene%log, 'W0327', 'points in contact are pressed so lightly at the end '// &
+         & 'of step '//to_text(scene%step)//' that '//to_text(100.0_wp*ramp, 3)//' % of what '// &
+         & 'their law of friction allows is left out', model%step(scene%step)%at, &
+         & help='the bound rises with the pressure up to a tenth of it; COULOMB-OROWAN has a '// &
+         & 'slope of your own')
+   end subroutine tell_ramp
 
    !> A pair that never carried a force: it never met, or it touched only.
    subroutine warn_of_gap(scene, model, pair, nearest)

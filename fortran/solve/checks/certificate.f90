@@ -144,7 +144,7 @@ contains
       if (.not. p_ref > 0.0_wp) self%complementarity = max(0.0_wp, self%penetration)
       energy%contact = energy%contact + scene%friction%stored
       self%complementarity = max(self%complementarity, scene%friction%misfit)
-      self%cone = scene%friction%cone_excess
+      self%rubs%cone = scene%friction%cone_excess
 
    contains
 
@@ -204,8 +204,9 @@ contains
 
       scale = max(scene%friction%slid_work, share_of_energy*max(abs(energy%external), &
          & energy%strain, energy%contact), floor*largest(scene%points%size))
+      self%rubs%ramp = scene%friction%ramp
       if (scene%friction%gained < -dissipation_limit*scale) &
-         & self%dissipation = scene%friction%gained/scale
+         & self%rubs%dissipation = scene%friction%gained/scale
    end subroutine check_work
 
    !> Force per gap of a row by the compliance; 0 where it is not known [force/length].
@@ -277,8 +278,8 @@ contains
 
       self%reason = ''
       call hold(self, 'complementarity', self%complementarity, complementarity_limit)
-      call hold(self, 'friction beyond its bound', self%cone, cone_limit)
-      call hold(self, 'negative dissipation', -self%dissipation, dissipation_limit)
+      call hold(self, 'friction beyond its bound', self%rubs%cone, cone_limit)
+      call hold(self, 'negative dissipation', -self%rubs%dissipation, dissipation_limit)
       call hold(self, 'tension', self%tension, complementarity_limit)
       call hold(self, 'equilibrium', self%equilibrium, equilibrium_limit)
       call hold(self, 'action and reaction', self%action_reaction, equilibrium_limit)

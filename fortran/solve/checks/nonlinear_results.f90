@@ -17,7 +17,8 @@ module lopin_nonlinear_results
    use lopin_rounding_floor, only : beyond
    use lopin_slave_areas, only : areas_now, pieces_now
    use lopin_nonlinear_contact, only : nonlinear_contact_type
-   use lopin_slip_increment, only : dissipated, mean_work_of, held_energy, shear_bound, path_of
+   use lopin_slip_increment, only : dissipated, mean_work_of, held_energy, shear_bound, path_of, &
+      & lost_bound
    use lopin_scene, only : scene_type
    implicit none
    private
@@ -77,13 +78,15 @@ contains
       type(certificate_type), intent(inout) :: self
       type(energy_type), intent(inout) :: energy
       type(scene_type), intent(in) :: scene
-      real(wp) :: bound, most, excess, shear(3)
+      real(wp) :: bound, most, excess, shear(3), lost, whole, all_lost, all_whole
       integer :: i
 
       energy%contact = 0.0_wp
       energy%friction = 0.0_wp
       energy%friction_mean = 0.0_wp
       excess = 0.0_wp
+      all_lost = 0.0_wp
+      all_whole = 0.0_wp
       associate (c => scene%newton%contact, before => scene%accepted%contact)
          most = scene%newton%noise*largest(c%c(:c%n))
          do i = 1, c%n
@@ -93,6 +96,9 @@ contains
             energy%friction = energy%friction + dissipated(c, i)*c%weight(i)
             energy%friction_mean = energy%friction_mean + mean_work_of(c, i)*c%weight(i)
             energy%contact = energy%contact + held_energy(c, i)*c%weight(i)
+            call lost_bound(c, i, lost, whole)
+            all_lost = all_lost + lost*c%weight(i)
+            all_whole = all_whole + whole*c%weight(i)
             bound = shear_bound(c, i)
             if (.not. bound < huge(1.0_wp)) cycle
             shear = c%traction(:, i) - c%pressure(i)*c%normal(:, i)
@@ -100,7 +106,8 @@ contains
             excess = max(excess, norm2(shear) - bound - scene%newton%noise*c%c(i))
          end do
       end associate
-      if (excess > 0.0_wp) self%cone = excess/most
+      if (excess > 0.0_wp) self%rubs%cone = excess/most
+      if (all_lost > 0.0_wp) self%rubs%ramp = all_lost/all_whole
    end subroutine check_friction
 
    !> Work of friction is not negative but for what Newton's tolerance of slips, the last
@@ -129,7 +136,7 @@ contains
             & energy%strain, energy%plastic), largest(state%floor)*maxval(c%size(:c%n)))
       end associate
       if (gained + slack < -least_share*scale .and. scale > 0.0_wp) &
-         & self%dissipation = (gained + slack)/scale
+         & self%rubs%dissipation = (gained + slack)/scale
    end subroutine check_work
 
    subroutine check_points(self, scene, model)

@@ -1,7 +1,8 @@
 !> The history that an increment of friction leaves: tractions, slips, work; and the checks of it.
 module lopin_friction_history
    use lopin_kinds, only : wp
-   use lopin_friction, only : is_regularised, by_rate, friction_radius
+   use lopin_friction, only : condition_type, is_regularised, by_rate, friction_radius, &
+      & lost_at_touch
    use lopin_friction_return, only : drag_limit, return_to_disc
    use lopin_contact_traction, only : regularised_energy
    use lopin_friction_rows, only : friction_points_type, elastic_compliance
@@ -18,6 +19,8 @@ module lopin_friction_history
       real(wp) :: slack = 0.0_wp               !! work of slips that are rounding [force*length]
       real(wp) :: most_bound = 0.0_wp          !! largest bound of the shear [force]
       real(wp) :: excess = 0.0_wp              !! largest force beyond its bound [force]
+      real(wp) :: lost = 0.0_wp                !! what points lack of their bounds [force]
+      real(wp) :: whole = 0.0_wp               !! their bounds [force]
    end type sums_type
 
 contains
@@ -46,6 +49,8 @@ contains
          ! Slips that are rounding do rounding's work.
          s%gained = min(s%gained + sums%slack, 0.0_wp)
          s%misfit = largest_misfit(scene, points, friction%noise)
+         s%ramp = 0.0_wp
+         if (sums%lost > 0.0_wp) s%ramp = sums%lost/sums%whole
          s%cone_excess = 0.0_wp
          if (sums%most_bound > 0.0_wp) s%cone_excess = max(sums%excess, 0.0_wp)/sums%most_bound
       end associate
@@ -94,7 +99,25 @@ contains
             sums%excess = max(sums%excess, norm2(force) - radius*points%weight(k))
          end if
       end associate
+      call add_lost(points, k, friction%status(k), press/points%weight(k), norm2(slip), sums)
    end subroutine remember_point
+
+   !> What the point lacks of its bound, and the bound.
+   pure subroutine add_lost(points, k, status, pressure, slid, sums)
+      type(friction_points_type), intent(in) :: points
+      integer, intent(in) :: k, status
+      real(wp), intent(in) :: pressure         !! [stress]
+      real(wp), intent(in) :: slid             !! in the increment [length]
+      type(sums_type), intent(inout) :: sums
+      type(condition_type) :: at
+      real(wp) :: lost, whole
+
+      at = points%at(k)
+      at%speed = slid/at%dt
+      call lost_at_touch(points%law(k), pressure, at, lost, whole)
+      if (status == 2) sums%lost = sums%lost + lost*points%weight(k)
+      sums%whole = sums%whole + whole*points%weight(k)
+   end subroutine add_lost
 
    !> Slip of the increment, and of it what is lost; elastic slip and anchor go into the trial.
    subroutine find_slip(scene, points, status, k, slip, lost)

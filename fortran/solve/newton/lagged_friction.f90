@@ -15,7 +15,15 @@ module lopin_lagged_friction
    use lopin_scene, only : scene_type
    implicit none
    private
-   public :: reads_lagged, start_lagged, renew_lagged
+   public :: reads_lagged, start_lagged, renew_lagged, share_of_new, may_relax
+
+   !> Residuals that fall by less beside the best before them: what is read runs in a cycle.
+   real(wp), parameter :: falls = 0.5_wp
+   !> Residuals below which that is looked at.
+   real(wp), parameter :: near = 0.05_wp
+   !> Such residuals after which half, and after which a quarter of what is new is read; and after
+   !> which less would do no better.
+   integer, parameter :: half_after = 2, quarter_after = 15, most_stalls = 30
 
 contains
 
@@ -40,19 +48,64 @@ contains
       call put_yields(scene, model, scene%accepted%motion%u)
    end subroutine start_lagged
 
-   !> From the trial state.
-   subroutine renew_lagged(scene, model)
+   !> From the trial state, or a share of the way there.
+   subroutine renew_lagged(scene, model, share)
       type(scene_type), intent(inout) :: scene
       type(model_type), intent(in) :: model
+      real(wp), intent(in) :: share            !! of what is new, 0..1 [-]
+      real(wp), dimension(scene%newton%contact%n) :: speed, mises, yield
       integer :: i
 
       associate (contact => scene%newton%contact)
+         speed = contact%speed(:contact%n)
+         mises = contact%mises(:contact%n)
+         yield = contact%yield(:contact%n)
          if (any(reads_speed(contact%friction))) contact%speed = &
             & [(speed_of(contact, i), i=1, contact%n)]
          if (any(reads_mises(contact%friction))) call put_mises(scene, model, scene%trial%motion%u)
+         call put_yields(scene, model, scene%trial%motion%u)
+         if (.not. share < 1.0_wp) return
+         contact%speed(:contact%n) = speed + share*(contact%speed(:contact%n) - speed)
+         contact%mises(:contact%n) = mises + share*(contact%mises(:contact%n) - mises)
+         contact%yield(:contact%n) = yield + share*(contact%yield(:contact%n) - yield)
       end associate
-      call put_yields(scene, model, scene%trial%motion%u)
    end subroutine renew_lagged
+
+   !> How much of what is new to read: all of it while that contracts. What is read and what it
+   !> makes of the state may chase each other in a cycle; the mean of both then ends it.
+   pure real(wp) function share_of_new(residual) result(share)
+      real(wp), intent(in) :: residual(:)      !! of all looks so far [-]
+
+      share = 1.0_wp
+      if (.not. is_near(residual)) return
+      if (stalls(residual) >= half_after) share = 0.5_wp
+      if (stalls(residual) >= quarter_after) share = 0.25_wp
+   end function share_of_new
+
+   !> Reading less of what is new may still end the iteration.
+   pure logical function may_relax(residual)
+      real(wp), intent(in) :: residual(:)      !! of all looks so far [-]
+      may_relax = is_near(residual)
+      if (may_relax) may_relax = stalls(residual) < most_stalls
+   end function may_relax
+
+   !> Close to an answer; further out it is not what is read that Newton chases.
+   pure logical function is_near(residual)
+      real(wp), intent(in) :: residual(:)
+      is_near = size(residual) > 1
+      if (is_near) is_near = minval(residual(2:)) < near
+   end function is_near
+
+   !> Looks whose residual has not fallen.
+   pure integer function stalls(residual)
+      real(wp), intent(in) :: residual(:)
+      integer :: i
+
+      stalls = 0
+      do i = 4, size(residual)
+         if (residual(i) > falls*minval(residual(2:i - 1))) stalls = stalls + 1
+      end do
+   end function stalls
 
    !> The stress of these displacements at the slave points.
    subroutine put_mises(scene, model, displacement)

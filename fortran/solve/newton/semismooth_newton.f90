@@ -20,7 +20,8 @@ module lopin_semismooth_newton
    use lopin_line_search, only : search_type, take_step, refuse_inverted
    use lopin_contraction, only : by_old_tangent, evaluate_without_tangent, note_step, gets_nowhere
    use lopin_check_mesh, only : folding_at
-   use lopin_lagged_friction, only : reads_lagged, renew_lagged
+   use lopin_lagged_friction, only : reads_lagged, renew_lagged, share_of_new, may_relax
+   use lopin_first_increment, only : size_first
    use lopin_scene, only : scene_type
    use lopin_tell_watcher, only : tell_of_iteration
    use lopin_worst_residual, only : describe_worst
@@ -32,6 +33,9 @@ module lopin_semismooth_newton
    integer, parameter :: most_sets = 400, most_iterations = 30, most_lagged = 200, memory = 4
    !> Solids that flow do better in smaller increments than in more iterations.
    integer, parameter :: most_of_flow = 40
+   !> Steps of which so little is taken, this often in a row, lead to no end in few iterations.
+   real(wp), parameter :: creeps = 0.05_wp
+   integer, parameter :: most_creeping = 4
    !> So many returns to sets of contact met before are a cycle.
    integer, parameter :: cycle_of = 3
    !> An increment this often the smallest one can still be cut.
@@ -49,6 +53,7 @@ module lopin_semismooth_newton
       real(wp) :: last = huge(1.0_wp)          !! size of the last step
       integer :: seen(most_sets) = 0           !! sets of contact met
       integer :: stale = 0                     !! of those, met again
+      integer :: creeping = 0                  !! last steps of which little was taken
       integer, allocatable :: status(:)        !! (npoint) of contact before the last step
       logical :: fresh = .false.               !! the set has changed, without friction
    end type iteration_type
@@ -66,6 +71,7 @@ contains
       type(error_type), allocatable, intent(out) :: error
       type(iteration_type) :: it
       integer :: iteration
+      logical :: settled
 
       it%search%load = f
       it%search%prescribed = prescribed
@@ -88,12 +94,9 @@ contains
             if (allocated(error)) return
          end if
          it%number = iteration
-         ! What the increment brings is about once it is applied; a trial far out moves it no more.
-         if (iteration == 2) scene%newton%reference = max(scene%newton%reference, &
-            & it%evaluation%force)
-         scene%newton%history = [scene%newton%history, relative(it%evaluation, &
-            & scene%newton%reference)]
-         if (has_settled(it, scene)) then
+         call look_for_end(it, scene, model, settled, error)
+         if (allocated(error)) return
+         if (settled) then
             if (iteration > 1 .and. it%evaluation%merit > floor_of_rounding*reference_of(scene, &
                & it%evaluation) .and. .not. scene%newton%flows) &
                & call refine(scene, model, f, iterate%v, prescribed, it%evaluation, error)
@@ -142,6 +145,27 @@ contains
       scene%newton%correction = 0.0_wp
    end subroutine look_at_start
 
+   !> What laws read in part is read in full before it counts.
+   subroutine look_for_end(it, scene, model, settled, error)
+      type(iteration_type), intent(inout) :: it
+      type(scene_type), intent(inout) :: scene
+      type(model_type), intent(in) :: model
+      logical, intent(out) :: settled
+      type(error_type), allocatable, intent(out) :: error
+
+      ! What the increment brings is about once it is applied; a trial far out moves it no more.
+      if (it%number == 2) scene%newton%reference = max(scene%newton%reference, it%evaluation%force)
+      scene%newton%history = [scene%newton%history, relative(it%evaluation, &
+         & scene%newton%reference)]
+      settled = has_settled(it, scene)
+      if (.not. (settled .and. it%lagged)) return
+      if (.not. share_of_new(scene%newton%history) < 1.0_wp) return
+      call renew_lagged(scene, model, 1.0_wp)
+      call evaluate(scene, model, it%search%load, .true., it%evaluation, error)
+      if (allocated(error)) return
+      settled = has_settled(it, scene)
+   end subroutine look_for_end
+
    logical function has_settled(it, scene)
       type(iteration_type), intent(in) :: it
       type(scene_type), intent(in) :: scene
@@ -174,13 +198,15 @@ contains
 
       is_vain = it%stale > merge(most_lagged, most_iterations, it%lagged)
       if (is_vain .or. .not. scene%newton%flows) return
+      if (it%lagged .and. may_relax(scene%newton%history)) return
       ! What has nothing to go on from, as a sheet between flat tools or a body that springs
       ! back, loses contact node by node in any increment: slow, but it gets on.
       associate (step => model%step(scene%step), history => scene%newton%history)
          if (scene%accepted%motion%last_dt > 0.0_wp) then
             is_vain = it%number > most_of_flow
             if (is_vain .or. step%direct) return
-            if (scene%newton%dt > least_cuts*step%smallest) is_vain = gets_nowhere(history(2:))
+            if (scene%newton%dt > least_cuts*step%smallest) is_vain = gets_nowhere(history(2:)) &
+               & .or. it%creeping >= most_creeping
          else if (it%number > most_of_flow) then
             is_vain = gets_nowhere(history(2:))
          end if
@@ -230,6 +256,9 @@ contains
          finite%contact%noted = 0.0_wp
          if (allocated(error)) return
          it%last = search%size
+         if (it%loop == 0) call size_first(scene, model, it%number, error)
+         if (allocated(error)) return
+         it%creeping = merge(it%creeping + 1, 0, search%share < creeps .and. .not. first)
          call note_step(finite%contraction, residual, relative(evaluation, reference_of(scene, &
             & evaluation)), .not. (first .or. simplified .or. search%share < 1.0_wp) &
             & .and. hash_of(finite%contact%status) == it%seen(it%number))
@@ -246,7 +275,7 @@ contains
       type(error_type), allocatable, intent(out) :: error
 
       if (it%lagged) then
-         call renew_lagged(scene, model)
+         call renew_lagged(scene, model, share_of_new(scene%newton%history))
          call evaluate(scene, model, it%search%load, .true., it%evaluation, error)
          if (allocated(error)) return
       end if

@@ -14,6 +14,8 @@ module lopin_time_increment
    use lopin_refuse_turn, only : turn_id, most_turn
    use lopin_torn_ties, only : torn_id
    use lopin_held_points, only : held_id
+   use lopin_first_increment, only : first_id
+   use lopin_lagged_friction, only : reads_lagged
    use lopin_touch_order, only : order_id, parts_of_touch
    use lopin_scene, only : scene_type
    use lopin_contact_friction, only : slides_with_friction
@@ -33,6 +35,8 @@ module lopin_time_increment
    !> attempt that fails.
    real(wp), parameter :: short = 0.01_wp
    integer, parameter :: some_iterations = 15
+   !> What friction reads of the last iteration converges by a factor an iteration.
+   integer, parameter :: few_of_lagged = 24
    !> Increments that were large once count for less, the longer ago that is.
    real(wp), parameter :: fading = 0.8_wp
    !> Plastic strain that increments grow up to.
@@ -57,6 +61,7 @@ contains
 
       associate (clock => run%scene%accepted%clock, step => model%step(run%scene%step))
          run%frame%attempt = 1
+         run%scene%newton%sized = 0
          self%turn = next_turn(model, run%plan, step, clock%start, clock%time)
          if (clock%time < clock%parts_until - same_time*step%period) clock%increment = &
             & min(clock%increment, clock%part)
@@ -92,7 +97,7 @@ contains
             & smallest*step%period)
          scene%newton%dt = increment
          scene%newton%time = target_time
-         scene%newton%attempt = frame%attempt
+         scene%newton%attempt = frame%attempt - scene%newton%sized
          call tell_of_attempt(scene, model, frame)
       end associate
    end subroutine set_attempt
@@ -120,6 +125,10 @@ contains
             return
          end if
          part = cut
+         if (error%item(1)%id == first_id) then
+            part = max(scene%newton%fit, model%step(scene%step)%smallest/clock%increment)
+            scene%newton%sized = scene%newton%sized + 1
+         end if
          if (error%item(1)%id == turn_id) part = steady_turn*most_turn/scene%turned
          call say(recorders, begin//', attempt '//to_text(frame%attempt)//': cut to '// &
             & to_text(part*clock%increment, 4)//', because '//error%item(1)%message)
@@ -178,14 +187,24 @@ contains
       turned = scene%turned
       ! The iterations of slow motion say nothing of the increment.
       if (.not. step%direct .and. (plan%path /= path_of%nonlinear .or. scene%newton%jumped &
-         & .or. frame%iterations <= merge(some_iterations, few_iterations, &
-         & increment < short*step%period))) increment = growth*increment
+         & .or. frame%iterations <= enough_iterations(scene, step, increment))) &
+         & increment = growth*increment
       if (.not. step%direct .and. flow > 0.0_wp) &
          & increment = min(increment, frame%time_increment*steady_flow/flow)
       if (.not. step%direct .and. turned > 0.0_wp) &
          & increment = min(increment, frame%time_increment*steady_turn*most_turn/turned)
       if (step%largest > 0.0_wp) increment = min(increment, step%largest)
    end subroutine grow
+
+   !> Iterations up to which the next increment may be longer.
+   integer function enough_iterations(scene, step, increment) result(enough)
+      type(scene_type), intent(in) :: scene
+      type(step_type), intent(in) :: step
+      real(wp), intent(in) :: increment        !! the last [time]
+
+      enough = merge(some_iterations, few_iterations, increment < short*step%period)
+      if (reads_lagged(scene)) enough = max(enough, few_of_lagged)
+   end function enough_iterations
 
    !> What did not converge may do so in smaller increments, where the path depends on them.
    logical function may_cut(plan, scene, error)

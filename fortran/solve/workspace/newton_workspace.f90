@@ -58,6 +58,8 @@ module lopin_newton_workspace
       type(contraction_type) :: contraction    !! of Newton
       type(damping_type) :: damping            !! of a motion through pseudo-time
       integer :: attempt = 1                   !! at the increment
+      integer :: sized = 0                     !! attempts that were cut before they had failed
+      real(wp) :: fit = 1.0_wp                 !! share of a first increment that flows little
       logical :: jumped = .false.              !! it was ended by slow motion
       logical :: cycled = .false.              !! Newton came back to the same sets of contact
       real(wp), allocatable :: history(:)      !! residual by iteration, beside the largest force

@@ -1,0 +1,357 @@
+!> A tool of triangles that mean a curved surface: each is curved by the normals of its corners.
+!>
+!> Facets that meet at less than 30 degrees share the normals of their corners, those of the facets
+!> around weighted by angle and area. Sharper edges stay as they are, and so do creases that stand
+!> alone: a surface that is curved turns on, the same way and about as much, at the next crease.
+!> Points whose foot is on an edge that stays are met as on flat facets. The normal runs between
+!> those of the corners, so that it does not jump where a point goes from one facet to the next.
+module lopin_tool_curved
+   use lopin_kinds, only : wp
+   use lopin_facet_mesh, only : facet_mesh_type
+   use lopin_tool, only : foot_type, one_plane
+   use lopin_vectors, only : cross
+   use lopin_tool_facets, only : facets_tool_type, nearest_type, new_facets_tool, find_nearest, &
+      & settle, add_wall, sharp
+   use lopin_curved_triangle, only : edge_control, closest_on_curved, normal_slopes
+   implicit none
+   private
+   public :: curved_tool_type, new_curved_tool
+
+   !> The next crease of a curved surface turns by so much of the last or its inverse, about an axis
+   !> within so much of parallel [-].
+   real(wp), parameter :: least_turn = 0.2_wp, parallel = 0.25_wp
+   integer, parameter :: most_hops = 8          !! from facet to facet, on the way to the closest
+   real(wp), parameter :: nearer = 1.0_wp - 1.0e-12_wp   !! beside the squared distance before
+
+   type, extends(facets_tool_type) :: curved_tool_type
+      real(wp), allocatable :: control(:, :, :)   !! (3, 6, nfacet) Bezier points [length]
+      real(wp), allocatable :: corner(:, :, :)    !! (3, 3, nfacet) unit normals of the corners
+      logical, allocatable :: kept(:, :)          !! (3, nfacet) edges that stay as they are
+      logical, allocatable :: fixed(:)            !! (nvertex) such an edge ends there
+      integer, allocatable :: region(:)           !! (nfacet) of facets that no kept edge parts
+   contains
+      procedure :: project
+      procedure :: project_all => project_walls
+      procedure :: is_creased => is_bent
+   end type curved_tool_type
+
+contains
+
+   subroutine new_curved_tool(self, mesh)
+      type(curved_tool_type), intent(out) :: self
+      type(facet_mesh_type), intent(in) :: mesh
+      integer :: f, k, g, to
+
+      call new_facets_tool(self%facets_tool_type, mesh)
+      self%curved = .true.
+      allocate (self%control(3, 6, mesh%nfacet), self%corner(3, 3, mesh%nfacet))
+      allocate (self%kept(3, mesh%nfacet), self%fixed(mesh%nvertex), source=.false.)
+      do f = 1, mesh%nfacet
+         do k = 1, 3
+            g = mesh%neighbour(k, f)
+            if (g == 0) cycle
+            ! Both sides of an edge say the same.
+            if (g < f) self%kept(k, f) = self%kept(edge_to(mesh, g, f), g)
+            if (g > f) self%kept(k, f) = stays(mesh, f, k)
+            if (self%kept(k, f)) self%fixed(mesh%vertex([k, 1 + mod(k, 3)], f)) = .true.
+         end do
+      end do
+      call find_regions(self)
+      do f = 1, mesh%nfacet
+         do k = 1, 3
+            self%corner(:, k, f) = normal_at(self, f, k)
+         end do
+      end do
+      do f = 1, mesh%nfacet
+         self%control(:, :3, f) = mesh%x(:, mesh%vertex(:, f))
+         do k = 1, 3
+            to = 1 + mod(k, 3)
+            associate (a => self%control(:, k, f), b => self%control(:, to, f))
+               self%control(:, 3 + k, f) = 0.5_wp*(a + b)
+               if (.not. self%kept(k, f)) self%control(:, 3 + k, f) = edge_control(a, b, &
+                  & self%corner(:, k, f), self%corner(:, to, f))
+            end associate
+         end do
+      end do
+   end subroutine new_curved_tool
+
+   !> The edge of a facet beyond which another lies.
+   pure integer function edge_to(mesh, f, other) result(k)
+      type(facet_mesh_type), intent(in) :: mesh
+      integer, intent(in) :: f, other
+      k = findloc(mesh%neighbour(:, f), other, dim=1)
+   end function edge_to
+
+   !> Turn of the surface across an edge, > 0 over a ridge [rad].
+   pure real(wp) function turn_at(mesh, f, k) result(turn)
+      type(facet_mesh_type), intent(in) :: mesh
+      integer, intent(in) :: f, k
+      integer :: g
+
+      g = mesh%neighbour(k, f)
+      turn = 2.0_wp*asin(min(1.0_wp, 0.5_wp*norm2(mesh%normal(:, f) - mesh%normal(:, g))))
+      if (dot_product(mesh%normal(:, f), sum(mesh%x(:, mesh%vertex(:, g)), dim=2)/3.0_wp &
+         & - mesh%x(:, mesh%vertex(k, f))) > 0.0_wp) turn = -turn
+   end function turn_at
+
+   !> An edge that is sharp, or a crease that stands alone.
+   pure logical function stays(mesh, f, k)
+      type(facet_mesh_type), intent(in) :: mesh
+      integer, intent(in) :: f, k
+      real(wp) :: cosine, along(3)
+      integer :: g
+
+      g = mesh%neighbour(k, f)
+      cosine = dot_product(mesh%normal(:, f), mesh%normal(:, g))
+      stays = cosine < sharp
+      if (stays .or. cosine >= one_plane) return
+      along = edge_of(mesh, f, k)
+      stays = .not. (turns_on(mesh, f, k, along, turn_at(mesh, f, k)) &
+         & .or. turns_on(mesh, g, edge_to(mesh, g, f), along, turn_at(mesh, f, k)))
+   end function stays
+
+   !> Beyond a facet, on the way from its edge k, the surface turns on; facets of one plane are
+   !> passed over, once.
+   pure logical function turns_on(mesh, f, k, along, turn)
+      type(facet_mesh_type), intent(in) :: mesh
+      integer, intent(in) :: f, k
+      real(wp), intent(in) :: along(3), turn   !! the crease, and by how much it turns [rad]
+      integer :: i, j, g, back
+
+      turns_on = .false.
+      do i = 1, 3
+         g = mesh%neighbour(i, f)
+         if (i == k .or. g == 0) cycle
+         turns_on = goes_with(mesh, f, i, along, turn)
+         if (turns_on) return
+         if (dot_product(mesh%normal(:, f), mesh%normal(:, g)) < one_plane) cycle
+         back = edge_to(mesh, g, f)
+         do j = 1, 3
+            if (j == back .or. mesh%neighbour(j, g) == 0) cycle
+            turns_on = goes_with(mesh, g, j, along, turn)
+            if (turns_on) return
+         end do
+      end do
+   end function turns_on
+
+   !> This edge turns the surface the same way and about as much.
+   pure logical function goes_with(mesh, f, k, along, turn)
+      type(facet_mesh_type), intent(in) :: mesh
+      integer, intent(in) :: f, k
+      real(wp), intent(in) :: along(3), turn
+      real(wp) :: edge(3), next
+
+      edge = edge_of(mesh, f, k)
+      next = turn_at(mesh, f, k)/turn
+      goes_with = next > least_turn .and. next < 1.0_wp/least_turn .and. &
+         & abs(dot_product(edge, along)) > parallel*norm2(edge)*norm2(along)
+   end function goes_with
+
+   pure function edge_of(mesh, f, k) result(edge)
+      type(facet_mesh_type), intent(in) :: mesh
+      integer, intent(in) :: f, k
+      real(wp) :: edge(3)
+      edge = mesh%x(:, mesh%vertex(1 + mod(k, 3), f)) - mesh%x(:, mesh%vertex(k, f))
+   end function edge_of
+
+   !> Facets that hang together without a kept edge between them.
+   pure subroutine find_regions(self)
+      type(curved_tool_type), intent(inout) :: self
+      integer, allocatable :: stack(:)
+      integer :: first, top, f, k, g, n
+
+      allocate (self%region(self%mesh%nfacet), source=0)
+      allocate (stack(self%mesh%nfacet))
+      n = 0
+      do first = 1, self%mesh%nfacet
+         if (self%region(first) > 0) cycle
+         n = n + 1
+         self%region(first) = n
+         stack(1) = first
+         top = 1
+         do while (top > 0)
+            f = stack(top)
+            top = top - 1
+            do k = 1, 3
+               g = self%mesh%neighbour(k, f)
+               if (g == 0 .or. self%kept(k, f)) cycle
+               if (self%region(g) > 0) cycle
+               self%region(g) = n
+               top = top + 1
+               stack(top) = g
+            end do
+         end do
+      end do
+   end subroutine find_regions
+
+   !> The mean normal of the facets around corner k of facet f that no kept edge parts from it.
+   pure function normal_at(self, f, k) result(normal)
+      type(curved_tool_type), intent(in) :: self
+      integer, intent(in) :: f, k
+      real(wp) :: normal(3)
+      integer, allocatable :: list(:)
+      integer :: v, n, i, g, h, c, side
+
+      v = self%mesh%vertex(k, f)
+      allocate (list(self%mesh%ring_first(v + 1) - self%mesh%ring_first(v)))
+      list(1) = f
+      n = 1
+      i = 0
+      normal = 0.0_wp
+      do while (i < n)
+         i = i + 1
+         g = list(i)
+         c = findloc(self%mesh%vertex(:, g), v, dim=1)
+         normal = normal + weight_of(self%mesh, g, c)*self%mesh%normal(:, g)
+         do side = 1, 2
+            ! The edges that begin and end at the corner.
+            h = merge(c, 1 + mod(c + 1, 3), side == 1)
+            if (self%kept(h, g)) cycle
+            h = self%mesh%neighbour(h, g)
+            if (h == 0) cycle
+            if (any(list(:n) == h) .or. n == size(list)) cycle
+            n = n + 1
+            list(n) = h
+         end do
+      end do
+      normal = normal/norm2(normal)
+   end function normal_at
+
+   !> Angle at the corner times area: a plane keeps its direction beside the facets of a fillet.
+   pure real(wp) function weight_of(mesh, f, k)
+      type(facet_mesh_type), intent(in) :: mesh
+      integer, intent(in) :: f, k
+      real(wp) :: a(3), b(3), c(3)
+
+      a = mesh%x(:, mesh%vertex(1 + mod(k, 3), f)) - mesh%x(:, mesh%vertex(k, f))
+      b = mesh%x(:, mesh%vertex(1 + mod(k + 1, 3), f)) - mesh%x(:, mesh%vertex(k, f))
+      c = cross(a, b)
+      weight_of = max(norm2(c)*atan2(norm2(c), dot_product(a, b)), tiny(1.0_wp))
+   end function weight_of
+
+   !> Only kept edges are creases.
+   pure logical function is_bent(self, a, b)
+      class(curved_tool_type), intent(in) :: self
+      integer, intent(in) :: a, b
+      real(wp) :: cosine
+
+      cosine = dot_product(self%mesh%normal(:, a), self%mesh%normal(:, b))
+      is_bent = cosine < sharp .or. cosine < one_plane .and. self%region(a) /= self%region(b)
+   end function is_bent
+
+   pure subroutine project(self, x, foot)
+      class(curved_tool_type), intent(in) :: self
+      real(wp), intent(in) :: x(:)
+      type(foot_type), intent(out) :: foot
+      type(nearest_type) :: nearest
+
+      call find_nearest(self, x, nearest)
+      if (nearest%facet > 0) call settle_curved(self, x, nearest, foot)
+   end subroutine project
+
+   pure subroutine project_walls(self, x, reach, feet, nfeet)
+      class(curved_tool_type), intent(in) :: self
+      real(wp), intent(in) :: x(:), reach
+      type(foot_type), intent(out) :: feet(2)
+      integer, intent(out) :: nfeet
+      type(nearest_type) :: other
+
+      call add_wall(self, x, reach, feet, nfeet, other)
+      if (other%facet == 0) return
+      call settle_curved(self, x, other, feet(2))
+      nfeet = 2
+      if (feet(2)%gap < feet(1)%gap) feet = feet([2, 1])
+   end subroutine project_walls
+
+   !> The foot on the curved surface, from the closest point of the flat facets.
+   pure subroutine settle_curved(self, x, flat, foot)
+      class(curved_tool_type), intent(in) :: self
+      real(wp), intent(in) :: x(3)
+      type(nearest_type), intent(in) :: flat
+      type(foot_type), intent(out) :: foot
+      type(nearest_type) :: nearest
+      real(wp) :: share(3), arm(3)
+      logical :: perimeter
+      integer :: v
+
+      call walk(self, x, flat, nearest, share)
+      perimeter = .false.
+      associate (f => nearest%facet, k => nearest%feature)
+         if (k > 3) then
+            v = self%mesh%vertex(k - 3, f)
+            perimeter = self%mesh%on_perimeter(v)
+            if (self%fixed(v)) then
+               call settle(self, x, nearest, foot)
+               return
+            end if
+         else if (k > 0) then
+            perimeter = self%mesh%neighbour(k, f) == 0
+            if (self%kept(k, f)) then
+               call settle(self, x, nearest, foot)
+               return
+            end if
+         end if
+         foot%found = .true.
+         foot%segment = f
+         foot%point = nearest%point
+         call normal_slopes(self%control(:, :, f), self%corner(:, :, f), share, k, x, foot%normal, &
+            & foot%hessian)
+         arm = x - foot%point
+         foot%gap = dot_product(arm, foot%normal)
+         if (perimeter) then
+            foot%overhang = norm2(arm - foot%gap*foot%normal)
+         else
+            foot%gap = sign(sqrt(nearest%distance2), foot%gap)
+         end if
+      end associate
+   end subroutine settle_curved
+
+   !> From facet to facet while that comes nearer.
+   pure subroutine walk(self, x, flat, nearest, share)
+      class(curved_tool_type), intent(in) :: self
+      real(wp), intent(in) :: x(3)
+      type(nearest_type), intent(in) :: flat
+      type(nearest_type), intent(out) :: nearest
+      real(wp), intent(out) :: share(3)
+      integer :: hop, before, v, i, on, next
+
+      nearest%facet = 0
+      share = 0.0_wp
+      call try(self, x, flat%facet, nearest, share)
+      do hop = 1, most_hops
+         before = nearest%facet
+         on = nearest%feature
+         if (on == 0) return
+         if (on <= 3) then
+            next = self%mesh%neighbour(on, before)
+            if (next > 0) call try(self, x, next, nearest, share)
+         else
+            v = self%mesh%vertex(on - 3, before)
+            do i = self%mesh%ring_first(v), self%mesh%ring_first(v + 1) - 1
+               call try(self, x, self%mesh%ring(i), nearest, share)
+            end do
+         end if
+         if (nearest%facet == before) return
+      end do
+   end subroutine walk
+
+   !> Take this facet if it is nearer.
+   pure subroutine try(self, x, f, nearest, share)
+      class(curved_tool_type), intent(in) :: self
+      real(wp), intent(in) :: x(3)
+      integer, intent(in) :: f
+      type(nearest_type), intent(inout) :: nearest
+      real(wp), intent(inout) :: share(3)
+      real(wp) :: here(3), point(3), distance2
+      integer :: feature
+
+      here = 1.0_wp/3.0_wp
+      call closest_on_curved(self%control(:, :, f), x, here, point, feature)
+      distance2 = sum((x - point)**2)
+      if (nearest%facet > 0) then
+         if (.not. distance2 < nearest%distance2*nearer) return
+      end if
+      nearest = nearest_type(f, feature, distance2, point)
+      share = here
+   end subroutine try
+end module lopin_tool_curved

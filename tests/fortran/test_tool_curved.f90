@@ -1,0 +1,185 @@
+!> Triangles curved by the normals of their corners: closer to what they mean than flat ones, and
+!> without a jump from one to the next.
+program test_tool_curved
+   use lopin_kinds, only : wp
+   use lopin_error, only : error_type
+   use lopin_facet_mesh, only : facet_flaws_type
+   use lopin_tool, only : tool_type, foot_type
+   use lopin_tool_factory, only : new_tool_from_facets
+   use check, only : test, close_to, is_true, finish
+   use facet_scenes, only : sphere_facets, box_facets, torus_facets, torus_radii
+   implicit none
+
+   call random_init(.true., .false.)
+   call a_sphere_is_met_far_better_than_by_flat_facets()
+   call so_is_a_torus()
+   call a_box_keeps_its_edges()
+   call the_gap_does_not_jump()
+   call the_normal_does_not_jump()
+   call normal_and_hessian_are_near_the_derivatives()
+   call finish()
+
+contains
+
+   subroutine make(tool, corner, curved)
+      class(tool_type), allocatable, intent(out) :: tool
+      real(wp), intent(in) :: corner(:, :, :)
+      logical, intent(in) :: curved
+      type(facet_flaws_type) :: flaws
+      type(error_type), allocatable :: error
+
+      call new_tool_from_facets(tool, corner, .false., .false., flaws, error, curved)
+      call is_true('accepted', .not. allocated(error))
+   end subroutine make
+
+   !> A point off the unit sphere by up to a tenth.
+   subroutine near_sphere(x)
+      real(wp), intent(out) :: x(3)
+      real(wp) :: r
+
+      do
+         call random_number(x)
+         x = 2.0_wp*x - 1.0_wp
+         if (norm2(x) > 0.1_wp .and. norm2(x) < 1.0_wp) exit
+      end do
+      call random_number(r)
+      x = x/norm2(x)*(0.9_wp + 0.2_wp*r)
+   end subroutine near_sphere
+
+   subroutine a_sphere_is_met_far_better_than_by_flat_facets()
+      class(tool_type), allocatable :: tool
+      type(foot_type) :: foot
+      real(wp) :: x(3), worst(2), turned
+      integer :: i, k
+
+      call test('a sphere of facets: the gap is near that of the sphere')
+      worst = 0.0_wp
+      turned = 0.0_wp
+      do k = 1, 2
+         call make(tool, sphere_facets(6), k == 2)
+         do i = 1, 2000
+            call near_sphere(x)
+            call tool%project(x, foot)
+            worst(k) = max(worst(k), abs(foot%gap - (norm2(x) - 1.0_wp)))
+            if (k == 2) turned = max(turned, norm2(foot%normal - x/norm2(x)))
+         end do
+      end do
+      call is_true('gap', worst(2) < 0.15_wp*worst(1))
+      call is_true('normal', turned < 0.07_wp)
+   end subroutine a_sphere_is_met_far_better_than_by_flat_facets
+
+   subroutine so_is_a_torus()
+      class(tool_type), allocatable :: tool
+      type(foot_type) :: foot
+      real(wp) :: x(3), worst(2), exact
+      integer :: i, k
+
+      call test('a torus of facets: the gap is near that of the torus')
+      worst = 0.0_wp
+      do k = 1, 2
+         call make(tool, torus_facets(20), k == 2)
+         do i = 1, 2000
+            call random_number(x)
+            x = (2.0_wp*x - 1.0_wp)*(torus_radii(1) + torus_radii(2))
+            exact = norm2([norm2(x(:2)) - torus_radii(1), x(3)]) - torus_radii(2)
+            if (abs(exact) > 0.3_wp*torus_radii(2)) cycle
+            call tool%project(x, foot)
+            worst(k) = max(worst(k), abs(foot%gap - exact))
+         end do
+      end do
+      call is_true('gap', worst(2) < 0.2_wp*worst(1))
+   end subroutine so_is_a_torus
+
+   subroutine a_box_keeps_its_edges()
+      class(tool_type), allocatable :: flat, curved
+      type(foot_type) :: a, b
+      real(wp) :: x(3)
+      integer :: i
+
+      call test('a box: edges of 90 degrees stay')
+      call make(flat, box_facets(), .false.)
+      call make(curved, box_facets(), .true.)
+      do i = 1, 2000
+         call random_number(x)
+         x = 3.0_wp*x - 1.5_wp
+         call flat%project(x, a)
+         call curved%project(x, b)
+         if (abs(a%gap - b%gap) > 1.0e-12_wp) exit
+      end do
+      call close_to('gap', b%gap, a%gap, 1.0e-12_wp)
+   end subroutine a_box_keeps_its_edges
+
+   !> Along a way over many facets the gap changes by no more than the way.
+   subroutine the_gap_does_not_jump()
+      class(tool_type), allocatable :: tool
+      type(foot_type) :: foot
+      real(wp) :: before, worst
+      integer :: i
+
+      call test('no jump of the gap along a way over the facets')
+      call make(tool, sphere_facets(5), .true.)
+      worst = 0.0_wp
+      do i = 0, 100000
+         call tool%project(place(i), foot)
+         if (i > 0) worst = max(worst, abs(foot%gap - before))
+         before = foot%gap
+      end do
+      call is_true('gap', worst < 1.0_wp*norm2(place(1) - place(0)))
+   end subroutine the_gap_does_not_jump
+
+   subroutine the_normal_does_not_jump()
+      class(tool_type), allocatable :: tool
+      type(foot_type) :: foot
+      real(wp) :: before(3), worst
+      integer :: i
+
+      call test('no jump of the normal along a way over the facets')
+      call make(tool, sphere_facets(5), .true.)
+      worst = 0.0_wp
+      do i = 0, 100000
+         call tool%project(place(i), foot)
+         if (i > 0) worst = max(worst, norm2(foot%normal - before))
+         before = foot%normal
+      end do
+      call is_true('normal', worst < 20.0_wp*norm2(place(1) - place(0)))
+   end subroutine the_normal_does_not_jump
+
+   !> A great circle, a little outside and inside the sphere in turn.
+   pure function place(i) result(x)
+      integer, intent(in) :: i
+      real(wp) :: x(3), t
+
+      t = 1.0e-5_wp*i
+      x = [cos(t), 0.8_wp*sin(t), 0.6_wp*sin(t)]
+      x = x*(1.0_wp + 0.002_wp*sin(37.0_wp*t))
+   end function place
+
+   subroutine normal_and_hessian_are_near_the_derivatives()
+      class(tool_type), allocatable :: tool
+      type(foot_type) :: foot, low, high
+      real(wp), parameter :: h = 1.0e-6_wp
+      real(wp) :: x(3), step(3), slope, bend(3), worst(2)
+      integer :: i, d
+
+      call test('the normal is near the slope of the gap, the hessian that of the normal')
+      call make(tool, sphere_facets(6), .true.)
+      worst = 0.0_wp
+      do i = 1, 500
+         call near_sphere(x)
+         call tool%project(x, foot)
+         do d = 1, 3
+            step = 0.0_wp
+            step(d) = h
+            call tool%project(x - step, low)
+            call tool%project(x + step, high)
+            slope = (high%gap - low%gap)/(2.0_wp*h)
+            bend = (high%normal - low%normal)/(2.0_wp*h)
+            worst(1) = max(worst(1), abs(slope - foot%normal(d)))
+            if (low%segment /= high%segment) cycle
+            worst(2) = max(worst(2), maxval(abs(bend - foot%hessian(:, d))))
+         end do
+      end do
+      call is_true('normal', worst(1) < 0.04_wp)
+      call is_true('hessian', worst(2) < 0.2_wp)
+   end subroutine normal_and_hessian_are_near_the_derivatives
+end program test_tool_curved
