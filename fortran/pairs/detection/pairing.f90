@@ -129,7 +129,7 @@ contains
          self%normal(:, n) = found(i)%normal
          self%foot(:, n) = found(i)%point
          self%gap(n) = found(i)%gap
-         self%shape(:, n) = found(i)%shape
+         self%shape(:size(found(i)%shape), n) = found(i)%shape
          self%master(:facets%nnode(found(i)%facet), &
             & n) = facets%node(:facets%nnode(found(i)%facet), found(i)%facet)
       end do
