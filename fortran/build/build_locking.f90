@@ -11,12 +11,12 @@ module lopin_build_locking
    use lopin_build_scene, only : scene_type
    implicit none
    private
-   public :: judge_locking
+   public :: check_locking
 
 contains
 
    !> Once for each word and section.
-   subroutine judge_locking(model, scene)
+   subroutine check_locking(model, scene)
       type(model_type), intent(inout) :: model
       type(scene_type), intent(in) :: scene
       integer :: number(size(scene%etype), size(model%section)), e, s, t
@@ -29,10 +29,10 @@ contains
       do s = 1, size(model%section)
          if (.not. volume_is_kept(model, s)) cycle
          do t = 1, size(scene%etype)
-            if (number(t, s) > 0) call judge_word(model, scene%etype(t), s, number(t, s))
+            if (number(t, s) > 0) call check_word(model, scene%etype(t), s, number(t, s))
          end do
       end do
-   end subroutine judge_locking
+   end subroutine check_locking
 
    pure logical function volume_is_kept(model, section) result(kept)
       type(model_type), intent(in) :: model
@@ -51,7 +51,7 @@ contains
       end associate
    end function volume_is_kept
 
-   subroutine judge_word(model, word, section, number)
+   subroutine check_word(model, word, section, number)
       type(model_type), intent(inout) :: model
       type(element_type), intent(in) :: word
       integer, intent(in) :: section, number
@@ -75,7 +75,7 @@ contains
                & 'linearly over each element', at)
          end if
       end associate
-   end subroutine judge_word
+   end subroutine check_word
 
    !> Fully integrated, with a change of volume at each point.
    pure logical function locks_alone(word)

@@ -8,7 +8,7 @@ module lopin_build_sections
    use lopin_flow_curve, only : flows
    use lopin_block, only : deck_type, block_type, field_type, split_fields, field_real, complain, &
       & has_parameter
-   use lopin_build_locking, only : judge_locking
+   use lopin_build_locking, only : check_locking
    use lopin_build_scene, only : scene_type, name_type, need_word, get_word, set_named, &
       & find_name, no_such
    use lopin_build_orientations, only : read_axes
@@ -184,7 +184,7 @@ contains
       integer :: e, i
 
       call check_flow(model, scene)
-      call judge_locking(model, scene)
+      call check_locking(model, scene)
       used = .false.
       do i = 1, size(model%section)
          if (model%section(i)%material > 0) used(model%section(i)%material) = .true.

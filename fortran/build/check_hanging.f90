@@ -1,5 +1,5 @@
 !> Mid-side nodes that hang on the edge of an element of first order: the edge of one element bends
-!> and the other's stays straight, so that the mesh gapes there.
+!> and the other's stays straight, so that a gap opens in the mesh there.
 module lopin_check_hanging
    use lopin_error, only : severity
    use lopin_text, only : to_text

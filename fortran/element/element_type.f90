@@ -39,7 +39,8 @@ module lopin_element_type
       & 'C3D15H', 'C3D20', 'C3D20R', 'C3D20H', 'C3D20RH', 'R2D2', 'RAX2', 'R3D3', 'R3D4', &
       & 'C3D6R', 'C3D8RS', 'CSS8']
 
-   !> Everything that is the same for all elements of a word.
+   !> Everything that is the same for all elements of a word. Many components: tables that every
+   !> kernel reads, computed once for each word and only read afterwards.
    type :: element_type
       character(len=7) :: word = ''
       character(len=:), allocatable :: note !! what the user must know of the reading; '' if nothing

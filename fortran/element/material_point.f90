@@ -16,7 +16,8 @@ module lopin_material_point
    use lopin_plastic_return, only : plastic_answer_type, return_to_surface
    use lopin_material_frame, only : material_frame_type, new_material_frame, &
       & frame_elastic_strain, spatial_stress, spatial_tangent, plastic_map
-   use lopin_material_memory, only : past_of, metric_of, put_metric, strain_at, stress_at, work_at, &
+   use lopin_material_memory, only : past_of, metric_of, put_metric, strain_at, stress_at, &
+      & work_at, &
       & plastic_past_of, put_plastic, map_of, put_map
    implicit none
    private
@@ -364,7 +365,7 @@ contains
    pure subroutine keep_small(law, dt, strain, memory, work)
       type(solid_law_type), intent(in) :: law
       real(wp), intent(in) :: dt
-      real(wp), intent(in) :: strain(:)                !! (4 or 6) elastic trial, engineering shears;
+      real(wp), intent(in) :: strain(:)   !! (4 or 6) elastic trial, engineering shears;
                                                        !! zz is that of plane stress
       real(wp), contiguous, intent(inout) :: memory(:)
       real(wp), intent(out) :: work                    !! per volume [stress]

@@ -113,7 +113,8 @@ contains
          & bad)
       if (bad > 0) return
       do k = 1, element%ngauss
-         call respond_at(law, point(k), memory(:, k), dt, stress(:element%nstress, k), energy, found)
+         call respond_at(law, point(k), memory(:, k), dt, stress(:element%nstress, k), energy, &
+            & found)
          stress(:, k) = stress(:, k)/(1.0_wp + point(k)%volume)
          associate (h => point(k)%h)
             strain(:, k) = log_strain(h + transpose(h) + matmul(h, transpose(h)), point(k)%volume)

@@ -169,7 +169,8 @@ contains
       if (k == size(strain)) then
          value = stress(k)
       else
-         value = stress(k) + (stress(k + 1) - stress(k))*(at - strain(k))/(strain(k + 1) - strain(k))
+         value = stress(k) + (stress(k + 1) - stress(k)) &
+            & *(at - strain(k))/(strain(k + 1) - strain(k))
       end if
    end function in_table
 

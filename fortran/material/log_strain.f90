@@ -232,8 +232,8 @@ contains
       end if
    end function d_coth_d
 
-   !> log(1 + x) with all digits also for small x > -1 (Goldberg 1991, theorem 4); large and negative
-   !> for x <= -1, of a folded trial.
+   !> log(1 + x) with all digits also for small x > -1 (Goldberg 1991, theorem 4); large and
+   !> negative for x <= -1, of a folded trial.
    elemental real(wp) function log_one_plus(x) result(y)
       real(wp), intent(in) :: x
       real(wp) :: one

@@ -73,7 +73,8 @@ contains
       call add_explanation(list, 'N0213', 'sheets in one layer of elements that flow', &
          & 'A sheet one element thick bends plastically: its stress jumps near the middle, and '// &
          & 'the two or three Gauss points through the thickness give a moment that is 14 to '// &
-         & '19 % off. Elements with free faces on both sides have five points in each half of their '// &
+         & '19 % off. Elements with free faces on both sides have five points in each half of '// &
+         & 'their '// &
          & 'thickness instead (three in space), if their material flows: 1 % off (3 %).', &
          & 'nothing; *SECTION CONTROLS, FORMULATION=FULL keeps the usual points.')
       call add_explanation(list, 'N0206', 'an element word stands for another formulation', &

@@ -46,7 +46,8 @@ contains
          & 'leave out PATH= on *LOPIN: the path is then chosen.')
       call add_explanation(list, 'E0510', 'Newton has not converged', &
          & 'The finite path cuts an increment that does not converge; here it cannot be cut '// &
-         & 'further (smallest increment, or DIRECT on *STATIC). Named are the dof farthest from '// &
+         & 'further (smallest increment, or DIRECT on *STATIC). Named are the dof farthest '// &
+         & 'from '// &
          & 'balance and a contact that has changed in the last iteration, and how far the '// &
          & 'step came: look there (lopin report draws the last increment that was found).', &
          & 'the message says what suits the scene: let increments be cut; drive by '// &
@@ -155,7 +156,8 @@ contains
          & 'smaller increments.')
       call add_explanation(list, 'N0518', 'work done while a body is let go of', &
          & 'A release that is elastic and without friction ends in one shape, whichever way '// &
-         & 'the tools go: pairs removed, motion, loads taken off. Here the metal flows again or '// &
+         & 'the tools go: pairs removed, motion, loads taken off. Here the metal flows again '// &
+         & 'or '// &
          & 'rubs on its way out. That work, beside the elastic energy that comes free, tells '// &
          & 'how far another way may end elsewhere.', &
          & 'nothing; let go as the press does where the springback matters.')

@@ -53,6 +53,8 @@ module lopin_model
    end type initials_of
    type(initials_of), parameter :: initial_of = initials_of()
 
+   !> A material as the deck gave it. Many components: one for each number or switch of its cards,
+   !> and the places of the cards for messages.
    type :: material_type
       character(len=:), allocatable :: name
       type(location_type) :: at
@@ -260,7 +262,8 @@ module lopin_model
       type(pair_change_type), allocatable :: pair_change(:)
    end type step_type
 
-   !> All lists are allocated, possibly with size 0.
+   !> All lists are allocated, possibly with size 0. Many components: one list for each kind of card
+   !> of the deck, and the options of *LOPIN.
    type :: model_type
       character(len=:), allocatable :: heading
       integer :: kind = 0   !! kind_of%... of the scene (plane strain if mixed with stress)

@@ -75,7 +75,7 @@ module lopin_report
       real(wp) :: friction_mean = 0.0_wp   !! the same by mean tractions: balances external
       real(wp) :: plastic = 0.0_wp           !! work of plastic and viscous flow since the start
       real(wp) :: thermal = 0.0_wp           !! work of heat against stresses since the start
-      real(wp) :: artificial = 0.0_wp        !! taken up by what held floating bodies since the start
+      real(wp) :: artificial = 0.0_wp   !! taken up by what held floating bodies since the start
       real(wp) :: hourglass = 0.0_wp         !! of `strain`, in hourglass motions
       real(wp) :: volume = 0.0_wp            !! of the bodies that flow, deformed [length^3]
       real(wp) :: nothing = 0.0_wp           !! below which they are not known
@@ -84,7 +84,7 @@ module lopin_report
 
    !> One accepted increment, as handed to the recorders. Displacements and reactions by node:
    !> dofs 1..3 translations, 4..6 rotations (only of reference nodes); zero where a node has no
-   !> such dof.
+   !> such dof. Many components: each is a column or a field of some result file.
    type :: frame_type
       integer :: step = 0, increment = 0, iterations = 0, augmentations = 0
       integer :: attempt = 1                  !! 1 as no increment is cut yet

@@ -53,8 +53,8 @@ contains
 
    !> C9: p = 100, mu = .3, m = .2, sigma_y = 200, sigma_vm = 150, alpha = 5, v = 2, q = .2.
    subroutine law_zoo()
-      real(wp), parameter :: expected(5) = [30.0_wp, 23.0940107675850_wp, 23.0940107675850_wp, &
-         & 17.3205080756888_wp, 5.743491774985175_wp]
+      real(wp), parameter :: expected(size(law_names)) = [30.0_wp, 23.0940107675850_wp, &
+         & 23.0940107675850_wp, 17.3205080756888_wp, 5.743491774985175_wp]
       type(friction_type) :: law
       type(condition_type) :: at
       real(wp) :: traction, dq, dp, q

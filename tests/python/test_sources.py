@@ -15,13 +15,15 @@ import measure_sources  # noqa: E402
 #: Figures of today; lower them when they have fallen.
 LIMITS = {
     "files above 400 lines": 0,
-    "lines above 100 columns": 19,
-    "procedures above 8 arguments": 54,
-    "procedures nested deeper than 4": 1,
+    "lines above 100 columns": 2,
+    "procedures above 8 arguments": 53,
+    "procedures nested deeper than 4": 0,
     "procedures above 60 lines": 24,
     "types above 20 components": 9,
+    "types above 20 components without a reason beside them": 0,
     "modules out of reach": 0,
-    "public procedures without a docstring, %": 18.5,
+    "words of a private vocabulary": 0,
+    "public procedures without a docstring, %": 18.2,
 }
 
 

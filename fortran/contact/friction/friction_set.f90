@@ -26,15 +26,15 @@ module lopin_friction_set
    real(wp), parameter :: least_part = 1.0e-4_wp
    !> Changes below this share of the largest force end the augmentation, and the fixed point.
    real(wp), parameter :: settled = 1.0e-10_wp
-   !> The cures, in order.
-   type :: ladder
+   !> Newton and its fallbacks, in order.
+   type :: fallbacks
       integer :: newton = 1, load = 2, damped = 3, single = 4, bounds = 5
-   end type ladder
-   type(ladder), parameter :: rung = ladder()
+   end type fallbacks
+   type(fallbacks), parameter :: fallback = fallbacks()
 
    type :: friction_result_type
       integer, allocatable :: status(:)            !! (npoint) 0 open, 1 stick, 2 slip
-      integer :: cure = 1                          !! rung of the ladder that solved it
+      integer :: cure = 1                          !! fallback%... that solved it
       integer :: sign_of_determinant = 1   !! of the tangent at the answer; < 0: not the only one
       integer, allocatable :: changing(:)          !! points whose state still changed at the end
       real(wp), allocatable :: norms(:)            !! residuals of the iterations
@@ -67,7 +67,7 @@ contains
       size_ = 0.0_wp
       most = max(1, maxval(self%max_augmentations))
       do pass = 1, most
-         call climb(self, points, work, x, result%outcome)
+         call try_in_turn(self, points, work, x, result%outcome)
          if (result%outcome /= outcome%solved) exit
          size_ = max(size_, largest(x%force))
          call augment(self, points, work, x, moved)
@@ -148,8 +148,8 @@ contains
       result%softness = 0.0_wp
    end subroutine prepare
 
-   !> The ladder of cures: each rung starts from the state that the last accepted increment left.
-   subroutine climb(self, points, work, x, reached)
+   !> The fallbacks in turn: each starts from the state that the last accepted increment left.
+   subroutine try_in_turn(self, points, work, x, reached)
       type(condensed_type), intent(in) :: self
       type(friction_points_type), intent(in) :: points
       type(work_type), intent(inout) :: work
@@ -161,16 +161,16 @@ contains
 
       start = x
       predict = work%predict
-      do cure = rung%newton, rung%bounds
+      do cure = fallback%newton, fallback%bounds
          x = start
-         work%predict = predict .and. cure /= rung%single .and. cure /= rung%load
-         work%equations%damped = cure == rung%damped
-         work%one_by_one = cure == rung%single
+         work%predict = predict .and. cure /= fallback%single .and. cure /= fallback%load
+         work%equations%damped = cure == fallback%damped
+         work%one_by_one = cure == fallback%single
          if (allocated(work%equations%set)) deallocate (work%equations%set)
          work%cure = cure
-         if (cure == rung%bounds) then
+         if (cure == fallback%bounds) then
             call fix_bounds(self, points, work, x, solved)
-         else if (cure == rung%load) then
+         else if (cure == fallback%load) then
             call follow_load(self, points, work, x, solved)
          else
             call newton(self, points, work, x, solved)
@@ -185,7 +185,7 @@ contains
       if (solved) return
       reached = outcome%cycling
       if (work%singular .and. self%nq > 0) reached = outcome%not_held
-   end subroutine climb
+   end subroutine try_in_turn
 
    !> The load of the increment bit by bit, all bits from the same accepted state: each answer
    !> starts the next one, and the last is that of the whole increment.

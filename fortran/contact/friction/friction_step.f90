@@ -23,7 +23,7 @@ module lopin_friction_step
       real(wp) :: scaling = 0.0_wp   !! c_t times the mean nodal S_tt; 0: the collective rule [-]
       logical :: line_search = .true.
       logical :: predict = .true.                  !! first step with the states accepted last
-      logical :: ladder = .true.                   !! cures where states repeat
+      logical :: ladder = .true.                   !! fallbacks where states repeat
    end type friction_controls_type
 
    type :: work_type
@@ -39,8 +39,8 @@ module lopin_friction_step
       logical :: one_by_one = .false.
       logical :: singular = .false.
       integer :: sign_of_determinant = 1, dependent = 0
-      integer :: cure = 1                          !! rung of the ladder in use
-      integer :: iterations = 0, single_pivots = 0 !! of all rungs
+      integer :: cure = 1                          !! fallback%... in use
+      integer :: iterations = 0, single_pivots = 0 !! of all fallbacks
       real(wp), allocatable :: norms(:)            !! residuals of Newton, last run [force]
       integer, allocatable :: changing(:)          !! points that changed in its last step
    end type work_type

@@ -36,6 +36,8 @@ module lopin_contact_points
       type(sample_type), allocatable :: sample(:)   !! those of a row without them first
    end type inner_type
 
+   !> The slave points of all pairs of the linear paths. Many components: arrays by point, kept as
+   !> arrays because search and rows go through one of them at a time.
    type :: contact_points_type
       integer :: n = 0
       integer, allocatable :: first(:)        !! (npair+1) first point of each pair

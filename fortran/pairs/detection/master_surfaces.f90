@@ -22,7 +22,7 @@ module lopin_master_surfaces
    private
    public :: masters_type, master_type, new_masters, move_masters, areas_of
 
-   !> Facets, of both sides, that keep two boxes from meeting: quadratic facets bulge less.
+   !> Facets, of both sides, beyond which two boxes count as apart: quadratic facets bulge less.
    real(wp), parameter :: apart = 2.0_wp
 
    type :: master_type
@@ -256,7 +256,8 @@ contains
       integer, intent(in) :: pair
       real(wp) :: area(model%mesh%nnode)       !! [area]
 
-      call nodal_weights(self%of(pair)%slave, self%rules, self%x, model%kind == kind_of%axisymmetric, &
+      call nodal_weights(self%of(pair)%slave, self%rules, self%x, &
+         & model%kind == kind_of%axisymmetric, &
          & self%of(pair)%thickness, area, model%mesh%x)
    end function areas_of
 end module lopin_master_surfaces

@@ -132,7 +132,8 @@ contains
             & to_text(model%mesh%element_label(slave%facets%element(lost)))// &
             & ' of '//model%surface(model%pair(number)%slave)%name//' has no place on the face '// &
             & 'opposite', &
-            & model%pair(number)%at, help='the faces are too distorted to be integrated: make them '// &
+            & model%pair(number)%at, help='the faces are too distorted to be integrated: make '// &
+            & 'them '// &
             & 'convex, or use TYPE=NODE TO SURFACE')
       end subroutine find_overlaps
    end subroutine couple_pair

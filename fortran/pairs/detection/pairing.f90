@@ -136,8 +136,8 @@ contains
    end subroutine pair_with_surface
 
    !> How much too large the force of a part is, measured with stiff punches at every place on a
-   !> mesh of quadrilaterals, 14, 7 and 5 % at a width of 1, 1.25 and 1.5 facets, and of triangles of
-   !> constant strain, 29, 20 and 17 %.
+   !> mesh of quadrilaterals, 14, 7 and 5 % at a width of 1, 1.25 and 1.5 facets, and of triangles
+   !> of constant strain, 29, 20 and 17 %.
    subroutine say_narrow(model, cells, pair, slave, width, log)
       type(model_type), intent(in) :: model
       type(cell_type), intent(in) :: cells(:)

@@ -203,7 +203,8 @@ contains
          if (.not. allocated(around)) allocate (around(size(opposite%inner%node)), &
             & inner(size(opposite%inner%bent)))
          base = gap
-         call place_planes(around, gap, opposite%inner, inputs, masters%x, rotation, reference, from)
+         call place_planes(around, gap, opposite%inner, inputs, masters%x, rotation, reference, &
+            & from)
          do m = 1, size(inner)
             call place_inner(inner(m), opposite%inner%bent(m), around, rotation, reference, start)
             gap = gap + inner(m)%c*inner(m)%gap

@@ -34,6 +34,8 @@ module lopin_nonlinear_contact
       integer, allocatable :: facet(:), place(:)   !! facets, and the node's place in them
    end type star_type
 
+   !> The contacts of the nonlinear path. Many components: arrays by point of the last evaluation,
+   !> kept as arrays because detection, forces and output each go through a few of them.
    type, extends(nonlinear_points_type) :: nonlinear_contact_type
       integer :: nmultiplier = 0               !! rows: ndim per point whose method solves for it
       integer :: nlocal = 0

@@ -12,8 +12,8 @@ module lopin_nonlinear_sweep
    private
    public :: find_passage
 
-   !> Of a facet: nodes of a surface that meets itself are behind it by less, where they do not press
-   !> but are pressed upon, and facets cut off what lies between.
+   !> Of a facet: nodes of a surface that meets itself are behind it by less, where they do not
+   !> press but are pressed upon, and facets cut off what lies between.
    real(wp), parameter :: cut_off = 0.1_wp
 
 contains

@@ -138,7 +138,7 @@ contains
          exact = is_exact(model, pair)
          if (.not. exact) thin = thinnest(scene%bodies, model, pair)
          do row = scene%rows%group_first(pair), scene%rows%group_first(pair + 1) - 1
-            call judge_row(row)
+            call check_row(row)
          end do
       end do
       if (.not. p_ref > 0.0_wp) self%complementarity = max(0.0_wp, self%penetration)
@@ -148,7 +148,7 @@ contains
 
    contains
 
-      subroutine judge_row(row)
+      subroutine check_row(row)
          integer, intent(in) :: row
 
          size_ = scene%points%size(scene%rows%point(row))
@@ -177,7 +177,7 @@ contains
                   & scene%problem%alpha(row))
             end if
          end associate
-      end subroutine judge_row
+      end subroutine check_row
    end subroutine check_contact
 
    !> The method of a pair allows no penetration.
@@ -286,8 +286,9 @@ contains
       call hold(self, 'artificial support', self%support, equilibrium_limit)
       call hold(self, 'artificial work', self%artificial, artificial_limit, 1)
       call hold(self, 'energy balance', self%energy, merge(flow_limit, balance_limit, self%flows))
-      ! A slope that the deck gives is its law: the user is warned, and obeyed.
-      call hold(self, 'estimated pressure error of the penalty', self%pressure_error, penalty_limit, &
+      ! A slope that the deck gives is used as given, with a warning.
+      call hold(self, 'estimated pressure error of the penalty', self%pressure_error, &
+         & penalty_limit, &
          & merge(1, 2, self%obeys))
       if (self%obeys .and. self%pressure_error > penalty_limit) self%reason = self%reason// &
          & ' (beside hard contact: none if the slope of the deck is a law of the surface)'
@@ -295,7 +296,8 @@ contains
       if (self%folded == 0) return
       self%verdict = max(self%verdict, self%fold_level)
       if (len(self%reason) > 0) self%reason = self%reason//'; '
-      self%reason = self%reason//'a corner of element '//to_text(self%folded)//' is turned inside '// &
+      self%reason = self%reason//'a corner of element '//to_text(self%folded)//' is turned '// &
+         & 'inside '// &
          & 'out, its scaled Jacobian '//short(self%corner)
    end subroutine give_verdict
 

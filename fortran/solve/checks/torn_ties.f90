@@ -14,7 +14,7 @@ module lopin_torn_ties
    private
    public :: refuse_torn_ties, torn_id
 
-   !> No smaller increment mends it.
+   !> No smaller increment helps.
    character(len=*), parameter :: torn_id = 'E0507'
 
    !> Nodes nearer than this share of a facet are at one place, which cannot go two ways.

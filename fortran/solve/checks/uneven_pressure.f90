@@ -116,7 +116,8 @@ contains
          facet = pack([(i, i=1, slave%facets%n)], facets_inside(slave, inside))
          if (size(facet) == 0) return
          force = 0.0_wp
-         call share_pressure(slave, facet, master, model%kind == kind_of%axisymmetric, force, area, &
+         call share_pressure(slave, facet, master, model%kind == kind_of%axisymmetric, force, &
+            & area, &
             & met)
          local = pack([(i, i=1, slave%nnode)], area > 0.0_wp .and. points%facet(before + 1: &
             & before + slave%nnode) > 0)

@@ -5,8 +5,8 @@
 !> force times its gap, which is known and taken off if that explains it. Of forces r and
 !> displacements u that bend, the trapezoid misses |dr·u'' - r''·du| dt²/12, and as much in the next
 !> increment as in this one, but for the cube of their lengths: three times the lesser is allowed
-!> for. So a leap within one increment (another branch, a body that snaps) is no bend, and what is
-!> lost all the way is no leap.
+!> for. So a jump within one increment (another branch, a body that snaps) is no bend, and what is
+!> lost all the way is no jump.
 module lopin_work_balance
    use lopin_kinds, only : wp
    use lopin_text, only : to_text

@@ -3,8 +3,8 @@
 !>
 !> A row costs a column of the compliance. Points much farther apart than anything is prescribed to
 !> move, or than two facets where forces act, get none at first. After every solve the gap of every
-!> other point is looked at: where one bites, it and its neighbours get rows and the increment is
-!> solved again, until none does. So the answer is that of all rows.
+!> other point is looked at: where one penetrates, it and its neighbours get rows and the increment
+!> is solved again, until none does. So the answer is that of all rows.
 module lopin_contact_candidates
    use lopin_kinds, only : wp
    use lopin_model, only : model_type
@@ -140,7 +140,7 @@ contains
       end do
    end function some_penetrate
 
-   !> More points: those that bite in the trial state, and those that nearly do.
+   !> More points: those that penetrate in the trial state, and those that nearly do.
    subroutine add_candidates(scene, model, round)
       type(scene_type), intent(inout) :: scene
       type(model_type), intent(in) :: model

@@ -1,5 +1,5 @@
 !> Why a contact problem has no answer: motions that nothing holds, sets that cycle, multipliers
-!> that creep.
+!> that converge too slowly.
 module lopin_contact_failure
    use lopin_kinds, only : wp
    use lopin_error, only : error_type, error_code, raise

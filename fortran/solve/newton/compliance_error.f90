@@ -19,7 +19,7 @@ module lopin_compliance_error
 
    !> Of GMRES: the estimate is good to a few per cent anyway.
    real(wp), parameter :: tolerance = 1.0e-2_wp
-   !> An estimate holds for so many increments, and below this share of the promised error where it
+   !> An estimate holds for so many increments, and below this share of the target error where it
    !> decides on slopes.
    integer, parameter :: most_increments = 10
    real(wp), parameter :: well_below = 0.25_wp

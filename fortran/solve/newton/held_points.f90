@@ -12,7 +12,7 @@ module lopin_held_points
    private
    public :: refuse_held_points, name_held_point, held_id
 
-   !> Of what no smaller increment mends.
+   !> A failure that no smaller increment can avoid.
    character(len=*), parameter :: held_id = 'E0506'
 
    !> Penetration beyond this share of a facet is no rounding; components of a normal that count.

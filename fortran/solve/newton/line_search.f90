@@ -112,7 +112,7 @@ contains
          end if
          search%share = 0.5_wp*search%share
       end do
-      ! What falls too far is brought back to where it lands.
+      ! A body that falls too far is brought back to where it first touches.
       if (search%falls .and. .not. search%first) return
       kind = merge(1, 2, best_share(1) > 0.0_wp)
       if (evaluation%inverted > 0 .and. .not. best_share(kind) > 0.0_wp) then

@@ -99,7 +99,8 @@ contains
                   & 'read the force, or give *PLASTIC its hardening')
             else
                call add(text, 'forces drive this step, and beyond the largest one that the '// &
-                  & 'part bears there is no equilibrium: drive by displacement (*BOUNDARY) and read '// &
+                  & 'part bears there is no equilibrium: drive by displacement (*BOUNDARY) '// &
+                  & 'and read '// &
                   & 'the force, or look at the loads')
             end if
          end if

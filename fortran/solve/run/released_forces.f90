@@ -1,5 +1,5 @@
 !> What a step lets go of - pairs that it takes away, supports that it frees - acts on as a force
-!> and fades over the step: a body that flowed springs back along a path, not in one leap.
+!> and fades over the step: a body that flowed springs back along a path, not in one jump.
 !>
 !> A metal whose stress depends on its rate would flow on under such a force for as long as the step
 !> lasts, as under no real tool, which loses its force with the first micrometres: it is let go of

@@ -26,6 +26,7 @@ module lopin_full_system
    real(wp), parameter :: no_row = 1.0e-12_wp
 
    !> n of the parent counts the free equations; its `l`, `s` and `c` are not used.
+   !> Many components: those of the condensed problem are inherited.
    type, extends(condensed_type) :: full_system_type
       integer :: nmotion = 0                     !! motions that contact alone holds
       real(wp) :: ground = 0.0_wp                !! springs at `support`, on the way [force/length]

@@ -5,11 +5,11 @@
 !>
 !> Factorised is K plus the springs of the contact points (no coupling of pressure into friction, no
 !> curvature): symmetric, positive definite, of the size of K whatever the method. GMRES on the
-!> exact operator mends what the factor leaves out (design: the dropped coupling, not the symmetric
-!> part, makes a good preconditioner of slip). Multipliers: D - R (K + springs)^-1 C is close to
-!> 1/c, because the springs have the stiffness c; that is the second block of the preconditioner.
-!> Where the factor does not exist (indefinite tangent) or the iterations stall, the whole matrix is
-!> factorised by UMFPACK.
+!> exact operator corrects for what the factor leaves out (design: the dropped coupling, not the
+!> symmetric part, makes a good preconditioner of slip). Multipliers: D - R (K + springs)^-1 C is
+!> close to 1/c, because the springs have the stiffness c; that is the second block of the
+!> preconditioner. Where the factor does not exist (indefinite tangent) or the iterations stall, the
+!> whole matrix is factorised by UMFPACK.
 module lopin_newton_system
    use lopin_kinds, only : wp, ik
    use lopin_error, only : error_type

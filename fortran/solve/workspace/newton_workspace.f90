@@ -24,6 +24,8 @@ module lopin_newton_workspace
       real(wp), allocatable :: from(:)         !! (ndof) where the step starts [length]
    end type damping_type
 
+   !> The workspace of Newton's iterations. Many components: scalars that the iterations of an
+   !> increment share, and what they report; none outlives the increment but through the state.
    type :: newton_workspace_type
       logical :: in_use = .false.
       logical :: nlgeom = .false.              !! of the present step

@@ -1,6 +1,6 @@
 !> Slopes that were chosen by the facet are too soft for bodies that are confined, or layered: there
 !> all points together meet a compliance far below that of each. The estimate sees it; what was
-!> chosen is raised until the error is the one that was promised. Slopes of the deck are obeyed.
+!> chosen is raised until the error is within its target. Slopes of the deck are used as given.
 module lopin_raise_penalty
    use lopin_kinds, only : wp
    use lopin_error, only : severity
@@ -19,7 +19,7 @@ module lopin_raise_penalty
    real(wp), parameter :: most_at_once = 1.0e4_wp, least_at_once = 2.0_wp, unsettled = 10.0_wp
    !> A raise that leaves more than this of the error does not mend it.
    real(wp), parameter :: no_better = 0.5_wp
-   !> The error that is aimed at, beside the promised one.
+   !> The error that is aimed at, relative to the target.
    real(wp), parameter :: margin = 0.5_wp
 
    !> What an increment has tried.

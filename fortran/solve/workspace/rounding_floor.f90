@@ -2,7 +2,7 @@
 !> force is a stiffness times a difference of positions.
 !>
 !> What lies below is nothing, however small the other forces are: a body that is let go of, a
-!> contact that grazes. The floor has no units of its own and grows with the distance from the
+!> contact that just closes. The floor has no units of its own and grows with the distance from the
 !> origin, as rounding does.
 module lopin_rounding_floor
    use lopin_kinds, only : wp

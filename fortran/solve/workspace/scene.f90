@@ -36,6 +36,8 @@ module lopin_scene
    public :: scene_type, new_scene, set_supports, retained_equations, rebuild_rows
    public :: follow_tools, stand_tools
 
+   !> The state of a run and its workspace. Many components: one object for each part of the
+   !> algorithm (solids, rows, systems), grouped by how long it lives.
    type :: scene_type
       type(state_type) :: accepted, trial          !! all that evolves; the rest follows from it
       type(skin_type), allocatable :: skin(:)      !! (npair) faces of the slaves
@@ -70,7 +72,7 @@ module lopin_scene
       real(wp) :: turned = 0.0_wp     !! tool against sliding points in the increment [rad]
       logical :: may_part = .false.   !! an increment in which contact begins may be cut
       real(wp) :: first_touch = 0.0_wp   !! share of the increment before it
-      logical :: stops_at_once = .false. !! a wish to end is heard within an increment
+      logical :: stops_at_once = .false. !! a request to stop is answered within an increment
       class(watcher_type), allocatable :: watcher  !! told of what happens; it changes nothing
       type(clock_type) :: clock
       type(counter_type) :: counter
