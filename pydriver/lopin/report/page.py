@@ -48,6 +48,7 @@ CERTIFICATE = {
     "tension": ("largest tension / largest pressure", None),
     "complementarity": ("pressure across a gap, or penetration of hard contact", 1e-6),
     "cone": ("friction beyond its bound", 1e-6),
+    "ramp": ("what slipping points lack of bounds that rise with the first pressure", None),
     "dissipation": ("least work of friction of a point (negative is wrong)", None),
     "pressure_error": ("estimated pressure error of a penalty", 0.02),
     "equilibrium": ("largest residual / forces", 1e-6),
