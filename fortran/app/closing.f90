@@ -1,7 +1,7 @@
 !> The closing lines of a run: contact, verdict, warnings by kind, time and memory, where the
 !> results are and which commands show them.
 module lopin_closing
-   use lopin_error, only : log_type, severity
+   use lopin_error, only : error_type, error_code, log_type, severity
    use lopin_job, only : job_type, outcome_type
    use lopin_json_verdict, only : verdict_line
    use lopin_kinds, only : wp
@@ -18,18 +18,19 @@ module lopin_closing
 contains
 
    !> Of a run that ended, or that failed once it had begun.
-   subroutine tell_end(job, model, outcome, failed, terminal)
+   subroutine tell_end(job, model, outcome, failure, terminal)
       type(job_type), intent(in) :: job
       type(model_type), intent(in) :: model
       type(outcome_type), intent(in) :: outcome
-      logical, intent(in) :: failed
+      type(error_type), allocatable, intent(in) :: failure
       type(terminal_type), intent(inout) :: terminal
       integer :: i, k, increments
-      logical :: has_frame, refused
+      logical :: failed, has_frame, refused
 
       increments = 0
       if (allocated(outcome%summary%step)) increments = sum(outcome%summary%step%increments)
       if (.not. allocated(outcome%recorder)) return
+      failed = allocated(failure)
       has_frame = .false.
       refused = .false.
       do k = 1, size(outcome%recorder)
@@ -44,6 +45,10 @@ contains
             if (has_frame) call terminal%say(verdict_line(recorder%judgement))
          end select
       end do
+      if (failed .and. .not. has_frame) then
+         ! Of a deck that cannot be run its error says all.
+         if (failure%code /= error_code%not_converged) return
+      end if
       if (terminal%said%count_of(severity%warning) > 0) &
          & call terminal%say(warnings_by_kind(terminal%said))
       call terminal%say(cost_of(outcome%summary, increments))

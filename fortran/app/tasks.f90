@@ -52,7 +52,7 @@ contains
       call run_job(job, terminal%deck, model, outcome, error)
       call terminal%end_line()
       call terminal%show_log(outcome%log)
-      call tell_end(job, model, outcome, allocated(error), terminal)
+      call tell_end(job, model, outcome, error, terminal)
       call terminal%stop_on(error)
    end subroutine run_deck
 

@@ -7,6 +7,8 @@ module lopin_deck
    use lopin_block, only : source_type, parameter_type, data_line_type, field_type, block_type, &
       & deck_type, split_fields, count_fields, field_real, field_integer, get_parameter, &
       & has_parameter, complain, line_text, line_place
+   use, intrinsic :: iso_fortran_env, only : int64
+   use lopin_checked_file, only : file_kind
    use lopin_error, only : error_type, log_type, location_type, error_code, raise, &
       & raise_all
    use lopin_keyword_line, only : begin_block, more_parameters
@@ -40,11 +42,25 @@ contains
       if (len(reason) > 0) then
          call start(deck)
          call raise(error, error_code%resource, 'E0100', 'cannot read '//quoted(path)//': '// &
-            & reason, help='give the path of a deck, for example: lopin run deck.inp')
+            & reason, help=remedy(path))
          return
       end if
       call read_source(deck, source, log, error)
    end subroutine read_deck
+
+   !> What was meant by a path that is no deck.
+   function remedy(path) result(text)
+      character(len=*), intent(in) :: path
+      character(len=:), allocatable :: text
+      integer :: kind
+      integer(int64) :: length
+
+      text = 'give the path of a deck, for example: lopin run deck.inp'
+      call file_kind(path//'.inp', kind, length)
+      if (kind == 0) text = 'did you mean '//path//'.inp?'
+      call file_kind(path, kind, length)
+      if (kind == 2) text = text//'; lopin report '//path//' shows the results in a folder'
+   end function remedy
 
    !> Read a deck that a caller holds in memory.
    subroutine read_deck_text(deck, text, name, folder, log, error)

@@ -27,19 +27,37 @@ contains
       character(len=:), allocatable, intent(out) :: text
       logical, intent(out) :: found
       type(explanation_type), allocatable :: list(:)
+      character(len=:), allocatable :: near
       integer :: i
 
       call all_explanations(list)
       text = 'no diagnostic has the code '//trim(id)
+      near = ''
       found = .false.
       do i = 1, size(list)
-         if (list(i)%id /= upper(trim(adjustl(id)))) cycle
+         if (list(i)%id /= upper(trim(adjustl(id)))) then
+            ! 101, or W0101.
+            if (list(i)%id(2:) == trailing(id)) near = near//' '//list(i)%id
+            cycle
+         end if
          text = list(i)%id//': '//list(i)%title//nl//nl//wrapped(list(i)%why)
          if (len(list(i)%cure) > 0) text = text//nl//wrapped('What to do: '//list(i)%cure)
          found = .true.
          return
       end do
+      if (len(near) > 0) text = text//'; there is'//near
    end subroutine explain
+
+   !> The number of a code, with its zeros.
+   pure function trailing(id) result(digits)
+      character(len=*), intent(in) :: id
+      character(len=4) :: digits
+      integer :: first
+
+      first = scan(id, '0123456789')
+      digits = ''
+      if (first > 0) digits = repeat('0', max(0, 4 - len_trim(id(first:))))//id(first:)
+   end function trailing
 
    !> All codes with their titles, one a line.
    function explained_codes() result(text)

@@ -3,6 +3,7 @@ from __future__ import annotations
 
 import os
 import shutil
+from difflib import get_close_matches
 from pathlib import Path
 
 from .deck import Deck
@@ -117,8 +118,16 @@ def example(options) -> int:
         print("\n".join(names))
         return 0
     if options.name not in names:
-        raise UsageError(f"no example '{options.name}'; examples: {', '.join(names)}")
-    options.folder.mkdir(parents=True, exist_ok=True)
+        near = [n for n in names if options.name.lower() in n] or \
+            get_close_matches(options.name, names)
+        raise UsageError(f"no example '{options.name}'",
+                         help=f"did you mean {', '.join(near)}?" if near else
+                         f"examples: {', '.join(names)}")
+    try:
+        options.folder.mkdir(parents=True, exist_ok=True)
+    except OSError as problem:
+        raise ResourceError(f"cannot make the folder '{options.folder}': {problem.strerror}") \
+            from problem
     for path in sorted(collection.glob(f"{options.name}.*")):
         print(shutil.copy(path, options.folder))
     return 0

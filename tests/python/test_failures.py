@@ -1,7 +1,11 @@
-"""Runs that fail: where they stood, and what to try in that scene."""
+"""Runs that fail: where they stood, and what to try in that scene; words that were mistyped."""
 import json
+import os
 import subprocess
+import sys
+from pathlib import Path
 
+import lopin
 import pytest
 
 BAR = """*HEADING
@@ -80,3 +84,25 @@ def test_a_run_that_fails_at_once_ends_with_its_summary(fails):
     said, _ = fails(direct=", DIRECT", increments="1., 1.")
     assert "no increment was found; its iterations are in out/bar.cvg" in said
     assert "MiB; 0 increments" in said
+
+
+@pytest.mark.parametrize("words, code, said", [
+    ("run bar", 5, "did you mean bar.inp?"),
+    ("run .", 5, "lopin report . shows the results"),
+    ("rnu bar.inp", 2, "did you mean run?"),
+    ("explain 101", 2, "there is E0101"),
+    ("run bar.inp --solver pardiso", 1, "solvers: cholmod"),
+    ("report bar.inp", 5, "lopin run bar.inp, then lopin report out/bar"),
+    ("example hertz", 2, "did you mean hertz_sphere"),
+    ("example hertz_sphere bar.inp/x", 5, "cannot make the folder"),
+])
+def test_a_mistyped_word_is_told_what_was_meant(words, code, said, executable, tmp_path):
+    (tmp_path/"bar.inp").write_text(BAR.format(hardening="", direct="", increments="1., 1.",
+                                               load="CLOAD\nRIGHT, 1, 1."))
+    environment = os.environ | {"LOPIN_EXECUTABLE": str(executable),
+                                "PYTHONPATH": str(Path(lopin.__file__).parent.parent)}
+    done = subprocess.run([sys.executable, "-m", "lopin", *words.split()], cwd=tmp_path,
+                          capture_output=True, text=True, env=environment)
+    assert done.returncode == code and said in done.stderr, done.stderr
+    assert done.stderr.count("error") == 1 and "Traceback" not in done.stderr
+    assert "no increment" not in done.stdout + done.stderr

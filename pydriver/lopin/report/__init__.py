@@ -17,7 +17,7 @@ def write_report(folders, path: str | Path | None = None, *, decks: str | Path =
 
     Parameters
     ----------
-    folders : result folders; the first is the run of the report, the others are laid beside it
+    folders : result folders, or a ``.json`` in one that holds several runs; the first is the run of the report, the others are laid beside it
     path : the HTML file; default: ``<folder>/report.html``
     decks : where decks are looked for by the names that the run gives, for the lines that warnings
         point to
@@ -30,7 +30,7 @@ def write_report(folders, path: str | Path | None = None, *, decks: str | Path =
         folders = [folders]
     folders = [Path(folder) for folder in folders]
     runs = [collect(folder, Path(decks)) for folder in folders]
-    path = Path(path) if path else folders[0]/"report.html"
+    path = Path(path) if path else runs[0].folder/"report.html"
     with whole_file(path) as part:
         Path(part).write_text(page(runs), encoding="utf-8")
     return path

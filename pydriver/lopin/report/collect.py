@@ -64,9 +64,19 @@ class Run:
 def collect(folder: Path, decks: Path) -> Run:
     """All of a run that its folder still has; a part that is missing is left out, and told where
     it is damaged."""
-    source = Folder(folder, whole=False)
+    name = None
+    if folder.suffix == ".json":
+        folder, name = folder.parent, folder.stem
+    elif folder.suffix == ".inp":
+        raise ResourceError(f"{folder} is a deck, not a folder of results",
+                            help=f"lopin run {folder}, then lopin report out/{folder.stem}")
+    source = Folder(folder, name, whole=False)
     result = Result(source)
-    run = Run(Path(folder), result.name, result.summary, {}, troubles=source.troubles)
+    run = Run(folder, result.name, result.summary, {}, troubles=source.troubles)
+    others = sorted({p.stem for p in folder.glob("*.sta")} - {result.name})
+    if others and not name:
+        run.troubles.append(f"the folder also holds {', '.join(others)}: lopin report "
+                            f"{folder/others[0]}.json shows it")
     try:
         run.history = dict(result.history)
     except ResourceError as problem:
