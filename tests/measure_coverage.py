@@ -3,7 +3,7 @@
     .venv/bin/python tests/measure_coverage.py            # the Fortran programs and the fast loop
     .venv/bin/python tests/measure_coverage.py --all      # every test: an hour on two cores
     .venv/bin/python tests/measure_coverage.py --report   # once more what was counted
-    ... --list analysis                                   # and the lines of a folder nothing runs
+    ... --list solve                                      # and the lines of a folder nothing runs
 
 The build stands in build-coverage/. The lines of Python are counted if the package `coverage` is
 there.
