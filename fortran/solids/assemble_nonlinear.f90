@@ -4,7 +4,7 @@
 !> Groups, colours and slots are those of the small-strain stiffness, so that the tangent has the
 !> pattern of that matrix and the bits do not depend on the number of threads.
 module lopin_assemble_nonlinear
-   use lopin_kinds, only : wp, ik
+   use lopin_kinds, only : wp
    use lopin_mesh, only : mesh_type
    use lopin_csc, only : csc_type
    use lopin_solid_finite_strain, only : finite_strain_element, finite_strain_stresses, &
@@ -28,6 +28,13 @@ module lopin_assemble_nonlinear
       real(wp) :: force = 0.0_wp !! of all elements, by component [force]
    end type bad_element_type
 
+   !> What an element, or a patch of elements, adds beside its forces.
+   type :: share_type
+      real(wp) :: energy = 0.0_wp   !! [force length]
+      integer :: bad = 0            !! Gauss point turned inside out
+      real(wp) :: most = 0.0_wp     !! its largest force on a node, by component [force]
+   end type share_type
+
 contains
 
    !> Internal force and energy of all solid elements and, if asked for, their tangent.
@@ -42,36 +49,32 @@ contains
       real(wp), intent(out) :: energy          !! strain energy [force length]
       type(bad_element_type), intent(out) :: bad
       type(csc_type), intent(inout), optional :: matrix   !! of new_solids; values are replaced
-      real(wp), allocatable :: part(:)
-      integer, allocatable :: point(:)
+      type(share_type), allocatable :: share(:)
       integer :: c, k, e, ncolour
-      real(wp) :: most
       logical :: shared_out
 
       ncolour = size(self%colour_start) - 1
-      allocate (part(mesh%nelement), source=0.0_wp)
-      allocate (point(mesh%nelement), source=0)
+      allocate (share(mesh%nelement))
       force = 0.0_wp
       if (present(matrix)) matrix%value = 0.0_wp
-      most = 0.0_wp
       do c = 1, ncolour
          shared_out = .not. (self%last_is_serial .and. c == ncolour)
-         !$omp parallel do schedule(static) private(e) reduction(max:most) if(shared_out)
+         !$omp parallel do schedule(static) private(e) if(shared_out)
          do k = self%colour_start(c), self%colour_start(c + 1) - 1
             e = self%order(k)
-            call add_unit(self, mesh, e, u, memory, force, part(e), point(e), most, matrix)
+            call add_unit(self, mesh, e, u, memory, force, share(e), matrix)
          end do
          !$omp end parallel do
       end do
-      energy = sum(part)
-      bad%force = most
-      bad%number = count(point > 0)
+      energy = sum(share%energy)
+      bad%force = maxval([0.0_wp, share%most])
+      bad%number = count(share%bad > 0)
       if (bad%number == 0) return
       bad%element = 1
-      do while (point(bad%element) == 0)
+      do while (share(bad%element)%bad == 0)
          bad%element = bad%element + 1
       end do
-      bad%point = point(bad%element)
+      bad%point = share(bad%element)%bad
       if (self%patches%of(bad%element) == 0) return
       ! The point is one of its patch.
       associate (p => self%patches, n => self%group(self%which(bad%element))%element%ngauss)
@@ -81,57 +84,50 @@ contains
    end subroutine assemble_nonlinear
 
    !> An element, or the patch that it stands for.
-   subroutine add_unit(self, mesh, e, u, memory, force, energy, bad, most, matrix)
+   subroutine add_unit(self, mesh, e, u, memory, force, share, matrix)
       type(solids_type), intent(in) :: self
       type(mesh_type), intent(in) :: mesh
       integer, intent(in) :: e
       real(wp), contiguous, intent(in) :: u(:)
       type(solids_state_type), intent(in) :: memory
       real(wp), contiguous, intent(inout) :: force(:)
-      real(wp), intent(out) :: energy
-      integer, intent(out) :: bad
-      real(wp), intent(inout) :: most          !! largest force of an element so far [force]
+      type(share_type), intent(inout) :: share
       type(csc_type), intent(inout), optional :: matrix
 
-      associate (group => self%group(self%which(e)), p => self%patches%of(e), &
-         & slot => self%slot(self%first_slot(e):self%first_slot(e + 1) - 1))
-         if (p > 0) then
-            call add_patch(self, mesh, e, u, memory, slot, force, energy, bad, most, matrix)
-         else
-            associate (node => mesh%conn(:group%element%nnode, e))
-               if (group%law%remembers) then
-                  call add_element(self, group, group%element, mesh, node, u, &
-                     & memory%value(:, memory%first(e):memory%first(e + 1) - 1), memory, slot, &
-                     & force, energy, bad, most, matrix)
-               else
-                  call add_element(self, group, group%element, mesh, node, u, memory%none, memory, &
-                     & slot, force, energy, bad, most, matrix)
-               end if
-            end associate
-         end if
+      if (self%patches%of(e) > 0) then
+         call add_patch(self, mesh, e, u, memory, force, share, matrix)
+         return
+      end if
+      associate (element => self%group(self%which(e))%element)
+         associate (node => mesh%conn(:element%nnode, e))
+            if (self%group(self%which(e))%law%remembers) then
+               call add_element(self, e, element, mesh, node, u, &
+                  & memory%value(:, memory%first(e):memory%first(e + 1) - 1), memory, force, &
+                  & share, matrix)
+            else
+               call add_element(self, e, element, mesh, node, u, memory%none, memory, force, &
+                  & share, matrix)
+            end if
+         end associate
       end associate
    end subroutine add_unit
 
-   subroutine add_patch(self, mesh, e, u, memory, slot, force, energy, bad, most, matrix)
+   subroutine add_patch(self, mesh, e, u, memory, force, share, matrix)
       type(solids_type), intent(in) :: self
       type(mesh_type), intent(in) :: mesh
       integer, intent(in) :: e                 !! its first member
       real(wp), contiguous, intent(in) :: u(:)
       type(solids_state_type), intent(in) :: memory
-      integer(ik), contiguous, intent(in) :: slot(:)
       real(wp), contiguous, intent(inout) :: force(:)
-      real(wp), intent(out) :: energy
-      integer, intent(out) :: bad
-      real(wp), intent(inout) :: most          !! largest force of an element so far [force]
+      type(share_type), intent(inout) :: share
       type(csc_type), intent(inout), optional :: matrix
       type(element_type) :: element
 
-      associate (group => self%group(self%which(e)), patches => self%patches, &
-         & p => self%patches%of(e))
-         call patch_element(patches, p, mesh%conn, group%element, element)
+      associate (patches => self%patches, p => self%patches%of(e))
+         call patch_element(patches, p, mesh%conn, self%group(self%which(e))%element, element)
          associate (node => patches%node(patches%first(p):patches%first(p + 1) - 1))
-            call add_element(self, group, element, mesh, node, u, columns(self, memory, e), &
-               & memory, slot, force, energy, bad, most, matrix)
+            call add_element(self, e, element, mesh, node, u, columns(self, memory, e), memory, &
+               & force, share, matrix)
          end associate
       end associate
    end subroutine add_patch
@@ -152,20 +148,16 @@ contains
       end if
    end function columns
 
-   subroutine add_element(self, group, element, mesh, node, u, past, memory, slot, force, energy, &
-      & bad, most, matrix)
+   subroutine add_element(self, e, element, mesh, node, u, past, memory, force, share, matrix)
       type(solids_type), intent(in) :: self
-      type(group_type), intent(in) :: group
-      type(element_type), intent(in) :: element
+      integer, intent(in) :: e
+      type(element_type), intent(in) :: element    !! that of e, or of its patch
       type(mesh_type), intent(in) :: mesh
       integer, contiguous, intent(in) :: node(:)
       real(wp), contiguous, intent(in) :: u(:), past(:, :)
       type(solids_state_type), intent(in) :: memory
-      integer(ik), contiguous, intent(in) :: slot(:)
       real(wp), contiguous, intent(inout) :: force(:)
-      real(wp), intent(out) :: energy
-      integer, intent(out) :: bad
-      real(wp), intent(inout) :: most          !! largest force of an element so far [force]
+      type(share_type), intent(inout) :: share
       type(csc_type), intent(inout), optional :: matrix
       real(wp), dimension(element%ndim, element%nnode) :: x, moved, own
       real(wp) :: ke(element%ndof, element%ndof)
@@ -175,13 +167,15 @@ contains
          x(:, a) = mesh%x(:, node(a))
       end do
       call displacements(self, node, u, moved)
-      if (present(matrix)) then
-         call own_element(group, element, x, moved, past, memory, own, energy, bad, ke)
-      else
-         call own_element(group, element, x, moved, past, memory, own, energy, bad)
-      end if
-      if (bad > 0) return
-      most = max(most, maxval(abs(own)))
+      associate (group => self%group(self%which(e)))
+         if (present(matrix)) then
+            call own_element(group, element, x, moved, past, memory, own, share, ke)
+         else
+            call own_element(group, element, x, moved, past, memory, own, share)
+         end if
+      end associate
+      if (share%bad > 0) return
+      share%most = maxval(abs(own))
       do a = 1, element%nnode
          do i = 1, element%ndim
             associate (k => self%dof(i, node(a)))
@@ -189,26 +183,26 @@ contains
             end associate
          end do
       end do
-      if (present(matrix)) call add_slots(slot, ke, matrix%value)
+      if (present(matrix)) call add_slots( &
+         & self%slot(self%first_slot(e):self%first_slot(e + 1) - 1), ke, matrix%value)
    end subroutine add_element
 
    !> One element, by the kinematics of the step.
-   subroutine own_element(group, element, x, u, past, memory, force, energy, bad, ke)
+   subroutine own_element(group, element, x, u, past, memory, force, share, ke)
       type(group_type), intent(in) :: group
       type(element_type), intent(in) :: element
       real(wp), contiguous, intent(in) :: x(:, :), u(:, :), past(:, :)
       type(solids_state_type), intent(in) :: memory
       real(wp), contiguous, intent(out) :: force(:, :)
-      real(wp), intent(out) :: energy
-      integer, intent(out) :: bad
+      type(share_type), intent(inout) :: share
       real(wp), contiguous, intent(out), optional :: ke(:, :)
 
       if (memory%finite_strain) then
          call finite_strain_element(element, group%law, x, u, group%thickness, past, memory%dt, &
-            & force, energy, bad, ke)
+            & force, share%energy, share%bad, ke)
       else
          call flow_element(element, group%law, x, u, group%thickness, past, memory%dt, force, &
-            & energy, bad, ke)
+            & share%energy, share%bad, ke)
       end if
    end subroutine own_element
 

@@ -38,8 +38,7 @@ contains
       type(dual_type) :: d(2)
       integer :: i, k
 
-      call shape_derivatives(basis, cell, found%xi, m(:, 1), m(:, 2), m(:, 3), m(:, 4), m(:, 5), &
-         & m(:, 6))
+      call shape_derivatives(basis, cell, found%xi, m)
       k = size(node, 2)
       call foot_of_points(basis%family(cell), m(:k, :), found, feature, size_, slave, node, gap, &
          & normal, d)
@@ -67,8 +66,7 @@ contains
       call dual_coefficients(stencil, basis, cell, node, c)
       call foot_of_points(basis%family(cell), monomial_derivatives(found%xi), found, feature, &
          & size_, slave, c, gap, normal, d)
-      call shape_derivatives(basis, cell, found%xi, m(:, 1), m(:, 2), m(:, 3), m(:, 4), m(:, 5), &
-         & m(:, 6))
+      call shape_derivatives(basis, cell, found%xi, m)
       do i = 1, basis%nnode(cell)
          shares(i) = m(i, 1) + m(i, 2)*d(1) + m(i, 3)*d(2)
       end do

@@ -128,23 +128,20 @@ contains
    end function shape_values
 
    !> Shape functions with their first and second derivatives; zeros behind the last node.
-   pure subroutine shape_derivatives(self, cell, xi, n, n1, n2, n11, n12, n22)
+   pure subroutine shape_derivatives(self, cell, xi, n)
       type(facet_basis_type), intent(in) :: self
       integer, intent(in) :: cell
       real(wp), intent(in) :: xi(2)
-      real(wp), intent(out) :: n(8), n1(8), n2(8), n11(8), n12(8), n22(8)
+      real(wp), intent(out) :: n(8, 6)   !! values, slopes by xi, eta, then xi xi, xi eta, eta eta
       real(wp) :: m(ncoefficient, 6)
-      integer :: i
+      integer :: i, k
 
       m = monomial_derivatives(xi)
       do i = 1, 8
          associate (t => self%transform(:, i, cell))
-            n(i) = dot_product(m(:, 1), t)
-            n1(i) = dot_product(m(:, 2), t)
-            n2(i) = dot_product(m(:, 3), t)
-            n11(i) = dot_product(m(:, 4), t)
-            n12(i) = dot_product(m(:, 5), t)
-            n22(i) = dot_product(m(:, 6), t)
+            do k = 1, 6
+               n(i, k) = dot_product(m(:, k), t)
+            end do
          end associate
       end do
    end subroutine shape_derivatives

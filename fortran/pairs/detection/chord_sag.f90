@@ -32,6 +32,15 @@ module lopin_chord_sag
    !> Tangential share of contact forces that is told, without friction [-].
    real(wp), parameter :: leaning = 0.01_wp
 
+   !> The chords of the side of a pair that stand off more.
+   type :: chords_type
+      integer :: surface = 0                   !! index in the model
+      real(wp) :: sag = 0.0_wp                 !! largest of a facet [length]
+      real(wp) :: turn = 0.0_wp                !! of a facet [rad]
+      real(wp) :: off = 0.0_wp                 !! what the gaps vary by chords [length]
+      logical :: crossed = .false.             !! gaps vary by more than chords make
+   end type chords_type
+
 contains
 
    !> Warn once for each pair of meshes.
@@ -68,9 +77,9 @@ contains
             end do
             worst = maxloc(sag, 1)
             if (.not. sag(worst) > 0.0_wp) cycle
-            call check_chord_fit(model, pair, fit, min(spread_, sum(sag)), spread_ &
-               & > parallel*sum(sag), sag(worst), turn(worst), merge(p%slave, p%master, worst == &
-               & 1), log)
+            call check_chord_fit(model, pair, fit, chords_type(merge(p%slave, p%master, &
+               & worst == 1), sag(worst), turn(worst), min(spread_, sum(sag)), &
+               & spread_ > parallel*sum(sag)), log)
          end associate
       end do
    end subroutine report_chords
@@ -167,32 +176,31 @@ contains
       if (pressed > 0) fit = bite/real(pressed, wp)
    end subroutine measure_fit
 
-   subroutine check_chord_fit(model, pair, fit, off, crossed, sag, turn, surface, log)
+   subroutine check_chord_fit(model, pair, fit, chords, log)
       type(model_type), intent(in) :: model
-      integer, intent(in) :: pair, surface     !! surface: of the deeper chords
-      real(wp), intent(in) :: fit, off, sag    !! off: what the gaps vary by chords [length]
-      logical, intent(in) :: crossed           !! gaps vary by more than chords make
-      real(wp), intent(in) :: turn             !! of a facet [rad]
+      integer, intent(in) :: pair
+      real(wp), intent(in) :: fit              !! of measure_fit [length]
+      type(chords_type), intent(in) :: chords
       type(log_type), intent(inout) :: log
       real(wp) :: uneven
       character(len=:), allocatable :: text
 
       associate (p => model%pair(pair))
-         text = 'the chords of '//model%surface(surface)%name//' stand up to '//to_text(sag, 3)// &
-            & ' off their arc, beside '
+         text = 'the chords of '//model%surface(chords%surface)%name//' stand up to '// &
+            & to_text(chords%sag, 3)//' off their arc, beside '
          if (fit > 0.0_wp) then
-            uneven = off/(fit*turn)
+            uneven = chords%off/(fit*chords%turn)
             if (.not. uneven > told) return
             call log%say(severity%warning, 'W0341', text//'an interference of '//to_text(fit, 3)// &
                & ': pressures of '//pair_name(model, pair)//' may be uneven by '// &
                & to_text(100.0_wp*uneven, 2)//' %', p%at, help= &
                & to_text(ceiling(uneven/told))//' times as many facets along the curve, '// &
                & 'facets that match, or second-order elements on both sides')
-         else if (off > -varies*fit .and. .not. crossed) then
+         else if (chords%off > -varies*fit .and. .not. chords%crossed) then
             call log%say(severity%warning, 'W0341', text//'a gap of '//to_text(-fit, 3)// &
                & ': '//pair_name(model, pair)//' will close at the corners of its facets first', &
-               & p%at, help=to_text(ceiling(sqrt(off/(-fit*told))))//' times as many facets '// &
-               & 'along the curve, facets that match, second-order elements on both sides, or '// &
+               & p%at, help=to_text(ceiling(sqrt(chords%off/(-fit*told))))//' times as many '// &
+               & 'facets along the curve, facets that match, second-order elements on both sides, or '// &
                & '*CLEARANCE')
          end if
       end associate
