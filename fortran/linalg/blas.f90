@@ -3,7 +3,8 @@ module lopin_blas
    use lopin_kinds, only : wp
    implicit none
    private
-   public :: dgemm, dgemv, dsyrk, dtrsm, dsyev, dpotrf, dpotrs, dsytrf, dsytrs, dgetrf, dgetrs
+   public :: dgemm, dgemv, dsyrk, dtrsm, dtrsv, dsyev, dpotrf, dpotrs, dsytrf, dsytrs, dgetrf, &
+      & dgetrs
 
    interface
       !> C <- alpha op(A) op(B) + beta C.
@@ -47,6 +48,14 @@ module lopin_blas
          real(wp), intent(in) :: alpha, a(lda, *)
          real(wp), intent(inout) :: b(ldb, *)
       end subroutine dtrsm
+      !> x <- op(A)^-1 x of a triangle.
+      pure subroutine dtrsv(uplo, trans, diag, n, a, lda, x, incx)
+         import :: wp
+         character, intent(in) :: uplo, trans, diag
+         integer, intent(in) :: n, lda, incx
+         real(wp), intent(in) :: a(lda, *)
+         real(wp), intent(inout) :: x(*)
+      end subroutine dtrsv
       pure subroutine dpotrf(uplo, n, a, lda, info)
          import :: wp
          character, intent(in) :: uplo

@@ -12,6 +12,11 @@ module lopin_local_matrix
       real(wp), allocatable :: k(:, :)         !! d(-force, row)/d(u, multiplier)
       integer :: nu = 0                        !! entries that are displacements
       real(wp), allocatable :: spring(:, :)    !! (nu, nu) positive semidefinite part, for a factor
+      real(wp), allocatable :: reach(:, :)     !! (ndim, nu) of a point whose traction is unknown:
+                                               !! how far it goes
+      real(wp), allocatable :: stiff(:, :)     !! (ndim, ndim) with it: of its spring [force/length]
+      real(wp), allocatable :: firm(:, :)      !! (ndim, ndim) with it: of springs instead of the
+                                               !! unknown traction [force/length]
       real(wp), allocatable :: flat_row(:, :)  !! (ndim, nu) multiplier rows, normals standing still
    end type local_matrix_type
 end module lopin_local_matrix

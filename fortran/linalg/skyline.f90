@@ -5,7 +5,7 @@
 !> work is done by matrix products (BLAS-3), with a few explicit zeros at the ragged left edge.
 module lopin_skyline
    use lopin_kinds, only : wp, lk
-   use lopin_blas, only : dgemm, dgemv, dtrsm
+   use lopin_blas, only : dgemm, dgemv, dtrsm, dtrsv
    implicit none
    private
    public :: skyline_type
@@ -231,8 +231,12 @@ contains
             call dgemm('N', 'N', m, nrhs, width, -1.0_wp, self%value(p), m, x(self%first(i), 1), &
                & self%n, 1.0_wp, x(s, 1), self%n)
          end if
-         call dtrsm('L', 'L', 'N', 'U', m, nrhs, 1.0_wp, self%value(p + int(m, lk)*width), m, &
-            & x(s, 1), self%n)
+         if (nrhs == 1) then
+            call dtrsv('L', 'N', 'U', m, self%value(p + int(m, lk)*width), m, x(s, 1), 1)
+         else
+            call dtrsm('L', 'L', 'N', 'U', m, nrhs, 1.0_wp, self%value(p + int(m, lk)*width), m, &
+               & x(s, 1), self%n)
+         end if
       end do
    end subroutine forward
 
@@ -249,8 +253,12 @@ contains
          m = self%start(i + 1) - s
          width = s - self%first(i)
          p = self%at(i) + 1
-         call dtrsm('L', 'L', 'T', 'U', m, nrhs, 1.0_wp, self%value(p + int(m, lk)*width), m, &
-            & x(s, 1), self%n)
+         if (nrhs == 1) then
+            call dtrsv('L', 'T', 'U', m, self%value(p + int(m, lk)*width), m, x(s, 1), 1)
+         else
+            call dtrsm('L', 'L', 'T', 'U', m, nrhs, 1.0_wp, self%value(p + int(m, lk)*width), m, &
+               & x(s, 1), self%n)
+         end if
          if (width > 0 .and. nrhs == 1) then
             call dgemv('T', m, width, -1.0_wp, self%value(p), m, x(s, 1), 1, 1.0_wp, &
                & x(self%first(i), 1), 1)

@@ -17,15 +17,19 @@ program test_newton_system
    call agrees_with_the_whole('slip, mu = 0.3', mu=0.3_wp, slips=.true., stiffness=10.0_wp)
    call agrees_with_the_whole('slip, mu = 1', mu=1.0_wp, slips=.true., stiffness=10.0_wp)
    call agrees_with_the_whole('slip, hard springs', mu=0.3_wp, slips=.true., stiffness=1.0e4_wp)
+   call agrees_with_the_whole('soft springs made firm, no friction', 0.0_wp, .false., 0.1_wp, 7)
+   call agrees_with_the_whole('soft springs made firm, stick', 0.5_wp, .false., 0.1_wp, 9)
+   call agrees_with_the_whole('soft springs made firm, slip', 0.3_wp, .true., 0.1_wp, 13)
    call finish()
 
 contains
 
    !> A block whose top nodes press on a rigid floor by unknown tractions; springs c and c.
-   subroutine agrees_with_the_whole(name, mu, slips, stiffness)
+   subroutine agrees_with_the_whole(name, mu, slips, stiffness, firm)
       character(len=*), intent(in) :: name
       real(wp), intent(in) :: mu, stiffness    !! springs beside the block's own stiffness
       logical, intent(in) :: slips
+      integer, intent(in), optional :: firm    !! springs are made firm: products at most
       type(newton_system_type) :: system
       type(constraints_type) :: constraints
       type(csc_type) :: k
@@ -36,7 +40,7 @@ contains
       integer, allocatable :: top(:)
       real(wp), allocatable :: right(:), step(:), whole(:), diagonal(:)
       real(wp) :: c
-      integer :: i, n, m, bad
+      integer :: i, n, m, bad, most
 
       call test('step with '//name//' is that of the whole matrix')
       call elastic_block([6, 5], .true., k, top)
@@ -49,6 +53,7 @@ contains
       allocate (local(m), right(n + 2*m), step(n + 2*m), whole(n + 2*m))
       do i = 1, m
          call press(local(i), top(2*i - 1:2*i), n + [2*i - 1, 2*i], c, mu, slips)
+         if (present(firm)) call make_firm(local(i), c, mu, slips)
       end do
       do i = 1, n + 2*m
          right(i) = uniform(seed) - 0.5_wp
@@ -60,7 +65,9 @@ contains
       call solve_step(system, right, 1.0e-12_wp, step, clock, counter, bad, error)
       call is_true('no error', .not. allocated(error) .and. bad == 0)
       call is_true('by GMRES', .not. system%direct)
-      call is_true('few products', system%krylov <= 30)
+      most = 30
+      if (present(firm)) most = firm
+      call is_true('few products', system%krylov <= most)
       call solve_whole(system, right, whole, clock, counter, bad, error)
       call close_to('step', step/maxval(abs(whole)), whole/maxval(abs(whole)), 1.0e-8_wp)
    end subroutine agrees_with_the_whole
@@ -109,4 +116,18 @@ contains
       local%spring(2, 2) = c
       if (.not. slips .and. mu > 0.0_wp) local%spring(1, 1) = c
    end subroutine press
+
+   !> The point goes as its dofs do; where it is held, its unknown traction alone holds it.
+   subroutine make_firm(local, c, mu, slips)
+      type(local_matrix_type), intent(inout) :: local
+      real(wp), intent(in) :: c, mu
+      logical, intent(in) :: slips
+
+      allocate (local%reach(2, 2), local%stiff(2, 2), local%firm(2, 2), source=0.0_wp)
+      local%reach(1, 1) = 1.0_wp
+      local%reach(2, 2) = 1.0_wp
+      local%firm(2, 2) = c
+      if (mu > 0.0_wp .and. .not. slips) local%firm(1, 1) = c
+      local%stiff = local%firm
+   end subroutine make_firm
 end program test_newton_system

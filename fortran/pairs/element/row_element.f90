@@ -48,6 +48,9 @@ module lopin_row_element
       real(wp), allocatable :: along_gap(:), along_slip(:, :)   !! slopes by the dofs
    end type row_type
 
+   !> Shares of a traction below which it is none.
+   real(wp), parameter :: least = 1.0e-6_wp
+
    !> Results of an evaluation.
    type :: point_state_type
       integer :: status = 0
@@ -180,6 +183,7 @@ contains
       nu = size(along_gap)
       if (allocated(local%spring)) deallocate (local%spring)
       if (allocated(local%flat_row)) deallocate (local%flat_row)
+      if (allocated(local%reach)) deallocate (local%reach)
       allocate (local%spring(nu, nu), source=0.0_wp)
       if (row%has_rows) allocate (local%flat_row(row%ndim, nu), source=0.0_wp)
       if (row%status == contact_status%open) return
@@ -191,6 +195,60 @@ contains
             if (row%has_rows) local%flat_row(:, j) = normal*along_gap(j) &
                & + matmul(shear, along_slip(:, j))/enforcement%c
          end do
+         if (row%has_rows) call set_reach(local, row, enforcement%c, press, along_gap, along_slip)
       end associate
    end subroutine set_spring
+
+   !> How far the point goes, and with which stiffness its springs and its unknown traction meet it:
+   !> z = Z (l - c g) gives Z c without the coupling of pressure into friction, and Z Z c. Nothing
+   !> where the traction gives way more than it presses.
+   pure subroutine set_reach(local, row, c, press, along_gap, along_slip)
+      type(local_matrix_type), intent(inout) :: local
+      type(row_type), intent(in) :: row
+      real(wp), intent(in) :: c                !! [stress/length]
+      real(wp), intent(in) :: press            !! of the springs along the normal [stress/length]
+      real(wp), intent(in) :: along_gap(:)     !! (nu)
+      real(wp), intent(in) :: along_slip(:, :) !! (ndim, nu)
+      real(wp) :: z(row%ndim, row%ndim), share
+      integer :: i, j, d, nu
+
+      d = row%ndim
+      nu = size(along_gap)
+      associate (n => row%normal(:d)%v, shear => row%shear(:d, :d))
+         do j = 1, d
+            do i = 1, d
+               z(i, j) = -0.5_wp*c*(local%k(nu + i, nu + j) + local%k(nu + j, nu + i))
+            end do
+            z(j, j) = z(j, j) + 1.0_wp
+         end do
+         share = dot_product(n, matmul(z, n))
+         if (share < 0.0_wp .or. sum([(z(i, i), i=1, d)]) - share < -least) return
+         local%stiff = shear
+         local%firm = matmul(shear, z)
+         local%firm = 0.5_wp*(local%firm + transpose(local%firm))
+         call turn_to_normal(local%stiff, n, press)
+         call turn_to_normal(local%firm, n, press*share)
+         local%stiff = row%weight*local%stiff
+         local%firm = row%weight*local%firm
+         allocate (local%reach(d, nu))
+         do j = 1, nu
+            local%reach(:, j) = along_slip(:, j) + n*(along_gap(j) &
+               & - dot_product(n, along_slip(:, j)))
+         end do
+      end associate
+   end subroutine set_reach
+
+   !> a <- (1 - n n^T) a (1 - n n^T) + s n n^T.
+   pure subroutine turn_to_normal(a, n, s)
+      real(wp), intent(inout) :: a(:, :)       !! symmetric
+      real(wp), intent(in) :: n(:), s
+      real(wp) :: an(size(n))
+      integer :: j
+
+      an = matmul(a, n)
+      an = an - 0.5_wp*(dot_product(n, an) + s)*n
+      do j = 1, size(n)
+         a(:, j) = a(:, j) - an*n(j) - n*an(j)
+      end do
+   end subroutine turn_to_normal
 end module lopin_row_element

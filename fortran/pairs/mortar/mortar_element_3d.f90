@@ -157,6 +157,7 @@ contains
          state%force = force(way(:local%nu))
          associate (nu => local%nu)
             local%k(:nu, :nu) = k_all(way(:nu), way(:nu))
+            if (first_row > 0) call take_multiplier()
             call set_spring(local, enforcement, point, row%gap_slope(way(:nu)), &
                & slip_slope(:, way(:nu)))
             if (first_row == 0) return
@@ -169,7 +170,6 @@ contains
                end do
             end do
          end associate
-         call take_multiplier()
       end subroutine press
 
       !> The free dofs of the row's nodes, then the multiplier's.
@@ -211,6 +211,7 @@ contains
 
       if (allocated(local%k)) deallocate (local%k)
       if (allocated(local%spring)) deallocate (local%spring)
+      if (allocated(local%reach)) deallocate (local%reach)
       if (allocated(local%flat_row)) deallocate (local%flat_row)
       allocate (local%k(n, n), local%spring(local%nu, local%nu), source=0.0_wp)
    end subroutine clear

@@ -313,6 +313,7 @@ contains
             if (allocated(local%k)) deallocate (local%k)
             if (allocated(local%spring)) deallocate (local%spring)
             if (allocated(local%flat_row)) deallocate (local%flat_row)
+            if (allocated(local%reach)) deallocate (local%reach)
             allocate (local%k(n, n), local%spring(nu, nu), source=0.0_wp)
             do j = 1, size(self%node)
                do k = 1, d
@@ -333,6 +334,10 @@ contains
             if (enforcement%partly) local%k(nu + 1:, nu + 1:) = (unity(:d, :d) &
                & - enforcement%held(:d, :d))/enforcement%c
             local%spring = self%weight*enforcement%c*matmul(transpose(slope(:, :nu)), slope(:, :nu))
+            if (enforcement%partly) return
+            local%reach = slope(:, :nu)
+            local%stiff = self%weight*enforcement%c*unity(:d, :d)
+            local%firm = local%stiff
          end associate
       end subroutine make_matrix
 

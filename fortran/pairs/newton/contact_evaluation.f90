@@ -206,6 +206,7 @@ contains
          if (allocated(l%k)) deallocate (l%k)
          if (allocated(l%spring)) deallocate (l%spring)
          if (allocated(l%flat_row)) deallocate (l%flat_row)
+         if (allocated(l%reach)) deallocate (l%reach)
          allocate (l%k(d, d), l%spring(0, 0), source=0.0_wp)
          do k = 1, d
             l%k(k, k) = 1.0_wp/self%enforcement(i)%c

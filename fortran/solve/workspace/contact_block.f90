@@ -15,6 +15,10 @@ module lopin_contact_block
       integer :: nu = 0                        !! equations of the contact
       integer :: nrow = 0                      !! multipliers
       real(wp), allocatable :: spring(:, :)
+      real(wp), allocatable :: reach(:, :)     !! (ndim, nu) of a point whose traction is unknown
+      real(wp), allocatable :: firm(:, :)      !! (nu, nu) added to its spring in the factor
+      real(wp), allocatable :: inner(:, :)     !! (ndim, ndim) with it: the inverse of c times what
+                                               !! its rows see
    end type block_type
 
 contains
@@ -47,11 +51,13 @@ contains
       if (picks) then
          block%k = k(from(:n), from(:n))
          block%spring = local%spring(from(:block%nu), from(:block%nu))
+         if (allocated(local%reach)) block%reach = local%reach(:, from(:block%nu))
          return
       end if
       block%k = matmul(transpose(t(:, :n)), matmul(k, t(:, :n)))
       block%spring = matmul(transpose(t(:local%nu, :block%nu)), matmul(local%spring, &
          & t(:local%nu, :block%nu)))
+      if (allocated(local%reach)) block%reach = matmul(local%reach, t(:local%nu, :block%nu))
 
    contains
 

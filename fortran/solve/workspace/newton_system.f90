@@ -6,10 +6,10 @@
 !> Factorised is K plus the springs of the contact points (no coupling of pressure into friction, no
 !> curvature): symmetric, positive definite, of the size of K whatever the method. GMRES on the
 !> exact operator corrects for what the factor leaves out (design: the dropped coupling, not the
-!> symmetric part, makes a good preconditioner of slip). Multipliers: D - R (K + springs)^-1 C is
-!> close to 1/c, because the springs have the stiffness c; that is the second block of the
-!> preconditioner. Where the factor does not exist (indefinite tangent) or the iterations stall, the
-!> whole matrix is factorised by UMFPACK.
+!> symmetric part, makes a good preconditioner of slip). Springs of points whose tractions are
+!> unknowns are firm (lopin_firm_springs), so that what is left for the multipliers is known point by
+!> point; that is the second block of the preconditioner. Where the factor does not exist (indefinite
+!> tangent) or the iterations stall, the whole matrix is factorised by UMFPACK.
 module lopin_newton_system
    use lopin_kinds, only : wp, ik
    use lopin_error, only : error_type
@@ -24,6 +24,7 @@ module lopin_newton_system
    use lopin_reduce_matrix, only : reduce_matrix
    use lopin_local_matrix, only : local_matrix_type
    use lopin_contact_block, only : block_type, reduce_block
+   use lopin_firm_springs, only : set_firm, push_back, give_back
    implicit none
    private
    public :: newton_system_type, set_tangent, add_ground_springs, solve_step, solve_whole
@@ -70,6 +71,7 @@ contains
       real(wp), intent(in) :: area(:)                    !! (nmultiplier) of its point [length^2]
       logical, intent(in) :: flat             !! forces by the springs alone, as if normals stood
                                               !! still: where pressures are still guesses
+      real(wp) :: diagonal(constraints%neq)
       integer :: i
 
       self%neq = constraints%neq
@@ -77,10 +79,13 @@ contains
       self%scale = stiffness*area
       self%area = area
       call reduce_matrix(k, constraints, [(i, i=1, self%neq)], self%neq, self%k)
+      call self%k%diagonal(diagonal)
       if (allocated(self%block)) deallocate (self%block)
       allocate (self%block(nlocal))
       do i = 1, nlocal
          call reduce_block(self%block(i), local(i), constraints, flat)
+         if (allocated(self%block(i)%reach)) call set_firm(self%block(i), local(i), self%neq, &
+            & self%scale, self%area, diagonal)
       end do
       self%factorised = .false.
       self%direct = .false.
@@ -217,6 +222,7 @@ contains
                   row(total) = max(block%at(i), block%at(j))
                   column(total) = min(block%at(i), block%at(j))
                   value(total) = block%spring(i, j)
+                  if (allocated(block%firm)) value(total) = value(total) + block%firm(i, j)
                end do
             end do
          end associate
@@ -245,32 +251,27 @@ contains
       y(self%neq + 1:) = self%scale*y(self%neq + 1:)
    end subroutine multiply
 
-   !> du = (K + springs)^-1 x, then dl = (x - c area R du)/area: a block triangular inverse.
+   !> An upper block triangular inverse: dl by what the rows of each point see of the springs, then
+   !> du = (K + springs)^-1 (x - C dl), then what firm springs have taken of dl.
    subroutine precondition(self, x, y)
       class(newton_system_type), intent(inout) :: self
       real(wp), intent(in) :: x(:)
       real(wp), intent(out) :: y(:)
       real(wp), allocatable :: du(:, :)
-      integer :: b, i, j
+      integer :: b
 
       allocate (du(self%neq, 1))
       du(:, 1) = x(:self%neq)
+      y(self%neq + 1:) = x(self%neq + 1:)/self%area
+      do b = 1, size(self%block)
+         call push_back(self%block(b), du(:, 1), y)
+      end do
       call self%solver%solve(du)
       y(:self%neq) = du(:, 1)
       if (self%n == self%neq) return
-      y(self%neq + 1:) = 0.0_wp
       do b = 1, size(self%block)
-         associate (block => self%block(b), first => self%block(b)%nu + 1, &
-            & last => self%block(b)%nu + self%block(b)%nrow)
-            do j = 1, size(block%at)
-               if (block%at(j) > self%neq) cycle
-               do i = first, last
-                  y(block%at(i)) = y(block%at(i)) + block%k(i, j)*y(block%at(j))
-               end do
-            end do
-         end associate
+         call give_back(self%block(b), self%neq, self%scale, self%area, y)
       end do
-      y(self%neq + 1:) = (x(self%neq + 1:) - self%scale*y(self%neq + 1:))/self%area
    end subroutine precondition
 
    !> The whole unsymmetric matrix, factorised.
