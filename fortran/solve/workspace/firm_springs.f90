@@ -16,7 +16,7 @@ module lopin_firm_springs
    private
    public :: set_firm, push_back, give_back
 
-   !> q. More takes digits from the factor and leaves friction's coupling, which is all that is left.
+   !> q. More takes digits from the factor, and friction's coupling is all that is left anyway.
    real(wp), parameter :: firmness = 30.0_wp
    !> What a body opposes, beside its diagonal, and what one opposes that has none, beside springs.
    real(wp), parameter :: yields = 0.5_wp, least = 1.0e-6_wp

@@ -7,9 +7,9 @@
 !> curvature): symmetric, positive definite, of the size of K whatever the method. GMRES on the
 !> exact operator corrects for what the factor leaves out (design: the dropped coupling, not the
 !> symmetric part, makes a good preconditioner of slip). Springs of points whose tractions are
-!> unknowns are firm (lopin_firm_springs), so that what is left for the multipliers is known point by
-!> point; that is the second block of the preconditioner. Where the factor does not exist (indefinite
-!> tangent) or the iterations stall, the whole matrix is factorised by UMFPACK.
+!> unknowns are firm (lopin_firm_springs), so that what is left for the multipliers is known point
+!> by point; that is the second block of the preconditioner. Where the factor does not exist
+!> (indefinite tangent) or the iterations stall, the whole matrix is factorised by UMFPACK.
 module lopin_newton_system
    use lopin_kinds, only : wp, ik
    use lopin_error, only : error_type
