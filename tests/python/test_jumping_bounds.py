@@ -1,10 +1,15 @@
 """Laws of friction whose bound does not fade with the pressure: at first touch, and read from the last iteration."""
 import re
+import sys
+from pathlib import Path
 
 import pytest
 
-from lopin import Deck, mesh_make
+from lopin import Deck, NotConvergedError, mesh_make
 from pressed_block import block, step
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[2]/"decks"/"make"))
+import sheets  # noqa: E402
 
 
 def billet(law, m, share=0.6, cells=(6, 9)):
@@ -60,3 +65,13 @@ def test_auto_takes_the_coefficient_where_the_pressure_is_low(solve):
     result = solve(Deck.parse(text, "sheared"))
     assert abs(result.history["TOOL.rf1"][-1]) == pytest.approx(0.2, rel=2e-3)
     assert result.summary["certificate"]["ramp"] == 0.0
+
+
+def test_a_sheet_that_jams_is_told_of_coefficients(solve):
+    """Under a holder Tresca allows more shear than there is pressure; the increment may not be cut."""
+    deck = re.sub(r"(\*FRICTION)\n[^\n]*", r"\1, LAW=TRESCA\n0.1", sheets.cup(24, 2))
+    deck = re.sub(r"(\*STATIC)\n0\.002, [^\n]*", r"\1\n0.02, 1., 0.01", deck)
+    with pytest.raises(NotConvergedError) as problem:
+        solve(Deck.parse(deck, "cup"))
+    assert "LAW=COULOMB-OROWAN" in str(problem.value)
+    assert "PENALTY on *SURFACE BEHAVIOR" in str(problem.value)

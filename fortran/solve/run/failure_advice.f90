@@ -6,6 +6,7 @@ module lopin_failure_advice
    use lopin_text, only : to_text
    use lopin_model, only : model_type, step_type
    use lopin_friction, only : has_friction
+   use lopin_slip_increment, only : lost_bound
    use lopin_scene, only : scene_type
    use lopin_run_type, only : run_type
    implicit none
@@ -113,11 +114,14 @@ contains
       type(scene_type), intent(in) :: scene
       type(model_type), intent(in) :: model
       character(len=:), allocatable :: text
-      logical :: rubs, faceted, exact
+      logical :: rubs, faceted, exact, holds, jams
+      real(wp) :: lost, bound                  !! of shear [stress]
       integer :: i
 
       text = ''
       rubs = .false.
+      holds = .false.
+      jams = .false.
       faceted = .false.
       if (.not. scene%newton%in_use) return
       associate (c => scene%newton%contact)
@@ -125,6 +129,9 @@ contains
             if (c%status(i) <= 0) cycle
             associate (pair => model%pair(c%pair(i)))
                exact = model%interaction(pair%interaction)%method%is_exact()
+               holds = holds .or. exact
+               call lost_bound(c, i, lost, bound)
+               jams = jams .or. c%pressure(i) > 0.0_wp .and. bound > c%pressure(i)
                rubs = rubs .or. exact .and. has_friction(c%friction(c%pair(i)))
                faceted = faceted .or. model%surface(pair%master)%tool == 0 .and. .not. &
                   & pair%smooth .and. .not. pair%surface_to_surface
@@ -133,6 +140,11 @@ contains
       end associate
       if (faceted) call add(text, 'SMOOTH=YES on *CONTACT PAIR, where nodes pass the edges of '// &
          & 'facets of the master')
+      if (jams) call add(text, 'LAW=COULOMB-OROWAN, or LAW=AUTO with a coefficient, on '// &
+         & '*FRICTION: the law allows more shear than there is pressure, as on a sheet that is '// &
+         & 'pressed lightly')
+      if (holds) call add(text, 'PENALTY on *SURFACE BEHAVIOR, where points jam that exact '// &
+         & 'contact does not let give way')
       if (rubs) call add(text, 'ELASTIC SLIP= on *FRICTION, where points change between stick '// &
          & 'and slip')
    end function remedy_of_contact
