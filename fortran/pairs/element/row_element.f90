@@ -195,7 +195,8 @@ contains
             if (row%has_rows) local%flat_row(:, j) = normal*along_gap(j) &
                & + matmul(shear, along_slip(:, j))/enforcement%c
          end do
-         if (row%has_rows) call set_reach(local, row, enforcement%c, press, along_gap, along_slip)
+         if (size(local%dof) >= nu + row%ndim) call set_reach(local, row, enforcement%c, press, &
+            & along_gap, along_slip)
       end associate
    end subroutine set_spring
 
