@@ -16,7 +16,7 @@ module lopin_recorder_factory
    use lopin_recorder_frd, only : frd_recorder_type, new_frd_recorder
    use lopin_recorder_sta, only : sta_recorder_type, new_sta_recorder
    use lopin_recorder_history, only : history_recorder_type, new_history_recorder
-   use lopin_recorder_json, only : json_recorder_type, new_json_recorder, json_schema
+   use lopin_recorder_json, only : json_recorder_type, new_json_recorder, json_schema, only_asked
    use lopin_recorder_memory, only : memory_recorder_type, new_memory_recorder
    implicit none
    private
@@ -41,7 +41,7 @@ contains
       type(dat_recorder_type), allocatable :: dat
       type(frd_recorder_type), allocatable :: frd
       class(recorder_type), allocatable :: one
-      logical :: tables, fields
+      logical :: tables, fields, stale(2)
       integer :: n
 
       tables = any_request(model, [output_of%node_print, output_of%element_print, &
@@ -56,11 +56,11 @@ contains
       if (fields) call add_file('.frd')
       call make_folder(folder, error)
       if (allocated(error)) return
-      call refuse_foreign(folder, stem, file(:n), error)
+      call refuse_foreign(folder, stem, file(:n), stale, error)
       if (allocated(error)) return
       base = folder//'/'//stem
       allocate (list(0), json, vtu, sta, history, dat, frd)
-      call new_json_recorder(json, base//'.json', file(:n), deck_file)
+      call new_json_recorder(json, base//'.json', file(:n), deck_file, stale)
       call move_alloc(json, one)
       call append(list, one)
       call new_vtu_recorder(vtu, folder, stem)
@@ -116,9 +116,11 @@ contains
       call move_alloc(longer, list)
    end subroutine append
 
-   !> A file that exists must be in the list of the `job.json` of an earlier run.
-   subroutine refuse_foreign(folder, stem, file, error)
+   !> A file that exists must be in the list of the `job.json` of an earlier run. What that run wrote
+   !> and this one does not is told: it would look like results of this one.
+   subroutine refuse_foreign(folder, stem, file, stale, error)
       character(len=*), intent(in) :: folder, stem, file(:)
+      logical, intent(out) :: stale(:)         !! by suffix, `only_asked`
       type(error_type), allocatable, intent(out) :: error
       character(len=:), allocatable :: old
       logical :: ours
@@ -126,6 +128,10 @@ contains
 
       call read_text(folder//'/'//stem//'.json', old)
       ours = index(old, json_schema) > 0
+      do i = 1, size(stale)
+         stale(i) = ours .and. index(old, '"'//json_text(stem//only_asked(i))//'"') > 0 .and. &
+            & .not. any(file == stem//only_asked(i))
+      end do
       do i = 1, size(file)
          if (.not. file_exists(folder//'/'//trim(file(i)))) cycle
          if (ours .and. index(old, '"'//json_text(trim(file(i)))//'"') > 0) cycle

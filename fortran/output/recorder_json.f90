@@ -9,7 +9,7 @@ module lopin_recorder_json
    use lopin_model, only : model_type, kind_of
    use lopin_report, only : frame_type, summary_type
    use lopin_recorder, only : recorder_type
-   use lopin_atomic_file, only : write_atomically
+   use lopin_atomic_file, only : write_atomically, remove_file
    use lopin_checked_file, only : summary_is, summary_failed
    use lopin_json_writer, only : json_writer_type
    use lopin_json_verdict, only : verdict_type, note_verdict, keep_verdict, add_judgement
@@ -18,9 +18,11 @@ module lopin_recorder_json
    use lopin_recorder_table, only : pair_summary_type, summarise_pair, pair_name
    implicit none
    private
-   public :: json_recorder_type, new_json_recorder, json_schema
+   public :: json_recorder_type, new_json_recorder, json_schema, only_asked
 
    character(len=*), parameter :: json_schema = 'lopin-result/1'
+   !> Files that a run writes only if its deck asks for them.
+   character(len=*), parameter :: only_asked(2) = ['.dat', '.frd']
    character(len=*), parameter :: kind_words(5) = [character(len=12) :: 'plane strain', &
       & 'plane stress', &
       & 'axisymmetric', 'solid', 'rigid']
@@ -37,6 +39,7 @@ module lopin_recorder_json
       real(wp), allocatable, private :: lost(:)  !! by pair, worst: contact_field_type
       type(verdict_type) :: judgement
       logical, private :: has_frame = .false.
+      logical, private :: stale(size(only_asked)) = .false.   !! of an earlier run, not of this
    contains
       procedure :: begin
       procedure :: commit
@@ -48,13 +51,15 @@ module lopin_recorder_json
 
 contains
 
-   subroutine new_json_recorder(self, path, file, deck_file)
+   subroutine new_json_recorder(self, path, file, deck_file, stale)
       type(json_recorder_type), intent(out) :: self
       character(len=*), intent(in) :: path            !! '': no file, the text is kept only
       character(len=*), intent(in) :: file(:)
       character(len=*), intent(in), optional :: deck_file(:)   !! by file index of locations
+      logical, intent(in), optional :: stale(:)   !! files of an earlier run, by `only_asked`
 
       self%path = path
+      if (present(stale)) self%stale = stale
       allocate (character(len=len(file)) :: self%file(size(file)))
       self%file(:) = file
       if (present(deck_file)) then
@@ -82,9 +87,14 @@ contains
    subroutine commit(self, error)
       class(json_recorder_type), intent(inout) :: self
       type(error_type), allocatable, intent(out) :: error
+      integer :: i
 
-      ! Room for `failed`, where a full disk takes nothing longer.
       if (len(self%path) == 0) return
+      do i = 1, size(only_asked)
+         if (self%stale(i)) call remove_file(self%path(:len(self%path) - len('.json'))// &
+            & only_asked(i))
+      end do
+      ! Room for `failed`, where a full disk takes nothing longer.
       call write_atomically(self%path, short_text(self, 'running')//repeat(' ', 64)//achar(10), &
          & error)
       if (.not. allocated(error)) call summary_is(self%path//c_null_char, &

@@ -113,3 +113,26 @@ def test_very_long_elements_are_solved_or_refused(executable, tmp_path, ratio):
     process, folder = run(executable, scene.deck(), tmp_path, accept=(0, 3, 4))
     job = json.loads((folder/"job.json").read_text(encoding="utf-8"))
     assert process.returncode or job["certificate"]["equilibrium"] < 1e-6
+
+
+def test_tables_that_a_deck_no_longer_asks_for_go(executable, root, tmp_path):
+    """They would look like results of the new run; a file of somebody else stays."""
+    deck = (root/"decks"/"bar_gap.inp").read_text()
+    lines = deck.splitlines(keepends=True)
+    at = next(i for i, line in enumerate(lines) if line.startswith("*NODE PRINT"))
+    without = "".join(lines[:at] + lines[at + 2:])
+
+    def run(text):
+        (tmp_path/"a.inp").write_text(text)
+        done = subprocess.run([executable, "run", "a.inp", "-o", "o", "--quiet"], cwd=tmp_path,
+                              capture_output=True, text=True)
+        return done.returncode, done.stderr
+
+    assert run(deck) == (0, "") and (tmp_path/"o"/"a.dat").is_file()
+    assert run(without)[0] == 0 and not (tmp_path/"o"/"a.dat").exists()
+    assert run(deck)[0] == 0 and (tmp_path/"o"/"a.dat").is_file()
+    assert run(without)[0] == 0
+    (tmp_path/"o"/"a.dat").write_text("mine")
+    code, said = run(deck)
+    assert code == 5 and "E0603" in said and (tmp_path/"o"/"a.dat").read_text() == "mine"
+    assert run(without)[0] == 0 and (tmp_path/"o"/"a.dat").read_text() == "mine"
