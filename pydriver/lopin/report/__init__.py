@@ -17,7 +17,8 @@ def write_report(folders, path: str | Path | None = None, *, decks: str | Path =
 
     Parameters
     ----------
-    folders : result folders, or a ``.json`` in one that holds several runs; the first is the run of the report, the others are laid beside it
+    folders : result folders, or a ``.json`` in one that holds several runs; the first is the run
+        of the report, the others are laid beside it
     path : the HTML file; default: ``<folder>/report.html``
     decks : where decks are looked for by the names that the run gives, for the lines that warnings
         point to
