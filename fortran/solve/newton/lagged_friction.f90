@@ -30,6 +30,8 @@ contains
    !> Some law in force reads what the last iteration gave.
    pure logical function reads_lagged(scene)
       type(scene_type), intent(in) :: scene
+      reads_lagged = .false.
+      if (.not. allocated(scene%newton%contact%friction)) return
       reads_lagged = any(reads_mises(scene%newton%contact%friction)) &
          & .or. any(reads_speed(scene%newton%contact%friction)) &
          & .or. (scene%newton%flows .and. any(reads_yield(scene%newton%contact%friction)))

@@ -7,6 +7,7 @@ module lopin_newton_step
    use lopin_model, only : model_type
    use lopin_constraints, only : reduce
    use lopin_local_matrix, only : local_matrix_type
+   use lopin_friction, only : has_friction
    use lopin_newton_system, only : set_tangent, add_ground_springs, solve_step
    use lopin_contact_block, only : apply_locals
    use lopin_newton_workspace, only : is_nonlinear
@@ -159,6 +160,9 @@ contains
       logical, intent(in) :: flat
 
       associate (contact => scene%newton%contact, system => scene%newton%system)
+         ! Where solids flow c is small beside them. Friction of elastic ones keeps the digit: the
+         ! direction of a slip that is small beside traction/c is all that tells that of a traction.
+         system%firm = scene%newton%flows .or. .not. any(has_friction(contact%friction))
          if (is_nonlinear(scene%newton)) then
             call set_tangent(system, scene%newton%k, scene%constraints, size(local), local, &
                & at_rows(scene, contact%c), at_rows(scene, contact%weight), flat)

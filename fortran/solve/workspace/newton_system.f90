@@ -48,6 +48,8 @@ module lopin_newton_system
       class(linear_solver_type), allocatable :: solver
       class(linear_solver_type), allocatable :: whole
       character(len=:), allocatable :: reason  !! why this solver
+      logical :: firm = .true.                 !! springs of contacts are firm in the factor, which
+                                               !! takes a digit from tractions
       logical :: factorised = .false.
       logical :: direct = .false.              !! the whole matrix is factorised
       integer :: krylov = 0                    !! iterations of the last step
@@ -84,8 +86,8 @@ contains
       allocate (self%block(nlocal))
       do i = 1, nlocal
          call reduce_block(self%block(i), local(i), constraints, flat)
-         if (allocated(self%block(i)%reach)) call set_firm(self%block(i), local(i), self%neq, &
-            & self%scale, self%area, diagonal)
+         if (self%firm .and. allocated(self%block(i)%reach)) call set_firm(self%block(i), &
+            & local(i), self%neq, self%scale, self%area, diagonal)
       end do
       self%factorised = .false.
       self%direct = .false.
