@@ -5,7 +5,7 @@ module lopin_facet_mesh
    use lopin_weld, only : weld_points
    implicit none
    private
-   public :: facet_mesh_type, facet_flaws_type, new_facet_mesh
+   public :: facet_mesh_type, facet_flaws_type, new_facet_mesh, edge_of
 
    !> Points nearer than this fraction of the size are one point.
    real(wp), parameter :: weld = 1.0e-6_wp
@@ -236,6 +236,7 @@ contains
       end do
    end subroutine find_normals
 
+   !> Edge k of facet f, from its vertex k on.
    pure function edge_of(self, f, k) result(e)
       type(facet_mesh_type), intent(in) :: self
       integer, intent(in) :: f, k

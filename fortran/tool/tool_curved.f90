@@ -7,11 +7,10 @@
 !> those of the corners, so that it does not jump where a point goes from one facet to the next.
 module lopin_tool_curved
    use lopin_kinds, only : wp
-   use lopin_facet_mesh, only : facet_mesh_type
+   use lopin_facet_mesh, only : facet_mesh_type, edge_of
    use lopin_tool, only : foot_type, one_plane
    use lopin_vectors, only : cross
-   use lopin_tool_facets, only : facets_tool_type, nearest_type, new_facets_tool, find_nearest, &
-      & settle, add_wall, sharp
+   use lopin_tool_facets, only : facets_tool_type, nearest_type, new_facets_tool, settle_flat, sharp
    use lopin_curved_triangle, only : edge_control, closest_on_curved, normal_slopes
    implicit none
    private
@@ -30,8 +29,7 @@ module lopin_tool_curved
       logical, allocatable :: fixed(:)            !! (nvertex) such an edge ends there
       integer, allocatable :: region(:)           !! (nfacet) of facets that no kept edge parts
    contains
-      procedure :: project
-      procedure :: project_all => project_walls
+      procedure :: settle => settle_curved
       procedure :: is_creased => is_bent
    end type curved_tool_type
 
@@ -147,13 +145,6 @@ contains
          & abs(dot_product(edge, along)) > parallel*norm2(edge)*norm2(along)
    end function goes_with
 
-   pure function edge_of(mesh, f, k) result(edge)
-      type(facet_mesh_type), intent(in) :: mesh
-      integer, intent(in) :: f, k
-      real(wp) :: edge(3)
-      edge = mesh%x(:, mesh%vertex(1 + mod(k, 3), f)) - mesh%x(:, mesh%vertex(k, f))
-   end function edge_of
-
    !> Facets that hang together without a kept edge between them.
    pure subroutine find_regions(self)
       type(curved_tool_type), intent(inout) :: self
@@ -239,61 +230,37 @@ contains
       is_bent = cosine < sharp .or. cosine < one_plane .and. self%region(a) /= self%region(b)
    end function is_bent
 
-   pure subroutine project(self, x, foot)
-      class(curved_tool_type), intent(in) :: self
-      real(wp), intent(in) :: x(:)
-      type(foot_type), intent(out) :: foot
-      type(nearest_type) :: nearest
-
-      call find_nearest(self, x, nearest)
-      if (nearest%facet > 0) call settle_curved(self, x, nearest, foot)
-   end subroutine project
-
-   pure subroutine project_walls(self, x, reach, feet, nfeet)
-      class(curved_tool_type), intent(in) :: self
-      real(wp), intent(in) :: x(:), reach
-      type(foot_type), intent(out) :: feet(2)
-      integer, intent(out) :: nfeet
-      type(nearest_type) :: other
-
-      call add_wall(self, x, reach, feet, nfeet, other)
-      if (other%facet == 0) return
-      call settle_curved(self, x, other, feet(2))
-      nfeet = 2
-      if (feet(2)%gap < feet(1)%gap) feet = feet([2, 1])
-   end subroutine project_walls
-
    !> The foot on the curved surface, from the closest point of the flat facets.
-   pure subroutine settle_curved(self, x, flat, foot)
+   pure subroutine settle_curved(self, x, nearest, foot)
       class(curved_tool_type), intent(in) :: self
       real(wp), intent(in) :: x(3)
-      type(nearest_type), intent(in) :: flat
+      type(nearest_type), intent(in) :: nearest
       type(foot_type), intent(out) :: foot
-      type(nearest_type) :: nearest
+      type(nearest_type) :: there
       real(wp) :: share(3), arm(3)
       logical :: perimeter
       integer :: v
 
-      call walk(self, x, flat, nearest, share)
+      call walk(self, x, nearest, there, share)
       perimeter = .false.
-      associate (f => nearest%facet, k => nearest%feature)
+      associate (f => there%facet, k => there%feature)
          if (k > 3) then
             v = self%mesh%vertex(k - 3, f)
             perimeter = self%mesh%on_perimeter(v)
             if (self%fixed(v)) then
-               call settle(self, x, nearest, foot)
+               call settle_flat(self, x, there, foot)
                return
             end if
          else if (k > 0) then
             perimeter = self%mesh%neighbour(k, f) == 0
             if (self%kept(k, f)) then
-               call settle(self, x, nearest, foot)
+               call settle_flat(self, x, there, foot)
                return
             end if
          end if
          foot%found = .true.
          foot%segment = f
-         foot%point = nearest%point
+         foot%point = there%point
          call normal_slopes(self%control(:, :, f), self%corner(:, :, f), share, k, x, foot%normal, &
             & foot%hessian)
          arm = x - foot%point
@@ -301,7 +268,7 @@ contains
          if (perimeter) then
             foot%overhang = norm2(arm - foot%gap*foot%normal)
          else
-            foot%gap = sign(sqrt(nearest%distance2), foot%gap)
+            foot%gap = sign(sqrt(there%distance2), foot%gap)
          end if
       end associate
    end subroutine settle_curved

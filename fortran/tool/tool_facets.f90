@@ -11,7 +11,7 @@ module lopin_tool_facets
    use lopin_triangle, only : closest_on_triangle
    implicit none
    private
-   public :: facets_tool_type, new_facets_tool, nearest_type, find_nearest, settle, add_wall
+   public :: facets_tool_type, new_facets_tool, nearest_type, settle_flat
 
    !> 30 degrees: two walls, not one.
    real(wp), parameter, public :: sharp = cos(acos(-1.0_wp)/6.0_wp)
@@ -24,6 +24,7 @@ module lopin_tool_facets
    contains
       procedure :: project
       procedure :: project_all => project_walls
+      procedure :: settle => settle_flat
       procedure :: tessellate
       procedure :: describe
       procedure :: has_creases => has_edges
@@ -125,7 +126,7 @@ contains
       type(nearest_type) :: nearest
 
       call find_nearest(self, x, nearest)
-      if (nearest%facet > 0) call settle(self, x, nearest, foot)
+      if (nearest%facet > 0) call self%settle(x, nearest, foot)
    end subroutine project
 
    !> Near a concave corner the other wall counts too: the nearest facet within reach that looks
@@ -139,7 +140,7 @@ contains
 
       call add_wall(self, x, reach, feet, nfeet, other)
       if (other%facet == 0) return
-      call settle(self, x, other, feet(2))
+      call self%settle(x, other, feet(2))
       nfeet = 2
       if (feet(2)%gap < feet(1)%gap) feet = feet([2, 1])
    end subroutine project_walls
@@ -236,7 +237,7 @@ contains
       nearest = nearest_type(f, feature, distance2, point)
    end subroutine try_facet
 
-   pure subroutine settle(self, x, nearest, foot)
+   pure subroutine settle_flat(self, x, nearest, foot)
       class(facets_tool_type), intent(in) :: self
       real(wp), intent(in) :: x(3)
       type(nearest_type), intent(in) :: nearest
@@ -272,7 +273,7 @@ contains
          foot%overhang = norm2(pseudo - dot_product(pseudo, foot%normal)*foot%normal)
       end if
       foot%gap = dot_product(x - foot%point, foot%normal)
-   end subroutine settle
+   end subroutine settle_flat
 
    !> The normal is the direction to the point, unless that lies on the feature itself.
    pure subroutine take_direction(self, x, nearest, pseudo, foot)
