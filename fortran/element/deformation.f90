@@ -4,11 +4,12 @@
 module lopin_deformation
    use lopin_kinds, only : wp
    use lopin_element_type, only : element_type, element_kind
+   use lopin_element_input, only : element_input_type
    use lopin_dilatation, only : dilatation_count, dilatation_functions, projection
    use lopin_gradients, only : all_gradients, correct_ring_means
    use lopin_solid_enhanced, only : enhanced_deformation
    use lopin_vectors, only : inverse_of
-   use lopin_hyperelastic, only : solid_law_type, volume_change
+   use lopin_hyperelastic, only : volume_change
    use lopin_material_memory, only : trial_change
    use lopin_material_point, only : point_type, stretch_thickness
    implicit none
@@ -20,12 +21,9 @@ module lopin_deformation
 contains
 
    !> Gradients of the shape functions in the deformed place and the deformation of every point.
-   pure subroutine deform(element, law, x, u, thickness, memory, dt, point, g, hoop, phi, bad)
+   pure subroutine deform(element, input, point, g, hoop, phi, bad)
       type(element_type), intent(in) :: element
-      type(solid_law_type), intent(in) :: law
-      real(wp), intent(in), dimension(element%ndim, element%nnode) :: x, u
-      real(wp), contiguous, intent(in) :: memory(:, :)
-      real(wp), intent(in) :: thickness, dt
+      type(element_input_type), intent(in) :: input
       type(point_type), intent(out) :: point(element%ngauss)
       real(wp), intent(out) :: g(element%ndim, element%nnode, element%ngauss)   !! [1/length]
       real(wp), intent(out) :: hoop(element%nnode, element%ngauss)   !! shape functions per deformed
@@ -37,25 +35,25 @@ contains
       logical :: found
 
       if (element%nmode > 0) then
-         call enhanced_deformation(element, law, x, u, thickness, memory, dt, enhanced, alpha, bad)
+         call enhanced_deformation(element, input, enhanced, alpha, bad)
          if (bad > 0) return
       end if
-      call all_gradients(element, x, g, point%weight, bad)
+      call all_gradients(element, input%x, g, point%weight, bad)
       if (bad > 0) return
       hoop = 0.0_wp
       if (element%axisymmetric) then
-         call correct_ring_means(element, x, g, point%weight, hoop(:, 1))
+         call correct_ring_means(element, input%x, g, point%weight, hoop(:, 1))
          hoop = spread(hoop(:, 1), 2, element%ngauss)
       end if
       do bad = 1, element%ngauss
          k = bad
          if (element%ndim == 2) then
-            call place_in_plane(element, k, x, u, thickness, g(:, :, k), hoop(:, k), point(k))
+            call place_in_plane(element, k, input, g(:, :, k), hoop(:, k), point(k))
          else
-            call place_in_space(element%nnode, u, g(:, :, k), point(k)%h)
+            call place_in_space(element%nnode, input%u, g(:, :, k), point(k)%h)
          end if
          if (element%nmode > 0) point(k)%h = enhanced(:, :, k)
-         call trial_change(point(k)%h, memory(:, k), element%nstress, point(k)%change)
+         call trial_change(point(k)%h, input%memory(:, k), element%nstress, point(k)%change)
          point(k)%own = volume_change(point(k)%h)
          if (.not. 1.0_wp + point(k)%own > 0.0_wp) return
          if (element%ndim == 2) then
@@ -65,14 +63,15 @@ contains
             call push_in_space(element%nnode, point(k)%h, g(:, :, k))
          end if
          if (element%kind == element_kind%plane_stress) then
-            call stretch_thickness(law, memory(:, k), element%nstress, dt, point(k), found)
+            call stretch_thickness(input%law, input%memory(:, k), element%nstress, input%dt, &
+               & point(k), found)
             if (.not. found) return
          end if
          point(k)%volume = point(k)%own
       end do
       bad = 0
       if (size(phi, 2) == 0) return
-      call dilatation_functions(element, x, point%weight, phi)
+      call dilatation_functions(element, input%x, point%weight, phi)
       point%volume = projection(phi, point%weight*point%own)
       do k = 1, element%ngauss
          if (1.0_wp + point(k)%volume > 0.0_wp) cycle
@@ -82,11 +81,10 @@ contains
    end subroutine deform
 
    !> Displacement gradient and reference volume of a point, and its hoop row.
-   pure subroutine place_in_plane(element, k, x, u, thickness, g, hoop, point)
+   pure subroutine place_in_plane(element, k, input, g, hoop, point)
       type(element_type), intent(in) :: element
       integer, intent(in) :: k
-      real(wp), intent(in), dimension(2, element%nnode) :: x, u
-      real(wp), intent(in) :: thickness
+      type(element_input_type), intent(in) :: input
       real(wp), intent(in) :: g(2, element%nnode)      !! in the reference shape [1/length]
       real(wp), intent(inout) :: hoop(element%nnode)   !! the same; what it corrects when entered
       type(point_type), intent(inout) :: point         !! its weight is an area
@@ -96,22 +94,22 @@ contains
       h = 0.0_wp
       radius = 0.0_wp
       do a = 1, element%nnode
-         h(:, 1) = h(:, 1) + u(:, a)*g(1, a)
-         h(:, 2) = h(:, 2) + u(:, a)*g(2, a)
-         radius = radius + x(1, a)*element%n(a, k)
+         h(:, 1) = h(:, 1) + input%u(:, a)*g(1, a)
+         h(:, 2) = h(:, 2) + input%u(:, a)*g(2, a)
+         radius = radius + input%x(1, a)*element%n(a, k)
       end do
       point%h = 0.0_wp
       point%h(:2, :2) = h
       if (.not. element%axisymmetric) then
          hoop = 0.0_wp
-         point%weight = point%weight*thickness
+         point%weight = point%weight*input%thickness
          return
       end if
       point%weight = point%weight*2.0_wp*pi*radius
       radius = 1.0_wp/radius
       do a = 1, element%nnode
          hoop(a) = hoop(a) + element%n(a, k)*radius
-         point%h(3, 3) = point%h(3, 3) + u(1, a)*hoop(a)
+         point%h(3, 3) = point%h(3, 3) + input%u(1, a)*hoop(a)
       end do
    end subroutine place_in_plane
 

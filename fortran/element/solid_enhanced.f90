@@ -12,10 +12,11 @@ module lopin_solid_enhanced
    use lopin_kinds, only : wp
    use lopin_vectors, only : cross
    use lopin_element_type, only : element_type, element_kind
+   use lopin_element_input, only : element_input_type
    use lopin_enhanced_modes, only : modes_type, internal_modes, solve_small, most_nodes, most_points
    use lopin_gradients, only : gradients
    use lopin_velocity_form, only : velocity_form, listed, tensor_of
-   use lopin_hyperelastic, only : solid_law_type, condense_thickness, volume_change
+   use lopin_hyperelastic, only : condense_thickness, volume_change
    use lopin_material_memory, only : trial_change, amplitudes_of, offset_at
    use lopin_material_point, only : point_type, respond_at, stretch_thickness
    implicit none
@@ -48,14 +49,9 @@ module lopin_solid_enhanced
 contains
 
    !> Force, energy and, if asked for, tangent of an element.
-   pure subroutine enhanced_element(element, law, x, u, thickness, memory, dt, force, energy, &
-      & bad, ke)
+   pure subroutine enhanced_element(element, input, force, energy, bad, ke)
       type(element_type), intent(in) :: element    !! with nmode > 0
-      type(solid_law_type), intent(in) :: law
-      real(wp), intent(in) :: x(:, :), u(:, :)     !! (ndim, nnode) [length]
-      real(wp), intent(in) :: thickness            !! plane kinds [length]
-      real(wp), contiguous, intent(in) :: memory(:, :)   !! of the accepted state, or empty
-      real(wp), intent(in) :: dt                   !! since the accepted state [time]
+      type(element_input_type), intent(in) :: input
       real(wp), intent(out) :: force(element%ndof)
       real(wp), intent(out) :: energy
       integer, intent(out) :: bad                  !! Gauss point turned inside out, else 0
@@ -69,16 +65,16 @@ contains
       integer :: k, n
       logical :: regular
 
-      call move(element, x, u, thickness, motion, bad)
+      call move(element, input, motion, bad)
       if (bad > 0) return
-      call relax(element, law, motion, memory, dt, alpha, bad)
+      call relax(element, input, motion, alpha, bad)
       if (bad > 0) return
       n = element%ndof
       energy = 0.0_wp
       residual = 0.0_wp
       whole = 0.0_wp
       do k = 1, element%ngauss
-         call respond(element, law, motion, k, memory(:, k), dt, alpha, answer)
+         call respond(element, input, motion, k, alpha, answer)
          energy = energy + answer%energy
          call node_rows(element, motion, k, alpha, answer, l(:n, :))
          call mode_rows(element, motion, k, answer, l(n + 1:, :))
@@ -99,13 +95,9 @@ contains
    end subroutine enhanced_element
 
    !> Enhanced F - 1 at the Gauss points.
-   pure subroutine enhanced_deformation(element, law, x, u, thickness, memory, dt, h, alpha, bad)
+   pure subroutine enhanced_deformation(element, input, h, alpha, bad)
       type(element_type), intent(in) :: element    !! with nmode > 0
-      type(solid_law_type), intent(in) :: law
-      real(wp), intent(in) :: x(:, :), u(:, :)     !! (ndim, nnode) [length]
-      real(wp), intent(in) :: thickness            !! plane kinds [length]
-      real(wp), contiguous, intent(in) :: memory(:, :)   !! of the accepted state, or empty
-      real(wp), intent(in) :: dt                   !! since the accepted state [time]
+      type(element_input_type), intent(in) :: input
       real(wp), intent(out) :: h(3, 3, element%ngauss)
       real(wp), intent(out) :: alpha(element%nmode)   !! amplitudes [-]
       integer, intent(out) :: bad                  !! Gauss point turned inside out, else 0
@@ -114,9 +106,9 @@ contains
 
       h = 0.0_wp
       alpha = 0.0_wp
-      call move(element, x, u, thickness, motion, bad)
+      call move(element, input, motion, bad)
       if (bad > 0) return
-      call relax(element, law, motion, memory, dt, alpha, bad)
+      call relax(element, input, motion, alpha, bad)
       if (bad > 0) return
       do k = 1, element%ngauss
          h(:, :, k) = motion%h(:, :, k) &
@@ -125,9 +117,9 @@ contains
    end subroutine enhanced_deformation
 
    !> Displacement gradients of the nodes.
-   pure subroutine move(element, x, u, thickness, motion, bad)
+   pure subroutine move(element, input, motion, bad)
       type(element_type), intent(in) :: element
-      real(wp), intent(in) :: x(:, :), u(:, :), thickness
+      type(element_input_type), intent(in) :: input
       type(motion_type), intent(out) :: motion
       integer, intent(out) :: bad
       real(wp) :: determinant, radius
@@ -136,39 +128,37 @@ contains
       d = element%ndim
       m = element%nnode
       bad = 1
-      call internal_modes(element, x, motion%modes, determinant)
+      call internal_modes(element, input%x, motion%modes, determinant)
       if (.not. determinant > 0.0_wp) return
       bad = 0
       motion%h(:, :, :element%ngauss) = 0.0_wp
       motion%hoop(:, :element%ngauss) = 0.0_wp
       do k = 1, element%ngauss
-         call gradients(d, m, x, element%dn(:, :, k), motion%g(:d, :m, k), determinant)
+         call gradients(d, m, input%x, element%dn(:, :, k), motion%g(:d, :m, k), determinant)
          motion%weight(k) = element%weight(k)*determinant
-         motion%h(:d, :d, k) = matmul(u(:, :m), transpose(motion%g(:d, :m, k)))
+         motion%h(:d, :d, k) = matmul(input%u(:, :m), transpose(motion%g(:d, :m, k)))
          if (element%axisymmetric) then
-            radius = dot_product(x(1, :m), element%n(:, k))
+            radius = dot_product(input%x(1, :m), element%n(:, k))
             motion%hoop(:m, k) = element%n(:, k)/radius
-            motion%h(3, 3, k) = dot_product(u(1, :m), motion%hoop(:m, k))
+            motion%h(3, 3, k) = dot_product(input%u(1, :m), motion%hoop(:m, k))
             motion%weight(k) = motion%weight(k)*2.0_wp*pi*radius
          else if (d == 2) then
-            motion%weight(k) = motion%weight(k)*thickness
+            motion%weight(k) = motion%weight(k)*input%thickness
          end if
       end do
       motion%centre = 0.0_wp
-      motion%centre(:d, :d) = matmul(u(:, :m), transpose(motion%modes%g(:d, :m)))
-      if (d == 2) motion%centre(3, 3) = dot_product(u(1, :m), motion%modes%hoop(:m))
+      motion%centre(:d, :d) = matmul(input%u(:, :m), transpose(motion%modes%g(:d, :m)))
+      if (d == 2) motion%centre(3, 3) = dot_product(input%u(1, :m), motion%modes%hoop(:m))
       do k = 1, 3
          motion%centre(k, k) = motion%centre(k, k) + 1.0_wp
       end do
    end subroutine move
 
    !> Amplitudes that make the energy stationary.
-   pure subroutine relax(element, law, motion, memory, dt, alpha, bad)
+   pure subroutine relax(element, input, motion, alpha, bad)
       type(element_type), intent(in) :: element
-      type(solid_law_type), intent(in) :: law
+      type(element_input_type), intent(in) :: input
       type(motion_type), intent(in) :: motion
-      real(wp), contiguous, intent(in) :: memory(:, :)
-      real(wp), intent(in) :: dt
       real(wp), intent(out) :: alpha(element%nmode)
       integer, intent(out) :: bad
       real(wp), dimension(element%nmode, 1) :: force, step
@@ -177,12 +167,13 @@ contains
       integer :: sweep
       logical :: regular
 
-      alpha = amplitudes_of(memory, element%nstress, element%nmode)
-      size_of = max(maxval(abs(motion%h(:, :, :element%ngauss))), strained(memory, element%nstress))
-      call balance(element, law, motion, memory, dt, alpha, force, pivot, bad)
+      alpha = amplitudes_of(input%memory, element%nstress, element%nmode)
+      size_of = max(maxval(abs(motion%h(:, :, :element%ngauss))), &
+         & strained(input%memory, element%nstress))
+      call balance(element, input, motion, alpha, force, pivot, bad)
       if (bad > 0 .and. any(abs(alpha) > 0.0_wp)) then
          alpha = 0.0_wp
-         call balance(element, law, motion, memory, dt, alpha, force, pivot, bad)
+         call balance(element, input, motion, alpha, force, pivot, bad)
       end if
       do sweep = 1, most
          if (bad > 0) return
@@ -196,19 +187,18 @@ contains
             alpha = alpha - step(:, 1)
             return
          end if
-         call advance(element, law, motion, memory, dt, step(:, 1), alpha, force, pivot, bad)
+         call advance(element, input, motion, step(:, 1), alpha, force, pivot, bad)
       end do
       bad = 1
    end subroutine relax
 
    !> Go the Newton step, or as far of it as no point turns and the force along it does not reverse:
    !> points that unload are stiffer than the tangent says.
-   pure subroutine advance(element, law, motion, memory, dt, step, alpha, force, pivot, turned)
+   pure subroutine advance(element, input, motion, step, alpha, force, pivot, turned)
       type(element_type), intent(in) :: element
-      type(solid_law_type), intent(in) :: law
+      type(element_input_type), intent(in) :: input
       type(motion_type), intent(in) :: motion
-      real(wp), contiguous, intent(in) :: memory(:, :)
-      real(wp), intent(in) :: dt, step(:)
+      real(wp), intent(in) :: step(:)
       real(wp), intent(inout) :: alpha(:), force(:, :)
       real(wp), intent(out) :: pivot(:, :)
       integer, intent(out) :: turned
@@ -219,7 +209,7 @@ contains
       along = dot_product(force(:, 1), step)
       share = 1.0_wp
       do try = 1, most
-         call balance(element, law, motion, memory, dt, alpha - share*step, force, pivot, turned)
+         call balance(element, input, motion, alpha - share*step, force, pivot, turned)
          if (turned > 0) then
             share = 0.5_wp*share
             cycle
@@ -242,12 +232,11 @@ contains
    end function strained
 
    !> Forces on the amplitudes and their slopes; `force` is kept where a point is `turned`.
-   pure subroutine balance(element, law, motion, memory, dt, alpha, force, pivot, turned)
+   pure subroutine balance(element, input, motion, alpha, force, pivot, turned)
       type(element_type), intent(in) :: element
-      type(solid_law_type), intent(in) :: law
+      type(element_input_type), intent(in) :: input
       type(motion_type), intent(in) :: motion
-      real(wp), contiguous, intent(in) :: memory(:, :)
-      real(wp), intent(in) :: dt, alpha(:)
+      real(wp), intent(in) :: alpha(:)
       real(wp), intent(inout) :: force(:, :)
       real(wp), intent(out) :: pivot(:, :)
       integer, intent(out) :: turned
@@ -259,7 +248,7 @@ contains
       sum_of = 0.0_wp
       do k = 1, element%ngauss
          turned = k
-         call respond(element, law, motion, k, memory(:, k), dt, alpha, answer)
+         call respond(element, input, motion, k, alpha, answer)
          if (answer%bad) return
          call mode_rows(element, motion, k, answer, l)
          sum_of = sum_of + matmul(l, listed(element%ndim, answer%s))
@@ -270,13 +259,12 @@ contains
    end subroutine balance
 
    !> Deformation, stress and stiffness of a point.
-   pure subroutine respond(element, law, motion, k, memory, dt, alpha, answer)
+   pure subroutine respond(element, input, motion, k, alpha, answer)
       type(element_type), intent(in) :: element
-      type(solid_law_type), intent(in) :: law
+      type(element_input_type), intent(in) :: input
       type(motion_type), intent(in) :: motion
       integer, intent(in) :: k
-      real(wp), contiguous, intent(in) :: memory(:)
-      real(wp), intent(in) :: dt, alpha(:)
+      real(wp), intent(in) :: alpha(:)
       type(answer_type), intent(out) :: answer
       real(wp) :: stress(element%nstress), tangent(element%nstress, element%nstress)
       real(wp) :: own, f(3, 3), e(3, 3)
@@ -301,13 +289,15 @@ contains
       point%h = answer%h
       point%own = own
       point%volume = own
-      call trial_change(answer%h, memory, element%nstress, point%change)
+      call trial_change(answer%h, input%memory(:, k), element%nstress, point%change)
       if (element%kind == element_kind%plane_stress) then
-         call stretch_thickness(law, memory, element%nstress, dt, point, found)
+         call stretch_thickness(input%law, input%memory(:, k), element%nstress, input%dt, point, &
+            & found)
          answer%bad = .not. found
          if (answer%bad) return
       end if
-      call respond_at(law, point, memory, dt, stress, answer%energy, found, tangent)
+      call respond_at(input%law, point, input%memory(:, k), input%dt, stress, answer%energy, &
+         & found, tangent)
       answer%bad = .not. found
       if (answer%bad) return
       if (element%kind == element_kind%plane_stress) call condense_thickness(tangent)

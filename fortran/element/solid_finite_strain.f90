@@ -14,13 +14,13 @@
 module lopin_solid_finite_strain
    use lopin_kinds, only : wp
    use lopin_element_type, only : element_type, element_kind
+   use lopin_element_input, only : element_input_type
    use lopin_dilatation, only : dilatation_count, projection
    use lopin_deformation, only : deform
    use lopin_material_point, only : point_type, respond_at, keep_at
    use lopin_velocity_form, only : velocity_form, add_force, add_stiffness
    use lopin_solid_enhanced, only : enhanced_element, enhanced_deformation
-   use lopin_hyperelastic, only : solid_law_type, log_strain, condense_thickness, &
-      & elastic_constants
+   use lopin_hyperelastic, only : log_strain, condense_thickness, elastic_constants
    use lopin_hourglass, only : add_hourglass
    use lopin_material_memory, only : put_amplitudes
    implicit none
@@ -30,16 +30,9 @@ module lopin_solid_finite_strain
 contains
 
    !> Force, energy and, if asked for, tangent of an element.
-   pure subroutine finite_strain_element(element, law, x, u, thickness, memory, dt, force, energy, &
-      & bad, ke)
+   pure subroutine finite_strain_element(element, input, force, energy, bad, ke)
       type(element_type), intent(in) :: element
-      type(solid_law_type), intent(in) :: law
-      real(wp), intent(in) :: x(element%ndim, element%nnode)   !! reference coordinates [length]
-      real(wp), intent(in) :: u(element%ndim, element%nnode)   !! displacements [length]
-      real(wp), intent(in) :: thickness      !! plane kinds [length]
-      real(wp), contiguous, intent(in) :: memory(:, :)   !! (nmemory, ngauss) of the accepted state;
-                                             !! (0, ngauss) if the law does not flow
-      real(wp), intent(in) :: dt             !! since the accepted state [time]
+      type(element_input_type), intent(in) :: input
       real(wp), intent(out) :: force(element%ndof)   !! internal forces [force]
       real(wp), intent(out) :: energy                !! [force length]
       integer, intent(out) :: bad            !! Gauss point turned inside out, else 0; then nothing
@@ -55,20 +48,20 @@ contains
       logical :: found
 
       if (element%nmode > 0) then
-         call enhanced_element(element, law, x, u, thickness, memory, dt, force, energy, bad, ke)
+         call enhanced_element(element, input, force, energy, bad, ke)
          return
       end if
-      call deform(element, law, x, u, thickness, memory, dt, point, g, hoop, phi, &
-         & bad)
+      call deform(element, input, point, g, hoop, phi, bad)
       if (bad > 0) return
       energy = 0.0_wp
       do k = 1, element%ngauss
          if (present(ke)) then
-            call respond_at(law, point(k), memory(:, k), dt, stress(:, k), density, found, &
-               & tangent(:, :, k))
+            call respond_at(input%law, point(k), input%memory(:, k), input%dt, stress(:, k), &
+               & density, found, tangent(:, :, k))
             if (element%kind == element_kind%plane_stress) call condense_thickness(tangent(:, :, k))
          else
-            call respond_at(law, point(k), memory(:, k), dt, stress(:, k), density, found)
+            call respond_at(input%law, point(k), input%memory(:, k), input%dt, stress(:, k), &
+               & density, found)
          end if
          if (.not. found) then
             bad = k
@@ -83,20 +76,15 @@ contains
          call add_force(element%ndim, element%nnode, g(:, :, k), hoop(:, k), stress(:, k), &
             & point(k)%weight, force)
       end do
-      call elastic_constants(law, moduli(1), moduli(2))
-      call add_hourglass(element, moduli, x, u, .true., force, energy, ke)
+      call elastic_constants(input%law, moduli(1), moduli(2))
+      call add_hourglass(element, moduli, input%x, input%u, .true., force, energy, ke)
    end subroutine finite_strain_element
 
    !> Cauchy stress and logarithmic strain (engineering shears) at the Gauss points, in the order
    !> xx yy zz xy xz yz.
-   pure subroutine finite_strain_stresses(element, law, x, u, thickness, memory, dt, stress, &
-      & strain, bad)
+   pure subroutine finite_strain_stresses(element, input, stress, strain, bad)
       type(element_type), intent(in) :: element
-      type(solid_law_type), intent(in) :: law
-      real(wp), intent(in), dimension(element%ndim, element%nnode) :: x, u   !! [length]
-      real(wp), intent(in) :: thickness                      !! plane kinds [length]
-      real(wp), contiguous, intent(in) :: memory(:, :)       !! as for finite_strain_element
-      real(wp), intent(in) :: dt                             !! since the accepted state [time]
+      type(element_input_type), intent(in) :: input
       real(wp), intent(out) :: stress(6, element%ngauss)     !! [stress]
       real(wp), intent(out) :: strain(6, element%ngauss)     !! [-]
       integer, intent(out) :: bad                            !! Gauss point turned inside out, or 0
@@ -109,12 +97,11 @@ contains
 
       stress = 0.0_wp
       strain = 0.0_wp
-      call deform(element, law, x, u, thickness, memory, dt, point, g, hoop, phi, &
-         & bad)
+      call deform(element, input, point, g, hoop, phi, bad)
       if (bad > 0) return
       do k = 1, element%ngauss
-         call respond_at(law, point(k), memory(:, k), dt, stress(:element%nstress, k), energy, &
-            & found)
+         call respond_at(input%law, point(k), input%memory(:, k), input%dt, &
+            & stress(:element%nstress, k), energy, found)
          stress(:, k) = stress(:, k)/(1.0_wp + point(k)%volume)
          associate (h => point(k)%h)
             strain(:, k) = log_strain(h + transpose(h) + matmul(h, transpose(h)), point(k)%volume)
@@ -123,13 +110,11 @@ contains
    end subroutine finite_strain_stresses
 
    !> The memory of this state, to be kept once it is accepted, plastic work since the last, volume.
-   pure subroutine finite_strain_memory(element, law, x, u, thickness, dt, memory, work, held, bad)
+   pure subroutine finite_strain_memory(element, input, next, work, held, bad)
       type(element_type), intent(in) :: element
-      type(solid_law_type), intent(in) :: law
-      real(wp), intent(in), dimension(element%ndim, element%nnode) :: x, u   !! [length]
-      real(wp), intent(in) :: thickness                      !! plane kinds [length]
-      real(wp), intent(in) :: dt                             !! since the accepted state [time]
-      real(wp), contiguous, intent(inout) :: memory(:, :)    !! of the accepted state, then of this
+      type(element_input_type), intent(in) :: input
+      real(wp), contiguous, intent(inout) :: next(:, :)      !! memory: a copy of that of the
+                                                             !! accepted state, then of this
       real(wp), intent(out) :: work                          !! [force length]
       real(wp), intent(out) :: held                          !! deformed volume [length^3]
       integer, intent(out) :: bad                            !! Gauss point turned inside out, or 0
@@ -144,16 +129,15 @@ contains
       work = 0.0_wp
       held = 0.0_wp
       if (element%nmode > 0) then
-         call enhanced_deformation(element, law, x, u, thickness, memory, dt, enhanced, alpha, bad)
+         call enhanced_deformation(element, input, enhanced, alpha, bad)
          if (bad > 0) return
       end if
-      call deform(element, law, x, u, thickness, memory, dt, point, g, hoop, phi, &
-         & bad)
+      call deform(element, input, point, g, hoop, phi, bad)
       if (bad > 0) return
-      if (element%nmode > 0) call put_amplitudes(memory, element%nstress, alpha)
+      if (element%nmode > 0) call put_amplitudes(next, element%nstress, alpha)
       held = sum(point%weight*(1.0_wp + point%own))
       do k = 1, element%ngauss
-         call keep_at(law, point(k), element%nstress, dt, memory(:, k), density)
+         call keep_at(input%law, point(k), element%nstress, input%dt, next(:, k), density)
          work = work + point(k)%weight*density
       end do
    end subroutine finite_strain_memory

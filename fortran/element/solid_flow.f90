@@ -6,10 +6,11 @@
 module lopin_solid_flow
    use lopin_kinds, only : wp
    use lopin_element_type, only : element_type, element_kind
+   use lopin_element_input, only : element_input_type
    use lopin_solid_small, only : strain_matrices, strains, internal_force, add_product, &
       & mode_strains, follow_nodes
    use lopin_enhanced_modes, only : solve_small
-   use lopin_hyperelastic, only : solid_law_type, elastic_constants
+   use lopin_hyperelastic, only : elastic_constants
    use lopin_hourglass, only : add_hourglass
    use lopin_material_memory, only : amplitudes_of, put_amplitudes, offset_at
    use lopin_material_point, only : small_answer_type, respond_small, keep_small
@@ -20,15 +21,9 @@ module lopin_solid_flow
 contains
 
    !> Force, elastic energy and, if asked for, tangent of an element.
-   pure subroutine flow_element(element, law, x, u, thickness, memory, dt, force, energy, bad, ke)
+   pure subroutine flow_element(element, input, force, energy, bad, ke)
       type(element_type), intent(in) :: element
-      type(solid_law_type), intent(in) :: law
-      real(wp), intent(in) :: x(:, :)        !! (ndim, nnode) coordinates [length]
-      real(wp), intent(in) :: u(:, :)        !! (ndim, nnode) displacements [length]
-      real(wp), intent(in) :: thickness      !! plane kinds [length]
-      real(wp), intent(in) :: memory(:, :)   !! (nmemory, ngauss) of the accepted state; (0, ngauss)
-                                             !! if the law does not flow
-      real(wp), intent(in) :: dt             !! since the accepted state [time]
+      type(element_input_type), intent(in) :: input
       real(wp), intent(out) :: force(element%ndof)   !! internal forces [force]
       real(wp), intent(out) :: energy                !! [force length]
       integer, intent(out) :: bad            !! 0; 1 where the internal modes find no balance
@@ -39,21 +34,21 @@ contains
       type(small_answer_type) :: answer
       integer :: i, k, m
 
-      call trial(element, law, x, u, thickness, memory, dt, b, volume, strain, alpha, bad)
+      call trial(element, input, b, volume, strain, alpha, bad)
       if (bad > 0) return
       m = element%nstress
       if (present(ke)) ke = 0.0_wp
       energy = 0.0_wp
       do k = 1, element%ngauss
-         call respond_small(law, element%kind == element_kind%plane_stress, memory(:, k), dt, &
-            & strain(:, k), answer)
+         call respond_small(input%law, element%kind == element_kind%plane_stress, &
+            & input%memory(:, k), input%dt, strain(:, k), answer)
          if (.not. answer%found) then
             bad = k
             return
          end if
          stress(:, k) = answer%stress(:m)
-         energy = energy + 0.5_wp*volume(k)*law%bulk*answer%trace**2 &
-            & + volume(k)*law%shear*answer%distortion**2
+         energy = energy + 0.5_wp*volume(k)*input%law%bulk*answer%trace**2 &
+            & + volume(k)*input%law%shear*answer%distortion**2
          if (.not. present(ke)) cycle
          call add_product(element%ndof, m, b(:, :, k), volume(k)*answer%tangent(:m, :m), ke)
       end do
@@ -63,18 +58,14 @@ contains
             ke(:i - 1, i) = ke(i, :i - 1)
          end do
       end if
-      call elastic_constants(law, moduli(1), moduli(2))
-      call add_hourglass(element, moduli, x, u, .false., force, energy, ke)
+      call elastic_constants(input%law, moduli(1), moduli(2))
+      call add_hourglass(element, moduli, input%x, input%u, .false., force, energy, ke)
    end subroutine flow_element
 
    !> Stress and strain (engineering shears) at the Gauss points: xx yy zz xy xz yz.
-   pure subroutine flow_stresses(element, law, x, u, thickness, memory, dt, stress, strain, bad)
+   pure subroutine flow_stresses(element, input, stress, strain, bad)
       type(element_type), intent(in) :: element
-      type(solid_law_type), intent(in) :: law
-      real(wp), intent(in) :: x(:, :), u(:, :)               !! (ndim, nnode) [length]
-      real(wp), intent(in) :: thickness                      !! plane kinds [length]
-      real(wp), intent(in) :: memory(:, :)                   !! as for flow_element
-      real(wp), intent(in) :: dt                             !! since the accepted state [time]
+      type(element_input_type), intent(in) :: input
       real(wp), intent(out) :: stress(6, element%ngauss)     !! [stress]
       real(wp), intent(out) :: strain(6, element%ngauss)     !! [-]
       integer, intent(out) :: bad                            !! as for flow_element
@@ -86,26 +77,25 @@ contains
       m = element%nstress
       stress = 0.0_wp
       strain = 0.0_wp
-      call trial(element, law, x, u, thickness, memory, dt, b, volume, own, alpha, bad)
+      call trial(element, input, b, volume, own, alpha, bad)
       if (bad > 0) return
       do k = 1, element%ngauss
-         call respond_small(law, element%kind == element_kind%plane_stress, memory(:, k), dt, &
-            & own(:, k), answer)
+         call respond_small(input%law, element%kind == element_kind%plane_stress, &
+            & input%memory(:, k), input%dt, own(:, k), answer)
          stress(:m, k) = answer%stress(:m)
          strain(:m, k) = own(:, k)
          if (element%kind == element_kind%plane_stress) strain(3, k) = answer%across
-         if (size(memory, 1) > 0) strain(:m, k) = strain(:m, k) - elastic_share(memory(:, k), m)
+         if (size(input%memory, 1) > 0) strain(:m, k) = strain(:m, k) &
+            & - elastic_share(input%memory(:, k), m)
       end do
    end subroutine flow_stresses
 
    !> The memory of this state, to be kept once it is accepted, plastic work since the last, volume.
-   pure subroutine flow_memory(element, law, x, u, thickness, dt, memory, work, held, bad)
+   pure subroutine flow_memory(element, input, next, work, held, bad)
       type(element_type), intent(in) :: element
-      type(solid_law_type), intent(in) :: law
-      real(wp), intent(in) :: x(:, :), u(:, :)               !! (ndim, nnode) [length]
-      real(wp), intent(in) :: thickness                      !! plane kinds [length]
-      real(wp), intent(in) :: dt                             !! since the accepted state [time]
-      real(wp), intent(inout) :: memory(:, :)                !! of the accepted state, then of this
+      type(element_input_type), intent(in) :: input
+      real(wp), intent(inout) :: next(:, :)                  !! memory: a copy of that of the
+                                                             !! accepted state, then of this
       real(wp), intent(out) :: work                          !! [force length]
       real(wp), intent(out) :: held                          !! deformed volume [length^3]
       integer, intent(out) :: bad                            !! as for flow_element
@@ -117,28 +107,27 @@ contains
       m = element%nstress
       work = 0.0_wp
       held = 0.0_wp
-      call trial(element, law, x, u, thickness, memory, dt, b, volume, own, alpha, bad)
+      call trial(element, input, b, volume, own, alpha, bad)
       if (bad > 0) return
-      if (element%nmode > 0) call put_amplitudes(memory, m, alpha)
+      if (element%nmode > 0) call put_amplitudes(next, m, alpha)
       if (element%kind == element_kind%plane_stress) then
          do k = 1, element%ngauss
-            call respond_small(law, .true., memory(:, k), dt, own(:, k), answer)
+            call respond_small(input%law, .true., next(:, k), input%dt, own(:, k), answer)
             own(3, k) = answer%across
          end do
       end if
       held = sum(volume*(1.0_wp + own(1, :) + own(2, :) + own(3, :)))
-      if (.not. law%flows) return
+      if (.not. input%law%flows) return
       do k = 1, element%ngauss
-         call keep_small(law, dt, own(:, k), memory(:, k), density)
+         call keep_small(input%law, input%dt, own(:, k), next(:, k), density)
          work = work + volume(k)*density
       end do
    end subroutine flow_memory
 
    !> Elastic strain (engineering shears) of every point if nothing flowed.
-   pure subroutine trial(element, law, x, u, thickness, memory, dt, b, volume, strain, alpha, bad)
+   pure subroutine trial(element, input, b, volume, strain, alpha, bad)
       type(element_type), intent(in) :: element
-      type(solid_law_type), intent(in) :: law
-      real(wp), intent(in) :: x(:, :), u(:, :), thickness, memory(:, :), dt
+      type(element_input_type), intent(in) :: input
       real(wp), intent(out) :: b(element%ndof, element%nstress, element%ngauss)
       real(wp), intent(out) :: volume(element%ngauss), strain(element%nstress, element%ngauss)
       real(wp), intent(out) :: alpha(element%nmode)   !! amplitudes of the internal modes
@@ -147,22 +136,22 @@ contains
       integer :: k, point
 
       bad = 0
-      call strain_matrices(element, x, thickness, b, volume, smallest, point)
-      call strains(element, b, reshape(u(:, :element%nnode), [element%ndof]), strain)
-      if (size(memory, 1) > 0) then
+      call strain_matrices(element, input%x, input%thickness, b, volume, smallest, point)
+      call strains(element, b, reshape(input%u(:, :element%nnode), [element%ndof]), strain)
+      if (size(input%memory, 1) > 0) then
          do k = 1, element%ngauss
-            strain(:, k) = strain(:, k) + elastic_share(memory(:, k), element%nstress)
+            strain(:, k) = strain(:, k) + elastic_share(input%memory(:, k), element%nstress)
          end do
       end if
-      if (element%nmode > 0) call relax(element, law, x, memory, dt, volume, b, strain, alpha, bad)
+      if (element%nmode > 0) call relax(element, input, volume, b, strain, alpha, bad)
    end subroutine trial
 
    !> Add the strains of the internal modes in balance, and their slopes to B: Newton, half way back
    !> where the forces on the modes grow.
-   pure subroutine relax(element, law, x, memory, dt, volume, b, strain, alpha, bad)
+   pure subroutine relax(element, input, volume, b, strain, alpha, bad)
       type(element_type), intent(in) :: element
-      type(solid_law_type), intent(in) :: law
-      real(wp), intent(in) :: x(:, :), memory(:, :), dt, volume(element%ngauss)
+      type(element_input_type), intent(in) :: input
+      real(wp), intent(in) :: volume(element%ngauss)
       real(wp), intent(inout) :: b(element%ndof, element%nstress, element%ngauss)
       real(wp), intent(inout) :: strain(element%nstress, element%ngauss)
       real(wp), intent(out) :: alpha(element%nmode)
@@ -177,11 +166,12 @@ contains
       integer :: k, sweep, halvings
       logical :: regular
 
-      call mode_strains(element, x, own)
+      call mode_strains(element, input%x, own)
       bad = 0
       size_of = maxval(abs(strain))
-      if (size(memory, 1) > 0) size_of = size_of + maxval(abs(memory(:element%nstress, :)))
-      alpha = amplitudes_of(memory, element%nstress, element%nmode)
+      if (size(input%memory, 1) > 0) size_of = size_of &
+         & + maxval(abs(input%memory(:element%nstress, :)))
+      alpha = amplitudes_of(input%memory, element%nstress, element%nmode)
       do k = 1, element%ngauss
          strain(:, k) = strain(:, k) + matmul(alpha, own(:, :, k))
       end do
@@ -191,8 +181,8 @@ contains
          pivot = 0.0_wp
          force = 0.0_wp
          do k = 1, element%ngauss
-            call respond_small(law, element%kind == element_kind%plane_stress, memory(:, k), dt, &
-               & strain(:, k), answer)
+            call respond_small(input%law, element%kind == element_kind%plane_stress, &
+               & input%memory(:, k), input%dt, strain(:, k), answer)
             tangent(:, :, k) = answer%tangent(:element%nstress, :element%nstress)
             force = force + volume(k)*matmul(own(:, :, k), answer%stress(:element%nstress))
             pivot = pivot + volume(k)*matmul(own(:, :, k), matmul(tangent(:, :, k), &

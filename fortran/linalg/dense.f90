@@ -66,30 +66,30 @@ contains
       call dsyev('V', 'L', n, a, n, value, work, size(work), status)
    end subroutine symmetric_eigen
 
-   !> Solve S x + C q = f, C^T x - H q = h with S symmetric, semi-definite, and H >= 0 (absent: 0).
+   !> Solve S x + C q = f, C^T x - H q = h in the place of f and h; S symmetric, semi-definite, and
+   !> H >= 0 (absent: 0).
    !>
    !> Without q this is Cholesky, or, where rows depend on each other, the solution of least norm.
    !> status /= 0: some combination of q is not determined (a body is not held by these rows).
-   subroutine bordered_solve(s, c, f, h, x, q, dependent, status, held)
+   subroutine bordered_solve(s, c, x, q, dependent, status, held)
       real(wp), contiguous, intent(in) :: s(:, :)   !! (m, m)
       real(wp), intent(in) :: c(:, :)               !! (m, nq)
-      real(wp), intent(in) :: f(:), h(:)
-      real(wp), intent(out) :: x(:), q(:)
+      real(wp), intent(inout) :: x(:)               !! (m) f, then x
+      real(wp), intent(inout) :: q(:)               !! (nq) h, then q
       integer, intent(inout) :: dependent   !! rows found to depend on others: largest count so far
       integer, intent(out) :: status
       real(wp), intent(in), optional :: held(:, :)  !! (nq, nq)
       real(wp), allocatable :: a(:, :), right(:), scale(:), value(:)
       integer :: m, nq, i, nzero
 
-      m = size(f)
-      nq = size(h)
+      m = size(x)
+      nq = size(q)
       status = 0
       if (m + nq == 0) return
       if (nq == 0) then
          a = s
          call cholesky(a, status)
          if (status == 0 .and. well_pivoted(a, s)) then
-            x = f
             call cholesky_solve(a, x)
             return
          end if
@@ -101,7 +101,7 @@ contains
       a(m + 1:, :m) = transpose(c)
       a(m + 1:, m + 1:) = 0.0_wp
       if (present(held)) a(m + 1:, m + 1:) = -held
-      right = [f, h]
+      right = [x, q]
       call equilibrate(a, m, scale)
       right = right*scale
       call symmetric_eigen(a, value, status)

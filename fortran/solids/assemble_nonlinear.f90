@@ -11,8 +11,9 @@ module lopin_assemble_nonlinear
       & finite_strain_memory
    use lopin_solid_flow, only : flow_element, flow_stresses, flow_memory
    use lopin_element_type, only : element_type
+   use lopin_element_input, only : element_input_type
    use lopin_simplex_patches, only : patch_element
-   use lopin_solids, only : solids_type, group_type, add_slots, unit_nodes, unit_points
+   use lopin_solids, only : solids_type, add_slots, unit_nodes, unit_points
    use lopin_state, only : solids_state_type
    use lopin_material_memory, only : strain_at
    implicit none
@@ -35,24 +36,34 @@ module lopin_assemble_nonlinear
       real(wp) :: most = 0.0_wp     !! its largest force on a node, by component [force]
    end type share_type
 
+   !> The solids in a displaced configuration, with what their points remember of the accepted one.
+   type :: configuration_type
+      type(solids_type), pointer :: solids => null()
+      type(mesh_type), pointer :: mesh => null()
+      real(wp), pointer, contiguous :: u(:) => null()   !! (n) total displacements [length]
+      type(solids_state_type), pointer :: memory => null()
+   end type configuration_type
+
 contains
 
    !> Internal force and energy of all solid elements and, if asked for, their tangent.
    !>
    !> Where `bad` names an element, nothing else is defined: the step was too large.
    subroutine assemble_nonlinear(self, mesh, u, memory, force, energy, bad, matrix)
-      type(solids_type), intent(in) :: self
-      type(mesh_type), intent(in) :: mesh
-      real(wp), contiguous, intent(in) :: u(:)   !! (n) total displacements by equation [length]
-      type(solids_state_type), intent(in) :: memory   !! of the accepted state
+      type(solids_type), intent(in), target :: self
+      type(mesh_type), intent(in), target :: mesh
+      real(wp), contiguous, intent(in), target :: u(:)   !! (n) displacements by equation [length]
+      type(solids_state_type), intent(in), target :: memory   !! of the accepted state
       real(wp), contiguous, intent(out) :: force(:)   !! (n) internal forces [force]
       real(wp), intent(out) :: energy          !! strain energy [force length]
       type(bad_element_type), intent(out) :: bad
       type(csc_type), intent(inout), optional :: matrix   !! of new_solids; values are replaced
+      type(configuration_type) :: shape
       type(share_type), allocatable :: share(:)
       integer :: c, k, e, ncolour
       logical :: shared_out
 
+      shape = configuration_type(self, mesh, u, memory)
       ncolour = size(self%colour_start) - 1
       allocate (share(mesh%nelement))
       force = 0.0_wp
@@ -62,7 +73,7 @@ contains
          !$omp parallel do schedule(static) private(e) if(shared_out)
          do k = self%colour_start(c), self%colour_start(c + 1) - 1
             e = self%order(k)
-            call add_unit(self, mesh, e, u, memory, force, share(e), matrix)
+            call add_unit(shape, e, force, share(e), matrix)
          end do
          !$omp end parallel do
       end do
@@ -84,50 +95,43 @@ contains
    end subroutine assemble_nonlinear
 
    !> An element, or the patch that it stands for.
-   subroutine add_unit(self, mesh, e, u, memory, force, share, matrix)
-      type(solids_type), intent(in) :: self
-      type(mesh_type), intent(in) :: mesh
+   subroutine add_unit(shape, e, force, share, matrix)
+      type(configuration_type), intent(in) :: shape
       integer, intent(in) :: e
-      real(wp), contiguous, intent(in) :: u(:)
-      type(solids_state_type), intent(in) :: memory
       real(wp), contiguous, intent(inout) :: force(:)
       type(share_type), intent(inout) :: share
       type(csc_type), intent(inout), optional :: matrix
 
-      if (self%patches%of(e) > 0) then
-         call add_patch(self, mesh, e, u, memory, force, share, matrix)
+      if (shape%solids%patches%of(e) > 0) then
+         call add_patch(shape, e, force, share, matrix)
          return
       end if
-      associate (element => self%group(self%which(e))%element)
-         associate (node => mesh%conn(:element%nnode, e))
-            if (self%group(self%which(e))%law%remembers) then
-               call add_element(self, e, element, mesh, node, u, &
-                  & memory%value(:, memory%first(e):memory%first(e + 1) - 1), memory, force, &
-                  & share, matrix)
+      associate (group => shape%solids%group(shape%solids%which(e)), memory => shape%memory)
+         associate (node => shape%mesh%conn(:group%element%nnode, e))
+            if (group%law%remembers) then
+               call add_element(shape, e, group%element, node, &
+                  & memory%value(:, memory%first(e):memory%first(e + 1) - 1), force, share, matrix)
             else
-               call add_element(self, e, element, mesh, node, u, memory%none, memory, force, &
-                  & share, matrix)
+               call add_element(shape, e, group%element, node, memory%none, force, share, matrix)
             end if
          end associate
       end associate
    end subroutine add_unit
 
-   subroutine add_patch(self, mesh, e, u, memory, force, share, matrix)
-      type(solids_type), intent(in) :: self
-      type(mesh_type), intent(in) :: mesh
+   subroutine add_patch(shape, e, force, share, matrix)
+      type(configuration_type), intent(in) :: shape
       integer, intent(in) :: e                 !! its first member
-      real(wp), contiguous, intent(in) :: u(:)
-      type(solids_state_type), intent(in) :: memory
       real(wp), contiguous, intent(inout) :: force(:)
       type(share_type), intent(inout) :: share
       type(csc_type), intent(inout), optional :: matrix
       type(element_type) :: element
 
-      associate (patches => self%patches, p => self%patches%of(e))
-         call patch_element(patches, p, mesh%conn, self%group(self%which(e))%element, element)
+      associate (self => shape%solids, patches => shape%solids%patches, &
+         & p => shape%solids%patches%of(e))
+         call patch_element(patches, p, shape%mesh%conn, self%group(self%which(e))%element, element)
          associate (node => patches%node(patches%first(p):patches%first(p + 1) - 1))
-            call add_element(self, e, element, mesh, node, u, columns(self, memory, e), memory, &
-               & force, share, matrix)
+            call add_element(shape, e, element, node, columns(self, shape%memory, e), force, &
+               & share, matrix)
          end associate
       end associate
    end subroutine add_patch
@@ -148,61 +152,75 @@ contains
       end if
    end function columns
 
-   subroutine add_element(self, e, element, mesh, node, u, past, memory, force, share, matrix)
-      type(solids_type), intent(in) :: self
+   subroutine add_element(shape, e, element, node, past, force, share, matrix)
+      type(configuration_type), intent(in) :: shape
       integer, intent(in) :: e
       type(element_type), intent(in) :: element    !! that of e, or of its patch
-      type(mesh_type), intent(in) :: mesh
       integer, contiguous, intent(in) :: node(:)
-      real(wp), contiguous, intent(in) :: u(:), past(:, :)
-      type(solids_state_type), intent(in) :: memory
+      real(wp), contiguous, intent(in), target :: past(:, :)
       real(wp), contiguous, intent(inout) :: force(:)
       type(share_type), intent(inout) :: share
       type(csc_type), intent(inout), optional :: matrix
-      real(wp), dimension(element%ndim, element%nnode) :: x, moved, own
-      real(wp) :: ke(element%ndof, element%ndof)
+      real(wp), dimension(element%ndim, element%nnode), target :: x, moved
+      real(wp) :: own(element%ndim, element%nnode), ke(element%ndof, element%ndof)
+      type(element_input_type) :: input
       integer :: a, i
 
-      do a = 1, element%nnode
-         x(:, a) = mesh%x(:, node(a))
-      end do
-      call displacements(self, node, u, moved)
-      associate (group => self%group(self%which(e)))
-         if (present(matrix)) then
-            call own_element(group, element, x, moved, past, memory, own, share, ke)
-         else
-            call own_element(group, element, x, moved, past, memory, own, share)
-         end if
-      end associate
+      call fill_input(shape, e, node, x, moved, input)
+      input%memory => past
+      if (present(matrix)) then
+         call own_element(shape%memory%finite_strain, element, input, own, share, ke)
+      else
+         call own_element(shape%memory%finite_strain, element, input, own, share)
+      end if
       if (share%bad > 0) return
       share%most = maxval(abs(own))
-      do a = 1, element%nnode
-         do i = 1, element%ndim
-            associate (k => self%dof(i, node(a)))
-               if (k > 0) force(k) = force(k) + own(i, a)
-            end associate
+      associate (self => shape%solids)
+         do a = 1, element%nnode
+            do i = 1, element%ndim
+               associate (k => self%dof(i, node(a)))
+                  if (k > 0) force(k) = force(k) + own(i, a)
+               end associate
+            end do
          end do
-      end do
-      if (present(matrix)) call add_slots( &
-         & self%slot(self%first_slot(e):self%first_slot(e + 1) - 1), ke, matrix%value)
+         if (present(matrix)) call add_slots( &
+            & self%slot(self%first_slot(e):self%first_slot(e + 1) - 1), ke, matrix%value)
+      end associate
    end subroutine add_element
 
+   !> What an element is computed from, but for its memory.
+   subroutine fill_input(shape, e, node, x, moved, input)
+      type(configuration_type), intent(in) :: shape
+      integer, intent(in) :: e
+      integer, contiguous, intent(in) :: node(:)
+      real(wp), contiguous, intent(out), target :: x(:, :), moved(:, :)   !! where they are put
+      type(element_input_type), intent(out) :: input
+      integer :: a
+
+      do a = 1, size(node)
+         x(:, a) = shape%mesh%x(:, node(a))
+      end do
+      call displacements(shape%solids, node, shape%u, moved)
+      input%law => shape%solids%group(shape%solids%which(e))%law
+      input%x => x
+      input%u => moved
+      input%thickness = shape%solids%group(shape%solids%which(e))%thickness
+      input%dt = shape%memory%dt
+   end subroutine fill_input
+
    !> One element, by the kinematics of the step.
-   subroutine own_element(group, element, x, u, past, memory, force, share, ke)
-      type(group_type), intent(in) :: group
+   subroutine own_element(finite_strain, element, input, force, share, ke)
+      logical, intent(in) :: finite_strain
       type(element_type), intent(in) :: element
-      real(wp), contiguous, intent(in) :: x(:, :), u(:, :), past(:, :)
-      type(solids_state_type), intent(in) :: memory
+      type(element_input_type), intent(in) :: input
       real(wp), contiguous, intent(out) :: force(:, :)
       type(share_type), intent(inout) :: share
       real(wp), contiguous, intent(out), optional :: ke(:, :)
 
-      if (memory%finite_strain) then
-         call finite_strain_element(element, group%law, x, u, group%thickness, past, memory%dt, &
-            & force, share%energy, share%bad, ke)
+      if (finite_strain) then
+         call finite_strain_element(element, input, force, share%energy, share%bad, ke)
       else
-         call flow_element(element, group%law, x, u, group%thickness, past, memory%dt, force, &
-            & share%energy, share%bad, ke)
+         call flow_element(element, input, force, share%energy, share%bad, ke)
       end if
    end subroutine own_element
 
@@ -243,29 +261,33 @@ contains
    end subroutine recover_nonlinear
 
    subroutine recover_unit(self, mesh, u, memory, e, stress, strain)
-      type(solids_type), intent(in) :: self
+      type(solids_type), intent(in), target :: self
       type(mesh_type), intent(in) :: mesh
       real(wp), intent(in) :: u(:, :)
       type(solids_state_type), intent(in) :: memory
       integer, intent(in) :: e
       real(wp), intent(inout) :: stress(:, :), strain(:, :)
       type(element_type) :: element
+      type(element_input_type) :: input
       integer, allocatable :: node(:), point(:)
       real(wp), allocatable :: own(:, :), elongation(:, :)
+      real(wp), allocatable, target :: x(:, :), moved(:, :), past(:, :)
 
       allocate (node, source=unit_nodes(self, mesh, e))
       if (size(node) == 0) return
       associate (group => self%group(self%which(e)), p => self%patches%of(e))
+         x = mesh%x(:, node)
+         moved = u(:group%element%ndim, node)
+         allocate (past, source=columns(self, memory, e))
+         input = element_input_type(group%law, x, moved, past, group%thickness, memory%dt)
          if (p == 0) then
-            call own_stresses(group, group%element, mesh%x(:, node), &
-               & u(:group%element%ndim, node), columns(self, memory, e), memory, &
+            call own_stresses(memory%finite_strain, group%element, input, &
                & stress(:, self%first_point(e):self%first_point(e + 1) - 1), &
                & strain(:, self%first_point(e):self%first_point(e + 1) - 1))
          else
             call patch_element(self%patches, p, mesh%conn, group%element, element)
             allocate (own(6, element%ngauss), elongation(6, element%ngauss))
-            call own_stresses(group, element, mesh%x(:, node), u(:element%ndim, node), &
-               & columns(self, memory, e), memory, own, elongation)
+            call own_stresses(memory%finite_strain, element, input, own, elongation)
             allocate (point, source=unit_points(self, self%first_point, e))
             stress(:, point) = own
             strain(:, point) = elongation
@@ -273,40 +295,39 @@ contains
       end associate
    end subroutine recover_unit
 
-   subroutine own_stresses(group, element, x, u, past, memory, stress, strain)
-      type(group_type), intent(in) :: group
+   subroutine own_stresses(finite_strain, element, input, stress, strain)
+      logical, intent(in) :: finite_strain
       type(element_type), intent(in) :: element
-      real(wp), intent(in) :: x(:, :), u(:, :), past(:, :)
-      type(solids_state_type), intent(in) :: memory
+      type(element_input_type), intent(in) :: input
       real(wp), intent(out) :: stress(:, :), strain(:, :)
       integer :: bad
 
-      if (memory%finite_strain) then
-         call finite_strain_stresses(element, group%law, x, u, group%thickness, past, memory%dt, &
-            & stress, strain, bad)
+      if (finite_strain) then
+         call finite_strain_stresses(element, input, stress, strain, bad)
       else
-         call flow_stresses(element, group%law, x, u, group%thickness, past, memory%dt, stress, &
-            & strain, bad)
+         call flow_stresses(element, input, stress, strain, bad)
       end if
    end subroutine own_stresses
 
    !> The memory of a trial, and its plastic work.
    subroutine remember(self, mesh, u, memory, next)
-      type(solids_type), intent(in) :: self
-      type(mesh_type), intent(in) :: mesh
-      real(wp), contiguous, intent(in) :: u(:)   !! (n) total displacements by equation [length]
-      type(solids_state_type), intent(in) :: memory      !! of the accepted state
+      type(solids_type), intent(in), target :: self
+      type(mesh_type), intent(in), target :: mesh
+      real(wp), contiguous, intent(in), target :: u(:)   !! (n) displacements by equation [length]
+      type(solids_state_type), intent(in), target :: memory      !! of the accepted state
       type(solids_state_type), intent(inout) :: next     !! of the trial
+      type(configuration_type) :: shape
       real(wp), allocatable :: work(:), volume(:), strain(:)
       integer :: e, p, q, row
 
       if (.not. memory%in_use) return
       allocate (work(mesh%nelement), volume(mesh%nelement), strain(mesh%nelement), source=0.0_wp)
       next%value = memory%value
+      shape = configuration_type(self, mesh, u, memory)
       !$omp parallel do schedule(static)
       do e = 1, mesh%nelement
-         if (memory%first(e + 1) > memory%first(e)) call remember_unit(self, mesh, u, e, memory, &
-            & next%value, work(e), volume(e))
+         if (memory%first(e + 1) > memory%first(e)) call remember_unit(shape, e, next%value, &
+            & work(e), volume(e))
       end do
       !$omp end parallel do
       do e = 1, mesh%nelement
@@ -323,60 +344,51 @@ contains
    end subroutine remember
 
    !> Of an element or of the patch that it stands for; `next` holds the accepted state before.
-   subroutine remember_unit(self, mesh, u, e, memory, next, work, volume)
-      type(solids_type), intent(in) :: self
-      type(mesh_type), intent(in) :: mesh
-      real(wp), contiguous, intent(in) :: u(:)
+   subroutine remember_unit(shape, e, next, work, volume)
+      type(configuration_type), intent(in) :: shape
       integer, intent(in) :: e
-      type(solids_state_type), intent(in) :: memory
       real(wp), contiguous, intent(inout) :: next(:, :)   !! (nmemory, ncolumn)
       real(wp), intent(inout) :: work, volume
       type(element_type) :: element
       integer, allocatable :: point(:)
       real(wp), allocatable :: past(:, :)
 
-      associate (group => self%group(self%which(e)), patches => self%patches, &
-         & p => self%patches%of(e))
-         if (p == 0) then
-            call own_memory(self, group, group%element, mesh, &
-               & mesh%conn(:group%element%nnode, e), u, memory%finite_strain, memory%dt, &
-               & next(:, memory%first(e):memory%first(e + 1) - 1), work, volume)
-         else if (patches%member(patches%start(p)) == e) then
-            call patch_element(patches, p, mesh%conn, group%element, element)
-            allocate (past, source=columns(self, memory, e))
-            call own_memory(self, group, element, mesh, &
-               & patches%node(patches%first(p):patches%first(p + 1) - 1), u, memory%finite_strain, &
-               & memory%dt, past, work, volume)
-            allocate (point, source=unit_points(self, memory%first, e))
-            next(:, point) = past
-         end if
+      associate (self => shape%solids, patches => shape%solids%patches, memory => shape%memory)
+         associate (group => self%group(self%which(e)), p => patches%of(e))
+            if (p == 0) then
+               call own_memory(shape, e, group%element, shape%mesh%conn(:group%element%nnode, e), &
+                  & next(:, memory%first(e):memory%first(e + 1) - 1), work, volume)
+            else if (patches%member(patches%start(p)) == e) then
+               call patch_element(patches, p, shape%mesh%conn, group%element, element)
+               allocate (past, source=columns(self, memory, e))
+               call own_memory(shape, e, element, &
+                  & patches%node(patches%first(p):patches%first(p + 1) - 1), past, work, volume)
+               allocate (point, source=unit_points(self, memory%first, e))
+               next(:, point) = past
+            end if
+         end associate
       end associate
    end subroutine remember_unit
 
-   subroutine own_memory(self, group, element, mesh, node, u, finite_strain, dt, past, work, volume)
-      type(solids_type), intent(in) :: self
-      type(group_type), intent(in) :: group
-      type(element_type), intent(in) :: element
-      type(mesh_type), intent(in) :: mesh
+   subroutine own_memory(shape, e, element, node, next, work, volume)
+      type(configuration_type), intent(in) :: shape
+      integer, intent(in) :: e
+      type(element_type), intent(in) :: element    !! that of e, or of its patch
       integer, contiguous, intent(in) :: node(:)
-      real(wp), contiguous, intent(in) :: u(:)
-      logical, intent(in) :: finite_strain
-      real(wp), intent(in) :: dt
-      real(wp), contiguous, intent(inout) :: past(:, :)
+      real(wp), contiguous, intent(inout) :: next(:, :)
       real(wp), intent(inout) :: work, volume
-      real(wp), dimension(element%ndim, element%nnode) :: x, moved
-      integer :: a, bad
+      real(wp), dimension(element%ndim, element%nnode), target :: x, moved
+      real(wp), target :: past(size(next, 1), size(next, 2))
+      type(element_input_type) :: input
+      integer :: bad
 
-      do a = 1, element%nnode
-         x(:, a) = mesh%x(:, node(a))
-      end do
-      call displacements(self, node, u, moved)
-      if (finite_strain) then
-         call finite_strain_memory(element, group%law, x, moved, group%thickness, dt, past, work, &
-            & volume, bad)
+      past = next
+      call fill_input(shape, e, node, x, moved, input)
+      input%memory => past
+      if (shape%memory%finite_strain) then
+         call finite_strain_memory(element, input, next, work, volume, bad)
       else
-         call flow_memory(element, group%law, x, moved, group%thickness, dt, past, work, volume, &
-            & bad)
+         call flow_memory(element, input, next, work, volume, bad)
       end if
    end subroutine own_memory
 end module lopin_assemble_nonlinear

@@ -6,8 +6,8 @@ program test_linear_system
    use lopin_csc, only : csc_type
    use lopin_dense, only : cholesky, cholesky_solve
    use lopin_constraints, only : constraints_type
-   use lopin_linear_system, only : linear_system_type, new_linear_system, widen_system, &
-      & condense_load, recover
+   use lopin_linear_system, only : linear_system_type, new_linear_system, factorise_system, &
+      & widen_system, condense_load, recover
    use matrices, only : elastic_block, uniform
    use check, only : test, close_to, is_true, finish
    implicit none
@@ -51,7 +51,8 @@ contains
       type(error_type), allocatable :: error
       integer :: bad
 
-      call new_linear_system(system, k, constraints, [7], top(:4), name, clock, counter, bad, error)
+      call new_linear_system(system, constraints%neq, [7], top(:4))
+      call factorise_system(system, k, constraints, name, clock, counter, bad, error)
       call is_true('a factor', .not. allocated(error))
       call same_as_dense(system, top(:4))
       call widen_system(system, [3, 20, 11], counter, error)

@@ -5,7 +5,7 @@ program test_solid_finite_strain
    use lopin_elastic, only : hooke_matrix, plane_stress_matrix
    use lopin_solid_small, only : stiffness
    use lopin_hyperelastic, only : solid_law_type, hencky_law, green_law, neo_hooke_law
-   use lopin_solid_finite_strain, only : finite_strain_element, finite_strain_stresses
+   use element_calls, only : element_at, stresses_at
    use blocks, only : random
    use check, only : test, close_to, is_true, finish
    implicit none
@@ -89,7 +89,7 @@ contains
       real(wp), intent(out) :: force(:)
       real(wp) :: energy
       integer :: bad
-      call finite_strain_element(element, law, x, u, thickness, memory, 1.0_wp, force, energy, bad)
+      call element_at(.true., element, law, x, u, thickness, memory, 1.0_wp, force, energy, bad)
       call is_true('not inside out', bad == 0)
    end subroutine force_at
 
@@ -104,8 +104,7 @@ contains
       call test('the tangent is the slope of the force: '//element%word//wishes(j))
       x = distorted()
       u = wild()
-      call finite_strain_element(element, law, x, u, thickness, memory, 1.0_wp, force, energy, &
-         & bad, ke)
+      call element_at(.true., element, law, x, u, thickness, memory, 1.0_wp, force, energy, bad, ke)
       call is_true('not inside out', bad == 0)
       do a = 1, element%nnode
          do k = 1, element%ndim
@@ -139,8 +138,8 @@ contains
             do s = 1, 4
                moved = u
                moved(k, a) = moved(k, a) + step*place(s)
-               call finite_strain_element(element, law, x, moved, thickness, memory, 1.0_wp, &
-                  & none, energy(s), bad)
+               call element_at(.true., element, law, x, moved, thickness, memory, 1.0_wp, none, &
+                  & energy(s), bad)
             end do
             slope(element%ndim*(a - 1) + k) = (energy(1) - 8.0_wp*energy(2) + 8.0_wp*energy(3) &
                & - energy(4))/(12.0_wp*step)
@@ -172,11 +171,10 @@ contains
          call close_to('force', force/young, spread(0.0_wp, 1, element%ndof), 1.0e-12_wp)
          call test('a rotation turns the forces: '//element%word//wishes(j))
          u = wild()
-         call finite_strain_element(element, law, x, u, thickness, memory, 1.0_wp, force, energy, &
-            & bad)
+         call element_at(.true., element, law, x, u, thickness, memory, 1.0_wp, force, energy, bad)
          turned = matmul(q(:d, :d), x + u) - x
-         call finite_strain_element(element, law, x, turned, thickness, memory, 1.0_wp, other, &
-            & same, bad)
+         call element_at(.true., element, law, x, turned, thickness, memory, 1.0_wp, other, same, &
+            & bad)
          call close_to('force', reshape(other, [element%ndof])/young, &
             & reshape(matmul(q(:d, :d), reshape(force, [d, element%nnode])), &
             & [element%ndof])/young, 1.0e-12_wp)
@@ -207,7 +205,7 @@ contains
       e = matmul(q, spread(log(stretch), 2, 3)*transpose(q))
       exact = [s(1, 1), s(2, 2), s(3, 3), s(1, 2), s(1, 3), s(2, 3)]
       log_exact = [e(1, 1), e(2, 2), e(3, 3), 2.0_wp*e(1, 2), 2.0_wp*e(1, 3), 2.0_wp*e(2, 3)]
-      call finite_strain_stresses(element, law, x, matmul(f(:element%ndim, :element%ndim), x) - x, &
+      call stresses_at(.true., element, law, x, matmul(f(:element%ndim, :element%ndim), x) - x, &
          & thickness, memory, 1.0_wp, stress, strain, bad)
       call is_true('not inside out', bad == 0)
       do k = 1, element%ngauss
@@ -266,8 +264,7 @@ contains
       end if
       call stiffness(element, x, thickness, d, linear, smallest, point)
       u = 0.0_wp
-      call finite_strain_element(element, law, x, u, thickness, memory, 1.0_wp, force, energy, &
-         & bad, ke)
+      call element_at(.true., element, law, x, u, thickness, memory, 1.0_wp, force, energy, bad, ke)
       call close_to('ke', ke/maxval(linear), linear/maxval(linear), 1.0e-13_wp)
       call close_to('force', maxval(abs(force)) + abs(energy), 0.0_wp, 0.0_wp)
       call test('tiny displacements have the linear forces: '//element%word//wishes(j))
@@ -291,12 +288,11 @@ contains
       call test('units do not matter: '//element%word//wishes(j))
       x = distorted()
       u = wild()
-      call finite_strain_element(element, law, x, u, thickness, memory, 1.0_wp, force, energy, &
-         & bad, ke)
+      call element_at(.true., element, law, x, u, thickness, memory, 1.0_wp, force, energy, bad, ke)
       mine = law
       mine%shear = press*law%shear
       mine%bulk = press*law%bulk
-      call finite_strain_element(element, mine, unit*x, unit*u, unit*thickness, memory, 1.0_wp, &
+      call element_at(.true., element, mine, unit*x, unit*u, unit*thickness, memory, 1.0_wp, &
          & scaled, energy, bad, other)
       factor = press*unit**2
       call close_to('force', scaled/factor/young, force/young, 1.0e-11_wp)

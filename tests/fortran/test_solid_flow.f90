@@ -6,8 +6,7 @@ program test_solid_flow
    use lopin_flow_curve, only : flow_type, voce_flow
    use lopin_hyperelastic, only : solid_law_type, hencky_law, give_flow
    use lopin_material_memory, only : memory_size, strain_at
-   use lopin_solid_finite_strain, only : finite_strain_element, finite_strain_memory
-   use lopin_solid_flow, only : flow_element, flow_memory
+   use element_calls, only : element_at, remember_at
    use blocks, only : random
    use check, only : test, close_to, is_true, finish
    implicit none
@@ -107,13 +106,8 @@ contains
       real(wp) :: energy
       integer :: bad
 
-      if (finite) then
-         call finite_strain_element(element, law, distorted(), u, thickness, memory, 0.1_wp, &
-            & force, energy, bad, ke)
-      else
-         call flow_element(element, law, distorted(), u, thickness, memory, 0.1_wp, force, &
-            & energy, bad, ke)
-      end if
+      call element_at(finite, element, law, distorted(), u, thickness, memory, 0.1_wp, force, &
+         & energy, bad, ke)
       call is_true('in balance', bad == 0)
    end subroutine force_at
 
@@ -166,11 +160,7 @@ contains
       real(wp), intent(out) :: work, held
       integer, intent(out) :: bad
 
-      if (finite) then
-         call finite_strain_memory(element, law, distorted(), u, thickness, 0.1_wp, memory, work, &
-            & held, bad)
-      else
-         call flow_memory(element, law, distorted(), u, thickness, 0.1_wp, memory, work, held, bad)
-      end if
+      call remember_at(finite, element, law, distorted(), u, thickness, 0.1_wp, memory, work, &
+         & held, bad)
    end subroutine remember
 end program test_solid_flow

@@ -8,9 +8,7 @@ program test_solid_flowing
    use lopin_yield_hill, only : hill_yield
    use lopin_material_memory, only : rows_of, strain_at, stress_at, offset_at, temperature_at, &
       & put_map
-   use lopin_solid_finite_strain, only : finite_strain_element, finite_strain_stresses, &
-      & finite_strain_memory
-   use lopin_solid_flow, only : flow_element, flow_stresses, flow_memory
+   use element_calls, only : element_at, stresses_at, remember_at
    use blocks, only : random
    use check, only : test, close_to, is_true, finish
    implicit none
@@ -175,11 +173,11 @@ contains
       integer :: bad
 
       if (kinds(k) == 'finite') then
-         call finite_strain_element(element, law, distorted(), u, thickness, memory, dt, force, &
+         call element_at(.true., element, law, distorted(), u, thickness, memory, dt, force, &
             & energy, bad, ke)
       else
-         call flow_element(element, law, distorted(), u, thickness, memory, dt, force, energy, &
-            & bad, ke)
+         call element_at(.false., element, law, distorted(), u, thickness, memory, dt, force, &
+            & energy, bad, ke)
       end if
       call is_true('not inside out', bad == 0)
    end subroutine answer
@@ -219,10 +217,11 @@ contains
       integer :: bad
 
       if (kinds(k) == 'finite') then
-         call finite_strain_memory(element, law, distorted(), u, thickness, dt, memory, work, &
-            & held, bad)
+         call remember_at(.true., element, law, distorted(), u, thickness, dt, memory, work, held, &
+            & bad)
       else
-         call flow_memory(element, law, distorted(), u, thickness, dt, memory, work, held, bad)
+         call remember_at(.false., element, law, distorted(), u, thickness, dt, memory, work, &
+            & held, bad)
       end if
       call is_true('kept', bad == 0)
    end subroutine commit
@@ -306,13 +305,13 @@ contains
                across = 0.5_wp*(low + high)
                if (across <= low .or. across >= high) exit
                u = pressed(across, 1.0_wp - 0.6_wp*n/increment)
-               call finite_strain_stresses(element, law, disc(), u, 1.0_wp, memory, 1.0_wp, &
-                  & stress, strain, bad)
+               call stresses_at(.true., element, law, disc(), u, 1.0_wp, memory, 1.0_wp, stress, &
+                  & strain, bad)
                if (stress(1, 1) > 0.0_wp) high = across
                if (.not. stress(1, 1) > 0.0_wp) low = across
             end do
             if (n == increment) exit
-            call finite_strain_memory(element, law, disc(), u, 1.0_wp, 1.0_wp, memory, tau, held, &
+            call remember_at(.true., element, law, disc(), u, 1.0_wp, 1.0_wp, memory, tau, held, &
                & bad)
             tau = (y + h*log(2.5_wp))/(1.0_wp + h/e)
          end do
@@ -321,7 +320,7 @@ contains
          call close_to('volume', across**2*0.4_wp, 0.9980550_wp, 1.0e-7_wp)
          call close_to('closed form', -stress(2, 1)*j/tau, 1.0_wp, 1.0e-11_wp)
       end do
-      call finite_strain_memory(element, law, disc(), u, 1.0_wp, 1.0_wp, memory, tau, held, bad)
+      call remember_at(.true., element, law, disc(), u, 1.0_wp, 1.0_wp, memory, tau, held, bad)
       call close_to('plastic strain', memory(strain_at(4), 1), 0.9114236_wp, 1.0e-7_wp)
       call close_to('Kirchhoff stress', memory(stress_at(4), 1), 973.42708_wp, 1.0e-5_wp)
    end subroutine uniaxial_compression
@@ -352,7 +351,7 @@ contains
       memory = committed()
       memory = 0.0_wp
       do n = 1, 2
-         call finite_strain_stresses(element, law, disc(), sheared(g(n)), 1.0_wp, memory(:0, :), &
+         call stresses_at(.true., element, law, disc(), sheared(g(n)), 1.0_wp, memory(:0, :), &
             & 1.0_wp, stress, strain, bad)
          call close_to('shear', stress(4, 1)/shear, exact(n), 1.0e-6_wp)
       end do
@@ -361,11 +360,11 @@ contains
       before = 0.0_wp
       do n = 1, 200
          u = sheared(0.05_wp*n)
-         call finite_strain_stresses(element, law, disc(), u, 1.0_wp, memory, 1.0_wp, stress, &
-            & strain, bad)
+         call stresses_at(.true., element, law, disc(), u, 1.0_wp, memory, 1.0_wp, stress, strain, &
+            & bad)
          call is_true('rises', stress(4, 1) > before)
          before = stress(4, 1)
-         call finite_strain_memory(element, law, disc(), u, 1.0_wp, 1.0_wp, memory, work, held, bad)
+         call remember_at(.true., element, law, disc(), u, 1.0_wp, 1.0_wp, memory, work, held, bad)
       end do
       call close_to('small beside it: normal stress', abs(stress(1, 1))/stress(4, 1), 0.0_wp, &
          & 0.05_wp)

@@ -200,9 +200,9 @@ contains
       do i = 1, size(set)
          a(i, i) = a(i, i) + compliance(set(i))
       end do
-      call bordered_solve(a, self%c(set, :), -answer%free_gap(set), &
-         & -(answer%moving + pull_to_rest(self)), force, answer%q, answer%dependent, status, &
-         & self%held)
+      force = -answer%free_gap(set)
+      answer%q = -(answer%moving + pull_to_rest(self))
+      call bordered_solve(a, self%c(set, :), force, answer%q, answer%dependent, status, self%held)
       if (status /= 0) return
       answer%force = 0.0_wp
       answer%force(set) = force
@@ -263,8 +263,9 @@ contains
          do i = 1, m
             s(i, i) = s(i, i) + compliance(set(i))
          end do
-         call bordered_solve(s, a(set, m + 1:), -answer%gap(set), -balance, force, answer%q, &
-            & answer%dependent, status, held)
+         force = -answer%gap(set)
+         answer%q = -balance
+         call bordered_solve(s, a(set, m + 1:), force, answer%q, answer%dependent, status, held)
       end block
       if (status /= 0) return
       if (m + self%nq > 0) answer%gap = answer%gap + matmul(a, [force, answer%q])

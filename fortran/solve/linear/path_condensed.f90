@@ -18,7 +18,7 @@ module lopin_path_condensed
    use lopin_reduced_rows, only : reduce_rows
    use lopin_contact_candidates, only : transfer_rows
    use lopin_scene, only : scene_type, retained_equations, rebuild_rows
-   use lopin_linear_system, only : new_linear_system, condense_load, recover, &
+   use lopin_linear_system, only : new_linear_system, factorise_system, condense_load, recover, &
       & widen_system, joins_cheaply
    use lopin_automatic_penalty, only : set_stiffness
    use lopin_raise_penalty, only : raising_type, wants_other_slope
@@ -49,9 +49,9 @@ contains
       if (allocated(scene%kept_last)) call move_alloc(scene%kept_last, retained)
       if (model%mesh%ndim == 3 .and. scene%constraints%neq >= worth_threads) &
          & threaded = set_blas_threads(model%blas_threads)
-      call new_linear_system(scene%system, scene%k, scene%constraints, scene%bodies%support, &
-         & retained, &
-         & model%solver, scene%clock, scene%counter, bad, error)
+      call new_linear_system(scene%system, scene%constraints%neq, scene%bodies%support, retained)
+      call factorise_system(scene%system, scene%k, scene%constraints, model%solver, scene%clock, &
+         & scene%counter, bad, error)
       if (.not. allocated(error)) then
          call note_order(scene, retained)
          return

@@ -19,7 +19,7 @@ module lopin_path_refactorised
    use lopin_active_set, only : contact_result_type, solve_contact, outcome
    use lopin_scene, only : scene_type, retained_equations, rebuild_rows
    use lopin_full_system, only : full_system_type, new_full_system, set_rows
-   use lopin_linear_system, only : linear_system_type, new_linear_system
+   use lopin_linear_system, only : linear_system_type, new_linear_system, factorise_system
    use lopin_automatic_penalty, only : set_stiffness, wants_compliance
    use lopin_raise_penalty, only : raising_type, wants_other_slope
    use lopin_methods, only : choose_methods
@@ -193,8 +193,9 @@ contains
       real(wp), allocatable :: x(:, :)
       integer :: bad, from, to, row, other, k
 
-      call new_linear_system(aside, scene%k, scene%constraints, scene%bodies%support, &
-         & [integer ::], model%solver, scene%clock, scene%counter, bad, error)
+      call new_linear_system(aside, scene%constraints%neq, scene%bodies%support, [integer ::])
+      call factorise_system(aside, scene%k, scene%constraints, model%solver, scene%clock, &
+         & scene%counter, bad, error)
       if (allocated(error)) return
       associate (p => scene%problem)
          allocate (p%s(p%nrow, p%nrow), source=0.0_wp)

@@ -16,8 +16,8 @@ module lopin_linear_system
    use lopin_reduce_matrix, only : reduce_matrix
    implicit none
    private
-   public :: linear_system_type, new_linear_system, condense_load, recover, widen_system, &
-      & joins_cheaply
+   public :: linear_system_type, new_linear_system, factorise_system, condense_load, &
+      & recover, widen_system, joins_cheaply
 
    type :: linear_system_type
       class(linear_solver_type), allocatable :: solver
@@ -37,38 +37,48 @@ module lopin_linear_system
 
 contains
 
-   !> Factorise. `retained` are the free equations kept last, `support` those left out.
-   subroutine new_linear_system(self, k, constraints, support, retained, wish, clock, counter, &
-      & bad, error)
+   !> Rows of the equations in the matrix to be factorised.
+   subroutine new_linear_system(self, neq, support, retained)
       type(linear_system_type), intent(out) :: self
+      integer, intent(in) :: neq
+      integer, intent(in) :: support(:)             !! equations left out
+      integer, intent(in) :: retained(:)            !! free equations kept last
+      integer :: i
+
+      allocate (self%number(neq), self%place(neq), source=0)
+      self%number = 1
+      self%number(support) = 0
+      self%equation = pack([(i, i=1, neq)], self%number == 1)
+      self%n = size(self%equation)
+      self%number(self%equation) = [(i, i=1, self%n)]
+      self%nlast = size(retained)
+      self%place(retained) = [(i, i=1, self%nlast)]
+   end subroutine new_linear_system
+
+   !> Factorise the stiffness.
+   subroutine factorise_system(self, k, constraints, wish, clock, counter, bad, error)
+      type(linear_system_type), intent(inout) :: self   !! of new_linear_system
       type(csc_type), intent(in) :: k
       type(constraints_type), intent(in) :: constraints
-      integer, intent(in) :: support(:), retained(:)
       character(len=*), intent(in) :: wish          !! AUTO or a solver's word
       type(clock_type), intent(inout) :: clock
       type(counter_type), intent(inout) :: counter
       integer, intent(out) :: bad                   !! free equation that failed; 0: none
       type(error_type), allocatable, intent(out) :: error
       type(csc_type) :: reduced
-      integer :: i
+      integer :: last(self%nlast), i
       character(len=:), allocatable :: name
 
       bad = 0
-      allocate (self%number(constraints%neq), self%place(constraints%neq), source=0)
-      self%number = 1
-      self%number(support) = 0
-      self%equation = pack([(i, i=1, constraints%neq)], self%number == 1)
-      self%n = size(self%equation)
-      self%number(self%equation) = [(i, i=1, self%n)]
-      self%nlast = size(retained)
-      self%place(retained) = [(i, i=1, self%nlast)]
+      do i = 1, size(self%place)
+         if (self%place(i) > 0) last(self%place(i)) = self%number(i)
+      end do
       call reduce_matrix(k, constraints, self%number, self%n, reduced)
       call clock%stop_in(phase%assemble)
       name = lower(wish)
       self%reason = 'as asked'
-      if (name == 'auto') call choose_solver(reduced, matrix_class%positive_definite, &
-         & self%number(retained), &
-         & name, self%reason)
+      if (name == 'auto') call choose_solver(reduced, matrix_class%positive_definite, last, name, &
+         & self%reason)
       call new_solver(self%solver, name, error)
       if (allocated(error)) return
       self%splits = self%solver%can_condense(matrix_class%positive_definite)
@@ -76,8 +86,7 @@ contains
          call refuse_to_condense(name, error)
          return
       end if
-      call self%solver%analyse(reduced, matrix_class%positive_definite, self%number(retained), &
-         & error)
+      call self%solver%analyse(reduced, matrix_class%positive_definite, last, error)
       call clock%stop_in(phase%analyse)
       if (allocated(error)) return
       call self%solver%factorise(reduced, bad, error)
@@ -88,7 +97,7 @@ contains
       allocate (self%pass(self%nlast, 0))
       if (self%nlast > 0) call self%solver%trailing_factor(self%l, error)
       call clock%stop_in(phase%factorise)
-   end subroutine new_linear_system
+   end subroutine factorise_system
 
    !> To let `number` more equations join costs less than to factorise again with them kept last.
    pure logical function joins_cheaply(self, number)
