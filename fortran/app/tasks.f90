@@ -40,12 +40,16 @@ contains
       type(outcome_type) :: outcome
       type(live_type) :: live
       type(error_type), allocatable :: error
+      integer :: i
 
       call outcome%clock%start()
       call new_live(live, options%progress, options%verbosity, options%json)
       terminal%jsonl = live%form == form_of%json
       call new_job(job, options)
       call open_model(job, options, terminal, model)
+      do i = 1, model%settings%count_all()
+         call terminal%say('*'//model%settings%item(i)%name//': '//model%settings%item(i)%text)
+      end do
       call catch_interrupts()
       terminal%line = live%form == form_of%line
       allocate (outcome%watcher, source=live)

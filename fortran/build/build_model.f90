@@ -10,6 +10,9 @@ module lopin_build_model
    use lopin_model, only : model_type
    use lopin_block, only : deck_type, complain
    use lopin_build_scene, only : scene_type, get_word
+   use lopin_build_settings, only : build_settings
+   use lopin_keywords, only : new_keyword_table
+   use lopin_keyword_table, only : keyword_table_type
    use lopin_build_parts, only : new_scene
    use lopin_build_heat, only : build_initial_conditions, build_temperatures
    use lopin_build_mesh, only : build_mesh
@@ -50,9 +53,12 @@ contains
       type(error_type), allocatable, intent(out) :: error
       type(scene_type) :: scene
       type(cut_type), allocatable :: cuts(:)
+      type(keyword_table_type) :: table
       logical, allocatable :: rigid(:), absolute(:)
 
       call read_general(model, deck)
+      call new_keyword_table(table)
+      call build_settings(model%settings, deck, table)
       call new_scene(scene, deck, model%log)
       call build_mesh(model, deck, scene)
       if (model%log%count_of(severity%error) == 0 &

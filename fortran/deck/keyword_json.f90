@@ -63,10 +63,12 @@ contains
          end do
          call json%close(']')
          call json%add('sentence', row%data(i)%sentence)
+         call json%add('condition', row%data(i)%condition)
          call json%close('}')
       end do
       call json%close(']')
       call json%add('example', row%example)
+      call json%add('reported', merge(1, 0, row%is_reported))
       call json%close('}')
    end subroutine add_keyword
 
@@ -78,6 +80,7 @@ contains
       call json%add('name', parameter%name)
       call json%add('kind', parameter%kind)
       call json%add('choices', parameter%choices)
+      call json%add('respelt', parameter%misspelt)
       call json%add('default', parameter%default)
       call json%add('status', trim(status_words(parameter%status)))
       call json%add('required', merge(1, 0, parameter%is_required))

@@ -49,15 +49,17 @@ contains
       call later_flag(table, 'TEST DATA', 'Decay fitted to measurements.')
       call later_flag(table, 'SHEAR TRACTION SLOPE', 'Stick slope: write it as the second datum.')
       call later_flag(table, 'USER', 'Subroutine of the user.')
-      call data_line(table, 'mu = 0, stick slope [stress/length]', 'COULOMB, as CalculiX.')
+      call data_line(table, 'mu = 0, stick slope [stress/length]', 'COULOMB, as CalculiX.', &
+         & 'LAW=COULOMB')
       call data_line(table, 'mu = 0, slip rate [length/time], pressure [stress], temperature', &
          & 'COULOMB, as Abaqus: three or more data; mu must not vary.')
       call data_line(table, 'mu static, mu kinetic, decay [time/length]', 'EXPONENTIAL DECAY.')
       do i = 2, size(law_names)
-         call data_line(table, trim(law_data(i)), trim(law_names(i))//': '//trim(law_notes(i)))
+         call data_line(table, trim(law_data(i)), trim(law_names(i))//': '//trim(law_notes(i)), &
+            & 'LAW='//trim(law_names(i)))
       end do
       call data_line(table, 'mu, m, alpha [stress*(time/length)^q], q', 'AUTO: what the law '// &
-         & 'chosen needs.')
+         & 'chosen needs.', 'LAW=AUTO')
       call example(table, '*SURFACE INTERACTION, NAME=GREASE|*FRICTION, LAW=COULOMB-OROWAN, '// &
          & 'ELASTIC SLIP=1.e-3|0.12, 0.4')
       call about(table, 'E')

@@ -4,7 +4,7 @@ module lopin_keyword_rows_step
    use lopin_text, only : upper, join
    use lopin_keyword_table, only : keyword_table_type, key, flag, word, number, whole, choice, &
       & ignored_flag, later_flag, required, known_as, refuses, replaces, missing_means, data_line, &
-      & free_text, example, under, about, bare_value
+      & free_text, reported, example, under, about, bare_value
    implicit none
    private
    public :: add_step_rows
@@ -162,6 +162,7 @@ contains
 
       call key(table, 'LOPIN', 'M', 'lopin', &
          & 'Choices that other codes do not have; an export drops the card with a note.')
+      call reported(table)
       call choice(table, 'PATH', 'AUTO,CONDENSED,NEWTON,FINITE', 'AUTO', &
          & 'CONDENSED: the contact problem is reduced to the contact dofs by one '// &
          & 'factorisation; NEWTON: the whole system in every iteration; FINITE: '// &

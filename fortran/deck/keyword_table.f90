@@ -12,7 +12,7 @@ module lopin_keyword_table
    public :: keyword_type, keyword_parameter_type, keyword_field_type, keyword_table_type
    public :: status_of, key, flag, word, number, whole, choice, ignored_flag, later_flag
    public :: bare_value, required, known_as, refuses, replaces, respells, missing_means, &
-      & data_line, free_text
+      & data_line, free_text, reported
    public :: example, under, about, find_keyword, find_parameter, suggest_keyword, suggest_parameter
 
    type :: statuses
@@ -48,6 +48,7 @@ module lopin_keyword_table
    type :: keyword_data_type
       type(keyword_field_type), allocatable :: field(:)
       logical :: is_list = .false.                 !! the last field may be repeated without limit
+      character(len=:), allocatable :: condition   !! `PARAMETER=VALUE` that it goes with; '': any
       character(len=:), allocatable :: sentence
    end type keyword_data_type
 
@@ -61,6 +62,7 @@ module lopin_keyword_table
       character(len=:), allocatable :: lecture     !! section of the lecture
       character(len=:), allocatable :: example     !! lines separated by |
       logical :: is_free_text = .false.            !! its data lines are prose
+      logical :: is_reported = .false.             !! what it says is a setting of the model
       type(keyword_parameter_type), allocatable :: parameter(:)
       type(keyword_data_type), allocatable :: data(:)
    contains
@@ -242,13 +244,16 @@ contains
 
    !> A form of data line: `name [unit] = default, name, ...`; an ellipsis repeats the field before
    !> it.
-   subroutine data_line(table, fields, sentence)
+   subroutine data_line(table, fields, sentence, condition)
       type(keyword_table_type), intent(inout) :: table
       character(len=*), intent(in) :: fields, sentence
+      character(len=*), intent(in), optional :: condition   !! `PARAMETER=VALUE` that it goes with
       type(keyword_data_type) :: new
       integer :: i, n
 
       new%sentence = sentence
+      new%condition = ''
+      if (present(condition)) new%condition = condition
       n = list_size(fields)
       if (n > 0) new%is_list = list_item(fields, n) == '...'
       if (new%is_list) n = n - 1
@@ -286,6 +291,13 @@ contains
       type(keyword_table_type), intent(inout) :: table
       table%row(table%n)%is_free_text = .true.
    end subroutine free_text
+
+   !> What the card says, its parameters and data lines, is kept in `model%settings` as it is
+   !> written: the head of the run shows it, the summary has it, `Model.read` hands it on.
+   subroutine reported(table)
+      type(keyword_table_type), intent(inout) :: table
+      table%row(table%n)%is_reported = .true.
+   end subroutine reported
 
    subroutine example(table, lines)
       type(keyword_table_type), intent(inout) :: table

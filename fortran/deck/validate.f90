@@ -31,8 +31,8 @@ contains
 
       call new_keyword_table(table)
       do i = 1, deck%nblock
-         call check_letters(deck, i, log)
          row = find_keyword(table, deck%block(i)%keyword)
+         call check_letters(deck, i, is_prose(table, row), log)
          if (row == 0) then
             call unknown_keyword(deck, table, i, place, log)
             cycle
@@ -284,10 +284,19 @@ contains
       end do
    end function choices_of
 
+   pure logical function is_prose(table, row)
+      type(keyword_table_type), intent(in) :: table
+      integer, intent(in) :: row             !! 0: an unknown keyword
+
+      is_prose = .false.
+      if (row > 0) is_prose = table%row(row)%is_free_text
+   end function is_prose
+
    !> Letters outside 7-bit ASCII stand in comments and titles only.
-   subroutine check_letters(deck, number, log)
+   subroutine check_letters(deck, number, prose, log)
       type(deck_type), intent(in) :: deck
       integer, intent(in) :: number          !! of the block
+      logical, intent(in) :: prose           !! its data lines are in any alphabet
       type(log_type), intent(inout) :: log
       integer :: i
 
@@ -301,7 +310,7 @@ contains
                   & block%parameter(i)%at%line), block%parameter(i)%at, log)
             end do
          end if
-         if (block%keyword == 'HEADING' .or. block%keyword == 'STEP') return
+         if (prose) return
          do i = 1, block%nline
             if (deck%source(block%line(i)%file)%is_ascii) cycle
             call complain_of_letter(block%line(i)%text, location_type(block%line(i)%file, &

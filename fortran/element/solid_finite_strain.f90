@@ -21,7 +21,7 @@ module lopin_solid_finite_strain
    use lopin_velocity_form, only : velocity_form, add_force, add_stiffness
    use lopin_solid_enhanced, only : enhanced_element, enhanced_deformation
    use lopin_hyperelastic, only : log_strain, condense_thickness, elastic_constants
-   use lopin_hourglass, only : add_hourglass
+   use lopin_hourglass, only : add_hourglass, moduli_type
    use lopin_material_memory, only : put_amplitudes
    implicit none
    private
@@ -42,7 +42,8 @@ contains
       real(wp) :: g(element%ndim, element%nnode, element%ngauss)
       real(wp) :: hoop(element%nnode, element%ngauss)
       real(wp) :: phi(element%ngauss, dilatation_count(element))
-      real(wp) :: stress(element%nstress, element%ngauss), density, moduli(2)
+      real(wp) :: stress(element%nstress, element%ngauss), density
+      type(moduli_type) :: moduli
       real(wp) :: tangent(element%nstress, element%nstress, element%ngauss)
       integer :: k
       logical :: found
@@ -76,7 +77,9 @@ contains
          call add_force(element%ndim, element%nnode, g(:, :, k), hoop(:, k), stress(:, k), &
             & point(k)%weight, force)
       end do
-      call elastic_constants(input%law, moduli(1), moduli(2))
+      if (.not. element%hourglass) return
+      moduli%thickness = input%thickness
+      call elastic_constants(input%law, moduli%young, moduli%poisson)
       call add_hourglass(element, moduli, input%x, input%u, .true., force, energy, ke)
    end subroutine finite_strain_element
 

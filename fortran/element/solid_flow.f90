@@ -11,7 +11,7 @@ module lopin_solid_flow
       & mode_strains, follow_nodes
    use lopin_enhanced_modes, only : solve_small
    use lopin_hyperelastic, only : elastic_constants
-   use lopin_hourglass, only : add_hourglass
+   use lopin_hourglass, only : add_hourglass, moduli_type
    use lopin_material_memory, only : amplitudes_of, put_amplitudes, offset_at
    use lopin_material_point, only : small_answer_type, respond_small, keep_small
    implicit none
@@ -30,7 +30,8 @@ contains
       real(wp), intent(out), optional :: ke(element%ndof, element%ndof)   !! [force/length]
       real(wp) :: b(element%ndof, element%nstress, element%ngauss), volume(element%ngauss)
       real(wp) :: stress(element%nstress, element%ngauss), strain(element%nstress, element%ngauss)
-      real(wp) :: alpha(element%nmode), moduli(2)
+      real(wp) :: alpha(element%nmode)
+      type(moduli_type) :: moduli
       type(small_answer_type) :: answer
       integer :: i, k, m
 
@@ -58,7 +59,9 @@ contains
             ke(:i - 1, i) = ke(i, :i - 1)
          end do
       end if
-      call elastic_constants(input%law, moduli(1), moduli(2))
+      if (.not. element%hourglass) return
+      moduli%thickness = input%thickness
+      call elastic_constants(input%law, moduli%young, moduli%poisson)
       call add_hourglass(element, moduli, input%x, input%u, .false., force, energy, ke)
    end subroutine flow_element
 

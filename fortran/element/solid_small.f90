@@ -232,7 +232,8 @@ contains
       do i = 2, element%ndof
          ke(:i - 1, i) = ke(i, :i - 1)
       end do
-      call stiffen_hourglass(element, d, x(:, :element%nnode), ke)
+      if (element%hourglass) call stiffen_hourglass(element, d, thickness, x(:, :element%nnode), &
+         & ke)
    end subroutine stiffness
 
    !> Lower triangle of ke + b d b^T.

@@ -13,6 +13,7 @@ module lopin_model
    use lopin_friction, only : friction_type
    use lopin_flow_curve, only : flow_type
    use lopin_plastic_return, only : plastic_type
+   use lopin_settings, only : settings_type
    implicit none
    private
    public :: model_type, material_type, section_type, surface_data_type, rigid_body_type
@@ -266,6 +267,7 @@ module lopin_model
    !> of the deck, and the options of *LOPIN.
    type :: model_type
       character(len=:), allocatable :: heading
+      type(settings_type) :: settings                   !! of the cards that are reported
       integer :: kind = 0   !! kind_of%... of the scene (plane strain if mixed with stress)
       type(mesh_type) :: mesh
       character(len=10), allocatable :: element_word(:)  !! what mesh%etype points to, e.g. CPE4

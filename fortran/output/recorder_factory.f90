@@ -116,8 +116,8 @@ contains
       call move_alloc(longer, list)
    end subroutine append
 
-   !> A file that exists must be in the list of the `job.json` of an earlier run. What that run wrote
-   !> and this one does not is told: it would look like results of this one.
+   !> A file that exists must be in the list of the `job.json` of an earlier run. What that run
+   !> wrote and this one does not is told: it would look like results of this one.
    subroutine refuse_foreign(folder, stem, file, stale, error)
       character(len=*), intent(in) :: folder, stem, file(:)
       logical, intent(out) :: stale(:)         !! by suffix, `only_asked`

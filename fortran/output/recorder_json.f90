@@ -8,6 +8,7 @@ module lopin_recorder_json
    use lopin_stream, only : stream_type
    use lopin_model, only : model_type, kind_of
    use lopin_report, only : frame_type, summary_type
+   use lopin_settings, only : settings_type
    use lopin_recorder, only : recorder_type
    use lopin_atomic_file, only : write_atomically, remove_file
    use lopin_checked_file, only : summary_is, summary_failed
@@ -218,6 +219,7 @@ contains
       type(model_type), intent(in) :: model
 
       call json%add('heading', model%heading)
+      if (model%settings%count_all() > 0) call add_settings(json, model%settings)
       call json%open('{', 'model')
       call json%add('kind', trim(kind_words(max(1, min(5, model%kind)))))
       call json%add('dimensions', model%mesh%ndim)
@@ -226,6 +228,21 @@ contains
       call json%close('}')
       if (model%kind == kind_of%axisymmetric) call json%add('forces', 'full circumference')
    end subroutine add_model
+
+   subroutine add_settings(json, settings)
+      type(json_writer_type), intent(inout) :: json
+      type(settings_type), intent(in) :: settings
+      integer :: i
+
+      call json%open('{', 'settings')
+      do i = 1, settings%count_all()
+         associate (setting => settings%item(i))
+            if (setting%is_number) call json%add(setting%name, setting%value)
+            if (.not. setting%is_number) call json%add(setting%name, setting%text)
+         end associate
+      end do
+      call json%close('}')
+   end subroutine add_settings
 
    subroutine add_run(json, summary)
       type(json_writer_type), intent(inout) :: json

@@ -25,6 +25,7 @@ from .friction import (
     AutoFriction,
     Coulomb,
     Cristescu,
+    FrictionLaw,
     NortonHoffFriction,
     Orowan,
     Rough,
@@ -54,6 +55,7 @@ __version__ = "0.1.0"
 __all__ = [
     "Augmented", "AutoFriction", "Block", "Case", "Chaboche", "Coulomb", "CowperSymonds",
     "Cristescu", "DamagedResultError", "Deck", "DeckError", "Elastic", "Exponential", "Folder",
+    "FrictionLaw",
     "Hill48", "Hollomon", "InternalError", "Interrupted", "Job", "Kinematic", "Lagrange",
     "LinearHardening", "LopinError", "Material", "Mesh", "MissingPackageError", "Model",
     "ModelError", "NeoHooke", "NortonHoff", "NortonHoffFriction", "NotConvergedError",

@@ -22,6 +22,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from ._bridge import keywords
 from .deck import Deck
 from .errors import UsageError
 
@@ -53,8 +54,8 @@ class Friction:
 
     def data(self) -> list[list[float]]:
         """Data lines of *FRICTION."""
-        raise UsageError("a law of friction is Coulomb, StaticKinetic, Tresca, Cristescu, Orowan, "
-                         "NortonHoffFriction, AutoFriction or Rough")
+        raise UsageError("a law of friction is "
+                         + ", ".join(kind.__name__ for kind in Friction.__subclasses__()))
 
     def add_to(self, deck: Deck) -> None:
         """Append the card of the law."""
@@ -221,6 +222,67 @@ class Rough(Friction):
     def data(self) -> list[list[float]]:
         """Data lines of *FRICTION."""
         return []
+
+
+@dataclass(frozen=True)
+class FrictionLaw(Friction):
+    """A law by the deck's word and its numbers in the deck's order, if it has no class above.
+
+    >>> FrictionLaw("NORTON-HOFF", (10.0, 0.3)).data()
+    [[10.0, 0.3]]
+    """
+
+    word: str                      #: one of `law_words()`
+    values: tuple[float, ...]      #: those that `law_words()` names
+
+    def __post_init__(self):
+        super().__post_init__()
+        known = law_words()
+        if self.word not in known:
+            raise UsageError(f"no law of friction '{self.word}'; known: {', '.join(known)}")
+        if len(self.values) != len(known[self.word]):
+            raise UsageError(f"{self.word} takes {', '.join(known[self.word])}, not "
+                             f"{len(self.values)} numbers")
+
+    @property
+    def law(self) -> str:
+        """Word of LAW=."""
+        return self.word
+
+    def data(self) -> list[list[float]]:
+        """Data lines of *FRICTION."""
+        return [list(self.values)]
+
+
+def law_words() -> dict[str, tuple[str, ...]]:
+    """All laws of the core by the deck's word, with the names of their data.
+
+    >>> law_words()["COULOMB-OROWAN"]
+    ('mu', 'm')
+    """
+    card = _card()
+    choices = next(p for p in card["parameters"] if p["name"] == "LAW")["choices"].split(",")
+    # A datum with a default ends what must be given.
+    return {word: tuple(field["name"] for k, field in enumerate(data["fields"])
+                        if k == 0 or not data["fields"][0]["default"])
+            for word in choices if word != "AUTO"
+            for data in card["data"] if data["condition"] == f"LAW={word}"}
+
+
+def law_of(word: str, values: list[float], **options) -> Friction:
+    """The law of a word of the deck, other spellings included."""
+    kinds = {kind.law: kind for kind in Friction.__subclasses__() if isinstance(kind.law, str)}
+    kinds["COULOMB"] = Coulomb
+    if word not in kinds:
+        respelt = next(p for p in _card()["parameters"] if p["name"] == "LAW")["respelt"]
+        word = dict(pair.split("=") for pair in respelt.split(",")).get(word, word)
+    if word in kinds:
+        return kinds[word](*values, **options)
+    return FrictionLaw(word, tuple(values), **options)
+
+
+def _card() -> dict:
+    return next(row for row in keywords() if row["name"] == "FRICTION")
 
 
 def friction_of(friction: float | Friction | None) -> Friction | None:

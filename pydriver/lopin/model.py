@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import ArrayLike
 
-from .deck import Deck
+from .deck import Block, Deck
 from .errors import ModelError, UsageError
 from .friction import Friction, friction_of
 from .laws import Lagrange, method_of
@@ -65,6 +65,7 @@ class Model:
     initial: list[tuple[str, list]] = field(default_factory=list)
     node_surfaces: dict[str, tuple[str, float | None]] = field(default_factory=dict)
     choices: dict[str, str | int | float] = field(default_factory=dict)
+    settings: list[Block] = field(default_factory=list)
 
     def __post_init__(self):
         if self.kind not in _PREFIX:
@@ -233,6 +234,16 @@ class Model:
             if name not in OPTIONS:
                 raise UsageError(f"no option '{name}'; known: {', '.join(OPTIONS)}")
         self.choices |= choices
+
+    def setting(self, keyword: str, *lines: str, **parameters: str | int | float | None) -> None:
+        """A card of the model that is only kept and reported: its lines and its parameters.
+
+        The keyword table says which these are: "reported" of `lopin.keywords()`.
+        """
+        words = {name.upper().replace("_", " "): value for name, value in parameters.items()}
+        block = Block(keyword, words)
+        block.lines += lines
+        self.settings.append(block)
 
     def step(self, increments: int = 1, time: float = 1.0, *, nlgeom: bool = False,
              name: str = "", first: float | None = None, smallest: float | None = None,

@@ -21,6 +21,7 @@ def write_model(model: Model) -> Deck:
     deck = Deck(name=model.name)
     deck.add("HEADING").lines.append(f"{model.name} ({model.kind})"
                                      + (f", units: {model.units}" if model.units else ""))
+    deck.blocks += model.settings
     _write_mesh(deck, model)
     _write_sections(deck, model)
     for tool in model.tools:

@@ -5,6 +5,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from . import laws, profile
+from ._bridge import keywords
 from .deck import Block, Deck
 from .errors import UsageError
 from .materials import Orientation
@@ -61,6 +62,8 @@ class _Reader:
         elif hasattr(self, name):
             getattr(self, name)(card)
             card.done()
+        elif any(row["reported"] for row in keywords() if row["name"] == card.keyword):
+            self.model.settings.append(card.block)
         else:
             raise UsageError(f"Model has no method for *{card.keyword}",
                              help="run the deck itself: lopin.run('name.inp')")

@@ -13,18 +13,13 @@ _METHODS = {"PENALTY": laws.Penalty, "AUGMENTED LAGRANGE": laws.Augmented,
 _HARDENING = {"ISOTROPIC": None, "SWIFT": flow_curves.Swift, "VOCE": flow_curves.Voce,
               "HOLLOMON": flow_curves.Hollomon, "LINEAR": flow_curves.LinearHardening,
               "KINEMATIC": flow_curves.Kinematic}
-_LAWS = {"COULOMB": friction.Coulomb, "TRESCA": friction.Tresca,
-         "CRISTESCU": friction.Cristescu, "CRITESCU": friction.Cristescu,
-         "COULOMB-OROWAN": friction.Orowan, "OROWAN": friction.Orowan,
-         "NORTON-HOFF": friction.NortonHoffFriction, "NORTON": friction.NortonHoffFriction,
-         "AUTO": friction.AutoFriction}
-
 
 
 class Card:
     """A block whose parameters are taken one by one, so that what is left over is noticed."""
 
     def __init__(self, block: Block):
+        self.block = block
         self.keyword, self.rows = block.keyword, [list(row) for row in block.data]
         self.left = {name: plain(value) for name, value in block.parameters.items()}
 
@@ -154,12 +149,10 @@ def friction_law(card: Card) -> friction.Friction:
         return friction.StaticKinetic(*numbers, **options)
     if str(card.take("EQUIVALENT", "")).upper() == "MISES":
         law = "CRISTESCU"
-    if law not in _LAWS:
-        raise UsageError(f"Model has no law of friction '{law}'")
     if law == "COULOMB" and len(numbers) > 2:
         if len(card.rows) > 1:
             raise UsageError("Model has no friction that varies with speed or pressure")
         numbers = numbers[:1]
     if law == "AUTO" and card.rows:
         numbers = [None if v is None else float(v) for v in card.rows[0]]
-    return _LAWS[law](*(numbers or ([0.0] if law == "COULOMB" else [])), **options)
+    return friction.law_of(law, numbers or ([0.0] if law == "COULOMB" else []), **options)

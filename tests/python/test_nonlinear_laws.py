@@ -3,7 +3,8 @@ and dragged."""
 import numpy as np
 import pytest
 
-from test_friction_laws import AREA, CURVES, ELEMENTS, LAWS, METHODS, Q, SPEED, block
+from test_friction_laws import (AREA, CURVES, ELEMENTS, LAWS, METHODS, Q, SPEED, block,
+                                shear_of)
 
 
 @pytest.fixture
@@ -26,7 +27,7 @@ def drag(solve):
         first = np.full(ELEMENTS + 1, AREA/ELEMENTS)
         first[[0, -1]] *= 0.5
         assert weight == pytest.approx(first, rel=2e-3)
-        return abs(h["FLOOR.rf1"][-1]), abs(h["FLOOR.rf2"][-1]), weight @ LAWS[law][1](pressure,
+        return abs(h["FLOOR.rf1"][-1]), abs(h["FLOOR.rf2"][-1]), weight @ shear_of(law, pressure,
                                                                                        foot), pressure
 
     return run

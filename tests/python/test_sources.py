@@ -15,7 +15,7 @@ import measure_sources  # noqa: E402
 #: Figures of today; lower them when they have fallen.
 LIMITS = {
     "files above 400 lines": 0,
-    "lines above 100 columns": 2,
+    "lines above 100 columns": 0,
     "procedures above 8 arguments": 31,
     "procedures nested deeper than 4": 0,
     "procedures above 60 lines": 24,

@@ -14,9 +14,9 @@
 !> stress of its own would jump from 0 to m k at first touch, and a point there may have no state at
 !> all: it rises with the pressure, as `steepest` times p, until it is reached.
 !>
-!> To add a law: its number, word and data here, its radius as a `case` of `friction_radius`, and
-!> what it reads below; a datum that no law has yet also in `lopin_build_friction`. A caller's own
-!> law is `law_of%own` with its radius in `friction_type%own`.
+!> To add a law: its number in `law_of`, its row in `law_rows`, its radius as a `case` of
+!> `whole_bound`; a datum that no law has yet also in `lopin_build_friction`. A caller's own law is
+!> `law_of%own` with its radius in `friction_type%own`.
 module lopin_friction
    use lopin_kinds, only : wp
    use lopin_error, only : location_type
@@ -36,16 +36,30 @@ module lopin_friction
    end type laws
    type(laws), parameter :: law_of = laws()
 
-   !> The deck's word of each law; its place is the number in `law_of`.
-   character(len=*), parameter :: law_names(5) = [character(len=14) :: 'COULOMB', 'TRESCA', &
-      & 'COULOMB-OROWAN', 'CRISTESCU', 'NORTON-HOFF']
-   !> What each law reads from the line under *FRICTION, in this order, and what it says of that.
-   character(len=*), parameter :: law_data(5) = [character(len=8) :: 'mu', 'm', 'mu, m', 'm', &
-      & 'alpha, q']
-   character(len=*), parameter :: law_notes(5) = [character(len=56) :: 'a coefficient.', &
-      & 'a shear factor, 0 to 1; it may be left to TAUMAX alone.', &
-      & 'a coefficient and a shear factor; m as of TRESCA.', 'a shear factor, 0 to 1.', &
-      & 'alpha [stress*(time/length)^q]; q from 0 to 1.']
+   !> A law as decks and tests know it.
+   type :: law_row_type
+      character(len=14) :: name         !! the deck's word
+      character(len=8) :: data          !! what the line under *FRICTION gives, in this order
+      character(len=56) :: note         !! of that, for the manual
+      logical :: yield = .false.        !! reads condition_type%yield
+      logical :: mises = .false.        !! reads condition_type%mises
+      logical :: jumps = .false.        !! its bound does not vanish with the pressure
+   end type law_row_type
+
+   !> One row a law; its place is the number in `law_of`.
+   type(law_row_type), parameter :: law_rows(5) = [ &
+      & law_row_type('COULOMB', 'mu', 'a coefficient.'), &
+      & law_row_type('TRESCA', 'm', 'a shear factor, 0 to 1; it may be left to TAUMAX alone.', &
+      & yield=.true., jumps=.true.), &
+      & law_row_type('COULOMB-OROWAN', 'mu, m', 'a coefficient and a shear factor; m as of '// &
+      & 'TRESCA.', yield=.true.), &
+      & law_row_type('CRISTESCU', 'm', 'a shear factor, 0 to 1.', yield=.true., mises=.true., &
+      & jumps=.true.), &
+      & law_row_type('NORTON-HOFF', 'alpha, q', 'alpha [stress*(time/length)^q]; q from 0 to 1.', &
+      & jumps=.true.)]
+   character(len=*), parameter :: law_names(size(law_rows)) = law_rows%name
+   character(len=*), parameter :: law_data(size(law_rows)) = law_rows%data
+   character(len=*), parameter :: law_notes(size(law_rows)) = law_rows%note
 
    type :: regularizations
       integer :: linear = 1     !! return mapping: exact stick, or elastic slip where asked for
@@ -69,7 +83,7 @@ module lopin_friction
       real(wp) :: mu = 0.0_wp                  !! coefficient (kinetic, if it decays) [-]
       real(wp) :: mu_static = 0.0_wp           !! with `decay` > 0 [-]
       real(wp) :: decay = 0.0_wp               !! EXPONENTIAL DECAY [time/length]; 0: none
-      real(wp) :: m = 0.0_wp                   !! shear factor of Tresca, Orowan, Cristescu [-]
+      real(wp) :: m = 0.0_wp                   !! shear factor, of laws whose data list it [-]
       real(wp) :: alpha = 0.0_wp               !! Norton-Hoff [stress*(time/length)^q]
       real(wp) :: q = 0.0_wp                   !! Norton-Hoff exponent, 0..1 [-]
       real(wp) :: tau_max = huge(1.0_wp)       !! TAUMAX [stress]
@@ -177,15 +191,17 @@ contains
    !> Whether the law reads `condition_type%yield`.
    elemental logical function reads_yield(law)
       type(friction_type), intent(in) :: law
-      reads_yield = .not. law%rough .and. law%has_m .and. (law%law == law_of%tresca &
-         & .or. law%law == law_of%orowan .or. law%law == law_of%cristescu &
-         & .or. law%law == law_of%own)
+      reads_yield = law%law == law_of%own
+      if (is_listed(law)) reads_yield = law_rows(law%law)%yield
+      reads_yield = reads_yield .and. law%has_m .and. .not. law%rough
    end function reads_yield
 
    !> Whether the law reads `condition_type%mises`.
    elemental logical function reads_mises(law)
       type(friction_type), intent(in) :: law
-      reads_mises = .not. law%rough .and. (law%law == law_of%cristescu .or. law%law == law_of%own)
+      reads_mises = law%law == law_of%own
+      if (is_listed(law)) reads_mises = law_rows(law%law)%mises
+      reads_mises = reads_mises .and. .not. law%rough
    end function reads_mises
 
    !> Whether the law reads `condition_type%speed`.
@@ -205,9 +221,15 @@ contains
    !> Whether a bound would jump from nothing where a point touches.
    elemental logical function jumps_at_touch(law)
       type(friction_type), intent(in) :: law
-      jumps_at_touch = .not. law%rough .and. any(law%law == [law_of%tresca, law_of%cristescu, &
-         & law_of%norton_hoff])
+      jumps_at_touch = .false.
+      if (is_listed(law)) jumps_at_touch = .not. law%rough .and. law_rows(law%law)%jumps
    end function jumps_at_touch
+
+   !> Whether the law has a row in `law_rows`.
+   elemental logical function is_listed(law)
+      type(friction_type), intent(in) :: law
+      is_listed = law%law >= 1 .and. law%law <= size(law_rows)
+   end function is_listed
 
    !> Whether the answer depends on the speed of slip, hence on a real scale of time.
    pure logical function depends_on_time(law)
@@ -245,7 +267,8 @@ contains
       slope = law%rise
    end subroutine friction_radius
 
-   !> The same as the law has it, a jump at p = 0 included.
+   !> The same as the law has it, a jump at p = 0 included: what a new law adds its `case` to. A
+   !> bound that is a stress of its own grows with the area (`at%growth`).
    pure subroutine whole_bound(law, p, at, radius, slope)
       type(friction_type), intent(in) :: law
       real(wp), intent(in) :: p                !! > 0 [stress]

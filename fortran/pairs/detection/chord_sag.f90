@@ -200,8 +200,8 @@ contains
             call log%say(severity%warning, 'W0341', text//'a gap of '//to_text(-fit, 3)// &
                & ': '//pair_name(model, pair)//' will close at the corners of its facets first', &
                & p%at, help=to_text(ceiling(sqrt(chords%off/(-fit*told))))//' times as many '// &
-               & 'facets along the curve, facets that match, second-order elements on both sides, or '// &
-               & '*CLEARANCE')
+               & 'facets along the curve, facets that match, second-order elements on both '// &
+               & 'sides, or *CLEARANCE')
          end if
       end associate
    end subroutine check_chord_fit

@@ -247,17 +247,22 @@ def wedge_stays(half_angle: float, mu: float) -> bool:
     return tan(half_angle) <= mu
 
 
-def dragged_tractions(pressure: float, speed: float, *, mu: float, m: float, yield_stress: float,
-                      mises: float, alpha: float, q: float) -> dict[str, float]:
+def dragged_tractions(pressure: ArrayLike, speed: float, *, mu: float, m: float,
+                      yield_stress: float, mises: ArrayLike, alpha: float, q: float
+                      ) -> dict[str, ArrayLike]:
     """Traction of a pressed block that is dragged, by the deck's word of each law.
+
+    Without the rise of bounds that are stresses, where the pressure is small.
 
     >>> dragged_tractions(100.0, 2.0, mu=0.3, m=0.2, yield_stress=200.0, mises=150.0, alpha=5.0,
     ...                   q=0.2)["NORTON-HOFF"].__round__(6)
     5.743492
     """
     shear = m*yield_stress/sqrt(3.0)
-    return {"COULOMB": mu*pressure, "TRESCA": shear, "COULOMB-OROWAN": min(mu*pressure, shear),
-            "CRISTESCU": m*min(mises, yield_stress)/sqrt(3.0), "NORTON-HOFF": alpha*speed**q}
+    return {"COULOMB": mu*pressure, "TRESCA": shear,
+            "COULOMB-OROWAN": np.minimum(mu*pressure, shear),
+            "CRISTESCU": m*np.minimum(mises, yield_stress)/sqrt(3.0),
+            "NORTON-HOFF": alpha*speed**q}
 
 
 def arctan_creep(load: float, limit: float, scale: float) -> float:

@@ -156,6 +156,8 @@ def _box(run: Run) -> str:
             ("model", f"{escape(str(model.get('kind', '')))}, "
              f"{_number(model.get('nodes'), 'nodes')} nodes, "
              f"{_number(model.get('elements'), 'elements')} elements"),
+            *(("*" + escape(name), escape(str(value)))
+              for name, value in (summary.get("settings") or {}).items()),
             ("plan", escape(str(summary.get("plan", "")))),
             ("time and memory", f"{_number(total, 'timing.total')} s, "
              f"{_number(summary.get('peak_memory_mib'), 'peak_memory_mib')} MiB"),
