@@ -43,8 +43,11 @@ contains
          if (new%is_number) call parse_real(new%text, new%value, new%is_number)
          call settings%add(new)
       end do
+      new%name = row%name
+      new%is_number = .false.
       do i = 1, block%nline
-         call settings%add(setting_type(row%name, trim(adjustl(block%line(i)%text))))
+         new%text = trim(adjustl(block%line(i)%text))
+         call settings%add(new)
       end do
    end subroutine add_card
 end module lopin_build_settings

@@ -56,32 +56,34 @@ contains
       type(modes_type) :: modes
       real(wp) :: f(element%ndim, element%ndim), q(element%ndim), t(element%ndim)
       real(wp) :: d(element%ndim, element%ndim, element%nnode)
+      real(wp) :: k(element%ndim, element%ndim), gamma(element%nnode), tb(element%nnode)
+      real(wp) :: b(element%ndim, element%nnode)
       integer :: m, a, i
 
       call find_modes(element, moduli, x, modes)
-      associate (b => modes%b(:element%ndim, :element%nnode))
-         f = 0.0_wp
-         do i = 1, element%ndim
-            f(i, i) = 1.0_wp
+      b = 0.0_wp
+      if (finite) b = modes%b(:element%ndim, :element%nnode)
+      f = matmul(u, transpose(b))
+      do i = 1, element%ndim
+         f(i, i) = f(i, i) + 1.0_wp
+      end do
+      do m = 1, modes%n
+         gamma = modes%gamma(:element%nnode, m)
+         k = modes%k(:element%ndim, :element%ndim, m)
+         q = matmul(u, gamma)
+         t = matmul(k, matmul(q, f))
+         energy = energy + 0.5_wp*dot_product(matmul(q, f), t)
+         ! d s = sum over the nodes of (gamma F + q b^T)^T du
+         do a = 1, element%nnode
+            d(:, :, a) = gamma(a)*f
+            do i = 1, element%ndim
+               d(:, i, a) = d(:, i, a) + q*b(i, a)
+            end do
+            force(:, a) = force(:, a) + matmul(d(:, :, a), t)
          end do
-         if (finite) f = f + matmul(u, transpose(b))
-         do m = 1, modes%n
-            associate (gamma => modes%gamma(:element%nnode, m), &
-               & k => modes%k(:element%ndim, :element%ndim, m))
-               q = matmul(u, gamma)
-               t = matmul(k, matmul(q, f))
-               energy = energy + 0.5_wp*dot_product(matmul(q, f), t)
-               ! d s = sum over the nodes of (gamma F + q b^T)^T du
-               do a = 1, element%nnode
-                  d(:, :, a) = gamma(a)*f
-                  if (finite) d(:, :, a) = d(:, :, a) + outer(q, b(:, a))
-                  force(:, a) = force(:, a) + matmul(d(:, :, a), t)
-               end do
-               if (present(ke)) call add_stiffness(element%ndim, element%nnode, gamma, k, d, &
-                  & merge(matmul(t, b), spread(0.0_wp, 1, element%nnode), finite), ke)
-            end associate
-         end do
-      end associate
+         tb = matmul(t, b)
+         if (present(ke)) call add_stiffness(element%ndim, element%nnode, gamma, k, d, tb, ke)
+      end do
    end subroutine add_hourglass
 
    !> Second derivative of the energy of a mode.
@@ -112,16 +114,6 @@ contains
          end do
       end do
    end subroutine add_stiffness
-
-   pure function outer(a, b) result(c)
-      real(wp), intent(in) :: a(:), b(:)
-      real(wp) :: c(size(a), size(b))
-      integer :: j
-
-      do j = 1, size(b)
-         c(:, j) = a*b(j)
-      end do
-   end function outer
 
    !> Adds the stiffness of hourglass motions at small strain.
    pure subroutine stiffen_hourglass(element, d, thickness, x, ke)

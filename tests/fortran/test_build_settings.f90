@@ -17,6 +17,7 @@ program test_build_settings
    call word(table, 'PATH', 'A word.')
    call number(table, 'TARGET ERROR', '0.01', 'A number.')
    call reported(table)
+   ! The keywords are those of the deck language, which checks the deck.
    call key(table, 'HEADING', 'M', 'lopin', 'Prose.')
    call free_text(table)
    call reported(table)

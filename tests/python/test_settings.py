@@ -7,18 +7,18 @@ import lopin
 from lopin.deck import Deck
 from test_friction_laws import block
 
-CARD = "*LOPIN, TARGET ERROR=0.05, PATH=NEWTON\n"
+CARD = "*LOPIN, TARGET ERROR=0.05, PATH=FINITE\n"
 
 
 def test_a_setting_is_shown_and_reported(executable, tmp_path):
     deck = tmp_path/"block.inp"
     deck.write_text(CARD + block("COULOMB"))
-    done = subprocess.run([executable, "run", deck, "--output", tmp_path/"out"], capture_output=True,
-                          text=True)
+    done = subprocess.run([executable, "run", deck, "--output", tmp_path/"out"],
+                          capture_output=True, text=True)
     assert done.returncode == 0
-    assert "*LOPIN, TARGET ERROR: 0.05\n*LOPIN, PATH: NEWTON\n" in done.stdout
+    assert "*LOPIN, TARGET ERROR: 0.05\n*LOPIN, PATH: FINITE\n" in done.stdout
     summary = json.loads((tmp_path/"out"/"block.json").read_text())
-    assert summary["settings"] == {"LOPIN, TARGET ERROR": 0.05, "LOPIN, PATH": "NEWTON"}
+    assert summary["settings"] == {"LOPIN, TARGET ERROR": 0.05, "LOPIN, PATH": "FINITE"}
 
 
 def test_a_deck_without_settings_reports_none():
