@@ -16,7 +16,8 @@ module point_scenes
    use lopin_model, only : model_type
    use lopin_dofs, only : dofs_type
    use lopin_friction, only : friction_type, condition_type
-   use lopin_contact_traction, only : enforcement_parameters_type
+   use lopin_contact_row, only : enforcement_parameters_type, point_state_type, point_law_type
+   use lopin_contact_inputs, only : point_view_type
    use lopin_enforcement_factory, only : new_enforcement
    use lopin_enforcement, only : copy_method
    use lopin_enforcement_augmented, only : mixed_type
@@ -26,7 +27,6 @@ module point_scenes
    use lopin_closest_feature, only : opposite_type, anchor_type, find_opposite, anchor_of
    use lopin_nonlinear_samples, only : find_sample_feet, offset_of
    use lopin_master_surfaces, only : masters_type, move_masters
-   use lopin_row_element, only : point_state_type
    use lopin_contact_element, only : evaluate_point
    use lopin_local_matrix, only : local_matrix_type
    use patch_scenes, only : patch_names, patch_dimension, is_dome, new_patch
@@ -392,11 +392,13 @@ contains
 
    !> -force and row at u, and the tangent if it is wanted.
    subroutine look(self, u, lambda, tangent)
-      type(point_scene_type), intent(inout) :: self
+      type(point_scene_type), intent(inout), target :: self
       real(wp), intent(in) :: u(:)             !! (ndof)
       real(wp), intent(in) :: lambda(3)
       logical, intent(in), optional :: tangent
       type(local_matrix_type) :: local
+      type(point_view_type) :: point
+      type(point_law_type) :: law
       integer :: a, b, n, first
       logical :: wanted
 
@@ -407,9 +409,17 @@ contains
          & + dot_product(self%points%growth(1)%slope, u)
       first = 0
       if (self%enforcement%method%solves_for_multiplier()) first = 1
-      call evaluate_point(self%state, local, self%model, self%dofs, self%basis, self%masters, &
-         & self%points, 1, self%opposite, self%anchor, self%enforcement, self%friction, self%at, &
-         & self%shift, lambda, first, wanted)
+      point%i = 1
+      point%model => self%model
+      point%dofs => self%dofs
+      point%basis => self%basis
+      point%masters => self%masters
+      point%points => self%points
+      point%opposite => self%opposite
+      point%anchor => self%anchor
+      law = point_law_type(self%enforcement, self%friction, self%at, self%shift, lambda, first, &
+         & wanted)
+      call evaluate_point(self%state, local, point, law)
       n = self%dofs%n + self%ndim
       self%residual = spread(0.0_wp, 1, n)
       self%k = reshape(spread(0.0_wp, 1, n*n), [n, n])

@@ -2,38 +2,39 @@
 program test_mortar_element
    use lopin_kinds, only : wp
    use lopin_error, only : error_type
-   use lopin_facets, only : facets_type, facet_rule_type, new_facet_rules
+   use lopin_facets, only : facets_type, new_facet_rules
+   use lopin_master_surfaces, only : masters_type
+   use lopin_closest_feature, only : opposite_type
    use lopin_surface, only : surface_type, new_surface, update_surface
    use lopin_search, only : tree_type, build_tree
    use lopin_dofs, only : dofs_type
    use lopin_friction, only : friction_type, condition_type, law_names, law_of
-   use lopin_contact_traction, only : enforcement_parameters_type
+   use lopin_contact_row, only : enforcement_parameters_type, point_state_type, point_law_type
    use lopin_enforcement_law, only : law_type, new_exponential
    use lopin_rigid_motion, only : rotation_matrix
    use lopin_mortar_node_2d, only : patch_type
    use lopin_mortar_cells_3d, only : new_mortar_kernel
-   use lopin_row_element, only : point_state_type
    use lopin_local_matrix, only : local_matrix_type
    use lopin_mortar_element, only : present_mortar_type, mortar_anchor_type, update_mortar, &
       & find_mortar_row, evaluate_mortar_point, lay_pieces
    use point_scenes, only : set_method, tied_grip, grip_names
    use check, only : test, close_to, is_true, finish
    implicit none
-   type(facet_rule_type) :: rules(6)
    type(present_mortar_type) :: mortar
-   type(surface_type) :: master
+   type(masters_type) :: masters
    type(mortar_anchor_type) :: anchor
    type(dofs_type) :: dofs
-   type(enforcement_parameters_type) :: enforcement
-   type(friction_type) :: friction
+   type(enforcement_parameters_type), target :: enforcement
+   type(friction_type), target :: friction
    type(condition_type) :: at
    real(wp), allocatable :: start(:, :)        !! places when the increment began [length]
-   real(wp) :: worst, gap
+   real(wp) :: worst
    integer :: d, kind, law, seed, n
 
    call random_seed(size=n)
    call random_seed(put=[(4711*kind, kind=1, n)])
-   call new_facet_rules(rules)
+   call new_facet_rules(masters%rules)
+   allocate (masters%of(1))
    worst = 0.0_wp
    do d = 2, 3
       do kind = 1, tied_grip
@@ -69,13 +70,13 @@ contains
       if (bent()) call turn_last_up(facets)
       call new_surface(mortar%slave, d, facets)
       call add_sheet(facets, 3, 1.1_wp, .false.)
-      call new_surface(master, d, facets)
+      call new_surface(masters%of(1)%surface, d, facets)
       call update_surface(mortar%slave, start, error)
       mortar%lifts = spread(.false., 1, mortar%slave%nnode)
       mortar%space%lifts = mortar%lifts
       call is_true('a surface', .not. allocated(error))
       mortar%thickness = spread(0.8_wp, 1, mortar%slave%facets%n)
-      call lay_pieces(mortar, rules, start)
+      call lay_pieces(mortar, masters%rules, start)
       if (bent()) call is_true('two pieces', maxval(mortar%piece) == 2)
       dofs%n = size(start)
       if (allocated(dofs%id)) deallocate (dofs%id)
@@ -180,22 +181,22 @@ contains
       type(error_type), allocatable :: error
       type(tree_type) :: tree
       type(patch_type) :: patch
-      real(wp) :: weight, normal(3)
+      type(opposite_type) :: opposite
       integer :: first
-      logical :: covered
 
-      call update_surface(master, x, error)
-      call build_tree(tree, master%low, master%high)
-      call update_mortar(mortar, rules, master, tree, x, from_start, error)
+      masters%x = x
+      associate (master => masters%of(1)%surface)
+         call update_surface(master, x, error)
+         call build_tree(tree, master%low, master%high)
+         call update_mortar(mortar, masters%rules, master, tree, x, from_start, error)
+      end associate
       call is_true('overlaps', .not. allocated(error))
-      normal = 0.0_wp
-      call find_mortar_row(mortar, master, rules, x, middle(), from_start, patch, anchor, covered, &
-         & normal, gap)
-      call is_true('covered', covered)
+      call find_mortar_row(mortar, masters, middle(), from_start, patch, anchor, opposite)
+      call is_true('covered', opposite%facet == 1)
       if (from_start) return
       first = merge(1, 0, enforcement%method%solves_for_multiplier())
-      call evaluate_mortar_point(state, local, mortar, dofs, x, patch, anchor, enforcement, &
-         & friction, at, merge(-0.6_wp, 0.0_wp, bent()), lambda, first, .true., weight)
+      call evaluate_mortar_point(state, local, mortar, dofs, x, patch, anchor, &
+         & point_law_type(enforcement, friction, at, merge(-0.6_wp, 0.0_wp, bent()), lambda, first))
    end subroutine look
 
    !> Its number on the slave.

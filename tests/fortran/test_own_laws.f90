@@ -15,7 +15,7 @@ program test_own_laws
    use lopin_enforcement_factory, only : new_enforcement
    use lopin_friction, only : friction_type, condition_type, law_of
    use lopin_friction_return, only : return_to_disc
-   use lopin_flow_curve, only : voce_flow
+   use lopin_flow_curve, only : flow_type, voce_flow
    use lopin_plastic_return, only : plastic_type, plastic_past_type, plastic_answer_type, &
       & return_to_surface
    use contact_scenes, only : box
@@ -138,6 +138,7 @@ contains
 
    subroutine tangent_of_the_surface()
       type(plastic_type) :: self
+      type(flow_type) :: flow
       type(plastic_past_type) :: past
       type(plastic_answer_type) :: answer, more, less
       real(wp) :: e(6), way(6), stress(6)
@@ -150,14 +151,13 @@ contains
       self%kinematic%modulus(1) = 20.0_wp
       past%strain = 0.1_wp
       past%radius = 1.1_wp
+      flow = voce_flow(2.0_wp, 1.0_wp, 3.0_wp, 0.4_wp)
       do i = 1, 10
          e = random(6, 0.1_wp)
          way = random(6, 1.0_wp)
-         associate (flow => voce_flow(2.0_wp, 1.0_wp, 3.0_wp, 0.4_wp))
-            call return_to_surface(self, flow, 80.0_wp, e, past, answer)
-            call return_to_surface(self, flow, 80.0_wp, e + h*way, past, more)
-            call return_to_surface(self, flow, 80.0_wp, e - h*way, past, less)
-         end associate
+         call return_to_surface(self, flow, 80.0_wp, e, past, answer)
+         call return_to_surface(self, flow, 80.0_wp, e + h*way, past, more)
+         call return_to_surface(self, flow, 80.0_wp, e - h*way, past, less)
          call is_true('flows', answer%found .and. answer%step > 0.0_wp)
          stress = (more%stress - less%stress)/(2.0_wp*h)
          call close_to('d stress', matmul(answer%slope, way)/norm2(stress), stress/norm2(stress), &

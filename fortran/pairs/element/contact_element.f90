@@ -4,58 +4,41 @@ module lopin_contact_element
    use lopin_kinds, only : wp
    use lopin_dual, only : dual_type, variable, constant, dual_dot, dual_cross, &
       & operator(+), operator(-), operator(*), operator(/), assignment(=)
-   use lopin_facet_basis, only : facet_basis_type
-   use lopin_model, only : model_type
    use lopin_local_matrix, only : local_matrix_type
-   use lopin_dofs, only : dofs_type
-   use lopin_friction, only : friction_type, condition_type
-   use lopin_contact_traction, only : enforcement_parameters_type
-   use lopin_row_element, only : row_type, point_state_type, begin_row, press_row, last_block, &
-      & end_row
+   use lopin_contact_row, only : row_type, point_state_type, point_law_type
+   use lopin_row_element, only : begin_row, press_row, last_block, end_row
    use lopin_contact_foot, only : facet_foot, smooth_facet_foot, tool_foot, tool_motion, turned, &
       & turned_back
-   use lopin_nonlinear_points, only : nonlinear_points_type, growth_type
-   use lopin_closest_feature, only : opposite_type, anchor_type
-   use lopin_contact_inputs, only : inputs_type, list_inputs
+   use lopin_nonlinear_points, only : growth_type
+   use lopin_contact_inputs, only : point_view_type, inputs_type, list_inputs
    use lopin_tool_samples, only : place_type, find_foot, mean_place, place_inner, place_planes
-   use lopin_master_surfaces, only : masters_type
    implicit none
    private
    public :: evaluate_point
 
 contains
 
-   subroutine evaluate_point(state, local, model, dofs, basis, masters, points, i, opposite, &
-      & anchor, enforcement, friction, at, shift, lambda, first_row, with_tangent)
+   !> Forces of the point on the dofs that it couples, and their exact tangent in the local matrix.
+   subroutine evaluate_point(state, local, point, law)
       type(point_state_type), intent(inout) :: state
       type(local_matrix_type), intent(inout) :: local
-      type(model_type), intent(in) :: model
-      type(dofs_type), intent(in) :: dofs
-      type(facet_basis_type), intent(in) :: basis
-      type(masters_type), intent(in) :: masters
-      type(nonlinear_points_type), intent(in) :: points
-      integer, intent(in) :: i
-      type(opposite_type), intent(in) :: opposite
-      type(anchor_type), intent(in) :: anchor
-      type(enforcement_parameters_type), intent(in) :: enforcement
-      type(friction_type), intent(in) :: friction
-      type(condition_type), intent(in) :: at
-      real(wp), intent(in) :: shift            !! added to the gap [length]
-      real(wp), intent(in) :: lambda(3)        !! multiplier, if it is an unknown [stress]
-      integer, intent(in) :: first_row         !! of the multiplier; 0: none
-      logical, intent(in) :: with_tangent
+      type(point_view_type), intent(in) :: point
+      type(point_law_type), intent(in) :: law
       type(inputs_type) :: inputs
       type(dual_type), allocatable :: force(:)
       type(row_type) :: row
-      type(dual_type) :: z(3), shares(opposite%nnode), reference(3), arm(3)
+      type(dual_type) :: z(3), shares(point%opposite%nnode), reference(3), arm(3)
       type(place_type) :: there(3)
       type(place_type), allocatable :: inner(:), around(:)
-      integer :: columns, d, places
+      real(wp) :: weight                       !! [area]
+      integer :: columns, d, places, pair
 
-      d = model%mesh%ndim
-      call list_inputs(inputs, model, dofs, masters, points, i, opposite, anchor, first_row)
+      d = point%model%mesh%ndim
+      weight = point%points%weight(point%i)
+      pair = point%points%pair(point%i)
+      call list_inputs(inputs, point, law%first_row)
       columns = inputs%n
-      if (with_tangent .and. allocated(points%growth(i)%slope)) then
+      if (law%with_tangent .and. allocated(point%points%growth(point%i)%slope)) then
          columns = inputs%n + 1
          inputs%growth = columns
       end if
@@ -63,20 +46,19 @@ contains
       local%nu = inputs%nu
       allocate (force(inputs%nu))
       row%ndim = d
-      row%shift = shift
-      row%weight = points%weight(i)
-      row%held_gap = anchor%gap
-      row%has_rows = first_row > 0
-      call begin_row(row, local, columns, with_tangent)
+      row%shift = law%shift
+      row%weight = weight
+      row%held_gap = point%anchor%gap
+      row%has_rows = law%first_row > 0
+      call begin_row(row, local, columns, law%with_tangent)
       do
          call find_gap(row%from)
-         call press_row(row, enforcement, friction, at, &
-            & variable(at%growth, inputs%growth - row%from))
+         call press_row(row, law, variable(law%at%growth, inputs%growth - row%from))
          call share_force()
          if (last_block(row, local, force)) exit
       end do
-      call end_row(state, local, row, enforcement, force)
-      if (inputs%growth > 0) call add_growth(local, points%growth(i))
+      call end_row(state, local, row, law%enforcement, force)
+      if (inputs%growth > 0) call add_growth(local, point%points%growth(point%i))
 
    contains
 
@@ -89,10 +71,10 @@ contains
          x = 0.0_wp
          row%multiplier = constant(0.0_wp)
          do k = 1, d
-            x(k) = variable(masters%x(k, points%node(i)), inputs%slave(k) - from)
-            row%multiplier(k) = variable(lambda(k), inputs%multiplier(k) - from)
+            x(k) = variable(point%masters%x(k, point%points%node(point%i)), inputs%slave(k) - from)
+            row%multiplier(k) = variable(law%lambda(k), inputs%multiplier(k) - from)
          end do
-         if (opposite%nnode > 0) then
+         if (point%opposite%nnode > 0) then
             call find_gap_to_facet(from, x, row%gap, row%normal, row%arm)
          else
             call find_gap_to_tool(from, x, row%gap, row%normal, row%arm)
@@ -104,28 +86,30 @@ contains
          integer, intent(in) :: from
          type(dual_type), intent(in) :: x(3)
          type(dual_type), intent(inout) :: gap, n(3), to_anchor(3)
-         type(dual_type) :: node(3, opposite%nnode)
+         type(dual_type) :: node(3, point%opposite%nnode)
          integer :: k, m
 
-         do m = 1, opposite%nnode
-            do k = 1, d
-               node(k, m) = variable(masters%x(k, opposite%node(m)), inputs%master(k, m) - from)
+         associate (o => point%opposite, anchor => point%anchor, places => point%masters%x)
+            do m = 1, o%nnode
+               do k = 1, d
+                  node(k, m) = variable(places(k, o%node(m)), inputs%master(k, m) - from)
+               end do
             end do
-         end do
-         if (allocated(opposite%stencil)) then
-            call smooth_facet_foot(basis, opposite%cell, opposite%found, opposite%feature, &
-               & opposite%size, x, node, opposite%stencil, gap, n, shares(:opposite%ncarry))
-         else
-            call facet_foot(basis, opposite%cell, opposite%found, opposite%feature, &
-               & opposite%size, x, node, gap, n, shares)
-         end if
-         to_anchor = x
-         do m = 1, anchor%nnode
-            do k = 1, d
-               to_anchor(k) = to_anchor(k) - anchor%share(m)*variable(masters%x(k, &
-                  & anchor%node(m)), inputs%anchor(k, m) - from)
+            if (allocated(o%stencil)) then
+               call smooth_facet_foot(point%basis, o%cell, o%found, o%feature, o%size, x, node, &
+                  & o%stencil, gap, n, shares(:o%ncarry))
+            else
+               call facet_foot(point%basis, o%cell, o%found, o%feature, o%size, x, node, gap, n, &
+                  & shares)
+            end if
+            to_anchor = x
+            do m = 1, anchor%nnode
+               do k = 1, d
+                  to_anchor(k) = to_anchor(k) - anchor%share(m)*variable(places(k, &
+                     & anchor%node(m)), inputs%anchor(k, m) - from)
+               end do
             end do
-         end do
+         end associate
       end subroutine find_gap_to_facet
 
       !> What several places of the slave face give is in `there`, `around` and `inner`.
@@ -136,8 +120,8 @@ contains
          type(dual_type) :: rotation(3, 3), y(3), turn(3)
          integer :: k
 
-         associate (motion => masters%of(points%pair(i))%motion, &
-            & body => masters%of(points%pair(i))%body)
+         associate (motion => point%masters%of(pair)%motion, &
+            & body => point%masters%of(pair)%body)
             turn = 0.0_wp
             reference = constant(motion%reference + motion%displacement)
             rotation = constant(motion%rotation)
@@ -147,25 +131,26 @@ contains
                      & inputs%reference(k) - from)
                end do
                do k = 1, 3
-                  turn(k) = variable(masters%of(points%pair(i))%rotation(k), &
+                  turn(k) = variable(point%masters%of(pair)%rotation(k), &
                      & inputs%rotation(k) - from)
                end do
                rotation = tool_motion(turn)
             end if
             arm = x - reference
             y = constant(motion%reference) + turned_back(rotation, arm)
-            call tool_foot(opposite%foot, y, gap, turn)
+            call tool_foot(point%opposite%foot, y, gap, turn)
             n = turned(rotation, turn)
-            to_anchor = arm - turned(rotation, constant(anchor%y - motion%reference))
+            to_anchor = arm - turned(rotation, constant(point%anchor%y - motion%reference))
             state%opening = gap%v
             there(1) = place_type(1.0_wp, x, n, gap, inputs%slave)
             places = 1
-            if (allocated(opposite%sample)) then
+            if (allocated(point%opposite%sample)) then
                call add_samples(from, rotation, motion%reference)
                call mean_place(there, gap, to_anchor)
-               to_anchor = to_anchor - turned(rotation, constant(anchor%offset))
+               to_anchor = to_anchor - turned(rotation, constant(point%anchor%offset))
             end if
-            if (allocated(opposite%inner)) call add_inner(from, rotation, motion%reference, gap)
+            if (allocated(point%opposite%inner)) call add_inner(from, rotation, motion%reference, &
+               & gap)
          end associate
       end subroutine find_gap_to_tool
 
@@ -178,13 +163,14 @@ contains
 
          places = 3
          do m = 1, 2
-            associate (s => opposite%sample(m))
+            associate (s => point%opposite%sample(m))
                there(1)%c = there(1)%c - s%c
                there(1 + m)%c = s%c
                there(1 + m)%input = inputs%sample(:, m)
                there(1 + m)%x = 0.0_wp
                do k = 1, d
-                  there(1 + m)%x(k) = variable(masters%x(k, s%node), inputs%sample(k, m) - from)
+                  there(1 + m)%x(k) = variable(point%masters%x(k, s%node), &
+                     & inputs%sample(k, m) - from)
                end do
                call find_foot(there(1 + m), s, there(1), rotation, reference, start)
             end associate
@@ -200,16 +186,18 @@ contains
          type(dual_type) :: base
          integer :: m
 
-         if (.not. allocated(around)) allocate (around(size(opposite%inner%node)), &
-            & inner(size(opposite%inner%bent)))
+         if (.not. allocated(around)) allocate (around(size(point%opposite%inner%node)), &
+            & inner(size(point%opposite%inner%bent)))
          base = gap
-         call place_planes(around, gap, opposite%inner, inputs, masters%x, rotation, reference, &
-            & from)
-         do m = 1, size(inner)
-            call place_inner(inner(m), opposite%inner%bent(m), around, rotation, reference, start)
-            gap = gap + inner(m)%c*inner(m)%gap
-         end do
-         gap = gap + (1.0_wp - opposite%inner%c)*base
+         associate (points_inside => point%opposite%inner)
+            call place_planes(around, gap, points_inside, inputs, point%masters%x, rotation, &
+               & reference, from)
+            do m = 1, size(inner)
+               call place_inner(inner(m), points_inside%bent(m), around, rotation, reference, start)
+               gap = gap + inner(m)%c*inner(m)%gap
+            end do
+            gap = gap + (1.0_wp - points_inside%c)*base
+         end associate
       end subroutine add_inner
 
       !> Forces on the inputs: the traction of the row, shared among the nodes.
@@ -219,27 +207,27 @@ contains
 
          force = constant(0.0_wp)
          associate (gap => row%gap, n => row%normal)
-            z = points%weight(i)*row%z
+            z = weight*row%z
             state%normal = n%v
-            state%traction = z%v/points%weight(i)
-            if (allocated(opposite%inner)) then
-               call push_places(there(:places), z, n, reference, 1.0_wp - opposite%inner%c)
+            state%traction = z%v/weight
+            if (allocated(point%opposite%inner)) then
+               call push_places(there(:places), z, n, reference, 1.0_wp - point%opposite%inner%c)
                call push_inner(around, inner, dual_dot(z, n), reference)
                return
             end if
-            if (allocated(opposite%sample)) then
+            if (allocated(point%opposite%sample)) then
                call push_places(there, z, n, reference, 1.0_wp)
                return
             end if
             do k = 1, d
                call push(inputs%slave(k), z(k))
-               do m = 1, opposite%ncarry
+               do m = 1, point%opposite%ncarry
                   call push(inputs%master(k, m), (-1.0_wp)*(shares(m)*z(k)))
                end do
                call push(inputs%reference(k), (-1.0_wp)*z(k))
             end do
             if (any(inputs%rotation > 0)) then
-               moment = dual_cross(arm - merge(0.0_wp, 1.0_wp, enforcement%tied)*(n*gap), z)
+               moment = dual_cross(arm - merge(0.0_wp, 1.0_wp, law%enforcement%tied)*(n*gap), z)
                do k = 1, 3
                   call push(inputs%rotation(k), (-1.0_wp)*moment(k))
                end do
@@ -260,7 +248,7 @@ contains
          do m = 1, size(there)
             associate (p => there(m))
                own = z
-               if (.not. enforcement%tied) own = z + press*(part*p%normal - n)
+               if (.not. law%enforcement%tied) own = z + press*(part*p%normal - n)
                own = p%c*own
                do k = 1, d
                   call push(p%input(k), own(k))
@@ -287,7 +275,7 @@ contains
          do m = 1, size(inner)
             own = (inner(m)%c*press)*inner(m)%normal
             call hold(inner(m), own, reference)
-            associate (s => opposite%inner%bent(m))
+            associate (s => point%opposite%inner%bent(m))
                do j = 1, s%nnode
                   do k = 1, d
                      call push(around(s%at(j))%input(k), s%shape(j)*own(k))
@@ -308,7 +296,7 @@ contains
          end do
          if (all(inputs%rotation == 0)) return
          arm = p%x - reference
-         arm = arm - merge(0.0_wp, 1.0_wp, enforcement%tied)*(p%normal*p%gap)
+         arm = arm - merge(0.0_wp, 1.0_wp, law%enforcement%tied)*(p%normal*p%gap)
          moment = dual_cross(arm, own)
          do k = 1, 3
             call push(inputs%rotation(k), (-1.0_wp)*moment(k))

@@ -3,14 +3,27 @@ module lopin_contact_inputs
    use lopin_smooth_facet, only : most_stencil
    use lopin_model, only : model_type
    use lopin_dofs, only : dofs_type
+   use lopin_facet_basis, only : facet_basis_type
    use lopin_nonlinear_points, only : nonlinear_points_type
    use lopin_closest_feature, only : opposite_type, anchor_type
    use lopin_master_surfaces, only : masters_type
    implicit none
    private
-   public :: inputs_type, list_inputs
+   public :: point_view_type, inputs_type, list_inputs
 
    integer, parameter :: most_dofs = 3*(most_stencil + 8) + 18
+
+   !> One contact point with what lies opposite it, in the scene that it belongs to.
+   type :: point_view_type
+      integer :: i = 0                         !! its number in `points`
+      type(model_type), pointer :: model => null()
+      type(dofs_type), pointer :: dofs => null()
+      type(facet_basis_type), pointer :: basis => null()
+      type(masters_type), pointer :: masters => null()
+      class(nonlinear_points_type), pointer :: points => null()
+      type(opposite_type), pointer :: opposite => null()
+      type(anchor_type), pointer :: anchor => null()
+   end type point_view_type
 
    !> The inputs of a point in the order of its local dofs.
    type :: inputs_type
@@ -27,75 +40,68 @@ module lopin_contact_inputs
 contains
 
    !> The dofs of a point: slave, master nodes, anchor nodes or tool, then multipliers.
-   subroutine list_inputs(self, model, dofs, masters, points, i, opposite, anchor, first_row)
+   subroutine list_inputs(self, point, first_row)
       type(inputs_type), intent(out) :: self
-      type(model_type), intent(in) :: model
-      type(dofs_type), intent(in) :: dofs
-      type(masters_type), intent(in) :: masters
-      type(nonlinear_points_type), intent(in) :: points
-      integer, intent(in) :: i
-      type(opposite_type), intent(in) :: opposite
-      type(anchor_type), intent(in) :: anchor
-      integer, intent(in) :: first_row
-      integer :: k, m, d
+      type(point_view_type), intent(in) :: point
+      integer, intent(in) :: first_row         !! of the multiplier; 0: none
+      integer :: k, m, d, body, node
 
-      d = model%mesh%ndim
-      m = 0
-      if (allocated(opposite%inner)) m = size(opposite%inner%node)
-      allocate (self%dof(most_dofs + 3*m))
-      do k = 1, d
-         call take(dofs%id(k, points%node(i)), self%slave(k))
-      end do
-      do m = 1, opposite%nnode
-         do k = 1, d
-            call take(dofs%id(k, opposite%node(m)), self%master(k, m))
+      d = point%model%mesh%ndim
+      associate (opposite => point%opposite, anchor => point%anchor)
+         m = 0
+         if (allocated(opposite%inner)) m = size(opposite%inner%node)
+         allocate (self%dof(most_dofs + 3*m))
+         call take_node(point%points%node(point%i), self%slave)
+         do m = 1, opposite%nnode
+            call take_node(opposite%node(m), self%master(:, m))
          end do
-      end do
-      do m = 1, anchor%nnode
-         do k = 1, d
-            call take(dofs%id(k, anchor%node(m)), self%anchor(k, m))
+         do m = 1, anchor%nnode
+            call take_node(anchor%node(m), self%anchor(:, m))
          end do
-      end do
-      if (allocated(opposite%sample)) then
-         do m = 1, 2
-            do k = 1, d
-               call take(dofs%id(k, opposite%sample(m)%node), self%sample(k, m))
+         if (allocated(opposite%sample)) then
+            do m = 1, 2
+               call take_node(opposite%sample(m)%node, self%sample(:, m))
             end do
+         end if
+         if (allocated(opposite%inner)) call take_around(opposite%inner%node)
+      end associate
+      body = point%masters%of(point%points%pair(point%i))%body
+      if (body > 0) then
+         node = point%model%rigid_body(body)%reference
+         call take_node(node, self%reference)
+         do k = 4, 6
+            call take(point%dofs%id(k, node), self%rotation(k - 3))
          end do
-      end if
-      if (allocated(opposite%inner)) call list_around
-      if (masters%of(points%pair(i))%body > 0) then
-         associate (node => model%rigid_body(masters%of(points%pair(i))%body)%reference)
-            do k = 1, d
-               call take(dofs%id(k, node), self%reference(k))
-            end do
-            do k = 4, 6
-               call take(dofs%id(k, node), self%rotation(k - 3))
-            end do
-         end associate
       end if
       self%nu = self%n
       if (first_row == 0) return
       do k = 1, d
-         call take(dofs%n + first_row + k - 1, self%multiplier(k))
+         call take(point%dofs%n + first_row + k - 1, self%multiplier(k))
       end do
 
    contains
 
-      !> Nodes of the facets that have points inside.
-      subroutine list_around
+      !> Nodes of the facets that have points inside; the first is the slave.
+      subroutine take_around(around)
+         integer, intent(in) :: around(:)
          integer :: j
 
-         associate (node => opposite%inner%node)
-            allocate (self%near(3, size(node)), source=0)
-            self%near(:, 1) = self%slave
-            do j = 2, size(node)
-               do k = 1, d
-                  call take(dofs%id(k, node(j)), self%near(k, j))
-               end do
-            end do
-         end associate
-      end subroutine list_around
+         allocate (self%near(3, size(around)), source=0)
+         self%near(:, 1) = self%slave
+         do j = 2, size(around)
+            call take_node(around(j), self%near(:, j))
+         end do
+      end subroutine take_around
+
+      subroutine take_node(of, input)
+         integer, intent(in) :: of             !! node
+         integer, intent(inout) :: input(3)
+         integer :: j
+
+         do j = 1, d
+            call take(point%dofs%id(j, of), input(j))
+         end do
+      end subroutine take_node
 
       subroutine take(dof, input)
          integer, intent(in) :: dof

@@ -23,119 +23,74 @@ module lopin_contact_traction
    use lopin_friction, only : friction_type, condition_type, has_friction, is_regularised, &
       & by_rate, friction_radius
    use lopin_friction_return, only : return_to_disc, regularised_traction, drag_limit
-   use lopin_enforcement, only : enforcement_type
+   use lopin_contact_row, only : enforcement_parameters_type, point_law_type, row_type, &
+      & contact_status
    implicit none
    private
-   public :: enforcement_parameters_type, traction_of, contact_status, elastic_slip_of, &
-      & normal_stiffness
-   public :: stored_energy, regularised_energy
-
-   type :: statuses
-      integer :: open = 0, stick = 1, slip = 2
-   end type statuses
-   type(statuses), parameter :: contact_status = statuses()
+   public :: traction_of, elastic_slip_of, normal_stiffness, stored_energy, regularised_energy
 
    !> Shears this near to the limit, beside it, are at it.
    real(wp), parameter :: at_limit = 1.0e-6_wp
 
-   !> The enforcement at one point.
-   type :: enforcement_parameters_type
-      class(enforcement_type), allocatable :: method   !! that Newton solves
-      logical :: tied = .false.                    !! glued, in all directions unless `partly`
-      logical :: bilateral = .false.
-      real(wp) :: c = 1.0_wp, ct = 1.0_wp          !! [stress/length]
-      real(wp) :: slope = 0.0_wp   !! that the method reads: eps [stress/length]; of a law: 1
-      real(wp) :: shear_slope = 0.0_wp   !! unknown traction: epst; 0: exact stick [stress/length]
-      real(wp) :: elastic_slip = 0.0_wp   !! the same: u0, slip before sliding; 0: none [length]
-      real(wp) :: elastic(3) = 0.0_wp              !! of it, committed [length]
-      real(wp) :: yield = 0.0_wp                   !! of the slave; 0: unknown [stress]
-      real(wp) :: grazing = 0.0_wp   !! trial pressures down to minus this count as closed: a point
-                                     !! that just touches holds a body that nothing else holds
-      logical :: clings = .false.   !! at the limit of sticking counts as sticking: so a body that
-                                    !! only friction holds starts an increment
-      real(wp) :: committed(3) = 0.0_wp           !! traction at the start of the increment [stress]
-      real(wp) :: frozen(3) = 0.0_wp   !! multiplier of a method that updates it [stress]
-      real(wp) :: approach(3) = 0.0_wp   !! motion along the master before it touched, no slip
-                                         !! [length]
-      real(wp) :: creep(3) = 0.0_wp               !! regularised by slip: slip from the stick anchor
-      logical :: partly = .false.                  !! tied, but not in all directions
-      real(wp) :: held(3, 3) = 0.0_wp              !! projector on those, if partly
-   end type enforcement_parameters_type
-
 contains
 
-   !> The traction on the slave and the residual of the multiplier's rows.
-   pure subroutine traction_of(enforcement, friction, at, g, n, way, lambda, z, row, status, &
-      & shear, growth)
-      type(enforcement_parameters_type), intent(in) :: enforcement
-      type(friction_type), intent(in) :: friction
-      type(condition_type), intent(in) :: at
-      type(dual_type), intent(in) :: g             !! gap [length]
-      type(dual_type), intent(in) :: n(:), way(:)  !! (ndim) normal, motion along it in the
-                                                   !! increment [length]
-      type(dual_type), intent(in) :: lambda(:)     !! (ndim) multiplier, if it is an unknown
-      type(dual_type), intent(out) :: z(:)         !! (ndim) [stress]
-      type(dual_type), intent(out) :: row(:)       !! (ndim) [length]
-      integer, intent(out) :: status
-      real(wp), intent(out) :: shear(:, :)   !! (ndim, ndim) -dt/ds without the coupling to pressure
+   !> The traction on the slave and the residual of the multiplier's rows: z, residual, status and
+   !> shear of the row from its gap, normal, slip and multiplier.
+   pure subroutine traction_of(row, law, growth)
+      type(row_type), intent(inout) :: row
+      type(point_law_type), intent(in) :: law
       type(dual_type), intent(in), optional :: growth   !! at%growth with its slopes; else it stands
-      type(dual_type) :: held(size(n)), phat, p, trial(size(n)), t(size(n)), normal_part, s(size(n))
-      type(dual_type) :: magnitude, f
+      type(dual_type) :: held(row%ndim), p, t(row%ndim), s(row%ndim), normal_part, magnitude, f
       real(wp) :: slope, slope_p
       logical :: closed, solves, slips
       integer :: d
 
-      d = size(n)
-      row = 0.0_wp
-      shear = 0.0_wp
-      solves = enforcement%method%solves_for_multiplier()
-      if (solves) then
-         held = lambda
-      else if (enforcement%method%updates()) then
-         held = constant(enforcement%frozen(:d))
-      else
-         held = constant(enforcement%committed(:d))
-      end if
-      normal_part = dual_dot(held, n)
-      phat = trial_pressure(enforcement, g, n, normal_part)
-      closed = phat%v > -enforcement%grazing .or. enforcement%bilateral
-      status = merge(contact_status%slip, contact_status%open, closed)
-      p = constant(0.0_wp)
-      if (closed) p = phat
-      t = 0.0_wp
-      if (closed .and. has_friction(friction)) then
-         s = way
-         if (any(abs(enforcement%approach) > 0.0_wp)) s = s &
-            & - tangential(constant(enforcement%approach(:d)), n)
-         if (is_regularised(friction)) then
-            if (.not. by_rate(friction)) s = tangential(s + constant(enforcement%creep(:d)), n)
-            call regularised_shear(friction, at, p, s, t, shear, growth)
-         else
-            trial = held - n*normal_part - enforcement%ct*s
-            if (solves) call give_way(enforcement, friction, at, p, held, n, trial, growth)
-            magnitude = constant(0.0_wp)
-            if (norm2(trial%v) > 0.0_wp) magnitude = dual_norm(trial)
-            call return_to_disc(friction, magnitude%v, enforcement%ct, p%v, at, f%v, slope, &
-               & slope_p, slips)
-            if (enforcement%clings .and. magnitude%v <= (1.0_wp + at_limit)*f%v) then
-               slips = .false.
-               f%v = magnitude%v
-            end if
-            status = merge(contact_status%slip, contact_status%stick, slips)
-            t = trial
-            if (f%v < magnitude%v) then
-               f%d = slope*magnitude%d + slope_p*p%d
-               if (present(growth)) f%d = f%d + growth_slope(f%v*(1.0_wp - slope) &
-                  & - slope_p*p%v, growth)
-               t = (f/magnitude)*trial
-               call set_shear(shear, trial%v, slope*enforcement%ct, f%v/magnitude%v*enforcement%ct)
+      d = row%ndim
+      associate (e => law%enforcement, friction => law%friction, n => row%normal(:d), &
+         & shear => row%shear(:d, :d))
+         solves = e%method%solves_for_multiplier()
+         held = constant(merge(e%frozen(:d), e%committed(:d), e%method%updates()))
+         if (solves) held = row%multiplier(:d)
+         normal_part = dual_dot(held, n)
+         p = trial_pressure(e, row%gap + row%shift, n, normal_part)
+         closed = p%v > -e%grazing .or. e%bilateral
+         row%status = merge(contact_status%slip, contact_status%open, closed)
+         shear = 0.0_wp
+         t = 0.0_wp
+         if (.not. closed) then
+            p = constant(0.0_wp)
+         else if (has_friction(friction)) then
+            s = row%slip(:d)
+            if (any(abs(e%approach) > 0.0_wp)) s = s - tangential(constant(e%approach(:d)), n)
+            if (is_regularised(friction)) then
+               if (.not. by_rate(friction)) s = tangential(s + constant(e%creep(:d)), n)
+               call regularised_shear(friction, law%at, p, s, t, shear, growth)
             else
-               call set_shear(shear, trial%v, enforcement%ct, enforcement%ct)
+               t = held - n*normal_part - e%ct*s
+               if (solves) call give_way(e, friction, law%at, p, held, n, t, growth)
+               magnitude = constant(0.0_wp)
+               if (norm2(t%v) > 0.0_wp) magnitude = dual_norm(t)
+               call return_to_disc(friction, magnitude%v, e%ct, p%v, law%at, f%v, slope, slope_p, &
+                  & slips)
+               if (e%clings .and. magnitude%v <= (1.0_wp + at_limit)*f%v) then
+                  slips = .false.
+                  f%v = magnitude%v
+               end if
+               row%status = merge(contact_status%slip, contact_status%stick, slips)
+               if (f%v < magnitude%v) then
+                  f%d = slope*magnitude%d + slope_p*p%d
+                  if (present(growth)) f%d = f%d + growth_slope(f%v*(1.0_wp - slope) &
+                     & - slope_p*p%v, growth)
+                  call set_shear(shear, t%v, slope*e%ct, f%v/magnitude%v*e%ct)
+                  t = (f/magnitude)*t
+               else
+                  call set_shear(shear, t%v, e%ct, e%ct)
+               end if
             end if
          end if
-      end if
-      z = p*n + t
-      if (solves) row = (lambda - z)/enforcement%c
+         row%z(:d) = p*n + t
+         if (solves) row%residual(:d) = (row%multiplier(:d) - row%z(:d))/e%c
+      end associate
    end subroutine traction_of
 
    !> The normal trial traction: of springs, or of a multiplier with what conditions its row.

@@ -8,7 +8,7 @@
 !>    call begin_row(row, local, columns, with_tangent)
 !>    do
 !>       row%gap, normal, slip, multiplier = ...  with slopes along columns row%from + 1 and on
-!>       call press_row(row, enforcement, friction, at)
+!>       call press_row(row, law)
 !>       force = what row%z does to the dofs
 !>       if (last_block(row, local, force)) exit
 !>    end do
@@ -18,50 +18,15 @@ module lopin_row_element
    use lopin_dual, only : dual_type, dual_width, constant, operator(+), operator(-), &
       & operator(*), operator(/), assignment(=)
    use lopin_local_matrix, only : local_matrix_type
-   use lopin_friction, only : friction_type, condition_type
-   use lopin_contact_traction, only : enforcement_parameters_type, contact_status, traction_of, &
-      & normal_stiffness
+   use lopin_contact_row, only : enforcement_parameters_type, point_law_type, row_type, &
+      & point_state_type, contact_status
+   use lopin_contact_traction, only : traction_of, normal_stiffness
    implicit none
    private
-   public :: row_type, point_state_type, begin_row, press_row, last_block, end_row, set_spring
-
-   !> A row in one block of columns.
-   type :: row_type
-      integer :: ndim = 3
-      integer :: from = 0              !! the block has the columns behind this one
-      integer :: columns = 0           !! of the matrix that is asked for
-      logical :: with_tangent = .true., has_rows = .false.   !! has_rows: the traction is an unknown
-      integer :: status = 0            !! contact_status%...
-      real(wp) :: shift = 0.0_wp       !! added to the gap [length]
-      real(wp) :: weight = 1.0_wp      !! [area]
-      ! measured by who makes the row
-      type(dual_type) :: gap           !! [length]
-      type(dual_type) :: normal(3)
-      type(dual_type) :: slip(3)       !! of the increment [length]
-      type(dual_type) :: arm(3)        !! of a tie: from where it holds on [length]
-      type(dual_type) :: multiplier(3) !! if it is an unknown [stress]
-      real(wp) :: held_gap = 0.0_wp    !! of a tie: the gap that it keeps [length]
-      ! what follows
-      type(dual_type) :: z(3)          !! traction on the slave [stress]
-      type(dual_type) :: residual(3)   !! of the multiplier's rows [length]
-      real(wp) :: shear(3, 3) = 0.0_wp !! -dz/dslip without the coupling to pressure [stress/length]
-      real(wp), allocatable :: along_gap(:), along_slip(:, :)   !! slopes by the dofs
-   end type row_type
+   public :: begin_row, press_row, last_block, end_row, set_spring
 
    !> Shares of a traction below which it is none.
    real(wp), parameter :: least = 1.0e-6_wp
-
-   !> Results of an evaluation.
-   type :: point_state_type
-      integer :: status = 0
-      real(wp) :: gap = 0.0_wp                 !! of the row [length]
-      real(wp) :: opening = 0.0_wp             !! of the node itself [length]
-      real(wp) :: normal(3) = 0.0_wp
-      real(wp) :: traction(3) = 0.0_wp         !! on the slave [stress]
-      real(wp) :: slip(3) = 0.0_wp             !! of the increment [length]
-      real(wp) :: row(3) = 0.0_wp
-      real(wp), allocatable :: force(:)        !! on the first nu dofs of the local matrix [force]
-   end type point_state_type
 
 contains
 
@@ -83,23 +48,20 @@ contains
    end subroutine begin_row
 
    !> Traction and residual by the law, or of what is glued.
-   pure subroutine press_row(row, enforcement, friction, at, growth)
+   pure subroutine press_row(row, law, growth)
       type(row_type), intent(inout) :: row
-      type(enforcement_parameters_type), intent(in) :: enforcement
-      type(friction_type), intent(in) :: friction
-      type(condition_type), intent(in) :: at
+      type(point_law_type), intent(in) :: law
       type(dual_type), intent(in), optional :: growth   !! at%growth with its slopes; else it stands
       integer :: d, k
 
       d = row%ndim
       row%z = constant(0.0_wp)
       row%residual = constant(0.0_wp)
-      associate (n => row%normal(:d), z => row%z(:d))
-         if (.not. enforcement%tied) then
-            call traction_of(enforcement, friction, at, row%gap + row%shift, n, row%slip(:d), &
-               & row%multiplier(:d), z, row%residual(:d), row%status, row%shear(:d, :d), growth)
-            return
-         end if
+      if (.not. law%enforcement%tied) then
+         call traction_of(row, law, growth)
+         return
+      end if
+      associate (n => row%normal(:d), z => row%z(:d), enforcement => law%enforcement)
          ! Glued: all directions, from where the point was at the start.
          z = row%multiplier(:d) - enforcement%c*(row%arm(:d) - row%held_gap*n)
          if (enforcement%partly) z = held_part(enforcement%held(:d, :d), z)
@@ -108,7 +70,7 @@ contains
       row%status = contact_status%stick
       row%shear = 0.0_wp
       do k = 1, d
-         row%shear(k, k) = enforcement%c
+         row%shear(k, k) = law%enforcement%c
       end do
    end subroutine press_row
 

@@ -16,8 +16,6 @@ module lopin_mortar_element
    use lopin_wall_depth, only : depths_of_facets
    use lopin_tilting, only : rows_needed
    use lopin_dofs, only : dofs_type
-   use lopin_friction, only : friction_type, condition_type
-   use lopin_contact_traction, only : enforcement_parameters_type
    use lopin_contact_points, only : pair_is_tied, gaps_as_meshed
    use lopin_mortar_pairs, only : thickness_of
    use lopin_mortar_overlap, only : overlap_list_type
@@ -29,10 +27,13 @@ module lopin_mortar_element
       & take_nearest
    use lopin_mortar_least, only : least_of_nodes
    use lopin_nonlinear_points, only : stays_mortar
-   use lopin_row_element, only : row_type, point_state_type, begin_row, press_row, last_block, &
-      & end_row
+   use lopin_contact_row, only : row_type, point_state_type, point_law_type
+   use lopin_row_element, only : begin_row, press_row, last_block, end_row
    use lopin_local_matrix, only : local_matrix_type
    use lopin_mortar_cells_3d, only : new_mortar_kernel
+   use lopin_mortar_rows_3d, only : space_row_type => mortar_row_type
+   use lopin_master_surfaces, only : masters_type
+   use lopin_closest_feature, only : opposite_type
    use lopin_mortar_element_3d, only : space_mortar_type, update_space_mortar, evaluate_space_point
    use lopin_tie_element, only : tie_type, new_tie, evaluate_tie
    implicit none
@@ -54,6 +55,7 @@ module lopin_mortar_element
       integer, allocatable :: piece(:)         !! (slave facets) smooth piece, lopin_slave_pieces
       integer, allocatable :: piece_of(:)      !! (slave%nnode)
       type(cover_type) :: cover
+      integer :: pair = 1                      !! of the model
       integer :: first = 1                     !! point of the pair that is the slave's first number
       logical :: in_space = .false.
       logical :: tied = .false.
@@ -86,6 +88,7 @@ contains
 
       self%is_on = stays_mortar(model, model%pair(number))
       if (.not. self%is_on) return
+      self%pair = number
       self%first = first
       call new_surface(self%slave, model%mesh%ndim, facets)
       self%thickness = thickness_of(model, facets)
@@ -161,68 +164,76 @@ contains
 
    !> The row of a node by values, if enough of it is covered; the first one within an increment
    !> is the anchor of its slip.
-   subroutine find_mortar_row(self, master, rules, x, point, start, patch, anchor, covered, &
-      & normal, gap)
+   subroutine find_mortar_row(self, masters, point, start, patch, anchor, opposite)
       type(present_mortar_type), intent(in) :: self
-      type(surface_type), intent(in) :: master
-      type(facet_rule_type), intent(in) :: rules(:)
-      real(wp), intent(in) :: x(:, :)
-      integer, intent(in) :: point                !! of the pair
+      type(masters_type), intent(in) :: masters
+      integer, intent(in) :: point
       logical, intent(in) :: start                !! of an increment
       type(patch_type), intent(out) :: patch
       type(mortar_anchor_type), intent(inout) :: anchor
-      logical, intent(out) :: covered
-      real(wp), intent(inout) :: normal(3)        !! out of the master
-      real(wp), intent(inout) :: gap              !! [length]
-      type(mortar_row_type) :: row
-      integer, allocatable :: also(:)
-      real(wp), allocatable :: share(:)
-      integer :: k, node
+      type(opposite_type), intent(inout) :: opposite   !! facet: 1 if enough is covered, else 0
+      integer :: k
 
-      covered = anchor%tie%set
-      if (covered) return
-      normal = 0.0_wp
-      gap = 0.0_wp
       k = point - self%first + 1
-      node = self%slave%node(k)
-      if (self%in_space) then
-         anchor%place = k
-         associate (own => self%space%row(k))
-            covered = own%node > 0 .and. own%weight > 0.0_wp
-            if (.not. covered) return
-            normal = own%normal
-            gap = own%gap
-            if (self%tied) call new_tie(anchor%tie, node, own%of, own%c, own%weight, &
-               & self%slave%facets, rules, x)
-         end associate
-         return
-      end if
-      if (start) anchor%set = .false.
-      covered = has_row(self%cover, k)
-      if (.not. covered) return
-      call taken_over(self%cover, k, also, share)
-      call new_patch(patch, self%slave, master, self%list, node, self%slave%node(also), share, &
-         & self%piece, self%piece_of([k, also]), self%cover%share)
-      call mortar_row(row, patch, constant(x(:2, patch%node)), self%axisymmetric, &
-         & self%thickness(1))
-      if (self%nearest(k) > 0 .and. row%weight%v > 0.0_wp) call take_nearest(patch, row, &
-         & self%list%item(self%nearest(k)), self%slave, master, x)
-      patch%met = row
-      covered = row%weight%v > 0.0_wp
-      if (.not. covered) return
-      normal(:2) = row%normal%v
-      gap = row%gap%v
-      if (self%tied) call new_tie(anchor%tie, node, patch%node, row%coefficient%v, row%weight%v, &
-         & self%slave%facets, rules, x)
-      if (anchor%set) return
-      anchor%set = .true.
-      anchor%node = patch%node
-      anchor%coefficient = row%coefficient%v
+      opposite%facet = 1
+      if (anchor%tie%set) return
+      opposite%facet = 0
+      opposite%normal = 0.0_wp
+      opposite%found%gap = 0.0_wp
+      opposite%foot%gap = 0.0_wp
+      associate (surface => masters%of(self%pair)%surface)
+         if (self%in_space) then
+            anchor%place = k
+            call take_space_row(self%space%row(k))
+         else
+            if (start) anchor%set = .false.
+            if (has_row(self%cover, k)) call take_plane_row(surface)
+         end if
+      end associate
+      opposite%foot%gap = opposite%found%gap
+
+   contains
+
+      subroutine take_space_row(own)
+         type(space_row_type), intent(in) :: own
+
+         if (own%node == 0 .or. .not. own%weight > 0.0_wp) return
+         opposite%facet = 1
+         opposite%normal = own%normal
+         opposite%found%gap = own%gap
+         if (self%tied) call new_tie(anchor%tie, self%slave%node(k), own%of, own%c, own%weight, &
+            & self%slave%facets, masters%rules, masters%x)
+      end subroutine take_space_row
+
+      subroutine take_plane_row(master)
+         type(surface_type), intent(in) :: master
+         type(mortar_row_type) :: row
+         integer, allocatable :: also(:)
+         real(wp), allocatable :: share(:)
+
+         call taken_over(self%cover, k, also, share)
+         call new_patch(patch, self%slave, master, self%list, self%slave%node(k), &
+            & self%slave%node(also), share, self%piece, self%piece_of([k, also]), self%cover%share)
+         call mortar_row(row, patch, constant(masters%x(:2, patch%node)), self%axisymmetric, &
+            & self%thickness(1))
+         if (self%nearest(k) > 0 .and. row%weight%v > 0.0_wp) call take_nearest(patch, row, &
+            & self%list%item(self%nearest(k)), self%slave, master, masters%x)
+         patch%met = row
+         if (.not. row%weight%v > 0.0_wp) return
+         opposite%facet = 1
+         opposite%normal(:2) = row%normal%v
+         opposite%found%gap = row%gap%v
+         if (self%tied) call new_tie(anchor%tie, self%slave%node(k), patch%node, &
+            & row%coefficient%v, row%weight%v, self%slave%facets, masters%rules, masters%x)
+         if (anchor%set) return
+         anchor%set = .true.
+         anchor%node = patch%node
+         anchor%coefficient = row%coefficient%v
+      end subroutine take_plane_row
    end subroutine find_mortar_row
 
    !> Forces and exact tangent of one node, as evaluate_point of lopin_contact_element.
-   subroutine evaluate_mortar_point(state, local, self, dofs, x, patch, anchor, enforcement, &
-      & friction, at, shift, lambda, first_row, with_tangent, weight)
+   subroutine evaluate_mortar_point(state, local, self, dofs, x, patch, anchor, law)
       type(point_state_type), intent(inout) :: state
       type(local_matrix_type), intent(inout) :: local
       type(present_mortar_type), intent(in) :: self
@@ -230,45 +241,35 @@ contains
       real(wp), intent(in) :: x(:, :)          !! (ndim, nnode) present places [length]
       type(patch_type), intent(in) :: patch
       type(mortar_anchor_type), intent(in) :: anchor
-      type(enforcement_parameters_type), intent(in) :: enforcement
-      type(friction_type), intent(in) :: friction
-      type(condition_type), intent(in) :: at
-      real(wp), intent(in) :: shift            !! added to the gap [length]
-      real(wp), intent(in) :: lambda(3)        !! multiplier, if it is an unknown [stress]
-      integer, intent(in) :: first_row         !! of the multiplier; 0: none
-      logical, intent(in) :: with_tangent
-      real(wp), intent(out) :: weight          !! D [area]
+      type(point_law_type), intent(in) :: law
       integer, allocatable :: node(:), input(:, :), of_anchor(:)
       type(dual_type), allocatable :: force(:)
       type(row_type) :: row
       integer :: n
 
-      if (enforcement%tied) then
-         call evaluate_tie(state, local, anchor%tie, dofs, x, enforcement, lambda, first_row, &
-            & with_tangent)
-         weight = anchor%tie%weight
+      if (law%enforcement%tied) then
+         call evaluate_tie(state, local, anchor%tie, dofs, x, law)
          return
       end if
       if (self%in_space) then
          associate (own => self%space%row(anchor%place))
             call evaluate_space_point(state, local, own, self%space%before(anchor%place), dofs, x, &
-               & enforcement, friction, at, shift, lambda, first_row, with_tangent)
-            weight = own%weight
+               & law)
          end associate
          return
       end if
       call list_inputs()
       allocate (force(local%nu))
       row%ndim = 2
-      row%shift = shift
-      row%has_rows = first_row > 0
-      call begin_row(row, local, n, with_tangent)
+      row%shift = law%shift
+      row%has_rows = law%first_row > 0
+      call begin_row(row, local, n, law%with_tangent)
       do
          call forces(row%from)
          if (last_block(row, local, force)) exit
       end do
-      row%weight = weight
-      call end_row(state, local, row, enforcement, force)
+      row%weight = state%weight
+      call end_row(state, local, row, law%enforcement, force)
 
    contains
 
@@ -299,8 +300,8 @@ contains
             end do
          end do
          n = local%nu
-         if (first_row > 0) then
-            dof(n + 1:n + 2) = dofs%n + first_row + [0, 1]
+         if (law%first_row > 0) then
+            dof(n + 1:n + 2) = dofs%n + law%first_row + [0, 1]
             n = n + 2
          end if
          local%dof = dof(:n)
@@ -318,9 +319,10 @@ contains
             end do
          end do
          do j = 1, 2
-            row%multiplier(j) = variable(lambda(j), merge(local%nu + j - from, 0, first_row > 0))
+            row%multiplier(j) = variable(law%lambda(j), merge(local%nu + j - from, 0, &
+               & law%first_row > 0))
          end do
-         if (with_tangent) then
+         if (law%with_tangent) then
             call mortar_row(own, patch, place(:, :size(patch%node)), self%axisymmetric, &
                & self%thickness(1))
          else
@@ -338,7 +340,7 @@ contains
          row%slip(:2) = moved - own%normal*dual_dot(moved, own%normal)
          row%normal(:2) = own%normal
          row%gap = own%gap
-         call press_row(row, enforcement, friction, at)
+         call press_row(row, law)
          force = constant(spread(0.0_wp, 1, local%nu))
          do m = 1, size(patch%node)
             do j = 1, 2
@@ -346,7 +348,7 @@ contains
                   & + own%coefficient(m)*row%z(j)
             end do
          end do
-         weight = own%weight%v
+         state%weight = own%weight%v
          state%normal = 0.0_wp
          state%normal(:2) = own%normal%v
          state%traction = 0.0_wp

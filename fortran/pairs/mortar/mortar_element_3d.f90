@@ -10,8 +10,6 @@ module lopin_mortar_element_3d
    use lopin_surface, only : surface_type
    use lopin_search, only : tree_type
    use lopin_dofs, only : dofs_type
-   use lopin_friction, only : friction_type, condition_type
-   use lopin_contact_traction, only : enforcement_parameters_type, contact_status
    use lopin_mortar_overlap, only : overlap_list_type
    use lopin_mortar_cells_3d, only : mortar_kernel_type
    use lopin_mortar_overlaps_3d, only : find_overlaps_3d
@@ -19,7 +17,8 @@ module lopin_mortar_element_3d
    use lopin_mortar_cover, only : cover_type
    use lopin_mortar_rows_3d, only : mortar_row_type, new_mortar_rows, take_nearest
    use lopin_mortar_traction_3d, only : slip_of_row, forces_of_row
-   use lopin_row_element, only : row_type, point_state_type, press_row, set_spring
+   use lopin_contact_row, only : row_type, point_state_type, point_law_type, contact_status
+   use lopin_row_element, only : press_row, set_spring
    use lopin_local_matrix, only : local_matrix_type
    implicit none
    private
@@ -80,33 +79,28 @@ contains
    end subroutine update_space_mortar
 
    !> Forces and exact tangent of one node, as evaluate_point of lopin_contact_element.
-   subroutine evaluate_space_point(state, local, row, before, dofs, x, enforcement, friction, at, &
-      & shift, lambda, first_row, with_tangent)
+   subroutine evaluate_space_point(state, local, row, before, dofs, x, law)
       type(point_state_type), intent(inout) :: state
       type(local_matrix_type), intent(inout) :: local
       type(mortar_row_type), intent(in) :: row, before
       type(dofs_type), intent(in) :: dofs
       real(wp), intent(in) :: x(:, :)          !! (3, nnode) present places [length]
-      type(enforcement_parameters_type), intent(in) :: enforcement
-      type(friction_type), intent(in) :: friction
-      type(condition_type), intent(in) :: at
-      real(wp), intent(in) :: shift            !! added to the gap [length]
-      real(wp), intent(in) :: lambda(3)        !! multiplier, if it is an unknown [stress]
-      integer, intent(in) :: first_row         !! of the multiplier; 0: none
-      logical, intent(in) :: with_tangent
+      type(point_law_type), intent(in) :: law
       real(wp) :: slip(3), slip_slope(3, 3*size(row%of))
       type(row_type) :: point
       integer :: k
 
       call slip_of_row(row, before, x, slip, slip_slope)
-      point%shift = shift
+      point%shift = law%shift
       point%weight = row%weight
       point%gap = variable(row%gap, 1)
       point%normal = variable(row%normal, [(at_normal + k, k=1, 3)])
       point%slip = variable(slip, [(at_slip + k, k=1, 3)])
-      point%multiplier = variable(lambda, [(merge(at_multiplier + k, 0, first_row > 0), k=1, 3)])
-      call press_row(point, enforcement, friction, at)
+      point%multiplier = variable(law%lambda, [(merge(at_multiplier + k, 0, law%first_row > 0), &
+         & k=1, 3)])
+      call press_row(point, law)
       state%status = point%status
+      state%weight = row%weight
       state%row = point%residual%v
       state%gap = row%gap
       state%slip = slip
@@ -124,10 +118,10 @@ contains
       subroutine stay_away()
          local%nu = 0
          state%force = [real(wp) ::]
-         local%dof = [(dofs%n + first_row + k, k=0, merge(2, -1, first_row > 0))]
-         if (.not. with_tangent) return
+         local%dof = [(dofs%n + law%first_row + k, k=0, merge(2, -1, law%first_row > 0))]
+         if (.not. law%with_tangent) return
          call clear(local, size(local%dof))
-         if (first_row > 0) call take_multiplier()
+         if (law%first_row > 0) call take_multiplier()
       end subroutine stay_away
 
       subroutine take_multiplier()
@@ -142,11 +136,12 @@ contains
       subroutine press()
          integer :: way(3*size(row%of))        !! places of the local dofs
          real(wp) :: force(size(way)), along(3, size(way))
-         real(wp) :: k_all(merge(size(way), 0, with_tangent), merge(size(way), 0, with_tangent))
+         real(wp) :: k_all(merge(size(way), 0, law%with_tangent), &
+            & merge(size(way), 0, law%with_tangent))
          integer :: i, q
 
          call list_dofs(way)
-         if (.not. with_tangent) then
+         if (.not. law%with_tangent) then
             force = [(row%c(i)*point%z%v, i=1, size(row%of))]
             state%force = force(way(:local%nu))
             return
@@ -157,10 +152,10 @@ contains
          state%force = force(way(:local%nu))
          associate (nu => local%nu)
             local%k(:nu, :nu) = k_all(way(:nu), way(:nu))
-            if (first_row > 0) call take_multiplier()
-            call set_spring(local, enforcement, point, row%gap_slope(way(:nu)), &
+            if (law%first_row > 0) call take_multiplier()
+            call set_spring(local, law%enforcement, point, row%gap_slope(way(:nu)), &
                & slip_slope(:, way(:nu)))
-            if (first_row == 0) return
+            if (law%first_row == 0) return
             call chain(point%residual, along)
             local%k(nu + 1:, :nu) = along(:, way(:nu))
             do i = 1, nu
@@ -187,7 +182,7 @@ contains
             end do
          end do
          local%dof = free(:local%nu)
-         if (first_row > 0) local%dof = [local%dof, (dofs%n + first_row + m, m=0, 2)]
+         if (law%first_row > 0) local%dof = [local%dof, (dofs%n + law%first_row + m, m=0, 2)]
       end subroutine list_dofs
 
       !> Slopes by the places of what depends on gap, normal and slip.

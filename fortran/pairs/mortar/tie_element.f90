@@ -11,8 +11,7 @@ module lopin_tie_element
    use lopin_cells, only : shape_functions
    use lopin_facets, only : facets_type, facet_rule_type
    use lopin_dofs, only : dofs_type
-   use lopin_contact_traction, only : enforcement_parameters_type, contact_status
-   use lopin_row_element, only : point_state_type
+   use lopin_contact_row, only : point_state_type, point_law_type, contact_status
    use lopin_local_matrix, only : local_matrix_type
    implicit none
    private
@@ -209,26 +208,24 @@ contains
    end function turning_slopes
 
    !> Forces and exact tangent, as evaluate_point of lopin_contact_element.
-   subroutine evaluate_tie(state, local, self, dofs, x, enforcement, lambda, first_row, &
-      & with_tangent)
+   subroutine evaluate_tie(state, local, self, dofs, x, law)
       type(point_state_type), intent(inout) :: state
       type(local_matrix_type), intent(inout) :: local
       type(tie_type), intent(in) :: self
       type(dofs_type), intent(in) :: dofs
       real(wp), intent(in) :: x(:, :)          !! (ndim, nnode) present places [length]
-      type(enforcement_parameters_type), intent(in) :: enforcement
-      real(wp), intent(in) :: lambda(3)        !! [stress]
-      integer, intent(in) :: first_row
-      logical, intent(in) :: with_tangent
+      type(point_law_type), intent(in) :: law
       type(dual_type) :: apart(3), frame(3, 3)
+      real(wp) :: c                            !! [stress/length]
       real(wp), allocatable :: slope(:, :)     !! (d, local dofs) of the row
       integer :: input(size(x, 1), size(self%node)), from, width, i, m, d, n
 
       d = size(x, 1)
+      c = law%enforcement%c
       call list_inputs()
       n = size(local%dof)
       allocate (slope(d, n), source=0.0_wp)
-      do from = 0, merge(local%nu - 1, 0, with_tangent .or. self%apart), dual_width
+      do from = 0, merge(local%nu - 1, 0, law%with_tangent .or. self%apart), dual_width
          call part(from)
          width = min(dual_width, local%nu - from)
          do i = 1, d
@@ -238,19 +235,20 @@ contains
       state%row = 0.0_wp
       state%row(:d) = apart(:d)%v
       state%traction = 0.0_wp
-      state%traction(:d) = lambda(:d) - enforcement%c*apart(:d)%v
-      if (enforcement%partly) then
+      state%traction(:d) = law%lambda(:d) - c*apart(:d)%v
+      if (law%enforcement%partly) then
          ! Where supports hold the node there is no traction, and its multiplier goes to zero.
-         state%traction(:d) = matmul(enforcement%held(:d, :d), state%traction(:d))
-         state%row(:d) = (lambda(:d) - state%traction(:d))/enforcement%c
-         slope = matmul(enforcement%held(:d, :d), slope)
+         state%traction(:d) = matmul(law%enforcement%held(:d, :d), state%traction(:d))
+         state%row(:d) = (law%lambda(:d) - state%traction(:d))/c
+         slope = matmul(law%enforcement%held(:d, :d), slope)
       end if
       state%normal = -frame(:, 3)%v
       state%gap = dot_product(state%normal(:d), apart(:d)%v)
-      if (enforcement%partly) state%gap = dot_product(state%normal(:d), &
-         & matmul(enforcement%held(:d, :d), apart(:d)%v))
+      if (law%enforcement%partly) state%gap = dot_product(state%normal(:d), &
+         & matmul(law%enforcement%held(:d, :d), apart(:d)%v))
       state%slip = 0.0_wp
       state%status = contact_status%stick
+      state%weight = self%weight
       state%force = spread(0.0_wp, 1, local%nu)
       if (self%apart) then
          ! The arm between the sides turns with the frame: its moment falls on the frame's facet.
@@ -263,7 +261,7 @@ contains
             end do
          end do
       end if
-      if (with_tangent) call make_matrix()
+      if (law%with_tangent) call make_matrix()
 
    contains
 
@@ -280,7 +278,7 @@ contains
                input(k, j) = local%nu
             end do
          end do
-         local%dof = [free(:local%nu), (dofs%n + first_row + k, k=0, d - 1)]
+         local%dof = [free(:local%nu), (dofs%n + law%first_row + k, k=0, d - 1)]
       end subroutine list_inputs
 
       !> What the two sides are apart beyond the offset, with slopes by inputs from + 1 and on.
@@ -318,25 +316,25 @@ contains
             do j = 1, size(self%node)
                do k = 1, d
                   if (input(k, j) == 0) cycle
-                  local%k(input(k, j), :nu) = self%weight*self%share(j)*enforcement%c*slope(k, :nu)
+                  local%k(input(k, j), :nu) = self%weight*self%share(j)*c*slope(k, :nu)
                   local%k(input(k, j), nu + k) = -self%weight*self%share(j)
-                  if (enforcement%partly) local%k(input(k, j), nu + 1:) = &
-                     & -self%weight*self%share(j) *enforcement%held(k, :d)
+                  if (law%enforcement%partly) local%k(input(k, j), nu + 1:) = &
+                     & -self%weight*self%share(j) *law%enforcement%held(k, :d)
                end do
             end do
             if (self%apart) then
-               local%k(:nu, :nu) = self%weight*enforcement%c*matmul(transpose(slope(:, :nu)), &
+               local%k(:nu, :nu) = self%weight*c*matmul(transpose(slope(:, :nu)), &
                   & slope(:, :nu))
                local%k(:nu, nu + 1:) = -self%weight*transpose(slope(:, :nu))
                call turn_arm(local%k(:nu, :nu))
             end if
             local%k(nu + 1:, :nu) = slope(:, :nu)
-            if (enforcement%partly) local%k(nu + 1:, nu + 1:) = (unity(:d, :d) &
-               & - enforcement%held(:d, :d))/enforcement%c
-            local%spring = self%weight*enforcement%c*matmul(transpose(slope(:, :nu)), slope(:, :nu))
-            if (enforcement%partly) return
+            if (law%enforcement%partly) local%k(nu + 1:, nu + 1:) = (unity(:d, :d) &
+               & - law%enforcement%held(:d, :d))/c
+            local%spring = self%weight*c*matmul(transpose(slope(:, :nu)), slope(:, :nu))
+            if (law%enforcement%partly) return
             local%reach = slope(:, :nu)
-            local%stiff = self%weight*enforcement%c*unity(:d, :d)
+            local%stiff = self%weight*c*unity(:d, :d)
             local%firm = local%stiff
          end associate
       end subroutine make_matrix

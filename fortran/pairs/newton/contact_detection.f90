@@ -45,7 +45,6 @@ contains
       type(model_type), intent(in) :: model
       integer, intent(in) :: i
       logical, intent(in) :: start             !! of an increment
-      logical :: covered
 
       associate (pair => self%pair(i))
          if (.not. self%mortar(pair)%is_on) then
@@ -54,11 +53,8 @@ contains
                & i, self%cost)
             return
          end if
-         call find_mortar_row(self%mortar(pair), self%masters%of(pair)%surface, &
-            & self%masters%rules, self%masters%x, i, start, self%patch(i), self%mortar_anchor(i), &
-            & covered, self%opposite(i)%normal, self%opposite(i)%found%gap)
-         self%opposite(i)%facet = merge(1, 0, covered)
-         self%opposite(i)%foot%gap = self%opposite(i)%found%gap
+         call find_mortar_row(self%mortar(pair), self%masters, i, start, self%patch(i), &
+            & self%mortar_anchor(i), self%opposite(i))
       end associate
    end subroutine detect_contact
 

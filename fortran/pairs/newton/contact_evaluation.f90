@@ -3,14 +3,15 @@ module lopin_contact_evaluation
    use lopin_kinds, only : wp
    use lopin_error, only : error_type
    use lopin_model, only : model_type
-   use lopin_friction, only : condition_type
+   use lopin_local_matrix, only : local_matrix_type
    use lopin_nonlinear_points, only : nonlinear_points_type
    use lopin_master_surfaces, only : move_masters
    use lopin_closest_feature, only : anchor_of
    use lopin_facet_hysteresis, only : record_facet
    use lopin_nonlinear_faces, only : find_inner_feet
    use lopin_nonlinear_samples, only : find_sample_feet, row_value
-   use lopin_row_element, only : point_state_type
+   use lopin_contact_row, only : point_state_type, point_law_type
+   use lopin_contact_inputs, only : point_view_type
    use lopin_contact_element, only : evaluate_point
    use lopin_mortar_element, only : evaluate_mortar_point
    use lopin_nonlinear_contact, only : nonlinear_contact_type
@@ -26,16 +27,16 @@ contains
 
    !> Project at x = X + u, apply the laws: force, row and, if asked, the local matrices.
    subroutine evaluate_contact(self, model, u, multiplier, with_tangent, error)
-      type(nonlinear_contact_type), intent(inout) :: self
-      type(model_type), intent(in) :: model
+      type(nonlinear_contact_type), intent(inout), target :: self
+      type(model_type), intent(in), target :: model
       real(wp), intent(in) :: u(:)             !! (ndof)
       real(wp), intent(in) :: multiplier(:)    !! (nmultiplier) tractions, global axes [stress]
       logical, intent(in) :: with_tangent
       type(error_type), allocatable, intent(out) :: error
-      type(condition_type) :: at
-      real(wp) :: lambda(3), shift
+      type(point_view_type) :: point
+      type(point_law_type) :: law
       logical :: again
-      integer :: i, k, d, pass
+      integer :: i, d, pass
 
       d = model%mesh%ndim
       self%force = 0.0_wp
@@ -44,59 +45,98 @@ contains
       self%soft_error = 0.0_wp
       call detect_all(self, model, u, error)
       if (allocated(error)) return
+      point%model => model
+      point%dofs => self%dofs
+      point%basis => self%basis
+      point%masters => self%masters
+      point%points => self%nonlinear_points_type
+      law%with_tangent = with_tangent
       do i = 1, self%n
-         lambda = 0.0_wp
-         k = self%first_row(i)
-         if (k > 0) lambda(:d) = multiplier(k:k + d - 1)
-         if (self%facet(i) == 0) then
-            call stay_open(self, i, d, lambda, with_tangent)
-            cycle
-         end if
-         if (.not. self%anchor(i)%set) call anchor_of(self%anchor(i), self%opposite(i))
-         if (self%masters%of(self%pair(i))%tool > 0) call find_sample_feet(self%opposite, &
-            & self%nonlinear_points_type, i)
-         shift = shift_of(self, i) &
-            & - model%interaction(model%pair(self%pair(i))%interaction)%clearance
-         if (is_clear(self, i, lambda, shift)) then
-            call stay_clear(self, i, d, lambda, with_tangent)
-            cycle
-         end if
+         call begin_point(self, model, i, multiplier, law)
+         if (is_left_open(self, i, law)) cycle
          if (with_tangent) call find_growth_slopes(self, model, i)
+         law%enforcement => self%enforcement(i)
+         law%friction => self%friction(self%pair(i))
+         point%i = i
+         point%opposite => self%opposite(i)
+         point%anchor => self%anchor(i)
          self%nlocal = self%nlocal + 1
-         associate (pair => self%pair(i), local => self%local(self%nlocal))
+         associate (local => self%local(self%nlocal), mortar => self%mortar(self%pair(i)))
             do pass = 1, 2
-               at = condition_at(self, i)
-               if (self%mortar(pair)%is_on .or. self%mortar_anchor(i)%tie%set) then
-                  call evaluate_mortar_point(self%trial(i), local, self%mortar(pair), self%dofs, &
-                     & self%masters%x, self%patch(i), self%mortar_anchor(i), &
-                     & self%enforcement(i), self%friction(pair), at, shift, lambda, &
-                     & self%first_row(i), with_tangent, self%weight(i))
+               law%at = condition_at(self, i)
+               if (mortar%is_on .or. self%mortar_anchor(i)%tie%set) then
+                  call evaluate_mortar_point(self%trial(i), local, mortar, self%dofs, &
+                     & self%masters%x, self%patch(i), self%mortar_anchor(i), law)
+                  self%weight(i) = self%trial(i)%weight
                else
-                  call evaluate_point(self%trial(i), local, model, self%dofs, self%basis, &
-                     & self%masters, self%nonlinear_points_type, i, self%opposite(i), &
-                     & self%anchor(i), self%enforcement(i), self%friction(pair), at, shift, &
-                     & lambda, self%first_row(i), with_tangent)
+                  call evaluate_point(self%trial(i), local, point, law)
                end if
                if (pass == 2 .or. .not. may_touch(self, i)) exit
                ! The motion before the point touched is no slip; with it, once more.
-               call note_approach(self, i, shift, again)
+               call note_approach(self, i, law%shift, again)
                if (.not. again) exit
             end do
          end associate
          call collect(self, i, d)
-         ! What is open and has no multiplier couples nothing.
-         if (allocated(self%opposite(i)%inner) .and. self%status(i) == 0 .and. &
-            & self%first_row(i) == 0) self%nlocal = self%nlocal - 1
-         if (self%mortar(self%pair(i))%is_on) cycle
-         if (with_tangent .and. self%status(i) /= 0 .and. self%opposite(i)%ncarry > 0) &
-            & call record_facet(self%masters%owner, i, self%opposite(i)%found, &
-            & self%opposite(i)%kept)
       end do
+      if (with_tangent) call record_facets(self)
       call estimate_softness(self)
       ! Touching counts as closed where Newton starts, and no longer; so does the limit as sticking.
       self%enforcement%grazing = 0.0_wp
       self%enforcement%clings = .false.
    end subroutine evaluate_contact
+
+   !> The multiplier of a point, and what is added to its gap.
+   subroutine begin_point(self, model, i, multiplier, law)
+      type(nonlinear_contact_type), intent(inout) :: self
+      type(model_type), intent(in) :: model
+      integer, intent(in) :: i
+      real(wp), intent(in) :: multiplier(:)    !! (nmultiplier) [stress]
+      type(point_law_type), intent(inout) :: law
+      integer :: d
+
+      d = model%mesh%ndim
+      law%lambda = 0.0_wp
+      law%first_row = self%first_row(i)
+      if (law%first_row > 0) law%lambda(:d) = multiplier(law%first_row:law%first_row + d - 1)
+      if (self%facet(i) == 0) return
+      if (.not. self%anchor(i)%set) call anchor_of(self%anchor(i), self%opposite(i))
+      if (self%masters%of(self%pair(i))%tool > 0) call find_sample_feet(self%opposite, &
+         & self%nonlinear_points_type, i)
+      law%shift = shift_of(self, i) &
+         & - model%interaction(model%pair(self%pair(i))%interaction)%clearance
+   end subroutine begin_point
+
+   !> A point that is open whatever its slopes are: with nothing opposite, or a mortar row apart.
+   logical function is_left_open(self, i, law)
+      type(nonlinear_contact_type), intent(inout) :: self
+      integer, intent(in) :: i
+      type(point_law_type), intent(in) :: law
+      integer :: d
+
+      d = size(self%masters%x, 1)
+      is_left_open = .true.
+      if (self%facet(i) == 0) then
+         call stay_open(self, i, d, law)
+      else if (is_clear(self, i, law)) then
+         call stay_clear(self, i, d, law)
+      else
+         is_left_open = .false.
+      end if
+   end function is_left_open
+
+   !> Which facet each closed point presses, for those that sit in the joint of two.
+   subroutine record_facets(self)
+      type(nonlinear_contact_type), intent(inout) :: self
+      integer :: i
+
+      do i = 1, self%n
+         if (self%mortar(self%pair(i))%is_on .or. self%facet(i) == 0) cycle
+         if (self%status(i) /= 0 .and. self%opposite(i)%ncarry > 0) &
+            & call record_facet(self%masters%owner, i, self%opposite(i)%found, &
+            & self%opposite(i)%kept)
+      end do
+   end subroutine record_facets
 
    !> What lies opposite all points at these displacements, and areas of slaves there.
    subroutine detect_all(self, model, u, error)
@@ -144,17 +184,17 @@ contains
 
    !> A mortar row that its values already show to be open: its slopes, which cost most of it, are
    !> not needed.
-   pure logical function is_clear(self, i, lambda, shift)
+   pure logical function is_clear(self, i, law)
       type(nonlinear_contact_type), intent(in) :: self
       integer, intent(in) :: i
-      real(wp), intent(in) :: lambda(3), shift
+      type(point_law_type), intent(in) :: law
       real(wp) :: along, gap
 
       is_clear = .false.
       associate (g => self%enforcement(i), o => self%opposite(i))
          if (.not. self%mortar(self%pair(i))%is_on .or. g%bilateral) return
-         along = dot_product(lambda, o%normal)
-         gap = o%foot%gap + shift
+         along = dot_product(law%lambda, o%normal)
+         gap = o%foot%gap + law%shift
          if (g%tied .or. .not. g%method%solves_for_multiplier()) return
          gap = gap + g%method%penetration(along, g%slope)
          if (g%method%updates()) gap = gap &
@@ -164,13 +204,12 @@ contains
    end function is_clear
 
    !> Such a row is open, with its gap and its normal.
-   subroutine stay_clear(self, i, d, lambda, with_tangent)
+   subroutine stay_clear(self, i, d, law)
       type(nonlinear_contact_type), intent(inout) :: self
       integer, intent(in) :: i, d
-      real(wp), intent(in) :: lambda(3)        !! [stress]
-      logical, intent(in) :: with_tangent
+      type(point_law_type), intent(in) :: law
 
-      call stay_open(self, i, d, lambda, with_tangent)
+      call stay_open(self, i, d, law)
       self%trial(i)%normal = self%opposite(i)%normal
       self%trial(i)%gap = self%opposite(i)%foot%gap
       self%normal(:, i) = self%trial(i)%normal
@@ -179,11 +218,10 @@ contains
    end subroutine stay_clear
 
    !> A point with no master opposite has no traction; its multiplier is sent to zero.
-   subroutine stay_open(self, i, d, lambda, with_tangent)
+   subroutine stay_open(self, i, d, law)
       type(nonlinear_contact_type), intent(inout) :: self
       integer, intent(in) :: i, d
-      real(wp), intent(in) :: lambda(3)
-      logical, intent(in) :: with_tangent
+      type(point_law_type), intent(in) :: law
       integer :: k
 
       self%status(i) = 0
@@ -197,8 +235,8 @@ contains
       self%xi(:, i) = 0.0_wp
       self%trial(i) = point_state_type()
       if (self%first_row(i) == 0) return
-      self%row(self%first_row(i):self%first_row(i) + d - 1) = lambda(:d)/self%enforcement(i)%c
-      if (.not. with_tangent) return
+      self%row(self%first_row(i):self%first_row(i) + d - 1) = law%lambda(:d)/self%enforcement(i)%c
+      if (.not. law%with_tangent) return
       self%nlocal = self%nlocal + 1
       associate (l => self%local(self%nlocal))
          l%nu = 0
@@ -241,6 +279,9 @@ contains
          end associate
          self%xi(:, i) = self%opposite(i)%found%xi
       end associate
+      ! What is open and has no multiplier couples nothing.
+      if (allocated(self%opposite(i)%inner) .and. self%status(i) == 0 .and. &
+         & self%first_row(i) == 0) self%nlocal = self%nlocal - 1
    end subroutine collect
 
    !> One augmentation would change the pressure by slope times penetration beside the compliance;

@@ -7,7 +7,7 @@ module lopin_enforcement_parameters
    use lopin_model, only : model_type, interaction_type
    use lopin_friction, only : friction_type, condition_type, friction_radius, has_friction, &
       & is_regularised
-   use lopin_contact_traction, only : enforcement_parameters_type
+   use lopin_contact_row, only : enforcement_parameters_type
    use lopin_contact_points, only : pair_is_tied
    use lopin_enforcement, only : enforcement_type, setting_type, copy_method
    use lopin_enforcement_factory, only : new_enforcement

@@ -11,7 +11,7 @@ module lopin_nonlinear_contact
    use lopin_dofs, only : dofs_type
    use lopin_friction, only : friction_type
    use lopin_carried_force, only : skin_type
-   use lopin_contact_traction, only : enforcement_parameters_type
+   use lopin_contact_row, only : enforcement_parameters_type, point_state_type
    use lopin_enforcement_parameters, only : choose_enforcement
    use lopin_nonlinear_points, only : nonlinear_points_type, new_nonlinear_points
    use lopin_search, only : cost_type
@@ -19,7 +19,6 @@ module lopin_nonlinear_contact
    use lopin_master_surfaces, only : masters_type, new_masters, areas_of
    use lopin_facet_hysteresis, only : new_facet_hysteresis
    use lopin_skins, only : new_skins
-   use lopin_row_element, only : point_state_type
    use lopin_local_matrix, only : local_matrix_type
    use lopin_mortar_node_2d, only : patch_type
    use lopin_initial_gaps, only : is_moved

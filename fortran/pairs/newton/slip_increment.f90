@@ -5,7 +5,8 @@ module lopin_slip_increment
    use lopin_friction, only : friction_type, condition_type, has_friction, is_regularised, &
       & friction_radius, lost_at_touch
    use lopin_friction_return, only : drag_limit
-   use lopin_contact_traction, only : contact_status, elastic_slip_of, stored_energy
+   use lopin_contact_row, only : contact_status
+   use lopin_contact_traction, only : elastic_slip_of, stored_energy
    use lopin_nonlinear_contact, only : nonlinear_contact_type
    implicit none
    private

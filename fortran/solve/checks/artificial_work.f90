@@ -17,7 +17,7 @@ module lopin_artificial_work
    use lopin_report, only : energy_type, lost_work
    use lopin_certificate, only : artificial_limit
    use lopin_slip_increment, only : dissipated, path_of, shear_bound
-   use lopin_contact_traction, only : contact_status
+   use lopin_contact_row, only : contact_status
    use lopin_predictor, only : resistance
    use lopin_vectors, only : largest
    use lopin_scene, only : scene_type

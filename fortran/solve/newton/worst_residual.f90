@@ -4,7 +4,7 @@ module lopin_worst_residual
    use lopin_text, only : to_text, plural
    use lopin_model, only : model_type
    use lopin_friction, only : has_friction
-   use lopin_contact_traction, only : contact_status
+   use lopin_contact_row, only : contact_status
    use lopin_residual, only : evaluation_type
    use lopin_scene, only : scene_type
    implicit none

@@ -1,0 +1,87 @@
+!> A row of contact: what decides its traction, what it measures and what it answers.
+module lopin_contact_row
+   use lopin_kinds, only : wp
+   use lopin_dual, only : dual_type
+   use lopin_friction, only : friction_type, condition_type
+   use lopin_enforcement, only : enforcement_type
+   implicit none
+   private
+   public :: enforcement_parameters_type, point_law_type, row_type, point_state_type, contact_status
+
+   type :: statuses
+      integer :: open = 0, stick = 1, slip = 2
+   end type statuses
+   type(statuses), parameter :: contact_status = statuses()
+
+   !> The enforcement at one point.
+   type :: enforcement_parameters_type
+      class(enforcement_type), allocatable :: method   !! that Newton solves
+      logical :: tied = .false.                    !! glued, in all directions unless `partly`
+      logical :: bilateral = .false.
+      real(wp) :: c = 1.0_wp, ct = 1.0_wp          !! [stress/length]
+      real(wp) :: slope = 0.0_wp   !! that the method reads: eps [stress/length]; of a law: 1
+      real(wp) :: shear_slope = 0.0_wp   !! unknown traction: epst; 0: exact stick [stress/length]
+      real(wp) :: elastic_slip = 0.0_wp   !! the same: u0, slip before sliding; 0: none [length]
+      real(wp) :: elastic(3) = 0.0_wp              !! of it, committed [length]
+      real(wp) :: yield = 0.0_wp                   !! of the slave; 0: unknown [stress]
+      real(wp) :: grazing = 0.0_wp   !! trial pressures down to minus this count as closed: a point
+                                     !! that just touches holds a body that nothing else holds
+      logical :: clings = .false.   !! at the limit of sticking counts as sticking: so a body that
+                                    !! only friction holds starts an increment
+      real(wp) :: committed(3) = 0.0_wp           !! traction at the start of the increment [stress]
+      real(wp) :: frozen(3) = 0.0_wp   !! multiplier of a method that updates it [stress]
+      real(wp) :: approach(3) = 0.0_wp   !! motion along the master before it touched, no slip
+                                         !! [length]
+      real(wp) :: creep(3) = 0.0_wp               !! regularised by slip: slip from the stick anchor
+      logical :: partly = .false.                  !! tied, but not in all directions
+      real(wp) :: held(3, 3) = 0.0_wp              !! projector on those, if partly
+   end type enforcement_parameters_type
+
+   !> What decides the traction of a point at its place: the law, and the multiplier of this
+   !> iteration.
+   type :: point_law_type
+      type(enforcement_parameters_type), pointer :: enforcement => null()
+      type(friction_type), pointer :: friction => null()
+      type(condition_type) :: at
+      real(wp) :: shift = 0.0_wp               !! added to the gap [length]
+      real(wp) :: lambda(3) = 0.0_wp           !! multiplier, if it is an unknown [stress]
+      integer :: first_row = 0                 !! of the multiplier; 0: none
+      logical :: with_tangent = .true.
+   end type point_law_type
+
+   !> A row in one block of columns.
+   type :: row_type
+      integer :: ndim = 3
+      integer :: from = 0              !! the block has the columns behind this one
+      integer :: columns = 0           !! of the matrix that is asked for
+      logical :: with_tangent = .true., has_rows = .false.   !! has_rows: the traction is an unknown
+      integer :: status = 0            !! contact_status%...
+      real(wp) :: shift = 0.0_wp       !! added to the gap [length]
+      real(wp) :: weight = 1.0_wp      !! [area]
+      ! measured by who makes the row
+      type(dual_type) :: gap           !! [length]
+      type(dual_type) :: normal(3)
+      type(dual_type) :: slip(3)       !! of the increment [length]
+      type(dual_type) :: arm(3)        !! of a tie: from where it holds on [length]
+      type(dual_type) :: multiplier(3) !! if it is an unknown [stress]
+      real(wp) :: held_gap = 0.0_wp    !! of a tie: the gap that it keeps [length]
+      ! what follows
+      type(dual_type) :: z(3)          !! traction on the slave [stress]
+      type(dual_type) :: residual(3)   !! of the multiplier's rows [length]
+      real(wp) :: shear(3, 3) = 0.0_wp !! -dz/dslip without the coupling to pressure [stress/length]
+      real(wp), allocatable :: along_gap(:), along_slip(:, :)   !! slopes by the dofs
+   end type row_type
+
+   !> Results of an evaluation.
+   type :: point_state_type
+      integer :: status = 0
+      real(wp) :: gap = 0.0_wp                 !! of the row [length]
+      real(wp) :: opening = 0.0_wp             !! of the node itself [length]
+      real(wp) :: normal(3) = 0.0_wp
+      real(wp) :: traction(3) = 0.0_wp         !! on the slave [stress]
+      real(wp) :: slip(3) = 0.0_wp             !! of the increment [length]
+      real(wp) :: row(3) = 0.0_wp              !! residuals of its multiplier [length]
+      real(wp) :: weight = 0.0_wp              !! of a mortar row [area]
+      real(wp), allocatable :: force(:)        !! on the first nu dofs of the local matrix [force]
+   end type point_state_type
+end module lopin_contact_row
