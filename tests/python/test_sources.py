@@ -16,9 +16,9 @@ import measure_sources  # noqa: E402
 LIMITS = {
     "files above 400 lines": 0,
     "lines above 100 columns": 0,
-    "procedures above 8 arguments": 31,
+    "procedures above 8 arguments": 24,
     "procedures nested deeper than 4": 0,
-    "procedures above 60 lines": 24,
+    "procedures above 60 lines": 23,
     "types above 20 components": 9,
     "types above 20 components without a reason beside them": 0,
     "modules out of reach": 0,
