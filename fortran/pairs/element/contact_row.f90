@@ -35,6 +35,8 @@ module lopin_contact_row
       real(wp) :: creep(3) = 0.0_wp               !! regularised by slip: slip from the stick anchor
       logical :: partly = .false.                  !! tied, but not in all directions
       real(wp) :: held(3, 3) = 0.0_wp              !! projector on those, if partly
+      logical :: supported = .false.   !! supports hold the node where its master rests too
+      real(wp) :: support(3, 3) = 0.0_wp           !! projector on those directions
    end type enforcement_parameters_type
 
    !> What decides the traction of a point at its place: the law, and the multiplier of this

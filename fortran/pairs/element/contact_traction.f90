@@ -60,8 +60,10 @@ contains
          if (.not. closed) then
             p = constant(0.0_wp)
          else if (has_friction(friction)) then
+            if (e%supported) row%slip(:d) = free_slip(e, row%slip(:d), n)
             s = row%slip(:d)
-            if (any(abs(e%approach) > 0.0_wp)) s = s - tangential(constant(e%approach(:d)), n)
+            if (any(abs(e%approach) > 0.0_wp)) s = s - free_slip(e, constant(e%approach(:d)), n)
+            if (solves .and. e%supported) held = held - idle_part(e, held, n)
             if (is_regularised(friction)) then
                if (.not. by_rate(friction)) s = tangential(s + constant(e%creep(:d)), n)
                call regularised_shear(friction, law%at, p, s, t, shear, growth)
@@ -245,6 +247,37 @@ contains
       depth%v = enforcement%method%penetration(p%v, enforcement%slope)
       depth%d = enforcement%method%penetration(p%d, enforcement%slope)
    end function penetrates
+
+   !> The part along the face of a motion that supports leave to the point.
+   pure function free_slip(enforcement, way, n) result(slip)
+      type(enforcement_parameters_type), intent(in) :: enforcement
+      type(dual_type), intent(in) :: way(:), n(:)  !! [length]
+      type(dual_type) :: slip(size(n)), lean(size(n))
+      integer :: k
+
+      if (.not. enforcement%supported) then
+         slip = tangential(way, n)
+         return
+      end if
+      slip = way
+      lean = n
+      do k = 1, size(n)
+         slip = slip - enforcement%support(:size(n), k)*way(k)
+         lean = lean - enforcement%support(:size(n), k)*n(k)
+      end do
+      slip = slip - lean*(dual_dot(lean, slip)/dual_dot(lean, lean))
+   end function free_slip
+
+   !> What an unknown traction has more than at the start along the face where nothing can slip: it
+   !> works on supports alone, and stays what it was.
+   pure function idle_part(enforcement, held, n) result(idle)
+      type(enforcement_parameters_type), intent(in) :: enforcement
+      type(dual_type), intent(in) :: held(:), n(:) !! held [stress]
+      type(dual_type) :: idle(size(n)), more(size(n))
+
+      more = held - constant(enforcement%committed(:size(n)))
+      idle = tangential(more, n) - free_slip(enforcement, more, n)
+   end function idle_part
 
    pure function tangential(a, n) result(b)
       type(dual_type), intent(in) :: a(:), n(:)

@@ -13,6 +13,7 @@ module lopin_path_nonlinear
    use lopin_constraints, only : expand
    use lopin_contact_history, only : start_increment, augment
    use lopin_nonlinear_tie_release, only : release_nonlinear_ties
+   use lopin_supported_points, only : find_supported_points
    use lopin_newton_workspace, only : add_line, is_nonlinear
    use lopin_semismooth_newton, only : solve_newton, least_cuts
    use lopin_compliance_error, only : limit_compliance
@@ -162,6 +163,8 @@ contains
          & scene%accepted%motion%u, scene%newton%dt, error)
       if (allocated(error)) return
       call release_nonlinear_ties(scene%newton%contact, model, scene%constraints)
+      call find_supported_points(scene%newton%contact, model, scene%constraints, &
+         & scene%accepted%motion%u, prescribed)
       ! By the areas that the increment starts with.
       call set_rounding_floors(scene, model)
       call scene%clock%stop_in(phase%search)

@@ -1,0 +1,159 @@
+!> Slave nodes that supports hold in directions in which their masters rest too.
+!>
+!> On a plane of symmetry the normal of a master of facets may lean out of the plane. Such a node
+!> follows its master in what directions the supports leave, and there is no slip in the others:
+!> rows that measured one would ask more of the node than it can do, and the traction along them
+!> would work on supports alone.
+module lopin_supported_points
+   use lopin_kinds, only : wp
+   use lopin_model, only : model_type
+   use lopin_dofs, only : dofs_type
+   use lopin_constraints, only : constraints_type, expand, raw_displacement, axes_at
+   use lopin_friction, only : has_friction
+   use lopin_nonlinear_contact, only : nonlinear_contact_type
+   implicit none
+   private
+   public :: find_supported_points
+
+   !> Direction cosines, and shares of a facet's nodes, that are rounding.
+   real(wp), parameter :: rounding = 1.0e-9_wp
+   !> A normal that leans so far into the plane that is left can be followed there.
+   real(wp), parameter :: leans = 0.1_wp
+
+contains
+
+   !> By the supports of the step and what they move in the increment.
+   subroutine find_supported_points(self, model, constraints, u, prescribed)
+      type(nonlinear_contact_type), intent(inout) :: self
+      type(model_type), intent(in) :: model
+      type(constraints_type), intent(in) :: constraints
+      real(wp), intent(in) :: u(:)             !! (ndof) where the increment begins
+      real(wp), intent(in) :: prescribed(:)    !! (nprescribed) where it ends
+      real(wp) :: moved(size(u)), nil(constraints%neq), h(3)
+      integer :: i, k
+
+      nil = 0.0_wp
+      call expand(constraints, nil, [(prescribed(i) - raw_displacement(constraints, self%dofs, u, &
+         & constraints%dof_of_prescribed(i)), i=1, size(prescribed))], moved)
+      do i = 1, self%n
+         associate (g => self%enforcement(i))
+            g%supported = .false.
+            g%support = 0.0_wp
+            if (g%tied .or. .not. has_friction(self%friction(self%pair(i)))) cycle
+            if (self%opposite(i)%facet == 0) cycle
+            do k = 1, model%mesh%ndim
+               h = local_axis(constraints, self%node(i), k)
+               if (.not. rests(constraints, self%dofs, self%node(i), 0, h, moved)) cycle
+               if (.not. master_rests(self, model, constraints, i, h, moved)) cycle
+               g%support = g%support + spread(h, 2, 3)*spread(h, 1, 3)
+            end do
+            if (.not. any(abs(g%support) > 0.0_wp)) cycle
+            h = self%start_normal(:, i) - matmul(g%support, self%start_normal(:, i))
+            g%supported = norm2(h) > leans
+         end associate
+      end do
+   end subroutine find_supported_points
+
+   !> Direction of a node's axis.
+   pure function local_axis(constraints, node, k) result(h)
+      type(constraints_type), intent(in) :: constraints
+      integer, intent(in) :: node, k
+      real(wp) :: h(3)
+      integer :: axes
+
+      h = 0.0_wp
+      h(k) = 1.0_wp
+      axes = axes_at(constraints, node, k)
+      if (axes > 0) h = constraints%axes(k, :, axes)
+   end function local_axis
+
+   !> No equation moves a node along a direction, nor do prescribed values in the increment.
+   pure logical function rests(constraints, dofs, node, before, h, moved)
+      type(constraints_type), intent(in) :: constraints
+      type(dofs_type), intent(in) :: dofs
+      integer, intent(in) :: node
+      integer, intent(in) :: before            !! 0: displacements; 3: rotations
+      real(wp), intent(in) :: h(3)             !! unit vector
+      real(wp), intent(in) :: moved(:)         !! (ndof) by prescribed values
+      real(wp) :: along, way(3)
+      integer :: k, j, a, b, id(3)
+
+      id = 0
+      way = 0.0_wp
+      do k = 1, 3
+         if (before + k > size(dofs%id, 1)) exit
+         id(k) = dofs%id(before + k, node)
+         if (id(k) > 0) way(k) = moved(id(k))
+      end do
+      rests = abs(dot_product(way, h)) <= rounding*norm2(way)
+      do k = 1, 3
+         if (id(k) == 0) cycle
+         do a = constraints%first(id(k)), constraints%first(id(k) + 1) - 1
+            along = 0.0_wp
+            do j = 1, 3
+               if (id(j) == 0) cycle
+               do b = constraints%first(id(j)), constraints%first(id(j) + 1) - 1
+                  if (constraints%equation(a) == constraints%equation(b)) along = along &
+                     & + h(j)*constraints%coefficient(b)
+               end do
+            end do
+            rests = rests .and. abs(along) <= rounding
+         end do
+      end do
+   end function rests
+
+   !> The tool, or the nodes that carry the point opposite, have no way along a direction.
+   pure logical function master_rests(self, model, constraints, i, h, moved) result(rest)
+      type(nonlinear_contact_type), intent(in) :: self
+      type(model_type), intent(in) :: model
+      type(constraints_type), intent(in) :: constraints
+      integer, intent(in) :: i                 !! the point
+      real(wp), intent(in) :: h(3), moved(:)
+      integer :: k
+
+      rest = .true.
+      associate (master => self%masters%of(self%pair(i)), a => self%anchor(i))
+         if (master%tool == 0) then
+            rest = .not. self%mortar(self%pair(i))%is_on .and. a%set
+            do k = 1, a%nnode
+               if (abs(a%share(k)) <= rounding) cycle
+               rest = rest .and. rests(constraints, self%dofs, a%node(k), 0, h, moved)
+            end do
+            return
+         end if
+         if (master%body == 0) return
+         associate (node => model%rigid_body(master%body)%reference)
+            rest = rests(constraints, self%dofs, node, 0, h, moved)
+            if (rest) rest = turns_about(constraints, self%dofs, node, model%mesh%ndim, h, &
+               & master%rotation, moved)
+         end associate
+      end associate
+   end function master_rests
+
+   !> A tool turns about a direction, or not at all: no point of it moves along the direction.
+   pure logical function turns_about(constraints, dofs, node, ndim, h, rotation, moved)
+      type(constraints_type), intent(in) :: constraints
+      type(dofs_type), intent(in) :: dofs
+      integer, intent(in) :: node, ndim
+      real(wp), intent(in) :: h(3)
+      real(wp), intent(in) :: rotation(3)      !! so far [rad]
+      real(wp), intent(in) :: moved(:)
+      real(wp) :: across(3, 3)
+      integer :: k
+
+      if (ndim == 2) then
+         turns_about = rests(constraints, dofs, node, 3, [0.0_wp, 0.0_wp, 1.0_wp], moved)
+         return
+      end if
+      turns_about = .true.
+      across = -spread(h, 2, 3)*spread(h, 1, 3)
+      do k = 1, 3
+         across(k, k) = across(k, k) + 1.0_wp
+         if (norm2(across(:, k)) <= rounding) cycle
+         turns_about = turns_about .and. rests(constraints, dofs, node, 3, across(:, k) &
+            & /norm2(across(:, k)), moved)
+      end do
+      if (norm2(matmul(across, rotation)) <= rounding) return
+      turns_about = turns_about .and. rests(constraints, dofs, node, 3, h, moved)
+   end function turns_about
+end module lopin_supported_points
