@@ -15,7 +15,7 @@ module lopin_supported_points
    private
    public :: find_supported_points
 
-   !> Direction cosines, and shares of a facet's nodes, that are rounding.
+   !> Direction cosines, ways beside a facet, and shares of a facet's nodes, that are rounding.
    real(wp), parameter :: rounding = 1.0e-9_wp
    !> A normal that leans so far into the plane that is left can be followed there.
    real(wp), parameter :: leans = 0.1_wp
@@ -43,7 +43,8 @@ contains
             if (self%opposite(i)%facet == 0) cycle
             do k = 1, model%mesh%ndim
                h = local_axis(constraints, self%node(i), k)
-               if (.not. rests(constraints, self%dofs, self%node(i), 0, h, moved)) cycle
+               if (.not. rests(constraints, self%dofs, self%node(i), 0, h, moved, &
+                  & self%size(i))) cycle
                if (.not. master_rests(self, model, constraints, i, h, moved)) cycle
                g%support = g%support + spread(h, 2, 3)*spread(h, 1, 3)
             end do
@@ -68,13 +69,14 @@ contains
    end function local_axis
 
    !> No equation moves a node along a direction, nor do prescribed values in the increment.
-   pure logical function rests(constraints, dofs, node, before, h, moved)
+   pure logical function rests(constraints, dofs, node, before, h, moved, unit)
       type(constraints_type), intent(in) :: constraints
       type(dofs_type), intent(in) :: dofs
       integer, intent(in) :: node
       integer, intent(in) :: before            !! 0: displacements; 3: rotations
       real(wp), intent(in) :: h(3)             !! unit vector
       real(wp), intent(in) :: moved(:)         !! (ndof) by prescribed values
+      real(wp), intent(in) :: unit             !! a length of the point, or 1 rad
       real(wp) :: along, way(3)
       integer :: k, j, a, b, id(3)
 
@@ -85,7 +87,7 @@ contains
          id(k) = dofs%id(before + k, node)
          if (id(k) > 0) way(k) = moved(id(k))
       end do
-      rests = abs(dot_product(way, h)) <= rounding*norm2(way)
+      rests = abs(dot_product(way, h)) <= rounding*unit
       do k = 1, 3
          if (id(k) == 0) cycle
          do a = constraints%first(id(k)), constraints%first(id(k) + 1) - 1
@@ -117,13 +119,14 @@ contains
             rest = .not. self%mortar(self%pair(i))%is_on .and. a%set
             do k = 1, a%nnode
                if (abs(a%share(k)) <= rounding) cycle
-               rest = rest .and. rests(constraints, self%dofs, a%node(k), 0, h, moved)
+               rest = rest .and. rests(constraints, self%dofs, a%node(k), 0, h, moved, &
+                  & self%size(i))
             end do
             return
          end if
          if (master%body == 0) return
          associate (node => model%rigid_body(master%body)%reference)
-            rest = rests(constraints, self%dofs, node, 0, h, moved)
+            rest = rests(constraints, self%dofs, node, 0, h, moved, self%size(i))
             if (rest) rest = turns_about(constraints, self%dofs, node, model%mesh%ndim, h, &
                & master%rotation, moved)
          end associate
@@ -142,7 +145,8 @@ contains
       integer :: k
 
       if (ndim == 2) then
-         turns_about = rests(constraints, dofs, node, 3, [0.0_wp, 0.0_wp, 1.0_wp], moved)
+         turns_about = rests(constraints, dofs, node, 3, [0.0_wp, 0.0_wp, 1.0_wp], moved, &
+            & 1.0_wp)
          return
       end if
       turns_about = .true.
@@ -151,9 +155,10 @@ contains
          across(k, k) = across(k, k) + 1.0_wp
          if (norm2(across(:, k)) <= rounding) cycle
          turns_about = turns_about .and. rests(constraints, dofs, node, 3, across(:, k) &
-            & /norm2(across(:, k)), moved)
+            & /norm2(across(:, k)), moved, 1.0_wp)
       end do
       if (norm2(matmul(across, rotation)) <= rounding) return
-      turns_about = turns_about .and. rests(constraints, dofs, node, 3, h, moved)
+      turns_about = turns_about .and. rests(constraints, dofs, node, 3, h, moved, &
+         & 1.0_wp)
    end function turns_about
 end module lopin_supported_points
