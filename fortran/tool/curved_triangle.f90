@@ -5,12 +5,15 @@
 !> 12, 23 and 31. An edge that bends the way of a circle has the sagitta of the circle.
 module lopin_curved_triangle
    use lopin_kinds, only : wp
+   use lopin_vectors, only : cross
    implicit none
    private
    public :: edge_control, closest_on_curved, normal_slopes
 
    integer, parameter :: most_steps = 25
    real(wp), parameter :: still = 1.0e-14_wp   !! of a parameter [-]
+   !> Patches of which the normal has turned further from that of the corners have none [cosine].
+   real(wp), parameter :: least = 0.5_wp
    !> Along the edges 12, 23, 31, in the shares of corners 2 and 3.
    real(wp), parameter :: ways(2, 3) = reshape([1.0_wp, 0.0_wp, -1.0_wp, 1.0_wp, 0.0_wp, &
       & -1.0_wp], [2, 3])
@@ -151,14 +154,17 @@ contains
       bend(:, 3) = 2.0_wp*(control(:, 1) + control(:, 5) - control(:, 4) - control(:, 6))
    end subroutine find_slopes
 
-   !> The normal between those of the corners, and how it turns as the point moves.
-   pure subroutine normal_slopes(control, corner, share, feature, x, normal, hessian)
+   !> The normal between those of the corners, how it turns as the point moves, and the normal of the
+   !> patch itself.
+   pure subroutine normal_slopes(control, corner, share, feature, x, normal, hessian, own)
       real(wp), intent(in) :: control(3, 6)    !! [length]
       real(wp), intent(in) :: corner(3, 3)     !! unit normals of the corners
       real(wp), intent(in) :: share(3)         !! of the corners at the foot [-]
       integer, intent(in) :: feature           !! what the foot lies on
       real(wp), intent(in) :: x(3)             !! the point [length]
-      real(wp), intent(out) :: normal(3), hessian(3, 3)   !! hessian [1/length]
+      real(wp), intent(out) :: normal(3)
+      real(wp), intent(out) :: hessian(3, 3)   !! of normal(i) by x(j) [1/length]
+      real(wp), intent(out) :: own(3)
       real(wp) :: slope(3, 2), bend(3, 3), j(2, 2), det, size_, turn(3, 2), move(3, 2), way(2), &
          & along(3), stiff
       integer :: i
@@ -172,8 +178,11 @@ contains
          turn(:, i) = turn(:, i) - dot_product(turn(:, i), normal)*normal
       end do
       hessian = 0.0_wp
-      if (feature > 3) return
       call find_slopes(control, share, slope, bend)
+      own = cross(slope(:, 1), slope(:, 2))
+      if (.not. abs(dot_product(own, normal)) > least*norm2(own)) own = normal
+      own = sign(1.0_wp, dot_product(own, normal))/norm2(own)*own
+      if (feature > 3) return
       j = matmul(transpose(slope), slope)
       call add_bend(j, at(control, share) - x, bend)
       if (feature == 0) then
@@ -192,6 +201,5 @@ contains
       do i = 1, 3
          hessian(:, i) = turn(:, 1)*move(i, 1) + turn(:, 2)*move(i, 2)
       end do
-      hessian = 0.5_wp*(hessian + transpose(hessian))
    end subroutine normal_slopes
 end module lopin_curved_triangle

@@ -23,8 +23,10 @@ module lopin_tool
       logical :: found = .false.            !! false only when the surface has no point to offer
       real(wp) :: point(3) = 0.0_wp         !! closest point of the surface [length]
       real(wp) :: normal(3) = 0.0_wp        !! unit outward normal = gradient of the gap
+      logical :: leans = .false.            !! but for facets whose normals run between corners:
+      real(wp) :: gradient(3) = 0.0_wp      !! of the gap there; the normal is about that
       real(wp) :: gap = 0.0_wp              !! >= 0 open, < 0 penetrating [length]
-      real(wp) :: hessian(3, 3) = 0.0_wp    !! second gradient of the gap = d normal/d x [1/length]
+      real(wp) :: hessian(3, 3) = 0.0_wp    !! d normal/d x: of component i by x(j) [1/length]
       real(wp) :: overhang = 0.0_wp         !! > 0: x lies that far beyond an open end [length]
       integer :: segment = 0                !! segment of a profile, else 1
       logical :: corner = .false.           !! the foot is a sharp corner
@@ -142,6 +144,7 @@ contains
 
       foot%point(:ndim) = motion%to_global(foot%point(:ndim))
       foot%normal(:ndim) = motion%turn(foot%normal(:ndim))
+      foot%gradient(:ndim) = motion%turn(foot%gradient(:ndim))
       foot%hessian(:ndim, :ndim) = matmul(motion%rotation(:ndim, :ndim), &
          & matmul(foot%hessian(:ndim, :ndim), transpose(motion%rotation(:ndim, :ndim))))
    end subroutine move_foot

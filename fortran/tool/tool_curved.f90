@@ -8,7 +8,7 @@
 module lopin_tool_curved
    use lopin_kinds, only : wp
    use lopin_facet_mesh, only : facet_mesh_type, edge_of
-   use lopin_tool, only : foot_type, one_plane
+   use lopin_tool, only : foot_type, one_plane, coincidence
    use lopin_vectors, only : cross
    use lopin_tool_facets, only : facets_tool_type, nearest_type, new_facets_tool, settle_flat, sharp
    use lopin_curved_triangle, only : edge_control, closest_on_curved, normal_slopes
@@ -262,13 +262,16 @@ contains
          foot%segment = f
          foot%point = there%point
          call normal_slopes(self%control(:, :, f), self%corner(:, :, f), share, k, x, foot%normal, &
-            & foot%hessian)
+            & foot%hessian, foot%gradient)
          arm = x - foot%point
          foot%gap = dot_product(arm, foot%normal)
          if (perimeter) then
             foot%overhang = norm2(arm - foot%gap*foot%normal)
          else
+            foot%leans = .true.
             foot%gap = sign(sqrt(there%distance2), foot%gap)
+            ! On an edge between two patches the gap is along the arm.
+            if (k > 0 .and. abs(foot%gap) > coincidence*self%size) foot%gradient = arm/foot%gap
          end if
       end associate
    end subroutine settle_curved

@@ -70,4 +70,3 @@ def test_methods_agree_on_what_leaning_facets_do_at_planes_of_symmetry(solve, tm
     assert exact.summary["certificate"]["verdict"] == "PASS"
     assert force(exact, words.get("q"), words.get("unit", 1.0)) == pytest.approx(soft, abs=0.01*abs(soft[2]))
     assert sum(exact.history["iterations"]) < (200 if case == "augmented" else 70)
-

@@ -213,9 +213,13 @@ contains
       way = y
       way%v = 0.0_wp
       gap = constant(found%gap)
-      gap = gap + dual_dot(constant(found%normal), way)
+      if (found%leans) then
+         gap = gap + dual_dot(constant(found%gradient), way)
+      else
+         gap = gap + dual_dot(constant(found%normal), way)
+      end if
       do i = 1, 3
-         normal(i) = found%normal(i) + dual_dot(constant(found%hessian(:, i)), way)
+         normal(i) = found%normal(i) + dual_dot(constant(found%hessian(i, :)), way)
       end do
    end subroutine tool_foot
 end module lopin_contact_foot

@@ -130,7 +130,7 @@ contains
       type(inner_foot_type) :: bent
       integer :: j
 
-      if (any(abs(foot%hessian) > 0.0_wp)) then
+      if (foot%leans .or. any(abs(foot%hessian) > 0.0_wp)) then
          bent%c = c
          bent%nnode = size(at)
          bent%at(:size(at)) = at
