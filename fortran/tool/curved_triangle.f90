@@ -154,19 +154,18 @@ contains
       bend(:, 3) = 2.0_wp*(control(:, 1) + control(:, 5) - control(:, 4) - control(:, 6))
    end subroutine find_slopes
 
-   !> The normal between those of the corners, how it turns as the point moves, and the normal of the
-   !> patch itself.
-   pure subroutine normal_slopes(control, corner, share, feature, x, normal, hessian, own)
+   !> The normal between those of the corners, the patch's own, and how the first turns as the point
+   !> moves.
+   pure subroutine normal_slopes(control, corner, share, feature, x, normals, hessian)
       real(wp), intent(in) :: control(3, 6)    !! [length]
       real(wp), intent(in) :: corner(3, 3)     !! unit normals of the corners
       real(wp), intent(in) :: share(3)         !! of the corners at the foot [-]
       integer, intent(in) :: feature           !! what the foot lies on
       real(wp), intent(in) :: x(3)             !! the point [length]
-      real(wp), intent(out) :: normal(3)
-      real(wp), intent(out) :: hessian(3, 3)   !! of normal(i) by x(j) [1/length]
-      real(wp), intent(out) :: own(3)
-      real(wp) :: slope(3, 2), bend(3, 3), j(2, 2), det, size_, turn(3, 2), move(3, 2), way(2), &
-         & along(3), stiff
+      real(wp), intent(out) :: normals(3, 2)
+      real(wp), intent(out) :: hessian(3, 3)   !! of normals(i, 1) by x(j) [1/length]
+      real(wp) :: slope(3, 2), bend(3, 3), j(2, 2), det, size_, normal(3), own(3), &
+         & turn(3, 2), move(3, 2), way(2), along(3), stiff
       integer :: i
 
       normal = matmul(corner, share)
@@ -182,6 +181,8 @@ contains
       own = cross(slope(:, 1), slope(:, 2))
       if (.not. abs(dot_product(own, normal)) > least*norm2(own)) own = normal
       own = sign(1.0_wp, dot_product(own, normal))/norm2(own)*own
+      normals(:, 1) = normal
+      normals(:, 2) = own
       if (feature > 3) return
       j = matmul(transpose(slope), slope)
       call add_bend(j, at(control, share) - x, bend)

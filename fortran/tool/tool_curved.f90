@@ -237,7 +237,7 @@ contains
       type(nearest_type), intent(in) :: nearest
       type(foot_type), intent(out) :: foot
       type(nearest_type) :: there
-      real(wp) :: share(3), arm(3)
+      real(wp) :: share(3), arm(3), normals(3, 2)
       logical :: perimeter
       integer :: v
 
@@ -261,8 +261,10 @@ contains
          foot%found = .true.
          foot%segment = f
          foot%point = there%point
-         call normal_slopes(self%control(:, :, f), self%corner(:, :, f), share, k, x, foot%normal, &
-            & foot%hessian, foot%gradient)
+         call normal_slopes(self%control(:, :, f), self%corner(:, :, f), share, k, x, normals, &
+            & foot%hessian)
+         foot%normal = normals(:, 1)
+         foot%gradient = normals(:, 2)
          arm = x - foot%point
          foot%gap = dot_product(arm, foot%normal)
          if (perimeter) then
