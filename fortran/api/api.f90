@@ -41,19 +41,18 @@ contains
    end subroutine run_deck
 
    !> Open a run: `advance` goes to its increments, `end_run` ends it, `close_session` forgets it.
-   subroutine open_run(text, name, folder, output, options, state, n, handle, code)
-      character(len=*), intent(in) :: text, name, folder, output, options
-      integer, intent(in) :: n
-      integer(kind=1), intent(in) :: state(n)   !! from `get_state` of the same deck; n = 0: none
+   subroutine open_run(text, name, folder, output, options, state, handle, code)
+      character(len=*), intent(in) :: text, name, folder, output, options   !! as of `run_deck`
+      integer(kind=1), intent(in) :: state(:)   !! from `get_state` of the same deck; empty: none
       integer, intent(out) :: handle, code
       !f2py threadsafe
       type(session_type), allocatable :: session
       type(stream_type) :: stream
 
       allocate (session)
-      if (n > 0) then
+      if (size(state) > 0) then
          stream%bytes = state
-         stream%n = n
+         stream%n = size(state)
          call new_session(session, deck_text_type(text, name, folder), output, options, .true., &
             & stream)
       else
@@ -243,22 +242,22 @@ contains
       call cell_functions(cell, xi, values, slopes, code)
    end subroutine probe_shape
 
-   subroutine probe_project(cell, x, point, nnode, ndim, xi, gap, normal, code)
+   subroutine probe_project(cell, x, point, nnode, ndim, foot, code)
       character(len=*), intent(in) :: cell
       integer, intent(in) :: nnode, ndim
       double precision, intent(in) :: x(ndim, nnode), point(ndim)
-      double precision, intent(out) :: xi(ndim - 1), gap, normal(ndim)
+      double precision, intent(out) :: foot(2*ndim)   !! xi (ndim - 1), gap, normal (ndim)
       integer, intent(out) :: code
-      call facet_projection(cell, x, point, xi, gap, normal, code)
+      call facet_projection(cell, x, point, foot(:ndim - 1), foot(ndim), foot(ndim + 1:), code)
    end subroutine probe_project
 
-   subroutine probe_tool_gap(kind, data, points, ndata, ndim, npoint, gap, normal, code)
+   subroutine probe_tool_gap(kind, data, points, ndata, ndim, npoint, foot, code)
       character(len=*), intent(in) :: kind
       integer, intent(in) :: ndata, ndim, npoint
       double precision, intent(in) :: data(ndata), points(ndim, npoint)
-      double precision, intent(out) :: gap(npoint), normal(ndim, npoint)
+      double precision, intent(out) :: foot(ndim + 1, npoint)   !! gap, normal
       integer, intent(out) :: code
-      call tool_gaps(kind, data, points, gap, normal, code)
+      call tool_gaps(kind, data, points, foot(1, :), foot(2:, :), code)
    end subroutine probe_tool_gap
 
    subroutine probe_skyline_solve(pointer, row, value, b, n, nnz, x, code)
@@ -290,38 +289,32 @@ contains
       call moduli(kind, young, poisson, d, code)
    end subroutine probe_hooke
 
-   subroutine probe_stiffness(word, formulation, x, elastic, thickness, nnode, ndim, k, code)
+   subroutine probe_stiffness(word, formulation, x, elastic, nnode, ndim, k, code)
       character(len=*), intent(in) :: word, formulation
       integer, intent(in) :: nnode, ndim
-      double precision, intent(in) :: x(ndim, nnode), elastic(2), thickness
+      double precision, intent(in) :: x(ndim, nnode)
+      double precision, intent(in) :: elastic(3)   !! Young's modulus, Poisson's ratio, thickness
       double precision, intent(out) :: k(ndim*nnode, ndim*nnode)
       integer, intent(out) :: code
-      call element_stiffness(word, formulation, x, elastic, thickness, k, code)
+      call element_stiffness(word, formulation, x, elastic(:2), elastic(3), k, code)
    end subroutine probe_stiffness
 
-   subroutine probe_friction(law, regularization, data, condition, stiffness, argument, pressure, &
-      & n, answer, code)
+   subroutine probe_friction(law, regularization, data, point, n, answer, code)
       character(len=*), intent(in) :: law, regularization
       integer, intent(in) :: n
-      double precision, intent(in) :: data(9), condition(4), stiffness, argument(n), pressure(n)
+      double precision, intent(in) :: data(14), point(2, n)   !! as of `friction_tractions`
       double precision, intent(out) :: answer(3, n)
       integer, intent(out) :: code
-      call friction_tractions(law, regularization, data, condition, stiffness, argument, pressure, &
-         & answer, code)
+      call friction_tractions(law, regularization, data, point, answer, code)
    end subroutine probe_friction
 
-   subroutine probe_friction_increment(compliance, gap, mu, alpha, switches, scaling, force0, &
-      & gaps0, n, force, gaps, info, critical, code)
+   subroutine probe_friction_increment(compliance, law, switches, before, n, after, info, code)
       integer, intent(in) :: n
-      double precision, intent(in) :: compliance(n, n), gap(n), mu, alpha, scaling, force0(n), &
-         & gaps0(n)
+      double precision, intent(in) :: compliance(n, n), law(3), before(n, 3)
       integer, intent(in) :: switches(4)
-      double precision, intent(out) :: force(n), gaps(n), critical
-      integer, intent(out) :: info(6), code
+      double precision, intent(out) :: after(n, 2), info(7)   !! as of `friction_increment`
+      integer, intent(out) :: code
       !f2py threadsafe
-      force = force0
-      gaps = gaps0
-      call friction_increment(compliance, gap, mu, alpha, switches, scaling, force, gaps, info, &
-         & critical, code)
+      call friction_increment(compliance, law, switches, before, after, info, code)
    end subroutine probe_friction_increment
 end module lopin_api

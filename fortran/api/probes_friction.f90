@@ -12,19 +12,17 @@ module lopin_probes_friction
 contains
 
    !> Tractions and their slopes at many points.
-   subroutine friction_tractions(law_word, regularization_word, data, condition, stiffness, &
-      & argument, pressure, answer, code)
+   subroutine friction_tractions(law_word, regularization_word, data, point, answer, code)
       character(len=*), intent(in) :: law_word, regularization_word   !! of the deck
-      real(wp), intent(in) :: data(:)   !! mu, mu static, decay, m, alpha, q, TAUMAX, u0, v0
-      real(wp), intent(in) :: condition(:)         !! yield stress, von Mises stress, dt, speed
-      real(wp), intent(in) :: stiffness            !! of the return [stress/length]
-      real(wp), intent(in) :: argument(:)   !! LINEAR: trial [stress]; else slip [length]; >= 0
-      real(wp), intent(in) :: pressure(:)          !! [stress]
+      real(wp), intent(in) :: data(:)   !! (14) mu, mu static, decay, m, alpha, q, TAUMAX, u0, v0;
+                                        !! yield stress, von Mises stress, dt, speed; stiffness of
+                                        !! the return [stress/length]
+      real(wp), intent(in) :: point(:, :)   !! (2, n) argument >= 0 (LINEAR: trial [stress], else
+                                            !! slip [length]), pressure [stress]
       real(wp), intent(out) :: answer(:, :)   !! (3, n) traction, slope in argument, in pressure
       integer, intent(out) :: code
       type(friction_type) :: law
       type(condition_type) :: at
-      logical :: slips
       integer :: i
 
       answer = 0.0_wp
@@ -42,13 +40,13 @@ contains
       law%tau_max = data(7)
       law%elastic_slip = data(8)
       law%v0 = data(9)
-      at = condition_type(condition(1), condition(2), condition(3), condition(4))
-      do i = 1, size(argument)
+      at = condition_type(data(10), data(11), data(12), data(13))
+      do i = 1, size(point, 2)
          if (law%regularization == regularization_of%linear) then
-            call return_to_disc(law, argument(i), stiffness, pressure(i), at, answer(1, i), &
-               & answer(2, i), answer(3, i), slips)
+            call return_to_disc(law, point(1, i), data(14), point(2, i), at, answer(1, i), &
+               & answer(2, i), answer(3, i))
          else
-            call regularised_traction(law, argument(i), pressure(i), at, answer(1, i), &
+            call regularised_traction(law, point(1, i), point(2, i), at, answer(1, i), &
                & answer(2, i), answer(3, i))
          end if
       end do

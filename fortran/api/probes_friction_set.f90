@@ -17,47 +17,49 @@ contains
 
    !> Coulomb's friction at points in the plane: the first half of the rows presses, the other
    !> slides. `code` is 0, 2 for sizes that do not fit, 3 for states that do not settle.
-   subroutine friction_increment(compliance, gap, mu, alpha, switch, scaling, force, gaps, info, &
-      & critical, code)
+   subroutine friction_increment(compliance, law, switch, before, after, info, code)
       real(wp), intent(in) :: compliance(:, :)     !! (2 n, 2 n) symmetric [length/force]
-      real(wp), intent(in) :: gap(:)               !! (2 n) without forces [length]
-      real(wp), intent(in) :: mu                   !! [-]
-      real(wp), intent(in) :: alpha   !! springs, normal and tangential [force/length]; 0: exact
+      real(wp), intent(in) :: law(3)   !! coefficient [-]; springs, normal and tangential, 0: exact
+                                       !! [force/length]; c_t times the mean nodal compliance, 0:
+                                       !! the rule [-]
       integer, intent(in) :: switch(:)   !! warm, line search, predict, ladder: 1 on, 0 off
-      real(wp), intent(in) :: scaling    !! c_t times the mean nodal compliance; 0: the rule
-      real(wp), intent(inout) :: force(:)          !! (2 n) accepted last, then the answer [force]
-      real(wp), intent(inout) :: gaps(:)           !! (2 n) accepted last, then the answer [length]
-      integer, intent(out) :: info(:)   !! iterations, cure, sticking, slipping, wedging point, sign
-      real(wp), intent(out) :: critical            !! coefficient of that point [-]
+      real(wp), intent(in) :: before(:, :)   !! (2 n, 3) gap without forces [length]; accepted last:
+                                             !! force [force], gap [length]
+      real(wp), intent(out) :: after(:, :)         !! (2 n, 2) force [force], gap [length]
+      real(wp), intent(out) :: info(:)   !! (7) iterations, cure, sticking, slipping, wedging point,
+                                         !! sign; critical coefficient of that point [-]
       integer, intent(out) :: code
       type(condensed_type) :: problem
       type(friction_points_type) :: points
       type(contact_result_type) :: result
       type(friction_result_type) :: friction
       type(friction_controls_type) :: controls
-      real(wp) :: coefficient
+      real(wp) :: coefficient, critical
+      integer :: n, wedging
 
-      info = 0
-      critical = 0.0_wp
+      info = 0.0_wp
+      after = before(:, 2:)
       code = error_code%usage
-      if (size(gap) == 0 .or. mod(size(gap), 2) /= 0) return
-      call new_problem(problem, compliance, alpha)
-      call new_points(points, size(gap)/2, mu, alpha, force, gaps)
-      controls = friction_controls_type(scaling, switch(2) == 1, switch(3) == 1, switch(4) == 1)
+      n = size(before, 1)
+      if (n == 0 .or. mod(n, 2) /= 0) return
+      call new_problem(problem, compliance, law(2))
+      call new_points(points, n/2, law(1), law(2), before(:, 2), before(:, 3))
+      controls = friction_controls_type(law(3), switch(2) == 1, switch(3) == 1, switch(4) == 1)
       if (switch(1) == 1) then
-         result%force = force
-         result%gap = gaps
+         result%force = before(:, 2)
+         result%gap = before(:, 3)
          allocate (result%q(0))
       end if
-      call solve_friction(problem, points, gap, spread(0.0_wp, 1, size(gap)), [real(wp) ::], &
+      call solve_friction(problem, points, before(:, 1), spread(0.0_wp, 1, n), [real(wp) ::], &
          & result, friction, controls)
       code = merge(0, error_code%not_converged, result%outcome == outcome%solved)
-      force = result%force
-      gaps = result%gap
-      call find_wedging(problem%s, points, friction%status, info(5), coefficient, critical)
-      info(:4) = [result%iterations, friction%cure, count(friction%status == 1), &
-         & count(friction%status == 2)]
-      info(6) = friction%sign_of_determinant
+      after(:, 1) = result%force
+      after(:, 2) = result%gap
+      critical = 0.0_wp
+      call find_wedging(problem%s, points, friction%status, wedging, coefficient, critical)
+      info(:6) = [result%iterations, friction%cure, count(friction%status == 1), &
+         & count(friction%status == 2), wedging, friction%sign_of_determinant]
+      info(7) = critical
    end subroutine friction_increment
 
    !> A unit stiffness under every row, and the compliance as it is.

@@ -195,10 +195,11 @@ def probe_shape(cell: str, xi: ArrayLike) -> tuple[NDArray, NDArray]:
 
 def probe_project(cell: str, x: ArrayLike, point: ArrayLike) -> tuple[NDArray, float, NDArray]:
     """Closest point on one facet: xi, signed gap, normal; x (node, ndim)."""
-    xi, gap, normal, code = core().probe_project(
+    foot, code = core().probe_project(
         cell=_cell_name(cell), x=_fortran(x), point=np.asarray(point, float))
     _answered(code, f"no projection on '{cell}'")
-    return xi, float(gap), normal
+    n = len(foot)//2
+    return foot[:n - 1], float(foot[n - 1]), foot[n:]
 
 
 def probe_tool_gap(kind: str, data: ArrayLike, points: ArrayLike) -> tuple[NDArray, NDArray]:
@@ -207,10 +208,10 @@ def probe_tool_gap(kind: str, data: ArrayLike, points: ArrayLike) -> tuple[NDArr
     `data`: "plane": origin, normal; "sphere": centre, radius; "cylinder": start, end, radius;
     "profile": five numbers a row, 0 START, 1 LINE or 2 CIRCL, then its coordinates and zeros.
     """
-    gap, normal, code = core().probe_tool_gap(
+    foot, code = core().probe_tool_gap(
         kind=kind, data=np.ravel(np.asarray(data, float)), points=_fortran(points))
     _answered(code, f"no tool '{kind}'")
-    return gap, normal.T.copy()
+    return foot[0].copy(), foot[1:].T.copy()
 
 
 def probe_skyline_solve(pointers: ArrayLike, rows: ArrayLike, values: ArrayLike,
@@ -248,8 +249,7 @@ def probe_stiffness(word: str, x: ArrayLike, young: float, poisson: float, *,
                     thickness: float = 1.0, full: bool = False) -> NDArray:
     """Stiffness of an element of the deck language; x (node, ndim). `full`: no mean dilatation."""
     stiffness, code = core().probe_stiffness(word=word, formulation="FULL" if full else "",
-                                             x=_fortran(x), elastic=[young, poisson],
-                                             thickness=thickness)
+                                             x=_fortran(x), elastic=[young, poisson, thickness])
     _answered(code, f"no stiffness of an element '{word}' of this shape")
     return stiffness
 
@@ -268,9 +268,8 @@ def probe_friction(law: str, argument: ArrayLike, pressure: ArrayLike, *,
     argument, pressure = np.broadcast_arrays(np.atleast_1d(np.asarray(argument, float)),
                                              np.asarray(pressure, float))
     answer, code = core().probe_friction(
-        law=law, regularization=regularization, data=[numbers[name] for name in names],
-        condition=[yield_stress, mises, dt, speed], stiffness=stiffness, argument=argument,
-        pressure=pressure)
+        law=law, regularization=regularization, point=np.asfortranarray([argument, pressure]),
+        data=[*(numbers[name] for name in names), yield_stress, mises, dt, speed, stiffness])
     _answered(code, f"no law of friction '{law}' with regularisation '{regularization}'")
     return answer
 
@@ -286,15 +285,15 @@ def probe_friction_increment(compliance: ArrayLike, gap: ArrayLike, mu: float, f
     the dict: iterations, cure, sticking, slipping, wedging (a point or 0), sign (of the
     determinant), critical (coefficient of friction), code (0 solved, 3 states do not settle).
     """
-    force, gaps, info, critical, code = core().probe_friction_increment(
-        compliance=np.asfortranarray(compliance, float), gap=np.asarray(gap, float), mu=mu,
-        alpha=stiffness, switches=[int(v) for v in (warm, line_search, predict, ladder)],
-        scaling=scaling, force0=np.asarray(force, float), gaps0=np.asarray(gaps, float))
+    after, info, code = core().probe_friction_increment(
+        compliance=np.asfortranarray(compliance, float), law=[mu, stiffness, scaling],
+        switches=[int(v) for v in (warm, line_search, predict, ladder)],
+        before=np.asfortranarray(np.array([gap, force, gaps], float).T))
     if code not in (0, 3):
         _answered(code, "no friction of such sizes")
     names = ("iterations", "cure", "sticking", "slipping", "wedging", "sign")
-    said = dict(zip(names, map(int, info))) | {"critical": float(critical), "code": int(code)}
-    return force, gaps, said
+    said = dict(zip(names, map(int, info))) | {"critical": float(info[-1]), "code": int(code)}
+    return after[:, 0], after[:, 1], said
 
 
 def _cell_name(cell: str) -> str:

@@ -9,7 +9,8 @@ program test_mortar
    use lopin_search, only : tree_type, build_tree
    use lopin_error, only : error_type
    use lopin_mortar_cells_2d, only : segment_type, integrate_segment, find_least
-   use lopin_mortar_overlap, only : overlap_type, overlap_list_type, add_overlap
+   use lopin_mortar_overlap, only : overlap_type, overlap_list_type, add_overlap, &
+      & overlap_limits_type, area_measure_type
    use lopin_mortar_overlaps_2d, only : find_overlaps_2d
    use lopin_slave_pieces, only : split_slave, piece_normals, whole_weights
    use lopin_mortar_cover, only : cover_type, new_cover
@@ -320,6 +321,7 @@ contains
       integer, allocatable :: piece(:)
       real(wp), allocatable :: normal(:, :), full(:)
       real(wp) :: thickness(slave%facets%n), share(slave%facets%n)
+      type(area_measure_type) :: measure
 
       thickness = 1.0_wp
       call split_slave(slave, rules, x, piece)
@@ -328,9 +330,10 @@ contains
       call whole_weights(slave, rules, x, axisymmetric, thickness, full, share)
       call new_cover(cover, full, share, .false.)
       call build_tree(tree, master%low, master%high)
-      call find_overlaps_2d(slave, normal, master, tree, x, &
-         & axisymmetric, thickness, 20.0_wp, facing, list)
-      call couple(coupling, rules, slave, master, x, axisymmetric, thickness, list, cover)
+      measure = area_measure_type(axisymmetric, thickness)
+      call find_overlaps_2d(slave, normal, master, tree, x, measure, &
+         & overlap_limits_type(20.0_wp, facing), list)
+      call couple(coupling, rules, slave, master, x, measure, list, cover)
    end subroutine couple_lines
 
    subroutine rows_reproduce(nnode, axisymmetric)
@@ -447,7 +450,7 @@ contains
          call add_overlap(list, item)
          call whole_weights(slave, rules, x, .false., [1.0_wp], full(:n), share)
          call new_cover(cover, full(:n), share, .false.)
-         call couple(c, rules, slave, master, x, .false., [1.0_wp], list, cover)
+         call couple(c, rules, slave, master, x, area_measure_type(.false., [1.0_wp]), list, cover)
          call is_true('all nodes, positive', c%n == n .and. all(c%weight > 0.0_wp))
          do j = 1, c%n
             row = 0.0_wp

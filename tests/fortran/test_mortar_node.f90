@@ -6,12 +6,13 @@ program test_mortar_node
    use lopin_surface, only : surface_type, new_surface, update_surface
    use lopin_search, only : tree_type, build_tree
    use lopin_error, only : error_type
-   use lopin_mortar_overlap, only : overlap_list_type
+   use lopin_mortar_overlap, only : overlap_list_type, overlap_limits_type, area_measure_type
    use lopin_mortar_overlaps_2d, only : find_overlaps_2d
    use lopin_slave_pieces, only : split_slave, piece_normals, whole_weights
    use lopin_mortar_cover, only : cover_type, new_cover, taken_over
    use lopin_mortar, only : mortar_coupling_type, couple
-   use lopin_mortar_node_2d, only : patch_type, new_patch, mortar_row_type, mortar_row
+   use lopin_mortar_node_2d, only : patch_type, basis_functions_type, new_patch, &
+      & mortar_row_type, mortar_row
    use check, only : test, close_to, is_true, finish
    implicit none
    real(wp), parameter :: facing = -0.2_wp
@@ -44,6 +45,7 @@ contains
       type(tree_type) :: tree
       integer, allocatable :: piece(:)
       real(wp), allocatable :: normal(:, :), full(:), thickness(:)
+      type(area_measure_type) :: measure
       real(wp) :: share(7)
 
       list = overlap_list_type()
@@ -64,9 +66,10 @@ contains
       call whole_weights(slave, rules, x, axisymmetric, thickness, full, share)
       call new_cover(cover, full, share, .false.)
       call build_tree(tree, master%low, master%high)
-      call find_overlaps_2d(slave, normal, master, tree, x, &
-         & axisymmetric, thickness, 5.0_wp, facing, list)
-      call couple(coupling, rules, slave, master, x, axisymmetric, thickness, list, cover)
+      measure = area_measure_type(axisymmetric, thickness)
+      call find_overlaps_2d(slave, normal, master, tree, x, measure, &
+         & overlap_limits_type(5.0_wp, facing), list)
+      call couple(coupling, rules, slave, master, x, measure, list, cover)
    end subroutine two_curves
 
    subroutine add_curve(facets, n, from, to, height, up)
@@ -123,8 +126,8 @@ contains
       call test('the row of a node in dual numbers has the values of the coupling')
       call is_true('all nodes', coupling%n == slave%nnode)
       do j = 1, coupling%n
-         call new_patch(patch, slave, master, list, coupling%node(j), &
-            & [integer ::], [real(wp) ::], middle=cover%share)
+         call new_patch(patch, slave, master, list, basis_functions_type([coupling%node(j)], &
+            & [1.0_wp], [1]), middle=cover%share)
          call row_at(patch, x(:, patch%node), 0, row)
          call close_to('weight', row%weight%v, coupling%weight(j), 1.0e-13_wp)
          call close_to('gap', row%gap%v, coupling%gap(j), 1.0e-13_wp)
@@ -152,8 +155,8 @@ contains
 
       call test('slopes of weight, normal, gap and coefficients are their differences')
       do j = 1, coupling%n, 2
-         call new_patch(patch, slave, master, list, coupling%node(j), &
-            & [integer ::], [real(wp) ::], middle=cover%share)
+         call new_patch(patch, slave, master, list, basis_functions_type([coupling%node(j)], &
+            & [1.0_wp], [1]), middle=cover%share)
          place = x(:, patch%node)
          do m = 1, size(place, 2)
             do k = 1, 2

@@ -6,7 +6,7 @@ program test_mortar_rows_3d
    use lopin_facets, only : facets_type, facet_rule_type, new_facet_rules
    use lopin_surface, only : surface_type, new_surface, update_surface
    use lopin_search, only : tree_type, build_tree
-   use lopin_mortar_overlap, only : overlap_list_type
+   use lopin_mortar_overlap, only : overlap_list_type, overlap_limits_type, area_measure_type
    use lopin_mortar_cells_3d, only : mortar_kernel_type, new_mortar_kernel
    use lopin_mortar_overlaps_3d, only : find_overlaps_3d
    use lopin_mortar_rows_3d, only : mortar_row_type, new_mortar_rows
@@ -53,7 +53,7 @@ contains
       type(tree_type) :: tree
       real(wp), allocatable :: normal(:, :)
       real(wp) :: turn(3, 3), shake(3)
-      integer :: k, n, lost
+      integer :: k, n
 
       if (allocated(x)) deallocate (x)
       allocate (x(3, 25 + 49))
@@ -75,8 +75,9 @@ contains
       allocate (normal(3, slave%nnode))
       normal = spread(matmul(turn, [0.0_wp, 0.0_wp, -1.0_wp]), 2, slave%nnode)
       list%n = 0
-      call find_overlaps_3d(kernel, slave, normal, master, tree, x, 1.0_wp, -0.2_wp, list, lost)
-      n = lost
+      call find_overlaps_3d(kernel, slave, normal, master, tree, x, &
+         & overlap_limits_type(1.0_wp, -0.2_wp), list)
+      n = list%lost
       call is_true('no point is lost', n == 0)
    end subroutine set_scene
 
@@ -166,15 +167,15 @@ contains
       integer :: k, m
 
       call test(name//': rows close')
-      call new_mortar_rows(row, kernel, rules, slave, master, x, list)
+      call new_mortar_rows(row, kernel, slave, master, x, list)
       do k = 1, size(row)
          call close_to('forces in equilibrium', sum(row(k)%c), 0.0_wp, 1.0e-14_wp)
          call is_true('positive weight', row(k)%weight > 0.0_wp)
       end do
       call whole_weights(slave, rules, x, .false., spread(1.0_wp, 1, slave%facets%n), full, share)
       call new_cover(cover, full, share, .false.)
-      call couple(small, rules, slave, master, x, .false., spread(1.0_wp, 1, slave%facets%n), &
-         & list, cover)
+      call couple(small, rules, slave, master, x, area_measure_type(.false., &
+         & spread(1.0_wp, 1, slave%facets%n)), list, cover)
       call close_to('weights of small sliding', row(small_index(small))%weight, small%weight, &
          & 1.0e-12_wp)
       axis = [0.3_wp, -0.5_wp, 0.2_wp]
@@ -214,7 +215,7 @@ contains
       integer :: node, a, q, k, direction, trial
 
       call test(name//': slopes equal differences')
-      call new_mortar_rows(row, kernel, rules, slave, master, x, list)
+      call new_mortar_rows(row, kernel, slave, master, x, list)
       do trial = 1, 6
          call random_number(free)
          node = 1 + int(free*size(slave%node))
@@ -229,7 +230,7 @@ contains
          allocate (g(size(row)), d(size(row)), n(3, size(row)), source=0.0_wp)
          do q = 1, 4
             x(a, node) = x(a, node) + h*real(merge(q - 3, q - 2, q < 3), wp)
-            call new_mortar_rows(at, kernel, rules, slave, master, x, list)
+            call new_mortar_rows(at, kernel, slave, master, x, list)
             x(a, node) = x(a, node) - h*real(merge(q - 3, q - 2, q < 3), wp)
             do k = 1, size(row)
                c(at(k)%of, k) = c(at(k)%of, k) + w(q)/h*at(k)%c
@@ -268,11 +269,11 @@ contains
       logical :: kink
 
       call test(name//': slip and forces')
-      call new_mortar_rows(before, kernel, rules, slave, master, x, list)
+      call new_mortar_rows(before, kernel, slave, master, x, list)
       start = x
       turn = rotation_matrix([0.2_wp, 0.9_wp, -0.4_wp])
       x = matmul(turn, x) + 0.3_wp
-      call new_mortar_rows(row, kernel, rules, slave, master, x, list, before)
+      call new_mortar_rows(row, kernel, slave, master, x, list, before)
       m = (size(row) + 1)/2
       allocate (slope(3, 3*size(row(m)%of)))
       call slip_of_row(row(m), before(m), x, slip, slope)
@@ -280,7 +281,7 @@ contains
       x = start
       way = 0.01_wp*cross(before(m)%normal, [0.3_wp, 0.5_wp, 0.9_wp])
       x(:, slave%node) = x(:, slave%node) + spread(way, 2, slave%nnode)
-      call new_mortar_rows(row, kernel, rules, slave, master, x, list, before)
+      call new_mortar_rows(row, kernel, slave, master, x, list, before)
       call slip_of_row(row(m), before(m), x, slip, slope)
       call close_to('the slip of the slave', slip/norm2(way), way/norm2(way), 0.2_wp)
       n = 3*size(x, 2)
@@ -297,7 +298,7 @@ contains
          i = 1 + mod(a - 1, 3)
          do q = 1, 4
             x(i, at) = x(i, at) + h*real(merge(q - 3, q - 2, q < 3), wp)
-            call new_mortar_rows(moved, kernel, rules, slave, master, x, list, before)
+            call new_mortar_rows(moved, kernel, slave, master, x, list, before)
             call press(moved, before, force, other)
             x(i, at) = x(i, at) - h*real(merge(q - 3, q - 2, q < 3), wp)
             difference = difference - w(q)/h*force

@@ -11,7 +11,7 @@ program test_smooth
    use lopin_search, only : tree_type, build_tree, find_projection
    use lopin_smooth_facet, only : smooth_coefficients
    use lopin_smooth_dual, only : dual_coefficients
-   use lopin_contact_foot, only : smooth_facet_foot
+   use lopin_contact_foot, only : facet_place_type, smooth_facet_foot
    use search_scenes, only : scene_type, make_cube, allocate_facets
    use check, only : test, close_to, is_true, finish
    implicit none
@@ -288,8 +288,8 @@ contains
                seeds = constant(0.0_wp)
                seeds(:surface%ndim, :) = constant(x(:, stencil%node(:stencil%n)))
                seeds(k, j)%d(1) = 1.0_wp
-               call smooth_facet_foot(surface%basis, cell, found, found%feature, 1.0_wp, slave, &
-                  & seeds, stencil, gap, normal, shares)
+               call smooth_facet_foot(surface%basis, facet_place_type(cell, found, found%feature, &
+                  & 1.0_wp), slave, seeds, stencil, gap, normal, shares)
                deallocate (seeds)
                x(k, stencil%node(j)) = x(k, stencil%node(j)) + h
                call find_now(surface, x, p, right)

@@ -21,7 +21,8 @@ module lopin_friction_return
 contains
 
    !> Magnitude F of the traction for a trial magnitude q; Norton-Hoff bounds it by the slip speed.
-   pure subroutine return_to_disc(law, q, ct, p, at, traction, slope_q, slope_p, slips)
+   !> The point slips where F < q.
+   pure subroutine return_to_disc(law, q, ct, p, at, traction, slope_q, slope_p)
       type(friction_type), intent(in) :: law
       real(wp), intent(in) :: q                !! >= 0 [stress]
       real(wp), intent(in) :: ct               !! tangential stiffness > 0 [stress/length]
@@ -29,7 +30,6 @@ contains
       type(condition_type), intent(in) :: at
       real(wp), intent(out) :: traction        !! F <= q [stress]
       real(wp), intent(out) :: slope_q, slope_p  !! of F [-]
-      logical, intent(out) :: slips
       real(wp) :: radius, slope
 
       call friction_radius(law, p, at, radius, slope)
@@ -44,7 +44,6 @@ contains
          slope_q = 0.0_wp
          slope_p = slope
       end if
-      slips = traction < q
    end subroutine return_to_disc
 
    !> The root F of q = F + c (F/alpha)^n, n = 1/exponent >= 1: what is left of the trial is the

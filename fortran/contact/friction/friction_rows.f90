@@ -252,7 +252,8 @@ contains
          q = force(from:to) - c*slip_of(self, points, k, force, gap, press)
          size_ = norm2(q)
          call return_to_disc(points%law(k), size_/w, c/w, press/w, points%at(k), bound, slope_q, &
-            & slope_p, slips)
+            & slope_p)
+         slips = bound < size_/w
          bound = bound*w
          m = 0.0_wp
          if (size_ > 0.0_wp) m = q/size_

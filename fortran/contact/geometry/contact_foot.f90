@@ -17,7 +17,16 @@ module lopin_contact_foot
    use lopin_tool, only : foot_type
    implicit none
    private
-   public :: facet_foot, smooth_facet_foot, tool_motion, tool_foot, turned, turned_back
+   public :: facet_place_type, facet_foot, smooth_facet_foot, tool_motion, tool_foot, turned, &
+      & turned_back
+
+   !> Where on a facet a foot is.
+   type :: facet_place_type
+      integer :: cell = 0                          !! id of the facet's cell
+      type(projection_type) :: found               !! of the values, on the smoothed facet if it is
+      integer :: feature = 0                       !! edge of the foot, if it is on one
+      real(wp) :: size = 1.0_wp                    !! of the facet [length]
+   end type facet_place_type
 
    !> Distances below this share of the facet have no direction of their own.
    real(wp), parameter :: coincident = 1.0e-9_wp
@@ -25,12 +34,9 @@ module lopin_contact_foot
 contains
 
    !> Gap, normal and shares of the facet's nodes.
-   pure subroutine facet_foot(basis, cell, found, feature, size_, slave, node, gap, normal, shares)
+   pure subroutine facet_foot(basis, at, slave, node, gap, normal, shares)
       type(facet_basis_type), intent(in) :: basis
-      integer, intent(in) :: cell                  !! id of the facet's cell
-      type(projection_type), intent(in) :: found   !! of the values
-      integer, intent(in) :: feature               !! edge of the foot, if it is on one
-      real(wp), intent(in) :: size_                !! of the facet [length]
+      type(facet_place_type), intent(in) :: at
       type(dual_type), intent(in) :: slave(3), node(:, :)   !! (3, nnode) places [length]
       type(dual_type), intent(out) :: gap, normal(3)
       type(dual_type), intent(out) :: shares(:)    !! (nnode)
@@ -38,23 +44,18 @@ contains
       type(dual_type) :: d(2)
       integer :: i, k
 
-      call shape_derivatives(basis, cell, found%xi, m)
+      call shape_derivatives(basis, at%cell, at%found%xi, m)
       k = size(node, 2)
-      call foot_of_points(basis%family(cell), m(:k, :), found, feature, size_, slave, node, gap, &
-         & normal, d)
+      call foot_of_points(basis%family(at%cell), m(:k, :), at, slave, node, gap, normal, d)
       do i = 1, k
          shares(i) = m(i, 1) + m(i, 2)*d(1) + m(i, 3)*d(2)
       end do
    end subroutine facet_foot
 
    !> The same on a smoothed facet: shaped by its stencil, carried by the facet's own nodes.
-   pure subroutine smooth_facet_foot(basis, cell, found, feature, size_, slave, node, stencil, &
-      & gap, normal, shares)
+   pure subroutine smooth_facet_foot(basis, at, slave, node, stencil, gap, normal, shares)
       type(facet_basis_type), intent(in) :: basis
-      integer, intent(in) :: cell                  !! id of the facet's cell (linear)
-      type(projection_type), intent(in) :: found   !! of the values, on the smoothed facet
-      integer, intent(in) :: feature               !! edge of the foot, if it is on one
-      real(wp), intent(in) :: size_                !! of the facet [length]
+      type(facet_place_type), intent(in) :: at     !! the cell is linear
       type(dual_type), intent(in) :: slave(3), node(:, :)   !! (3, stencil%n) places [length]
       type(stencil_type), intent(in) :: stencil    !! its first nodes are the facet's
       type(dual_type), intent(out) :: gap, normal(3)
@@ -63,28 +64,26 @@ contains
       type(dual_type) :: c(3, ncoefficient), d(2)
       integer :: i
 
-      call dual_coefficients(stencil, basis, cell, node, c)
-      call foot_of_points(basis%family(cell), monomial_derivatives(found%xi), found, feature, &
-         & size_, slave, c, gap, normal, d)
-      call shape_derivatives(basis, cell, found%xi, m)
-      do i = 1, basis%nnode(cell)
+      call dual_coefficients(stencil, basis, at%cell, node, c)
+      call foot_of_points(basis%family(at%cell), monomial_derivatives(at%found%xi), at, slave, c, &
+         & gap, normal, d)
+      call shape_derivatives(basis, at%cell, at%found%xi, m)
+      do i = 1, basis%nnode(at%cell)
          shares(i) = m(i, 1) + m(i, 2)*d(1) + m(i, 3)*d(2)
       end do
    end subroutine smooth_facet_foot
 
    !> Foot on sum_i m(i, 1) node(:, i); `m` has that and its derivatives by xi, eta, xi xi, xi eta,
    !> eta eta.
-   pure subroutine foot_of_points(family, m, found, feature, size_, slave, node, gap, normal, d)
+   pure subroutine foot_of_points(family, m, at, slave, node, gap, normal, d)
       integer, intent(in) :: family                !! of the cell
       real(wp), intent(in) :: m(:, :)              !! (number of points, 6)
-      type(projection_type), intent(in) :: found
-      integer, intent(in) :: feature
-      real(wp), intent(in) :: size_                !! [length]
+      type(facet_place_type), intent(in) :: at
       type(dual_type), intent(in) :: slave(3), node(:, :)   !! [length]
       type(dual_type), intent(out) :: gap, normal(3)
       type(dual_type), intent(out) :: d(2)         !! change of xi, eta; its value is 0
-      real(wp) :: a(3), det, e(2), sign_
-      type(dual_type) :: foot(3), t1(3), t2(3), r(3), g1, g2, long
+      real(wp) :: a(3)
+      type(dual_type) :: foot(3), t1(3), t2(3), r(3), g1, g2
       integer :: i
 
       foot = 0.0_wp
@@ -104,12 +103,41 @@ contains
       do i = 1, size(node, 2)
          a = a - dot_product(r%v, node(:, i)%v)*m(i, 4:6)
       end do
+      call move_foot(family, at, a, g1, g2, d)
+      do i = 1, size(node, 2)
+         t1 = t1 + (m(i, 4)*d(1) + m(i, 5)*d(2))*node(:, i)%v
+         t2 = t2 + (m(i, 5)*d(1) + m(i, 6)*d(2))*node(:, i)%v
+      end do
+      foot = foot + d(1)*t1 + d(2)*t2
+      r = slave - foot
+      if (family == cell_family%line) then
+         t2 = 0.0_wp
+         t2(3) = constant(1.0_wp)
+      end if
+      if (at%found%place == place%edge .or. at%found%place == place%vertex) then
+         call normal_along(r, at, normal)
+      else
+         normal = dual_cross(t1, t2)
+         normal = normal/dual_norm(normal)
+      end if
+      gap = dual_dot(normal, r)
+   end subroutine foot_of_points
+
+   !> The change of the parameters from the gradient of half the distance squared, within the face
+   !> or along an edge.
+   pure subroutine move_foot(family, at, a, g1, g2, d)
+      integer, intent(in) :: family                !! of the cell
+      type(facet_place_type), intent(in) :: at
+      real(wp), intent(in) :: a(3)                 !! second derivatives [length^2]
+      type(dual_type), intent(in) :: g1, g2        !! gradient [length^2]
+      type(dual_type), intent(out) :: d(2)
+      real(wp) :: det, e(2)
+
       d = constant(0.0_wp)
-      select case (found%place)
+      select case (at%found%place)
       case (place%vertex)
       case (place%edge)
-         e = edge_ends(family, feature, 1.0_wp) - edge_ends(family, feature, &
-            & 0.0_wp)
+         e = edge_ends(family, at%feature, 1.0_wp) - edge_ends(family, at%feature, 0.0_wp)
          det = a(1)*e(1)**2 + 2.0_wp*a(2)*e(1)*e(2) + a(3)*e(2)**2
          d(1) = (e(1)*g1 + e(2)*g2)*(e(1)/det)
          d(2) = (e(1)*g1 + e(2)*g2)*(e(2)/det)
@@ -122,30 +150,22 @@ contains
             d(2) = (a(1)*g2 - a(2)*g1)/det
          end if
       end select
-      do i = 1, size(node, 2)
-         t1 = t1 + (m(i, 4)*d(1) + m(i, 5)*d(2))*node(:, i)%v
-         t2 = t2 + (m(i, 5)*d(1) + m(i, 6)*d(2))*node(:, i)%v
-      end do
-      foot = foot + d(1)*t1 + d(2)*t2
-      r = slave - foot
-      if (family == cell_family%line) then
-         t2 = 0.0_wp
-         t2(3) = constant(1.0_wp)
-      end if
-      if (found%place == place%edge .or. found%place == place%vertex) then
-         if (norm2(r%v) > coincident*size_) then
-            sign_ = sign(1.0_wp, dot_product(r%v, found%normal))
-            long = dual_norm(r)
-            normal = sign_*(r/long)
-         else
-            normal = found%normal
-         end if
+   end subroutine move_foot
+
+   !> At an edge or a vertex: the direction to the slave, on the side of the values.
+   pure subroutine normal_along(r, at, normal)
+      type(dual_type), intent(in) :: r(3)          !! from the foot to the slave [length]
+      type(facet_place_type), intent(in) :: at
+      type(dual_type), intent(out) :: normal(3)
+      type(dual_type) :: long
+
+      if (norm2(r%v) > coincident*at%size) then
+         long = dual_norm(r)
+         normal = sign(1.0_wp, dot_product(r%v, at%found%normal))*(r/long)
       else
-         normal = dual_cross(t1, t2)
-         normal = normal/dual_norm(normal)
+         normal = at%found%normal
       end if
-      gap = dual_dot(normal, r)
-   end subroutine foot_of_points
+   end subroutine normal_along
 
    !> Rotation matrix of a rotation vector (2D: about z), exact also at rest.
    pure function tool_motion(rotation) result(matrix)

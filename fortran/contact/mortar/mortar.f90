@@ -19,7 +19,7 @@ module lopin_mortar
    use lopin_facets, only : facet_rule_type, facet_point
    use lopin_surface, only : surface_type
    use lopin_facet_sides, only : facet_sides
-   use lopin_mortar_overlap, only : overlap_type, overlap_list_type
+   use lopin_mortar_overlap, only : overlap_type, overlap_list_type, area_measure_type
    use lopin_mortar_least, only : least_of_nodes, least_gap, is_above
    use lopin_mortar_cover, only : cover_type, plan_cover, has_row
    implicit none
@@ -62,13 +62,12 @@ module lopin_mortar
 contains
 
    !> Rows of all slave nodes from the overlaps of the facets; `cover` is new, or planned before.
-   subroutine couple(self, rules, slave, master, x, axisymmetric, thickness, list, cover)
+   subroutine couple(self, rules, slave, master, x, measure, list, cover)
       type(mortar_coupling_type), intent(out) :: self
       type(facet_rule_type), intent(in) :: rules(:)   !! from new_facet_rules
       type(surface_type), intent(in) :: slave, master
       real(wp), intent(in) :: x(:, :)                 !! (ndim, all mesh nodes) [length]
-      logical, intent(in) :: axisymmetric
-      real(wp), intent(in) :: thickness(:)            !! (slave facets) ones unless plane [length]
+      type(area_measure_type), intent(in) :: measure
       type(overlap_list_type), intent(in) :: list
       type(cover_type), intent(inout) :: cover        !! from new_cover
       type(row_type), allocatable :: row(:)
@@ -86,14 +85,14 @@ contains
          end do
          if (to >= from) call add_facet(row, slave, master, rules(slave%facets%cell(i)), i, &
             & whole_area(rules(slave%facets%cell(i)), &
-            & x(:, slave%facets%node(:slave%facets%nnode(i), i)), axisymmetric, thickness(i)), &
-            & cover%share(i), list%item(from:to))
+            & x(:, slave%facets%node(:slave%facets%nnode(i), i)), measure%axisymmetric, &
+            & measure%thickness(i)), cover%share(i), list%item(from:to))
          from = to + 1
       end do
       do i = 1, size(cover%giver)
          call hand_over(row, direction, cover%giver(i), cover%gift(cover%giver(i))%heir)
       end do
-      if (axisymmetric) call straighten(direction, slave, x)
+      if (measure%axisymmetric) call straighten(direction, slave, x)
       call take_rows(self, row, slave, direction, x, cover)
       call find_above(self, slave, master, x, list, cover)
    end subroutine couple

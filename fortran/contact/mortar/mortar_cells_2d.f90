@@ -26,6 +26,13 @@ module lopin_mortar_cells_2d
       type(least_type) :: least          !! by find_least
    end type segment_type
 
+   !> What a length along the facet is worth.
+   type :: line_measure_type
+      logical :: axisymmetric = .false.
+      real(wp) :: thickness = 1.0_wp     !! not read if axisymmetric [length]
+      real(wp) :: radius = 0.0_wp        !! of the origin of the coordinates [length]
+   end type line_measure_type
+
    real(wp), parameter :: pi = acos(-1.0_wp)
    !> Shorter segments, in the slave's parameter, are rounding.
    real(wp), parameter :: shortest = 1.0e-12_wp
@@ -51,6 +58,7 @@ contains
       real(wp), intent(in) :: thickness             !! not read if axisymmetric [length]
       type(segment_type), intent(out) :: segment
       type(dual_type) :: x(2, size(slave, 2)), y(2, size(master, 2)), half, middle
+      type(line_measure_type) :: measure
       real(wp) :: origin(2)
       integer :: k
 
@@ -65,17 +73,18 @@ contains
       call slave_parameter(x, normal, y(:, 1), segment%to)
       if (.not. segment%to%v - segment%from%v > shortest) return
       segment%overlaps = .true.
+      measure = line_measure_type(axisymmetric, thickness, origin(1))
       half = 0.5_wp*(segment%to - segment%from)
       middle = 0.5_wp*(segment%to + segment%from)
       if (size(x, 2) > 2 .or. size(y, 2) > 2) then
          do k = 1, 5
-            call add_point(x, normal, y, origin(1), axisymmetric, thickness, &
-               & middle + half*gauss5(1, k), half*gauss5(2, k), segment)
+            call add_point(x, normal, y, measure, middle + half*gauss5(1, k), &
+               & half*gauss5(2, k), segment)
          end do
       else
          do k = 1, 3
-            call add_point(x, normal, y, origin(1), axisymmetric, thickness, &
-               & middle + half*gauss3(1, k), half*gauss3(2, k), segment)
+            call add_point(x, normal, y, measure, middle + half*gauss3(1, k), &
+               & half*gauss3(2, k), segment)
          end do
       end if
    end subroutine integrate_segment
@@ -108,11 +117,9 @@ contains
    end subroutine find_least
 
    !> Add one integration point.
-   pure subroutine add_point(x, normal, y, axis, axisymmetric, thickness, xi, weight, segment)
+   pure subroutine add_point(x, normal, y, measure, xi, weight, segment)
       type(dual_type), intent(in) :: x(:, :), normal(:, :), y(:, :), xi, weight
-      real(wp), intent(in) :: axis                  !! radius of the origin [length]
-      logical, intent(in) :: axisymmetric
-      real(wp), intent(in) :: thickness
+      type(line_measure_type), intent(in) :: measure
       type(segment_type), intent(inout) :: segment
       type(dual_type) :: n(3), dn(3), m(3), dm(3), place(2), tangent(2), nu(2), opposite(2), eta, &
          & area, share, gap
@@ -127,10 +134,10 @@ contains
       opposite = combine(y, m) - place
       gap = (opposite(1)*nu(1) + opposite(2)*nu(2))/sqrt(nu(1)*nu(1) + nu(2)*nu(2))
       area = weight*sqrt(tangent(1)*tangent(1) + tangent(2)*tangent(2))
-      if (axisymmetric) then
-         area = area*(place(1) + axis)*(2.0_wp*pi)
+      if (measure%axisymmetric) then
+         area = area*(place(1) + measure%radius)*(2.0_wp*pi)
       else
-         area = area*thickness
+         area = area*measure%thickness
       end if
       segment%area = segment%area + area
       do j = 1, size(x, 2)

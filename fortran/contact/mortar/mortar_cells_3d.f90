@@ -8,6 +8,7 @@
 module lopin_mortar_cells_3d
    use lopin_kinds, only : wp
    use lopin_cells, only : cell_family
+   use lopin_facets, only : facet_rule_type, new_facet_rules
    use lopin_quadrature, only : rule_type, new_rule
    use lopin_facet_basis, only : facet_basis_type, new_facet_basis, coefficients_of, &
       & facet_point_of, facet_tangents, ncoefficient
@@ -16,7 +17,8 @@ module lopin_mortar_cells_3d
    use lopin_polygon, only : polygon_type, common_type, common_part, polygon_area
    use lopin_mortar_overlap, only : overlap_type, least_type, meet_point
    use lopin_mortar_slopes_3d, only : plane_type, planar_slopes_type, slope_sums_type, &
-      & start_slopes, cell_slopes_type, follow_cell, add_point_slopes, lift_slopes
+      & start_slopes, cell_slopes_type, follow_cell, triangle_type, cell_point_type, &
+      & add_point_slopes, lift_slopes
    implicit none
    private
    public :: mortar_kernel_type, mortar_sums_type, new_mortar_kernel, integrate_overlap
@@ -25,7 +27,18 @@ module lopin_mortar_cells_3d
    type :: mortar_kernel_type
       type(facet_basis_type) :: basis
       type(rule_type) :: rule(2)           !! without and with quad8
+      type(facet_rule_type) :: facet_rule(6)   !! by cell id
    end type mortar_kernel_type
+
+   !> A facet as it is seen along the normal of a plane.
+   type :: projected_facet_type
+      integer :: cell = 0                  !! cell id: triangle ... quad8
+      integer :: n = 0                     !! nodes
+      real(wp) :: z(3, most_vertex)        !! place in the plane, height: nodes, and the centre of a
+                                           !! quad8 [length]
+      real(wp) :: c(3, ncoefficient)       !! coefficients of z by monomials
+      real(wp) :: normal(3, 8)             !! (n) of the slave: outward unit normals at its nodes
+   end type projected_facet_type
 
    !> Integrals over what both share, and how they came about.
    type, extends(overlap_type) :: mortar_sums_type
@@ -49,6 +62,7 @@ contains
       call new_facet_basis(self%basis)
       call new_rule(self%rule(1), cell_family%triangle, max(5, degree))
       call new_rule(self%rule(2), cell_family%triangle, max(6, degree))
+      call new_facet_rules(self%facet_rule)
    end subroutine new_mortar_kernel
 
    !> Integrals over the overlap of one slave and one master facet; with slopes if wanted.
@@ -65,23 +79,25 @@ contains
       type(slope_sums_type), intent(inout), optional :: slopes
       type(planar_slopes_type) :: planar
       type(plane_type) :: plane
-      real(wp) :: zs(3, most_vertex), zm(3, most_vertex)
-      integer :: k, m, ns, nm
+      type(projected_facet_type) :: own, opposite
+      integer :: k, m
 
-      ns = self%basis%nnode(slave)
-      nm = self%basis%nnode(master)
-      if (present(slopes)) call start_slopes(slopes, ns, nm)
+      own%cell = slave
+      own%n = self%basis%nnode(slave)
+      own%normal(:, :own%n) = normal(:, :own%n)
+      opposite%cell = master
+      opposite%n = self%basis%nnode(master)
+      if (present(slopes)) call start_slopes(slopes, own%n, opposite%n)
       do k = 1, npiece(slave)
          call lay_plane(plane, slave, piece(:ncorner_of_piece(slave), k, slave), xs)
          if (.not. plane%area > 0.0_wp) cycle
-         call see_in_plane(plane, slave, xs, zs)
-         call see_in_plane(plane, master, xm, zm)
-         if (present(slopes)) call start_slopes(planar, ns, nm)
+         call see_in_plane(plane, self%basis, xs, own)
+         call see_in_plane(plane, self%basis, xm, opposite)
+         if (present(slopes)) call start_slopes(planar, own%n, opposite%n)
          do m = 1, npiece(master)
-            call integrate_pieces(self, slave, master, k, m, plane, zs, zm, normal, sums, planar, &
-               & present(slopes))
+            call integrate_pieces(self, own, opposite, [k, m], plane, sums, planar)
          end do
-         if (present(slopes)) call lift_slopes(planar, plane, zs, zm, slopes)
+         if (present(slopes)) call lift_slopes(planar, plane, own%z, opposite%z, slopes)
       end do
    end subroutine integrate_overlap
 
@@ -122,30 +138,29 @@ contains
    end function cross
 
    !> Places in the plane and heights above it: of the nodes, and of the centre of a quad8.
-   pure subroutine see_in_plane(plane, cell, x, z)
+   pure subroutine see_in_plane(plane, basis, x, facet)
       type(plane_type), intent(in) :: plane
-      integer, intent(in) :: cell
-      real(wp), intent(in) :: x(:, :)
-      real(wp), intent(out) :: z(3, most_vertex)
+      type(facet_basis_type), intent(in) :: basis
+      real(wp), intent(in) :: x(:, :)          !! (3, nodes) [length]
+      type(projected_facet_type), intent(inout) :: facet
       integer :: i
 
-      z = 0.0_wp
+      facet%z = 0.0_wp
       do i = 1, size(x, 2)
-         z(:, i) = matmul(x(:, i) - plane%origin, plane%axis)
+         facet%z(:, i) = matmul(x(:, i) - plane%origin, plane%axis)
       end do
-      z(:, most_vertex) = matmul(z(:, :8), vertex_weights(cell, most_vertex))
+      facet%z(:, most_vertex) = matmul(facet%z(:, :8), vertex_weights(facet%cell, most_vertex))
+      facet%c = coefficients_of(basis, facet%cell, facet%z(:, :facet%n))
    end subroutine see_in_plane
 
-   !> What one piece of the slave and one of the master share.
-   pure subroutine integrate_pieces(self, slave, master, k, m, plane, zs, zm, normal, sums, &
-      & planar, with_slopes)
+   !> What one piece of the slave and one of the master share; slopes where `planar` is started.
+   pure subroutine integrate_pieces(self, slave, master, number, plane, sums, planar)
       type(mortar_kernel_type), intent(in) :: self
-      integer, intent(in) :: slave, master, k, m
+      type(projected_facet_type), intent(in) :: slave, master
+      integer, intent(in) :: number(2)         !! of the piece in the slave, in the master
       type(plane_type), intent(in) :: plane
-      real(wp), intent(in) :: zs(3, most_vertex), zm(3, most_vertex), normal(:, :)
       type(mortar_sums_type), intent(inout) :: sums
       type(planar_slopes_type), intent(inout) :: planar
-      logical, intent(in) :: with_slopes
       type(polygon_type) :: a(2), b(2)
       type(common_type) :: c
       type(cell_slopes_type) :: motion
@@ -154,9 +169,10 @@ contains
 
       own = sqrt(plane%area)
       tolerance = 1.0e-12_wp*own + 8.0_wp*epsilon(1.0_wp)*maxval(abs(plane%origin))
-      call piece_polygons(piece(:ncorner_of_piece(slave), k, slave), zs(:2, :), 1, tolerance, a, na)
-      call piece_polygons(piece(:ncorner_of_piece(master), m, master), zm(:2, :), -1, tolerance, &
-         & b, nb)
+      call piece_polygons(piece(:ncorner_of_piece(slave%cell), number(1), slave%cell), &
+         & slave%z(:2, :), 1, tolerance, a, na)
+      call piece_polygons(piece(:ncorner_of_piece(master%cell), number(2), master%cell), &
+         & master%z(:2, :), -1, tolerance, b, nb)
       own = 0.0_wp
       do i = 1, na
          own = own + polygon_area(a(i)%y(:, :a(i)%n))
@@ -169,86 +185,83 @@ contains
             sums%area = sums%area + c%area
             sums%topology = mod(101*sums%topology + sum(c%line(1, :c%n)*[(v, v=1, c%n)]) &
                & + 17*sum(c%line(2, :c%n)*[(v, v=1, c%n)]), 1000003)
-            if (with_slopes) call follow_cell(planar, slave, master, a(i), b(j), c, motion)
-            call integrate_cell(self, slave, master, plane, zs, zm, normal, c, sums, planar, &
-               & motion, with_slopes)
+            if (planar%n > 0) call follow_cell(planar, slave%cell, master%cell, a(i), b(j), c, &
+               & motion)
+            call integrate_cell(self, slave, master, plane, c, sums, planar, motion)
          end do
       end do
    end subroutine integrate_pieces
 
    !> A polygon by triangles about its centre.
-   pure subroutine integrate_cell(self, slave, master, plane, zs, zm, normal, c, sums, planar, &
-      & motion, with_slopes)
+   pure subroutine integrate_cell(self, slave, master, plane, c, sums, planar, motion)
       type(mortar_kernel_type), intent(in) :: self
-      integer, intent(in) :: slave, master
+      type(projected_facet_type), intent(in) :: slave, master
       type(plane_type), intent(in) :: plane
-      real(wp), intent(in) :: zs(3, most_vertex), zm(3, most_vertex), normal(:, :)
       type(common_type), intent(in) :: c
       type(mortar_sums_type), intent(inout) :: sums
       type(planar_slopes_type), intent(inout) :: planar
       type(cell_slopes_type), intent(in) :: motion
-      logical, intent(in) :: with_slopes
-      real(wp) :: cs(3, ncoefficient), cm(3, ncoefficient), corner(2, 3), y(2), weight, area, gap
-      real(wp) :: n(8, 0:2), l(8, 0:2), js(2, 2), jm(2, 2), xi(2), eta(2), bary(3)
-      integer :: i, g, which, ns, nm
+      type(triangle_type) :: triangle
+      type(cell_point_type) :: point
+      real(wp) :: y(2), gap, xi(2), eta(2)
+      integer :: i, g, which
       logical :: found(2)
 
-      ns = self%basis%nnode(slave)
-      nm = self%basis%nnode(master)
-      cs = coefficients_of(self%basis, slave, zs(:, :ns))
-      cm = coefficients_of(self%basis, master, zm(:, :nm))
-      if (.not. with_slopes) call meet_corners(self, [slave, master], cs, cm, c, sums%least)
-      corner(:, 1) = sum(c%y(:, :c%n), dim=2)/real(c%n, wp)
-      which = merge(2, 1, order(slave) + max(order(slave), order(master)) > 5)
+      if (planar%n == 0) call meet_corners(self, slave, master, c, sums%least)
+      triangle%corner(:, 1) = sum(c%y(:, :c%n), dim=2)/real(c%n, wp)
+      which = merge(2, 1, order(slave%cell) + max(order(slave%cell), order(master%cell)) > 5)
       do i = 1, c%n
-         corner(:, 2) = c%y(:, i)
-         corner(:, 3) = c%y(:, 1 + mod(i, c%n))
-         area = 2.0_wp*polygon_area(corner)
-         xi = self%basis%centre(:, slave)
-         eta = self%basis%centre(:, master)
+         triangle%number = i
+         triangle%corner(:, 2) = c%y(:, i)
+         triangle%corner(:, 3) = c%y(:, 1 + mod(i, c%n))
+         triangle%area = 2.0_wp*polygon_area(triangle%corner)
+         xi = self%basis%centre(:, slave%cell)
+         eta = self%basis%centre(:, master%cell)
          do g = 1, self%rule(which)%npoint
-            bary(2:) = self%rule(which)%xi(:, g)
-            bary(1) = 1.0_wp - bary(2) - bary(3)
-            y = matmul(corner, bary)
-            weight = self%rule(which)%weight(g)
-            call go_back(cs, y, xi, js, found(1))
-            call go_back(cm, y, eta, jm, found(2))
+            point%bary(2:) = self%rule(which)%xi(:, g)
+            point%bary(1) = 1.0_wp - point%bary(2) - point%bary(3)
+            y = matmul(triangle%corner, point%bary)
+            point%weight = self%rule(which)%weight(g)
+            call go_back(slave%c, y, xi, point%js, found(1))
+            call go_back(master%c, y, eta, point%jm, found(2))
             if (.not. all(found)) then
                sums%nlost = sums%nlost + 1
                cycle
             end if
-            call functions(self%basis, slave, xi, n)
-            call functions(self%basis, master, eta, l)
-            gap = normal_gap(cs, cm, xi, eta, plane, normal, n(:, 0))
-            call add_values(weight*area, gap, ns, nm, n(:, 0), l(:, 0), sums)
-            if (.not. with_slopes) call meet_point(sums%least, master_gap(cs, cm, xi, eta), &
-               & n(:, 0), l(:, 0))
-            if (with_slopes) call add_point_slopes(planar, motion, i, bary, weight, area, &
-               & corner, n, l, js, jm)
+            call functions(self%basis, slave%cell, xi, point%n)
+            call functions(self%basis, master%cell, eta, point%l)
+            gap = normal_gap(slave, master, xi, eta, plane, point%n(:, 0))
+            call add_values(point%weight*triangle%area, gap, slave%n, master%n, point%n(:, 0), &
+               & point%l(:, 0), sums)
+            if (planar%n > 0) then
+               call add_point_slopes(planar, motion, triangle, point)
+            else
+               call meet_point(sums%least, master_gap(slave%c, master%c, xi, eta), point%n(:, 0), &
+                  & point%l(:, 0))
+            end if
          end do
       end do
    end subroutine integrate_cell
 
    !> The gaps at the corners of a polygon: between flat facets the least is one of them.
-   pure subroutine meet_corners(self, cell, cs, cm, c, least)
+   pure subroutine meet_corners(self, slave, master, c, least)
       type(mortar_kernel_type), intent(in) :: self
-      integer, intent(in) :: cell(2)           !! of slave and master
-      real(wp), intent(in) :: cs(3, ncoefficient), cm(3, ncoefficient)
+      type(projected_facet_type), intent(in) :: slave, master
       type(common_type), intent(in) :: c
       type(least_type), intent(inout) :: least
       real(wp) :: n(8, 0:2), l(8, 0:2), slope(2, 2), xi(2), eta(2)
       logical :: found(2)
       integer :: k
 
-      xi = self%basis%centre(:, cell(1))
-      eta = self%basis%centre(:, cell(2))
+      xi = self%basis%centre(:, slave%cell)
+      eta = self%basis%centre(:, master%cell)
       do k = 1, c%n
-         call go_back(cs, c%y(:, k), xi, slope, found(1))
-         call go_back(cm, c%y(:, k), eta, slope, found(2))
+         call go_back(slave%c, c%y(:, k), xi, slope, found(1))
+         call go_back(master%c, c%y(:, k), eta, slope, found(2))
          if (.not. all(found)) cycle
-         call functions(self%basis, cell(1), xi, n)
-         call functions(self%basis, cell(2), eta, l)
-         call meet_point(least, master_gap(cs, cm, xi, eta), n(:, 0), l(:, 0))
+         call functions(self%basis, slave%cell, xi, n)
+         call functions(self%basis, master%cell, eta, l)
+         call meet_point(least, master_gap(slave%c, master%c, xi, eta), n(:, 0), l(:, 0))
       end do
    end subroutine meet_corners
 
@@ -270,15 +283,16 @@ contains
    end subroutine add_values
 
    !> n.(x_s - x_m); both points are on one line along the normal of the plane.
-   pure real(wp) function normal_gap(cs, cm, xi, eta, plane, normal, n) result(gap)
-      real(wp), intent(in) :: cs(3, ncoefficient), cm(3, ncoefficient), xi(2), eta(2)
+   pure real(wp) function normal_gap(slave, master, xi, eta, plane, n) result(gap)
+      type(projected_facet_type), intent(in) :: slave, master
+      real(wp), intent(in) :: xi(2), eta(2)
       type(plane_type), intent(in) :: plane
-      real(wp), intent(in) :: normal(:, :), n(8)
+      real(wp), intent(in) :: n(8)             !! functions of the slave at xi
       real(wp) :: xs(3), xm(3), own(3), length
 
-      xs = facet_point_of(cs, xi)
-      xm = facet_point_of(cm, eta)
-      own = matmul(normal, n(:size(normal, 2)))
+      xs = facet_point_of(slave%c, xi)
+      xm = facet_point_of(master%c, eta)
+      own = matmul(slave%normal(:, :slave%n), n(:slave%n))
       length = norm2(own)
       gap = xm(3) - xs(3)
       if (length > 0.0_wp) gap = gap*dot_product(own, plane%axis(:, 3))/length

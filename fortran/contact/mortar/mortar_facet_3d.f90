@@ -41,10 +41,9 @@ module lopin_mortar_facet_3d
 contains
 
    !> `item`: the overlaps of this facet, as found by lopin_mortar_overlaps_3d at the places x.
-   subroutine couple_facet(self, kernel, rules, slave, master, x, item)
+   subroutine couple_facet(self, kernel, slave, master, x, item)
       type(facet_coupling_type), intent(out) :: self
       type(mortar_kernel_type), intent(in) :: kernel
-      type(facet_rule_type), intent(in) :: rules(:)   !! from new_facet_rules
       type(surface_type), intent(in) :: slave, master
       real(wp), intent(in) :: x(:, :)                 !! (3, all mesh nodes) [length]
       type(overlap_type), intent(in) :: item(:)       !! at least one
@@ -69,10 +68,10 @@ contains
       allocate (sums%me(self%ns, self%ns), sums%me_slope(3*n, self%ns, self%ns), source=0.0_wp)
       do i = 1, size(item)
          call add_master(self, sums, kernel, slave%facets%cell(item(i)%slave), &
-            & rules(master%facets%cell(item(i)%master))%cell, x, &
+            & kernel%facet_rule(master%facets%cell(item(i)%master))%cell, x, &
             & master%facets%node(:master%facets%nnode(item(i)%master), item(i)%master))
       end do
-      associate (rule => rules(slave%facets%cell(item(1)%slave)))
+      associate (rule => kernel%facet_rule(slave%facets%cell(item(1)%slave)))
          call transform(self, sums, rule)
          if (sum(self%d) >= thin*area_of(rule, x(:, self%node(:self%ns)))) call dualise(self, sums)
       end associate

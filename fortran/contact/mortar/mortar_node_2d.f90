@@ -18,7 +18,7 @@ module lopin_mortar_node_2d
    use lopin_mortar_dual_2d, only : transform, whole, dual_function
    implicit none
    private
-   public :: patch_type, new_patch, mortar_row_type, mortar_row, take_nearest
+   public :: patch_type, basis_functions_type, new_patch, mortar_row_type, mortar_row, take_nearest
 
    integer, parameter :: most_facets = 8
 
@@ -51,6 +51,14 @@ module lopin_mortar_node_2d
       type(mortar_row_type) :: met                 !! its row by values, where it was met last
    end type patch_type
 
+   !> The dual functions that a row is integrated with: those of its node, then of the nodes that
+   !> it takes over.
+   type :: basis_functions_type
+      integer, allocatable :: node(:)              !! mesh nodes, its own first
+      real(wp), allocatable :: share(:)            !! of each; the first: 1
+      integer, allocatable :: piece(:)             !! of lopin_slave_pieces, on which each is
+   end type basis_functions_type
+
    !> How a row is integrated.
    type :: measure_type
       logical :: axisymmetric = .false.
@@ -62,26 +70,21 @@ module lopin_mortar_node_2d
 contains
 
    !> The neighbourhood of a slave node; the overlaps are those found on the present shape.
-   subroutine new_patch(self, slave, master, list, node, also, share, piece, on, &
-      & middle)
+   subroutine new_patch(self, slave, master, list, functions, piece, middle)
       type(patch_type), intent(out) :: self
       type(surface_type), intent(in) :: slave, master
       type(overlap_list_type), intent(in) :: list
-      integer, intent(in) :: node                  !! mesh node
-      integer, intent(in) :: also(:)               !! nodes whose rows it takes over
-      real(wp), intent(in) :: share(:)             !! of each
+      type(basis_functions_type), intent(in) :: functions
       integer, intent(in), optional :: piece(:)    !! (slave facets) of lopin_slave_pieces
-      integer, intent(in), optional :: on(:)       !! piece of each function, the node's first
       real(wp), intent(in), optional :: middle(:)  !! (slave facets) middle_share; 0
       integer :: facet(most_facets)
       integer, allocatable :: near(:)
       integer :: i, k, n, pass, own
 
-      self%node = [node, also]
-      self%function = [(k, k=1, size(also) + 1)]
-      self%share = [1.0_wp, share]
-      self%on = [(1, k=1, size(also) + 1)]
-      if (present(on)) self%on = on
+      self%node = functions%node
+      self%function = [(k, k=1, size(functions%node))]
+      self%share = functions%share
+      self%on = functions%piece
       near = self%node
       do pass = 1, 2
          do i = 1, slave%facets%n

@@ -5,6 +5,7 @@ module lopin_mortar_overlap
    implicit none
    private
    public :: overlap_type, overlap_list_type, least_type, add_overlap, meet_point, cosine_between
+   public :: overlap_limits_type, area_measure_type
 
    !> Where the gap of an overlap is least.
    type :: least_type
@@ -25,9 +26,23 @@ module lopin_mortar_overlap
       type(least_type) :: least
    end type overlap_type
 
+   !> Which masters count as opposite a slave facet.
+   type :: overlap_limits_type
+      real(wp) :: reach = huge(1.0_wp)         !! along the slave's normals [length]
+      real(wp) :: facing = 0.0_wp              !! n_slave.n_master must be below this [-]
+      real(wp), allocatable :: depth(:)        !! (slave facets) deeper is no contact [length]
+   end type overlap_limits_type
+
+   !> What an area is measured by.
+   type :: area_measure_type
+      logical :: axisymmetric = .false.        !! 2 pi r in the place of the thickness
+      real(wp), allocatable :: thickness(:)    !! (slave facets) ones unless plane [length]
+   end type area_measure_type
+
    !> Overlaps in the order of their slave facets.
    type :: overlap_list_type
       integer :: n = 0
+      integer :: lost = 0     !! a slave facet with points that found no place opposite; 0: none
       type(overlap_type), allocatable :: item(:)
    end type overlap_list_type
 

@@ -6,7 +6,7 @@ module lopin_mortar_overlaps_2d
    use lopin_search, only : tree_type
    use lopin_box_query, only : facets_in_box
    use lopin_mortar_overlap, only : overlap_type, overlap_list_type, add_overlap, &
-      & cosine_between
+      & cosine_between, overlap_limits_type, area_measure_type
    use lopin_mortar_cells_2d, only : segment_type, integrate_segment, find_least
    implicit none
    private
@@ -17,19 +17,15 @@ module lopin_mortar_overlaps_2d
 
 contains
 
-   !> The tree is that of the master's boxes; `reach` bounds the distance along the normals.
-   subroutine find_overlaps_2d(slave, normal, master, tree, x, axisymmetric, thickness, reach, &
-      & facing, list, depth)
+   !> The tree is that of the master's boxes.
+   subroutine find_overlaps_2d(slave, normal, master, tree, x, measure, limits, list)
       type(surface_type), intent(in) :: slave, master
       real(wp), intent(in) :: normal(:, :)        !! (2, slave%nnode) outward unit normals
       type(tree_type), intent(in) :: tree
       real(wp), intent(in) :: x(:, :)             !! (2, all mesh nodes) [length]
-      logical, intent(in) :: axisymmetric
-      real(wp), intent(in) :: thickness(:)        !! (slave facets) [length]
-      real(wp), intent(in) :: reach               !! [length]
-      real(wp), intent(in) :: facing              !! n_slave.n_master must be below this
+      type(area_measure_type), intent(in) :: measure
+      type(overlap_limits_type), intent(in) :: limits
       type(overlap_list_type), intent(inout) :: list
-      real(wp), intent(in), optional :: depth(:)  !! (slave facets) deeper is no contact [length]
       type(segment_type), allocatable :: segment(:)
       type(dual_type) :: place(2, 3), nu(2, 3), other(2, 3)
       real(wp) :: low(3), high(3), way(3)
@@ -43,7 +39,7 @@ contains
          nu(:, :n) = constant(normal(:2, slave%local(:n, i)))
          do k = 1, n
             way = 0.0_wp
-            way(:2) = reach*nu(:, k)%v
+            way(:2) = limits%reach*nu(:, k)%v
             low = min(low, slave%low(:, i) + way, slave%low(:, i) - way)
             high = max(high, slave%high(:, i) + way, slave%high(:, i) - way)
          end do
@@ -53,16 +49,17 @@ contains
          if (allocated(segment)) deallocate (segment)
          allocate (segment(size(candidate)))
          do k = 1, size(candidate)
-            if (.not. cosine_between(slave, i, master, candidate(k)) < facing) cycle
+            if (.not. cosine_between(slave, i, master, candidate(k)) < limits%facing) cycle
             m = master%facets%nnode(candidate(k))
             if (any(master%facets%node(:m, candidate(k)) == slave%facets%node(1, i)) .and. &
                & any(master%facets%node(:m, candidate(k)) == slave%facets%node(2, i))) cycle
             other(:, :m) = constant(x(:2, master%facets%node(:m, candidate(k))))
-            call integrate_segment(place(:, :n), nu(:, :n), other(:, :m), axisymmetric, &
-               & thickness(i), segment(found + 1))
+            call integrate_segment(place(:, :n), nu(:, :n), other(:, :m), &
+               & measure%axisymmetric, measure%thickness(i), segment(found + 1))
             if (.not. segment(found + 1)%overlaps) cycle
-            if (present(depth)) then
-               if (sum(segment(found + 1)%gap(:n)%v)/segment(found + 1)%area%v < -depth(i)) cycle
+            if (allocated(limits%depth)) then
+               if (sum(segment(found + 1)%gap(:n)%v)/segment(found + 1)%area%v &
+                  & < -limits%depth(i)) cycle
             end if
             call find_least(place(:, :n)%v, nu(:, :n)%v, other(:, :m)%v, segment(found + 1))
             found = found + 1

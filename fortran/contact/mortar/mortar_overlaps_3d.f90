@@ -5,7 +5,8 @@ module lopin_mortar_overlaps_3d
    use lopin_surface, only : surface_type
    use lopin_search, only : tree_type
    use lopin_box_query, only : facets_in_box
-   use lopin_mortar_overlap, only : overlap_list_type, add_overlap, cosine_between
+   use lopin_mortar_overlap, only : overlap_list_type, add_overlap, cosine_between, &
+      & overlap_limits_type
    use lopin_mortar_cells_3d, only : mortar_kernel_type, mortar_sums_type, integrate_overlap
    implicit none
    private
@@ -14,119 +15,137 @@ module lopin_mortar_overlaps_3d
    !> A slave facet is covered once this share of it is: what lies behind is not met.
    real(wp), parameter :: whole = 1.0_wp - 1.0e-6_wp
 
+   !> A slave facet: its nodes' places and normals.
+   type :: facet_view_type
+      integer :: number = 0                       !! of the facet
+      integer :: n = 0                            !! nodes
+      real(wp) :: x(3, 8) = 0.0_wp                !! [length]
+      real(wp) :: normal(3, 8) = 0.0_wp           !! outward unit normals
+   end type facet_view_type
+
+   !> The masters that share something with one slave facet.
+   type :: found_type
+      integer :: n = 0
+      type(mortar_sums_type), allocatable :: item(:)   !! the first n count
+   end type found_type
+
 contains
 
    !> The tree is that of the master's boxes. Masters are looked for within the size of the slave
    !> facet first, and as far as `reach` only if those do not cover it.
-   subroutine find_overlaps_3d(kernel, slave, normal, master, tree, x, reach, facing, list, lost, &
-      & depth)
+   subroutine find_overlaps_3d(kernel, slave, normal, master, tree, x, limits, list)
       type(mortar_kernel_type), intent(in) :: kernel
       type(surface_type), intent(in) :: slave, master
       real(wp), intent(in) :: normal(:, :)        !! (3, slave%nnode) outward unit normals
       type(tree_type), intent(in) :: tree
       real(wp), intent(in) :: x(:, :)             !! (3, all mesh nodes) [length]
-      real(wp), intent(in) :: reach               !! [length]
-      real(wp), intent(in) :: facing              !! n_slave.n_master must be below this
+      type(overlap_limits_type), intent(in) :: limits
       type(overlap_list_type), intent(inout) :: list
-      integer, intent(out) :: lost                !! a slave facet with points lost; 0: none
-      real(wp), intent(in), optional :: depth(:)  !! (slave facets) deeper is no contact [length]
-      type(mortar_sums_type), allocatable :: found(:)
-      integer :: i, pass, n
+      type(facet_view_type) :: facet
+      type(found_type) :: found
+      integer :: i, pass
       real(wp) :: area, far
 
-      lost = 0
+      list%lost = 0
       do i = 1, slave%facets%n
-         area = seen_area(kernel, slave, normal, x, i)
+         call view_facet(facet, slave, normal, x, i)
+         area = seen_area(kernel, slave, facet)
          do pass = 1, 2
-            far = merge(min(2.0_wp*slave%size(i), reach), reach, pass == 1)
-            call overlaps_of_facet(kernel, slave, normal, master, tree, x, far, facing, i, found, n)
-            if (present(depth)) call drop_deep(found, n, depth(i))
-            if (sum(found(:n)%area) >= whole*area) exit
+            far = merge(min(2.0_wp*slave%size(i), limits%reach), limits%reach, pass == 1)
+            call overlaps_of_facet(kernel, slave, facet, master, tree, x, &
+               & overlap_limits_type(far, limits%facing), found)
+            if (allocated(limits%depth)) call drop_deep(found, limits%depth(i))
+            if (sum(found%item(:found%n)%area) >= whole*area) exit
          end do
-         if (any(found(:n)%nlost > 0)) lost = i
-         call take_nearest(found(:n), area, list)
+         if (any(found%item(:found%n)%nlost > 0)) list%lost = i
+         call take_nearest(found%item(:found%n), area, list)
       end do
    end subroutine find_overlaps_3d
 
+   pure subroutine view_facet(self, slave, normal, x, i)
+      type(facet_view_type), intent(inout) :: self
+      type(surface_type), intent(in) :: slave
+      real(wp), intent(in) :: normal(:, :), x(:, :)
+      integer, intent(in) :: i
+
+      self%number = i
+      self%n = slave%facets%nnode(i)
+      self%x(:, :self%n) = x(:, slave%facets%node(:self%n, i))
+      self%normal(:, :self%n) = normal(:3, slave%local(:self%n, i))
+   end subroutine view_facet
+
    !> Leave out what lies deeper than a wall is thick.
-   pure subroutine drop_deep(found, n, depth)
-      type(mortar_sums_type), intent(inout) :: found(:)
-      integer, intent(inout) :: n
+   pure subroutine drop_deep(found, depth)
+      type(found_type), intent(inout) :: found
       real(wp), intent(in) :: depth             !! [length]
       integer :: k, kept
 
       kept = 0
-      do k = 1, n
-         if (sum(found(k)%gap)/found(k)%area < -depth) cycle
+      do k = 1, found%n
+         if (sum(found%item(k)%gap)/found%item(k)%area < -depth) cycle
          kept = kept + 1
-         if (kept < k) found(kept) = found(k)
+         if (kept < k) found%item(kept) = found%item(k)
       end do
-      n = kept
+      found%n = kept
    end subroutine drop_deep
 
    !> Area of a slave facet in the planes of its pieces: its overlap with its own other side.
-   function seen_area(kernel, slave, normal, x, i) result(area)
+   function seen_area(kernel, slave, facet) result(area)
       type(mortar_kernel_type), intent(in) :: kernel
       type(surface_type), intent(in) :: slave
-      real(wp), intent(in) :: normal(:, :), x(:, :)
-      integer, intent(in) :: i
-      real(wp) :: area, own(3, 8), square(3, 4), centre(3), axis(3), e(3), f(3)
+      type(facet_view_type), intent(in) :: facet
+      real(wp) :: area, square(3, 4), centre(3), axis(3), e(3), f(3)
       type(mortar_sums_type) :: sums
-      integer :: n
 
-      n = slave%facets%nnode(i)
-      own(:, :n) = x(:, slave%facets%node(:n, i))
-      axis = slave%disc(4:6, i)
-      centre = slave%disc(:3, i)
+      axis = slave%disc(4:6, facet%number)
+      centre = slave%disc(:3, facet%number)
       e = 0.0_wp
       e(minloc(abs(axis), dim=1)) = 1.0_wp
       e = e - dot_product(e, axis)*axis
-      e = 4.0_wp*slave%disc(7, i)*e/norm2(e)
+      e = 4.0_wp*slave%disc(7, facet%number)*e/norm2(e)
       f = [axis(2)*e(3) - axis(3)*e(2), axis(3)*e(1) - axis(1)*e(3), axis(1)*e(2) - axis(2)*e(1)]
       square(:, 1) = centre + e
       square(:, 2) = centre - f
       square(:, 3) = centre - e
       square(:, 4) = centre + f
-      call integrate_overlap(kernel, slave%facets%cell(i), own(:, :n), &
-         & normal(:3, slave%local(:n, i)), cell_id%quad, square, sums)
+      call integrate_overlap(kernel, slave%facets%cell(facet%number), facet%x(:, :facet%n), &
+         & facet%normal(:, :facet%n), cell_id%quad, square, sums)
       area = sums%area
    end function seen_area
 
    !> The masters that share something with one slave facet.
-   subroutine overlaps_of_facet(kernel, slave, normal, master, tree, x, reach, facing, i, found, n)
+   subroutine overlaps_of_facet(kernel, slave, facet, master, tree, x, limits, found)
       type(mortar_kernel_type), intent(in) :: kernel
       type(surface_type), intent(in) :: slave, master
-      real(wp), intent(in) :: normal(:, :), x(:, :), reach, facing
+      type(facet_view_type), intent(in) :: facet         !! of the slave
       type(tree_type), intent(in) :: tree
-      integer, intent(in) :: i
-      type(mortar_sums_type), allocatable, intent(out) :: found(:)
-      integer, intent(out) :: n
-      real(wp) :: own(3, 8), nu(3, 8), other(3, 8)
+      real(wp), intent(in) :: x(:, :)                    !! (3, all mesh nodes) [length]
+      type(overlap_limits_type), intent(in) :: limits
+      type(found_type), intent(out) :: found
+      real(wp) :: other(3, 8)
       integer, allocatable :: candidate(:)
-      integer :: k, ns, nm
+      integer :: k, nm
 
-      ns = slave%facets%nnode(i)
-      own(:, :ns) = x(:, slave%facets%node(:ns, i))
-      nu(:, :ns) = normal(:3, slave%local(:ns, i))
-      call facets_along(tree, master, slave%low(:, i), slave%high(:, i), slave%disc(4:6, i), &
-         & reach, 4.0_wp*slave%size(i), candidate)
-      allocate (found(size(candidate)))
-      n = 0
-      do k = 1, size(candidate)
-         associate (j => candidate(k))
-            nm = master%facets%nnode(j)
-            if (.not. cosine_between(slave, i, master, j) < facing) cycle
-            if (beside(slave%disc(:, i), master%disc(:, j))) cycle
-            if (same_nodes(slave%facets%node(:3, i), master%facets%node(:nm, j))) cycle
-            other(:, :nm) = x(:, master%facets%node(:nm, j))
-            call integrate_overlap(kernel, slave%facets%cell(i), own(:, :ns), nu(:, :ns), &
-               & master%facets%cell(j), other(:, :nm), found(n + 1))
-            if (found(n + 1)%ncell == 0) cycle
-            n = n + 1
-            found(n)%slave = i
-            found(n)%master = j
-         end associate
-      end do
+      associate (i => facet%number, ns => facet%n, n => found%n)
+         call facets_along(tree, master, slave%low(:, i), slave%high(:, i), slave%disc(4:6, i), &
+            & limits%reach, 4.0_wp*slave%size(i), candidate)
+         allocate (found%item(size(candidate)))
+         do k = 1, size(candidate)
+            associate (j => candidate(k))
+               nm = master%facets%nnode(j)
+               if (.not. cosine_between(slave, i, master, j) < limits%facing) cycle
+               if (beside(slave%disc(:, i), master%disc(:, j))) cycle
+               if (same_nodes(slave%facets%node(:3, i), master%facets%node(:nm, j))) cycle
+               other(:, :nm) = x(:, master%facets%node(:nm, j))
+               call integrate_overlap(kernel, slave%facets%cell(i), facet%x(:, :ns), &
+                  & facet%normal(:, :ns), master%facets%cell(j), other(:, :nm), found%item(n + 1))
+               if (found%item(n + 1)%ncell == 0) cycle
+               n = n + 1
+               found%item(n)%slave = i
+               found%item(n)%master = j
+            end associate
+         end do
+      end associate
    end subroutine overlaps_of_facet
 
    !> The masters whose boxes meet a box on its way along an axis, both ways as far as `reach`.

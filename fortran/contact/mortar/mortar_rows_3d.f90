@@ -24,10 +24,9 @@ contains
    !> Rows of all slave nodes; the overlaps are those found at x. With the rows of the last
    !> increment, those nodes count as well (for lopin_mortar_traction_3d). With a planned `cover`,
    !> nodes without a row of their own hand it over.
-   subroutine new_mortar_rows(row, kernel, rules, slave, master, x, list, before, cover)
+   subroutine new_mortar_rows(row, kernel, slave, master, x, list, before, cover)
       type(mortar_row_type), allocatable, intent(out) :: row(:)   !! (slave%nnode)
       type(mortar_kernel_type), intent(in) :: kernel
-      type(facet_rule_type), intent(in) :: rules(:)     !! from new_facet_rules
       type(surface_type), intent(in) :: slave, master
       real(wp), intent(in) :: x(:, :)                   !! (3, all mesh nodes) [length]
       type(overlap_list_type), intent(in) :: list
@@ -46,8 +45,8 @@ contains
             to = to + 1
          end do
          i = list%item(from)%slave
-         call couple_facet(facet, kernel, rules, slave, master, x, list%item(from:to))
-         call add_facet(row, rules(slave%facets%cell(i)), slave, i, facet)
+         call couple_facet(facet, kernel, slave, master, x, list%item(from:to))
+         call add_facet(row, kernel%facet_rule(slave%facets%cell(i)), slave, i, facet)
          from = to + 1
       end do
       if (present(cover)) then

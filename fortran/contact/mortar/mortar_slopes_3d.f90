@@ -12,6 +12,7 @@ module lopin_mortar_slopes_3d
    implicit none
    private
    public :: plane_type, planar_slopes_type, slope_sums_type, cell_slopes_type
+   public :: triangle_type, cell_point_type
    public :: start_slopes, follow_cell, add_point_slopes, lift_slopes, most_planar, most_spatial
 
    integer, parameter :: most_planar = 32, most_spatial = 48
@@ -27,7 +28,7 @@ module lopin_mortar_slopes_3d
 
    !> Slopes along the places in the plane.
    type :: planar_slopes_type
-      integer :: ns = 0, nm = 0, n = 0         !! nodes; n = 2 (ns + nm)
+      integer :: ns = 0, nm = 0, n = 0         !! nodes; n = 2 (ns + nm), 0: not wanted
       real(wp) :: me(most_planar, 8, 8)        !! lower triangle [length]
       real(wp) :: b(most_planar, 8, 8)
    end type planar_slopes_type
@@ -46,6 +47,21 @@ module lopin_mortar_slopes_3d
       real(wp) :: vertex(most_planar, 2, most_vertices)
       real(wp) :: centre(most_planar, 2)
    end type cell_slopes_type
+
+   !> A triangle of a cell: centre, a vertex, the next.
+   type :: triangle_type
+      integer :: number = 0                    !! of the first vertex
+      real(wp) :: corner(2, 3) = 0.0_wp        !! in the plane [length]
+      real(wp) :: area = 0.0_wp                !! twice its area [length^2]
+   end type triangle_type
+
+   !> An integration point of a triangle, as both facets see it.
+   type :: cell_point_type
+      real(wp) :: bary(3) = 0.0_wp             !! place in the triangle
+      real(wp) :: weight = 0.0_wp
+      real(wp) :: n(8, 0:2) = 0.0_wp, l(8, 0:2) = 0.0_wp   !! functions, slopes: slave, master
+      real(wp) :: js(2, 2) = 0.0_wp, jm(2, 2) = 0.0_wp     !! d y/d xi of both [length]
+   end type cell_point_type
 
    interface start_slopes
       module procedure start_planar, start_spatial
@@ -113,44 +129,43 @@ contains
       end do
    end subroutine follow_cell
 
-   !> What one point of triangle i of a cell adds.
-   pure subroutine add_point_slopes(self, motion, i, bary, weight, area, corner, n, l, js, jm)
+   !> What one point of a triangle of a cell adds.
+   pure subroutine add_point_slopes(self, motion, triangle, point)
       type(planar_slopes_type), intent(inout) :: self
       type(cell_slopes_type), intent(in) :: motion
-      integer, intent(in) :: i                         !! triangle: centre, vertex i, the next
-      real(wp), intent(in) :: bary(3), weight          !! place and weight of the point
-      real(wp), intent(in) :: area                     !! twice that of the triangle [length^2]
-      real(wp), intent(in) :: corner(2, 3)
-      real(wp), intent(in) :: n(8, 0:2), l(8, 0:2)     !! functions and slopes, slave and master
-      real(wp), intent(in) :: js(2, 2), jm(2, 2)       !! d y/d xi
+      type(triangle_type), intent(in) :: triangle
+      type(cell_point_type), intent(in) :: point
       real(wp) :: e(2), f(2), stretch(most_planar), y(most_planar, 2)
       real(wp) :: xi(most_planar, 2), eta(most_planar, 2), along(most_planar)
       integer :: j, k, next, m
 
       m = self%n
-      next = 1 + mod(i, motion%n)
-      e = corner(:, 2) - corner(:, 1)
-      f = corner(:, 3) - corner(:, 1)
-      associate (v => motion%vertex, c => motion%centre)
+      next = 1 + mod(triangle%number, motion%n)
+      e = triangle%corner(:, 2) - triangle%corner(:, 1)
+      f = triangle%corner(:, 3) - triangle%corner(:, 1)
+      associate (v => motion%vertex, c => motion%centre, i => triangle%number, &
+         & bary => point%bary, weight => point%weight)
          stretch(:m) = weight*((v(:m, 1, i) - c(:m, 1))*f(2) - (v(:m, 2, i) - c(:m, 2))*f(1) &
             & + e(1)*(v(:m, 2, next) - c(:m, 2)) - e(2)*(v(:m, 1, next) - c(:m, 1)))
          y(:m, :) = bary(1)*c(:m, :) + bary(2)*v(:m, :, i) + bary(3)*v(:m, :, next)
       end associate
-      call follow_way_back(0, n(:self%ns, 0), js, y(:m, :), xi(:m, :))
-      call follow_way_back(self%ns, l(:self%nm, 0), jm, y(:m, :), eta(:m, :))
-      do j = 1, self%ns
-         along(:m) = 0.5_wp*stretch(:m)*n(j, 0) &
-            & + weight*area*(xi(:m, 1)*n(j, 1) + xi(:m, 2)*n(j, 2))
-         do k = 1, self%ns
-            self%me(:m, max(j, k), min(j, k)) = self%me(:m, max(j, k), min(j, k)) &
-               & + along(:m)*n(k, 0)*merge(2.0_wp, 1.0_wp, j == k)
+      call follow_way_back(0, point%n(:self%ns, 0), point%js, y(:m, :), xi(:m, :))
+      call follow_way_back(self%ns, point%l(:self%nm, 0), point%jm, y(:m, :), eta(:m, :))
+      associate (n => point%n, l => point%l, weight => point%weight, area => triangle%area)
+         do j = 1, self%ns
+            along(:m) = 0.5_wp*stretch(:m)*n(j, 0) &
+               & + weight*area*(xi(:m, 1)*n(j, 1) + xi(:m, 2)*n(j, 2))
+            do k = 1, self%ns
+               self%me(:m, max(j, k), min(j, k)) = self%me(:m, max(j, k), min(j, k)) &
+                  & + along(:m)*n(k, 0)*merge(2.0_wp, 1.0_wp, j == k)
+            end do
+            along(:m) = along(:m) + 0.5_wp*stretch(:m)*n(j, 0)
+            do k = 1, self%nm
+               self%b(:m, j, k) = self%b(:m, j, k) + along(:m)*l(k, 0) &
+                  & + weight*area*n(j, 0)*(eta(:m, 1)*l(k, 1) + eta(:m, 2)*l(k, 2))
+            end do
          end do
-         along(:m) = along(:m) + 0.5_wp*stretch(:m)*n(j, 0)
-         do k = 1, self%nm
-            self%b(:m, j, k) = self%b(:m, j, k) + along(:m)*l(k, 0) &
-               & + weight*area*n(j, 0)*(eta(:m, 1)*l(k, 1) + eta(:m, 2)*l(k, 2))
-         end do
-      end do
+      end associate
    end subroutine add_point_slopes
 
    !> Slopes of the reference coordinates over a moving place: J dxi = dy - sum_i N_i dy_i.

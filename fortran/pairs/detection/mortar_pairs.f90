@@ -8,7 +8,7 @@ module lopin_mortar_pairs
    use lopin_narrow_master, only : narrowest_part
    use lopin_surface, only : surface_type, new_surface, update_surface
    use lopin_search, only : tree_type, build_tree
-   use lopin_mortar_overlap, only : overlap_list_type
+   use lopin_mortar_overlap, only : overlap_list_type, overlap_limits_type, area_measure_type
    use lopin_mortar_overlaps_2d, only : find_overlaps_2d
    use lopin_slave_pieces, only : split_slave, piece_normals, whole_weights
    use lopin_mortar_cover, only : cover_type, new_cover
@@ -20,7 +20,16 @@ module lopin_mortar_pairs
    use lopin_tilting, only : rows_needed
    implicit none
    private
-   public :: couple_pair, is_mortar, shape_of, thickness_of
+   public :: coupled_pair_type, couple_pair, is_mortar, shape_of, thickness_of
+
+   !> A pair as it is coupled.
+   type :: coupled_pair_type
+      type(mortar_coupling_type) :: rows
+      type(surface_type) :: slave              !! in smooth pieces
+      real(wp), allocatable :: side(:, :)      !! (3, slave%nnode) outward normals
+      real(wp) :: width = huge(1.0_wp)   !! of the narrowest part of the master, in facets; huge:
+                                         !! wide
+   end type coupled_pair_type
 
    !> n_slave.n_master must be below this for the two to face each other.
    real(wp), parameter :: facing = -0.2_wp
@@ -38,105 +47,108 @@ contains
          & .and. model%surface(pair%master)%kind == surface_of%faces
    end function is_mortar
 
-   !> The coupling of a pair on the shape at the start, or at other places of the nodes; its slave
-   !> in smooth pieces.
-   subroutine couple_pair(self, model, cells, number, tied, slave, side, width, error, places)
-      type(mortar_coupling_type), intent(out) :: self
+   !> The coupling of a pair on the shape at the start, or at other places of the nodes.
+   subroutine couple_pair(self, model, cells, number, tied, error, places)
+      type(coupled_pair_type), intent(out) :: self
       type(model_type), intent(in) :: model
       type(cell_type), intent(in) :: cells(:)
       integer, intent(in) :: number            !! of the pair
       logical, intent(in) :: tied
-      type(surface_type), intent(out) :: slave
-      real(wp), allocatable, intent(out) :: side(:, :)   !! (3, slave%nnode) outward
-      real(wp), intent(out) :: width   !! of the narrowest part of the master, in facets; huge: wide
       type(error_type), allocatable, intent(out) :: error
       real(wp), intent(in), optional :: places(:, :)     !! (ndim, nnode) [length]
       type(surface_type) :: master
       real(wp), allocatable :: x(:, :)
       type(facet_rule_type) :: rules(6)
-      type(tree_type) :: tree
+      type(area_measure_type) :: measure
       type(overlap_list_type) :: list
       type(cover_type) :: cover
-      real(wp), allocatable :: thickness(:), full(:), share(:)
+      real(wp), allocatable :: full(:), share(:)
       integer, allocatable :: piece(:)
       integer :: i
-      logical :: axisymmetric
 
-      width = huge(1.0_wp)
       x = model%mesh%x
       if (present(places)) x = places
-      call shape_of(slave, model, cells, model%pair(number)%slave, error)
+      call shape_of(self%slave, model, cells, model%pair(number)%slave, error)
       if (allocated(error)) return
       call shape_of(master, model, cells, model%pair(number)%master, error)
       if (allocated(error)) return
       if (present(places)) then
-         call update_surface(slave, x, error)
+         call update_surface(self%slave, x, error)
          if (.not. allocated(error)) call update_surface(master, x, error)
          if (allocated(error)) return
       end if
-      call build_tree(tree, master%low, master%high)
       call new_facet_rules(rules)
-      call split_slave(slave, rules, x, piece)
-      thickness = thickness_of(model, slave%facets)
-      axisymmetric = model%kind == kind_of%axisymmetric
-      allocate (side(3, slave%nnode), full(slave%nnode), source=0.0_wp)
-      call piece_normals(slave, rules, x, axisymmetric, side(:model%mesh%ndim, :))
-      allocate (share(slave%facets%n))
-      call whole_weights(slave, rules, x, axisymmetric, thickness, full, share)
-      call find_overlaps(list, error)
-      if (allocated(error)) return
-      call new_cover(cover, full, share, tied, rows_needed(model, number))
-      call couple(self, rules, slave, master, x, axisymmetric, thickness, list, cover)
-      if (.not. tied) width = narrowest_part(slave, [(facet_area(i), i=1, slave%facets%n)], list, &
-         & cover)
+      call split_slave(self%slave, rules, x, piece)
+      associate (slave => self%slave)
+         measure = area_measure_type(model%kind == kind_of%axisymmetric, thickness_of(model, &
+            & slave%facets))
+         allocate (self%side(3, slave%nnode), full(slave%nnode), source=0.0_wp)
+         call piece_normals(slave, rules, x, measure%axisymmetric, self%side(:model%mesh%ndim, :))
+         allocate (share(slave%facets%n))
+         call whole_weights(slave, rules, x, measure%axisymmetric, measure%thickness, full, share)
+         call find_overlaps(self, model, number, master, x, measure, list, error)
+         if (allocated(error)) return
+         call new_cover(cover, full, share, tied, rows_needed(model, number))
+         call couple(self%rows, rules, slave, master, x, measure, list, cover)
+         if (.not. tied) self%width = narrowest_part(slave, [(area_of(rules, slave, x, measure, &
+            & i), i=1, slave%facets%n)], list, cover)
+      end associate
+   end subroutine couple_pair
 
-   contains
+   real(wp) function area_of(rules, slave, x, measure, i) result(area)
+      type(facet_rule_type), intent(in) :: rules(:)
+      type(surface_type), intent(in) :: slave
+      real(wp), intent(in) :: x(:, :)          !! (ndim, nnode) [length]
+      type(area_measure_type), intent(in) :: measure
+      integer, intent(in) :: i                 !! facet
+      real(wp) :: normal(3), own
+      integer :: k
 
-      real(wp) function facet_area(i) result(area)
-         integer, intent(in) :: i
-         real(wp) :: normal(3), own
-         integer :: k
+      area = 0.0_wp
+      associate (rule => rules(slave%facets%cell(i)), &
+         & own_x => x(:, slave%facets%node(:slave%facets%nnode(i), i)))
+         do k = 1, rule%npoint
+            call facet_point(rule, k, own_x, measure%axisymmetric, normal(:size(x, 1)), own)
+            area = area + measure%thickness(i)*own
+         end do
+      end associate
+   end function area_of
 
-         area = 0.0_wp
-         associate (rule => rules(slave%facets%cell(i)), &
-            & own_x => x(:, slave%facets%node(:slave%facets%nnode(i), i)))
-            do k = 1, rule%npoint
-               call facet_point(rule, k, own_x, axisymmetric, normal(:size(x, 1)), own)
-               area = area + thickness(i)*own
-            end do
-         end associate
-      end function facet_area
+   !> The overlaps of a pair whose slave and normals are known.
+   subroutine find_overlaps(self, model, number, master, x, measure, list, error)
+      type(coupled_pair_type), intent(in) :: self
+      type(model_type), intent(in) :: model
+      integer, intent(in) :: number            !! of the pair
+      type(surface_type), intent(in) :: master
+      real(wp), intent(in) :: x(:, :)          !! (ndim, nnode) [length]
+      type(area_measure_type), intent(in) :: measure
+      type(overlap_list_type), intent(inout) :: list
+      type(error_type), allocatable, intent(out) :: error
+      type(mortar_kernel_type) :: kernel
+      type(overlap_limits_type) :: limits
+      type(tree_type) :: tree
 
-      subroutine find_overlaps(list, error)
-         type(overlap_list_type), intent(inout) :: list
-         type(error_type), allocatable, intent(out) :: error
-         type(mortar_kernel_type) :: kernel
-         real(wp), allocatable :: depth(:)
-         real(wp) :: reach
-         integer :: lost
-
-         reach = norm2(max(maxval(slave%high, 2), maxval(master%high, 2)) &
+      call build_tree(tree, master%low, master%high)
+      associate (slave => self%slave)
+         limits%reach = norm2(max(maxval(slave%high, 2), maxval(master%high, 2)) &
             & - min(minval(slave%low, 2), minval(master%low, 2)))
-         allocate (depth(slave%facets%n))
-         call depths_of_facets(slave, facing, depth)
+         limits%facing = facing
+         allocate (limits%depth(slave%facets%n))
+         call depths_of_facets(slave, facing, limits%depth)
          if (model%mesh%ndim == 2) then
-            call find_overlaps_2d(slave, side, master, tree, x, axisymmetric, &
-               & thickness, reach, facing, list, depth)
+            call find_overlaps_2d(slave, self%side, master, tree, x, measure, limits, list)
             return
          end if
          call new_mortar_kernel(kernel, model%mortar_degree)
-         call find_overlaps_3d(kernel, slave, side, master, tree, x, reach, facing, &
-            & list, lost, depth)
-         if (lost > 0) call raise(error, error_code%deck, 'E0316', 'a point of face S'// &
-            & to_text(slave%facets%face(lost))//' of element '// &
-            & to_text(model%mesh%element_label(slave%facets%element(lost)))// &
+         call find_overlaps_3d(kernel, slave, self%side, master, tree, x, limits, list)
+         if (list%lost > 0) call raise(error, error_code%deck, 'E0316', 'a point of face S'// &
+            & to_text(slave%facets%face(list%lost))//' of element '// &
+            & to_text(model%mesh%element_label(slave%facets%element(list%lost)))// &
             & ' of '//model%surface(model%pair(number)%slave)%name//' has no place on the face '// &
-            & 'opposite', &
-            & model%pair(number)%at, help='the faces are too distorted to be integrated: make '// &
-            & 'them '// &
-            & 'convex, or use TYPE=NODE TO SURFACE')
-      end subroutine find_overlaps
-   end subroutine couple_pair
+            & 'opposite', model%pair(number)%at, help='the faces are too distorted to be '// &
+            & 'integrated: make them convex, or use TYPE=NODE TO SURFACE')
+      end associate
+   end subroutine find_overlaps
 
    !> A surface of faces at the start.
    subroutine shape_of(self, model, cells, number, error)

@@ -15,8 +15,7 @@ module lopin_pairing
    use lopin_search, only : tree_type, build_tree, find_projection, find_projections
    use lopin_joint_foot, only : share_joint
    use lopin_wall_depth, only : depths_of_nodes
-   use lopin_mortar, only : mortar_coupling_type
-   use lopin_mortar_pairs, only : couple_pair, is_mortar, shape_of
+   use lopin_mortar_pairs, only : coupled_pair_type, couple_pair, is_mortar, shape_of
    use lopin_model, only : model_type, surface_of
    use lopin_contact_points, only : contact_points_type, no_contact_points, reserve, add_point, &
       & facing, pair_is_tied, gaps_as_meshed
@@ -179,47 +178,48 @@ contains
       type(slave_type), intent(in) :: slave
       type(log_type), intent(inout) :: log
       type(error_type), allocatable, intent(out) :: error
-      type(mortar_coupling_type) :: coupling
-      type(surface_type) :: shape, opposite
-      real(wp), allocatable :: side(:, :)
-      real(wp) :: width
+      type(coupled_pair_type) :: coupled
+      type(surface_type) :: opposite
       integer :: i, j, k, m
       logical :: tied
 
       tied = pair_is_tied(model, model%pair(pair))
-      call couple_pair(coupling, model, cells, pair, tied, shape, side, width, error)
+      call couple_pair(coupled, model, cells, pair, tied, error)
       if (allocated(error)) return
       if (tied) call shape_of(opposite, model, cells, model%pair(pair)%master, error)
       if (allocated(error)) return
-      if (width < 2.0_wp) call say_narrow(model, cells, pair, shape, width, log)
-      m = size(self%master, 1)
-      do j = 1, coupling%n
-         m = max(m, coupling%first(j + 1) - coupling%first(j) + merge(8, 0, tied))
-      end do
-      call reserve(self, size(self%pair), m)
-      j = 1
-      i = 1
-      do k = 1, shape%nnode
-         if (slave%node(i) /= shape%node(k)) i = i + 1
-         call add_point(self, pair, slave, i)
-         self%side(:, self%n) = side(:, k)
-         if (j > coupling%n) cycle
-         if (coupling%place(j) /= k) cycle
-         associate (n => self%n, from => coupling%first(j), to => coupling%first(j + 1) - 1)
-            self%weight(n) = coupling%weight(j)
-            self%facet(n) = coupling%facet(j)
-            self%normal(:, n) = coupling%normal(:, j)
-            self%gap(n) = coupling%gap(j)
-            if (gaps_as_meshed(model, model%pair(pair))) self%above(n) = coupling%above(j)
-            self%foot(:model%mesh%ndim, n) = model%mesh%x(:, shape%node(k))
-            self%foot(:, n) = self%foot(:, n) - coupling%gap(j)*coupling%normal(:, j)
-            self%master(:to - from + 1, n) = coupling%other(from:to)
-            self%shape(:to - from + 1, n) = coupling%p(from:to)
-            if (tied .and. coupling%facet(j) > 0) call name_facet(self%master(:, n), &
-               & opposite%facets%node(:, coupling%facet(j)), to - from + 1)
-         end associate
-         j = j + 1
-      end do
+      if (coupled%width < 2.0_wp) call say_narrow(model, cells, pair, coupled%slave, &
+         & coupled%width, log)
+      associate (coupling => coupled%rows, shape => coupled%slave)
+         m = size(self%master, 1)
+         do j = 1, coupling%n
+            m = max(m, coupling%first(j + 1) - coupling%first(j) + merge(8, 0, tied))
+         end do
+         call reserve(self, size(self%pair), m)
+         j = 1
+         i = 1
+         do k = 1, shape%nnode
+            if (slave%node(i) /= shape%node(k)) i = i + 1
+            call add_point(self, pair, slave, i)
+            self%side(:, self%n) = coupled%side(:, k)
+            if (j > coupling%n) cycle
+            if (coupling%place(j) /= k) cycle
+            associate (n => self%n, from => coupling%first(j), to => coupling%first(j + 1) - 1)
+               self%weight(n) = coupling%weight(j)
+               self%facet(n) = coupling%facet(j)
+               self%normal(:, n) = coupling%normal(:, j)
+               self%gap(n) = coupling%gap(j)
+               if (gaps_as_meshed(model, model%pair(pair))) self%above(n) = coupling%above(j)
+               self%foot(:model%mesh%ndim, n) = model%mesh%x(:, shape%node(k))
+               self%foot(:, n) = self%foot(:, n) - coupling%gap(j)*coupling%normal(:, j)
+               self%master(:to - from + 1, n) = coupling%other(from:to)
+               self%shape(:to - from + 1, n) = coupling%p(from:to)
+               if (tied .and. coupling%facet(j) > 0) call name_facet(self%master(:, n), &
+                  & opposite%facets%node(:, coupling%facet(j)), to - from + 1)
+            end associate
+            j = j + 1
+         end do
+      end associate
    end subroutine pair_by_mortar
 
    !> All nodes of the facet opposite stand in the list, those without a share too: they say how a

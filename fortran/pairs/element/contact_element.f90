@@ -7,8 +7,8 @@ module lopin_contact_element
    use lopin_local_matrix, only : local_matrix_type
    use lopin_contact_row, only : row_type, point_state_type, point_law_type
    use lopin_row_element, only : begin_row, press_row, last_block, end_row
-   use lopin_contact_foot, only : facet_foot, smooth_facet_foot, tool_foot, tool_motion, turned, &
-      & turned_back
+   use lopin_contact_foot, only : facet_place_type, facet_foot, smooth_facet_foot, tool_foot, &
+      & tool_motion, turned, turned_back
    use lopin_nonlinear_points, only : growth_type
    use lopin_contact_inputs, only : point_view_type, inputs_type, list_inputs
    use lopin_tool_samples, only : place_type, find_foot, mean_place, place_inner, place_planes
@@ -96,11 +96,11 @@ contains
                end do
             end do
             if (allocated(o%stencil)) then
-               call smooth_facet_foot(point%basis, o%cell, o%found, o%feature, o%size, x, node, &
-                  & o%stencil, gap, n, shares(:o%ncarry))
+               call smooth_facet_foot(point%basis, facet_place_type(o%cell, o%found, o%feature, &
+                  & o%size), x, node, o%stencil, gap, n, shares(:o%ncarry))
             else
-               call facet_foot(point%basis, o%cell, o%found, o%feature, o%size, x, node, gap, n, &
-                  & shares)
+               call facet_foot(point%basis, facet_place_type(o%cell, o%found, o%feature, o%size), &
+                  & x, node, gap, n, shares)
             end if
             to_anchor = x
             do m = 1, anchor%nnode

@@ -72,8 +72,8 @@ contains
                if (solves) call give_way(e, friction, law%at, p, held, n, t, growth)
                magnitude = constant(0.0_wp)
                if (norm2(t%v) > 0.0_wp) magnitude = dual_norm(t)
-               call return_to_disc(friction, magnitude%v, e%ct, p%v, law%at, f%v, slope, slope_p, &
-                  & slips)
+               call return_to_disc(friction, magnitude%v, e%ct, p%v, law%at, f%v, slope, slope_p)
+               slips = f%v < magnitude%v
                if (e%clings .and. magnitude%v <= (1.0_wp + at_limit)*f%v) then
                   slips = .false.
                   f%v = magnitude%v

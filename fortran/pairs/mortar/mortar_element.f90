@@ -18,13 +18,13 @@ module lopin_mortar_element
    use lopin_dofs, only : dofs_type
    use lopin_contact_points, only : pair_is_tied, gaps_as_meshed
    use lopin_mortar_pairs, only : thickness_of
-   use lopin_mortar_overlap, only : overlap_list_type
+   use lopin_mortar_overlap, only : overlap_list_type, overlap_limits_type, area_measure_type
    use lopin_mortar_overlaps_2d, only : find_overlaps_2d
    use lopin_slave_pieces, only : split_slave, piece_normals, whole_weights
    use lopin_mortar, only : plan_rows
    use lopin_mortar_cover, only : cover_type, new_cover, has_row, taken_over
-   use lopin_mortar_node_2d, only : patch_type, new_patch, mortar_row_type, mortar_row, &
-      & take_nearest
+   use lopin_mortar_node_2d, only : patch_type, basis_functions_type, new_patch, &
+      & mortar_row_type, mortar_row, take_nearest
    use lopin_mortar_least, only : least_of_nodes
    use lopin_nonlinear_points, only : stays_mortar
    use lopin_contact_row, only : row_type, point_state_type, point_law_type
@@ -153,8 +153,9 @@ contains
          return
       end if
       self%list%n = 0
-      call find_overlaps_2d(self%slave, normal, master, tree, x, self%axisymmetric, &
-         & self%thickness, reach, facing, self%list, self%depth)
+      call find_overlaps_2d(self%slave, normal, master, tree, x, area_measure_type( &
+         & self%axisymmetric, self%thickness), overlap_limits_type(reach, facing, self%depth), &
+         & self%list)
       call plan_rows(self%cover, rules, self%slave, master, x, self%list, start, direction)
       if (.not. allocated(self%nearest)) allocate (self%nearest(self%slave%nnode), source=0)
       if (.not. any(self%lifts)) return
@@ -212,8 +213,9 @@ contains
          real(wp), allocatable :: share(:)
 
          call taken_over(self%cover, k, also, share)
-         call new_patch(patch, self%slave, master, self%list, self%slave%node(k), &
-            & self%slave%node(also), share, self%piece, self%piece_of([k, also]), self%cover%share)
+         call new_patch(patch, self%slave, master, self%list, basis_functions_type( &
+            & self%slave%node([k, also]), [1.0_wp, share], self%piece_of([k, also])), self%piece, &
+            & self%cover%share)
          call mortar_row(row, patch, constant(masters%x(:2, patch%node)), self%axisymmetric, &
             & self%thickness(1))
          if (self%nearest(k) > 0 .and. row%weight%v > 0.0_wp) call take_nearest(patch, row, &

@@ -10,7 +10,7 @@ module lopin_mortar_element_3d
    use lopin_surface, only : surface_type
    use lopin_search, only : tree_type
    use lopin_dofs, only : dofs_type
-   use lopin_mortar_overlap, only : overlap_list_type
+   use lopin_mortar_overlap, only : overlap_list_type, overlap_limits_type
    use lopin_mortar_cells_3d, only : mortar_kernel_type
    use lopin_mortar_overlaps_3d, only : find_overlaps_3d
    use lopin_mortar, only : plan_rows
@@ -54,22 +54,21 @@ contains
       type(error_type), allocatable, intent(out) :: error
       type(overlap_list_type) :: list
       real(wp) :: direction(3, slave%nnode)
-      integer :: lost, j
+      integer :: j
 
-      call find_overlaps_3d(self%kernel, slave, normal, master, tree, x, reach, facing, list, &
-         & lost, depth)
-      if (lost > 0) then
+      call find_overlaps_3d(self%kernel, slave, normal, master, tree, x, &
+         & overlap_limits_type(reach, facing, depth), list)
+      if (list%lost > 0) then
          call raise(error, error_code%not_converged, 'E0316', 'a face of a surface-to-surface '// &
             & 'pair is too distorted to be integrated')
          return
       end if
       call plan_rows(cover, rules, slave, master, x, list, start, direction)
       if (start .or. .not. allocated(self%before)) then
-         call new_mortar_rows(self%row, self%kernel, rules, slave, master, x, list, cover=cover)
+         call new_mortar_rows(self%row, self%kernel, slave, master, x, list, cover=cover)
          self%before = self%row
       else
-         call new_mortar_rows(self%row, self%kernel, rules, slave, master, x, list, self%before, &
-            & cover)
+         call new_mortar_rows(self%row, self%kernel, slave, master, x, list, self%before, cover)
          do j = 1, size(self%row)
             ! What is met only within the increment slips from where it was met first.
             if (self%before(j)%node == 0 .and. self%row(j)%node > 0) self%before(j) = self%row(j)

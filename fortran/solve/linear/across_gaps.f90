@@ -9,10 +9,8 @@ module lopin_across_gaps
    use lopin_text, only : to_text
    use lopin_cells, only : cell_type
    use lopin_element_type, only : cells_of_words
-   use lopin_surface, only : surface_type
    use lopin_model, only : model_type
-   use lopin_mortar, only : mortar_coupling_type
-   use lopin_mortar_pairs, only : couple_pair, is_mortar
+   use lopin_mortar_pairs, only : coupled_pair_type, couple_pair, is_mortar
    use lopin_contact_points, only : gaps_as_meshed
    use lopin_initial_gaps, only : is_moved
    use lopin_repeated_messages, only : warn_once
@@ -58,13 +56,11 @@ contains
       type(scene_type), intent(in) :: scene
       type(model_type), intent(in) :: model
       integer, intent(in) :: pair
-      type(mortar_coupling_type) :: coupling
-      type(surface_type) :: slave
+      type(coupled_pair_type) :: coupled
       type(cell_type), allocatable :: cells(:)
       type(error_type), allocatable :: error
-      real(wp), allocatable :: side(:, :)
       real(wp) :: force(scene%points%n), x(size(model%mesh%x, 1), size(model%mesh%x, 2)), gap, &
-         & most, width
+         & most
       integer :: row, j, k, i
 
       force = 0.0_wp
@@ -80,14 +76,15 @@ contains
          end do
       end do
       call cells_of_words(model%element_word, cells)
-      call couple_pair(coupling, model, cells, pair, .false., slave, side, width, error, x)
+      call couple_pair(coupled, model, cells, pair, .false., error, x)
       if (allocated(error)) return
       most = 0.0_wp
-      do j = 1, coupling%n
-         i = scene%points%first(pair) + coupling%place(j) - 1
+      do j = 1, coupled%rows%n
+         i = scene%points%first(pair) + coupled%rows%place(j) - 1
          if (is_moved(scene%initial%shift(i), scene%points%size(i))) cycle
-         gap = coupling%gap(j) + coupling%above(j)
-         if (.not. coupling%above(j) > 0.0_wp .or. .not. gap > inexact*scene%points%size(i)) cycle
+         gap = coupled%rows%gap(j) + coupled%rows%above(j)
+         if (.not. coupled%rows%above(j) > 0.0_wp &
+            & .or. .not. gap > inexact*scene%points%size(i)) cycle
          self%share = self%share + force(i)/sum(force)
          if (.not. force(i) > most) cycle
          most = force(i)

@@ -190,7 +190,6 @@ contains
       real(wp) :: press, stiffness, slip(points%nt), q(points%nt), bound, slope_q, slope_p, w, &
          & size_, softest
       integer :: k
-      logical :: slips
 
       worst = 0.0_wp
       size_ = maxval(abs(scene%answer%force))
@@ -208,7 +207,7 @@ contains
                & + elastic_compliance(points, k, press)*scene%answer%force(from:to)
             q = scene%answer%force(from:to) - stiffness*slip
             call return_to_disc(points%law(k), norm2(q)/w, stiffness/w, press/w, points%at(k), &
-               & bound, slope_q, slope_p, slips)
+               & bound, slope_q, slope_p)
             if (norm2(q) > 0.0_wp) q = q*(bound*w/norm2(q))
             worst = max(worst, norm2(scene%answer%force(from:to) - q) &
                & - stiffness*maxval(noise(from:to)))
