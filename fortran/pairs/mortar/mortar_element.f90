@@ -11,7 +11,7 @@ module lopin_mortar_element
    use lopin_facets, only : facets_type, facet_rule_type
    use lopin_surface, only : surface_type, new_surface, update_surface
    use lopin_search, only : tree_type
-   use lopin_error, only : error_type
+   use lopin_error, only : error_type, error_code, raise
    use lopin_model, only : model_type, kind_of
    use lopin_wall_depth, only : depths_of_facets
    use lopin_tilting, only : rows_needed
@@ -20,6 +20,7 @@ module lopin_mortar_element
    use lopin_mortar_pairs, only : thickness_of
    use lopin_mortar_overlap, only : overlap_list_type, overlap_limits_type, area_measure_type
    use lopin_mortar_overlaps_2d, only : find_overlaps_2d
+   use lopin_mortar_overlaps_3d, only : find_overlaps_3d
    use lopin_slave_pieces, only : split_slave, piece_normals, whole_weights
    use lopin_mortar, only : plan_rows
    use lopin_mortar_cover, only : cover_type, new_cover, has_row, taken_over
@@ -136,7 +137,8 @@ contains
       real(wp), intent(in) :: x(:, :)             !! (ndim, nnode) [length]
       logical, intent(in) :: start                !! of an increment
       type(error_type), allocatable, intent(out) :: error
-      real(wp) :: normal(size(x, 1), self%slave%nnode), direction(3, self%slave%nnode), reach
+      real(wp) :: normal(size(x, 1), self%slave%nnode), direction(3, self%slave%nnode)
+      type(overlap_limits_type) :: limits
 
       if (self%tied .and. self%is_ready) return
       self%is_ready = .true.
@@ -145,18 +147,26 @@ contains
       if (start .or. .not. allocated(self%slave%outlook)) self%slave%outlook &
          & = self%slave%disc(4:6, :)
       call piece_normals(self%slave, rules, x, self%axisymmetric, normal)
-      reach = norm2(max(maxval(self%slave%high, 2), maxval(master%high, 2)) &
-         & - min(minval(self%slave%low, 2), minval(master%low, 2)))
+      limits = overlap_limits_type(norm2(max(maxval(self%slave%high, 2), maxval(master%high, 2)) &
+         & - min(minval(self%slave%low, 2), minval(master%low, 2))), facing, self%depth)
+      self%list%n = 0
       if (self%in_space) then
-         call update_space_mortar(self%space, self%cover, self%slave, normal, rules, master, tree, &
-            & x, reach, facing, self%depth, start, error)
+         call find_overlaps_3d(self%space%kernel, self%slave, normal, master, tree, x, limits, &
+            & self%list)
+      else
+         call find_overlaps_2d(self%slave, normal, master, tree, x, area_measure_type( &
+            & self%axisymmetric, self%thickness), limits, self%list)
+      end if
+      if (self%list%lost > 0) then
+         call raise(error, error_code%not_converged, 'E0316', 'a face of a surface-to-surface '// &
+            & 'pair is too distorted to be integrated')
          return
       end if
-      self%list%n = 0
-      call find_overlaps_2d(self%slave, normal, master, tree, x, area_measure_type( &
-         & self%axisymmetric, self%thickness), overlap_limits_type(reach, facing, self%depth), &
-         & self%list)
       call plan_rows(self%cover, rules, self%slave, master, x, self%list, start, direction)
+      if (self%in_space) then
+         call update_space_mortar(self%space, self%cover, self%slave, master, x, self%list, start)
+         return
+      end if
       if (.not. allocated(self%nearest)) allocate (self%nearest(self%slave%nnode), source=0)
       if (.not. any(self%lifts)) return
       call least_of_nodes(self%slave, self%list, self%nearest)

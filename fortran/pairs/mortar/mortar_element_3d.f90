@@ -5,15 +5,10 @@
 module lopin_mortar_element_3d
    use lopin_kinds, only : wp
    use lopin_dual, only : dual_type, variable
-   use lopin_error, only : error_type, error_code, raise
-   use lopin_facets, only : facet_rule_type
    use lopin_surface, only : surface_type
-   use lopin_search, only : tree_type
    use lopin_dofs, only : dofs_type
-   use lopin_mortar_overlap, only : overlap_list_type, overlap_limits_type
+   use lopin_mortar_overlap, only : overlap_list_type
    use lopin_mortar_cells_3d, only : mortar_kernel_type
-   use lopin_mortar_overlaps_3d, only : find_overlaps_3d
-   use lopin_mortar, only : plan_rows
    use lopin_mortar_cover, only : cover_type
    use lopin_mortar_rows_3d, only : mortar_row_type, new_mortar_rows, take_nearest
    use lopin_mortar_traction_3d, only : slip_of_row, forces_of_row
@@ -38,32 +33,15 @@ module lopin_mortar_element_3d
 contains
 
    !> Rows at present places; at the start of an increment they are kept for the slip.
-   subroutine update_space_mortar(self, cover, slave, normal, rules, master, tree, x, reach, &
-      & facing, depth, start, error)
+   subroutine update_space_mortar(self, cover, slave, master, x, list, start)
       type(space_mortar_type), intent(inout) :: self
-      type(cover_type), intent(inout) :: cover
+      type(cover_type), intent(in) :: cover       !! by plan_rows
       type(surface_type), intent(in) :: slave, master
-      real(wp), intent(in) :: normal(:, :)        !! (3, slave%nnode) outward, by pieces
-      type(facet_rule_type), intent(in) :: rules(:)
-      type(tree_type), intent(in) :: tree
       real(wp), intent(in) :: x(:, :)             !! (3, nnode) [length]
-      real(wp), intent(in) :: reach               !! [length]
-      real(wp), intent(in) :: facing
-      real(wp), intent(in) :: depth(:)            !! (slave facets) deeper is no contact [length]
+      type(overlap_list_type), intent(in) :: list   !! found at x
       logical, intent(in) :: start                !! of an increment
-      type(error_type), allocatable, intent(out) :: error
-      type(overlap_list_type) :: list
-      real(wp) :: direction(3, slave%nnode)
       integer :: j
 
-      call find_overlaps_3d(self%kernel, slave, normal, master, tree, x, &
-         & overlap_limits_type(reach, facing, depth), list)
-      if (list%lost > 0) then
-         call raise(error, error_code%not_converged, 'E0316', 'a face of a surface-to-surface '// &
-            & 'pair is too distorted to be integrated')
-         return
-      end if
-      call plan_rows(cover, rules, slave, master, x, list, start, direction)
       if (start .or. .not. allocated(self%before)) then
          call new_mortar_rows(self%row, self%kernel, slave, master, x, list, cover=cover)
          self%before = self%row
