@@ -13,6 +13,7 @@ contains
       type(keyword_table_type), intent(inout) :: table
 
       call add_pair(table)
+      call add_tie(table)
       call add_interaction(table)
       call add_controls(table)
    end subroutine add_contact_rows
@@ -47,6 +48,10 @@ contains
       call data_line(table, 'slave surface, master surface', 'One pair a line.')
       call example(table, '*CONTACT PAIR, INTERACTION=SMOOTH, TYPE=NODE TO SURFACE|TOP, PUNCH')
       call about(table, 'D, H')
+   end subroutine add_pair
+
+   subroutine add_tie(table)
+      type(keyword_table_type), intent(inout) :: table
 
       call key(table, 'TIE', 'MA', 'both', 'Glues two surfaces whose meshes need not match: '// &
          & 'slave, then master.')
@@ -80,7 +85,7 @@ contains
       call later_flag(table, 'TABULAR', 'A gap for each node.')
       call later_flag(table, 'BOLT', 'Threads.')
       call example(table, '*CLEARANCE, SLAVE=TOP, MASTER=PUNCH, VALUE=0.')
-   end subroutine add_pair
+   end subroutine add_tie
 
    subroutine add_interaction(table)
       type(keyword_table_type), intent(inout) :: table

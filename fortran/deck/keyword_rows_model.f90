@@ -17,6 +17,7 @@ contains
       call add_parts(table)
       call add_surfaces(table)
       call add_materials(table)
+      call add_sections(table)
       call add_constraints(table)
    end subroutine add_model_rows
 
@@ -206,6 +207,10 @@ contains
       call under(table, 'MATERIAL')
       call data_line(table, 'density [mass/length^3], temperature', 'One line.')
       call example(table, '*MATERIAL, NAME=STEEL|*DENSITY|7.8e-9')
+   end subroutine add_materials
+
+   subroutine add_sections(table)
+      type(keyword_table_type), intent(inout) :: table
 
       call key(table, 'SOLID SECTION', 'MP', 'both', 'Gives a material to an element set.')
       call word(table, 'ELSET', 'The elements.')
@@ -248,7 +253,7 @@ contains
       call refuses(table, 'VISCOUS,COMBINED')
       call data_line(table, 'factor, ...', 'Factors of Abaqus; read past.')
       call example(table, '*SECTION CONTROLS, NAME=PLAIN, FORMULATION=FULL')
-   end subroutine add_materials
+   end subroutine add_sections
 
    subroutine add_hyperelastic(table)
       type(keyword_table_type), intent(inout) :: table

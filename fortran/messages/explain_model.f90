@@ -14,6 +14,8 @@ contains
       call mesh(list)
       call contact(list)
       call gaps(list)
+      call uneven_gaps(list)
+      call narrow_masters(list)
       call conditions(list)
    end subroutine model_explanations
 
@@ -195,6 +197,11 @@ contains
          & 'surface: each becomes the quadratic one whose edges follow the normals of its '// &
          & 'corners. Sharper edges stay. The figure is how far that is off the facets, beside '// &
          & 'a slave facet.', 'SMOOTH=NO on *SURFACE where the facets are meant as they are.')
+   end subroutine gaps
+
+   subroutine uneven_gaps(list)
+      type(explanation_type), allocatable, intent(inout) :: list(:)
+
       call add_explanation(list, 'W0333', 'facets that do not match make the pressure uneven', &
          & 'Contact is at the nodes of the slave. Where its facets and those of the master do '// &
          & 'not match, or are longer, a uniform load gives no uniform pressure, and master '// &
@@ -221,6 +228,12 @@ contains
          & 'path when this happens, unless friction has begun or PATH is given.', &
          & 'finer slave facets, the convex side as the slave, NLGEOM, *LOPIN PATH=FINITE, or '// &
          & 'TYPE=NODE TO SURFACE.')
+   end subroutine uneven_gaps
+
+   !> Masters and tools that are narrow, or chords, beside a slave facet.
+   subroutine narrow_masters(list)
+      type(explanation_type), allocatable, intent(inout) :: list(:)
+
       call add_explanation(list, 'W0336', 'a part of the master is narrower than a slave facet', &
          & 'Surface to surface spreads what a narrow punch or rib carries over the functions '// &
          & 'of the slave''s nodes: narrower than one facet it presses the whole facet, and the '// &
@@ -277,7 +290,7 @@ contains
          & 'over the size of the facet.', &
          & 'give a slope under *SURFACE BEHAVIOR to choose it yourself.')
       call raised(list)
-   end subroutine gaps
+   end subroutine narrow_masters
 
    subroutine raised(list)
       type(explanation_type), allocatable, intent(inout) :: list(:)

@@ -10,6 +10,19 @@ contains
    subroutine run_explanations(list)
       type(explanation_type), allocatable, intent(inout) :: list(:)
 
+      call convergence(list)
+      call singular_states(list)
+      call theory_limits(list)
+      call energies(list)
+      call supports(list)
+      call files(list)
+      call usage(list)
+   end subroutine run_explanations
+
+   !> How an increment fails to converge.
+   subroutine convergence(list)
+      type(explanation_type), allocatable, intent(inout) :: list(:)
+
       call add_explanation(list, 'E0501', 'the contact states cycle', &
          & 'The set of closed points changes for ever between the same states. The default '// &
          & 'method cannot cycle in small displacement.', 'use *SURFACE BEHAVIOR, DIRECT, or '// &
@@ -53,6 +66,12 @@ contains
          & 'the message says what suits the scene: let increments be cut; drive by '// &
          & 'displacement beyond a limit load; SMOOTH=YES or ELASTIC SLIP= where contacts '// &
          & 'change for ever.')
+   end subroutine convergence
+
+   !> Tangents, free bodies, and states of friction.
+   subroutine singular_states(list)
+      type(explanation_type), allocatable, intent(inout) :: list(:)
+
       call add_explanation(list, 'E0511', 'the tangent is singular', &
          & 'At the trial state a motion meets no resistance: a limit load under force control, '// &
          & 'or a part that nothing holds.', &
@@ -94,6 +113,12 @@ contains
       call add_explanation(list, 'W0314', 'a pair never closed', &
          & 'No point of the slave met the master in the whole run. The smallest gap is told.', &
          & 'look at units and positions; take the pair out if it is not needed.')
+   end subroutine singular_states
+
+   !> Where a theory or an increment ends.
+   subroutine theory_limits(list)
+      type(explanation_type), allocatable, intent(inout) :: list(:)
+
       call add_explanation(list, 'W0505', 'a node slides far on its facet', &
          & 'Contact is followed in small sliding: each slave node keeps the place and the '// &
          & 'normal '// &
@@ -134,6 +159,12 @@ contains
          & 'edges lie on one line) has fallen below 0.1. The strains there lose their meaning, '// &
          & 'and the element will soon turn inside out.', &
          & 'a mesh made for the deformed shape, finer where the body turns round an edge.')
+   end subroutine theory_limits
+
+   !> Energies, slow motion, and what a release frees.
+   subroutine energies(list)
+      type(explanation_type), allocatable, intent(inout) :: list(:)
+
       call add_explanation(list, 'W0530', 'energies do not balance', &
          & 'The work of loads and prescribed displacements differs from stored energy, plastic '// &
          & 'work and friction by more than a hundredth (three of elastic bodies), and by more '// &
@@ -177,6 +208,12 @@ contains
          & 'A penalty pair whose deck gives no elastic slip takes 0.5 % of a facet. Here '// &
          & 'nothing slips much farther than that, so that zones of stick and slip mix.', &
          & 'use DIRECT, which sticks exactly, or give ELASTIC SLIP= on *FRICTION.')
+   end subroutine energies
+
+   !> Supports and constraints.
+   subroutine supports(list)
+      type(explanation_type), allocatable, intent(inout) :: list(:)
+
       call add_explanation(list, 'W0403', 'contact forces are not unique', &
          & 'Some contact points are held twice: by a support or by another contact. The '// &
          & 'displacement is '// &
@@ -201,6 +238,12 @@ contains
          & 'different values. The tie leaves the node to its support there: along this '// &
          & 'direction the two sides part at the node.', &
          & 'give both sides the same displacement, or leave one of them out of the supports.')
+   end subroutine supports
+
+   !> Result files, checkpoints and memory.
+   subroutine files(list)
+      type(explanation_type), allocatable, intent(inout) :: list(:)
+
       call add_explanation(list, 'E0601', 'the folder of results cannot be used', &
          & 'The folder cannot be made, or holds the unfinished run of another deck.', &
          & 'give another folder with -o, or --overwrite.')
@@ -255,6 +298,12 @@ contains
       call add_explanation(list, 'N0706', 'fewer threads than were asked for', &
          & 'The system starts no more threads: a limit of processes (ulimit -u) or of memory.', &
          & 'nothing; or raise the limit, or ask for fewer by --threads.')
+   end subroutine files
+
+   !> The command line, and errors of Lopin itself.
+   subroutine usage(list)
+      type(explanation_type), allocatable, intent(inout) :: list(:)
+
       call add_explanation(list, 'E0703', 'the solver failed', &
          & 'The library of the linear solver reports a failure that Lopin cannot put into words.', &
          & 'try another solver with --solver, and report the deck.')
@@ -283,5 +332,5 @@ contains
          & 'build again, and report the output of `lopin info` and `lopin selftest`.')
       call add_explanation(list, 'E0901', 'the contact problem broke down', &
          & 'The contact solver met numbers that cannot occur.', 'report the deck and the message.')
-   end subroutine run_explanations
+   end subroutine usage
 end module lopin_explain_run

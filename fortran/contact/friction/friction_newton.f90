@@ -59,12 +59,7 @@ contains
          before = norm
          before_status = work%equations%status
          history(1 + mod(pass, memory)) = norm
-         if (work%predict .and. work%cold) then
-            call stick_all(points, work%touching, x, work%equations)
-         else if (work%predict) then
-            x%gap = work%old_gap
-            call check(self, points, work, x, norm)
-         end if
+         if (work%predict) call begin_prediction(self, points, work, x, norm)
          call step_to(self, points, work, x, next)
          if (work%predict .or. work%one_by_one .or. .not. work%controls%line_search) then
             x = next
@@ -83,10 +78,7 @@ contains
          work%iterations = work%iterations + 1
          norms(pass + 1) = norm
          hash = hash_of(work%equations)
-         place = findloc(seen, hash, 1)
-         if (place > 0 .and. place /= 1 + mod(pass - 1, remembered)) then
-            if (norm > 0.5_wp*norm_at(place)) exit
-         end if
+         if (repeats(hash, norm, pass, seen, norm_at)) exit
          seen(1 + mod(pass, remembered)) = hash
          norm_at(1 + mod(pass, remembered)) = norm
       end do
@@ -94,6 +86,37 @@ contains
       work%norms = norms(:min(pass, most + 1))
       work%changing = pack([(place, place=1, points%n)], work%equations%status /= before_status)
    end subroutine newton
+
+   !> The states came before, other than in the last pass, and the residual has not halved since.
+   pure logical function repeats(hash, norm, pass, seen, norm_at)
+      integer(int64), intent(in) :: hash
+      real(wp), intent(in) :: norm
+      integer, intent(in) :: pass
+      integer(int64), intent(in) :: seen(:)
+      real(wp), intent(in) :: norm_at(:)
+      integer :: place
+
+      repeats = .false.
+      place = findloc(seen, hash, 1)
+      if (place > 0 .and. place /= 1 + mod(pass - 1, remembered)) repeats &
+         & = norm > 0.5_wp*norm_at(place)
+   end function repeats
+
+   !> The first step: from states that all stick, or from the gaps of the last increment.
+   subroutine begin_prediction(self, points, work, x, norm)
+      type(condensed_type), intent(in) :: self
+      type(friction_points_type), intent(in) :: points
+      type(work_type), intent(inout) :: work
+      type(trial_type), intent(inout) :: x
+      real(wp), intent(inout) :: norm
+
+      if (work%cold) then
+         call stick_all(points, work%touching, x, work%equations)
+      else
+         x%gap = work%old_gap
+         call check(self, points, work, x, norm)
+      end if
+   end subroutine begin_prediction
 
    !> For the first step: points that touch, or all if bodies float, press and stick.
    subroutine stick_all(points, touching, x, equations)
