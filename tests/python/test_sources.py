@@ -16,14 +16,14 @@ import measure_sources  # noqa: E402
 LIMITS = {
     "files above 400 lines": 0,
     "lines above 100 columns": 0,
-    "procedures above 8 arguments": 24,
+    "procedures above 8 arguments": 0,
     "procedures nested deeper than 4": 0,
-    "procedures above 60 lines": 23,
+    "procedures above 60 lines": 17,
     "types above 20 components": 9,
     "types above 20 components without a reason beside them": 0,
     "modules out of reach": 0,
     "words of a private vocabulary": 0,
-    "public procedures without a docstring, %": 18.2,
+    "public procedures without a docstring, %": 17.6,
 }
 
 
