@@ -100,6 +100,7 @@ contains
       call forget_workspace_of(handle, code)
    end subroutine forget_workspace
 
+   !> What an open run holds between two increments, byte by byte.
    subroutine get_state(handle, n, state)
       integer, intent(in) :: handle
       integer, intent(in) :: n                  !! from `state_length`
@@ -130,6 +131,7 @@ contains
       call keep_session(session, handle)
    end subroutine open_session
 
+   !> Forget a run and its results.
    subroutine close_session(handle)
       integer, intent(in) :: handle
       call forget_session(handle)
@@ -191,6 +193,7 @@ contains
       end if
    end subroutine result_shape
 
+   !> A result of real numbers; `code` is 2 if there is none of this name and shape.
    subroutine get_real(handle, name, index, n, m, values, code)
       integer, intent(in) :: handle
       character(len=*), intent(in) :: name
@@ -208,6 +211,7 @@ contains
       code = 0
    end subroutine get_real
 
+   !> The same of whole numbers.
    subroutine get_integer(handle, name, index, n, m, values, code)
       integer, intent(in) :: handle
       character(len=*), intent(in) :: name
@@ -233,6 +237,7 @@ contains
       y = x
    end subroutine echo
 
+   !> Shape functions of a cell at a parametric point, and their slopes.
    subroutine probe_shape(cell, xi, nnode, ndim, values, slopes, code)
       character(len=*), intent(in) :: cell
       integer, intent(in) :: nnode, ndim
@@ -242,6 +247,7 @@ contains
       call cell_functions(cell, xi, values, slopes, code)
    end subroutine probe_shape
 
+   !> The closest point of one facet.
    subroutine probe_project(cell, x, point, nnode, ndim, foot, code)
       character(len=*), intent(in) :: cell
       integer, intent(in) :: nnode, ndim
@@ -251,6 +257,7 @@ contains
       call facet_projection(cell, x, point, foot(:ndim - 1), foot(ndim), foot(ndim + 1:), code)
    end subroutine probe_project
 
+   !> Gaps and normals of points to a rigid tool; `data` as of `tool_gaps`.
    subroutine probe_tool_gap(kind, data, points, ndata, ndim, npoint, foot, code)
       character(len=*), intent(in) :: kind
       integer, intent(in) :: ndata, ndim, npoint
@@ -260,6 +267,7 @@ contains
       call tool_gaps(kind, data, points, foot(1, :), foot(2:, :), code)
    end subroutine probe_tool_gap
 
+   !> Solve with the skyline solver; lower triangle by columns, from 1.
    subroutine probe_skyline_solve(pointer, row, value, b, n, nnz, x, code)
       integer, intent(in) :: n, nnz
       integer, intent(in) :: pointer(n + 1), row(nnz)
@@ -270,6 +278,7 @@ contains
       call skyline_solution(pointer, row, value, b, x, code)
    end subroutine probe_skyline_solve
 
+   !> Contact of a body known by its compliance; see `contact_forces`.
    subroutine probe_contact(compliance, gap, method, alpha, n, force, iterations, code)
       integer, intent(in) :: n
       double precision, intent(in) :: compliance(n, n), gap(n), alpha(n)
@@ -280,6 +289,7 @@ contains
       call contact_forces(compliance, gap, method, alpha, force, iterations, code)
    end subroutine probe_contact
 
+   !> Hooke's matrix of a kind: 4 x 4 in the plane, 6 x 6 of a solid.
    subroutine probe_hooke(kind, young, poisson, n, d, code)
       character(len=*), intent(in) :: kind
       double precision, intent(in) :: young, poisson
@@ -289,6 +299,7 @@ contains
       call moduli(kind, young, poisson, d, code)
    end subroutine probe_hooke
 
+   !> Stiffness of an element of the deck language.
    subroutine probe_stiffness(word, formulation, x, elastic, nnode, ndim, k, code)
       character(len=*), intent(in) :: word, formulation
       integer, intent(in) :: nnode, ndim
@@ -299,6 +310,7 @@ contains
       call element_stiffness(word, formulation, x, elastic(:2), elastic(3), k, code)
    end subroutine probe_stiffness
 
+   !> Tractions of a law of friction and their slopes at many points.
    subroutine probe_friction(law, regularization, data, point, n, answer, code)
       character(len=*), intent(in) :: law, regularization
       integer, intent(in) :: n
@@ -308,6 +320,7 @@ contains
       call friction_tractions(law, regularization, data, point, answer, code)
    end subroutine probe_friction
 
+   !> One increment of Coulomb's friction at points in the plane.
    subroutine probe_friction_increment(compliance, law, switches, before, n, after, info, code)
       integer, intent(in) :: n
       double precision, intent(in) :: compliance(n, n), law(3), before(n, 3)

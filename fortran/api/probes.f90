@@ -33,6 +33,7 @@ module lopin_probes
 
 contains
 
+   !> Shape functions of a cell and their slopes at one point.
    subroutine cell_functions(name, xi, n, dn, code)
       character(len=*), intent(in) :: name
       real(wp), intent(in) :: xi(:)        !! (ndim) parametric point

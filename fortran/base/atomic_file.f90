@@ -109,6 +109,7 @@ contains
          & "cannot make the folder '"//path//"'", help='choose another folder with -o')
    end subroutine make_folder
 
+   !> Take a name away; nothing happens where there is none.
    subroutine remove_file(path)
       character(len=*), intent(in) :: path
       integer(c_int) :: ignored

@@ -174,6 +174,7 @@ contains
       has_shrunk = c_reason(status, unused, 1_c_int) == shorter
    end function has_shrunk
 
+   !> The error of a file that cannot be written, with what helps against its cause.
    subroutine cannot_write(path, status, error)
       character(len=*), intent(in) :: path
       integer(c_int), intent(in) :: status       !! errno

@@ -71,6 +71,7 @@ contains
       if (k >= 1 .and. k <= dual_width) y%d(k) = 1.0_wp
    end function variable
 
+   !> A number without slopes.
    elemental function constant(x) result(y)
       real(wp), intent(in) :: x
       type(dual_type) :: y
@@ -242,6 +243,7 @@ contains
       c%d = -sin(a%v)*a%d
    end function dual_cos
 
+   !> Scalar product.
    pure function dual_dot(a, b) result(c)
       type(dual_type), intent(in) :: a(:), b(:)
       type(dual_type) :: c
@@ -251,6 +253,7 @@ contains
       end do
    end function dual_dot
 
+   !> Vector product.
    pure function dual_cross(a, b) result(c)
       type(dual_type), intent(in) :: a(3), b(3)
       type(dual_type) :: c(3)

@@ -33,6 +33,7 @@ module lopin_interrupt
 
 contains
 
+   !> Whether the process was asked to stop since `catch_interrupts`.
    logical function is_interrupted()
       is_interrupted = lopin_signal_noted() /= 0
    end function is_interrupted

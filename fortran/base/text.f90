@@ -21,6 +21,7 @@ module lopin_text
 
 contains
 
+   !> In upper case, letters of ASCII only.
    elemental function upper(text) result(changed)
       character(len=*), intent(in) :: text
       character(len=len(text)) :: changed

@@ -238,6 +238,7 @@ contains
       end do
    end subroutine get_parameter
 
+   !> Whether a keyword line has a parameter.
    pure logical function has_parameter(block, name)
       type(block_type), intent(in) :: block
       character(len=*), intent(in) :: name                    !! upper case

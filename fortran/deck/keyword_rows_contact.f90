@@ -9,6 +9,7 @@ module lopin_keyword_rows_contact
 
 contains
 
+   !> Pairs, ties, interactions and their controls.
    subroutine add_contact_rows(table)
       type(keyword_table_type), intent(inout) :: table
 

@@ -8,6 +8,7 @@ module lopin_keyword_rows_flow
 
 contains
 
+   !> Metals that flow, and heat.
    subroutine add_flow_rows(table)
       type(keyword_table_type), intent(inout) :: table
 

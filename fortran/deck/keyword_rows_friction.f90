@@ -10,6 +10,7 @@ module lopin_keyword_rows_friction
 
 contains
 
+   !> Friction, and what changes it in a step.
    subroutine add_friction_rows(table)
       type(keyword_table_type), intent(inout) :: table
 

@@ -9,6 +9,7 @@ module lopin_keyword_rows_model
 
 contains
 
+   !> What the model consists of.
    subroutine add_model_rows(table)
       type(keyword_table_type), intent(inout) :: table
 

@@ -9,6 +9,7 @@ module lopin_keyword_rows_other
 
 contains
 
+   !> Keywords that are read past, and those that are refused by name.
    subroutine add_other_rows(table)
       type(keyword_table_type), intent(inout) :: table
 

@@ -11,6 +11,7 @@ module lopin_keyword_rows_step
 
 contains
 
+   !> Steps, loads, outputs and choices of the run.
    subroutine add_step_rows(table)
       type(keyword_table_type), intent(inout) :: table
 

@@ -192,6 +192,7 @@ contains
       end associate
    end subroutine bare_value
 
+   !> The last parameter must be given.
    subroutine required(table)
       type(keyword_table_type), intent(inout) :: table
       associate (row => table%row(table%n))
@@ -199,6 +200,7 @@ contains
       end associate
    end subroutine required
 
+   !> Other names of the last parameter, separated by commas.
    subroutine known_as(table, aliases)
       type(keyword_table_type), intent(inout) :: table
       character(len=*), intent(in) :: aliases
@@ -234,6 +236,7 @@ contains
       end associate
    end subroutine respells
 
+   !> What a misspelling of the last parameter would silently have done.
    subroutine missing_means(table, sentence)
       type(keyword_table_type), intent(inout) :: table
       character(len=*), intent(in) :: sentence
@@ -299,6 +302,7 @@ contains
       table%row(table%n)%is_reported = .true.
    end subroutine reported
 
+   !> A deck, or the part of one, that shows the keyword.
    subroutine example(table, lines)
       type(keyword_table_type), intent(inout) :: table
       character(len=*), intent(in) :: lines   !! separated by |

@@ -18,6 +18,7 @@ module lopin_keywords
 
 contains
 
+   !> The whole table.
    subroutine new_keyword_table(table)
       type(keyword_table_type), intent(out) :: table
 

@@ -28,6 +28,7 @@ module lopin_enhanced_modes
 
 contains
 
+   !> The internal modes of an element on its reference place.
    pure subroutine internal_modes(element, x, self, smallest)
       type(element_type), intent(in) :: element    !! with nmode > 0
       real(wp), intent(in) :: x(:, :)              !! (ndim, nnode) reference [length]

@@ -131,6 +131,7 @@ contains
       end do
    end function amplitudes_of
 
+   !> Write the amplitudes of internal modes, two a Gauss point.
    pure subroutine put_amplitudes(memory, nstress, alpha)
       real(wp), intent(inout) :: memory(:, :)  !! (nmemory, ngauss)
       integer, intent(in) :: nstress
@@ -161,6 +162,7 @@ contains
       if (size(memory) > memory_size(nstress)) past%temperature = memory(temperature_at(nstress))
    end function past_of
 
+   !> The symmetric tensor that a point remembers.
    pure function metric_of(memory, nstress) result(metric)
       real(wp), contiguous, intent(in) :: memory(:)
       integer, intent(in) :: nstress
@@ -233,6 +235,7 @@ contains
       change(3, 3) = across + h(3, 3) + across*h(3, 3)
    end subroutine push_in_plane
 
+   !> Write the symmetric tensor that a point remembers.
    pure subroutine put_metric(memory, nstress, metric)
       real(wp), intent(inout) :: memory(:)
       integer, intent(in) :: nstress

@@ -59,6 +59,7 @@ contains
       allocate (flow%stress, source=stress)
    end function table_flow
 
+   !> Swift's hardening: k (eps0 + eps)^n.
    pure function swift_flow(k, eps0, n) result(flow)
       real(wp), intent(in) :: k               !! > 0 [stress]
       real(wp), intent(in) :: eps0            !! > 0 [-]

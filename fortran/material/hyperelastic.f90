@@ -60,6 +60,7 @@ module lopin_hyperelastic
 
 contains
 
+   !> Linear between Kirchhoff stress and logarithmic strain (Hencky).
    pure function hencky_law(young, poisson) result(law)
       real(wp), intent(in) :: young      !! E > 0 [stress]
       real(wp), intent(in) :: poisson    !! in (-1, 0.5) [-]
@@ -78,6 +79,7 @@ contains
       law%kind = finite_law%green
    end function green_law
 
+   !> Neo-Hooke by the constants of *HYPERELASTIC.
    pure function neo_hooke_law(c10, d1) result(law)
       real(wp), intent(in) :: c10        !! > 0 [stress]
       real(wp), intent(in) :: d1         !! > 0 [1/stress]

@@ -17,6 +17,7 @@ module lopin_kelvin
 
 contains
 
+   !> A symmetric tensor as a vector of six, shears times sqrt 2 (Kelvin).
    pure function kelvin_of(tensor) result(vector)
       real(wp), intent(in) :: tensor(3, 3)   !! symmetric
       real(wp) :: vector(6)
@@ -28,6 +29,7 @@ contains
       vector(4:) = root_two*vector(4:)
    end function kelvin_of
 
+   !> A vector of six as a symmetric tensor.
    pure function tensor_of(vector) result(tensor)
       real(wp), intent(in) :: vector(6)
       real(wp) :: tensor(3, 3)

@@ -297,6 +297,7 @@ contains
       end associate
    end subroutine use_equation
 
+   !> The deck's number of a node.
    function label_of(model, node) result(text)
       type(model_type), intent(in) :: model
       integer, intent(in) :: node

@@ -19,6 +19,7 @@ module lopin_dofs
 
 contains
 
+   !> Numbers of the degrees of freedom of a model.
    subroutine new_dofs(self, model)
       type(dofs_type), intent(out) :: self
       type(model_type), intent(in) :: model

@@ -35,6 +35,7 @@ module lopin_bodies
 
 contains
 
+   !> The bodies of a model and the free motions that supports leave them.
    subroutine new_bodies(self, model, dofs, constraints)
       type(bodies_type), intent(out) :: self
       type(model_type), intent(in) :: model

@@ -97,6 +97,7 @@ contains
       end do
    end subroutine divide
 
+   !> Squared distance of a point to a box, 0 inside [length^2].
    pure real(wp) function box_distance2(low, high, x)
       real(wp), intent(in) :: low(3), high(3), x(3)
       real(wp) :: d(3)

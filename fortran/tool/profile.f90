@@ -48,6 +48,7 @@ module lopin_profile
 
 contains
 
+   !> A profile of lines and arcs; an error if they do not join.
    subroutine new_profile(self, cards, fillet, error)
       type(profile_type), intent(out) :: self
       type(segment_card_type), intent(in) :: cards(:)   !! START first
@@ -329,6 +330,7 @@ contains
          & two%ta) < 0.0_wp
    end function is_corner
 
+   !> Place on a parabola [length].
    pure function parabola_point(segment, t) result(p)
       type(segment_type), intent(in) :: segment
       real(wp), intent(in) :: t   !! in [-1, 1]
@@ -347,12 +349,14 @@ contains
       s = 0.5_wp*(segment%b - segment%a) + 2.0_wp*t*(0.5_wp*(segment%a + segment%b) - segment%c)
    end function parabola_slope
 
+   !> Normal to the left of a direction.
    pure function left_of(t) result(n)
       real(wp), intent(in) :: t(2)
       real(wp) :: n(2)
       n = [-t(2), t(1)]
    end function left_of
 
+   !> Third component of the vector product.
    pure real(wp) function cross_2d(a, b)
       real(wp), intent(in) :: a(2), b(2)
       cross_2d = a(1)*b(2) - a(2)*b(1)

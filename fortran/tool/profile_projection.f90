@@ -22,6 +22,7 @@ module lopin_profile_projection
 
 contains
 
+   !> The closest point of a profile.
    pure subroutine project_profile(profile, p, foot)
       type(profile_type), intent(in) :: profile
       real(wp), intent(in) :: p(2)              !! [length]

@@ -23,6 +23,7 @@ module lopin_rigid_motion
 
 contains
 
+   !> A motion by displacement and rotation vector of a reference point.
    pure subroutine new_rigid_motion(self, reference, displacement, rotation)
       type(rigid_motion_type), intent(out) :: self
       real(wp), intent(in) :: reference(:)      !! (ndim) [length]

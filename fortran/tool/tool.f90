@@ -149,6 +149,7 @@ contains
          & matmul(foot%hessian(:ndim, :ndim), transpose(motion%rotation(:ndim, :ndim))))
    end subroutine move_foot
 
+   !> a b^T.
    pure function outer_product(a, b) result(c)
       real(wp), intent(in) :: a(:), b(:)
       real(wp) :: c(size(a), size(b))

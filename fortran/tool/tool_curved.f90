@@ -35,6 +35,7 @@ module lopin_tool_curved
 
 contains
 
+   !> A tool of curved triangles from a mesh of flat ones.
    subroutine new_curved_tool(self, mesh)
       type(curved_tool_type), intent(out) :: self
       type(facet_mesh_type), intent(in) :: mesh

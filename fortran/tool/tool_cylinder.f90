@@ -26,6 +26,7 @@ module lopin_tool_cylinder
 
 contains
 
+   !> A cylinder, or a bore; an error if it has no radius or axis.
    subroutine new_cylinder(self, origin, axis, radius, error, length, bore)
       type(cylinder_type), intent(out) :: self
       real(wp), intent(in) :: origin(3)            !! a point of the axis [length]

@@ -41,6 +41,7 @@ module lopin_tool_facets
 
 contains
 
+   !> A tool of flat triangles.
    subroutine new_facets_tool(self, mesh)
       type(facets_tool_type), intent(out) :: self
       type(facet_mesh_type), intent(in) :: mesh

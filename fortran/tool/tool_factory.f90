@@ -206,6 +206,7 @@ contains
       text = '('//to_text(x(1))//', '//to_text(x(2))//', '//to_text(x(3))//')'
    end function place_text
 
+   !> A half-space.
    subroutine new_tool_plane(tool, origin, normal, error)
       class(tool_type), allocatable, intent(out) :: tool
       real(wp), intent(in) :: origin(:), normal(:)   !! (ndim) [length], any
@@ -217,6 +218,7 @@ contains
       call move_alloc(plane, tool)
    end subroutine new_tool_plane
 
+   !> A sphere or circle, or the cavity of one.
    subroutine new_tool_sphere(tool, centre, radius, cavity, error)
       class(tool_type), allocatable, intent(out) :: tool
       real(wp), intent(in) :: centre(:)              !! (ndim): 2 makes a circle [length]
@@ -230,6 +232,7 @@ contains
       call move_alloc(sphere, tool)
    end subroutine new_tool_sphere
 
+   !> A cylinder, or the bore of one.
    subroutine new_tool_cylinder(tool, origin, axis, radius, length, bore, error)
       class(tool_type), allocatable, intent(out) :: tool
       real(wp), intent(in) :: origin(3), axis(3)     !! a point, a direction [length], any

@@ -18,6 +18,7 @@ module lopin_tool_plane
 
 contains
 
+   !> A half-space; an error if the normal has no length.
    subroutine new_plane(self, origin, normal, error)
       type(plane_type), intent(out) :: self
       real(wp), intent(in) :: origin(:)   !! (ndim) a point of the plane [length]

@@ -21,6 +21,7 @@ module lopin_tool_sphere
 
 contains
 
+   !> A sphere or circle, or the cavity of one; an error if the radius is not positive.
    subroutine new_sphere(self, centre, radius, error, cavity)
       type(sphere_type), intent(out) :: self
       real(wp), intent(in) :: centre(:)   !! (ndim) [length]

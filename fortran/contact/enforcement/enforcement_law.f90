@@ -28,6 +28,7 @@ module lopin_enforcement_law
 
 contains
 
+   !> Exponential pressure-overclosure.
    subroutine new_exponential(self, p0, c0)
       type(law_type), intent(out) :: self
       real(wp), intent(in) :: p0   !! pressure at zero clearance [stress]
@@ -39,6 +40,7 @@ contains
       allocate (self%pressure(0), self%overclosure(0))
    end subroutine new_exponential
 
+   !> Pressure-overclosure by points [stress], [length].
    subroutine new_tabular(self, pressure, overclosure)
       type(law_type), intent(out) :: self
       real(wp), intent(in) :: pressure(:), overclosure(:)

@@ -171,11 +171,13 @@ contains
       end if
    end subroutine automatic_law
 
+   !> Whether anything resists slip.
    elemental logical function has_friction(law)
       type(friction_type), intent(in) :: law
       has_friction = law%rough .or. law%law /= law_of%none
    end function has_friction
 
+   !> Whether the shear is a function of slip or speed, without stick.
    pure logical function is_regularised(law)
       type(friction_type), intent(in) :: law
       is_regularised = .not. law%rough .and. law%regularization /= regularization_of%linear

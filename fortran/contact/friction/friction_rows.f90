@@ -66,6 +66,7 @@ module lopin_friction_rows
 
 contains
 
+   !> Room for the equations of a problem, with their scales.
    subroutine new_equations(self, problem, points)
       type(equations_type), intent(out) :: self
       type(condensed_type), intent(in) :: problem

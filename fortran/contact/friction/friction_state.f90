@@ -42,6 +42,7 @@ module lopin_friction_state
 
 contains
 
+   !> History of points that have not slipped yet.
    subroutine new_friction_history(self, closed)
       type(friction_history_type), intent(out) :: self
       logical, intent(in) :: closed(:)          !! (npoint) touch at the start
@@ -55,6 +56,7 @@ contains
       self%closed = closed
    end subroutine new_friction_history
 
+   !> Tests of points that have not slipped yet.
    subroutine new_friction_tests(self, npoint)
       type(friction_tests_type), intent(out) :: self
       integer, intent(in) :: npoint

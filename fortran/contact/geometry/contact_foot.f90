@@ -204,6 +204,7 @@ contains
       end do
    end function tool_motion
 
+   !> matrix * v.
    pure function turned(matrix, v) result(w)
       type(dual_type), intent(in) :: matrix(3, 3), v(3)
       type(dual_type) :: w(3)

@@ -29,6 +29,7 @@ module lopin_facet_basis
 
 contains
 
+   !> Tables of the six facet cells.
    pure subroutine new_facet_basis(self)
       type(facet_basis_type), intent(out) :: self
       integer, parameter :: used(8, nfacet_cell) = reshape([ &
@@ -162,6 +163,7 @@ contains
       end associate
    end function monomial_derivatives
 
+   !> Place of a facet at reference coordinates [length].
    pure function facet_point_of(c, xi) result(x)
       real(wp), intent(in) :: c(3, ncoefficient)
       real(wp), intent(in) :: xi(2)
@@ -171,6 +173,7 @@ contains
          & + xi(2)*(c(:, 3) + xi(2)*(c(:, 6) + xi(1)*c(:, 8))) + xi(1)*xi(2)*c(:, 4)
    end function facet_point_of
 
+   !> First derivatives of the place by the reference coordinates.
    pure subroutine facet_tangents(c, xi, t1, t2)
       real(wp), intent(in) :: c(3, ncoefficient)
       real(wp), intent(in) :: xi(2)
@@ -182,6 +185,7 @@ contains
       t2 = c(:, 3) + xi(1)*(c(:, 4) + 2.0_wp*xi(2)*c(:, 8) + xi(1)*c(:, 7)) + 2.0_wp*xi(2)*c(:, 6)
    end subroutine facet_tangents
 
+   !> Second derivatives of the place by the reference coordinates.
    pure subroutine facet_seconds(c, xi, x11, x12, x22)
       real(wp), intent(in) :: c(3, ncoefficient)
       real(wp), intent(in) :: xi(2)

@@ -13,6 +13,7 @@ module lopin_smooth_dual
 
 contains
 
+   !> Coefficients of a smoothed facet with their slopes by the places of its stencil.
    pure subroutine dual_coefficients(self, basis, cell, x, c)
       type(stencil_type), intent(in) :: self
       type(facet_basis_type), intent(in) :: basis

@@ -31,6 +31,7 @@ module lopin_smooth_facet
 
 contains
 
+   !> Whether facets of a cell can be curved by averaged normals: the linear ones.
    pure logical function is_smoothed(cell)
       integer, intent(in) :: cell                !! cell id of the facet
       is_smoothed = cell == cell_id%line2 .or. cell == cell_id%triangle .or. cell == cell_id%quad

@@ -40,6 +40,7 @@ module lopin_surface
 
 contains
 
+   !> A surface of facets; `update_surface` gives it its places.
    subroutine new_surface(self, ndim, facets, smooth)
       type(surface_type), intent(out) :: self
       integer, intent(in) :: ndim                !! 2 or 3

@@ -60,6 +60,7 @@ module lopin_mortar_cover
 
 contains
 
+   !> A slave of which nothing is covered yet.
    pure subroutine new_cover(self, full, share, tied, least)
       type(cover_type), intent(out) :: self
       real(wp), intent(in) :: full(:), share(:)   !! from whole_weights
@@ -311,6 +312,7 @@ contains
       list = pack([(i, i=1, slave%facets%n)], any(slave%local == j, dim=1))
    end subroutine facets_at
 
+   !> Whether function j has a row of its own.
    pure logical function has_row(self, j)
       type(cover_type), intent(in) :: self
       integer, intent(in) :: j

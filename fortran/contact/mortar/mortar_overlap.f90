@@ -74,6 +74,7 @@ contains
       self%m(:size(m)) = m
    end subroutine meet_point
 
+   !> Append an overlap; the list grows as it must.
    pure subroutine add_overlap(self, item)
       type(overlap_list_type), intent(inout) :: self
       type(overlap_type), intent(in) :: item

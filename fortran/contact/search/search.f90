@@ -49,6 +49,7 @@ module lopin_search
 
 contains
 
+   !> A tree of the boxes of facets.
    subroutine build_tree(self, low, high)
       type(tree_type), intent(out) :: self
       real(wp), intent(in) :: low(:, :), high(:, :)   !! (3, n) boxes of the facets [length]
@@ -293,6 +294,7 @@ contains
       query%facet = f
    end subroutine try_facet
 
+   !> Squared distance of a point to a box, 0 inside [length^2].
    pure real(wp) function box_distance2(low, high, x)
       real(wp), intent(in) :: low(3), high(3), x(3)
       real(wp) :: d(3)

@@ -21,6 +21,7 @@ module lopin_self_contact
 
 contains
 
+   !> Which facets are around each slave point, so that it cannot meet them.
    subroutine new_self_contact(self, surface, node)
       type(self_contact_type), intent(out) :: self
       type(surface_type), intent(in) :: surface

@@ -37,6 +37,7 @@ module lopin_facet_hysteresis
 
 contains
 
+   !> Points that have met no facet yet.
    subroutine new_facet_hysteresis(self, n)
       type(facet_hysteresis_type), intent(out) :: self
       integer, intent(in) :: n                 !! points

@@ -55,6 +55,7 @@ module lopin_master_surfaces
 
 contains
 
+   !> The masters of all pairs where the model has them.
    subroutine new_masters(self, model, basis, error)
       type(masters_type), intent(out) :: self
       type(model_type), intent(in) :: model

@@ -46,6 +46,7 @@ module lopin_nonlinear_points
 
 contains
 
+   !> Slave points of all pairs for the nonlinear path.
    subroutine new_nonlinear_points(self, model, log, error)
       type(nonlinear_points_type), intent(out) :: self
       type(model_type), intent(in) :: model

@@ -27,6 +27,7 @@ module lopin_pairing
 
 contains
 
+   !> Slave points of all pairs, and what lies opposite each at the start.
    subroutine new_contact_points(self, model, log, error)
       type(contact_points_type), intent(out) :: self
       type(model_type), intent(in) :: model

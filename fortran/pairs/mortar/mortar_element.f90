@@ -78,6 +78,7 @@ module lopin_mortar_element
 
 contains
 
+   !> A surface-to-surface pair on the shape at the start.
    subroutine new_present_mortar(self, model, number, facets, rules, first, moved)
       type(present_mortar_type), intent(out) :: self
       type(model_type), intent(in) :: model

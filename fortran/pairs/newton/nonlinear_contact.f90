@@ -101,6 +101,7 @@ module lopin_nonlinear_contact
 
 contains
 
+   !> Contacts of the nonlinear path at the start of a run.
    subroutine new_nonlinear_contact(self, model, dofs, log, error)
       type(nonlinear_contact_type), intent(out) :: self
       type(model_type), intent(in) :: model

@@ -19,6 +19,7 @@ module lopin_friction_stress
 
 contains
 
+   !> Whether a law of the step reads the von Mises stress of the slave.
    pure logical function friction_reads_stress(scene, model) result(reads)
       type(scene_type), intent(in) :: scene
       type(model_type), intent(in) :: model

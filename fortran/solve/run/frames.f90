@@ -23,6 +23,7 @@ module lopin_frames
 
 contains
 
+   !> What recorders are shown of the trial state.
    subroutine fill_frame(frame, scene, model, reaction, wants)
       type(frame_type), intent(inout) :: frame
       type(scene_type), intent(in) :: scene

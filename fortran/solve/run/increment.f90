@@ -387,6 +387,7 @@ contains
       call tell_of_plan(run%scene, model, run%summary%plan)
    end subroutine prepare
 
+   !> Show a line to every recorder.
    subroutine say(recorders, line)
       type(recorder_holder_type), intent(inout) :: recorders(:)
       character(len=*), intent(in) :: line

@@ -220,6 +220,7 @@ contains
       if (self%ramp) share = min(1.0_wp, step_time/self%period)
    end function ramped
 
+   !> All loads at a time of the step.
    subroutine loads_at(self, model, step_time, f, steady)
       type(loading_type), intent(in) :: self
       type(model_type), intent(in) :: model
@@ -238,6 +239,7 @@ contains
       end do
    end subroutine loads_at
 
+   !> All prescribed values at a time of the step.
    subroutine prescribed_at(self, model, step_time, value)
       type(loading_type), intent(in) :: self
       type(model_type), intent(in) :: model

@@ -24,6 +24,7 @@ module lopin_plan
 
 contains
 
+   !> Choose path and solver, and say why.
    subroutine new_plan(self, model, error)
       type(plan_type), intent(out) :: self
       type(model_type), intent(in) :: model

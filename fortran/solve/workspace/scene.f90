@@ -81,6 +81,7 @@ module lopin_scene
 
 contains
 
+   !> The workspace of a model before its first increment.
    subroutine new_scene(self, model, error)
       type(scene_type), intent(inout) :: self
       type(model_type), intent(in) :: model
