@@ -9,6 +9,7 @@ module lopin_session
    use lopin_job_options, only : read_options
    use lopin_job, only : job_type, outcome_type, running_type, open_job, refuse_warnings, stem_of, &
       & begin_job, advance_job, job_state, forget_job, end_job
+   use lopin_job_values, only : job_points, job_tractions
    use lopin_keyword_json, only : keywords_json
    use lopin_kinds, only : wp
    use lopin_model, only : model_type
@@ -358,7 +359,11 @@ contains
       real(wp), allocatable, intent(inout) :: reals(:, :)
       integer, allocatable, intent(inout) :: integers(:, :)
 
-      if (allocated(self%memory)) then
+      if (name == 'STATE OF POINTS') then
+         if (allocated(self%work)) call job_points(self%work%running, self%work%model, reals)
+      else if (name == 'STATE OF CONTACT') then
+         if (allocated(self%work)) call job_tractions(self%work%running, self%work%model, reals)
+      else if (allocated(self%memory)) then
          call read_memory(self%memory, name, index, reals, integers)
       else if (allocated(self%work%outcome%recorder)) then
          associate (recorder => self%work%outcome%recorder)

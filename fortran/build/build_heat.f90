@@ -10,6 +10,7 @@ module lopin_build_heat
    use lopin_build_scene, only : scene_type, need_real, get_word, nodes_of, elements_of
    use lopin_build_amplitudes, only : read_amplitude_word, hold_value
    use lopin_build_boundary, only : asks_new
+   use lopin_build_states, only : read_states
    implicit none
    private
    public :: read_expansion, build_initial_conditions, build_temperatures
@@ -50,13 +51,15 @@ contains
       logical :: found
 
       allocate (model%temperature(model%mesh%nnode), source=0.0_wp)
-      allocate (model%initial_stress(0))
+      allocate (model%initial_stress(0), model%initial_state(0))
       do k = 1, scene%ncard
          associate (block => deck%block(scene%card(k)%block), scope => scene%card(k)%scope)
             if (block%keyword /= 'INITIAL CONDITIONS') cycle
             call get_word(block, 'TYPE', word, at, found)
             if (word == 'TEMPERATURE') call read_start(model, scene, block, scope)
             if (word == 'STRESS') call read_stress(model, scene, block, scope)
+            if (word == 'STATE' .or. word == 'HARDENING') call read_states(model, scene, block, &
+               & scope, word == 'STATE')
          end associate
       end do
    end subroutine build_initial_conditions

@@ -14,6 +14,7 @@ module lopin_build_model
    use lopin_keywords, only : new_keyword_table
    use lopin_keyword_table, only : keyword_table_type
    use lopin_build_parts, only : new_scene
+   use lopin_build_states, only : build_tractions
    use lopin_build_heat, only : build_initial_conditions, build_temperatures
    use lopin_build_mesh, only : build_mesh
    use lopin_build_sets, only : build_sets
@@ -81,6 +82,7 @@ contains
       call build_transforms(model, deck, scene)
       call build_interactions(model, deck, scene)
       call build_pairs(model, deck, scene)
+      call build_tractions(model, deck, scene)
       call build_ties(model, deck, scene)
       call build_amplitudes(model, deck, scene, absolute)
       call build_steps(model, deck, scene, absolute)

@@ -135,14 +135,27 @@ contains
       call example(table, '*MATERIAL, NAME=STEEL|*ELASTIC|210000., 0.3|*EXPANSION|1.2e-5')
 
       call key(table, 'INITIAL CONDITIONS', 'M', 'both', 'State before the first step.')
-      call choice(table, 'TYPE', 'TEMPERATURE,STRESS', '', 'TEMPERATURE of nodes, where '// &
-         & 'nothing is strained; STRESS in elements, which need not be in balance.')
+      call choice(table, 'TYPE', 'TEMPERATURE,STRESS,HARDENING,STATE,TRACTION', '', &
+         & 'TEMPERATURE of nodes, where nothing is strained; STRESS in elements, which need '// &
+         & 'not be in balance; HARDENING: plastic strain of an operation before; STATE: all '// &
+         & 'that a point remembers, as an earlier run gives it on the present shape (NLGEOM); '// &
+         & 'TRACTION: what slave nodes '// &
+         & 'bear, from which friction goes on.')
       call required(table)
-      call refuses(table, 'HARDENING,PLASTIC STRAIN,DISPLACEMENT,VELOCITY,FIELD,PRESSURE,SOLUTION')
+      call refuses(table, 'PLASTIC STRAIN,DISPLACEMENT,VELOCITY,FIELD,PRESSURE,SOLUTION')
       call data_line(table, 'node or set, temperature [temperature]', 'TEMPERATURE: as many '// &
          & 'lines as needed; 0 where none is given.')
       call data_line(table, 'element or set, S11 [stress], S22 = 0, S33 = 0, S12 = 0, S13 = 0, '// &
          & 'S23 = 0', 'STRESS: as many lines as needed.')
+      call data_line(table, 'element or set, PEEQ [-]', 'HARDENING: as many lines as needed.')
+      call data_line(table, 'element or set, point, E11, E22, E33, E12, E13, E23, ln J [-], '// &
+         & 'ln V/V0 = 0, PEEQ = 0, flow stress = 0 [stress], plastic work = 0 [stress]', &
+         & 'STATE: point 0 is every one; E the deviator of the elastic logarithmic strain '// &
+         & '(tensor components), J its volume ratio, V0 the volume that energies count by; '// &
+         & 'flow stress 0: by the curve.')
+      call data_line(table, 'slave surface, master surface, node or set, T1 [stress], T2, '// &
+         & 'T3 = 0, slip 1 = 0 [length], slip 2 = 0, slip 3 = 0', 'TRACTION: on the slave; '// &
+         & 'the slip is that of laws which are regularised by it, from where it holds no shear.')
       call example(table, '*INITIAL CONDITIONS, TYPE=TEMPERATURE|BODY, 20.')
 
       call key(table, 'TEMPERATURE', 'S', 'both', 'Temperatures of nodes at the end of the '// &

@@ -4,7 +4,7 @@
 module lopin_deformation
    use lopin_kinds, only : wp
    use lopin_element_type, only : element_type, element_kind
-   use lopin_element_input, only : element_input_type
+   use lopin_element_input, only : element_input_type, counted_volume
    use lopin_dilatation, only : dilatation_count, dilatation_functions, projection
    use lopin_gradients, only : all_gradients, correct_ring_means
    use lopin_solid_enhanced, only : enhanced_deformation
@@ -45,6 +45,7 @@ contains
          call correct_ring_means(element, input%x, g, point%weight, hoop(:, 1))
          hoop = spread(hoop(:, 1), 2, element%ngauss)
       end if
+      if (input%scaled) point%weight = point%weight*input%memory(size(input%memory, 1), :)
       do bad = 1, element%ngauss
          k = bad
          if (element%ndim == 2) then
@@ -54,7 +55,7 @@ contains
          end if
          if (element%nmode > 0) point(k)%h = enhanced(:, :, k)
          call trial_change(point(k)%h, input%memory(:, k), element%nstress, point(k)%change)
-         point(k)%own = volume_change(point(k)%h)
+         point(k)%own = counted_volume(input, k, volume_change(point(k)%h))
          if (.not. 1.0_wp + point(k)%own > 0.0_wp) return
          if (element%ndim == 2) then
             if (.not. 1.0_wp + point(k)%h(3, 3) > 0.0_wp) return

@@ -12,7 +12,7 @@ module lopin_solid_enhanced
    use lopin_kinds, only : wp
    use lopin_vectors, only : cross
    use lopin_element_type, only : element_type, element_kind
-   use lopin_element_input, only : element_input_type
+   use lopin_element_input, only : element_input_type, counted_volume
    use lopin_enhanced_modes, only : modes_type, internal_modes, solve_small, most_nodes, most_points
    use lopin_gradients, only : gradients
    use lopin_velocity_form, only : velocity_form, listed, tensor_of
@@ -145,6 +145,8 @@ contains
          else if (d == 2) then
             motion%weight(k) = motion%weight(k)*input%thickness
          end if
+         if (input%scaled) motion%weight(k) = motion%weight(k) &
+            & *input%memory(size(input%memory, 1), k)
       end do
       motion%centre = 0.0_wp
       motion%centre(:d, :d) = matmul(input%u(:, :m), transpose(motion%modes%g(:d, :m)))
@@ -287,8 +289,8 @@ contains
       answer%inverse(3, :) = cross(f(:, 1), f(:, 2))
       answer%inverse = answer%inverse/(1.0_wp + own)
       point%h = answer%h
-      point%own = own
-      point%volume = own
+      point%own = counted_volume(input, k, own)
+      point%volume = point%own
       call trial_change(answer%h, input%memory(:, k), element%nstress, point%change)
       if (element%kind == element_kind%plane_stress) then
          call stretch_thickness(input%law, input%memory(:, k), element%nstress, input%dt, point, &

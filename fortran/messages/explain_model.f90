@@ -12,6 +12,7 @@ contains
 
       call names(list)
       call mesh(list)
+      call states(list)
       call contact(list)
       call gaps(list)
       call uneven_gaps(list)
@@ -47,6 +48,24 @@ contains
          & 'Something is defined twice, or a word of the mesh is not known.', &
          & 'keep one of the definitions.')
    end subroutine names
+
+   subroutine states(list)
+      type(explanation_type), allocatable, intent(inout) :: list(:)
+
+      call add_explanation(list, 'E0210', 'a state of the start that nothing can take', &
+         & '*INITIAL CONDITIONS, TYPE=STATE gives what integration points remember in the '// &
+         & 'present shape. The element has no such point, its material has a yield surface of '// &
+         & 'its own or one that moves, or is rubber, or the first step is of small strain.', &
+         & 'give states as `Job.points` of an earlier run writes them, to the same elements, '// &
+         & 'under *STEP, NLGEOM.')
+      call add_explanation(list, 'W0210', 'internal modes begin anew', &
+         & 'Elements with internal modes (I) keep part of their deformation in modes that '// &
+         & 'belong to the shape of the start. A state of points does not have them: the first '// &
+         & 'increment finds new ones, and forces jump by some per cent where elements are '// &
+         & 'sheared much.', &
+         & 'hand states over between meshes of elements without modes (CAX4, CPE4, C3D8), or '// &
+         & 'look at the jump of the forces in an increment at rest.')
+   end subroutine states
 
    subroutine mesh(list)
       type(explanation_type), allocatable, intent(inout) :: list(:)

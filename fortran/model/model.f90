@@ -20,7 +20,8 @@ module lopin_model
    public :: interaction_type, pair_type, amplitude_type, equation_type
    public :: friction_change_type, pair_change_type
    public :: step_type, prescribed_type, point_load_type, face_load_type, body_load_type, &
-      & output_type, temperature_type, initial_stress_type
+      & output_type, temperature_type, initial_stress_type, initial_state_type, &
+      & initial_traction_type
    public :: control_type, tool_holder_type
    public :: kind_of, overclosure_of, surface_of, output_of, initial_of
    public :: amplitude_value, amplitude_integral, is_heated
@@ -218,6 +219,27 @@ module lopin_model
       real(wp) :: stress(6) = 0.0_wp                    !! xx yy zz xy xz yz [stress]
    end type initial_stress_type
 
+   !> *INITIAL CONDITIONS, TYPE=STATE or HARDENING: of one point of an element, or of all.
+   type :: initial_state_type
+      type(location_type) :: at
+      integer :: element = 0
+      integer :: point = 0                              !! 0: all of them
+      logical :: whole = .false.                        !! else the plastic strain alone
+      real(wp) :: strain(6) = 0.0_wp                    !! deviator of the elastic strain [-]
+      real(wp) :: volume = 0.0_wp                       !! ln J of the elastic part [-]
+      real(wp) :: ratio = 0.0_wp   !! ln of the volume here over that which the law counts by [-]
+      real(wp) :: plastic = 0.0_wp                      !! accumulated strain [-]
+      real(wp) :: flow_stress = 0.0_wp   !! of the last flow; 0: by the curve [stress]
+      real(wp) :: work = 0.0_wp                         !! plastic, by that volume [stress]
+   end type initial_state_type
+
+   !> *INITIAL CONDITIONS, TYPE=TRACTION: what a slave node bears.
+   type :: initial_traction_type
+      integer :: pair = 0, node = 0
+      real(wp) :: traction(3) = 0.0_wp                  !! [stress]
+      real(wp) :: creep(3) = 0.0_wp                     !! slip from the stick anchor [length]
+   end type initial_traction_type
+
    type :: output_type
       type(location_type) :: at
       integer :: kind = 0                               !! output_of%...
@@ -283,6 +305,8 @@ module lopin_model
       type(transform_type) :: transform
       real(wp), allocatable :: temperature(:)           !! (nnode) at the start [temperature]
       type(initial_stress_type), allocatable :: initial_stress(:)
+      type(initial_state_type), allocatable :: initial_state(:)
+      type(initial_traction_type), allocatable :: initial_traction(:)
       type(step_type), allocatable :: step(:)
       ! *LOPIN
       character(len=:), allocatable :: path             !! AUTO, CONDENSED, NEWTON

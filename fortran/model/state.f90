@@ -36,6 +36,8 @@ module lopin_state
       integer, allocatable :: first(:)         !! (nelement+1) first column of each element
       real(wp), allocatable :: value(:, :)     !! (nmemory, ncolumn)
       real(wp), allocatable :: pressed(:)      !! (ncolumn) ln J of the stresses of the start [-]
+      logical :: scaled = .false.   !! the last row of value is the volume that the law counts by
+                                    !! over that of the mesh [-]
       real(wp), allocatable :: none(:, :)      !! (0, most_points): elements that remember nothing
       real(wp) :: work = 0.0_wp                !! plastic work so far [force length]
       ! of the last increment
@@ -244,6 +246,7 @@ contains
       call stream%pass(self%first)
       call stream%pass(self%value)
       call stream%pass(self%pressed)
+      call stream%pass(self%scaled)
       call stream%pass(self%none)
       call stream%pass(self%work)
       call stream%pass(self%most_strain)

@@ -19,6 +19,7 @@ module lopin_assemble_nonlinear
    implicit none
    private
    public :: assemble_nonlinear, recover_nonlinear, remember, bad_element_type
+   public :: configuration_type, fill_input, columns
 
    !> An element that the displacements turn inside out; and the largest force of an element on one
    !> of its nodes, before those of its neighbours cancel it.
@@ -206,6 +207,7 @@ contains
       input%u => moved
       input%thickness = shape%solids%group(shape%solids%which(e))%thickness
       input%dt = shape%memory%dt
+      input%scaled = shape%memory%scaled .and. input%law%remembers
    end subroutine fill_input
 
    !> One element, by the kinematics of the step.
@@ -279,7 +281,8 @@ contains
          x = mesh%x(:, node)
          moved = u(:group%element%ndim, node)
          allocate (past, source=columns(self, memory, e))
-         input = element_input_type(group%law, x, moved, past, group%thickness, memory%dt)
+         input = element_input_type(group%law, x, moved, past, group%thickness, memory%dt, &
+            & memory%scaled .and. group%law%remembers)
          if (p == 0) then
             call own_stresses(memory%finite_strain, group%element, input, &
                & stress(:, self%first_point(e):self%first_point(e + 1) - 1), &

@@ -16,10 +16,11 @@ module lopin_solid_memory
 contains
 
    !> From rest: only elements whose law looks back have columns.
-   subroutine new_solid_memory(self, solids, mesh)
+   subroutine new_solid_memory(self, solids, mesh, scaled)
       type(solids_state_type), intent(out) :: self
       type(solids_type), intent(in) :: solids
       type(mesh_type), intent(in) :: mesh
+      logical, intent(in), optional :: scaled  !! a row more: see solids_state_type
       real(wp) :: slope, rate_slope
       integer :: e, nrow
 
@@ -36,6 +37,8 @@ contains
          end associate
       end do
       self%in_use = nrow > 0
+      if (present(scaled)) self%scaled = scaled .and. nrow > 0
+      if (self%scaled) nrow = nrow + 1
       allocate (self%value(nrow, self%first(mesh%nelement + 1) - 1), source=0.0_wp)
       do e = 1, mesh%nelement
          if (self%first(e + 1) == self%first(e)) cycle
@@ -50,6 +53,7 @@ contains
                & self%value(stress_at(group%element%nstress), self%first(e))
          end associate
       end do
+      if (self%scaled) self%value(nrow, :) = 1.0_wp
       allocate (self%pressed(size(self%value, 2)), source=0.0_wp)
    end subroutine new_solid_memory
 

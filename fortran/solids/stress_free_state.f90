@@ -15,7 +15,7 @@ module lopin_stress_free_state
       & strain_at, stress_at
    implicit none
    private
-   public :: heat_points, stress_points, temper_points
+   public :: heat_points, stress_points, temper_points, set_elastic
 
 contains
 
@@ -92,9 +92,8 @@ contains
       integer, intent(in) :: element
       real(wp), intent(in) :: stress(6)    !! xx yy zz xy xz yz [stress]
       real(wp), intent(inout) :: volume(:) !! (ncolumn) [-]
-      type(log_frame_type) :: frame
-      real(wp) :: strain(3, 3), metric(3, 3), part(3), pressure
-      integer :: i, j, p, q, r
+      real(wp) :: strain(3, 3), pressure
+      integer :: i, p, q, r
 
       p = memory%first(element)
       q = memory%first(element + 1) - 1
@@ -109,26 +108,39 @@ contains
          do i = 1, 3
             strain(i, i) = strain(i, i) - pressure/(2.0_wp*group%law%shear)
          end do
-         if (memory%finite_strain) then
-            ! exp(2 strain) - 1 in the axes of the strain, whose own frame has ln(1 + strain)/2.
-            call new_log_frame(frame, strain)
-            part = exp_minus_one(2.0_wp*exp_minus_one(2.0_wp*frame%e))
-            if (allocated(group%law%plastic)) part = part/(1.0_wp + sqrt(1.0_wp + part))
-            do j = 1, 3
-               do i = 1, 3
-                  metric(i, j) = sum(part*frame%axis(i, :)*frame%axis(j, :))
-               end do
-            end do
-         else
-            metric = 2.0_wp*strain
-         end if
          do r = p, q
-            if (memory%finite_strain .and. allocated(group%law%plastic)) then
-               call put_map(memory%value(:, r), group%element%nstress, metric)
-            else
-               call put_metric(memory%value(:, r), group%element%nstress, metric)
-            end if
+            call set_elastic(memory%value(:, r), group, strain, memory%finite_strain)
          end do
       end associate
    end subroutine stress_points
+
+   !> The plastic metric of a point whose elastic part is that of a strain without change of volume.
+   pure subroutine set_elastic(column, group, strain, finite_strain)
+      real(wp), intent(inout) :: column(:)      !! of the memory
+      type(group_type), intent(in) :: group
+      real(wp), intent(in) :: strain(3, 3)      !! elastic, logarithmic [-]
+      logical, intent(in) :: finite_strain
+      type(log_frame_type) :: frame
+      real(wp) :: metric(3, 3), part(3)
+      integer :: i, j
+
+      if (.not. finite_strain) then
+         call put_metric(column, group%element%nstress, 2.0_wp*strain)
+         return
+      end if
+      ! exp(2 strain) - 1 in the axes of the strain, whose own frame has ln(1 + strain)/2.
+      call new_log_frame(frame, strain)
+      part = exp_minus_one(2.0_wp*exp_minus_one(2.0_wp*frame%e))
+      if (allocated(group%law%plastic)) part = part/(1.0_wp + sqrt(1.0_wp + part))
+      do j = 1, 3
+         do i = 1, 3
+            metric(i, j) = sum(part*frame%axis(i, :)*frame%axis(j, :))
+         end do
+      end do
+      if (allocated(group%law%plastic)) then
+         call put_map(column, group%element%nstress, metric)
+      else
+         call put_metric(column, group%element%nstress, metric)
+      end if
+   end subroutine set_elastic
 end module lopin_stress_free_state

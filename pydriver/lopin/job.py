@@ -7,6 +7,7 @@ from . import _bridge
 from .deck import Deck
 from .errors import Interrupted, UsageError, error_of
 from .memory import Memory
+from .points import Points, Tractions
 from .model import Model
 from .result import Frame, Result
 from .run import as_deck, full_name, to_result
@@ -57,6 +58,21 @@ class Job:
         """All that lives from increment to increment, for ``lopin.open(deck, state=...)`` of the
         same deck and version; empty before the first increment and after the end."""
         return self._session.state() if self._open else b""
+
+    @property
+    def points(self) -> Points | None:
+        """What the integration points hold after the last accepted increment, as numbers that mean
+        the same on any mesh; None if no material remembers anything, or after the end.
+
+        Points.lines() writes them as the data lines of ``*INITIAL CONDITIONS, TYPE=STATE``.
+        """
+        return Points.of(self._session) if self._open else None
+
+    @property
+    def tractions(self) -> Tractions | None:
+        """What slave nodes bear after the last accepted increment; None without contact on the
+        present shape, or after the end."""
+        return Tractions.of(self._session) if self._open else None
 
     def forget_workspace(self) -> None:
         """Throw away all but the state (matrices, factors, surfaces, trees) and make it again.

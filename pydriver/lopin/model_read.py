@@ -197,8 +197,10 @@ class _Reader:
         for row in card.rows:
             if kind == "TEMPERATURE":
                 self.model.initial_temperature(self.target(row[0]), float(row[1]))
-            else:
+            elif kind == "STRESS":
                 self.model.initial_stress(row[0].upper(), *map(float, row[1:]))
+            else:
+                self.model.initial.append((kind, [row]))
 
     def _lopin(self, card: Card) -> None:
         names = {name: name.lower().replace(" ", "_") for name in list(card.left)}

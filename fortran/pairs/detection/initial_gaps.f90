@@ -143,6 +143,7 @@ contains
          end associate
       end do
       if (allocated(model%initial_stress)) none = none .and. size(model%initial_stress) == 0
+      if (allocated(model%initial_state)) none = none .and. size(model%initial_state) == 0
    end function nothing_acts
 
    !> ADJUST moved a point, over more than inexact geometry: its gaps are those of no mesh.

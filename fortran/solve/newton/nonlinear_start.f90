@@ -33,7 +33,8 @@ contains
       scene%newton%in_use = .true.
       scene%newton%system%wish = model%solver
       call start_step(scene, model)
-      if (.not. allocated(scene%accepted%solids%first)) call start_from_rest(scene, model)
+      if (.not. allocated(scene%accepted%solids%first)) call start_from_rest(scene, model, error)
+      if (allocated(error)) return
       scene%newton%flows = scene%accepted%solids%in_use
       scene%newton%augment_until = complementarity
       do pair = 1, size(model%pair)
@@ -44,20 +45,49 @@ contains
    end subroutine begin_nonlinear
 
    !> Solids and contacts of the state before the first increment on this path.
-   subroutine start_from_rest(scene, model)
+   subroutine start_from_rest(scene, model, error)
       type(scene_type), intent(inout) :: scene
       type(model_type), intent(in) :: model
+      type(error_type), allocatable, intent(out) :: error
+      logical :: scaled
 
+      scaled = .false.
+      if (allocated(model%initial_state)) scaled = any(model%initial_state%whole)
       associate (accepted => scene%accepted, contact => scene%newton%contact)
-         call new_solid_memory(accepted%solids, scene%solids, model%mesh)
+         call new_solid_memory(accepted%solids, scene%solids, model%mesh, scaled)
          call new_contact_state(accepted%contact, contact%nmultiplier, cover_size(contact), &
             & contact%touches)
+         if (allocated(model%initial_traction)) call start_tractions(scene, model)
          call begin_step_of(accepted, scene%newton%nlgeom)
-         call start_stresses(scene, model)
+         call start_stresses(scene, model, error)
+         if (allocated(error)) return
          call start_heat_work(scene, model)
          call begin(scene%trial, accepted)
       end associate
    end subroutine start_from_rest
+
+   !> What slave nodes bear at the start; the nearer wall of a concave corner bears it alone.
+   subroutine start_tractions(scene, model)
+      type(scene_type), intent(inout) :: scene
+      type(model_type), intent(in) :: model
+      integer :: i, k, d, row
+
+      d = model%mesh%ndim
+      associate (contact => scene%newton%contact, state => scene%accepted%contact)
+         do k = 1, size(model%initial_traction)
+            associate (start => model%initial_traction(k))
+               i = findloc(contact%node(:contact%n) == start%node &
+                  & .and. contact%pair(:contact%n) == start%pair, .true., dim=1)
+               if (i == 0) cycle
+               state%traction(:, i) = start%traction
+               state%creep(:, i) = start%creep
+               state%closed(i) = any(abs(start%traction) > 0.0_wp)
+               row = contact%first_row(i)
+               if (row > 0) state%multiplier(row:row + d - 1) = start%traction(:d)
+            end associate
+         end do
+      end associate
+   end subroutine start_tractions
 
    !> What steps change up to the present one: friction, pairs, NLGEOM.
    subroutine start_step(scene, model)

@@ -2,6 +2,9 @@
 module lopin_heat
    use lopin_kinds, only : wp
    use lopin_model, only : model_type, amplitude_value, is_heated
+   use lopin_error, only : error_type, error_code, raise, severity
+   use lopin_text, only : to_text
+   use lopin_point_states, only : put_state, settle_states
    use lopin_stress_free_state, only : heat_points, stress_points, temper_points
    use lopin_scene, only : scene_type
    implicit none
@@ -11,9 +14,11 @@ module lopin_heat
 contains
 
    !> The stresses before the first step, into a memory that is at rest.
-   subroutine start_stresses(scene, model)
+   subroutine start_stresses(scene, model, error)
       type(scene_type), intent(inout) :: scene
       type(model_type), intent(in) :: model
+      type(error_type), allocatable, intent(out) :: error
+      logical :: found
       integer :: i
 
       if (.not. allocated(model%initial_stress)) return
@@ -22,11 +27,49 @@ contains
             call stress_points(memory, scene%solids, model%initial_stress(i)%element, &
                & model%initial_stress(i)%stress, memory%pressed)
          end do
+         do i = 1, size(model%initial_state)
+            associate (state => model%initial_state(i))
+               if (state%whole .and. .not. memory%finite_strain) then
+                  call raise(error, error_code%deck, 'E0210', 'TYPE=STATE belongs to the '// &
+                     & 'present shape: the first step needs NLGEOM', state%at, &
+                     & help='write *STEP, NLGEOM')
+                  return
+               end if
+               call put_state(memory, scene%solids, state, found)
+               if (found) cycle
+               call raise(error, error_code%deck, 'E0210', 'element '// &
+                  & to_text(model%mesh%element_label(state%element))//' has no point that '// &
+                  & 'could take this state: point '//to_text(state%point), state%at, &
+                  & help='a state '// &
+                  & 'goes to elements that flow, to a point of theirs (0: all), and without '// &
+                  & 'backstress or Hill''s ratios')
+               return
+            end associate
+         end do
+         if (any_modes(scene, model)) call scene%log%say(severity%warning, 'W0210', &
+            & 'the state of the start does not have the internal modes of its elements: they '// &
+            & 'begin anew', model%initial_state(1)%at)
+         call settle_states(scene%solids, model%mesh, scene%dofs%n, memory)
          call heat_points(memory, scene%solids, model%mesh, &
             & spread(0.0_wp, 1, model%mesh%nnode), memory%pressed)
          call temper_points(memory, scene%solids, model%mesh, model%temperature)
       end associate
    end subroutine start_stresses
+
+   !> Whether states of the start go to elements with internal modes.
+   pure logical function any_modes(scene, model)
+      type(scene_type), intent(in) :: scene
+      type(model_type), intent(in) :: model
+      integer :: i
+
+      any_modes = .false.
+      do i = 1, size(model%initial_state)
+         associate (state => model%initial_state(i))
+            if (state%whole) any_modes = any_modes &
+               & .or. scene%solids%group(scene%solids%which(state%element))%element%nmode > 0
+         end associate
+      end do
+   end function any_modes
 
    !> What the solids remember where an increment starts, at the temperatures of its end.
    subroutine start_solids(scene, model)

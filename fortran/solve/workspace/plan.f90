@@ -113,6 +113,12 @@ contains
       if (allocated(model%initial_stress)) then
          if (size(model%initial_stress) > 0) reason = 'stresses of the start'
       end if
+      if (allocated(model%initial_state)) then
+         if (size(model%initial_state) > 0) reason = 'a state of the start'
+      end if
+      if (allocated(model%initial_traction)) then
+         if (size(model%initial_traction) > 0) reason = 'tractions of the start'
+      end if
       if (any(model%step%nlgeom)) reason = 'NLGEOM: finite rotation and sliding'
       if (reason /= '') reason = reason//', Newton with exact tangents'
    end function why_nonlinear

@@ -154,6 +154,8 @@ contains
       acts = acts .and. model%material(model%section(section)%material)%has_expansion
       if (allocated(model%initial_stress)) acts = acts &
          & .or. any(model%mesh%section(model%initial_stress%element) == section)
+      if (allocated(model%initial_state)) acts = acts &
+         & .or. any(model%mesh%section(model%initial_state%element) == section)
    end function acts_on
 
    !> Constraints and floating motions of a step; `same` if they are those of the step before.
