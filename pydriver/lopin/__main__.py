@@ -91,6 +91,10 @@ def _add_atlas(commands) -> None:
     atlas.add_argument("--small", action="store_true", help="few cells, as the tests have them")
     atlas.add_argument("--cell", type=int, default=None, metavar="ROW",
                        help="write the deck of one cell of --map, by its row in the table")
+    atlas.add_argument("--resume", action="store_true",
+                       help="go on with the tables in the folder: their cells are not solved again")
+    atlas.add_argument("--batch", type=int, default=None, metavar="N",
+                       help="at most so many cells of each map")
     atlas.add_argument("--no-picture", action="store_true", help="tables only")
     atlas.add_argument("-o", "--out", "--output", dest="output", type=Path, default=Path("atlas"),
                        help="a folder")

@@ -78,9 +78,11 @@ def atlas(options) -> int:
     options.output.mkdir(parents=True, exist_ok=True)
     silent = 0
     for chart in charts:
-        cells = maps.measure(chart, options.small)
         stem = options.output/f"map_{chart.number}_{chart.name}"
-        maps.write_table(cells, stem.with_suffix(".csv"))
+        if not options.resume:
+            stem.with_suffix(".csv").unlink(missing_ok=True)
+        cells = maps.measure(chart, options.small, stem.with_suffix(".csv"), options.batch)
+        maps.keep_failing(chart, cells, options.output, options.small)
         if not options.no_picture:
             from .atlas.draw import draw
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import lopin
-from lopin.closed_form.sheet import bent_fibres
+from lopin.closed_form.sheet import StraightStrip, bent_fibres
 
 YOUNG, POISSON, LENGTH = 210e3, 0.3, 2.0
 #: Cards of a flow curve; flow stress and slope at plastic strains; pairs of a backstress.
@@ -75,3 +75,38 @@ def test_fibres_agree_with_hill():
     assert fibres.moments[0] == pytest.approx(sheet.moment, rel=1e-3)
     assert 1.0/fibres.curvature == pytest.approx(sheet.radius, rel=1e-3)
     assert fibres.flowed == 0.0
+
+
+def straight(share: float) -> list[str]:
+    """200 MPa and a tangent of 10 GPa in tension; `share` of the hardening is isotropic."""
+    hard = 1e4/(1.0 - 1e4/YOUNG)
+    if share == 1.0:
+        return ["*PLASTIC, HARDENING=LINEAR", f"200., {hard!r}"]
+    if share == 0.0:
+        return ["*PLASTIC, HARDENING=KINEMATIC", "200., 0.", f"{200.0 + hard!r}, 1."]
+    return ["*PLASTIC, HARDENING=COMBINED, DATA TYPE=PARAMETERS, NUMBER BACKSTRESSES=1",
+            f"200., {(1.0 - share)*hard!r}, 0.", "*CYCLIC HARDENING", "200., 0.",
+            f"{200.0 + share*hard!r}, 1."]
+
+
+@pytest.mark.parametrize("share", [0.0, 0.5, 1.0])
+@pytest.mark.parametrize("word, poisson, tolerance", [("CPS4I", 0.3, 3e-3), ("CPE4I", 0.4999, 6e-3)])
+def test_straight_hardening_beside_its_closed_form(solve, sheet, share, word, poisson, tolerance):
+    """Bent, bent back the other way, let go: plane stress, and plane strain without compression."""
+    across = 1.0 if word == "CPS4I" else 1.0/(1.0 - poisson**2)
+    yielding = 200.0*(1.0 if word == "CPS4I" else 2.0/3.0**0.5)
+    tangent = 1e4*(1.0 if word == "CPS4I" else 4.0/3.0)
+    exact = StraightStrip(YOUNG*across, yielding, tangent, 1.0, share)
+    bent = 0.01
+    text = strip(straight(share), (bent, -bent), 8).replace("CPE4I", word).replace(
+        f"{YOUNG}, {POISSON}", f"{YOUNG}, {poisson}")
+    result = solve(lopin.Deck.parse(text, "strip"))
+    time, turn = result.history["time"], result.history["GRIP.rf6"]
+    found = [turn[time <= k + 1.0 + 1e-9][-1] for k in range(2)]
+    wanted = [exact.moment(bent), exact.back(bent, 2.0*bent)]
+    scene = f"Yoshida, straight hardening, isotropic share {share}: {word}"
+    for k, what in enumerate(("moment, bent", "moment, bent the other way")):
+        sheet.compare(scene, what, found[k], wanted[k], tolerance, "closed form")
+    back = -bent - wanted[1]*12.0/(YOUNG*across)     # elastic: no fibre flows again
+    sheet.compare(scene, "curvature after release", result.history["GRIP.u6"][-1]/LENGTH, back,
+                  2.0*tolerance, "closed form")

@@ -81,3 +81,26 @@ def test_work_of_a_release_is_said(solve):
     _, _, before, after, codes = released(solve, deck)
     assert after > 1.01*before
     assert "W0518" in codes
+
+
+def test_a_tool_does_no_work_where_it_has_left_the_body(solve):
+    """Withdrawn far in one increment: the work that comes out is the elastic energy that does."""
+    deck = billet(STEEL, "withdrawn").replace("0.1, 1.\n*BOUNDARY\n9001, 2, 2, -0.5",
+                                              "1., 1.\n*BOUNDARY\n9001, 2, 2, 5.")
+    result = solve(lopin.Deck.parse(deck, "billet"))
+    energy = {k: result.history[f"energy.{k}"] for k in ("strain", "external")}
+    last = np.asarray(result.history["step"]) == 1
+    out, free = (energy[k][last][-1] - energy[k][-1] for k in ("external", "strain"))
+    assert free > 10.0
+    assert out == pytest.approx(free, rel=0.05)
+    assert not [d for d in result.diagnostics if d["severity"] == "warning"]
+
+
+@pytest.mark.parametrize("mu", [0.0, 0.1])
+def test_a_release_is_told_where_another_tool_presses_on(core, mu):
+    """A flange wiped over a die lies on it yet when the punch has gone, which rubs on its way."""
+    from lopin.atlas.forming_scenes import flanged
+
+    result = lopin.run(flanged("CPE8R", 1.0, mu)[0].deck())
+    assert abs(result.history["BOTTOM-DIE.force2"][-1]) > 1e-3 or mu == 0.0
+    assert ("W0518" in {d["code"] for d in result.diagnostics}) == (mu > 0.0)

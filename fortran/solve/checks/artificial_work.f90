@@ -85,7 +85,6 @@ contains
          call report_rest(scene, model)
       end if
       self%pressed = pressed
-      self%lost = lost_work(energy)
       energy%artificial = self%work
    end subroutine measure_artificial_work
 

@@ -3,12 +3,13 @@
 !>
 !> An elastic release without friction ends in one shape, whether pairs are removed, tools withdrawn
 !> or loads taken off. Beside the energy that comes free, the plastic work and the friction of the
-!> release tell how far other ways may end elsewhere.
+!> release tell how far other ways may end elsewhere. A release is a step after which nothing
+!> presses any more, or one that takes pairs or supports away, or one that ends the contact of a
+!> pair and gets work out of the scene: others may press on, as the die on which a flange was wiped.
 module lopin_springback
    use lopin_kinds, only : wp
    use lopin_text, only : to_text
    use lopin_stream, only : stream_type
-   use lopin_vectors, only : largest
    use lopin_model, only : model_type
    use lopin_report, only : energy_type
    use lopin_repeated_messages, only : warn_once, note_once
@@ -26,7 +27,8 @@ module lopin_springback
    type :: springback_type
       real(wp) :: strain = 0.0_wp              !! elastic energy [energy]
       real(wp) :: plastic = 0.0_wp, friction = 0.0_wp   !! work so far [energy]
-      real(wp) :: pressed = 0.0_wp             !! largest contact force [force]
+      real(wp) :: external = 0.0_wp            !! work so far [energy]
+      real(wp), allocatable :: pressed(:)      !! (npair) sum of the forces of the points [force]
    contains
       procedure :: keep
    end type springback_type
@@ -41,6 +43,7 @@ contains
       call stream%pass(self%strain)
       call stream%pass(self%plastic)
       call stream%pass(self%friction)
+      call stream%pass(self%external)
       call stream%pass(self%pressed)
    end subroutine keep
 
@@ -51,17 +54,47 @@ contains
       type(model_type), intent(in) :: model
       type(energy_type), intent(in) :: energy
       logical, intent(in) :: releases           !! the step took away pairs or supports
-      real(wp) :: pressed, released
+      real(wp) :: pressed(size(model%pair)), released
 
       if (.not. scene%newton%flows) return
-      pressed = largest(scene%newton%contact%force)
+      pressed = forces_of_pairs(scene, size(pressed))
+      if (.not. allocated(self%pressed)) self%pressed = 0.0_wp*pressed
       released = self%strain - energy%strain
-      if (pressed <= gone*self%pressed .and. self%pressed > 0.0_wp .and. released > 0.0_wp &
+      if (released > 0.0_wp .and. is_release(self, pressed, energy%external - self%external) &
          & .or. releases .and. released > 0.5_wp*self%strain) &
          & call report_way(scene, model, self%strain, released, energy%plastic - self%plastic, &
          & energy%friction - self%friction)
-      self = springback_type(energy%strain, energy%plastic, energy%friction, pressed)
+      self = springback_type(energy%strain, energy%plastic, energy%friction, energy%external, &
+         & pressed)
    end subroutine report_springback
+
+   !> Nothing presses any more, or one pair does not and work came out.
+   pure logical function is_release(self, pressed, worked)
+      type(springback_type), intent(in) :: self
+      real(wp), intent(in) :: pressed(:)        !! (npair) at the end of the step [force]
+      real(wp), intent(in) :: worked            !! external work of the step [energy]
+      real(wp) :: nothing
+
+      nothing = gone*maxval([0.0_wp, self%pressed])
+      is_release = any(pressed <= nothing .and. self%pressed > nothing) &
+         & .and. (all(pressed <= nothing) .or. worked < 0.0_wp)
+   end function is_release
+
+   !> Sums of the sizes of the forces of the points, by pair [force].
+   pure function forces_of_pairs(scene, npair) result(force)
+      type(scene_type), intent(in) :: scene
+      integer, intent(in) :: npair
+      real(wp) :: force(npair)
+      integer :: i
+
+      force = 0.0_wp
+      associate (c => scene%newton%contact)
+         do i = 1, c%n
+            if (c%facet(i) == 0) cycle
+            force(c%pair(i)) = force(c%pair(i)) + c%weight(i)*norm2(c%traction(:, i))
+         end do
+      end associate
+   end function forces_of_pairs
 
    !> The work of a release, if there is any.
    subroutine report_way(scene, model, stored, released, flowed, rubbed)

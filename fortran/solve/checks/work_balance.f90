@@ -1,12 +1,14 @@
 !> Balance of work: what is neither stored nor dissipated, beyond the error of the rule that
 !> integrates it.
 !>
-!> External work is a trapezoid over increments. A point that closes or opens in one adds half its
-!> force times its gap, which is known and taken off if that explains it. Of forces r and
-!> displacements u that bend, the trapezoid misses |dr·u'' - r''·du| dt²/12, and as much in the next
-!> increment as in this one, but for the cube of their lengths: three times the lesser is allowed
-!> for. So a jump within one increment (another branch, a body that snaps) is no bend, and what is
-!> lost all the way is no jump.
+!> External work is a trapezoid over increments, and so is that of contact in it, which is known:
+!> friction, and what springs hold. Where points close or open, what the trapezoid has beyond that
+!> is their force on the way through a gap; it is taken off the work if that explains what is lost:
+!> a tool that goes on where it has left the body does none. Of forces r and displacements u that
+!> bend, the trapezoid misses |dr·u'' - r''·du| dt²/12, and as much in the next increment as in
+!> this one, but for the cube of their lengths: three times the lesser is allowed for. So a jump
+!> within one increment (another branch, a body that snaps) is no bend, and what is lost all the
+!> way is no jump.
 module lopin_work_balance
    use lopin_kinds, only : wp
    use lopin_text, only : to_text
@@ -17,7 +19,7 @@ module lopin_work_balance
    use lopin_scene, only : scene_type
    implicit none
    private
-   public :: balance_type, note_work, note_energy, end_balance
+   public :: balance_type, mend_work, note_work, note_energy, end_balance
 
    !> Work that may be lost, beside all of it: of solids that flow, and remember how, and of others.
    real(wp), parameter :: flow_limit = 0.01_wp, elastic_limit = 0.03_wp
@@ -44,7 +46,9 @@ module lopin_work_balance
       real(wp) :: worst = 0.0_wp                !! of one increment since
       integer :: at = 0                         !! its number
       logical :: springs_back = .false.         !! the step takes away what held a body
-      real(wp), allocatable :: gap(:), force(:) !! (npoint) of the last increment
+      logical, allocatable :: closed(:)         !! (npoint) at the end of the last increment
+      real(wp), allocatable :: pressed(:)       !! (ndof) contact forces there [force]
+      real(wp) :: dissipated = 0.0_wp, stored = 0.0_wp   !! by contact so far [energy]
    contains
       procedure :: keep
    end type balance_type
@@ -67,8 +71,10 @@ contains
       call stream%pass(self%worst)
       call stream%pass(self%at)
       call stream%pass(self%springs_back)
-      call stream%pass(self%gap)
-      call stream%pass(self%force)
+      call stream%pass(self%closed)
+      call stream%pass(self%pressed)
+      call stream%pass(self%dissipated)
+      call stream%pass(self%stored)
    end subroutine keep
 
    subroutine keep_increment(self, stream)
@@ -95,17 +101,30 @@ contains
       self%of(3) = increment_type(number=number, dt=dt, speed=moved/dt, rate=changed/dt)
    end subroutine note_work
 
+   !> Take off the external work of an increment what its trapezoid counts of gaps, and what held
+   !> floating bodies has not taken up.
+   subroutine mend_work(self, scene, pressed, energy)
+      type(balance_type), intent(inout) :: self
+      type(scene_type), intent(inout) :: scene
+      real(wp), intent(in) :: pressed(:)        !! (ndof) contact forces [force]
+      type(energy_type), intent(inout) :: energy
+      real(wp) :: lost, closing
+
+      lost = lost_work(energy) - self%lost - (energy%artificial - self%artificial)
+      closing = work_of_gaps(self, scene, pressed, energy)
+      if (.not. abs(lost - closing) < abs(lost)) return
+      energy%external = energy%external - closing
+      scene%trial%loads%work = energy%external
+   end subroutine mend_work
+
    !> Its energies; the increment before it can now be judged.
    subroutine note_energy(self, scene, energy)
       type(balance_type), intent(inout) :: self
       type(scene_type), intent(in) :: scene
       type(energy_type), intent(in) :: energy
-      real(wp) :: closing
 
       associate (now => self%of(3))
          now%lost = lost_work(energy) - self%lost
-         closing = work_of_gaps(self, scene)
-         if (abs(now%lost - closing) < abs(now%lost)) now%lost = now%lost - closing
          now%excused = abs(energy%artificial - self%artificial)
          ! A jump sets its energy free, and is told by itself.
          if (scene%newton%jumped) now%excused = now%excused + max(0.0_wp, now%lost)
@@ -120,45 +139,32 @@ contains
       if (self%of(2)%number > 0) call check(self, self%of(1), self%of(2), self%of(3))
    end subroutine note_energy
 
-   !> Half the force times the gap of the points that close or open, by the contacts of the trial
-   !> state; of a pressure-overclosure law what the trapezoid counts beyond the area of its curve.
-   real(wp) function work_of_gaps(self, scene) result(work)
+   !> What the trapezoid counts beyond the work of contact that is known, where points close or
+   !> open: of their forces on the way through their gaps.
+   real(wp) function work_of_gaps(self, scene, pressed, energy) result(work)
       type(balance_type), intent(inout) :: self
       type(scene_type), intent(in) :: scene
-      real(wp), allocatable :: gap(:), force(:)
-      logical, allocatable :: springs(:)
-      integer :: i
+      real(wp), intent(in) :: pressed(:)        !! (ndof) contact forces [force]
+      type(energy_type), intent(in) :: energy
+      logical :: closed(scene%newton%contact%n)
 
       work = 0.0_wp
       associate (c => scene%newton%contact)
-         allocate (gap(c%n), force(c%n))
-         gap(:) = merge(c%opening(:c%n), 0.0_wp, c%facet(:c%n) > 0)
-         force(:) = merge(c%pressure(:c%n)*c%weight(:c%n), 0.0_wp, c%status(:c%n) > 0 &
-            & .and. c%facet(:c%n) > 0)
+         closed = c%status(:c%n) > 0 .and. c%facet(:c%n) > 0
       end associate
-      if (.not. allocated(self%gap)) then
-         self%gap = merge(scene%points%gap(:scene%points%n), 0.0_wp, &
-            & scene%points%facet(:scene%points%n) > 0)
-         self%force = 0.0_wp*self%gap
+      if (.not. allocated(self%closed)) then
+         allocate (self%closed(size(closed)), source=.false.)
+         allocate (self%pressed(size(pressed)), source=0.0_wp)
       end if
-      if (size(self%gap) == size(gap)) then
-         associate (c => scene%newton%contact)
-            springs = [(.not. c%enforcement(i)%method%piecewise_linear(), i=1, c%n)]
-            work = 0.5_wp*sum(force*self%gap, &
-               & mask=.not. (abs(self%force) > 0.0_wp .or. springs)) &
-               & - 0.5_wp*sum(self%force*gap, mask=.not. (abs(force) > 0.0_wp .or. springs))
-            do i = 1, c%n
-               if (.not. springs(i)) cycle
-               work = work + 0.5_wp*(self%force(i) + force(i))*(self%gap(i) - gap(i))
-               if (self%force(i) > 0.0_wp) work = work + c%enforcement(i)%method%stored( &
-                  & self%gap(i), self%force(i), c%weight(i))
-               if (force(i) > 0.0_wp) work = work - c%enforcement(i)%method%stored(gap(i), &
-                  & force(i), c%weight(i))
-            end do
-         end associate
+      if (size(self%closed) == size(closed)) then
+         if (any(self%closed .neqv. closed)) work = self%dissipated - energy%friction_mean &
+            & + self%stored - energy%contact - 0.5_wp*dot_product(self%pressed + pressed, &
+            & scene%trial%motion%u - scene%accepted%motion%u)
       end if
-      call move_alloc(gap, self%gap)
-      call move_alloc(force, self%force)
+      self%closed = closed
+      self%pressed = pressed
+      self%dissipated = energy%friction_mean
+      self%stored = energy%contact
    end function work_of_gaps
 
    !> Compare what an increment lost with what may be missed there.

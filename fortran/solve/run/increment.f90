@@ -76,9 +76,10 @@ contains
       if (allocated(error)) return
       associate (scene => run%scene, watch => run%watch, frame => run%frame)
          call add_work(scene, forces, watch%balance, frame)
+         call check_solids(scene, model, watch, forces%pressed, frame)
+         ! Told, and judged by what increments may miss (W0530): no part of the verdict.
          frame%certificate%flows = scene%newton%flows
          if (scene%newton%flows) frame%certificate%energy = abs(lost_share(frame%energy))
-         call check_solids(scene, model, watch, forces%pressed, frame)
          call measure_drift(watch%drift, scene, model, forces%load, forces%pressed)
          call leave_trial(scene, frame)
          call record_increment(watch%seen, scene, model)

@@ -2,7 +2,7 @@
 module lopin_leave_increment
    use lopin_kinds, only : wp
    use lopin_model, only : model_type
-   use lopin_report, only : frame_type, note_most
+   use lopin_report, only : frame_type, note_most, lost_work
    use lopin_run_type, only : watch_type
    use lopin_scene, only : scene_type
    use lopin_solver_state, only : leave_solver
@@ -10,7 +10,7 @@ module lopin_leave_increment
    use lopin_contact_history, only : leave_history
    use lopin_predictor, only : record_motion, closed_pairs
    use lopin_artificial_work, only : measure_artificial_work
-   use lopin_work_balance, only : balance_type, note_work, note_energy
+   use lopin_work_balance, only : balance_type, mend_work, note_work, note_energy
    use lopin_snap_through, only : record_snap_through
    implicit none
    private
@@ -33,15 +33,14 @@ contains
          after%work = before%work + 0.5_wp*dot_product(after%force + before%force &
             & + after%reaction + before%reaction, moved)
          frame%energy%external = after%work
-         after%most = before%most
-         call note_most(frame%energy, after%most)
          if (scene%newton%in_use) call note_work(balance, frame%increment, &
             & frame%time_increment, moved, after%force - before%force + after%reaction &
             & - before%reaction)
       end associate
    end subroutine add_work
 
-   !> Artificial work of the increment, and its share in the verdict.
+   !> Artificial work of the increment, and its share in the verdict; what the trapezoid counts of
+   !> gaps is taken off the external work.
    subroutine check_solids(scene, model, watch, pressed, frame)
       type(scene_type), intent(inout) :: scene
       type(model_type), intent(in) :: model
@@ -51,6 +50,10 @@ contains
 
       call measure_artificial_work(watch%artificial, scene, model, pressed, frame%increment, &
          & frame%energy)
+      if (scene%newton%in_use) call mend_work(watch%balance, scene, pressed, frame%energy)
+      watch%artificial%lost = lost_work(frame%energy)
+      scene%trial%loads%most = scene%accepted%loads%most
+      call note_most(frame%energy, scene%trial%loads%most)
       if (scene%newton%in_use) call note_energy(watch%balance, scene, frame%energy)
       ! What is let go of gives its energy to nothing: that is no jump.
       if (scene%newton%jumped) call record_snap_through(watch%jumps, frame%increment, &

@@ -18,6 +18,7 @@ from ..errors import UsageError
 from ..files import whole_file
 from .cells import CLASSES, Cell
 from .faces import FaceCell, FaceMap
+from .formed import FormingCell, FormingMap
 from .friction import FrictionMap
 from .mesh import MeshMap
 from .penalty import AugmentedMap, PenaltyMap
@@ -26,6 +27,10 @@ from .uzawa import UzawaMap
 
 MAPS = {m.number: m for m in (PenaltyMap(), UzawaMap(), AugmentedMap(), FrictionMap(), MeshMap(),
                               FaceMap())}
+#: Classes of cells without an answer, or with a wrong one.
+FAILED = ("F1", "F2", "F3", "F4", "F5", "F6")
+#: Seconds between two writings of a table that grows.
+_PAUSE = 10.0
 
 
 def map_of(number: int):
@@ -51,15 +56,29 @@ def frame_of(chart, cell: Cell) -> Frame:
     return chart.frame(rng) if hasattr(chart, "frame") else Frame.random(rng)
 
 
-def measure(chart, small: bool = False) -> list[Cell]:
-    """Solve all cells of a map."""
+def measure(chart, small: bool = False, table: Path | None = None,
+            most: int | None = None) -> list[Cell]:
+    """Solve the cells of a map.
+
+    `table`: a file that takes the cells as they are solved; what it has already is not solved
+    again. `most`: a batch, so many cells and no more.
+    """
     cells, begin = places(chart, small), time.perf_counter()
-    for cell in cells:
+    known = {c.row: c for c in read_table(table)} if table and table.is_file() else {}
+    cells = [known.get(cell.row, cell) for cell in cells]
+    todo, written = [c for c in cells if c.row not in known][:most], begin
+    for cell in todo:
         first = chart.solve(cell.panel, cell.x, cell.y)
         for found in fields(first):
             setattr(cell, found.name, getattr(first, found.name))
         cell.turned = chart.solve(cell.panel, cell.x, cell.y, frame_of(chart, cell)).kind
-    say(f"map {chart.number}: {len(cells)} cells, {time.perf_counter() - begin:.0f} s")
+        if table and time.perf_counter() > written + _PAUSE:
+            write_table([c for c in cells if c.turned], table)
+            written = time.perf_counter()
+    cells = [c for c in cells if c.turned]
+    if table:
+        write_table(cells, table)
+    say(f"map {chart.number}: {len(todo)} cells, {time.perf_counter() - begin:.0f} s")
     return cells
 
 
@@ -83,7 +102,8 @@ def read_table(path: Path) -> list[Cell]:
     """The cells of a table, to be drawn again."""
     with path.open(newline="", encoding="utf-8") as file:
         rows = csv.DictReader(file)
-        kind = FaceCell if "drag" in (rows.fieldnames or ()) else Cell
+        names = rows.fieldnames or ()
+        kind = FaceCell if "drag" in names else FormingCell if "reached" in names else Cell
         return [kind.read(row) for row in rows]
 
 
@@ -97,7 +117,16 @@ def again(chart, number: int, folder: Path, small: bool = False) -> Path:
     stem = f"map{chart.number}_cell{number}"
     if not hasattr(chart, "deck"):
         return chart.write(cell.panel, cell.x, cell.y, folder/f"{stem}.json")
-    return chart.deck(cell.panel, cell.x, cell.y).write(folder/f"{stem}.inp")
+    more = [folder] if isinstance(chart, FormingMap) else []
+    return chart.deck(cell.panel, cell.x, cell.y, *more).write(folder/f"{stem}.inp")
+
+
+def keep_failing(chart, cells: list[Cell], folder: Path, small: bool = False) -> list[Path]:
+    """Decks of the cells of forming maps that failed, in a folder of their own."""
+    if not isinstance(chart, FormingMap):
+        return []
+    return [again(chart, cell.row, folder/"failing", small) for cell in cells
+            if cell.kind in FAILED]
 
 
 def summary(chart, cells: list[Cell]) -> list[str]:

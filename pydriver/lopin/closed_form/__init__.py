@@ -65,6 +65,7 @@ from .punch import (
 from .sheet import (
     BentFibres,
     BentSheet,
+    StraightStrip,
     air_bending_force,
     bent_fibres,
     bent_sheet,

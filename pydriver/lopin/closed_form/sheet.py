@@ -135,6 +135,60 @@ def bent_fibres(young: float, poisson: float, thickness: float, path: Sequence[f
     return BentFibres(tuple(moments), left, grown/thickness)
 
 
+@dataclass(frozen=True)
+class StraightStrip:
+    """Pure bending of a strip whose metal hardens along a straight line, in closed form.
+
+    Fibres are bilinear: `modulus` up to `yielding`, `tangent` beyond; they yield again, on the way
+    back, after twice their stress (isotropic share 1) or twice the yield stress (share 0: linear
+    kinematic hardening, Prager), or what lies between. In plane stress across the strip modulus and
+    yield stress are Young's and that of tension; in plane strain they are E/(1 - nu^2) and
+    2/sqrt(3) times the yield stress where nu = 1/2. Strains are small.
+    """
+
+    modulus: float          #: of a fibre [stress]
+    yielding: float         #: of a fibre [stress]
+    tangent: float          #: slope beyond [stress]
+    thickness: float        #: [length]
+    isotropic: float = 0.0  #: share of the hardening that widens the elastic range [-]
+
+    def moment(self, curvature: float) -> float:
+        """Of the first bending to a curvature >= 0, per width [force]."""
+        m, h = self.modulus, 0.5*self.thickness
+        core = min(h, self.yielding/(m*curvature)) if curvature > 0.0 else h
+        ratio = self.tangent/m
+        return 2.0/3.0*self.tangent*curvature*h**3 + (1.0 - ratio)*(
+            2.0/3.0*m*curvature*core**3 + self.yielding*(h**2 - core**2))
+
+    def back(self, bent: float, by: float) -> float:
+        """Moment per width after bending to a curvature, and back by 0 <= `by` <= 2*`bent` [force].
+
+        Fibres outside `core` have flowed on the way there; those outside `again` flow on the way
+        back, beyond a range of stress that grows along the straight line of their hardening.
+        """
+        m, h, ratio, s = self.modulus, 0.5*self.thickness, self.tangent/self.modulus, self.isotropic
+        left = by - 2.0*s*ratio*bent
+        start = 2.0*self.yielding*(1.0 - s*ratio)
+        again = min(h, start/(m*left)) if left > 0.0 else h
+        # Stress that is taken off: elastic everywhere, less what yields give up outside `again`.
+        whole = 2.0/3.0*m*by*h**3
+        given = 2.0*(1.0 - ratio)*(m*left*(h**3 - again**3)/3.0 - 0.5*start*(h**2 - again**2))
+        return self.moment(bent) - whole + given
+
+    def released(self, bent: float) -> float:
+        """Curvature that is left after bending to a curvature and letting go [1/length].
+
+        >>> strip = StraightStrip(2e5, 300.0, 1e4, 1.0)
+        >>> round(strip.back(0.05, 0.05 - strip.released(0.05)), 9)
+        0.0
+        """
+        low, high = 0.0, 2.0*bent
+        for _ in range(200):
+            middle = 0.5*(low + high)
+            low, high = (middle, high) if self.back(bent, middle) > 0.0 else (low, middle)
+        return bent - 0.5*(low + high)
+
+
 class _Fibres:
     """Stresses along and across of many fibres, their backstresses and plastic strains."""
 
