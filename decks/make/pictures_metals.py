@@ -4,6 +4,8 @@ from __future__ import annotations
 import numpy as np
 from drawing import DOTS, EXACT, curve, figure, save, solved
 
+from lopin.closed_form import StraightStrip
+
 
 def rolled_strip() -> None:
     """Width beside length of strips at three angles."""
@@ -37,6 +39,20 @@ def bauschinger() -> None:
     ax.set(xlabel="elongation [%]", ylabel="force [N]")
     ax.legend(frameon=False)
     save(fig, "bauschinger")
+
+
+def bending_unbending() -> None:
+    """Moment over curvature, to and fro, beside the closed form."""
+    h = solved("bending_unbending").history
+    strip, bent = StraightStrip(2e5, 200.0, 1e4, 1.0), 0.01
+    to, by = np.linspace(0.0, bent, 100), np.linspace(0.0, 2.0*bent, 200)
+    fig, ax = figure()
+    ax.plot(100.0*to, [strip.moment(k) for k in to], color=EXACT, lw=2.5, label="closed form")
+    ax.plot(100.0*(bent - by), [strip.back(bent, b) for b in by], color=EXACT, lw=2.5)
+    ax.plot(100.0*h["GRIP.u6"]/2.0, h["GRIP.rf6"], "o", ms=4, color=DOTS, label="Lopin")
+    ax.set(xlabel="curvature [1/dm]", ylabel="moment [N mm/mm]")
+    ax.legend(frameon=False)
+    save(fig, "bending_unbending")
 
 
 def hot_upsetting() -> None:

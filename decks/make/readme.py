@@ -14,7 +14,8 @@ from expectations import expectations, measured, run
 ROOT = Path(__file__).resolve().parents[2]
 GROUPS = {
     "By hand": ("bar_gap", "two_springs", "no_separation"),
-    "Laws of metals by hand": ("rolled_strip", "bauschinger", "hot_upsetting"),
+    "Laws of metals by hand": ("rolled_strip", "bauschinger", "bending_unbending",
+                               "hot_upsetting"),
     "Hertz and other closed forms": ("hertz_sphere", "hertz_sphere_3d", "ball_on_ball",
                                      "cylinder_on_plane", "nafems_cylinder", "flat_punch",
                                      "shrink_fit", "signorini", "ball_of_facets"),

@@ -25,15 +25,16 @@ class FacetMap(FormingMap):
     title = "Map 10: faceted tools pressed into metal and drawn along it"
     labels = ("facets of the tool per facet of the slave", "friction")
     panels = tuple(f"{tool}, {method}" for tool in TOOLS
-                   for method in ("lagrange", "penalty", "perturbed", "augmented"))
+                   for method in ("lagrange", "penalty", "perturbed", "augmented")
+                   if "STL" not in tool or method in ("lagrange", "penalty"))
     ticks = ([f"{x:g}" for x in FACETS], [f"{mu:g}" for mu in FRICTION])
 
     def grid(self, panel: str, small: bool) -> tuple[NDArray, NDArray]:
         """The values of x and y: places in FACETS and FRICTION."""
         if small:
             return (np.array([1, 3]), np.array([0, 2])) if "STL" not in panel \
-                else (np.array([2]), np.array([2]))
-        return np.arange(len(FACETS)), np.arange(len(FRICTION))[::2 if "STL" in panel else 1]
+                else (np.array([2]), np.array([3]))
+        return np.arange(len(FACETS)), np.arange(len(FRICTION))[::3 if "STL" in panel else 1]
 
     def scene(self, panel: str, x: float, y: float, frame: Frame = PLAIN, folder=None) -> Built:
         """Of a cell."""

@@ -22,7 +22,7 @@ class FirstMap(FormingMap):
     title = "Map 18: size of the first increment and strain of first yield"
     labels = ("first increment", "yield stress / Young's modulus")
     panels = ("billet, CAX4", "billet, CAX8R", "billet, CPE4", "billet, C3D8", "billet, C3D4",
-              "air bend, CPE4I")
+              "air bend, CPE8R")
     released = ("air bend",)
     ticks = ([f"{x[0]:g}" if x else "default" for x in FIRST], [f"{y:g}" for y in STRAINS])
 

@@ -38,8 +38,8 @@ LAWS = {
     "decay": lambda m, f: _lines(", EXPONENTIAL DECAY", m/sqrt(3.0), 0.5*m/sqrt(3.0),
                                  2.0/f.length),
 }
-SCENES = ("billet, CAX4", "billet, CAX8R", "billet, CPE4", "billet, CPE8R", "billet, C3D8",
-          "billet, C3D4", "ring, CAX4", "ring, CAX8R", "closed die, CAX4", "air bend, CPE8R")
+SCENES = ("billet, CAX4", "billet, CPE4", "ring, CAX4", "closed die, CAX4", "billet, C3D8",
+          "billet, C3D4", "air bend, CPE8R", "billet, CAX8R")
 
 
 class LawMap(FormingMap):

@@ -20,9 +20,9 @@ class SheetMap(FormingMap):
     number, name = 16, "sheets"
     title = "Map 16: strips bent over radii and let go"
     labels = ("thickness / radius of the tools", "increments")
-    panels = ("air bend, CPE4I, 0", "air bend, CPE4I, 0.1", "air bend, CPE8R, 0.1",
-              "flange, CPE4I, 0", "flange, CPE4I, 0.1", "flange, CPE8R, 0.1")
-    released = ("air bend", "flange")
+    panels = ("air bend, CPE8R, 0", "air bend, CPE8R, 0.1", "flange, CPE8R, 0",
+              "flange, CPE8R, 0.1", "air bend, CPE4I, 0.1", "flange, CPE4I, 0.1")
+    released, across = ("air bend", "flange"), 3
     ticks = ([f"{x:g}" for x in THICKNESS], [f"{y[0]:g}" if y else "default" for y in INCREMENTS])
     reference_ways = (("lagrange", (0.01, 0.01)), ("penalty", (0.01, 0.01)),
                       ("lagrange", (0.005, 0.005)))
