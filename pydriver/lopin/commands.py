@@ -44,6 +44,8 @@ def chart(options) -> int:
     from .charts import theory as chart_theory
 
     name, table = Path(options.deck).stem, options.deck.endswith(".csv")
+    if options.deck != "hertz" and _is_forming(options.deck, table):
+        return _chart_of_forming(options, name, table)
     if table:
         scenes = charts.read_table(Path(options.deck))
     elif options.deck == "hertz":
@@ -63,6 +65,28 @@ def chart(options) -> int:
     print("\n".join(facts))
     print(options.output/f"{name}.png")
     return 1 if any(row.silent for row in every) else 0
+
+
+def _is_forming(deck: str, table: bool) -> bool:
+    """Whether a deck, or a table, is one of forming."""
+    from .charts import forming
+
+    return forming.is_table(Path(deck)) if table else forming.forms(Deck.read(deck))
+
+
+def _chart_of_forming(options, name: str, table: bool) -> int:
+    """Error against cost of a forming deck, or a table of one drawn again."""
+    from .charts import forming
+
+    options.output.mkdir(parents=True, exist_ok=True)
+    rows = forming.read_table(Path(options.deck)) if table else \
+        forming.measure(Deck.read(options.deck))
+    if not table:
+        forming.write_table(rows, options.output/f"{name}.csv")
+    forming.draw(rows, options.output/name)
+    print("\n".join(forming.facts(rows)))
+    print(options.output/f"{name}.png")
+    return 1 if any(row.silent for row in rows) else 0
 
 
 def atlas(options) -> int:

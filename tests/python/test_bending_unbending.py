@@ -90,7 +90,8 @@ def straight(share: float) -> list[str]:
 
 
 @pytest.mark.parametrize("share", [0.0, 0.5, 1.0])
-@pytest.mark.parametrize("word, poisson, tolerance", [("CPS4I", 0.3, 3e-3), ("CPE4I", 0.4999, 6e-3)])
+@pytest.mark.parametrize("word, poisson, tolerance", [("CPS4I", 0.3, 3e-3),
+                                                      ("CPE4I", 0.4999, 6e-3)])
 def test_straight_hardening_beside_its_closed_form(solve, sheet, share, word, poisson, tolerance):
     """Bent, bent back the other way, let go: plane stress, and plane strain without compression."""
     across = 1.0 if word == "CPS4I" else 1.0/(1.0 - poisson**2)

@@ -75,3 +75,23 @@ def test_a_chart_of_a_deck(tmp_path, capsys):
     assert {row["path"] for row in rows} == {"condensed", "newton"}
     assert (tmp_path/"crown.png").stat().st_size > 10000
     assert (tmp_path/"crown_full.svg").is_file()
+
+
+def test_a_chart_of_a_forming_deck(tmp_path, capsys):
+    """Error against cost of a billet that flows; its table is drawn again."""
+    pytest.importorskip("matplotlib")
+    from upset_billet import billet
+
+    deck = billet(1, mu=0.1, share=0.2, cells=(2, 3), direct=False).to_deck().write(
+        tmp_path/"upset.inp")
+    assert main(["chart", str(deck), "-o", str(tmp_path)]) == 0
+    assert "20 runs, 0 without an answer, 0 wrong by more than 5 %" in capsys.readouterr().out
+    with (tmp_path/"upset.csv").open(encoding="utf-8") as file:
+        rows = list(csv.DictReader(file))
+    by_share = sorted((float(r["share"]), float(r["error_force"])) for r in rows if r["share"]
+                      and r["error_force"])
+    assert by_share[0][1] < 0.3*by_share[-1][1]
+    assert {r["method"] for r in rows} == {"lagrange", "penalty", "perturbed", "augmented"}
+    (tmp_path/"upset.png").unlink()
+    assert main(["chart", str(tmp_path/"upset.csv"), "-o", str(tmp_path)]) == 0
+    assert (tmp_path/"upset.png").stat().st_size > 10000
