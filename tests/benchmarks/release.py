@@ -1,6 +1,6 @@
 """Forming decks whose tools are taken away in three ways: writes the table of docs/release.md.
 
-    python tests/benchmarks/release.py [DECK ...] [--print]
+    python tests/benchmarks/release.py [DECK ...] [--print] [--keep FOLDER]
 
 Each deck of the collection that forms metal with a tool is formed as it says, with its friction and
 without, and let go of: pairs removed (*MODEL CHANGE), tools withdrawn by their motion, or their
@@ -8,12 +8,14 @@ supports and loads taken off; the first and the last also all at once, in one in
 unless it has to be cut. Beside the
 way "removed, in a ramp" stands the largest difference of what springs back, over its largest value,
 the mean motion along the press taken off where nothing holds it. A release that neither flows nor
-rubs must be the same to 0.1 %; where it does, N0518 or W0518 must be said.
+rubs must be the same to 0.1 %; where it does, N0518 or W0518 must be said. A folder to keep runs in lets
+the script go on where it was broken off.
 """
 from __future__ import annotations
 
 import argparse
 import os
+import pickle
 import re
 import sys
 from dataclasses import dataclass
@@ -166,6 +168,17 @@ class Released:
         return max(self.flowed, self.rubbed) < ELASTIC*self.energy
 
 
+def kept(name: str, way: str, friction: bool, folder: Path | None) -> Released:
+    """A release, from the folder if it is there."""
+    if folder is None:
+        return released(name, way, friction)
+    folder.mkdir(parents=True, exist_ok=True)
+    path = folder/f"{name}_{way.replace(' ', '_')}_{'rubs' if friction else 'slips'}.pickle"
+    if not path.is_file():
+        path.write_bytes(pickle.dumps(vars(released(name, way, friction))))
+    return Released(**pickle.loads(path.read_bytes()))
+
+
 def released(name: str, way: str, friction: bool) -> Released:
     """Run a deck and see what springs back."""
     try:
@@ -199,13 +212,13 @@ def apart(one: Released, other: Released, axis: int, floats: bool) -> float:
     return float(abs(a - b).max()/abs(b).max())
 
 
-def measure(name: str, friction: bool) -> tuple[list[str], bool]:
+def measure(name: str, friction: bool, folder: Path | None) -> tuple[list[str], bool]:
     """Rows of the table, and whether all is as it should be."""
     scene = SCENES[name]
     floats = name in ("v_bending", "wire_drawing", "cup", "square_cup")
     found = {}
     for way in WAYS:
-        found[way] = released(name, way, friction)
+        found[way] = kept(name, way, friction, folder)
         print(name, friction, way, found[way].said, found[way].energy, found[way].flowed,
               found[way].rubbed, file=sys.stderr, flush=True)
     rows, fine, first = [], True, found["removed"]
@@ -237,13 +250,14 @@ def main() -> None:
                                      formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("decks", nargs="*", default=list(SCENES))
     parser.add_argument("--print", action="store_true", help="leave the page alone")
+    parser.add_argument("--keep", type=Path, help="a folder for what each run gave")
     options = parser.parse_args()
     rows, fine = [], True
     for name in options.decks:
         for friction in (False, True):
             if friction and "*FRICTION" not in scene_text(name):
                 continue
-            more, good = measure(name, friction)
+            more, good = measure(name, friction, options.keep)
             rows += more
             fine &= good
     head = ["| deck | friction | way | elastic energy [N mm] | flows | rubs | beside removed "
