@@ -27,7 +27,7 @@ contains
    !> The functions at the Gauss points.
    pure subroutine dilatation_functions(element, x, weight, phi)
       type(element_type), intent(in) :: element
-      real(wp), intent(in) :: x(:, :)          !! (ndim, nnode) reference coordinates [length]
+      real(wp), contiguous, intent(in) :: x(:, :)   !! (ndim, nnode) reference coordinates [length]
       real(wp), intent(in) :: weight(:)        !! (ngauss) reference volumes [length^3]
       real(wp), contiguous, intent(out) :: phi(:, :)   !! (ngauss, dilatation_count) [length^-3/2]
       integer :: l, m

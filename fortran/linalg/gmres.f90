@@ -1,4 +1,6 @@
-!> Restart-free GMRES with a preconditioner on the right (Saad and Schultz 1986; Saad 1993).
+!> Restart-free GMRES with a preconditioner on the right (Saad and Schultz 1986), its results kept
+!> (flexible, Saad 1993): no application more at the end, and the rounding of a factor of single
+!> precision does not matter.
 !>
 !> The residual that is minimised is the true one, so that a rough preconditioner costs products,
 !> never accuracy.
@@ -39,7 +41,7 @@ contains
       real(wp), intent(out) :: x(:)
       integer, intent(out) :: iterations
       real(wp), intent(out) :: ratio           !! |b - A x|/|b| reached, as the recurrence has it
-      real(wp), allocatable :: v(:, :), z(:), h(:, :), g(:), c(:), s(:)
+      real(wp), allocatable :: v(:, :), z(:, :), h(:, :), g(:), c(:), s(:)
       real(wp) :: start, swap
       integer :: i, j
 
@@ -52,14 +54,15 @@ contains
          ratio = start
          return
       end if
-      allocate (v(size(b), most + 1), z(size(b)), h(most + 1, most), g(most + 1), c(most), s(most))
+      allocate (v(size(b), most + 1), z(size(b), most), h(most + 1, most))
+      allocate (g(most + 1), c(most), s(most))
       g = 0.0_wp
       g(1) = start
       v(:, 1) = b/start
       ratio = 1.0_wp
       do j = 1, most
-         call a%precondition(v(:, j), z)
-         call a%multiply(z, v(:, j + 1))
+         call a%precondition(v(:, j), z(:, j))
+         call a%multiply(z(:, j), v(:, j + 1))
          call make_orthogonal(size(b), j, v, v(:, j + 1), h(:, j))
          if (h(j + 1, j) > 0.0_wp) v(:, j + 1) = v(:, j + 1)/h(j + 1, j)
          do i = 1, j - 1
@@ -78,8 +81,7 @@ contains
          ratio = abs(g(j + 1))/start
          if (.not. ratio > tolerance) exit
       end do
-      call combine(iterations, h, g, v, z)
-      if (iterations > 0) call a%precondition(z, x)
+      call combine(iterations, h, g, z, x)
    end subroutine gmres
 
    !> Take from w what lies along the basis: h are its parts, and the length of what is left. Twice
@@ -104,20 +106,20 @@ contains
       end do
    end subroutine make_orthogonal
 
-   !> The combination of basis vectors that the triangular system gives.
-   pure subroutine combine(n, h, g, v, z)
+   !> The combination of vectors that the triangular system gives.
+   pure subroutine combine(n, h, g, z, x)
       integer, intent(in) :: n
-      real(wp), intent(in) :: h(:, :), g(:), v(:, :)
-      real(wp), intent(out) :: z(:)
+      real(wp), intent(in) :: h(:, :), g(:), z(:, :)
+      real(wp), intent(out) :: x(:)
       real(wp) :: y(n)
       integer :: i
 
-      z = 0.0_wp
+      x = 0.0_wp
       do i = n, 1, -1
          y(i) = (g(i) - dot_product(h(i, i + 1:n), y(i + 1:n)))/h(i, i)
       end do
       do i = 1, n
-         z = z + y(i)*v(:, i)
+         x = x + y(i)*z(:, i)
       end do
    end subroutine combine
 end module lopin_gmres

@@ -28,7 +28,7 @@ module lopin_log_strain
 
    !> Difference of logarithmic strains below which the series of d coth d is taken; its error there
    !> is 2 d**6/945 < 1e-17.
-   real(wp), parameter :: series_below = 4.0e-3_wp
+   real(wp), parameter, public :: series_below = 4.0e-3_wp
 
 contains
 

@@ -12,6 +12,8 @@ module lopin_assemble_nonlinear
    use lopin_solid_flow, only : flow_element, flow_stresses, flow_memory
    use lopin_element_type, only : element_type
    use lopin_element_input, only : element_input_type
+   use lopin_solid_configuration, only : configuration_type, share_type, fill_input, add_nodes
+   use lopin_assemble_batch, only : add_batch
    use lopin_simplex_patches, only : patch_element
    use lopin_solids, only : solids_type, add_slots, unit_nodes, unit_points
    use lopin_state, only : solids_state_type
@@ -19,7 +21,7 @@ module lopin_assemble_nonlinear
    implicit none
    private
    public :: assemble_nonlinear, recover_nonlinear, remember, bad_element_type
-   public :: configuration_type, fill_input, columns
+   public :: columns
 
    !> An element that the displacements turn inside out; and the largest force of an element on one
    !> of its nodes, before those of its neighbours cancel it.
@@ -29,21 +31,6 @@ module lopin_assemble_nonlinear
       integer :: number = 0      !! how many there are
       real(wp) :: force = 0.0_wp !! of all elements, by component [force]
    end type bad_element_type
-
-   !> What an element, or a patch of elements, adds beside its forces.
-   type :: share_type
-      real(wp) :: energy = 0.0_wp   !! [force length]
-      integer :: bad = 0            !! Gauss point turned inside out
-      real(wp) :: most = 0.0_wp     !! its largest force on a node, by component [force]
-   end type share_type
-
-   !> The solids in a displaced configuration, with what their points remember of the accepted one.
-   type :: configuration_type
-      type(solids_type), pointer :: solids => null()
-      type(mesh_type), pointer :: mesh => null()
-      real(wp), pointer, contiguous :: u(:) => null()   !! (n) total displacements [length]
-      type(solids_state_type), pointer :: memory => null()
-   end type configuration_type
 
 contains
 
@@ -61,7 +48,7 @@ contains
       type(csc_type), intent(inout), optional :: matrix   !! of new_solids; values are replaced
       type(configuration_type) :: shape
       type(share_type), allocatable :: share(:)
-      integer :: c, k, e, ncolour
+      integer :: c, k, ncolour
       logical :: shared_out
 
       shape = configuration_type(self, mesh, u, memory)
@@ -71,10 +58,10 @@ contains
       if (present(matrix)) matrix%value = 0.0_wp
       do c = 1, ncolour
          shared_out = .not. (self%last_is_serial .and. c == ncolour)
-         !$omp parallel do schedule(static) private(e) if(shared_out)
-         do k = self%colour_start(c), self%colour_start(c + 1) - 1
-            e = self%order(k)
-            call add_unit(shape, e, force, share(e), matrix)
+         !$omp parallel do schedule(static) if(shared_out)
+         do k = self%colour_batch(c), self%colour_batch(c + 1) - 1
+            call add_run(shape, self%batch_start(k), self%batch_start(k + 1) - 1, force, share, &
+               & matrix)
          end do
          !$omp end parallel do
       end do
@@ -94,6 +81,23 @@ contains
          bad%point = 1 + mod(bad%point - 1, n)
       end associate
    end subroutine assemble_nonlinear
+
+   !> Elements that follow each other in the order: at a time, or one by one.
+   subroutine add_run(shape, from, to, force, share, matrix)
+      type(configuration_type), intent(in) :: shape
+      integer, intent(in) :: from, to          !! of the order of elements
+      real(wp), contiguous, intent(inout) :: force(:)
+      type(share_type), contiguous, intent(inout) :: share(:)   !! (nelement)
+      type(csc_type), intent(inout), optional :: matrix
+      integer :: k
+      logical :: done
+
+      call add_batch(shape, shape%solids%order(from:to), force, share, done, matrix)
+      if (done) return
+      do k = from, to
+         call add_unit(shape, shape%solids%order(k), force, share(shape%solids%order(k)), matrix)
+      end do
+   end subroutine add_run
 
    !> An element, or the patch that it stands for.
    subroutine add_unit(shape, e, force, share, matrix)
@@ -165,7 +169,6 @@ contains
       real(wp), dimension(element%ndim, element%nnode), target :: x, moved
       real(wp) :: own(element%ndim, element%nnode), ke(element%ndof, element%ndof)
       type(element_input_type) :: input
-      integer :: a, i
 
       call fill_input(shape, e, node, x, moved, input)
       input%memory => past
@@ -175,40 +178,10 @@ contains
          call own_element(shape%memory%finite_strain, element, input, own, share)
       end if
       if (share%bad > 0) return
-      share%most = maxval(abs(own))
-      associate (self => shape%solids)
-         do a = 1, element%nnode
-            do i = 1, element%ndim
-               associate (k => self%dof(i, node(a)))
-                  if (k > 0) force(k) = force(k) + own(i, a)
-               end associate
-            end do
-         end do
-         if (present(matrix)) call add_slots( &
-            & self%slot(self%first_slot(e):self%first_slot(e + 1) - 1), ke, matrix%value)
-      end associate
+      call add_nodes(shape, node, own, force, share)
+      if (present(matrix)) call add_slots(shape%solids%slot(shape%solids%first_slot(e): &
+         & shape%solids%first_slot(e + 1) - 1), ke, matrix%value)
    end subroutine add_element
-
-   !> What an element is computed from, but for its memory.
-   subroutine fill_input(shape, e, node, x, moved, input)
-      type(configuration_type), intent(in) :: shape
-      integer, intent(in) :: e
-      integer, contiguous, intent(in) :: node(:)
-      real(wp), contiguous, intent(out), target :: x(:, :), moved(:, :)   !! where they are put
-      type(element_input_type), intent(out) :: input
-      integer :: a
-
-      do a = 1, size(node)
-         x(:, a) = shape%mesh%x(:, node(a))
-      end do
-      call displacements(shape%solids, node, shape%u, moved)
-      input%law => shape%solids%group(shape%solids%which(e))%law
-      input%x => x
-      input%u => moved
-      input%thickness = shape%solids%group(shape%solids%which(e))%thickness
-      input%dt = shape%memory%dt
-      input%scaled = shape%memory%scaled .and. input%law%remembers
-   end subroutine fill_input
 
    !> One element, by the kinematics of the step.
    subroutine own_element(finite_strain, element, input, force, share, ke)
@@ -225,22 +198,6 @@ contains
          call flow_element(element, input, force, share%energy, share%bad, ke)
       end if
    end subroutine own_element
-
-   !> Displacements of nodes; zero where there is no equation.
-   pure subroutine displacements(self, node, u, moved)
-      type(solids_type), intent(in) :: self
-      integer, contiguous, intent(in) :: node(:)
-      real(wp), contiguous, intent(in) :: u(:)
-      real(wp), contiguous, intent(out) :: moved(:, :)   !! (ndim, size(node)) [length]
-      integer :: a, i
-
-      moved = 0.0_wp
-      do a = 1, size(node)
-         do i = 1, size(moved, 1)
-            if (self%dof(i, node(a)) > 0) moved(i, a) = u(self%dof(i, node(a)))
-         end do
-      end do
-   end subroutine displacements
 
    !> Stresses and strains at all Gauss points, laid out as by recover_stress: Cauchy and
    !> logarithmic at finite strain.
@@ -354,38 +311,40 @@ contains
       real(wp), intent(inout) :: work, volume
       type(element_type) :: element
       integer, allocatable :: point(:)
-      real(wp), allocatable :: past(:, :)
+      real(wp), allocatable :: past(:, :), own(:, :)
 
       associate (self => shape%solids, patches => shape%solids%patches, memory => shape%memory)
          associate (group => self%group(self%which(e)), p => patches%of(e))
             if (p == 0) then
                call own_memory(shape, e, group%element, shape%mesh%conn(:group%element%nnode, e), &
+                  & memory%value(:, memory%first(e):memory%first(e + 1) - 1), &
                   & next(:, memory%first(e):memory%first(e + 1) - 1), work, volume)
             else if (patches%member(patches%start(p)) == e) then
                call patch_element(patches, p, shape%mesh%conn, group%element, element)
                allocate (past, source=columns(self, memory, e))
+               allocate (own, source=past)
                call own_memory(shape, e, element, &
-                  & patches%node(patches%first(p):patches%first(p + 1) - 1), past, work, volume)
+                  & patches%node(patches%first(p):patches%first(p + 1) - 1), past, own, work, &
+                  & volume)
                allocate (point, source=unit_points(self, memory%first, e))
-               next(:, point) = past
+               next(:, point) = own
             end if
          end associate
       end associate
    end subroutine remember_unit
 
-   subroutine own_memory(shape, e, element, node, next, work, volume)
+   subroutine own_memory(shape, e, element, node, past, next, work, volume)
       type(configuration_type), intent(in) :: shape
       integer, intent(in) :: e
       type(element_type), intent(in) :: element    !! that of e, or of its patch
       integer, contiguous, intent(in) :: node(:)
-      real(wp), contiguous, intent(inout) :: next(:, :)
+      real(wp), contiguous, intent(in), target :: past(:, :)
+      real(wp), contiguous, intent(inout) :: next(:, :)   !! equal to `past` before
       real(wp), intent(inout) :: work, volume
       real(wp), dimension(element%ndim, element%nnode), target :: x, moved
-      real(wp), target :: past(size(next, 1), size(next, 2))
       type(element_input_type) :: input
       integer :: bad
 
-      past = next
       call fill_input(shape, e, node, x, moved, input)
       input%memory => past
       if (shape%memory%finite_strain) then

@@ -14,6 +14,7 @@ module lopin_solids
    use lopin_elastic, only : hooke_matrix, plane_stress_matrix
    use lopin_flow_curve, only : flow_type
    use lopin_plastic_return, only : plastic_type
+   use lopin_element_batch, only : is_batchable, lanes
    use lopin_hyperelastic, only : solid_law_type, hencky_law, green_law, neo_hooke_law, &
       & give_flow, elastic_constants
    use lopin_facets, only : facet_rule_type, new_facet_rules
@@ -48,6 +49,7 @@ module lopin_solids
       real(wp) :: young = 0.0_wp, poisson = 0.0_wp   !! [stress], [-]
       real(wp) :: thickness = 1.0_wp
       logical :: patched = .false.           !! neighbours share their change of volume
+      logical :: batched = .false.           !! several at a time; see module solid_batch
       real(wp) :: expansion = 0.0_wp         !! [1/temperature]
    end type group_type
 
@@ -65,6 +67,8 @@ module lopin_solids
       integer, allocatable :: first_point(:) !! (nelement+1) first Gauss point of each element
       integer, allocatable :: colour_start(:) !! (ncolour+1) into `order`
       integer, allocatable :: order(:)     !! elements by colour
+      integer, allocatable :: colour_batch(:) !! (ncolour+1) into `batch_start`
+      integer, allocatable :: batch_start(:)  !! (nbatch+1) into `order`: of one group, or single
       logical :: last_is_serial = .false.  !! the last colour holds elements that may touch
       integer(lk), allocatable :: first_slot(:) !! (nelement+1)
       integer(ik), allocatable :: slot(:)  !! lower triangle by columns; 0: none; < 0: twice
@@ -91,6 +95,7 @@ contains
       if (allocated(error)) return
       call set_patches(self, mesh)
       call set_colours(self, mesh)
+      call set_batches(self)
       call list_equations(self, mesh, start, equation)
       call matrix%new_from_lists(self%n, storage%symmetric_lower, start, equation)
       call set_slots(self, matrix, start, equation)
@@ -210,6 +215,7 @@ contains
          new%patched = new%element%patched
          if (new%element%projectable) new%element%formulation = element_formulation%projected
       end if
+      new%batched = is_batchable(new%element, new%law) .and. .not. new%patched
       allocate (new%d(new%element%nstress, new%element%nstress))
       if (new%element%kind == element_kind%plane_stress) then
          call plane_stress_matrix(young, poisson, new%d)
@@ -263,6 +269,32 @@ contains
          fill(c) = fill(c) + 1
       end do
    end subroutine set_colours
+
+   !> Runs of elements of one colour and group that may be computed at a time.
+   subroutine set_batches(self)
+      type(solids_type), intent(inout) :: self
+      integer :: start(size(self%order) + 1), c, g, k, n, last
+
+      allocate (self%colour_batch(size(self%colour_start)))
+      n = 1
+      start(1) = 1
+      self%colour_batch(1) = 1
+      do c = 1, size(self%colour_start) - 1
+         do while (start(n) < self%colour_start(c + 1))
+            k = start(n)
+            g = self%which(self%order(k))
+            last = k
+            if (self%group(g)%batched) last = min(k + lanes, self%colour_start(c + 1)) - 1
+            do k = k + 1, last
+               if (self%which(self%order(k)) /= g) exit
+            end do
+            n = n + 1
+            start(n) = k
+         end do
+         self%colour_batch(c + 1) = n
+      end do
+      self%batch_start = start(:n)
+   end subroutine set_batches
 
    !> Equations of all elements, one behind the other; element e is equation(start(e):start(e+1)-1).
    subroutine list_equations(self, mesh, start, equation)

@@ -20,9 +20,52 @@ program test_newton_system
    call agrees_with_the_whole('soft springs made firm, no friction', 0.0_wp, .false., 0.1_wp, 7)
    call agrees_with_the_whole('soft springs made firm, stick', 0.5_wp, .false., 0.1_wp, 9)
    call agrees_with_the_whole('soft springs made firm, slip', 0.3_wp, .true., 0.1_wp, 13)
+   call keeps_a_factor()
    call finish()
 
 contains
+
+   !> The factor of an earlier tangent serves one that is near, not one that is far.
+   subroutine keeps_a_factor()
+      type(newton_system_type) :: system
+      type(constraints_type) :: constraints
+      type(csc_type) :: k
+      type(local_matrix_type) :: local(0)
+      type(clock_type) :: clock
+      type(counter_type) :: counter
+      type(error_type), allocatable :: error
+      integer, allocatable :: top(:)
+      real(wp), allocatable :: right(:), step(:), whole(:)
+      integer, parameter :: factors(4) = [1, 1, 2, 3]
+      integer :: bad, i, turn
+
+      call elastic_block([12, 9], .true., k, top)
+      call free_constraints(constraints, k%n)
+      allocate (right(k%n), step(k%n), whole(k%n))
+      right = [(uniform(seed) - 0.5_wp, i=1, k%n)]
+      system%wish = 'cholmod'
+      call clock%start()
+      do turn = 1, 4
+         call test('a factor is kept for a near tangent alone')
+         if (turn == 2) k%value = 1.01_wp*k%value
+         if (turn == 3) then
+            do i = 1, k%n
+               associate (diagonal => k%value(k%colptr(i) + 1))
+                  diagonal = diagonal*(1.0_wp + 1.0e4_wp*uniform(seed)**4)
+               end associate
+            end do
+         end if
+         system%lag%may = turn > 1
+         call set_tangent(system, k, constraints, 0, local, [real(wp) ::], [real(wp) ::], .false.)
+         call solve_step(system, right, 1.0e-10_wp, step, clock, counter, bad, error)
+         call is_true('no error', .not. allocated(error) .and. bad == 0)
+         call is_true('factors', counter%factorisations == factors(turn))
+         call is_true('lags', system%lag%at_hand .eqv. turn == 2)
+         call is_true('badly', system%lag%failed .eqv. turn > 2)
+      end do
+      call solve_whole(system, right, whole, clock, counter, bad, error)
+      call close_to('step', step/maxval(abs(whole)), whole/maxval(abs(whole)), 1.0e-8_wp)
+   end subroutine keeps_a_factor
 
    !> A block whose top nodes press on a rigid floor by unknown tractions; springs c and c.
    subroutine agrees_with_the_whole(name, mu, slips, stiffness, firm)

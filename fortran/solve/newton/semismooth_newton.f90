@@ -36,6 +36,8 @@ module lopin_semismooth_newton
    !> Steps of which so little is taken, this often in a row, lead to no end in few iterations.
    real(wp), parameter :: creeps = 0.05_wp
    integer, parameter :: most_creeping = 4
+   !> Residuals below which the tangent hardly changes any more.
+   real(wp), parameter :: nearly = 1.0e-2_wp
    !> So many returns to sets of contact met before are a cycle.
    integer, parameter :: cycle_of = 3
    !> An increment this often the smallest one can still be cut.
@@ -236,6 +238,8 @@ contains
          if (allocated(error)) return
          falls = some_body_falls(scene)
          grounded = finite%grounded
+         if (it%number == 1) finite%system%lag%failed = .false.
+         finite%system%lag%may = it%number > 1 .and. residual < nearly
          call find_step(scene, model, evaluation, it%remaining, search%step, error, flat=it%fresh, &
             & by_old=simplified)
          if (allocated(error)) return

@@ -1,11 +1,12 @@
 !> Exact matrices of contact points: on physical dofs, and reduced to free equations.
 module lopin_contact_block
    use lopin_kinds, only : wp
+   use lopin_csc, only : csc_type, storage
    use lopin_constraints, only : constraints_type
    use lopin_local_matrix, only : local_matrix_type
    implicit none
    private
-   public :: block_type, reduce_block, apply_locals
+   public :: block_type, reduce_block, add_up_springs, apply_locals
 
    !> A local matrix on free equations and multipliers.
    type :: block_type
@@ -143,4 +144,34 @@ contains
          end associate
       end do
    end subroutine apply_locals
+   !> The springs of all contacts.
+   subroutine add_up_springs(blocks, neq, springs)
+      type(block_type), intent(in) :: blocks(:)
+      integer, intent(in) :: neq                 !! equations
+      type(csc_type), intent(out) :: springs     !! lower triangle
+      integer, allocatable :: row(:), column(:)
+      real(wp), allocatable :: value(:)
+      integer :: total, b, i, j
+
+      total = 0
+      do b = 1, size(blocks)
+         total = total + (blocks(b)%nu*(blocks(b)%nu + 1))/2
+      end do
+      allocate (row(total), column(total), value(total))
+      total = 0
+      do b = 1, size(blocks)
+         associate (block => blocks(b))
+            do j = 1, block%nu
+               do i = j, block%nu
+                  total = total + 1
+                  row(total) = max(block%at(i), block%at(j))
+                  column(total) = min(block%at(i), block%at(j))
+                  value(total) = block%spring(i, j)
+                  if (allocated(block%firm)) value(total) = value(total) + block%firm(i, j)
+               end do
+            end do
+         end associate
+      end do
+      call springs%new_from_triplets(neq, storage%symmetric_lower, row, column, value)
+   end subroutine add_up_springs
 end module lopin_contact_block

@@ -8,7 +8,9 @@
 !> exact operator corrects for what the factor leaves out (design: the dropped coupling, not the
 !> symmetric part, makes a good preconditioner of slip). Springs of points whose tractions are
 !> unknowns are firm (lopin_firm_springs), so that what is left for the multipliers is known point
-!> by point; that is the second block of the preconditioner. Where the factor does not exist
+!> by point; that is the second block of the preconditioner. Near the solution the factor of
+!> an earlier tangent of the same iteration does as well (`lag`): the operator stays exact, and
+!> where GMRES needs many more iterations than before, the factor is made. Where it does not exist
 !> (indefinite tangent) or the iterations stall, the whole matrix is factorised by UMFPACK.
 module lopin_newton_system
    use lopin_kinds, only : wp, ik
@@ -23,7 +25,8 @@ module lopin_newton_system
    use lopin_constraints, only : constraints_type
    use lopin_reduce_matrix, only : reduce_matrix
    use lopin_local_matrix, only : local_matrix_type
-   use lopin_contact_block, only : block_type, reduce_block
+   use lopin_lagged_factor, only : lagged_factor_type, limit_of, note_solution
+   use lopin_contact_block, only : block_type, reduce_block, add_up_springs
    use lopin_firm_springs, only : set_firm, push_back, give_back
    implicit none
    private
@@ -51,6 +54,7 @@ module lopin_newton_system
       logical :: firm = .true.                 !! springs of contacts are firm in the factor, which
                                                !! takes a digit from tractions
       logical :: factorised = .false.
+      type(lagged_factor_type) :: lag          !! the factor of an earlier tangent, if it does
       logical :: direct = .false.              !! the whole matrix is factorised
       integer :: krylov = 0                    !! iterations of the last step
       integer :: most_krylov = 0               !! largest number in the run
@@ -89,6 +93,9 @@ contains
          if (self%firm .and. allocated(self%block(i)%reach)) call set_firm(self%block(i), &
             & local(i), self%neq, self%scale, self%area, diagonal)
       end do
+      self%lag%at_hand = self%lag%may .and. .not. (self%lag%failed .or. self%direct) &
+         & .and. (self%factorised .or. self%lag%at_hand)
+      self%lag%may = .false.
       self%factorised = .false.
       self%direct = .false.
    end subroutine set_tangent
@@ -113,6 +120,7 @@ contains
       end do
       self%block = [self%block, spring]
       self%factorised = .false.
+      self%lag%at_hand = .false.
       self%direct = .false.
    end subroutine add_ground_springs
 
@@ -130,15 +138,23 @@ contains
 
       bad = 0
       call clock%stop_in(phase%contact)
-      if (.not. (self%factorised .or. self%direct)) call factorise_springs(self, clock, counter, &
-         & bad, error)
+      if (.not. (self%factorised .or. self%direct .or. self%lag%at_hand)) &
+         & call factorise_springs(self, clock, counter, bad, error)
       if (allocated(error)) return
       do while (bad == 0 .and. .not. self%direct)
-         call gmres(self, as_forces(self, right), tolerance, most_iterations, step, self%krylov, &
-            & ratio)
-         counter%back_solves = counter%back_solves + self%krylov + 1
+         call gmres(self, as_forces(self, right), tolerance, limit_of(self%lag, self%krylov, &
+            & tolerance, most_iterations), step, self%krylov, ratio)
+         counter%back_solves = counter%back_solves + self%krylov
          self%most_krylov = max(self%most_krylov, self%krylov)
          call clock%stop_in(phase%solve)
+         if (self%lag%at_hand .and. .not. ratio <= tolerance) then
+            self%lag%at_hand = .false.
+            self%lag%failed = .true.
+            call factorise_springs(self, clock, counter, bad, error)
+            if (allocated(error)) return
+            cycle
+         end if
+         call note_solution(self%lag, ratio)
          if (ratio <= max(10.0_wp*tolerance, 1.0e-3_wp)) return
          if (self%solver%is_exact()) exit
          ! A factor of single precision may be what iterations cannot mend.
@@ -171,7 +187,7 @@ contains
       character(len=:), allocatable :: name
       logical :: same
 
-      call add_up_springs(self, springs)
+      call add_up_springs(self%block, self%neq, springs)
       if (allocated(self%matrix%row)) then
          call move_alloc(self%matrix%row, row)
          call move_alloc(self%matrix%colptr, colptr)
@@ -198,39 +214,10 @@ contains
       call self%solver%factorise(self%matrix, bad, error)
       if (allocated(error) .and. bad > 0) deallocate (error)
       self%factorised = bad == 0 .and. .not. allocated(error)
+      self%lag%at_hand = .false.
       counter%factorisations = counter%factorisations + 1
       call clock%stop_in(phase%factorise)
    end subroutine factorise_springs
-
-   !> The springs of all contacts.
-   subroutine add_up_springs(self, springs)
-      type(newton_system_type), intent(in) :: self
-      type(csc_type), intent(out) :: springs
-      integer, allocatable :: row(:), column(:)
-      real(wp), allocatable :: value(:)
-      integer :: total, b, i, j
-
-      total = 0
-      do b = 1, size(self%block)
-         total = total + (self%block(b)%nu*(self%block(b)%nu + 1))/2
-      end do
-      allocate (row(total), column(total), value(total))
-      total = 0
-      do b = 1, size(self%block)
-         associate (block => self%block(b))
-            do j = 1, block%nu
-               do i = j, block%nu
-                  total = total + 1
-                  row(total) = max(block%at(i), block%at(j))
-                  column(total) = min(block%at(i), block%at(j))
-                  value(total) = block%spring(i, j)
-                  if (allocated(block%firm)) value(total) = value(total) + block%firm(i, j)
-               end do
-            end do
-         end associate
-      end do
-      call springs%new_from_triplets(self%neq, storage%symmetric_lower, row, column, value)
-   end subroutine add_up_springs
 
    !> Exact product, all rows as forces.
    subroutine multiply(self, x, y)

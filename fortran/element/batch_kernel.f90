@@ -1,0 +1,42 @@
+!> Which of the two copies of the kernel of batches a processor takes: the one for vectors of two
+!> numbers, which every processor has, or that for four (AVX2, wide_solid_batch: the same source,
+!> written by CMake under another name). Operations are the same, and none is fused: the same bits.
+module lopin_batch_kernel
+   use, intrinsic :: iso_c_binding, only : c_int
+   use lopin_element_type, only : element_type
+   use lopin_element_batch, only : batch_type
+   use lopin_hyperelastic, only : solid_law_type
+   use lopin_solid_batch, only : evaluate_batch
+   use wide_solid_batch, only : evaluate_wide => evaluate_batch
+   implicit none
+   private
+   public :: compute_batch, has_wide_vectors
+
+   interface
+      integer(c_int) function lopin_has_wide_vectors() bind(c)
+         import :: c_int
+      end function lopin_has_wide_vectors
+   end interface
+
+contains
+
+   !> The processor computes four numbers at a time.
+   logical function has_wide_vectors()
+      has_wide_vectors = lopin_has_wide_vectors() /= 0
+   end function has_wide_vectors
+
+   !> Forces, energies and, if asked for, tangents of a batch.
+   subroutine compute_batch(element, law, with_tangent, batch, done)
+      type(element_type), intent(in) :: element
+      type(solid_law_type), intent(in) :: law
+      logical, intent(in) :: with_tangent
+      type(batch_type), intent(inout) :: batch
+      logical, intent(out) :: done             !! no element is turned inside out
+
+      if (has_wide_vectors()) then
+         call evaluate_wide(element, law, with_tangent, batch, done)
+      else
+         call evaluate_batch(element, law, with_tangent, batch, done)
+      end if
+   end subroutine compute_batch
+end module lopin_batch_kernel
