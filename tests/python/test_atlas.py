@@ -7,6 +7,7 @@ import pytest
 from lopin import atlas
 from lopin.__main__ import main
 from lopin.atlas.faces import FaceMap
+from lopin.atlas.formed import FormingMap
 
 pytestmark = pytest.mark.usefixtures("core")
 #: Numbers of F0 cells by map and panel; they may grow, and are then written again by hand.
@@ -72,6 +73,17 @@ def test_a_cell_is_a_deck_again(tmp_path, capsys):
     assert verdict != "PASS"
 
 
+def test_a_map_goes_on_where_its_table_ends(tmp_path):
+    """Batches: what the table has is not solved again; decks of cells can be written."""
+    chart, table = atlas.map_of(17), tmp_path/"map.csv"
+    first = atlas.measure(chart, small=True, table=table, most=2)
+    assert [c.row for c in first] == [0, 1] and all(c.kind == "F0" for c in first)
+    table.write_text(table.read_text().replace(",PASS,", ",kept,"))
+    again = atlas.measure(chart, small=True, table=table, most=1)
+    assert [c.said.split()[0] for c in again] == ["kept", "kept", "PASS"]
+    assert atlas.again(atlas.map_of(10), 0, tmp_path).is_file()
+
+
 def test_the_command_draws(tmp_path, capsys):
     pytest.importorskip("matplotlib")
     assert main(["atlas", "--map", "4", "--small", "-o", str(tmp_path)]) == 0
@@ -110,8 +122,14 @@ def test_uneven_pressure_is_said_where_it_is(core, facets, ratio):
 def test_the_published_maps_have_nothing_wrong_and_silent(root):
     """docs/atlas/*.csv: every map, its cells all there; classes that turn are rounding."""
     for chart in atlas.MAPS.values():
-        cells = atlas.read_table(root/"docs"/"atlas"/f"map_{chart.number}_{chart.name}.csv")
-        assert [(c.panel, c.row) for c in cells] == [(c.panel, c.row) for c in atlas.places(chart)]
+        table = root/"docs"/"atlas"/f"map_{chart.number}_{chart.name}.csv"
+        if isinstance(chart, FormingMap) and not table.is_file():
+            continue             # too few batches of it are done
+        cells = atlas.read_table(table)
+        places = [(c.panel, c.row) for c in atlas.places(chart)]
+        rows = [(c.panel, c.row) for c in cells]
+        # Maps of forming are solved in batches: what is published begins where the map does.
+        assert rows == (places[:len(rows)] if isinstance(chart, FormingMap) else places)
         silent = [c for c in cells if c.kind == "F1" or c.turned == "F1"]
         assert not silent
         picture = root/"docs"/"atlas"/f"map_{chart.number}_{chart.name}.svg"

@@ -18,15 +18,19 @@ from ..errors import UsageError
 from ..files import whole_file
 from .cells import CLASSES, Cell
 from .faces import FaceCell, FaceMap
+from .facets import FacetMap
+from .first_steps import FirstMap
 from .formed import FormingCell, FormingMap
 from .friction import FrictionMap
+from .laws import LawMap
 from .mesh import MeshMap
 from .penalty import AugmentedMap, PenaltyMap
 from .scenes import Frame
+from .sheets import SheetMap
 from .uzawa import UzawaMap
 
 MAPS = {m.number: m for m in (PenaltyMap(), UzawaMap(), AugmentedMap(), FrictionMap(), MeshMap(),
-                              FaceMap())}
+                              FacetMap(), FaceMap(), SheetMap(), LawMap(), FirstMap())}
 #: Classes of cells without an answer, or with a wrong one.
 FAILED = ("F1", "F2", "F3", "F4", "F5", "F6")
 #: Seconds between two writings of a table that grows.

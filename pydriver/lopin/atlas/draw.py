@@ -53,11 +53,11 @@ def draw(chart, cells: list[Cell], path: Path) -> None:
     axes = figure.subplots(rows, across, squeeze=False, sharey=False)
     image, named = None, set()
     for k, ax in enumerate(axes.flat):
-        if k >= len(chart.panels):
+        mine = [c for c in cells if k < len(chart.panels) and c.panel == chart.panels[k]]
+        if not mine:             # none, or none solved yet
             ax.set_axis_off()
             continue
-        image = _panel(ax, chart, chart.panels[k], [c for c in cells
-                                                    if c.panel == chart.panels[k]])
+        image = _panel(ax, chart, chart.panels[k], mine)
         names = tuple(line.get_label() for line in ax.lines)
         if names and names not in named:
             named.add(names)

@@ -29,8 +29,7 @@ class FirstMap(FormingMap):
     def grid(self, panel: str, small: bool) -> tuple[NDArray, NDArray]:
         """The values of x and y: places in FIRST and STRAINS."""
         if small:
-            return (np.array([0, 5]), np.array([1, 3])) if "C3D" not in panel else \
-                (np.array([0]), np.array([3]))
+            return np.array([0, 5])[:0 if "bend" in panel else 2], np.array([3])
         return np.arange(len(FIRST)), np.arange(len(STRAINS))
 
     def scene(self, panel: str, x: float, y: float, frame: Frame = PLAIN, folder=None) -> Built:

@@ -118,7 +118,8 @@ def difference(one: Formed, other: Formed, springback: bool) -> float:
         return np.nan
     found = 0.0
     largest = max(np.abs(f).max() for f in other.forces)
-    for a, b in zip(one.forces, other.forces):
+    pressing = slice(0, -1) if springback else slice(None)
+    for a, b in zip(one.forces[pressing], other.forces[pressing]):
         found = max(found, float(np.abs(a - b).max()/largest))
     for a, b in zip(one.shapes, other.shapes):
         found = max(found, _apart(a, b))

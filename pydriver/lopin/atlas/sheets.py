@@ -30,7 +30,7 @@ class SheetMap(FormingMap):
     def grid(self, panel: str, small: bool) -> tuple[NDArray, NDArray]:
         """The values of x and y: places in THICKNESS and INCREMENTS."""
         if small:
-            return np.array([3]), np.array([0, 2])
+            return np.array([3])[:panel == "air bend, CPE8R, 0.1"], np.array([0])
         return np.arange(len(THICKNESS)), np.arange(len(INCREMENTS))
 
     def scene(self, panel: str, x: float, y: float, frame: Frame = PLAIN, folder=None) -> Built:
