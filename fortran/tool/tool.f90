@@ -46,6 +46,7 @@ module lopin_tool
       procedure :: project_all
       procedure :: has_creases
       procedure :: is_creased
+      procedure :: apart
    end type tool_type
 
    abstract interface
@@ -108,6 +109,15 @@ contains
       integer, intent(in) :: a, b              !! segments of feet
       is_creased = self%size < 0.0_wp .and. a /= b
    end function is_creased
+
+   !> How far segments of two feet are from being of one wall: what tells the two points of a node
+   !> in a concave corner apart.
+   pure integer function apart(self, a, b)
+      class(tool_type), intent(in) :: self
+      integer, intent(in) :: a, b              !! segments of feet
+      apart = 0
+      if (self%ndim > 0) apart = abs(a - b)
+   end function apart
 
    !> Project a point of the present on a tool that has moved; the foot is in the present too.
    pure subroutine project_moved(tool, motion, x, foot)

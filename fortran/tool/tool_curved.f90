@@ -10,7 +10,8 @@ module lopin_tool_curved
    use lopin_facet_mesh, only : facet_mesh_type, edge_of
    use lopin_tool, only : foot_type, one_plane, coincidence
    use lopin_vectors, only : cross
-   use lopin_tool_facets, only : facets_tool_type, nearest_type, new_facets_tool, settle_flat, sharp
+   use lopin_tool_facets, only : facets_tool_type, nearest_type, new_facets_tool, settle_flat, &
+      & goes_through, sharp
    use lopin_curved_triangle, only : edge_control, closest_on_curved, normal_slopes
    implicit none
    private
@@ -30,7 +31,9 @@ module lopin_tool_curved
       integer, allocatable :: region(:)           !! (nfacet) of facets that no kept edge parts
    contains
       procedure :: settle => settle_curved
+      procedure :: is_other_wall => is_other_curved
       procedure :: is_creased => is_bent
+      procedure :: apart => apart_by_walls
    end type curved_tool_type
 
 contains
@@ -52,9 +55,11 @@ contains
             ! Both sides of an edge say the same.
             if (g < f) self%kept(k, f) = self%kept(edge_to(mesh, g, f), g)
             if (g > f) self%kept(k, f) = stays(mesh, f, k)
+            self%hollow(k, f) = self%kept(k, f) .and. turn_at(mesh, f, k) < 0.0_wp
             if (self%kept(k, f)) self%fixed(mesh%vertex([k, 1 + mod(k, 3)], f)) = .true.
          end do
       end do
+      self%hollow_edges = any(self%hollow)
       call find_regions(self)
       do f = 1, mesh%nfacet
          do k = 1, 3
@@ -221,6 +226,24 @@ contains
       weight_of = max(norm2(c)*atan2(norm2(c), dot_product(a, b)), tiny(1.0_wp))
    end function weight_of
 
+   !> Facets beyond kept edges, and those of one curved surface that look elsewhere.
+   pure logical function is_other_curved(self, f, foot) result(is_other)
+      class(curved_tool_type), intent(in) :: self
+      integer, intent(in) :: f
+      type(foot_type), intent(in) :: foot
+
+      is_other = self%region(f) /= self%region(foot%segment)
+      if (.not. is_other) is_other = dot_product(self%mesh%normal(:, f), foot%normal) <= sharp
+   end function is_other_curved
+
+   !> By walls first: numbers of facets say little.
+   pure integer function apart_by_walls(self, a, b) result(apart)
+      class(curved_tool_type), intent(in) :: self
+      integer, intent(in) :: a, b
+      apart = abs(a - b)
+      if (self%region(a) /= self%region(b)) apart = apart + 2*self%mesh%nfacet
+   end function apart_by_walls
+
    !> Only kept edges are creases.
    pure logical function is_bent(self, a, b)
       class(curved_tool_type), intent(in) :: self
@@ -239,22 +262,23 @@ contains
       type(foot_type), intent(out) :: foot
       type(nearest_type) :: there
       real(wp) :: share(3), arm(3), normals(3, 2)
-      logical :: perimeter
+      logical :: perimeter, through
       integer :: v
 
       call walk(self, x, nearest, there, share)
       perimeter = .false.
+      through = goes_through(self, x, there)
       associate (f => there%facet, k => there%feature)
          if (k > 3) then
             v = self%mesh%vertex(k - 3, f)
             perimeter = self%mesh%on_perimeter(v)
-            if (self%fixed(v)) then
+            if (self%fixed(v) .and. .not. through) then
                call settle_flat(self, x, there, foot)
                return
             end if
          else if (k > 0) then
             perimeter = self%mesh%neighbour(k, f) == 0
-            if (self%kept(k, f)) then
+            if (self%kept(k, f) .and. .not. through) then
                call settle_flat(self, x, there, foot)
                return
             end if
@@ -272,6 +296,10 @@ contains
             foot%overhang = norm2(arm - foot%gap*foot%normal)
          else
             foot%leans = .true.
+            if (through) then
+               foot%gap = dot_product(arm, foot%gradient)
+               return
+            end if
             foot%gap = sign(sqrt(there%distance2), foot%gap)
             ! On an edge between two patches the gap is along the arm.
             if (k > 0 .and. abs(foot%gap) > coincidence*self%size) foot%gradient = arm/foot%gap
@@ -291,19 +319,23 @@ contains
       nearest%facet = 0
       share = 0.0_wp
       call try(self, x, flat%facet, nearest, share)
+      nearest%of_other = flat%of_other
       do hop = 1, most_hops
          before = nearest%facet
          on = nearest%feature
          if (on == 0) return
          if (on <= 3) then
             next = self%mesh%neighbour(on, before)
+            if (flat%of_other .and. self%kept(on, before)) next = 0
             if (next > 0) call try(self, x, next, nearest, share)
          else
             v = self%mesh%vertex(on - 3, before)
             do i = self%mesh%ring_first(v), self%mesh%ring_first(v + 1) - 1
+               if (flat%of_other .and. self%region(self%mesh%ring(i)) /= self%region(before)) cycle
                call try(self, x, self%mesh%ring(i), nearest, share)
             end do
          end if
+         nearest%of_other = flat%of_other
          if (nearest%facet == before) return
       end do
    end subroutine walk

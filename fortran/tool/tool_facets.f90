@@ -11,7 +11,7 @@ module lopin_tool_facets
    use lopin_triangle, only : closest_on_triangle
    implicit none
    private
-   public :: facets_tool_type, new_facets_tool, nearest_type, settle_flat
+   public :: facets_tool_type, new_facets_tool, nearest_type, settle_flat, goes_through, is_hollow
 
    !> 30 degrees: two walls, not one.
    real(wp), parameter, public :: sharp = cos(acos(-1.0_wp)/6.0_wp)
@@ -20,11 +20,14 @@ module lopin_tool_facets
    type, extends(tool_type) :: facets_tool_type
       type(facet_mesh_type) :: mesh
       type(facet_tree_type) :: tree
-      logical :: hollow_edges = .false.   !! some edge is a concave corner of two walls
+      logical, allocatable :: hollow(:, :)   !! (3, nfacet) edges that are concave corners of two
+                                             !! walls
+      logical :: hollow_edges = .false.   !! there are some
    contains
       procedure :: project
       procedure :: project_all => project_walls
       procedure :: settle => settle_flat
+      procedure :: is_other_wall => is_other_flat
       procedure :: tessellate
       procedure :: describe
       procedure :: has_creases => has_edges
@@ -37,6 +40,7 @@ module lopin_tool_facets
       integer :: feature = 0
       real(wp) :: distance2 = huge(1.0_wp)   !! [length**2]
       real(wp) :: point(3) = 0.0_wp          !! [length]
+      logical :: of_other = .false.          !! on a second wall, which it does not leave
    end type nearest_type
 
 contains
@@ -54,16 +58,26 @@ contains
       self%mesh = mesh
       allocate (low(3, mesh%nfacet), high(3, mesh%nfacet))
       allocate (self%chord(mesh%nfacet), source=0.0_wp)
+      allocate (self%hollow(3, mesh%nfacet))
       do f = 1, mesh%nfacet
          low(:, f) = minval(mesh%x(:, mesh%vertex(:, f)), dim=2)
          high(:, f) = maxval(mesh%x(:, mesh%vertex(:, f)), dim=2)
          do k = 1, 3
-            if (is_hollow(mesh, f, k)) self%hollow_edges = .true.
+            self%hollow(k, f) = is_hollow(mesh, f, k)
             self%chord(f) = max(self%chord(f), chord_of(mesh, f, k))
          end do
       end do
+      self%hollow_edges = any(self%hollow)
       call new_facet_tree(self%tree, low, high)
    end subroutine new_facets_tool
+
+   !> A facet belongs to another wall than a foot.
+   pure logical function is_other_flat(self, f, foot) result(is_other)
+      class(facets_tool_type), intent(in) :: self
+      integer, intent(in) :: f
+      type(foot_type), intent(in) :: foot
+      is_other = dot_product(self%mesh%normal(:, f), foot%normal) <= sharp
+   end function is_other_flat
 
    !> The two facets of edge k meet in a concave corner.
    pure logical function is_hollow(mesh, f, k)
@@ -131,7 +145,7 @@ contains
    end subroutine project
 
    !> Near a concave corner the other wall counts too: the nearest facet within reach that looks
-   !> elsewhere, is met inside, and faces the first.
+   !> elsewhere, and is met inside and faces the first, or goes on behind it from their corner.
    pure subroutine project_walls(self, x, reach, feet, nfeet)
       class(facets_tool_type), intent(in) :: self
       real(wp), intent(in) :: x(:), reach
@@ -141,6 +155,7 @@ contains
 
       call add_wall(self, x, reach, feet, nfeet, other)
       if (other%facet == 0) return
+      other%of_other = .true.
       call self%settle(x, other, feet(2))
       nfeet = 2
       if (feet(2)%gap < feet(1)%gap) feet = feet([2, 1])
@@ -190,7 +205,7 @@ contains
             if (bound(top + 1)*(1.0_wp - tie) > nearest%distance2) cycle
             if (tree%second(k) == 0) then
                do i = tree%first(k), tree%last(k)
-                  call try_facet(self%mesh, tree%facet(i), x, nearest, wall)
+                  call try_facet(self, tree%facet(i), x, nearest, wall)
                end do
                cycle
             end if
@@ -210,8 +225,8 @@ contains
       end associate
    end subroutine find_nearest
 
-   pure subroutine try_facet(mesh, f, x, nearest, wall)
-      type(facet_mesh_type), intent(in) :: mesh
+   pure subroutine try_facet(self, f, x, nearest, wall)
+      class(facets_tool_type), intent(in) :: self
       integer, intent(in) :: f
       real(wp), intent(in) :: x(3)
       type(nearest_type), intent(inout) :: nearest
@@ -220,9 +235,9 @@ contains
       integer :: feature
 
       if (present(wall)) then
-         if (dot_product(mesh%normal(:, f), wall%normal) > sharp) return
+         if (.not. self%is_other_wall(f, wall)) return
       end if
-      associate (v => mesh%vertex(:, f))
+      associate (v => self%mesh%vertex(:, f), mesh => self%mesh)
          call closest_on_triangle(mesh%x(:, v(1)), mesh%x(:, v(2)), mesh%x(:, v(3)), x, point, &
             & feature)
       end associate
@@ -232,11 +247,54 @@ contains
       if (distance2 >= nearest%distance2*(1.0_wp - tie) .and. nearest%facet > 0 .and. f > &
          & nearest%facet) return
       if (present(wall)) then
-         if (feature /= 0 .or. dot_product(point - wall%point, wall%normal) < 0.0_wp .or. &
-            & dot_product(wall%point - point, mesh%normal(:, f)) < 0.0_wp) return
+         if (.not. makes_corner(self, f, feature, point, wall)) return
       end if
       nearest = nearest_type(f, feature, distance2, point)
    end subroutine try_facet
+
+   !> A facet that is met inside and the wall of a foot face each other; one that is met at its edge
+   !> ends in that wall.
+   pure logical function makes_corner(self, f, feature, point, wall)
+      class(facets_tool_type), intent(in) :: self
+      integer, intent(in) :: f, feature
+      real(wp), intent(in) :: point(3)         !! where it is met [length]
+      type(foot_type), intent(in) :: wall
+      integer :: k, g
+
+      if (feature == 0) then
+         makes_corner = dot_product(point - wall%point, wall%normal) >= 0.0_wp .and. &
+            & dot_product(wall%point - point, self%mesh%normal(:, f)) >= 0.0_wp
+         return
+      end if
+      makes_corner = .false.
+      do k = 1, 3
+         if (.not. (self%hollow(k, f) .and. meets_edge(feature, k))) cycle
+         g = self%mesh%neighbour(k, f)
+         makes_corner = makes_corner .or. g == wall%segment .or. .not. self%is_other_wall(g, wall)
+      end do
+   end function makes_corner
+
+   !> A feature of a facet is its edge k or an end of it.
+   pure logical function meets_edge(feature, k)
+      integer, intent(in) :: feature, k
+      meets_edge = any(feature == [k, 3 + k, 4 + mod(k, 3)])
+   end function meets_edge
+
+   !> A point whose closest place is on a concave corner has gone through the wall of the facet.
+   pure logical function goes_through(self, x, nearest)
+      class(facets_tool_type), intent(in) :: self
+      real(wp), intent(in) :: x(3)
+      type(nearest_type), intent(in) :: nearest
+      integer :: k
+
+      goes_through = .false.
+      do k = 1, 3
+         if (meets_edge(nearest%feature, k)) goes_through = goes_through .or. &
+            & self%hollow(k, nearest%facet)
+      end do
+      if (nearest%feature > 3 .and. .not. nearest%of_other) goes_through = goes_through .and. &
+         & dot_product(x - nearest%point, self%mesh%normal(:, nearest%facet)) <= 0.0_wp
+   end function goes_through
 
    pure subroutine settle_flat(self, x, nearest, foot)
       class(facets_tool_type), intent(in) :: self
@@ -251,7 +309,7 @@ contains
       foot%segment = nearest%facet
       foot%point = nearest%point
       foot%normal = self%mesh%normal(:, nearest%facet)
-      if (nearest%feature > 0) then
+      if (nearest%feature > 0 .and. .not. goes_through(self, x, nearest)) then
          k = nearest%feature
          if (k <= 3) then
             g = self%mesh%neighbour(k, nearest%facet)

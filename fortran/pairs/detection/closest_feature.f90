@@ -8,7 +8,7 @@ module lopin_closest_feature
    use lopin_smooth_facet, only : stencil_type, most_stencil, is_smoothed
    use lopin_feature, only : projection_type, limits_type
    use lopin_search, only : cost_type, find_projection
-   use lopin_tool, only : foot_type
+   use lopin_tool, only : tool_type, foot_type
    use lopin_model, only : model_type
    use lopin_nonlinear_points, only : nonlinear_points_type
    use lopin_facet_hysteresis, only : keep_facet
@@ -201,7 +201,8 @@ contains
 
    !> Near a concave corner the feet come by distance, and the points keep their walls: whether the
    !> first foot belongs to the second point, because that is less far from where they were.
-   pure logical function crossed(part, feet, n)
+   pure logical function crossed(tool, part, feet, n)
+      class(tool_type), intent(in) :: tool
       integer, intent(in) :: part(2)
       type(foot_type), intent(in) :: feet(2)
       integer, intent(in) :: n
@@ -212,8 +213,8 @@ contains
       straight = 0
       cross = 0
       do k = 1, n
-         if (part(k) > 0) straight = straight + abs(part(k) - feet(k)%segment)
-         if (part(3 - k) > 0) cross = cross + abs(part(3 - k) - feet(k)%segment)
+         if (part(k) > 0) straight = straight + tool%apart(part(k), feet(k)%segment)
+         if (part(3 - k) > 0) cross = cross + tool%apart(part(3 - k), feet(k)%segment)
       end do
       ! A point that met nothing yet does not take the only foot from one that did.
       if (n == 1 .and. part(1) == 0) straight = huge(1)
@@ -236,7 +237,7 @@ contains
       d = size(x)
       call model%tool(m%tool)%shape%project_all(m%motion%to_tool(x), size_, feet, n)
       which = entry
-      if (crossed(part, feet, n)) which = 3 - entry
+      if (crossed(model%tool(m%tool)%shape, part, feet, n)) which = 3 - entry
       if (which > n) return
       self%foot = feet(which)
       if (self%foot%overhang > m%limits%extension*size_) return
