@@ -37,6 +37,9 @@ module lopin_contact_row
       real(wp) :: held(3, 3) = 0.0_wp              !! projector on those, if partly
       logical :: supported = .false.   !! supports hold the node where its master rests too
       real(wp) :: support(3, 3) = 0.0_wp           !! projector on those directions
+      logical :: cornered = .false.    !! the node's other point presses too
+      real(wp) :: corner(3, 3) = 0.0_wp   !! projector on those directions and the other's normal
+      logical :: follows = .false.     !! of the two, it sticks by springs
    end type enforcement_parameters_type
 
    !> What decides the traction of a point at its place: the law, and the multiplier of this

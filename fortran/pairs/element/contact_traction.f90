@@ -60,10 +60,10 @@ contains
          if (.not. closed) then
             p = constant(0.0_wp)
          else if (has_friction(friction)) then
-            if (e%supported) row%slip(:d) = free_slip(e, row%slip(:d), n)
+            if (e%supported .or. e%cornered) row%slip(:d) = free_slip(e, row%slip(:d), n)
             s = row%slip(:d)
             if (any(abs(e%approach) > 0.0_wp)) s = s - free_slip(e, constant(e%approach(:d)), n)
-            if (solves .and. e%supported) held = held - idle_part(e, held, n)
+            if (solves .and. (e%supported .or. e%cornered)) held = held - idle_part(e, held, n)
             if (is_regularised(friction)) then
                if (.not. by_rate(friction)) s = tangential(s + constant(e%creep(:d)), n)
                call regularised_shear(friction, law%at, p, s, t, shear, growth)
@@ -253,17 +253,19 @@ contains
       type(enforcement_parameters_type), intent(in) :: enforcement
       type(dual_type), intent(in) :: way(:), n(:)  !! [length]
       type(dual_type) :: slip(size(n)), lean(size(n))
+      real(wp) :: taken(3, 3)                      !! projector on what the point cannot follow
       integer :: k
 
-      if (.not. enforcement%supported) then
+      if (.not. (enforcement%supported .or. enforcement%cornered)) then
          slip = tangential(way, n)
          return
       end if
+      taken = merge(enforcement%corner, enforcement%support, enforcement%cornered)
       slip = way
       lean = n
       do k = 1, size(n)
-         slip = slip - enforcement%support(:size(n), k)*way(k)
-         lean = lean - enforcement%support(:size(n), k)*n(k)
+         slip = slip - taken(:size(n), k)*way(k)
+         lean = lean - taken(:size(n), k)*n(k)
       end do
       slip = slip - lean*(dual_dot(lean, slip)/dual_dot(lean, lean))
    end function free_slip
@@ -276,7 +278,9 @@ contains
       type(dual_type) :: idle(size(n)), more(size(n))
 
       more = held - constant(enforcement%committed(:size(n)))
-      idle = tangential(more, n) - free_slip(enforcement, more, n)
+      idle = tangential(more, n)
+      ! Two points that both stick exactly would ask for the same twice.
+      if (.not. enforcement%follows) idle = idle - free_slip(enforcement, more, n)
    end function idle_part
 
    pure function tangential(a, n) result(b)

@@ -10,7 +10,8 @@ module lopin_contact_evaluation
    use lopin_facet_hysteresis, only : record_facet
    use lopin_nonlinear_faces, only : find_inner_feet
    use lopin_nonlinear_samples, only : find_sample_feet, row_value
-   use lopin_contact_row, only : point_state_type, point_law_type
+   use lopin_friction, only : has_friction
+   use lopin_contact_row, only : enforcement_parameters_type, point_state_type, point_law_type
    use lopin_contact_inputs, only : point_view_type
    use lopin_contact_element, only : evaluate_point
    use lopin_mortar_element, only : evaluate_mortar_point
@@ -22,6 +23,9 @@ module lopin_contact_evaluation
    implicit none
    private
    public :: evaluate_contact
+
+   !> Normals that lean so far out of what is taken from a point can be followed there.
+   real(wp), parameter :: leans = 1.0e-3_wp
 
 contains
 
@@ -51,6 +55,7 @@ contains
       point%masters => self%masters
       point%points => self%nonlinear_points_type
       law%with_tangent = with_tangent
+      call mark_corners(self, model, multiplier)
       do i = 1, self%n
          call begin_point(self, model, i, multiplier, law)
          if (is_left_open(self, i, law)) cycle
@@ -85,6 +90,72 @@ contains
       self%enforcement%grazing = 0.0_wp
       self%enforcement%clings = .false.
    end subroutine evaluate_contact
+
+   !> Nodes that two walls of a tool press, with unknown tractions: what the other wall keeps a point
+   !> from is no slip on its own.
+   subroutine mark_corners(self, model, multiplier)
+      type(nonlinear_contact_type), intent(inout) :: self
+      type(model_type), intent(in) :: model
+      real(wp), intent(in) :: multiplier(:)    !! (nmultiplier) [stress]
+      logical :: both(2)
+      integer :: i, k
+
+      self%enforcement%cornered = .false.
+      do i = 2, self%n
+         if (self%entry(i) /= 2) cycle
+         if (.not. has_friction(self%friction(self%pair(i)))) cycle
+         do k = 1, 2
+            call find_pressing(self, model, i + k - 2, multiplier, both(k))
+         end do
+         if (.not. all(both)) cycle
+         do k = i - 1, i
+            call take_corner(self%enforcement(k), self%opposite(k)%normal, &
+               & self%opposite(2*i - 1 - k)%normal)
+         end do
+         self%enforcement(i)%follows = self%enforcement(i - 1)%cornered
+         self%enforcement(i - 1)%follows = .false.
+      end do
+   end subroutine mark_corners
+
+   !> A point whose traction is an unknown is closed.
+   subroutine find_pressing(self, model, i, multiplier, presses)
+      type(nonlinear_contact_type), intent(inout) :: self
+      type(model_type), intent(in) :: model
+      integer, intent(in) :: i
+      real(wp), intent(in) :: multiplier(:)    !! (nmultiplier) [stress]
+      logical, intent(out) :: presses
+      type(point_law_type) :: law
+      real(wp) :: gap, along
+
+      associate (g => self%enforcement(i), o => self%opposite(i))
+         presses = self%facet(i) > 0 .and. .not. g%tied .and. g%method%solves_for_multiplier() &
+            & .and. .not. self%mortar(self%pair(i))%is_on
+         if (.not. presses) return
+         call begin_point(self, model, i, multiplier, law)
+         along = dot_product(law%lambda, o%normal)
+         gap = o%foot%gap + law%shift + g%method%penetration(along, g%slope)
+         if (g%method%updates()) gap = gap &
+            & - g%method%penetration(dot_product(g%frozen, o%normal), g%slope)
+         presses = along - g%c*gap > 0.0_wp
+      end associate
+   end subroutine find_pressing
+
+   !> The directions that supports and the other wall take from a point.
+   pure subroutine take_corner(self, normal, other)
+      type(enforcement_parameters_type), intent(inout) :: self
+      real(wp), intent(in) :: normal(3), other(3)
+      real(wp) :: more(3), left(3)
+
+      self%corner = 0.0_wp
+      if (self%supported) self%corner = self%support
+      more = other - matmul(self%corner, other)
+      if (norm2(more) > leans) then
+         more = more/norm2(more)
+         self%corner = self%corner + spread(more, 2, 3)*spread(more, 1, 3)
+      end if
+      left = normal - matmul(self%corner, normal)
+      self%cornered = norm2(left) > leans
+   end subroutine take_corner
 
    !> The multiplier of a point, and what is added to its gap.
    subroutine begin_point(self, model, i, multiplier, law)
