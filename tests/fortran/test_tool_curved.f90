@@ -17,6 +17,7 @@ program test_tool_curved
    call the_gap_does_not_jump()
    call the_normal_does_not_jump()
    call gradient_and_hessian_are_the_derivatives()
+   call a_valley_holds_by_both_walls()
    call finish()
 
 contains
@@ -184,4 +185,55 @@ contains
       call is_true('hessian', worst(2) < 1.0e-5_wp)
       call is_true('gradient', worst(3) < 1.0e-5_wp)
    end subroutine gradient_and_hessian_are_the_derivatives
+
+   !> A crease of 25 degrees that stands alone: both walls within reach, each by its own plane, on
+   !> either side of the crease and where the point has gone through one of them or both.
+   subroutine a_valley_holds_by_both_walls()
+      class(tool_type), allocatable :: tool
+      type(foot_type) :: feet(2)
+      real(wp), parameter :: half = 12.5_wp*acos(-1.0_wp)/180.0_wp
+      real(wp) :: corner(3, 3, 4), x(3), gap(2), worst
+      integer :: i, n, most
+
+      call test('a valley of 25 degrees holds a point by both of its walls')
+      corner(:, :, 1) = wall(1.0_wp, [0.0_wp, 1.0_wp, 1.0_wp], [-1.0_wp, -1.0_wp, 1.0_wp])
+      corner(:, :, 2) = wall(1.0_wp, [0.0_wp, 1.0_wp, 0.0_wp], [-1.0_wp, 1.0_wp, 1.0_wp])
+      corner(:, :, 3) = wall(-1.0_wp, [0.0_wp, 1.0_wp, 1.0_wp], [-1.0_wp, 1.0_wp, -1.0_wp])
+      corner(:, :, 4) = wall(-1.0_wp, [0.0_wp, 0.0_wp, 1.0_wp], [-1.0_wp, 1.0_wp, 1.0_wp])
+      call new_open(tool, corner)
+      worst = 0.0_wp
+      most = 2
+      do i = 1, 1000
+         call random_number(x)
+         x = [0.1_wp, 0.5_wp, 0.02_wp]*(2.0_wp*x - 1.0_wp)
+         if (i == 1) x = 0.0_wp
+         call tool%project_all(x, 0.5_wp, feet, n)
+         most = min(most, n)
+         gap = cos(half)*x(3) - sin(half)*x(1)*[1.0_wp, -1.0_wp]
+         worst = max(worst, abs(feet(1)%gap - minval(gap)), abs(feet(2)%gap - maxval(gap)))
+      end do
+      call is_true('two feet', most == 2)
+      call is_true('gaps', worst < 1.0e-12_wp)
+   end subroutine a_valley_holds_by_both_walls
+
+   !> A triangle of a wall that rises from the crease.
+   pure function wall(side, out, along) result(corner)
+      real(wp), intent(in) :: side, out(3), along(3)
+      real(wp), parameter :: half = 12.5_wp*acos(-1.0_wp)/180.0_wp
+      real(wp) :: corner(3, 3)
+
+      corner(1, :) = side*cos(half)*out
+      corner(2, :) = along
+      corner(3, :) = sin(half)*out
+   end function wall
+
+   subroutine new_open(tool, corner)
+      class(tool_type), allocatable, intent(out) :: tool
+      real(wp), intent(in) :: corner(:, :, :)
+      type(facet_flaws_type) :: flaws
+      type(error_type), allocatable :: error
+
+      call new_tool_from_facets(tool, corner, .true., .false., flaws, error, .true.)
+      call is_true('accepted', .not. allocated(error))
+   end subroutine new_open
 end program test_tool_curved

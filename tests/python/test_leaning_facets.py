@@ -70,3 +70,41 @@ def test_methods_agree_on_what_leaning_facets_do_at_planes_of_symmetry(solve, tm
     assert exact.summary["certificate"]["verdict"] == "PASS"
     assert force(exact, words.get("q"), words.get("unit", 1.0)) == pytest.approx(soft, abs=0.01*abs(soft[2]))
     assert sum(exact.history["iterations"]) < (200 if case == "augmented" else 70)
+
+
+def ridge(folder, method, mu=0.3):
+    """A roof of 25 degrees under a valley of the same, pressed down and drawn along it."""
+    rise = np.tan(np.radians(12.5))
+    mesh = block((2.0, 2.0, 1.0), (2, 2, 2), origin=(-1.0, -1.0, 0.0))
+    points = mesh.points + [0.0, 0.0, 1.0]*(mesh.points[:, 2:]*rise*(1.0 - abs(mesh.points[:, :1])))
+    text = ["solid d"]
+    for side in (1, -1):
+        a, b, c, d = ((side*x, y, 1.0 + rise*(1 - x)) for x, y in ((0, -3), (2, -3), (2, 3), (0, 3)))
+        for t in ((a, c, b), (a, d, c)):
+            text += ["facet normal 0 0 0", "outer loop", *("vertex " + line(x).replace(",", "") for x in t[::side]),
+                     "endloop", "endfacet"]
+    (folder/"v.stl").write_text("\n".join([*text, "endsolid d"]) + "\n")
+    return Deck.parse("\n".join([
+        "*HEADING", "A roof in a valley", "*NODE, NSET=N", *(f"{i + 1}, " + line(x) for i, x in enumerate(points)),
+        "*ELEMENT, TYPE=C3D8, ELSET=E",
+        *(f"{i + 1}, " + ", ".join(str(n + 1) for n in row) for i, row in enumerate(mesh.blocks[0][1].tolist())),
+        "*NSET, NSET=LOW", *(f"{n + 1}," for n in mesh.point_sets["BOTTOM"]), "*SURFACE, NAME=TOP",
+        *(f"{e + 1}, S{f}" for e, f in mesh.surfaces["TOP"].tolist()), "*NODE, NSET=P", "9001, 0., 0., 2.",
+        f"*SURFACE, NAME=TOOL, TYPE=STL, OPEN, INPUT={folder/'v.stl'}",
+        "*RIGID BODY, ANALYTICAL SURFACE=TOOL, REF NODE=9001", "*MATERIAL, NAME=M", "*ELASTIC", "1000., 0.3",
+        "*SOLID SECTION, ELSET=E, MATERIAL=M", "*SURFACE INTERACTION, NAME=I", f"*SURFACE BEHAVIOR, {method}",
+        "*FRICTION", f"{mu!r},", "*CONTACT PAIR, INTERACTION=I", "TOP, TOOL", "*BOUNDARY", "LOW, 1, 3", "P, 1",
+        "P, 4, 6", "*STEP, INC=100, NLGEOM", "*STATIC", "0.25, 1.", "*BOUNDARY", "P, 2", "P, 3, 3, -0.05", "*END STEP",
+        "*STEP, INC=100, NLGEOM", "*STATIC", "0.25, 1.", "*BOUNDARY", "P, 2, 2, 0.2", "*END STEP"]) + "\n", name="roof")
+
+
+def test_nodes_in_a_crease_stick_and_slide_along_it(solve, tmp_path):
+    """Both walls hold the nodes in the crease; that they stick to both asks for no motion twice."""
+    soft, exact = (solve(ridge(tmp_path, method)) for method in ("PENALTY", "DIRECT"))
+    assert exact.summary["certificate"]["verdict"] == "PASS"
+    for step in (1, 2):
+        last = [np.flatnonzero(result.history["step"] == step)[-1] for result in (soft, exact)]
+        for axis in (2, 3):
+            force = [result.history[f"TOOL.rf{axis}"][i] for result, i in zip((soft, exact), last, strict=True)]
+            assert force[1] == pytest.approx(force[0], rel=0.03, abs=0.01*abs(soft.history["TOOL.rf3"][last[0]]))
+    assert sum(exact.history["iterations"]) < 60

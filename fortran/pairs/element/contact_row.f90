@@ -6,12 +6,22 @@ module lopin_contact_row
    use lopin_enforcement, only : enforcement_type
    implicit none
    private
+   public :: slip_space_type
    public :: enforcement_parameters_type, point_law_type, row_type, point_state_type, contact_status
 
    type :: statuses
       integer :: open = 0, stick = 1, slip = 2
    end type statuses
    type(statuses), parameter :: contact_status = statuses()
+
+   !> What supports, and the other wall of a corner, take from the slip of a point.
+   type :: slip_space_type
+      logical :: limited = .false.
+      real(wp) :: taken(3, 3) = 0.0_wp         !! projector on the directions in which nothing moves
+      logical :: supported = .false.           !! supports hold the node where its master rests too
+      real(wp) :: support(3, 3) = 0.0_wp       !! projector on those directions
+      logical :: follows = .false.   !! the other point of a corner sticks, this one by springs
+   end type slip_space_type
 
    !> The enforcement at one point.
    type :: enforcement_parameters_type
@@ -35,11 +45,7 @@ module lopin_contact_row
       real(wp) :: creep(3) = 0.0_wp               !! regularised by slip: slip from the stick anchor
       logical :: partly = .false.                  !! tied, but not in all directions
       real(wp) :: held(3, 3) = 0.0_wp              !! projector on those, if partly
-      logical :: supported = .false.   !! supports hold the node where its master rests too
-      real(wp) :: support(3, 3) = 0.0_wp           !! projector on those directions
-      logical :: cornered = .false.    !! the node's other point presses too
-      real(wp) :: corner(3, 3) = 0.0_wp   !! projector on those directions and the other's normal
-      logical :: follows = .false.     !! of the two, it sticks by springs
+      type(slip_space_type) :: space               !! directions in which the point may slip
    end type enforcement_parameters_type
 
    !> What decides the traction of a point at its place: the law, and the multiplier of this

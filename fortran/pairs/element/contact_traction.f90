@@ -60,10 +60,10 @@ contains
          if (.not. closed) then
             p = constant(0.0_wp)
          else if (has_friction(friction)) then
-            if (e%supported .or. e%cornered) row%slip(:d) = free_slip(e, row%slip(:d), n)
+            if (e%space%limited) row%slip(:d) = free_slip(e, row%slip(:d), n)
             s = row%slip(:d)
             if (any(abs(e%approach) > 0.0_wp)) s = s - free_slip(e, constant(e%approach(:d)), n)
-            if (solves .and. (e%supported .or. e%cornered)) held = held - idle_part(e, held, n)
+            if (solves .and. e%space%limited) held = held - idle_part(e, held, n)
             if (is_regularised(friction)) then
                if (.not. by_rate(friction)) s = tangential(s + constant(e%creep(:d)), n)
                call regularised_shear(friction, law%at, p, s, t, shear, growth)
@@ -253,19 +253,17 @@ contains
       type(enforcement_parameters_type), intent(in) :: enforcement
       type(dual_type), intent(in) :: way(:), n(:)  !! [length]
       type(dual_type) :: slip(size(n)), lean(size(n))
-      real(wp) :: taken(3, 3)                      !! projector on what the point cannot follow
       integer :: k
 
-      if (.not. (enforcement%supported .or. enforcement%cornered)) then
+      if (.not. enforcement%space%limited) then
          slip = tangential(way, n)
          return
       end if
-      taken = merge(enforcement%corner, enforcement%support, enforcement%cornered)
       slip = way
       lean = n
       do k = 1, size(n)
-         slip = slip - taken(:size(n), k)*way(k)
-         lean = lean - taken(:size(n), k)*n(k)
+         slip = slip - enforcement%space%taken(:size(n), k)*way(k)
+         lean = lean - enforcement%space%taken(:size(n), k)*n(k)
       end do
       slip = slip - lean*(dual_dot(lean, slip)/dual_dot(lean, lean))
    end function free_slip
@@ -280,7 +278,7 @@ contains
       more = held - constant(enforcement%committed(:size(n)))
       idle = tangential(more, n)
       ! Two points that both stick exactly would ask for the same twice.
-      if (.not. enforcement%follows) idle = idle - free_slip(enforcement, more, n)
+      if (.not. enforcement%space%follows) idle = idle - free_slip(enforcement, more, n)
    end function idle_part
 
    pure function tangential(a, n) result(b)

@@ -11,7 +11,7 @@ module lopin_contact_evaluation
    use lopin_nonlinear_faces, only : find_inner_feet
    use lopin_nonlinear_samples, only : find_sample_feet, row_value
    use lopin_friction, only : has_friction
-   use lopin_contact_row, only : enforcement_parameters_type, point_state_type, point_law_type
+   use lopin_contact_row, only : slip_space_type, point_state_type, point_law_type
    use lopin_contact_inputs, only : point_view_type
    use lopin_contact_element, only : evaluate_point
    use lopin_mortar_element, only : evaluate_mortar_point
@@ -100,20 +100,23 @@ contains
       logical :: both(2)
       integer :: i, k
 
-      self%enforcement%cornered = .false.
       do i = 2, self%n
          if (self%entry(i) /= 2) cycle
          if (.not. has_friction(self%friction(self%pair(i)))) cycle
          do k = 1, 2
+            associate (space => self%enforcement(i + k - 2)%space)
+               space%limited = space%supported
+               space%taken = space%support
+               space%follows = .false.
+            end associate
             call find_pressing(self, model, i + k - 2, multiplier, both(k))
          end do
          if (.not. all(both)) cycle
          do k = i - 1, i
-            call take_corner(self%enforcement(k), self%opposite(k)%normal, &
+            call take_corner(self%enforcement(k)%space, self%opposite(k)%normal, &
                & self%opposite(2*i - 1 - k)%normal)
          end do
-         self%enforcement(i)%follows = self%enforcement(i - 1)%cornered
-         self%enforcement(i - 1)%follows = .false.
+         self%enforcement(i)%space%follows = .true.
       end do
    end subroutine mark_corners
 
@@ -142,19 +145,21 @@ contains
 
    !> The directions that supports and the other wall take from a point.
    pure subroutine take_corner(self, normal, other)
-      type(enforcement_parameters_type), intent(inout) :: self
+      type(slip_space_type), intent(inout) :: self
       real(wp), intent(in) :: normal(3), other(3)
-      real(wp) :: more(3), left(3)
+      real(wp) :: taken(3, 3), more(3), left(3)
 
-      self%corner = 0.0_wp
-      if (self%supported) self%corner = self%support
-      more = other - matmul(self%corner, other)
+      taken = 0.0_wp
+      if (self%supported) taken = self%support
+      more = other - matmul(taken, other)
       if (norm2(more) > leans) then
          more = more/norm2(more)
-         self%corner = self%corner + spread(more, 2, 3)*spread(more, 1, 3)
+         taken = taken + spread(more, 2, 3)*spread(more, 1, 3)
       end if
-      left = normal - matmul(self%corner, normal)
-      self%cornered = norm2(left) > leans
+      left = normal - matmul(taken, normal)
+      if (.not. norm2(left) > leans) return
+      self%limited = .true.
+      self%taken = taken
    end subroutine take_corner
 
    !> The multiplier of a point, and what is added to its gap.

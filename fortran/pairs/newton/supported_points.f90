@@ -36,10 +36,11 @@ contains
       call expand(constraints, nil, [(prescribed(i) - raw_displacement(constraints, self%dofs, u, &
          & constraints%dof_of_prescribed(i)), i=1, size(prescribed))], moved)
       do i = 1, self%n
-         associate (g => self%enforcement(i))
+         associate (g => self%enforcement(i)%space)
             g%supported = .false.
             g%support = 0.0_wp
-            if (g%tied .or. .not. has_friction(self%friction(self%pair(i)))) cycle
+            g%limited = .false.
+            if (self%enforcement(i)%tied .or. .not. has_friction(self%friction(self%pair(i)))) cycle
             if (self%opposite(i)%facet == 0) cycle
             do k = 1, model%mesh%ndim
                h = local_axis(constraints, self%node(i), k)
@@ -51,6 +52,8 @@ contains
             if (.not. any(abs(g%support) > 0.0_wp)) cycle
             h = self%start_normal(:, i) - matmul(g%support, self%start_normal(:, i))
             g%supported = norm2(h) > leans
+            g%limited = g%supported
+            g%taken = g%support
          end associate
       end do
    end subroutine find_supported_points
