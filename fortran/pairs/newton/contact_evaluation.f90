@@ -91,8 +91,8 @@ contains
       self%enforcement%clings = .false.
    end subroutine evaluate_contact
 
-   !> Nodes that two walls of a tool press, with unknown tractions: what the other wall keeps a point
-   !> from is no slip on its own.
+   !> Nodes that two walls of a tool press, with unknown tractions: what the other wall keeps a
+   !> point from is no slip on its own.
    subroutine mark_corners(self, model, multiplier)
       type(nonlinear_contact_type), intent(inout) :: self
       type(model_type), intent(in) :: model
