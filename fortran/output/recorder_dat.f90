@@ -139,7 +139,6 @@ contains
       type(frame_type), intent(in) :: frame
       integer, allocatable :: item(:)
       character(len=:), allocatable :: set
-      real(wp), allocatable :: measure(:, :)      !! (2, nelement) energy, volume
 
       call members(model%mesh%elset, output%set, model%mesh%element_label, 'EALL', item, set)
       if (has_variable(output%variable, ['S       '])) then
@@ -154,25 +153,10 @@ contains
       if (has_variable(output%variable, ['PEEQ    '])) call put_points(text, &
          & 'equivalent plastic strain (elem, integ.pnt.,pe)', set, item, 1.0_wp, &
          & frame%plastic_strain)
-      if (.not. has_variable(output%variable, ['ELSE    ', 'EVOL    '])) return
-      call element_measures(points, model, item, frame, measure)
-      if (has_variable(output%variable, ['ELSE    '])) then
-         call put_measure('internal energy', 'energy', measure(1:1, :))
-      end if
-      if (has_variable(output%variable, ['EVOL    '])) call put_measure('volume', 'volume', &
-         & measure(2:2, :))
-   contains
-      subroutine put_measure(title, column, values)
-         character(len=*), intent(in) :: title, column
-         real(wp), intent(in) :: values(:, :)
+      if (has_variable(output%variable, ['ELSE    ', 'EVOL    '])) call put_measures(text, points, &
+         & model, output, frame)
 
-         if (.not. output%totals_only) call put_table(text, title//' (element, '//column//')', &
-            & set, &
-            & model%mesh%element_label, item, values, frame)
-         if (output%totals .or. output%totals_only) then
-            call put_total(text, 'total '//title, set, sum(values(:, item), dim=2), frame)
-         end if
-      end subroutine put_measure
+   contains
 
       subroutine put_points(text, title, set, item, shear, values)
          type(text_buffer_type), intent(inout) :: text
@@ -200,6 +184,37 @@ contains
          end do
       end subroutine put_points
    end subroutine put_elements
+
+   !> Energy and volume of elements, and their sums.
+   subroutine put_measures(text, points, model, output, frame)
+      type(text_buffer_type), intent(inout) :: text
+      type(point_tables_type), intent(in) :: points
+      type(model_type), intent(in) :: model
+      type(output_type), intent(in) :: output
+      type(frame_type), intent(in) :: frame
+      integer, allocatable :: item(:)
+      character(len=:), allocatable :: set
+      real(wp), allocatable :: measure(:, :)      !! (2, nelement) energy, volume
+
+      call members(model%mesh%elset, output%set, model%mesh%element_label, 'EALL', item, set)
+      call element_measures(points, model, item, frame, measure)
+      if (has_variable(output%variable, ['ELSE    '])) call put_measure('internal energy', &
+         & 'energy', measure(1:1, :))
+      if (has_variable(output%variable, ['EVOL    '])) call put_measure('volume', 'volume', &
+         & measure(2:2, :))
+
+   contains
+
+      subroutine put_measure(title, column, values)
+         character(len=*), intent(in) :: title, column
+         real(wp), intent(in) :: values(:, :)
+
+         if (.not. output%totals_only) call put_table(text, title//' (element, '//column//')', &
+            & set, model%mesh%element_label, item, values, frame)
+         if (output%totals .or. output%totals_only) call put_total(text, 'total '//title, set, &
+            & sum(values(:, item), dim=2), frame)
+      end subroutine put_measure
+   end subroutine put_measures
 
    !> Items of a set in the order of their labels, as CalculiX prints them; set 0 is everything.
    subroutine members(sets, set, label, everything, item, name)

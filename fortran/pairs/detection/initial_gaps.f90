@@ -27,6 +27,18 @@ module lopin_initial_gaps
       logical, allocatable :: touches(:)       !! (npoint) closed at the start
    end type initial_gap_type
 
+   !> What messages say of a pair.
+   type :: tally_type
+      integer :: adjusted = 0                  !! points set on the master
+      real(wp) :: moved = 0.0_wp               !! the farthest of them by [length]
+      integer :: farthest = 0                  !! point, beside its facet
+      real(wp) :: far = 0.0_wp                 !! in facets [-]
+      integer :: untied = 0                    !! of a tied pair
+      integer :: interfering = 0               !! points inside the master
+      integer :: worst = 0                     !! the deepest, beside its facet
+      real(wp) :: deepest = 0.0_wp             !! in facets [-]
+   end type tally_type
+
 contains
 
    !> ADJUST, CLEARANCE and the rule for overclosures of every pair.
@@ -46,6 +58,7 @@ contains
       end do
    end subroutine new_initial_gaps
 
+   !> The gaps of a pair at the start, and what is said of them.
    subroutine check_pair(self, model, points, pair, log, error)
       type(initial_gap_type), intent(inout) :: self
       type(model_type), intent(in) :: model
@@ -53,24 +66,17 @@ contains
       integer, intent(in) :: pair
       type(log_type), intent(inout) :: log
       type(error_type), allocatable, intent(out) :: error
-      integer :: i, adjusted, interfering, worst, untied, farthest
-      real(wp) :: gap, deepest, moved, far
+      type(tally_type) :: tally
+      integer :: i
+      real(wp) :: gap
       logical :: adjust, keeps, meant
 
-      adjusted = 0
-      interfering = 0
-      worst = 0
-      deepest = 0.0_wp
-      moved = 0.0_wp
-      far = 0.0_wp
-      farthest = 0
-      untied = 0
       associate (p => model%pair(pair))
          keeps = model%interaction(p%interaction)%no_separation
          meant = p%control%initial == initial_of%interference .or. nothing_acts(model)
          do i = points%first(pair), points%first(pair + 1) - 1
             if (pair_is_tied(model, p)) then
-               if (.not. may_tie(points, i, p%adjust)) untied = untied + 1
+               if (.not. may_tie(points, i, p%adjust)) tally%untied = tally%untied + 1
                cycle
             end if
             if (points%facet(i) == 0) cycle
@@ -86,43 +92,65 @@ contains
             if (allocated(p%adjust_node)) adjust = adjust .or. any(p%adjust_node == points%node(i))
             if (p%control%initial == initial_of%adjust) adjust = adjust .or. gap < 0.0_wp
             if (adjust .and. .not. p%has_clearance) then
-               if (abs(gap) > rounding*points%size(i)) adjusted = adjusted + 1
-               moved = max(moved, abs(gap))
-               if (abs(gap) > far*points%size(i)) then
-                  far = abs(gap)/points%size(i)
-                  farthest = i
-               end if
+               call note_move(tally, i, abs(gap), points%size(i))
                self%shift(i) = self%shift(i) - points%gap(i)
                gap = 0.0_wp
             end if
             self%touches(i) = gap <= inexact*points%size(i)
             if (gap >= 0.0_wp) cycle
             self%overclosure(i) = -gap
-            interfering = interfering + 1
-            if (-gap/points%size(i) <= deepest) cycle
-            deepest = -gap/points%size(i)
-            worst = i
+            tally%interfering = tally%interfering + 1
+            if (-gap/points%size(i) <= tally%deepest) cycle
+            tally%deepest = -gap/points%size(i)
+            tally%worst = i
          end do
-         if (adjusted > 0) call log%say(severity%note, 'N0316', to_text(adjusted)// &
+      end associate
+      call say_moves(tally, model, points, pair, log)
+      if (tally%interfering > 0) call report_overclosure(model, points, pair, tally%interfering, &
+         & tally%worst, tally%deepest, log, error)
+   end subroutine check_pair
+
+   !> A point that is set on the master.
+   pure subroutine note_move(tally, point, distance, size)
+      type(tally_type), intent(inout) :: tally
+      integer, intent(in) :: point
+      real(wp), intent(in) :: distance, size   !! size: of the facets there [length]
+
+      if (distance > rounding*size) tally%adjusted = tally%adjusted + 1
+      tally%moved = max(tally%moved, distance)
+      if (distance <= tally%far*size) return
+      tally%far = distance/size
+      tally%farthest = point
+   end subroutine note_move
+
+   !> What ADJUST moved, and what is not tied.
+   subroutine say_moves(tally, model, points, pair, log)
+      type(tally_type), intent(in) :: tally
+      type(model_type), intent(in) :: model
+      type(contact_points_type), intent(in) :: points
+      integer, intent(in) :: pair
+      type(log_type), intent(inout) :: log
+
+      associate (p => model%pair(pair), far => tally%far, farthest => tally%farthest)
+         if (tally%adjusted > 0) call log%say(severity%note, 'N0316', to_text(tally%adjusted)// &
             & ' slave points of '// &
             & model%surface(p%slave)%name//' were set on '//model%surface(p%master)%name// &
-            & ' without strain, by at most '//to_text(moved, shown), p%at)
+            & ' without strain, by at most '//to_text(tally%moved, shown), p%at)
          if (far > too_deep) call log%say(severity%warning, 'W0316', 'ADJUST sets slave points '// &
             & 'of '//model%surface(p%slave)%name//' on '//model%surface(p%master)%name// &
             & ' over more than half a facet: node '//to_text(model%mesh%node_label( &
             & points%node(farthest)))//' by '//to_text(far*points%size(farthest), shown)//' ('// &
             & to_text(nint(100.0_wp*far))//' % of a facet)', p%at, help='move the bodies '// &
             & 'together in the mesh; ADJUST is for gaps that the mesh makes')
-         if (untied > 0) call log%say(severity%warning, 'W0318', to_text(untied)//' of '// &
+         if (tally%untied > 0) call log%say(severity%warning, 'W0318', to_text(tally%untied)// &
+            & ' of '// &
             & to_text(points%first(pair + 1) - points%first(pair))//' slave nodes of '// &
             & model%surface(p%slave)%name// &
             & ' are not tied: they are farther than half a facet from '// &
             & model%surface(p%master)%name, p%at, &
             & help='ADJUST= on *CONTACT PAIR ties what is nearer than its value')
-         if (interfering == 0) return
-         call report_overclosure(model, points, pair, interfering, worst, deepest, log, error)
       end associate
-   end subroutine check_pair
+   end subroutine say_moves
 
    !> No load, no motion, no heat in the whole deck: what overlaps is all that it can be about.
    pure logical function nothing_acts(model) result(none)
