@@ -338,7 +338,6 @@ contains
       !$omp end critical (lopin_pool)
    end subroutine session_real
 
-   !> A result of whole numbers; unallocated if the run has none of this name.
    subroutine session_integer(handle, name, index, values)
       integer, intent(in) :: handle
       character(len=*), intent(in) :: name
