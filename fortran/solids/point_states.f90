@@ -20,7 +20,7 @@ module lopin_point_states
       & temperature_at
    implicit none
    private
-   public :: states_of_points, put_state, settle_states, state_rows
+   public :: states_of_points, put_state, settle_states, energy_at_rest, state_rows
 
    !> Rows of a table of states.
    integer, parameter :: state_rows = 17
@@ -143,6 +143,29 @@ contains
       call states_of_points(self, mesh, u, memory, table)
       memory%pressed = memory%pressed - table(13, :)
    end subroutine settle_states
+
+   !> Elastic energy that a memory holds where nothing has moved yet [force length].
+   real(wp) function energy_at_rest(self, mesh, n, memory) result(energy)
+      type(solids_type), intent(in), target :: self
+      type(mesh_type), intent(in), target :: mesh
+      integer, intent(in) :: n                 !! equations
+      type(solids_state_type), intent(in), target :: memory
+      real(wp), allocatable, target :: u(:)
+      real(wp), allocatable :: table(:, :)
+      integer :: e, k
+
+      allocate (u(n), source=0.0_wp)
+      call states_of_points(self, mesh, u, memory, table)
+      energy = 0.0_wp
+      do e = 1, mesh%nelement
+         do k = memory%first(e), memory%first(e + 1) - 1
+            associate (law => self%group(self%which(e))%law, row => table(:, k))
+               energy = energy + row(6)*exp(-row(14))*(0.5_wp*law%bulk*row(13)**2 &
+                  & + law%shear*(sum(row(7:9)**2) + 2.0_wp*sum(row(10:12)**2)))
+            end associate
+         end do
+      end do
+   end function energy_at_rest
 
    !> Into the memory of one element at rest; `found` is false if it has no such point, or if its
    !> law remembers what such a state does not have.

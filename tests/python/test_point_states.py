@@ -123,6 +123,43 @@ def test_a_mesh_handed_to_itself_is_the_identity(word, core):
     assert moved < 1e-9 and abs(flowed) < 1e-9
 
 
+def test_energies_balance_from_a_start_that_holds_some(core):
+    """What is stored at the start is no work that got lost: a stress that is held, and a state."""
+    text = """*NODE
+1, 0., 0.
+2, 1., 0.
+3, 1., 1.
+4, 0., 1.
+*ELEMENT, TYPE=CPE4, ELSET=B
+1, 1, 2, 3, 4
+*SOLID SECTION, ELSET=B, MATERIAL=M
+*MATERIAL, NAME=M
+*ELASTIC
+1000., .3
+*INITIAL CONDITIONS, TYPE=STRESS
+B, -10., -12., -10.
+*STEP{0}
+*STATIC
+.1, 1.
+*BOUNDARY
+1, 1, 2
+2, 1, 2
+3, 2
+4, 1, 2
+3, 1, 1, -.01
+*END STEP
+"""
+    for nlgeom in ("", ", NLGEOM"):
+        result = lopin.run(lopin.Deck.parse(text.format(nlgeom), name="s"))
+        assert not [d for d in result.diagnostics if d["code"] == "W0530"]
+    x, cells = grid("CAX4")
+    frame, points, _ = last_state(deck("CAX4", x, cells, 5.0, -1.0, mu=0.0))
+    moved = x + np.asarray(frame["displacement"])[:len(x), :2]
+    start = "*INITIAL CONDITIONS, TYPE=STATE\n" + points.lines()
+    result = lopin.run(deck("CAX4", moved, cells, 4.0, 0.0, start, mu=0.0))
+    assert not [d for d in result.diagnostics if d["code"] == "W0530"]
+
+
 def test_the_identity_holds_for_soft_and_for_viscous_metal(core):
     """Where the volume changes by a tenth, and where stress depends on the rate (no time passes)."""
     for options in ({"young": 2000.0}, {"law": NORTON}):

@@ -4,7 +4,7 @@ module lopin_heat
    use lopin_model, only : model_type, amplitude_value, is_heated
    use lopin_error, only : error_type, error_code, raise, severity
    use lopin_text, only : to_text
-   use lopin_point_states, only : put_state, settle_states
+   use lopin_point_states, only : put_state, settle_states, energy_at_rest
    use lopin_stress_free_state, only : heat_points, stress_points, temper_points
    use lopin_scene, only : scene_type
    implicit none
@@ -53,6 +53,8 @@ contains
          call heat_points(memory, scene%solids, model%mesh, &
             & spread(0.0_wp, 1, model%mesh%nnode), memory%pressed)
          call temper_points(memory, scene%solids, model%mesh, model%temperature)
+         ! Nothing has worked for what is stored at the start.
+         memory%heat = energy_at_rest(scene%solids, model%mesh, scene%dofs%n, memory)
       end associate
    end subroutine start_stresses
 
