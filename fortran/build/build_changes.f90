@@ -10,7 +10,7 @@ module lopin_build_changes
    use lopin_build_surfaces, only : surface_named
    implicit none
    private
-   public :: build_changes
+   public :: build_changes, pair_named
 
 contains
 
@@ -90,7 +90,7 @@ contains
       integer, intent(in) :: scope, s
       type(pair_change_type) :: change
       type(field_type), allocatable :: field(:)
-      integer :: j, n, slave, master
+      integer :: j, n
       logical :: add
 
       add = has_parameter(block, 'ADD')
@@ -102,18 +102,28 @@ contains
          call split_fields(block%line(j), field, n)
          change%at = line_place(block%line(j))
          if (n < 2) n = 1
-         slave = surface_named(model, scene, field(1)%text, scope, field(1)%at)
-         master = surface_named(model, scene, field(n)%text, scope, field(n)%at)
-         if (slave == 0 .or. master == 0) cycle
          change%active = add
-         change%pair = findloc(model%pair%slave == slave .and. model%pair%master == master, &
-            & .true., dim=1)
-         if (change%pair == 0) then
-            call complain(model%log, 'E0304', upper(field(1)%text)//', '//upper(field(n)%text)// &
-               & ' is no contact pair', change%at, help='slave, master, as in *CONTACT PAIR')
-         else
-            model%step(s)%pair_change = [model%step(s)%pair_change, change]
-         end if
+         change%pair = pair_named(model, scene, field(1), field(n), scope, change%at)
+         if (change%pair > 0) model%step(s)%pair_change = [model%step(s)%pair_change, change]
       end do
    end subroutine change_pairs
+
+   !> The contact pair of two surfaces; 0, with a complaint, if there is none.
+   integer function pair_named(model, scene, slave, master, scope, at) result(pair)
+      type(model_type), intent(inout) :: model
+      type(scene_type), intent(in) :: scene
+      type(field_type), intent(in) :: slave, master    !! names of the surfaces
+      integer, intent(in) :: scope
+      type(location_type), intent(in) :: at            !! of the complaint
+      integer :: one, other
+
+      pair = 0
+      one = surface_named(model, scene, slave%text, scope, slave%at)
+      other = surface_named(model, scene, master%text, scope, master%at)
+      if (one == 0 .or. other == 0) return
+      pair = findloc(model%pair%slave == one .and. model%pair%master == other, .true., dim=1)
+      if (pair == 0) call complain(model%log, 'E0304', upper(slave%text)//', ' &
+         & //upper(master%text)//' is no contact pair', at, &
+         & help='slave, master, as in *CONTACT PAIR')
+   end function pair_named
 end module lopin_build_changes

@@ -1,14 +1,14 @@
 !> *INITIAL CONDITIONS, TYPE=STATE and HARDENING: what integration points remember at the start.
 module lopin_build_states
    use lopin_kinds, only : wp
-   use lopin_text, only : to_text, upper
+   use lopin_text, only : to_text
    use lopin_error, only : location_type
    use lopin_model, only : model_type, initial_state_type, initial_traction_type
    use lopin_element_type, only : element_kind
    use lopin_block, only : deck_type, block_type, field_type, split_fields, field_real, &
       & field_integer, complain
    use lopin_build_scene, only : scene_type, elements_of, nodes_of, get_word
-   use lopin_build_surfaces, only : surface_named
+   use lopin_build_changes, only : pair_named
    implicit none
    private
    public :: read_states, build_tractions
@@ -138,7 +138,7 @@ contains
       type(initial_traction_type) :: new
       integer, allocatable :: node(:)
       real(wp) :: value(6)
-      integer :: i, j, k, n, slave, master, known
+      integer :: i, j, k, n, known
       logical :: found
 
       known = size(model%initial_traction)
@@ -152,16 +152,8 @@ contains
                & 'node and two or three components', field(1)%at)
             cycle
          end if
-         slave = surface_named(model, scene, field(1)%text, scope, field(1)%at)
-         master = surface_named(model, scene, field(2)%text, scope, field(2)%at)
-         if (slave == 0 .or. master == 0) cycle
-         new%pair = findloc(model%pair%slave == slave .and. model%pair%master == master, .true., &
-            & dim=1)
-         if (new%pair == 0) then
-            call complain(model%log, 'E0304', upper(field(1)%text)//', '//upper(field(2)%text)// &
-               & ' is no contact pair', field(1)%at, help='slave, master, as in *CONTACT PAIR')
-            cycle
-         end if
+         new%pair = pair_named(model, scene, field(1), field(2), scope, field(1)%at)
+         if (new%pair == 0) cycle
          call nodes_of(scene, model%mesh, field(3), scope, node, model%log)
          value = 0.0_wp
          do k = 4, min(n, 9)

@@ -10,6 +10,14 @@ from . import _bridge
 from .errors import UsageError
 
 
+def _table(session: _bridge.Session, name: str) -> NDArray | None:
+    """A table of an open run, a row an item; None where it has none."""
+    try:
+        return session.field(name)
+    except UsageError:
+        return None
+
+
 @dataclass
 class Points:
     """One row an integration point that remembers, in the present shape.
@@ -43,9 +51,8 @@ class Points:
     @classmethod
     def of(cls, session: _bridge.Session) -> Points | None:
         """Of an open run."""
-        try:
-            table = session.field("STATE OF POINTS")
-        except UsageError:
+        table = _table(session, "STATE OF POINTS")
+        if table is None:
             return None
         return cls(table[:, 0].astype(int), table[:, 1].astype(int), table[:, 2:5], table[:, 5],
                    table[:, 6:12], *table[:, 12:17].T)
@@ -78,9 +85,8 @@ class Tractions:
     @classmethod
     def of(cls, session: _bridge.Session) -> Tractions | None:
         """Of an open run."""
-        try:
-            table = session.field("STATE OF CONTACT")
-        except UsageError:
+        table = _table(session, "STATE OF CONTACT")
+        if table is None:
             return None
         return cls(table[:, 0].astype(int) - 1, table[:, 1].astype(int), table[:, 2:5],
                    table[:, 5:])
