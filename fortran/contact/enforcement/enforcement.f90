@@ -21,13 +21,23 @@ module lopin_enforcement
    private
    public :: enforcement_type, setting_type, copy_method
 
+   !> Springs up to this, in moduli over a facet, suit Newton's iterations.
+   real(wp), parameter :: soft_enough = 20.0_wp
+   !> And up to this, in moduli over the span of a contact that rubs: all its points slip together,
+   !> and springs that are stiff beside what the body opposes to that make Newton hop between stick
+   !> and slip, the more the finer the mesh.
+   real(wp), parameter :: soft_along = 100.0_wp
+
    !> What a method may look at when it chooses its form in Newton's iterations.
    type :: setting_type
       real(wp) :: stiffness = 0.0_wp   !! of the method beside the modulus over the facet [-]
+      real(wp) :: span = 1.0_wp        !! facets along a contact whose points stick or slip [-]
       logical :: rubs = .false.        !! there is friction
       logical :: exact_stick = .false. !! it sticks without any slip
       logical :: elastic_slip = .false.  !! slip before sliding is given as a length
       logical :: given_slip = .false.  !! the deck says how points give way before they slide
+   contains
+      procedure :: is_stiff
    end type setting_type
 
    type, abstract :: enforcement_type
@@ -155,6 +165,14 @@ contains
          if (allocated(form)) deallocate (form)
       end associate
    end subroutine is_its_own_form
+
+   !> Newton loses its way with springs as stiff as these: the mixed form has the same equations and
+   !> does not.
+   pure logical function is_stiff(self)
+      class(setting_type), intent(in) :: self
+      is_stiff = self%stiffness > soft_enough
+      if (self%rubs) is_stiff = is_stiff .or. self%stiffness*self%span > soft_along
+   end function is_stiff
 
    !> Force and stiffness -d force/d gap of a spring, cut where it would pull.
    elemental subroutine trial_that_presses(self, gap, alpha, multiplier, bilateral, force, &

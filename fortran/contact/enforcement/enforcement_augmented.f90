@@ -11,8 +11,6 @@ module lopin_enforcement_augmented
    !> Slopes above this, in moduli over a facet, leave Newton no way between open and closed. The
    !> limit of the augmentations does not depend on them: it is taken at once.
    real(wp), parameter :: stiffest = 1000.0_wp
-   !> Slopes up to this are springs in Newton's iterations.
-   real(wp), parameter :: soft_enough = 20.0_wp
 
    type, extends(enforcement_type) :: augmented_type
    contains
@@ -78,7 +76,7 @@ contains
       end associate
       if (setting%stiffness > stiffest .or. setting%given_slip) then
          allocate (lagrange_type :: form)
-      else if (setting%stiffness > soft_enough .and. setting%rubs) then
+      else if (setting%is_stiff() .and. setting%rubs) then
          allocate (mixed_type :: form)
       end if
    end subroutine form_for_newton

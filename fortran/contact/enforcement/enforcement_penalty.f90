@@ -7,9 +7,6 @@ module lopin_enforcement_penalty
    private
    public :: penalty_type
 
-   !> Penalties up to this, in moduli over a facet, are springs in Newton's iterations.
-   real(wp), parameter :: soft_enough = 20.0_wp
-
    type, extends(enforcement_type) :: penalty_type
    contains
       procedure :: word
@@ -56,8 +53,8 @@ contains
    end function stored
 
    !> A stiff penalty in its mixed form: the same equations, without its loss of digits, and Newton
-   !> does not hop between stick and slip (measured: 5 iterations for 24). So is one that sticks
-   !> exactly, or by a slip that the deck gives.
+   !> does not hop between stick and slip (measured: 5 iterations for 24, 8 for 44). So is one that
+   !> sticks exactly, or by a slip that the deck gives.
    subroutine form_for_newton(self, setting, form)
       class(penalty_type), intent(in) :: self
       type(setting_type), intent(in) :: setting
@@ -65,7 +62,7 @@ contains
 
       associate (unused => self)
       end associate
-      if (setting%stiffness > soft_enough .or. setting%exact_stick .or. setting%elastic_slip) &
+      if (setting%is_stiff() .or. setting%exact_stick .or. setting%elastic_slip) &
          & allocate (perturbed_type :: form)
    end subroutine form_for_newton
 end module lopin_enforcement_penalty

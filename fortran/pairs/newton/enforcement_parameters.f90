@@ -23,6 +23,10 @@ module lopin_enforcement_parameters
    !> beyond it takes errors of curved tools for a change of contact.
    real(wp), parameter :: scale_of_flow = 0.1_wp
    real(wp), parameter :: shear_share = 1.0_wp/3.0_wp, share_augmented = 0.1_wp
+   !> What opposes a common slip is less than the modulus over the span; in the plane, where it acts
+   !> on a line, by so much less (measured: Newton hops from 400 moduli over the line on, and from
+   !> 100 over the side of a square).
+   real(wp), parameter :: line_share = 0.25_wp
 
 contains
 
@@ -37,9 +41,11 @@ contains
       type(log_type), intent(inout) :: log
       real(wp) :: slope, stiffest
       integer :: i
+      real(wp) :: span
       logical :: said
 
       said = .false.
+      span = span_of(points, friction, model%mesh%ndim, pair)
       stiffest = 0.0_wp
       do i = 1, points%n
          if (points%pair(i) == pair) stiffest = max(stiffest, default_slope(points, i, &
@@ -57,7 +63,7 @@ contains
                if (.not. slope > 0.0_wp) slope = way%scale*merge(default_slope(points, i, &
                   & way%method), stiffest, way%method%updates())
                call copy_method(way%method, g%method)
-               call take_form(g, f, slope/own)
+               call take_form(g, f, slope/own, span)
                g%tied = pair_is_tied(model, model%pair(pair))
                if (way%method%updates() .or. .not. way%method%is_exact()) then
                   if (way%method%reads_slope() .and. .not. way%slope > 0.0_wp) call tell_slope()
@@ -91,17 +97,31 @@ contains
    end function gives_way
 
    !> The form in which Newton's iterations solve the method.
-   subroutine take_form(enforcement, friction, stiffness)
+   subroutine take_form(enforcement, friction, stiffness, span)
       type(enforcement_parameters_type), intent(inout) :: enforcement
       type(friction_type), intent(in) :: friction
       real(wp), intent(in) :: stiffness        !! of the slope beside the modulus over the facet
+      real(wp), intent(in) :: span             !! facets along the contact
       class(enforcement_type), allocatable :: form
 
-      call enforcement%method%form_for_newton(setting_type(stiffness, has_friction(friction), &
-         & friction%exact_stick, max(friction%elastic_slip, friction%slip_tolerance) > 0.0_wp, &
-         & gives_way(friction)), form)
+      call enforcement%method%form_for_newton(setting_type(stiffness, span, has_friction( &
+         & friction), friction%exact_stick, max(friction%elastic_slip, friction%slip_tolerance) &
+         & > 0.0_wp, gives_way(friction)), form)
       if (allocated(form)) call move_alloc(form, enforcement%method)
    end subroutine take_form
+
+   !> Facets along the surface of a pair, whose points slip together; 1 where none changes between
+   !> stick and slip.
+   pure real(wp) function span_of(points, friction, ndim, pair) result(span)
+      type(nonlinear_points_type), intent(in) :: points
+      type(friction_type), intent(in) :: friction
+      integer, intent(in) :: ndim, pair
+
+      span = 1.0_wp
+      if (is_regularised(friction) .or. friction%rough) return
+      span = count(points%pair(:points%n) == pair)
+      span = merge(line_share*span, sqrt(span), ndim == 2)
+   end function span_of
 
    !> Stiffnesses by a slope; a law has its own along the normal, and sticks by springs as a penalty
    !> does.
