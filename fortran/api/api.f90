@@ -9,12 +9,12 @@ module lopin_api
    use lopin_probes_friction, only : friction_tractions
    use lopin_session, only : session_type, deck_text_type, new_session, keep_session, &
       & forget_session, session_text, session_real, session_integer, advance_session, &
-      & end_session, session_state, forget_workspace_of
+      & end_session, session_state, session_tool_feet, forget_workspace_of
    use lopin_stream, only : stream_type
    implicit none
    private
    public :: run_deck, check_deck, close_session
-   public :: open_run, advance, end_run, state_length, get_state, forget_workspace
+   public :: open_run, advance, end_run, state_length, get_state, forget_workspace, tool_feet
    public :: text_length, copy_text, result_shape, get_real, get_integer
    public :: probe_shape, probe_project, probe_tool_gap, probe_skyline_solve, probe_contact
    public :: probe_hooke, probe_stiffness, probe_friction, probe_friction_increment, echo
@@ -90,6 +90,20 @@ contains
       call session_state(handle, stream)
       n = int(stream%n)
    end subroutine state_length
+
+   !> Closest points of the tool of a pair where it stands now, of an open run: gap, how far beyond
+   !> an open end, the point, its normal. `code` 2: the pair has no analytic tool.
+   subroutine tool_feet(handle, pair, points, ndim, npoint, foot, code)
+      integer, intent(in) :: handle, pair       !! pair from 1
+      integer, intent(in) :: ndim, npoint
+      double precision, intent(in) :: points(ndim, npoint)
+      double precision, intent(out) :: foot(2 + 2*ndim, npoint)
+      integer, intent(out) :: code
+      logical :: found
+
+      call session_tool_feet(handle, pair, points, foot, found)
+      code = merge(0, 2, found)
+   end subroutine tool_feet
 
    !> Make all that is not state again from the model and the state, between two increments.
    subroutine forget_workspace(handle, code)

@@ -9,7 +9,7 @@ module lopin_session
    use lopin_job_options, only : read_options
    use lopin_job, only : job_type, outcome_type, running_type, open_job, refuse_warnings, stem_of, &
       & begin_job, advance_job, job_state, forget_job, end_job
-   use lopin_job_values, only : job_points, job_tractions
+   use lopin_job_values, only : is_of_open_run, read_open_run, read_memory, job_tool_feet
    use lopin_keyword_json, only : keywords_json
    use lopin_kinds, only : wp
    use lopin_model, only : model_type
@@ -20,7 +20,7 @@ module lopin_session
    implicit none
    private
    public :: session_type, deck_text_type, new_session, advance_session, end_session
-   public :: session_state, forget_workspace_of
+   public :: session_state, session_tool_feet, forget_workspace_of
    public :: keep_session, forget_session, session_text, session_real, session_integer
 
    !> A deck as a caller holds it.
@@ -200,7 +200,22 @@ contains
       !$omp end critical (lopin_run)
    end subroutine session_state
 
-   !> Options of the command line, one a line.
+   !> Closest points of the tool of a pair, of an open run; see `job_tool_feet`.
+   subroutine session_tool_feet(handle, pair, points, foot, found)
+      integer, intent(in) :: handle, pair
+      real(wp), intent(in) :: points(:, :)       !! (ndim, n) [length]
+      real(wp), intent(out) :: foot(:, :)        !! (2 + 2 ndim, n)
+      logical, intent(out) :: found
+
+      foot = 0.0_wp
+      found = .false.
+      if (.not. in_use(handle)) return
+      associate (work => pool(handle)%session%work)
+         if (allocated(pool(handle)%session%work)) call job_tool_feet(work%running, work%model, &
+            & pair, points, foot, found)
+      end associate
+   end subroutine session_tool_feet
+
    !> Throw the workspace of a run away between two increments: the run goes on to the same bits.
    subroutine forget_workspace_of(handle, code)
       integer, intent(in) :: handle
@@ -358,10 +373,9 @@ contains
       real(wp), allocatable, intent(inout) :: reals(:, :)
       integer, allocatable, intent(inout) :: integers(:, :)
 
-      if (name == 'STATE OF POINTS') then
-         if (allocated(self%work)) call job_points(self%work%running, self%work%model, reals)
-      else if (name == 'STATE OF CONTACT') then
-         if (allocated(self%work)) call job_tractions(self%work%running, self%work%model, reals)
+      if (is_of_open_run(name)) then
+         if (allocated(self%work)) call read_open_run(self%work%running, self%work%model, name, &
+            & reals)
       else if (allocated(self%memory)) then
          call read_memory(self%memory, name, index, reals, integers)
       else if (allocated(self%work%outcome%recorder)) then
@@ -370,20 +384,6 @@ contains
          end associate
       end if
    end subroutine read_result
-
-   subroutine read_memory(recorder, name, index, reals, integers)
-      class(recorder_type), intent(in) :: recorder
-      character(len=*), intent(in) :: name
-      integer, intent(in) :: index
-      real(wp), allocatable, intent(inout) :: reals(:, :)
-      integer, allocatable, intent(inout) :: integers(:, :)
-
-      select type (recorder)
-      type is (memory_recorder_type)
-         call recorder%get_real(name, index, reals)
-         call recorder%get_integer(name, index, integers)
-      end select
-   end subroutine read_memory
 
    !> Words of the results so far.
    function names_of(self) result(names)

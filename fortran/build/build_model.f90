@@ -30,6 +30,7 @@ module lopin_build_model
    use lopin_build_amplitudes, only : build_amplitudes
    use lopin_build_steps, only : build_steps
    use lopin_build_changes, only : build_changes
+   use lopin_build_start, only : build_start
    use lopin_settle_flow, only : settle_flow
    use lopin_settle_friction, only : settle_friction
    use lopin_settle_layers, only : settle_layers
@@ -89,6 +90,7 @@ contains
       call build_temperatures(model, deck, scene)
       call join_sections(cuts, model)
       call build_changes(model, deck, scene)
+      call build_start(model, deck, scene)
       if (model%log%count_of(severity%error) == 0) call settle_flow(model)
       if (model%log%count_of(severity%error) == 0) call settle_friction(model)
       if (model%log%count_of(severity%error) == 0) call check_rigid_pairs(model)

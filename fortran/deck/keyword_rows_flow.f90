@@ -1,7 +1,7 @@
 !> Rows of the keyword table about materials that flow or expand, and their state at the start.
 module lopin_keyword_rows_flow
-   use lopin_keyword_table, only : keyword_table_type, key, flag, word, whole, choice, later_flag, &
-      & ignored_flag, required, refuses, data_line, example, under, about
+   use lopin_keyword_table, only : keyword_table_type, key, flag, word, number, whole, choice, &
+      & later_flag, ignored_flag, required, refuses, data_line, example, under, about
    implicit none
    private
    public :: add_flow_rows
@@ -15,6 +15,7 @@ contains
       call add_plastic(table)
       call add_viscous(table)
       call add_heat(table)
+      call add_remeshing(table)
    end subroutine add_flow_rows
 
    subroutine add_plastic(table)
@@ -171,4 +172,43 @@ contains
       call data_line(table, 'node or set, temperature [temperature]', 'As many lines as needed.')
       call example(table, '*STEP|*STATIC|*TEMPERATURE|BODY, 120.|*END STEP')
    end subroutine add_heat
+
+   !> Runs in parts, on meshes that are made anew.
+   subroutine add_remeshing(table)
+      type(keyword_table_type), intent(inout) :: table
+
+      call key(table, 'START', 'M', 'lopin', 'Where a part of a run goes on: in the middle of '// &
+         & 'a step, on a mesh in the present shape. Lopin writes it for the parts of a run '// &
+         & 'that is remeshed.')
+      call whole(table, 'STEP', '1', 'Step that is under way.')
+      call number(table, 'BEGUN', '0.', 'Total time where it began [time].')
+      call number(table, 'TIME', '0.', 'Time of the step that was reached [time].')
+      call number(table, 'REST', '', 'Length of the first increment, at rest; missing: that of '// &
+         & 'the next [time].')
+      call number(table, 'INCREMENT', '', 'Length of the next increment; missing: the first of '// &
+         & '*STATIC [time].')
+      call data_line(table, 'node or set, dof, displacement, displacement where the step began '// &
+         & '= 0, load there = 0', 'What has moved already: tools, and bodies that keep their '// &
+         & 'mesh. Their coordinates in the deck are those of the start.')
+      call example(table, '*START, TIME=0.02, REST=1e-9, INCREMENT=0.001|DIE_REF, 2, -1.')
+
+      call key(table, 'REMESH', 'M', 'lopin', 'The mesh of a body is made anew while the run '// &
+         & 'goes on, its state carried over. Needs the command of the Python package.')
+      call word(table, 'ELSET', 'Elements of the body.')
+      call required(table)
+      call number(table, 'SIZE', '', 'Largest length of element edges; missing: that of the '// &
+         & 'first mesh [length].')
+      call number(table, 'SMALLEST', '', 'Smallest length; missing: a fifth of SIZE [length].')
+      call number(table, 'HAUSDORFF', '', 'Largest distance between the old and the new skin; '// &
+         & 'missing: a hundredth of SIZE [length].')
+      call number(table, 'GROWTH', '1.3', 'Ratio of the sizes of neighbours.')
+      call number(table, 'QUALITY', '0.15', 'Remesh where the worst corner of an element has '// &
+         & 'come down to this (1: right angles, equal sides).')
+      call number(table, 'PENETRATION', '0.05', 'Remesh where the middle of an edge of the '// &
+         & 'skin is this share of its length inside a tool.')
+      call number(table, 'STRAIN', '0.5', 'Remesh after this plastic strain.')
+      call number(table, 'PERIOD', '', 'Remesh after this time; missing: never for that [time].')
+      call whole(table, 'MOST', '50', 'Remeshes of a run.')
+      call example(table, '*REMESH, ELSET=BILLET, SIZE=0.5, SMALLEST=0.1')
+   end subroutine add_remeshing
 end module lopin_keyword_rows_flow

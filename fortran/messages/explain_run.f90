@@ -16,6 +16,7 @@ contains
       call energies(list)
       call supports(list)
       call files(list)
+      call parts(list)
       call usage(list)
    end subroutine run_explanations
 
@@ -239,6 +240,20 @@ contains
          & 'direction the two sides part at the node.', &
          & 'give both sides the same displacement, or leave one of them out of the supports.')
    end subroutine supports
+
+   !> Runs in parts, on meshes that are made anew.
+   subroutine parts(list)
+      type(explanation_type), allocatable, intent(inout) :: list(:)
+
+      call add_explanation(list, 'E0620', 'a run that is remeshed needs a mesher', &
+         & '*REMESH makes meshes by libraries of Python; the executable alone has none.', &
+         & 'run the deck by the command of the Python package (pip install lopin[remesh]). A '// &
+         & 'part of a run that was remeshed is a deck of its own, which the executable runs.')
+      call add_explanation(list, 'E0621', 'something that a new mesh cannot carry', &
+         & 'Loads or displacements on nodes that a remesh takes away, materials whose memory '// &
+         & 'belongs to the first mesh, heat, ties, and other bodies that deform.', &
+         & 'load a tool or a surface, or leave *REMESH out.')
+   end subroutine parts
 
    !> Result files, checkpoints and memory.
    subroutine files(list)

@@ -14,6 +14,7 @@ module lopin_model
    use lopin_flow_curve, only : flow_type
    use lopin_plastic_return, only : plastic_type
    use lopin_settings, only : settings_type
+   use lopin_start, only : start_type
    implicit none
    private
    public :: model_type, material_type, section_type, surface_data_type, rigid_body_type
@@ -116,6 +117,7 @@ module lopin_model
       integer :: rotation = 0   !! node whose dofs 1..3 are the rotations (ROT NODE); 0: dofs 4..6
       integer :: tool = 0                               !! analytic surface, or 0
       integer, allocatable :: node(:)   !! nodes that follow (without the reference node)
+      real(wp) :: start(6) = 0.0_wp   !! where *START finds it [length], [rad]
    end type rigid_body_type
 
    type :: interaction_type
@@ -308,6 +310,9 @@ module lopin_model
       type(initial_state_type), allocatable :: initial_state(:)
       type(initial_traction_type), allocatable :: initial_traction(:)
       type(step_type), allocatable :: step(:)
+      type(start_type) :: start                         !! where a part of a run goes on
+      logical :: remeshes = .false.                     !! *REMESH
+      type(location_type) :: remesh_at
       ! *LOPIN
       character(len=:), allocatable :: path             !! AUTO, CONDENSED, NEWTON
       character(len=:), allocatable :: solver           !! AUTO or a solver's word

@@ -88,6 +88,12 @@ class Session:
         """Make all but the state again, between two increments; the exit code."""
         return int(core().forget_workspace(self.handle))
 
+    def tool_feet(self, pair: int, points: ArrayLike) -> NDArray | None:
+        """Closest points of the tool of a pair (from 0) where it stands now: a row a point of gap,
+        overhang beyond an open end, the point, its normal; None if the pair has no tool."""
+        foot, code = core().tool_feet(self.handle, pair + 1, _fortran(points))
+        return None if code else np.ascontiguousarray(foot.T)
+
     def state(self) -> bytes:
         """What an open run holds between two increments; empty before the first."""
         n = int(core().state_length(self.handle))

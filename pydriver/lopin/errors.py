@@ -146,7 +146,8 @@ def error_of(code: int, diagnostics: list[dict], message: str = "") -> LopinErro
 
 
 #: Extras of the package that bring optional packages.
-EXTRAS = {"pandas": "table", "pyvista": "3d", "matplotlib": "plot", "gmsh": "mesh"}
+EXTRAS = {"pandas": "table", "pyvista": "3d", "matplotlib": "plot", "gmsh": "mesh",
+          "mmgpy": "remesh", "scipy": "remesh"}
 
 
 def optional(name: str, what: str) -> ModuleType:

@@ -54,6 +54,8 @@ contains
       real(wp) :: fit, spread_, floor_, sag(2), turn(2)
       integer :: pair, side, worst
 
+      ! A run that goes on has been told.
+      if (model%start%step > 0) return
       call cells_of_words(model%element_word, cells)
       do pair = 1, size(model%pair)
          associate (p => model%pair(pair))

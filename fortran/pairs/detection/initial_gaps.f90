@@ -52,6 +52,8 @@ contains
 
       allocate (self%shift(points%n), self%overclosure(points%n), source=0.0_wp)
       allocate (self%touches(points%n), source=.false.)
+      ! A run that goes on has its gaps already.
+      if (model%start%step > 0) return
       do pair = 1, size(model%pair)
          call check_pair(self, model, points, pair, log, error)
          if (allocated(error)) return

@@ -60,7 +60,7 @@ contains
                call weigh_sharp_nodes(self, model, cells, pair)
             end if
             self%first(pair + 1) = self%n + 1
-            call check_sides(self, model, pair, log, error)
+            if (model%start%step == 0) call check_sides(self, model, pair, log, error)
             if (allocated(error)) return
          end associate
       end do

@@ -27,7 +27,7 @@ contains
 
       ndim = model%mesh%ndim
       entries = 1
-      call new_rigid_motion(rest, spread(0.0_wp, 1, ndim), spread(0.0_wp, 1, ndim), [real(wp) ::])
+      call motion_of_start(rest, model, self%body(pair))
       associate (tool => model%tool(self%tool(pair))%shape)
          if (size(slave%node) > 0 .and. may_move(model, self%body(pair))) then
             ! A tool that moves may bring a concave corner to any node: room for its second wall.
@@ -49,6 +49,23 @@ contains
          call find_inner(self, model, pair, rest)
       end associate
    end subroutine pair_with_tool
+
+   !> Where a tool stands before the first increment.
+   subroutine motion_of_start(motion, model, body)
+      type(rigid_motion_type), intent(out) :: motion
+      type(model_type), intent(in) :: model
+      integer, intent(in) :: body              !! 0: a tool that belongs to none
+      integer :: d
+
+      d = model%mesh%ndim
+      call new_rigid_motion(motion, spread(0.0_wp, 1, d), spread(0.0_wp, 1, d), [real(wp) ::])
+      if (body == 0) return
+      associate (b => model%rigid_body(body))
+         if (all(b%start == 0.0_wp)) return
+         call new_rigid_motion(motion, model%mesh%x(:, b%reference), b%start(:d), &
+            & b%start(merge(6, 4, d == 2):6))
+      end associate
+   end subroutine motion_of_start
 
    !> Mid-side nodes of a transformed basis know the points of the ends of their edges.
    pure subroutine join_corners(self, slave, first)

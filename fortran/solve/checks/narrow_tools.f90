@@ -59,7 +59,7 @@ contains
             call new_facets(facets, model%mesh, cells, slave%element, slave%face)
             call find_places(scene, model, x)
             call find_closed(scene, pair, closed)
-            call place_tool(stand, scene, model, pair)
+            call place_tool(stand, scene, model, pair, scene%trial%motion%u)
             if (.not. scene%newton%in_use) call find_inside(scene, model, pair, x, stand)
             call find_between(scene, model, pair, facets, rules, x, stand, closed)
             if (any(closed)) call find_beside(scene, model, pair, facets, rules, x, stand, closed)

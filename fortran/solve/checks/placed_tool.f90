@@ -36,12 +36,13 @@ contains
       end do
    end subroutine find_places
 
-   !> The tool of a pair where it is now.
-   subroutine place_tool(self, scene, model, pair)
+   !> The tool of a pair where displacements have it.
+   subroutine place_tool(self, scene, model, pair, u)
       type(placed_tool_type), intent(out) :: self
       type(scene_type), intent(in) :: scene
       type(model_type), intent(in) :: model
       integer, intent(in) :: pair
+      real(wp), intent(in) :: u(:)             !! (ndof) [length]
       real(wp) :: place(6), at(model%mesh%ndim)
       integer :: k, d
 
@@ -55,8 +56,7 @@ contains
             associate (node => model%rigid_body(tool%rigid_body)%reference)
                at = model%mesh%x(:, node)
                do k = 1, 6
-                  if (scene%dofs%id(k, node) > 0) place(k) = scene%trial%motion%u( &
-                     & scene%dofs%id(k, node))
+                  if (scene%dofs%id(k, node) > 0) place(k) = u(scene%dofs%id(k, node))
                end do
             end associate
          end if

@@ -14,7 +14,7 @@ module lopin_run_analysis
    use lopin_loading, only : loading_type, new_loading, carry_loads
    use lopin_plan, only : new_plan
    use lopin_run_type, only : run_type
-   use lopin_state, only : clock_state_type, begin_step_of
+   use lopin_state, only : state_type, clock_state_type, begin, begin_step_of
    use lopin_scene, only : scene_type, set_supports
    use lopin_body_words, only : describe_motion
    use lopin_nonlinear_start, only : start_step
@@ -90,6 +90,7 @@ contains
       self%summary%checksum = ''
       allocate (self%summary%step(size(model%step)))
       call ready_blas(error)
+      if (.not. allocated(error)) call refuse_remeshing(model, error)
       if (.not. allocated(error)) call begin_files(recorders, model, error, store)
       if (.not. allocated(error)) call new_plan(self%plan, model, error)
       if (.not. allocated(error)) call make_workspace(self%scene, model, error)
@@ -99,6 +100,9 @@ contains
       else if (present(store)) then
          if (allocated(store%found)) call resume_run(self, model, recorders, log, store, error)
       end if
+      if (allocated(error)) return
+      if (model%start%step > 0 .and. self%scene%step == 0) call begin_midway(self, model, &
+         & recorders, error)
       self%may_step = .not. allocated(error)
    end subroutine open_run
 
@@ -192,6 +196,64 @@ contains
       end associate
    end subroutine begin_step
 
+   !> The executable has no mesher.
+   subroutine refuse_remeshing(model, error)
+      type(model_type), intent(in) :: model
+      type(error_type), allocatable, intent(out) :: error
+
+      if (.not. model%remeshes) return
+      call raise(error, error_code%deck, 'E0620', '*REMESH needs the command of the Python '// &
+         & 'package', model%remesh_at, help='run the deck by `lopin run` of the package with '// &
+         & "lopin[remesh] installed; the parts of a run that was remeshed are decks of their own")
+   end subroutine refuse_remeshing
+
+   !> Into the middle of a step, where the part of the run before has ended.
+   subroutine begin_midway(self, model, recorders, error)
+      class(run_type), intent(inout) :: self
+      type(model_type), intent(in) :: model
+      type(recorder_holder_type), intent(inout) :: recorders(:)
+      type(error_type), allocatable, intent(out) :: error
+      logical :: same
+      integer :: i, id
+
+      associate (scene => self%scene, accepted => self%scene%accepted, start => model%start)
+         call set_supports(scene, model, start%step, same, error)
+         if (allocated(error)) return
+         self%in_step = .true.
+         accepted%clock%start = start%begun
+         do i = 1, size(start%displaced)
+            id = scene%dofs%id(start%displaced(i)%dof, start%displaced(i)%node)
+            if (id == 0) cycle
+            accepted%motion%u(id) = start%displaced(i)%begun
+            accepted%loads%steady(id) = start%displaced(i)%force
+         end do
+         call prepare(self, model, recorders, error)
+         if (allocated(error)) return
+         call start_loading(self%loading, scene, model)
+         accepted%loads%before = self%loading%before
+         accepted%loads%from = self%loading%from
+         do i = 1, size(start%displaced)
+            id = scene%dofs%id(start%displaced(i)%dof, start%displaced(i)%node)
+            if (id > 0) accepted%motion%u(id) = start%displaced(i)%now
+         end do
+         accepted%clock%time = start%time
+         accepted%clock%increment = start%rest
+         call begin(scene%trial, accepted)
+      end associate
+   end subroutine begin_midway
+
+   !> After the increment at rest: what moved in it says nothing of the next.
+   subroutine leave_rest(accepted, increment)
+      type(state_type), intent(inout) :: accepted
+      real(wp), intent(in) :: increment        !! the next [time]
+
+      accepted%clock%increment = increment
+      accepted%clock%usual = 0.0_wp
+      accepted%motion%last_dt = 0.0_wp
+      accepted%motion%dt_before = 0.0_wp
+      accepted%contact%speed = 0.0_wp
+   end subroutine leave_rest
+
    !> From what was accepted to the step in force.
    subroutine start_loading(loading, scene, model)
       type(loading_type), intent(inout) :: loading
@@ -251,6 +313,8 @@ contains
          self%summary%step(scene%step)%increments = number
          if (.not. clock%at_end) call grow(clock%increment, step, self%plan, frame, &
             & scene)
+         if (number == 1 .and. scene%step == model%start%step) call leave_rest(scene%accepted, &
+            & model%start%increment)
          self%summary%step(scene%step)%counter = scene%counter
          if (clock%at_end) call end_step(self, model, error)
          if (allocated(error)) return

@@ -46,6 +46,8 @@ contains
                return
             end associate
          end do
+         call refuse_partial(model, memory%first, error)
+         if (allocated(error)) return
          if (any_modes(scene, model)) call scene%log%say(severity%warning, 'W0210', &
             & 'the state of the start does not have the internal modes of its elements: they '// &
             & 'begin anew', model%initial_state(1)%at)
@@ -57,6 +59,39 @@ contains
          memory%heat = energy_at_rest(scene%solids, model%mesh, scene%dofs%n, memory)
       end associate
    end subroutine start_stresses
+
+   !> A state for some points of an element and none for others was meant for other elements.
+   subroutine refuse_partial(model, first, error)
+      type(model_type), intent(in) :: model
+      integer, intent(in) :: first(:)          !! (nelement + 1) first point of each element
+      type(error_type), allocatable, intent(out) :: error
+      logical, allocatable :: given(:)
+      integer :: i, p, q
+
+      allocate (given(first(size(first)) - 1), source=.false.)
+      do i = 1, size(model%initial_state)
+         associate (state => model%initial_state(i))
+            if (.not. state%whole) cycle
+            p = first(state%element)
+            q = first(state%element + 1) - 1
+            if (state%point > 0) p = p + state%point - 1
+            if (state%point > 0) q = p
+            given(p:q) = .true.
+         end associate
+      end do
+      do i = 1, size(model%initial_state)
+         associate (state => model%initial_state(i))
+            p = first(state%element)
+            q = first(state%element + 1) - 1
+            if (.not. state%whole .or. all(given(p:q))) cycle
+            call raise(error, error_code%deck, 'E0210', 'element '// &
+               & to_text(model%mesh%element_label(state%element))//' has '//to_text(q - p + 1)// &
+               & ' points, and a state for '//to_text(count(given(p:q)))//' of them', state%at, &
+               & help='give one to each point, or to point 0, which is all of them')
+            return
+         end associate
+      end do
+   end subroutine refuse_partial
 
    !> Whether states of the start go to elements with internal modes.
    pure logical function any_modes(scene, model)

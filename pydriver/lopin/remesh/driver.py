@@ -1,0 +1,194 @@
+"""A run in parts: increments until a mesh is worn, a new mesh, and on.
+
+Each part is a deck of its own, written before it runs: whoever resumes or repeats the run reads it
+and needs no mesher. What ends a part depends on its deck and on the accepted state alone, so that a
+run that was killed goes on to the same bits.
+"""
+from __future__ import annotations
+
+import os
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+
+from ..deck import Deck
+from ..errors import NotConvergedError, ResourceError
+from ..job import Job
+from ..model_read_mesh import plain
+from ..run import check
+from .body import DeckParts, read_body, refused
+from .card import RemeshCard
+from .part import Clock
+from .plane import worst_corner
+from .remake import remake
+from .report import Remesh, Report
+from .state import Snapshot
+from .tools import Tools
+from .triggers import reason_to_remesh
+
+
+def part_name(name: str, number: int) -> str:
+    """Name of the deck of a part.
+
+    >>> part_name("disc", 2)
+    'disc.p002'
+    """
+    return f"{name}.p{number:03d}"
+
+
+class Runner:
+    """One run with remeshing.
+
+    Parameters
+    ----------
+    deck : with *REMESH
+    output : folder of all parts
+    say : told what happens, a line at a time
+    resume : go on with the parts that the folder holds
+    replay : run the parts that the folder holds again, without making meshes
+    options : of `lopin.open`
+    """
+
+    def __init__(self, deck: Deck, output: str | Path, *, say: Callable[[str], None] = print,
+                 resume: bool = False, replay: bool = False, **options):
+        self.deck, self.output, self.say, self.options = deck, Path(output), say, options
+        self.resume, self.replay = resume, replay
+        check(deck)
+        parts = DeckParts.of(deck)
+        cards = [b for b in parts.blocks if b.keyword == "REMESH"]
+        if len(cards) != 1:
+            raise refused("a deck has one *REMESH", "leave all but one out")
+        card = RemeshCard.of(cards[0])
+        self.card = card.filled(read_body(parts, card.elset))
+        self.report = Report(deck.name, self.output)
+
+    def run(self) -> Report:
+        """All parts; the report says what each remesh did."""
+        number, deck = 1, self._first_deck()
+        if self.resume or self.replay:
+            self._same(deck)
+            self.report.read()
+        else:
+            for path in self._decks():
+                path.unlink()
+        while deck is not None:
+            self.say(f"part {number}: {self.output/deck.name}.inp")
+            deck = self._part(deck, number)
+            number += 1
+        self.report.finish()
+        return self.report
+
+    def _decks(self) -> list[Path]:
+        """Decks of parts in the folder."""
+        return sorted(self.output.glob(f"{self.deck.name}.p[0-9][0-9][0-9].inp"))
+
+    def _path(self, number: int) -> Path:
+        return self.output/f"{part_name(self.deck.name, number)}.inp"
+
+    def _first_deck(self) -> Deck:
+        """The deck without *REMESH, with its includes in their place."""
+        blocks = [b for b in DeckParts.of(self.deck).blocks if b.keyword != "REMESH"]
+        deck = Deck(blocks, preamble=self.deck.preamble, name=part_name(self.deck.name, 1),
+                    folder=self.output)
+        return named_from(deck, self.deck.folder)
+
+    def _same(self, deck: Deck) -> None:
+        """The parts in the folder are of this deck."""
+        path = self._path(1)
+        if path.is_file() and path.read_text(errors="surrogateescape") != deck.text():
+            raise ResourceError(f"the parts in '{self.output}' are of another deck", id="E0604",
+                                help="restore what has changed, or run the deck without --resume")
+
+    def _known(self, number: int) -> Deck | None:
+        """The deck of a part that an earlier run has written."""
+        path = self._path(number)
+        if not (self.resume or self.replay) or not path.is_file():
+            return None
+        return Deck.read(path)
+
+    def _part(self, deck: Deck, number: int) -> Deck | None:
+        """Run a part; the deck of the next one, or None at the end."""
+        following = self._known(number + 1)
+        self.report.add_part(deck.name)
+        if following is not None and not self.replay:
+            return following   # its results are in the folder
+        if not self._path(number).is_file():
+            deck.write(self._path(number))
+        parts = DeckParts.of(deck)
+        body = read_body(parts, self.card.elset)
+        first = worst_corner(body.x, body.cells)
+        state, last = b"", None
+        options = {**self.options, "resume": self.resume} if self.resume else self.options
+        try:
+            with Job(deck, self.output, **options) as job:
+                tools = Tools.of(job._session, parts)
+                resumed = Clock.of(job._session).number > 0
+                while resumed or job.advance() is not None:
+                    resumed = False
+                    last, state = Snapshot.of(job, body), job.state
+                    if following is not None:
+                        if _reached(last.clock, Clock.of_start(following)):
+                            return following
+                        continue
+                    why = self._reason(deck, body, last, tools, first)
+                    if why and number <= self.card.most:
+                        found = self._remake(deck, number, last, tools, why)
+                        break
+                else:
+                    return None
+        except NotConvergedError:
+            if last is None or last.clock.number <= 1 or number > self.card.most \
+                    or last.clock.at_end or self.replay:
+                raise
+            # The run has ended with its failure; its last state is opened again for the tools.
+            with Job(deck, state=state, **self.options) as job:
+                found = self._remake(deck, number, last, Tools.of(job._session, parts),
+                                     "the next increment did not converge")
+        return self._keep(number + 1, *found)
+
+    def _reason(self, deck: Deck, body, last: Snapshot, tools: Tools, first: float) -> str:
+        """Why a mesh should be made anew; nothing at the end of a step."""
+        if last.clock.at_end:
+            return ""
+        return reason_to_remesh(body, self.card, plastic_at_start(deck),
+                                Clock.of_start(deck), last, tools, first)
+
+    def _remake(self, deck: Deck, number: int, last: Snapshot, tools: Tools, why: str):
+        """The deck of the next part, and what the remesh did."""
+        return remake(deck, last, tools, self.card, why, number,
+                      part_name(self.deck.name, number + 1), self.output)
+
+    def _keep(self, number: int, deck: Deck, done: Remesh) -> Deck:
+        """Write the deck of a part before it is used, once the files of the last one are whole."""
+        self.report.add(done)
+        deck.write(self._path(number))
+        self._path(number - 1).with_suffix(".rst").unlink(missing_ok=True)
+        self.say(done.line())
+        return deck
+
+
+def plastic_at_start(deck: Deck) -> dict[int, float]:
+    """Largest accumulated plastic strain of each element where a part began."""
+    found: dict[int, float] = {}
+    for block in deck.all("INITIAL CONDITIONS"):
+        if str(block.parameters.get("TYPE", "")).upper() == "STATE":
+            for row in block.data:
+                found[row[0]] = max(found.get(row[0], 0.0), float(row[10] or 0.0))
+    return found
+
+
+def _reached(now: Clock, end: Clock) -> bool:
+    """Whether a part stands where the next one goes on: to the bit, as both were written."""
+    return now.step == end.step and np.float64(now.time) == np.float64(end.time)
+
+
+def named_from(deck: Deck, folder: Path) -> Deck:
+    """Files that a deck of `folder` names, named from the deck's own folder."""
+    for block in deck.blocks:
+        name = block.parameters.get("INPUT")
+        if name and not Path(str(plain(name))).is_absolute():
+            here = os.path.relpath(Path(folder).resolve()/str(plain(name)),
+                                   Path(deck.folder).resolve())
+            block.parameters["INPUT"] = f'"{here}"' if " " in here else here
+    return deck

@@ -1,0 +1,128 @@
+"""A new mesh of a plane or axisymmetric body in its present shape."""
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .body import Body, boundary_facets
+from .card import RemeshCard
+from .outline import Outline, loops_of, new_outline, volume_of
+from .part import NewMesh
+from .plane import fill, worst_corner
+from .seat import keep_volume, seat
+from .sizes import Sizes, of_curvature, of_gradient, of_thickness
+from .state import Snapshot
+from .tools import Tools
+from .transfer import CellFields, PLASTIC
+
+
+#: A mesh whose worst corner is better is taken; else others are tried, of sizes times these.
+WELL, FACTORS = 0.3, (1.0, 0.93, 1.06, 0.87, 0.8)
+
+
+def remesh_plane(body: Body, state: Snapshot, card: RemeshCard, tools: Tools,
+                 fields: CellFields) -> tuple[NewMesh, dict[str, float], NDArray]:
+    """A new mesh, what it changed (volumes, largest moves), and nodes of its skin with the old
+    facet and the share along it that each comes from: rows of two old nodes and a share."""
+    sizes = sizes_of(body, state, card, tools, fields)
+    required = set(np.concatenate([rows for rows in body.named.values()
+                                   if len(rows) < len(body.x)] or [[]]).astype(int).tolist())
+    quads, best = body.cells[0].shape[1] == 4, None
+    for factor in FACTORS:
+        finer = sizes.scaled(factor)
+        outline = new_outline(state.x, body.facets, body.tags,
+                              required & set(body.facets.ravel()), finer, card.hausdorff, quads)
+        moved = seat_outline(body, state, outline, finer, tools)
+        ends = np.concatenate([np.stack([r, np.roll(r, -1)], axis=1) for r in outline.loops])
+        x, cells = fill(outline, finer.with_edges(outline.x, ends), quads)
+        worst = worst_corner(x, cells) - (len(cells) > 1)
+        if best is None or worst > best[0]:
+            best = worst, outline, moved, x, cells
+        if worst > WELL:
+            break
+    _, outline, moved, x, cells = best
+    facets, _ = boundary_facets(cells, 2)
+    tags = [outline.tags[a] for a in facets[:, 0]]
+    mesh = NewMesh(x, cells, facets, tags)
+    mesh.named = named_nodes(body, state.x, outline, x)
+    come_from = np.column_stack([outline.ends, outline.share])
+    return mesh, moved, come_from
+
+
+def sizes_of(body: Body, state: Snapshot, card: RemeshCard, tools: Tools,
+             fields: CellFields) -> Sizes:
+    """What shape, tools and strain ask for."""
+    x, facets = state.x, body.facets
+    edge = x[facets[:, 1]] - x[facets[:, 0]]
+    length = np.linalg.norm(edge, axis=1)
+    normals = np.stack([edge[:, 1], -edge[:, 0]], axis=1)/length[:, None]
+    asked = [of_thickness(x, facets, normals),
+             of_gradient(fields.centre, np.linalg.norm(fields.slope[:, :, PLASTIC], axis=1))]
+    asked += [of_curvature(*arcs) for arcs in tools.arcs(x, facets, body.tags,
+                                                         2.0*card.size)]
+    return Sizes.of(card.size, card.smallest, card.growth, asked, 2)
+
+
+def seat_outline(body: Body, state: Snapshot, outline: Outline, sizes: Sizes,
+                 tools: Tools) -> dict[str, float]:
+    """Put the outline on the tools, then give it the volume it had."""
+    axisymmetric = body.axisymmetric
+    rows = _in_order(body)
+    before = volume_of(state.x, [body.facets[r, 0] for r in rows], axisymmetric)
+    load = tools.pressed(body, state)
+    pressed = load[outline.ends].all(axis=1)
+    planes = _planes(outline, body.held)
+    met = tools.feet(outline.x, outline.tags, outline.loops)
+    done = seat(outline.x, pressed, sizes(outline.x), met, planes)
+    free = ~done.seated & np.array([len(p) == 0 for p in planes])
+    x, way = keep_volume(done.x, free, _normals(done.x, outline), before,
+                         lambda p: volume_of(p, outline.loops, axisymmetric))
+    after = volume_of(x, outline.loops, axisymmetric)
+    outline.x = x
+    return {"volume": before, "volume_change": after/before - 1.0, "seated": done.farthest,
+            "offset": abs(way), "nodes_seated": int(done.seated.sum())}
+
+
+def _in_order(body: Body) -> list[NDArray]:
+    return loops_of(body.facets)
+
+
+def _planes(outline: Outline, held: frozenset) -> list[NDArray]:
+    """Normals of the straight lines that each node stays on: those of facets that supports hold."""
+    found: list[list[NDArray]] = [[] for _ in outline.x]
+    for loop in outline.loops:
+        after = np.roll(loop, -1)
+        for a, b in zip(loop, after):
+            if outline.tags[a] & held:
+                edge = outline.x[b] - outline.x[a]
+                normal = np.array([edge[1], -edge[0]])/np.linalg.norm(edge)
+                for node in (a, b):
+                    if all(abs(normal @ n) < 1.0 - 1e-9 for n in found[node]):
+                        found[node].append(normal)
+    return [np.array(p).reshape(-1, 2) for p in found]
+
+
+def _normals(x: NDArray, outline: Outline) -> NDArray:
+    """Outward normals of nodes: means of those of the edges that meet there."""
+    normals = np.zeros_like(x)
+    for loop in outline.loops:
+        edge = x[np.roll(loop, -1)] - x[loop]
+        own = np.stack([edge[:, 1], -edge[:, 0]], axis=1)
+        own /= np.linalg.norm(own, axis=1)[:, None]
+        normals[loop] += own + np.roll(own, 1, axis=0)
+    long = np.linalg.norm(normals, axis=1)
+    return normals/np.maximum(long, np.finfo(float).tiny)[:, None]
+
+
+def named_nodes(body: Body, old: NDArray, outline: Outline, x: NDArray) -> dict[str, NDArray]:
+    """Nodes of the sets that facets do not account for: those that stayed, else the nearest."""
+    at = {int(k): row for row, k in enumerate(outline.kept) if k >= 0}
+    named = {}
+    for name, rows in body.named.items():
+        if len(rows) == len(old):
+            named[name] = np.arange(len(x))
+            continue
+        named[name] = np.unique([at[int(r)] if int(r) in at else
+                                 int(np.argmin(np.linalg.norm(x - old[r], axis=1)))
+                                 for r in rows])
+    return named

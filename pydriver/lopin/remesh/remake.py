@@ -1,0 +1,165 @@
+"""From a worn mesh to the deck of the next part: a new mesh, and the state on it."""
+from __future__ import annotations
+
+import time
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..deck import Block, Deck
+from ..model_read_mesh import plain
+from ..points import Points
+from .body import Body, DeckParts, direct_labels, read_body, refused
+from .card import RemeshCard
+from .part import NewMesh, new_labels, next_deck
+from .planar import remesh_plane
+from .plane import worst_corner
+from .report import Remesh
+from .state import Snapshot
+from .tools import Tools
+from .transfer import (
+    DILATATION,
+    FLOW,
+    PLASTIC,
+    RATIO,
+    STRAIN,
+    WORK,
+    Locator,
+    admissible,
+    cell_fields,
+    equivalent,
+    fields_of,
+    highest_strain,
+    quartered,
+    transfer,
+)
+
+#: Length of the increment at rest, by the period of the step.
+REST = 1e-8
+
+
+def remake(deck: Deck, last: Snapshot, tools: Tools, card: RemeshCard, why: str, part: int,
+           name: str, folder: Path) -> tuple[Deck, Remesh]:
+    """The deck of the part that follows, and what the remesh did.
+
+    Parameters
+    ----------
+    deck : of the part that ends, `part` from 1
+    last : where it stands
+    why : the reason, in words
+    name, folder : of the new deck
+    """
+    began = time.perf_counter()
+    parts = DeckParts.of(deck)
+    direct_labels(parts, read_body(parts, card.elset))
+    body = read_body(parts, card.elset)
+    if last.loaded(body):
+        raise refused("loads act on nodes of the body that is meshed anew",
+                      "load a surface by *DSLOAD, or a tool")
+    x, cells, owner = point_cells(last, body)
+    fields = cell_fields(x, cells, *owner)
+    mesh, moved, come_from = remesh_plane(body, last, card, tools, fields)
+    states, weights = transfer(fields, Locator(x, cells), mesh.x, mesh.cells, body.axisymmetric)
+    highest = highest_strain(last.points)
+    states, over = zip(*(admissible(s, highest) for s in states))
+    done = Remesh(part, last.clock.total, why, sum(len(c) for c in mesh.cells),
+                  worst_corner(mesh.x, mesh.cells), moved,
+                  *integrals(last.points, states, weights, body.axisymmetric),
+                  excess=max(float(o.max()) for o in over), seconds=time.perf_counter() - began)
+    start = [state_block(parts, body, mesh, states),
+             *traction_block(parts, body, mesh, last, come_from),
+             start_block(body, last, parts)]
+    return next_deck(parts, body, mesh, name, folder, start), done
+
+
+def point_cells(last: Snapshot, body: Body):
+    """The mesh whose cells belong to the integration points: quads in four parts where they have
+    four. Returns its nodes, its cells, and (fields, cell, place, volume) of the points."""
+    points = last.points
+    at = {int(label): k for k, label in enumerate(body.elements)}
+    element = np.array([at.get(int(label), -1) for label in points.element])
+    own = element >= 0
+    element, number = element[own], points.number[own]
+    x, cells, cell = last.x, body.cells, element
+    if body.cells[0].shape[1] == 4 and body.ndim == 2 and number.max() == 4:
+        x, cells = quartered(last.x, body.cells)
+        quads = len(body.cells[0])
+        cell = np.where(element < quads, 4*element + number - 1, element + 3*quads)
+    return x, cells, (fields_of(points)[own], cell, points.place[own, :body.ndim],
+                      points.volume[own])
+
+
+def integrals(points: Points, states, weights, axisymmetric: bool) -> tuple[float, float]:
+    """Relative changes of the integrals of plastic strain and of elastic energy (deviator)."""
+    factor = 2.0*np.pi if axisymmetric else 1.0
+
+    def change(of_old, of_new):
+        old = float((points.volume*of_old).sum())
+        new = factor*sum(float((w*f).sum()) for w, f in zip(weights, of_new))
+        return new/old - 1.0 if old > 0.0 else 0.0
+
+    return (change(points.plastic, [s[..., PLASTIC] for s in states]),
+            change(equivalent(points.strain)**2, [equivalent(s[..., STRAIN])**2 for s in states]))
+
+
+def state_block(parts: DeckParts, body: Body, mesh: NewMesh, states) -> Block:
+    """*INITIAL CONDITIONS, TYPE=STATE of the new elements."""
+    _, labels = new_labels(parts, body, mesh)
+    rows = []
+    for own, values in zip(labels, states):
+        if body.word.endswith("R"):
+            values = values.mean(axis=1, keepdims=True)
+        for label, points in zip(own, values):
+            for k, v in enumerate(points):
+                numbers = [*v[STRAIN], v[DILATATION], v[RATIO], v[PLASTIC], v[FLOW], v[WORK]]
+                point = k + 1 if len(points) > 1 else 0   # all
+                rows.append([int(label), point, *map(float, numbers)])
+    return Block("INITIAL CONDITIONS", {"TYPE": "STATE"}, rows)
+
+
+def traction_block(parts: DeckParts, body: Body, mesh: NewMesh, last: Snapshot,
+                   come_from: NDArray) -> list[Block]:
+    """*INITIAL CONDITIONS, TYPE=TRACTION: what the new slave nodes bear, along the old skin."""
+    if last.tractions is None:
+        return []
+    names = [[str(plain(v)).upper() for v in row[:2]] for b in parts.blocks
+             if b.keyword == "CONTACT PAIR" for row in b.data]
+    at = {int(label): k for k, label in enumerate(body.labels)}
+    node_label, _ = new_labels(parts, body, mesh)
+    t = last.tractions
+    rows = []
+    for pair, name in enumerate(names):
+        old = np.zeros((len(body.labels), 6))
+        own = np.flatnonzero((t.pair == pair) & np.isin(t.node, body.labels))
+        for k in own[::-1]:
+            if np.abs(t.traction[k]).max() > 0.0 or not old[at[int(t.node[k])]].any():
+                old[at[int(t.node[k])]] = np.r_[t.traction[k], t.slip[k]]
+        a, b, s = come_from[:, 0].astype(int), come_from[:, 1].astype(int), come_from[:, 2]
+        new = (1.0 - s)[:, None]*old[a] + s[:, None]*old[b]
+        both = (np.abs(old[a, :3]).max(axis=1) > 0.0) & ((np.abs(old[b, :3]).max(axis=1) > 0.0)
+                                                        | (s == 0.0))
+        rows += [[*name[:2], int(node_label[k]), *map(float, new[k, :3]), *map(float, new[k, 3:])]
+                 for k in np.flatnonzero(both)]
+    return [Block("INITIAL CONDITIONS", {"TYPE": "TRACTION"}, rows)] if rows else []
+
+
+def start_block(body: Body, last: Snapshot, parts: DeckParts) -> Block:
+    """*START: the clock, and what has moved already."""
+    clock = last.clock
+    rest = REST*(_period(parts, clock.step) or max(clock.time, clock.increment))
+    rows = [[int(r[0]), int(r[1]), *map(float, r[2:])] for r in last.moved(body)]
+    return Block("START", {"STEP": clock.step, "BEGUN": clock.begun, "TIME": clock.time,
+                           "REST": rest, "INCREMENT": clock.increment}, rows)
+
+
+def _period(parts: DeckParts, step: int) -> float:
+    """Period of a step of the deck [time]."""
+    steps = [k for k, b in enumerate(parts.blocks) if b.keyword == "STEP"]
+    for block in parts.blocks[steps[step - 1]:]:
+        if block.keyword == "STATIC":
+            row = block.data[0] if block.data else []
+            return float(row[1]) if len(row) > 1 and row[1] is not None else 1.0
+        if block.keyword == "END STEP":
+            break
+    return 1.0

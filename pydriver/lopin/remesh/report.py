@@ -1,0 +1,195 @@
+"""What the remeshes of a run did, and the files that join its parts."""
+from __future__ import annotations
+
+import csv
+import json
+import re
+from dataclasses import asdict, dataclass, field
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..files import reading, whole_file
+
+TINY = np.finfo(float).tiny
+
+
+@dataclass
+class Remesh:
+    """One remesh: why, and what it kept.
+
+    Attributes
+    ----------
+    part : that it ended, from 1
+    time : total [time]
+    reason : in words
+    elements : of the new mesh
+    worst_corner : of it
+    moved : volume before, relative change, largest moves [length], nodes put on tools
+    plastic_change, energy_change : relative changes of the integrals of plastic strain and of the
+        elastic energy of the deviator
+    excess : largest share by which a strain was taken back to the yield surface
+    seconds : of the remesh
+    """
+
+    part: int
+    time: float
+    reason: str
+    elements: int
+    worst_corner: float
+    moved: dict[str, float]
+    plastic_change: float
+    energy_change: float
+    excess: float
+    seconds: float
+
+    def line(self) -> str:
+        """For a terminal."""
+        return (f"remesh at time {self.time:g}: {self.reason}; {self.elements} elements, worst "
+                f"corner {self.worst_corner:.2f}, volume {self.moved['volume_change']:+.1e}, "
+                f"plastic strain {100*self.plastic_change:+.2f} %, elastic energy "
+                f"{100*self.energy_change:+.2f} %")
+
+
+@dataclass
+class Report:
+    """Parts and remeshes of a run, and its joined files.
+
+    Attributes
+    ----------
+    name : of the deck
+    folder : of all results
+    parts : names of the decks of the parts
+    remeshes : one fewer
+    """
+
+    name: str
+    folder: Path
+    parts: list[str] = field(default_factory=list)
+    remeshes: list[Remesh] = field(default_factory=list)
+
+    def add_part(self, name: str) -> None:
+        """A part runs."""
+        self.parts.append(name)
+
+    def add(self, remesh: Remesh) -> None:
+        """A remesh was done: kept at once, for a run that is killed."""
+        self.remeshes = [r for r in self.remeshes if r.part < remesh.part] + [remesh]
+        self.write()
+
+    @property
+    def path(self) -> Path:
+        """Of the list of parts and remeshes."""
+        return self.folder/f"{self.name}.parts.json"
+
+    def write(self) -> None:
+        """The list of parts and remeshes."""
+        with whole_file(self.path) as part:
+            part.write_text(self.json() + "\n")
+
+    def read(self) -> None:
+        """The remeshes of a run that goes on."""
+        if self.path.is_file():
+            with reading(self.path):
+                found = json.loads(self.path.read_text())["remeshes"]
+                self.remeshes = [Remesh(**{k: r[k] for k in Remesh.__dataclass_fields__})
+                                 for r in found]
+
+    def finish(self) -> None:
+        """Write the files that join the parts."""
+        self.join_collections()
+        self.join_histories()
+        self.write()
+
+    def json(self) -> str:
+        """All of it."""
+        jumps = {j["part"]: j for j in self.jumps()}
+        return json.dumps({"schema": "lopin-parts/1", "deck": self.name, "parts": self.parts,
+                           "remeshes": [asdict(r) | {"force_change": jumps.get(r.part, {})
+                                                     .get("change")} for r in self.remeshes],
+                           "verdict": self.verdict()[0]}, indent=1)
+
+    def jumps(self) -> list[dict]:
+        """Relative change of the forces of the tools in the increments at rest: part that ended,
+        change, the largest force of the run for scale."""
+        last, found = None, []
+        for number, name in enumerate(self.parts, 1):
+            forces = _forces(self.folder/f"{name}_history.csv")
+            if forces is None or len(forces) == 0:
+                last = None
+                continue
+            if last is not None:
+                change = np.linalg.norm(forces[0] - last)/max(np.linalg.norm(last), TINY)
+                found.append({"part": number - 1, "change": float(change)})
+            last = forces[-1]
+        return found
+
+    def verdict(self) -> tuple[str, list[str]]:
+        """PASS, WARN or FAIL, and why: what remeshes have changed."""
+        said, worst = [], 0
+        for r, jump in ((r, j["change"]) for r in self.remeshes for j in self.jumps()
+                        if j["part"] == r.part):
+            for what, value, warn, fail in (
+                    ("volume", abs(r.moved["volume_change"]), np.inf, 1e-6),
+                    ("integral of plastic strain", abs(r.plastic_change), 2e-3, np.inf),
+                    ("elastic energy", abs(r.energy_change), 2e-2, np.inf),
+                    ("force of the tools at rest", jump, 1e-2, 5e-2)):
+                level = 2 if value > fail else 1 if value > warn else 0
+                worst = max(worst, level)
+                if level:
+                    said.append(f"{('', 'WARN', 'FAIL')[level]}: remesh at time {r.time:g} "
+                                f"changes the {what} by {100*value:.2g} %")
+        return ("PASS", "WARN", "FAIL")[worst], said
+
+    def text(self) -> str:
+        """For a terminal."""
+        verdict, said = self.verdict()
+        jumps = [j["change"] for j in self.jumps()]
+        lines = [*said, f"{len(self.parts)} parts, {len(self.remeshes)} remeshes: {verdict}"]
+        if jumps:
+            lines[-1] += f"; force of the tools at rest changes by {100*max(jumps):.2g} % at most"
+        lines.append(f"results in {self.folder}/; {self.name}.pvd and {self.name}_history.csv "
+                     "hold all parts")
+        return "\n".join(lines)
+
+    def join_collections(self) -> None:
+        """One .pvd of all parts: ParaView goes through them by time."""
+        rows, head, tail = [], "", ""
+        for name in self.parts:
+            path = self.folder/f"{name}.pvd"
+            if not path.is_file():
+                continue
+            text = path.read_text()
+            rows += re.findall(r"^.*<DataSet .*$", text, re.M)
+            head = text[:text.index("<Collection")] + "<Collection>\n"
+            tail = text[text.index("</Collection>"):]
+        if rows:
+            with whole_file(self.folder/f"{self.name}.pvd") as part:
+                part.write_text(head + "\n".join(rows) + "\n" + tail)
+
+    def join_histories(self) -> None:
+        """One history of all parts, with a column for the part."""
+        head, rows = [], []
+        for number, name in enumerate(self.parts, 1):
+            path = self.folder/f"{name}_history.csv"
+            if not path.is_file():
+                continue
+            with path.open(newline="") as file:
+                first, *body = list(csv.reader(file))
+            head = ["part [-]", *first]
+            rows += [[number, *row] for row in body]
+        if rows:
+            with whole_file(self.folder/f"{self.name}_history.csv") as part, \
+                    part.open("w", newline="") as file:
+                csv.writer(file, lineterminator="\n").writerows([head, *rows])
+
+
+def _forces(path: Path) -> NDArray | None:
+    """Forces of the tools, a row an increment; None without a history."""
+    if not path.is_file():
+        return None
+    with reading(path), path.open(newline="") as file:
+        head, *rows = list(csv.reader(file))
+        columns = [k for k, name in enumerate(head) if re.match(r".*\.rf[123]\b", name)]
+        return np.array([[float(row[k]) for k in columns] for row in rows])

@@ -1,0 +1,57 @@
+"""What a run holds where its mesh is made anew: shape, points, tractions, tools, clock."""
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..points import Points, Tractions
+from .body import Body, refused
+from .part import Clock
+
+
+@dataclass
+class Snapshot:
+    """A run between two increments.
+
+    Attributes
+    ----------
+    x : present places of the nodes of the body (node, ndim) [length]
+    points : what its integration points hold
+    tractions : what slave nodes bear; None without contact
+    clock : where the run stands
+    motion : a row a degree of freedom: label, dof, displacement, where the step began, load
+    volume : of the body, as the run measures it [length^3]
+    """
+
+    x: NDArray
+    points: Points
+    tractions: Tractions | None
+    clock: Clock
+    motion: NDArray
+
+    @classmethod
+    def of(cls, job, body: Body) -> Snapshot:
+        """Of an open run after an accepted increment."""
+        motion = job._session.field("STATE OF MOTION")
+        points = job.points
+        if points is None:
+            raise refused("the material remembers nothing that a new mesh could go on with",
+                          "remeshing is for metals that flow")
+        x = body.x.copy()
+        at = {int(label): k for k, label in enumerate(body.labels)}
+        rows = np.array([at.get(int(label), -1) for label in motion[:, 0]])
+        own = (rows >= 0) & (motion[:, 1] <= body.ndim)
+        x[rows[own], motion[own, 1].astype(int) - 1] += motion[own, 2]
+        return cls(x, points, job.tractions, Clock.of(job._session), motion)
+
+    def moved(self, body: Body) -> NDArray:
+        """Rows of `motion` of nodes that are not meshed anew and have moved or bear a load."""
+        stays = ~np.isin(self.motion[:, 0], body.labels)
+        return self.motion[stays & (np.abs(self.motion[:, 2:]) > 0.0).any(axis=1)]
+
+    def loaded(self, body: Body) -> bool:
+        """Whether loads act on nodes of the body."""
+        own = np.isin(self.motion[:, 0], body.labels)
+        return bool((np.abs(self.motion[own, 4]) > 0.0).any())

@@ -1,0 +1,90 @@
+"""The tools that a body meets, where they stand now."""
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..model_read_mesh import plain
+from .body import Body, DeckParts
+from .state import Snapshot
+
+
+@dataclass
+class Tools:
+    """Contact pairs whose slave lies on the body and whose master is an analytic tool.
+
+    Attributes
+    ----------
+    session : the open run
+    pairs : number of each pair from 0, and the tags that mark its slave
+    """
+
+    session: object
+    pairs: list[tuple[int, frozenset]] = field(default_factory=list)
+
+    @classmethod
+    def of(cls, session, parts: DeckParts) -> Tools:
+        """Of the deck of an open run."""
+        pairs, number, points = [], 0, {}
+        for block in parts.blocks:
+            if block.keyword == "SURFACE" and \
+                    str(plain(block.parameters.get("TYPE", ""))).upper() == "NODE":
+                name = str(plain(block.parameters["NAME"])).upper()
+                points[name] = {("N", str(row[0]).upper()) for row in block.data}
+            if block.keyword != "CONTACT PAIR":
+                continue
+            for row in block.data:
+                slave = str(plain(row[0])).upper()
+                pairs.append((number, frozenset({("S", slave)} | points.get(slave, set()))))
+                number += 1
+        return cls(session, pairs)
+
+    def feet(self, x: NDArray, tags: list[frozenset], loops: list[NDArray]):
+        """For each tool the nodes of an outline that may meet it, and their closest points."""
+        found = []
+        for number, slave in self.pairs:
+            nodes = {n for loop in loops for a, b in zip(loop, np.roll(loop, -1))
+                     if tags[a] & slave for n in (int(a), int(b))}
+            nodes = np.array(sorted(nodes), int)
+            feet = self.session.tool_feet(number, x[nodes]) if len(nodes) else None
+            if feet is not None:
+                found.append((nodes, feet))
+        return found
+
+    def feet_of_facets(self, x: NDArray, facets: NDArray, tags: list[frozenset]):
+        """For each tool the facets that may meet it, and the closest points of their middles."""
+        for number, slave in self.pairs:
+            rows = np.array([k for k, tag in enumerate(tags) if tag & slave], int)
+            feet = self.session.tool_feet(number, x[facets[rows]].mean(axis=1)) \
+                if len(rows) else None
+            if feet is not None:
+                yield rows, feet
+
+    def pressed(self, body: Body, state: Snapshot) -> NDArray:
+        """Whether each node of the body bears a traction (node,)."""
+        bears = np.zeros(len(body.labels), bool)
+        if state.tractions is not None:
+            loaded = np.abs(state.tractions.traction).max(axis=1) > 0.0
+            bears = np.isin(body.labels, state.tractions.node[loaded])
+        return bears
+
+    def arcs(self, x: NDArray, facets: NDArray, tags: list[frozenset], reach: float):
+        """Places of facets near the tools, and the radius of the tool there, from the turn of its
+        normals between the ends of each facet."""
+        for number, slave in self.pairs:
+            rows = np.array([k for k, tag in enumerate(tags) if tag & slave], int)
+            if len(rows) == 0:
+                continue
+            n, d = facets.shape[1], x.shape[1]
+            feet = self.session.tool_feet(number, x[facets[rows]].reshape(-1, d))
+            if feet is None:
+                continue
+            feet = feet.reshape(len(rows), n, -1)
+            point, normal = feet[..., 2:2 + d], feet[..., 2 + d:]
+            near = np.abs(feet[..., 0]).min(axis=1) < reach
+            way = np.linalg.norm(point - np.roll(point, 1, axis=1), axis=2).max(axis=1)
+            turn = np.linalg.norm(normal - np.roll(normal, 1, axis=1), axis=2).max(axis=1)
+            bent = near & (turn > 1e-6)
+            yield x[facets[rows[bent]]].mean(axis=1), way[bent]/turn[bent]

@@ -1,0 +1,56 @@
+"""When a mesh is made anew: reasons in words, empty where there is none."""
+from __future__ import annotations
+
+import numpy as np
+
+from .body import Body
+from .card import RemeshCard
+from .part import Clock
+from .plane import worst_corner
+from .state import Snapshot
+from .tools import Tools
+
+#: Increments of a part before the next remesh, the one at rest not counted.
+PATIENCE = 3
+
+
+def reason_to_remesh(body: Body, card: RemeshCard, plastic: dict[int, float], began: Clock,
+                     now: Snapshot, tools: Tools, first_quality: float) -> str:
+    """Why the mesh should be made anew, or nothing.
+
+    Parameters
+    ----------
+    plastic : accumulated strain of each element where the part began
+    began : where that was
+    first_quality : worst corner of the mesh there
+    """
+    if now.clock.number <= PATIENCE:
+        return ""
+    worst = worst_corner(now.x, body.cells)
+    simplices = body.cells[0].shape[1] == body.ndim + 1
+    bound = min(2.0*card.quality, 0.5*first_quality) if simplices else card.quality
+    if worst < min(bound, 0.8*first_quality):
+        return f"worst corner {worst:.3f} below {bound:.3f}"
+    deep = deepest(body, now, tools)
+    if deep > card.penetration:
+        return f"an edge {deep:.3f} of its length inside a tool"
+    own = np.isin(now.points.element, body.elements)
+    before = np.array([plastic.get(int(e), 0.0) for e in now.points.element[own]])
+    strain = float((now.points.plastic[own] - before).max())
+    if strain > card.strain:
+        return f"plastic strain {strain:.2f} since the last mesh"
+    passed = now.clock.total - began.total
+    if card.period and passed >= card.period*(1.0 - 1e-9):
+        return f"time {passed:g} since the last mesh"
+    return ""
+
+
+def deepest(body: Body, now: Snapshot, tools: Tools) -> float:
+    """How far the middle of a facet is inside a tool, by the length of the facet."""
+    most = 0.0
+    for rows, feet in tools.feet_of_facets(now.x, body.facets, body.tags):
+        corner = now.x[body.facets[rows]]
+        length = np.linalg.norm(corner - np.roll(corner, 1, axis=1), axis=2).max(axis=1)
+        inside = (feet[:, 0] < 0.0) & (feet[:, 0] > -length) & (feet[:, 1] <= 0.0)
+        most = max(most, float((-feet[inside, 0]/length[inside]).max(initial=0.0)))
+    return most
