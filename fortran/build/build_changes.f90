@@ -6,7 +6,8 @@ module lopin_build_changes
    use lopin_block, only : deck_type, block_type, field_type, split_fields, complain, &
       & has_parameter, line_place
    use lopin_build_friction, only : read_friction
-   use lopin_build_scene, only : scene_type, name_type, need_word, find_name, no_such
+   use lopin_build_scene, only : scene_type
+   use lopin_build_behaviours, only : interaction_named
    use lopin_build_surfaces, only : surface_named
    implicit none
    private
@@ -47,8 +48,7 @@ contains
             case ('FRICTION')
                waiting = .false.
                call read_friction(change%friction, block, model%log)
-               if (change%interaction > 0) model%step(s)%friction_change = &
-                  & [model%step(s)%friction_change, change]
+               if (change%interaction > 0) call keep(change)
             case ('MODEL CHANGE')
                call change_pairs(model, scene, block, scene%card(k)%scope, s)
             end select
@@ -64,23 +64,24 @@ contains
       subroutine open_change(change, block)
          type(friction_change_type), intent(out) :: change
          type(block_type), intent(in) :: block
-         type(name_type), allocatable :: names(:)
-         character(len=:), allocatable :: word
-         type(location_type) :: at
-         integer :: i
-         logical :: found
 
          change%at = block%at
-         call need_word(block, 'INTERACTION', word, at, found, model%log)
-         if (.not. found) return
-         allocate (names(size(model%interaction)))
-         do i = 1, size(names)
-            names(i)%text = model%interaction(i)%name
-         end do
-         change%interaction = find_name(names, word)
-         if (change%interaction == 0) call no_such(model%log, 'surface interaction', word, names, &
-            & at)
+         change%interaction = interaction_named(model, block)
       end subroutine open_change
+
+      !> For the interaction and for those that change its behaviour, which have its name.
+      subroutine keep(change)
+         type(friction_change_type), intent(in) :: change
+         type(friction_change_type) :: same
+         integer :: i
+
+         same = change
+         do i = change%interaction, size(model%interaction)
+            if (model%interaction(i)%name /= model%interaction(change%interaction)%name) cycle
+            same%interaction = i
+            model%step(s)%friction_change = [model%step(s)%friction_change, same]
+         end do
+      end subroutine keep
    end subroutine changes_of_step
 
    subroutine change_pairs(model, scene, block, scope, s)

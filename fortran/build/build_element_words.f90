@@ -6,6 +6,7 @@ module lopin_build_element_words
    use lopin_model, only : model_type, kind_of
    use lopin_block, only : deck_type, complain
    use lopin_build_scene, only : scene_type, need_word
+   use lopin_build_springs, only : is_spring
    implicit none
    private
    public :: find_element_words, set_kind
@@ -30,7 +31,7 @@ contains
             if (block%keyword /= 'ELEMENT') cycle
             call need_word(block, 'TYPE', word, at, found, model%log)
             if (.not. found) cycle
-            if (dimensions_of(word) <= skin) cycle
+            if (dimensions_of(word) <= skin .or. is_spring(word)) cycle
             short = word
             if (any(model%element_word == short)) cycle
             call new_element_type(etype, word, '', found)
@@ -134,11 +135,15 @@ contains
             end if
             if (etype%ndim /= model%mesh%ndim) then
                call mixed(model%log, scene, first, i, 'dimensions')
-            else if (etype%axisymmetric .neqv. scene%etype(first)%axisymmetric) then
+            else if ((etype%axisymmetric .neqv. scene%etype(first)%axisymmetric) &
+               & .and. any([etype%kind, scene%etype(first)%kind] == element_kind%rigid)) then
                call mixed(model%log, scene, first, i, 'plane and axisymmetric elements')
             end if
             if (etype%kind == element_kind%rigid) cycle
             if (model%kind == 0) model%kind = etype%kind
+            if (etype%axisymmetric .neqv. model%kind == kind_of%axisymmetric) &
+               & call tell_flat(model, scene, i)
+            if (etype%axisymmetric) model%kind = kind_of%axisymmetric
             if (etype%kind == kind_of%plane_strain .and. model%kind == kind_of%plane_stress) &
                & model%kind = kind_of%plane_strain
          end associate
@@ -146,6 +151,20 @@ contains
       if (model%kind == 0) model%kind = kind_of%rigid
       if (model%mesh%ndim == 0) model%mesh%ndim = 3
    end subroutine set_kind
+
+   !> Plane elements beside axisymmetric ones: once.
+   subroutine tell_flat(model, scene, i)
+      type(model_type), intent(inout) :: model
+      type(scene_type), intent(in) :: scene
+      integer, intent(in) :: i                  !! type that makes the scene mixed
+
+      if (count(scene%etype(:i)%axisymmetric .neqv. scene%etype(i)%axisymmetric) &
+         & == 0) return
+      if (count(scene%etype(:i)%axisymmetric .eqv. scene%etype(i)%axisymmetric) > 1) return
+      call model%log%say(severity%note, 'N0206', 'plane elements stand beside axisymmetric '// &
+         & 'ones: their thickness is that of all of them around the circumference, and their '// &
+         & 'nodes move radially together', scene%etype_at(i))
+   end subroutine tell_flat
 
    subroutine mixed(log, scene, first, other, what)
       type(log_type), intent(inout) :: log

@@ -5,8 +5,8 @@ module lopin_build_heat
    use lopin_text, only : to_text
    use lopin_model, only : model_type, material_type, temperature_type, initial_stress_type
    use lopin_element_type, only : element_kind
-   use lopin_block, only : deck_type, block_type, field_type, split_fields, field_real, complain, &
-      & line_place
+   use lopin_block, only : deck_type, block_type, field_type, split_fields, field_real, &
+      & field_integer, complain, line_place
    use lopin_build_scene, only : scene_type, need_real, get_word, nodes_of, elements_of
    use lopin_build_amplitudes, only : read_amplitude_word, hold_value
    use lopin_build_boundary, only : asks_new
@@ -108,7 +108,7 @@ contains
       type(field_type), allocatable :: field(:)
       type(initial_stress_type) :: new
       integer, allocatable :: element(:)
-      integer :: i, j, n
+      integer :: i, j, n, first
       logical :: found
 
       do j = 1, block%nline
@@ -116,9 +116,12 @@ contains
          if (n == 0) cycle
          call elements_of(scene, model%mesh, field(1), scope, element, model%log)
          if (n < 2) call complain(model%log, 'E0103', 'a stress is missing', field(1)%at)
-         new%stress = 0.0_wp
-         do i = 1, min(6, n - 1)
-            if (len_trim(field(i + 1)%text) > 0) call field_real(field(i + 1), new%stress(i), &
+         new = initial_stress_type(at=field(1)%at)
+         ! CalculiX has a point between the element and six stresses.
+         first = merge(3, 2, n > 7)
+         if (n > 7) call field_integer(field(2), new%point, model%log, found)
+         do i = first, min(first + 5, n)
+            if (len_trim(field(i)%text) > 0) call field_real(field(i), new%stress(i - first + 1), &
                & model%log, found)
          end do
          do i = 1, size(element)

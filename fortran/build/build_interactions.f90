@@ -21,7 +21,7 @@ module lopin_build_interactions
    use lopin_build_scene, only : need_real, scene_type, need_word, get_word
    implicit none
    private
-   public :: build_interactions
+   public :: build_interactions, read_behaviour
 
 contains
 
@@ -249,6 +249,9 @@ contains
          & //to_text(p0, 6)//' must be positive', line_place(block%line(1)))
       interaction%table(:, 1) = [p0, c0]
       call new_exponential(exponential, p0, c0)
+      call log%say(severity%note, 'N0306', 'EXPONENTIAL is the law of Abaqus, without pressure '// &
+         & 'beyond the gap c0; in CalculiX a hundredth of p0 is left there, and pressures above '// &
+         & 'p0 grow faster', block%at)
       call copy_method(exponential, interaction%method)
    end subroutine read_exponential
 

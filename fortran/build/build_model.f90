@@ -29,6 +29,9 @@ module lopin_build_model
    use lopin_build_ties, only : build_ties
    use lopin_build_amplitudes, only : build_amplitudes
    use lopin_build_steps, only : build_steps
+   use lopin_build_behaviours, only : build_behaviour_changes
+   use lopin_build_flat_surfaces, only : find_flat_surfaces
+   use lopin_build_springs, only : build_springs
    use lopin_build_changes, only : build_changes
    use lopin_build_start, only : build_start
    use lopin_settle_flow, only : settle_flow
@@ -74,6 +77,7 @@ contains
       call build_materials(model, deck, scene)
       call build_sections(model, deck, scene)
       call build_surfaces(model, deck, scene)
+      call find_flat_surfaces(model)
       call cut_sections(cuts, model, deck, scene)
       allocate (rigid(model%mesh%nelement))
       call build_rigid_bodies(model, deck, scene, rigid)
@@ -81,6 +85,7 @@ contains
       call build_initial_conditions(model, deck, scene)
       call build_equations(model, deck, scene)
       call build_transforms(model, deck, scene)
+      call build_springs(model, deck, scene)
       call build_interactions(model, deck, scene)
       call build_pairs(model, deck, scene)
       call build_tractions(model, deck, scene)
@@ -89,6 +94,7 @@ contains
       call build_steps(model, deck, scene, absolute)
       call build_temperatures(model, deck, scene)
       call join_sections(cuts, model)
+      call build_behaviour_changes(model, deck, scene)
       call build_changes(model, deck, scene)
       call build_start(model, deck, scene)
       if (model%log%count_of(severity%error) == 0) call settle_flow(model)

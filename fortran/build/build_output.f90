@@ -113,6 +113,8 @@ contains
       call get_word(block, 'TOTALS', word, at, found)
       output%totals = word == 'YES' .or. word == 'ONLY'
       output%totals_only = word == 'ONLY'
+      call get_word(block, 'GLOBAL', word, at, found)
+      if (block%keyword == 'NODE PRINT') output%global = found .and. word /= 'NO'
       do j = 1, block%nline
          call split_fields(block%line(j), field, n)
          do i = 1, n

@@ -234,15 +234,13 @@ contains
       if (allocated(model%temperature)) model%temperature(cut%twin) = model%temperature(cut%node)
       do s = 1, size(model%step)
          if (.not. allocated(model%step(s)%temperature)) cycle
-         associate (list => model%step(s)%temperature)
-            do i = 1, size(cut%node)
-               k = findloc(list%node, cut%node(i), dim=1)
-               if (k == 0) cycle
-               twin = list(k)
-               twin%node = cut%twin(i)
-               list = [list, twin]
-            end do
-         end associate
+         do i = 1, size(cut%node)
+            k = findloc(model%step(s)%temperature%node, cut%node(i), dim=1)
+            if (k == 0) cycle
+            twin = model%step(s)%temperature(k)
+            twin%node = cut%twin(i)
+            model%step(s)%temperature = [model%step(s)%temperature, twin]
+         end do
       end do
    end subroutine share_temperatures
 end module lopin_build_pretension

@@ -8,6 +8,7 @@ module lopin_build_sets
       & complain, has_parameter
    use lopin_build_scene, only : scene_type, list_type, push, scoped, split_prefix, get_word, &
       & need_word, set_named, find_name, name_type, no_such
+   use lopin_build_springs, only : spring_labels, is_spring
    implicit none
    private
    public :: build_sets
@@ -17,6 +18,7 @@ module lopin_build_sets
       character(len=:), allocatable :: what           !! 'node' or 'element'
       character(len=:), allocatable :: own, word      !! NSET, NODE / ELSET, ELEMENT
       integer, allocatable :: label(:), order(:), offset(:)
+      integer, allocatable :: other(:)                !! elements that are no part of the mesh
       type(set_type), allocatable :: set(:)
       type(location_type), allocatable :: at(:)       !! first definition
       type(list_type), allocatable :: card(:)         !! cards that add to each set
@@ -54,6 +56,8 @@ contains
          family%order = model%mesh%element_order
          allocate (family%offset(0:size(scene%instance)), source=scene%element_offset)
       end if
+      if (what == 'element') family%other = spring_labels(deck, scene)
+      if (what == 'node') allocate (family%other(0))
       call collect_names(family, deck, scene, model%log)
       do i = 1, size(family%set)
          call resolve(family, i, model, deck, scene)
@@ -121,6 +125,7 @@ contains
          associate (card => scene%card(family%card(i)%item(j)))
             associate (block => deck%block(card%block))
                if (block%keyword == family%word) then
+                  if (size(family%other) > 0) clean = clean .and. .not. holds_springs(block)
                   call take_labels(family, block, card%scope, scene, member)
                else
                   call take_card(family, block, card%scope, member, clean, model, deck, scene)
@@ -134,6 +139,15 @@ contains
          & help='give it members, or remove it and what refers to it')
       family%state(i) = 2
    end subroutine resolve
+
+   logical function holds_springs(block)
+      type(block_type), intent(in) :: block
+      character(len=:), allocatable :: word
+      type(location_type) :: at
+
+      call get_word(block, 'TYPE', word, at, holds_springs)
+      if (holds_springs) holds_springs = is_spring(word)
+   end function holds_springs
 
    !> Members of `*NODE, NSET=` or `*ELEMENT, ELSET=`.
    subroutine take_labels(family, block, scope, scene, member)
@@ -251,6 +265,8 @@ contains
          k = find_label(family%label, family%order, number + family%offset(within))
          if (k > 0) then
             call push(member, k)
+         else if (any(family%other == number + family%offset(within))) then
+            clean = .false.                        ! a spring: no part of the mesh
          else
             clean = .false.
             call complain(model%log, 'E0202', family%what//' '//to_text(number) &

@@ -1,26 +1,21 @@
 !> Surfaces of the deck: faces of elements, nodes with areas, rigid tools.
 module lopin_build_surfaces
    use lopin_kinds, only : wp
-   use lopin_error, only : location_type
+   use lopin_error, only : location_type, severity
    use lopin_text, only : upper, to_text
-   use lopin_cells, only : cell_type, cell_id
+   use lopin_cells, only : cell_type
    use lopin_facets, only : facets_type, boundary_facets
    use lopin_tool_factory, only : tool_kinds
    use lopin_model, only : model_type, surface_data_type, surface_of, kind_of
    use lopin_block, only : deck_type, block_type, field_type, split_fields, field_real, complain
    use lopin_build_scene, only : scene_type, list_type, name_type, push, scoped, need_word, &
       & get_word, nodes_of, elements_of, find_name, no_such
+   use lopin_face_neighbours, only : neighbours_type, find_neighbours, across
    use lopin_build_stl, only : build_stl_tool
    use lopin_build_tools, only : build_tool
    implicit none
    private
    public :: build_surfaces, surface_named
-
-   !> Which elements have each node as a corner, for the neighbour across a face.
-   type :: neighbours_type
-      integer, allocatable :: start(:), element(:)
-      logical :: within = .false.              !! faces between elements may be taken too
-   end type neighbours_type
 
 contains
 
@@ -32,7 +27,7 @@ contains
       type(surface_data_type) :: surface
       character(len=:), allocatable :: name, word
       type(location_type) :: at, word_at
-      integer :: k, i
+      integer :: k, i, known
       logical :: found
 
       allocate (model%surface(0), model%tool(0))
@@ -46,11 +41,12 @@ contains
             surface%at = at
             call get_word(block, 'TYPE', word, word_at, found)
             if (.not. found) word = 'ELEMENT'
+            known = 0
             do i = 1, size(model%surface)
                if (model%surface(i)%name /= surface%name) cycle
                if ((model%surface(i)%kind == surface_of%nodes) .neqv. word == 'NODE') cycle
-               call complain(model%log, 'E0205', 'surface `'//surface%name//'` is defined '// &
-                  & 'twice, first in line '//to_text(model%surface(i)%at%line), at)
+               known = i
+               call tell_second(model, word, surface, i)
             end do
             select case (word)
             case ('ELEMENT')
@@ -71,10 +67,61 @@ contains
                      & help='ELEMENT, NODE, SEGMENTS, CYLINDER, REVOLUTION, STL')
                end if
             end select
-            model%surface = [model%surface, surface]
+            if (known > 0 .and. surface%kind /= surface_of%tool) then
+               call join_surfaces(model%surface(known), surface, model%mesh%nelement, &
+                  & model%mesh%nnode)
+            else
+               model%surface = [model%surface, surface]
+            end if
          end associate
       end do
    end subroutine build_surfaces
+
+   !> Faces and nodes of two cards of one name are taken together, as sets are; a tool is one thing.
+   subroutine tell_second(model, word, surface, known)
+      type(model_type), intent(inout) :: model
+      character(len=*), intent(in) :: word       !! TYPE of the second card
+      type(surface_data_type), intent(in) :: surface
+      integer, intent(in) :: known               !! surface of the first card
+      character(len=:), allocatable :: text
+
+      text = 'surface `'//surface%name//'` is defined twice, first in line '// &
+         & to_text(model%surface(known)%at%line)
+      if (model%surface(known)%kind == surface_of%tool .or. (word /= 'ELEMENT' &
+         & .and. word /= 'NODE')) then
+         call complain(model%log, 'E0205', text, surface%at)
+      else
+         call model%log%say(severity%warning, 'W0205', text//': the two are taken together', &
+            & surface%at, help='one card for all of it, or another name')
+      end if
+   end subroutine tell_second
+
+   !> Add what another surface of the same kind has and this one does not.
+   subroutine join_surfaces(self, other, nelement, nnode)
+      type(surface_data_type), intent(inout) :: self
+      type(surface_data_type), intent(in) :: other
+      integer, intent(in) :: nelement, nnode
+      type(list_type) :: element, face
+      logical :: met(nnode)
+      integer :: i
+
+      if (self%kind == surface_of%nodes) then
+         met = .false.
+         met(self%node) = .true.
+         associate (new => pack([(i, i=1, size(other%node))], .not. met(other%node)))
+            self%node = [self%node, other%node(new)]
+            self%area = [self%area, other%area(new)]
+         end associate
+      else if (self%kind == surface_of%faces) then
+         element%item = [self%element, other%element]
+         face%item = [self%face, other%face]
+         element%n = size(element%item)
+         face%n = element%n
+         call keep_once(nelement, element, face)
+         self%element = element%item(:element%n)
+         self%face = face%item(:face%n)
+      end if
+   end subroutine join_surfaces
 
    !> Is it the surface of a *PRE-TENSION SECTION?
    logical function cuts_a_body(deck, scene, name)
@@ -248,66 +295,6 @@ contains
       text = 'S1...S'//to_text(cell%nface)
       if (cell%sided) text = 'SPOS and SNEG'
    end function face_words
-
-   subroutine find_neighbours(self, model, scene)
-      type(neighbours_type), intent(out) :: self
-      type(model_type), intent(in) :: model
-      type(scene_type), intent(in) :: scene
-      integer, allocatable :: filled(:)
-      integer :: e, i, n
-
-      allocate (self%start(model%mesh%nnode + 1), source=0)
-      do e = 1, model%mesh%nelement
-         if (scene%etype(model%mesh%etype(e))%cell%sided) cycle
-         n = scene%etype(model%mesh%etype(e))%cell%ncorner
-         do i = 1, n
-            associate (node => model%mesh%conn(i, e))
-               if (node > 0) self%start(node + 1) = self%start(node + 1) + 1
-            end associate
-         end do
-      end do
-      self%start(1) = 1
-      do i = 2, size(self%start)
-         self%start(i) = self%start(i) + self%start(i - 1)
-      end do
-      filled = self%start
-      allocate (self%element(self%start(size(self%start)) - 1))
-      do e = 1, model%mesh%nelement
-         if (scene%etype(model%mesh%etype(e))%cell%sided) cycle
-         n = scene%etype(model%mesh%etype(e))%cell%ncorner
-         do i = 1, n
-            associate (node => model%mesh%conn(i, e))
-               if (node == 0) cycle
-               self%element(filled(node)) = e
-               filled(node) = filled(node) + 1
-            end associate
-         end do
-      end do
-   end subroutine find_neighbours
-
-   !> The other element that has the corners of a face; 0 on the boundary.
-   pure integer function across(model, cell, neighbours, e, f) result(other)
-      type(model_type), intent(in) :: model
-      type(cell_type), intent(in) :: cell
-      type(neighbours_type), intent(in) :: neighbours
-      integer, intent(in) :: e, f
-      integer :: corner(4), n, k, i
-      logical :: all_there
-
-      n = cell%face_nnode(f)
-      if (cell%quadratic) n = merge(2, n/2, cell%face_cell(f) == cell_id%line3)
-      corner(:n) = model%mesh%conn(cell%face_node(:n, f), e)
-      do k = neighbours%start(corner(1)), neighbours%start(corner(1) + 1) - 1
-         other = neighbours%element(k)
-         if (other == e) cycle
-         all_there = .true.
-         do i = 2, n
-            all_there = all_there .and. any(model%mesh%conn(:8, other) == corner(i))
-         end do
-         if (all_there) return
-      end do
-      other = 0
-   end function across
 
    !> A face listed twice counts once.
    pure subroutine keep_once(nelement, element, face)

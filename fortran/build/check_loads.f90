@@ -91,6 +91,9 @@ contains
       do i = 1, size(model%equation)
          there(model%equation(i)%node) = .true.
       end do
+      do i = 1, size(model%spring)
+         there(model%spring(i)%node) = .true.
+      end do
    end subroutine find_bodies
 
    pure logical function same(a, b)

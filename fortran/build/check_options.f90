@@ -64,7 +64,7 @@ contains
             & 'INITIAL', 'a tied pair bridges its gaps as they are', 'leave it out')
          if (p%interaction == 0) return
          if (.not. tied) call check_areas(model, pair)
-         if (.not. tied) return
+         if (.not. tied .or. any(model%pair%before == pair)) return
          if (has_friction(model%interaction(p%interaction)%friction)) call idle(model, p%at, &
             & '*FRICTION', 'a tied pair does not slip', 'leave out TIED, or the friction')
       end associate

@@ -84,6 +84,11 @@ contains
       do i = 1, size(model%equation)
          serves(model%equation(i)%node) = .true.
       end do
+      do i = 1, size(model%spring)
+         do k = 1, 2
+            if (model%spring(i)%node(k) > 0) serves(model%spring(i)%node(k)) = .true.
+         end do
+      end do
 
    contains
 

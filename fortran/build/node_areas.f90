@@ -1,5 +1,6 @@
-!> Areas of slave surfaces that are made of nodes, where a law of friction needs them: a limit of
-!> the shear stress is none of the force without one.
+!> Areas of slave surfaces that are made of nodes, where a law needs them: a limit of the shear
+!> stress is none of the force without one, and a pressure that the deck gives to a penetration
+!> makes a force by the area alone.
 !>
 !> They are those of the free faces whose nodes all belong to the surface. Nodes without such a face
 !> keep none, of which lopin_check_options warns.
@@ -12,7 +13,8 @@ module lopin_node_areas
       & nodal_weights
    use lopin_element_type, only : cells_of_words
    use lopin_friction, only : friction_type, bounds_by_area
-   use lopin_model, only : model_type, surface_of, kind_of
+   use lopin_model, only : model_type, surface_of, overclosure_of
+   use lopin_flat_elements, only : is_flat, is_ring
    implicit none
    private
    public :: find_node_areas
@@ -32,9 +34,10 @@ contains
             if (s == 0 .or. model%pair(pair)%interaction == 0) cycle
             if (model%surface(s)%kind /= surface_of%nodes .or. wanted(s)) cycle
             if (.not. any(model%surface(s)%area <= 0.0_wp)) cycle
-            if (.not. limits_stress(model, model%pair(pair)%interaction)) cycle
+            if (.not. (limits_stress(model, model%pair(pair)%interaction) &
+               & .or. gives_pressure(model, model%pair(pair)%interaction))) cycle
             wanted(s) = .true.
-            call weigh(model, model%surface(s)%node, weight)
+            call weigh(model, model%surface(s)%node, is_ring(model, s), weight)
             associate (area => model%surface(s)%area, node => model%surface(s)%node)
                do i = 1, size(node)
                   if (.not. area(i) > 0.0_wp) area(i) = weight(node(i))
@@ -42,8 +45,10 @@ contains
                lacking = count(.not. area > 0.0_wp)
                if (lacking < size(area)) call model%log%say(severity%note, 'N0318', &
                   & 'surface '//model%surface(s)%name//' of nodes stands for an area of '// &
-                  & to_text(sum(area), 4)//', found from the free faces between its nodes: its '// &
-                  & 'friction has a limit of the shear stress', model%surface(s)%at)
+                  & to_text(sum(area), 4)//', found from the free faces between its nodes: '// &
+                  & trim(merge('its friction has a limit of the shear stress      ', &
+                  & 'a slope or law of pressure is by area, not by node', limits_stress(model, &
+                  & model%pair(pair)%interaction))), model%surface(s)%at)
             end associate
          end associate
       end do
@@ -67,25 +72,36 @@ contains
       end do
    end function limits_stress
 
+   !> The deck gives the pressure of a penetration.
+   pure logical function gives_pressure(model, interaction) result(gives)
+      type(model_type), intent(in) :: model
+      integer, intent(in) :: interaction
+
+      associate (way => model%interaction(interaction))
+         gives = any(way%overclosure == [overclosure_of%exponential, overclosure_of%tabular])
+         gives = gives .or. (way%slope > 0.0_wp .and. .not. way%method%is_exact())
+      end associate
+   end function gives_pressure
+
    !> Areas of the mesh's nodes by the free faces whose nodes are all in a list; zero elsewhere.
-   subroutine weigh(model, node, weight)
+   subroutine weigh(model, node, ring, weight)
       type(model_type), intent(in) :: model
       integer, intent(in) :: node(:)
+      logical, intent(in) :: ring              !! areas go around the axis
       real(wp), allocatable, intent(out) :: weight(:)
       type(cell_type), allocatable :: cells(:)
       type(facets_type) :: free, facets
       type(facet_rule_type) :: rules(6)
       logical, allocatable :: shared(:), within(:)
-      logical :: member(model%mesh%nnode), axisymmetric
+      logical :: member(model%mesh%nnode)
       real(wp), allocatable :: thickness(:)
       integer :: i
 
-      axisymmetric = model%kind == kind_of%axisymmetric
       member = .false.
       member(node) = .true.
       call cells_of_words(model%element_word, cells)
       call boundary_facets(free, model%mesh, cells, pack([(i, i=1, model%mesh%nelement)], &
-         & model%mesh%section > 0), axisymmetric, shared)
+         & model%mesh%section > 0), ring, shared)
       allocate (within(free%n))
       do i = 1, free%n
          within(i) = all(member(free%node(:free%nnode(i), i)))
@@ -98,9 +114,11 @@ contains
       facets%node = free%node(:, pack([(i, i=1, free%n)], within))
       allocate (weight(model%mesh%nnode), thickness(facets%n))
       thickness = 1.0_wp
-      if (any(model%kind == [kind_of%plane_strain, kind_of%plane_stress])) thickness(:) = &
-         & [(model%section(model%mesh%section(facets%element(i)))%thickness, i=1, facets%n)]
+      do i = 1, facets%n
+         if (is_flat(model, facets%element(i))) thickness(i) = &
+            & model%section(model%mesh%section(facets%element(i)))%thickness
+      end do
       call new_facet_rules(rules)
-      call nodal_weights(facets, rules, model%mesh%x, axisymmetric, thickness, weight)
+      call nodal_weights(facets, rules, model%mesh%x, ring, thickness, weight)
    end subroutine weigh
 end module lopin_node_areas

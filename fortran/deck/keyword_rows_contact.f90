@@ -100,9 +100,9 @@ contains
       call example(table, '*SURFACE INTERACTION, NAME=SMOOTH|*SURFACE BEHAVIOR, AUGMENTED '// &
          & 'LAGRANGE|1.e5')
 
-      call key(table, 'SURFACE BEHAVIOR', 'M', 'both', &
+      call key(table, 'SURFACE BEHAVIOR', 'MS', 'both', &
          & 'How surfaces are kept from passing through each other: one of the four methods.')
-      call under(table, 'SURFACE INTERACTION')
+      call under(table, 'SURFACE INTERACTION,CHANGE SURFACE BEHAVIOR')
       call flag(table, 'DIRECT', 'Lagrange multipliers: no penetration. The default.')
       call choice(table, 'PENALTY', 'LINEAR', 'LINEAR', 'Pressure is a slope times the '// &
          & 'penetration.')

@@ -148,6 +148,8 @@ contains
          & 'lines as needed; 0 where none is given.')
       call data_line(table, 'element or set, S11 [stress], S22 = 0, S33 = 0, S12 = 0, S13 = 0, '// &
          & 'S23 = 0', 'STRESS: as many lines as needed.')
+      call data_line(table, 'element, point, S11 [stress], S22, S33, S12, S13, S23', &
+         & 'STRESS, of one point as CalculiX counts them: eight numbers.')
       call data_line(table, 'element or set, PEEQ [-]', 'HARDENING: as many lines as needed.')
       call data_line(table, 'element or set, point, E11, E22, E33, E12, E13, E23, ln J [-], '// &
          & 'ln V/V0 = 0, PEEQ = 0, flow stress = 0 [stress], plastic work = 0 [stress]', &

@@ -78,6 +78,15 @@ contains
          & '*END STEP')
       call about(table, 'E')
 
+      call key(table, 'CHANGE SURFACE BEHAVIOR', 'S', 'CalculiX', &
+         & 'Replaces the behaviour of an interaction from this step on; *SURFACE BEHAVIOR '// &
+         & 'follows. Pairs go on from what they bear; friction stays.')
+      call word(table, 'INTERACTION', 'Name of the *SURFACE INTERACTION.')
+      call required(table)
+      call example(table, '*STEP|*STATIC|*CHANGE SURFACE BEHAVIOR, INTERACTION=GREASE|'// &
+         & '*SURFACE BEHAVIOR, PRESSURE-OVERCLOSURE=LINEAR|1.e5|*END STEP')
+      call about(table, 'D')
+
       call key(table, 'MODEL CHANGE', 'S', 'both', &
          & 'Takes contact pairs out of the model, or puts them back, from this step on.')
       call choice(table, 'TYPE', 'CONTACT PAIR', '', 'What is changed.')

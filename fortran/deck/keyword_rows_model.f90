@@ -294,6 +294,29 @@ contains
          & 'The terms; the first is eliminated.')
       call example(table, '*EQUATION|2|5, 1, 1., 9, 1, -1.')
 
+      call key(table, 'SPRING', 'MPA', 'both', 'Springs: elements SPRINGA along the line of '// &
+         & 'their two nodes, SPRING1 from a node to the ground, SPRING2 between dofs of two nodes.')
+      call word(table, 'ELSET', 'The ELSET of the *ELEMENT card of the springs.')
+      call required(table)
+      call flag(table, 'NONLINEAR', 'A table of forces and extensions.')
+      call later_flag(table, 'ORIENTATION', 'Directions of SPRING1 and SPRING2: use *TRANSFORM.')
+      call ignored_flag(table, 'COMPLEX STIFFNESS', 'Damping.')
+      call data_line(table, 'dof, dof', 'SPRING1, SPRING2: of the first and the second node; '// &
+         & 'SPRINGA: a blank line, or none.')
+      call data_line(table, 'stiffness [force/length]', 'Without NONLINEAR.')
+      call data_line(table, 'force [force], extension [length]', 'NONLINEAR: one point a line; '// &
+         & 'constant beyond the last.')
+      call example(table, '*SPRING, ELSET=WIRES|1, 1|250.')
+
+      call key(table, 'GAP', 'MPA', 'both', 'Gaps: elements GAPUNI, which press where their '// &
+         & 'two nodes have come together.')
+      call word(table, 'ELSET', 'The ELSET of the *ELEMENT card of the gaps.')
+      call required(table)
+      call data_line(table, 'clearance [length], x, y, z, area, stiffness [force/length], tension', &
+         & 'The direction is that from the first node to the second; without a stiffness it is '// &
+         & 'a thousand times the largest modulus times the size of the scene. Area and tension are read past.')
+      call example(table, '*GAP, ELSET=STOPS|0.1, 0., 0., 1.')
+
       call key(table, 'PRE-TENSION SECTION', 'M', 'both', 'Cuts a bolt: the pre-tension node '// &
          & 'pulls the two sides of a section together.')
       call word(table, 'SURFACE', 'Faces across the bolt, of the elements on one side.')

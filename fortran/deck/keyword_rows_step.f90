@@ -248,13 +248,15 @@ contains
 
       call whole(table, 'FREQUENCY', '1', 'Every so many increments; 0: never. The last one '// &
          & 'is always written.')
-      call ignored_flag(table, 'GLOBAL', 'Values are in global axes.')
+      call choice(table, 'GLOBAL', 'YES,NO', '', 'NO, the default of *NODE PRINT: in the axes '// &
+         & 'of *TRANSFORM. Result files are in global axes.')
+      call bare_value(table, 'YES')
       call ignored_flag(table, 'OUTPUT', '2D or 3D.')
       call ignored_flag(table, 'LAST ITERATIONS', 'Iterations of CalculiX.')
       call ignored_flag(table, 'CONTACT ELEMENTS', 'Contact elements of CalculiX.')
       call known_as(table, 'CONTACT ELEMENT')
       call ignored_flag(table, 'SUMMARY', 'Extremes of a table.')
-      call later_flag(table, 'TIME POINTS', 'Chosen times.')
+      call ignored_flag(table, 'TIME POINTS', 'Chosen times: results are at increments.')
    end subroutine add_print_words
 
    !> The output family of Abaqus.

@@ -9,7 +9,7 @@ module lopin_quadrature
    use lopin_cells, only : cell_family
    implicit none
    private
-   public :: rule_type, new_rule, new_layered_rule
+   public :: rule_type, new_rule, new_layered_rule, calculix_order
 
    type :: rule_type
       integer :: npoint = 0
@@ -244,4 +244,36 @@ contains
       self%xi = xi
       self%weight = weight
    end subroutine set
+
+   !> CalculiX counts points with the first coordinate fastest and the last slowest, in every cell.
+   pure function calculix_order(xi) result(order)
+      real(wp), intent(in) :: xi(:, :)       !! (ndim, npoint)
+      integer :: order(size(xi, 2))
+      real(wp), parameter :: same = 1.0e-6_wp
+      integer :: i, j, held
+
+      order = [(i, i=1, size(order))]
+      do i = 2, size(order)
+         held = order(i)
+         j = i
+         do while (j > 1)
+            if (.not. before(xi(:, held), xi(:, order(j - 1)))) exit
+            order(j) = order(j - 1)
+            j = j - 1
+         end do
+         order(j) = held
+      end do
+   contains
+      pure logical function before(a, b)
+         real(wp), intent(in) :: a(:), b(:)
+         integer :: k
+
+         before = .false.
+         do k = size(a), 1, -1
+            if (abs(a(k) - b(k)) <= same) cycle
+            before = a(k) < b(k)
+            return
+         end do
+      end function before
+   end function calculix_order
 end module lopin_quadrature

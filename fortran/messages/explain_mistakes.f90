@@ -89,8 +89,10 @@ contains
          & 'look at the units of loads and modulus; a metal yields first: *PLASTIC.')
       call add_explanation(list, 'N0318', 'areas of a surface of nodes were found', &
          & 'Friction whose shear stress has a limit (TAUMAX, TRESCA, CRISTESCU, NORTON-HOFF) '// &
-         & 'needs areas. The nodes of a surface of TYPE=NODE take those of the free faces '// &
-         & 'between them; pressures are stresses then.', &
+         & 'needs areas, and so does a slope or a law of pressure that the deck gives. The '// &
+         & 'nodes of a surface of TYPE=NODE take those of the free faces '// &
+         & 'between them; pressures are stresses then. Abaqus counts 1 a node, CalculiX all '// &
+         & 'faces that the node is a corner of.', &
          & 'nothing to do; an area behind each node, or a surface of faces, says it in the deck.')
       call add_explanation(list, 'N0505', 'warnings that held again', &
          & 'A warning about a pair, a material or a step is said once; the note counts in how '// &

@@ -14,6 +14,10 @@ contains
          & 'Two *SOLID SECTION cards name sets that share elements. The later card holds, as '// &
          & 'in CalculiX; with two different materials that is often a set too many.', &
          & 'leave the elements out of one of the two sets.')
+      call add_explanation(list, 'W0205', 'a surface in two cards', &
+         & 'Two *SURFACE cards have one name. Their faces, or their nodes, are taken together, '// &
+         & 'as CalculiX does and as sets are; a face listed twice counts once.', &
+         & 'write one card, or give the second surface a name of its own.')
       call add_explanation(list, 'W0319', 'tied surfaces that look the same way', &
          & 'Surfaces that are glued face each other: where they look the same way the bodies '// &
          & 'behind them overlap, or one has the wrong face number. What is joined is clear, '// &

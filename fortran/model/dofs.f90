@@ -75,6 +75,16 @@ contains
       do i = 1, size(model%rigid_body)
          if (model%rigid_body(i)%rotation > 0) alone(model%rigid_body(i)%rotation) = .false.
       end do
+      do i = 1, size(model%spring)
+         do k = 1, 2
+            associate (node => model%spring(i)%node(k))
+               if (node == 0) cycle
+               if (.not. alone(node)) cycle
+               where (model%spring(i)%axial .or. model%spring(i)%direction(:model%mesh%ndim, k) &
+                  & /= 0) id(:model%mesh%ndim, node) = 1
+            end associate
+         end do
+      end do
       do i = 1, size(model%equation)
          associate (node => model%equation(i)%node, dof => model%equation(i)%dof)
             do k = 1, size(node)

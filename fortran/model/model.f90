@@ -19,7 +19,7 @@ module lopin_model
    private
    public :: model_type, material_type, section_type, surface_data_type, rigid_body_type
    public :: interaction_type, pair_type, amplitude_type, equation_type
-   public :: friction_change_type, pair_change_type
+   public :: friction_change_type, pair_change_type, spring_type
    public :: step_type, prescribed_type, point_load_type, face_load_type, body_load_type, &
       & output_type, temperature_type, initial_stress_type, initial_state_type, &
       & initial_traction_type
@@ -101,6 +101,7 @@ module lopin_model
       integer, allocatable :: node(:)                   !! nodes: node indices
       real(wp), allocatable :: area(:)   !! nodes: area of each; 0: none, pressure is a force
       integer :: tool = 0                               !! tool: index into model%tool
+      logical :: flat = .false.                 !! on plane elements of an axisymmetric scene
    end type surface_data_type
 
    type :: tool_holder_type
@@ -144,6 +145,8 @@ module lopin_model
       type(location_type) :: at
       integer :: slave = 0, master = 0                  !! surfaces
       integer :: interaction = 0
+      integer :: before = 0   !! the pair whose behaviour it changes: this one goes on from it
+      integer :: first_step = 1, last_step = huge(1)    !! steps in which it can act
       logical :: surface_to_surface = .false.   !! dual mortar instead of node to segment
       logical :: smooth = .false.               !! normals interpolated from averaged nodal ones
       logical :: small_sliding = .false.
@@ -215,9 +218,11 @@ module lopin_model
       integer :: amplitude = 0
    end type temperature_type
 
-   !> *INITIAL CONDITIONS, TYPE=STRESS: of all points of an element.
+   !> *INITIAL CONDITIONS, TYPE=STRESS: of one point of an element, or of all.
    type :: initial_stress_type
+      type(location_type) :: at
       integer :: element = 0
+      integer :: point = 0                              !! as files count them; 0: all
       real(wp) :: stress(6) = 0.0_wp                    !! xx yy zz xy xz yz [stress]
    end type initial_stress_type
 
@@ -249,8 +254,20 @@ module lopin_model
       character(len=8), allocatable :: variable(:)  !! as written, upper case: U, RF, S, E, CDIS ...
       integer :: frequency = 1
       logical :: totals = .false., totals_only = .false.
+      logical :: global = .true.                        !! else in the axes of *TRANSFORM
       integer :: slave = 0, master = 0                  !! surfaces of *CONTACT PRINT
    end type output_type
+
+   !> *SPRING: a force between two nodes, or between a node and the ground.
+   type :: spring_type
+      type(location_type) :: at
+      integer :: node(2) = 0                            !! 0: the ground
+      logical :: axial = .false.                        !! along the line through its nodes
+      real(wp) :: direction(3, 2) = 0.0_wp   !! else it extends by the displacement of each node
+                                             !! along its column, the second less the first
+      real(wp) :: stiffness = 0.0_wp                    !! [force/length]
+      real(wp), allocatable :: table(:, :)   !! (2, n) force, extension, increasing; else linear
+   end type spring_type
 
    !> *CHANGE FRICTION in a step.
    type :: friction_change_type
@@ -304,6 +321,7 @@ module lopin_model
       type(pair_type), allocatable :: pair(:)
       type(amplitude_type), allocatable :: amplitude(:)
       type(equation_type), allocatable :: equation(:)
+      type(spring_type), allocatable :: spring(:)
       type(transform_type) :: transform
       real(wp), allocatable :: temperature(:)           !! (nnode) at the start [temperature]
       type(initial_stress_type), allocatable :: initial_stress(:)

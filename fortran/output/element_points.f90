@@ -5,6 +5,7 @@ module lopin_element_points
    use lopin_model, only : model_type
    use lopin_report, only : frame_type
    use lopin_element_type, only : element_type, new_element_type, element_kind
+   use lopin_quadrature, only : calculix_order
    use lopin_solid_small, only : strain_matrices
    use lopin_flow_curve, only : flows
    implicit none
@@ -37,38 +38,6 @@ contains
          end if
       end do
    end subroutine new_point_tables
-
-   !> CalculiX counts points with the first coordinate fastest and the last slowest, in every cell.
-   pure function calculix_order(xi) result(order)
-      real(wp), intent(in) :: xi(:, :)       !! (ndim, npoint)
-      integer :: order(size(xi, 2))
-      real(wp), parameter :: same = 1.0e-6_wp
-      integer :: i, j, held
-
-      order = [(i, i=1, size(order))]
-      do i = 2, size(order)
-         held = order(i)
-         j = i
-         do while (j > 1)
-            if (.not. before(xi(:, held), xi(:, order(j - 1)))) exit
-            order(j) = order(j - 1)
-            j = j - 1
-         end do
-         order(j) = held
-      end do
-   contains
-      pure logical function before(a, b)
-         real(wp), intent(in) :: a(:), b(:)
-         integer :: k
-
-         before = .false.
-         do k = size(a), 1, -1
-            if (abs(a(k) - b(k)) <= same) cycle
-            before = a(k) < b(k)
-            return
-         end do
-      end function before
-   end function calculix_order
 
    !> Strain energy and volume of elements; zero for rigid ones. Full circumference if axisymmetric.
    subroutine element_measures(self, model, item, frame, measure)

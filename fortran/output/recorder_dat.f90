@@ -119,13 +119,12 @@ contains
 
       call members(model%mesh%nset, output%set, model%mesh%node_label, 'NALL', item, set)
       if (has_variable(output%variable, ['U       '])) then
-         call put_table(text, 'displacements (vx,vy,vz)', set, model%mesh%node_label, item, &
+         call put_nodal(text, 'displacements (vx,vy,vz)', set, model, item, output%global, &
             & frame%u(:3, :), frame)
       end if
       if (.not. has_variable(output%variable, ['RF      '])) return
-      if (.not. output%totals_only) call put_table(text, 'forces (fx,fy,fz)', set, &
-         & model%mesh%node_label, &
-         & item, frame%rf(:3, :), frame)
+      if (.not. output%totals_only) call put_nodal(text, 'forces (fx,fy,fz)', set, &
+         & model, item, output%global, frame%rf(:3, :), frame)
       if (output%totals .or. output%totals_only) then
          call put_total(text, 'total force (fx,fy,fz)', set, sum(frame%rf(:3, item), dim=2), frame)
       end if
@@ -257,6 +256,35 @@ contains
          gap = gap/2
       end do
    end subroutine sort_by_label
+
+   !> Lines in the axes of a node end in L, as in CalculiX.
+   subroutine put_nodal(text, title, set, model, item, global, values, frame)
+      type(text_buffer_type), intent(inout) :: text
+      character(len=*), intent(in) :: title, set
+      type(model_type), intent(in) :: model
+      integer, intent(in) :: item(:)
+      logical, intent(in) :: global            !! axes; else those of nodes that have some
+      real(wp), intent(in) :: values(:, :)     !! (component, item)
+      type(frame_type), intent(in) :: frame
+      real(wp) :: own(3)
+      integer :: i, k, axes
+
+      call put_title(text, title, set, frame)
+      do i = 1, size(item)
+         axes = 0
+         if (.not. global .and. allocated(model%transform%node)) axes = findloc( &
+            & model%transform%node, item(i), dim=1)
+         own = values(:3, item(i))
+         if (axes > 0) own = matmul(model%transform%axes(:, :, axes), own)
+         call text%put_integer(model%mesh%node_label(item(i)), 10)
+         do k = 1, 3
+            call text%put(' ')
+            call text%put_exponential(own(k), 6)
+         end do
+         if (axes > 0) call text%put(' L')
+         call text%put_line()
+      end do
+   end subroutine put_nodal
 
    subroutine put_table(text, title, set, label, item, values, frame)
       type(text_buffer_type), intent(inout) :: text

@@ -8,6 +8,7 @@ module lopin_assemble_linear
    use lopin_simplex_patches, only : patch_element
    use lopin_solid_small, only : stiffness, strain_matrices
    use lopin_solids, only : solids_type, group_type, unit_nodes, add_slots
+   use lopin_assemble_springs, only : add_springs
    implicit none
    private
    public :: assemble_stiffness
@@ -22,6 +23,8 @@ contains
       type(error_type), allocatable, intent(out) :: error
       integer :: c, k, e, folded, ncolour
       logical :: shared_out
+      real(wp), allocatable :: nothing(:)
+      real(wp) :: unused
 
       ncolour = size(self%colour_start) - 1
       folded = huge(1)
@@ -36,6 +39,11 @@ contains
          !$omp end parallel do
       end do
       if (folded < huge(1)) call report_folded(self, mesh, folded, error)
+      if (.not. allocated(self%spring)) return
+      allocate (nothing(self%n), source=0.0_wp)
+      unused = 0.0_wp
+      call add_springs(self, mesh, spread(0.0_wp, 1, self%n), .false., nothing, unused, &
+         & matrix%value)
    end subroutine assemble_stiffness
 
    subroutine add_unit(self, mesh, e, value, folded)

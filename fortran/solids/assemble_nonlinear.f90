@@ -16,6 +16,7 @@ module lopin_assemble_nonlinear
    use lopin_assemble_batch, only : add_batch
    use lopin_simplex_patches, only : patch_element
    use lopin_solids, only : solids_type, add_slots, unit_nodes, unit_points
+   use lopin_assemble_springs, only : add_springs
    use lopin_state, only : solids_state_type
    use lopin_material_memory, only : strain_at
    implicit none
@@ -66,6 +67,11 @@ contains
          !$omp end parallel do
       end do
       energy = sum(share%energy)
+      if (present(matrix)) then
+         call add_springs(self, mesh, u, memory%finite_strain, force, energy, matrix%value)
+      else
+         call add_springs(self, mesh, u, memory%finite_strain, force, energy)
+      end if
       bad%force = maxval([0.0_wp, share%most])
       bad%number = count(share%bad > 0)
       if (bad%number == 0) return

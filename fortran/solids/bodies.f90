@@ -8,6 +8,7 @@
 module lopin_bodies
    use lopin_kinds, only : wp
    use lopin_model, only : model_type, kind_of
+   use lopin_flat_elements, only : is_flat
    use lopin_dofs, only : dofs_type
    use lopin_constraints, only : constraints_type, axes_at
    use lopin_dense, only : symmetric_eigen
@@ -29,6 +30,8 @@ module lopin_bodies
       real(wp), allocatable :: centre(:, :)   !! (3, nbody) [length]
       real(wp) :: length = 1.0_wp             !! of the scene, scales rotations [length]
       integer :: nmode = 0                    !! rigid motions of a deformable body
+      logical, allocatable :: ring(:)         !! (nbody) of an axisymmetric scene: moves along the
+                                              !! axis alone
       integer, allocatable :: column(:, :)    !! (6, nrigid) column of each reference dof; 0: none
       integer, allocatable :: lone(:)         !! (ndof) column of a dof that only equations name
    end type bodies_type
@@ -123,9 +126,10 @@ contains
       integer, intent(out) :: ncolumn
       integer :: i, k
 
+      call find_rings(self, model)
       select case (model%kind)
       case (kind_of%axisymmetric)
-         self%nmode = 1
+         self%nmode = merge(1, 3, all(self%ring))
       case (kind_of%solid)
          self%nmode = 6
       case default
@@ -153,6 +157,20 @@ contains
          self%lone(i) = ncolumn
       end do
    end subroutine number_columns
+
+   !> Bodies with elements that go around the axis.
+   subroutine find_rings(self, model)
+      type(bodies_type), intent(inout) :: self
+      type(model_type), intent(in) :: model
+      integer :: e
+
+      allocate (self%ring(self%nbody), source=.false.)
+      if (model%kind /= kind_of%axisymmetric) return
+      do e = 1, model%mesh%nelement
+         if (model%mesh%section(e) == 0 .or. is_flat(model, e)) cycle
+         self%ring(self%body(model%mesh%conn(1, e))) = .true.
+      end do
+   end subroutine find_rings
 
    !> Value of a raw variable per amplitude of each column that moves it; rotations are times
    !> `length`.
@@ -217,12 +235,65 @@ contains
          value(1) = axis(2)
       case (3)
          value(:3) = [axis(1), axis(2), axis(2)*arm(1) - axis(1)*arm(2)]
+         if (self%ring(self%body(node))) value([1, 3]) = 0.0_wp
       case (6)
          value(:3) = axis
          value(4:) = [axis(3)*arm(2) - axis(2)*arm(3), axis(1)*arm(3) - axis(3)*arm(1), &
             & axis(2)*arm(1) - axis(1)*arm(2)]
       end select
    end subroutine body_row
+
+   !> What springs hold: the displacements of their nodes along them.
+   subroutine add_springs(self, model, dofs, constraints, gram)
+      type(bodies_type), intent(in) :: self
+      type(model_type), intent(in) :: model
+      type(dofs_type), intent(in) :: dofs
+      type(constraints_type), intent(in) :: constraints
+      real(wp), intent(inout) :: gram(:, :)
+      real(wp) :: row(size(gram, 1)), g(3), most
+      integer :: s, k, m
+
+      do s = 1, size(model%spring)
+         row = 0.0_wp
+         associate (spring => model%spring(s))
+            do k = 1, 2
+               if (spring%node(k) == 0) cycle
+               g = spring%direction(:, k)
+               if (spring%axial) g(:model%mesh%ndim) = model%mesh%x(:, spring%node(2)) &
+                  & - model%mesh%x(:, spring%node(1))
+               call add_node(spring%node(k), merge(-g, g, k == 1)/norm2(g))
+            end do
+         end associate
+         most = maxval(abs(row))
+         if (.not. most > 0.0_wp) cycle
+         row = row/most
+         do m = 1, size(row)
+            gram(:, m) = gram(:, m) + row*row(m)
+         end do
+      end do
+
+   contains
+
+      !> Axes of nodes turn with what their dofs mean: the row is by global components.
+      subroutine add_node(node, g)
+         integer, intent(in) :: node
+         real(wp), intent(in) :: g(3)
+         integer :: i, j, n, at, axes, column(6)
+         real(wp) :: value(6), part
+
+         axes = axes_at(constraints, node, 1)
+         do i = 1, model%mesh%ndim
+            at = dofs%id(i, node)
+            if (at == 0) cycle
+            part = g(i)
+            if (axes > 0) part = dot_product(constraints%axes(i, :, axes), g)
+            call raw_row(self, model, dofs, constraints, at, column, value, n)
+            do j = 1, n
+               row(column(j)) = row(column(j)) + part*value(j)
+            end do
+         end do
+      end subroutine add_node
+   end subroutine add_springs
 
    !> A reference node that is also a node of a deformable body moves with both.
    subroutine join_references(self, model, gram)
@@ -290,7 +361,16 @@ contains
             row(touched) = 0.0_wp
          end associate
       end do
+      call add_springs(self, model, dofs, constraints, gram)
       call join_references(self, model, gram)
+      if (self%nmode == 3) then
+         do i = 1, self%nbody
+            if (.not. self%ring(i)) cycle
+            do k = 3*i - 2, 3*i, 2
+               gram(k, k) = gram(k, k) + 1.0_wp
+            end do
+         end do
+      end if
       call symmetric_eigen(gram, eigenvalue, status)
       self%nq = count(eigenvalue <= floating_tolerance*max(1.0_wp, maxval([0.0_wp, eigenvalue])))
       self%amplitude = gram(:, :self%nq)

@@ -11,6 +11,7 @@ module lopin_solids
    use lopin_csc, only : csc_type, storage
    use lopin_element_type, only : element_type, element_kind, element_formulation, &
       & new_element_type
+   use lopin_model, only : spring_type
    use lopin_elastic, only : hooke_matrix, plane_stress_matrix
    use lopin_flow_curve, only : flow_type
    use lopin_plastic_return, only : plastic_type
@@ -22,7 +23,7 @@ module lopin_solids
    implicit none
    private
    public :: solids_type, solid_section_type, group_type, new_solids, unit_nodes, unit_points, &
-      & add_slots
+      & add_slots, list_equations, set_slots
 
    !> What the elements of one section have in common.
    type :: solid_section_type
@@ -70,7 +71,8 @@ module lopin_solids
       integer, allocatable :: colour_batch(:) !! (ncolour+1) into `batch_start`
       integer, allocatable :: batch_start(:)  !! (nbatch+1) into `order`: of one group, or single
       logical :: last_is_serial = .false.  !! the last colour holds elements that may touch
-      integer(lk), allocatable :: first_slot(:) !! (nelement+1)
+      integer(lk), allocatable :: first_slot(:) !! (nelement+1), then one more for each spring
+      type(spring_type), allocatable :: spring(:)   !! only if there are any
       integer(ik), allocatable :: slot(:)  !! lower triangle by columns; 0: none; < 0: twice
       type(facet_rule_type) :: rules(6)
    end type solids_type

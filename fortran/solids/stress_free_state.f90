@@ -5,11 +5,13 @@
 module lopin_stress_free_state
    use lopin_kinds, only : wp
    use lopin_mesh, only : mesh_type
+   use lopin_quadrature, only : calculix_order
    use lopin_element_type, only : element_formulation
    use lopin_log_strain, only : log_frame_type, new_log_frame, first_axis, second_axis, &
       & exp_minus_one
    use lopin_solids, only : solids_type, group_type
    use lopin_flow_curve, only : flow_at, flow_stress
+   use lopin_model, only : initial_stress_type
    use lopin_state, only : solids_state_type
    use lopin_material_memory, only : offset_at, put_metric, put_map, temperature_at, &
       & strain_at, stress_at
@@ -85,20 +87,29 @@ contains
    end function at_points
 
    !> Write the deviator of a stress of the start into the memory of an element; its change of
-   !> volume is returned.
-   subroutine stress_points(memory, solids, element, stress, volume)
+   !> volume goes beside it. Not found: the element has no such point.
+   subroutine stress_points(memory, solids, start, found)
       type(solids_state_type), intent(inout) :: memory
       type(solids_type), intent(in) :: solids
-      integer, intent(in) :: element
-      real(wp), intent(in) :: stress(6)    !! xx yy zz xy xz yz [stress]
-      real(wp), intent(inout) :: volume(:) !! (ncolumn) [-]
+      type(initial_stress_type), intent(in) :: start
+      logical, intent(out) :: found
       real(wp) :: strain(3, 3), pressure
       integer :: i, p, q, r
 
-      p = memory%first(element)
-      q = memory%first(element + 1) - 1
+      p = memory%first(start%element)
+      q = memory%first(start%element + 1) - 1
+      found = .true.
       if (q < p) return
-      associate (group => solids%group(solids%which(element)))
+      associate (group => solids%group(solids%which(start%element)), stress => start%stress, &
+         & volume => memory%pressed)
+         if (start%point /= 0) then
+            associate (order => calculix_order(group%element%xi))
+               found = start%point > 0 .and. start%point <= size(order)
+               if (.not. found) return
+               p = p + order(start%point) - 1
+               q = p
+            end associate
+         end if
          pressure = sum(stress(:3))/3.0_wp
          volume(p:q) = pressure/group%law%bulk
          do r = 1, 6

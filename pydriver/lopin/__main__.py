@@ -1,7 +1,7 @@
 """``lopin`` and ``python -m lopin``: one command for the executable and for the Python side.
 
 run, check, info, explain, doc and selftest are the executable's; report, plot, chart, atlas,
-convert and example are answered here.
+convert, export and example are answered here.
 """
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from pathlib import Path
 
 from .errors import Interrupted, LopinError, ResourceError
 
-PYTHON_COMMANDS = ("report", "plot", "chart", "atlas", "convert", "example")
+PYTHON_COMMANDS = ("report", "plot", "chart", "atlas", "convert", "export", "example")
 
 
 def main(arguments: list[str] | None = None) -> int:
@@ -54,7 +54,7 @@ def forward(arguments: list[str]) -> int:
 
 
 def python_command(arguments: list[str]) -> int:
-    """report, plot, chart, atlas, convert, example."""
+    """report, plot, chart, atlas, convert, export, example."""
     parser = argparse.ArgumentParser(prog="lopin", description=__doc__)
     commands = parser.add_subparsers(dest="command", required=True)
     report = commands.add_parser("report", help="one HTML file that shows what a run did")
@@ -79,6 +79,13 @@ def python_command(arguments: list[str]) -> int:
     convert.add_argument("target", type=Path)
     convert.add_argument("--kind", default=None,
                          help="axisymmetric, 'plane strain', 'plane stress', 3d")
+    export = commands.add_parser("export", help="the deck as another program reads it")
+    export.add_argument("deck")
+    target = export.add_mutually_exclusive_group(required=True)
+    for name, says in (("ccx", "CalculiX"), ("abaqus", "Abaqus"), ("flat", "one file: includes in "
+                                                                   "their place")):
+        target.add_argument(f"--{name}", dest="target", action="store_const", const=name, help=says)
+    export.add_argument("-o", "--output", type=Path, help="default: <deck>_<target>.inp here")
     example = commands.add_parser("example", help="copy a deck of the collection")
     example.add_argument("name", nargs="?", help="without it: list the names")
     example.add_argument("folder", nargs="?", type=Path, default=Path("."))

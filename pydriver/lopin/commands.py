@@ -1,4 +1,4 @@
-"""The commands that Python answers: report, plot, chart, atlas, convert, example."""
+"""The commands that Python answers: report, plot, chart, atlas, convert, export, example."""
 from __future__ import annotations
 
 import os
@@ -133,6 +133,20 @@ def convert(options) -> int:
     else:
         mesh.to_meshio().write(options.target)
         print(f"{options.target}: {mesh}")
+    return 0
+
+
+def export(options) -> int:
+    """A deck for CalculiX or Abaqus, or all of it in one file."""
+    from .export import export as exported
+
+    deck = exported(Deck.read(options.deck), options.target)
+    path = options.output or Path(f"{Path(options.deck).stem}_{options.target}.inp")
+    if path.exists() and path.samefile(options.deck):
+        raise UsageError(f"{path} is the deck itself: give another name with -o")
+    print(deck.write(path))
+    for note in deck.preamble[1:] if options.target != "flat" else []:
+        print(note.removeprefix("** "))
     return 0
 
 

@@ -31,7 +31,7 @@ def dat_blocks(path: Path) -> dict:
             width = 2 if "elem, integ" in head[1] or "element+face" in head[1] else 1
             faces = "element+face" in head[1]
             continue
-        words = line.split()
+        words = line.removesuffix(" L").split()    # L: in the axes of the node
         if rows is None or len(words) < 3 or not re.fullmatch(r"\d+", words[0]):
             continue
         try:

@@ -68,6 +68,7 @@ contains
       allocate (model%material(1), model%section(1), model%surface(4), model%tool(1), &
          & model%rigid_body(1))
       allocate (model%interaction(1), model%pair(2), model%amplitude(0), model%equation(0), &
+         & model%spring(0), &
          & model%step(1))
       model%material(1)%name = 'STEEL'
       model%section(1)%material = 1
@@ -251,6 +252,7 @@ contains
       allocate (model%material(1), model%section(1), model%surface(0), model%tool(0), &
          & model%rigid_body(0))
       allocate (model%interaction(0), model%pair(0), model%amplitude(0), model%equation(0), &
+         & model%spring(0), &
          & model%step(1))
       model%material(1)%name = 'STEEL'
       model%section(1)%material = 1

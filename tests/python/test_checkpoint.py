@@ -94,6 +94,13 @@ LINE, 4., 10.
     return text.replace("TOP, 1, 1, 0.2", "TOP, 1, 1, 0.03").replace("TOP, 2, 2, 0.05", "TOP, 2, 2, -0.015")
 
 
+def behaviours() -> str:
+    """The slope of the contact changes, then hard contact takes its place; friction goes on."""
+    words = iter(["*SURFACE BEHAVIOR, PENALTY\n2.E4,\n", "*SURFACE BEHAVIOR, DIRECT\n"])
+    return re.sub(r"\*MODEL CHANGE.*\nFOOT, FLOOR\n", lambda _: "*CHANGE SURFACE BEHAVIOR, "
+                  f"INTERACTION=GREASE\n{next(words)}", billet(method="PENALTY\n1.E4,"))
+
+
 def tied() -> str:
     """Two blocks tied by mortar, bent by large rotations."""
     text = re.sub(r"^\*\* expect.*\n", "", deck("two_blocks_mortar"),
@@ -127,6 +134,7 @@ SCENES = {
     "changed to finite": lambda: billet(nlgeom="", law="", changes=False, floor=ROUND),
     "model change": lambda: billet(),
     "model change beside a wall": wall_that_stays,
+    "behaviour changes": behaviours,
     "by umfpack": lambda: billet(path="*LOPIN, SOLVER=UMFPACK\n"),
     "mixed penalty": lambda: billet(method="PENALTY"),
     "finite augmented": lambda: billet(method="AUGMENTED LAGRANGE", changes=False),

@@ -150,11 +150,6 @@ def test_nodes_and_faces_may_have_one_name(tmp_path):
                      "*BOUNDARY\n5, 1, 2\n6, 1, 2\nTOP, 1\nFOOT, 1\n*STEP\n*STATIC\n*CLOAD\nTOP, 2, -5.\n"
                      "*CONTACT PRINT, SLAVE=ONE, MASTER=OTHER, SET=FOOT\nCDIS, CSTR\n*END STEP\n")
         assert result.contact("ONE").last.pressure == pytest.approx(10.0, rel=1e-9)
-    (tmp_path/"twice").mkdir()
-    text = BLOCKS + STEEL + surfaces[1] + surfaces[1] + "*STEP\n*STATIC\n*END STEP\n"
-    (tmp_path/"twice"/"job.inp").write_text(text)
-    with pytest.raises(lopin.DeckError, match="defined twice"):
-        lopin.run(tmp_path/"twice"/"job.inp")
 
 
 def test_tied_surfaces_that_look_the_same_way(tmp_path):

@@ -14,7 +14,8 @@ module lopin_face_rows
    use lopin_face_points, only : face_points_type, new_face_points
    use lopin_tool, only : tool_type, foot_type, move_foot
    use lopin_rigid_motion, only : rigid_motion_type
-   use lopin_model, only : model_type, kind_of
+   use lopin_model, only : model_type
+   use lopin_flat_elements, only : is_ring
    use lopin_slave_points, only : slave_type
    use lopin_contact_points, only : contact_points_type, face_type, inner_type, sample_type, &
       & facing, pair_is_tied
@@ -132,7 +133,7 @@ contains
       call new_cell_of(cell, face%cell)
       parts = merge(parts_of_line, parts_of_face, size(x, 1) == 2 .or. cell%quadratic)
       call new_face_points(self, cell, x(:, face%node(:face%nnode)), parts, &
-         & model%kind == kind_of%axisymmetric, face%thickness, face%share)
+         & is_ring(model, model%pair(face%pair)%slave), face%thickness, face%share)
    end subroutine points_of_face
 
    !> Whether a facet meets a crease of one piece of its tool, and the feet of its points then, in

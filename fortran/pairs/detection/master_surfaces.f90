@@ -13,7 +13,8 @@ module lopin_master_surfaces
    use lopin_search, only : tree_type, cost_type, build_tree, refit_tree
    use lopin_self_contact, only : self_contact_type, new_self_contact, measure_thickness
    use lopin_rigid_motion, only : rigid_motion_type, new_rigid_motion
-   use lopin_model, only : model_type, surface_of, kind_of
+   use lopin_model, only : model_type, surface_of
+   use lopin_flat_elements, only : is_ring
    use lopin_dofs, only : dofs_type
    use lopin_contact_points, only : pair_is_tied, facing
    use lopin_nonlinear_points, only : nonlinear_points_type, is_self_contact, stays_mortar
@@ -243,7 +244,7 @@ contains
       do pair = 1, size(model%pair)
          if (.not. self%of(pair)%has_slave_faces) cycle
          call nodal_normals(self%of(pair)%slave, self%rules, self%x, &
-            & model%kind == kind_of%axisymmetric, normal)
+            & is_ring(model, model%pair(pair)%slave), normal)
          do i = 1, points%n
             if (points%pair(i) == pair) self%side(:model%mesh%ndim, i) = normal(:, points%node(i))
          end do
@@ -258,7 +259,7 @@ contains
       real(wp) :: area(model%mesh%nnode)       !! [area]
 
       call nodal_weights(self%of(pair)%slave, self%rules, self%x, &
-         & model%kind == kind_of%axisymmetric, &
+         & is_ring(model, model%pair(pair)%slave), &
          & self%of(pair)%thickness, area, model%mesh%x)
    end function areas_of
 end module lopin_master_surfaces

@@ -15,7 +15,8 @@ module lopin_mortar_pairs
    use lopin_mortar_cells_3d, only : mortar_kernel_type, new_mortar_kernel
    use lopin_mortar_overlaps_3d, only : find_overlaps_3d
    use lopin_mortar, only : mortar_coupling_type, couple
-   use lopin_model, only : model_type, pair_type, surface_of, kind_of
+   use lopin_model, only : model_type, pair_type, surface_of
+   use lopin_flat_elements, only : is_flat, is_ring
    use lopin_wall_depth, only : depths_of_facets
    use lopin_tilting, only : rows_needed
    implicit none
@@ -80,8 +81,8 @@ contains
       call new_facet_rules(rules)
       call split_slave(self%slave, rules, x, piece)
       associate (slave => self%slave)
-         measure = area_measure_type(model%kind == kind_of%axisymmetric, thickness_of(model, &
-            & slave%facets))
+         measure = area_measure_type(is_ring(model, model%pair(number)%slave), &
+            & thickness_of(model, slave%facets))
          allocate (self%side(3, slave%nnode), full(slave%nnode), source=0.0_wp)
          call piece_normals(slave, rules, x, measure%axisymmetric, self%side(:model%mesh%ndim, :))
          allocate (share(slave%facets%n))
@@ -173,9 +174,10 @@ contains
       integer :: i
 
       thickness = 1.0_wp
-      if (model%kind /= kind_of%plane_strain .and. model%kind /= kind_of%plane_stress) return
+      if (model%mesh%ndim == 3) return
       do i = 1, facets%n
          if (model%mesh%section(facets%element(i)) == 0) cycle
+         if (.not. is_flat(model, facets%element(i))) cycle
          thickness(i) = model%section(model%mesh%section(facets%element(i)))%thickness
       end do
    end function thickness_of

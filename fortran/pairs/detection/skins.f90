@@ -7,7 +7,8 @@ module lopin_skins
    use lopin_contact_points, only : contact_points_type
    use lopin_element_type, only : cells_of_words
    use lopin_facets, only : new_facets, new_facet_rules, middle_share
-   use lopin_model, only : model_type, surface_of, kind_of
+   use lopin_model, only : model_type, surface_of
+   use lopin_flat_elements, only : is_ring
    use lopin_mortar_pairs, only : is_mortar, thickness_of
    use lopin_slave_pieces, only : split_slave
    use lopin_surface, only : surface_type, new_surface
@@ -45,7 +46,7 @@ contains
       end associate
       if (self%facets%n == 0) return
       self%in_use = .true.
-      self%axisymmetric = model%kind == kind_of%axisymmetric
+      self%axisymmetric = is_ring(model, model%pair(pair)%slave)
       self%integrated = is_mortar(model, model%pair(pair)) &
          & .and. model%pair(pair)%slave /= model%pair(pair)%master
       call new_surface(shape, model%mesh%ndim, self%facets)

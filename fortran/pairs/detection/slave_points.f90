@@ -7,6 +7,7 @@ module lopin_slave_points
       & nodal_weights, nodal_normals, middle_share
    use lopin_surface, only : surface_type, new_surface, update_surface
    use lopin_model, only : model_type, surface_data_type, surface_of, kind_of
+   use lopin_flat_elements, only : is_flat
    implicit none
    private
    public :: slave_type, new_slave
@@ -39,6 +40,7 @@ contains
       type(surface_type) :: shape
       real(wp), allocatable :: weight(:), normal(:, :), thickness(:), length(:)
       integer :: i, k
+      logical :: ring
 
       if (surface%kind == surface_of%nodes) then
          self%node = surface%node
@@ -56,15 +58,14 @@ contains
       allocate (rules(6), weight(model%mesh%nnode), normal(model%mesh%ndim, model%mesh%nnode))
       call new_facet_rules(rules)
       thickness = spread(1.0_wp, 1, facets%n)
-      if (model%kind == kind_of%plane_strain .or. model%kind == kind_of%plane_stress) then
-         do i = 1, facets%n
-            if (model%mesh%section(facets%element(i)) == 0) cycle
-            thickness(i) = model%section(model%mesh%section(facets%element(i)))%thickness
-         end do
-      end if
-      call nodal_weights(facets, rules, model%mesh%x, model%kind == kind_of%axisymmetric, &
-         & thickness, weight)
-      call nodal_normals(facets, rules, model%mesh%x, model%kind == kind_of%axisymmetric, normal)
+      ring = model%kind == kind_of%axisymmetric .and. .not. surface%flat
+      do i = 1, facets%n
+         if (model%mesh%section(facets%element(i)) == 0) cycle
+         if (.not. is_flat(model, facets%element(i))) cycle
+         thickness(i) = model%section(model%mesh%section(facets%element(i)))%thickness
+      end do
+      call nodal_weights(facets, rules, model%mesh%x, ring, thickness, weight)
+      call nodal_normals(facets, rules, model%mesh%x, ring, normal)
       allocate (length(model%mesh%nnode), source=0.0_wp)
       do i = 1, facets%n
          do k = 1, facets%nnode(i)
@@ -79,7 +80,7 @@ contains
       self%size = length(shape%node)
       allocate (self%normal(3, shape%nnode), source=0.0_wp)
       self%normal(:model%mesh%ndim, :) = normal(:, shape%node)
-      call find_edges(self, shape, rules, model%mesh%x, model%kind == kind_of%axisymmetric)
+      call find_edges(self, shape, rules, model%mesh%x, ring)
    end subroutine new_slave
 
    !> The transformed basis: what a mid-side node takes from the ends of its edge.

@@ -6,7 +6,8 @@ module lopin_tilting
    use lopin_kinds, only : wp
    use lopin_dense, only : symmetric_eigen
    use lopin_vectors, only : cross
-   use lopin_model, only : model_type, kind_of, surface_of
+   use lopin_model, only : model_type, surface_of
+   use lopin_flat_elements, only : is_ring
    use lopin_bodies, only : bodies_type, connect
    implicit none
    private
@@ -26,7 +27,7 @@ contains
       integer :: i
 
       rows = 1
-      if (model%kind == kind_of%axisymmetric) return
+      if (is_ring(model, model%pair(pair)%slave)) return
       call connect(bodies, model)
       call fully_held(model, held)
       allocate (asked(0:bodies%nbody), source=.false.)

@@ -12,7 +12,8 @@ module lopin_mortar_element
    use lopin_surface, only : surface_type, new_surface, update_surface
    use lopin_search, only : tree_type
    use lopin_error, only : error_type, error_code, raise
-   use lopin_model, only : model_type, kind_of
+   use lopin_model, only : model_type
+   use lopin_flat_elements, only : is_ring
    use lopin_wall_depth, only : depths_of_facets
    use lopin_tilting, only : rows_needed
    use lopin_dofs, only : dofs_type
@@ -94,7 +95,7 @@ contains
       self%first = first
       call new_surface(self%slave, model%mesh%ndim, facets)
       self%thickness = thickness_of(model, facets)
-      self%axisymmetric = model%kind == kind_of%axisymmetric
+      self%axisymmetric = is_ring(model, model%pair(number)%slave)
       self%in_space = model%mesh%ndim == 3
       self%tied = pair_is_tied(model, model%pair(number))
       if (self%in_space) call new_mortar_kernel(self%space%kernel, model%mortar_degree)

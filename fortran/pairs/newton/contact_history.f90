@@ -11,7 +11,7 @@ module lopin_contact_history
    use lopin_slave_areas, only : follow_areas
    use lopin_facet_hysteresis, only : start_facet_hysteresis, kept_beyond
    use lopin_state, only : contact_state_type
-   use lopin_nonlinear_contact, only : nonlinear_contact_type, set_slopes
+   use lopin_nonlinear_contact, only : nonlinear_contact_type, set_slopes, place_of
    use lopin_contact_detection, only : find_closest_features, detect_contact, take_anchor, &
       & assign_roles
    use lopin_initial_contact, only : measure_initial_contact
@@ -80,20 +80,20 @@ contains
       integer, intent(in) :: i
       type(contact_state_type), intent(in) :: accepted
 
-      associate (g => self%enforcement(i))
+      associate (g => self%enforcement(i), k => place_of(self, i, accepted%closed))
          g%ct = self%ct(i)
          g%c = self%c(i)
          g%grazing = touching*g%c*self%size(i)
-         g%committed = accepted%traction(:, i)
-         g%creep = accepted%creep(:, i)
+         g%committed = accepted%traction(:, k)
+         g%creep = accepted%creep(:, k)
          if (self%opposite(i)%facet > 0) then
-            call turn(accepted%normal(:, i), self%opposite(i)%normal, g%committed)
-            call turn(accepted%normal(:, i), self%opposite(i)%normal, g%creep)
+            call turn(accepted%normal(:, k), self%opposite(i)%normal, g%committed)
+            call turn(accepted%normal(:, k), self%opposite(i)%normal, g%creep)
          end if
          self%start_normal(:, i) = self%opposite(i)%normal
          g%frozen = g%committed
          g%approach = 0.0_wp
-         g%bilateral = accepted%closed(i) &
+         g%bilateral = accepted%closed(k) &
             & .and. model%interaction(model%pair(self%pair(i))%interaction)%no_separation
          self%bilateral(i) = g%bilateral .or. g%tied
          g%yield = self%yield(i)
@@ -152,7 +152,7 @@ contains
       type(nonlinear_contact_type), intent(in) :: self
       type(contact_state_type), intent(in) :: accepted
       type(contact_state_type), intent(inout) :: trial
-      integer :: i, pair
+      integer :: i, k, pair
 
       trial%search%met_at = self%met_at
       trial%search%segment = self%masters%part
@@ -179,10 +179,11 @@ contains
             trial%closed(i) = .true.
             trial%traction(:, i) = t%traction/self%growth(i)%ratio
             trial%normal(:, i) = t%normal
-            trial%slip(:, i) = accepted%slip(:, i) + t%slip
+            k = place_of(self, i, accepted%closed)
+            trial%slip(:, i) = accepted%slip(:, k) + t%slip
             trial%creep(:, i) = anchor_slip(self%friction(self%pair(i)), self%enforcement(i)%creep &
                & + t%slip)
-            trial%slip_path(i) = accepted%slip_path(i) + path_of(self, i)
+            trial%slip_path(i) = accepted%slip_path(k) + path_of(self, i)
             trial%speed(i) = speed_of(self, i)
             trial%friction_work(i) = accepted%friction_work(i) + dissipated(self, i)*self%weight(i)
             trial%mean_work(i) = accepted%mean_work(i) + mean_work_of(self, i)*self%weight(i)

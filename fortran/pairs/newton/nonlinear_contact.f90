@@ -25,7 +25,8 @@ module lopin_nonlinear_contact
    use lopin_mortar_element, only : present_mortar_type, mortar_anchor_type, new_present_mortar
    implicit none
    private
-   public :: nonlinear_contact_type, star_type, new_nonlinear_contact, set_slopes, cover_size
+   public :: nonlinear_contact_type, star_type, new_nonlinear_contact, set_slopes, cover_size, &
+      & place_of
 
    !> The facets around each node of a mesh.
    type :: star_type
@@ -42,6 +43,8 @@ module lopin_nonlinear_contact
       real(wp), allocatable :: row(:)          !! (nmultiplier) residuals [length]
       integer, allocatable :: point_of_row(:)  !! (nmultiplier)
       integer, allocatable :: first_row(:)     !! (n) first row of a point; 0: none
+      integer, allocatable :: before(:)        !! (n) point that it goes on from when the behaviour
+                                               !! of its pair changes; 0: none
       type(local_matrix_type), allocatable :: local(:)
       ! results of the last evaluation
       integer, allocatable :: facet(:)         !! 0: no master opposite
@@ -155,6 +158,7 @@ contains
          self%nmultiplier = self%nmultiplier + model%mesh%ndim
       end do
       call keep_slopes(self, model)
+      call find_before(self, model)
       allocate (self%row(self%nmultiplier), source=0.0_wp)
       allocate (self%point_of_row(self%nmultiplier))
       do i = 1, n
@@ -162,6 +166,38 @@ contains
             & self%first_row(i) + model%mesh%ndim - 1) = i
       end do
    end subroutine new_nonlinear_contact
+
+   !> The points of a pair whose behaviour changes go on from those of the same nodes before.
+   subroutine find_before(self, model)
+      type(nonlinear_contact_type), intent(inout) :: self
+      type(model_type), intent(in) :: model
+      integer :: i, k, pair
+      logical :: free(self%n)
+
+      allocate (self%before(self%n), source=0)
+      free = .true.
+      do i = 1, self%n
+         pair = model%pair(self%pair(i))%before
+         if (pair == 0) cycle
+         k = findloc(self%pair(:self%n) == pair .and. self%node(:self%n) == self%node(i) &
+            & .and. free, .true., dim=1)
+         if (k == 0) cycle
+         self%before(i) = k
+         free(k) = .false.
+      end do
+   end subroutine find_before
+
+   !> Where the state of a point is kept: its own place, or that of the point that it goes on from.
+   pure integer function place_of(self, i, closed)
+      type(nonlinear_contact_type), intent(in) :: self
+      integer, intent(in) :: i
+      logical, intent(in) :: closed(:)         !! (n) of the accepted state
+
+      place_of = i
+      if (self%before(i) == 0 .or. .not. self%pair_active(self%pair(i))) return
+      ! A pair that acts no more forgets with the first increment.
+      if (closed(self%before(i))) place_of = self%before(i)
+   end function place_of
 
    !> Slave nodes of all pairs by mortar.
    pure integer function cover_size(self)

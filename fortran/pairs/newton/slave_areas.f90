@@ -10,7 +10,8 @@ module lopin_slave_areas
    use lopin_facets, only : facets_type, middle_share
    use lopin_area_slopes, only : weight_slopes
    use lopin_friction, only : bounds_by_area
-   use lopin_model, only : model_type, kind_of
+   use lopin_model, only : model_type
+   use lopin_flat_elements, only : is_ring
    use lopin_master_surfaces, only : areas_of
    use lopin_nonlinear_contact, only : nonlinear_contact_type, star_type
    implicit none
@@ -178,7 +179,7 @@ contains
             m = master%slave%nnode(star%facet(a))
             associate (of => master%slave%node(:m, star%facet(a)), &
                & rule => self%masters%rules(master%slave%cell(star%facet(a))), &
-               & turned => model%kind == kind_of%axisymmetric)
+               & turned => is_ring(model, model%pair(self%pair(i))%slave))
                call weight_slopes(rule, self%masters%x(:, of), turned, &
                   & middle_share(rule, model%mesh%x(:, of), turned), star%place(a), own(:, :m))
                own(:, :m) = master%thickness(star%facet(a))*own(:, :m)

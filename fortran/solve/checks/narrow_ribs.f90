@@ -12,7 +12,8 @@ module lopin_narrow_ribs
    use lopin_surface, only : surface_type
    use lopin_feature, only : projection_type, limits_type
    use lopin_search, only : tree_type, build_tree, find_projection
-   use lopin_model, only : model_type, kind_of
+   use lopin_model, only : model_type
+   use lopin_flat_elements, only : is_ring
    use lopin_contact_points, only : facing
    use lopin_scene, only : scene_type
    use lopin_touched_width, only : touch_type, find_closed, number_closed, find_narrowest, &
@@ -55,7 +56,8 @@ contains
       opposite%limits%cosine = facing
       opposite%limits%extension = beyond
       call follow_edges(touch, place, slave, x, opposite)
-      call find_narrowest(touch, place, model%kind == kind_of%axisymmetric, x, worst, least)
+      call find_narrowest(touch, place, is_ring(model, model%pair(pair)%slave), x, &
+         & worst, least)
       if (worst == 0) return
       associate (p => model%pair(pair))
          call say_narrow(scene%log, model, pair, worst, least, 'W0339', 'facets of '// &

@@ -9,7 +9,8 @@ module lopin_narrow_tools
    use lopin_element_type, only : cells_of_words
    use lopin_facets, only : facets_type, facet_rule_type, new_facets, new_facet_rules
    use lopin_tool, only : foot_type
-   use lopin_model, only : model_type, surface_of, kind_of
+   use lopin_model, only : model_type, surface_of
+   use lopin_flat_elements, only : is_ring
    use lopin_contact_points, only : pair_is_tied
    use lopin_scene, only : scene_type
    use lopin_placed_tool, only : placed_tool_type, find_places, place_tool, gap_at, &
@@ -247,7 +248,8 @@ contains
 
       call number_closed(closed, touch, place)
       call follow_edges(touch, place, facets, rules, x, stand)
-      call find_narrowest(touch, place, model%kind == kind_of%axisymmetric, x, worst, least)
+      call find_narrowest(touch, place, is_ring(model, model%pair(pair)%slave), x, &
+         & worst, least)
       if (worst > 0) call say_narrow(scene%log, model, pair, worst, least, 'W0337', remedy())
    end subroutine find_beside
 

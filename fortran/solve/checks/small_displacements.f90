@@ -6,6 +6,7 @@ module lopin_small_displacements
    use lopin_kinds, only : wp
    use lopin_text, only : to_text
    use lopin_model, only : model_type, kind_of
+   use lopin_flat_elements, only : is_flat
    use lopin_stream, only : stream_type
    use lopin_scene, only : scene_type
    use lopin_present_gaps, only : relative_motion
@@ -296,7 +297,8 @@ contains
       end do
       if (d == 2) moment(3, 3) = moment(1, 1) + moment(2, 2)
       h = matmul(h, inverse(moment))
-      if (model%kind == kind_of%axisymmetric .and. middle(1) > 0.0_wp) h(3, 3) = mean(1)/middle(1)
+      if (.not. is_flat(model, e) .and. model%kind == kind_of%axisymmetric .and. middle(1) &
+         & > 0.0_wp) h(3, 3) = mean(1)/middle(1)
    end subroutine gradient_of
 
    pure function outer(a, b) result(c)

@@ -15,7 +15,8 @@ module lopin_uneven_pressure
    use lopin_contact_patch, only : patch_type, new_patch, solve_patch
    use lopin_element_type, only : cells_of_words
    use lopin_error, only : error_type, severity
-   use lopin_model, only : model_type, surface_of, kind_of
+   use lopin_model, only : model_type, surface_of
+   use lopin_flat_elements, only : is_ring
    use lopin_mortar_pairs, only : is_mortar, shape_of
    use lopin_scene, only : scene_type
    use lopin_surface, only : surface_type
@@ -116,9 +117,8 @@ contains
          facet = pack([(i, i=1, slave%facets%n)], facets_inside(slave, inside))
          if (size(facet) == 0) return
          force = 0.0_wp
-         call share_pressure(slave, facet, master, model%kind == kind_of%axisymmetric, force, &
-            & area, &
-            & met)
+         call share_pressure(slave, facet, master, is_ring(model, model%pair(pair)%slave), &
+            & force, area, met)
          local = pack([(i, i=1, slave%nnode)], area > 0.0_wp .and. points%facet(before + 1: &
             & before + slave%nnode) > 0)
          point = before + local

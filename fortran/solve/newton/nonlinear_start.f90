@@ -3,6 +3,7 @@ module lopin_nonlinear_start
    use lopin_kinds, only : wp
    use lopin_error, only : error_type
    use lopin_model, only : model_type
+   use lopin_pair_activity, only : active_pairs
    use lopin_friction, only : has_friction
    use lopin_nonlinear_points, only : is_self_contact
    use lopin_nonlinear_contact, only : new_nonlinear_contact, cover_size
@@ -36,6 +37,7 @@ contains
       if (.not. allocated(scene%accepted%solids%first)) call start_from_rest(scene, model, error)
       if (allocated(error)) return
       scene%newton%flows = scene%accepted%solids%in_use
+      scene%newton%bends = any([(allocated(model%spring(pair)%table), pair=1, size(model%spring))])
       scene%newton%augment_until = complementarity
       do pair = 1, size(model%pair)
          if (.not. model%interaction(model%pair(pair)%interaction)%method%updates()) cycle
@@ -99,11 +101,8 @@ contains
       scene%newton%contact%stretches = scene%newton%nlgeom
       if (.not. scene%newton%in_use) return
       associate (contact => scene%newton%contact)
+         contact%pair_active = active_pairs(model, scene%step)
          do s = 1, scene%step
-            do i = 1, size(model%step(s)%pair_change)
-               contact%pair_active(model%step(s)%pair_change(i)%pair) = &
-                  & model%step(s)%pair_change(i)%active
-            end do
             do i = 1, size(model%step(s)%friction_change)
                do pair = 1, size(model%pair)
                   if (model%pair(pair)%interaction &

@@ -9,6 +9,7 @@ module lopin_released_forces
    use lopin_error, only : error_type
    use lopin_flow_curve, only : is_viscous
    use lopin_model, only : model_type
+   use lopin_pair_activity, only : active_pairs
    use lopin_contact_evaluation, only : evaluate_contact
    use lopin_scene, only : scene_type
    implicit none
@@ -82,16 +83,12 @@ contains
       type(model_type), intent(in) :: model
       type(error_type), allocatable, intent(out) :: error
       logical, allocatable :: active(:)
-      integer :: i
 
       if (.not. (scene%newton%in_use .and. scene%newton%flows)) return
       if (scene%step == size(model%step)) return
-      associate (contact => scene%newton%contact, accepted => scene%accepted, &
-         & change => model%step(scene%step + 1)%pair_change)
+      associate (contact => scene%newton%contact, accepted => scene%accepted)
          active = contact%pair_active
-         do i = 1, size(change)
-            contact%pair_active(change(i)%pair) = change(i)%active
-         end do
+         contact%pair_active = active_pairs(model, scene%step, scene%step + 1)
          if (any(active .and. .not. contact%pair_active)) then
             accepted%loads%released = contact%force
             call evaluate_contact(contact, model, accepted%motion%u, accepted%contact%multiplier, &

@@ -24,8 +24,15 @@ contains
       if (.not. allocated(model%initial_stress)) return
       associate (memory => scene%accepted%solids)
          do i = 1, size(model%initial_stress)
-            call stress_points(memory, scene%solids, model%initial_stress(i)%element, &
-               & model%initial_stress(i)%stress, memory%pressed)
+            associate (start => model%initial_stress(i))
+               call stress_points(memory, scene%solids, start, found)
+               if (found) cycle
+               call raise(error, error_code%deck, 'E0210', 'element '// &
+                  & to_text(model%mesh%element_label(start%element))//' has no point '// &
+                  & to_text(start%point), start%at, help='a line of eight numbers gives the '// &
+                  & 'stress of one point; seven: the element and six stresses')
+               return
+            end associate
          end do
          do i = 1, size(model%initial_state)
             associate (state => model%initial_state(i))

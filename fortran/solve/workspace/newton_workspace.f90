@@ -30,6 +30,7 @@ module lopin_newton_workspace
       logical :: in_use = .false.
       logical :: nlgeom = .false.              !! of the present step
       logical :: flows = .false.               !! some material looks back
+      logical :: bends = .false.               !! springs have tables
       type(nonlinear_contact_type) :: contact
       type(newton_system_type) :: system
       type(follower_type) :: follower          !! pressures under NLGEOM
@@ -70,10 +71,10 @@ module lopin_newton_workspace
    end type newton_workspace_type
 contains
 
-   !> The solids are not linear: finite strain, or flow.
+   !> The bodies are not linear: finite strain, flow, or springs with tables.
    pure logical function is_nonlinear(self)
       type(newton_workspace_type), intent(in) :: self
-      is_nonlinear = self%nlgeom .or. self%flows
+      is_nonlinear = self%nlgeom .or. self%flows .or. self%bends
    end function is_nonlinear
 
    !> Keep a line for the log of the increment.

@@ -4,6 +4,7 @@ module lopin_plan
    use lopin_text, only : to_text
    use lopin_error, only : error_type, error_code, raise
    use lopin_model, only : model_type
+   use lopin_pair_activity, only : pairs_change
    use lopin_flow_curve, only : flows
    use lopin_pair_friction, only : pair_slides_with_friction
    use lopin_report, only : summary_type
@@ -97,9 +98,9 @@ contains
       integer :: i
 
       reason = ''
-      do i = 1, size(model%step)
-         if (size(model%step(i)%pair_change) > 0) reason = 'contact pairs change'
-      end do
+      if (pairs_change(model)) reason = 'contact pairs change'
+      if (any([(allocated(model%spring(i)%table), i=1, size(model%spring))])) &
+         & reason = 'springs have tables'
       if (any(model%pair%slave == model%pair%master)) &
          & reason = 'self-contact is searched on the present shape'
       do i = 1, size(model%section)

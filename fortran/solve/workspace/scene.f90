@@ -11,6 +11,7 @@ module lopin_scene
    use lopin_bodies, only : bodies_type, new_bodies
    use lopin_solids, only : solids_type, solid_section_type, new_solids
    use lopin_assemble_linear, only : assemble_stiffness
+   use lopin_assemble_springs, only : attach_springs
    use lopin_contact_points, only : contact_points_type, pair_is_tied
    use lopin_pairing, only : new_contact_points
    use lopin_tool_points, only : move_tool
@@ -91,6 +92,7 @@ contains
       call new_solids(self%solids, model%mesh, model%element_word, sections_of(model), &
          & self%dofs%id, self%k, error)
       if (allocated(error)) return
+      call attach_springs(self%solids, model%mesh, model%spring, self%k)
       call assemble_stiffness(self%solids, model%mesh, self%k, error)
       if (allocated(error)) return
       call self%clock%stop_in(phase%assemble)
