@@ -67,6 +67,7 @@ contains
       type(options_type), intent(inout) :: options
       character(len=*), intent(in) :: word
       type(error_type), allocatable, intent(out) :: error
+      character(len=*), parameter :: alone(3) = [character(len=8) :: 'selftest', 'version', 'help']
 
       if (len(options%task) == 0 .and. any(own_words == word)) then
          options%task = word
@@ -74,7 +75,7 @@ contains
          call raise(error, error_code%usage, 'E0802', quoted(word)//' needs the Python package', &
             & help='.venv/bin/lopin '//word//' (made by ./bootstrap), or lopin '//word// &
             & ' after pip install .')
-      else if (len(options%subject) == 0) then
+      else if (len(options%subject) == 0 .and. .not. any(alone == options%task)) then
          if (len(options%task) == 0) call refuse_mistyped(word, error)
          if (allocated(error)) return
          if (len(options%task) == 0) options%task = 'run'
@@ -219,7 +220,8 @@ contains
          & 'lopin run deck.inp             solve, write results'//nl// &
          & 'lopin check deck.inp           read the deck, build the model, say what is wrong; '// &
          & 'no solve'//nl// &
-         & 'lopin info [deck.inp]          version and build, or a summary of a deck'//nl// &
+         & 'lopin info [deck.inp | out/]   version and build, a summary of a deck or of a run'// &
+         & nl// &
          & 'lopin explain [E0312]          long text of a diagnostic, or the list of all'//nl// &
          & "lopin doc ['*FRICTION']        sheet of a keyword; --all: the manual in Markdown"// &
          & nl// &

@@ -11,6 +11,7 @@ module lopin_terminal
    use lopin_render, only : render, render_json, json_string
    use lopin_safe_text, only : printable
    use lopin_text, only : plural, to_text
+   use lopin_recorder_json, only : json_schema
    implicit none
    private
    public :: terminal_type, new_terminal
@@ -192,8 +193,8 @@ contains
       integer, intent(in) :: code
       integer :: i
 
-      call self%tell('{"schema": "lopin-1", "status": '// &
-         & json_string(trim(merge('ok    ', 'failed', code == 0)))//', "exit_code": '// &
+      call self%tell('{"schema": "'//json_schema//'", "status": '// &
+         & json_string(trim(merge('finished', 'failed  ', code == 0)))//', "exit_code": '// &
          & to_text(code)//','//nl//' "diagnostics": ['//nl)
       do i = 1, self%said%n
          call self%tell('  '//render_json(self%said%item(i), self%deck)// &

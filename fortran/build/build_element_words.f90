@@ -136,7 +136,7 @@ contains
             if (etype%ndim /= model%mesh%ndim) then
                call mixed(model%log, scene, first, i, 'dimensions')
             else if ((etype%axisymmetric .neqv. scene%etype(first)%axisymmetric) &
-               & .and. any([etype%kind, scene%etype(first)%kind] == element_kind%rigid)) then
+               & .and. all([etype%kind, scene%etype(first)%kind] /= element_kind%plane_stress)) then
                call mixed(model%log, scene, first, i, 'plane and axisymmetric elements')
             end if
             if (etype%kind == element_kind%rigid) cycle
@@ -172,8 +172,12 @@ contains
       integer, intent(in) :: first, other
       character(len=*), intent(in) :: what
 
+      character(len=:), allocatable :: help
+
+      help = ''
+      if (what /= 'dimensions') help = 'plane stress (CPS) may stand beside CAX: ribs and bolts'
       call complain(log, 'E0206', trim(scene%etype(other)%word)//' cannot stand beside ' &
          & //trim(scene%etype(first)%word)//' of line '//to_text(scene%etype_at(first)%line) &
-         & //': one scene does not mix '//what, scene%etype_at(other))
+         & //': one scene does not mix '//what, scene%etype_at(other), help=help)
    end subroutine mixed
 end module lopin_build_element_words

@@ -250,8 +250,8 @@ contains
       interaction%table(:, 1) = [p0, c0]
       call new_exponential(exponential, p0, c0)
       call log%say(severity%note, 'N0306', 'EXPONENTIAL is the law of Abaqus, without pressure '// &
-         & 'beyond the gap c0; in CalculiX a hundredth of p0 is left there, and pressures above '// &
-         & 'p0 grow faster', block%at)
+         & 'beyond the gap c0; in CalculiX a hundredth of p0 is left there, and pressures '// &
+         & 'above p0 grow faster', block%at)
       call copy_method(exponential, interaction%method)
    end subroutine read_exponential
 

@@ -20,6 +20,13 @@ module lopin_build_springs
    !> the scene.
    real(wp), parameter :: stiff_gap = 1.0e3_wp
 
+   !> What the springs of two cards have in common.
+   type :: kind_type
+      type(spring_type) :: law
+      integer :: dof(2) = 0                    !! of the first and the second node of the deck
+      character(len=:), allocatable :: word
+   end type kind_type
+
 contains
 
    !> An element word of springs.
@@ -126,30 +133,28 @@ contains
       type(scene_type), intent(in) :: scene
       integer, intent(in) :: e                  !! card of the elements
       type(block_type), intent(in) :: card      !! *SPRING
-      character(len=:), allocatable :: word
       type(location_type) :: at
-      type(spring_type) :: law, new
-      integer :: dof(2), j
+      type(kind_type) :: kind
+      type(spring_type) :: new
+      integer :: j
       logical :: found
 
       associate (block => deck%block(scene%card(e)%block))
-         call get_word(block, 'TYPE', word, at, found)
-         if ((word == 'GAPUNI') .neqv. card%keyword == 'GAP') then
+         call get_word(block, 'TYPE', kind%word, at, found)
+         if ((kind%word == 'GAPUNI') .neqv. card%keyword == 'GAP') then
             call complain(model%log, 'E0203', '*'//card%keyword//' cannot describe elements '// &
-               & word, card%at, help='*SPRING goes with SPRINGA, SPRING1, SPRING2; *GAP with '// &
-               & 'GAPUNI')
+               & kind%word, card%at, help='*SPRING goes with SPRINGA, SPRING1, SPRING2; *GAP '// &
+               & 'with GAPUNI')
             return
          end if
-         law%axial = word == 'SPRINGA'
-         dof = 0
-         if (word == 'GAPUNI') then
-            call read_gap(law, card, model)
+         kind%law%axial = kind%word == 'SPRINGA'
+         if (kind%word == 'GAPUNI') then
+            call read_gap(kind%law, card, model)
          else
-            call read_law(law, dof, card, word, model%mesh%ndim, model%log)
+            call read_law(kind%law, kind%dof, card, kind%word, model%mesh%ndim, model%log)
          end if
          do j = 1, block%nline
-            call read_nodes(new, law, dof, model, scene, scene%card(e)%scope, block%line(j), word, &
-               & found)
+            call read_nodes(new, kind, model, scene, scene%card(e)%scope, block%line(j), found)
             if (found) model%spring = [model%spring, new]
          end do
       end associate
@@ -271,26 +276,24 @@ contains
    end subroutine read_table
 
    !> One element: a number and its nodes.
-   subroutine read_nodes(new, law, dof, model, scene, scope, line, word, ok)
+   subroutine read_nodes(new, kind, model, scene, scope, line, ok)
       type(spring_type), intent(out) :: new
-      type(spring_type), intent(in) :: law
-      integer, intent(in) :: dof(2)
+      type(kind_type), intent(in) :: kind
       type(model_type), intent(inout) :: model
       type(scene_type), intent(in) :: scene
       integer, intent(in) :: scope
       type(data_line_type), intent(in) :: line
-      character(len=*), intent(in) :: word
       logical, intent(out) :: ok
       type(field_type), allocatable :: field(:)
       integer :: k, n, number, nnode
 
-      new = law
+      new = kind%law
       call split_fields(line, field, n)
       ok = .false.
       if (n == 0) return
-      nnode = merge(1, 2, word == 'SPRING1')
+      nnode = merge(1, 2, kind%word == 'SPRING1')
       if (n < nnode + 1) then
-         call complain(model%log, 'E0208', word//' has '//to_text(nnode)//' node'// &
+         call complain(model%log, 'E0208', kind%word//' has '//to_text(nnode)//' node'// &
             & trim(merge(' ', 's', nnode == 1)), line_place(line))
          return
       end if
@@ -298,18 +301,21 @@ contains
          call need_integer(field(k + 1), number, model%log, ok)
          if (.not. ok) return
          ! A spring extends by the first less the second, a gap opens by the second less the first.
-         associate (node => new%node(merge(k, 3 - k, word == 'GAPUNI')))
+         associate (node => new%node(merge(k, 3 - k, kind%word == 'GAPUNI')))
             node = find_label(model%mesh%node_label, model%mesh%node_order, &
                & number + scene%node_offset(scope))
             if (node == 0) call complain(model%log, 'E0202', 'node '//to_text(number)// &
                & ' of a spring does not exist', field(k + 1)%at)
             ok = node > 0
             if (.not. ok) return
-            if (dof(k) > 0) new%direction(:, 3 - k) = axis_of(model, node, dof(k))
+            if (kind%dof(k) > 0) new%direction(:, 3 - k) = axis_of(model, node, kind%dof(k))
          end associate
       end do
       if (.not. new%axial) return
-      ok = norm2(model%mesh%x(:, new%node(2)) - model%mesh%x(:, new%node(1))) > 0.0_wp
+      new%direction(:model%mesh%ndim, 1) = model%mesh%x(:, new%node(2)) &
+         & - model%mesh%x(:, new%node(1))
+      ok = norm2(new%direction) > 0.0_wp
+      if (ok) new%direction = spread(new%direction(:, 1)/norm2(new%direction(:, 1)), 2, 2)
       if (.not. ok) call complain(model%log, 'E0208', 'the nodes of a SPRINGA are at one '// &
          & 'place: it has no direction', line_place(line), help='SPRING2 acts between two dofs')
    end subroutine read_nodes

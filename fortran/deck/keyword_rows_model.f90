@@ -20,6 +20,7 @@ contains
       call add_materials(table)
       call add_sections(table)
       call add_constraints(table)
+      call add_springs(table)
    end subroutine add_model_rows
 
    subroutine add_files(table)
@@ -282,17 +283,9 @@ contains
       call about(table, 'F')
    end subroutine add_hyperelastic
 
-   subroutine add_constraints(table)
+   !> Springs and gaps between nodes.
+   subroutine add_springs(table)
       type(keyword_table_type), intent(inout) :: table
-
-      call key(table, 'EQUATION', 'MPA', 'both', &
-         & 'Linear relation between displacements: the sum of coefficient times displacement '// &
-         & 'is zero.')
-      call later_flag(table, 'INPUT', 'Read the data lines from another file: use *INCLUDE.')
-      call data_line(table, 'number of terms', 'First line.')
-      call data_line(table, 'node or node set, dof, coefficient, ...', &
-         & 'The terms; the first is eliminated.')
-      call example(table, '*EQUATION|2|5, 1, 1., 9, 1, -1.')
 
       call key(table, 'SPRING', 'MPA', 'both', 'Springs: elements SPRINGA along the line of '// &
          & 'their two nodes, SPRING1 from a node to the ground, SPRING2 between dofs of two nodes.')
@@ -312,10 +305,25 @@ contains
          & 'two nodes have come together.')
       call word(table, 'ELSET', 'The ELSET of the *ELEMENT card of the gaps.')
       call required(table)
-      call data_line(table, 'clearance [length], x, y, z, area, stiffness [force/length], tension', &
+      call data_line(table, 'clearance [length], x, y, z, area, stiffness [force/length], '// &
+         & 'tension', &
          & 'The direction is that from the first node to the second; without a stiffness it is '// &
-         & 'a thousand times the largest modulus times the size of the scene. Area and tension are read past.')
+         & 'a thousand times the largest modulus times the size of the scene. Area and tension '// &
+         & 'are read past.')
       call example(table, '*GAP, ELSET=STOPS|0.1, 0., 0., 1.')
+   end subroutine add_springs
+
+   subroutine add_constraints(table)
+      type(keyword_table_type), intent(inout) :: table
+
+      call key(table, 'EQUATION', 'MPA', 'both', &
+         & 'Linear relation between displacements: the sum of coefficient times displacement '// &
+         & 'is zero.')
+      call later_flag(table, 'INPUT', 'Read the data lines from another file: use *INCLUDE.')
+      call data_line(table, 'number of terms', 'First line.')
+      call data_line(table, 'node or node set, dof, coefficient, ...', &
+         & 'The terms; the first is eliminated.')
+      call example(table, '*EQUATION|2|5, 1, 1., 9, 1, -1.')
 
       call key(table, 'PRE-TENSION SECTION', 'M', 'both', 'Cuts a bolt: the pre-tension node '// &
          & 'pulls the two sides of a section together.')

@@ -6,7 +6,7 @@ module lopin_flat_elements
    use lopin_model, only : model_type, kind_of
    implicit none
    private
-   public :: is_flat, is_ring
+   public :: is_flat, is_ring, ring_bodies
 
 contains
 
@@ -26,4 +26,20 @@ contains
       is_ring = model%kind == kind_of%axisymmetric
       if (is_ring .and. surface > 0) is_ring = .not. model%surface(surface)%flat
    end function is_ring
+
+   !> Bodies of an axisymmetric scene with elements that go around the axis.
+   pure function ring_bodies(model, body, nbody) result(ring)
+      type(model_type), intent(in) :: model
+      integer, intent(in) :: body(:)           !! (nnode) of each node; 0: none
+      integer, intent(in) :: nbody
+      logical :: ring(nbody)
+      integer :: e
+
+      ring = .false.
+      if (model%kind /= kind_of%axisymmetric) return
+      do e = 1, model%mesh%nelement
+         if (model%mesh%section(e) == 0 .or. is_flat(model, e)) cycle
+         ring(body(model%mesh%conn(1, e))) = .true.
+      end do
+   end function ring_bodies
 end module lopin_flat_elements

@@ -50,34 +50,38 @@ contains
       real(wp), intent(inout), optional :: value(:)    !! of the matrix
       real(wp), dimension(mesh%ndim, 2) :: x, moved, own
       real(wp) :: ke(2*mesh%ndim, 2*mesh%ndim), stored
-      integer :: s, k, i, e
+      integer :: s, k, i, e, at(mesh%ndim, 2)
 
       if (.not. allocated(self%spring)) return
       do s = 1, size(self%spring)
+         at = 0
          x = 0.0_wp
-         moved = 0.0_wp
-         associate (spring => self%spring(s))
-            do k = 1, 2
-               if (spring%node(k) == 0) cycle
-               x(:, k) = mesh%x(:, spring%node(k))
-               do i = 1, mesh%ndim
-                  if (self%dof(i, spring%node(k)) > 0) moved(i, k) = u(self%dof(i, spring%node(k)))
-               end do
+         do k = 1, 2
+            if (self%spring(s)%node(k) == 0) cycle
+            at(:, k) = self%dof(:mesh%ndim, self%spring(s)%node(k))
+            x(:, k) = mesh%x(:, self%spring(s)%node(k))
+         end do
+         moved = reshape([(at_dof(u, at(1 + mod(i, mesh%ndim), 1 + i/mesh%ndim)), &
+            & i=0, 2*mesh%ndim - 1)], shape(moved))
+         call spring_element(self%spring(s), x, moved, finite, own, ke, stored)
+         energy = energy + stored
+         do k = 1, 2
+            do i = 1, mesh%ndim
+               if (at(i, k) > 0) force(at(i, k)) = force(at(i, k)) + own(i, k)
             end do
-            call spring_element(spring, x, moved, finite, own, ke, stored)
-            energy = energy + stored
-            do k = 1, 2
-               if (spring%node(k) == 0) cycle
-               do i = 1, mesh%ndim
-                  associate (at => self%dof(i, spring%node(k)))
-                     if (at > 0) force(at) = force(at) + own(i, k)
-                  end associate
-               end do
-            end do
-         end associate
+         end do
          e = mesh%nelement + s
          if (present(value)) call add_slots(self%slot(self%first_slot(e): &
             & self%first_slot(e + 1) - 1), ke, value)
       end do
    end subroutine add_springs
+
+   !> A displacement; 0 where there is no equation.
+   pure real(wp) function at_dof(u, dof)
+      real(wp), intent(in) :: u(:)
+      integer, intent(in) :: dof
+
+      at_dof = 0.0_wp
+      if (dof > 0) at_dof = u(dof)
+   end function at_dof
 end module lopin_assemble_springs

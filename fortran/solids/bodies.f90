@@ -8,7 +8,7 @@
 module lopin_bodies
    use lopin_kinds, only : wp
    use lopin_model, only : model_type, kind_of
-   use lopin_flat_elements, only : is_flat
+   use lopin_flat_elements, only : ring_bodies
    use lopin_dofs, only : dofs_type
    use lopin_constraints, only : constraints_type, axes_at
    use lopin_dense, only : symmetric_eigen
@@ -126,7 +126,7 @@ contains
       integer, intent(out) :: ncolumn
       integer :: i, k
 
-      call find_rings(self, model)
+      self%ring = ring_bodies(model, self%body, self%nbody)
       select case (model%kind)
       case (kind_of%axisymmetric)
          self%nmode = merge(1, 3, all(self%ring))
@@ -157,20 +157,6 @@ contains
          self%lone(i) = ncolumn
       end do
    end subroutine number_columns
-
-   !> Bodies with elements that go around the axis.
-   subroutine find_rings(self, model)
-      type(bodies_type), intent(inout) :: self
-      type(model_type), intent(in) :: model
-      integer :: e
-
-      allocate (self%ring(self%nbody), source=.false.)
-      if (model%kind /= kind_of%axisymmetric) return
-      do e = 1, model%mesh%nelement
-         if (model%mesh%section(e) == 0 .or. is_flat(model, e)) cycle
-         self%ring(self%body(model%mesh%conn(1, e))) = .true.
-      end do
-   end subroutine find_rings
 
    !> Value of a raw variable per amplitude of each column that moves it; rotations are times
    !> `length`.
@@ -250,7 +236,7 @@ contains
       type(dofs_type), intent(in) :: dofs
       type(constraints_type), intent(in) :: constraints
       real(wp), intent(inout) :: gram(:, :)
-      real(wp) :: row(size(gram, 1)), g(3), most
+      real(wp) :: row(size(gram, 1)), most
       integer :: s, k, m
 
       do s = 1, size(model%spring)
@@ -258,10 +244,7 @@ contains
          associate (spring => model%spring(s))
             do k = 1, 2
                if (spring%node(k) == 0) cycle
-               g = spring%direction(:, k)
-               if (spring%axial) g(:model%mesh%ndim) = model%mesh%x(:, spring%node(2)) &
-                  & - model%mesh%x(:, spring%node(1))
-               call add_node(spring%node(k), merge(-g, g, k == 1)/norm2(g))
+               call add_node(spring%node(k), merge(-1, 1, k == 1)*spring%direction(:, k))
             end do
          end associate
          most = maxval(abs(row))

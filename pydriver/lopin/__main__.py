@@ -20,8 +20,9 @@ def main(arguments: list[str] | None = None) -> int:
     """Run a command and return its exit code."""
     arguments = sys.argv[1:] if arguments is None else list(arguments)
     try:
-        code = python_command(arguments) if arguments and arguments[0] in PYTHON_COMMANDS else \
-            forward(arguments)
+        ours = arguments and (arguments[0] in PYTHON_COMMANDS or arguments[0] == "info"
+                              and len(arguments) == 2 and Path(arguments[1]).is_dir())
+        code = python_command(arguments) if ours else forward(arguments)
         sys.stdout.flush()
         return code
     except LopinError as error:
@@ -67,6 +68,9 @@ def python_command(arguments: list[str]) -> int:
     plot.add_argument("-o", "--output", type=Path,
                       help="PNG, SVG or PDF; default: <folder>/pressure.png")
     plot.add_argument("--pair", default=None, help="slave surface; default: the first pair")
+    plot.add_argument("--terminal", action="store_true", help="in characters, here")
+    info = commands.add_parser("info", help="a run in a few lines")
+    info.add_argument("folder", type=Path)
     chart = commands.add_parser("chart", help="speed against accuracy over methods and penalties")
     chart.add_argument("deck", nargs="?", default="hertz",
                        help="a deck with *SURFACE BEHAVIOR, hertz (scenes with closed "

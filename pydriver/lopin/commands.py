@@ -25,12 +25,49 @@ def plot(options) -> int:
     from . import plot as pictures
 
     contact = open_result(options.folder).contact(options.pair or 0).last
+    if options.terminal:
+        from .plot_terminal import pressure
+
+        print(pressure(contact))
+        return 0
     ax = pictures.pressure(contact)
     ax.set_title(contact.pair)
     path = options.output or options.folder/"pressure.png"
     with whole_file(path) as part:
         ax.figure.savefig(part, dpi=150)
     print(path)
+    return 0
+
+
+def info(options) -> int:
+    """What a run in a folder did, in a few lines."""
+    from .folder import Folder
+
+    run = Folder(options.folder, whole=False)
+    summary = run.summary
+    model, certificate = summary.get("model", {}), summary.get("certificate") or {}
+    print(f"{run.name}: {summary.get('status', 'no summary')}")
+    if summary.get("heading"):
+        print(summary["heading"])
+    if model:
+        print(f"{model['kind']}, {model['nodes']} nodes, {model['elements']} elements")
+    if summary.get("plan"):
+        print(summary["plan"])
+    if certificate:
+        print(f"certificate: {certificate.get('verdict', 'none')}")
+    for pair in summary.get("contact", []):
+        print(f"pair ({pair.get('slave')}, {pair.get('master')}): "
+              f"largest pressure {pair.get('max_pressure', 0.0):.6g}")
+    print(f"{len(run.times)} outputs, to time {max(run.times, default=0.0):g}")
+    counted: dict[str, int] = {}
+    for said in run.diagnostics:
+        counted[said["code"]] = counted.get(said["code"], 0) + 1
+    if counted:
+        print("said: " + ", ".join(f"{code} ({n})" if n > 1 else code
+                                   for code, n in counted.items()))
+    for trouble in run.troubles:
+        print(trouble)
+    print(f"to see it: lopin report {options.folder}")
     return 0
 
 

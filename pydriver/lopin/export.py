@@ -124,6 +124,11 @@ class _Writer:
             label += len(strip[0])
             element += len(strip[1])
 
+    def _thickness(self) -> float:
+        """Of a strip as wide as the thickest body [length]."""
+        return max([_number(b.data[0][0]) for b in self.blocks
+                    if b.keyword == "SOLID SECTION" and b.data] or [1.0]) or 1.0
+
     def _extent(self, points: list) -> float:
         xs, ys = zip(*points)
         return max(max(xs) - min(xs), max(ys) - min(ys))*0.1
@@ -145,7 +150,8 @@ class _Writer:
                    for k, cell in enumerate(cells)]),
             Block("MATERIAL", {"NAME": f"MT_{name}"}),
             Block("ELASTIC", {}, [(10.0*self.modulus, 0.3)]),
-            Block("SOLID SECTION", {"ELSET": f"ET_{name}", "MATERIAL": f"MT_{name}"}, [(1.0,)]),
+            Block("SOLID SECTION", {"ELSET": f"ET_{name}", "MATERIAL": f"MT_{name}"},
+                  [(self._thickness(),)]),
             Block("SURFACE", {"NAME": name, "TYPE": "ELEMENT"}, [(f"ET_{name}", "S1")])]
         self._note(f"the rigid profile {name} is a strip of {len(cells)} elements, all of whose "
                    f"nodes move as its reference node did (no rotation)")

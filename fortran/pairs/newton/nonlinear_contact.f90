@@ -120,7 +120,6 @@ contains
       n = self%n
       call new_facet_hysteresis(self%masters%owner, n)
       call new_skins(self%skin, model)
-      allocate (self%piece(n), source=0)
       self%first_weight = self%weight
       self%dofs = dofs
       allocate (self%first_area(n), source=0.0_wp)
@@ -135,7 +134,7 @@ contains
          & self%traction(3, n), self%normal(3, n), self%xi(2, n), self%start_normal(3, n), &
          & self%c(n), self%ct(n), self%mises(n), self%speed(n), self%start_gap(n), self%touch(n), &
          & source=0.0_wp)
-      allocate (self%facet(n), self%status(n), self%first_row(n), source=0)
+      allocate (self%facet(n), self%status(n), self%first_row(n), self%piece(n), source=0)
       allocate (self%pressing(model%mesh%nnode), source=0)
       allocate (self%bilateral(n), self%loose(n), self%yields(n), source=.false.)
       allocate (self%pair_active(size(model%pair)), source=.true.)
