@@ -17,7 +17,9 @@ import numpy as np
 ROOT = Path(__file__).resolve().parents[2]
 DECKS = ("beamcontact contact1 contact3 contact4 contact6 cubef2f1 fricloop friction1 friction2 "
          "hueeber1 hueeber3 metalforming plate punch1 ring1 thread "
-         "changefric contact2 contactenergy cubef2f2 cubespring hueeber2 hueeber4 punch2 ring2").split()
+         "changefric contact2 contactenergy cubef2f2 cubespring hueeber2 hueeber4 punch2 ring2 "
+         "beamptied1 beamptied2 bolt changesurfbeh cubef2f3 gap gap2 metalformingmortar "
+         "axiplane spring1 spring2").split()
 
 
 def dat_blocks(path: Path) -> dict:
