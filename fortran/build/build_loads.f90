@@ -137,6 +137,9 @@ contains
             call load_faces(self, model, scene, element, field(2), value, amplitude, step)
          case ('BX', 'BY', 'BZ', 'BR', 'GRAV')
             call load_bodies(self, model, element, label, field(:n), value, amplitude, step)
+         case ('CENTRIF')
+            call complain(model%log, 'E0108', 'CENTRIF of *DLOAD is known but not yet there: '// &
+               & 'centrifugal loads come with a later version', field(2)%at)
          case default
             call complain(model%log, 'E0407', 'load `'//label//'` is not known', field(2)%at, &
                & help='P1 to P6, BX, BY, BZ, GRAV')

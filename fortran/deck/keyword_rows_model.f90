@@ -223,6 +223,7 @@ contains
       call word(table, 'ORIENTATION', 'Name of an *ORIENTATION: axes of the material, which '// &
          & '*POTENTIAL counts along.')
       call later_flag(table, 'COMPOSITE', 'Layers.')
+      call ignored_flag(table, 'OFFSET', 'Plane elements lie in their plane.')
       call data_line(table, 'thickness [length] = 1', 'Plane elements only.')
       call example(table, '*SOLID SECTION, ELSET=BODY, MATERIAL=STEEL|1.,')
 

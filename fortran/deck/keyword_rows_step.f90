@@ -140,6 +140,8 @@ contains
          & 'BX, BY, BZ.')
       call data_line(table, 'element or element set, GRAV, value [acceleration], x, y, z', &
          & 'Gravity along (x, y, z); needs *DENSITY.')
+      call data_line(table, 'element or element set, CENTRIF, omega^2, x, y, z, nx, ny, nz', &
+         & 'Comes with a later version.')
       call example(table, '*DLOAD|TOP_ROW, P3, 12.')
       call about(table, 'F')
 
