@@ -3,6 +3,7 @@ from __future__ import annotations
 
 import csv
 import json
+import re
 from functools import lru_cache
 from pathlib import Path
 from xml.etree import ElementTree
@@ -69,7 +70,7 @@ class Folder:
         with reading(path):
             for entry in ElementTree.parse(path).iter("DataSet"):
                 file = self.folder/entry.get("file")
-                kind = file.name[len(self.name) + 1:].partition("_")[0]
+                kind = re.sub(r"^p\d+_", "", file.name[len(self.name) + 1:]).partition("_")[0]
                 part = entry.get("name") or file.stem
                 if kind in ("contact", "tool"):
                     part = f"{kind} {part}"

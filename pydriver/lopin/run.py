@@ -43,6 +43,8 @@ def run(scene: Deck | Model | str | Path, output: str | Path | None = None, *,
     options["threads"] = threads
     if options.get("resume") and output is None:
         raise UsageError("resume asks for the output folder of the run that was broken off")
+    if asks_to_remesh(deck):
+        return run_in_parts(deck, output, options)
     if executable:
         return _run_executable(deck, output, _option_words(options))
     if output is not None:
@@ -58,6 +60,34 @@ def run(scene: Deck | Model | str | Path, output: str | Path | None = None, *,
         source = Folder(output, deck.name)
         source.diagnostics = session.diagnostics
     return to_result(session, Result(source, deck))
+
+
+def asks_to_remesh(deck: Deck) -> bool:
+    """Whether a deck, or what it includes, has *REMESH."""
+    if "REMESH" in deck:
+        return True
+    if "INCLUDE" not in deck:
+        return False
+    from .model_read_mesh import expanded
+
+    try:
+        return any(block.keyword == "REMESH" for block in expanded(deck))
+    except (ResourceError, KeyError, RecursionError):
+        return False   # the reader of decks says it better
+
+
+def run_in_parts(deck: Deck, output: str | Path | None, options: dict) -> Result:
+    """A run whose mesh is made anew on the way; its files are its result."""
+    from .remesh.driver import Runner
+
+    if output is None:
+        raise UsageError("a run with *REMESH keeps its parts as files: it needs an output folder",
+                         help="lopin.run(deck, 'out/name')")
+    given = {name: value for name, value in options.items() if value is not None}
+    report = Runner(deck, output, say=lambda line: None, **given).run()
+    result = Result(Folder(output, deck.name), deck)
+    result.summary["remeshes"] = [vars(r) for r in report.remeshes]
+    return result
 
 
 def to_result(session: _bridge.Session, result: Result) -> Result:

@@ -37,12 +37,26 @@ PLANE = ["CAX4", "CAX3", "CPE4", "CPE3", "CAX4R"]
 
 def block(word, travel=-3.0, card="PERIOD=.2, STRAIN=10.", mu=0.0, **options):
     """A block that is pressed without friction on its floor, with a remesh card."""
-    x, cells = grid(word)
+    x, cells = grid(word) if word != "C3D4" else tetrahedra()
     scene = deck(word, x, cells, 5.0, travel, mu=mu, time=1.0, increments=20, **options)
     text = scene.text().replace("*STEP, NLGEOM", f"*REMESH, ELSET=B, {card}\n*STEP, NLGEOM")
     if not mu:
         text = text.replace("FLOOR, 1, 2", "FLOOR, 2")
     return lopin.Deck.parse(text, name="block")
+
+
+def tetrahedra():
+    """A block of 5 x 5 x 4 in tetrahedra that share whole faces (Kuhn's six to a brick)."""
+    x, bricks = grid("C3D8")
+    ways = [(1, 2), (1, 5), (3, 2), (3, 7), (4, 5), (4, 7)]
+    rows = []
+    for q in bricks:
+        for a, b in ways:
+            t = [q[0], q[a], q[b], q[6]]
+            if np.linalg.det(x[t[1:]] - x[t[0]]) < 0.0:
+                t[1], t[2] = t[2], t[1]
+            rows.append(t)
+    return x, rows
 
 
 def history(folder, name):
@@ -96,6 +110,36 @@ def test_a_rough_block_goes_on_alike(law, jump, core, tmp_path):
                                      name="one"))
     force = history(tmp_path, "block")["DIE.rf2"]
     assert force[-1] == pytest.approx(one.history["DIE.rf2"][-1], rel=0.03)
+
+
+def test_tetrahedra_keep_the_force_of_a_block_over_new_meshes(core, tmp_path):
+    """By MMG, uniform strain: the closed form of uniaxial pressing."""
+    pytest.importorskip("mmgpy")
+    report = run(block("C3D4", card="PERIOD=.4, STRAIN=10."), tmp_path)
+    assert len(report.remeshes) == 2 and report.verdict()[0] == "PASS"
+    found = history(tmp_path, "block")
+    strain = np.log(5.0/(5.0 - 3.0*found["time"]))
+    plastic = strain.copy()
+    for _ in range(60):
+        plastic = strain - np.interp(plastic, [0.0, 0.5, 2.0], [200.0, 300.0, 600.0])/70000.0
+    expected = 70000.0*(strain - plastic)*20.0*np.exp(strain)
+    assert np.abs(-found["DIE.rf2"]/expected - 1.0).max() < 1e-6
+
+
+def test_python_runs_a_deck_in_parts_and_reads_it_as_one(core, tmp_path):
+    scene = block("CAX4", travel=-1.0, card="PERIOD=.5, STRAIN=10.")
+    result = lopin.run(scene, tmp_path)
+    assert result.summary["certificate"]["verdict"] == "PASS"
+    assert result.summary["parts"] == 2 and len(result.summary["remeshes"]) == 1
+    assert result.history["part"][-1] == 2.0 and len(result.pairs) == 1
+    assert result.at(0)["U"].shape != result["U"].shape or len(result.times) > 2
+    work = result.history["energy.external"]
+    assert (np.diff(work) > -1e-6*work.max()).all()
+    with pytest.raises(lopin.UsageError, match="output folder"):
+        lopin.run(scene)
+    from lopin.report import write_report
+
+    assert write_report([tmp_path], None).stat().st_size > 20_000
 
 
 def test_new_meshes_are_good_and_on_the_tool(core, tmp_path):
@@ -168,6 +212,9 @@ def test_the_command_runs_remeshed_decks_and_the_executable_says_why_not(core, t
     (("*REMESH, ELSET=B,", "*REMESH, SIZES=1.,"), "E01"),
     (("TYPE=CAX4", "TYPE=CAX4I"), "E0621"),
     (("*REMESH,", "*REMESH, ELSET=B\n*REMESH,"), "E0621"),
+    (("*STEP, NLGEOM", "*STEP"), "E0621"),
+    (("*PLASTIC\n", "*PLASTIC, HARDENING=KINEMATIC\n"), "E0621"),
+    (("*BOUNDARY", "*CLOAD\n1, 2, 5.\n*BOUNDARY"), "E0621"),
 ])
 def test_decks_that_cannot_be_remeshed_are_refused_by_name(change, code, core, tmp_path):
     text = block("CAX4").text()

@@ -21,6 +21,7 @@ from .body import DeckParts, read_body, refused
 from .card import RemeshCard
 from .part import Clock
 from .plane import worst_corner
+from .refusals import refuse_what_stays_behind
 from .remake import remake
 from .report import Remesh, Report
 from .state import Snapshot
@@ -60,7 +61,9 @@ class Runner:
         if len(cards) != 1:
             raise refused("a deck has one *REMESH", "leave all but one out")
         card = RemeshCard.of(cards[0])
-        self.card = card.filled(read_body(parts, card.elset))
+        body = read_body(parts, card.elset)
+        refuse_what_stays_behind(parts, body)
+        self.card = card.filled(body)
         self.report = Report(deck.name, self.output)
 
     def run(self) -> Report:
@@ -72,11 +75,13 @@ class Runner:
         else:
             for path in self._decks():
                 path.unlink()
-        while deck is not None:
-            self.say(f"part {number}: {self.output/deck.name}.inp")
-            deck = self._part(deck, number)
-            number += 1
-        self.report.finish()
+        try:
+            while deck is not None:
+                self.say(f"part {number}: {self.output/deck.name}.inp")
+                deck = self._part(deck, number)
+                number += 1
+        finally:
+            self.report.finish()
         return self.report
 
     def _decks(self) -> list[Path]:

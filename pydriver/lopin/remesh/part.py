@@ -38,6 +38,30 @@ class NewMesh:
 
 
 @dataclass
+class SkinOrigin:
+    """Where the nodes of a new skin lie on the old one.
+
+    Attributes
+    ----------
+    node : rows of the new nodes (n,)
+    old : rows of the old nodes of the facet that each lies on (n, k)
+    weight : of these, adding up to 1 (n, k)
+    """
+
+    node: NDArray
+    old: NDArray
+    weight: NDArray
+
+    def value(self, of_old: NDArray) -> NDArray:
+        """Values (old node, ...) taken along."""
+        return np.einsum("nk,nk...->n...", self.weight, of_old[self.old])
+
+    def within(self, marked: NDArray) -> NDArray:
+        """Whether all old nodes that count for each new one are marked."""
+        return (marked[self.old] | (self.weight < 1e-9)).all(axis=1)
+
+
+@dataclass
 class Clock:
     """Where a run stands.
 

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 from .body import Body, boundary_facets
 from .card import RemeshCard
 from .outline import Outline, loops_of, new_outline, volume_of
-from .part import NewMesh
+from .part import NewMesh, SkinOrigin
 from .plane import fill, worst_corner
 from .seat import keep_volume, seat
 from .sizes import Sizes, of_curvature, of_gradient, of_thickness
@@ -21,9 +21,8 @@ WELL, FACTORS = 0.3, (1.0, 0.93, 1.06, 0.87, 0.8)
 
 
 def remesh_plane(body: Body, state: Snapshot, card: RemeshCard, tools: Tools,
-                 fields: CellFields) -> tuple[NewMesh, dict[str, float], NDArray]:
-    """A new mesh, what it changed (volumes, largest moves), and nodes of its skin with the old
-    facet and the share along it that each comes from: rows of two old nodes and a share."""
+                 fields: CellFields) -> tuple[NewMesh, dict[str, float], SkinOrigin]:
+    """A new mesh, what it changed (volumes, largest moves), where its skin lies on the old one."""
     sizes = sizes_of(body, state, card, tools, fields)
     required = set(np.concatenate([rows for rows in body.named.values()
                                    if len(rows) < len(body.x)] or [[]]).astype(int).tolist())
@@ -45,8 +44,8 @@ def remesh_plane(body: Body, state: Snapshot, card: RemeshCard, tools: Tools,
     tags = [outline.tags[a] for a in facets[:, 0]]
     mesh = NewMesh(x, cells, facets, tags)
     mesh.named = named_nodes(body, state.x, outline, x)
-    come_from = np.column_stack([outline.ends, outline.share])
-    return mesh, moved, come_from
+    weight = np.stack([1.0 - outline.share, outline.share], axis=1)
+    return mesh, moved, SkinOrigin(np.arange(len(outline.x)), outline.ends, weight)
 
 
 def sizes_of(body: Body, state: Snapshot, card: RemeshCard, tools: Tools,

@@ -5,17 +5,17 @@ import time
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..deck import Block, Deck
 from ..model_read_mesh import plain
 from ..points import Points
 from .body import Body, DeckParts, direct_labels, read_body, refused
 from .card import RemeshCard
-from .part import NewMesh, new_labels, next_deck
+from .part import NewMesh, SkinOrigin, new_labels, next_deck
 from .planar import remesh_plane
 from .plane import worst_corner
 from .report import Remesh
+from .spatial import remesh_space
 from .state import Snapshot
 from .tools import Tools
 from .transfer import (
@@ -59,7 +59,8 @@ def remake(deck: Deck, last: Snapshot, tools: Tools, card: RemeshCard, why: str,
                       "load a surface by *DSLOAD, or a tool")
     x, cells, owner = point_cells(last, body)
     fields = cell_fields(x, cells, *owner)
-    mesh, moved, come_from = remesh_plane(body, last, card, tools, fields)
+    make = remesh_plane if body.ndim == 2 else remesh_space
+    mesh, moved, origin = make(body, last, card, tools, fields)
     states, weights = transfer(fields, Locator(x, cells), mesh.x, mesh.cells, body.axisymmetric)
     highest = highest_strain(last.points)
     states, over = zip(*(admissible(s, highest) for s in states))
@@ -68,7 +69,7 @@ def remake(deck: Deck, last: Snapshot, tools: Tools, card: RemeshCard, why: str,
                   *integrals(last.points, states, weights, body.axisymmetric),
                   excess=max(float(o.max()) for o in over), seconds=time.perf_counter() - began)
     start = [state_block(parts, body, mesh, states),
-             *traction_block(parts, body, mesh, last, come_from),
+             *traction_block(parts, body, mesh, last, origin),
              start_block(body, last, parts)]
     return next_deck(parts, body, mesh, name, folder, start), done
 
@@ -119,7 +120,7 @@ def state_block(parts: DeckParts, body: Body, mesh: NewMesh, states) -> Block:
 
 
 def traction_block(parts: DeckParts, body: Body, mesh: NewMesh, last: Snapshot,
-                   come_from: NDArray) -> list[Block]:
+                   origin: SkinOrigin) -> list[Block]:
     """*INITIAL CONDITIONS, TYPE=TRACTION: what the new slave nodes bear, along the old skin."""
     if last.tractions is None:
         return []
@@ -135,12 +136,9 @@ def traction_block(parts: DeckParts, body: Body, mesh: NewMesh, last: Snapshot,
         for k in own[::-1]:
             if np.abs(t.traction[k]).max() > 0.0 or not old[at[int(t.node[k])]].any():
                 old[at[int(t.node[k])]] = np.r_[t.traction[k], t.slip[k]]
-        a, b, s = come_from[:, 0].astype(int), come_from[:, 1].astype(int), come_from[:, 2]
-        new = (1.0 - s)[:, None]*old[a] + s[:, None]*old[b]
-        both = (np.abs(old[a, :3]).max(axis=1) > 0.0) & ((np.abs(old[b, :3]).max(axis=1) > 0.0)
-                                                        | (s == 0.0))
-        rows += [[*name[:2], int(node_label[k]), *map(float, new[k, :3]), *map(float, new[k, 3:])]
-                 for k in np.flatnonzero(both)]
+        new = origin.value(old)
+        rows += [[*name[:2], int(node_label[origin.node[k]]), *map(float, new[k])]
+                 for k in np.flatnonzero(origin.within(np.abs(old[:, :3]).max(axis=1) > 0.0))]
     return [Block("INITIAL CONDITIONS", {"TYPE": "TRACTION"}, rows)] if rows else []
 
 

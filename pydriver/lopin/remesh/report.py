@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..files import reading, whole_file
+from .join import join_collections, join_histories, join_summaries
 
 TINY = np.finfo(float).tiny
 
@@ -98,8 +99,9 @@ class Report:
 
     def finish(self) -> None:
         """Write the files that join the parts."""
-        self.join_collections()
-        self.join_histories()
+        join_collections(self.folder, self.name, self.parts)
+        join_histories(self.folder, self.name, self.parts)
+        join_summaries(self.folder, self.name, self.parts, self.verdict()[0])
         self.write()
 
     def json(self) -> str:
@@ -152,37 +154,6 @@ class Report:
         lines.append(f"results in {self.folder}/; {self.name}.pvd and {self.name}_history.csv "
                      "hold all parts")
         return "\n".join(lines)
-
-    def join_collections(self) -> None:
-        """One .pvd of all parts: ParaView goes through them by time."""
-        rows, head, tail = [], "", ""
-        for name in self.parts:
-            path = self.folder/f"{name}.pvd"
-            if not path.is_file():
-                continue
-            text = path.read_text()
-            rows += re.findall(r"^.*<DataSet .*$", text, re.M)
-            head = text[:text.index("<Collection")] + "<Collection>\n"
-            tail = text[text.index("</Collection>"):]
-        if rows:
-            with whole_file(self.folder/f"{self.name}.pvd") as part:
-                part.write_text(head + "\n".join(rows) + "\n" + tail)
-
-    def join_histories(self) -> None:
-        """One history of all parts, with a column for the part."""
-        head, rows = [], []
-        for number, name in enumerate(self.parts, 1):
-            path = self.folder/f"{name}_history.csv"
-            if not path.is_file():
-                continue
-            with path.open(newline="") as file:
-                first, *body = list(csv.reader(file))
-            head = ["part [-]", *first]
-            rows += [[number, *row] for row in body]
-        if rows:
-            with whole_file(self.folder/f"{self.name}_history.csv") as part, \
-                    part.open("w", newline="") as file:
-                csv.writer(file, lineterminator="\n").writerows([head, *rows])
 
 
 def _forces(path: Path) -> NDArray | None:

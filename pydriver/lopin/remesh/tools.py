@@ -53,6 +53,17 @@ class Tools:
                 found.append((nodes, feet))
         return found
 
+    def feet_of_nodes(self, x: NDArray, facets: NDArray, tags: list[frozenset]):
+        """For each tool the nodes of a skin that may meet it, and their closest points."""
+        for number, slave in self.pairs:
+            rows = [f for f, tag in zip(facets, tags) if tag & slave]
+            if not rows:
+                continue
+            nodes = np.unique(np.array(rows))
+            feet = self.session.tool_feet(number, x[nodes])
+            if feet is not None:
+                yield nodes, feet
+
     def feet_of_facets(self, x: NDArray, facets: NDArray, tags: list[frozenset]):
         """For each tool the facets that may meet it, and the closest points of their middles."""
         for number, slave in self.pairs:

@@ -44,7 +44,7 @@ def along(part: Part, frame: int, field: str) -> list[tuple[np.ndarray, np.ndarr
     Surfaces of single points are taken in the order of their first coordinate.
     """
     places, values = part.places[frame], np.asarray(part.fields[field][frame])
-    pieces = chains(part.faces)
+    pieces = chains(part.faces(frame))
     if not pieces:
         order = np.argsort(places[:, 0])
         return [(places[order, 0], values[order])]

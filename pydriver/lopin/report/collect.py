@@ -73,7 +73,8 @@ def collect(folder: Path, decks: Path) -> Run:
     source = Folder(folder, name, whole=False)
     result = Result(source)
     run = Run(folder, result.name, result.summary, {}, troubles=source.troubles)
-    others = sorted({p.stem for p in folder.glob("*.sta")} - {result.name})
+    others = sorted({p.stem for p in folder.glob("*.sta")
+                     if not re.fullmatch(rf"{re.escape(result.name)}(\.p\d+)?", p.stem)})
     if others and not name:
         run.troubles.append(f"the folder also holds {', '.join(others)}: lopin report "
                             f"{folder/others[0]}.json shows it")

@@ -30,9 +30,24 @@ class Part:
     """Polygons, or lines, and their points and fields in every frame."""
     kind: str                                        # body, contact, tool
     name: str
-    faces: list
+    meshes: list                                     # polygons; more than one if remeshed
+    mesh: list = field(default_factory=list)         # which of them, a number a frame
     places: list = field(default_factory=list)       # a (n, 3) array a frame
     fields: dict = field(default_factory=dict)       # name: an (n,) array a frame
+
+    def faces(self, frame: int) -> list:
+        """The polygons of a frame."""
+        return self.meshes[self.mesh[frame]]
+
+    def add(self, one: Part) -> None:
+        """A frame, of a part that has this one alone."""
+        if not self.meshes or one.meshes[0] != self.meshes[-1]:
+            self.meshes.append(one.meshes[0])
+        self.mesh.append(len(self.meshes) - 1)
+        self.places.append(one.places[0])
+        for word, values in one.fields.items():
+            if word not in ("points", "cells"):
+                self.fields.setdefault(word, []).append(values)
 
 
 @dataclass
@@ -59,7 +74,8 @@ class Shape:
                                 "data": [_pack((v - least)/((most - least) or 1.0))
                                          for v in values]}
             parts.append({"kind": part.kind, "name": part.name,
-                          "faces": [list(map(int, face)) for face in part.faces],
+                          "meshes": [[list(map(int, face)) for face in faces]
+                                     for faces in part.meshes], "mesh": part.mesh,
                           "places": [_pack((p - low)/size) for p in part.places],
                           "fields": fields})
         return {"dimensions": self.dimensions, "low": low.tolist(), "size": size,
@@ -87,19 +103,15 @@ def shapes_of(result) -> Shape | None:
     parts: dict = {}
     for index in list(chosen):
         try:
-            frame = [(name, _body(source, index, skin.faces, skin.fields["points"])
-                      if name == "solid" else _other(source, index, name))
+            skin = _body(source, index, skin)
+            frame = [(name, skin if name == "solid" else _other(source, index, name))
                      for name in names if name in source._frames[index][1]]
         except ResourceError:
             unread.append(index)
             chosen.remove(index)
             continue
         for name, one in frame:
-            part = parts.setdefault(name, Part(one.kind, one.name, one.faces))
-            part.places.append(one.places[0])
-            for word, values in one.fields.items():
-                if word != "points":
-                    part.fields.setdefault(word, []).append(values)
+            parts.setdefault(name, Part(one.kind, one.name, [])).add(one)
     whole = [part for part in parts.values() if len(part.places) == len(chosen)]
     flat = all(not len(p) or float(np.ptp(p[:, 2])) == 0.0 for part in whole for p in part.places)
     return Shape(int(model.get("dimensions") or (2 if flat else 3)),
@@ -119,13 +131,17 @@ def _some(chosen: list[int], skin: Part, source, names) -> list[int]:
     return sorted({chosen[int(round(i))] for i in np.linspace(0, len(chosen) - 1, most)})
 
 
-def _body(source, index: int, faces=None, points=None) -> Part:
-    """The skin of the deformable bodies."""
+def _body(source, index: int, last: Part | None = None) -> Part:
+    """The skin of the deformable bodies; that of the last frame, if it is of the same mesh."""
     mesh = source._piece(index, "solid")
-    if faces is None:
+    cells = [block.data for block in mesh.cells]
+    if last is not None and len(last.fields["cells"]) == len(cells) and \
+            all(np.array_equal(a, b) for a, b in zip(last.fields["cells"], cells)):
+        faces, points = last.meshes[0], last.fields["points"]
+    else:
         faces, points = _skin(mesh)
-    moved = _moved(mesh)[points]
-    part = Part("body", "body", faces, [moved], {"points": points})
+    part = Part("body", "body", [faces], [0], [_moved(mesh)[points]],
+                {"points": points, "cells": cells})
     for word, shown in FIELDS.items():
         if word in mesh.point_data:
             values = np.asarray(mesh.point_data[word], float)
@@ -139,7 +155,7 @@ def _other(source, index: int, name: str) -> Part:
     mesh = source._piece(index, name)
     kind, _, plain = name.partition(" ")
     faces = [tuple(cell[:_CORNERS[block.type]]) for block in mesh.cells for cell in block.data]
-    part = Part(kind, plain, faces, [_moved(mesh)])
+    part = Part(kind, plain, [faces], [0], [_moved(mesh)])
     if kind == "contact":
         for word, shown in (("CPRESS", "contact pressure"), ("CSTATUS", "contact status"),
                             ("COPEN", "gap"), ("SLIP_PATH", "path of slip")):

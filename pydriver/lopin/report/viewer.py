@@ -35,7 +35,7 @@ SCRIPT = r"""
     let yaw = -0.6, pitch = 0.45, zoom = 1, pan = [0, 0], held = null, near = [];
     data.parts.forEach(part => {
       part.places = part.places.map(unpack);
-      part.edge = edge(part.faces, part.places[0]);
+      part.edge = edge(part.meshes[0], part.places[0]);
       for (const name in part.fields) part.fields[name].data = part.fields[name].data.map(unpack);
     });
     const names = [];
@@ -94,7 +94,7 @@ SCRIPT = r"""
         const values = f ? Array.from(f.data[frame], v => f.min + v*(f.max - f.min)) : null;
         if (values) at.forEach((q, i) => near.push([q, values[i], p, i]));
         const dense = fit*part.edge < 5;
-        part.faces.forEach(face => {
+        part.meshes[part.mesh[frame]].forEach(face => {
           let depth = 0, mean = 0, worst = 0;
           face.forEach(k => { depth += at[k][2]; if (values) { mean += values[k]; worst =
             Math.max(worst, Math.round(values[k])); } });

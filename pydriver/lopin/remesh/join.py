@@ -1,0 +1,93 @@
+"""The files of a run in parts as those of one run."""
+from __future__ import annotations
+
+import csv
+import json
+import re
+from pathlib import Path
+
+from ..files import reading, whole_file
+
+#: Columns that each part counts from its own beginning.
+_GROWING = ("energy.external", "energy.friction", "energy.friction_mean", "energy.plastic",
+            "energy.artificial")
+_VERDICTS = ("PASS", "WARN", "FAIL")
+
+
+def join_collections(folder: Path, name: str, parts: list[str]) -> None:
+    """One .pvd of all parts: ParaView goes through them by time."""
+    rows, head, tail = [], "", ""
+    for part in parts:
+        path = folder/f"{part}.pvd"
+        if not path.is_file():
+            continue
+        text = path.read_text()
+        rows += re.findall(r"^.*<DataSet .*$", text, re.M)
+        head = text[:text.index("<Collection")] + "<Collection>\n"
+        tail = text[text.index("</Collection>"):]
+    if rows:
+        with whole_file(folder/f"{name}.pvd") as file:
+            file.write_text(head + "\n".join(rows) + "\n" + tail)
+
+
+def join_histories(folder: Path, name: str, parts: list[str]) -> None:
+    """One history of all parts, with a column for the part; works go on from part to part."""
+    head, rows = [], []
+    for number, part in enumerate(parts, 1):
+        path = folder/f"{part}_history.csv"
+        if not path.is_file():
+            continue
+        with reading(path), path.open(newline="") as file:
+            first, *body = list(csv.reader(file))
+        before = rows[-1][1:] if rows else None
+        grows = [k for k, word in enumerate(first) if word.partition(" ")[0] in _GROWING]
+        for row in body:
+            for k in grows:
+                row[k] = repr(float(row[k]) + (float(before[k]) if before else 0.0))
+        head = ["part [-]", *first]
+        rows += [[number, *row] for row in body]
+    if rows:
+        with whole_file(folder/f"{name}_history.csv") as part, part.open("w", newline="") as file:
+            csv.writer(file, lineterminator="\n").writerows([head, *rows])
+
+
+def join_summaries(folder: Path, name: str, parts: list[str], verdict: str) -> None:
+    """One summary: that of the last part, with the sums of all. `verdict`: of the remeshes."""
+    found = []
+    for part in parts:
+        path = folder/f"{part}.json"
+        if path.is_file():
+            with reading(path):
+                found.append(json.loads(path.read_text()))
+    if not found:
+        return
+    whole = dict(found[-1])
+    whole["deck"] = re.sub(r"\.p\d+\.inp$", ".inp", whole["deck"])
+    whole["parts"] = len(found)
+    whole["steps"] = [_sum([d["steps"][k] for d in found if k < len(d.get("steps", []))])
+                      for k in range(len(whole.get("steps", [])))]
+    whole["timing"] = _sum([d.get("timing", {}) for d in found])
+    whole["peak_memory_mib"] = max(d.get("peak_memory_mib", 0.0) for d in found)
+    verdicts = [d.get("certificate", {}).get("verdict", "PASS") for d in found] + [verdict]
+    if "certificate" in whole:
+        worst = max((v for v in verdicts if v in _VERDICTS), key=_VERDICTS.index, default="PASS")
+        whole["certificate"] = whole["certificate"] | {"verdict": worst}
+    seen = {json.dumps(d, sort_keys=True): d for each in found for d in each.get("diagnostics", [])}
+    whole["diagnostics"] = list(seen.values())
+    whole["files"] = [f"{name}.pvd", f"{name}_history.csv", f"{name}.parts.json"]
+    with whole_file(folder/f"{name}.json") as file:
+        file.write_text(json.dumps(whole, indent=1) + "\n")
+
+
+def _sum(tables: list[dict]) -> dict:
+    """Numbers of tables added up, tables within them too."""
+    total: dict = {}
+    for table in tables:
+        for key, value in table.items():
+            if isinstance(value, dict):
+                total[key] = _sum([total.get(key, {}), value])
+            elif isinstance(value, (int, float)):
+                total[key] = total.get(key, 0) + value
+            else:
+                total[key] = value
+    return total

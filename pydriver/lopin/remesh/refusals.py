@@ -1,0 +1,84 @@
+"""What a new mesh cannot carry, refused before the run begins."""
+from __future__ import annotations
+
+from ..deck import Block
+from ..model_read_mesh import plain
+from .body import Body, DeckParts, refused
+
+#: Cards that belong to the nodes or elements of the first mesh, and what to do instead.
+_CARDS = {"TEMPERATURE": "heat is not carried to a new mesh",
+          "PRE-TENSION SECTION": "sections that are cut belong to the first mesh",
+          "DLOAD": "faces and elements of the first mesh are gone: load a surface by *DSLOAD, "
+          "or a tool"}
+_MATERIAL = ("ELASTIC", "PLASTIC", "VISCOPLASTIC", "RATE DEPENDENT", "CYCLIC HARDENING",
+             "POTENTIAL", "HYPERELASTIC", "EXPANSION", "DENSITY")
+
+
+def refuse_what_stays_behind(parts: DeckParts, body: Body) -> None:
+    """Raise what the deck has and a new mesh would lose."""
+    for block in parts.blocks:
+        if block.keyword in _CARDS:
+            raise refused(f"*{block.keyword}: {_CARDS[block.keyword]}")
+        if block.keyword == "STEP" and "NLGEOM" not in block.parameters:
+            raise refused("remeshing belongs to finite strain", "write *STEP, NLGEOM")
+        if block.keyword == "DSLOAD":
+            raise refused("pressures on the surface of a body that is meshed anew come with a "
+                          "later version", "load a tool")
+    _refuse_ties(parts, body)
+    _refuse_others(parts, body)
+    _refuse_material(parts, body)
+
+
+def _refuse_ties(parts: DeckParts, body: Body) -> None:
+    """Ties keep places of the start."""
+    own = {name for tag in body.tags for kind, name in tag if kind == "S"}
+    for block in parts.blocks:
+        tied = block.keyword == "TIE" or \
+            (block.keyword == "CONTACT PAIR" and "TIED" in block.parameters)
+        names = {str(plain(v)).upper() for row in block.data for v in row[:2]} if tied else set()
+        if names & own:
+            raise refused(f"the tie of {', '.join(sorted(names & own))} belongs to the first mesh")
+
+
+def _refuse_others(parts: DeckParts, body: Body) -> None:
+    """Other bodies that deform."""
+    cards, rigid = parts.cards, set()
+    for block in parts.blocks:
+        if block.keyword == "RIGID BODY" and "ELSET" in block.parameters:
+            rigid |= set(cards.elsets.get(plain(block.parameters["ELSET"]).upper(), []))
+    others = set(cards.elements) - set(body.elements.tolist()) - rigid
+    if others:
+        raise refused(f"element {min(others)} is of another body that deforms: one body and rigid "
+                      "tools can be remeshed", "make the other body rigid")
+    for block in parts.blocks:
+        if block.keyword == "CONTACT PAIR" and _meets_itself(block):
+            raise refused("a surface in contact with itself cannot be remeshed in this version")
+
+
+def _meets_itself(block: Block) -> bool:
+    return any(len([v for v in row if v is not None]) == 1 or
+               str(row[0]).upper() == str(row[1]).upper() for row in block.data)
+
+
+def _refuse_material(parts: DeckParts, body: Body) -> None:
+    """Materials whose memory a table of points does not hold."""
+    members, section = set(body.elements.tolist()), None
+    for block in parts.blocks:
+        if block.keyword == "SOLID SECTION" and \
+                members & set(parts.cards.elsets.get(plain(block.parameters["ELSET"]).upper(), [])):
+            section = str(plain(block.parameters["MATERIAL"])).upper()
+    cards, inside = [], False
+    for block in parts.blocks:
+        if block.keyword == "MATERIAL":
+            inside = str(plain(block.parameters["NAME"])).upper() == section
+        elif block.keyword in _MATERIAL and inside:
+            cards.append(block)
+        elif block.keyword not in _MATERIAL:
+            inside = False
+    words = {b.keyword for b in cards}
+    moves = any(str(b.parameters.get("HARDENING", "")).upper() in ("KINEMATIC", "COMBINED")
+                for b in cards)
+    if words & {"POTENTIAL", "CYCLIC HARDENING", "HYPERELASTIC"} or moves or not \
+            words & {"PLASTIC", "VISCOPLASTIC"}:
+        raise refused(f"material {section} remembers what a new mesh cannot take: metals with "
+                      "isotropic hardening, or that creep by Norton-Hoff, can be remeshed")

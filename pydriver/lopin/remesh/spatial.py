@@ -1,0 +1,151 @@
+"""A new mesh of tetrahedra of a body in its present shape."""
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .body import Body, boundary_facets
+from .card import RemeshCard
+from .part import NewMesh, SkinOrigin
+from .seat import keep_volume, seat
+from .sizes import Sizes, of_curvature, of_gradient
+from .space import closest_on_facets, remesh_tetrahedra, volume_inside
+from .state import Snapshot
+from .tools import Tools
+from .transfer import PLASTIC, CellFields
+
+
+def remesh_space(body: Body, state: Snapshot, card: RemeshCard, tools: Tools,
+                 fields: CellFields) -> tuple[NewMesh, dict[str, float], SkinOrigin]:
+    """A new mesh, what it changed (volumes, largest moves), where its skin lies on the old one."""
+    sizes = _sizes(body, state, card, tools, fields)
+    pressed = tools.pressed(body, state)
+    marks, reference = references(body, state.x, pressed)
+    x, cells, _, _ = remesh_tetrahedra(state.x, body.cells[0], body.facets, reference,
+                                       sizes(state.x), (card.smallest, card.size, card.hausdorff),
+                                       card.growth)
+    used = np.unique(cells)
+    x, cells = x[used], np.searchsorted(used, cells)
+    facets, _ = boundary_facets([cells], 3)
+    facet, _ = closest_on_facets(x[facets].mean(axis=1), state.x, body.facets)
+    tags = [marks[reference[k]][0] for k in facet]
+    skin = np.unique(facets)
+    near, share = closest_on_facets(x[skin], state.x, body.facets)
+    origin = SkinOrigin(skin, body.facets[near], share)
+    press = np.zeros(len(x), bool)
+    press[facets[[marks[reference[k]][1] for k in facet]].ravel()] = True
+    x, moved = _seat(body, state, NewMesh(x, [cells], facets, tags), press, sizes, tools)
+    mesh = NewMesh(x, [cells], facets, tags)
+    mesh.named = {name: np.arange(len(x)) if len(rows) == len(state.x) else
+                  np.unique([int(np.argmin(np.linalg.norm(x - state.x[r], axis=1))) for r in rows])
+                  for name, rows in body.named.items()}
+    return mesh, moved, origin
+
+
+def _sizes(body: Body, state: Snapshot, card: RemeshCard, tools: Tools, fields: CellFields
+           ) -> Sizes:
+    """What tools, thickness and strain ask for."""
+    asked = [of_gradient(fields.centre, np.linalg.norm(fields.slope[:, :, PLASTIC], axis=1)),
+             thickness(state.x, body.facets)]
+    asked += [of_curvature(*arcs) for arcs in tools.arcs(state.x, body.facets, body.tags,
+                                                         2.0*card.size)]
+    return Sizes.of(card.size, card.smallest, card.growth, asked, 3)
+
+
+def thickness(x: NDArray, facets: NDArray) -> tuple[NDArray, NDArray]:
+    """Two cells across the body: straight inward from the middle of each facet to the next one."""
+    from ..errors import optional
+
+    tree = optional("scipy.spatial", "new meshes").cKDTree
+    corner = x[facets]
+    middle = corner.mean(axis=1)
+    normal = np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0])
+    normal /= np.maximum(np.linalg.norm(normal, axis=1), np.finfo(float).tiny)[:, None]
+    length = np.linalg.norm(corner - np.roll(corner, 1, axis=1), axis=2).max(axis=1)
+    # Opposite facets nearby that look the other way: farther ones ask for nothing small.
+    far, near = tree(middle).query(middle, min(24, len(middle)))
+    arm = middle[near] - middle[:, None, :]
+    depth = -(arm*normal[:, None, :]).sum(axis=2)
+    side = np.sqrt(np.maximum(far**2 - depth**2, 0.0))
+    faces = (normal[near]*normal[:, None, :]).sum(axis=2) < -0.5
+    meets = faces & (depth > 1e-9*length[:, None]) & (side < 0.7*length[near])
+    across = np.where(meets, depth, np.inf).min(axis=1)
+    found = np.isfinite(across)
+    return middle[found], 0.5*across[found]
+
+
+def references(body: Body, x: NDArray, pressed: NDArray) -> tuple[list, NDArray]:
+    """Names and whether a tool presses, for each reference; the reference of each facet.
+
+    Pressed faces have references of their own: without one they would bulge.
+    """
+    pushed = pressed[body.facets].all(axis=1)
+    marks, number = [], {}
+    reference = np.zeros(len(body.facets), int)
+    for k, (tag, push) in enumerate(zip(body.tags, pushed.tolist())):
+        key = (tag, push)
+        if key not in number:
+            number[key] = len(marks)
+            marks.append(key)
+        reference[k] = number[key]
+    return marks, reference
+
+
+def _seat(body: Body, state: Snapshot, mesh: NewMesh, press: NDArray, sizes: Sizes, tools: Tools
+          ) -> tuple[NDArray, dict[str, float]]:
+    """Planes exact, pressed nodes on the tools, the volume that it was."""
+    x = mesh.x.copy()
+    normals = held_planes(body, state.x, mesh, x)
+    met = list(tools.feet_of_nodes(x, mesh.facets, mesh.tags))
+    done = seat(x, press, sizes(x), met, normals)
+    free = np.zeros(len(x), bool)
+    free[mesh.facets] = True
+    free &= ~done.seated & np.array([len(n) == 0 for n in normals])
+    before = volume_inside(state.x, body.facets)
+    moved, way = keep_volume(done.x, free, node_normals(done.x, mesh.facets), before,
+                             lambda p: volume_inside(p, mesh.facets))
+    return moved, {"volume": before,
+                   "volume_change": volume_inside(moved, mesh.facets)/before - 1.0,
+                   "seated": done.farthest, "offset": abs(way),
+                   "nodes_seated": int(done.seated.sum())}
+
+
+def held_planes(body: Body, old: NDArray, mesh: NewMesh, x: NDArray) -> list[NDArray]:
+    """Normals of the planes that supports hold, of each node; nodes are put on them exactly."""
+    found: list[list[NDArray]] = [[] for _ in x]
+    planes: dict[frozenset, list] = {}
+    for tag, facet in zip(body.tags, body.facets):
+        if tag & body.held:
+            planes.setdefault(tag & body.held, []).append(facet)
+    for tag, own in planes.items():
+        corner = old[np.array(own)]
+        normal = np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0])
+        unit = normal/np.linalg.norm(normal, axis=1)[:, None]
+        flat = (unit @ unit[0] > 1.0 - 1e-9).all()
+        nodes = np.unique([f for f, t in zip(mesh.facets, mesh.tags) if t & body.held == tag])
+        if not flat or len(nodes) == 0:
+            continue
+        mean = normal.sum(axis=0)
+        mean /= np.linalg.norm(mean)
+        axis = int(np.argmax(np.abs(mean)))
+        if abs(mean[axis]) > 1.0 - 1e-12:
+            x[nodes, axis] = old[np.unique(np.array(own)), axis].mean() \
+                if np.ptp(old[np.unique(np.array(own)), axis]) > 0.0 else old[own[0][0], axis]
+            mean = np.eye(3)[axis]
+        else:
+            level = (corner.reshape(-1, 3) @ mean).mean()
+            x[nodes] -= ((x[nodes] @ mean) - level)[:, None]*mean
+        for node in nodes:
+            found[node].append(mean)
+    return [np.array(n).reshape(-1, 3) for n in found]
+
+
+def node_normals(x: NDArray, facets: NDArray) -> NDArray:
+    """Outward normals of the nodes of a skin, weighted by the areas around."""
+    corner = x[facets]
+    normal = np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0])
+    total = np.zeros_like(x)
+    for k in range(3):
+        np.add.at(total, facets[:, k], normal)
+    long = np.linalg.norm(total, axis=1)
+    return total/np.maximum(long, np.finfo(float).tiny)[:, None]
