@@ -5,12 +5,13 @@ import json
 import os
 import subprocess
 import tempfile
+from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from . import _bridge
 from .deck import Deck
-from .errors import Interrupted, NotConvergedError, ResourceError, UsageError, error_of
+from .errors import Interrupted, LopinError, NotConvergedError, ResourceError, UsageError, error_of
 from .folder import Folder
 from .memory import Memory
 from .result import Result
@@ -72,19 +73,18 @@ def asks_to_remesh(deck: Deck) -> bool:
 
     try:
         return any(block.keyword == "REMESH" for block in expanded(deck))
-    except (ResourceError, KeyError, RecursionError):
+    except (LopinError, KeyError, OSError, RecursionError):
         return False   # the reader of decks says it better
 
 
 def run_in_parts(deck: Deck, output: str | Path | None, options: dict) -> Result:
     """A run whose mesh is made anew on the way; its files are its result."""
-    from .remesh.driver import Runner
-
+    driver = import_module("lopin.remesh.driver")   # it uses this module
     if output is None:
         raise UsageError("a run with *REMESH keeps its parts as files: it needs an output folder",
                          help="lopin.run(deck, 'out/name')")
     given = {name: value for name, value in options.items() if value is not None}
-    report = Runner(deck, output, say=lambda line: None, **given).run()
+    report = driver.Runner(deck, output, say=lambda line: None, **given).run()
     result = Result(Folder(output, deck.name), deck)
     result.summary["remeshes"] = [vars(r) for r in report.remeshes]
     return result

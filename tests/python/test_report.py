@@ -171,8 +171,8 @@ def test_a_solid_shows_its_skin(executable, root, tmp_path):
                    capture_output=True)
     text = write_report(tmp_path/"out").read_text(encoding="utf-8")
     data = json.loads(re.search(r"application/json'>(.*?)</script>", text)[1])
-    assert len(data["parts"][0]["faces"]) == 24
-    assert max(max(face) for face in data["parts"][0]["faces"]) == 25
+    assert len(data["parts"][0]["meshes"][0]) == 24
+    assert max(max(face) for face in data["parts"][0]["meshes"][0]) == 25
 
 
 def test_ticks_are_round_and_within():

@@ -24,9 +24,22 @@ def refuse_what_stays_behind(parts: DeckParts, body: Body) -> None:
         if block.keyword == "DSLOAD":
             raise refused("pressures on the surface of a body that is meshed anew come with a "
                           "later version", "load a tool")
+    _refuse_loads(parts, body)
     _refuse_ties(parts, body)
     _refuse_others(parts, body)
     _refuse_material(parts, body)
+
+
+def _refuse_loads(parts: DeckParts, body: Body) -> None:
+    """Loads on nodes that a new mesh does not have."""
+    own = set(body.labels.tolist())
+    for block in parts.blocks:
+        for row in block.data if block.keyword == "CLOAD" else ():
+            labels = [row[0]] if isinstance(row[0], int) else \
+                parts.cards.nsets.get(str(row[0]).upper(), [])
+            if own & set(labels):
+                raise refused(f"*CLOAD acts on {row[0]} of the body that is meshed anew",
+                              "load a tool")
 
 
 def _refuse_ties(parts: DeckParts, body: Body) -> None:

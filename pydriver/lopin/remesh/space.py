@@ -1,4 +1,4 @@
-"""Meshes of tetrahedra, by MMG: the skin, its edges and planes are kept, sizes are given at nodes."""
+"""Meshes of tetrahedra, by MMG: skin, edges and planes are kept, sizes are given at nodes."""
 from __future__ import annotations
 
 import numpy as np
