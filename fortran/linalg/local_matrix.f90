@@ -18,5 +18,11 @@ module lopin_local_matrix
       real(wp), allocatable :: firm(:, :)      !! (ndim, ndim) with it: of springs instead of the
                                                !! unknown traction [force/length]
       real(wp), allocatable :: flat_row(:, :)  !! (ndim, nu) multiplier rows, normals standing still
+      ! a bound of shear that follows the stress of the solids couples all dofs that this reads
+      real(wp), allocatable :: by_bound(:)     !! slopes of -force and row in the logarithm of the
+                                               !! bound; not allocated: it follows none
+      integer :: point = 0                     !! contact point whose bound that is
+      integer, allocatable :: read_dof(:)      !! physical dofs, one may stand more than once
+      real(wp), allocatable :: read_slope(:)   !! of the logarithm of the bound in these [1/length]
    end type local_matrix_type
 end module lopin_local_matrix

@@ -22,7 +22,7 @@ module lopin_assemble_nonlinear
    implicit none
    private
    public :: assemble_nonlinear, recover_nonlinear, remember, bad_element_type
-   public :: columns
+   public :: columns, recover_unit, remember_unit
 
    !> An element that the displacements turn inside out; and the largest force of an element on one
    !> of its nodes, before those of its neighbours cancel it.

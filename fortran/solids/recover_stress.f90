@@ -9,7 +9,7 @@ module lopin_recover_stress
    use lopin_simplex_patches, only : patch_element
    implicit none
    private
-   public :: recover_stress, average_to_nodes
+   public :: recover_stress, average_to_nodes, recover_unit
 
 contains
 

@@ -27,7 +27,8 @@ module lopin_friction
    public :: law_names, law_data, law_notes, law_number, automatic_law, radius_if
    public :: regularization_names, regularization_number, coefficient
    public :: has_friction, is_regularised, by_rate, reads_yield, reads_mises, reads_speed
-   public :: bounds_by_area, depends_on_time, friction_radius, whole_bound, lost_at_touch
+   public :: bounds_by_area, depends_on_time, friction_radius, whole_bound, lost_at_touch, &
+      & bound_slopes
 
    type :: laws
       integer :: automatic = -1      !! AUTO: chosen from the material when the model is built
@@ -268,6 +269,36 @@ contains
       radius = law%rise*p
       slope = law%rise
    end subroutine friction_radius
+
+   !> Slopes of the radius in the stresses of the solids that the law reads: laws are straight
+   !> between kinks, and at a kink they have the slope below it.
+   pure subroutine bound_slopes(law, p, at, radius, by_yield, by_mises)
+      type(friction_type), intent(in) :: law
+      real(wp), intent(in) :: p                !! [stress]
+      type(condition_type), intent(in) :: at
+      real(wp), intent(out) :: radius          !! [stress]
+      real(wp), intent(out) :: by_yield, by_mises   !! [-]
+      real(wp), parameter :: less = 1.0e-6_wp
+      type(condition_type) :: below
+      real(wp) :: other, slope
+
+      by_yield = 0.0_wp
+      by_mises = 0.0_wp
+      call friction_radius(law, p, at, radius, slope)
+      if (.not. radius < huge(1.0_wp)) return
+      if (reads_yield(law) .and. at%yield > 0.0_wp) then
+         below = at
+         below%yield = (1.0_wp - less)*at%yield
+         call friction_radius(law, p, below, other, slope)
+         by_yield = (radius - other)/(at%yield - below%yield)
+      end if
+      if (reads_mises(law) .and. at%mises > 0.0_wp) then
+         below = at
+         below%mises = (1.0_wp - less)*at%mises
+         call friction_radius(law, p, below, other, slope)
+         by_mises = (radius - other)/(at%mises - below%mises)
+      end if
+   end subroutine bound_slopes
 
    !> The same as the law has it, a jump at p = 0 included: what a new law adds its `case` to. A
    !> bound that is a stress of its own grows with the area (`at%growth`).

@@ -38,7 +38,8 @@ contains
       pair = point%points%pair(point%i)
       call list_inputs(inputs, point, law%first_row)
       columns = inputs%n
-      if (law%with_tangent .and. allocated(point%points%growth(point%i)%slope)) then
+      if (law%with_tangent .and. (law%follows .or. allocated(point%points%growth(point%i)%slope))) &
+         & then
          columns = inputs%n + 1
          inputs%growth = columns
       end if
@@ -58,6 +59,8 @@ contains
          if (last_block(row, local, force)) exit
       end do
       call end_row(state, local, row, law%enforcement, force)
+      if (law%follows .and. inputs%growth > 0) local%by_bound = law%at%growth &
+         & *local%k(:, inputs%growth)
       if (inputs%growth > 0) call add_growth(local, point%points%growth(point%i))
 
    contains
@@ -318,7 +321,7 @@ contains
       integer :: n, j
 
       n = size(local%dof)
-      if (.not. any(abs(local%k(:, n + 1)) > 0.0_wp)) then
+      if (.not. (allocated(growth%slope) .and. any(abs(local%k(:, n + 1)) > 0.0_wp))) then
          local%k = local%k(:, :n)
          return
       end if

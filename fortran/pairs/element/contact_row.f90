@@ -58,6 +58,8 @@ module lopin_contact_row
       real(wp) :: lambda(3) = 0.0_wp           !! multiplier, if it is an unknown [stress]
       integer :: first_row = 0                 !! of the multiplier; 0: none
       logical :: with_tangent = .true.
+      logical :: follows = .false.   !! slopes in the bound of shear are asked for: it follows the
+                                     !! stress of the solids
    end type point_law_type
 
    !> A row in one block of columns.

@@ -259,7 +259,7 @@ contains
       integer, allocatable :: node(:), input(:, :), of_anchor(:)
       type(dual_type), allocatable :: force(:)
       type(row_type) :: row
-      integer :: n
+      integer :: n, bound                      !! columns; that of the bound of shear, if it follows
 
       if (law%enforcement%tied) then
          call evaluate_tie(state, local, anchor%tie, dofs, x, law)
@@ -277,13 +277,18 @@ contains
       row%ndim = 2
       row%shift = law%shift
       row%has_rows = law%first_row > 0
-      call begin_row(row, local, n, law%with_tangent)
+      bound = n + merge(1, 0, law%follows)
+      call begin_row(row, local, bound, law%with_tangent)
       do
          call forces(row%from)
          if (last_block(row, local, force)) exit
       end do
       row%weight = state%weight
       call end_row(state, local, row, law%enforcement, force)
+      if (law%follows) then
+         local%by_bound = law%at%growth*local%k(:, bound)
+         local%k = local%k(:, :n)
+      end if
 
    contains
 
@@ -354,7 +359,11 @@ contains
          row%slip(:2) = moved - own%normal*dual_dot(moved, own%normal)
          row%normal(:2) = own%normal
          row%gap = own%gap
-         call press_row(row, law)
+         if (law%follows) then
+            call press_row(row, law, variable(law%at%growth, bound - from))
+         else
+            call press_row(row, law)
+         end if
          force = constant(spread(0.0_wp, 1, local%nu))
          do m = 1, size(patch%node)
             do j = 1, 2

@@ -27,8 +27,9 @@ module lopin_mortar_element_3d
       logical, allocatable :: lifts(:) !! (slave%nnode) no gap is less than the least that it weighs
    end type space_mortar_type
 
-   !> Inputs of the law: gap, normal, slip, multiplier.
-   integer, parameter :: at_normal = 1, at_slip = 4, at_multiplier = 7
+   !> Inputs of the law: gap, normal, slip, multiplier, growth of its bound.
+   integer, parameter :: at_normal = 1, at_slip = 4, at_multiplier = 7, &
+      & at_growth = 11
 
 contains
 
@@ -75,7 +76,11 @@ contains
       point%slip = variable(slip, [(at_slip + k, k=1, 3)])
       point%multiplier = variable(law%lambda, [(merge(at_multiplier + k, 0, law%first_row > 0), &
          & k=1, 3)])
-      call press_row(point, law)
+      if (law%follows) then
+         call press_row(point, law, variable(law%at%growth, at_growth))
+      else
+         call press_row(point, law)
+      end if
       state%status = point%status
       state%weight = row%weight
       state%row = point%residual%v
@@ -129,6 +134,9 @@ contains
          state%force = force(way(:local%nu))
          associate (nu => local%nu)
             local%k(:nu, :nu) = k_all(way(:nu), way(:nu))
+            if (law%follows) local%by_bound = law%at%growth*[([(-row%c((way(i) + 2)/3) &
+               & *point%z(modulo(way(i) - 1, 3) + 1)%d(at_growth), i=1, nu)]), &
+               & ([(point%residual(q)%d(at_growth), q=1, merge(3, 0, law%first_row > 0))])]
             if (law%first_row > 0) call take_multiplier()
             call set_spring(local, law%enforcement, point, row%gap_slope(way(:nu)), &
                & slip_slope(:, way(:nu)))

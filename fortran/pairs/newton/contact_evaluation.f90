@@ -55,11 +55,13 @@ contains
       point%masters => self%masters
       point%points => self%nonlinear_points_type
       law%with_tangent = with_tangent
+      call forget_bounds(self)
       call mark_corners(self, model, multiplier)
       do i = 1, self%n
          call begin_point(self, model, i, multiplier, law)
          if (is_left_open(self, i, law)) cycle
          if (with_tangent) call find_growth_slopes(self, model, i)
+         law%follows = with_tangent .and. self%follows(self%pair(i))
          law%enforcement => self%enforcement(i)
          law%friction => self%friction(self%pair(i))
          point%i = i
@@ -182,6 +184,16 @@ contains
       law%shift = shift_of(self, i) &
          & - model%interaction(model%pair(self%pair(i))%interaction)%clearance
    end subroutine begin_point
+
+   !> No bound of shear has slopes yet.
+   pure subroutine forget_bounds(self)
+      type(nonlinear_contact_type), intent(inout) :: self
+      integer :: i
+
+      do i = 1, size(self%local)
+         if (allocated(self%local(i)%by_bound)) deallocate (self%local(i)%by_bound)
+      end do
+   end subroutine forget_bounds
 
    !> A point that is open whatever its slopes are: with nothing opposite, or a mortar row apart.
    logical function is_left_open(self, i, law)
@@ -335,6 +347,7 @@ contains
       integer :: k
 
       associate (l => self%local(self%nlocal), t => self%trial(i))
+         l%point = i
          do k = 1, l%nu
             self%force(l%dof(k)) = self%force(l%dof(k)) + t%force(k)
          end do

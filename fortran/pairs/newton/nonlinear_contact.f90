@@ -65,6 +65,7 @@ module lopin_nonlinear_contact
       logical, allocatable :: pair_active(:)   !! *MODEL CHANGE
       type(friction_type), allocatable :: friction(:)   !! (npair) in force
       real(wp), allocatable :: mises(:)        !! (n) of the last iteration [stress]
+      logical, allocatable :: follows(:)       !! (npair) bounds of shear follow the stress of solids
       logical :: stretches = .true.            !! areas follow the motion: NLGEOM
       real(wp), allocatable :: speed(:)        !! (n) of slip, of the last iteration [length/time]
       ! inside
@@ -124,6 +125,7 @@ contains
       self%dofs = dofs
       allocate (self%first_area(n), source=0.0_wp)
       allocate (self%star(size(model%pair)))
+      allocate (self%follows(size(model%pair)), source=.false.)
       do pair = 1, size(model%pair)
          if (.not. self%masters%of(pair)%has_slave_faces) cycle
          associate (area => areas_of(self%masters, model, pair))

@@ -1,16 +1,12 @@
-!> Quantities that friction takes from the last Newton iteration on the nonlinear path: stress and
-!> speed.
+!> What friction takes from the last Newton iteration on the nonlinear path: the speed of slip, which
+!> EXPONENTIAL DECAY reads.
 !>
-!> Cristescu's law reads the von Mises stress at the slave, Tresca's and Orowan's the flow stress
-!> there where it hardens, EXPONENTIAL DECAY the speed of slip. They are put in place between
-!> iterations and stay in a line search: tangents do not know them, and the
-!> residual that Newton ends with is that of the stress and the speed which it ends with.
+!> It is put in place between iterations and stays in a line search: tangents do not know it, and
+!> the residual that Newton ends with is that of the speed which it ends with. Stresses that laws
+!> read are those of the trial itself (lopin_followed_stress).
 module lopin_lagged_friction
    use lopin_kinds, only : wp
-   use lopin_model, only : model_type
-   use lopin_dofs, only : dofs_type
-   use lopin_friction, only : reads_mises, reads_speed, reads_yield
-   use lopin_nodal_mises, only : nodal_mises, nodal_flow_stress
+   use lopin_friction, only : reads_speed
    use lopin_slip_increment, only : speed_of
    use lopin_scene, only : scene_type
    implicit none
@@ -32,44 +28,28 @@ contains
       type(scene_type), intent(in) :: scene
       reads_lagged = .false.
       if (.not. allocated(scene%newton%contact%friction)) return
-      reads_lagged = any(reads_mises(scene%newton%contact%friction)) &
-         & .or. any(reads_speed(scene%newton%contact%friction)) &
-         & .or. (scene%newton%flows .and. any(reads_yield(scene%newton%contact%friction)))
+      reads_lagged = any(reads_speed(scene%newton%contact%friction))
    end function reads_lagged
 
    !> From what is accepted: an increment tried again has the same bits.
-   subroutine start_lagged(scene, model)
+   subroutine start_lagged(scene)
       type(scene_type), intent(inout) :: scene
-      type(model_type), intent(in) :: model
 
-      associate (contact => scene%newton%contact)
-         contact%speed = scene%accepted%contact%speed
-         if (any(reads_mises(contact%friction))) call put_mises(scene, model, &
-            & scene%accepted%motion%u)
-      end associate
-      call put_yields(scene, model, scene%accepted%motion%u)
+      scene%newton%contact%speed = scene%accepted%contact%speed
    end subroutine start_lagged
 
    !> From the trial state, or a share of the way there.
-   subroutine renew_lagged(scene, model, share)
+   subroutine renew_lagged(scene, share)
       type(scene_type), intent(inout) :: scene
-      type(model_type), intent(in) :: model
       real(wp), intent(in) :: share            !! of what is new, 0..1 [-]
-      real(wp), dimension(scene%newton%contact%n) :: speed, mises, yield
+      real(wp) :: speed(scene%newton%contact%n)
       integer :: i
 
       associate (contact => scene%newton%contact)
          speed = contact%speed(:contact%n)
-         mises = contact%mises(:contact%n)
-         yield = contact%yield(:contact%n)
-         if (any(reads_speed(contact%friction))) contact%speed = &
-            & [(speed_of(contact, i), i=1, contact%n)]
-         if (any(reads_mises(contact%friction))) call put_mises(scene, model, scene%trial%motion%u)
-         call put_yields(scene, model, scene%trial%motion%u)
+         contact%speed = [(speed_of(contact, i), i=1, contact%n)]
          if (.not. share < 1.0_wp) return
          contact%speed(:contact%n) = speed + share*(contact%speed(:contact%n) - speed)
-         contact%mises(:contact%n) = mises + share*(contact%mises(:contact%n) - mises)
-         contact%yield(:contact%n) = yield + share*(contact%yield(:contact%n) - yield)
       end associate
    end subroutine renew_lagged
 
@@ -109,57 +89,4 @@ contains
       end do
    end function stalls
 
-   !> The stress of these displacements at the slave points.
-   subroutine put_mises(scene, model, displacement)
-      type(scene_type), intent(inout) :: scene
-      type(model_type), intent(in) :: model
-      real(wp), intent(in) :: displacement(:)  !! (ndof) [length]
-      real(wp) :: u(3, model%mesh%nnode), mises(model%mesh%nnode)
-
-      u = at_nodes(scene%dofs, displacement, model%mesh%nnode, model%mesh%ndim)
-      call nodal_mises(scene%solids, model%mesh, u, scene%newton%past, mises)
-      associate (contact => scene%newton%contact)
-         contact%mises = mises(contact%node(:contact%n))
-      end associate
-   end subroutine put_mises
-
-   !> The flow stress that the solids have with these displacements; where nothing flows, that of
-   !> the deck stays. At rest a viscous solid has none: friction never takes less than a trace of
-   !> it.
-   subroutine put_yields(scene, model, displacement)
-      type(scene_type), intent(inout) :: scene
-      type(model_type), intent(in) :: model
-      real(wp), intent(in) :: displacement(:)  !! (ndof) [length]
-      real(wp), parameter :: trace = 1.0e-6_wp
-      real(wp) :: yield(model%mesh%nnode)
-      integer :: i
-
-      if (.not. scene%newton%flows) return
-      if (.not. any(reads_yield(scene%newton%contact%friction))) return
-      call nodal_flow_stress(scene%solids, model%mesh, displacement, scene%newton%past, &
-         & scene%trial%solids, yield)
-      if (.not. maxval(yield) > 0.0_wp) return
-      associate (contact => scene%newton%contact)
-         do i = 1, contact%n
-            associate (own => yield(contact%node(i)))
-               if (own > 0.0_wp) contact%yield(i) = max(own, trace*maxval(yield))
-            end associate
-         end do
-      end associate
-   end subroutine put_yields
-
-   pure function at_nodes(dofs, displacement, nnode, ndim) result(u)
-      type(dofs_type), intent(in) :: dofs
-      real(wp), intent(in) :: displacement(:)
-      integer, intent(in) :: nnode, ndim
-      real(wp) :: u(3, nnode)
-      integer :: node, k
-
-      u = 0.0_wp
-      do node = 1, nnode
-         do k = 1, ndim
-            if (dofs%id(k, node) > 0) u(k, node) = displacement(dofs%id(k, node))
-         end do
-      end do
-   end function at_nodes
 end module lopin_lagged_friction

@@ -24,6 +24,7 @@ module lopin_path_nonlinear
    use lopin_newton_convergence, only : set_rounding_floors
    use lopin_rotating_bodies, only : rotate_followers
    use lopin_lagged_friction, only : start_lagged
+   use lopin_followed_stress, only : choose_followers
    use lopin_pseudo_transient, only : pseudo_transient
    use lopin_scene, only : scene_type
    implicit none
@@ -158,7 +159,8 @@ contains
       real(wp) :: change, beyond, last
 
       scene%trial%contact%multiplier = scene%accepted%contact%multiplier
-      call start_lagged(scene, model)
+      call start_lagged(scene)
+      call choose_followers(scene, model)
       call start_increment(scene%newton%contact, model, scene%accepted%contact, &
          & scene%accepted%motion%u, scene%newton%dt, error)
       if (allocated(error)) return

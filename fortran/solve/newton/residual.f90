@@ -12,6 +12,7 @@ module lopin_residual
    use lopin_follower_loads, only : add_follower_loads
    use lopin_assemble_nonlinear, only : assemble_nonlinear, bad_element_type
    use lopin_rotating_bodies, only : rotate_followers, has_rotating_bodies, rotation_tangents
+   use lopin_followed_stress, only : follow_stress, follow_slopes
    use lopin_scene, only : scene_type
    implicit none
    private
@@ -56,10 +57,12 @@ contains
       call internal_forces(scene, model, with_tangent, evaluation%internal, evaluation%inverted)
       if (evaluation%inverted > 0) return
       call scene%clock%stop_in(phase%assemble)
+      call follow_stress(scene, model)
       call evaluate_contact(scene%newton%contact, model, scene%trial%motion%u, &
          & scene%trial%contact%multiplier, with_tangent, &
          & error)
       if (allocated(error)) return
+      if (with_tangent) call follow_slopes(scene, model)
       call scene%clock%stop_in(phase%contact)
       residual = evaluation%internal - f - scene%newton%contact%force
       if (scene%newton%nlgeom) then

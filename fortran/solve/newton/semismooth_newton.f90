@@ -162,7 +162,7 @@ contains
       settled = has_settled(it, scene)
       if (.not. (settled .and. it%lagged)) return
       if (.not. share_of_new(scene%newton%history) < 1.0_wp) return
-      call renew_lagged(scene, model, 1.0_wp)
+      call renew_lagged(scene, 1.0_wp)
       call evaluate(scene, model, it%search%load, .true., it%evaluation, error)
       if (allocated(error)) return
       settled = has_settled(it, scene)
@@ -279,7 +279,7 @@ contains
       type(error_type), allocatable, intent(out) :: error
 
       if (it%lagged) then
-         call renew_lagged(scene, model, share_of_new(scene%newton%history))
+         call renew_lagged(scene, share_of_new(scene%newton%history))
          call evaluate(scene, model, it%search%load, .true., it%evaluation, error)
          if (allocated(error)) return
       end if

@@ -6,7 +6,7 @@ module lopin_contact_block
    use lopin_local_matrix, only : local_matrix_type
    implicit none
    private
-   public :: block_type, reduce_block, add_up_springs, apply_locals
+   public :: block_type, reduce_block, add_up_springs, apply_locals, entries_of, put_entries
 
    !> A local matrix on free equations and multipliers.
    type :: block_type
@@ -20,6 +20,10 @@ module lopin_contact_block
       real(wp), allocatable :: firm(:, :)      !! (nu, nu) added to its spring in the factor
       real(wp), allocatable :: inner(:, :)     !! (ndim, ndim) with it: the inverse of c times what
                                                !! its rows see
+      ! a bound of shear that follows the stress of the solids: by_bound times what is read
+      real(wp), allocatable :: by_bound(:)     !! (at); not allocated: none
+      integer, allocatable :: read_at(:)       !! equations, one may stand more than once
+      real(wp), allocatable :: read_slope(:)   !! in these
    end type block_type
 
 contains
@@ -47,6 +51,7 @@ contains
       if (size(local%dof) == local%nu) block%nu = n
       block%at = at(:n)
       block%nrow = count(at(:n) > constraints%neq)
+      if (allocated(local%by_bound)) call reduce_bound(block, local, constraints, t(:, :n))
       k = local%k
       if (flat) call flatten(k, local, count(local%dof > constraints%ndof))
       if (picks) then
@@ -93,6 +98,30 @@ contains
       end subroutine put
    end subroutine reduce_block
 
+   !> What a bound that follows the stress of the solids reads, in equations.
+   pure subroutine reduce_bound(block, local, constraints, t)
+      type(block_type), intent(inout) :: block
+      type(local_matrix_type), intent(in) :: local
+      type(constraints_type), intent(in) :: constraints
+      real(wp), intent(in) :: t(:, :)          !! (dofs, at)
+      integer :: i, c, m
+
+      block%by_bound = matmul(local%by_bound, t(:size(local%by_bound), :))
+      m = 0
+      do i = 1, size(local%read_dof)
+         m = m + constraints%first(local%read_dof(i) + 1) - constraints%first(local%read_dof(i))
+      end do
+      allocate (block%read_at(m), block%read_slope(m))
+      m = 0
+      do i = 1, size(local%read_dof)
+         do c = constraints%first(local%read_dof(i)), constraints%first(local%read_dof(i) + 1) - 1
+            m = m + 1
+            block%read_at(m) = constraints%equation(c)
+            block%read_slope(m) = local%read_slope(i)*constraints%coefficient(c)
+         end do
+      end do
+   end subroutine reduce_bound
+
    !> Terms of all degrees of freedom of a contact in the equations.
    pure integer function terms_of(local, constraints) result(m)
       type(local_matrix_type), intent(in) :: local
@@ -135,6 +164,12 @@ contains
             do j = 1, size(l%dof)
                force(l%dof(j)) = force(l%dof(j)) + dot_product(l%k(j, :l%nu), u(l%dof(:l%nu)))
             end do
+            if (allocated(l%by_bound)) then
+               do j = 1, size(l%by_bound)
+                  force(l%dof(j)) = force(l%dof(j)) + l%by_bound(j)*dot_product(l%read_slope, &
+                     & u(l%read_dof))
+               end do
+            end if
             do j = l%nu + 1, size(l%dof)
                if (l%dof(j) > size(u)) cycle
                do m = 1, l%nu
@@ -144,6 +179,41 @@ contains
          end associate
       end do
    end subroutine apply_locals
+
+   !> Entries of the whole matrix that a contact brings.
+   pure integer function entries_of(block) result(n)
+      type(block_type), intent(in) :: block
+
+      n = size(block%at)**2
+      if (allocated(block%by_bound)) n = n + size(block%at)*size(block%read_at)
+   end function entries_of
+
+   !> These entries; rows of multipliers not yet as forces.
+   pure subroutine put_entries(block, row, column, value)
+      type(block_type), intent(in) :: block
+      integer, intent(out) :: row(:), column(:)
+      real(wp), intent(out) :: value(:)
+      integer :: n, i, j
+
+      n = 0
+      do j = 1, size(block%at)
+         do i = 1, size(block%at)
+            n = n + 1
+            row(n) = block%at(i)
+            column(n) = block%at(j)
+            value(n) = block%k(i, j)
+         end do
+      end do
+      if (.not. allocated(block%by_bound)) return
+      do j = 1, size(block%read_at)
+         do i = 1, size(block%at)
+            n = n + 1
+            row(n) = block%at(i)
+            column(n) = block%read_at(j)
+            value(n) = block%by_bound(i)*block%read_slope(j)
+         end do
+      end do
+   end subroutine put_entries
    !> The springs of all contacts.
    subroutine add_up_springs(blocks, neq, springs)
       type(block_type), intent(in) :: blocks(:)

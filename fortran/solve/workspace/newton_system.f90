@@ -26,7 +26,8 @@ module lopin_newton_system
    use lopin_reduce_matrix, only : reduce_matrix
    use lopin_local_matrix, only : local_matrix_type
    use lopin_lagged_factor, only : lagged_factor_type, limit_of, note_solution
-   use lopin_contact_block, only : block_type, reduce_block, add_up_springs
+   use lopin_contact_block, only : block_type, reduce_block, add_up_springs, entries_of, &
+      & put_entries
    use lopin_firm_springs, only : set_firm, push_back, give_back
    implicit none
    private
@@ -235,6 +236,8 @@ contains
                   y(at(i)) = y(at(i)) + k(i, j)*x(at(j))
                end do
             end do
+            if (allocated(self%block(b)%by_bound)) y(at) = y(at) + self%block(b)%by_bound &
+               & *dot_product(self%block(b)%read_slope, x(self%block(b)%read_at))
          end associate
       end do
       y(self%neq + 1:) = self%scale*y(self%neq + 1:)
@@ -323,11 +326,11 @@ contains
       integer, allocatable :: row(:), column(:)
       real(wp), allocatable :: value(:)
       logical, allocatable :: acts(:)
-      integer :: total, b, i, j
+      integer :: total, b, i
 
       total = 0
       do b = 1, size(self%block)
-         total = total + size(self%block(b)%at)**2
+         total = total + entries_of(self%block(b))
       end do
       total = total + self%n - self%neq
       allocate (row(total), column(total), value(total))
@@ -341,18 +344,12 @@ contains
          if (acts(i - self%neq)) value(total) = give*value(total)
       end do
       do b = 1, size(self%block)
-         associate (block => self%block(b))
-            do j = 1, size(block%at)
-               do i = 1, size(block%at)
-                  total = total + 1
-                  row(total) = block%at(i)
-                  column(total) = block%at(j)
-                  value(total) = block%k(i, j)
-                  if (row(total) > self%neq) value(total) = value(total) &
-                     & *self%scale(row(total) - self%neq)
-               end do
-            end do
-         end associate
+         i = total + entries_of(self%block(b))
+         call put_entries(self%block(b), row(total + 1:i), column(total + 1:i), value(total + 1:i))
+         total = i
+      end do
+      do i = self%n - self%neq + 1, total
+         if (row(i) > self%neq) value(i) = value(i)*self%scale(row(i) - self%neq)
       end do
       call contacts%new_from_triplets(self%n, storage%general, row, column, value)
    end subroutine add_up_contacts

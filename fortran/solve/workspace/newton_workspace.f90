@@ -8,6 +8,7 @@ module lopin_newton_workspace
    use lopin_follower_loading, only : follower_type
    use lopin_contraction, only : contraction_type
    use lopin_state, only : solids_state_type
+   use lopin_surface_stress, only : surface_stress_type
    implicit none
    private
    public :: newton_workspace_type, add_line, is_nonlinear, iteration_header
@@ -32,6 +33,7 @@ module lopin_newton_workspace
       logical :: flows = .false.               !! some material looks back
       logical :: bends = .false.               !! springs have tables
       type(nonlinear_contact_type) :: contact
+      type(surface_stress_type) :: surface     !! stresses that laws of friction follow
       type(newton_system_type) :: system
       type(follower_type) :: follower          !! pressures under NLGEOM
       type(csc_type) :: k                      !! (ndof) tangent of the solids, if not linear
