@@ -20,6 +20,7 @@ program test_newton_system
    call agrees_with_the_whole('soft springs made firm, no friction', 0.0_wp, .false., 0.1_wp, 7)
    call agrees_with_the_whole('soft springs made firm, stick', 0.5_wp, .false., 0.1_wp, 9)
    call agrees_with_the_whole('soft springs made firm, slip', 0.3_wp, .true., 0.1_wp, 13)
+   call agrees_with_the_whole('slip by a bound that follows the solids', 0.3_wp, .true., 10.0_wp, follows=.true.)
    call keeps_a_factor()
    call finish()
 
@@ -68,11 +69,12 @@ contains
    end subroutine keeps_a_factor
 
    !> A block whose top nodes press on a rigid floor by unknown tractions; springs c and c.
-   subroutine agrees_with_the_whole(name, mu, slips, stiffness, firm)
+   subroutine agrees_with_the_whole(name, mu, slips, stiffness, firm, follows)
       character(len=*), intent(in) :: name
       real(wp), intent(in) :: mu, stiffness    !! springs beside the block's own stiffness
       logical, intent(in) :: slips
       integer, intent(in), optional :: firm    !! springs are made firm: products at most
+      logical, intent(in), optional :: follows !! bounds of shear read dofs of the solids
       type(newton_system_type) :: system
       type(constraints_type) :: constraints
       type(csc_type) :: k
@@ -97,6 +99,7 @@ contains
       do i = 1, m
          call press(local(i), top(2*i - 1:2*i), n + [2*i - 1, 2*i], c, mu, slips)
          if (present(firm)) call make_firm(local(i), c, mu, slips)
+         if (present(follows)) call follow(local(i), n, c)
       end do
       do i = 1, n + 2*m
          right(i) = uniform(seed) - 0.5_wp
@@ -159,6 +162,17 @@ contains
       local%spring(2, 2) = c
       if (.not. slips .and. mu > 0.0_wp) local%spring(1, 1) = c
    end subroutine press
+
+   !> The bound reads some dofs, one of them twice.
+   subroutine follow(local, n, c)
+      type(local_matrix_type), intent(inout) :: local
+      integer, intent(in) :: n
+      real(wp), intent(in) :: c
+
+      local%by_bound = [0.1_wp*c, 0.0_wp, 0.1_wp, 0.0_wp]
+      local%read_dof = [1 + int(uniform(seed)*n), 1 + int(uniform(seed)*n), local%dof(1), local%dof(1)]
+      local%read_slope = [0.5_wp, -0.3_wp, 0.4_wp, 0.2_wp]
+   end subroutine follow
 
    !> The point goes as its dofs do; where it is held, its unknown traction alone holds it.
    subroutine make_firm(local, c, mu, slips)

@@ -98,7 +98,7 @@ module lopin_friction
       type(location_type) :: at                !! of *FRICTION in the deck
    end type friction_type
 
-   !> What a law reads at a point besides pressure and slip; lagged, never linearised.
+   !> What a law reads at a point besides pressure and slip.
    type :: condition_type
       real(wp) :: yield = 0.0_wp   !! yield stress at the slave surface; 0: unknown [stress]
       real(wp) :: mises = 0.0_wp   !! von Mises stress at the slave surface [stress]
