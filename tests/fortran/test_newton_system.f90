@@ -20,7 +20,8 @@ program test_newton_system
    call agrees_with_the_whole('soft springs made firm, no friction', 0.0_wp, .false., 0.1_wp, 7)
    call agrees_with_the_whole('soft springs made firm, stick', 0.5_wp, .false., 0.1_wp, 9)
    call agrees_with_the_whole('soft springs made firm, slip', 0.3_wp, .true., 0.1_wp, 13)
-   call agrees_with_the_whole('slip by a bound that follows the solids', 0.3_wp, .true., 10.0_wp, follows=.true.)
+   call agrees_with_the_whole('slip by a bound that follows the solids', 0.3_wp, .true., 10.0_wp, &
+      & follows=.true.)
    call keeps_a_factor()
    call finish()
 
@@ -170,7 +171,8 @@ contains
       real(wp), intent(in) :: c
 
       local%by_bound = [0.1_wp*c, 0.0_wp, 0.1_wp, 0.0_wp]
-      local%read_dof = [1 + int(uniform(seed)*n), 1 + int(uniform(seed)*n), local%dof(1), local%dof(1)]
+      local%read_dof = [1 + int(uniform(seed)*n), 1 + int(uniform(seed)*n), local%dof(1), &
+         & local%dof(1)]
       local%read_slope = [0.5_wp, -0.3_wp, 0.4_wp, 0.2_wp]
    end subroutine follow
 

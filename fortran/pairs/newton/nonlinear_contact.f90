@@ -65,7 +65,7 @@ module lopin_nonlinear_contact
       logical, allocatable :: pair_active(:)   !! *MODEL CHANGE
       type(friction_type), allocatable :: friction(:)   !! (npair) in force
       real(wp), allocatable :: mises(:)        !! (n) of the last iteration [stress]
-      logical, allocatable :: follows(:)       !! (npair) bounds of shear follow the stress of solids
+      logical, allocatable :: follows(:)       !! (npair) bounds follow the stress of solids
       logical :: stretches = .true.            !! areas follow the motion: NLGEOM
       real(wp), allocatable :: speed(:)        !! (n) of slip, of the last iteration [length/time]
       ! inside
@@ -125,7 +125,6 @@ contains
       self%dofs = dofs
       allocate (self%first_area(n), source=0.0_wp)
       allocate (self%star(size(model%pair)))
-      allocate (self%follows(size(model%pair)), source=.false.)
       do pair = 1, size(model%pair)
          if (.not. self%masters%of(pair)%has_slave_faces) cycle
          associate (area => areas_of(self%masters, model, pair))
@@ -138,11 +137,12 @@ contains
          & source=0.0_wp)
       allocate (self%facet(n), self%status(n), self%first_row(n), self%piece(n), source=0)
       allocate (self%pressing(model%mesh%nnode), source=0)
-      allocate (self%bilateral(n), self%loose(n), self%yields(n), source=.false.)
+      allocate (self%bilateral(n), self%loose(n), self%yields(n), self%follows(size(model%pair)), &
+         & source=.false.)
       allocate (self%pair_active(size(model%pair)), source=.true.)
       allocate (self%enforcement(n), self%anchor(n), self%opposite(n), self%trial(n), self%local(n))
-      allocate (self%friction(size(model%pair)))
-      allocate (self%mortar(size(model%pair)), self%mortar_anchor(n), self%patch(n))
+      allocate (self%friction(size(model%pair)), self%mortar(size(model%pair)), &
+         & self%mortar_anchor(n), self%patch(n))
       do pair = 1, size(model%pair)
          self%friction(pair) = model%interaction(model%pair(pair)%interaction)%friction
          call choose_enforcement(self%enforcement, self%nonlinear_points_type, &

@@ -41,7 +41,7 @@ contains
       end associate
    end subroutine choose_followers
 
-   !> What the laws read at the trial state. Where nothing flows, the yield stress of the deck stays.
+   !> What the laws read at the trial. Where nothing flows, the yield stress of the deck stays.
    subroutine follow_stress(scene, model)
       type(scene_type), intent(inout) :: scene
       type(model_type), intent(in) :: model

@@ -1,5 +1,5 @@
-!> What friction takes from the last Newton iteration on the nonlinear path: the speed of slip, which
-!> EXPONENTIAL DECAY reads.
+!> What friction takes from the last Newton iteration on the nonlinear path: the speed of slip,
+!> which EXPONENTIAL DECAY reads.
 !>
 !> It is put in place between iterations and stays in a line search: tangents do not know it, and
 !> the residual that Newton ends with is that of the speed which it ends with. Stresses that laws

@@ -40,8 +40,8 @@ contains
       logical :: picks
 
       m = terms_of(local, constraints)
-      allocate (at(m), from(m), t(size(local%dof), m))
-      t = 0.0_wp
+      allocate (at(m), from(m))
+      allocate (t(size(local%dof), m), source=0.0_wp)
       n = 0
       picks = .true.
       do i = 1, size(local%dof)
