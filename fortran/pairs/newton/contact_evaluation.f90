@@ -55,13 +55,11 @@ contains
       point%masters => self%masters
       point%points => self%nonlinear_points_type
       law%with_tangent = with_tangent
-      call forget_bounds(self)
       call mark_corners(self, model, multiplier)
       do i = 1, self%n
          call begin_point(self, model, i, multiplier, law)
          if (is_left_open(self, i, law)) cycle
          if (with_tangent) call find_growth_slopes(self, model, i)
-         law%follows = with_tangent .and. self%follows(self%pair(i))
          law%enforcement => self%enforcement(i)
          law%friction => self%friction(self%pair(i))
          point%i = i
@@ -176,6 +174,7 @@ contains
       d = model%mesh%ndim
       law%lambda = 0.0_wp
       law%first_row = self%first_row(i)
+      law%follows = law%with_tangent .and. self%follows(self%pair(i))
       if (law%first_row > 0) law%lambda(:d) = multiplier(law%first_row:law%first_row + d - 1)
       if (self%facet(i) == 0) return
       if (.not. self%anchor(i)%set) call anchor_of(self%anchor(i), self%opposite(i))
@@ -234,6 +233,7 @@ contains
       type(error_type), allocatable, intent(out) :: error
       integer :: i
 
+      call forget_bounds(self)
       call move_masters(self%masters, model, self%dofs, self%nonlinear_points_type, u, .false., &
          & self%cost, error)
       if (allocated(error)) return

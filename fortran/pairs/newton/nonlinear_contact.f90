@@ -124,7 +124,6 @@ contains
       self%first_weight = self%weight
       self%dofs = dofs
       allocate (self%first_area(n), source=0.0_wp)
-      allocate (self%star(size(model%pair)))
       do pair = 1, size(model%pair)
          if (.not. self%masters%of(pair)%has_slave_faces) cycle
          associate (area => areas_of(self%masters, model, pair))
@@ -142,7 +141,7 @@ contains
       allocate (self%pair_active(size(model%pair)), source=.true.)
       allocate (self%enforcement(n), self%anchor(n), self%opposite(n), self%trial(n), self%local(n))
       allocate (self%friction(size(model%pair)), self%mortar(size(model%pair)), &
-         & self%mortar_anchor(n), self%patch(n))
+         & self%star(size(model%pair)), self%mortar_anchor(n), self%patch(n))
       do pair = 1, size(model%pair)
          self%friction(pair) = model%interaction(model%pair(pair)%interaction)%friction
          call choose_enforcement(self%enforcement, self%nonlinear_points_type, &
