@@ -34,6 +34,25 @@ contains
          & 'Increments that may be cut are; otherwise the run stops.', &
          & 'smaller increments on *STATIC; more friction, if it is too little to hold the '// &
          & 'body; or hold the motion by *BOUNDARY.')
+      call friction_explanations(list)
+   end subroutine time_explanations
+
+   !> What friction and metal remember of an increment.
+   subroutine friction_explanations(list)
+      type(explanation_type), allocatable, intent(inout) :: list(:)
+
+      call add_explanation(list, 'E0555', 'contact forces pass to other points in one increment', &
+         & 'Within an increment in which metal flows, points close or open or go round a '// &
+         & 'corner of the tool, and more than a tenth of the contact force with them. Metal '// &
+         & 'remembers when that was, but an increment knows its end alone. It is cut, unless '// &
+         & 'the metal flows by less than five strains of first yield. So are increments in '// &
+         & 'which points leave that carried a tenth of the largest force of the run and '// &
+         & 'rubbed, or held a body that floats then.', &
+         & 'smaller increments on *STATIC; DIRECT takes them as they are (W0555).')
+      call add_explanation(list, 'W0555', 'contact forces pass to other points in one increment', &
+         & 'As E0555, in increments that may not be cut, and more than a quarter of the force: '// &
+         & 'polygons pressed into metal were then up to 16 % off in their forces.', &
+         & 'smaller increments on *STATIC, or increments without DIRECT.')
       call add_explanation(list, 'E0553', 'a tool turns far below what slides on it', &
          & 'On the present shape the slip of an increment is the straight way on the tool from '// &
          & 'where a point was to where it is. Below a point that stands still a tool that '// &
@@ -62,5 +81,5 @@ contains
          & 'tool would have turned far below what slides on it (E0553). It was cut, and the '// &
          & 'way is followed.', &
          & 'nothing to do; a smaller first increment on *STATIC spares the trials.')
-   end subroutine time_explanations
+   end subroutine friction_explanations
 end module lopin_explain_time

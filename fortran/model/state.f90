@@ -112,6 +112,7 @@ module lopin_state
       real(wp), allocatable :: released(:)     !! (ndof) of the pairs that the next step takes away
       real(wp) :: work = 0.0_wp                !! of loads and prescribed displacements [energy]
       real(wp) :: most = 0.0_wp                !! largest energy that was about [energy]
+      real(wp) :: pressed = 0.0_wp             !! largest force of a pair so far [force]
    contains
       procedure :: pass => pass_loads
    end type loads_state_type
@@ -298,6 +299,7 @@ contains
       call stream%pass(self%released)
       call stream%pass(self%work)
       call stream%pass(self%most)
+      call stream%pass(self%pressed)
    end subroutine pass_loads
 
    subroutine pass_pressures(self, stream)

@@ -15,7 +15,7 @@ module lopin_first_increment
    use lopin_scene, only : scene_type
    implicit none
    private
-   public :: opens_step, size_first, first_id
+   public :: opens_step, size_first, first_flow, first_id
 
    character(len=*), parameter :: first_id = 'E0515'
    !> Plastic strain of a first increment: so many strains of first yield; where nothing yields.

@@ -28,6 +28,7 @@ module lopin_increment
    use lopin_held_points, only : refuse_held_points
    use lopin_assemble_nonlinear, only : remember
    use lopin_heat_work, only : add_heat_work
+   use lopin_limit_increment, only : limit_increment
    use lopin_vectors, only : largest
    use lopin_nonlinear_results, only : find_nonlinear_forces, certify_nonlinear, report_nonlinear
    use lopin_frames, only : fill_frame
@@ -47,9 +48,6 @@ module lopin_increment
    implicit none
    private
    public :: solve_increment, reject, prepare, say
-
-   !> Largest plastic strain of one increment, where increments may be cut.
-   real(wp), parameter :: most_flow = 0.25_wp
 
 contains
 
@@ -175,7 +173,7 @@ contains
          if (scene%answer%dependent > 0) call report_dependent(scene, model)
          if (.not. scene%newton%in_use) return
          call remember(scene%solids, model%mesh, scene%trial%motion%u, scene%newton%past, memory)
-         call limit_flow(scene, model, error)
+         call limit_increment(scene, model, error)
          if (allocated(error)) return
          call add_heat_work(scene, model)
          frame%energy%plastic = memory%work
@@ -200,21 +198,6 @@ contains
          & to_text(frame%increment)//' fails: '//frame%certificate%reason, &
          & model%step(scene%step)%at, help='see lopin explain E0504')
    end subroutine refuse_verdict
-
-   !> More plastic flow than one increment follows, where increments may be cut.
-   subroutine limit_flow(scene, model, error)
-      type(scene_type), intent(in) :: scene
-      type(model_type), intent(in) :: model
-      type(error_type), allocatable, intent(out) :: error
-
-      associate (memory => scene%trial%solids, step => model%step(scene%step))
-         if (step%direct .or. .not. memory%most_strain > most_flow) return
-         call raise(error, error_code%not_converged, 'E0513', 'plastic strain grows by '// &
-            & to_text(memory%most_strain, 3)//' in one increment, at element '// &
-            & to_text(model%mesh%element_label(memory%most_element)), step%at, &
-            & help='smaller increments on *STATIC; DIRECT takes them as they are')
-      end associate
-   end subroutine limit_flow
 
    !> What the iterations of the nonlinear path did.
    subroutine log_iterations(recorders, scene, frame)
