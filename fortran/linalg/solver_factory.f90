@@ -61,14 +61,35 @@ contains
       integer, intent(in) :: last(:)                       !! equations to be kept last
       character(len=:), allocatable, intent(out) :: name
       character(len=:), allocatable, intent(out) :: reason !! in words, for the log
+
+      name = general_solver('auto')
+      reason = 'the matrix is '//class_name(class_of)
+      if (class_of /= matrix_class%positive_definite) return
+      call choose_by_profile(a, last, [90.0_wp, 11.0_wp], name, reason)
+   end subroutine choose_solver
+
+   !> The same for a positive definite matrix whose factor iterations use and mend: a factor of
+   !> single precision, used ten to twenty times, wins from b = 110 (e = 9) and b = 180 (e = 37) on.
+   subroutine choose_preconditioner(a, name, reason)
+      type(csc_type), intent(in) :: a
+      character(len=:), allocatable, intent(out) :: name
+      character(len=:), allocatable, intent(out) :: reason   !! in words, for the log
+
+      call choose_by_profile(a, [integer ::], [85.0_wp, 2.5_wp], name, reason)
+      if (name == 'cholmod') name = 'mixed'
+   end subroutine choose_preconditioner
+
+   !> Skyline where the mean row of the profile is shorter than line(1) + line(2) e.
+   subroutine choose_by_profile(a, last, line, name, reason)
+      type(csc_type), intent(in) :: a
+      integer, intent(in) :: last(:)
+      real(wp), intent(in) :: line(2)
+      character(len=:), allocatable, intent(out) :: name, reason
       integer, allocatable :: order(:)
       real(wp) :: length, limit
       character(len=60) :: numbers
       logical :: valid
 
-      name = general_solver('auto')
-      reason = 'the matrix is '//class_name(class_of)
-      if (class_of /= matrix_class%positive_definite) return
       name = 'cholmod'
       reason = 'the matrix is empty'
       if (a%n == 0) return
@@ -76,21 +97,11 @@ contains
       reason = 'the equations to be kept last are not valid'
       if (.not. valid) return
       length = sqrt(profile_cost(row_starts(a, order))/a%n)
-      limit = 90.0_wp + 11.0_wp*size(a%row)/a%n
+      limit = line(1) + line(2)*size(a%row)/a%n
       if (length < limit) name = 'skyline'
       write (numbers, '("mean half band ",i0,", break-even at ",i0)') nint(length), nint(limit)
       reason = trim(numbers)
-   end subroutine choose_solver
-
-   !> The same for a positive definite matrix whose factor iterations use and mend.
-   subroutine choose_preconditioner(a, name, reason)
-      type(csc_type), intent(in) :: a
-      character(len=:), allocatable, intent(out) :: name
-      character(len=:), allocatable, intent(out) :: reason   !! in words, for the log
-
-      call choose_solver(a, matrix_class%positive_definite, [integer ::], name, reason)
-      if (name == 'cholmod') name = 'mixed'
-   end subroutine choose_preconditioner
+   end subroutine choose_by_profile
 
    !> The solver of matrices that are not positive definite.
    pure function general_solver(wish) result(name)
