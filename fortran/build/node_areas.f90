@@ -49,6 +49,11 @@ contains
                   & trim(merge('its friction has a limit of the shear stress      ', &
                   & 'a slope or law of pressure is by area, not by node', limits_stress(model, &
                   & model%pair(pair)%interaction))), model%surface(s)%at)
+               if (lacking > 0 .and. gives_pressure(model, model%pair(pair)%interaction)) &
+                  & call model%log%say(severity%note, 'N0318', to_text(lacking)//' of '// &
+                  & to_text(size(area))//' nodes of surface '//model%surface(s)%name// &
+                  & ' have no area: their slope or law of pressure is that of a force', &
+                  & model%surface(s)%at, help='node, area on each line, or a surface of faces')
             end associate
          end associate
       end do

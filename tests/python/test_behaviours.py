@@ -74,10 +74,11 @@ def lift(result, index):
     ("PRESSURE-OVERCLOSURE=LINEAR\n4000.\n", 0.01/4), ("DIRECT\n", 0.0),
     ("PRESSURE-OVERCLOSURE=TABULAR\n0., 0.\n10., 0.005\n20., 0.02\n", 0.005)])
 @pytest.mark.parametrize("pair", ["TYPE=SURFACE TO SURFACE", "TYPE=NODE TO SURFACE"])
-def test_a_slope_changes_between_steps(tmp_path, change, depth, pair):
+@pytest.mark.parametrize("nlgeom", ["", ", NLGEOM"])
+def test_a_slope_changes_between_steps(tmp_path, change, depth, pair, nlgeom):
     """10 on an area of 1: 0.01 deep with a slope of 1000, then by the new law."""
-    result = run(tmp_path, blocks(steps=HELD + step("HEAD, 3, -2.5") + step("HEAD, 3, -2.5",
-                                  CHANGE + change), pair=pair))
+    result = run(tmp_path, blocks(steps=HELD + step("HEAD, 3, -2.5", "", nlgeom) + step(
+        "HEAD, 3, -2.5", CHANGE + change, nlgeom), pair=pair))
     strain = 10.0/1e5
     assert lift(result, 0) == pytest.approx(-0.01 - strain, rel=3e-3)
     assert lift(result, -1) == pytest.approx(-depth - strain, rel=5e-3, abs=2e-6)
@@ -242,4 +243,16 @@ def test_a_slope_on_nodes_is_by_their_area(tmp_path):
     result = run(tmp_path, blocks(steps=HELD + step("HEAD, 3, -2.5", nlgeom=""), slave=nodes,
                                   pair="TYPE=NODE TO SURFACE"))
     assert lift(result, -1) == pytest.approx(expected, rel=1e-9)
-    assert "N0318" in codes(tmp_path)
+    assert codes(tmp_path).count("N0318") == 1
+
+
+def test_nodes_without_faces_are_said_to_press_by_force(tmp_path):
+    """Two nodes of a diagonal have no face between them: 1000 [force/length] each, as in Abaqus."""
+    result = run(tmp_path, blocks(steps=HELD + step("HEAD, 3, -2.5", nlgeom=""),
+                                  slave="*SURFACE, NAME=DOWN, TYPE=NODE\n9, 11".replace(", 11", "\n11"),
+                                  pair="TYPE=NODE TO SURFACE"))
+    frame = result.at(-1)
+    held = np.isin(frame["LABEL"], [9, 11])
+    # and 3e-4 by which the two points sink into the lower cube
+    assert frame["U"][held, 2] == pytest.approx(-10.0/2/1000.0, rel=1e-1)
+    assert codes(tmp_path).count("N0318") == 1
