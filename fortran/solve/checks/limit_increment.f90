@@ -6,8 +6,10 @@
 !> much of the force of contact did, the sum over points of what closed, what opened and
 !> |f - f0| - ||f| - |f0|| of those that turned, bounds what the increment may have in the wrong
 !> place. Increments are cut where that is more than a tenth of the force, unless the metal flows so
-!> little that the increment is elastic for most of it. Where a pair lets go that rubs, or holds a
-!> body that floats then, a tenth of the largest force of the run counts.
+!> little that the increment is elastic for most of it. Where a pair lets go that holds a body that
+!> floats then, or that rubs while the metal flows or other pairs go on pressing, a tenth of the
+!> largest force of the run counts: a body that springs back free of all friction does so alike in
+!> one increment and in many.
 module lopin_limit_increment
    use lopin_kinds, only : wp
    use lopin_error, only : error_type, error_code, raise
@@ -68,6 +70,7 @@ contains
       type(error_type), allocatable, intent(out) :: error
       type(transfer_type) :: of(size(model%pair))
       real(wp) :: whole
+      logical :: flows, remembers
       integer :: pair
 
       call sum_transfers(scene, of)
@@ -75,7 +78,8 @@ contains
          most = max(most, maxval(of%now))
          whole = max(maxval(of%before), maxval(of%now))
          if (.not. any(of%before > 0.0_wp)) return
-         if (scene%trial%solids%most_strain > first_flow(model)) then
+         flows = scene%trial%solids%most_strain > first_flow(model)
+         if (flows) then
             pair = maxloc(of%passed, dim=1)
             if (of(pair)%passed > most_passed*whole) call refuse(scene, model, pair, &
                & of(pair)%passed/whole, error)
@@ -83,8 +87,9 @@ contains
          if (allocated(error) .or. scene%newton%attempt > most_cuts) return
          do pair = 1, size(of)
             if (of(pair)%now > 0.0_wp .or. .not. of(pair)%before > most_passed*most) cycle
-            if (.not. (scene%bodies%nq > 0 &
-               & .or. has_friction(scene%newton%contact%friction(pair)))) cycle
+            remembers = has_friction(scene%newton%contact%friction(pair)) &
+               & .and. (flows .or. any(of%now > 0.0_wp))
+            if (.not. (remembers .or. scene%bodies%nq > 0)) cycle
             if (scene%may_cut) call refuse(scene, model, pair, of(pair)%before/most, error)
             return
          end do
