@@ -104,3 +104,15 @@ def test_a_release_is_told_where_another_tool_presses_on(core, mu):
     result = lopin.run(flanged("CPE8R", 1.0, mu)[0].deck())
     assert abs(result.history["BOTTOM-DIE.force2"][-1]) > 1e-3 or mu == 0.0
     assert ("W0518" in {d["code"] for d in result.diagnostics}) == (mu > 0.0)
+
+
+def test_flow_that_no_increment_avoids_does_not_size_the_first(executable, tmp_path, monkeypatch):
+    """What lets go at once flows at once. Increments that were to fit its flow were cut 99 times."""
+    monkeypatch.setenv("LOPIN_EXECUTABLE", str(executable))
+    soft = billet(["*VISCOPLASTIC, LAW=NORTON-HOFF", "150., 0.15"], "removed", period=0.05)
+    deck = soft.replace("200000., 0.3", "20000., 0.3").replace("0.1, 1.\n", "")
+    lopin.run(lopin.Deck.parse(deck, "billet"), tmp_path, executable=True)
+    rows = [line.split() for line in next(tmp_path.glob("*.sta")).read_text().splitlines()[2:]]
+    release = [row for row in rows if row[0] == "2"]
+    assert int(release[0][2]) <= 9
+    assert float(release[-1][4]) == pytest.approx(1.05)

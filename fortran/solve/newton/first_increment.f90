@@ -23,6 +23,9 @@ module lopin_first_increment
    !> Steps of Newton that are looked at; least share that an increment is cut to at once.
    integer, parameter :: first_looks = 3
    real(wp), parameter :: least_fit = 0.005_wp
+   !> Cuts to fit: what flows as much in any increment, as where a force is let go of at once, is
+   !> not sized by its flow.
+   integer, parameter :: most_sizes = 8
 
 contains
 
@@ -48,7 +51,7 @@ contains
       real(wp) :: most
 
       if (taken > first_looks .or. .not. scene%may_cut) return
-      if (.not. opens_step(scene, model)) return
+      if (.not. opens_step(scene, model) .or. scene%newton%sized >= most_sizes) return
       trial = scene%trial%solids
       call remember(scene%solids, model%mesh, scene%trial%motion%u, scene%accepted%solids, trial)
       most = first_flow(model)
