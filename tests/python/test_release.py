@@ -116,3 +116,17 @@ def test_flow_that_no_increment_avoids_does_not_size_the_first(executable, tmp_p
     release = [row for row in rows if row[0] == "2"]
     assert int(release[0][2]) <= 9
     assert float(release[-1][4]) == pytest.approx(1.05)
+
+
+def test_a_tool_that_friction_held_is_let_go_of_by_parts(executable, tmp_path, monkeypatch):
+    """A leaning plate: friction lets it go where the forces that held it fade, not in one jump."""
+    monkeypatch.setenv("LOPIN_EXECUTABLE", str(executable))
+    backs = {}
+    for way in ("removed", "unloaded"):
+        deck = billet(HOT, way, ("*FRICTION", "0.1,"), period=0.05).replace("0.1, 1.\n", "")
+        deck = deck.replace("START, 20., 5.\nLINE, -1., 5.", "START, 20., 13.\nLINE, -1., 4.6")
+        formed, shape, *_ = released(lambda scene, way=way: lopin.run(
+            scene, tmp_path/way, executable=True), deck)
+        backs[way] = shape - formed
+    assert abs(backs["unloaded"] - backs["removed"]).max() < 0.005*abs(backs["removed"]).max()
+    assert "by parts of what is let go of" in next((tmp_path/"unloaded").glob("*.cvg")).read_text()

@@ -34,7 +34,8 @@ contains
       logical :: held
 
       if (.not. scene%newton%in_use .or. scene%bodies%nq == 0) return
-      if (scene%newton%grounded == 0) return
+      ! By parts of what has held it, it goes no farther than it is pushed.
+      if (scene%newton%grounded == 0 .or. scene%newton%faded) return
       held = .false.
       associate (c => scene%newton%contact)
          arm = 0.0_wp

@@ -3,7 +3,8 @@
 !> Nothing is committed here: what fails leaves the accepted state as it was, and the caller cuts
 !> the increment. One that may not be cut is tried again by parts of its prescribed motion: each
 !> part starts where the one before it has ended, histories stay those of the accepted state, so
-!> that only the way to the answer differs.
+!> that only the way to the answer differs. So is one that begins with letting go of something at
+!> once, by parts of the forces that held it.
 module lopin_path_nonlinear
    use lopin_kinds, only : wp
    use lopin_error, only : error_type, error_code, raise
@@ -57,9 +58,11 @@ contains
       real(wp), intent(in) :: prescribed(:)    !! (nprescribed)
       type(error_type), allocatable, intent(out) :: error
       type(iterate_type) :: iterate
+      integer :: way
       logical :: guessed
 
       scene%newton%separated = .false.
+      scene%newton%faded = .false.
       scene%newton%jumped = .false.
       scene%newton%iterations = 0
       scene%newton%grounded = 0
@@ -70,8 +73,13 @@ contains
       call rotate_followers(scene, model, error)
       if (allocated(error)) return
       call predict(scene, prescribed, iterate)
+      way = way_of%direct
+      if (releases_at_once(scene) .and. scene%newton%attempt > 1) then
+         call start_from_accepted(scene, iterate)
+         way = way_of%parts
+      end if
       guessed = iterate%guessed
-      call solve_from(scene, model, f, iterate, prescribed, way_of%direct, error)
+      call solve_from(scene, model, f, iterate, prescribed, way, error)
       if (guessed .and. .not. allocated(error)) then
          if (opened_after_guess(scene)) then
             call start_from_accepted(scene, iterate)
@@ -91,6 +99,13 @@ contains
       scene%counter%iterations = scene%counter%iterations + scene%newton%iterations
       scene%counter%augmentations = scene%counter%augmentations + scene%newton%augmentations
    end subroutine solve_nonlinear
+
+   !> The increment begins a step that lets go of something at once: a jump, however short it is.
+   pure logical function releases_at_once(scene)
+      type(scene_type), intent(in) :: scene
+      releases_at_once = allocated(scene%newton%released) &
+         & .and. .not. scene%accepted%clock%time > 0.0_wp
+   end function releases_at_once
 
    !> Newton has failed so that smaller increments promise little: the path may turn back.
    pure logical function turns_back(scene)
@@ -112,14 +127,15 @@ contains
       type(iterate_type) :: iterate
 
       associate (step => model%step(scene%step))
-         if (error%code /= error_code%not_converged) return
-         if (.not. step%direct .and. scene%newton%dt > least_cuts*step%smallest) return
+         if (error%code /= error_code%not_converged .or. scene%newton%faded) return
+         if (.not. (step%direct .or. releases_at_once(scene)) .and. scene%newton%dt > least_cuts &
+            & *step%smallest) return
       end associate
       ! Solids that flow remember the way: their increments are too large then.
-      if (scene%newton%flows) return
+      if (scene%newton%flows .and. .not. releases_at_once(scene)) return
       call start_from_accepted(scene, iterate)
-      if (.not. any(abs(prescribed - iterate%before) > 0.0_wp)) return
-      call add_line(scene%newton, '  by parts of the prescribed motion')
+      if (.not. (releases_at_once(scene) .or. any(abs(prescribed - iterate%before) > 0.0_wp))) &
+         & return
       call solve_from(scene, model, f, iterate, prescribed, way_of%parts, failed)
       if (.not. allocated(failed)) deallocate (error)
    end subroutine try_by_parts
@@ -199,7 +215,7 @@ contains
          & prescribed, error)
    end subroutine solve_from
 
-   !> Equilibria on the way to the prescribed values, and there.
+   !> Equilibria on the way to the prescribed values, or to where nothing holds any more, and there.
    subroutine solve_by_parts(scene, model, f, iterate, prescribed, error)
       type(scene_type), intent(inout) :: scene
       type(model_type), intent(in) :: model
@@ -208,9 +224,12 @@ contains
       real(wp), intent(in) :: prescribed(:)    !! (nprescribed)
       type(error_type), allocatable, intent(out) :: error
       type(iterate_type) :: last
-      real(wp), allocatable :: start(:), goal(:), multiplier(:)
+      real(wp), allocatable :: start(:), goal(:), multiplier(:), load(:)
       real(wp) :: reached, part
 
+      scene%newton%faded = releases_at_once(scene)
+      call add_line(scene%newton, '  by parts of '//trim(merge('the prescribed motion', &
+         & 'what is let go of    ', .not. scene%newton%faded)))
       allocate (start, source=iterate%before)
       reached = 0.0_wp
       part = first_part
@@ -219,7 +238,9 @@ contains
          last = iterate
          multiplier = scene%trial%contact%multiplier
          scene%newton%contact%ahead = merge(part, 0.0_wp, .not. reached > 0.0_wp)
-         call solve_newton(scene, model, f, iterate, goal, 0, error)
+         load = f
+         if (releases_at_once(scene)) load = f + (1.0_wp - (reached + part))*scene%newton%released
+         call solve_newton(scene, model, load, iterate, goal, 0, error)
          if (.not. allocated(error)) then
             reached = reached + part
             iterate%before = goal

@@ -3,7 +3,8 @@
 !>
 !> A metal whose stress depends on its rate would flow on under such a force for as long as the step
 !> lasts, as under no real tool, which loses its force with the first micrometres: it is let go of
-!> at once.
+!> at once, or, where Newton cannot follow, by parts of that force within the first increment
+!> (lopin_path_nonlinear).
 module lopin_released_forces
    use lopin_kinds, only : wp
    use lopin_error, only : error_type
@@ -54,25 +55,30 @@ contains
       type(scene_type), intent(inout) :: scene
       type(model_type), intent(in) :: model
       real(wp), intent(inout) :: before(:)     !! (ndof) loads that the step starts from [force]
+      real(wp), allocatable :: released(:)     !! (ndof) [force]
       integer :: i
       logical :: at_once
 
+      if (allocated(scene%newton%released)) deallocate (scene%newton%released)
       if (.not. (allocated(held%pair_active) .and. scene%newton%flows)) return
       at_once = any([(is_viscous(model%material(i)%flow), i=1, size(model%material))])
       associate (loads => scene%accepted%loads, now => scene%constraints%dof_of_prescribed)
+         allocate (released(size(before)), source=0.0_wp)
          do i = 1, size(held%prescribed)
             associate (dof => held%prescribed(i))
                if (any(now == dof)) cycle
-               if (.not. at_once) before(dof) = before(dof) + loads%reaction(dof)
+               released(dof) = loads%reaction(dof)
                if (at_once) loads%reaction(dof) = 0.0_wp
             end associate
          end do
-         if (.not. allocated(loads%released)) return
-         if (.not. at_once) then
-            before = before + loads%released
-            loads%force = loads%force + loads%released
+         if (allocated(loads%released)) then
+            released = released + loads%released
+            if (.not. at_once) loads%force = loads%force + loads%released
+            deallocate (loads%released)
          end if
-         deallocate (loads%released)
+         if (.not. at_once) before = before + released
+         if (at_once .and. any(abs(released) > 0.0_wp)) call move_alloc(released, &
+            & scene%newton%released)
       end associate
    end subroutine add_released_forces
 

@@ -65,6 +65,8 @@ module lopin_newton_workspace
       integer :: attempt = 1                   !! at the increment
       integer :: sized = 0                     !! attempts that were cut before they had failed
       real(wp) :: fit = 1.0_wp                 !! share of a first increment that flows little
+      real(wp), allocatable :: released(:)   !! (ndof) that the step lets go of at once [force]
+      logical :: faded = .false.               !! it was taken away by parts in this increment
       logical :: jumped = .false.              !! it was ended by slow motion
       logical :: cycled = .false.              !! Newton came back to the same sets of contact
       real(wp), allocatable :: history(:)      !! residual by iteration, beside the largest force
