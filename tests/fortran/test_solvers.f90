@@ -4,7 +4,8 @@ program test_solvers
    use lopin_error, only : error_type, error_code
    use lopin_csc, only : csc_type, storage
    use lopin_linear_solver, only : linear_solver_type, matrix_class
-   use lopin_solver_factory, only : choose_solver, new_solver, solver_names
+   use lopin_solver_factory, only : choose_preconditioner, choose_solver, &
+      & new_solver, solver_names
    use lopin_blas_threads, only : set_blas_threads
    use check, only : test, close_to, is_true, finish
    use matrices, only : chain, elastic_block, random_general, random_spd, saddle_point, to_csc, &
@@ -29,6 +30,7 @@ program test_solvers
    call same_bits_on_two_threads()
    call unknown_names()
    call choices()
+   call choices_of_iterations()
    call finish()
 
 contains
@@ -513,4 +515,29 @@ contains
       call choose_solver(a, matrix_class%general, top(:0), name, reason)
       call is_true('unsymmetric: '//reason, name == 'umfpack')
    end subroutine choices
+
+   !> A factor of single precision pays from half the band on that one of double precision needs.
+   subroutine choices_of_iterations()
+      call test('iterations change to single precision at their own break-even')
+      call is_true('small square', preconditioner([28, 28]) == 'skyline skyline')
+      call is_true('square', preconditioner([50, 50]) == 'mixed skyline')
+      call is_true('large square', preconditioner([100, 100]) == 'mixed cholmod')
+      call is_true('strip of any length', preconditioner([400, 4]) == 'skyline skyline')
+      call is_true('small cube', preconditioner([4, 4, 4]) == 'skyline skyline')
+      call is_true('cube', preconditioner([8, 8, 8]) == 'mixed skyline')
+      call is_true('large cube', preconditioner([13, 13, 13]) == 'mixed cholmod')
+   end subroutine choices_of_iterations
+
+   !> What a block gets for iterations, and for one solution.
+   function preconditioner(cells) result(names)
+      integer, intent(in) :: cells(:)
+      character(len=:), allocatable :: names, name, once, reason
+      type(csc_type) :: a
+      integer, allocatable :: top(:)
+
+      call elastic_block(cells, .true., a, top)
+      call choose_preconditioner(a, name, reason)
+      call choose_solver(a, matrix_class%positive_definite, top(:0), once, reason)
+      names = name//' '//once
+   end function preconditioner
 end program test_solvers
