@@ -14,6 +14,7 @@ import csv
 import json
 import re
 import subprocess
+import sys
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -61,9 +62,15 @@ def expectations(deck: Path) -> list[Expectation]:
     return found
 
 
+def asks_to_remesh(deck: Path) -> bool:
+    """Whether a deck needs the command of the Python package, and a mesher."""
+    return "*REMESH" in deck.read_text(encoding="utf-8")
+
+
 def run(deck: Path, executable: Path, folder: Path) -> subprocess.CompletedProcess:
     """Run a deck; results in folder/<name of the deck>."""
-    return subprocess.run([str(executable), "run", str(deck), "-o", str(folder/deck.stem)],
+    command = [sys.executable, "-m", "lopin"] if asks_to_remesh(deck) else [str(executable)]
+    return subprocess.run([*command, "run", str(deck), "-o", str(folder/deck.stem)],
                           capture_output=True, text=True, timeout=300, check=False)
 
 

@@ -40,8 +40,8 @@ def direction(start, end) -> tuple[float, float]:
     return x/hypot(x, y), y/hypot(x, y)
 
 
-def closed_die(cells: int = 24, stroke: float = 5.0, short: float = 0.05) -> str:
-    """A disc with a hub-less web and a flash, forged between two equal dies that stop short of closing."""
+def hot_disc(comment: str, cells: int, stroke: float, stop: float, card: str = "") -> str:
+    """A disc between two equal dies that come together by `stroke`; they stop before, at `stop`."""
     draft = 6.0*tan(20.0*pi/180.0)
     die = [(40.0, 5.0, 0.0), (27.5, 5.0, 0.0), (26.5, 1.0, 0.5), (20.0, 1.0, 1.5),
            (20.0 - draft, 7.0, 2.0), (-1.0, 7.0, 0.0)]
@@ -49,21 +49,7 @@ def closed_die(cells: int = 24, stroke: float = 5.0, short: float = 0.05) -> str
     skin = np.concatenate([billet.surfaces["TOP"], billet.surfaces["RIGHT"]])
     billet = billet.replaced(surfaces={"SKIN": skin})
     mesh = together(BILLET=lean(billet, "SKIN", "LEFT BOTTOM"))
-    return text(mesh, """
-A hot disc forged in a closed die with a flash; the press comes down at 50 mm/s.
-
-The billet is 30 mm across and 24 mm high (one half by symmetry), Norton-Hoff: sqrt(3)^(m+1) K rate^m with
-K = 50 MPa s^m, m = 0.15, E = 150000 MPa, mu = 0.1. It is upset until it meets the wall of the cavity (near
-4 mm), fills it, and flows out into a flash of 2 mm: the force is more than three times that at the wall.
-The press stops 0.05 mm short: there a corner of the mesh at the end of the flash turns inside out.
-No closed form: volume, energies and penetration are what can be held to.
-
-expect: certificate.verdict = PASS
-expect: certificate.energy < 0.01
-expect: history.DIE.rf2 < -471.e3
-expect: history.volume = 8482.3 +- 0.6 %
-expect: history.BILLET.SKIN-DIE.max_penetration < 1e-9
-""", f"""*MATERIAL, NAME=HOT
+    return text(mesh, comment, f"""*MATERIAL, NAME=HOT
 *ELASTIC
 150000., 0.3
 *VISCOPLASTIC, LAW=NORTON-HOFF
@@ -83,9 +69,9 @@ BILLET.LEFT, 1
 BILLET.BOTTOM, 2
 DIE_REF, 1
 DIE_REF, 6
-*STEP, NAME=FORGE, NLGEOM, INC=1000
+{card}*STEP, NAME=FORGE, NLGEOM, INC=1000
 *STATIC
-0.001, {(stroke - short)/50.0:g}, 1.E-6, 0.002
+0.001, {stop/50.0:g}, 1.E-6, 0.002
 *BOUNDARY, TYPE=VELOCITY
 DIE_REF, 2, 2, -50.
 *OUTPUT, FIELD, FREQUENCY=10
@@ -95,6 +81,43 @@ U
 S, PEEQ
 *END STEP
 """, "axisymmetric")
+
+
+def closed_die(cells: int = 24, stroke: float = 5.0, short: float = 0.05) -> str:
+    """A disc with a hub-less web and a flash, forged between two equal dies that stop short of closing."""
+    return hot_disc("""
+A hot disc forged in a closed die with a flash; the press comes down at 50 mm/s.
+
+The billet is 30 mm across and 24 mm high (one half by symmetry), Norton-Hoff: sqrt(3)^(m+1) K rate^m with
+K = 50 MPa s^m, m = 0.15, E = 150000 MPa, mu = 0.1. It is upset until it meets the wall of the cavity (near
+4 mm), fills it, and flows out into a flash of 2 mm: the force is more than three times that at the wall.
+The press stops 0.05 mm short: there a corner of the mesh at the end of the flash turns inside out.
+No closed form: volume, energies and penetration are what can be held to.
+
+expect: certificate.verdict = PASS
+expect: certificate.energy < 0.01
+expect: history.DIE.rf2 < -471.e3
+expect: history.volume = 8482.3 +- 0.6 %
+expect: history.BILLET.SKIN-DIE.max_penetration < 1e-9
+""", cells, stroke, stroke - short)
+
+
+def full_flash(cells: int = 16, stop: float = 5.3) -> str:
+    """The same disc beyond what one mesh can do: it is made anew on the way."""
+    return hot_disc("""
+The hot disc of closed_die pressed on, into a thin flash: its mesh is made anew whenever it is worn.
+
+On one mesh the run ends at 5.0 mm with a corner turned inside out (cells of 0.5 mm). Here the mesh begins with
+cells of 0.9 mm and is made anew five to seven times: two cells across the flash, eight around the
+arcs of the die, the state carried over, volume kept to 1e-14. The force at 4.95 and 5.0 mm is within 2 % of one
+mesh of 0.35 mm, at 5.3 mm other cells of the start give 1468 to 1479 kN. The verdict is WARN: at the first remesh
+the die's arc, which the coarse cells had cut short, is met as it is, and the force changes by 1.1 %. Run by the
+command of the Python package (docs/remeshing.md).
+
+expect: certificate.verdict = WARN
+expect: history.DIE.rf2 = -1473.e3 +- 1 %
+expect: history.BILLET.SKIN-DIE.max_penetration < 1e-9
+""", cells, 5.0, stop, "*REMESH, ELSET=BILLET, SIZE=0.8, SMALLEST=0.15, STRAIN=1.\n")
 
 
 def upset_tetra(cells: tuple[int, int] = (4, 6), share: float = 0.4) -> str:
@@ -150,7 +173,7 @@ S, PEEQ
 """, "3d")
 
 
-SCENES = {f.__name__: f for f in (closed_die, upset_tetra)}
+SCENES = {f.__name__: f for f in (closed_die, full_flash, upset_tetra)}
 
 
 if __name__ == "__main__":

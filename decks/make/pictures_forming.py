@@ -82,6 +82,29 @@ def closed_die() -> None:
     save(fig, "closed_die")
 
 
+def full_flash() -> None:
+    """Three of the meshes on the way into the flash, and the force beside that of one mesh."""
+    result, one = solved("full_flash"), solved("closed_die")
+    fig, axes = figure(9.6, 2.6, 4)
+    stroke = np.asarray(result.times)*50.0
+    for ax, at in zip(axes, (3.5, 4.9, 5.3)):
+        k = int(np.argmin(abs(stroke - at)))
+        drawn = deformed(ax, result, result.at(k)["PEEQ"], scale=1.0, index=k, limits=(0.0, 2.0),
+                         grid=0.15)
+        tools(ax, result, scale=1.0, index=k)
+        ax.set(xlim=(0.0, 30.0), ylim=(0.0, 18.0), xlabel="r [mm]")
+        ax.set_title(f"{stroke[k]:.1f} mm", fontsize=9)
+    axes[0].set_ylabel("z [mm]")
+    coloured(fig, drawn, list(axes[:3]), "plastic strain")
+    axes[3].plot(-result.history["DIE.u2"], -result.history["DIE.rf2"]/1e3, color=DOTS,
+                 label="made anew")
+    axes[3].plot(-one.history["DIE.u2"], -one.history["DIE.rf2"]/1e3, "--", color=EXACT,
+                 label="one mesh")
+    axes[3].set(xlabel="stroke [mm]", ylabel="force [kN]", ylim=(0.0, None), xlim=(3.5, 5.4))
+    axes[3].legend(frameon=False)
+    save(fig, "full_flash")
+
+
 def upset_tetra() -> None:
     """The quarter billet half way and at the end."""
     result = solved("upset_tetra")

@@ -25,7 +25,8 @@ GROUPS = {
     "Far sliding and large strain": ("rotating_rings", "ironing", "crushed_ring",
                                      "folded_strip", "beam_over_corner", "sliding_ball",
                                      "elastica", "rubber_cube", "rubber_tube"),
-    "Bulk forming": ("upsetting", "ring_compression", "wire_drawing", "closed_die", "upset_tetra"),
+    "Bulk forming": ("upsetting", "ring_compression", "wire_drawing", "closed_die", "full_flash",
+                     "upset_tetra"),
     "Sheets": ("cup", "square_cup", "v_bending"),
     "Meshes that do not match": ("patch_test", "two_blocks_mortar"),
 }

@@ -6,6 +6,8 @@ module lopin_job_values
    use lopin_recorder_memory, only : memory_recorder_type
    use lopin_model, only : model_type
    use lopin_point_states, only : states_of_points
+   use lopin_damage_criteria, only : damage_names
+   use lopin_damage, only : damage_kinds, mean_damage
    use lopin_tool, only : foot_type, project_moved
    use lopin_placed_tool, only : placed_tool_type, place_tool
    implicit none
@@ -31,6 +33,8 @@ contains
       select case (name)
       case ('STATE OF POINTS')
          call job_points(running, model, table)
+      case ('STATE OF DAMAGE')
+         call job_damage(running, model, table)
       case ('STATE OF CONTACT')
          call job_tractions(running, model, table)
       case ('STATE OF CLOCK')
@@ -141,6 +145,25 @@ contains
          foot(3 + d:, i) = near%normal(:d)
       end do
    end subroutine job_tool_feet
+
+   !> Damage of each point, in the order of STATE OF POINTS: a row for each name of a criterion,
+   !> then the means.
+   subroutine job_damage(running, model, table)
+      type(running_type), intent(in) :: running
+      type(model_type), intent(in) :: model
+      real(wp), allocatable, intent(inout) :: table(:, :)   !! (8, points)
+      real(wp), allocatable :: mean(:, :)
+      integer, allocatable :: kinds(:)
+
+      associate (scene => running%run%scene, solids => running%run%scene%accepted%solids)
+         if (.not. allocated(solids%damage)) return
+         call mean_damage(scene%solids, model, scene%accepted%motion%u, solids, mean)
+         allocate (kinds, source=damage_kinds(model))
+         allocate (table(2*size(damage_names), size(mean, 2)), source=0.0_wp)
+         table(kinds, :) = solids%damage(1::2, :)
+         table(size(damage_names) + kinds, :) = mean
+      end associate
+   end subroutine job_damage
 
    !> What the integration points of an open run hold, as numbers of any mesh
    !> (lopin_point_states); not allocated if they remember nothing.

@@ -7,6 +7,7 @@ module lopin_build_materials
    use lopin_hyperelastic, only : neo_hooke_law, elastic_constants
    use lopin_block, only : deck_type, block_type, field_type, split_fields, field_real, &
       & complain, line_place, has_parameter
+   use lopin_build_damage, only : read_damage
    use lopin_build_heat, only : read_expansion
    use lopin_build_plastic, only : read_plastic, read_cyclic_hardening, read_rate_dependent, &
       & read_viscoplastic
@@ -47,39 +48,44 @@ contains
                      & //to_text(model%material(i)%at%line), at)
                end do
                model%material = [model%material, material]
-            case ('ELASTIC')
-               if (is_open(open, block, &
-                  & model%log)) call read_elastic(model%material(size(model%material)), block, &
-                  & model%log)
-            case ('HYPERELASTIC')
-               if (is_open(open, block, model%log)) call read_hyperelastic( &
-                  & model%material(size(model%material)), block, model%log)
-            case ('PLASTIC')
-               if (is_open(open, block, &
-                  & model%log)) call read_plastic(model%material(size(model%material)), block, &
-                  & model%log)
-            case ('POTENTIAL')
-               if (is_open(open, block, model%log)) call read_potential( &
-                  & model%material(size(model%material)), block, model%log)
-            case ('CYCLIC HARDENING')
-               if (is_open(open, block, model%log)) call read_cyclic_hardening( &
-                  & model%material(size(model%material)), block, model%log)
-            case ('RATE DEPENDENT')
-               if (is_open(open, block, model%log)) call read_rate_dependent( &
-                  & model%material(size(model%material)), block, model%log)
-            case ('VISCOPLASTIC')
-               if (is_open(open, block, model%log)) call read_viscoplastic( &
-                  & model%material(size(model%material)), block, model%log)
-            case ('EXPANSION')
-               if (is_open(open, block, model%log)) call read_expansion( &
-                  & model%material(size(model%material)), block, model%log)
-            case ('DENSITY')
-               if (is_open(open, block, model%log)) call read_density( &
+            case ('ELASTIC', 'HYPERELASTIC', 'PLASTIC', 'POTENTIAL', 'CYCLIC HARDENING', &
+               & 'RATE DEPENDENT', 'VISCOPLASTIC', 'DAMAGE', 'EXPANSION', 'DENSITY')
+               if (is_open(open, block, model%log)) call read_property( &
                   & model%material(size(model%material)), block, model%log)
             end select
          end associate
       end do
    end subroutine build_materials
+
+   !> A card that belongs to the material above it.
+   subroutine read_property(material, block, log)
+      type(material_type), intent(inout) :: material
+      type(block_type), intent(in) :: block
+      type(log_type), intent(inout) :: log
+
+      select case (block%keyword)
+      case ('ELASTIC')
+         call read_elastic(material, block, log)
+      case ('HYPERELASTIC')
+         call read_hyperelastic(material, block, log)
+      case ('PLASTIC')
+         call read_plastic(material, block, log)
+      case ('POTENTIAL')
+         call read_potential(material, block, log)
+      case ('CYCLIC HARDENING')
+         call read_cyclic_hardening(material, block, log)
+      case ('RATE DEPENDENT')
+         call read_rate_dependent(material, block, log)
+      case ('VISCOPLASTIC')
+         call read_viscoplastic(material, block, log)
+      case ('DAMAGE')
+         call read_damage(material, block, log)
+      case ('EXPANSION')
+         call read_expansion(material, block, log)
+      case ('DENSITY')
+         call read_density(material, block, log)
+      end select
+   end subroutine read_property
 
    subroutine read_density(material, block, log)
       type(material_type), intent(inout) :: material

@@ -139,7 +139,8 @@ contains
       case ('NODE PRINT', 'NODE FILE', 'NODE OUTPUT')
          words = [character(len=8) :: 'U', 'RF']
       case ('EL PRINT', 'EL FILE', 'ELEMENT OUTPUT')
-         words = [character(len=8) :: 'S', 'E', 'PEEQ', 'MISES', 'ELSE', 'EVOL']
+         words = [character(len=8) :: 'S', 'E', 'PEEQ', 'MISES', 'DAMAGE', 'ELSE', &
+            & 'EVOL']
       case default
          words = [character(len=8) :: 'CDIS', 'COPEN', 'CDISP', 'CSTR', 'CPRESS', 'CSTRESS', &
             & 'CNUM', 'CF', 'CFORCE', 'CFN', 'CFS', 'CNORMF', 'CSTATUS']

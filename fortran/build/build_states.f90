@@ -86,7 +86,7 @@ contains
       type(field_type), intent(in) :: field(:)
       integer, intent(in) :: n
       type(initial_state_type), intent(inout) :: new
-      real(wp) :: value(11)
+      real(wp) :: value(15)
       logical :: found
       integer :: k
 
@@ -97,7 +97,7 @@ contains
       end if
       call field_integer(field(2), new%point, model%log, found)
       value = 0.0_wp
-      do k = 3, min(n, 13)
+      do k = 3, min(n, 17)
          if (len_trim(field(k)%text) > 0) call field_real(field(k), value(k - 2), model%log, found)
       end do
       new%strain = value(:6)
@@ -106,6 +106,7 @@ contains
       new%plastic = value(9)
       new%flow_stress = value(10)
       new%work = value(11)
+      new%damage = value(12:)
    end subroutine read_point
 
    !> Cards of TYPE=TRACTION, once the contact pairs are known.

@@ -70,6 +70,9 @@ contains
          & 'a rigid solid with a yield surface of its own comes with a later version: material '// &
          & '`'// &
          & material%name//'`', material%viscous_at, help='leave out RIGID, and give *ELASTIC')
+      if (allocated(material%damage) .and. .not. flows(material%flow)) call complain(model%log, &
+         & 'E0203', '*DAMAGE counts plastic strain, which material `'//material%name//'` has '// &
+         & 'none of', material%at, help='add *PLASTIC')
       if (material%has_neo_hooke .and. flows(material%flow)) call complain(model%log, 'E0205', &
          & 'material `'//material%name//'` has *HYPERELASTIC, which does not flow', material%at, &
          & help='metals have *ELASTIC')

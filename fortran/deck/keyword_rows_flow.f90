@@ -14,6 +14,7 @@ contains
 
       call add_plastic(table)
       call add_viscous(table)
+      call add_damage(table)
       call add_heat(table)
       call add_remeshing(table)
    end subroutine add_flow_rows
@@ -120,6 +121,27 @@ contains
       call about(table, 'G')
    end subroutine add_viscous
 
+   subroutine add_damage(table)
+      type(keyword_table_type), intent(inout) :: table
+
+      call key(table, 'DAMAGE', 'M', 'lopin', 'A criterion of ductile damage, the integral '// &
+         & 'of f over plastic strain; it is counted and nothing depends on it. With s1 the '// &
+         & 'largest principal, sm the mean, q von Mises'' stress: COCKCROFT-LATHAM <s1>/q; '// &
+         & 'OYANE <1 + A sm/q>; RICE-TRACEY exp(c sm/q); LEMAITRE 2/3 (1 + nu) + 3 (1 - 2 nu) '// &
+         & '(sm/q)^2, none where sm/q <= -1/3. One card a criterion.')
+      call under(table, 'MATERIAL')
+      call choice(table, 'CRITERION', 'COCKCROFT-LATHAM,OYANE,RICE-TRACEY,LEMAITRE', '', &
+         & 'Which one.')
+      call required(table)
+      call number(table, 'WIDTH', '0', 'Length over which means are taken, in the present '// &
+         & 'shape [length]: values at points grow as cells shrink, means do not.')
+      call number(table, 'CRITICAL', '', 'Mean at which metal separates, under *REMESH; no '// &
+         & 'value is built in.')
+      call data_line(table, 'A [-]', 'OYANE: its A; RICE-TRACEY: its c, 1.5 without the line.')
+      call example(table, '*MATERIAL, NAME=SHEET|*ELASTIC|210000., 0.3|*PLASTIC|180., 0.|320., '// &
+         & '0.2|*DAMAGE, CRITERION=OYANE, WIDTH=0.05|3.9')
+   end subroutine add_damage
+
    subroutine add_heat(table)
       type(keyword_table_type), intent(inout) :: table
 
@@ -152,10 +174,11 @@ contains
          & 'STRESS, of one point as CalculiX counts them: eight numbers.')
       call data_line(table, 'element or set, PEEQ [-]', 'HARDENING: as many lines as needed.')
       call data_line(table, 'element or set, point, E11, E22, E33, E12, E13, E23, ln J [-], '// &
-         & 'ln V/V0 = 0, PEEQ = 0, flow stress = 0 [stress], plastic work = 0 [stress]', &
+         & 'ln V/V0 = 0, PEEQ = 0, flow stress = 0 [stress], plastic work = 0 [stress], '// &
+         & 'damage 1 = 0, damage 2 = 0, damage 3 = 0, damage 4 = 0', &
          & 'STATE: point 0 is every one; E the deviator of the elastic logarithmic strain '// &
          & '(tensor components), J its volume ratio, V0 the volume that energies count by; '// &
-         & 'flow stress 0: by the curve.')
+         & 'flow stress 0: by the curve; damage in the order of the criteria of *DAMAGE.')
       call data_line(table, 'slave surface, master surface, node or set, T1 [stress], T2, '// &
          & 'T3 = 0, slip 1 = 0 [length], slip 2 = 0, slip 3 = 0', 'TRACTION: on the slave; '// &
          & 'the slip is that of laws which are regularised by it, from where it holds no shear.')

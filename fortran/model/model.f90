@@ -12,6 +12,7 @@ module lopin_model
    use lopin_enforcement, only : enforcement_type
    use lopin_friction, only : friction_type
    use lopin_flow_curve, only : flow_type
+   use lopin_damage_criteria, only : damage_type, damage_names
    use lopin_plastic_return, only : plastic_type
    use lopin_settings, only : settings_type
    use lopin_start, only : start_type
@@ -80,6 +81,7 @@ module lopin_model
       logical :: starts_elastic = .false. !! Hollomon without a yield stress: *ELASTIC gives it
       logical :: has_expansion = .false.
       real(wp) :: expansion = 0.0_wp  !! thermal strain per degree, *EXPANSION [1/temperature]
+      type(damage_type), allocatable :: damage(:)   !! of *DAMAGE
    end type material_type
 
    type :: section_type
@@ -238,6 +240,7 @@ module lopin_model
       real(wp) :: plastic = 0.0_wp                      !! accumulated strain [-]
       real(wp) :: flow_stress = 0.0_wp   !! of the last flow; 0: by the curve [stress]
       real(wp) :: work = 0.0_wp                         !! plastic, by that volume [stress]
+      real(wp) :: damage(size(damage_names)) = 0.0_wp   !! by criterion [-]
    end type initial_state_type
 
    !> *INITIAL CONDITIONS, TYPE=TRACTION: what a slave node bears.

@@ -7,10 +7,20 @@ module lopin_report
    implicit none
    private
    public :: lost_work, lost_share, note_most
-   public :: contact_field_type, certificate_type, frame_type, energy_type, summary_type, &
+   public :: contact_field_type, damage_field_type, certificate_type, &
+      & frame_type, energy_type, summary_type, &
       & verdict_words, keep_certificate, keep_energy
 
    character(len=*), parameter :: verdict_words(0:2) = [character(len=4) :: 'PASS', 'WARN', 'FAIL']
+
+   !> Results of one criterion of damage.
+   type :: damage_field_type
+      character(len=:), allocatable :: name
+      logical :: averaged = .false.          !! some material has a WIDTH
+      real(wp), allocatable :: value(:, :)   !! (2, npoint) damage, its mean over the width [-]
+      real(wp), allocatable :: nodal(:, :)   !! (2, nnode) if stresses are wanted there [-]
+      real(wp) :: most = 0.0_wp              !! largest mean [-]
+   end type damage_field_type
 
    !> Results of one pair, an entry per slave point. Forces are on the full circumference if
    !> axisymmetric.
@@ -102,6 +112,7 @@ module lopin_report
       real(wp), allocatable :: nodal_stress(:, :) !! (6, nnode) extrapolated and averaged
       !> (1, npoint) and (1, nnode) accumulated plastic strain, if some material flows
       real(wp), allocatable :: plastic_strain(:, :), nodal_plastic(:, :)
+      type(damage_field_type), allocatable :: damage(:)    !! by criterion, if a material has one
       type(contact_field_type), allocatable :: contact(:)  !! by pair
       type(certificate_type) :: certificate
       type(energy_type) :: energy

@@ -49,6 +49,7 @@ module lopin_state
       real(wp) :: unsure = 0.0_wp              !! how far it is known [force length]
       real(wp), allocatable :: heated(:, :)    !! (2, ncolumn) mean stress and offset
       real(wp), allocatable :: place(:)        !! (ncolumn) volume of the start [length^3]
+      real(wp), allocatable :: damage(:, :)    !! (2 a criterion, ncolumn) lopin_damage
    contains
       procedure :: pass => pass_solids
    end type solids_state_type
@@ -257,6 +258,7 @@ contains
       call stream%pass(self%unsure)
       call stream%pass(self%heated)
       call stream%pass(self%place)
+      call stream%pass(self%damage)
    end subroutine pass_solids
 
    subroutine pass_contact(self, stream)

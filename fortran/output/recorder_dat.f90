@@ -138,6 +138,7 @@ contains
       type(frame_type), intent(in) :: frame
       integer, allocatable :: item(:)
       character(len=:), allocatable :: set
+      integer :: k
 
       call members(model%mesh%elset, output%set, model%mesh%element_label, 'EALL', item, set)
       if (has_variable(output%variable, ['S       '])) then
@@ -152,6 +153,12 @@ contains
       if (has_variable(output%variable, ['PEEQ    '])) call put_points(text, &
          & 'equivalent plastic strain (elem, integ.pnt.,pe)', set, item, 1.0_wp, &
          & frame%plastic_strain)
+      if (has_variable(output%variable, ['DAMAGE  ']) .and. allocated(frame%damage)) then
+         do k = 1, size(frame%damage)
+            call put_points(text, 'damage '//frame%damage(k)%name//' and its mean (elem, '// &
+               & 'integ.pnt.,d,mean)', set, item, 1.0_wp, frame%damage(k)%value)
+         end do
+      end if
       if (has_variable(output%variable, ['ELSE    ', 'EVOL    '])) call put_measures(text, points, &
          & model, output, frame)
 
@@ -162,7 +169,7 @@ contains
          character(len=*), intent(in) :: title, set
          integer, intent(in) :: item(:)
          real(wp), intent(in) :: shear                      !! factor on the shears
-         real(wp), allocatable, intent(in) :: values(:, :)  !! (6 or 1, npoint)
+         real(wp), allocatable, intent(in) :: values(:, :)  !! (6, 2 or 1, npoint)
          integer :: i, k, j, e
 
          if (.not. allocated(values)) return

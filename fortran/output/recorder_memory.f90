@@ -8,7 +8,7 @@ module lopin_recorder_memory
    use lopin_element_type, only : element_type, new_element_type
    use lopin_error, only : error_type
    use lopin_model, only : model_type
-   use lopin_report, only : frame_type, summary_type, contact_field_type
+   use lopin_report, only : frame_type, summary_type, contact_field_type, damage_field_type
    use lopin_recorder, only : recorder_type, wants_type
    use lopin_recorder_json, only : json_recorder_type, new_json_recorder
    use lopin_recorder_table, only : column_type, history_columns, history_row, pair_name
@@ -24,6 +24,7 @@ module lopin_recorder_memory
    type :: kept_type
       real(wp) :: time = 0.0_wp
       real(wp), allocatable :: u(:, :), rf(:, :), stress(:, :), plastic(:, :), row(:)
+      type(damage_field_type), allocatable :: damage(:)
       type(contact_field_type), allocatable :: contact(:)
    end type kept_type
 
@@ -125,6 +126,7 @@ contains
          if (self%keep_stress .and. allocated(frame%nodal_stress)) kept%stress = frame%nodal_stress
          if (self%keep_stress .and. allocated(frame%nodal_plastic)) &
             & kept%plastic = frame%nodal_plastic
+         if (self%keep_stress .and. allocated(frame%damage)) kept%damage = frame%damage
          if (allocated(frame%contact)) kept%contact = frame%contact
       end associate
       call history_row(model, frame, self%kept(self%nframe)%row)
@@ -162,6 +164,13 @@ contains
       text = 'TIME'//nl//'U'//nl//'RF'//nl//'LABEL'//nl//'MESH.points'
       if (allocated(self%kept(1)%stress)) text = text//nl//'S'//nl//'Mises'
       if (allocated(self%kept(1)%plastic)) text = text//nl//'PEEQ'
+      if (allocated(self%kept(1)%damage)) then
+         do i = 1, size(self%kept(1)%damage)
+            text = text//nl//'DAMAGE_'//self%kept(1)%damage(i)%name
+            if (self%kept(1)%damage(i)%averaged) text = text//nl//'DAMAGE_' &
+               & //self%kept(1)%damage(i)%name//'_MEAN'
+         end do
+      end if
       do i = 1, ncell
          if (size(self%cells(i)%node) > 0) text = text//nl//'MESH.'//trim(cell_names(i))
       end do
@@ -216,11 +225,28 @@ contains
          case ('PEEQ')
             if (allocated(kept%plastic)) values = kept%plastic
          case default
+            if (starts(name, 'DAMAGE_') .and. allocated(kept%damage)) &
+               & call get_damage(kept%damage, name(8:), values)
+            if (allocated(values)) return
             call find_pair(self, name, pair, word)
             if (pair > 0) call contact_real(self, kept%contact(pair), word, values)
          end select
       end associate
    end subroutine get_real
+
+   !> Damage at the nodes by the name of its criterion, or its mean.
+   subroutine get_damage(damage, name, values)
+      type(damage_field_type), intent(in) :: damage(:)
+      character(len=*), intent(in) :: name
+      real(wp), allocatable, intent(out) :: values(:, :)
+      integer :: k
+
+      do k = 1, size(damage)
+         if (.not. allocated(damage(k)%nodal)) cycle
+         if (name == damage(k)%name) values = damage(k)%nodal(:1, :)
+         if (name == damage(k)%name//'_MEAN') values = damage(k)%nodal(2:, :)
+      end do
+   end subroutine get_damage
 
    subroutine get_column(self, name, values)
       class(memory_recorder_type), intent(in) :: self
@@ -351,6 +377,7 @@ contains
          call move_alloc(kept(i)%stress, larger(i)%stress)
          call move_alloc(kept(i)%plastic, larger(i)%plastic)
          call move_alloc(kept(i)%row, larger(i)%row)
+         call move_alloc(kept(i)%damage, larger(i)%damage)
          call move_alloc(kept(i)%contact, larger(i)%contact)
       end do
       call move_alloc(larger, kept)

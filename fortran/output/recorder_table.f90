@@ -3,6 +3,8 @@
 module lopin_recorder_table
    use lopin_kinds, only : wp
    use lopin_model, only : model_type, rigid_body_type, is_heated
+   use lopin_damage_criteria, only : damage_names
+   use lopin_damage, only : damage_kinds
    use lopin_report, only : frame_type, contact_field_type
    use lopin_flow_curve, only : flows
    implicit none
@@ -142,55 +144,70 @@ contains
       character(len=1) :: digit
 
       allocate (column(0))
-      call add('step', '-')
-      call add('increment', '-')
-      call add('time', 'time')
-      call add('iterations', '-')
-      call add('augmentations', '-')
+      call add(column, 'step', '-')
+      call add(column, 'increment', '-')
+      call add(column, 'time', 'time')
+      call add(column, 'iterations', '-')
+      call add(column, 'augmentations', '-')
       n = model%mesh%ndim
       do i = 1, size(model%rigid_body)
          name = model%rigid_body(i)%name
          do k = 1, 3*(n - 1)
             digit = achar(iachar('0') + physical_dof(n, k))
-            call add(name//'.u'//digit, merge('length', 'rad   ', k <= n))
+            call add(column, name//'.u'//digit, merge('length', 'rad   ', k <= n))
          end do
          do k = 1, 3*(n - 1)
             digit = achar(iachar('0') + physical_dof(n, k))
-            call add(name//'.rf'//digit, merge('force       ', 'force*length', k <= n))
+            call add(column, name//'.rf'//digit, merge('force       ', 'force*length', k <= n))
          end do
       end do
       do i = 1, size(model%pair)
          name = pair_name(model, i)
          do k = 1, n
-            call add(name//'.force'//achar(iachar('0') + k), 'force')
+            call add(column, name//'.force'//achar(iachar('0') + k), 'force')
          end do
-         call add(name//'.area', 'length^2')
-         call add(name//'.max_pressure', 'stress')
-         call add(name//'.max_penetration', 'length')
-         call add(name//'.closed', '-')
+         call add(column, name//'.area', 'length^2')
+         call add(column, name//'.max_pressure', 'stress')
+         call add(column, name//'.max_penetration', 'length')
+         call add(column, name//'.closed', '-')
       end do
-      call add('energy.strain', 'force*length')
-      call add('energy.external', 'force*length')
-      call add('energy.contact', 'force*length')
-      call add('energy.friction', 'force*length')
-      call add('energy.friction_mean', 'force*length')
-      if (model_flows(model)) then
-         call add('energy.plastic', 'force*length')
-         call add('volume', 'length^3')
-      end if
-      if (is_heated(model)) call add('energy.thermal', 'force*length')
-      call add('energy.artificial', 'force*length')
-      call add('certificate', '0=PASS 1=WARN 2=FAIL')
-   contains
-      subroutine add(what, unit)
-         character(len=*), intent(in) :: what, unit
-         type(column_type) :: one
-
-         one%name = what
-         one%dimension = trim(unit)
-         column = [column, one]
-      end subroutine add
+      call add_sums(model, column)
    end subroutine history_columns
+
+   !> Energies and what else is of the whole model.
+   subroutine add_sums(model, column)
+      type(model_type), intent(in) :: model
+      type(column_type), allocatable, intent(inout) :: column(:)
+      integer, allocatable :: kinds(:)
+      integer :: i
+
+      allocate (kinds, source=damage_kinds(model))
+      call add(column, 'energy.strain', 'force*length')
+      call add(column, 'energy.external', 'force*length')
+      call add(column, 'energy.contact', 'force*length')
+      call add(column, 'energy.friction', 'force*length')
+      call add(column, 'energy.friction_mean', 'force*length')
+      if (model_flows(model)) then
+         call add(column, 'energy.plastic', 'force*length')
+         call add(column, 'volume', 'length^3')
+      end if
+      do i = 1, size(kinds)
+         call add(column, 'damage.'//trim(damage_names(kinds(i))), '-')
+      end do
+      if (is_heated(model)) call add(column, 'energy.thermal', 'force*length')
+      call add(column, 'energy.artificial', 'force*length')
+      call add(column, 'certificate', '0=PASS 1=WARN 2=FAIL')
+   end subroutine add_sums
+
+   subroutine add(column, what, unit)
+      type(column_type), allocatable, intent(inout) :: column(:)
+      character(len=*), intent(in) :: what, unit
+      type(column_type) :: one
+
+      one%name = what
+      one%dimension = trim(unit)
+      column = [column, one]
+   end subroutine add
 
    !> Some material is plastic or viscous.
    pure logical function model_flows(model)
@@ -225,6 +242,11 @@ contains
       row = [row, frame%energy%strain, frame%energy%external, frame%energy%contact, &
          & frame%energy%friction, frame%energy%friction_mean]
       if (model_flows(model)) row = [row, frame%energy%plastic, frame%energy%volume]
+      if (allocated(frame%damage)) then
+         row = [row, frame%damage%most]
+      else
+         row = [row, [(0.0_wp, i=1, size(damage_kinds(model)))]]
+      end if
       if (is_heated(model)) row = [row, frame%energy%thermal]
       row = [row, frame%energy%artificial, real(frame%certificate%verdict, wp)]
    end subroutine history_row

@@ -7,7 +7,7 @@ module lopin_vtu_parts
    use lopin_element_type, only : cells_of_words
    use lopin_rigid_motion, only : rigid_motion_type, new_rigid_motion
    use lopin_model, only : model_type, surface_of
-   use lopin_report, only : frame_type, contact_field_type
+   use lopin_report, only : frame_type, damage_field_type, contact_field_type
    use lopin_vtu_writer, only : vtu_writer_type, vtu_cells_type, three_components
    use lopin_von_mises, only : von_mises
    implicit none
@@ -135,6 +135,7 @@ contains
          call writer%reals('Mises', mises(frame%nodal_stress))
       end if
       if (allocated(frame%nodal_plastic)) call writer%reals('PEEQ', frame%nodal_plastic)
+      if (allocated(frame%damage)) call write_damage(writer, frame%damage)
       call writer%integers('LABEL', model%mesh%node_label)
       call writer%end_section()
       call writer%section('CellData')
@@ -143,6 +144,20 @@ contains
       call writer%points(model%mesh%x)
       call writer%cells(cells)
    end subroutine write_solid
+
+   !> Damage by criterion, and its mean where there is one.
+   subroutine write_damage(writer, damage)
+      type(vtu_writer_type), intent(inout) :: writer
+      type(damage_field_type), intent(in) :: damage(:)
+      integer :: k
+
+      do k = 1, size(damage)
+         if (.not. allocated(damage(k)%nodal)) cycle
+         call writer%reals('DAMAGE_'//damage(k)%name, damage(k)%nodal(:1, :))
+         if (damage(k)%averaged) call writer%reals('DAMAGE_'//damage(k)%name//'_MEAN', &
+            & damage(k)%nodal(2:, :))
+      end do
+   end subroutine write_damage
 
    !> Contact results on the slave surface. A node that has no master opposite has no gap: nan.
    subroutine write_surface(writer, model, part, frame, field)

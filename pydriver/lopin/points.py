@@ -35,6 +35,8 @@ class Points:
     plastic : accumulated plastic strain (point,)
     flow_stress : of the last flow (point,) [stress]
     work : plastic work per volume of the law (point,) [stress]
+    damage : by criterion, in the order of ``*DAMAGE``; 0 where none is counted (point, 4)
+    damage_mean : the same over the width of each criterion (point, 4)
     """
 
     element: NDArray
@@ -47,6 +49,8 @@ class Points:
     plastic: NDArray
     flow_stress: NDArray
     work: NDArray
+    damage: NDArray
+    damage_mean: NDArray
 
     @classmethod
     def of(cls, session: _bridge.Session) -> Points | None:
@@ -54,13 +58,18 @@ class Points:
         table = _table(session, "STATE OF POINTS")
         if table is None:
             return None
+        damage = _table(session, "STATE OF DAMAGE")
+        if damage is None:
+            damage = np.zeros((len(table), 8))
         return cls(table[:, 0].astype(int), table[:, 1].astype(int), table[:, 2:5], table[:, 5],
-                   table[:, 6:12], *table[:, 12:17].T)
+                   table[:, 6:12], *table[:, 12:17].T, damage[:, :4], damage[:, 4:])
 
     def lines(self) -> str:
         """Data lines of ``*INITIAL CONDITIONS, TYPE=STATE``, to the last bit."""
         numbers = np.column_stack([self.strain, self.dilatation, self.ratio, self.plastic,
                                    self.flow_stress, self.work])
+        if self.damage.any():
+            numbers = np.column_stack([numbers, self.damage])
         return "".join(f"{e}, {k}, {', '.join(map(repr, row))}\n" for e, k, row in
                        zip(self.element.tolist(), self.number.tolist(), numbers.tolist()))
 

@@ -5,6 +5,7 @@ import subprocess
 import sys
 import time
 
+import meshio
 import numpy as np
 import pytest
 from test_point_states import NORTON, PLASTIC, deck, grid
@@ -69,6 +70,21 @@ def history(folder, name):
 
 def run(scene, folder, **options):
     return Runner(scene, folder, say=lambda line: None, **options).run()
+
+
+@pytest.mark.parametrize("word", ["CAX4", "C3D4"])
+def test_damage_goes_along(word, core, tmp_path):
+    """Uniform states: D is f times the plastic strain over any number of meshes."""
+    law = PLASTIC + "\n*DAMAGE, CRITERION=RICE-TRACEY\n*DAMAGE, CRITERION=LEMAITRE, WIDTH=1."
+    if word == "C3D4":
+        pytest.importorskip("mmgpy")
+    scene = block(word, law=law, travel=-1.0)
+    assert len(run(scene, tmp_path).remeshes) >= 2
+    found = history(tmp_path, scene.name)
+    solids = sorted(tmp_path.glob("block.p[0-9][0-9][0-9]_[0-9]*.vtu"))
+    strain = meshio.read(solids[-1]).point_data["PEEQ"]
+    assert found["damage.RICE-TRACEY"][-1] == pytest.approx(np.exp(-0.5)*np.max(strain), rel=2e-3)
+    assert found["damage.LEMAITRE"][-1] == 0.0
 
 
 @pytest.mark.parametrize("word", PLANE)

@@ -7,6 +7,7 @@ module lopin_nonlinear_start
    use lopin_friction, only : has_friction
    use lopin_nonlinear_points, only : is_self_contact
    use lopin_nonlinear_contact, only : new_nonlinear_contact, cover_size
+   use lopin_damage, only : new_damage
    use lopin_solid_memory, only : new_solid_memory
    use lopin_heat, only : start_stresses
    use lopin_heat_work, only : start_heat_work
@@ -57,6 +58,7 @@ contains
       if (allocated(model%initial_state)) scaled = any(model%initial_state%whole)
       associate (accepted => scene%accepted, contact => scene%newton%contact)
          call new_solid_memory(accepted%solids, scene%solids, model%mesh, scaled)
+         call new_damage(accepted%solids, model)
          call new_contact_state(accepted%contact, contact%nmultiplier, cover_size(contact), &
             & contact%touches)
          if (allocated(model%initial_traction)) call start_tractions(scene, model)

@@ -3,7 +3,7 @@ module lopin_frames
    use lopin_kinds, only : wp
    use lopin_constraints, only : axes_at
    use lopin_model, only : model_type
-   use lopin_report, only : frame_type
+   use lopin_report, only : frame_type, damage_field_type
    use lopin_recover_stress, only : recover_stress, average_to_nodes
    use lopin_assemble_nonlinear, only : recover_nonlinear
    use lopin_recorder, only : wants_type
@@ -14,6 +14,8 @@ module lopin_frames
    use lopin_row_samples, only : has_samples
    use lopin_methods, only : has_law
    use lopin_solid_memory, only : at_all_points
+   use lopin_damage_criteria, only : damage_names
+   use lopin_damage, only : damage_kinds, is_averaged, mean_damage
    use lopin_material_memory, only : strain_at
    use lopin_newton_workspace, only : is_nonlinear
    use lopin_nonlinear_results, only : nonlinear_contact_fields
@@ -67,11 +69,50 @@ contains
       nstress = merge(6, 4, model%mesh%ndim == 3)
       frame%plastic_strain = reshape(at_all_points(scene%trial%solids, scene%solids, &
          & strain_at(nstress)), [1, frame%first_point(size(frame%first_point)) - 1])
+      if (allocated(scene%trial%solids%damage)) call damage_values(frame%damage, scene, &
+         & model, wants)
       if (.not. wants%nodal_stress) return
       if (.not. allocated(frame%nodal_plastic)) allocate (frame%nodal_plastic(1, model%mesh%nnode))
       call average_to_nodes(scene%solids, model%mesh, frame%plastic_strain, frame%nodal_plastic)
       frame%nodal_plastic = max(frame%nodal_plastic, 0.0_wp)
    end subroutine plastic_values
+
+   !> Damage at the points and, if stresses are wanted there, at the nodes.
+   subroutine damage_values(field, scene, model, wants)
+      type(damage_field_type), allocatable, intent(inout) :: field(:)
+      type(scene_type), intent(in) :: scene
+      type(model_type), intent(in) :: model
+      type(wants_type), intent(in) :: wants
+      real(wp), allocatable :: mean(:, :)
+      integer, allocatable :: kinds(:)
+      integer :: k, e, n, p
+
+      allocate (kinds, source=damage_kinds(model))
+      if (.not. allocated(field)) allocate (field(size(kinds)))
+      associate (solids => scene%solids, memory => scene%trial%solids)
+         call mean_damage(solids, model, scene%trial%motion%u, memory, mean)
+         do k = 1, size(kinds)
+            field(k)%name = trim(damage_names(kinds(k)))
+            field(k)%averaged = is_averaged(model, kinds(k))
+            field(k)%most = maxval([0.0_wp, mean(k, :)])
+            if (.not. allocated(field(k)%value)) &
+               & allocate (field(k)%value(2, solids%first_point(model%mesh%nelement + 1) - 1))
+            field(k)%value = 0.0_wp
+            do e = 1, model%mesh%nelement
+               n = memory%first(e + 1) - memory%first(e)
+               p = solids%first_point(e)
+               if (n == 0) cycle
+               field(k)%value(1, p:p + n - 1) = memory%damage(2*k - 1, &
+                  & memory%first(e):memory%first(e) + n - 1)
+               field(k)%value(2, p:p + n - 1) = mean(k, memory%first(e):memory%first(e) + n - 1)
+            end do
+            if (.not. wants%nodal_stress) cycle
+            if (.not. allocated(field(k)%nodal)) allocate (field(k)%nodal(2, model%mesh%nnode))
+            call average_to_nodes(solids, model%mesh, field(k)%value, field(k)%nodal)
+            field(k)%nodal = max(field(k)%nodal, 0.0_wp)
+         end do
+      end associate
+   end subroutine damage_values
 
    subroutine nodal_values(frame, scene, model, reaction)
       type(frame_type), intent(inout) :: frame

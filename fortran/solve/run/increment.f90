@@ -79,7 +79,7 @@ contains
          frame%certificate%flows = scene%newton%flows
          if (scene%newton%flows) frame%certificate%energy = abs(lost_share(frame%energy))
          call measure_drift(watch%drift, scene, model, forces%load, forces%pressed)
-         call leave_trial(scene, frame)
+         call leave_trial(scene, model, frame)
          call record_increment(watch%seen, scene, model)
          if (scene%newton%nlgeom) call check_mesh(scene, model, frame%increment)
          call record(scene, model, forces%reaction, recorders, frame, error)

@@ -9,6 +9,7 @@ module lopin_leave_increment
    use lopin_certificate, only : forces_type, give_verdict
    use lopin_contact_history, only : leave_history
    use lopin_predictor, only : record_motion, closed_pairs
+   use lopin_damage, only : grow_damage
    use lopin_artificial_work, only : measure_artificial_work
    use lopin_work_balance, only : balance_type, mend_work, note_work, note_energy
    use lopin_snap_through, only : record_snap_through
@@ -68,8 +69,9 @@ contains
    end subroutine check_solids
 
    !> What the increment leaves to the next: motion, tractions and histories of contact.
-   subroutine leave_trial(scene, frame)
+   subroutine leave_trial(scene, model, frame)
       type(scene_type), intent(inout) :: scene
+      type(model_type), intent(in) :: model
       type(frame_type), intent(in) :: frame
       integer :: row
 
@@ -80,6 +82,8 @@ contains
          call leave_solver(scene)
          if (newton%in_use) then
             if (newton%flows) then
+               call grow_damage(scene%solids, model, trial%motion%u, newton%past, &
+                  & accepted%solids, trial%solids)
                if (allocated(newton%contact%pair_active)) trial%contact%held = closed_pairs(newton)
                call record_motion(trial%motion, trial%motion%u - accepted%motion%u, newton%dt, &
                   & newton%separated)

@@ -19,6 +19,7 @@ from .spatial import remesh_space
 from .state import Snapshot
 from .tools import Tools
 from .transfer import (
+    DAMAGE,
     DILATATION,
     FLOW,
     PLASTIC,
@@ -114,6 +115,8 @@ def state_block(parts: DeckParts, body: Body, mesh: NewMesh, states) -> Block:
         for label, points in zip(own, values):
             for k, v in enumerate(points):
                 numbers = [*v[STRAIN], v[DILATATION], v[RATIO], v[PLASTIC], v[FLOW], v[WORK]]
+                if v[DAMAGE].any():
+                    numbers += [*v[DAMAGE]]
                 point = k + 1 if len(points) > 1 else 0   # all
                 rows.append([int(label), point, *map(float, numbers)])
     return Block("INITIAL CONDITIONS", {"TYPE": "STATE"}, rows)

@@ -19,8 +19,9 @@ from ..points import Points
 #: Samples to a side of what belongs to a point: of a triangle, of a quarter of a quad, and of the
 #: cube that is folded to a tetrahedron.
 TRIANGLE, QUARTER, TETRA = 6, 4, 3
-#: Columns of a table of fields: strain (6), ln J, ln V/V0, plastic strain, flow stress, work.
-STRAIN, DILATATION, RATIO, PLASTIC, FLOW, WORK = slice(0, 6), 6, 7, 8, 9, 10
+#: Columns of a table of fields: strain (6), ln J, ln V/V0, plastic strain, flow stress, work,
+#: damage (4).
+STRAIN, DILATATION, RATIO, PLASTIC, FLOW, WORK, DAMAGE = slice(0, 6), 6, 7, 8, 9, 10, slice(11, 15)
 
 
 @dataclass
@@ -51,7 +52,7 @@ class CellFields:
 def fields_of(points: Points) -> NDArray:
     """A row a point of the columns above."""
     return np.column_stack([points.strain, points.dilatation, points.ratio, points.plastic,
-                            points.flow_stress, points.work])
+                            points.flow_stress, points.work, points.damage])
 
 
 def cell_fields(x: NDArray, cells: list[NDArray], values: NDArray, owner: NDArray,
