@@ -105,6 +105,24 @@ def full_flash() -> None:
     save(fig, "full_flash")
 
 
+def blanking() -> None:
+    """The metal between the edges, how near it is to fracture, and the force of the punch."""
+    result = solved("blanking")
+    fig, (left, middle, ax) = figure(9.6, 3.2, 3)
+    for at, values, label in ((left, result["PEEQ"], "plastic strain [-]"),
+                              (middle, result["DAMAGE_OYANE_MEAN"], "damage, Oyane, mean [-]")):
+        drawn = deformed(at, result, values, scale=1.0, grid=0.15)
+        tools(at, result, scale=1.0)
+        at.set(xlim=(4.4, 5.6), ylim=(-0.3, 1.2), xlabel="r [mm]")
+        coloured(fig, drawn, at, label)
+    left.set_ylabel("z [mm]")
+    ax.plot(-result.history["PUNCH.u2"], -result.history["PUNCH.rf2"]/1e3, color=DOTS, label="Lopin")
+    ax.axhline(16.0, color=EXACT, label="slab")
+    ax.set(xlabel="stroke [mm]", ylabel="force [kN]", ylim=(0.0, None))
+    ax.legend(frameon=False)
+    save(fig, "blanking")
+
+
 def upset_tetra() -> None:
     """The quarter billet half way and at the end."""
     result = solved("upset_tetra")
