@@ -11,7 +11,8 @@ module lopin_tool_curved
    use lopin_tool, only : foot_type, one_plane, coincidence
    use lopin_vectors, only : cross
    use lopin_tool_facets, only : facets_tool_type, nearest_type, new_facets_tool, settle_flat, &
-      & goes_through, sharp
+      & goes_through
+   use lopin_creases, only : sharp, chord_of, turn_at, edge_to
    use lopin_curved_triangle, only : edge_control, closest_on_curved, normal_slopes
    implicit none
    private
@@ -42,24 +43,20 @@ contains
    subroutine new_curved_tool(self, mesh)
       type(curved_tool_type), intent(out) :: self
       type(facet_mesh_type), intent(in) :: mesh
-      integer :: f, k, g, to
+      integer :: f, k, to
 
       call new_facets_tool(self%facets_tool_type, mesh)
       self%curved = .true.
       allocate (self%control(3, 6, mesh%nfacet), self%corner(3, 3, mesh%nfacet))
       allocate (self%kept(3, mesh%nfacet), self%fixed(mesh%nvertex), source=.false.)
+      call find_kept(self)
+      self%hollow_edges = any(self%hollow)
       do f = 1, mesh%nfacet
+         self%chord(f) = 0.0_wp
          do k = 1, 3
-            g = mesh%neighbour(k, f)
-            if (g == 0) cycle
-            ! Both sides of an edge say the same.
-            if (g < f) self%kept(k, f) = self%kept(edge_to(mesh, g, f), g)
-            if (g > f) self%kept(k, f) = stays(mesh, f, k)
-            self%hollow(k, f) = self%kept(k, f) .and. turn_at(mesh, f, k) < 0.0_wp
-            if (self%kept(k, f)) self%fixed(mesh%vertex([k, 1 + mod(k, 3)], f)) = .true.
+            if (.not. self%kept(k, f)) self%chord(f) = max(self%chord(f), chord_of(mesh, f, k))
          end do
       end do
-      self%hollow_edges = any(self%hollow)
       call find_regions(self)
       do f = 1, mesh%nfacet
          do k = 1, 3
@@ -79,24 +76,49 @@ contains
       end do
    end subroutine new_curved_tool
 
-   !> The edge of a facet beyond which another lies.
-   pure integer function edge_to(mesh, f, other) result(k)
-      type(facet_mesh_type), intent(in) :: mesh
-      integer, intent(in) :: f, other
-      k = findloc(mesh%neighbour(:, f), other, dim=1)
-   end function edge_to
+   !> Edges that stay; but what turns far less than a curved surface beside it, as the diagonals of
+   !> its squares, is part of that.
+   pure subroutine find_kept(self)
+      type(curved_tool_type), intent(inout) :: self
+      logical :: smooth(3, self%mesh%nfacet)
+      integer :: f, k, g
 
-   !> Turn of the surface across an edge, > 0 over a ridge [rad].
-   pure real(wp) function turn_at(mesh, f, k) result(turn)
-      type(facet_mesh_type), intent(in) :: mesh
-      integer, intent(in) :: f, k
-      integer :: g
+      associate (mesh => self%mesh)
+         do f = 1, mesh%nfacet
+            do k = 1, 3
+               g = mesh%neighbour(k, f)
+               ! Both sides of an edge say the same.
+               if (g > f) self%kept(k, f) = stays(mesh, f, k)
+               if (g > 0 .and. g < f) self%kept(k, f) = self%kept(edge_to(mesh, g, f), g)
+            end do
+         end do
+         smooth = .not. self%kept .and. mesh%neighbour > 0
+         do f = 1, mesh%nfacet
+            do k = 1, 3
+               if (.not. self%kept(k, f)) cycle
+               g = mesh%neighbour(k, f)
+               self%kept(k, f) = .not. (is_faint(mesh, f, k, smooth(:, f), f) &
+                  & .or. is_faint(mesh, f, k, smooth(:, g), g))
+               self%hollow(k, f) = self%kept(k, f) .and. turn_at(mesh, f, k) < 0.0_wp
+               if (self%kept(k, f)) self%fixed(mesh%vertex([k, 1 + mod(k, 3)], f)) = .true.
+            end do
+         end do
+      end associate
+   end subroutine find_kept
 
-      g = mesh%neighbour(k, f)
-      turn = 2.0_wp*asin(min(1.0_wp, 0.5_wp*norm2(mesh%normal(:, f) - mesh%normal(:, g))))
-      if (dot_product(mesh%normal(:, f), sum(mesh%x(:, mesh%vertex(:, g)), dim=2)/3.0_wp &
-         & - mesh%x(:, mesh%vertex(k, f))) > 0.0_wp) turn = -turn
-   end function turn_at
+   !> An edge turns far less than a smooth one of a facet beside it.
+   pure logical function is_faint(mesh, f, k, smooth, beside)
+      type(facet_mesh_type), intent(in) :: mesh
+      integer, intent(in) :: f, k, beside
+      logical, intent(in) :: smooth(3)         !! edges of the facet beside
+      integer :: i
+
+      is_faint = .false.
+      do i = 1, 3
+         if (smooth(i)) is_faint = is_faint &
+            & .or. abs(turn_at(mesh, f, k)) < least_turn*abs(turn_at(mesh, beside, i))
+      end do
+   end function is_faint
 
    !> An edge that is sharp, or a crease that stands alone.
    pure logical function stays(mesh, f, k)
@@ -114,8 +136,8 @@ contains
          & .or. turns_on(mesh, g, edge_to(mesh, g, f), along, turn_at(mesh, f, k)))
    end function stays
 
-   !> Beyond a facet, on the way from its edge k, the surface turns on; facets of one plane are
-   !> passed over, once.
+   !> Beyond a facet, on the way from its edge k, the surface turns on; an edge that turns far less,
+   !> as between the halves of a rectangle, is passed over, once.
    pure logical function turns_on(mesh, f, k, along, turn)
       type(facet_mesh_type), intent(in) :: mesh
       integer, intent(in) :: f, k
@@ -128,7 +150,7 @@ contains
          if (i == k .or. g == 0) cycle
          turns_on = goes_with(mesh, f, i, along, turn)
          if (turns_on) return
-         if (dot_product(mesh%normal(:, f), mesh%normal(:, g)) < one_plane) cycle
+         if (abs(turn_at(mesh, f, i)) > least_turn*abs(turn)) cycle
          back = edge_to(mesh, g, f)
          do j = 1, 3
             if (j == back .or. mesh%neighbour(j, g) == 0) cycle
@@ -330,6 +352,7 @@ contains
             if (next > 0) call try(self, x, next, nearest, share)
          else
             v = self%mesh%vertex(on - 3, before)
+            if (flat%of_other .and. self%fixed(v)) return
             do i = self%mesh%ring_first(v), self%mesh%ring_first(v + 1) - 1
                if (flat%of_other .and. self%region(self%mesh%ring(i)) /= self%region(before)) cycle
                call try(self, x, self%mesh%ring(i), nearest, share)

@@ -8,13 +8,12 @@ module lopin_tool_facets
    use lopin_facet_mesh, only : facet_mesh_type
    use lopin_facet_tree, only : facet_tree_type, new_facet_tree, box_distance2, deepest
    use lopin_tool, only : tool_type, foot_type, coincidence, one_plane, outer_product
+   use lopin_creases, only : sharp, is_hollow, chord_of
    use lopin_triangle, only : closest_on_triangle
    implicit none
    private
-   public :: facets_tool_type, new_facets_tool, nearest_type, settle_flat, goes_through, is_hollow
+   public :: facets_tool_type, new_facets_tool, nearest_type, settle_flat, goes_through
 
-   !> 30 degrees: two walls, not one.
-   real(wp), parameter, public :: sharp = cos(acos(-1.0_wp)/6.0_wp)
    real(wp), parameter :: tie = 1.0e-12_wp   !! relative: of equal distances the least facet wins
 
    type, extends(tool_type) :: facets_tool_type
@@ -79,41 +78,6 @@ contains
       is_other = dot_product(self%mesh%normal(:, f), foot%normal) <= sharp
    end function is_other_flat
 
-   !> The two facets of edge k meet in a concave corner.
-   pure logical function is_hollow(mesh, f, k)
-      type(facet_mesh_type), intent(in) :: mesh
-      integer, intent(in) :: f, k
-      integer :: g
-
-      g = mesh%neighbour(k, f)
-      is_hollow = g > 0
-      if (.not. is_hollow) return
-      is_hollow = dot_product(mesh%normal(:, f), mesh%normal(:, g)) < sharp .and. &
-         & dot_product(mesh%normal(:, f), sum(mesh%x(:, mesh%vertex(:, g)), dim=2)/3.0_wp &
-         & - mesh%x(:, mesh%vertex(k, f))) > 0.0_wp
-   end function is_hollow
-
-   !> Facets that meet at less than 30 degrees mean a curved surface: of radius r = c/angle, with c
-   !> between the middles of the facets. Equal sides have their corners at c from the middle: the
-   !> surface rises c**2/(2 r) = c*angle/2 above a disc of that radius.
-   pure real(wp) function chord_of(mesh, f, k)
-      type(facet_mesh_type), intent(in) :: mesh
-      integer, intent(in) :: f, k
-      real(wp) :: along(3), across(3), angle
-      integer :: g
-
-      chord_of = 0.0_wp
-      g = mesh%neighbour(k, f)
-      if (g == 0) return
-      if (dot_product(mesh%normal(:, f), mesh%normal(:, g)) < sharp) return
-      angle = 2.0_wp*asin(min(1.0_wp, 0.5_wp*norm2(mesh%normal(:, f) - mesh%normal(:, g))))
-      along = mesh%x(:, mesh%vertex(1 + mod(k, 3), f)) - mesh%x(:, mesh%vertex(k, f))
-      across = (sum(mesh%x(:, mesh%vertex(:, f)), dim=2) - sum(mesh%x(:, mesh%vertex(:, g)), &
-         & dim=2))/3.0_wp
-      across = across - dot_product(across, along)/dot_product(along, along)*along
-      chord_of = 0.5_wp*norm2(across)*angle
-   end function chord_of
-
    !> Some facets meet at an angle.
    pure logical function has_edges(self)
       class(facets_tool_type), intent(in) :: self
@@ -157,6 +121,8 @@ contains
       if (other%facet == 0) return
       other%of_other = .true.
       call self%settle(x, other, feet(2))
+      ! Where a crease ends both ways may lead to one place.
+      if (feet(2)%segment == feet(1)%segment) return
       nfeet = 2
       if (feet(2)%gap < feet(1)%gap) feet = feet([2, 1])
    end subroutine project_walls
@@ -235,7 +201,9 @@ contains
       integer :: feature
 
       if (present(wall)) then
-         if (.not. self%is_other_wall(f, wall)) return
+         if (.not. self%is_other_wall(f, wall)) then
+            if (.not. (self%curved .and. any(self%hollow(:, f)))) return
+         end if
       end if
       associate (v => self%mesh%vertex(:, f), mesh => self%mesh)
          call closest_on_triangle(mesh%x(:, v(1)), mesh%x(:, v(2)), mesh%x(:, v(3)), x, point, &
@@ -261,6 +229,10 @@ contains
       type(foot_type), intent(in) :: wall
       integer :: k, g
 
+      if (.not. self%is_other_wall(f, wall)) then
+         makes_corner = lies_beyond(self, f, feature, wall)
+         if (feature > 0 .or. .not. makes_corner) return
+      end if
       if (feature == 0) then
          makes_corner = dot_product(point - wall%point, wall%normal) >= 0.0_wp .and. &
             & dot_product(wall%point - point, self%mesh%normal(:, f)) >= 0.0_wp
@@ -273,6 +245,23 @@ contains
          makes_corner = makes_corner .or. g == wall%segment .or. .not. self%is_other_wall(g, wall)
       end do
    end function makes_corner
+
+   !> A facet of the wall itself lies beyond a concave crease that ends in that wall: across it, the
+   !> wall looks more as at the foot.
+   pure logical function lies_beyond(self, f, feature, wall)
+      class(facets_tool_type), intent(in) :: self
+      integer, intent(in) :: f, feature
+      type(foot_type), intent(in) :: wall
+      integer :: k
+
+      lies_beyond = .false.
+      do k = 1, 3
+         if (.not. self%hollow(k, f)) cycle
+         if (feature > 0 .and. .not. meets_edge(feature, k)) cycle
+         lies_beyond = lies_beyond .or. dot_product(wall%normal, self%mesh%normal(:, &
+            & self%mesh%neighbour(k, f)) - self%mesh%normal(:, f)) > 0.0_wp
+      end do
+   end function lies_beyond
 
    !> A feature of a facet is its edge k or an end of it.
    pure logical function meets_edge(feature, k)

@@ -18,6 +18,8 @@ program test_tool_curved
    call the_normal_does_not_jump()
    call gradient_and_hessian_are_the_derivatives()
    call a_valley_holds_by_both_walls()
+   call so_does_a_valley_that_ends()
+   call a_fillet_of_twisted_squares_has_no_edges()
    call finish()
 
 contains
@@ -215,6 +217,81 @@ contains
       call is_true('two feet', most == 2)
       call is_true('gaps', worst < 1.0e-12_wp)
    end subroutine a_valley_holds_by_both_walls
+
+   !> Floor before y = 0, behind it a wall that rises by 25 degrees up to x = 0 and not at all from
+   !> x = 3 on: both are one surface, around the end of the crease.
+   subroutine so_does_a_valley_that_ends()
+      class(tool_type), allocatable :: tool
+      type(foot_type) :: feet(2)
+      real(wp), parameter :: slope = tan(25.0_wp*acos(-1.0_wp)/180.0_wp)
+      real(wp) :: corner(3, 3, 24), p(3, 3, 7), x(3), gap(2), worst
+      integer :: i, n, most
+
+      call test('so does a valley that ends in one surface')
+      do i = 1, 7
+         p(:, 1, i) = [i - 4.0_wp, -1.0_wp, 0.0_wp]
+         p(:, 2, i) = [i - 4.0_wp, 0.0_wp, 0.0_wp]
+         p(:, 3, i) = [i - 4.0_wp, 1.0_wp, slope*min(1.0_wp, max(0.0_wp, (7.0_wp - i)/3.0_wp))]
+      end do
+      call strips(p, corner)
+      call new_open(tool, corner)
+      worst = 0.0_wp
+      most = 2
+      do i = 1, 1000
+         call random_number(x)
+         x = [0.2_wp, 0.1_wp, 0.02_wp]*(2.0_wp*x - 1.0_wp) - [1.5_wp, 0.0_wp, 0.0_wp]
+         call tool%project_all(x, 0.5_wp, feet, n)
+         most = min(most, n)
+         gap = [x(3), (x(3) - slope*x(2))/sqrt(1.0_wp + slope**2)]
+         worst = max(worst, abs(feet(1)%gap - minval(gap)), abs(feet(2)%gap - maxval(gap)))
+      end do
+      call is_true('two feet', most == 2)
+      call is_true('gaps', worst < 1.0e-9_wp)
+   end subroutine so_does_a_valley_that_ends
+
+   !> A concave fillet as a grid brings it: the halves of its squares are not of one plane.
+   subroutine a_fillet_of_twisted_squares_has_no_edges()
+      class(tool_type), allocatable :: tool
+      type(foot_type) :: foot
+      real(wp), parameter :: row = acos(-1.0_wp)/11.0_wp
+      real(wp) :: corner(3, 3, 24), p(3, 3, 7), x(3), before(3), worst
+      integer :: i, j
+
+      call test('a fillet of twisted squares has no edges')
+      do i = 1, 7
+         do j = 1, 3
+            p(:, j, i) = [2.0_wp - j, 3.0_wp*sin((i - 4)*row), 3.0_wp - 3.0_wp*cos((i - 4)*row) &
+               & + 0.01_wp*i*(j - 2)]
+         end do
+      end do
+      call strips(p, corner)
+      call new_open(tool, corner)
+      worst = 0.0_wp
+      do i = -1000, 1000
+         x = [0.1_wp, 3.0_wp*sin(0.001_wp*i*row), 3.01_wp - 3.0_wp*cos(0.001_wp*i*row)]
+         call tool%project(x, foot)
+         if (i > -1000) worst = max(worst, norm2(foot%normal - before))
+         before = foot%normal
+      end do
+      call is_true('no jump of the normal', worst < 0.01_wp)
+      call is_true('no creases', .not. tool%has_creases())
+   end subroutine a_fillet_of_twisted_squares_has_no_edges
+
+   !> Two triangles a square of a grid of points, seen from above.
+   pure subroutine strips(p, corner)
+      real(wp), intent(in) :: p(:, :, :)       !! (3, across, along)
+      real(wp), intent(out) :: corner(:, :, :)
+      integer :: i, j, n
+
+      n = 0
+      do i = 1, size(p, 3) - 1
+         do j = 1, size(p, 2) - 1
+            corner(:, :, n + 1) = reshape([p(:, j, i), p(:, j, i + 1), p(:, j + 1, i + 1)], [3, 3])
+            corner(:, :, n + 2) = reshape([p(:, j, i), p(:, j + 1, i + 1), p(:, j + 1, i)], [3, 3])
+            n = n + 2
+         end do
+      end do
+   end subroutine strips
 
    !> A triangle of a wall that rises from the crease.
    pure function wall(side, out, along) result(corner)

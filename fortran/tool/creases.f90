@@ -1,0 +1,66 @@
+!> Edges between two facets: concave corners, and creases that mean a curved surface.
+module lopin_creases
+   use lopin_kinds, only : wp
+   use lopin_facet_mesh, only : facet_mesh_type
+   implicit none
+   private
+   public :: is_hollow, chord_of, turn_at, edge_to
+
+   !> 30 degrees: two walls, not one.
+   real(wp), parameter, public :: sharp = cos(acos(-1.0_wp)/6.0_wp)
+
+contains
+
+   !> The two facets of edge k meet in a concave corner.
+   pure logical function is_hollow(mesh, f, k)
+      type(facet_mesh_type), intent(in) :: mesh
+      integer, intent(in) :: f, k
+      integer :: g
+
+      g = mesh%neighbour(k, f)
+      is_hollow = g > 0
+      if (.not. is_hollow) return
+      is_hollow = dot_product(mesh%normal(:, f), mesh%normal(:, g)) < sharp .and. &
+         & dot_product(mesh%normal(:, f), sum(mesh%x(:, mesh%vertex(:, g)), dim=2)/3.0_wp &
+         & - mesh%x(:, mesh%vertex(k, f))) > 0.0_wp
+   end function is_hollow
+
+   !> Facets that meet at less than 30 degrees mean a curved surface: of radius r = c/angle, with c
+   !> between the middles of the facets. Equal sides have their corners at c from the middle: the
+   !> surface rises c**2/(2 r) = c*angle/2 above a disc of that radius.
+   pure real(wp) function chord_of(mesh, f, k)
+      type(facet_mesh_type), intent(in) :: mesh
+      integer, intent(in) :: f, k
+      real(wp) :: along(3), across(3), angle
+      integer :: g
+
+      chord_of = 0.0_wp
+      g = mesh%neighbour(k, f)
+      if (g == 0) return
+      if (dot_product(mesh%normal(:, f), mesh%normal(:, g)) < sharp) return
+      angle = 2.0_wp*asin(min(1.0_wp, 0.5_wp*norm2(mesh%normal(:, f) - mesh%normal(:, g))))
+      along = mesh%x(:, mesh%vertex(1 + mod(k, 3), f)) - mesh%x(:, mesh%vertex(k, f))
+      across = (sum(mesh%x(:, mesh%vertex(:, f)), dim=2) - sum(mesh%x(:, mesh%vertex(:, g)), &
+         & dim=2))/3.0_wp
+      across = across - dot_product(across, along)/dot_product(along, along)*along
+      chord_of = 0.5_wp*norm2(across)*angle
+   end function chord_of
+   !> The edge of a facet beyond which another lies.
+   pure integer function edge_to(mesh, f, other) result(k)
+      type(facet_mesh_type), intent(in) :: mesh
+      integer, intent(in) :: f, other
+      k = findloc(mesh%neighbour(:, f), other, dim=1)
+   end function edge_to
+
+   !> Turn of the surface across an edge, > 0 over a ridge [rad].
+   pure real(wp) function turn_at(mesh, f, k) result(turn)
+      type(facet_mesh_type), intent(in) :: mesh
+      integer, intent(in) :: f, k
+      integer :: g
+
+      g = mesh%neighbour(k, f)
+      turn = 2.0_wp*asin(min(1.0_wp, 0.5_wp*norm2(mesh%normal(:, f) - mesh%normal(:, g))))
+      if (dot_product(mesh%normal(:, f), sum(mesh%x(:, mesh%vertex(:, g)), dim=2)/3.0_wp &
+         & - mesh%x(:, mesh%vertex(k, f))) > 0.0_wp) turn = -turn
+   end function turn_at
+end module lopin_creases
