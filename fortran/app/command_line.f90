@@ -1,7 +1,7 @@
 !> The words and options of the command line.
 module lopin_command_line
    use lopin_error, only : error_type, error_code, raise
-   use lopin_solver_factory, only : solver_names
+   use lopin_solver_factory, only : solver_words
    use lopin_live, only : form_of, form_words
    use lopin_text, only : nearest_word, parse_integer, quoted, join
    implicit none
@@ -228,7 +228,7 @@ contains
          & 'lopin selftest                 checks of the installed program'//nl//nl// &
          & '-o, --output FOLDER   where results go'//nl// &
          & '--threads N           number of threads'//nl// &
-         & '--solver WORD         auto, '//join(solver_names)//nl// &
+         & '--solver WORD         auto, '//join(solver_words)//nl// &
          & '--resume              go on from the checkpoint of a run that was broken off'//nl// &
          & '--overwrite           replace the unfinished run of another deck'//nl// &
          & '--deterministic       the same bits for any number of threads'//nl// &

@@ -7,7 +7,7 @@ module lopin_tasks
    use lopin_command_line, only : options_type
    use lopin_enforcement_factory, only : method_names
    use lopin_scene, only : scene_type, new_scene
-   use lopin_solver_factory, only : solver_names
+   use lopin_solver_factory, only : solver_words
    use lopin_deck, only : read_deck
    use lopin_error, only : error_type, error_code, log_type, raise
    use lopin_interrupt, only : catch_interrupts
@@ -132,7 +132,7 @@ contains
 
       if (len(options%subject) == 0) then
          call terminal%tell('lopin '//version//nl//'compiler: '//compiler_version()//nl// &
-            & 'solvers: '//join(solver_names)//nl//'methods: '//join(method_names)//nl// &
+            & 'solvers: '//join(solver_words)//nl//'methods: '//join(method_names)//nl// &
             & 'threads: '//to_text(omp_get_max_threads())//' of the assembly, '// &
             & to_text(blas_threads())//' of the BLAS'//nl)
          return

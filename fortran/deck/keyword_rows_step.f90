@@ -1,6 +1,6 @@
 !> Rows of the keyword table: steps, boundary conditions, loads, controls of the run, output.
 module lopin_keyword_rows_step
-   use lopin_solver_factory, only : solver_names
+   use lopin_solver_factory, only : solver_words
    use lopin_text, only : upper, join
    use lopin_keyword_table, only : keyword_table_type, key, flag, word, number, whole, choice, &
       & ignored_flag, later_flag, required, known_as, refuses, replaces, missing_means, data_line, &
@@ -49,7 +49,7 @@ contains
       call flag(table, 'DIRECT', &
          & 'Increments are all the initial one, but for those that end at a '// &
          & 'point of an amplitude.')
-      call choice(table, 'SOLVER', upper('auto,'//join(solver_names, ',')), 'AUTO', &
+      call choice(table, 'SOLVER', upper('auto,'//join(solver_words, ',')), 'AUTO', &
          & 'Solver of linear systems.')
       call replaces(table, 'SPOOLES,PARDISO,PASTIX,ITERATIVE SCALING,ITERATIVE CHOLESKY')
       call refuses(table, 'KLU,SPQR,MUMPS,PETSC')
@@ -171,7 +171,7 @@ contains
          & 'factorisation; NEWTON: the whole system in every iteration; FINITE: '// &
          & 'Newton on the present shape, sliding without limit; AUTO: the cheaper '// &
          & 'one, printed.')
-      call choice(table, 'SOLVER', upper('auto,'//join(solver_names, ',')), 'AUTO', &
+      call choice(table, 'SOLVER', upper('auto,'//join(solver_words, ',')), 'AUTO', &
          & 'Solver of linear systems.')
       call number(table, 'TARGET ERROR', '0.01', 'Relative error of pressure that an '// &
          & 'automatic slope aims at.')

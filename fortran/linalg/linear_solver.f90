@@ -15,7 +15,7 @@ module lopin_linear_solver
    use lopin_graph, only : number_interior
    implicit none
    private
-   public :: linear_solver_type, matrix_class, class_name
+   public :: linear_solver_type, vertices_type, matrix_class, class_name
    public :: pivot_tolerance, raise_singular, raise_refused, raise_no_memory, raise_failed
    public :: refuse_unknown_class
 
@@ -25,6 +25,13 @@ module lopin_linear_solver
    end type matrix_classes
    type(matrix_classes), parameter :: matrix_class = matrix_classes()
 
+   !> What solvers with coarse levels know of the equations.
+   type :: vertices_type
+      integer :: places = 1                    !! equations of a vertex at most
+      integer, allocatable :: of(:)            !! (n) vertex of each; those of one stand together
+      real(wp), allocatable :: motion(:, :)    !! (n, nmotion) without strain
+   end type vertices_type
+
    type, abstract :: linear_solver_type
       integer :: n = 0                    !! equations
       integer :: nlast = 0                !! equations kept last
@@ -32,6 +39,9 @@ module lopin_linear_solver
       integer(lk) :: factor_entries = 0   !! numbers stored in the factor
       real(wp) :: flops = 0.0_wp          !! of the last factorisation; 0 if unknown
       integer :: negative = -1   !! negative pivots of the last factorisation; -1 if unknown
+      integer :: most_iterations = 60     !! of GMRES by what `solve` gives, before something else
+                                          !! is tried
+      type(vertices_type) :: vertices     !! set before `analyse` where known
       real(wp) :: pivot_ratio = 0.0_wp    !! smallest pivot over the terms that formed it; 0 unknown
    contains
       procedure(name_if), deferred :: name

@@ -8,15 +8,22 @@ module lopin_solver_factory
    use lopin_solver_skyline, only : solver_skyline_type
    use lopin_solver_cholmod, only : solver_cholmod_type
    use lopin_solver_mixed, only : solver_mixed_type
+   use lopin_solver_multigrid, only : solver_multigrid_type, is_present
    use lopin_solver_umfpack, only : solver_umfpack_type
    use lopin_solver_dense, only : solver_dense_type
    implicit none
    private
-   public :: choose_solver, choose_preconditioner, general_solver, new_solver, solver_names
+   public :: choose_solver, choose_preconditioner, general_solver, new_solver, solver_names, &
+      & solver_words, may_coarsen
 
    !> All direct solvers; where several can do it, the first one that accepts the matrix is a fair
    !> choice. 'mixed' is 'cholmod' for iterations that mend what single precision leaves.
    character(len=7), parameter :: solver_names(4) = ['cholmod', 'skyline', 'umfpack', 'dense  ']
+   !> What a user may ask for: these, and iterations by multigrid where the build has them.
+   character(len=9), parameter :: solver_words(5) = [character(len=9) :: solver_names, 'multigrid']
+
+   !> Equations of a solid from which multigrid takes the place of a factor (docs/solvers.md).
+   integer, parameter :: too_many = 500000
 
 contains
 
@@ -39,10 +46,15 @@ contains
          allocate (solver_umfpack_type :: solver)
       case ('dense')
          allocate (solver_dense_type :: solver)
+      case ('multigrid')
+         allocate (solver_multigrid_type :: solver)
+         if (.not. is_present()) call raise(error, error_code%deck, 'E0704', &
+            & 'this build of Lopin has no solver multigrid', &
+            & help='leave out the solver, or build with -DLOPIN_PETSC=ON')
       case default
-         known = trim(solver_names(1))
-         do i = 2, size(solver_names)
-            known = known//', '//trim(solver_names(i))
+         known = trim(solver_words(1))
+         do i = 2, size(solver_words)
+            known = known//', '//trim(solver_words(i))
          end do
          call raise(error, error_code%deck, 'E0704', &
             & "no linear solver is named '"//trim(name)//"'", help='solvers: '//known)
@@ -76,8 +88,18 @@ contains
       character(len=:), allocatable, intent(out) :: reason   !! in words, for the log
 
       call choose_by_profile(a, [integer ::], [85.0_wp, 2.5_wp], name, reason)
-      if (name == 'cholmod') name = 'mixed'
+      if (name == 'skyline') return
+      name = 'mixed'
+      if (may_coarsen('AUTO', a%n)) name = 'multigrid'
    end subroutine choose_preconditioner
+
+   !> Multigrid takes the place of a factor: asked for, or present and the solid is large.
+   pure logical function may_coarsen(wish, n)
+      character(len=*), intent(in) :: wish     !! AUTO or a solver's word, upper case
+      integer, intent(in) :: n                 !! equations
+
+      may_coarsen = wish == 'MULTIGRID' .or. (wish == 'AUTO' .and. n >= too_many .and. is_present())
+   end function may_coarsen
 
    !> Skyline where the mean row of the profile is shorter than line(1) + line(2) e.
    subroutine choose_by_profile(a, last, line, name, reason)

@@ -323,7 +323,8 @@ contains
          & 'The library of the linear solver reports a failure that Lopin cannot put into words.', &
          & 'try another solver with --solver, and report the deck.')
       call add_explanation(list, 'E0704', 'no such solver', &
-         & 'The word after SOLVER= or --solver names no linear solver of this build.', &
+         & 'The word after SOLVER= or --solver names no linear solver of this build; '// &
+         & 'MULTIGRID is there only if Lopin was built with PETSc (-DLOPIN_PETSC=ON).', &
          & 'the message lists them.')
       call add_explanation(list, 'E0705', 'a solver cannot condense', &
          & 'The condensed path needs the factor of the contact equations by itself, which '// &

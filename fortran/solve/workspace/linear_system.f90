@@ -82,7 +82,7 @@ contains
       call new_solver(self%solver, name, error)
       if (allocated(error)) return
       self%splits = self%solver%can_condense(matrix_class%positive_definite)
-      if (.not. self%splits .and. self%nlast > 0) then
+      if (name == 'multigrid' .or. (.not. self%splits .and. self%nlast > 0)) then
          call refuse_to_condense(name, error)
          return
       end if

@@ -20,7 +20,7 @@ module lopin_newton_system
    use lopin_csc, only : csc_type, storage
    use lopin_csc_sum, only : sum_of, widen
    use lopin_gmres, only : operator_type, gmres
-   use lopin_linear_solver, only : linear_solver_type, matrix_class
+   use lopin_linear_solver, only : linear_solver_type, vertices_type, matrix_class
    use lopin_solver_factory, only : new_solver, choose_preconditioner, general_solver
    use lopin_constraints, only : constraints_type
    use lopin_reduce_matrix, only : reduce_matrix
@@ -33,8 +33,6 @@ module lopin_newton_system
    private
    public :: newton_system_type, set_tangent, add_ground_springs, solve_step, solve_whole
 
-   !> Iterations before the whole matrix is factorised instead.
-   integer, parameter :: most_iterations = 60
    !> Corrections of tractions give way so much, beside c, where the whole matrix is factorised: a
    !> traction that works on supports alone (shear on the axis) is then none, and not undetermined.
    real(wp), parameter :: give = 1.0e-11_wp
@@ -48,6 +46,7 @@ module lopin_newton_system
       real(wp), allocatable :: scale(:)        !! (n - neq) turns row residuals into forces
       real(wp), allocatable :: area(:)         !! (n - neq) turns multipliers into forces
       type(csc_type) :: matrix                 !! what is factorised: K + springs
+      type(vertices_type) :: vertices          !! of the equations, for solvers with coarse levels
       character(len=:), allocatable :: wish    !! AUTO or a solver's word
       class(linear_solver_type), allocatable :: solver
       class(linear_solver_type), allocatable :: whole
@@ -144,7 +143,7 @@ contains
       if (allocated(error)) return
       do while (bad == 0 .and. .not. self%direct)
          call gmres(self, as_forces(self, right), tolerance, limit_of(self%lag, self%krylov, &
-            & tolerance, most_iterations), step, self%krylov, ratio)
+            & tolerance, self%solver%most_iterations), step, self%krylov, ratio)
          counter%back_solves = counter%back_solves + self%krylov
          self%most_krylov = max(self%most_krylov, self%krylov)
          call clock%stop_in(phase%solve)
@@ -208,6 +207,7 @@ contains
             call new_solver(self%solver, name, error)
             if (allocated(error)) return
          end if
+         self%solver%vertices = self%vertices
          call self%solver%analyse(self%matrix, matrix_class%positive_definite, [integer ::], error)
          if (allocated(error)) return
          call clock%stop_in(phase%analyse)

@@ -8,6 +8,7 @@ module lopin_plan
    use lopin_flow_curve, only : flows
    use lopin_pair_friction, only : pair_slides_with_friction
    use lopin_report, only : summary_type
+   use lopin_solver_factory, only : may_coarsen
    implicit none
    private
    public :: plan_type, new_plan, plan_line, nonlinear_line, path_of
@@ -53,6 +54,9 @@ contains
          if (needs_nonlinear(model)) then
             self%path = path_of%nonlinear
             self%reason = why_nonlinear(model)
+         else if (model%mesh%ndim == 3 .and. may_coarsen(model%solver, 3*model%mesh%nnode)) then
+            self%path = path_of%nonlinear
+            self%reason = 'a factor is too large or not wanted: iterations by multigrid'
          end if
       case ('CONDENSED')
          self%path = path_of%condensed
