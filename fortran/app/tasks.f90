@@ -6,7 +6,9 @@ module lopin_tasks
    use lopin_closing, only : tell_end
    use lopin_command_line, only : options_type
    use lopin_enforcement_factory, only : method_names
-   use lopin_scene, only : scene_type, new_scene
+   use lopin_plan, only : plan_type, new_plan
+   use lopin_run_state, only : make_workspace
+   use lopin_scene, only : scene_type
    use lopin_solver_factory, only : solver_words
    use lopin_deck, only : read_deck
    use lopin_error, only : error_type, error_code, log_type, raise
@@ -21,7 +23,6 @@ module lopin_tasks
    use lopin_selftest, only : selftest_case, ncase
    use lopin_terminal, only : terminal_type
    use lopin_text, only : join, plural, to_text
-   use lopin_uneven_pressure, only : warn_of_uneven_pressure
    use lopin_version, only : version
    implicit none
    private
@@ -80,14 +81,15 @@ contains
       type(terminal_type), intent(inout) :: terminal
       type(job_type) :: job
       type(model_type) :: model
+      type(plan_type) :: plan
       type(scene_type) :: scene
       type(error_type), allocatable :: error
       integer :: pair
 
       call new_job(job, options)
       call open_model(job, options, terminal, model)
-      call new_scene(scene, model, error)
-      if (.not. allocated(error)) call warn_of_uneven_pressure(scene, model)
+      call new_plan(plan, model, error)
+      if (.not. allocated(error)) call make_workspace(scene, model, error)
       call terminal%show_log(scene%log)
       call terminal%stop_on(error)
       do pair = 1, size(model%pair)

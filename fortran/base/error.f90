@@ -47,6 +47,7 @@ module lopin_error
                                                !! *FRICTION ?"
       character(len=:), allocatable :: note      !! why
       character(len=:), allocatable :: help      !! what to do
+      integer :: element = 0                     !! mesh index: its place is meant
       integer :: again = 0                       !! times that it held again and was not said
    end type diagnostic_type
 

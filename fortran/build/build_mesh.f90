@@ -125,7 +125,6 @@ contains
       type(model_type), intent(inout) :: model
       type(deck_type), intent(in) :: deck
       type(scene_type), intent(in) :: scene
-      integer, allocatable :: file(:), line(:)
       character(len=:), allocatable :: word
       character(len=10) :: short
       type(location_type) :: at
@@ -136,7 +135,7 @@ contains
       m = lines_of(deck, scene, 'ELEMENT')
       associate (mesh => model%mesh)
          allocate (mesh%conn(max_nodes_per_element, m), source=0)
-         allocate (mesh%etype(m), mesh%element_label(m), file(m), line(m))
+         allocate (mesh%etype(m), mesh%element_label(m), mesh%element_at(m))
          do k = 1, scene%ncard
             associate (block => deck%block(scene%card(k)%block))
                if (block%keyword /= 'ELEMENT') cycle
@@ -144,27 +143,28 @@ contains
                short = word
                e = findloc(model%element_word, short, dim=1)
                if (e == 0) cycle
-               call read_element_block(model, scene, block, scene%card(k)%scope, e, file, line)
+               call read_element_block(model, scene, block, scene%card(k)%scope, e)
             end associate
          end do
          m = mesh%nelement
          mesh%conn = mesh%conn(:, :m)
          mesh%etype = mesh%etype(:m)
          mesh%element_label = mesh%element_label(:m)
+         mesh%element_at = mesh%element_at(:m)
          allocate (mesh%section(m), source=0)
          call sort_labels(mesh%element_label, mesh%element_order)
-         call find_doubles(model%log, 'element', mesh%element_label, mesh%element_order, file, line)
+         call find_doubles(model%log, 'element', mesh%element_label, mesh%element_order, &
+            & mesh%element_at%file, mesh%element_at%line)
       end associate
    end subroutine read_elements
 
    !> The elements of one card: a number and as many nodes as the type has, over several lines.
-   subroutine read_element_block(model, scene, block, scope, e, file, line)
+   subroutine read_element_block(model, scene, block, scope, e)
       type(model_type), intent(inout) :: model
       type(scene_type), intent(in) :: scene
       type(block_type), intent(in) :: block
       integer, intent(in) :: scope
       integer, intent(in) :: e                  !! index of the type
-      integer, intent(inout) :: file(:), line(:)
       type(field_type), allocatable :: field(:)
       integer :: j, i, n, nnode, have, number
       logical :: ok
@@ -196,8 +196,7 @@ contains
                   mesh%nelement = mesh%nelement + 1
                   mesh%element_label(mesh%nelement) = number + scene%element_offset(scope)
                   mesh%etype(mesh%nelement) = e
-                  file(mesh%nelement) = block%line(j)%file
-                  line(mesh%nelement) = block%line(j)%line
+                  mesh%element_at(mesh%nelement) = line_place(block%line(j))
                else
                   mesh%conn(have, mesh%nelement) = find_label(mesh%node_label, mesh%node_order, &
                      & number + scene%node_offset(scope))

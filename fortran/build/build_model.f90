@@ -136,6 +136,7 @@ contains
             if (block%keyword /= 'LOPIN') cycle
             call get_word(block, 'PATH', word, at, found)
             if (found) model%path = word
+            if (found) model%path_at = at
             call get_word(block, 'SOLVER', word, at, found)
             if (found) model%solver = word
             call get_word(block, 'TARGET ERROR', word, at, found)

@@ -1,9 +1,11 @@
 !> A mesh: nodes, elements, named sets. Arrays are (component, item); labels are the user's numbers.
 module lopin_mesh
    use lopin_kinds, only : wp
+   use lopin_error, only : error_type, location_type, nowhere
    implicit none
    private
-   public :: mesh_type, set_type, max_nodes_per_element, find_label, find_set
+   public :: mesh_type, set_type, max_nodes_per_element, find_label, find_set, place_of_element
+   public :: place_by_element
 
    integer, parameter :: max_nodes_per_element = 20
 
@@ -26,6 +28,7 @@ module lopin_mesh
       integer, allocatable :: section(:)   !! (nelement) index into the model's sections; 0: rigid,
                                            !! no stiffness
       integer, allocatable :: element_label(:)  !! (nelement)
+      type(location_type), allocatable :: element_at(:)   !! (nelement) first lines; may be missing
       integer, allocatable :: node_order(:)     !! permutation that sorts node_label, for find_label
       integer, allocatable :: element_order(:)  !! permutation that sorts element_label
       type(set_type), allocatable :: nset(:)
@@ -33,6 +36,29 @@ module lopin_mesh
    end type mesh_type
 
 contains
+
+   !> Where an element stands in the deck; nowhere for meshes that no deck holds.
+   pure type(location_type) function place_of_element(mesh, element) result(at)
+      type(mesh_type), intent(in) :: mesh
+      integer, intent(in) :: element           !! index; 0: none
+
+      at = nowhere
+      if (.not. allocated(mesh%element_at) .or. element < 1) return
+      if (element <= size(mesh%element_at)) at = mesh%element_at(element)
+   end function place_of_element
+
+   !> Give an error that names an element the place of that.
+   pure subroutine place_by_element(mesh, error)
+      type(mesh_type), intent(in) :: mesh
+      type(error_type), allocatable, intent(inout) :: error
+      integer :: i
+
+      if (.not. allocated(error)) return
+      do i = 1, size(error%item)
+         if (error%item(i)%at%file == 0) error%item(i)%at = &
+            & place_of_element(mesh, error%item(i)%element)
+      end do
+   end subroutine place_by_element
 
    !> Index of a label by bisection in the sorted permutation; 0 if it does not exist.
    pure integer function find_label(label, order, wanted)

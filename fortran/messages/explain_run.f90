@@ -49,7 +49,8 @@ contains
          & 'A test of the increment is above its limit but below ten times it; the message '// &
          & 'names the test.', &
          & 'with a penalty raise the slope, or use DIRECT or AUGMENTED LAGRANGE; where '// &
-         & 'pressures do not carry the force, faces are too coarse for them: refine there.')
+         & 'pressures do not carry the force, faces are too coarse for them (a pressure at the '// &
+         & 'rim of contact is a mean that counts what is open beside it): refine there.')
       call add_explanation(list, 'E0505', 'a tool that forces move does not come to rest', &
          & 'A curved tool is projected where it stands, it moves, and is projected again; here '// &
          & 'the places go on changing.', &

@@ -336,6 +336,7 @@ module lopin_model
       type(location_type) :: remesh_at
       ! *LOPIN
       character(len=:), allocatable :: path             !! AUTO, CONDENSED, NEWTON
+      type(location_type) :: path_at
       character(len=:), allocatable :: solver           !! AUTO or a solver's word
       integer :: blas_threads = 1                       !! for systems large enough to gain by them
       real(wp) :: target_error = 0.01_wp   !! relative pressure error that the automatic penalty

@@ -2,7 +2,7 @@
 module lopin_assemble_linear
    use lopin_kinds, only : wp, ik
    use lopin_error, only : error_type, error_code, raise
-   use lopin_mesh, only : mesh_type
+   use lopin_mesh, only : mesh_type, place_of_element
    use lopin_csc, only : csc_type
    use lopin_element_type, only : element_type
    use lopin_simplex_patches, only : patch_element
@@ -119,7 +119,8 @@ contains
       if (number > 1) then
          write (text(len_trim(text) + 1:), '(a,i0)') '; folded elements in all: ', number
       end if
-      call raise(error, error_code%deck, 'E0302', trim(text), help=help)
+      call raise(error, error_code%deck, 'E0302', trim(text), place_of_element(mesh, named), &
+         & help=help)
    end subroutine report_folded
 
    subroutine jacobian_of(group, x, conn, smallest, point)

@@ -2,6 +2,7 @@
 from __future__ import annotations
 
 import os
+import re
 import shutil
 from difflib import get_close_matches
 from pathlib import Path
@@ -162,8 +163,12 @@ def convert(options) -> int:
     mesh = read_mesh(options.source)
     if options.target.suffix.lower() == ".inp":
         kind = options.kind or ("3d" if mesh.ndim == 3 else "plane strain")
-        mesh_deck(Model(options.source.stem, mesh, kind)).write(options.target)
+        deck = mesh_deck(Model(options.source.stem, mesh, kind))
+        deck.write(options.target)
         print(f"{options.target}: {mesh}")
+        words = sorted(set(re.findall(r"(?im)^\*ELEMENT.*TYPE=(\w+)", deck.text())))
+        print(f"elements: {', '.join(words)}, {kind}" + (
+            "" if options.kind or mesh.ndim == 3 else " (--kind axisymmetric, --kind 'plane stress')"))
         print(f"element sets: {', '.join(mesh.element_sets)}")
         print(f"surfaces: {', '.join(mesh.surfaces) or 'none'}")
         print(f"next: *INCLUDE, INPUT={options.target.name} in a deck with material and step")

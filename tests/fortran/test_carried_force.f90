@@ -10,7 +10,7 @@ program test_carried_force
    type(skin_type) :: skin
    real(wp), allocatable :: x(:, :), w(:), area(:), p(:), normal(:, :)
    integer :: cell, n
-   real(wp) :: lost
+   real(wp) :: lost, within
 
    call test('a uniform pressure carries its force on any face')
    do cell = cell_id%triangle, cell_id%quad8
@@ -59,6 +59,18 @@ program test_carried_force
       call close_to('lost', lost, 0.0_wp, 1.0e-13_wp)
    end do
 
+   call test('a strip one face wide has no face within: coarse, and no more')
+   call three_faces()
+   p = spread(0.0_wp, 1, n)
+   p([2, 3, 6, 7]) = 3.0_wp
+   p([10, 11, 14, 17]) = 1.4_wp
+   call judge(p, p*w)
+   call is_true('lost', lost > 0.2_wp)
+   call close_to('within', within, 0.0_wp, 1.0e-13_wp)
+   p = max(p, 1.0_wp)
+   call judge(p, p*w)
+   call is_true('pressed all over it is lost within', within > 0.1_wp)
+
    call test('where rows know what is covered their areas count')
    call one_face(cell_id%quad)
    skin%integrated = .true.
@@ -101,10 +113,34 @@ contains
       call list([cell], reshape([(k, k=1, n)], [n, 1]))
       normal = spread([0.0_wp, 0.0_wp, 1.0_wp], 2, n)
       if (allocated(w)) deallocate (w)
-      if (allocated(area)) deallocate (area)
-      allocate (w(n), area(n))
+      allocate (w(n))
       call facet_weights(skin%rules(cell), x, .false., w, skin%share(1))
    end subroutine one_face
+
+   !> Three faces of eight nodes in a row, two by two each: corners, mid-sides across, and along.
+   subroutine three_faces()
+      real(wp) :: own(8)
+      integer :: i, node(8, 3)
+
+      n = 18
+      do i = 1, 3
+         node(:, i) = [i, 4 + i, 5 + i, 1 + i, 8 + i, 15 + i, 9 + i, 12 + i]
+      end do
+      x = reshape([([2.0_wp*i, 0.0_wp, 0.0_wp], i=0, 3), ([2.0_wp*i, 2.0_wp, 0.0_wp], i=0, 3), &
+         & ([2.0_wp*i, 1.0_wp, 0.0_wp], i=0, 3), ([2.0_wp*i + 1.0_wp, 0.0_wp, 0.0_wp], i=0, 2), &
+         & ([2.0_wp*i + 1.0_wp, 2.0_wp, 0.0_wp], i=0, 2)], [3, n])
+      skin = skin_type(in_use=.true.)
+      allocate (skin%rules(6))
+      call new_facet_rules(skin%rules)
+      call list(spread(cell_id%quad8, 1, 3), node)
+      normal = spread([0.0_wp, 0.0_wp, 1.0_wp], 2, n)
+      w = spread(0.0_wp, 1, n)
+      do i = 1, 3
+         call facet_weights(skin%rules(cell_id%quad8), x(:, node(:, i)), .false., own, &
+            & skin%share(i))
+         w(node(:, i)) = w(node(:, i)) + own
+      end do
+   end subroutine three_faces
 
    !> A top of 2 by 2 and a side of 2 by 4, 8 facets long edges in common: nodes 3 and 4.
    subroutine top_and_side()
@@ -148,9 +184,11 @@ contains
 
    subroutine judge(pressure, push)
       real(wp), intent(in) :: pressure(:), push(:)
+      real(wp) :: both(n, 2)
       integer :: i
 
-      call field_areas(skin, x, [(i, i=1, n)], normal, pressure, w, area)
-      lost = lost_force(pressure, area, spread(push, 1, 3)*normal, normal, x)
+      call field_areas(skin, x, [(i, i=1, n)], normal, pressure, w, both)
+      lost = lost_force(pressure, both(:, 1), spread(push, 1, 3)*normal, normal, x)
+      within = lost_force(pressure, both(:, 2), spread(push, 1, 3)*normal, normal, x)
    end subroutine judge
 end program test_carried_force

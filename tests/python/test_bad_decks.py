@@ -46,6 +46,7 @@ def test_a_deck_that_cannot_be_run_ends_with_its_reason(deck, tmp_path):
     expected = 4 if code == "E0310" else 3 if code.startswith("E05") else 1
     assert run.returncode == expected, run.stderr
     assert f"error[{code}]: " in run.stderr and text in run.stderr, run.stderr
+    assert expected != 1 or "--> " in run.stderr, run.stderr
     job = json.loads((tmp_path/"out"/f"{deck.stem}.json").read_text(encoding="utf-8"))
     assert job["exit_code"] == expected and job["status"] in ("failed", "not converged")
 

@@ -208,6 +208,7 @@ contains
             call raise(error, error_code%deck, 'E0304', &
                & trim(text)//' of a contact surface has no area', &
                & help='two of its nodes are at the same place, or all are on one line')
+            error%item(1)%element = self%facets%element(i)
             return
          end if
       end do

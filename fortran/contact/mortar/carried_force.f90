@@ -46,6 +46,9 @@ contains
    !> pressure its forces are the same; else they differ by how far mid-side nodes stand out from
    !> the ends of their edges. That is counted where all is pressed: at the rim, facets of which one
    !> side is pressed say nothing of what lies between.
+   !>
+   !> Points on the rim have a pressure that is a mean over open area too. So a facet that has one
+   !> says how coarse the mesh is, not that the rows are wrong; the second answer is without these.
    subroutine field_areas(self, x, node, normal, pressure, covered, area)
       type(skin_type), intent(in) :: self
       real(wp), intent(in) :: x(:, :)          !! (ndim, mesh nodes) present places [length]
@@ -53,22 +56,29 @@ contains
       real(wp), intent(in) :: normal(:, :)     !! (ndim, n)
       real(wp), intent(in) :: pressure(:)      !! (n) [stress]
       real(wp), intent(in) :: covered(:)       !! (n) of `integrated`: area of the row; 0: no row
-      real(wp), intent(out) :: area(:)         !! (n) [length^2]
+      real(wp), intent(out) :: area(:, :)      !! (n, 2) by all facets, by those within [length^2]
       integer :: at(8, self%facets%n), piece(size(node)), i
-      logical :: bare(0:size(node))
-      real(wp) :: own(8, self%facets%n), full(0:size(node))
+      logical :: bare(0:size(node)), rim(0:size(node))
+      real(wp) :: own(8, self%facets%n), full(0:size(node)), ratio(size(node))
 
       call find_pieces(self, x, node, normal, covered > 0.0_wp, piece)
       call find_points(self, size(x, 2), node, piece, at, pressure)
       call add_facets(self, x, at, own, full)
-      area = full(1:)
-      call share_areas(node, piece, area)
-      if (self%integrated) area = covered
+      area(:, 1) = full(1:)
+      call share_areas(node, piece, area(:, 1))
+      if (self%integrated) area(:, 1) = covered
+      area(:, 2) = area(:, 1)
       if (.not. any(self%share > 0.0_wp)) return
       call find_bare(self, at, pressure, bare)
+      call find_rim(self, at, bare, rim)
+      ratio = area(:, 2)/max(full(1:), tiny(1.0_wp))
       do i = 1, self%facets%n
-         if (.not. self%share(i) > 0.0_wp .or. any(bare(at(:self%facets%nnode(i), i)))) cycle
-         call add_middles(self, i, at(:, i), own(:, i), area/max(full(1:), tiny(1.0_wp)), area)
+         associate (points => at(:self%facets%nnode(i), i))
+            if (.not. self%share(i) > 0.0_wp .or. any(bare(points))) cycle
+            call add_middles(self, i, points, own(:, i), ratio, area(:, 1))
+            if (.not. any(rim(points))) call add_middles(self, i, points, own(:, i), ratio, &
+               & area(:, 2))
+         end associate
       end do
    end subroutine field_areas
 
@@ -229,6 +239,22 @@ contains
          end do
       end subroutine look_at_edge
    end subroutine find_bare
+
+   !> Points of facets that have a bare point.
+   pure subroutine find_rim(self, at, bare, rim)
+      type(skin_type), intent(in) :: self
+      integer, intent(in) :: at(:, :)          !! (8, facets) points of their nodes
+      logical, intent(in) :: bare(0:)
+      logical, intent(out) :: rim(0:)
+      integer :: i
+
+      rim = .false.
+      do i = 1, self%facets%n
+         associate (points => at(:self%facets%nnode(i), i))
+            if (any(bare(points))) rim(points) = .true.
+         end associate
+      end do
+   end subroutine find_rim
 
    !> What the shape functions give mid-side nodes more, and the ends of their edges less, than the
    !> transformed basis.

@@ -18,9 +18,11 @@ contains
       type(frame_type), intent(inout) :: frame
       type(scene_type), intent(in) :: scene
       type(model_type), intent(in) :: model
+      real(wp) :: within, most
       integer :: pair, worst
 
       worst = 0
+      most = 0.0_wp
       do pair = 1, size(model%pair)
          if (.not. scene%skin(pair)%in_use .or. size(frame%contact(pair)%node) == 0) cycle
          ! Without NLGEOM areas stay those of the start.
@@ -29,6 +31,7 @@ contains
          else
             call check(model%mesh%x)
          end if
+         most = max(most, within)
          if (.not. frame%contact(pair)%lost > frame%certificate%traction) cycle
          frame%certificate%traction = frame%contact(pair)%lost
          worst = pair
@@ -36,19 +39,20 @@ contains
       if (worst == 0) return
       associate (p => model%pair(worst))
          call hold_traction(frame%certificate, '('//model%surface(p%slave)%name//', '// &
-            & model%surface(p%master)%name//')', pair_is_tied(model, p))
+            & model%surface(p%master)%name//')', most, pair_is_tied(model, p))
       end associate
 
    contains
 
       subroutine check(x)
          real(wp), intent(in) :: x(:, :)          !! present places [length]
-         real(wp) :: area(size(frame%contact(pair)%node))
+         real(wp) :: area(size(frame%contact(pair)%node), 2)
 
          associate (f => frame%contact(pair))
             call field_areas(scene%skin(pair), x, f%node, f%normal, f%pressure, &
                & merge(f%weight, 0.0_wp, f%facet > 0), area)
-            f%lost = lost_force(f%pressure, area, f%force, f%normal, x(:, f%node))
+            f%lost = lost_force(f%pressure, area(:, 1), f%force, f%normal, x(:, f%node))
+            within = lost_force(f%pressure, area(:, 2), f%force, f%normal, x(:, f%node))
          end associate
       end subroutine check
    end subroutine check_traction

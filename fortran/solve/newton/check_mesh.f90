@@ -4,6 +4,7 @@ module lopin_check_mesh
    use lopin_error, only : error_type, error_code, raise
    use lopin_vectors, only : largest
    use lopin_text, only : to_text
+   use lopin_mesh, only : place_of_element
    use lopin_model, only : model_type
    use lopin_corner_shape, only : corners_type, new_corners, worst_corner, turns_over
    use lopin_report, only : certificate_type
@@ -149,8 +150,8 @@ contains
             & trim(scene%solids%group(scene%solids%which(e))%element%word)// &
             & ') is folded: at node '//to_text(model%mesh%node_label(fold%node))// &
             & ' the scaled Jacobian is '//to_text(fold%value, 3), &
-            & help='list its nodes in the order of the element, and keep nodes amid edges near '// &
-            & 'their middles')
+            & place_of_element(model%mesh, e), help='list its nodes in the order of the '// &
+            & 'element, and keep nodes amid edges near their middles')
       end associate
    end subroutine refuse_folded
 

@@ -3,6 +3,7 @@ module lopin_run_state
    use lopin_error, only : error_type, error_code, raise, log_type, severity
    use lopin_text, only : to_text
    use lopin_stream, only : stream_type
+   use lopin_mesh, only : place_by_element
    use lopin_model, only : model_type
    use lopin_recorder, only : recorder_holder_type
    use lopin_scene, only : scene_type, new_scene
@@ -56,6 +57,7 @@ contains
       type(error_type), allocatable, intent(out) :: error
 
       call new_scene(scene, model, error)
+      call place_by_element(model%mesh, error)
       if (.not. allocated(error)) call warn_of_uneven_pressure(scene, model)
       if (.not. allocated(error)) call refuse_folded(scene, model, error)
       if (.not. allocated(error)) call choose_candidates(scene, model)

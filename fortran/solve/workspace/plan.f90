@@ -67,21 +67,21 @@ contains
          self%path = path_of%refactorised
          if (friction) then
             call raise(error, error_code%deck, 'E0521', 'PATH=NEWTON solves contact without '// &
-               & 'friction only', help='leave out PATH=, or PATH=FINITE')
+               & 'friction only', model%path_at, help='leave out PATH=, or PATH=FINITE')
             return
          end if
          self%reason = 'PATH=NEWTON asks for the whole system, factorised again at every '// &
             & 'change of contact'
       case default
          call raise(error, error_code%deck, 'E0106', "PATH="//model%path//' is not a path', &
-            & help='paths are AUTO, CONDENSED, NEWTON and FINITE')
+            & model%path_at, help='paths are AUTO, CONDENSED, NEWTON and FINITE')
          return
       end select
       self%by_user = model%path /= 'AUTO'
       if (self%path /= path_of%nonlinear .and. needs_nonlinear(model) &
          & .and. .not. only_flows(model)) call raise(error, &
          & error_code%deck, 'E0116', 'PATH='//model%path//' cannot solve this scene: ' &
-         & //why_nonlinear(model), help='leave out PATH=')
+         & //why_nonlinear(model), model%path_at, help='leave out PATH=')
    end subroutine new_plan
 
    !> Linear solutions on the shape at the start do not hold.

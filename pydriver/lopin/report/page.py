@@ -114,6 +114,7 @@ def _banner(run: Run) -> str:
     certificate = run.summary.get("certificate") or {}
     reason = certificate.get("reason") or ""
     errors = [d for d in run.diagnostics if d.get("severity") == "error"]
+    warned = sorted({str(d.get("code")) for d in run.diagnostics if d.get("severity") == "warning"})
     colour = run.verdict or "none"
     finished = run.status == "finished"
     text = f"{run.status}"
@@ -130,6 +131,9 @@ def _banner(run: Run) -> str:
     elif run.verdict in ("WARN", "FAIL") and reason:
         text += (f": {reason} (step {certificate['step']}, increment {certificate['increment']}; "
                  f"{certificate.get('increments_warned', 0)} increments not PASS)")
+    if warned:
+        text += f"; warnings: {', '.join(warned)}"
+        colour = "WARN" if colour == "PASS" else colour
     heading = str(run.summary.get("heading") or run.name)
     return (f"<h1>{escape(heading)}</h1><div class='banner {colour}' id='status' "
             f"data-status='{escape(run.status)}' data-verdict='{escape(run.verdict)}'>"
