@@ -212,6 +212,8 @@ def example(options) -> int:
             from problem
     for path in sorted(collection.glob(f"{options.name}.*")):
         print(shutil.copy(path, options.folder))
+    deck = os.path.normpath(options.folder/f"{options.name}.inp")
+    print(f"next: lopin check {deck}, lopin run {deck}")
     return 0
 
 
