@@ -167,8 +167,9 @@ def convert(options) -> int:
         deck.write(options.target)
         print(f"{options.target}: {mesh}")
         words = sorted(set(re.findall(r"(?im)^\*ELEMENT.*TYPE=(\w+)", deck.text())))
-        print(f"elements: {', '.join(words)}, {kind}" + (
-            "" if options.kind or mesh.ndim == 3 else " (--kind axisymmetric, --kind 'plane stress')"))
+        others = " (--kind axisymmetric, --kind 'plane stress')"
+        print(f"elements: {', '.join(words)}, {kind}"
+              + (others if mesh.ndim == 2 and not options.kind else ""))
         print(f"element sets: {', '.join(mesh.element_sets)}")
         print(f"surfaces: {', '.join(mesh.surfaces) or 'none'}")
         print(f"next: *INCLUDE, INPUT={options.target.name} in a deck with material and step")

@@ -111,14 +111,14 @@ def judge_here(text: str, solve: bool) -> str:
     from lopin import _bridge
 
     words = (text, "now.inp", str(ROOT/"decks"), "")
-    signal.alarm(20)
+    signal.setitimer(signal.ITIMER_PROF, 20.0)   # of the processor: the machine may be shared
     session = _bridge.Session(*words) if solve else _bridge.Session.opened(*words, {}, b"")
     if not solve:
         session.end()
     summary = json.dumps(session.summary()) if solve and not session.code else ""
     code, said = session.code, [d for d in session.diagnostics if d["severity"] == "error"]
     session.close()
-    signal.alarm(0)
+    signal.setitimer(signal.ITIMER_PROF, 0.0)
     if code not in CODES:
         return f"exit code {code}"
     if code and not said:
@@ -147,11 +147,11 @@ def in_children(place: Path, numbers: range, take) -> int:
         number, more = struct.unpack("ii", at[:])
         found, first = found + more, last
         if status:
-            found, first = found + 1, number + 1
-            hung = os.WIFSIGNALED(status) and os.WTERMSIG(status) == signal.SIGALRM
+            first = number + 1
+            hung = os.WIFSIGNALED(status) and os.WTERMSIG(status) == signal.SIGPROF
             why = "no end in 20 s" if hung else f"status {status}: " + \
                 (place/"said").read_text(errors="replace")[:200]
-            take(number, why)
+            found += take(number, why)
     return found
 
 

@@ -9,6 +9,7 @@ import xml.etree.ElementTree
 
 import pytest
 
+from conftest import ROOT
 from scenes import SCENES, run
 
 
@@ -136,3 +137,13 @@ def test_tables_that_a_deck_no_longer_asks_for_go(executable, root, tmp_path):
     code, said = run(deck)
     assert code == 5 and "E0603" in said and (tmp_path/"o"/"a.dat").read_text() == "mine"
     assert run(without)[0] == 0 and (tmp_path/"o"/"a.dat").read_text() == "mine"
+
+
+@pytest.mark.usefixtures("core")
+def test_harmed_decks_are_read_or_refused_with_their_line(monkeypatch):
+    monkeypatch.syspath_prepend(str(ROOT/"tests"/"benchmarks"))
+    import mutate
+
+    files = mutate.decks(False)
+    wrong = {n: mutate.judge_here(mutate.harm(n, files)[0], False) for n in range(60)}
+    assert not {n: what for n, what in wrong.items() if what}
