@@ -27,8 +27,8 @@ module lopin_limit_increment
    real(wp), parameter :: most_flow = 0.25_wp
    !> Force that may pass within an increment, beside all of it; and within one that is not cut.
    real(wp), parameter :: most_passed = 0.1_wp, most_silent = 0.25_wp
-   !> Cuts in a row for a pair that lets go: a jump does in any increment.
-   integer, parameter :: most_cuts = 3
+   !> Cuts in a row for a pair that lets go, and for force that passes: a jump does in any increment.
+   integer, parameter :: most_cuts = 3, most_halts = 5
 
    !> Sums over the points of a pair, where the increment begins and ends.
    type :: transfer_type
@@ -133,7 +133,7 @@ contains
 
       text = to_text(100.0_wp*share, 3)//' % of the contact force passes between points of '// &
          & model%surface(model%pair(pair)%slave)%name//' or leaves them in one increment'
-      if (scene%may_cut) then
+      if (scene%may_cut .and. scene%newton%attempt <= most_halts) then
          call raise(error, error_code%not_converged, 'E0555', text, model%step(scene%step)%at, &
             & help='smaller increments on *STATIC')
       else if (share > most_silent) then
