@@ -27,7 +27,8 @@ module lopin_limit_increment
    real(wp), parameter :: most_flow = 0.25_wp
    !> Force that may pass within an increment, beside all of it; and within one that is not cut.
    real(wp), parameter :: most_passed = 0.1_wp, most_silent = 0.25_wp
-   !> Cuts in a row for a pair that lets go, and for force that passes: a jump does in any increment.
+   !> Cuts in a row for a pair that lets go, and for force that passes: a jump does in any
+   !> increment.
    integer, parameter :: most_cuts = 3, most_halts = 5
 
    !> Sums over the points of a pair, where the increment begins and ends.
