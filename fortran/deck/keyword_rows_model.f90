@@ -176,8 +176,8 @@ contains
       call data_line(table, 'cx [length], cy [length], cz [length], dx [length], dy [length], '// &
          & 'dz [length]', 'REVOLUTION: a second line, the middles of two sides of a rectangle '// &
          & 'about a: the profile runs around it, r is the distance from it.')
-      call example(table, '*SURFACE, NAME=PUNCH, TYPE=SEGMENTS|START, 0., 0.|CIRCL, 7., 3., '// &
-         & '0., 10.')
+      call example(table, '*SURFACE, NAME=PUNCH, TYPE=SEGMENTS|START, 10., 10.|CIRCL, 0., '// &
+         & '0., 0., 10.')
       call about(table, 'H')
    end subroutine add_surfaces
 
@@ -354,7 +354,7 @@ contains
          & 'A tool that moves with a reference node: an analytical surface, elements or nodes.')
       call word(table, 'REF NODE', 'Reference node, or a set of one node.')
       call required(table)
-      call word(table, 'ANALYTICAL SURFACE', 'Surface of type SEGMENTS, CYLINDER or REVOLUTION.')
+      call word(table, 'ANALYTICAL SURFACE', 'Surface of type SEGMENTS, CYLINDER, REVOLUTION, STL.')
       call word(table, 'ELSET', 'Elements that become rigid.')
       call word(table, 'NSET', 'Nodes that become rigid (CalculiX).')
       call word(table, 'PIN NSET', 'Nodes that follow in translation.')

@@ -230,8 +230,8 @@ contains
       call add_print_words(table)
       call word(table, 'ELSET', 'The elements; the result files hold all elements.')
       call ignored_flag(table, 'POSITION', 'Values are those averaged at nodes.')
-      call data_line(table, 'variable, ...', 'S, E; others are noted and left out.')
-      call example(table, '*EL FILE|S, E')
+      call data_line(table, 'variable, ...', 'S, E, PEEQ; others are noted and left out.')
+      call example(table, '*EL FILE|S, E, PEEQ')
 
       call key(table, 'CONTACT FILE', 'S', 'both', 'Contact values in the result files.')
       call add_print_words(table)
