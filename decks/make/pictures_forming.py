@@ -64,19 +64,24 @@ def wire_drawing() -> None:
     save(fig, "wire_drawing")
 
 
+def forged(fig, axes, result, frames, limit: float) -> None:
+    """The billet between its dies at some increments, by plastic strain up to `limit`."""
+    for ax, k in zip(axes, frames):
+        drawn = deformed(ax, result, result.at(k)["PEEQ"], scale=1.0, index=k,
+                         limits=(0.0, limit), grid=0.15)
+        tools(ax, result, scale=1.0, index=k)
+        ax.set(xlim=(0.0, 30.0), ylim=(0.0, 18.0), xlabel="r [mm]")
+        ax.set_title(f"{50.0*result.times[k]:.1f} mm", fontsize=9)
+    axes[0].set_ylabel("z [mm]")
+    coloured(fig, drawn, list(axes), "plastic strain")
+
+
 def closed_die() -> None:
     """The billet between its dies three times, and the force of the press."""
     result = solved("closed_die")
     last = len(result.times) - 1
     fig, axes = figure(9.6, 2.6, 4)
-    for ax, k in zip(axes, (0, 3*last//4, last)):
-        drawn = deformed(ax, result, result.at(k)["PEEQ"], scale=1.0, index=k, limits=(0.0, 1.5),
-                         grid=0.15)
-        tools(ax, result, scale=1.0, index=k)
-        ax.set(xlim=(0.0, 30.0), ylim=(0.0, 18.0), xlabel="r [mm]")
-        ax.set_title(f"{5.0*result.times[k]/result.times[-1]:.1f} mm", fontsize=9)
-    axes[0].set_ylabel("z [mm]")
-    coloured(fig, drawn, list(axes[:3]), "plastic strain")
+    forged(fig, axes[:3], result, (0, 3*last//4, last), 1.5)
     axes[3].plot(-result.history["DIE.u2"], -result.history["DIE.rf2"]/1e3, color=DOTS)
     axes[3].set(xlabel="stroke [mm]", ylabel="force [kN]", ylim=(0.0, None))
     save(fig, "closed_die")
@@ -86,20 +91,13 @@ def full_flash() -> None:
     """Three of the meshes on the way into the flash, and the force beside that of one mesh."""
     result, one = solved("full_flash"), solved("closed_die")
     fig, axes = figure(9.6, 2.6, 4)
-    stroke = np.asarray(result.times)*50.0
-    for ax, at in zip(axes, (3.5, 4.9, 5.3)):
-        k = int(np.argmin(abs(stroke - at)))
-        drawn = deformed(ax, result, result.at(k)["PEEQ"], scale=1.0, index=k, limits=(0.0, 2.0),
-                         grid=0.15)
-        tools(ax, result, scale=1.0, index=k)
-        ax.set(xlim=(0.0, 30.0), ylim=(0.0, 18.0), xlabel="r [mm]")
-        ax.set_title(f"{stroke[k]:.1f} mm", fontsize=9)
-    axes[0].set_ylabel("z [mm]")
-    coloured(fig, drawn, list(axes[:3]), "plastic strain")
-    axes[3].plot(-result.history["DIE.u2"], -result.history["DIE.rf2"]/1e3, color=DOTS,
-                 label="made anew")
-    axes[3].plot(-one.history["DIE.u2"], -one.history["DIE.rf2"]/1e3, "--", color=EXACT,
-                 label="one mesh")
+    stroke = 50.0*np.asarray(result.times)
+    frames = [int(np.argmin(abs(stroke - at))) for at in (3.5, 4.9, 5.3)]
+    forged(fig, axes[:3], result, frames, 2.0)
+    for run, style, colour, label in ((result, "-", DOTS, "made anew"),
+                                      (one, "--", EXACT, "one mesh")):
+        axes[3].plot(-run.history["DIE.u2"], -run.history["DIE.rf2"]/1e3, style, color=colour,
+                     label=label)
     axes[3].set(xlabel="stroke [mm]", ylabel="force [kN]", ylim=(0.0, None), xlim=(3.5, 5.4))
     axes[3].legend(frameon=False)
     save(fig, "full_flash")
@@ -116,7 +114,8 @@ def blanking() -> None:
         at.set(xlim=(4.4, 5.6), ylim=(-0.3, 1.2), xlabel="r [mm]")
         coloured(fig, drawn, at, label)
     left.set_ylabel("z [mm]")
-    ax.plot(-result.history["PUNCH.u2"], -result.history["PUNCH.rf2"]/1e3, color=DOTS, label="Lopin")
+    ax.plot(-result.history["PUNCH.u2"], -result.history["PUNCH.rf2"]/1e3, color=DOTS,
+            label="Lopin")
     ax.axhline(16.0, color=EXACT, label="slab")
     ax.set(xlabel="stroke [mm]", ylabel="force [kN]", ylim=(0.0, None))
     ax.legend(frameon=False)

@@ -33,25 +33,12 @@ contains
             & 'CRITERION='//word, at)
          return
       end if
-      call read_positive('WIDTH', one%width)
-      call read_positive('CRITICAL', one%critical)
       call read_coefficient(word, one%coefficient, block, log)
+      call get_word(block, 'WIDTH', word, at, found)
+      if (found) call parse_real(word, one%width, found)
+      if (found .and. .not. one%width > 0.0_wp) call complain(log, 'E0203', 'WIDTH='//word// &
+         & ' is not positive', at)
       material%damage = [material%damage, one]
-
-   contains
-
-      subroutine read_positive(name, value)
-         character(len=*), intent(in) :: name
-         real(wp), intent(inout) :: value
-         character(len=:), allocatable :: given
-         logical :: right
-
-         call get_word(block, name, given, at, right)
-         if (.not. right) return
-         call parse_real(given, value, right)
-         if (right .and. .not. value > 0.0_wp) call complain(log, 'E0203', name//'='//given// &
-            & ' is not positive', at)
-      end subroutine read_positive
    end subroutine read_damage
 
    !> A of OYANE, which has no usual value; c of RICE-TRACEY, 3/2 unless given.

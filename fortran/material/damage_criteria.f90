@@ -4,7 +4,7 @@
 !> the mean stress and q that of von Mises,
 !>
 !>     COCKCROFT-LATHAM  f = <s1>/q                          (1968, normalised by Oh et al., 1979)
-!>     OYANE             f = <1 + A sm/q>                    (1972; his integral is A times this D)
+!>     OYANE             f = <1 + A sm/q>                    (1972; that of sm/q + 1/A is D/A)
 !>     RICE-TRACEY       f = exp(c sm/q), c = 1.5            (1969; growth of a void is .283 D)
 !>     LEMAITRE          f = 2/3 (1 + nu) + 3 (1 - 2 nu) (sm/q)^2, 0 where sm/q <= -1/3 (1985)
 !>
@@ -21,7 +21,6 @@ module lopin_damage_criteria
       integer :: kind = 0                  !! place in `damage_names`
       real(wp) :: coefficient = 0.0_wp     !! OYANE: A; RICE-TRACEY: c [-]
       real(wp) :: width = 0.0_wp           !! means are taken over it; 0: none [length]
-      real(wp) :: critical = 0.0_wp        !! where metal separates; 0: nowhere [-]
    end type damage_type
 
    character(len=16), parameter :: damage_names(4) = [character(len=16) :: 'COCKCROFT-LATHAM', &
