@@ -1,13 +1,18 @@
 !> Edges between two facets: concave corners, and creases that mean a curved surface.
 module lopin_creases
    use lopin_kinds, only : wp
-   use lopin_facet_mesh, only : facet_mesh_type
+   use lopin_facet_mesh, only : facet_mesh_type, edge_of
+   use lopin_tool, only : one_plane
    implicit none
    private
-   public :: is_hollow, chord_of, turn_at, edge_to
+   public :: is_hollow, chord_of, turn_at, edge_to, stays
 
    !> 30 degrees: two walls, not one.
    real(wp), parameter, public :: sharp = cos(acos(-1.0_wp)/6.0_wp)
+
+   !> The next crease of a curved surface turns by so much of the last or its inverse, about an axis
+   !> within so much of parallel [-].
+   real(wp), parameter :: least_turn = 0.2_wp, parallel = 0.25_wp
 
 contains
 
@@ -45,6 +50,7 @@ contains
       across = across - dot_product(across, along)/dot_product(along, along)*along
       chord_of = 0.5_wp*norm2(across)*angle
    end function chord_of
+
    !> The edge of a facet beyond which another lies.
    pure integer function edge_to(mesh, f, other) result(k)
       type(facet_mesh_type), intent(in) :: mesh
@@ -63,4 +69,57 @@ contains
       if (dot_product(mesh%normal(:, f), sum(mesh%x(:, mesh%vertex(:, g)), dim=2)/3.0_wp &
          & - mesh%x(:, mesh%vertex(k, f))) > 0.0_wp) turn = -turn
    end function turn_at
+
+   !> An edge that is sharp, or a crease that stands alone.
+   pure logical function stays(mesh, f, k)
+      type(facet_mesh_type), intent(in) :: mesh
+      integer, intent(in) :: f, k
+      real(wp) :: cosine, along(3)
+      integer :: g
+
+      g = mesh%neighbour(k, f)
+      cosine = dot_product(mesh%normal(:, f), mesh%normal(:, g))
+      stays = cosine < sharp
+      if (stays .or. cosine >= one_plane) return
+      along = edge_of(mesh, f, k)
+      stays = .not. (turns_on(mesh, f, k, along, turn_at(mesh, f, k)) &
+         & .or. turns_on(mesh, g, edge_to(mesh, g, f), along, turn_at(mesh, f, k)))
+   end function stays
+
+   !> Beyond a facet, on the way from its edge k, the surface turns on; an edge that turns far less,
+   !> as between the halves of a rectangle, is passed over, once.
+   pure logical function turns_on(mesh, f, k, along, turn)
+      type(facet_mesh_type), intent(in) :: mesh
+      integer, intent(in) :: f, k
+      real(wp), intent(in) :: along(3), turn   !! the crease, and by how much it turns [rad]
+      integer :: i, j, g, back
+
+      turns_on = .false.
+      do i = 1, 3
+         g = mesh%neighbour(i, f)
+         if (i == k .or. g == 0) cycle
+         turns_on = goes_with(mesh, f, i, along, turn)
+         if (turns_on) return
+         if (abs(turn_at(mesh, f, i)) > least_turn*abs(turn)) cycle
+         back = edge_to(mesh, g, f)
+         do j = 1, 3
+            if (j == back .or. mesh%neighbour(j, g) == 0) cycle
+            turns_on = goes_with(mesh, g, j, along, turn)
+            if (turns_on) return
+         end do
+      end do
+   end function turns_on
+
+   !> This edge turns the surface the same way and about as much.
+   pure logical function goes_with(mesh, f, k, along, turn)
+      type(facet_mesh_type), intent(in) :: mesh
+      integer, intent(in) :: f, k
+      real(wp), intent(in) :: along(3), turn
+      real(wp) :: edge(3), next
+
+      edge = edge_of(mesh, f, k)
+      next = turn_at(mesh, f, k)/turn
+      goes_with = next > least_turn .and. next < 1.0_wp/least_turn .and. &
+         & abs(dot_product(edge, along)) > parallel*norm2(edge)*norm2(along)
+   end function goes_with
 end module lopin_creases

@@ -2,25 +2,23 @@
 !>
 !> Facets that meet at less than 30 degrees share the normals of their corners, those of the facets
 !> around weighted by angle and area. Sharper edges stay as they are, and so do creases that stand
-!> alone: a surface that is curved turns on, the same way and about as much, at the next crease.
+!> alone and stand out: a surface that is curved turns on, the same way and about as much, at the
+!> next crease, and what turns less far off than the chords of that surface belongs to it.
 !> Points whose foot is on an edge that stays are met as on flat facets. The normal runs between
 !> those of the corners, so that it does not jump where a point goes from one facet to the next.
 module lopin_tool_curved
    use lopin_kinds, only : wp
-   use lopin_facet_mesh, only : facet_mesh_type, edge_of
+   use lopin_facet_mesh, only : facet_mesh_type
    use lopin_tool, only : foot_type, one_plane, coincidence
    use lopin_vectors, only : cross
    use lopin_tool_facets, only : facets_tool_type, nearest_type, new_facets_tool, settle_flat, &
       & goes_through
-   use lopin_creases, only : sharp, chord_of, turn_at, edge_to
+   use lopin_creases, only : sharp, chord_of, turn_at, edge_to, stays
    use lopin_curved_triangle, only : edge_control, closest_on_curved, normal_slopes
    implicit none
    private
    public :: curved_tool_type, new_curved_tool
 
-   !> The next crease of a curved surface turns by so much of the last or its inverse, about an axis
-   !> within so much of parallel [-].
-   real(wp), parameter :: least_turn = 0.2_wp, parallel = 0.25_wp
    integer, parameter :: most_hops = 8          !! from facet to facet, on the way to the closest
    real(wp), parameter :: nearer = 1.0_wp - 1.0e-12_wp   !! beside the squared distance before
 
@@ -57,7 +55,6 @@ contains
             if (.not. self%kept(k, f)) self%chord(f) = max(self%chord(f), chord_of(mesh, f, k))
          end do
       end do
-      call find_regions(self)
       do f = 1, mesh%nfacet
          do k = 1, 3
             self%corner(:, k, f) = normal_at(self, f, k)
@@ -76,12 +73,12 @@ contains
       end do
    end subroutine new_curved_tool
 
-   !> Edges that stay; but what turns far less than a curved surface beside it, as the diagonals of
-   !> its squares, is part of that.
+   !> Edges that stay: sharp ones, and creases that stand alone and stand out.
    pure subroutine find_kept(self)
       type(curved_tool_type), intent(inout) :: self
-      logical :: smooth(3, self%mesh%nfacet)
+      real(wp) :: chord(self%mesh%nfacet)      !! largest of edges that are curved [length]
       integer :: f, k, g
+      logical :: all_stand_out
 
       associate (mesh => self%mesh)
          do f = 1, mesh%nfacet
@@ -92,13 +89,19 @@ contains
                if (g > 0 .and. g < f) self%kept(k, f) = self%kept(edge_to(mesh, g, f), g)
             end do
          end do
-         smooth = .not. self%kept .and. mesh%neighbour > 0
+         chord = 0.0_wp
          do f = 1, mesh%nfacet
             do k = 1, 3
-               if (.not. self%kept(k, f)) cycle
-               g = mesh%neighbour(k, f)
-               self%kept(k, f) = .not. (is_faint(mesh, f, k, smooth(:, f), f) &
-                  & .or. is_faint(mesh, f, k, smooth(:, g), g))
+               if (.not. self%kept(k, f)) chord(f) = max(chord(f), chord_of(mesh, f, k))
+            end do
+         end do
+         do
+            call find_regions(self)
+            call drop_chords(self, chord, all_stand_out)
+            if (all_stand_out) exit
+         end do
+         do f = 1, mesh%nfacet
+            do k = 1, 3
                self%hollow(k, f) = self%kept(k, f) .and. turn_at(mesh, f, k) < 0.0_wp
                if (self%kept(k, f)) self%fixed(mesh%vertex([k, 1 + mod(k, 3)], f)) = .true.
             end do
@@ -106,72 +109,35 @@ contains
       end associate
    end subroutine find_kept
 
-   !> An edge turns far less than a smooth one of a facet beside it.
-   pure logical function is_faint(mesh, f, k, smooth, beside)
-      type(facet_mesh_type), intent(in) :: mesh
-      integer, intent(in) :: f, k, beside
-      logical, intent(in) :: smooth(3)         !! edges of the facet beside
-      integer :: i
+   !> Slivers and diagonals turn as chance has it. What stands out no more than the chords of the
+   !> curved surface beside it is a chord of that too; taken for one, it moves the tool by less than
+   !> these do.
+   pure subroutine drop_chords(self, chord, all_stand_out)
+      type(curved_tool_type), intent(inout) :: self
+      real(wp), intent(in) :: chord(:)         !! (nfacet) [length]
+      logical, intent(out) :: all_stand_out
+      real(wp) :: largest(maxval(self%region))
+      integer :: f, k, g
 
-      is_faint = .false.
-      do i = 1, 3
-         if (smooth(i)) is_faint = is_faint &
-            & .or. abs(turn_at(mesh, f, k)) < least_turn*abs(turn_at(mesh, beside, i))
-      end do
-   end function is_faint
-
-   !> An edge that is sharp, or a crease that stands alone.
-   pure logical function stays(mesh, f, k)
-      type(facet_mesh_type), intent(in) :: mesh
-      integer, intent(in) :: f, k
-      real(wp) :: cosine, along(3)
-      integer :: g
-
-      g = mesh%neighbour(k, f)
-      cosine = dot_product(mesh%normal(:, f), mesh%normal(:, g))
-      stays = cosine < sharp
-      if (stays .or. cosine >= one_plane) return
-      along = edge_of(mesh, f, k)
-      stays = .not. (turns_on(mesh, f, k, along, turn_at(mesh, f, k)) &
-         & .or. turns_on(mesh, g, edge_to(mesh, g, f), along, turn_at(mesh, f, k)))
-   end function stays
-
-   !> Beyond a facet, on the way from its edge k, the surface turns on; an edge that turns far less,
-   !> as between the halves of a rectangle, is passed over, once.
-   pure logical function turns_on(mesh, f, k, along, turn)
-      type(facet_mesh_type), intent(in) :: mesh
-      integer, intent(in) :: f, k
-      real(wp), intent(in) :: along(3), turn   !! the crease, and by how much it turns [rad]
-      integer :: i, j, g, back
-
-      turns_on = .false.
-      do i = 1, 3
-         g = mesh%neighbour(i, f)
-         if (i == k .or. g == 0) cycle
-         turns_on = goes_with(mesh, f, i, along, turn)
-         if (turns_on) return
-         if (abs(turn_at(mesh, f, i)) > least_turn*abs(turn)) cycle
-         back = edge_to(mesh, g, f)
-         do j = 1, 3
-            if (j == back .or. mesh%neighbour(j, g) == 0) cycle
-            turns_on = goes_with(mesh, g, j, along, turn)
-            if (turns_on) return
+      all_stand_out = .true.
+      associate (mesh => self%mesh, region => self%region)
+         largest = 0.0_wp
+         do f = 1, mesh%nfacet
+            largest(region(f)) = max(largest(region(f)), chord(f))
          end do
-      end do
-   end function turns_on
-
-   !> This edge turns the surface the same way and about as much.
-   pure logical function goes_with(mesh, f, k, along, turn)
-      type(facet_mesh_type), intent(in) :: mesh
-      integer, intent(in) :: f, k
-      real(wp), intent(in) :: along(3), turn
-      real(wp) :: edge(3), next
-
-      edge = edge_of(mesh, f, k)
-      next = turn_at(mesh, f, k)/turn
-      goes_with = next > least_turn .and. next < 1.0_wp/least_turn .and. &
-         & abs(dot_product(edge, along)) > parallel*norm2(edge)*norm2(along)
-   end function goes_with
+         do f = 1, mesh%nfacet
+            do k = 1, 3
+               g = mesh%neighbour(k, f)
+               if (g < f .or. .not. self%kept(k, f)) cycle
+               if (dot_product(mesh%normal(:, f), mesh%normal(:, g)) < sharp) cycle
+               if (chord_of(mesh, f, k) > max(largest(region(f)), largest(region(g)))) cycle
+               self%kept(k, f) = .false.
+               self%kept(edge_to(mesh, g, f), g) = .false.
+               all_stand_out = .false.
+            end do
+         end do
+      end associate
+   end subroutine drop_chords
 
    !> Facets that hang together without a kept edge between them.
    pure subroutine find_regions(self)
@@ -179,6 +145,7 @@ contains
       integer, allocatable :: stack(:)
       integer :: first, top, f, k, g, n
 
+      if (allocated(self%region)) deallocate (self%region)
       allocate (self%region(self%mesh%nfacet), source=0)
       allocate (stack(self%mesh%nfacet))
       n = 0
@@ -266,14 +233,12 @@ contains
       if (self%region(a) /= self%region(b)) apart = apart + 2*self%mesh%nfacet
    end function apart_by_walls
 
-   !> Only kept edges are creases.
+   !> Only kept edges are creases: where a fillet turns far from one place to another it is curved.
    pure logical function is_bent(self, a, b)
       class(curved_tool_type), intent(in) :: self
       integer, intent(in) :: a, b
-      real(wp) :: cosine
-
-      cosine = dot_product(self%mesh%normal(:, a), self%mesh%normal(:, b))
-      is_bent = cosine < sharp .or. cosine < one_plane .and. self%region(a) /= self%region(b)
+      is_bent = self%region(a) /= self%region(b) &
+         & .and. dot_product(self%mesh%normal(:, a), self%mesh%normal(:, b)) < one_plane
    end function is_bent
 
    !> The foot on the curved surface, from the closest point of the flat facets.

@@ -20,6 +20,8 @@ program test_tool_curved
    call a_valley_holds_by_both_walls()
    call so_does_a_valley_that_ends()
    call a_fillet_of_twisted_squares_has_no_edges()
+   call nor_has_one_of_chance_triangles()
+   call a_ridge_beside_a_fillet_stays()
    call finish()
 
 contains
@@ -276,6 +278,72 @@ contains
       call is_true('no jump of the normal', worst < 0.01_wp)
       call is_true('no creases', .not. tool%has_creases())
    end subroutine a_fillet_of_twisted_squares_has_no_edges
+
+   !> As exported dies have them: slivers turn by up to 30 degrees either way.
+   subroutine nor_has_one_of_chance_triangles()
+      class(tool_type), allocatable :: tool
+      real(wp), parameter :: step = 0.4_wp
+      real(wp) :: corner(3, 3, 2*15*23), p(3, 16, 24), shake(2)
+      integer :: trial, i, j
+
+      call test('a fillet of chance triangles has no edges')
+      do trial = 1, 20
+         do i = 1, 24
+            do j = 1, 16
+               call random_number(shake)
+               shake = 0.6_wp*(shake - 0.5_wp)
+               if (any(i == [1, 24])) shake(1) = 0.0_wp
+               if (any(j == [1, 16])) shake(2) = 0.0_wp
+               p(:, j, i) = on_fillet(step*(i - 12 + shake(1)))
+               p(1, j, i) = -step*(j + shake(2))
+            end do
+         end do
+         call strips(p, corner)
+         call new_open(tool, corner)
+         call is_true('no creases', .not. tool%has_creases())
+         call is_true('nor between its ends', .not. tool%is_creased(1, size(corner, 3)))
+      end do
+   end subroutine nor_has_one_of_chance_triangles
+
+   !> A place on the way from a plane over an arc of 60 degrees into another plane.
+   pure function on_fillet(way) result(x)
+      real(wp), intent(in) :: way              !! from the middle of the arc [length]
+      real(wp), parameter :: radius = 3.0_wp, half = acos(-1.0_wp)/6.0_wp
+      real(wp) :: x(3), angle
+
+      angle = max(-half, min(half, way/radius))
+      x = [0.0_wp, sin(angle), 1.0_wp - cos(angle)]*radius
+      x = x + (way - radius*angle)*[0.0_wp, cos(angle), sin(angle)]
+   end function on_fillet
+
+   !> A ridge of 15 degrees 3 before a fillet of strips of 0.3, which are curved.
+   subroutine a_ridge_beside_a_fillet_stays()
+      class(tool_type), allocatable :: tool
+      type(foot_type) :: foot
+      real(wp), parameter :: slope = acos(-1.0_wp)/12.0_wp
+      real(wp) :: corner(3, 3, 4*14), p(3, 3, 15), lean
+      integer :: i, j, side
+
+      call test('a ridge beside a fillet stays')
+      do i = 1, 15
+         do j = 1, 3
+            p(:, j, i) = on_fillet(0.3_wp*(i - 9))
+            if (i == 2) p(:, j, i) = on_fillet(-4.5_wp)
+            if (i == 1) p(:, j, i) = on_fillet(-4.5_wp) - 3.0_wp*[0.0_wp, &
+               & cos(acos(-1.0_wp)/6.0_wp - slope), -sin(acos(-1.0_wp)/6.0_wp - slope)]
+            p(1, j, i) = 1.5_wp*(2 - j)
+         end do
+      end do
+      call strips(p, corner)
+      call new_open(tool, corner)
+      call is_true('one crease', tool%has_creases())
+      do side = -1, 1, 2
+         lean = acos(-1.0_wp)/6.0_wp - merge(slope, 0.0_wp, side < 0)
+         call tool%project(p(:, 2, 2) + [0.1_wp, 0.3_wp*side*cos(lean), -0.3_wp*side*sin(lean)] &
+            & + 0.1_wp*[0.0_wp, sin(lean), cos(lean)], foot)
+         call close_to('its normals', foot%normal(2), sin(lean), 1.0e-4_wp)
+      end do
+   end subroutine a_ridge_beside_a_fillet_stays
 
    !> Two triangles a square of a grid of points, seen from above.
    pure subroutine strips(p, corner)
