@@ -167,6 +167,13 @@ contains
    subroutine energies(list)
       type(explanation_type), allocatable, intent(inout) :: list(:)
 
+      call add_explanation(list, 'W0558', 'second-order faces are coarse for the tool', &
+         & 'The force of a mid-side node acts on the ends of its edge too, and its contact is '// &
+         & 'that of the mean gap by those parts. Opposite a curved tool this closes while the '// &
+         & 'node stands off by up to two fifths of the gaps at the ends: the tool is met too '// &
+         & 'early. With many nodes in contact that matters at the rim alone; with few, the '// &
+         & 'force is wrong. Forces times such gaps are more than a tenth of the work done.', &
+         & 'finer faces of the slave where it meets the tool, or first-order elements.')
       call add_explanation(list, 'W0530', 'energies do not balance', &
          & 'The work of loads and prescribed displacements differs from stored energy, plastic '// &
          & 'work and friction by more than a hundredth (three of elastic bodies), and by more '// &

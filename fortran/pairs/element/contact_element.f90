@@ -145,15 +145,19 @@ contains
             n = turned(rotation, turn)
             to_anchor = arm - turned(rotation, constant(point%anchor%y - motion%reference))
             state%opening = gap%v
+            state%beyond = 0.0_wp
             there(1) = place_type(1.0_wp, x, n, gap, inputs%slave)
             places = 1
             if (allocated(point%opposite%sample)) then
                call add_samples(from, rotation, motion%reference)
                call mean_place(there, gap, to_anchor)
+               state%beyond = gap%v - state%opening
                to_anchor = to_anchor - turned(rotation, constant(point%anchor%offset))
             end if
-            if (allocated(point%opposite%inner)) call add_inner(from, rotation, motion%reference, &
-               & gap)
+            if (allocated(point%opposite%inner)) then
+               call add_inner(from, rotation, motion%reference, gap)
+               state%beyond = 0.0_wp
+            end if
          end associate
       end subroutine find_gap_to_tool
 

@@ -90,6 +90,7 @@ module lopin_contact_row
       integer :: status = 0
       real(wp) :: gap = 0.0_wp                 !! of the row [length]
       real(wp) :: opening = 0.0_wp             !! of the node itself [length]
+      real(wp) :: beyond = 0.0_wp   !! gap of the nodes that the row pushes beyond that [length]
       real(wp) :: normal(3) = 0.0_wp
       real(wp) :: traction(3) = 0.0_wp         !! on the slave [stress]
       real(wp) :: slip(3) = 0.0_wp             !! of the increment [length]

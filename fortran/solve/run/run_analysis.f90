@@ -21,6 +21,7 @@ module lopin_run_analysis
    use lopin_released_forces, only : supports_type, record_supports, release_pairs, &
       & add_released_forces, releases_support
    use lopin_after_step, only : check_step
+   use lopin_coarse_faces, only : check_coarse_faces
    use lopin_artificial_work, only : check_artificial_work
    use lopin_work_balance, only : end_balance
    use lopin_snap_through, only : report_snap_through
@@ -371,6 +372,7 @@ contains
             & scene%accepted%loads%steady)
          call leave_followers(scene%newton%follower, scene%accepted%loads%followers)
          call check_step(scene, model, watch%seen, self%frame%certificate%rubs%ramp)
+         call check_coarse_faces(scene, model, energy%most)
          if (scene%newton%in_use) call end_balance(watch%balance, scene, model, energy)
          call report_snap_through(watch%jumps, scene, model, energy)
          if (scene%newton%in_use) call report_springback(watch%springback, scene, model, energy, &
