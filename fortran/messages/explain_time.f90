@@ -45,9 +45,10 @@ contains
          & 'Within an increment in which metal flows, points close or open or go round a '// &
          & 'corner of the tool, and more than a tenth of the contact force with them. Metal '// &
          & 'remembers when that was, but an increment knows its end alone. It is cut, unless '// &
-         & 'the metal flows by less than five strains of first yield. So are increments in '// &
-         & 'which points leave that carried a tenth of the largest force of the run and '// &
-         & 'rubbed, or held a body that floats then.', &
+         & 'the metal flows by less than five strains of first yield; points by metal that '// &
+         & 'flows less than that count in proportion. So are increments in which points leave '// &
+         & 'that carried a tenth of the largest force of the run and rubbed, or held a body '// &
+         & 'that floats then. What jumps in any increment is taken as it is.', &
          & 'smaller increments on *STATIC; DIRECT takes them as they are (W0555).')
       call add_explanation(list, 'W0555', 'contact forces pass to other points in one increment', &
          & 'As E0555, in increments that may not be cut, and more than a quarter of the force: '// &

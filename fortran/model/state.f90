@@ -12,7 +12,7 @@ module lopin_state
    implicit none
    private
    public :: state_type, motion_type, solids_state_type, contact_state_type, clock_state_type
-   public :: loads_state_type, pressures_type, solver_state_type, judged_type
+   public :: loads_state_type, pressures_type, solver_state_type, judged_type, refused_type
    public :: begin, accept, reject, begin_step_of, new_contact_state
 
    !> Where the bodies are, and how they went there.
@@ -118,6 +118,14 @@ module lopin_state
       procedure :: pass => pass_loads
    end type loads_state_type
 
+   !> An increment in which too much force passed between points.
+   type :: refused_type
+      integer :: pair = 0                      !! whose force that was; 0: none was refused
+      real(wp) :: share = 0.0_wp               !! of the force of contact
+      real(wp) :: length = 0.0_wp              !! of the increment [time]
+      real(wp) :: until = 0.0_wp               !! time of the step where it ended
+   end type refused_type
+
    !> How far the run has gone, and how it goes on.
    type :: clock_state_type
       real(wp) :: start = 0.0_wp               !! total time at the start of the step [time]
@@ -128,6 +136,7 @@ module lopin_state
       real(wp) :: usual = 0.0_wp               !! largest of the last ones accepted [time]
       real(wp) :: parts_until = 0.0_wp         !! time of the step up to which it goes by parts
       real(wp) :: part = 0.0_wp                !! of an increment in which contact began [time]
+      type(refused_type) :: refused            !! the longest now tried over its time
    contains
       procedure :: pass => pass_clock
    end type clock_state_type
@@ -346,5 +355,9 @@ contains
       call stream%pass(self%usual)
       call stream%pass(self%parts_until)
       call stream%pass(self%part)
+      call stream%pass(self%refused%pair)
+      call stream%pass(self%refused%share)
+      call stream%pass(self%refused%length)
+      call stream%pass(self%refused%until)
    end subroutine pass_clock
 end module lopin_state

@@ -2,14 +2,17 @@
 !> the force of contact passes from point to point, or ends. They remember when.
 !>
 !> Backward Euler knows the end of an increment alone. Where points close, open, or go round a
-!> corner of the tool on the way, the metal has flowed as if they had done so from the start. How
-!> much of the force of contact did, the sum over points of what closed, what opened and
-!> |f - f0| - ||f| - |f0|| of those that turned, bounds what the increment may have in the wrong
-!> place. Increments are cut where that is more than a tenth of the force, unless the metal flows so
-!> little that the increment is elastic for most of it. Where a pair lets go that holds a body that
-!> floats then, or that rubs while the metal flows or other pairs go on pressing, a tenth of the
-!> largest force of the run counts: a body that springs back free of all friction does so alike in
-!> one increment and in many.
+!> corner of the tool on the way, the metal there has flowed as if they had done so from the start.
+!> What passes by metal that flows (lopin_passed_force) bounds what the increment may have in the
+!> wrong place. Increments are cut, to what should fit, where that is more than a tenth of the
+!> force, unless the metal flows so little that the increment is elastic for most of it. Where a
+!> pair lets go that holds a body that floats then, or that rubs while the metal flows or other
+!> pairs go on pressing, a tenth of the largest force of the run counts: a body that springs back
+!> free of all friction does so alike in one increment and in many.
+!>
+!> What passes less in a shorter increment is followed so; a jump is not: where more than an eighth
+!> of what passed in an increment that was refused still passes in a sixty-fourth of it, that is
+!> taken, and increments go on as long as they were.
 module lopin_limit_increment
    use lopin_kinds, only : wp
    use lopin_error, only : error_type, error_code, raise
@@ -18,24 +21,26 @@ module lopin_limit_increment
    use lopin_friction, only : has_friction
    use lopin_first_increment, only : first_flow
    use lopin_repeated_messages, only : warn_once
+   use lopin_passed_force, only : transfer_type, sum_transfers
+   use lopin_state, only : refused_type
    use lopin_scene, only : scene_type
    implicit none
    private
-   public :: limit_increment
+   public :: limit_increment, transfer_id
+
+   character(len=*), parameter :: transfer_id = 'E0555'
 
    !> Largest plastic strain of one increment, where increments may be cut.
    real(wp), parameter :: most_flow = 0.25_wp
    !> Force that may pass within an increment, beside all of it; and within one that is not cut.
    real(wp), parameter :: most_passed = 0.1_wp, most_silent = 0.25_wp
-   !> Cuts in a row for a pair that lets go, and for force that passes: a jump does in any
-   !> increment.
+   !> Cuts in a row for a pair that lets go, and for force that passes.
    integer, parameter :: most_cuts = 3, most_halts = 5
-
-   !> Sums over the points of a pair, where the increment begins and ends.
-   type :: transfer_type
-      real(wp) :: before = 0.0_wp, now = 0.0_wp   !! [force]
-      real(wp) :: passed = 0.0_wp              !! from point to point, or round a corner [force]
-   end type transfer_type
+   !> An increment is cut to no less, and to less than what should fit.
+   real(wp), parameter :: least_part = 0.25_wp, safe = 0.9_wp
+   !> A jump passes in so short a part of an increment that was refused more than its root of what
+   !> passed there; what is smooth passes in proportion.
+   real(wp), parameter :: shorter = least_part**most_cuts
 
 contains
 
@@ -45,6 +50,7 @@ contains
       type(model_type), intent(in) :: model
       type(error_type), allocatable, intent(out) :: error
 
+      scene%newton%passes = .false.
       call limit_flow(scene, model, error)
       if (scene%newton%flows .and. .not. allocated(error)) call limit_transfer(scene, model, error)
    end subroutine limit_increment
@@ -74,7 +80,7 @@ contains
       logical :: flows, remembers
       integer :: pair
 
-      call sum_transfers(scene, of)
+      call sum_transfers(scene, model, of)
       associate (most => scene%trial%loads%pressed)
          most = max(most, maxval(of%now))
          whole = max(maxval(of%before), maxval(of%now))
@@ -82,8 +88,15 @@ contains
          flows = scene%trial%solids%most_strain > first_flow(model)
          if (flows) then
             pair = maxloc(of%passed, dim=1)
-            if (of(pair)%passed > most_passed*whole) call refuse(scene, model, pair, &
-               & of(pair)%passed/whole, error)
+            associate (share => of(pair)%passed/whole)
+               if (share > most_passed) call refuse(scene, model, pair, share, &
+                  & safe*most_passed/share, error)
+               if (share > most_silent .and. .not. allocated(error)) call warn_once(scene%log, &
+                  & 'W0555', describe(model, pair, share)//': forces there may be off by as '// &
+                  & 'much as that, because metal that flows remembers when', &
+                  & model%step(scene%step)%at, &
+                  & help='smaller increments on *STATIC, or without DIRECT')
+            end associate
          end if
          if (allocated(error) .or. scene%newton%attempt > most_cuts) return
          do pair = 1, size(of)
@@ -91,56 +104,49 @@ contains
             remembers = has_friction(scene%newton%contact%friction(pair)) &
                & .and. (flows .or. any(of%now > 0.0_wp))
             if (.not. (remembers .or. scene%bodies%nq > 0)) cycle
-            if (scene%may_cut) call refuse(scene, model, pair, of(pair)%before/most, error)
+            call refuse(scene, model, pair, of(pair)%before/most, least_part, error)
             return
          end do
       end associate
    end subroutine limit_transfer
 
-   !> What the points of each pair carry and hand over; pairs that the step takes away are let go
-   !> of in their own way.
-   pure subroutine sum_transfers(scene, of)
-      type(scene_type), intent(in) :: scene
-      type(transfer_type), intent(out) :: of(:)
-      real(wp) :: f0(3), f(3)
-      integer :: i
-
-      associate (c => scene%newton%contact, old => scene%accepted%contact)
-         do i = 1, c%n
-            if (.not. c%pair_active(c%pair(i))) cycle
-            f0 = c%weight(i)*old%traction(:, i)
-            f = merge(c%weight(i)*c%traction(:, i), 0.0_wp, c%status(i) > 0)
-            associate (sum => of(c%pair(i)), before => norm2(f0), now => norm2(f))
-               sum%before = sum%before + before
-               sum%now = sum%now + now
-               if (before > 0.0_wp .and. now > 0.0_wp) then
-                  sum%passed = sum%passed + norm2(f - f0) - abs(now - before)
-               else
-                  sum%passed = sum%passed + before + now
-               end if
-            end associate
-         end do
-      end associate
-   end subroutine sum_transfers
-
-   !> A shorter increment, or the warning that this one may not be shorter.
-   subroutine refuse(scene, model, pair, share, error)
+   !> A shorter increment, if there may be one that helps.
+   subroutine refuse(scene, model, pair, share, part, error)
       type(scene_type), intent(inout) :: scene
       type(model_type), intent(in) :: model
       integer, intent(in) :: pair
       real(wp), intent(in) :: share            !! of the force of contact
+      real(wp), intent(in) :: part             !! of the increment that should fit
       type(error_type), allocatable, intent(out) :: error
+
+      associate (newton => scene%newton)
+         newton%refused = refused_type(pair, share, newton%dt, newton%time)
+         newton%passes = is_jump(scene, newton%refused)
+         if (newton%passes .or. newton%attempt > most_halts .or. .not. scene%may_cut) return
+         newton%fit = max(least_part, part)
+         call raise(error, error_code%not_converged, transfer_id, describe(model, pair, share), &
+            & model%step(scene%step)%at, help='smaller increments on *STATIC')
+      end associate
+   end subroutine refuse
+
+   function describe(model, pair, share) result(text)
+      type(model_type), intent(in) :: model
+      integer, intent(in) :: pair
+      real(wp), intent(in) :: share            !! of the force of contact
       character(len=:), allocatable :: text
 
       text = to_text(100.0_wp*share, 3)//' % of the contact force passes between points of '// &
          & model%surface(model%pair(pair)%slave)%name//' or leaves them in one increment'
-      if (scene%may_cut .and. scene%newton%attempt <= most_halts) then
-         call raise(error, error_code%not_converged, 'E0555', text, model%step(scene%step)%at, &
-            & help='smaller increments on *STATIC')
-      else if (share > most_silent) then
-         call warn_once(scene%log, 'W0555', text//': forces there may be off by as much as '// &
-            & 'that, because metal that flows remembers when', model%step(scene%step)%at, &
-            & help='smaller increments on *STATIC, or without DIRECT')
-      end if
-   end subroutine refuse
+   end function describe
+
+   !> As much passes as did in a longer increment that was refused and is not over yet.
+   pure logical function is_jump(scene, now)
+      type(scene_type), intent(in) :: scene
+      type(refused_type), intent(in) :: now
+
+      associate (before => scene%accepted%clock%refused)
+         is_jump = before%pair == now%pair .and. scene%accepted%clock%time < before%until &
+            & .and. now%length <= shorter*before%length .and. now%share > sqrt(shorter)*before%share
+      end associate
+   end function is_jump
 end module lopin_limit_increment

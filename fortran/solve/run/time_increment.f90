@@ -16,6 +16,7 @@ module lopin_time_increment
    use lopin_held_points, only : held_id
    use lopin_first_increment, only : first_id
    use lopin_lagged_friction, only : reads_lagged
+   use lopin_limit_increment, only : transfer_id
    use lopin_touch_order, only : order_id, parts_of_touch
    use lopin_scene, only : scene_type
    use lopin_contact_friction, only : slides_with_friction
@@ -129,6 +130,11 @@ contains
             part = max(scene%newton%fit, model%step(scene%step)%smallest/clock%increment)
             scene%newton%sized = scene%newton%sized + 1
          end if
+         if (error%item(1)%id == transfer_id) then
+            part = scene%newton%fit
+            if (.not. clock%time < clock%refused%until .or. clock%refused%pair &
+               & /= scene%newton%refused%pair) clock%refused = scene%newton%refused
+         end if
          if (error%item(1)%id == turn_id) part = steady_turn*most_turn/scene%turned
          call say(recorders, begin//', attempt '//to_text(frame%attempt)//': cut to '// &
             & to_text(part*clock%increment, 4)//', because '//error%item(1)%message)
@@ -189,6 +195,8 @@ contains
       if (.not. step%direct .and. (plan%path /= path_of%nonlinear .or. scene%newton%jumped &
          & .or. frame%iterations <= enough_iterations(scene, step, increment))) &
          & increment = growth*increment
+      ! Behind a jump increments are what they were before it.
+      if (scene%newton%passes) increment = max(increment, scene%accepted%clock%refused%length)
       if (.not. step%direct .and. flow > 0.0_wp) &
          & increment = min(increment, frame%time_increment*steady_flow/flow)
       if (.not. step%direct .and. turned > 0.0_wp) &

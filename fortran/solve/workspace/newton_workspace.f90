@@ -7,7 +7,7 @@ module lopin_newton_workspace
    use lopin_newton_system, only : newton_system_type
    use lopin_follower_loading, only : follower_type
    use lopin_contraction, only : contraction_type
-   use lopin_state, only : solids_state_type
+   use lopin_state, only : solids_state_type, refused_type
    use lopin_surface_stress, only : surface_stress_type
    implicit none
    private
@@ -64,7 +64,9 @@ module lopin_newton_workspace
       type(damping_type) :: damping            !! of a motion through pseudo-time
       integer :: attempt = 1                   !! at the increment
       integer :: sized = 0                     !! attempts that were cut before they had failed
-      real(wp) :: fit = 1.0_wp                 !! share of a first increment that flows little
+      real(wp) :: fit = 1.0_wp                 !! share of the increment that should do
+      type(refused_type) :: refused            !! the last attempt, for force that passes in it
+      logical :: passes = .false.              !! as much passes in any increment
       real(wp), allocatable :: released(:)   !! (ndof) that the step lets go of at once [force]
       logical :: faded = .false.               !! it was taken away by parts in this increment
       logical :: jumped = .false.              !! it was ended by slow motion
