@@ -12,6 +12,14 @@ module lopin_check_loads
    private
    public :: check_loads
 
+   !> A line of *CLOAD.
+   type :: line_type
+      type(location_type) :: at
+      integer :: node = 0, dof = 0           !! its first
+      logical :: idle = .true.               !! so far, nothing that it loads can move
+      logical :: loads = .false.             !! some force is not zero
+   end type line_type
+
    real(wp), parameter :: full_turn = 8.0_wp*atan(1.0_wp)
 
 contains
@@ -21,8 +29,8 @@ contains
       logical, allocatable :: inside(:, :)
       integer :: s
 
+      call check_forces(model)
       do s = 1, size(model%step)
-         call check_forces(model, model%step(s))
          if (size(model%step(s)%face_load) > 0) then
             if (.not. allocated(inside)) call find_inside(model, inside)
             call check_faces(model, model%step(s), inside)
@@ -33,45 +41,67 @@ contains
       call check_start(model)
    end subroutine check_loads
 
-   !> Forces of one line that all act where nothing can move: supports take them, or no body is
-   !> there.
-   subroutine check_forces(model, step)
+   !> Lines whose forces all act where nothing can move, in every step that they reach: supports
+   !> take them, or no body is there.
+   subroutine check_forces(model)
       type(model_type), intent(inout) :: model
-      type(step_type), intent(in) :: step
-      logical, allocatable :: held(:, :), there(:)
+      type(line_type), allocatable :: line(:)
+      logical, allocatable :: there(:)
       character(len=:), allocatable :: why
-      integer :: i, k
-      logical :: idle
+      integer :: s, i
 
-      if (size(step%point_load) == 0) return
+      call find_bodies(model, there)
+      allocate (line(0))
+      do s = 1, size(model%step)
+         if (size(model%step(s)%point_load) > 0) call read_lines(line, model, model%step(s), there)
+      end do
+      do i = 1, size(line)
+         if (.not. line(i)%idle .or. .not. line(i)%loads) cycle
+         why = '*BOUNDARY prescribes that displacement'
+         if (.not. there(line(i)%node)) why = 'the node belongs to no element and to no rigid body'
+         call model%log%say(severity%warning, 'W0405', 'the force at node '// &
+            & to_text(model%mesh%node_label(line(i)%node))//', dof '//to_text(line(i)%dof)// &
+            & ' does nothing: '//why, line(i)%at, &
+            & help='load a node that can move; OP=NEW on *BOUNDARY takes supports away')
+      end do
+   end subroutine check_forces
+
+   !> The lines of forces of a step, those that earlier steps have left among them.
+   subroutine read_lines(line, model, step, there)
+      type(line_type), allocatable, intent(inout) :: line(:)
+      type(model_type), intent(in) :: model
+      type(step_type), intent(in) :: step
+      logical, intent(in) :: there(0:)
+      logical, allocatable :: held(:, :)
+      integer :: i, k
+
       allocate (held(6, model%mesh%nnode), source=.false.)
       do i = 1, size(step%prescribed)
          held(step%prescribed(i)%dof, step%prescribed(i)%node) = .true.
       end do
-      call find_bodies(model, there)
       do i = 1, model%mesh%nnode
          if (.not. there(i)) held(:, i) = .true.
       end do
-      i = 1
-      do while (i <= size(step%point_load))
-         idle = .true.
-         k = i
-         do while (k <= size(step%point_load))
-            if (.not. same(step%point_load(k)%at, step%point_load(i)%at)) exit
-            idle = idle .and. held(step%point_load(k)%dof, step%point_load(k)%node)
-            k = k + 1
-         end do
-         why = '*BOUNDARY prescribes that displacement'
-         if (.not. there(step%point_load(i)%node)) why = 'the node belongs to no element '// &
-            & 'and to no rigid body'
-         if (idle .and. abs(step%point_load(i)%value) > 0.0_wp) call model%log%say( &
-            & severity%warning, 'W0405', 'the force at node '// &
-            & to_text(model%mesh%node_label(step%point_load(i)%node))//', dof '// &
-            & to_text(step%point_load(i)%dof)//' does nothing: '//why, step%point_load(i)%at, &
-            & help='load a node that can move; OP=NEW on *BOUNDARY takes supports away')
-         i = k
+      k = 0
+      do i = 1, size(step%point_load)
+         associate (load => step%point_load(i))
+            if (k > 0) then
+               if (.not. same(line(k)%at, load%at)) k = 0
+            end if
+            if (k == 0) then
+               do k = size(line), 1, -1
+                  if (same(line(k)%at, load%at)) exit
+               end do
+            end if
+            if (k == 0) then
+               line = [line, line_type(load%at, load%node, load%dof)]
+               k = size(line)
+            end if
+            line(k)%idle = line(k)%idle .and. held(load%dof, load%node)
+            line(k)%loads = line(k)%loads .or. abs(load%value) > 0.0_wp
+         end associate
       end do
-   end subroutine check_forces
+   end subroutine read_lines
 
    !> Nodes of elements, of rigid bodies and of equations.
    pure subroutine find_bodies(model, there)

@@ -80,8 +80,11 @@ contains
       call add_explanation(list, 'W0515', 'a body moves away as a whole', &
          & 'A tool pushes a body that nothing holds: no support, no other contact, no load. '// &
          & 'The equations have an answer, because the pushing contact says where the body is, '// &
-         & 'but it is a body without stress that moves.', &
-         & 'hold the body by *BOUNDARY, or name the pair against which it should end.')
+         & 'but it is a body without stress that moves. Or tools carry a body along by '// &
+         & 'friction, all but rigidly and to the end of the run, where no wall and no support '// &
+         & 'stops it.', &
+         & 'hold the body by *BOUNDARY, or name the pair against which it should end. A body '// &
+         & 'that is meant to travel (a sled, a conveyor) is right as it is.')
       call add_explanation(list, 'W0516', 'an elastic solid is stretched beyond any metal', &
          & '*ELASTIC is a straight line between stress and logarithmic strain. No solid that '// &
          & 'it is written for keeps to it when it is stretched to twice its length or pressed '// &

@@ -251,6 +251,25 @@ def test_an_option_that_does_nothing_is_said(case, tmp_path):
     assert run.returncode == 0 and len(said(run, "W0305")) == 1, run.stderr
 
 
+@pytest.mark.parametrize("steps, warns", [
+    (["9, 2", "L"], True), (["L", "9, 2"], False), (["9, 2", "L", "NEW"], False),
+    (["L9, 2", "NEW"], False), (["L9, 2", ""], True), (["L", "9, 2", "NEW"], False)])
+def test_a_force_does_nothing_only_if_no_step_lets_it(steps, warns, tmp_path):
+    """L: the force comes; 9, 2: its node is held; NEW: only the other supports are left."""
+    text = ""
+    for word in steps:
+        text += "*STEP\n*STATIC\n"
+        if word == "NEW":
+            text += PARTS["supports"].replace("*BOUNDARY", "*BOUNDARY, OP=NEW")
+        if "9" in word:
+            text += "*BOUNDARY\n9, 2, 2, -0.01\n"
+        if "L" in word:
+            text += "*CLOAD\n9, 2, -5.\n"
+        text += "*END STEP\n"
+    run = lopin("check", deck(steps=text), tmp_path)
+    assert run.returncode == 0 and len(said(run, "W0405")) == warns, run.stderr
+
+
 PUSHED = "*BOUNDARY\n10, 1\n10, 6\n"
 FLOOR = "*SURFACE, NAME=FLOOR, TYPE=SEGMENTS\nSTART, -20., -0.5\nLINE, 20., -0.5\n"
 SOLE = "*SURFACE, NAME=SOLE\n1, S1\n2, S1\n"
@@ -288,6 +307,29 @@ def test_a_body_that_is_caught_or_held_does_not_drift(tmp_path):
     for text in (caught, carried, deck()):
         run = lopin("run", text, tmp_path, "-o", "out", "--overwrite")
         assert run.returncode == 0 and not said(run, "W0515"), run.stderr
+
+
+@pytest.mark.parametrize("step, press, way, flow", [
+    (", NLGEOM", 0.02, 1.0, ""), ("", 0.01, 0.2, ""),
+    (", NLGEOM", 0.1, 1.0, "*PLASTIC\n300., 0.\n600., 1.\n")])
+@pytest.mark.parametrize("walled", [False, True])
+def test_a_body_that_friction_sweeps_away_is_said(step, press, way, flow, walled, tmp_path):
+    """A block on a table, under a ram that presses and moves aside: the wall is there, or not."""
+    wall = ("*SURFACE, NAME=RIGHT\n2, S2\n*NODE\n12, 5., 0.\n*SURFACE, NAME=WALL, TYPE=SEGMENTS\n"
+            "START, 10., -20.\nLINE, 10., 20.\n*RIGID BODY, ANALYTICAL SURFACE=WALL, REF NODE=12\n")
+    floor = FLOOR.replace("-0.5", "0.") + "*RIGID BODY, ANALYTICAL SURFACE=FLOOR, REF NODE=11\n"
+    slippery = "*SURFACE INTERACTION, NAME=OIL\n*FRICTION\n0.02\n*CONTACT PAIR, INTERACTION=OIL\n"
+    moves = f"*BOUNDARY\n10, 2, 2, {-press}\n10, 1, 1, {{}}\n*END STEP\n"
+    text = deck(mesh=PARTS["mesh"] + SOLE + (wall if walled else ""), tool=PARTS["tool"] + floor,
+                material=PARTS["material"].replace("*SOLID", flow + "*SOLID"),
+                pair=PARTS["pair"] + slippery + "SOLE, FLOOR\n" + ("RIGHT, WALL\n" if walled else ""),
+                supports="*BOUNDARY\n10, 6\n11, 1, 2\n11, 6\n" + ("12, 1, 2\n12, 6\n" * walled),
+                steps="".join(f"*STEP{step}\n*STATIC\n0.1, 1.\n" + moves.format(x)
+                              for x in (0., way)))
+    run = lopin("run", text, tmp_path, "-o", "out")
+    assert run.returncode == 0, run.stderr
+    assert len(said(run, "W0515")) == (0 if walled else 1), run.stderr
+    assert walled or "nothing but contact and friction holds it" in run.stderr
 
 
 def test_an_elastic_solid_stretched_beyond_any_metal_is_said(tmp_path):

@@ -1,12 +1,15 @@
-!> Bodies that a tool merely pushes along: a forgotten support does not make the equations singular
-!> while a contact pushes, and the answer is a body without stress that moves away.
+!> Bodies that move away as a whole: a forgotten support does not make the equations singular while
+!> contact pushes or friction carries.
 !>
-!> A body drifts in an increment if it moves by one of its floating motions, all but rigidly, while
-!> no force acts on it. What touches something in the end does not drift any more.
+!> In an increment in which a body moves by one of its floating motions, all but rigidly, it drifts
+!> if no force acts on it, and is carried if only contact and friction hold it. What ends against
+!> something, or is deformed, does neither any more.
 module lopin_check_drift
    use lopin_kinds, only : wp
    use lopin_text, only : to_text
-   use lopin_model, only : model_type
+   use lopin_model, only : model_type, surface_of
+   use lopin_bodies, only : bodies_type
+   use lopin_report, only : contact_field_type
    use lopin_body_words, only : describe_motion
    use lopin_contact_points, only : pair_is_tied
    use lopin_constraints, only : raw_displacement
@@ -18,13 +21,23 @@ module lopin_check_drift
 
    !> Deformation beside motion below which a body moves as a whole.
    real(wp), parameter :: rigid = 1.0e-2_wp
+   !> The same of a body under forces, which deform it a little.
+   real(wp), parameter :: stiff = 0.1_wp
+   !> Motions below this share of the largest of an increment say nothing of it.
+   real(wp), parameter :: still = 1.0e-3_wp
+   !> Ways of carried bodies beside their lengths that are told.
+   real(wp), parameter :: far = 1.0e-2_wp
+   !> Pressure against the motion, beside all forces of contact along it, that stops a body.
+   real(wp), parameter :: opposed = 0.05_wp
    !> Forces beside stiffness times motion that are rounding.
    real(wp), parameter :: no_force = 1.0e-9_wp
    !> Ways below this share of the bodies are how they come to rest.
    real(wp), parameter :: at_rest = 1.0e-6_wp
 
    type :: drift_type
-      real(wp), allocatable :: way(:)   !! (nbody) moved since a force last acted on it [length]
+      real(wp), allocatable :: way(:)      !! (nbody) moved since a force last acted on it [length]
+      real(wp), allocatable :: carried(:)  !! (nbody) moved since it last rested or was deformed
+      real(wp), allocatable :: path(:, :)  !! (nq, nbody) that motion
    end type drift_type
 
 contains
@@ -35,19 +48,29 @@ contains
       type(scene_type), intent(in) :: scene
       type(model_type), intent(in) :: model
       real(wp), intent(in) :: load(:), pressed(:)   !! (ndof) loads and contact forces [force]
-      real(wp), allocatable :: q(:), stiffness(:)
+      real(wp), allocatable :: q(:), stiffness(:), change(:)
       real(wp) :: force, moved, strayed, most, largest
       logical :: glued(scene%bodies%nbody)
       integer :: b, i
 
-      if (.not. allocated(self%way)) allocate (self%way(scene%bodies%nbody), source=0.0_wp)
+      if (.not. allocated(self%way)) allocate (self%way(scene%bodies%nbody), &
+         & self%carried(scene%bodies%nbody), source=0.0_wp)
       if (scene%bodies%nq == 0) then
          self%way = 0.0_wp
+         self%carried = 0.0_wp
          return
+      end if
+      if (allocated(self%path)) then
+         if (size(self%path, 1) /= scene%bodies%nq) deallocate (self%path)
+      end if
+      if (.not. allocated(self%path)) then
+         allocate (self%path(scene%bodies%nq, scene%bodies%nbody), source=0.0_wp)
+         self%carried = 0.0_wp
       end if
       allocate (stiffness(scene%dofs%n))
       call scene%k%diagonal(stiffness)
-      largest = maxval(abs(scene%trial%motion%u - scene%accepted%motion%u))
+      change = scene%trial%motion%u - scene%accepted%motion%u
+      largest = maxval(abs(change))
       call find_glued(scene, model, glued)
       do b = 1, scene%bodies%nbody
          force = 0.0_wp
@@ -57,17 +80,33 @@ contains
             force = max(force, abs(load(i)), abs(pressed(i)))
             most = max(most, stiffness(i))
          end do
-         moved = largest
-         strayed = 0.0_wp
-         if (force <= no_force*most*max(largest, self%way(b))) call fit_motion(scene, &
-            & scene%trial%motion%u - scene%accepted%motion%u, b, q, moved, strayed)
-         if (force > no_force*most*max(moved, self%way(b)) .or. glued(b)) then
+         call fit_motion(scene, change, b, q, moved, strayed)
+         if (glued(b)) then
             self%way(b) = 0.0_wp
+            self%carried(b) = 0.0_wp
+         else if (force > no_force*most*max(moved, self%way(b))) then
+            self%way(b) = 0.0_wp
+            call carry(self%carried(b), self%path(:, b), q, moved, strayed, largest)
          else if (strayed <= rigid*moved) then
             self%way(b) = self%way(b) + moved
          end if
       end do
    end subroutine measure_drift
+
+   !> The way of a body on which forces act.
+   pure subroutine carry(way, path, q, moved, strayed, largest)
+      real(wp), intent(inout) :: way, path(:)
+      real(wp), intent(in) :: q(:), moved, strayed, largest   !! of the increment [length]
+
+      if (moved <= still*largest) return
+      if (strayed <= stiff*moved) then
+         way = way + moved
+         path = path + q
+      else
+         way = 0.0_wp
+         path = 0.0_wp
+      end if
+   end subroutine carry
 
    !> Bodies that a tie carries: they move with what they are tied to.
    subroutine find_glued(scene, model, glued)
@@ -95,26 +134,111 @@ contains
    end subroutine find_glued
 
    !> Say at the end of the run which bodies nothing has stopped.
-   subroutine check_drift(self, scene, model)
+   subroutine check_drift(self, scene, model, contact)
       type(drift_type), intent(in) :: self
       type(scene_type), intent(inout) :: scene
       type(model_type), intent(in) :: model
+      type(contact_field_type), intent(in) :: contact(:)   !! by pair, at the end
       real(wp), allocatable :: q(:)
-      real(wp) :: moved, strayed
+      character(len=:), allocatable :: why, help
+      real(wp) :: moved, strayed, way
       integer :: b
+      logical :: drifts
 
       if (.not. allocated(self%way)) return
       do b = 1, size(self%way)
-         if (.not. self%way(b) > at_rest*scene%bodies%length) cycle
-         call fit_motion(scene, scene%trial%motion%u, b, q, moved, strayed)
-         if (.not. moved > 0.0_wp) cycle
+         drifts = self%way(b) > at_rest*scene%bodies%length
+         if (.not. drifts .and. self%carried(b) <= far*scene%bodies%length) cycle
+         if (drifts) then
+            call fit_motion(scene, scene%trial%motion%u, b, q, moved, strayed)
+            if (.not. moved > 0.0_wp) cycle
+            way = self%way(b)
+            why = 'no force acts on it'
+            help = 'look for a support or a contact pair that is forgotten: *BOUNDARY holds '// &
+               & 'the body, or something that it ends against'
+         else
+            q = self%path(:, b)
+            if (ends_against(scene%bodies, model, contact, b, q)) cycle
+            way = self%carried(b)
+            why = 'nothing but contact and friction holds it'
+            help = 'look for a wall or a support that is forgotten; if the body is meant to '// &
+               & 'travel, nothing is wrong'
+         end if
          call warn_once(scene%log, 'W0515', describe_motion(scene%bodies, model, q)// &
-            & ': it has moved away as a whole by '//to_text(self%way(b), 4)//' at the end of '// &
-            & 'step '//to_text(scene%step)//', and no force acts on it', &
-            & model%step(scene%step)%at, help='look for a support or a contact pair that is '// &
-            & 'forgotten: *BOUNDARY holds the body, or something that it ends against')
+            & ': it has moved away as a whole by '//to_text(way, 4)//' at the end of '// &
+            & 'step '//to_text(scene%step)//', and '//why, model%step(scene%step)%at, help=help)
       end do
    end subroutine check_drift
+
+   !> Whether contact presses against the motion of a body: what it ends against.
+   pure logical function ends_against(bodies, model, contact, body, q) result(stands)
+      type(bodies_type), intent(in) :: bodies
+      type(model_type), intent(in) :: model
+      type(contact_field_type), intent(in) :: contact(:)
+      integer, intent(in) :: body
+      real(wp), intent(in) :: q(:)             !! (nq) the motion
+      real(wp) :: way(3), against, all, pressed
+      integer :: i, k, d, side
+
+      d = model%mesh%ndim
+      against = 0.0_wp
+      all = 0.0_wp
+      do k = 1, size(contact)
+         do i = 1, size(contact(k)%node)
+            side = side_of(bodies, model, k, contact(k)%node(i), body)
+            if (side == 0) cycle
+            way = side*motion_at(bodies, model, body, q, contact(k)%node(i))
+            associate (f => contact(k)%force(:d, i), n => contact(k)%normal(:d, i))
+               pressed = dot_product(f, n)*dot_product(n, way(:d))
+               against = against + max(-pressed, 0.0_wp)
+               all = all + abs(pressed) + abs(dot_product(f, way(:d)) - pressed)
+            end associate
+         end do
+      end do
+      stands = against > opposed*all
+   end function ends_against
+
+   !> 1: the body is the slave of a point; -1: its master; 0: neither, or both.
+   pure integer function side_of(bodies, model, pair, node, body) result(side)
+      type(bodies_type), intent(in) :: bodies
+      type(model_type), intent(in) :: model
+      integer, intent(in) :: pair, node, body
+
+      side = 0
+      if (bodies%body(node) == body) side = 1
+      associate (master => model%surface(model%pair(pair)%master))
+         if (master%kind /= surface_of%faces .or. size(master%element) == 0) return
+         if (bodies%body(model%mesh%conn(1, master%element(1))) == body) side = side - 1
+      end associate
+   end function side_of
+
+   !> How a rigid motion of a body moves the place of a node.
+   pure function motion_at(bodies, model, body, q, node) result(way)
+      type(bodies_type), intent(in) :: bodies
+      type(model_type), intent(in) :: model
+      integer, intent(in) :: body, node
+      real(wp), intent(in) :: q(:)             !! (nq)
+      real(wp) :: way(3), turn(3), arm(3), a(bodies%nmode)
+
+      a = matmul(bodies%amplitude(bodies%nmode*(body - 1) + 1:bodies%nmode*body, :), q)
+      way = 0.0_wp
+      turn = 0.0_wp
+      select case (bodies%nmode)
+      case (1)
+         way(2) = a(1)
+      case (3)
+         way(:2) = a(:2)
+         turn(3) = a(3)
+      case default
+         way = a(:3)
+         turn = a(4:6)
+      end select
+      arm = 0.0_wp
+      arm(:model%mesh%ndim) = model%mesh%x(:, node)
+      arm = (arm - bodies%centre(:, body))/bodies%length
+      way = way + [turn(2)*arm(3) - turn(3)*arm(2), turn(3)*arm(1) - turn(1)*arm(3), &
+         & turn(1)*arm(2) - turn(2)*arm(1)]
+   end function motion_at
 
    !> The floating motion nearest to displacements of a body, and what is left of them.
    subroutine fit_motion(scene, u, body, q, moved, strayed)

@@ -109,6 +109,8 @@ contains
 
       call self%seen%keep(stream)
       call stream%pass(self%drift%way)
+      call stream%pass(self%drift%carried)
+      call stream%pass(self%drift%path)
       call self%artificial%keep(stream)
       call self%balance%keep(stream)
       call self%jumps%keep(stream)

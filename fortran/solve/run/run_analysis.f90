@@ -378,7 +378,7 @@ contains
          if (scene%newton%in_use) call report_springback(watch%springback, scene, model, energy, &
             & watch%balance%springs_back)
          if (scene%step == size(model%step)) then
-            call check_drift(watch%drift, scene, model)
+            call check_drift(watch%drift, scene, model, self%frame%contact)
             call check_artificial_work(watch%artificial, scene, model, energy)
          end if
          call release_pairs(scene, model, error)
