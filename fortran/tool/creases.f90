@@ -5,7 +5,7 @@ module lopin_creases
    use lopin_tool, only : one_plane
    implicit none
    private
-   public :: is_hollow, chord_of, turn_at, edge_to, stays
+   public :: is_hollow, chord_of, rise_of, turn_at, edge_to, stays, stands_alone
 
    !> 30 degrees: two walls, not one.
    real(wp), parameter, public :: sharp = cos(acos(-1.0_wp)/6.0_wp)
@@ -30,26 +30,36 @@ contains
          & - mesh%x(:, mesh%vertex(k, f))) > 0.0_wp
    end function is_hollow
 
-   !> Facets that meet at less than 30 degrees mean a curved surface: of radius r = c/angle, with c
-   !> between the middles of the facets. Equal sides have their corners at c from the middle: the
-   !> surface rises c**2/(2 r) = c*angle/2 above a disc of that radius.
+   !> Facets that meet at less than 30 degrees mean a curved surface, which is that far off them.
    pure real(wp) function chord_of(mesh, f, k)
       type(facet_mesh_type), intent(in) :: mesh
       integer, intent(in) :: f, k
-      real(wp) :: along(3), across(3), angle
       integer :: g
 
       chord_of = 0.0_wp
       g = mesh%neighbour(k, f)
       if (g == 0) return
-      if (dot_product(mesh%normal(:, f), mesh%normal(:, g)) < sharp) return
-      angle = 2.0_wp*asin(min(1.0_wp, 0.5_wp*norm2(mesh%normal(:, f) - mesh%normal(:, g))))
-      along = mesh%x(:, mesh%vertex(1 + mod(k, 3), f)) - mesh%x(:, mesh%vertex(k, f))
+      if (dot_product(mesh%normal(:, f), mesh%normal(:, g)) >= sharp) chord_of = rise_of(mesh, f, k)
+   end function chord_of
+
+   !> Height of an edge over the curved surface that its facets mean: of radius r = c/angle, with c
+   !> between the middles of the facets. Equal sides have their corners at c from the middle: the
+   !> surface rises c**2/(2 r) = c*angle/2 above a disc of that radius.
+   pure real(wp) function rise_of(mesh, f, k) result(rise)
+      type(facet_mesh_type), intent(in) :: mesh
+      integer, intent(in) :: f, k
+      real(wp) :: along(3), across(3)
+      integer :: g
+
+      rise = 0.0_wp
+      g = mesh%neighbour(k, f)
+      if (g == 0) return
+      along = edge_of(mesh, f, k)
       across = (sum(mesh%x(:, mesh%vertex(:, f)), dim=2) - sum(mesh%x(:, mesh%vertex(:, g)), &
          & dim=2))/3.0_wp
       across = across - dot_product(across, along)/dot_product(along, along)*along
-      chord_of = 0.5_wp*norm2(across)*angle
-   end function chord_of
+      rise = 0.5_wp*norm2(across)*abs(turn_at(mesh, f, k))
+   end function rise_of
 
    !> The edge of a facet beyond which another lies.
    pure integer function edge_to(mesh, f, other) result(k)
@@ -74,17 +84,26 @@ contains
    pure logical function stays(mesh, f, k)
       type(facet_mesh_type), intent(in) :: mesh
       integer, intent(in) :: f, k
-      real(wp) :: cosine, along(3)
+      real(wp) :: cosine
+
+      cosine = dot_product(mesh%normal(:, f), mesh%normal(:, mesh%neighbour(k, f)))
+      stays = cosine < sharp
+      if (.not. stays .and. cosine < one_plane) stays = stands_alone(mesh, f, k)
+   end function stays
+
+   !> On neither side the surface turns on, the same way and about as much.
+   pure logical function stands_alone(mesh, f, k)
+      type(facet_mesh_type), intent(in) :: mesh
+      integer, intent(in) :: f, k
+      real(wp) :: along(3), turn
       integer :: g
 
       g = mesh%neighbour(k, f)
-      cosine = dot_product(mesh%normal(:, f), mesh%normal(:, g))
-      stays = cosine < sharp
-      if (stays .or. cosine >= one_plane) return
       along = edge_of(mesh, f, k)
-      stays = .not. (turns_on(mesh, f, k, along, turn_at(mesh, f, k)) &
-         & .or. turns_on(mesh, g, edge_to(mesh, g, f), along, turn_at(mesh, f, k)))
-   end function stays
+      turn = turn_at(mesh, f, k)
+      stands_alone = .not. (turns_on(mesh, f, k, along, turn) &
+         & .or. turns_on(mesh, g, edge_to(mesh, g, f), along, turn))
+   end function stands_alone
 
    !> Beyond a facet, on the way from its edge k, the surface turns on; an edge that turns far less,
    !> as between the halves of a rectangle, is passed over, once.

@@ -3,7 +3,7 @@
 !> Facets that meet at less than 30 degrees share the normals of their corners, those of the facets
 !> around weighted by angle and area. Sharper edges stay as they are, and so do creases that stand
 !> alone and stand out: a surface that is curved turns on, the same way and about as much, at the
-!> next crease, and what turns less far off than the chords of that surface belongs to it.
+!> next crease, and what stands out no more than the chords of that surface belongs to it.
 !> Points whose foot is on an edge that stays are met as on flat facets. The normal runs between
 !> those of the corners, so that it does not jump where a point goes from one facet to the next.
 module lopin_tool_curved
@@ -13,12 +13,14 @@ module lopin_tool_curved
    use lopin_vectors, only : cross
    use lopin_tool_facets, only : facets_tool_type, nearest_type, new_facets_tool, settle_flat, &
       & goes_through
-   use lopin_creases, only : sharp, chord_of, turn_at, edge_to, stays
+   use lopin_creases, only : sharp, chord_of, rise_of, turn_at, edge_to, stays, stands_alone
    use lopin_curved_triangle, only : edge_control, closest_on_curved, normal_slopes
    implicit none
    private
    public :: curved_tool_type, new_curved_tool
 
+   !> 60 degrees: no facets of a curved surface meet at more.
+   real(wp), parameter :: few = 0.5_wp + 1.0e-9_wp
    integer, parameter :: most_hops = 8          !! from facet to facet, on the way to the closest
    real(wp), parameter :: nearer = 1.0_wp - 1.0e-12_wp   !! beside the squared distance before
 
@@ -52,7 +54,7 @@ contains
       do f = 1, mesh%nfacet
          self%chord(f) = 0.0_wp
          do k = 1, 3
-            if (.not. self%kept(k, f)) self%chord(f) = max(self%chord(f), chord_of(mesh, f, k))
+            if (.not. self%kept(k, f)) self%chord(f) = max(self%chord(f), rise_of(mesh, f, k))
          end do
       end do
       do f = 1, mesh%nfacet
@@ -129,8 +131,8 @@ contains
             do k = 1, 3
                g = mesh%neighbour(k, f)
                if (g < f .or. .not. self%kept(k, f)) cycle
-               if (dot_product(mesh%normal(:, f), mesh%normal(:, g)) < sharp) cycle
-               if (chord_of(mesh, f, k) > max(largest(region(f)), largest(region(g)))) cycle
+               if (rise_of(mesh, f, k) > max(largest(region(f)), largest(region(g)))) cycle
+               if (is_edge(self, f, k)) cycle
                self%kept(k, f) = .false.
                self%kept(edge_to(mesh, g, f), g) = .false.
                all_stand_out = .false.
@@ -138,6 +140,32 @@ contains
          end do
       end associate
    end subroutine drop_chords
+
+   !> An edge of more than 30 degrees, however little it stands out: not one of a fillet of few
+   !> facets, which turns on, nor that of a sliver, which ends at both its ends.
+   pure logical function is_edge(self, f, k)
+      type(curved_tool_type), intent(in) :: self
+      integer, intent(in) :: f, k
+      real(wp) :: cosine
+      integer :: side, v, i, j, g
+
+      cosine = dot_product(self%mesh%normal(:, f), self%mesh%normal(:, self%mesh%neighbour(k, f)))
+      is_edge = cosine < few
+      if (is_edge .or. cosine >= sharp) return
+      if (.not. stands_alone(self%mesh, f, k)) return
+      do side = 0, 1
+         v = self%mesh%vertex(1 + mod(k - 1 + side, 3), f)
+         do i = self%mesh%ring_first(v), self%mesh%ring_first(v + 1) - 1
+            g = self%mesh%ring(i)
+            do j = 1, 3
+               if (.not. self%kept(j, g)) cycle
+               if (g == f .and. j == k .or. self%mesh%neighbour(j, g) == f &
+                  & .and. edge_to(self%mesh, f, g) == k) cycle
+               is_edge = is_edge .or. any(self%mesh%vertex([j, 1 + mod(j, 3)], g) == v)
+            end do
+         end do
+      end do
+   end function is_edge
 
    !> Facets that hang together without a kept edge between them.
    pure subroutine find_regions(self)

@@ -3,7 +3,7 @@ module facet_scenes
    use lopin_kinds, only : wp
    implicit none
    private
-   public :: sphere_facets, box_facets, torus_facets, valley_facets
+   public :: sphere_facets, box_facets, torus_facets, valley_facets, strips
 
    real(wp), parameter, public :: pi = acos(-1.0_wp)
    real(wp), parameter, public :: torus_radii(2) = [2.0_wp, 0.7_wp]
@@ -96,6 +96,22 @@ contains
          x = [(torus_radii(1) + torus_radii(2)*cos(b))*[cos(a), sin(a)], torus_radii(2)*sin(b)]
       end function on
    end function torus_facets
+
+   !> Two triangles a square of a grid of points, seen from above.
+   pure subroutine strips(p, corner)
+      real(wp), intent(in) :: p(:, :, :)       !! (3, across, along)
+      real(wp), intent(out) :: corner(:, :, :)
+      integer :: i, j, n
+
+      n = 0
+      do i = 1, size(p, 3) - 1
+         do j = 1, size(p, 2) - 1
+            corner(:, :, n + 1) = reshape([p(:, j, i), p(:, j, i + 1), p(:, j + 1, i + 1)], [3, 3])
+            corner(:, :, n + 2) = reshape([p(:, j, i), p(:, j + 1, i + 1), p(:, j + 1, i)], [3, 3])
+            n = n + 2
+         end do
+      end do
+   end subroutine strips
 
    !> An open valley of two walls at right angles, along y: x >= 0 on z = 0, z >= 0 on x = 0.
    function valley_facets() result(corner)
