@@ -74,6 +74,7 @@ module lopin_report
                                              !! or energy of hourglass motions / of the bodies
       real(wp) :: traction = 0.0_wp   !! force that printed pressures do not carry / force
       integer :: verdict = 0                 !! index into verdict_words
+      real(wp) :: excess = 0.0_wp   !! sum of figure / limit of the tests that fail; 0: none
       character(len=:), allocatable :: reason  !! empty if PASS
    end type certificate_type
 
@@ -166,6 +167,7 @@ contains
       call stream%pass(self%artificial)
       call stream%pass(self%traction)
       call stream%pass(self%verdict)
+      call stream%pass(self%excess)
       call stream%pass(self%reason)
    end subroutine keep_certificate
 

@@ -27,7 +27,12 @@ contains
       type(verdict_type), intent(inout) :: self
       type(frame_type), intent(in) :: frame
 
-      if (frame%certificate%verdict >= self%certificate%verdict) then
+      logical :: worse
+
+      worse = frame%certificate%verdict > self%certificate%verdict
+      if (frame%certificate%verdict == self%certificate%verdict) worse = &
+         & frame%certificate%excess >= self%certificate%excess
+      if (worse) then
          self%certificate = frame%certificate
          self%at = [frame%step, frame%increment]
       end if

@@ -14,8 +14,8 @@ module lopin_recorder_json
    use lopin_checked_file, only : summary_is, summary_failed
    use lopin_json_writer, only : json_writer_type
    use lopin_json_verdict, only : verdict_type, note_verdict, keep_verdict, add_judgement
-   use lopin_text, only : plural
    use lopin_version, only : version
+   use lopin_pair_peak, only : pair_peak_type, note_peak, keep_peak, add_peak, pair_words
    use lopin_recorder_table, only : pair_summary_type, summarise_pair, pair_name
    implicit none
    private
@@ -37,6 +37,7 @@ module lopin_recorder_json
       character(len=:), allocatable, private :: file(:)        !! what the run writes
       character(len=:), allocatable, private :: deck_file(:)   !! by file index of locations
       type(pair_summary_type), allocatable, private :: pair(:)
+      type(pair_peak_type), allocatable, private :: peak(:)
       real(wp), allocatable, private :: lost(:)  !! by pair, worst: contact_field_type
       type(verdict_type) :: judgement
       logical, private :: has_frame = .false.
@@ -78,8 +79,8 @@ contains
 
       associate (none => error)
       end associate
-      if (allocated(self%pair)) deallocate (self%pair)
-      allocate (self%pair(size(model%pair)))
+      if (allocated(self%pair)) deallocate (self%pair, self%peak)
+      allocate (self%pair(size(model%pair)), self%peak(size(model%pair)))
       self%lost = spread(0.0_wp, 1, size(model%pair))
       self%has_frame = .false.
    end subroutine begin
@@ -131,6 +132,7 @@ contains
       call note_verdict(self%judgement, frame)
       do i = 1, size(self%pair)
          call summarise_pair(frame%contact(i), self%pair(i))
+         call note_peak(self%peak(i), self%pair(i), frame)
          self%lost(i) = max(self%lost(i), frame%contact(i)%lost)
       end do
    end subroutine increment
@@ -154,6 +156,7 @@ contains
             call stream%pass(pair%closed)
             call stream%pass(pair%sticking)
             call stream%pass(self%lost(i))
+            call keep_peak(self%peak(i), stream)
          end associate
       end do
    end subroutine keep
@@ -198,20 +201,10 @@ contains
       type(model_type), intent(in) :: model
       integer, intent(in) :: i            !! number of the pair
       character(len=:), allocatable :: text
-      character(len=80) :: force, pressure
 
-      text = pair_name(model, i)//': '
-      if (.not. self%has_frame) then
-         text = text//'no increment'
-         return
-      end if
-      associate (f => self%pair(i)%force(:model%mesh%ndim))
-         ! Components that are round-off beside the others are shown as none.
-         write (force, '(*(g0.6, :, ", "))') merge(f, 0.0_wp, abs(f) > 1.0e-12_wp*maxval(abs(f)))
-      end associate
-      write (pressure, '(g0.6)') self%pair(i)%max_pressure
-      text = text//plural(self%pair(i)%closed, 'point')//' in contact, force ('//trim(force)// &
-         & '), largest pressure '//trim(pressure)
+      text = pair_name(model, i)//': no increment'
+      if (self%has_frame) text = pair_name(model, i)//': '// &
+         & pair_words(self%peak(i), self%pair(i), model%mesh%ndim)
    end function told
 
    subroutine add_model(json, model)
@@ -315,6 +308,7 @@ contains
             call json%add('closed', self%pair(i)%closed)
             call json%add('sticking', self%pair(i)%sticking)
             call json%add('traction', self%lost(i))
+            call add_peak(self%peak(i), json)
          end if
          call json%close('}')
       end do

@@ -68,6 +68,9 @@ def python_command(arguments: list[str]) -> int:
     plot.add_argument("-o", "--output", type=Path,
                       help="PNG, SVG or PDF; default: <folder>/pressure.png")
     plot.add_argument("--pair", default=None, help="slave surface; default: the first pair")
+    plot.add_argument("--time", default="end", metavar="TIME",
+                      help="the output nearest to this time; peak: that of the largest pressure; "
+                      "default: end")
     plot.add_argument("--terminal", action="store_true", help="in characters, here")
     info = commands.add_parser("info", help="a run in a few lines")
     info.add_argument("folder", type=Path)

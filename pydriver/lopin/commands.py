@@ -10,40 +10,62 @@ from pathlib import Path
 from .deck import Deck
 from .errors import ResourceError, UsageError
 from .files import whole_file
+from .folder import result_folder
 
 
 def report(options) -> int:
     """What a run did, as one HTML file."""
     from .report import write_report
 
-    print(write_report([options.folder, *options.compare], options.output))
+    folders = [result_folder(folder) for folder in (options.folder, *options.compare)]
+    print(write_report(folders, options.output))
     return 0
 
 
 def plot(options) -> int:
-    """Pressure of one pair at the end of a run, as a picture."""
+    """Pressure of one pair at a time of a run, as a picture."""
     from . import open_result
     from . import plot as pictures
 
-    contact = open_result(options.folder).contact(options.pair or 0).last
+    folder = result_folder(options.folder)
+    result = open_result(folder)
+    pair = result.contact(options.pair or 0)
+    contact = pair.at(_index_of(options.time, result, pair))
     if options.terminal:
         from .plot_terminal import pressure
 
         print(pressure(contact))
         return 0
     ax = pictures.pressure(contact)
-    ax.set_title(contact.pair)
-    path = options.output or options.folder/"pressure.png"
+    ax.set_title(f"{contact.pair}, time {result.times[contact.frame.index]:.6g}")
+    path = options.output or folder/"pressure.png"
     with whole_file(path) as part:
         ax.figure.savefig(part, dpi=150)
     print(path)
     return 0
 
 
+def _index_of(time: str, result, pair) -> int:
+    """The output nearest to a time; `end`; `peak`: the one with the largest pressure."""
+    if time == "end":
+        return -1
+    if time == "peak":
+        most = [max(pair.at(i).pressure, default=0.0) for i in range(len(result.times))]
+        return most.index(max(most))
+    try:
+        wanted = float(time)
+    except ValueError:
+        wanted = float("nan")
+    if not abs(wanted) < float("inf"):
+        raise UsageError(f"--time {time} is no time", help="a number, end or peak")
+    return min(range(len(result.times)), key=lambda i: abs(result.times[i] - wanted))
+
+
 def info(options) -> int:
     """What a run in a folder did, in a few lines."""
     from .folder import Folder
 
+    options.folder = result_folder(options.folder)
     run = Folder(options.folder, whole=False)
     summary = run.summary
     model, certificate = summary.get("model", {}), summary.get("certificate") or {}

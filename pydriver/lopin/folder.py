@@ -19,6 +19,13 @@ from .vtu import read_vtu
 _FROM_VTK = [0, 1, 2, 3, 5, 4]
 
 
+def result_folder(path: str | Path) -> Path:
+    """The folder itself, or that of the run of this deck or name in `out/`."""
+    path = Path(path)
+    of_run = Path("out")/path.name.removesuffix(".inp")
+    return of_run if not path.is_dir() and path.suffix in ("", ".inp") and of_run.is_dir() else path
+
+
 class Folder:
     """A run on disk: finished, or what is left of one.
 
@@ -36,7 +43,10 @@ class Folder:
         if not found and not whole:
             found = sorted(self.folder.glob(f"{name or '*'}.sta"))
         if not found:
-            raise ResourceError(f"no result '{name or '*'}.json' in {self.folder}")
+            runs = sorted(str(path.parent) for path in Path("out").glob("*/*.json"))
+            raise ResourceError(f"no result '{name or '*'}.json' in {self.folder}",
+                                help=f"results here: {', '.join(runs[:9])}" if runs else
+                                "give the folder of a run: lopin run deck.inp writes out/deck")
         self.name = found[0].stem
         for read in (self._read_summary, self._read_frames):
             try:

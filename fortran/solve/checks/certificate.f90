@@ -295,6 +295,7 @@ contains
       call hold(self, 'penetration beside the body', self%depth, penalty_limit, 1)
       if (self%folded == 0) return
       self%verdict = max(self%verdict, self%fold_level)
+      self%excess = self%excess + 1.0_wp - self%corner
       if (len(self%reason) > 0) self%reason = self%reason//'; '
       self%reason = self%reason//'a corner of element '//to_text(self%folded)//' is turned '// &
          & 'inside '// &
@@ -328,6 +329,8 @@ contains
       if (present(most)) level = min(level, most)
       if (level == 0) return
       self%verdict = max(self%verdict, level)
+      self%excess = self%excess &
+         & + merge(value/limit, sqrt(huge(1.0_wp)), value <= huge(1.0_wp))
       if (len(self%reason) > 0) self%reason = self%reason//'; '
       self%reason = self%reason//what//' '//short(value)//' > '//short(limit)
    end subroutine hold

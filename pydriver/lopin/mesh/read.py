@@ -23,6 +23,10 @@ _SERENDIPITY = {"quad9": ("quad8", 8), "hexahedron27": ("hexahedron20", 20),
 _NDIM = {"vertex": 0} | {name: cell.ndim for name, cell in CELLS.items()}
 
 
+#: Files of geometry, which Gmsh meshes.
+_GEOMETRY = (".geo", ".step", ".stp", ".iges", ".igs", ".brep")
+
+
 def read_mesh(path: str | Path) -> Mesh:
     """Read a mesh file by meshio.
 
@@ -37,12 +41,18 @@ def read_mesh(path: str | Path) -> Mesh:
                          help="meshio's Abaqus reader loses sets and element types")
     if not path.is_file():
         raise ResourceError(f"no file {path}")
+    if path.suffix.lower() in _GEOMETRY:
+        raise ResourceError(f"{path} is a geometry without a mesh",
+                            help=f"mesh it first: gmsh -2 (or -3) {path} -o {path.stem}.msh; then "
+                            f"give {path.stem}.msh")
     import meshio
 
     try:
         return from_meshio(meshio.read(path))
     except (SystemExit, meshio.ReadError, KeyError, ValueError) as problem:
-        raise ResourceError(f"meshio cannot read {path}: {problem!r}") from problem
+        raise ResourceError(f"meshio cannot read {path}: {problem!r}",
+                            help="meshes: .msh, .vtu, .vtk, .mesh, .med and others that meshio "
+                            "knows") from problem
 
 
 def from_meshio(source) -> Mesh:
