@@ -2,7 +2,23 @@
 from __future__ import annotations
 
 import numpy as np
-from drawing import DOTS, EXACT, INK, coloured, deformed, figure, plt, save, skin, solved, tools
+from drawing import (
+    DOTS,
+    EXACT,
+    INK,
+    ROOT,
+    TOOL,
+    Poly3DCollection,
+    coloured,
+    deformed,
+    figure,
+    plt,
+    save,
+    skin,
+    solved,
+    to_rgba,
+    tools,
+)
 
 from lopin.closed_form import ring_bore
 from lopin.closed_form import wire_drawing as wire_drawing_bounds
@@ -138,6 +154,38 @@ def upset_tetra() -> None:
         axes.append(ax)
     coloured(fig, drawn, axes, "plastic strain")
     save(fig, "upset_tetra")
+
+
+def cross() -> None:
+    """The octant under its die three times, turned about, and the force of the press."""
+    result = solved("cross")
+    stroke = 50.0*np.asarray(result.times)
+    die = stl_triangles(ROOT/"decks"/"cross_upper.stl")
+    fig = plt.figure(figsize=(9.6, 3.0), layout="constrained")
+    axes = []
+    for number, at in enumerate((0.0, 8.0, 15.0)):
+        k = int(np.argmin(abs(stroke - at)))
+        ax = fig.add_subplot(1, 4, number + 1, projection="3d", proj_type="ortho")
+        drawn = skin(ax, result, result.at(k)["PEEQ"], index=k, limits=(0.0, 1.2))
+        ax.add_collection3d(Poly3DCollection(
+            die - [0.0, 0.0, stroke[k]], facecolors=to_rgba(TOOL, 0.08),
+            edgecolors=to_rgba(TOOL, 0.25), linewidths=0.15))
+        ax.set(xlim=(0.0, 44.0), ylim=(0.0, 44.0), zlim=(0.0, 36.0), zticks=(0, 20))
+        ax.set_box_aspect((44.0, 44.0, 36.0))
+        ax.view_init(elev=20.0, azim=55.0)
+        ax.set_title(f"{stroke[k]:.0f} mm", fontsize=9, y=0.95)
+        axes.append(ax)
+    coloured(fig, drawn, axes, "plastic strain", orientation="horizontal")
+    ax = fig.add_subplot(1, 4, 4)
+    ax.plot(-result.history["UPPER.u3"], -result.history["UPPER.rf3"]/1e3, color=DOTS)
+    ax.set(xlabel="stroke [mm]", ylabel="force on an eighth [kN]", ylim=(0.0, None))
+    save(fig, "cross")
+
+
+def stl_triangles(path) -> np.ndarray:
+    """The triangles (n, corner, coordinate) of a binary STL file."""
+    record = np.dtype([("x", "<f4", (4, 3)), ("spare", "<u2")])
+    return np.frombuffer(path.read_bytes()[84:], record)["x"][:, 1:].astype(float)
 
 
 def cup() -> None:

@@ -26,7 +26,7 @@ GROUPS = {
                                      "folded_strip", "beam_over_corner", "sliding_ball",
                                      "elastica", "rubber_cube", "rubber_tube"),
     "Bulk forming": ("upsetting", "ring_compression", "wire_drawing", "closed_die", "full_flash",
-                     "upset_tetra"),
+                     "upset_tetra", "cross"),
     "Sheets": ("cup", "square_cup", "v_bending", "blanking"),
     "Meshes that do not match": ("patch_test", "two_blocks_mortar"),
 }
