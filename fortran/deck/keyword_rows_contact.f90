@@ -144,7 +144,7 @@ contains
          & 'increment.')
       call choice(table, 'INITIAL', 'AUTOMATIC,ERROR,INTERFERENCE,ADJUST', 'AUTOMATIC', &
          & 'What an initial overclosure is. AUTOMATIC: below a thousandth of an element it is '// &
-         & 'adjusted, else it is an interference that grows over the first step.')
+         & 'adjusted, else it is an interference, resolved in the first step.')
       call later_flag(table, 'STABILIZE', 'Holds bodies that only contact will hold.')
       call later_flag(table, 'AUTOMATIC TOLERANCES', 'Tolerances that relax.')
       call later_flag(table, 'STIFFNESS SCALE FACTOR', 'Factor on the slope: write it in '// &

@@ -46,3 +46,13 @@ def test_chords_beside_an_interference_are_told(solve, word, facets, interferenc
     if interference > 0.0:
         worst = np.abs(result.contact(0).last.pressure/exact(interference) - 1.0).max()
         assert (worst > 0.15) == told
+
+
+@pytest.mark.parametrize("kind", ["SURFACE TO SURFACE", "NODE TO SURFACE"])
+@pytest.mark.parametrize("word", ["CPE4", "CPE8"])
+def test_an_interference_of_a_linear_scene_grows_over_the_first_step(solve, word, kind):
+    text = fit(word, (12, 12), 0.004, kind).text()
+    text = text.replace("*STATIC\n1., 1.", "*STATIC, DIRECT\n0.25, 1.")
+    contact = solve(Deck.parse(text, name="growing")).contact(0)
+    mean = np.array([contact.at(k).pressure.mean() for k in range(4)])
+    assert np.allclose(mean/mean[-1], [0.25, 0.5, 0.75, 1.0], atol=0.02)

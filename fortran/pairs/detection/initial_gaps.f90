@@ -4,6 +4,7 @@ module lopin_initial_gaps
    use lopin_kinds, only : wp
    use lopin_error, only : error_type, error_code, raise, log_type, severity
    use lopin_text, only : to_text, plural
+   use lopin_row_samples, only : sample_type, base_samples, row_value
    use lopin_model, only : model_type, initial_of
    use lopin_contact_points, only : contact_points_type, pair_is_tied
    implicit none
@@ -24,6 +25,8 @@ module lopin_initial_gaps
                                           !! [length]
       real(wp), allocatable :: overclosure(:)   !! (npoint) >= 0, ramped in over the first step
                                                 !! [length]
+      real(wp), allocatable :: early(:)         !! (npoint) >= 0, the same of rows of mid-side nodes
+                                                !! whose mean gap is negative where no node's is
       logical, allocatable :: touches(:)       !! (npoint) closed at the start
    end type initial_gap_type
 
@@ -50,15 +53,36 @@ contains
       type(error_type), allocatable, intent(out) :: error
       integer :: pair
 
-      allocate (self%shift(points%n), self%overclosure(points%n), source=0.0_wp)
+      allocate (self%shift(points%n), self%overclosure(points%n), self%early(points%n), &
+         & source=0.0_wp)
       allocate (self%touches(points%n), source=.false.)
       ! A run that goes on has its gaps already.
       if (model%start%step > 0) return
       do pair = 1, size(model%pair)
          call check_pair(self, model, points, pair, log, error)
          if (allocated(error)) return
+         if (.not. pair_is_tied(model, model%pair(pair))) call find_early(self, model, points, pair)
       end do
    end subroutine new_initial_gaps
+
+   !> Mean gaps of rows that are closed, with those of the nodes: opposite a curved tool a mid-side
+   !> node that touches or nearly so has ends that stand off.
+   subroutine find_early(self, model, points, pair)
+      type(initial_gap_type), intent(inout) :: self
+      type(model_type), intent(in) :: model
+      type(contact_points_type), intent(in) :: points
+      integer, intent(in) :: pair
+      type(sample_type), allocatable :: sample(:)
+      integer :: i
+
+      do i = points%first(pair), points%first(pair + 1) - 1
+         if (points%facet(i) == 0 .or. .not. points%share(i) > 0.0_wp) cycle
+         call base_samples(points, i, model%mesh%x, sample)
+         self%early(i) = max(0.0_wp, -dot_product(sample%c, sample%gap) &
+            & - row_value(points, sample, self%shift + self%overclosure))
+         if (self%early(i) <= inexact*points%size(i)) self%early(i) = 0.0_wp
+      end do
+   end subroutine find_early
 
    !> The gaps of a pair at the start, and what is said of them.
    subroutine check_pair(self, model, points, pair, log, error)
@@ -219,11 +243,11 @@ contains
             call raise(error, error_code%deck, 'E0311', text, p%at, help=help, note=note)
          else if (p%control%initial == initial_of%interference .or. p%has_clearance) then
             call log%say(severity%note, 'N0311', text// &
-               & ': an interference as meant, ramped in over the first step', &
+               & ': an interference as meant, resolved in the first step', &
                & p%at)
          else
             call log%say(severity%warning, 'W0311', text// &
-               & ': treated as interference, ramped in over the first step', &
+               & ': treated as interference, resolved in the first step', &
                & p%at, help=help//'; *CONTACT CONTROLS, INITIAL=INTERFERENCE says that it is meant')
          end if
       end associate

@@ -37,6 +37,7 @@ module lopin_nonlinear_points
       real(wp), allocatable :: side(:, :)      !! (3, n) slave's outward normal; 0: unknown
       real(wp), allocatable :: shift(:)        !! added to gaps: ADJUST, CLEARANCE [length]
       real(wp), allocatable :: overclosure(:)  !! at the start, ramped in [length]
+      real(wp), allocatable :: early(:)        !! the same of rows where no node touches [length]
       logical, allocatable :: touches(:)       !! closed at the start
       real(wp), allocatable :: modulus(:)      !! of the softer side, 1D [stress]
       real(wp), allocatable :: slave_modulus(:)   !! of the slave side [stress]
@@ -88,6 +89,7 @@ contains
       if (allocated(points%face)) self%face = points%face
       self%shift = initial%shift
       self%overclosure = initial%overclosure
+      self%early = initial%early
       self%touches = initial%touches
       allocate (self%entry(self%n), source=1)
       do i = 2, self%n
@@ -140,6 +142,7 @@ contains
       self%share = [self%share, spread(0.0_wp, 1, m)]
       self%shift = [self%shift, spread(0.0_wp, 1, m)]
       self%overclosure = [self%overclosure, spread(0.0_wp, 1, m)]
+      self%early = [self%early, spread(0.0_wp, 1, m)]
       self%touches = [self%touches, spread(.false., 1, m)]
       self%n = self%n + m
    end subroutine add_self

@@ -265,6 +265,8 @@ contains
       if (self%share(i) > 0.0_wp) then
          shift_of = row_value(self, i, self%shift) &
             & + (1.0_wp - self%interference)*row_value(self, i, self%overclosure)
+         if (.not. allocated(self%opposite(i)%inner)) shift_of = shift_of &
+            & + (1.0_wp - self%early_share)*self%early(i)
       else
          shift_of = self%shift(i) + (1.0_wp - self%interference)*self%overclosure(i)
       end if

@@ -110,6 +110,7 @@ contains
          if (scene%newton%nlgeom) call set_followers(scene%newton%follower, model, frame%step_time)
          scene%interference = 1.0_wp
          if (scene%step == 1) scene%interference = frame%step_time/loading%period
+         scene%newton%contact%early_share = scene%interference
          call refuse_torn_ties(scene, model, prescribed, error)
          if (allocated(error)) return
          if (run%plan%path == path_of%nonlinear) then

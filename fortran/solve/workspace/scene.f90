@@ -15,7 +15,7 @@ module lopin_scene
    use lopin_contact_points, only : contact_points_type, pair_is_tied
    use lopin_pairing, only : new_contact_points
    use lopin_tool_points, only : move_tool
-   use lopin_row_samples, only : sample_type, find_samples, row_value
+   use lopin_row_samples, only : sample_type, find_samples, row_value, has_inner
    use lopin_initial_gaps, only : initial_gap_type, new_initial_gaps
    use lopin_contact_rows, only : contact_rows_type, new_contact_rows
    use lopin_tie_release, only : release_ties
@@ -358,6 +358,8 @@ contains
             self%rows%gap0(row) = self%rows%gap0(row) &
                & + (1.0_wp - self%interference)*row_value(self%points, sample, &
                & self%initial%overclosure) &
+               & + (1.0_wp - self%interference)*merge(0.0_wp, self%initial%early(point), &
+               & has_inner(self%points, point)) &
                & - model%interaction(model%pair(self%points%pair(point))%interaction)%clearance
          end associate
       end do
