@@ -194,7 +194,8 @@ contains
       call add_explanation(list, 'N0311', 'an interference that is meant', &
          & 'Slave nodes lie inside the master at the start, as INITIAL=INTERFERENCE or a '// &
          & 'negative *CLEARANCE says. '// &
-         & 'Linear scenes ramp it in over the first step, Newton resolves it in the first increment.', 'nothing to do.')
+         & 'Linear scenes ramp it in over the first step, Newton resolves it in the first '// &
+         & 'increment.', 'nothing to do.')
       call add_explanation(list, 'W0318', 'slave nodes of a tied pair are not tied', &
          & 'A node is tied if a facet of the master lies opposite, nearer than half a facet '// &
          & 'of the slave or than '// &
