@@ -5,7 +5,7 @@
 module lopin_build_boundary
    use lopin_kinds, only : wp
    use lopin_error, only : location_type, log_type, severity
-   use lopin_text, only : upper, to_text
+   use lopin_text, only : upper, to_text, parse_integer, parse_real
    use lopin_model, only : model_type, prescribed_type
    use lopin_block, only : deck_type, block_type, field_type, split_fields, field_real, &
       & field_integer, complain, has_parameter
@@ -227,6 +227,13 @@ contains
       call need_integer(field(2), first, log, found)
       if (.not. found) return
       last = first
+      if (lacks_last(field, first)) then
+         call complain(log, 'E0404', 'the value '//field(3)%text//' stands where the last dof '// &
+            & 'belongs', field(3)%at, help='write '//field(1)%text//', '//field(2)%text//', '// &
+            & field(2)%text//', '//field(3)%text//': node or set, first dof, last dof, value')
+         found = .false.
+         return
+      end if
       if (size(field) > 2) call field_integer(field(3), last, log, given)
       if (last == 0) last = first
       if (size(field) > 3) call field_real(field(4), value, log, given)
@@ -236,6 +243,24 @@ contains
          found = .false.
       end if
    end subroutine read_line
+
+   !> Whether a line of three fields ends with a value.
+   pure logical function lacks_last(field, first)
+      type(field_type), intent(in) :: field(:)
+      integer, intent(in) :: first             !! dof
+      real(wp) :: value
+      integer :: dof
+      logical :: is_whole
+
+      lacks_last = .false.
+      if (size(field) /= 3) return
+      call parse_integer(field(3)%text, dof, is_whole)
+      if (is_whole) then
+         lacks_last = dof /= 0 .and. (dof < first .or. dof > 11)
+      else
+         call parse_real(field(3)%text, value, lacks_last)
+      end if
+   end function lacks_last
 
    !> A word: dofs that a node does not have are left out without a word.
    subroutine prescribe_mark(self, model, node, mark, item, role)
@@ -307,6 +332,8 @@ contains
       type(location_type), intent(in) :: at
       character(len=:), allocatable :: text, help
 
+      ! A REF NODE that is wrong was told.
+      if (dof >= 4 .and. any(model%rigid_body%reference == 0)) return
       text = 'dof '//to_text(dof)//' does not exist'
       help = '1 to 3 are translations, 4 to 6 rotations of a reference node'
       if (dof >= 4 .and. dof <= 6) then

@@ -135,7 +135,7 @@ contains
       end select
       if (law /= 'TABULAR' .and. block%nline > 1) call complain(log, 'E0103', &
          & '*SURFACE BEHAVIOR has one data line here', line_place(block%line(2)), &
-         & help='a table needs PRESSURE-OVERCLOSURE=TABULAR')
+         & help='a table needs PRESSURE-OVERCLOSURE=TABULAR; or a keyword line is lost above')
       if (law == 'TIED' .and. interaction%slope > 0.0_wp) call new_enforcement( &
          & interaction%method, 'penalty')
    end subroutine read_behaviour

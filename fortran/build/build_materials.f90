@@ -161,15 +161,18 @@ contains
       if (two .and. (material%poisson >= 0.5_wp .or. material%poisson <= -1.0_wp)) then
          call complain(log, 'E0203', "Poisson's ratio "//to_text(material%poisson, 6) &
             & //' is outside (-1, 0.5)', field(2)%at, &
-            & help='an incompressible solid has no stiffness matrix; 0.49 is near enough')
+            & help=trim(merge( &
+            & 'steel has 0.3, rubber 0.49: is a decimal point lost?                ', &
+            & 'an incompressible solid has no stiffness matrix; 0.49 is near enough', &
+            & abs(material%poisson) >= 1.0_wp)))
       end if
       if (.not. two) call log%say(severity%note, 'N0402', "material `"//material%name// &
          & "` has no Poisson's ratio: it is 0", line_place(block%line(1)))
       if (n > 3) call log%say(severity%warning, 'W0104', 'decimal comma? this line reads as E = ' &
          & //to_text(material%young, 6)//', nu = '//to_text(material%poisson, 6)//' and more', &
          & field(3)%at)
-      if (block%nline > 1) call complain(log, 'E0203', &
-         & 'elasticity that depends on temperature is not in this version', &
+      if (block%nline > 1) call complain(log, 'E0203', 'a second line: elasticity that depends '// &
+         & 'on temperature is not in this version, or a keyword line is lost above it', &
          & line_place(block%line(2)))
    end subroutine read_elastic
 
@@ -210,8 +213,8 @@ contains
          call elastic_constants(neo_hooke_law(material%c10, material%d1), material%young, &
             & material%poisson)
       end if
-      if (block%nline > 1) call complain(log, 'E0203', &
-         & 'elasticity that depends on temperature is not in this version', &
+      if (block%nline > 1) call complain(log, 'E0203', 'a second line: elasticity that depends '// &
+         & 'on temperature is not in this version, or a keyword line is lost above it', &
          & line_place(block%line(2)))
    end subroutine read_hyperelastic
 end module lopin_build_materials

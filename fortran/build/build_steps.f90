@@ -78,16 +78,20 @@ contains
       type(deck_type), intent(in) :: deck
       type(scene_type), intent(in) :: scene
       integer, intent(in) :: s
+      character(len=:), allocatable :: help
       integer :: k
       logical :: is_static
 
       is_static = .false.
+      help = 'write *STATIC after *STEP'
       do k = 1, scene%ncard
          if (scene%card(k)%step /= s) cycle
          associate (block => deck%block(scene%card(k)%block))
             if (block%keyword == 'STEP') then
                if (s > 1) model%step(s)%nlgeom = model%step(s - 1)%nlgeom
                call read_head(model%step(s), block, model%log)
+               if (block%nline > 0) help = 'write *STATIC, with its star, between *STEP and '// &
+                  & 'its data; line '//to_text(block%line(1)%line)//' is a title of the step now'
             end if
             if (block%keyword /= 'STATIC') cycle
             if (is_static) call complain(model%log, 'E0408', 'step '//to_text(s) &
@@ -98,7 +102,7 @@ contains
       end do
       if (.not. is_static) call complain(model%log, 'E0408', 'step '//to_text(s) &
          & //' has no *STATIC', &
-         & model%step(s)%at, help='write *STATIC after *STEP')
+         & model%step(s)%at, help=help)
    end subroutine read_step
 
    !> *RESTART holds until another one; one outside the steps, from the first.
@@ -207,6 +211,9 @@ contains
       given = .false.
       n = 0
       if (block%nline > 0) call split_fields(block%line(1), field, n)
+      if (block%nline > 1) call complain(model%log, 'E0103', '*STATIC has one data line', &
+         & line_place(block%line(2)), help='write the keyword line that is lost above it, or '// &
+         & 'take it away')
       do i = 1, min(4, n)
          call field_real(field(i), value(i), model%log, given(i))
          if (value(i) < 0.0_wp) call complain(model%log, 'E0408', 'a time of ' &

@@ -8,6 +8,7 @@ module lopin_check_loads
    use lopin_element_type, only : cells_of_words
    use lopin_facets, only : facets_type, boundary_facets
    use lopin_model, only : model_type, step_type
+   use lopin_check_free_turns, only : check_free_turns
    implicit none
    private
    public :: check_loads
@@ -30,6 +31,7 @@ contains
       integer :: s
 
       call check_forces(model)
+      call check_free_turns(model)
       do s = 1, size(model%step)
          if (size(model%step(s)%face_load) > 0) then
             if (.not. allocated(inside)) call find_inside(model, inside)

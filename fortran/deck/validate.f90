@@ -13,6 +13,7 @@ module lopin_validate
    use lopin_text, only : upper, without_blanks, quoted, parse_real, parse_integer, &
       & nearest_word
    use lopin_kinds, only : wp
+   use lopin_lost_star, only : check_stars
    use lopin_validate_data, only : check_data
    use lopin_word_list, only : in_list, list_item, list_size
    implicit none
@@ -27,8 +28,11 @@ contains
       type(log_type), intent(inout) :: log
       type(keyword_table_type) :: table
       type(place_type) :: place
+      type(log_type) :: unheard
       integer :: i, row
+      logical :: lost
 
+      lost = .false.
       call new_keyword_table(table)
       do i = 1, deck%nblock
          row = find_keyword(table, deck%block(i)%keyword)
@@ -39,7 +43,12 @@ contains
          end if
          associate (block => deck%block(i), known => table%row(row))
             block%keyword = known%name
-            call enter(place, deck, known, i, log)
+            ! Where a star is lost, what follows stands in no place that can be told.
+            if (lost) then
+               call enter(place, deck, known, i, unheard)
+            else
+               call enter(place, deck, known, i, log)
+            end if
             if (known%status == status_of%later) then
                call complain(log, 'E0108', '*'//known%name//' is known but not yet there: '// &
                   & known%sentence//' '//verb(known%sentence)//' with a later version', block%at)
@@ -48,10 +57,11 @@ contains
             if (known%status == status_of%ignored) call note_once(log, 'N0101', '*'//known%name// &
                & ' is read past: '//known%sentence, block%at)
             call check_parameters(block, known, log)
-            call check_data(block, known, log)
+            call check_stars(block, known, table, log, lost)
+            call check_data(block, known, table, log)
          end associate
       end do
-      call leave_deck(place, deck, log)
+      if (.not. lost) call leave_deck(place, deck, log)
    end subroutine validate_deck
 
    pure function verb(noun) result(word)

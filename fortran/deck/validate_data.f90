@@ -5,7 +5,8 @@ module lopin_validate_data
       & split_fields, &
       & field_real, line_place
    use lopin_error, only : log_type, location_type, severity
-   use lopin_keyword_table, only : keyword_type
+   use lopin_keyword_table, only : keyword_table_type, keyword_type
+   use lopin_lost_star, only : help_of, is_keyword
    use lopin_kinds, only : wp
    use lopin_text, only : parse_real, parse_integer, plural, quoted, upper, without_blanks, to_text
    implicit none
@@ -14,21 +15,23 @@ module lopin_validate_data
 
 contains
 
-   subroutine check_data(block, known, log)
+   subroutine check_data(block, known, table, log)
       type(block_type), intent(in) :: block
       type(keyword_type), intent(in) :: known
+      type(keyword_table_type), intent(in) :: table
       type(log_type), intent(inout) :: log
       integer :: i, most
 
       most = known%most_fields()
       do i = 1, block%nline
+         ! What follows is that keyword's.
+         if (.not. known%is_free_text .and. is_keyword(block%line(i), table)) exit
          call check_quotes(block%line(i), known, log)
          if (.not. known%is_free_text) call check_commas(block%line(i), log)
          if (most == huge(most)) cycle
          if (most < 0) then
             call complain(log, 'E0103', '*'//known%name//' takes no data lines', &
-               & line_place(block%line(i)), &
-               & help="lopin doc '*"//known%name//"'")
+               & line_place(block%line(i)), help=help_of(known))
             exit
          end if
          if (count_fields(block%line(i)%text) > most) call too_many(block%line(i), known, most, log)
@@ -119,7 +122,7 @@ contains
          & ' a line, here are '// &
          & to_text(n), location_type(line%file, line%line, field(most + 1)%at%first, &
          & field(n)%at%last), &
-         & label='too many', help="lopin doc '*"//known%name//"'")
+         & label='too many', help=help_of(known))
    end subroutine too_many
 
    !> `210000,0,3` is legal, and probably not what was meant.

@@ -68,10 +68,11 @@ contains
          & 'Keywords, labels and data are 7-bit ASCII, so that every code and editor reads '// &
          & 'them alike. Accents and other alphabets may stand in comments and in titles.', &
          & 'rename the label.')
-      call add_explanation(list, 'E0110', 'data before any keyword', &
-         & 'A data line belongs to the keyword above it; this one has none.', &
-         & 'begin the deck with a keyword. A mesh file of CalculiX without keywords goes '// &
-         & 'under the keyword that it fills: *NODE, then *INCLUDE.')
+      call add_explanation(list, 'E0110', 'data without a keyword', &
+         & 'A data line belongs to the keyword above it; this one has none, or it is itself a '// &
+         & 'keyword whose star is missing.', &
+         & 'begin the deck with a keyword; write the star. A mesh file of CalculiX without '// &
+         & 'keywords goes under the keyword that it fills: *NODE, then *INCLUDE.')
       call add_explanation(list, 'E0111', 'a quote is not closed', &
          & 'A label between double quotes must end on the line on which it begins.', &
          & 'close the quote.')

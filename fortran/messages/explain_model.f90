@@ -315,6 +315,11 @@ contains
    subroutine raised(list)
       type(explanation_type), allocatable, intent(inout) :: list(:)
 
+      call add_explanation(list, 'N0305', 'a rigid body is free to turn', &
+         & 'The deck moves or loads the reference node of a rigid body and says nothing of its '// &
+         & 'rotations. Contact and friction turn it then: a ball rolls where it was to slide.', &
+         & 'hold the rotations by *BOUNDARY (dof 6 in a plane scene, 4 to 6 of a solid one), '// &
+         & 'if the body is not meant to roll.')
       call add_explanation(list, 'N0329', 'the chosen stiffness of contact was raised', &
          & 'Bodies that are confined, nearly incompressible or in many layers give way less '// &
          & 'than one facet does. The equilibrium by the slopes chosen first told that its '// &

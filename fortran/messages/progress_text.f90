@@ -97,7 +97,7 @@ contains
 
       text = 'increment '//to_text(news%increment)
       if (news%attempt > 1) text = text//' (attempt '//to_text(news%attempt)//')'
-      text = text//' of '//to_text(news%time_increment, 3)
+      text = text//' (+'//to_text(news%time_increment, 3)//')'
       if (news%iterations > 0) text = text//', '//plural(news%iterations, 'iteration')
       text = text//', '//plural(news%closed, 'contact')
       if (pace%cuts > 0) text = text//', '//plural(pace%cuts, 'cut')
