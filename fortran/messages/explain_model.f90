@@ -210,13 +210,17 @@ contains
          & 'look at the tool in the results, or export it again.')
       call add_explanation(list, 'W0332', 'the facets of a tool are coarse beside the slave', &
          & 'The facets stand off the curved surface they mean by more than a fiftieth of a '// &
-         & 'slave facet: pressures will show the facets.', &
+         & 'slave facet: pressures will show the facets. Chords also take room from a '// &
+         & 'cavity, or give it some: where a die fills, its force is that of a '// &
+         & 'stroke which differs by their mean.', &
          & 'export the tool with a smaller chord error, or use an analytical tool.')
       call add_explanation(list, 'N0332', 'the facets of a tool are curved', &
          & 'Triangles of an STL file that meet at less than 30 degrees are taken for a curved '// &
          & 'surface: each becomes the quadratic one whose edges follow the normals of its '// &
-         & 'corners. Sharper edges stay. The figure is how far that is off the facets, beside '// &
-         & 'a slave facet.', 'SMOOTH=NO on *SURFACE where the facets are meant as they are.')
+         & 'corners. Sharper edges stay, but for those of up to 60 degrees, of fillets of few '// &
+         & 'facets and of slivers, that stand out no more than the chords beside them. The '// &
+         & 'figure is how far that is off the facets, beside a slave facet.', &
+         & 'SMOOTH=NO on *SURFACE where the facets are meant as they are.')
    end subroutine gaps
 
    subroutine uneven_gaps(list)
