@@ -319,6 +319,10 @@ contains
    subroutine raised(list)
       type(explanation_type), allocatable, intent(inout) :: list(:)
 
+      call add_explanation(list, 'W0343', 'a tool moves away', &
+         & 'Every step moves the tool away from the slave of its pair, and nothing else moves '// &
+         & 'or is loaded: the pair can press nothing.', &
+         & 'look at the sign of the displacement under *BOUNDARY.')
       call add_explanation(list, 'N0305', 'a rigid body is free to turn', &
          & 'The deck moves or loads the reference node of a rigid body and says nothing of its '// &
          & 'rotations. Contact and friction turn it then: a ball rolls where it was to slide.', &

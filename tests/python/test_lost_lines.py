@@ -56,6 +56,27 @@ def test_sets_may_be_called_as_keywords(executable, tmp_path):
     assert check(executable, tmp_path, "*HEADING\nSTEP\nEND STEP, A=1\n" + PRESSED).returncode == 0
 
 
+STEP = PRESSED[PRESSED.index("*STEP"):]
+PLAIN = PRESSED[:PRESSED.index("*AMPLITUDE")]
+
+
+@pytest.mark.parametrize("ways, away", [
+    ([0.2], True), ([-0.2], False), ([0.2, 0.3], True), ([0.2, -0.1], False), ([0.2, 0.0], True),
+    ([0.0], False)])
+def test_a_tool_that_moves_away_is_said_before_the_run(ways, away, executable, tmp_path):
+    steps = "".join(STEP.replace(MOVES, f"*BOUNDARY\n9, 2, 2, {way}\n") for way in ways)
+    run = check(executable, tmp_path, PLAIN + steps)
+    assert run.returncode == 0 and run.stderr.count("W0343") == away, run.stderr
+    loaded = steps.replace("*OUTPUT", "*CLOAD\n3, 2, 1.\n*OUTPUT", 1)
+    assert "W0343" not in check(executable, tmp_path, PLAIN + loaded).stderr
+
+
+def test_a_pulse_comes_back(executable, tmp_path):
+    for sign in (1, -1):
+        text = PRESSED.replace("9, 2, 2, -0.2", f"9, 2, 2, {0.2*sign}")
+        assert "W0343" not in check(executable, tmp_path, text).stderr
+
+
 BALL = PRESSED.replace("START, 9., 1.\nLINE, -9., 1.", "START, 3.5, 4.\nCIRCL, 0.5, 1., 0.5, 4.\n"
                        "CIRCL, -2.5, 4., 0.5, 4.").replace("9, 0., 2.", "9, 0.5, 4.")
 

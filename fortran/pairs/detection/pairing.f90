@@ -19,6 +19,7 @@ module lopin_pairing
    use lopin_model, only : model_type, surface_of
    use lopin_contact_points, only : contact_points_type, no_contact_points, reserve, add_point, &
       & facing, pair_is_tied, gaps_as_meshed
+   use lopin_moves_away, only : check_moves_away
    use lopin_skins, only : weigh_sharp_nodes
    use lopin_tool_points, only : pair_with_tool
    implicit none
@@ -253,6 +254,7 @@ contains
          & master => model%surface(model%pair(pair)%master)%name)
          if (any(self%facet(self%first(pair):self%n) > 0)) then
             if (self%tool(pair) > 0) call check_chord(self, model, pair, log)
+            call check_moves_away(self, model, pair, log)
             return
          end if
          behind = 0
