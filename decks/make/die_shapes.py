@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cache
 
 import numpy as np
 
@@ -139,6 +140,7 @@ class Rod(Die):
         return either(ends, np.maximum(shank, np.maximum(-x, x - self.centres)), self.corner)
 
 
+@cache
 def volume(die: Die, cells: int = 600) -> float:
     """Of the cavity over the quarter or octant, flash left out [mm3]."""
     low, right, _, back = die.box
@@ -193,7 +195,7 @@ def irregular(die: Die, deviation: float, largest: float = 4.0, smallest: float 
             break
         plan = np.concatenate([plan, middle[cut]])
     points = np.column_stack([plan, die.height(plan[:, 0], plan[:, 1])])[cells]
-    up = np.cross(points[:, 1, :2] - points[:, 0, :2], points[:, 2, :2] - points[:, 0, :2])
+    up = np.cross(points[:, 1] - points[:, 0], points[:, 2] - points[:, 0])[:, 2]
     points[up > 0.0] = points[up > 0.0][:, ::-1]
     return points[np.abs(up) > 1e-9]
 
