@@ -38,6 +38,10 @@ contains
       if (found) call parse_real(word, one%width, found)
       if (found .and. .not. one%width > 0.0_wp) call complain(log, 'E0203', 'WIDTH='//word// &
          & ' is not positive', at)
+      call get_word(block, 'CRITICAL', word, at, found)
+      if (found) call parse_real(word, one%critical, found)
+      if (found .and. .not. one%critical > 0.0_wp) call complain(log, 'E0203', 'CRITICAL='// &
+         & word//' is not positive', at)
       material%damage = [material%damage, one]
    end subroutine read_damage
 

@@ -135,7 +135,8 @@ contains
       call required(table)
       call number(table, 'WIDTH', '0', 'Length over which means are taken, in the present '// &
          & 'shape [length]: values at points grow as cells shrink, means do not.')
-      call later_flag(table, 'CRITICAL', 'Mean at which metal separates.')
+      call number(table, 'CRITICAL', '0', 'Mean in an element at which its metal separates: it '// &
+         & 'is taken out. With *REMESH, by the command of the Python package.')
       call data_line(table, 'A [-]', 'OYANE: its A; RICE-TRACEY: its c, 1.5 without the line.')
       call example(table, '*MATERIAL, NAME=SHEET|*ELASTIC|210000., 0.3|*PLASTIC|180., 0.|320., '// &
          & '0.2|*DAMAGE, CRITERION=OYANE, WIDTH=0.05|3.9')

@@ -21,6 +21,7 @@ module lopin_damage_criteria
       integer :: kind = 0                  !! place in `damage_names`
       real(wp) :: coefficient = 0.0_wp     !! OYANE: A; RICE-TRACEY: c [-]
       real(wp) :: width = 0.0_wp           !! means are taken over it; 0: none [length]
+      real(wp) :: critical = 0.0_wp        !! metal separates there; 0: never [-]
    end type damage_type
 
    character(len=16), parameter :: damage_names(4) = [character(len=16) :: 'COCKCROFT-LATHAM', &

@@ -254,7 +254,8 @@ contains
       type(explanation_type), allocatable, intent(inout) :: list(:)
 
       call add_explanation(list, 'E0620', 'a run that is remeshed needs a mesher', &
-         & '*REMESH makes meshes by libraries of Python; the executable alone has none.', &
+         & '*REMESH makes meshes by libraries of Python; the executable alone has none. '// &
+         & 'Elements that separate by *DAMAGE, CRITICAL are taken out there too.', &
          & 'run the deck by the command of the Python package (pip install lopin[remesh]). A '// &
          & 'part of a run that was remeshed is a deck of its own, which the executable runs.')
       call add_explanation(list, 'E0621', 'something that a new mesh cannot carry', &

@@ -41,6 +41,11 @@ contains
    subroutine friction_explanations(list)
       type(explanation_type), allocatable, intent(inout) :: list(:)
 
+      call add_explanation(list, 'W0559', 'much flow where a part of a run begins', &
+         & 'A part begins on a mesh that is not in balance: elements have been taken out, and '// &
+         & 'what they held is let go of while nothing moves. Metal beside them flows more in '// &
+         & 'that one increment than increments should.', &
+         & 'finer elements where metal separates.')
       call add_explanation(list, 'E0555', 'contact forces pass to other points in one increment', &
          & 'Within an increment in which metal flows, points close or open or go round a '// &
          & 'corner of the tool, and more than a tenth of the contact force with them. Metal '// &

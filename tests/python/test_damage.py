@@ -139,7 +139,7 @@ def test_means_do_not_depend_on_the_mesh():
     ("*DAMAGE, CRITERION=OYANE\n", "E0103"), ("*DAMAGE, CRITERION=OYANE\n-1.\n", "E0203"),
     ("*DAMAGE, CRITERION=LEMAITRE\n1.\n", "E0103"),
     ("*DAMAGE, CRITERION=LEMAITRE, WIDTH=0.\n", "E0203"),
-    ("*DAMAGE, CRITERION=LEMAITRE, CRITICAL=1.\n", "E0108"),
+    ("*DAMAGE, CRITERION=LEMAITRE, CRITICAL=-1.\n", "E0203"),
     ("*DAMAGE, CRITERION=LEMAITRE\n*DAMAGE, CRITERION=LEMAITRE\n", "E0205")])
 def test_what_is_wrong_is_refused(card, code):
     with pytest.raises(lopin.LopinError) as caught:

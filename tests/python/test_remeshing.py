@@ -230,6 +230,7 @@ def test_the_command_runs_remeshed_decks_and_the_executable_says_why_not(core, t
     (("*REMESH,", "*REMESH, ELSET=B\n*REMESH,"), "E0621"),
     (("*STEP, NLGEOM", "*STEP"), "E0621"),
     (("*BOUNDARY", "*CLOAD\n1, 2, 5.\n*BOUNDARY"), "E0621"),
+    (("FLOOR, 2", "FLOOR, 2, 2, 0.1"), "E0621"),
 ])
 def test_decks_that_cannot_be_remeshed_are_refused_by_name(change, code, core, tmp_path):
     text = block("CAX4").text()

@@ -57,12 +57,20 @@ contains
 
    !> More plastic flow than one increment follows, where increments may be cut.
    subroutine limit_flow(scene, model, error)
-      type(scene_type), intent(in) :: scene
+      type(scene_type), intent(inout) :: scene
       type(model_type), intent(in) :: model
       type(error_type), allocatable, intent(out) :: error
 
       associate (memory => scene%trial%solids, step => model%step(scene%step))
          if (step%direct .or. .not. memory%most_strain > most_flow) return
+         if (scene%newton%rests) then
+            call warn_once(scene%log, 'W0559', 'plastic strain grows by '// &
+               & to_text(memory%most_strain, 3)//' at element '//to_text( &
+               & model%mesh%element_label(memory%most_element))//' as what its mesh leaves out '// &
+               & 'of balance is let go of', model%start%at, help='finer elements there: those '// &
+               & 'that separate held what their neighbours bear now')
+            return
+         end if
          call raise(error, error_code%not_converged, 'E0513', 'plastic strain grows by '// &
             & to_text(memory%most_strain, 3)//' in one increment, at element '// &
             & to_text(model%mesh%element_label(memory%most_element)), step%at, &

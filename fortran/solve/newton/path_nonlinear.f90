@@ -18,7 +18,7 @@ module lopin_path_nonlinear
    use lopin_newton_workspace, only : add_line, is_nonlinear
    use lopin_semismooth_newton, only : solve_newton, least_cuts
    use lopin_compliance_error, only : limit_compliance
-   use lopin_residual, only : gap_rounding
+   use lopin_residual, only : gap_rounding, evaluate, evaluation_type
    use lopin_predictor, only : iterate_type, predict, start_from_accepted, opened_after_guess, &
       & has_free_motion
    use lopin_heat, only : start_solids
@@ -68,6 +68,8 @@ contains
       scene%newton%grounded = 0
       scene%newton%augmentations = 0
       scene%newton%nline = 0
+      scene%newton%rests = model%start%step == scene%step .and. .not. &
+         & scene%accepted%clock%time > model%start%time
       call start_solids(scene, model)
       scene%trial%motion%u = scene%accepted%motion%u
       call rotate_followers(scene, model, error)
@@ -100,12 +102,28 @@ contains
       scene%counter%augmentations = scene%counter%augmentations + scene%newton%augmentations
    end subroutine solve_nonlinear
 
-   !> The increment begins a step that lets go of something at once: a jump, however short it is.
+   !> The increment begins a step that lets go of something at once, or a part whose mesh is not in
+   !> balance: a jump, however short it is.
    pure logical function releases_at_once(scene)
       type(scene_type), intent(in) :: scene
-      releases_at_once = allocated(scene%newton%released) &
-         & .and. .not. scene%accepted%clock%time > 0.0_wp
+      releases_at_once = scene%newton%rests .or. (allocated(scene%newton%released) &
+         & .and. .not. scene%accepted%clock%time > 0.0_wp)
    end function releases_at_once
+
+   !> What the forces of a part that begins leave where it begins: elements that were taken out held
+   !> it, or the old mesh did.
+   subroutine measure_imbalance(scene, model, f, error)
+      type(scene_type), intent(inout) :: scene
+      type(model_type), intent(in) :: model
+      real(wp), intent(in) :: f(:)             !! (ndof) dead loads [force]
+      type(error_type), allocatable, intent(out) :: error
+      type(evaluation_type) :: evaluation
+
+      call evaluate(scene, model, f, .false., evaluation, error)
+      if (allocated(error)) return
+      scene%newton%released = evaluation%internal - f - scene%newton%contact%force &
+         & - scene%newton%follower%force
+   end subroutine measure_imbalance
 
    !> Newton has failed so that smaller increments promise little: the path may turn back.
    pure logical function turns_back(scene)
@@ -230,6 +248,8 @@ contains
       scene%newton%faded = releases_at_once(scene)
       call add_line(scene%newton, '  by parts of '//trim(merge('the prescribed motion', &
          & 'what is let go of    ', .not. scene%newton%faded)))
+      if (scene%newton%rests) call measure_imbalance(scene, model, f, error)
+      if (allocated(error)) return
       allocate (start, source=iterate%before)
       reached = 0.0_wp
       part = first_part

@@ -202,6 +202,17 @@ contains
       type(model_type), intent(in) :: model
       type(error_type), allocatable, intent(out) :: error
 
+      integer :: i
+
+      do i = 1, size(model%material)
+         if (model%remeshes .or. .not. allocated(model%material(i)%damage)) cycle
+         if (.not. any(model%material(i)%damage%critical > 0.0_wp)) cycle
+         call raise(error, error_code%deck, 'E0620', 'material '//model%material(i)%name// &
+            & ' separates (*DAMAGE, CRITICAL), and that is done with *REMESH', &
+            & model%material(i)%at, help='add *REMESH, ELSET= and run the deck by `lopin run` '// &
+            & 'of the Python package; or leave CRITICAL out')
+         return
+      end do
       if (.not. model%remeshes) return
       call raise(error, error_code%deck, 'E0620', '*REMESH needs the command of the Python '// &
          & 'package', model%remesh_at, help='run the deck by `lopin run` of the package with '// &

@@ -69,6 +69,8 @@ module lopin_newton_workspace
       logical :: passes = .false.              !! as much passes in any increment
       real(wp), allocatable :: released(:)   !! (ndof) that the step lets go of at once [force]
       logical :: faded = .false.               !! it was taken away by parts in this increment
+      logical :: rests = .false.               !! a part of a run begins: nothing moves but what its
+                                               !! mesh leaves out of balance
       logical :: jumped = .false.              !! it was ended by slow motion
       logical :: cycled = .false.              !! Newton came back to the same sets of contact
       real(wp), allocatable :: history(:)      !! residual by iteration, beside the largest force

@@ -24,6 +24,7 @@ from .plane import worst_corner
 from .refusals import refuse_what_stays_behind
 from .remake import remake
 from .report import Remesh, Report
+from .separate import counted, criticals, separate, torn
 from .state import Snapshot
 from .tools import Tools
 from .triggers import reason_to_remesh
@@ -63,6 +64,7 @@ class Runner:
         card = RemeshCard.of(cards[0])
         body = read_body(parts, card.elset)
         refuse_what_stays_behind(parts, body)
+        self.critical = criticals(parts.blocks)
         self.card = card.filled(body)
         self.report = Report(deck.name, self.output)
 
@@ -93,7 +95,7 @@ class Runner:
 
     def _first_deck(self) -> Deck:
         """The deck without *REMESH, with its includes in their place."""
-        blocks = [b for b in DeckParts.of(self.deck).blocks if b.keyword != "REMESH"]
+        blocks = [counted(b) for b in DeckParts.of(self.deck).blocks if b.keyword != "REMESH"]
         deck = Deck(blocks, preamble=self.deck.preamble, name=part_name(self.deck.name, 1),
                     folder=self.output)
         return named_from(deck, self.deck.folder)
@@ -136,6 +138,11 @@ class Runner:
                         if _reached(last.clock, Clock.of_start(following)):
                             return following
                         continue
+                    gone, why = torn(body, last, self.critical)
+                    if gone.any() and number <= self.card.most and not last.clock.at_end:
+                        found = separate(deck, last, gone, self.card.elset, why, number,
+                                         part_name(self.deck.name, number + 1), self.output)
+                        break
                     why = self._reason(deck, body, last, tools, first)
                     if why and number <= self.card.most:
                         found = self._remake(deck, number, last, tools, why)

@@ -68,10 +68,10 @@ def join_summaries(folder: Path, name: str, parts: list[str], verdict: str) -> N
                       for k in range(len(whole.get("steps", [])))]
     whole["timing"] = _sum([d.get("timing", {}) for d in found])
     whole["peak_memory_mib"] = max(d.get("peak_memory_mib", 0.0) for d in found)
-    verdicts = [d.get("certificate", {}).get("verdict", "PASS") for d in found] + [verdict]
+    verdicts = [(d.get("certificate") or {}).get("verdict", "PASS") for d in found] + [verdict]
     if "certificate" in whole:
         worst = max((v for v in verdicts if v in _VERDICTS), key=_VERDICTS.index, default="PASS")
-        whole["certificate"] = whole["certificate"] | {"verdict": worst}
+        whole["certificate"] = (whole["certificate"] or {}) | {"verdict": worst}
     seen = {json.dumps(d, sort_keys=True): d for each in found for d in each.get("diagnostics", [])}
     whole["diagnostics"] = list(seen.values())
     whole["files"] = [f"{name}.pvd", f"{name}_history.csv", f"{name}.parts.json"]

@@ -25,6 +25,7 @@ def refuse_what_stays_behind(parts: DeckParts, body: Body) -> None:
             raise refused("pressures on the surface of a body that is meshed anew come with a "
                           "later version", "load a tool")
     _refuse_loads(parts, body)
+    _refuse_motion(parts, body)
     _refuse_ties(parts, body)
     _refuse_others(parts, body)
     _refuse_material(parts, body)
@@ -40,6 +41,20 @@ def _refuse_loads(parts: DeckParts, body: Body) -> None:
             if own & set(labels):
                 raise refused(f"*CLOAD acts on {row[0]} of the body that is meshed anew",
                               "load a tool")
+
+
+def _refuse_motion(parts: DeckParts, body: Body) -> None:
+    """Displacements that count from where nodes stood at the start: a new mesh stands elsewhere."""
+    own = set(body.labels.tolist())
+    for block in parts.blocks:
+        for row in block.data if block.keyword == "BOUNDARY" else ():
+            if len(row) < 4 or not isinstance(row[3], int | float) or row[3] == 0.0:
+                continue
+            labels = [row[0]] if isinstance(row[0], int) else \
+                parts.cards.nsets.get(str(row[0]).upper(), [])
+            if own & set(labels):
+                raise refused(f"*BOUNDARY moves {row[0]} of the body that is meshed anew by "
+                              f"{row[3]:g}", "move a tool against it")
 
 
 def _refuse_ties(parts: DeckParts, body: Body) -> None:

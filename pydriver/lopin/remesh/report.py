@@ -32,6 +32,8 @@ class Remesh:
         elastic energy of the deviator
     excess : largest share by which a strain was taken back to the yield surface
     seconds : of the remesh
+    separated : share of the body's volume that was taken out
+    pieces : bodies that are left
     """
 
     part: int
@@ -44,9 +46,15 @@ class Remesh:
     energy_change: float
     excess: float
     seconds: float
+    separated: float = 0.0
+    pieces: int = 1
 
     def line(self) -> str:
         """For a terminal."""
+        if self.separated > 0.0:
+            return (f"separation at time {self.time:g}: {self.reason}; "
+                    f"{100*self.separated:.2g} % of the volume; {self.elements} elements left in "
+                    f"{self.pieces} {'piece' if self.pieces == 1 else 'pieces'}")
         return (f"remesh at time {self.time:g}: {self.reason}; {self.elements} elements, worst "
                 f"corner {self.worst_corner:.2f}, volume {self.moved['volume_change']:+.1e}, "
                 f"plastic strain {100*self.plastic_change:+.2f} %, elastic energy "
@@ -94,7 +102,7 @@ class Report:
         if self.path.is_file():
             with reading(self.path):
                 found = json.loads(self.path.read_text())["remeshes"]
-                self.remeshes = [Remesh(**{k: r[k] for k in Remesh.__dataclass_fields__})
+                self.remeshes = [Remesh(**{k: r[k] for k in Remesh.__dataclass_fields__ if k in r})
                                  for r in found]
 
     def finish(self) -> None:
@@ -137,6 +145,8 @@ class Report:
                     ("integral of plastic strain", abs(r.plastic_change), 2e-3, np.inf),
                     ("elastic energy", abs(r.energy_change), 2e-2, np.inf),
                     ("force of the tools at rest", jump, 1e-2, 5e-2)):
+                if r.separated > 0.0:
+                    break   # what is taken out takes its force along
                 level = 2 if value > fail else 1 if value > warn else 0
                 worst = max(worst, level)
                 if level:
@@ -147,8 +157,14 @@ class Report:
     def text(self) -> str:
         """For a terminal."""
         verdict, said = self.verdict()
-        jumps = [j["change"] for j in self.jumps()]
+        cut = {r.part for r in self.remeshes if r.separated > 0.0}
+        jumps = [j["change"] for j in self.jumps() if j["part"] not in cut]
         lines = [*said, f"{len(self.parts)} parts, {len(self.remeshes)} remeshes: {verdict}"]
+        gone = [r.separated for r in self.remeshes if r.separated > 0.0]
+        if gone:
+            left = 100.0*(1.0 - np.prod(1.0 - np.array(gone)))
+            lines[-1] = (f"{len(self.parts)} parts, {len(self.remeshes) - len(gone)} remeshes, "
+                         f"{len(gone)} separations of {left:.2g} % of the volume: {verdict}")
         if jumps:
             lines[-1] += f"; force of the tools at rest changes by {100*max(jumps):.2g} % at most"
         lines.append(f"results in {self.folder}/; {self.name}.pvd and {self.name}_history.csv "
