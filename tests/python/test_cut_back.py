@@ -77,9 +77,9 @@ def test_direct_refuses_to_cut(run):
 
 
 def test_an_increment_tried_again_has_the_same_bits(run):
-    """A first increment that fails and is cut to a quarter is that quarter, to the bit, and so is
-    all that follows."""
-    first = run("first", pulled(0.4))
+    """A first increment that fails and is cut to half is that half, to the bit, and so is all that
+    follows."""
+    first = run("first", pulled(0.2))
     second = run("second", pulled(0.1))
     assert "attempt 1: cut to 0.1" in first[2] and "step 2, increment 1, attempt 1: cut" not in second[2]
     drop = [k for k, word in enumerate(first[3][0].split(",")) if "wall" in word

@@ -95,15 +95,12 @@ contains
          if (.not. any(of%before > 0.0_wp)) return
          flows = scene%trial%solids%most_strain > first_flow(model)
          if (flows) then
-            pair = maxloc(of%passed, dim=1)
-            associate (share => of(pair)%passed/whole)
+            pair = maxloc(of%remembered, dim=1)
+            associate (share => of(pair)%remembered/whole)
                if (share > most_passed) call refuse(scene, model, pair, share, &
                   & safe*most_passed/share, error)
-               if (share > most_silent .and. .not. allocated(error)) call warn_once(scene%log, &
-                  & 'W0555', describe(model, pair, share)//': forces there may be off by as '// &
-                  & 'much as that, because metal that flows remembers when', &
-                  & model%step(scene%step)%at, &
-                  & help='smaller increments on *STATIC, or without DIRECT')
+               if (.not. allocated(error)) call warn(scene, model, of, whole, &
+                  & share > most_passed)
             end associate
          end if
          if (allocated(error) .or. scene%newton%attempt > most_cuts) return
@@ -117,6 +114,23 @@ contains
          end do
       end associate
    end subroutine limit_transfer
+
+   !> What was not cut may be wrong by as much as passed.
+   subroutine warn(scene, model, of, whole, known)
+      type(scene_type), intent(inout) :: scene
+      type(model_type), intent(in) :: model
+      type(transfer_type), intent(in) :: of(:)
+      real(wp), intent(in) :: whole            !! force of contact [force]
+      logical, intent(in) :: known             !! metal remembers more than it should
+      integer :: pair
+
+      pair = maxloc(of%passed, dim=1)
+      if (scene%may_cut .and. .not. known .or. .not. of(pair)%passed > most_silent*whole) return
+      call warn_once(scene%log, 'W0555', describe(model, pair, of(pair)%passed/whole)// &
+         & ': forces there may be off by as much as that, because metal that flows remembers '// &
+         & 'when', model%step(scene%step)%at, &
+         & help='smaller increments on *STATIC, or without DIRECT')
+   end subroutine warn
 
    !> A shorter increment, if there may be one that helps.
    subroutine refuse(scene, model, pair, share, part, error)

@@ -21,8 +21,8 @@ module lopin_passed_force
    !> Sums over the points of a pair, where the increment begins and ends.
    type :: transfer_type
       real(wp) :: before = 0.0_wp, now = 0.0_wp   !! [force]
-      real(wp) :: passed = 0.0_wp              !! from point to point, or round a corner, by metal
-                                               !! that flows [force]
+      real(wp) :: passed = 0.0_wp              !! from point to point, or round a corner [force]
+      real(wp) :: remembered = 0.0_wp          !! of that, by metal that flows [force]
    end type transfer_type
 
 contains
@@ -48,7 +48,9 @@ contains
                sum%now = sum%now + now
                passed = before + now
                if (before > 0.0_wp .and. now > 0.0_wp) passed = norm2(f - f0) - abs(now - before)
-               sum%passed = sum%passed + passed*min(1.0_wp, max(flow(c%node(i)), under(c%pair(i))))
+               sum%passed = sum%passed + passed
+               sum%remembered = sum%remembered + passed*min(1.0_wp, max(flow(c%node(i)), &
+                  & under(c%pair(i))))
             end associate
          end do
       end associate

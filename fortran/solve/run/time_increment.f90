@@ -28,9 +28,13 @@ module lopin_time_increment
    private
    public :: attempt_type, first_attempt, set_attempt, cut_increment, end_attempts, grow
 
-   !> A failed increment is cut to this share; one that took few iterations grows; none is smaller
-   !> than the last, beside the period, unless the deck says otherwise.
-   real(wp), parameter :: cut = 0.25_wp, growth = 1.5_wp, smallest = 1.0e-6_wp
+   !> An increment that Newton does not end is cut to the first share, and where it fails again, or
+   !> is refused, to the second; one that took few iterations grows, up to what was usual lately
+   !> faster than beyond; none is smaller than the last, beside the period, unless the deck says
+   !> otherwise.
+   real(wp), parameter :: first_cut = 0.5_wp, cut = 0.25_wp, smallest = 1.0e-6_wp
+   real(wp), parameter :: growth = 1.5_wp, regrowth = 3.0_wp
+   character(len=*), parameter :: vain_ids(2) = ['E0510', 'E0511']
    integer, parameter :: few_iterations = 8
    !> Increments below this share of the period grow after more: hundreds of them cost more than an
    !> attempt that fails.
@@ -125,7 +129,8 @@ contains
             deallocate (error)
             return
          end if
-         part = cut
+         part = merge(first_cut, cut, scene%newton%attempt == 1 .and. &
+            & any(error%item(1)%id == vain_ids))
          if (error%item(1)%id == first_id) then
             part = max(scene%newton%fit, model%step(scene%step)%smallest/clock%increment)
             scene%newton%sized = scene%newton%sized + 1
@@ -179,7 +184,8 @@ contains
       if (first*parts_of_touch > 1.0e-3_wp) clock%increment = first*(clock%parts_until - clock%time)
    end subroutine go_by_parts
 
-   !> The next increment: larger after few iterations, as long as the metal flows little in it.
+   !> The next increment: larger after few iterations, up to what was usual faster than beyond, as
+   !> long as the metal flows little in it.
    subroutine grow(increment, step, plan, frame, scene)
       real(wp), intent(inout) :: increment
       type(step_type), intent(in) :: step
@@ -194,7 +200,8 @@ contains
       ! The iterations of slow motion say nothing of the increment.
       if (.not. step%direct .and. (plan%path /= path_of%nonlinear .or. scene%newton%jumped &
          & .or. frame%iterations <= enough_iterations(scene, step, increment))) &
-         & increment = growth*increment
+         & increment = max(growth*increment, min(regrowth*increment, &
+         & scene%accepted%clock%usual))
       ! Behind a jump increments are what they were before it.
       if (scene%newton%passes) increment = max(increment, scene%accepted%clock%refused%length)
       if (.not. step%direct .and. flow > 0.0_wp) &
