@@ -208,14 +208,16 @@ def _contact(run: Run) -> str:
         force = ", ".join(_number(f, f"contact.{i}.force.{k}")
                           for k, f in enumerate(pair.get("force", [])))
         rows.append([escape(pair.get("pair", "")), escape(pair.get("method", "")), force]
-                    + [_number(pair.get(w), f"contact.{i}.{w}") for w in words])
+                    + [_number(pair.get(w), f"contact.{i}.{w}") for w in words]
+                    + [_number(pair.get("peak", {}).get(w), f"contact.{i}.peak.{w}")
+                       for w in ("force", "pressure")])
     if not rows:
         return ""
     note = "<p class='none'>Forces are on the full circumference.</p>" \
         if run.summary.get("forces") == "full circumference" else ""
     return "<h2>Contact at the end</h2>" + _table(rows, (
         "pair", "method", "force on the slave", "area", "largest pressure", "deepest penetration",
-        "closed", "sticking", "not carried")) + note
+        "closed", "sticking", "not carried", "most of the run: force", "pressure")) + note
 
 
 def _surfaces(runs: list[Run]) -> str:
