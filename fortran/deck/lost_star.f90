@@ -39,12 +39,14 @@ contains
       type(data_line_type), intent(in) :: line
       type(keyword_table_type), intent(in) :: table
       character(len=:), allocatable :: word
-      integer :: comma
+      integer :: comma, first
 
       is_keyword = .false.
+      first = verify(line%text, ' ')
+      if (first == 0) return
+      ! Most lines are numbers.
+      if (index('0123456789+-.,"', line%text(first:first)) > 0) return
       word = upper(without_blanks(line%text))
-      if (len(word) == 0) return
-      if (verify(word(1:1), 'ABCDEFGHIJKLMNOPQRSTUVWXYZ') > 0) return
       comma = index(word//',', ',')
       if (comma > len(word)) then
          is_keyword = any(of_steps == word)
