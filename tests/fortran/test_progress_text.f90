@@ -19,9 +19,9 @@ program test_progress_text
    call test('a line says step, share, time left, increment, iterations, contacts, cuts')
    call close_to('share', share_done(news), 0.5_wp, 1.0e-15_wp)
    call equal_text('live', live_line(news, pace, 120), 'step 2/3 [##########..........]  50%, '// &
-      & '1:00 left, increment 14 (attempt 2) of 0.025, 4 iterations, 41 contacts, 1 cut')
+      & '1:00 left, increment 14 (attempt 2) (+0.025), 4 iterations, 41 contacts, 1 cut')
    call equal_text('plain', plain_line(news, pace), '1:00  step 2/3,  50%, 1:00 left, '// &
-      & 'increment 14 (attempt 2) of 0.025, 4 iterations, 41 contacts, 1 cut')
+      & 'increment 14 (attempt 2) (+0.025), 4 iterations, 41 contacts, 1 cut')
 
    call test('a line on a terminal is shorter than the terminal is wide')
    text = live_line(news, pace, 40)
