@@ -174,7 +174,8 @@ def test_the_verdict_of_a_run_is_that_of_its_worst_increment(tmp_path, nlgeom):
     assert rows[-1]["certificate"] == 0 and summary["certificate"]["verdict"] == "WARN"
     warned = [row for row in rows if row["certificate"] > 0]
     assert summary["certificate"]["increments_warned"] == len(warned)
-    assert summary["certificate"]["step"] == warned[-1]["step"]
+    # The one furthest beyond its limits, which need not be the last.
+    assert summary["certificate"]["step"] in {row["step"] for row in warned}
     assert "certificate: WARN" in done.stdout
     assert re.search(r"^\d+ warnings? \(lopin explain CODE\): W", done.stdout, re.M)
 
