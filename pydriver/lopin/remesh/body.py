@@ -127,12 +127,16 @@ def _refuse_shared(parts: DeckParts, members: set[int], nodes: set[int], elset: 
         raise refused(f"{elset} has {len(within)} sections: one material is meshed anew")
 
 
+def faces_of_cell(ndim: int, corners: int) -> tuple[tuple[int, ...], ...]:
+    """Corners of each face of the cell with so many corners."""
+    return CELLS[{(2, 3): "triangle", (2, 4): "quad", (3, 4): "tetra"}[ndim, corners]].faces
+
+
 def boundary_facets(cells: list[NDArray], ndim: int) -> tuple[NDArray, NDArray]:
     """Facets with one cell only, outward, and (cell number, face from 1) of each."""
     rows, owner, start = [], [], 0
     for group in cells:
-        name = {(2, 3): "triangle", (2, 4): "quad", (3, 4): "tetra"}[ndim, group.shape[1]]
-        for k, face in enumerate(CELLS[name].faces):
+        for k, face in enumerate(faces_of_cell(ndim, group.shape[1])):
             rows.append(group[:, list(face)])
             owner.append(np.stack([np.arange(len(group)) + start,
                                    np.full(len(group), k + 1)], axis=1))

@@ -9,8 +9,15 @@ from numpy.typing import NDArray
 
 from ..deck import Block, Deck
 from ..model_read_mesh import plain
-from ..mesh.cells import CELLS
-from .body import Body, DeckParts, boundary_facets, direct_labels, read_body, refused
+from .body import (
+    Body,
+    DeckParts,
+    boundary_facets,
+    direct_labels,
+    faces_of_cell,
+    read_body,
+    refused,
+)
 from .part import NewMesh, SkinOrigin, next_deck
 from .plane import worst_corner
 from .remake import start_block, state_block, traction_block
@@ -98,8 +105,7 @@ def split(cells: list[NDArray], ndim: int) -> tuple[list[NDArray], NDArray]:
     corner = [np.arange(g.size).reshape(g.shape) + at for g, at in zip(cells, first)]
     facets = []
     for group, own in zip(cells, corner):
-        name = {(2, 3): "triangle", (2, 4): "quad", (3, 4): "tetra"}[ndim, group.shape[1]]
-        for face in CELLS[name].faces:
+        for face in faces_of_cell(ndim, group.shape[1]):
             face = list(face)
             order = np.argsort(group[:, face], axis=1)
             facets.append(np.hstack([np.take_along_axis(group[:, face], order, 1),
@@ -116,6 +122,11 @@ def split(cells: list[NDArray], ndim: int) -> tuple[list[NDArray], NDArray]:
     return [number[own] for own in corner], node[groups][order]
 
 
+def by_group(body: Body, values: NDArray) -> list[NDArray]:
+    """Values of the elements of the body (element, ...), cut as `body.cells` is."""
+    return np.split(values, np.cumsum([len(group) for group in body.cells])[:-1])
+
+
 def named_rows(body: Body) -> dict[str, NDArray]:
     """Rows of the nodes of each set of the body."""
     rows = {name: [np.asarray(own, int)] for name, own in body.named.items()}
@@ -128,13 +139,7 @@ def named_rows(body: Body) -> dict[str, NDArray]:
 
 def loose(body: Body, last: Snapshot, gone: NDArray) -> NDArray:
     """Elements of bodies that neither supports nor pressed faces hold, once others are gone."""
-    cells, start, rows = [], 0, []
-    for group in body.cells:
-        stay = ~gone[start:start + len(group)]
-        cells.append(group[stay])
-        rows.append(np.flatnonzero(stay) + start)
-        start += len(group)
-    apart, old = split(cells, body.ndim)
+    apart, old = split([g[~out] for g, out in zip(body.cells, by_group(body, gone))], body.ndim)
     body_of = bodies(apart, len(old))
     names = named_rows(body)
     held = np.zeros(len(body.labels), bool)
@@ -146,8 +151,7 @@ def loose(body: Body, last: Snapshot, gone: NDArray) -> NDArray:
     holding = np.unique(body_of[held[old]])
     found = np.zeros(len(gone), bool)
     if len(holding):
-        for group, own in zip(apart, rows):
-            found[own] = ~np.isin(body_of[group[:, 0]], holding)
+        found[~gone] = ~np.isin(np.concatenate([body_of[g[:, 0]] for g in apart]), holding)
     return found
 
 
@@ -157,10 +161,7 @@ def without(body: Body, x: NDArray, gone: NDArray) -> tuple[NewMesh, NDArray]:
     Faces that the cut lays bare belong to every surface of the body that the deck names by faces,
     so that they meet the tools that their neighbours meet.
     """
-    kept, start = [], 0
-    for group in body.cells:
-        kept.append(group[~gone[start:start + len(group)]])
-        start += len(group)
+    kept = [g[~out] for g, out in zip(body.cells, by_group(body, gone))]
     cells, old = split([g for g in kept if len(g)], body.ndim)
     facets, _ = boundary_facets(cells, body.ndim)
     known = {tuple(sorted(f)): tag for f, tag in zip(body.facets.tolist(), body.tags)}
@@ -202,15 +203,12 @@ def separate(deck: Deck, last: Snapshot, gone: NDArray, elset: str, why: str, pa
     states, number = [], {int(e): k for k, e in enumerate(body.elements)}
     points = last.points
     row = np.array([number.get(int(label), -1) for label in points.element])
-    fields, first = fields_of(points), 0
-    for group in body.cells:
-        own = np.flatnonzero((row >= first) & (row < first + len(group)))
-        own = own[np.lexsort((points.number[own], row[own]))]
-        values = fields[own].reshape(len(group), -1, fields.shape[1])
-        stay = ~gone[first:first + len(group)]
-        if stay.any():
-            states.append(values[stay])
-        first += len(group)
+    fields = fields_of(points)
+    for own in by_group(body, np.arange(len(gone))):
+        at = np.flatnonzero(np.isin(row, own))
+        at = at[np.lexsort((points.number[at], row[at]))]
+        if not gone[own].all():
+            states.append(fields[at].reshape(len(own), -1, fields.shape[1])[~gone[own]])
     inside = np.isin(row, np.flatnonzero(gone))
     volume = float(points.volume[row >= 0].sum())
     share = float(points.volume[inside].sum())/volume
