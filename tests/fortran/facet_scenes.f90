@@ -1,9 +1,14 @@
-!> Triangles of a sphere, a box and a torus.
+!> Triangles of a sphere, a box and a torus; tools of triangles.
 module facet_scenes
    use lopin_kinds, only : wp
+   use lopin_error, only : error_type
+   use lopin_facet_mesh, only : facet_flaws_type
+   use lopin_tool, only : tool_type
+   use lopin_tool_factory, only : new_tool_from_facets
+   use check, only : is_true
    implicit none
    private
-   public :: sphere_facets, box_facets, torus_facets, valley_facets, strips
+   public :: sphere_facets, box_facets, torus_facets, valley_facets, strips, new_open
 
    real(wp), parameter, public :: pi = acos(-1.0_wp)
    real(wp), parameter, public :: torus_radii(2) = [2.0_wp, 0.7_wp]
@@ -125,4 +130,15 @@ contains
       corner(:, :, 3) = x(:, [1, 2, 6])
       corner(:, :, 4) = x(:, [1, 6, 5])
    end function valley_facets
+
+   !> A tool of triangles that are taken for curved; they need not close a volume.
+   subroutine new_open(tool, corner)
+      class(tool_type), allocatable, intent(out) :: tool
+      real(wp), intent(in) :: corner(:, :, :)
+      type(facet_flaws_type) :: flaws
+      type(error_type), allocatable :: error
+
+      call new_tool_from_facets(tool, corner, .true., .false., flaws, error, .true.)
+      call is_true('accepted', .not. allocated(error))
+   end subroutine new_open
 end module facet_scenes

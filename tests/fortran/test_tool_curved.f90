@@ -7,7 +7,8 @@ program test_tool_curved
    use lopin_tool, only : tool_type, foot_type
    use lopin_tool_factory, only : new_tool_from_facets
    use check, only : test, close_to, is_true, finish
-   use facet_scenes, only : sphere_facets, box_facets, torus_facets, torus_radii, strips
+   use facet_scenes, only : sphere_facets, box_facets, torus_facets, torus_radii, strips, &
+      & new_open
    implicit none
 
    call random_init(.true., .false.)
@@ -258,14 +259,4 @@ contains
       corner(2, :) = along
       corner(3, :) = sin(half)*out
    end function wall
-
-   subroutine new_open(tool, corner)
-      class(tool_type), allocatable, intent(out) :: tool
-      real(wp), intent(in) :: corner(:, :, :)
-      type(facet_flaws_type) :: flaws
-      type(error_type), allocatable :: error
-
-      call new_tool_from_facets(tool, corner, .true., .false., flaws, error, .true.)
-      call is_true('accepted', .not. allocated(error))
-   end subroutine new_open
 end program test_tool_curved

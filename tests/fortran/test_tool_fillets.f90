@@ -1,12 +1,9 @@
 !> Fillets of triangles as grids and CAD programs bring them: curved, whatever single edges turn by.
 program test_tool_fillets
    use lopin_kinds, only : wp
-   use lopin_error, only : error_type
-   use lopin_facet_mesh, only : facet_flaws_type
    use lopin_tool, only : tool_type, foot_type
-   use lopin_tool_factory, only : new_tool_from_facets
    use check, only : test, close_to, is_true, finish
-   use facet_scenes, only : strips
+   use facet_scenes, only : strips, new_open
    implicit none
 
    call random_init(.true., .false.)
@@ -147,14 +144,4 @@ contains
       call is_true('gaps: a fifth of the chords', worst < 0.2_wp*(radius*(1.0_wp &
          & - cos(17.5_wp*degree)) + ring*(1.0_wp - cos(6.0_wp*degree))))
    end subroutine a_fillet_of_two_facets_is_round
-
-   subroutine new_open(tool, corner)
-      class(tool_type), allocatable, intent(out) :: tool
-      real(wp), intent(in) :: corner(:, :, :)
-      type(facet_flaws_type) :: flaws
-      type(error_type), allocatable :: error
-
-      call new_tool_from_facets(tool, corner, .true., .false., flaws, error, .true.)
-      call is_true('accepted', .not. allocated(error))
-   end subroutine new_open
 end program test_tool_fillets
