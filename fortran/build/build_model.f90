@@ -144,6 +144,11 @@ contains
             if (found .and. .not. (model%target_error > 0.0_wp &
                & .and. model%target_error < 1.0_wp)) call &
                & complain(model%log, 'E0408', 'TARGET ERROR='//word//' is not between 0 and 1', at)
+            call get_word(block, 'QUANTITY', word, at, found)
+            if (found) call model%log%say(severity%warning, 'W0344', 'QUANTITY='//word// &
+               & ': this is one run on the mesh of the deck, its error is not estimated', at, &
+               & help='run the deck by the command of the Python package: it refines until '// &
+               & 'TARGET ERROR is met')
             call get_word(block, 'CONTINUATION', word, at, found)
             if (found) call parse_integer(word, model%continuation, found)
             if (found .and. model%continuation < 1) call complain(model%log, 'E0408', &

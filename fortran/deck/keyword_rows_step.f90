@@ -173,14 +173,21 @@ contains
          & 'one, printed.')
       call choice(table, 'SOLVER', upper('auto,'//join(solver_words, ',')), 'AUTO', &
          & 'Solver of linear systems.')
-      call number(table, 'TARGET ERROR', '0.01', 'Relative error of pressure that an '// &
-         & 'automatic slope aims at.')
+      call number(table, 'TARGET ERROR', '0.01', 'Relative error that QUANTITY may have; '// &
+         & 'without it, of pressure, that an automatic slope aims at.')
+      call choice(table, 'QUANTITY', 'PRESSURE,PEAK PRESSURE,FORCE,DISPLACEMENT,SPRINGBACK', '', &
+         & 'What is to be known as well as TARGET ERROR says: the command of the Python '// &
+         & 'package refines the mesh and the increments until it is. PRESSURE: in the mean '// &
+         & 'over the slave surfaces; FORCE: on SET, or of all contact; DISPLACEMENT: mean over '// &
+         & 'SET; SPRINGBACK: what the last step adds to it.')
+      call word(table, 'SET', 'Node set or label that QUANTITY is asked of.')
+      call whole(table, 'COMPONENT', '0', 'Direction of QUANTITY, 1 to 3; 0: its length.')
       call whole(table, 'CONTINUATION', '1', 'Number of growing penalties tried one after the '// &
          & 'other.')
       call whole(table, 'MORTAR DEGREE', '5', 'Degree to which the cells of '// &
          & 'surface-to-surface pairs in space are integrated, 5 to 40: 5 is exact on '// &
          & 'triangles and parallelograms, 1e-6 on distorted faces; 12 is 1e-12 there.')
-      call example(table, '*LOPIN, PATH=NEWTON, TARGET ERROR=0.001')
+      call example(table, '*LOPIN, QUANTITY=FORCE, TARGET ERROR=0.02')
       call about(table, 'J')
    end subroutine add_run
 

@@ -323,6 +323,11 @@ contains
          & 'Every step moves the tool away from the slave of its pair, and nothing else moves '// &
          & 'or is loaded: the pair can press nothing.', &
          & 'look at the sign of the displacement under *BOUNDARY.')
+      call add_explanation(list, 'W0344', 'an accuracy is asked for that one run cannot tell', &
+         & '*LOPIN, QUANTITY asks for a number within TARGET ERROR. That takes runs on finer '// &
+         & 'meshes and in smaller increments, which the command of the Python package makes; '// &
+         & 'the executable alone has solved the deck as it is.', &
+         & 'run the deck by the command of the Python package, or leave QUANTITY out.')
       call add_explanation(list, 'N0305', 'a rigid body is free to turn', &
          & 'The deck moves or loads the reference node of a rigid body and says nothing of its '// &
          & 'rotations. Contact and friction turn it then: a ball rolls where it was to slide.', &

@@ -262,6 +262,11 @@ contains
          & 'Loads or displacements on nodes that a remesh takes away, materials whose memory '// &
          & 'belongs to the first mesh, heat, ties, and other bodies that deform.', &
          & 'load a tool or a surface, or leave *REMESH out.')
+      call add_explanation(list, 'E0622', 'the accuracy asked for is not met', &
+         & 'QUANTITY of *LOPIN is not known within TARGET ERROR: the mesh that it would take '// &
+         & 'is above the limit, or the number has no limit at all, as the pressure at an edge.', &
+         & 'the message says what was reached and what would meet it; the runs made on the way '// &
+         & 'are kept.')
    end subroutine parts
 
    !> Result files, checkpoints and memory.

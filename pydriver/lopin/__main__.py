@@ -39,14 +39,16 @@ def main(arguments: list[str] | None = None) -> int:
 
 
 def forward(arguments: list[str]) -> int:
-    """Hand over to the executable, but a deck with *REMESH; where the system allows, this process
-    becomes it."""
+    """Hand over to the executable, but a deck that asks for new meshes; where the system allows,
+    this process becomes it."""
+    from .accuracy.command import deck_that_asks, run_asked
     from .remesh.command import deck_to_remesh, run_remeshed
     from .run import find_executable
 
-    deck = deck_to_remesh(arguments)
-    if deck is not None:
-        return run_remeshed(deck, arguments)
+    for asks, runs in ((deck_that_asks, run_asked), (deck_to_remesh, run_remeshed)):
+        deck = asks(arguments)
+        if deck is not None:
+            return runs(deck, arguments)
     program = str(find_executable())
     if os.name == "posix" and sys.stdout is sys.__stdout__:
         sys.stdout.flush()

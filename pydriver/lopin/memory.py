@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ._bridge import Session
+from .mesh.with_wedges import meshio_module
 
 
 class Memory:
@@ -48,8 +49,7 @@ class Memory:
 
     def mesh(self, index: int):
         """The mesh of the deck with the fields of one increment."""
-        import meshio
-
+        meshio = meshio_module()
         points = self.session.field("MESH.points")
         cells = [(n.removeprefix("MESH.").replace("line2", "line"), self.session.field(n) - 1)
                  for n in self._names if n.startswith("MESH.") and n != "MESH.points"]

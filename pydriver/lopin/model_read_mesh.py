@@ -1,7 +1,9 @@
 """The mesh of a deck, for `Model.read`: nodes, elements, sets, surfaces of element faces."""
 from __future__ import annotations
 
+import os
 import re
+from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
@@ -33,6 +35,22 @@ def expanded(deck: Deck) -> list[Block]:
         else:
             blocks.append(block)
     return blocks
+
+
+def named_from(deck: Deck, folder: Path) -> Deck:
+    """A deck whose files, named from `folder`, are named from its own folder."""
+    blocks = []
+    for block in deck.blocks:
+        name = block.parameters.get("INPUT")
+        if name and not Path(str(plain(name))).is_absolute():
+            here = os.path.relpath(Path(folder).resolve()/str(plain(name)),
+                                   Path(deck.folder).resolve())
+            lines = block.lines
+            block = Block(block.keyword, block.parameters | {
+                "INPUT": f'"{here}"' if " " in here else here})
+            block.lines = lines
+        blocks.append(block)
+    return Deck(blocks, preamble=deck.preamble, name=deck.name, folder=deck.folder)
 
 
 class MeshCards:

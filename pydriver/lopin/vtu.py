@@ -13,6 +13,7 @@ import numpy as np
 
 from .files import reading
 from .mesh.cells import CELLS
+from .mesh.with_wedges import meshio_module
 
 _DTYPES = {"Float32": "<f4", "Float64": "<f8", "Int8": "i1", "UInt8": "u1", "Int32": "<i4",
            "Int64": "<i8"}
@@ -31,8 +32,7 @@ def read_vtu(path: str | Path):
     ------
     DamagedResultError : the file is missing, cut off, or not what Lopin wrote.
     """
-    import meshio
-
+    meshio = meshio_module()
     with reading(path):
         raw = Path(path).read_bytes()
         start = re.search(rb'<AppendedData encoding="raw">\s*_', raw)

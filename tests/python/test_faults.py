@@ -46,6 +46,12 @@ class Bench:
                               cwd=self.place, capture_output=True, text=True, timeout=60, **how)
 
     def start(self, folder, *words, **how):
+        """A run that heeds the signals which the tests themselves may be told to pass over."""
+        def heed():
+            for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
+                signal.signal(number, signal.SIG_DFL)
+
+        how.setdefault("preexec_fn", heed)
         return subprocess.Popen([self.executable, "run", "job.inp", "-o", folder, *words],
                                 cwd=self.place, stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
                                 text=True, **how)

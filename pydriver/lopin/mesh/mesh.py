@@ -14,6 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 from ..errors import ModelError, UsageError
 from .cells import CELLS, QUADRATIC
 from .shapes import smallest_jacobian
+from .with_wedges import meshio_module
 
 
 @dataclass(frozen=True)
@@ -133,8 +134,7 @@ class Mesh:
 
     def to_meshio(self):
         """A `meshio.Mesh` with the same points, cells and sets."""
-        import meshio
-
+        meshio = meshio_module()
         points = self.points if self.ndim == 3 else np.pad(self.points, ((0, 0), (0, 1)))
         return meshio.Mesh(points, list(self.blocks), point_sets=dict(self.point_sets))
 

@@ -16,6 +16,7 @@ from ..errors import ModelError, ResourceError, UsageError
 from .cells import CELLS
 from .mesh import Mesh
 from .shapes import smallest_jacobian
+from .with_wedges import meshio_module
 
 #: Full Lagrange cells lose their inner nodes.
 _SERENDIPITY = {"quad9": ("quad8", 8), "hexahedron27": ("hexahedron20", 20),
@@ -45,8 +46,7 @@ def read_mesh(path: str | Path) -> Mesh:
         raise ResourceError(f"{path} is a geometry without a mesh",
                             help=f"mesh it first: gmsh -2 (or -3) {path} -o {path.stem}.msh; then "
                             f"give {path.stem}.msh")
-    import meshio
-
+    meshio = meshio_module()
     try:
         return from_meshio(meshio.read(path))
     except (SystemExit, meshio.ReadError, KeyError, ValueError) as problem:

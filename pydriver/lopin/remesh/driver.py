@@ -6,7 +6,6 @@ run that was killed goes on to the same bits.
 """
 from __future__ import annotations
 
-import os
 from collections.abc import Callable
 from pathlib import Path
 
@@ -15,7 +14,7 @@ import numpy as np
 from ..deck import Deck
 from ..errors import NotConvergedError, ResourceError
 from ..job import Job
-from ..model_read_mesh import plain
+from ..model_read_mesh import named_from
 from ..run import check
 from .body import DeckParts, read_body, refused
 from .card import RemeshCard
@@ -193,14 +192,3 @@ def plastic_at_start(deck: Deck) -> dict[int, float]:
 def _reached(now: Clock, end: Clock) -> bool:
     """Whether a part stands where the next one goes on: to the bit, as both were written."""
     return now.step == end.step and np.float64(now.time) == np.float64(end.time)
-
-
-def named_from(deck: Deck, folder: Path) -> Deck:
-    """Files that a deck of `folder` names, named from the deck's own folder."""
-    for block in deck.blocks:
-        name = block.parameters.get("INPUT")
-        if name and not Path(str(plain(name))).is_absolute():
-            here = os.path.relpath(Path(folder).resolve()/str(plain(name)),
-                                   Path(deck.folder).resolve())
-            block.parameters["INPUT"] = f'"{here}"' if " " in here else here
-    return deck

@@ -1,0 +1,42 @@
+"""`lopin run` of a deck that asks for an accuracy."""
+from __future__ import annotations
+
+import re
+import sys
+from pathlib import Path
+
+from ..command_deck import deck_with, given_by, parser_of, tell
+from ..errors import NotConvergedError
+
+_CARD = re.compile(r"^\s*\*\s*LOPIN\s*,[^\n]*\bQUANTITY\s*=", re.I | re.M)
+
+
+def deck_that_asks(arguments: list[str]) -> Path | None:
+    """The deck of a command line, if it asks for a number within an error."""
+    return deck_with(arguments, _CARD)
+
+
+def run_asked(path: Path, arguments: list[str]) -> int:
+    """Run it as often as it takes; the exit code."""
+    from .reach import reach
+
+    parser = parser_of("runs until a number is known as well as asked")
+    parser.add_argument("--most-elements", type=int, metavar="N",
+                        help="no finer mesh than of so many solid elements")
+    given, options, quiet = given_by(parser, arguments)
+    output = given.output or Path("out")/path.stem
+    problem = None
+    try:
+        found = reach(path, output=output, say=(lambda line: None) if quiet else tell,
+                      most_elements=given.most_elements, **options)
+    except NotConvergedError as stopped:
+        problem, found = stopped, getattr(stopped, "reached", None)
+        if found is None:
+            raise
+    print(found.json() if given.json else found.text())
+    if not given.json:
+        print(f"results: {output}/mesh{found.levels[-1].mesh}")
+    if problem is not None:
+        print(f"error: {problem}", file=sys.stderr)
+        return problem.code
+    return 0

@@ -1,0 +1,67 @@
+"""Decks with other increments, and whether their answer depends on them."""
+from __future__ import annotations
+
+from ..deck import Block, Deck
+from ..model_read_mesh import expanded
+from ..result import Result
+
+_MEMORY = ("PLASTIC", "VISCOPLASTIC", "CREEP", "VISCO", "CHANGE FRICTION")
+
+
+def depends_on_path(deck: Deck) -> bool:
+    """Whether the answer depends on the way to it: friction, metal that flows."""
+    for block in expanded(deck):
+        if block.keyword in _MEMORY:
+            return True
+        if block.keyword == "FRICTION" and _rubs(block):
+            return True
+    return False
+
+
+def _rubs(block: Block) -> bool:
+    """Whether a *FRICTION is more than a coefficient of nothing."""
+    numbers = [v for row in block.data for v in row if isinstance(v, int | float)]
+    return any(numbers[:1]) or "ROUGH" in block.parameters or bool(
+        set(block.parameters) - {"LAW"} and not numbers)
+
+
+def with_smaller(deck: Deck, result: Result, factor: float) -> Deck:
+    """The deck whose increments are `factor` times those that a run of it took on the mean.
+
+    The first of a step is no longer than that; where the deck asks for fixed ones (DIRECT), all
+    are smaller.
+    """
+    steps, number = result.summary["steps"], -1
+    new = Deck(preamble=deck.preamble, name=deck.name, folder=deck.folder)
+    for block in expanded(deck):
+        if block.keyword == "STEP":
+            number += 1
+            block = _room(block, factor)
+        elif block.keyword == "STATIC":
+            block = _shorter(block, factor, max(1, steps[number]["increments"]))
+        new.blocks.append(block)
+    return new
+
+
+def _room(block: Block, factor: float) -> Block:
+    """A *STEP that allows for more increments."""
+    if "INC" not in block.parameters:
+        return block
+    given = dict(block.parameters)
+    given["INC"] = int(int(str(given["INC"]))/factor) + 1
+    return Block("STEP", given)
+
+
+def _shorter(block: Block, factor: float, count: int) -> Block:
+    """A *STATIC with smaller increments; `count`: those that its step took."""
+    row = list(block.data[0]) if block.data else []
+    row += [None]*(4 - len(row))
+    period = float(row[1]) if row[1] is not None else 1.0
+    if "DIRECT" in block.parameters:
+        return Block("STATIC", block.parameters, [[factor*float(row[0] or period), period]])
+    most = factor*period/count
+    if row[3] is not None:
+        most = min(most, factor*float(row[3]))
+    first = min(most, float(row[0]) if row[0] is not None else most)
+    least = min(float(row[2]) if row[2] is not None else 1e-5*period, first)
+    return Block("STATIC", block.parameters, [[first, period, least, most]])

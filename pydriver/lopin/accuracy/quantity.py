@@ -1,0 +1,138 @@
+"""The number that a run is asked for, and how two runs differ in it."""
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..deck import Deck
+from ..errors import ModelError, UsageError
+from ..model_read_mesh import MeshCards, expanded, plain
+from ..result import Result
+
+KINDS = ("PRESSURE", "PEAK PRESSURE", "FORCE", "DISPLACEMENT", "SPRINGBACK")
+
+
+@dataclass(frozen=True)
+class Quantity:
+    """What is asked for.
+
+    Attributes
+    ----------
+    kind : PRESSURE (root of the integral of its square over the slave surfaces: runs differ by the
+        pressures at common nodes), PEAK PRESSURE, FORCE (on a tool's reference node, or on the
+        slave surfaces where no set is named), DISPLACEMENT (mean over a set) and SPRINGBACK (what
+        the last step adds to it)
+    set : node set or label; empty: none
+    component : 1, 2, 3; 0: the length of the vector
+    """
+
+    kind: str
+    set: str = ""
+    component: int = 0
+
+    def __post_init__(self):
+        if self.kind not in KINDS:
+            raise UsageError(f"QUANTITY={self.kind} is not known",
+                             help=f"one of {', '.join(KINDS)}")
+        if self.kind in ("DISPLACEMENT", "SPRINGBACK") and not self.set:
+            raise UsageError(f"QUANTITY={self.kind} needs SET=, the nodes that it is asked of")
+
+    @classmethod
+    def of(cls, deck: Deck) -> tuple[Quantity, float] | None:
+        """What the *LOPIN of a deck asks for, and the relative error; None if it asks for none."""
+        for block in deck.all("LOPIN"):
+            given = {k: plain(v) for k, v in block.parameters.items()}
+            if "QUANTITY" in given:
+                kind = " ".join(str(given["QUANTITY"]).upper().split())
+                return cls(kind, str(given.get("SET", "")).upper(), int(given.get("COMPONENT", 0))
+                           ), float(given.get("TARGET ERROR", 0.01))
+        return None
+
+    def __str__(self) -> str:
+        words = [self.kind.lower()]
+        if self.set:
+            words.append(f"of {self.set}")
+        if self.component:
+            words.append(f"in direction {self.component}")
+        return " ".join(words)
+
+    def value(self, result: Result, deck: Deck) -> float:
+        """Of a run; `deck` is the one that was run."""
+        if self.kind in ("PRESSURE", "PEAK PRESSURE"):
+            pressure, weight, _ = pressures(result)
+            return float(pressure.max(initial=0.0) if self.kind == "PEAK PRESSURE" else
+                         np.sqrt(weight @ pressure**2))
+        if self.kind == "FORCE":
+            return self._of_vector(self._force(result, deck))
+        rows = _rows(result, deck, self.set)
+        moved = np.asarray(result["displacement"])[rows].mean(axis=0)
+        if self.kind == "SPRINGBACK":
+            moved = moved - np.asarray(result.at(_before_last_step(result))["displacement"]
+                                       )[rows].mean(axis=0)
+        return self._of_vector(moved)
+
+    def _of_vector(self, vector: NDArray) -> float:
+        if self.component:
+            if self.component > len(vector):
+                raise UsageError(f"COMPONENT={self.component}: there are {len(vector)}")
+            return float(vector[self.component - 1])
+        return float(np.linalg.norm(vector))
+
+    def _force(self, result: Result, deck: Deck) -> NDArray:
+        if not self.set:
+            ends = [result.contact(k).last.force for k in range(len(result.pairs))]
+            if not ends:
+                raise ModelError("QUANTITY=FORCE without SET is that of contact: the deck has none")
+            return np.sum([f.sum(axis=0) for f in ends], axis=0)
+        rows = _rows(result, deck, self.set)
+        if len(rows) and "RF" in result.names:
+            return np.asarray(result["reaction"])[rows].sum(axis=0)
+        raise ModelError(f"no forces are known of {self.set}")
+
+    def difference(self, fine: Result, coarse: Result, values: tuple[float, float]) -> float:
+        """How far two runs are apart; `values` of the fine one and of the coarse one."""
+        if self.kind != "PRESSURE":
+            return abs(values[0] - values[1])
+        mine, _, label = pressures(fine)
+        other, weight, old = pressures(coarse)
+        at = {int(n): k for k, n in enumerate(label)}
+        rows = np.array([at.get(int(n), -1) for n in old])
+        if (rows < 0).any():
+            return abs(values[0] - values[1])   # surfaces without common nodes
+        return float(np.sqrt(weight @ (mine[rows] - other)**2))
+
+
+def pressures(result: Result) -> tuple[NDArray, NDArray, NDArray]:
+    """Pressures, areas and labels of all slave points at the end."""
+    ends = [result.contact(k).last for k in range(len(result.pairs))]
+    if not ends:
+        raise ModelError("the pressure is asked of a deck without contact")
+    return tuple(np.concatenate([np.ravel(c[name]) for c in ends])
+                 for name in ("CPRESS", "WEIGHT", "LABEL"))
+
+
+def _rows(result: Result, deck: Deck, name: str) -> NDArray:
+    """Rows of the nodes of a set, or of a label, in the fields of a result."""
+    cards = MeshCards(expanded(deck))
+    if name.isdigit():
+        labels = [int(name)]
+    elif name in cards.nsets:
+        labels = cards.nsets[name]
+    else:
+        raise ModelError(f"SET={name}: there is no such node set", id="E0201",
+                         help=f"node sets: {', '.join(cards.nsets)}")
+    own = np.asarray(result["LABEL"]).ravel().astype(int)
+    return np.flatnonzero(np.isin(own, labels))
+
+
+def _before_last_step(result: Result) -> int:
+    """The last output of the step before the last."""
+    steps = np.asarray(result.history["step"])
+    times = np.asarray(result.history["time"])
+    before = times[steps < steps.max()]
+    if not len(before):
+        raise ModelError("QUANTITY=SPRINGBACK is what the last of several steps adds")
+    kept = np.asarray(result.times)
+    return int(np.argmin(np.abs(kept - before[-1])))

@@ -1,0 +1,79 @@
+"""Halves of reference cells: the cells that each cell becomes when its edges are cut in half."""
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cache
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..mesh.cells import CELLS
+from ..mesh.shapes import shape_functions
+
+#: A tetrahedron in eight: four at the corners, and the octahedron between them cut along the
+#: diagonal from edge 0-2 to edge 1-3, so that all further cuts make no new shapes
+#: (Bey, Computing 55 (1995) 355, for these numbers of the middles).
+_TETRA = ("0 01 02 03", "01 1 12 13", "02 12 2 23", "03 13 23 3",
+          "01 02 03 13", "01 02 13 12", "02 03 13 23", "02 12 23 13")
+_TRIANGLE = ("0 01 02", "01 1 12", "02 12 2", "01 12 02")
+
+
+@dataclass(frozen=True)
+class Children:
+    """How one cell is cut.
+
+    Attributes
+    ----------
+    xi : parametric places of all nodes of the children in the parent (point, ndim)
+    cells : points of each child, in the order of its own nodes (child, node)
+    shape : values of the parent's shape functions at the points (point, node of the parent)
+    corner : values of the multilinear shape functions of its corners (point, corner)
+    faces : for each face of the parent, (child, face) pairs from 0 that lie on it
+    """
+
+    xi: NDArray
+    cells: NDArray
+    shape: NDArray
+    corner: NDArray
+    faces: list[list[tuple[int, int]]]
+
+
+@cache
+def children(name: str) -> Children:
+    """The children of a cell, of its own kind."""
+    cell = CELLS[name]
+    linear = CELLS[cell.family]
+    places = []
+    for corners in _corners(cell.family):
+        # A node of a child lies in it where the same node of the parent lies in the parent.
+        weights = np.array([shape_functions(cell.family, xi)[0] for xi in cell.xi])
+        places.append(weights @ corners)
+    every = np.concatenate(places)
+    xi, inverse = np.unique(np.round(every, 9), axis=0, return_inverse=True)
+    cells = inverse.reshape(len(places), cell.n_node)
+    shape = np.array([shape_functions(name, x)[0] for x in xi])
+    corner = np.array([shape_functions(cell.family, x)[0] for x in xi])
+    faces = []
+    for nodes in linear.faces:
+        on = np.isclose(corner[:, list(nodes)].sum(axis=1), 1.0)
+        faces.append([(c, f) for c in range(len(cells)) for f, own in enumerate(linear.faces)
+                      if on[cells[c, list(own)]].all()])
+    return Children(xi, cells, shape, corner, faces)
+
+
+def _corners(family: str) -> list[NDArray]:
+    """Parametric places of the corners of each child of a linear cell."""
+    xi = CELLS[family].xi
+    if family in ("triangle", "tetra"):
+        return [_places(xi, text) for text in (_TRIANGLE if family == "triangle" else _TETRA)]
+    if family == "wedge":
+        base = [_places(xi[:3, :2], text) for text in _TRIANGLE]
+        return [np.vstack([np.column_stack([b, np.full(3, t)]) for t in ends])
+                for ends in ((-1.0, 0.0), (0.0, 1.0)) for b in base]
+    # Squares and bricks: the cell, halved, beside each of its corners.
+    return [0.5*(xi + corner) for corner in xi]
+
+
+def _places(xi: NDArray, text: str) -> NDArray:
+    """Places of corners ("0") and middles of edges ("01")."""
+    return np.array([xi[[int(c) for c in word]].mean(axis=0) for word in text.split()])

@@ -1,0 +1,327 @@
+"""A deck with every cell of its solids cut in half along each edge.
+
+Names stay: sets of nodes, of elements, and surfaces hold the nodes, elements and faces that their
+old members became. Nodes of the old mesh keep their labels and places. Boundaries of linear cells
+stand for smooth surfaces (`curved`); quadratic cells are cut along their own curved edges.
+"""
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..deck import Block, Deck
+from ..errors import ModelError, UsageError
+from ..mesh.cells import CELLS
+from ..model_read_mesh import MeshCards, expanded
+from .cards import refuse_what_is_lost, spread_rows
+from .children import children
+from .curved import lifts_in_plane, lifts_in_space
+from .names import OWN, Members, Supports, face_blocks, node_sets, set_block
+
+_CELL = {"2": {3: "triangle", 6: "triangle6", 4: "quad", 8: "quad8"},
+         "3": {4: "tetra", 10: "tetra10", 6: "wedge", 15: "wedge15", 8: "hexahedron",
+               20: "hexahedron20"}}
+_SOLID = re.compile(r"(CPE|CPS|CAX|C3D|CSS)(\d+)", re.I)
+_MESH_CARDS = ("NODE", "ELEMENT", "NSET", "ELSET")
+
+
+@dataclass
+class Refined:
+    """The finer deck, and where its nodes come from.
+
+    Attributes
+    ----------
+    deck : on the finer mesh
+    labels : of the new nodes (n,)
+    ends : labels of the old corners that each lies between, padded by 0 (n, 8)
+    weight : of these, adding up to 1 (n, 8)
+    n_element : solid elements of the finer mesh
+    """
+
+    deck: Deck
+    labels: NDArray
+    ends: NDArray
+    weight: NDArray
+    n_element: int
+
+
+def cell_of(word: str) -> str | None:
+    """Name of the cell of a solid element; None for what is no solid.
+
+    >>> cell_of("CAX8R"), cell_of("CSS8"), cell_of("SPRINGA")
+    ('quad8', 'hexahedron', None)
+    """
+    match = _SOLID.match(word)
+    if not match:
+        return None
+    return _CELL["3" if match[1].upper() in ("C3D", "CSS") else "2"].get(int(match[2]))
+
+
+def refined(deck: Deck, curved: bool = True) -> Refined:
+    """The deck with every solid element cut in half along each edge.
+
+    Parameters
+    ----------
+    deck : flat, without parts and assemblies
+    curved : boundaries of straight edges stand for smooth ones; else they stay as they are
+
+    Raises
+    ------
+    ModelError : the deck has cards that belong to its first mesh, or cells would be turned inside
+        out.
+    """
+    blocks = expanded(deck)
+    if any(b.keyword in ("PART", "INSTANCE", "ASSEMBLY") for b in blocks):
+        raise ModelError("a deck with parts and instances cannot be refined",
+                         help="write it flat: lopin export --flat")
+    try:
+        cards = MeshCards(blocks)
+    except UsageError as problem:
+        raise ModelError(f"the mesh cannot be refined: {problem.message}") from problem
+    refuse_what_is_lost(blocks, cards)
+    cut = _Cut(cards)
+    places = cut.places(cards, curved)
+    members = Members(cards, cut)
+    new = Deck(preamble=deck.preamble, name=deck.name, folder=deck.folder)
+    written, sets = False, []
+    for block in blocks:
+        if block.keyword in _MESH_CARDS:
+            if not written:
+                new.blocks += _mesh_blocks(cards, cut, places, members)
+                written = True
+        elif block.keyword in ("SURFACE", "DLOAD"):
+            own, faces = face_blocks(block, members)
+            sets += own
+            new.blocks.append(faces)
+        else:
+            new.blocks.append(spread_rows(block, cards, cut))
+    at = max(k for k, b in enumerate(new.blocks) if b.keyword == "ELEMENT")
+    new.blocks[at + 1:at + 1] = sets
+    return Refined(new, cut.labels, cut.ends, cut.weight, cut.n_element)
+
+
+class _Cut:
+    """The finer mesh by labels.
+
+    Attributes
+    ----------
+    groups : (word, labels of the old elements, their nodes, their children's nodes (old, child,
+        node)) for each word
+    first : label of the first child by old element; its children follow
+    """
+
+    def __init__(self, cards: MeshCards):
+        self.groups: list[tuple[str, str, NDArray, NDArray, NDArray]] = []
+        by_word: dict[str, list[int]] = {}
+        for label, (word, nodes) in cards.elements.items():
+            if cell_of(word):
+                by_word.setdefault(word, []).append(label)
+        if not by_word:
+            raise ModelError("the deck has no solid elements to refine")
+        keys, rows = [], []
+        for word, labels in by_word.items():
+            name = cell_of(word)
+            nodes = np.array([cards.elements[m][1] for m in labels])
+            rows.append((word, name, np.array(labels), nodes))
+            keys.append(_keys(name, nodes))
+        self._number(cards, keys, rows)
+
+    def _number(self, cards, keys, rows) -> None:
+        """New nodes, the same wherever cells share an edge, a face or a corner."""
+        every, inverse = np.unique(np.vstack(keys), axis=0, return_inverse=True)
+        inverse = inverse.ravel()
+        ends, parts = every[:, :8], every[:, 8:]/64.0
+        single = (parts == 1.0).any(axis=1)
+        label = np.empty(len(every), int)
+        label[single] = ends[single][parts[single] == 1.0]
+        middles = self._middles(rows, keys, inverse)
+        kept = np.array([m > 0 for m in middles])     # middles of old quadratic edges
+        label[kept] = np.array(middles)[kept]
+        new = ~single & ~kept
+        label[new] = max(cards.nodes) + 1 + np.arange(int(new.sum()))
+        self.labels, self.ends, self.weight = label[new], ends[new], parts[new]
+        at, first = 0, max(cards.elements) + 1
+        self.first: dict[int, tuple[int, int]] = {}
+        self.place: dict[int, NDArray] = {}
+        for word, name, labels, nodes in rows:
+            cut = children(name)
+            n = len(labels)*len(cut.xi)
+            points = label[inverse[at:at + n]].reshape(len(labels), len(cut.xi))
+            at += n
+            x = np.array([[cards.nodes[v] for v in row] for row in nodes])
+            moved = np.einsum("pn,end->epd", cut.shape, x)
+            for own, place in zip(points.ravel(), moved.reshape(-1, 3)):
+                self.place[int(own)] = place
+            for k, m in enumerate(labels):
+                self.first[int(m)] = first + k*len(cut.cells), len(cut.cells)
+            first += len(labels)*len(cut.cells)
+            self.groups.append((word, name, labels, nodes, points[:, cut.cells]))
+        self.supports = Supports(self)
+        self.n_element = sum(g[4].shape[0]*g[4].shape[1] for g in self.groups)
+
+    @staticmethod
+    def _middles(rows, keys, inverse) -> list[int]:
+        """Labels of old mid-side nodes that become corners, 0 for others."""
+        found = [0]*(int(inverse.max()) + 1)
+        at = 0
+        for (_, name, labels, nodes), own in zip(rows, keys):
+            cut, cell = children(name), CELLS[name]
+            numbers = inverse[at:at + len(own)].reshape(len(labels), len(cut.xi))
+            at += len(own)
+            for k in range(cell.n_corner, cell.n_node):
+                p = int(np.argmin(np.abs(cut.xi - cell.xi[k]).sum(axis=1)))
+                for number, node in zip(numbers[:, p], nodes[:, k]):
+                    found[int(number)] = int(node)
+        return found
+
+    def places(self, cards: MeshCards, curved: bool) -> dict[int, NDArray]:
+        """Coordinates by label, those of linear boundaries lifted to the smooth surface."""
+        place = {int(k): v.copy() for k, v in self.place.items()}
+        linear = [g for g in self.groups if not CELLS[g[1]].is_quadratic]
+        if curved and linear:
+            _lift(cards, linear, place)
+        for word, name, labels, nodes, cells in self.groups:
+            _refuse_folded(name, labels, cells, place)
+        return place
+
+def _keys(name: str, nodes: NDArray) -> NDArray:
+    """What tells the points of the children: corners of the parent and their weights in 64ths."""
+    cut = children(name)
+    corners = nodes[:, :CELLS[name].n_corner]
+    weight = np.round(64.0*cut.corner).astype(int)
+    keys = np.zeros((len(nodes), len(cut.xi), 16), int)
+    for p, w in enumerate(weight):
+        own = np.flatnonzero(w)
+        order = np.argsort(corners[:, own], axis=1)
+        keys[:, p, :len(own)] = np.take_along_axis(corners[:, own], order, axis=1)
+        keys[:, p, 8:8 + len(own)] = w[own][order]
+    return keys.reshape(-1, 16)
+
+
+def _lift(cards: MeshCards, groups, place: dict[int, NDArray]) -> None:
+    """Move points of linear cells onto the smooth boundary, and those within cells along."""
+    x = {n: np.array(v) for n, v in cards.nodes.items()}
+    space = CELLS[groups[0][1]].ndim == 3
+    faces = _boundary(groups)
+    rows = np.unique(np.concatenate([f.ravel() for f in faces]))
+    at = {int(n): k for k, n in enumerate(rows)}
+    own = [np.vectorize(at.get)(f) for f in faces]
+    points = np.array([x[int(n)][:3 if space else 2] for n in rows])
+    if space:
+        edges = np.unique(np.sort(np.vstack([np.stack([f, np.roll(f, -1, axis=1)], axis=2)
+                                             .reshape(-1, 2) for f in own]), axis=1), axis=0)
+        lifts = lifts_in_space(points, own, edges)
+    else:
+        edges = own[0]
+        lifts = lifts_in_plane(points, edges)
+    lifted = {(min(a, b), max(a, b)): np.r_[v, np.zeros(3 - len(v))]
+              for (a, b), v in zip(rows[edges].tolist(), lifts) if v.any()}
+    if lifted:
+        for _, name, _, nodes, cells in groups:
+            _move_along(name, nodes, cells, lifted, place)
+
+
+def _boundary(groups) -> list[NDArray]:
+    """Corners of the faces with one cell only, outward, by the number of their corners."""
+    found: dict[int, list[NDArray]] = {}
+    for _, name, _, nodes, _ in groups:
+        for face in CELLS[name].faces:
+            found.setdefault(len(face), []).append(nodes[:, list(face)])
+    alone = []
+    for parts in found.values():
+        rows = np.vstack(parts)
+        _, first, count = np.unique(np.sort(rows, axis=1), axis=0, return_index=True,
+                                    return_counts=True)
+        alone.append(rows[np.sort(first[count == 1])])
+    return [rows for rows in alone if len(rows)]
+
+
+def _move_along(name: str, nodes: NDArray, cells: NDArray, lifted: dict,
+                place: dict[int, NDArray]) -> None:
+    """Points on edges by their lifts, those of faces and of the inside by Coons' blends."""
+    cut, cell = children(name), CELLS[name]
+    points = np.zeros((len(nodes), len(cut.xi)), int)
+    for c, own in enumerate(cut.cells):
+        points[:, own] = cells[:, c]
+    ends = [[k for k in np.flatnonzero(w > 1e-9)] for w in cut.corner]
+    on_edge = {frozenset(e): p for p, e in enumerate(map(tuple, ends)) if len(e) == 2}
+    for e, row in enumerate(nodes.tolist()):
+        shift = {}
+        for pair, p in on_edge.items():
+            a, b = (row[k] for k in pair)
+            value = lifted.get((min(a, b), max(a, b)))
+            if value is not None:
+                shift[pair] = value
+        if not shift:
+            continue
+        for p, own in enumerate(ends):
+            if len(own) < 2:
+                continue
+            inside = [v for pair, v in shift.items() if pair <= set(own)]
+            if inside:
+                # The blend of straight corners leaves half the sum over the four edges of a
+                # square, a quarter over the twelve of a brick: as many as pass the middle.
+                share = 1.0 if len(own) == 2 else _SHARE[len(own), cell.ndim]
+                place[int(points[e, p])] = cut.corner[p] @ _corners_of(row, cell, place) \
+                    + share*np.sum(inside, axis=0)
+
+
+#: Part of the lifts of the edges that reaches the middle of a face or cell, by its corners.
+_SHARE = {(4, 2): 0.5, (4, 3): 0.5, (6, 3): 0.25, (8, 3): 0.25}
+
+
+def _corners_of(row: list[int], cell, place: dict[int, NDArray]) -> NDArray:
+    return np.array([place[n] for n in row[:cell.n_corner]])
+
+
+def _refuse_folded(name: str, labels: NDArray, cells: NDArray, place: dict) -> None:
+    """A child must not be turned inside out by the curved boundary."""
+    from ..mesh.shapes import shape_functions
+
+    cell = CELLS[name]
+    x = np.array([[place[int(n)] for n in row] for row in cells.reshape(-1, cells.shape[2])])
+    x = x[..., :cell.ndim]
+    for xi in cell.xi[:cell.n_corner]:
+        slope = shape_functions(name, xi)[1]
+        det = np.linalg.det(np.einsum("end,nc->edc", x, slope))
+        if (det <= 0.0).any():
+            k = int(np.argmin(det))//cells.shape[1]
+            raise ModelError(f"element {labels[k]} would be turned inside out when it is cut along "
+                             "the smooth boundary", help="take finer cells along the curve")
+
+
+def _mesh_blocks(cards: MeshCards, cut: _Cut, places: dict[int, NDArray],
+                 members: Members) -> list[Block]:
+    """Nodes, elements and sets."""
+    every = dict(cards.nodes) | {n: places[n] for n in map(int, cut.labels)}
+    flat = all(v[2] == 0.0 for v in every.values())
+    blocks = [Block("NODE", {}, [[n, *map(float, v[:2] if flat else v)]
+                                 for n, v in every.items()])]
+    for word, _, labels, _, cells in cut.groups:
+        rows = []
+        for m, own in zip(labels, cells):
+            first, _ = cut.first[int(m)]
+            rows += [[first + k, *map(int, nodes)] for k, nodes in enumerate(own)]
+        blocks.append(Block("ELEMENT", {"TYPE": word}, rows))
+        _continue_long(blocks[-1])
+    for label, (word, nodes) in cards.elements.items():
+        if cell_of(word) is None:
+            blocks.append(Block("ELEMENT", {"TYPE": word}, [[label, *nodes]]))
+    blocks += [set_block("NSET", name, labels)
+               for name, labels in node_sets(cards, cut).items() if labels]
+    blocks += [set_block("ELSET", name, members.elements(old))
+               for name, old in cards.elsets.items() if old and not name.startswith(OWN)]
+    return blocks
+
+
+def _continue_long(block: Block) -> None:
+    """Lines of twenty nodes go on in a second line."""
+    if block.lines and len(block.lines[0]) > 16:
+        text = []
+        for row in block.lines:
+            text += [", ".join(map(str, row[:11])) + ",", ", ".join(map(str, row[11:]))]
+        from ..deck import Row
+        block.lines = [Row.read(line) for line in text]

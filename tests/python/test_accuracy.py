@@ -1,0 +1,160 @@
+"""The accuracy that a deck asks for: estimates beside true errors, refusals, the command."""
+import json
+import os
+import pathlib
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+
+import lopin
+from lopin.accuracy import Quantity, reach
+from lopin.accuracy.increments import depends_on_path, with_smaller
+from lopin.deck import Deck
+from lopin.errors import ModelError, NotConvergedError, UsageError
+from lopin.refine import refined
+
+DECKS = pathlib.Path(__file__).resolve().parents[2]/"decks"
+#: Decks, what is asked of them, and the error asked for.
+SCENES = [("hertz_sphere", Quantity("FORCE"), 1e-3), ("hertz_sphere", Quantity("PRESSURE"), 1e-2),
+          ("cylinder_on_plane", Quantity("PEAK PRESSURE"), 1e-3),
+          ("cylinder_on_plane", Quantity("PRESSURE"), 1e-2), ("signorini", Quantity("FORCE"), 0.02),
+          ("flat_punch", Quantity("FORCE"), 1e-2),
+          ("flat_punch", Quantity("DISPLACEMENT", "LOWER.TOP"), 5e-3)]
+
+
+@pytest.mark.parametrize("name, quantity, target", SCENES)
+def test_the_true_error_is_what_was_asked(name, quantity, target):
+    """Beside a mesh of half the size of the finest."""
+    deck = Deck.read(DECKS/f"{name}.inp")
+    if quantity.set:
+        quantity = Quantity(quantity.kind, first_set(deck))
+    found = reach(deck, quantity, target)
+    assert found.met and found.error <= target and found.cost < 3.0
+    finest = refined(found.deck).deck
+    result = lopin.run(finest)
+    value = quantity.value(result, finest)
+    apart = quantity.difference(result, found.result, (value, found.value))
+    # Half the size takes away at least half of the error.
+    assert apart <= target*abs(value)
+    assert found.increments == 0.0 and "increments 0 %" in found.text()
+
+
+def first_set(deck):
+    """A node set of the slave side."""
+    names = [str(b.parameters.get("NSET", "")) for b in lopin.model_read_mesh.expanded(deck)
+             if b.keyword == "NSET"]
+    return next(n for n in names if n)
+
+
+def test_a_quantity_without_limit_is_refused():
+    """The pressure at the edge of a flat punch grows with every mesh."""
+    with pytest.raises(NotConvergedError, match="E0622.*has no limit") as caught:
+        reach(DECKS/"flat_punch.inp", Quantity("PEAK PRESSURE"), 0.01)
+    assert not caught.value.reached.met and len(caught.value.reached.levels) == 4
+
+
+def test_a_limit_says_what_would_meet_it():
+    with pytest.raises(NotConvergedError, match="elements; about [0-9]+ would meet it") as caught:
+        reach(DECKS/"signorini.inp", Quantity("FORCE"), 1e-3, most_elements=5000)
+    levels = caught.value.reached.levels
+    assert [v.elements for v in levels] == [256, 1024, 4096]
+
+
+def test_increments_are_halved_where_the_way_matters():
+    found = reach(DECKS/"upsetting.inp", Quantity("FORCE"), 0.02)
+    assert found.met and 0.0 < found.increments <= 0.4*0.02
+    halved = [v for v in found.levels if v.mesh == 0]
+    assert [v.increments for v in halved] == [1.0, 0.5, 0.25][:len(halved)]
+    assert all(v.increments == halved[-1].increments for v in found.levels if v.mesh)
+
+
+def test_who_depends_on_the_way():
+    read = {name: depends_on_path(Deck.read(DECKS/f"{name}.inp"))
+            for name in ("hertz_sphere", "flat_punch", "upsetting", "cattaneo", "rough_punch")}
+    assert read == {"hertz_sphere": False, "flat_punch": False, "upsetting": True,
+                    "cattaneo": True, "rough_punch": True}
+
+
+def test_smaller_increments_of_fixed_ones():
+    class Run:
+        summary = {"steps": [{"increments": 4}, {"increments": 10}]}
+
+    deck = Deck.parse("*STEP, INC=20\n*STATIC, DIRECT\n0.25, 1.\n*END STEP\n*STEP\n*STATIC\n"
+                      "0.2, 2., 1e-5, 0.4\n*END STEP\n")
+    new = with_smaller(deck, Run, 0.5)
+    assert new.all("STATIC")[0].data[0] == [0.125, 1.0]
+    assert new.all("STATIC")[1].data[0] == [0.1, 2.0, 1e-5, 0.1]
+    assert new["STEP"].parameters["INC"] == 41
+
+
+@pytest.mark.parametrize("words, says", [
+    (("SPEED",), "not known"), (("DISPLACEMENT",), "needs SET"),
+    (("SPRINGBACK",), "needs SET")])
+def test_what_cannot_be_asked(words, says):
+    with pytest.raises(UsageError, match=says):
+        Quantity(*words)
+
+
+@pytest.mark.parametrize("quantity, says", [
+    (Quantity("DISPLACEMENT", "NOWHERE"), "no such node set"),
+    (Quantity("FORCE", "", 3), "COMPONENT=3"), (Quantity("SPRINGBACK", "1"), "last of several")])
+def test_what_a_deck_does_not_have(quantity, says):
+    with pytest.raises((ModelError, UsageError), match=says):
+        reach(DECKS/"hertz_sphere.inp", quantity, 0.01)
+
+
+def asking(folder, words):
+    deck = Deck.read(DECKS/"hertz_sphere.inp")
+    text = "\n".join(b.text() for b in lopin.model_read_mesh.expanded(deck)) + "\n"
+    path = folder/"ask.inp"
+    path.write_text(text.replace("*STEP", f"*LOPIN, {words}\n*STEP", 1))
+    return path
+
+
+def command(path, *words):
+    return subprocess.run([sys.executable, "-m", "lopin", "run", path.name, *words],
+                          cwd=path.parent, capture_output=True, text=True, timeout=120,
+                          env={**os.environ, "OPENBLAS_NUM_THREADS": "1"})
+
+
+def test_the_command_refines_until_it_is_met(tmp_path):
+    path = asking(tmp_path, "QUANTITY=FORCE, TARGET ERROR=0.001")
+    done = command(path)
+    assert done.returncode == 0, done.stderr
+    assert "force: 588.3887 +- 0.34" in done.stdout and "results: out/ask/mesh1" in done.stdout
+    told = json.loads((tmp_path/"out/ask/ask.accuracy.json").read_text())
+    assert told["met"] and told["error"] < 0.001 and len(told["runs"]) == 2
+    assert json.loads(command(path, "--json").stdout)["value"] == told["value"]
+    assert (tmp_path/"out/ask/mesh1/ask.pvd").is_file()
+    # Each run of it is a deck that asks for nothing more.
+    assert "QUANTITY" not in (tmp_path/"out/ask/mesh1/ask.inp").read_text()
+
+
+def test_the_command_says_what_is_not_met(tmp_path):
+    done = command(asking(tmp_path, "QUANTITY=FORCE, TARGET ERROR=1e-5"), "--most-elements", "9000")
+    assert done.returncode == 3 and "error: E0622" in done.stderr
+    assert "not met" in done.stdout and "mesh1" in done.stdout
+
+
+def test_the_executable_alone_warns(executable, tmp_path):
+    path = asking(tmp_path, "QUANTITY=FORCE, TARGET ERROR=0.001")
+    done = subprocess.run([executable, "run", path.name], cwd=tmp_path, capture_output=True,
+                          text=True, timeout=60)
+    assert done.returncode == 0 and "warning[W0344]" in done.stdout + done.stderr
+
+
+def test_values_do_not_change_with_units(tmp_path):
+    """The table of relative errors is that of the deck in other units."""
+    deck = Deck.read(DECKS/"cylinder_on_plane.inp")
+    found = reach(deck, Quantity("PRESSURE"), 0.02)
+    stiff = Deck([b for b in lopin.model_read_mesh.expanded(deck)], name="stiff")
+    for block in stiff.blocks:
+        if block.keyword == "ELASTIC":
+            block.lines = [type(block.data[0])([1e3*block.data[0][0], *block.data[0][1:]])]
+        if block.keyword in ("DLOAD", "DSLOAD", "CLOAD"):
+            block.lines = [type(r)([*r[:2], 1e3*r[2], *r[3:]]) for r in block.data]
+    other = reach(stiff, Quantity("PRESSURE"), 0.02)
+    assert np.isclose(other.value, 1e3*found.value, rtol=1e-6)
+    assert np.isclose(other.error, found.error, rtol=1e-4)

@@ -1,0 +1,180 @@
+"""Decks on finer meshes: every cell, sets, surfaces, loads and curved boundaries."""
+import numpy as np
+import pytest
+from tool_patches import Lines, family, is_quadratic
+
+from lopin.deck import Deck
+from lopin.errors import ModelError
+from lopin.mesh.cells import CELLS
+from lopin.mesh.shapes import smallest_jacobian
+from lopin.mesh_make import block, extruded, ring, simplices
+from lopin.model_read_mesh import MeshCards
+from lopin.refine import refined
+from lopin.refine.children import children
+from lopin.refine.curved import lifts_in_plane, lifts_in_space
+
+WORDS = ["CPE3", "CPE4", "CPE4I", "CPE4R", "CPE6", "CPE8", "CPE8R", "CPS4", "CAX3", "CAX4", "CAX6",
+         "CAX8R", "C3D4", "C3D6", "C3D8", "C3D8I", "C3D8R", "C3D10", "C3D15", "C3D20", "C3D20R"]
+
+
+def mesh_of(word, size=(2.0, 1.0, 1.5), cells=(2, 2, 2)):
+    cell = family(word)
+    if not word.startswith("C3D"):
+        mesh = block(size[:2], cells[:2])
+        mesh = simplices(mesh) if cell == "triangle" else mesh
+    elif cell == "wedge":
+        mesh = extruded(simplices(block(size[:2], cells[:2])), size[2], cells[2])
+    else:
+        mesh = block(size, cells)
+        mesh = simplices(mesh) if cell == "tetra" else mesh
+    return mesh.quadratic() if is_quadratic(word) else mesh
+
+
+def pressed(word, load):
+    """A block on rollers under a uniform pressure on its top."""
+    lines = Lines()
+    lines.add("*HEADING", word, "*MATERIAL, NAME=M", "*ELASTIC", "1000., 0.3")
+    lines.mesh(mesh_of(word), word, "B")
+    sides = ["BLEFT, 1", "BFRONT, 2", "BBOTTOM, 3"] if word.startswith("C3D") else \
+        ["BLEFT, 1", "BBOTTOM, 2"]
+    lines.add("*SOLID SECTION, ELSET=BE, MATERIAL=M", "*BOUNDARY", *sides, "*STEP", "*STATIC",
+              *load, "*END STEP")
+    return Deck.parse("\n".join(lines.text) + "\n", name=f"cut_{word.lower()}")
+
+
+@pytest.mark.parametrize("name", CELLS)
+def test_children_fill_their_parent(name):
+    if name.startswith("line"):
+        return
+    cut, cell = children(name), CELLS[name]
+    assert len(cut.cells) == 2**cell.ndim
+    assert smallest_jacobian(name, cut.xi[cut.cells]) > 0.0
+    corners = cut.xi[cut.cells[:, :cell.n_corner]]
+    inside = corners.mean(axis=1)
+    assert len(np.unique(np.round(inside, 6), axis=0)) == len(inside)
+    for number, own in enumerate(cut.faces):
+        assert len(own) == (2 if cell.ndim == 2 else 4)
+        nodes = CELLS[cell.family].faces[number]
+        for child, face in own:
+            on = cut.corner[cut.cells[child, list(CELLS[cell.family].faces[face])]]
+            assert np.allclose(on[:, list(nodes)].sum(axis=1), 1.0)
+
+
+@pytest.mark.parametrize("word", WORDS)
+def test_a_uniform_state_stays_uniform(solve, word):
+    """Sets, surfaces and pressures follow: each mesh has the same answer to rounding."""
+    deck = pressed(word, ["*DSLOAD", "BSTOP, P, 10."])
+    finer = refined(deck)
+    count = sum(len(b.data) for b in deck.all("ELEMENT"))
+    assert finer.n_element == count*(8 if word.startswith("C3D") else 4)
+    coarse, fine = solve(deck), solve(finer.deck)
+    assert np.allclose(coarse["S"], coarse["S"][0], atol=1e-9)
+    assert np.allclose(fine["S"], coarse["S"][0], rtol=1e-9, atol=1e-9)
+    rows = np.isin(fine["LABEL"].ravel(), coarse["LABEL"].ravel())
+    assert np.allclose(fine["U"][rows], coarse["U"], rtol=1e-9, atol=1e-12)
+    again = refined(finer.deck)
+    assert again.n_element == finer.n_element*(8 if word.startswith("C3D") else 4)
+    sets = MeshCards(again.deck.blocks)
+    assert len(sets.nsets["BTOP"]) > len(MeshCards(deck.blocks).nsets["BTOP"])
+
+
+@pytest.mark.parametrize("word", ["CPE4", "CPE8", "C3D8", "C3D10"])
+def test_loads_on_faces_of_element_sets(solve, word):
+    """*DLOAD names faces of whole sets: only the children that have such a face bear it."""
+    lines = ["*DLOAD", "BE, P3, 10."] if not word.startswith("C3D8") else ["*DLOAD", "BE, P2, 10."]
+    if word == "C3D10":
+        lines = ["*DSLOAD", "BSTOP, P, 10."]
+    mesh_cells = {"CPE4": (2, 1, 1), "CPE8": (2, 1, 1), "C3D8": (2, 2, 1)}
+    deck = pressed(word, lines)
+    if word in mesh_cells:
+        text = Lines()
+        text.add("*HEADING", word, "*MATERIAL, NAME=M", "*ELASTIC", "1000., 0.3")
+        text.mesh(mesh_of(word, cells=mesh_cells[word]), word, "B")
+        sides = ["BLEFT, 1", "BFRONT, 2", "BBOTTOM, 3"] if word.startswith("C3D") else \
+            ["BLEFT, 1", "BBOTTOM, 2"]
+        text.add("*SOLID SECTION, ELSET=BE, MATERIAL=M", "*BOUNDARY", *sides, "*STEP", "*STATIC",
+                 *lines, "*END STEP")
+        deck = Deck.parse("\n".join(text.text) + "\n", name="faces")
+    coarse, fine = solve(deck), solve(refined(deck).deck)
+    assert np.allclose(fine["S"], coarse["S"][0], rtol=1e-9, atol=1e-8)
+
+
+def test_arcs_are_exact_in_the_plane():
+    angles = np.cumsum([0.0, 0.3, 0.2, 0.25, 0.2])
+    x = 5.0*np.column_stack([np.cos(angles), np.sin(angles)])
+    edges = np.array([[0, 1], [1, 2], [2, 3], [3, 4]])
+    middle = 0.5*(x[edges[:, 0]] + x[edges[:, 1]]) + lifts_in_plane(x, edges)
+    assert np.allclose(np.linalg.norm(middle, axis=1), 5.0, atol=1e-4)
+    even = 5.0*np.column_stack([np.cos(0.3*np.arange(5)), np.sin(0.3*np.arange(5))])
+    middle = 0.5*(even[edges[:, 0]] + even[edges[:, 1]]) + lifts_in_plane(even, edges)
+    assert np.allclose(np.linalg.norm(middle, axis=1), 5.0, atol=1e-12)
+
+
+def test_flat_sides_and_corners_stay():
+    x = np.array([[0.0, 0.0], [1.0, 0.0], [2.0, 0.0], [2.0, 1.0], [1.0, 1.0], [0.0, 1.0]])
+    edges = np.stack([np.arange(6), np.roll(np.arange(6), -1)], axis=1)
+    assert not lifts_in_plane(x, edges).any()
+    assert smallest_lift(block((1.0, 1.0, 1.0), (2, 2, 2))) == 0.0
+
+
+def smallest_lift(mesh):
+    faces = np.array([mesh.face_nodes(*row) for row in mesh.boundary()])
+    edges = np.unique(np.sort(np.vstack([faces[:, [0, 1]], faces[:, [1, 2]]]), axis=1), axis=0)
+    return np.abs(lifts_in_space(mesh.points, [faces], edges)).max()
+
+
+def test_a_ring_of_bricks_becomes_round():
+    """Inner and outer faces and their rims; flat ends and cuts stay flat."""
+    mesh = extruded(ring(1.0, 2.0, (2, 4)), 1.0, 2)
+    faces = np.array([mesh.face_nodes(*row) for row in mesh.boundary()])
+    pairs = np.vstack([np.stack([faces[:, k], faces[:, (k + 1) % 4]], axis=1) for k in range(4)])
+    edges = np.unique(np.sort(pairs, axis=1), axis=0)
+    middle = mesh.points[edges].mean(axis=1) + lifts_in_space(mesh.points, [faces], edges)
+    radius = np.linalg.norm(mesh.points[:, :2], axis=1)
+    for r in (1.0, 2.0):
+        own = (np.abs(radius[edges] - r) < 1e-9).all(axis=1)
+        assert np.allclose(np.linalg.norm(middle[own, :2], axis=1), r, atol=2e-3*r)
+    assert np.abs(middle[:, 2] - mesh.points[edges][:, :, 2].mean(axis=1)).max() < 1e-12
+
+
+def test_a_set_of_two_sides_holds_nothing_between_them():
+    deck = pressed("CPE4", ["*DSLOAD", "BSTOP, P, 10."])
+    cards = MeshCards(deck.blocks)
+    both = sorted({*cards.nsets["BLEFT"], *cards.nsets["BRIGHT"]})
+    deck.blocks.insert(1 + deck.blocks.index(deck.all("NSET")[-1]),
+                       Deck.parse("*NSET, NSET=SIDES\n" + ", ".join(map(str, both)) + "\n"
+                                  ).blocks[0])
+    finer = MeshCards(refined(deck).deck.blocks)
+    x = np.array([finer.nodes[n][0] for n in finer.nsets["SIDES"]])
+    assert len(x) == 10 and np.isin(x, [x.min(), x.max()]).all()
+
+
+def test_displacements_node_by_node_are_filled_in():
+    deck = pressed("CPE4", ["*BOUNDARY", "BTOP, 2, 2, -0.1"])
+    cards = MeshCards(deck.blocks)
+    rows = [f"{n}, 2, 2, {-0.1*cards.nodes[n][0]!r}" for n in cards.nsets["BTOP"]]
+    deck = Deck.parse(deck.text().replace("BTOP, 2, 2, -0.1", "\n".join(rows)), name="rows")
+    finer = refined(deck).deck
+    given = {row[0]: row[3] for row in finer.all("BOUNDARY")[-1].data}
+    nodes = MeshCards(finer.blocks).nodes
+    assert len(given) == 5
+    assert all(np.isclose(v, -0.1*nodes[n][0]) for n, v in given.items())
+
+
+@pytest.mark.parametrize("card", ["*CLOAD\nBTOP, 2, -1.", "*DLOAD\n1, P3, 2.\n*CLOAD\nBTOP, 1, 1."])
+def test_what_a_finer_mesh_cannot_carry_is_refused(card):
+    with pytest.raises(ModelError, match="CLOAD"):
+        refined(pressed("CPE4", card.split("\n")))
+
+
+def test_layers_of_one_arc_are_lifted_alike():
+    """A thin curved layer: the inside would fold if one of its sides stayed."""
+    lines = ["*NODE"]
+    for k, a in enumerate(np.linspace(0.0, 1.0, 3)):
+        for j, r in enumerate((1.0, 1.001)):
+            lines.append(f"{2*k + j + 1}, {float(r*np.cos(a))!r}, {float(r*np.sin(a))!r}")
+    lines += ["*ELEMENT, TYPE=CPE4, ELSET=E", "1, 1, 2, 4, 3", "2, 3, 4, 6, 5"]
+    deck = Deck.parse("\n".join(lines) + "\n")
+    nodes = np.array(list(MeshCards(refined(deck).deck.blocks).nodes.values()))
+    radius = np.linalg.norm(nodes[:, :2], axis=1)
+    assert len(nodes) == 15 and radius.min() > 0.9999 and radius.max() < 1.0011
