@@ -89,7 +89,7 @@ contains
       call new_job(job, options)
       call open_model(job, options, terminal, model)
       call new_plan(plan, model, error)
-      if (.not. allocated(error)) call make_workspace(scene, model, error)
+      if (.not. allocated(error)) call make_workspace(scene, model, plan, error)
       call terminal%show_log(scene%log)
       call terminal%stop_on(error)
       do pair = 1, size(model%pair)

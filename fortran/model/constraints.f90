@@ -33,19 +33,22 @@ module lopin_constraints
 contains
 
    !> Constraints in force in a step.
-   subroutine new_constraints(self, model, dofs, step, error, turn)
+   subroutine new_constraints(self, model, dofs, step, error, turn, own, given)
       type(constraints_type), intent(out) :: self
       type(model_type), intent(in) :: model
       type(dofs_type), intent(in) :: dofs
       type(step_type), intent(in) :: step
       type(error_type), allocatable, intent(out) :: error
       real(wp), intent(in), optional :: turn(:, :)     !! (3, nbody) of bodies; absent: 0 [rad]
+      integer, intent(in), optional :: own(:)          !! free dofs with the rules of `given`
+      type(rule_type), intent(in), optional :: given(:)
       type(rule_type), allocatable :: rule(:)
 
       self%ndof = dofs%n
       call new_local_axes(self%local_axes_type, model, turn)
       call new_rules(rule, self%local_axes_type, model, dofs, step, error)
       if (allocated(error)) return
+      if (present(own)) rule(own) = given
       self%plain = .not. (any(rule%dependent) .or. any(self%axes_of > 0))
       call number_variables(self, rule)
       call resolve(self, rule, model, dofs, error)

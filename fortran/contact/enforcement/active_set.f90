@@ -82,6 +82,7 @@ contains
       allocate (work%springs%offset(self%nrow), work%springs%stiffness(self%nrow), source=0.0_wp)
       if (.not. warm) then
          result%active = work%answer%free_gap < 0.0_wp .or. self%has_rigid_motions()
+         call close_held(self, work%answer%free_gap, result%active)
          result%multiplier = spread(0.0_wp, 1, self%nrow)
       end if
       result%active = result%active .or. self%bilateral
@@ -90,6 +91,19 @@ contains
       result%augmentations = 0
       result%single_pivots = 0
    end subroutine prepare
+
+   !> Rows that nothing moves are closed if they touch: what they share with supports is then told.
+   subroutine close_held(self, gap, active)
+      class(condensed_type), intent(in) :: self
+      real(wp), intent(in) :: gap(:)           !! (nrow) without contact forces [length]
+      logical, intent(inout) :: active(:)
+      integer :: row
+
+      if (.not. allocated(self%s)) return
+      do row = 1, self%nrow
+         if (.not. gap(row) > 0.0_wp .and. .not. self%s(row, row) > 0.0_wp) active(row) = .true.
+      end do
+   end subroutine close_held
 
    !> Settle the sets, with the proximal steps where the bodies are not held on the way.
    subroutine settle(self, work, result)

@@ -9,6 +9,7 @@ module lopin_contact_points
    private
    public :: contact_points_type, face_type, inner_type, sample_type, own_sample
    public :: no_contact_points, reserve, add_point, pair_is_tied, gaps_as_meshed, facing
+   public :: is_eliminated, is_released
 
    !> One place of a row: of a node, or between the nodes of a facet.
    type :: sample_type
@@ -68,6 +69,8 @@ module lopin_contact_points
       integer, allocatable :: released(:)     !! (n) directions in which a tie does not hold the
                                               !! node, lopin_tie_release; unallocated: no ties
       real(wp), allocatable :: axes(:, :, :)  !! (3, 3, n) those first, then the rest
+      logical, allocatable :: eliminated(:)   !! (n) tied nodes that are no unknowns,
+                                              !! lopin_eliminated_ties; unallocated: none
       integer, allocatable :: tool(:)         !! (npair) 0: the master is a mesh
       integer, allocatable :: body(:)         !! (npair) rigid body that moves the tool; 0: fixed
    end type contact_points_type
@@ -177,6 +180,26 @@ contains
       sample%foot = self%foot(:, i)
       sample%gap = self%gap(i)
    end function own_sample
+
+   !> A tie determines the node of a point by those opposite.
+   pure logical function is_eliminated(points, i)
+      type(contact_points_type), intent(in) :: points
+      integer, intent(in) :: i
+
+      is_eliminated = .false.
+      if (allocated(points%eliminated)) is_eliminated = points%eliminated(i)
+   end function is_eliminated
+
+   !> Supports of both sides hold the node of a tied point along an axis, so that its tie does not.
+   pure logical function is_released(points, i, axis)
+      type(contact_points_type), intent(in) :: points
+      integer, intent(in) :: i, axis
+      real(wp), parameter :: along = 1.0_wp - 1.0e-12_wp
+
+      is_released = .false.
+      if (allocated(points%released)) is_released = sum(points%axes(axis, &
+         & :points%released(i), i)**2) > along
+   end function is_released
 
    !> The pair glues: all directions, both ways.
    pure logical function pair_is_tied(model, pair)

@@ -9,7 +9,8 @@ module lopin_reduced_rows
 
 contains
 
-   !> Rows on the free equations, and what prescribed displacements (in `u_known`) do to the gaps.
+   !> Rows that are solved for, on the free equations, and what prescribed displacements (in
+   !> `u_known`) do to the gaps.
    subroutine reduce_rows(self, constraints, u_known, first, equation, value, gap)
       type(contact_rows_type), intent(in) :: self
       type(constraints_type), intent(in) :: constraints
@@ -20,15 +21,15 @@ contains
       integer, allocatable :: seen(:)
 
       total = 0
-      do k = 1, size(self%dof)
+      do k = 1, self%first(self%nsolved + 1) - 1
          total = total + constraints%first(self%dof(k) + 1) - constraints%first(self%dof(k))
       end do
-      allocate (first(self%n + 1), equation(total), seen(constraints%neq), source=0)
+      allocate (first(self%nsolved + 1), equation(total), seen(constraints%neq), source=0)
       allocate (value(total), source=0.0_wp)
-      allocate (gap, source=self%gap0)
+      allocate (gap, source=self%gap0(:self%nsolved))
       m = 0
       first(1) = 1
-      do row = 1, self%n
+      do row = 1, self%nsolved
          from = m + 1
          do k = self%first(row), self%first(row + 1) - 1
             gap(row) = gap(row) + self%coefficient(k)*u_known(self%dof(k))

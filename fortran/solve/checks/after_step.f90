@@ -15,6 +15,7 @@ module lopin_after_step
    use lopin_narrow_masters, only : check_narrow_masters
    use lopin_small_displacements, only : excursion_type, measure_small_displacements, &
       & check_small_displacements, rotation_limit
+   use lopin_contact_rows, only : joins_pair
    implicit none
    private
    public :: step_record_type, record_increment, check_step
@@ -104,7 +105,8 @@ contains
          call record_nonlinear(self, scene)
          return
       end if
-      do row = 1, scene%rows%nnormal
+      do row = 1, scene%rows%n
+         if (.not. joins_pair(scene%rows, row)) cycle
          pair = scene%points%pair(scene%rows%point(row))
          self%closed(pair) = self%closed(pair) .or. scene%rows%tied(row) &
             & .or. scene%answer%force(row) > 0.0_wp &

@@ -22,6 +22,7 @@ module lopin_artificial_work
    use lopin_vectors, only : largest
    use lopin_scene, only : scene_type
    use lopin_repeated_messages, only : warn_once, note_once
+   use lopin_contact_rows, only : joins_pair
    implicit none
    private
    public :: artificial_type, measure_artificial_work, check_artificial_work
@@ -143,7 +144,8 @@ contains
       equation(scene%constraints%dof_of_equation) = body
       way = huge(1.0_wp)
       nearest = huge(1.0_wp)
-      do row = 1, scene%rows%nnormal
+      do row = 1, scene%rows%n
+         if (.not. joins_pair(scene%rows, row)) cycle
          own = .false.
          gap = scene%rows%gap0(row)
          do k = scene%rows%first(row), scene%rows%first(row + 1) - 1
@@ -263,11 +265,12 @@ contains
       integer :: i, j, status
 
       if (scene%newton%in_use .or. .not. allocated(scene%problem%c)) return
-      if (size(scene%problem%c, 1) /= size(scene%answer%force)) return
+      if (size(scene%problem%c, 1) /= scene%rows%nsolved) return
       do i = 1, size(value)
          do j = 1, size(value)
             gram(j, i) = sum(scene%problem%c(:, j)*scene%problem%c(:, i), &
-               & mask=abs(scene%answer%force) > 0.0_wp)
+               & mask=abs(scene%answer%force(:scene%rows%nsolved)) &
+               & > 0.0_wp)
          end do
       end do
       call symmetric_eigen(gram, value, status)

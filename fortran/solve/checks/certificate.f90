@@ -227,7 +227,7 @@ contains
 
       softest = 0.0_wp
       if (.not. allocated(scene%problem%s)) return
-      do row = 1, scene%rows%n
+      do row = 1, scene%rows%nsolved
          softest = max(softest, scene%problem%s(row, row))
       end do
    end function softest_row

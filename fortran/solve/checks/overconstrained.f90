@@ -197,7 +197,7 @@ contains
       integer :: other
 
       pair = 0
-      do other = 1, scene%rows%nnormal
+      do other = 1, scene%rows%n
          if (.not. scene%rows%tied(other)) cycle
          if (scene%points%node(scene%rows%point(other)) &
             & /= scene%points%node(scene%rows%point(row))) cycle

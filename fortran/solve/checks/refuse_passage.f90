@@ -8,6 +8,7 @@ module lopin_refuse_passage
    use lopin_tool_sweep, only : find_tool_passage
    use lopin_repeated_messages, only : warn_once
    use lopin_scene, only : scene_type
+   use lopin_contact_rows, only : joins_pair
    implicit none
    private
    public :: refuse_passage, passage_id
@@ -32,7 +33,8 @@ contains
          node = scene%newton%contact%node(passed)
       else
          closed = .false.
-         do row = 1, scene%rows%nnormal
+         do row = 1, scene%rows%n
+            if (.not. joins_pair(scene%rows, row)) cycle
             if (scene%answer%active(row)) closed(scene%rows%point(row)) = .true.
          end do
          call find_tool_passage(scene%points, model, scene%dofs, scene%accepted%motion%u, &

@@ -34,21 +34,21 @@ contains
       real(wp), intent(in) :: prescribed(:)    !! (nprescribed) at the end of the increment
       type(error_type), allocatable, intent(out) :: error
       type(apart_type) :: apart
-      real(wp) :: v(scene%constraints%neq), u(scene%dofs%n), most, across
+      real(wp) :: v(scene%supports%neq), u(scene%dofs%n), most, across
       integer :: pair, i, d
 
       if (.not. allocated(scene%points%released)) return
       if (.not. any(abs(prescribed) > 0.0_wp)) return
       d = model%mesh%ndim
       v = 0.0_wp
-      call expand(scene%constraints, v, prescribed, u)
+      call expand(scene%supports, v, prescribed, u)
       if (turns(scene, model, u)) return
       most = maxval(abs(u))
       do pair = 1, size(model%pair)
          if (.not. pair_is_tied(model, model%pair(pair))) cycle
          do i = scene%points%first(pair), scene%points%first(pair + 1) - 1
             if (.not. may_tie(scene%points, i, model%pair(pair)%adjust)) cycle
-            call held_apart(scene%points, model, scene%dofs, scene%constraints, i, u, apart)
+            call held_apart(scene%points, model, scene%dofs, scene%supports, i, u, apart)
             if (.not. apart%jump > rounding*most) cycle
             across = dot_product(apart%place, scene%points%normal(:, i))
             across = norm2(apart%place - across*scene%points%normal(:, i))/scene%points%size(i)

@@ -28,7 +28,7 @@ contains
 
       associate (p => scene%problem)
          allocate (weight(p%nrow))
-         weight(:) = scene%points%weight(scene%rows%point)
+         weight(:) = scene%points%weight(scene%rows%point(:p%nrow))
          p%alpha = weight
          scene%stiffer = scene%trial%contact%stiffer
          do pair = 1, p%ngroup

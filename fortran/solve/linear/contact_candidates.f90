@@ -182,31 +182,32 @@ contains
       type(scene_type), intent(inout) :: scene
       type(model_type), intent(in) :: model
       type(contact_rows_type), intent(in) :: old
-      integer :: from(scene%rows%n), row
+      integer :: from(scene%rows%nsolved), row
       real(wp), allocatable :: gap(:)
 
       call match(old%point(:old%nnormal), scene%rows%point(:scene%rows%nnormal), &
          & from(:scene%rows%nnormal))
-      call match(old%point(old%nnormal + 1:), scene%rows%point(scene%rows%nnormal + 1:), &
+      call match(old%point(old%nnormal + 1:old%nsolved), &
+         & scene%rows%point(scene%rows%nnormal + 1:scene%rows%nsolved), &
          & from(scene%rows%nnormal + 1:))
       where (from(scene%rows%nnormal + 1:) > 0) from(scene%rows%nnormal + 1:) = &
          & from(scene%rows%nnormal + 1:) + old%nnormal
-      allocate (gap(scene%rows%n), source=0.0_wp)
+      allocate (gap(scene%rows%nsolved), source=0.0_wp)
       do row = 1, scene%rows%nnormal
          if (from(row) == 0) gap(row) = max(row_gap_of(scene, model, scene%rows%point(row)), 0.0_wp)
       end do
       associate (answer => scene%answer, kept => scene%accepted%friction, &
          & start => scene%accepted%solver)
-         call carry_marks(answer%active, from, old%n)
-         call carry_marks(start%active, from, old%n)
-         call transfer(start%multiplier, 0.0_wp*gap, from, old%n)
-         call transfer(start%force, 0.0_wp*gap, from, old%n)
-         call transfer(start%gap, gap, from, old%n)
-         call transfer(answer%multiplier, 0.0_wp*gap, from, old%n)
-         call transfer(answer%force, 0.0_wp*gap, from, old%n)
-         call transfer(answer%gap, gap, from, old%n)
-         call transfer(kept%force, 0.0_wp*gap, from, old%n)
-         call transfer(kept%gap, gap, from, old%n)
+         call carry_marks(answer%active, from, old%nsolved)
+         call carry_marks(start%active, from, old%nsolved)
+         call transfer(start%multiplier, 0.0_wp*gap, from, old%nsolved)
+         call transfer(start%force, 0.0_wp*gap, from, old%nsolved)
+         call transfer(start%gap, gap, from, old%nsolved)
+         call transfer(answer%multiplier, 0.0_wp*gap, from, old%nsolved)
+         call transfer(answer%force, 0.0_wp*gap, from, old%nsolved)
+         call transfer(answer%gap, gap, from, old%nsolved)
+         call transfer(kept%force, 0.0_wp*gap, from, old%nsolved)
+         call transfer(kept%gap, gap, from, old%nsolved)
       end associate
       scene%trial%friction = scene%accepted%friction
       scene%trial%solver = scene%accepted%solver
@@ -221,7 +222,7 @@ contains
       integer :: i
 
       if (.not. allocated(mark)) return
-      if (size(mark) /= nold) return
+      if (size(mark) < nold) return
       carried = .false.
       do i = 1, size(from)
          if (from(i) > 0) carried(i) = mark(from(i))
@@ -239,7 +240,7 @@ contains
       integer :: i
 
       if (.not. allocated(value)) return
-      if (size(value) /= nold) return
+      if (size(value) < nold) return
       carried = new
       do i = 1, size(from)
          if (from(i) > 0) carried(i) = value(from(i))

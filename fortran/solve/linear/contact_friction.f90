@@ -25,7 +25,7 @@ contains
    !> Some pair has rows along its tangents.
    pure logical function slides_with_friction(scene) result(slides)
       type(scene_type), intent(in) :: scene
-      slides = scene%rows%n > scene%rows%nnormal
+      slides = scene%rows%nsolved > scene%rows%nnormal
    end function slides_with_friction
 
    !> Forces of all rows for the gaps, condensed loads and loads on floating motions given.

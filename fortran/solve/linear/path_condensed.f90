@@ -28,6 +28,7 @@ module lopin_path_condensed
    use lopin_friction_stress, only : friction_reads_stress, update_friction_stress, &
       & most_stress_passes, stress_tolerance
    use lopin_repeated_messages, only : warn_once
+   use lopin_tie_forces, only : drop_tie_forces, add_tie_forces
    use lopin_contact_failure, only : check_held, explain_outcome
    implicit none
    private
@@ -128,18 +129,21 @@ contains
       call condense_load(scene%system, right, y, load)
       call scene%clock%stop_in(phase%solve)
       call rebuild_rows(scene, model, prescribed)
+      call drop_tie_forces(scene)
       call fill_problem(scene, model, u_known, gap, error)
       if (allocated(error)) return
       if (abs(scene%stiffer - scene%trial%contact%stiffer) > 0.0_wp) call set_stiffness(scene, &
          & model)
       if (slides_with_friction(scene)) then
          call solve_friction_history(scene, model, gap, y, load, moving, prescribed, error)
-         return
+      else
+         call contact_by_continuation(scene, model, gap, load, moving, error)
+         call scene%clock%stop_in(phase%contact)
+         if (.not. allocated(error)) call displace(scene, y, prescribed)
       end if
-      call contact_by_continuation(scene, model, gap, load, moving, error)
-      call scene%clock%stop_in(phase%contact)
       if (allocated(error)) return
-      call displace(scene, y, prescribed)
+      call add_tie_forces(scene, f)
+      call scene%clock%stop_in(phase%contact)
    end subroutine solve_condensed
 
    !> The same with friction, repeated where a law reads what the last solve gave.
@@ -226,9 +230,9 @@ contains
          if (same) same = size(p%value) == size(scene%kept_value)
          if (same) same = size(scene%kept_value) == size(value)
          if (same) same = all(scene%kept_equation == equation) .and. all(scene%kept_value == value)
-         if (same) same = p%nrow == scene%rows%n
+         if (same) same = p%nrow == scene%rows%nsolved
          if (same) then
-            p%bilateral = scene%rows%bilateral
+            p%bilateral = scene%rows%bilateral(:p%nrow)
             return
          end if
          scene%kept_equation = equation
@@ -236,7 +240,7 @@ contains
          scene%fresh_factor = .false.
          p%n = scene%system%nlast
          p%nq = scene%bodies%nq
-         p%nrow = scene%rows%n
+         p%nrow = scene%rows%nsolved
          p%l = scene%system%l
          if (allocated(p%s)) deallocate (p%s)
          if (allocated(p%c)) deallocate (p%c)
@@ -260,7 +264,7 @@ contains
             end do
             p%first(row + 1) = kept + 1
          end do
-         p%bilateral = scene%rows%bilateral
+         p%bilateral = scene%rows%bilateral(:p%nrow)
          p%group_first = scene%rows%group_first
          p%ngroup = size(model%pair)
       end associate

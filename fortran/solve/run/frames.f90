@@ -235,6 +235,7 @@ contains
                if (point < 1 .or. point > n) cycle
                c%force(:, point) = c%force(:, point) &
                   & + scene%answer%force(row)*scene%rows%direction(:ndim, row)
+               if (scene%rows%tied(row)) c%status(point) = 3
             end do
             across = 0.0_wp
             do row = scene%rows%group_first(pair), scene%rows%group_first(pair + 1) - 1

@@ -13,6 +13,7 @@ module lopin_leave_increment
    use lopin_artificial_work, only : measure_artificial_work
    use lopin_work_balance, only : balance_type, mend_work, note_work, note_energy
    use lopin_snap_through, only : record_snap_through
+   use lopin_contact_rows, only : joins_pair
    implicit none
    private
    public :: add_work, check_solids, leave_trial
@@ -91,7 +92,8 @@ contains
             call leave_history(newton%contact, accepted%contact, trial%contact)
             return
          end if
-         do row = 1, scene%rows%nnormal
+         do row = 1, scene%rows%n
+            if (.not. joins_pair(scene%rows, row)) cycle
             if (scene%answer%active(row)) trial%friction%closed(scene%rows%point(row)) = .true.
          end do
       end associate

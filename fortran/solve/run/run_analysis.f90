@@ -94,7 +94,7 @@ contains
       if (.not. allocated(error)) call refuse_remeshing(model, error)
       if (.not. allocated(error)) call begin_files(recorders, model, error, store)
       if (.not. allocated(error)) call new_plan(self%plan, model, error)
-      if (.not. allocated(error)) call make_workspace(self%scene, model, error)
+      if (.not. allocated(error)) call make_workspace(self%scene, model, self%plan, error)
       if (allocated(error)) return
       if (present(state)) then
          call run_state(self, model, state, error)

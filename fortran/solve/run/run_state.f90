@@ -6,6 +6,7 @@ module lopin_run_state
    use lopin_mesh, only : place_by_element
    use lopin_model, only : model_type
    use lopin_recorder, only : recorder_holder_type
+   use lopin_plan, only : plan_type, path_of
    use lopin_scene, only : scene_type, new_scene
    use lopin_uneven_pressure, only : warn_of_uneven_pressure
    use lopin_check_mesh, only : refuse_folded
@@ -51,12 +52,14 @@ contains
    end subroutine run_state
 
    !> What follows from the model alone.
-   subroutine make_workspace(scene, model, error)
+   subroutine make_workspace(scene, model, plan, error)
       type(scene_type), intent(inout) :: scene
       type(model_type), intent(in) :: model
+      type(plan_type), intent(in) :: plan
       type(error_type), allocatable, intent(out) :: error
 
       call new_scene(scene, model, error)
+      scene%eliminates = plan%path == path_of%condensed
       call place_by_element(model%mesh, error)
       if (.not. allocated(error)) call warn_of_uneven_pressure(scene, model)
       if (.not. allocated(error)) call refuse_folded(scene, model, error)
@@ -81,7 +84,7 @@ contains
       self%scene%stops_at_once = old%stops_at_once
       call move_alloc(old%watcher, self%scene%watcher)
       deallocate (old)
-      call make_workspace(self%scene, model, error)
+      call make_workspace(self%scene, model, self%plan, error)
       if (allocated(error)) return
       state%reading = .true.
       state%n = kept%n

@@ -89,10 +89,11 @@ contains
          summary%retained = scene%system%nlast
          joined = size(scene%system%late)
       end if
-      summary%candidates = scene%rows%n
+      summary%candidates = scene%rows%nsolved
       associate (met => scene%points%facet(:scene%points%n) > 0)
          summary%plan = plan_line(plan, summary, reason, scene%bodies%nq, &
-            & count(met .and. scene%accepted%solver%candidate), count(met), joined)
+            & count(met .and. scene%accepted%solver%candidate), count(met), joined, &
+            & scene%rows%n - scene%rows%nsolved)
       end associate
    end subroutine describe
 

@@ -129,13 +129,15 @@ contains
    end function why_nonlinear
 
    !> One line: what was chosen, and why.
-   function plan_line(self, summary, reason, nq, reached, points, joined) result(line)
+   function plan_line(self, summary, reason, nq, reached, points, joined, &
+      & eliminated) result(line)
       type(plan_type), intent(in) :: self
       type(summary_type), intent(in) :: summary   !! solver, equations, retained, candidates
       character(len=*), intent(in) :: reason      !! of the solver
       integer, intent(in) :: nq                   !! motions held only by contact
       integer, intent(in) :: reached, points   !! slave points within reach, and all of them
       integer, intent(in) :: joined            !! equations that came into reach after the factor
+      integer, intent(in) :: eliminated        !! displacements of tied nodes that are no unknowns
       character(len=:), allocatable :: line
 
       line = 'path '
@@ -147,6 +149,8 @@ contains
       if (summary%candidates > 0) line = line//', '//to_text(summary%candidates)// &
          & ' contact rows on '//to_text(summary%retained)//' of them'
       if (joined > 0) line = line//' ('//to_text(joined)//' joined by a back-solve each)'
+      if (eliminated > 0) line = line//', '//to_text(eliminated)// &
+         & ' displacements of tied nodes eliminated'
       if (reached < points) line = line//', '//to_text(reached)//' of '//to_text(points)// &
          & ' slave points within reach'
       if (nq > 0) line = line//', '//to_text(nq)//' motions held only by contact'

@@ -9,7 +9,7 @@ module lopin_scene
    use lopin_dofs, only : dofs_type, new_dofs
    use lopin_constraints, only : constraints_type, new_constraints, raw_displacement, expand
    use lopin_bodies, only : bodies_type, new_bodies
-   use lopin_solids, only : solids_type, solid_section_type, new_solids
+   use lopin_solids, only : solids_type, new_solids
    use lopin_assemble_linear, only : assemble_stiffness
    use lopin_assemble_springs, only : attach_springs
    use lopin_contact_points, only : contact_points_type, pair_is_tied
@@ -19,6 +19,8 @@ module lopin_scene
    use lopin_initial_gaps, only : initial_gap_type, new_initial_gaps
    use lopin_contact_rows, only : contact_rows_type, new_contact_rows
    use lopin_tie_release, only : release_ties
+   use lopin_constraint_rules, only : rule_type
+   use lopin_eliminated_ties, only : eliminate_ties
    use lopin_chord_sag, only : report_chords
    use lopin_carried_force, only : skin_type
    use lopin_condensed, only : condensed_type
@@ -30,7 +32,7 @@ module lopin_scene
    use lopin_full_system, only : full_system_type
    use lopin_newton_workspace, only : newton_workspace_type
    use lopin_tool_plane, only : plane_type
-   use lopin_flow_curve, only : flows
+   use lopin_section_properties, only : sections_of
    use lopin_watcher, only : watcher_type
    implicit none
    private
@@ -50,6 +52,8 @@ module lopin_scene
       ! of a step
       integer :: step = 0
       type(constraints_type) :: constraints
+      logical :: eliminates = .false.   !! slaves of exact ties are no unknowns
+      type(constraints_type) :: supports   !! the constraints but for eliminated ties
       type(bodies_type) :: bodies
       type(linear_system_type) :: system
       type(full_system_type) :: full               !! in the place of `system` on the path newton
@@ -116,50 +120,6 @@ contains
       call new_friction_tests(self%friction, self%points%n)
    end subroutine new_scene
 
-   function sections_of(model) result(section)
-      type(model_type), intent(in) :: model
-      type(solid_section_type) :: section(size(model%section))
-      integer :: i
-
-      do i = 1, size(section)
-         section(i)%formulation = model%section(i)%formulation
-         section(i)%thickness = model%section(i)%thickness
-         associate (material => model%material(model%section(i)%material))
-            section(i)%young = material%young
-            section(i)%poisson = material%poisson
-            section(i)%green = material%green
-            section(i)%neo_hooke = material%has_neo_hooke
-            section(i)%c10 = material%c10
-            section(i)%d1 = material%d1
-            section(i)%flow = material%flow
-            if (allocated(material%plastic) .and. flows(material%flow)) then
-               allocate (section(i)%plastic, source=material%plastic)
-               section(i)%plastic%axes = model%section(i)%axes
-            end if
-            section(i)%expansion = material%expansion
-            section(i)%heated = acts_on(model, i)
-         end associate
-      end do
-   end function sections_of
-
-   !> Temperatures or stresses of the start act on a section.
-   pure logical function acts_on(model, section) result(acts)
-      type(model_type), intent(in) :: model
-      integer, intent(in) :: section
-      integer :: s
-
-      acts = .false.
-      do s = 1, size(model%step)
-         if (allocated(model%step(s)%temperature)) acts = acts &
-            & .or. size(model%step(s)%temperature) > 0
-      end do
-      acts = acts .and. model%material(model%section(section)%material)%has_expansion
-      if (allocated(model%initial_stress)) acts = acts &
-         & .or. any(model%mesh%section(model%initial_stress%element) == section)
-      if (allocated(model%initial_state)) acts = acts &
-         & .or. any(model%mesh%section(model%initial_state%element) == section)
-   end function acts_on
-
    !> Constraints and floating motions of a step; `same` if they are those of the step before.
    subroutine set_supports(self, model, step, same, error)
       type(scene_type), intent(inout) :: self
@@ -168,16 +128,25 @@ contains
       logical, intent(out) :: same
       type(error_type), allocatable, intent(out) :: error
       type(constraints_type) :: constraints
+      integer, allocatable :: own(:)
+      type(rule_type), allocatable :: rule(:)
 
       call new_constraints(constraints, model, self%dofs, model%step(step), error)
       if (allocated(error)) return
       same = self%step > 0
-      if (same) same = constraints%neq == self%constraints%neq
-      if (same) same = all(constraints%dof_of_equation == self%constraints%dof_of_equation)
-      self%constraints = constraints
+      if (same) same = constraints%neq == self%supports%neq
+      if (same) same = all(constraints%dof_of_equation == self%supports%dof_of_equation)
       self%step = step
+      self%supports = constraints
+      if (.not. same) call release_ties(self%points, model, self%dofs, constraints)
+      if (self%eliminates) then
+         call eliminate_ties(self%points, model, self%dofs, constraints, own, rule)
+         if (size(own) > 0) call new_constraints(constraints, model, self%dofs, &
+            & model%step(step), error, own=own, given=rule)
+         if (allocated(error)) return
+      end if
+      self%constraints = constraints
       if (same) return
-      call release_ties(self%points, model, self%dofs, self%constraints)
       call new_bodies(self%bodies, model, self%dofs, self%constraints)
    end subroutine set_supports
 
@@ -192,7 +161,7 @@ contains
       allocate (wanted(self%constraints%neq), source=.false.)
       call new_contact_rows(self%rows, model, self%dofs, self%points, self%initial, self%place, &
          & self%accepted%friction%closed, self%accepted%solver%candidate)
-      do k = 1, size(self%rows%dof)
+      do k = 1, self%rows%first(self%rows%nsolved + 1) - 1
          call want(self%rows%dof(k))
       end do
       do pair = 1, size(model%pair)
