@@ -103,8 +103,9 @@ def test_pairs_whose_method_gives_way_stay_rows(solve, way):
 def test_a_chain_of_ties_is_that_of_rows(solve):
     """The middle block is slave below and master above: slaves depend on slaves at its corners
     where both surfaces meet."""
-    text = stack(2, "mortar", False, 0.0, ["*BOUNDARY", "A.LOW, 1, 2", "*CLOAD", "B.HIGH, 1, 0.2"])[0]
-    text = text.replace("B.S1, A.S2", "B.S1, A.S2\nA.S1, C.S2").replace("A.LOW, 1, 2", "C.LOW, 1, 2")
+    drive = ["*BOUNDARY", "C.LOW, 1, 2", "*CLOAD", "B.HIGH, 1, 0.2"]
+    text = stack(2, "mortar", False, 0.0, drive)[0]
+    text = text.replace("B.S1, A.S2", "B.S1, A.S2\nA.S1, C.S2")
     third = stack(2, "mortar", False, 0.0, [])[0].split("*MATERIAL")[0].split("*NODE, NSET=B")[0]
     lines = []
     for line in third.replace("NSET=A", "NSET=C").replace("NAME=A.", "NAME=C.").splitlines():
