@@ -6,6 +6,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from ..errors import optional
+
 #: Cells to a quarter turn of an arc, and across a gap.
 CELLS_OF_ARC, CELLS_ACROSS = 8, 2
 #: Change of plastic strain across one cell.
@@ -55,10 +57,14 @@ class Sizes:
         size = np.full(len(places), self.base)
         if len(self.h) == 0:
             return size
-        for start in range(0, len(places), 4096):
-            part = slice(start, start + 4096)
-            far = np.linalg.norm(places[part, None, :] - self.x[None, :, :], axis=2)
-            size[part] = np.minimum(size[part], (self.h + (self.growth - 1.0)*far).min(axis=1))
+        distances = optional("scipy.spatial.distance", "new meshes").cdist
+        run = max(1, 4_000_000//len(self.h))
+        for start in range(0, len(places), run):
+            part = slice(start, start + run)
+            asked = distances(places[part], self.x)
+            asked *= self.growth - 1.0
+            asked += self.h
+            size[part] = np.minimum(size[part], asked.min(axis=1))
         return size
 
 

@@ -19,6 +19,8 @@ from ..points import Points
 #: Samples to a side of what belongs to a point: of a triangle, of a quarter of a quad, and of the
 #: cube that is folded to a tetrahedron.
 TRIANGLE, QUARTER, TETRA = 6, 4, 3
+#: Elements whose slopes are found at once.
+RUN = 2048
 #: Columns of a table of fields: strain (6), ln J, ln V/V0, plastic strain, flow stress, work,
 #: damage (4).
 STRAIN, DILATATION, RATIO, PLASTIC, FLOW, WORK, DAMAGE = slice(0, 6), 6, 7, 8, 9, 10, slice(11, 15)
@@ -67,16 +69,21 @@ def cell_fields(x: NDArray, cells: list[NDArray], values: NDArray, owner: NDArra
     mean, centre = mean_of(values), mean_of(place)
     first, near = neighbours(cells, len(x))
     count = np.diff(first)
-    own = np.repeat(np.arange(n), count)
-    arm, step = centre[near] - centre[own], mean[near] - mean[own]
-    square = _sum(first, arm[:, :, None]*arm[:, None, :])
-    right = _sum(first, arm[:, :, None]*step[:, None, :])
-    scale = np.einsum("ndd->n", square)[:, None, None]
-    ridge = 1e-9*np.maximum(scale, np.finfo(float).tiny)*np.eye(x.shape[1])
-    slope = np.linalg.solve(square + ridge, right)
     low, high = mean.copy(), mean.copy()
-    np.minimum.at(low, own, mean[near])
-    np.maximum.at(high, own, mean[near])
+    slope = np.empty((n, x.shape[1], mean.shape[1]))
+    for at in range(0, n, RUN):   # arms and steps of all elements at once would fill the memory
+        rows = slice(at, min(at + RUN, n))
+        begin = first[at:rows.stop + 1] - first[at]
+        other = near[first[at]:first[rows.stop]]
+        own = np.repeat(np.arange(at, rows.stop), count[rows])
+        arm, step = centre[other] - centre[own], mean[other] - mean[own]
+        square = _sum(begin, arm[:, :, None]*arm[:, None, :])
+        right = _sum(begin, arm[:, :, None]*step[:, None, :])
+        scale = np.einsum("ndd->n", square)[:, None, None]
+        ridge = 1e-9*np.maximum(scale, np.finfo(float).tiny)*np.eye(x.shape[1])
+        slope[rows] = np.linalg.solve(square + ridge, right)
+        np.minimum.at(low, own, mean[other])
+        np.maximum.at(high, own, mean[other])
     factor = np.ones_like(mean)
     start = 0
     for group in cells:

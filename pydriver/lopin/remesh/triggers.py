@@ -12,6 +12,9 @@ from .tools import Tools
 
 #: Increments of a part before the next remesh, the one at rest not counted.
 PATIENCE = 3
+#: Edges from which on a new mesh halves how deep their middles are, by the smallest size: depth
+#: goes by the square of the length, and a new edge is up to sqrt(2) sizes long.
+REFINED = 2.0
 
 
 def reason_to_remesh(body: Body, card: RemeshCard, plastic: dict[int, float], began: Clock,
@@ -31,7 +34,7 @@ def reason_to_remesh(body: Body, card: RemeshCard, plastic: dict[int, float], be
     bound = min(2.0*card.quality, 0.5*first_quality) if simplices else card.quality
     if worst < min(bound, 0.8*first_quality):
         return f"worst corner {worst:.3f} below {bound:.3f}"
-    deep = deepest(body, now, tools)
+    deep = deepest(body, now, tools, REFINED*card.smallest)
     if deep > card.penetration:
         return f"an edge {deep:.3f} of its length inside a tool"
     own = np.isin(now.points.element, body.elements)
@@ -45,12 +48,16 @@ def reason_to_remesh(body: Body, card: RemeshCard, plastic: dict[int, float], be
     return ""
 
 
-def deepest(body: Body, now: Snapshot, tools: Tools) -> float:
-    """How far the middle of a facet is inside a tool, by the length of the facet."""
+def deepest(body: Body, now: Snapshot, tools: Tools, least: float = 0.0) -> float:
+    """How far the middle of a facet is inside a tool, by the length of the facet.
+
+    Facets up to `least` [length] do not count: a new mesh would hardly make them finer.
+    """
     most = 0.0
     for rows, feet in tools.feet_of_facets(now.x, body.facets, body.tags):
         corner = now.x[body.facets[rows]]
         length = np.linalg.norm(corner - np.roll(corner, 1, axis=1), axis=2).max(axis=1)
         inside = (feet[:, 0] < 0.0) & (feet[:, 0] > -length) & (feet[:, 1] <= 0.0)
+        inside &= length > least
         most = max(most, float((-feet[inside, 0]/length[inside]).max(initial=0.0)))
     return most

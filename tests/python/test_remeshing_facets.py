@@ -1,0 +1,82 @@
+"""New meshes under tools of triangles: seated on them, planes exact, forces as under the true arc."""
+import numpy as np
+import pytest
+from faceted_die import stl
+from test_point_states import NORTON, deck
+from test_remeshing import history, run
+
+import lopin
+from lopin import mesh_make
+from lopin.remesh.body import DeckParts, read_body
+
+pytest.importorskip("mmgpy")
+
+RADIUS, LEVEL, DOWN = 4.0, 5.0, 1.6
+
+
+def ridge(folder, facets, card, mu=0.2, travel=-DOWN):
+    """A block under a round ridge along z; `facets` to the whole turn, or 0 for the true arc."""
+    mesh = mesh_make.simplices(mesh_make.block((5.0, 5.0, 4.0), (6, 6, 5)))
+    text = deck("C3D4", mesh.points, mesh.blocks[0][1].tolist(), LEVEL, travel, mu=mu, law=NORTON,
+                increments=20).text()
+    text = text.replace("*STEP, NLGEOM", f"*REMESH, ELSET=B, {card}\n*STEP, NLGEOM")
+    start = text.index("*SURFACE, NAME=DIE")
+    end = text.index("*RIGID BODY")
+    if facets:
+        angle = np.radians(np.arange(-80.0, 81.0, 360.0/facets))
+        points = [(float(RADIUS*np.sin(a)), float(LEVEL + RADIUS - RADIUS*np.cos(a))) for a in angle.tolist()]
+        upright = stl(points, 40.0).splitlines()
+        folder.mkdir(exist_ok=True)
+        (folder/"ridge.stl").write_text("\n".join(map(swapped, upright)))
+        tool = f'*SURFACE, NAME=DIE, TYPE=STL, OPEN, INPUT="{folder/"ridge.stl"}"\n'
+    else:
+        x, y = map(float, RADIUS*np.array([np.sin(np.radians(80.0)), 1.0 - np.cos(np.radians(80.0))]))
+        y += LEVEL
+        tool = ("*SURFACE, NAME=DIE, TYPE=CYLINDER\n0., 0., 0., 1., 0., 0.\n0., 0., 1.\n"
+                f"START, {x!r}, {y!r}\nCIRCL, {-x!r}, {y!r}, 0., {LEVEL + RADIUS!r}\n")
+    return lopin.Deck.parse(text[:start] + tool + text[end:], name="ridge")
+
+
+def swapped(line):
+    """A vertex (x, width, height) as (x, height, width): the ridge lies along z."""
+    words = line.split()
+    if words[0] != "vertex":
+        return line
+    return f"vertex {words[1]} {words[3]} {float(words[2]) - 10.0!r}"
+
+
+def test_a_ridge_of_triangles_presses_over_new_meshes_as_the_arc_does(core, tmp_path):
+    """force, volume, planes, and nodes on the triangles."""
+    card = "SIZE=1.2, SMALLEST=.5, PERIOD=.3, STRAIN=10., PENETRATION=10."
+    force = {}
+    for facets in (0, 90):
+        report = run(ridge(tmp_path, facets, card), tmp_path/f"of{facets}")
+        assert len(report.remeshes) >= 2 and report.verdict()[0] != "FAIL"
+        assert max(abs(r.moved["volume_change"]) for r in report.remeshes) < 1e-12
+        found = history(tmp_path/f"of{facets}", "ridge")
+        force[facets] = np.interp(np.linspace(0.3, 1.0, 15), found["time"], found["DIE.rf2"])
+    assert np.abs(force[90]/force[0] - 1.0).max() < 0.005
+    for part in (2, 3):
+        seated_and_held(lopin.Deck.read(tmp_path/"of90"/f"ridge.p{part:03d}.inp"))
+
+
+def seated_and_held(deck):
+    """Nodes of planes are on them to the bit; those that bear a traction are on the triangles."""
+    body = read_body(DeckParts.of(deck), "B")
+    for name, k in (("FLOOR", 1), ("AXIS", 0), ("BACK", 2)):
+        held = np.unique([f for f, tag in zip(body.facets, body.tags) if ("N", name) in tag])
+        assert len(held) > 4 and (body.x[held, k] == 0.0).all()
+    with lopin.open(deck) as job:
+        job.advance()
+        bears = np.isin(body.labels, job.tractions.node[
+            np.abs(job.tractions.traction).max(axis=1) > 0.0])
+        gap = job._session.tool_feet(0, body.x[bears])[:, 0]
+    assert bears.sum() > 10 and np.abs(gap).max() < 0.005
+
+
+def test_facets_as_small_as_they_may_be_are_no_reason_for_a_new_mesh(core, tmp_path):
+    """Middles of edges of 1.2 are h/8R = 0.04 to 0.08 inside the arc, on any new mesh."""
+    card = "SIZE=1.2, SMALLEST=1.2, PENETRATION=.03, STRAIN=.5"
+    report = run(ridge(tmp_path, 90, card), tmp_path)
+    assert 1 <= len(report.remeshes) <= 3
+    assert all("inside a tool" not in r.reason for r in report.remeshes)
