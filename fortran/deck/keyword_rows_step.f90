@@ -175,10 +175,12 @@ contains
          & 'Solver of linear systems.')
       call number(table, 'TARGET ERROR', '0.01', 'Relative error that QUANTITY may have; '// &
          & 'without it, of pressure, that an automatic slope aims at.')
-      call choice(table, 'QUANTITY', 'PRESSURE,PEAK PRESSURE,FORCE,DISPLACEMENT,SPRINGBACK', '', &
+      call choice(table, 'QUANTITY', &
+         & 'PRESSURE,PEAK PRESSURE,FORCE,PEAK FORCE,DISPLACEMENT,SPRINGBACK', '', &
          & 'What is to be known as well as TARGET ERROR says: the command of the Python '// &
          & 'package refines the mesh and the increments until it is. PRESSURE: in the mean '// &
-         & 'over the slave surfaces; FORCE: on SET, or of all contact; DISPLACEMENT: mean over '// &
+         & 'over the slave surfaces; FORCE: on SET, or of all contact, at the end; PEAK '// &
+         & 'FORCE: the largest over the run; DISPLACEMENT: mean over '// &
          & 'SET; SPRINGBACK: what the last step adds to it.')
       call word(table, 'SET', 'Node set or label that QUANTITY is asked of.')
       call whole(table, 'COMPONENT', '0', 'Direction of QUANTITY, 1 to 3; 0: its length.')

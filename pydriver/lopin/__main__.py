@@ -82,6 +82,7 @@ def python_command(arguments: list[str]) -> int:
                        "forms), or the table of an earlier chart to draw again")
     chart.add_argument("-o", "--output", type=Path, default=Path("charts"), help="a folder")
     chart.add_argument("--repetitions", type=int, default=5, help="times are the least of so many")
+    _add_chart_of_a_number(chart)
     _add_atlas(commands)
     convert = commands.add_parser("convert", help="mesh of another tool to a deck or VTU")
     convert.add_argument("source", type=Path)
@@ -102,6 +103,24 @@ def python_command(arguments: list[str]) -> int:
     from . import commands as module
 
     return getattr(module, options.command)(options)
+
+
+def _add_chart_of_a_number(chart) -> None:
+    """The options of a chart of one number of any deck."""
+    more = chart.add_argument_group("one number of any deck", "over methods, elements, meshes and "
+                                    "increments; lists are separated by commas")
+    more.add_argument("--quantity", metavar="WORD", help="PRESSURE, 'PEAK PRESSURE', FORCE, 'PEAK "
+                      "FORCE', DISPLACEMENT or SPRINGBACK; default: what *LOPIN of the deck asks")
+    more.add_argument("--set", default="", help="node set that it is asked of")
+    more.add_argument("--component", type=int, default=0, help="1 to 3; default: the length")
+    more.add_argument("--exact", type=float, help="its value; default: that of a finer run")
+    more.add_argument("--methods", default="", help="lagrange, penalty, perturbed, augmented")
+    more.add_argument("--elements", default="", help="words such as CPE4,CPE4I,CPE8")
+    more.add_argument("--meshes", default="", help="halvings of the cells: 0,1,2")
+    more.add_argument("--increments", default="", help="lengths beside the deck's own: 1,0.5")
+    more.add_argument("--beside", type=Path, action="append", default=[], metavar="CSV",
+                      help="rows of another program, drawn in the same picture")
+    more.add_argument("--ccx", action="store_true", help="run CalculiX on the same meshes, too")
 
 
 def _add_atlas(commands) -> None:

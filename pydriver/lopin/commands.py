@@ -104,6 +104,10 @@ def chart(options) -> int:
     from .charts import theory as chart_theory
 
     name, table = Path(options.deck).stem, options.deck.endswith(".csv")
+    if _asks_for_a_number(options, table):
+        from .charts.command import chart_of_a_number
+
+        return chart_of_a_number(options, name, table)
     if options.deck != "hertz" and _is_forming(options.deck, table):
         return _chart_of_forming(options, name, table)
     if table:
@@ -125,6 +129,20 @@ def chart(options) -> int:
     print("\n".join(facts))
     print(options.output/f"{name}.png")
     return 1 if any(row.silent for row in every) else 0
+
+
+def _asks_for_a_number(options, table: bool) -> bool:
+    """Whether a chart is one of a number: named, asked for by the deck, or drawn again."""
+    if options.deck == "hertz":
+        return False
+    if table:
+        from .charts.cases import is_table
+
+        return is_table(Path(options.deck))
+    from .accuracy import Quantity
+
+    return bool(options.quantity or options.meshes or options.elements or options.increments
+                or Quantity.of(Deck.read(options.deck)))
 
 
 def _is_forming(deck: str, table: bool) -> bool:

@@ -11,6 +11,7 @@ from collections.abc import Callable
 
 from .deck import Block, Deck, Row
 from .errors import UsageError
+from .export_profile import number_of, profile_points, strip_behind
 from .model_read_mesh import MeshCards, expanded
 
 #: Cards that only Lopin has, and words that only it has on others.
@@ -22,8 +23,7 @@ _CONTACT_RESULTS = {"ccx": {"CDIS": "CDIS", "CSTR": "CSTR"},
 _STIFF, _STICK = 100.0, 1.0/3.0
 #: CalculiX: stress far from a contact at nodes, beside the modulus.
 _TENSION = 1e-6
-#: Facets of an arc, by its angle.
-_STEP = math.radians(1.0)
+
 
 
 def export(deck: Deck, target: str) -> Deck:
@@ -45,6 +45,12 @@ def export(deck: Deck, target: str) -> Deck:
     return _Writer(deck, blocks, target).deck()
 
 
+def tools_of(deck: Deck) -> tuple[Deck, dict[str, str]]:
+    """The deck for CalculiX, and the node sets of its rigid tools by reference node or its set."""
+    writer = _Writer(deck, [_copy(block) for block in expanded(deck)], "ccx")
+    return writer.deck(), {str(k).upper(): v for k, v in writer.moved.items()}
+
+
 class _Writer:
     """Cards in the order of the deck, each by the method of its name if there is one."""
 
@@ -55,7 +61,7 @@ class _Writer:
         self.tools: dict[str, str] = {}        # profile: set of its nodes (CalculiX)
         self.moved: dict[str, str] = {}        # reference node or its set: set of the tool's nodes
         self.out: list[Block] = []
-        self.modulus = max([_number(b.data[0][0]) for b in blocks
+        self.modulus = max([number_of(b.data[0][0]) for b in blocks
                             if b.keyword == "ELASTIC" and b.data] or [1.0])
         self.axisymmetric = any(str(w).startswith("CAX") for w, _ in self.mesh.elements.values())
         self.solid = any(str(w).startswith("C3D") for w, _ in self.mesh.elements.values())
@@ -78,6 +84,8 @@ class _Writer:
                 method(block)
         for block in self.out:
             _plain_names(block)
+            if self.target == "ccx":
+                _short_numbers(block)
         says = [f"** written by Lopin for {'CalculiX' if self.target == 'ccx' else 'Abaqus'}"]
         return Deck(self.out, preamble=says + ["** " + note for note in self.notes],
                     name=self.name)
@@ -98,6 +106,12 @@ class _Writer:
             lengths.append(math.dist(a, b))
         return sorted(lengths)[len(lengths)//2] if lengths else 1.0
 
+    def _smallest_edge(self) -> float:
+        """Of all elements [length]."""
+        return min((math.dist(self.mesh.nodes[a], self.mesh.nodes[b])
+                    for _, nodes in self.mesh.elements.values()
+                    for a, b in zip(nodes[:3], nodes[1:4]) if len(nodes) > 2), default=math.inf)
+
     # --- rigid profiles, which CalculiX does not have
 
     def _find_tools(self) -> None:
@@ -114,9 +128,9 @@ class _Writer:
             if name not in surfaces or _word(surfaces[name], "TYPE") != "SEGMENTS" or self.solid:
                 raise self._refuse(f"the rigid tool {name} in space",
                                    "mesh it, and press with the mesh")
-            points = _points(surfaces[name])
+            points = profile_points(surfaces[name], self._smallest_edge())
             reference = _word(block, "REF NODE")
-            strip = _strip(points, 0.5*self._extent(points))
+            strip = strip_behind(points, 0.5*self._extent(points))
             self.tools[name] = f"NT_{name}"
             for key in self._names_of(reference):
                 self.moved[key] = f"NT_{name}"
@@ -126,7 +140,7 @@ class _Writer:
 
     def _thickness(self) -> float:
         """Of a strip as wide as the thickest body [length]."""
-        return max([_number(b.data[0][0]) for b in self.blocks
+        return max([number_of(b.data[0][0]) for b in self.blocks
                     if b.keyword == "SOLID SECTION" and b.data] or [1.0]) or 1.0
 
     def _extent(self, points: list) -> float:
@@ -173,7 +187,7 @@ class _Writer:
                 continue
             first = int(row[1])
             last = int(row[2]) if len(row) > 2 and row[2] is not None else first
-            value = _number(row[3]) if len(row) > 3 else 0.0
+            value = number_of(row[3]) if len(row) > 3 else 0.0
             if last > 2:
                 if value:
                     raise self._refuse("a rigid tool that turns", "let it move only")
@@ -217,7 +231,7 @@ class _Writer:
         if law in ("EXPONENTIAL", "TABULAR"):
             self.out.append(block)
             return
-        given = _number(block.data[0][0]) if block.data and block.data[0] else 0.0
+        given = number_of(block.data[0][0]) if block.data and block.data[0] else 0.0
         slope = given or self.slope
         if not given:
             self._note(f"contact that lets nothing through is a slope of {slope:.6g}, "
@@ -243,11 +257,11 @@ class _Writer:
         law = _word(block, "LAW", "COULOMB")
         if law != "COULOMB" or "REGULARIZATION" in block.parameters:
             raise self._refuse(f"*FRICTION, LAW={law}", "COULOMB with TAUMAX comes nearest")
-        mu = _number(block.data[0][0]) if block.data and block.data[0] else 0.0
+        mu = number_of(block.data[0][0]) if block.data and block.data[0] else 0.0
         if self.target == "ccx":
             if "TAUMAX" in block.parameters:
                 raise self._refuse("TAUMAX of *FRICTION", "leave it out if mu p stays below it")
-            stick = _number(block.data[0][1]) if block.data and len(block.data[0]) > 1 else 0.0
+            stick = number_of(block.data[0][1]) if block.data and len(block.data[0]) > 1 else 0.0
             self.out.append(Block("FRICTION", {}, [(mu, stick or _STICK*self.slope)]))
             self._note("friction sticks by a slope, a third of that of the contact")
         else:
@@ -334,8 +348,12 @@ def _word(block: Block, name: str, default: str = "") -> str:
     return default if value is None else str(value).strip('"').upper()
 
 
-def _number(value) -> float:
-    return 0.0 if value is None else float(value)
+def _short_numbers(block: Block) -> None:
+    """Numbers of at most twenty characters, all that CalculiX reads of each."""
+    for row in block.data:
+        for k, value in enumerate(row):
+            if isinstance(value, float) and len(repr(value)) > 20:
+                row[k] = float(f"{value:.12e}")
 
 
 def _plain_names(block: Block) -> None:
@@ -343,7 +361,7 @@ def _plain_names(block: Block) -> None:
     if block.keyword in ("HEADING", "NODE"):
         return
     for key, value in block.parameters.items():
-        if isinstance(value, str) and "." in value and not _is_number(value) and key != "INPUT":
+        if isinstance(value, str) and "." in value and not _isnumber_of(value) and key != "INPUT":
             block.parameters[key] = value.replace(".", "_")
     lines = []
     for line in block.lines:
@@ -353,45 +371,9 @@ def _plain_names(block: Block) -> None:
     block.lines = lines
 
 
-def _is_number(text: str) -> bool:
+def _isnumber_of(text: str) -> bool:
     try:
         float(text)
     except ValueError:
         return False
     return True
-
-
-def _points(block: Block) -> list[tuple[float, float]]:
-    """The corners of a profile, arcs as chords."""
-    points: list[tuple[float, float]] = []
-    for row in block.data:
-        word = str(row[0]).upper()
-        x, y = _number(row[1]), _number(row[2])
-        if word == "CIRCL":
-            cx, cy = _number(row[3]), _number(row[4])
-            x0, y0 = points[-1]
-            first = math.atan2(y0 - cy, x0 - cx)
-            turn = math.remainder(math.atan2(y - cy, x - cx) - first, 2.0*math.pi)
-            radius = math.hypot(x0 - cx, y0 - cy)
-            count = max(2, math.ceil(abs(turn)/_STEP))
-            points += [(cx + radius*math.cos(first + turn*k/count),
-                        cy + radius*math.sin(first + turn*k/count)) for k in range(1, count)]
-        points.append((x, y))
-    return points
-
-
-def _strip(points: list, depth: float) -> tuple[list, list]:
-    """Nodes and quads behind a profile, whose outward side is on the left of the way.
-
-    Face S1 of every quad is on the profile.
-    """
-    behind = []
-    for k, (x, y) in enumerate(points):
-        near = [points[j] for j in (k - 1, k + 1) if 0 <= j < len(points)]
-        a, b = (near[0], near[-1]) if len(near) == 2 else \
-            ((near[0], (x, y)) if k else ((x, y), near[0]))
-        length = math.dist(a, b) or 1.0
-        behind.append((x + depth*(b[1] - a[1])/length, y - depth*(b[0] - a[0])/length))
-    n = len(points)
-    cells = [(k + 1, k, n + k, n + k + 1) for k in range(n - 1)]
-    return [*points, *behind], cells

@@ -9,9 +9,10 @@ from lopin.mesh.cells import CELLS
 from lopin.mesh.shapes import smallest_jacobian
 from lopin.mesh_make import block, extruded, ring, simplices
 from lopin.model_read_mesh import MeshCards
-from lopin.refine import refined
+from lopin.refine import of_second_order, refined
 from lopin.refine.children import children
 from lopin.refine.curved import lifts_in_plane, lifts_in_space
+from lopin.refine.subdivide import SECOND
 
 WORDS = ["CPE3", "CPE4", "CPE4I", "CPE4R", "CPE6", "CPE8", "CPE8R", "CPS4", "CAX3", "CAX4", "CAX6",
          "CAX8R", "C3D4", "C3D6", "C3D8", "C3D8I", "C3D8R", "C3D10", "C3D15", "C3D20", "C3D20R"]
@@ -178,3 +179,14 @@ def test_layers_of_one_arc_are_lifted_alike():
     nodes = np.array(list(MeshCards(refined(deck).deck.blocks).nodes.values()))
     radius = np.linalg.norm(nodes[:, :2], axis=1)
     assert len(nodes) == 15 and radius.min() > 0.9999 and radius.max() < 1.0011
+
+
+@pytest.mark.parametrize("word", SECOND)
+def test_second_order_on_the_same_cells(solve, word):
+    deck = pressed(word, ["*DSLOAD", "BSTOP, P, 10."])
+    made = of_second_order(deck)
+    assert {b.parameters["TYPE"] for b in made.deck.all("ELEMENT")} == {SECOND[word]}
+    coarse, fine = solve(deck), solve(made.deck)
+    assert np.allclose(fine["S"], coarse["S"][0], rtol=1e-9, atol=1e-8)
+    with pytest.raises(ModelError, match="second order"):
+        of_second_order(made.deck)

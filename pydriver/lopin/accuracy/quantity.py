@@ -11,7 +11,7 @@ from ..errors import ModelError, UsageError
 from ..model_read_mesh import MeshCards, expanded, plain
 from ..result import Result
 
-KINDS = ("PRESSURE", "PEAK PRESSURE", "FORCE", "DISPLACEMENT", "SPRINGBACK")
+KINDS = ("PRESSURE", "PEAK PRESSURE", "FORCE", "PEAK FORCE", "DISPLACEMENT", "SPRINGBACK")
 
 
 @dataclass(frozen=True)
@@ -22,7 +22,8 @@ class Quantity:
     ----------
     kind : PRESSURE (root of the integral of its square over the slave surfaces: runs differ by the
         pressures at common nodes), PEAK PRESSURE, FORCE (on a tool's reference node, or on the
-        slave surfaces where no set is named), DISPLACEMENT (mean over a set) and SPRINGBACK (what
+        slave surfaces where no set is named), PEAK FORCE (the largest of it over the run),
+        DISPLACEMENT (mean over a set) and SPRINGBACK (what
         the last step adds to it)
     set : node set or label; empty: none
     component : 1, 2, 3; 0: the length of the vector
@@ -65,7 +66,11 @@ class Quantity:
             return float(pressure.max(initial=0.0) if self.kind == "PEAK PRESSURE" else
                          np.sqrt(weight @ pressure**2))
         if self.kind == "FORCE":
-            return self._of_vector(self._force(result, deck))
+            return self._of_vector(self._force(result, deck, -1))
+        if self.kind == "PEAK FORCE":
+            every = [self._of_vector(self._force(result, deck, k))
+                     for k in range(len(result.times))]
+            return max(every, key=abs)
         rows = _rows(result, deck, self.set)
         moved = np.asarray(result["displacement"])[rows].mean(axis=0)
         if self.kind == "SPRINGBACK":
@@ -80,15 +85,16 @@ class Quantity:
             return float(vector[self.component - 1])
         return float(np.linalg.norm(vector))
 
-    def _force(self, result: Result, deck: Deck) -> NDArray:
+    def _force(self, result: Result, deck: Deck, at: int) -> NDArray:
+        """At an output of the run."""
         if not self.set:
-            ends = [result.contact(k).last.force for k in range(len(result.pairs))]
+            ends = [result.contact(k).at(at).force for k in range(len(result.pairs))]
             if not ends:
-                raise ModelError("QUANTITY=FORCE without SET is that of contact: the deck has none")
+                raise ModelError("a force without SET is that of contact: the deck has none")
             return np.sum([f.sum(axis=0) for f in ends], axis=0)
         rows = _rows(result, deck, self.set)
         if len(rows) and "RF" in result.names:
-            return np.asarray(result["reaction"])[rows].sum(axis=0)
+            return np.asarray(result.at(at)["reaction"])[rows].sum(axis=0)
         raise ModelError(f"no forces are known of {self.set}")
 
     def difference(self, fine: Result, coarse: Result, values: tuple[float, float]) -> float:

@@ -143,8 +143,8 @@ def reach(scene, quantity: Quantity | None = None, target: float | None = None,
     if quantity is None and given is None:
         raise UsageError("nothing is asked for: *LOPIN, QUANTITY=FORCE, TARGET ERROR=0.01")
     quantity = quantity or given[0]
-    search = _Search(without_question(deck), quantity, target or (given[1] if given else 0.01), output, say,
-                     most_elements, options)
+    search = _Search(without_question(deck), quantity, target or (given[1] if given else 0.01),
+                     output, say, most_elements, options)
     found = search.run()
     if output is not None:
         with whole_file(Path(output)/f"{deck.name}.accuracy.json") as part:

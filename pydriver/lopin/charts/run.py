@@ -170,7 +170,7 @@ def relative(values: NDArray, exact: NDArray, weight: NDArray) -> float:
 
 def once(scene: Scene, deck: Deck) -> tuple[Result | None, dict[str, float], float, str]:
     """One run: result, seconds by phase, peak memory [MiB], diagnostic of a failure."""
-    _forget_peak()
+    forget_peak()
     begin = time.perf_counter()
     result, failure = answer(deck)
     if result is None:
@@ -179,7 +179,7 @@ def once(scene: Scene, deck: Deck) -> tuple[Result | None, dict[str, float], flo
     return result, summary["timing"], summary["peak_memory_mib"], ""
 
 
-def _forget_peak() -> None:
+def forget_peak() -> None:
     """Start the system's count of peak memory again, where it allows."""
     if os.path.exists("/proc/self/clear_refs"):
         try:

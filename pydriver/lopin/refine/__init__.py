@@ -1,4 +1,4 @@
-"""The same deck on a mesh of smaller cells."""
-from .subdivide import Refined, refined
+"""The same deck on a mesh of smaller cells, or of cells of second order."""
+from .subdivide import Refined, of_second_order, refined
 
-__all__ = ["Refined", "refined"]
+__all__ = ["Refined", "of_second_order", "refined"]

@@ -18,7 +18,8 @@ def refuse_what_is_lost(blocks: list[Block], cards: MeshCards) -> None:
     """Raise what a finer mesh cannot carry."""
     for block in blocks:
         if block.keyword in _LOST:
-            raise ModelError(f"*{block.keyword}: {_LOST[block.keyword]}: the deck cannot be refined")
+            raise ModelError(f"*{block.keyword}: {_LOST[block.keyword]}: the deck cannot be "
+                             "refined")
         if block.keyword == "INITIAL CONDITIONS" and \
                 str(block.parameters.get("TYPE", "")).upper() in _BY_ELEMENT:
             raise ModelError("*INITIAL CONDITIONS of elements and points: the deck cannot be "

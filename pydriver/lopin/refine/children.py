@@ -7,7 +7,7 @@ from functools import cache
 import numpy as np
 from numpy.typing import NDArray
 
-from ..mesh.cells import CELLS
+from ..mesh.cells import CELLS, QUADRATIC
 from ..mesh.shapes import shape_functions
 
 #: A tetrahedron in eight: four at the corners, and the octahedron between them cut along the
@@ -36,6 +36,15 @@ class Children:
     shape: NDArray
     corner: NDArray
     faces: list[list[tuple[int, int]]]
+
+
+@cache
+def upgraded(name: str) -> Children:
+    """A linear cell as one of second order: the same cell, with nodes in the middle of edges."""
+    cell = CELLS[QUADRATIC[name]]
+    shape = np.array([shape_functions(name, x)[0] for x in cell.xi])
+    faces = [[(0, k)] for k in range(len(cell.faces))]
+    return Children(cell.xi, np.arange(cell.n_node)[None], shape, shape, faces)
 
 
 @cache

@@ -10,7 +10,6 @@ from ..deck import Block, Row
 from ..errors import ModelError
 from ..mesh.cells import CELLS
 from ..model_read_mesh import MeshCards, plain
-from .children import children
 
 
 #: Sets of the faces that a cut made: they are made anew by the next.
@@ -43,7 +42,7 @@ class Members:
         if label not in self.cell:
             return [(label, face)]
         first, _ = self.cut.first[label]
-        own = children(self.cell[label]).faces
+        own = self.cut.rule(self.cell[label]).faces
         if not 1 <= face <= len(own):
             raise ModelError(f"element {label} has no face {face}")
         return [(first + c, f + 1) for c, f in own[face - 1]]
@@ -79,6 +78,9 @@ def face_blocks(block: Block, members: Members) -> tuple[list[Block], Block]:
             for child, f in members.faces(label, int(match[1])):
                 by_face.setdefault(f, []).append(child)
         for f, labels in by_face.items():
+            if isinstance(row[0], int):
+                new.lines += [Row([n, f"{letter}{f}{match[2] or ''}", *row[2:]]) for n in labels]
+                continue
             members.made += 1
             name = f"{OWN}{members.made}"
             sets.append(set_block("ELSET", name, labels))

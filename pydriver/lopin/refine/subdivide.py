@@ -17,7 +17,7 @@ from ..errors import ModelError, UsageError
 from ..mesh.cells import CELLS
 from ..model_read_mesh import MeshCards, expanded
 from .cards import refuse_what_is_lost, spread_rows
-from .children import children
+from .children import children, upgraded
 from .curved import lifts_in_plane, lifts_in_space
 from .names import OWN, Members, Supports, face_blocks, node_sets, set_block
 
@@ -60,6 +60,13 @@ def cell_of(word: str) -> str | None:
     return _CELL["3" if match[1].upper() in ("C3D", "CSS") else "2"].get(int(match[2]))
 
 
+#: The words of second order that stand for linear ones.
+SECOND = {"CPE3": "CPE6", "CPE4": "CPE8", "CPE4R": "CPE8R", "CPE4I": "CPE8", "CPS3": "CPS6",
+          "CPS4": "CPS8", "CPS4R": "CPS8R", "CPS4I": "CPS8", "CAX3": "CAX6", "CAX4": "CAX8",
+          "CAX4R": "CAX8R", "CAX4I": "CAX8", "C3D4": "C3D10", "C3D6": "C3D15", "C3D8": "C3D20",
+          "C3D8R": "C3D20R", "C3D8I": "C3D20"}
+
+
 def refined(deck: Deck, curved: bool = True) -> Refined:
     """The deck with every solid element cut in half along each edge.
 
@@ -73,6 +80,26 @@ def refined(deck: Deck, curved: bool = True) -> Refined:
     ModelError : the deck has cards that belong to its first mesh, or cells would be turned inside
         out.
     """
+    return _made(deck, curved, children, {})
+
+
+def of_second_order(deck: Deck, curved: bool = True) -> Refined:
+    """The deck with every linear solid element replaced by one with nodes in the middle of edges.
+
+    Raises
+    ------
+    ModelError : as of `refined`; or the deck has elements of second order already.
+    """
+    words = {str(b.parameters["TYPE"]).upper() for b in expanded(deck) if b.keyword == "ELEMENT"
+             and "TYPE" in b.parameters}
+    wrong = sorted(w for w in words if cell_of(w) and w not in SECOND)
+    if wrong:
+        raise ModelError(f"{', '.join(wrong)}: there is no element of second order for it")
+    return _made(deck, curved, upgraded, SECOND)
+
+
+def _made(deck: Deck, curved: bool, rule, words: dict[str, str]) -> Refined:
+    """The deck with every solid element cut by a rule, and called by another word."""
     blocks = expanded(deck)
     if any(b.keyword in ("PART", "INSTANCE", "ASSEMBLY") for b in blocks):
         raise ModelError("a deck with parts and instances cannot be refined",
@@ -82,7 +109,7 @@ def refined(deck: Deck, curved: bool = True) -> Refined:
     except UsageError as problem:
         raise ModelError(f"the mesh cannot be refined: {problem.message}") from problem
     refuse_what_is_lost(blocks, cards)
-    cut = _Cut(cards)
+    cut = _Cut(cards, rule, words)
     places = cut.places(cards, curved)
     members = Members(cards, cut)
     new = Deck(preamble=deck.preamble, name=deck.name, folder=deck.folder)
@@ -113,7 +140,8 @@ class _Cut:
     first : label of the first child by old element; its children follow
     """
 
-    def __init__(self, cards: MeshCards):
+    def __init__(self, cards: MeshCards, rule, words: dict[str, str]):
+        self.rule, self.words = rule, words
         self.groups: list[tuple[str, str, NDArray, NDArray, NDArray]] = []
         by_word: dict[str, list[int]] = {}
         for label, (word, nodes) in cards.elements.items():
@@ -126,7 +154,7 @@ class _Cut:
             name = cell_of(word)
             nodes = np.array([cards.elements[m][1] for m in labels])
             rows.append((word, name, np.array(labels), nodes))
-            keys.append(_keys(name, nodes))
+            keys.append(_keys(rule(name), nodes[:, :CELLS[name].n_corner]))
         self._number(cards, keys, rows)
 
     def _number(self, cards, keys, rows) -> None:
@@ -143,11 +171,11 @@ class _Cut:
         new = ~single & ~kept
         label[new] = max(cards.nodes) + 1 + np.arange(int(new.sum()))
         self.labels, self.ends, self.weight = label[new], ends[new], parts[new]
-        at, first = 0, max(cards.elements) + 1
+        at, first, words = 0, max(cards.elements) + 1, self.words
         self.first: dict[int, tuple[int, int]] = {}
         self.place: dict[int, NDArray] = {}
         for word, name, labels, nodes in rows:
-            cut = children(name)
+            cut = self.rule(name)
             n = len(labels)*len(cut.xi)
             points = label[inverse[at:at + n]].reshape(len(labels), len(cut.xi))
             at += n
@@ -158,17 +186,17 @@ class _Cut:
             for k, m in enumerate(labels):
                 self.first[int(m)] = first + k*len(cut.cells), len(cut.cells)
             first += len(labels)*len(cut.cells)
-            self.groups.append((word, name, labels, nodes, points[:, cut.cells]))
+            self.groups.append((words.get(word.upper(), word), name, labels, nodes,
+                                points[:, cut.cells]))
         self.supports = Supports(self)
         self.n_element = sum(g[4].shape[0]*g[4].shape[1] for g in self.groups)
 
-    @staticmethod
-    def _middles(rows, keys, inverse) -> list[int]:
+    def _middles(self, rows, keys, inverse) -> list[int]:
         """Labels of old mid-side nodes that become corners, 0 for others."""
         found = [0]*(int(inverse.max()) + 1)
         at = 0
         for (_, name, labels, nodes), own in zip(rows, keys):
-            cut, cell = children(name), CELLS[name]
+            cut, cell = self.rule(name), CELLS[name]
             numbers = inverse[at:at + len(own)].reshape(len(labels), len(cut.xi))
             at += len(own)
             for k in range(cell.n_corner, cell.n_node):
@@ -182,17 +210,15 @@ class _Cut:
         place = {int(k): v.copy() for k, v in self.place.items()}
         linear = [g for g in self.groups if not CELLS[g[1]].is_quadratic]
         if curved and linear:
-            _lift(cards, linear, place)
+            _lift(cards, linear, place, self.rule)
         for word, name, labels, nodes, cells in self.groups:
-            _refuse_folded(name, labels, cells, place)
+            _refuse_folded(cell_of(word), labels, cells, place)
         return place
 
-def _keys(name: str, nodes: NDArray) -> NDArray:
+def _keys(cut, corners: NDArray) -> NDArray:
     """What tells the points of the children: corners of the parent and their weights in 64ths."""
-    cut = children(name)
-    corners = nodes[:, :CELLS[name].n_corner]
     weight = np.round(64.0*cut.corner).astype(int)
-    keys = np.zeros((len(nodes), len(cut.xi), 16), int)
+    keys = np.zeros((len(corners), len(cut.xi), 16), int)
     for p, w in enumerate(weight):
         own = np.flatnonzero(w)
         order = np.argsort(corners[:, own], axis=1)
@@ -201,7 +227,7 @@ def _keys(name: str, nodes: NDArray) -> NDArray:
     return keys.reshape(-1, 16)
 
 
-def _lift(cards: MeshCards, groups, place: dict[int, NDArray]) -> None:
+def _lift(cards: MeshCards, groups, place: dict[int, NDArray], rule) -> None:
     """Move points of linear cells onto the smooth boundary, and those within cells along."""
     x = {n: np.array(v) for n, v in cards.nodes.items()}
     space = CELLS[groups[0][1]].ndim == 3
@@ -221,7 +247,7 @@ def _lift(cards: MeshCards, groups, place: dict[int, NDArray]) -> None:
               for (a, b), v in zip(rows[edges].tolist(), lifts) if v.any()}
     if lifted:
         for _, name, _, nodes, cells in groups:
-            _move_along(name, nodes, cells, lifted, place)
+            _move_along(rule(name), CELLS[name], nodes, cells, lifted, place)
 
 
 def _boundary(groups) -> list[NDArray]:
@@ -239,10 +265,9 @@ def _boundary(groups) -> list[NDArray]:
     return [rows for rows in alone if len(rows)]
 
 
-def _move_along(name: str, nodes: NDArray, cells: NDArray, lifted: dict,
+def _move_along(cut, cell, nodes: NDArray, cells: NDArray, lifted: dict,
                 place: dict[int, NDArray]) -> None:
     """Points on edges by their lifts, those of faces and of the inside by Coons' blends."""
-    cut, cell = children(name), CELLS[name]
     points = np.zeros((len(nodes), len(cut.xi)), int)
     for c, own in enumerate(cut.cells):
         points[:, own] = cells[:, c]
