@@ -37,6 +37,15 @@ contains
          & 'certificate has the share that is left out so (ramp); here it is above 2 %.', &
          & 'with a friction stress above ten times the pressure ask whether the law is meant; '// &
          & 'COULOMB-OROWAN rises by a coefficient of its own.')
+      call add_explanation(list, 'W0326', 'points jammed under a bound that rises steeply', &
+         & 'A bound of friction that is a stress (TRESCA, CRISTESCU, NORTON-HOFF) rises as 10 '// &
+         & 'p until it is reached, which is a coefficient of 10 under less pressure. A point '// &
+         & 'of a sheet that such a coefficient holds may have no equilibrium near the last '// &
+         & 'one. Where no increment went on, the bound of that pair rises half as steeply, '// &
+         & 'and half again if need be, to the end of the step. The message has the slope, and '// &
+         & 'the largest share of all bounds that was left out so (ramp in the certificate).', &
+         & 'COULOMB-OROWAN, whose slope is yours; a law that allows more shear than there is '// &
+         & 'pressure is seldom meant.')
       call add_explanation(list, 'W0508', 'a body would yield', &
          & 'The von Mises stress at an integration point is above the first row of *PLASTIC. '// &
          & 'The deck computes the body as elastic, by ONLY=FRICTION on *PLASTIC or by '// &

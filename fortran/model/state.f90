@@ -83,6 +83,8 @@ module lopin_state
       integer, allocatable :: facet(:)         !! (n) kept beyond its end; 0: the nearest
       type(search_state_type) :: search
       logical, allocatable :: held(:)          !! (npair) has closed points
+      real(wp), allocatable :: eased(:)        !! (npair) friction_type%eased; none: all are 1
+      real(wp), allocatable :: steepest(:)     !! (npair) what that goes back to
       ! of both paths: penalties that were chosen
       real(wp) :: stiffer = 1.0_wp             !! slopes now, beside those first chosen
       integer :: raised = 0                    !! times they were raised; most_raises: no more
@@ -195,13 +197,15 @@ contains
       trial = accepted
    end subroutine reject
 
-   !> In a new step no motion foretells the next, and strains are finite or not.
+   !> In a new step no motion foretells the next, strains are finite or not, and bounds of friction
+   !> rise as their laws say.
    subroutine begin_step_of(self, finite_strain)
       type(state_type), intent(inout) :: self
       logical, intent(in) :: finite_strain     !! strain
 
       self%motion%last_dt = 0.0_wp
       self%clock%usual = 0.0_wp
+      if (allocated(self%contact%eased)) deallocate (self%contact%eased, self%contact%steepest)
       self%solids%finite_strain = finite_strain
    end subroutine begin_step_of
 
@@ -289,6 +293,8 @@ contains
       call stream%pass(self%search%cover)
       call stream%pass(self%search%met_at)
       call stream%pass(self%held)
+      call stream%pass(self%eased)
+      call stream%pass(self%steepest)
       call stream%pass(self%stiffer)
       call stream%pass(self%raised)
       call stream%pass(self%softness)

@@ -75,3 +75,14 @@ def test_a_sheet_that_jams_is_told_of_coefficients(solve):
         solve(Deck.parse(deck, "cup"))
     assert "LAW=COULOMB-OROWAN" in str(problem.value)
     assert "PENALTY on *SURFACE BEHAVIOR" in str(problem.value)
+
+
+def test_a_sheet_that_jams_goes_on_under_a_bound_that_rises_less_steeply(solve):
+    """The same cup in default increments stopped at 2 % of its stroke; the slope and what is left out are said."""
+    deck = re.sub(r"(\*FRICTION)\n[^\n]*", r"\1, LAW=TRESCA\n0.1", sheets.cup(24, 2, opened=False))
+    result = solve(Deck.parse(deck, "cup"))
+    assert result.history["time"][-1] == pytest.approx(2.0)
+    assert len(result.history["time"]) < 250
+    said, = [d["message"] for d in result.diagnostics if d["code"] == "W0326"]
+    slope = float(re.search(r"rises at most as ([\d.]+) p", said)[1])
+    assert 0.6 < slope <= 5.0 and 100.0*result.summary["certificate"]["ramp"] < 100.0

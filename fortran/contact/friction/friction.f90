@@ -27,8 +27,8 @@ module lopin_friction
    public :: law_names, law_data, law_notes, law_number, automatic_law, radius_if
    public :: regularization_names, regularization_number, coefficient
    public :: has_friction, is_regularised, by_rate, reads_yield, reads_mises, reads_speed
-   public :: bounds_by_area, depends_on_time, friction_radius, whole_bound, lost_at_touch, &
-      & bound_slopes
+   public :: bounds_by_area, jumps_at_touch, depends_on_time, friction_radius, whole_bound, &
+      & lost_at_touch, bound_slopes
 
    type :: laws
       integer :: automatic = -1      !! AUTO: chosen from the material when the model is built
@@ -89,6 +89,7 @@ module lopin_friction
       real(wp) :: q = 0.0_wp                   !! Norton-Hoff exponent, 0..1 [-]
       real(wp) :: tau_max = huge(1.0_wp)       !! TAUMAX [stress]
       real(wp) :: rise = steepest              !! of a bound that is a stress, with p [-]
+      real(wp) :: eased = 1.0_wp               !! share of that where points would jam [-]
       real(wp) :: elastic_slip = 0.0_wp        !! ELASTIC SLIP or u0 [length]; 0: not given
       real(wp) :: slip_tolerance = 0.0_wp      !! of the facet size; 0: not given [-]
       real(wp) :: v0 = 0.0_wp                  !! V0 of the regularisation [length/time]; 0: by slip
@@ -265,9 +266,9 @@ contains
       if (law%rough .and. (p > 0.0_wp .or. at%held)) radius = huge(1.0_wp)
       if (law%rough .or. .not. p > 0.0_wp) return
       call whole_bound(law, p, at, radius, slope)
-      if (.not. jumps_at_touch(law) .or. radius <= law%rise*p) return
-      radius = law%rise*p
-      slope = law%rise
+      if (.not. jumps_at_touch(law) .or. radius <= law%eased*law%rise*p) return
+      slope = law%eased*law%rise
+      radius = slope*p
    end subroutine friction_radius
 
    !> Slopes of the radius in the stresses of the solids that the law reads: laws are straight
@@ -349,7 +350,11 @@ contains
       call whole_bound(law, p, at, whole, slope)
       if (law%law == law_of%norton_hoff) whole = min(whole, law%alpha*at%growth*at%speed**law%q)
       if (.not. whole < huge(1.0_wp)) whole = 0.0_wp
-      if (jumps_at_touch(law) .and. law%rise >= steepest) lost = max(whole - law%rise*p, 0.0_wp)
+      if (.not. jumps_at_touch(law)) return
+      ! A rise that the deck gives is the law.
+      lost = whole
+      if (law%rise < steepest) lost = min(whole, law%rise*p)
+      lost = max(lost - law%eased*law%rise*p, 0.0_wp)
    end subroutine lost_at_touch
 
    !> m sigma_y / sqrt 3; no bound where the yield stress is unknown.

@@ -11,6 +11,7 @@ module lopin_after_step
    use lopin_present_gaps, only : gap_of
    use lopin_repeated_messages, only : warn_once
    use lopin_check_stretch, only : stretched_type, measure_stretch, check_stretch
+   use lopin_eased_friction, only : tell_eased
    use lopin_narrow_tools, only : check_narrow_tools
    use lopin_narrow_masters, only : check_narrow_masters
    use lopin_small_displacements, only : excursion_type, measure_small_displacements, &
@@ -36,6 +37,7 @@ module lopin_after_step
       type(excursion_type) :: strayed        !! beyond the theory of small displacements
       type(stretched_type) :: stretched      !! under NLGEOM
       real(wp), allocatable :: turned(:)     !! (nbody) largest rotation in the step [rad]
+      real(wp) :: ramp = 0.0_wp              !! largest where bounds of friction are eased [-]
    contains
       procedure :: keep => keep_seen
    end type step_record_type
@@ -52,15 +54,18 @@ contains
       call self%strayed%keep(stream)
       call self%stretched%keep(stream)
       call stream%pass(self%turned)
+      call stream%pass(self%ramp)
    end subroutine keep_seen
 
    !> Look at an accepted increment.
-   subroutine record_increment(self, scene, model)
+   subroutine record_increment(self, scene, model, ramp)
       type(step_record_type), intent(inout) :: self
       type(scene_type), intent(in) :: scene
       type(model_type), intent(in) :: model
+      real(wp), intent(in) :: ramp             !! share of bounds of shear that is lacking [-]
       integer :: body
 
+      if (allocated(scene%trial%contact%eased)) self%ramp = max(self%ramp, ramp)
       call record_pairs(self, scene, model)
       call measure_small_displacements(self%strayed, scene, model)
       if (scene%newton%nlgeom) call measure_stretch(self%stretched, scene, model)
@@ -155,6 +160,8 @@ contains
       call check_narrow_masters(scene, model)
       call check_elastic_slip(scene, model)
       if (ramp > most_ramp) call tell_ramp(scene, model, ramp)
+      call tell_eased(scene, model, seen%ramp)
+      seen%ramp = 0.0_wp
    end subroutine check_step
 
    !> Points that slip under so little pressure that their law has not its bound there.

@@ -26,6 +26,7 @@ module lopin_path_nonlinear
    use lopin_rotating_bodies, only : rotate_followers
    use lopin_lagged_friction, only : start_lagged
    use lopin_followed_stress, only : choose_followers
+   use lopin_eased_friction, only : ease_jammed, forget_eased, apply_eased
    use lopin_pseudo_transient, only : pseudo_transient
    use lopin_scene, only : scene_type
    implicit none
@@ -91,7 +92,7 @@ contains
       end if
       if (allocated(error)) call try_by_parts(scene, model, f, prescribed, error)
       if (allocated(error)) then
-         if (turns_back(scene)) call try_slowly(scene, model, f, prescribed, error)
+         if (turns_back(scene)) call try_other_ways(scene, model, f, prescribed, error)
       end if
       if (allocated(error)) return
       if (scene%newton%flows) then
@@ -158,6 +159,35 @@ contains
       if (.not. allocated(failed)) deallocate (error)
    end subroutine try_by_parts
 
+   !> Where Newton finds no equilibrium nearby: points may jam, or the path turns back.
+   subroutine try_other_ways(scene, model, f, prescribed, error)
+      type(scene_type), intent(inout) :: scene
+      type(model_type), intent(in) :: model
+      real(wp), intent(in) :: f(:), prescribed(:)
+      type(error_type), allocatable, intent(inout) :: error
+      type(error_type), allocatable :: failed
+      type(iterate_type) :: iterate
+      logical :: jammed(size(model%pair)), jams
+
+      jammed = .false.
+      if (error%code /= error_code%not_converged) return
+      do
+         call ease_jammed(scene, jammed, jams)
+         if (.not. jams) exit
+         call add_line(scene%newton, '  with bounds of friction that rise less steeply')
+         call start_from_accepted(scene, iterate)
+         call solve_from(scene, model, f, iterate, prescribed, way_of%direct, failed)
+         if (.not. allocated(failed)) then
+            deallocate (error)
+            return
+         end if
+         if (failed%code /= error_code%not_converged) call move_alloc(failed, error)
+         if (error%code /= error_code%not_converged) return
+      end do
+      call forget_eased(scene)
+      if (.not. jams) call try_slowly(scene, model, f, prescribed, error)
+   end subroutine try_other_ways
+
    !> Again by slow motion from the accepted state; the first error if that fails.
    subroutine try_slowly(scene, model, f, prescribed, error)
       type(scene_type), intent(inout) :: scene
@@ -194,6 +224,7 @@ contains
 
       scene%trial%contact%multiplier = scene%accepted%contact%multiplier
       call start_lagged(scene)
+      call apply_eased(scene)
       call choose_followers(scene, model)
       call start_increment(scene%newton%contact, model, scene%accepted%contact, &
          & scene%accepted%motion%u, scene%newton%dt, error)

@@ -80,7 +80,7 @@ contains
          if (scene%newton%flows) frame%certificate%energy = abs(lost_share(frame%energy))
          call measure_drift(watch%drift, scene, model, forces%load, forces%pressed)
          call leave_trial(scene, model, frame)
-         call record_increment(watch%seen, scene, model)
+         call record_increment(watch%seen, scene, model, frame%certificate%rubs%ramp)
          if (scene%newton%nlgeom) call check_mesh(scene, model, frame%increment)
          call record(scene, model, forces%reaction, recorders, frame, error)
          if (allocated(error)) return

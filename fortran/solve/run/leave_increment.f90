@@ -4,6 +4,7 @@ module lopin_leave_increment
    use lopin_model, only : model_type
    use lopin_report, only : frame_type, note_most, lost_work
    use lopin_run_type, only : watch_type
+   use lopin_eased_friction, only : steepen_eased
    use lopin_scene, only : scene_type
    use lopin_solver_state, only : leave_solver
    use lopin_certificate, only : forces_type, give_verdict
@@ -90,6 +91,7 @@ contains
                   & newton%separated)
             end if
             call leave_history(newton%contact, accepted%contact, trial%contact)
+            call steepen_eased(trial%contact)
             return
          end if
          do row = 1, scene%rows%n
