@@ -83,8 +83,8 @@ def write_dies(folder: Path, name: str, facets: np.ndarray, up: float, whole: bo
 
 
 def forged(mesh: Mesh, comment: str, name: str, dies: list[str], held: list[str], way: float, *,
-           method: str = "DIRECT", mu: float = 0.15, far: float = 60.0) -> str:
-    """A piece of hot steel between dies that come together at SPEED."""
+           method: str = "DIRECT", mu: float = 0.15, far: float = 60.0, card: str = "") -> str:
+    """A piece of hot steel between dies that come together at SPEED; `card`: how it is meshed anew."""
     tools = ""
     for k, die in enumerate(dies):
         tools += f"""*NODE, NSET={die}_REF
@@ -106,7 +106,7 @@ def forged(mesh: Mesh, comment: str, name: str, dies: list[str], held: list[str]
 *FRICTION
 {mu:g},
 {pairs}*BOUNDARY
-{"".join(line + chr(10) for line in held)}{fixed}*STEP, NAME=FORGE, NLGEOM, INC=1000
+{"".join(line + chr(10) for line in held)}{fixed}{card}*STEP, NAME=FORGE, NLGEOM, INC=1000
 *STATIC
 {way/SPEED/50.0:g}, {way/SPEED:g}
 *BOUNDARY, TYPE=VELOCITY
@@ -162,9 +162,57 @@ def rod(folder: Path = FOLDER, cells: tuple[int, int] = (4, 40), way: float = 3.
                   ["BILLET.X, 2", "BILLET.Y, 3"], way, method=method, mu=mu)
 
 
+def full_cross(folder: Path, fine: float = 1.0, cells: tuple[int, int] = (4, 10),
+               way: float = 20.8, *, deviation: float = 0.1, method: str = "DIRECT", mu: float = 0.15,
+               seed: int | None = None) -> str:
+    """The cross to the full die, its mesh made anew; cells on the dies of `fine` mm."""
+    die, radius = Cross(), 13.0
+    mesh, half = upset_bar(die, radius, cells, False, True)
+    angle, r = np.meshgrid(np.linspace(0.0, 0.5*np.pi, 41), np.linspace(0.0, radius, 41))
+    up = half - float(die.height(r*np.cos(angle), r*np.sin(angle)).min()) + deviation
+    dies = write_dies(folder, "cross", triangles(die, 0.0, deviation, seed), up, False)
+    return forged(mesh, f"""
+A bar on end is forged into a cardan cross, to the full die: an eighth, its mesh made anew.
+
+Bar of {2.0*radius:g} mm across; the flash is {2.0*die.gap:g} mm thick at a stroke of {up:.2f} mm. Cells on the dies
+down to {fine:g} mm. Shapes: decks/make/die_shapes.py; what it gives: docs/forming.md, section 9.
+""", "cross", dies, ["BILLET.X, 1", "BILLET.Y, 2", "BILLET.LOW, 3"], way, method=method, mu=mu,
+                  card=f"*REMESH, ELSET=BILLET, SIZE={3.5*fine:g}, SMALLEST={fine:g}, "
+                       f"HAUSDORFF={0.08*fine:g}, STRAIN=0.8\n")
+
+
+def full_rod(folder: Path, fine: float = 1.2, cells: tuple[int, int] = (4, 40), *,
+             deviation: float = 0.1, method: str = "DIRECT", mu: float = 0.15,
+             seed: int | None = None) -> str:
+    """The connecting rod to the full die, its mesh made anew; cells on the dies of `fine` mm."""
+    die = Rod()
+    mesh = rolled_bar(die, cells, True)
+    x, y, z = mesh.points.T
+    up = float((z - die.height(x, y)).max()) + deviation
+    dies = write_dies(folder, "rod", triangles(die, 0.0, deviation, seed), up, False)
+    return forged(mesh, f"""
+A rolled bar is forged into a connecting rod, to the full die: a quarter, its mesh made anew.
+
+Stroke of a die {up:.2f} mm, to a flash of {2.0*die.gap:g} mm. Cells on the dies down to {fine:g} mm.
+Shapes: decks/make/die_shapes.py; what it gives: docs/forming.md, section 9.
+""", "rod", dies, ["BILLET.X, 2", "BILLET.Y, 3"], up, method=method, mu=mu,
+                  card=f"*REMESH, ELSET=BILLET, SIZE={3.5*fine:g}, SMALLEST={fine:g}, "
+                       f"HAUSDORFF={0.08*fine:g}, STRAIN=0.8\n")
+
+
 SCENES = {f.__name__: f for f in (cross, rod)}
+#: Runs of minutes, by `python decks/make/die_forging.py full_cross FOLDER`, then `lopin run`; what
+#: die_filling.py wants to know: die, name of its file, speed, signs of the copies by symmetry.
+FULL = {"full_cross": (Cross(), "cross", SPEED,
+                       [(a, b, c) for a in (1, -1) for b in (1, -1) for c in (1, -1)]),
+        "full_rod": (Rod(), "rod", SPEED, [(1, b, c) for b in (1, -1) for c in (1, -1)])}
 
 
 if __name__ == "__main__":
-    for scene in sys.argv[1:]:
-        print(SCENES[scene](), end="")
+    if sys.argv[1] in FULL:
+        where = Path(sys.argv[2])
+        where.mkdir(parents=True, exist_ok=True)
+        (where/f"{sys.argv[1]}.inp").write_text(globals()[sys.argv[1]](where))
+    else:
+        for scene in sys.argv[1:]:
+            print(SCENES[scene](), end="")

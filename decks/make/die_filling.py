@@ -1,0 +1,182 @@
+"""How far a forging between STL dies has filled them: figures and a picture of stages.
+
+    python decks/make/die_filling.py SCENE FOLDER [PART ...]
+
+reads what a run with *REMESH of a scene of `die_forging.py` (FULL) has left in FOLDER: the shape
+that parts begin with, and the end of the last one. Prints the gap between die and metal inside the
+land, where the flash ends, the volume, meshes, increments and seconds by phase, and draws
+docs/pictures/SCENE.png from the stages named by PART (0: the start, -1: the end).
+"""
+import csv
+import json
+import sys
+from pathlib import Path
+
+import matplotlib
+import meshio
+import numpy as np
+from die_forging import FULL
+from die_shapes import Cross
+
+import lopin
+from lopin.remesh.body import DeckParts, boundary_facets
+from lopin.remesh.space import closest_on_facets, volume_inside
+
+matplotlib.use("Agg")
+import matplotlib.pyplot as plt  # noqa: E402
+from matplotlib.colors import LightSource  # noqa: E402
+from mpl_toolkits.mplot3d.art3d import Poly3DCollection  # noqa: E402
+from scipy.spatial import cKDTree  # noqa: E402
+
+
+def parts(folder: Path, name: str) -> list[str]:
+    """Names of the parts of a run, in order."""
+    return sorted(p.stem for p in folder.glob(f"{name}.p[0-9][0-9][0-9].inp"))
+
+
+def start_of(folder: Path, part: str):
+    """Nodes and tetrahedra that a part begins with."""
+    cards = DeckParts.of(lopin.Deck.read(folder/f"{part}.inp")).cards
+    rows = {label: k for k, label in enumerate(cards.nodes)}
+    cells = np.array([[rows[n] for n in nodes] for _, nodes in cards.elements.values()])
+    return np.array([x[:3] for x in cards.nodes.values()], float), cells
+
+
+def end_of(folder: Path, part: str):
+    """Nodes and tetrahedra where a part ended."""
+    mesh = meshio.read(sorted(folder.glob(f"{part}_[0-9]*.vtu"))[-1])
+    cells = next(c.data for c in mesh.cells if c.type == "tetra")
+    return mesh.points + mesh.point_data["U"], cells
+
+
+def skin_of(x, cells):
+    """Facets of the skin that lie on no plane of symmetry."""
+    facets, _ = boundary_facets([cells], 3)
+    held = (np.abs(x[facets]) < 1e-9).all(axis=1).any(axis=1)
+    return facets[~held]
+
+
+def time_of(folder: Path, part: str) -> float:
+    """Total time at which a part begins."""
+    deck = lopin.Deck.read(folder/f"{part}.inp")
+    return float(deck["START"].parameters["TIME"]) if "START" in deck else 0.0
+
+
+def history(folder: Path, names: list[str]):
+    """Time and the force of the upper die, over all parts; increments and iterations."""
+    rows, work = [], np.zeros(2, int)
+    for name in names:
+        with (folder/f"{name}_history.csv").open(newline="") as file:
+            head, *lines = list(csv.reader(file))
+        at = [word.partition(" ")[0] for word in head]
+        columns = [at.index(k) for k in ("time", "UPPER.rf3")]
+        rows += [[float(line[k]) for k in columns] for line in lines]
+        work += [len(lines), sum(int(float(line[at.index("iterations")])) for line in lines)]
+    return np.array(rows), work
+
+
+def clearance(die, stl: Path, down: float, x, facets, samples: int = 400):
+    """Distance from places of the die inside its land to the metal, and their places in plan.
+
+    The die stands `down` below where its file has it.
+    """
+    mesh = meshio.read(stl)
+    corner = mesh.points[mesh.cells_dict["triangle"]] - [0.0, 0.0, down]
+    share = np.random.default_rng(1).dirichlet(np.ones(3), (len(corner), 3)).transpose(0, 1, 2)
+    places = np.einsum("tsk,tkd->tsd", share, corner).reshape(-1, 3)
+    low = -1e9 if not isinstance(die, Cross) else 0.0
+    plan = (die.outline(*places[:, :2].T) < 0.0) & (places[:, 1] > 0.0) & (places[:, 0] > low)
+    places = places[plan]
+    facet, own = closest_on_facets(places, x, facets, among=24)
+    foot = np.einsum("nk,nkd->nd", own, x[facets[facet]])
+    return np.linalg.norm(places - foot, axis=1), places
+
+
+def flash_of(die, x):
+    """How far beyond the outline of the cavity the metal of the parting plane reaches: least, most."""
+    rim = x[np.abs(x[:, 2]) < 1e-9]
+    angle = np.arctan2(rim[:, 1], rim[:, 0])
+    beyond = die.outline(rim[:, 0], rim[:, 1])
+    bins = np.linspace(0.0, 0.5*np.pi if isinstance(die, Cross) else np.pi, 25)
+    most = [beyond[(angle >= a) & (angle <= b)].max(initial=-9.0) for a, b in zip(bins, bins[1:])]
+    return min(most), max(most)
+
+
+def narrowest(x, facets, reach: float = 2.0) -> float:
+    """Least distance between parts of the skin that face each other across air: a fold closes it."""
+    corner = x[facets]
+    middle = corner.mean(axis=1)
+    normal = np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0])
+    normal /= np.linalg.norm(normal, axis=1)[:, None]
+    pairs = cKDTree(middle).query_pairs(reach, output_type="ndarray")
+    arm = middle[pairs[:, 1]] - middle[pairs[:, 0]]
+    facing = (normal[pairs[:, 0]]*normal[pairs[:, 1]]).sum(axis=1) < -0.7
+    facing &= (arm*normal[pairs[:, 0]]).sum(axis=1) > 0.7*np.linalg.norm(arm, axis=1)
+    return float(np.linalg.norm(arm[facing], axis=1).min(initial=np.inf))
+
+
+def phases(folder: Path, names: list[str]) -> dict[str, float]:
+    """Seconds by phase, all parts, remeshes with their transfer, and the most memory [MiB]."""
+    total: dict[str, float] = {}
+    for name in names:
+        summary = json.loads((folder/f"{name}.json").read_text())
+        for phase, seconds in summary["timing"].items():
+            total[phase] = total.get(phase, 0.0) + seconds
+        total["memory"] = max(total.get("memory", 0.0), summary["peak_memory_mib"])
+    return {k: round(v, 1) for k, v in total.items()}
+
+
+def draw(scene: str, stages: list, mirrors: list) -> None:
+    """The stages side by side, lit from above, the sector repeated by symmetry."""
+    figure = plt.figure(figsize=(4.2*len(stages), 3.8))
+    light = LightSource(315, 40)
+    for k, (x, facets, title) in enumerate(stages):
+        axis = figure.add_subplot(1, len(stages), k + 1, projection="3d")
+        shown = np.concatenate([(x*m)[facets][:, ::int(np.prod(m))] for m in mirrors])
+        axis.add_collection3d(Poly3DCollection(shown, facecolors="lightsteelblue", shade=True,
+                                               edgecolors=(0.2, 0.2, 0.2, 0.35), linewidths=0.15,
+                                               lightsource=light))
+        low, high = shown.reshape(-1, 3).min(axis=0), shown.reshape(-1, 3).max(axis=0)
+        axis.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), zlim=(low[2], high[2]))
+        axis.set_title(title, fontsize=9)
+        axis.set_box_aspect(high - low, zoom=1.25)
+        axis.view_init(38, -60)
+        axis.set_axis_off()
+    figure.subplots_adjust(0, 0, 1, 0.94, 0, 0)
+    figure.savefig(Path(__file__).resolve().parents[2]/"docs"/"pictures"/f"{scene}.png", dpi=90)
+
+
+def main(scene: str, folder: Path, chosen: list[int]) -> None:
+    die, name, speed, mirrors = FULL[scene]
+    names = parts(folder, scene)
+    while not list(folder.glob(f"{names[-1]}_[0-9]*.vtu")):
+        names.pop()
+    table, work = history(folder, names)
+    x, cells = end_of(folder, names[-1])
+    facets = skin_of(x, cells)
+    first, tets = start_of(folder, names[0])
+    whole = [volume_inside(p, boundary_facets([c], 3)[0]) for p, c in ((first, tets), (x, cells))]
+    gap, places = clearance(die, folder.parent/f"{name}_upper.stl", speed*table[-1, 0], x, facets)
+    worst = int(np.argmax(gap))
+    print(f"{len(names)} meshes, the last of {len(cells)} cells; {work[0]} increments, {work[1]} "
+          f"iterations; stroke {speed*table[-1, 0]:.3f}, force {-table[-1, 1]/1e3:.1f} kN")
+    print(f"volume {whole[0]:.1f} to {whole[1]:.1f}: {100*(whole[1]/whole[0] - 1):+.3f} %")
+    print(f"gap inside the outline: most {gap[worst]:.3f} at {places[worst].round(1)}, mean "
+          f"{gap.mean():.3f}, above 0.05: {100*(gap > 0.05).mean():.1f} %")
+    print("flash beyond the outline: %.2f to %.2f mm" % flash_of(die, x))
+    print(f"skins that face each other across air: {narrowest(x, facets):.2f} mm apart at least")
+    print(phases(folder, names))
+    report = json.loads((folder/f"{scene}.parts.json").read_text())
+    print("remeshes", round(sum(r["seconds"] for r in report["remeshes"]), 1), "s; force at rest",
+          [round(r["force_change"] or 0.0, 4) for r in report["remeshes"]])
+    stages = []
+    for part in chosen:
+        shape = (x, cells) if part < 0 else start_of(folder, names[part])
+        down = speed*(table[-1, 0] if part < 0 else time_of(folder, names[part]))
+        stages.append((shape[0], skin_of(*shape), f"stroke of a die {down:.1f} mm"))
+    if stages:
+        draw(scene, stages, mirrors)
+
+
+if __name__ == "__main__":
+    main(sys.argv[1], Path(sys.argv[2]), [int(word) for word in sys.argv[3:]])
