@@ -45,6 +45,7 @@ module lopin_build_model
    use lopin_check_hanging, only : check_hanging
    use lopin_check_unused, only : check_unused
    use lopin_check_options, only : check_options
+   use lopin_advise, only : advise
    implicit none
    private
    public :: new_model
@@ -100,18 +101,26 @@ contains
       if (model%log%count_of(severity%error) == 0) call settle_flow(model)
       if (model%log%count_of(severity%error) == 0) call settle_friction(model)
       if (model%log%count_of(severity%error) == 0) call check_rigid_pairs(model)
-      if (model%log%count_of(severity%error) == 0) then
-         call check_materials(model)
-         call find_node_areas(model)
-         call check_loads(model)
-         call check_seams(model)
-         call check_hanging(model, scene)
-         call check_unused(model, deck)
-         call check_options(model, deck)
-         call settle_layers(model)
-      end if
+      if (model%log%count_of(severity%error) == 0) call check_whole(model, deck, scene)
       call raise_all(error, error_code%deck, model%log)
    end subroutine new_model
+
+   !> What can be told once every card has been read, and advice.
+   subroutine check_whole(model, deck, scene)
+      type(model_type), intent(inout) :: model
+      type(deck_type), intent(in) :: deck
+      type(scene_type), intent(inout) :: scene
+
+      call check_materials(model)
+      call find_node_areas(model)
+      call check_loads(model)
+      call check_seams(model)
+      call check_hanging(model, scene)
+      call check_unused(model, deck)
+      call check_options(model, deck)
+      call settle_layers(model)
+      call advise(model)
+   end subroutine check_whole
 
    !> `*HEADING` and `*LOPIN`.
    subroutine read_general(model, deck)

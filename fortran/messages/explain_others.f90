@@ -1,4 +1,4 @@
-!> Explanations: what decks of other programs say in their own way.
+!> Explanations: what decks of other programs say in their own way, and advice.
 module lopin_explain_others
    use lopin_explanation, only : explanation_type, add_explanation
    implicit none
@@ -32,5 +32,24 @@ contains
          & 'The surface of *PRE-TENSION SECTION is the element faces on one side of a plane '// &
          & 'across the bolt; the direction on the data line is the normal of that plane.', &
          & 'name faces by *SURFACE, TYPE=ELEMENT and give their normal, or none.')
+      call advice(list)
    end subroutine other_explanations
+
+   !> What a deck models beyond what its scene needs.
+   subroutine advice(list)
+      type(explanation_type), allocatable, intent(inout) :: list(:)
+
+      call add_explanation(list, 'N0361', 'a scene of plane strain is meshed in space', &
+         & 'Every node is held in one direction in all steps, so that nothing varies along it.', &
+         & 'a plane deck (*ELEMENT, TYPE=CPE4 or CPE8, with the thickness under *SOLID '// &
+         & 'SECTION) has the same answer for a fraction of the time.')
+      call add_explanation(list, 'N0362', 'a meshed master is all but rigid', &
+         & 'The elements of the master are at least a hundred times as stiff as those of the '// &
+         & 'slave: they take equations and hardly deform.', &
+         & 'make it a *RIGID BODY, ELSET=, or a rigid profile; its stresses are then not known.')
+      call add_explanation(list, 'N0363', 'increments that change nothing', &
+         & 'Elastic bodies of small strain without friction remember nothing: the end of a '// &
+         & 'step whose loads grow in proportion is the same in one increment as in many.', &
+         & 'leave the data line of *STATIC out, or keep the increments for results on the way.')
+   end subroutine advice
 end module lopin_explain_others

@@ -18,7 +18,7 @@ from lopin.errors import LopinError, NotConvergedError
 DECKS = Path(__file__).resolve().parents[2]/"decks"
 #: Deck, what is asked, its exact value where one is known.
 SCENES = {
-    "A3 NAFEMS cylinder": ("nafems_cylinder", Quantity("DISPLACEMENT", "TOP", 2), None),
+    "A3 NAFEMS cylinder": ("nafems_cylinder", Quantity("DISPLACEMENT", "BLOCK.B", 2), None),
     "A3 NAFEMS cylinder, pressure": ("nafems_cylinder", Quantity("PRESSURE"), None),
     "A4 Hertz, sphere": ("hertz_sphere", Quantity("FORCE", "", 2), None),
     "A4 Hertz, sphere, pressure": ("hertz_sphere", Quantity("PRESSURE"), None),

@@ -39,6 +39,8 @@ def test_the_true_error_is_what_was_asked(name, quantity, target):
     # Half the size takes away at least half of the error.
     assert apart <= target*abs(value)
     assert found.increments == 0.0 and "increments 0 %" in found.text()
+    assert ("taken as straight" in found.text()) == (found.filled_in > 0)
+    assert (found.filled_in > 0) == (name != "cylinder_on_plane")
 
 
 def first_set(deck):

@@ -60,6 +60,7 @@ class Reached:
     order : of the fall of the error with the size of cells; nan where two meshes were enough
     levels : the runs, in their order
     result : of the last mesh
+    filled_in : displacements given node by node, straight between the nodes of the deck
     reason : why the error asked for was not met; empty: it was
     """
 
@@ -73,6 +74,7 @@ class Reached:
     levels: list[Level] = field(default_factory=list)
     result: Result | None = field(default=None, repr=False)
     deck: Deck | None = field(default=None, repr=False)
+    filled_in: int = 0
     reason: str = ""
 
     @property
@@ -106,6 +108,9 @@ class Reached:
                      f"{100.0*self.mesh:.2g} %{order}, increments {100.0*self.increments:.2g} %, "
                      f"contact {100.0*self.enforcement:.2g} %")
         lines.append(f"cost: {self.cost:.2g} times the last run")
+        if self.filled_in:
+            lines.append("displacements are given node by node: between the nodes of the deck they "
+                         "are taken as straight, whose error is not in the estimate")
         if self.reason:
             lines.append(f"not met: {self.reason}")
         return "\n".join(lines)
@@ -113,7 +118,8 @@ class Reached:
     def json(self) -> str:
         """All of it but the result."""
         kept = {k: getattr(self, k) for k in ("target", "value", "error", "mesh", "increments",
-                                              "enforcement", "order", "met", "reason", "cost")}
+                                              "enforcement", "order", "met", "filled_in",
+                                              "reason", "cost")}
         kept["quantity"] = str(self.quantity)
         kept["runs"] = [vars(v) for v in self.levels]
         return json.dumps(kept, default=str).replace("NaN", "null")
@@ -191,6 +197,7 @@ class _Search:
                 found.reason = self._out_of_reach(finer.n_element, limit, dims)
                 break
             deck, number = finer.deck, number + 1
+            found.filled_in = max(found.filled_in, finer.filled_in)
             last = self._solve(deck, number, finer.n_element, last)
             self._estimate(_quadratic(deck))
             if found.reason or found.error <= found.target:

@@ -39,6 +39,8 @@ class Refined:
     ends : labels of the old corners that each lies between, padded by 0 (n, 8)
     weight : of these, adding up to 1 (n, 8)
     n_element : solid elements of the finer mesh
+    filled_in : displacements and temperatures that were given node by node, for which new nodes
+        have the mean of their neighbours
     """
 
     deck: Deck
@@ -46,6 +48,7 @@ class Refined:
     ends: NDArray
     weight: NDArray
     n_element: int
+    filled_in: int = 0
 
 
 def cell_of(word: str) -> str | None:
@@ -113,7 +116,7 @@ def _made(deck: Deck, curved: bool, rule, words: dict[str, str]) -> Refined:
     places = cut.places(cards, curved)
     members = Members(cards, cut)
     new = Deck(preamble=deck.preamble, name=deck.name, folder=deck.folder)
-    written, sets = False, []
+    written, sets, filled = False, [], 0
     for block in blocks:
         if block.keyword in _MESH_CARDS:
             if not written:
@@ -125,9 +128,10 @@ def _made(deck: Deck, curved: bool, rule, words: dict[str, str]) -> Refined:
             new.blocks.append(faces)
         else:
             new.blocks.append(spread_rows(block, cards, cut))
+            filled += sum(bool(row[-1]) for row in new.blocks[-1].lines[len(block.lines):])
     at = max(k for k, b in enumerate(new.blocks) if b.keyword == "ELEMENT")
     new.blocks[at + 1:at + 1] = sets
-    return Refined(new, cut.labels, cut.ends, cut.weight, cut.n_element)
+    return Refined(new, cut.labels, cut.ends, cut.weight, cut.n_element, filled)
 
 
 class _Cut:
