@@ -13,7 +13,8 @@ from pathlib import Path
 
 from .errors import Interrupted, LopinError, ResourceError
 
-PYTHON_COMMANDS = ("report", "plot", "chart", "atlas", "convert", "export", "example")
+PYTHON_COMMANDS = ("report", "plot", "chart", "atlas", "convert", "export", "example",
+                   "die")
 
 
 def main(arguments: list[str] | None = None) -> int:
@@ -57,7 +58,7 @@ def forward(arguments: list[str]) -> int:
 
 
 def python_command(arguments: list[str]) -> int:
-    """report, plot, chart, atlas, convert, export, example."""
+    """report, plot, chart, atlas, convert, export, example, die."""
     parser = argparse.ArgumentParser(prog="lopin", description=__doc__)
     commands = parser.add_subparsers(dest="command", required=True)
     report = commands.add_parser("report", help="one HTML file that shows what a run did")
@@ -96,6 +97,15 @@ def python_command(arguments: list[str]) -> int:
                                                                    "their place")):
         target.add_argument(f"--{name}", dest="target", action="store_const", const=name, help=says)
     export.add_argument("-o", "--output", type=Path, help="default: <deck>_<target>.inp here")
+    die = commands.add_parser("die", help="forces of a forging on the mesh of its elastic die")
+    die.add_argument("folder", type=Path, help="what the forging's run left")
+    die.add_argument("deck", help="mesh, material, supports and a step of the die, where the "
+                     "forging's tool stands at the start")
+    die.add_argument("--surface", required=True, help="of the die's faces that meet the metal")
+    die.add_argument("--pair", default=None, help="of the forging; default: the first")
+    die.add_argument("--time", default="end", metavar="TIME", help="the output nearest to this "
+                     "time; peak: that of the largest pressure; default: end")
+    die.add_argument("-o", "--output", type=Path, help="default: <deck>_loaded.inp here")
     example = commands.add_parser("example", help="copy a deck of the collection")
     example.add_argument("name", nargs="?", help="without it: list the names")
     example.add_argument("folder", nargs="?", type=Path, default=Path("."))

@@ -233,6 +233,23 @@ def export(options) -> int:
     return 0
 
 
+def die(options) -> int:
+    """The deck of a die with the forces of a forging; a line says what the transfer kept."""
+    from . import open_result
+    from .die_stress import ToolLoads, die_deck
+
+    result = open_result(result_folder(options.folder))
+    pair = result.contact(options.pair or 0)
+    loads = ToolLoads.of(result, pair.pair, _index_of(options.time, result, pair))
+    deck, balance = die_deck(Deck.read(options.deck), options.surface, loads)
+    path = options.output or Path(f"{Path(options.deck).stem}_loaded.inp")
+    if path.exists() and path.samefile(options.deck):
+        raise UsageError(f"{path} is the deck itself: give another name with -o")
+    print(deck.write(path))
+    print(f"{loads.tool}: {balance.line()}")
+    return 0
+
+
 def example(options) -> int:
     """Copy a deck of the collection, or list the names."""
     collection = decks_folder()
