@@ -136,6 +136,17 @@ def _add_chart_of_a_number(chart) -> None:
 def _add_atlas(commands) -> None:
     """The options of atlas."""
     atlas = commands.add_parser("atlas", help="maps of where the methods work, and where not")
+    atlas.add_argument("deck", nargs="?", help="a deck that is mapped over two of its numbers, "
+                       "--x and --y")
+    atlas.add_argument("--x", metavar="PLACE=VALUES", help="FRICTION:1=0,0.1,0.2: the first field "
+                       "of the first *FRICTION; STATIC:1=1e-3..1/7; STEP:INC=10,100")
+    atlas.add_argument("--y", metavar="PLACE=VALUES", help="as --x")
+    atlas.add_argument("--quantity", metavar="WORD", help="its value in each cell: FORCE, "
+                       "'PEAK PRESSURE'..., as of lopin chart")
+    atlas.add_argument("--set", default="", help="node set that it is asked of")
+    atlas.add_argument("--component", type=int, default=0, help="1 to 3; default: the length")
+    atlas.add_argument("--halved", action="store_true", help="each cell in half the increments, "
+                       "too: a change of 5 %% without a warning is marked")
     atlas.add_argument("--map", type=int, action="append", metavar="N",
                        help="a map of this number; again for more; default: all")
     atlas.add_argument("--small", action="store_true", help="few cells, as the tests have them")

@@ -4,6 +4,7 @@ from __future__ import annotations
 import os
 import re
 import shutil
+import sys
 from difflib import get_close_matches
 from pathlib import Path
 
@@ -171,6 +172,8 @@ def atlas(options) -> int:
     """Maps of where the methods work: tables, pictures, and the figures in words."""
     for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS"):
         os.environ.setdefault(name, "1")
+    if options.deck:
+        return _atlas_of_deck(options)
     from . import atlas as maps
 
     charts = [maps.map_of(number) for number in options.map or maps.MAPS]
@@ -192,6 +195,41 @@ def atlas(options) -> int:
         print("\n".join(maps.summary(chart, cells)))
         silent += sum(cell.kind == "F1" for cell in cells)
     return 1 if silent else 0
+
+
+def _atlas_of_deck(options) -> int:
+    """A map of a user's deck over two of its numbers."""
+    from .accuracy import Quantity
+    from .atlas.deck_map import Axis, DeckMap, draw, facts
+
+    if not options.x:
+        raise UsageError("over which numbers? --x 'FRICTION:1=0,0.1,0.2' --y 'STATIC:1=0.01..1/5'")
+    deck = Deck.read(options.deck)
+    asked = Quantity.of(deck)
+    quantity = Quantity(" ".join(options.quantity.upper().split()), options.set.upper(),
+                        options.component) if options.quantity else asked[0] if asked else None
+    if options.halved and quantity is None:
+        raise UsageError("--halved compares a number: --quantity FORCE")
+    chart = DeckMap(deck, Axis.of(options.x), Axis.of(options.y) if options.y else None, quantity,
+                    options.halved)
+    options.output.mkdir(parents=True, exist_ok=True)
+    if options.cell is not None:
+        cells = chart.places()
+        if not 0 <= options.cell < len(cells):
+            raise UsageError(f"--cell {options.cell}: the map has cells 0 to {len(cells) - 1}")
+        cell = cells[options.cell]
+        print(chart.deck_of(cell.x, cell.y).write(
+            options.output/f"{deck.name}_{options.cell}.inp"))
+        return 0
+    table = options.output/f"{deck.name}.csv"
+    if not options.resume:
+        table.unlink(missing_ok=True)
+    cells = chart.measure(table, options.batch, lambda line: print(line, file=sys.stderr,
+                                                                   flush=True))
+    if not options.no_picture:
+        draw(chart, cells, options.output/deck.name)
+    print("\n".join(facts(cells)))
+    return 1 if any(c.kind == "silent" for c in cells) else 0
 
 
 def convert(options) -> int:

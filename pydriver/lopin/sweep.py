@@ -110,15 +110,15 @@ def _deck_of(scene, values: dict) -> Deck:
     deck = as_deck(scene)
     copy = Deck.parse(deck.text(), name=deck.name, folder=deck.folder)
     for name, value in values.items():
-        _put(copy, name, value)
+        put(copy, name, value)
     return copy
 
 
-def _put(deck: Deck, name: str, value) -> None:
+def put(deck: Deck, name: str, value) -> None:
     """Set one number or word of a deck.
 
     >>> deck = Deck.parse("*ELASTIC\\n1., 0.3\\n*STEP, INC=5")
-    >>> _put(deck, "*ELASTIC:0:1", 0.25), _put(deck, "*STEP:INC", 9)
+    >>> put(deck, "*ELASTIC:0:1", 0.25), put(deck, "*STEP:INC", 9)
     (None, None)
     >>> print(deck.text(), end="")
     *ELASTIC
