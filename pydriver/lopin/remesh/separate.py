@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from ..deck import Block, Deck
 from ..model_read_mesh import plain
+from ..points import Points
 from .body import (
     Body,
     DeckParts,
@@ -173,6 +174,20 @@ def without(body: Body, x: NDArray, gone: NDArray) -> tuple[NewMesh, NDArray]:
     return mesh, old
 
 
+def states_of_rest(body: Body, points: Points, gone: NDArray) -> tuple[NDArray, list[NDArray]]:
+    """Row of the element of each point, -1 outside the body; the fields of the points of elements
+    that stay (element, point, field), for each group that has any."""
+    number = {int(e): k for k, e in enumerate(body.elements)}
+    row = np.array([number.get(int(label), -1) for label in points.element])
+    fields, states = fields_of(points), []
+    for own in by_group(body, np.arange(len(gone))):
+        at = np.flatnonzero(np.isin(row, own))
+        at = at[np.lexsort((points.number[at], row[at]))]
+        if not gone[own].all():
+            states.append(fields[at].reshape(len(own), -1, fields.shape[1])[~gone[own]])
+    return row, states
+
+
 def separate(deck: Deck, last: Snapshot, gone: NDArray, elset: str, why: str, part: int,
              name: str, folder: Path) -> tuple[Deck, Remesh]:
     """The deck of the part that follows without these elements: the rest of the mesh as it is.
@@ -200,15 +215,8 @@ def separate(deck: Deck, last: Snapshot, gone: NDArray, elset: str, why: str, pa
     if gone.all():
         raise refused("all elements of the body have separated")
     mesh, old = without(body, last.x, gone)
-    states, number = [], {int(e): k for k, e in enumerate(body.elements)}
     points = last.points
-    row = np.array([number.get(int(label), -1) for label in points.element])
-    fields = fields_of(points)
-    for own in by_group(body, np.arange(len(gone))):
-        at = np.flatnonzero(np.isin(row, own))
-        at = at[np.lexsort((points.number[at], row[at]))]
-        if not gone[own].all():
-            states.append(fields[at].reshape(len(own), -1, fields.shape[1])[~gone[own]])
+    row, states = states_of_rest(body, points, gone)
     inside = np.isin(row, np.flatnonzero(gone))
     volume = float(points.volume[row >= 0].sum())
     share = float(points.volume[inside].sum())/volume

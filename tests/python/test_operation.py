@@ -1,0 +1,122 @@
+"""Chains of operations: state carried on, metal trimmed off, forces and volumes by closed forms."""
+import numpy as np
+import pytest
+from test_point_states import deck
+
+import lopin
+from lopin import mesh_make
+from lopin.errors import ModelError
+from lopin.operation import beyond_plane, next_operation
+
+pytest.importorskip("scipy")
+
+SECOND = """*NODE, NSET=Q
+8888, 0., 30.
+*SURFACE, NAME=PUNCH, TYPE=SEGMENTS
+START, 60., {level!r}
+LINE, -60., {level!r}
+*RIGID BODY, ANALYTICAL SURFACE=PUNCH, REF NODE=Q
+*SURFACE INTERACTION, NAME=DRY
+*SURFACE BEHAVIOR, DIRECT
+*CONTACT PAIR, INTERACTION=DRY
+SKIN, PUNCH
+*BOUNDARY
+FLOOR, 2
+AXIS, 1
+Q, 1
+Q, 6
+*STEP, NLGEOM
+*STATIC
+.1, 1., , .1
+*BOUNDARY
+Q, 2, 2, {travel!r}
+*END STEP
+"""
+FREE = """*BOUNDARY
+FLOOR, 2
+AXIS, 1
+*STEP, NLGEOM
+*STATIC
+1., 1.
+*END STEP
+"""
+
+
+def disc(mu=0.0, travel=-1.0, cells=(10, 10)):
+    """A disc of 5 x 5 pressed on a floor by the tool DIE."""
+    mesh = mesh_make.block((5.0, 5.0), cells)
+    scene = deck("CAX4", mesh.points, mesh.blocks[0][1].tolist(), 5.0, travel, mu=mu, increments=10)
+    return scene if mu else lopin.Deck.parse(scene.text().replace("FLOOR, 1, 2", "FLOOR, 2"),
+                                             name="disc")
+
+
+def after(scene, cards, **options):
+    """The deck of the next operation from the end of a run, and the last frame's history."""
+    with lopin.open(scene) as job:
+        for frame in job:
+            found = next_operation(job, "B", cards, name="second", **options)
+            history = frame.result.history
+    return *found, history
+
+
+def stress(strain):
+    """Of homogeneous compression, by volume of the start: the curve of PLASTIC."""
+    plastic = strain
+    for _ in range(60):
+        plastic = strain - np.interp(plastic, [0.0, 0.5, 2.0], [200.0, 300.0, 600.0])/70000.0
+    return 70000.0*(strain - plastic)
+
+
+def test_two_operations_press_as_one_does(core):
+    second, carried, _ = after(disc(), SECOND.format(level=4.0, travel=-1.0))
+    assert carried.gone == 0 and "DIE" not in second.text()
+    found = lopin.run(second).history
+    strain = np.log(5.0/(4.0 - found["time"]))
+    area = np.pi*25.0*5.0/(4.0 - found["time"])
+    assert -found["PUNCH.rf2"] == pytest.approx(stress(strain)*area, rel=1e-6)
+    one = lopin.run(disc(travel=-2.0)).history
+    assert found["PUNCH.rf2"][-1] == pytest.approx(one["DIE.rf2"][-1], rel=1e-6)
+
+
+@pytest.mark.parametrize("radius", [4.0, 2.5])
+def test_a_trimmed_disc_bears_by_the_area_that_is_left(core, radius):
+    """Trimmed between cells at a share of its radius: volume and force by the square of it."""
+    def rim(places):
+        return places[:, 0] > radius/5.0*places[:, 0].max()*10.0/9.5
+
+    whole, _, _ = after(disc(), SECOND.format(level=4.0, travel=-0.8))
+    cut, carried, _ = after(disc(), SECOND.format(level=4.0, travel=-0.8), trim=rim)
+    share = (radius/5.0)**2
+    assert carried.volume/(carried.volume + carried.gone_volume) == pytest.approx(share, rel=1e-6)
+    full, left = (lopin.run(scene).history["PUNCH.rf2"] for scene in (whole, cut))
+    assert left == pytest.approx(share*full, rel=1e-6)
+
+
+def test_what_the_flash_held_is_let_go_of_and_nothing_flows(core):
+    """A disc that was pressed with friction, trimmed by a plane, without tools: forces vanish."""
+    scene = disc(mu=0.1, travel=-1.0)
+    second, carried, _ = after(scene, FREE, trim=beyond_plane((4.5, 0.0), (1.0, 0.0)))
+    assert 0 < carried.gone < 100
+    with lopin.open(second) as job:
+        frame = job.advance()
+        plastic = job.points.plastic
+    floor = np.asarray(frame["reaction"])[:, 1]
+    assert abs(floor.sum()) < 1e-8*np.abs(floor).max()
+    before = [float(row[10]) for row in
+              next(b for b in second.blocks if b.keyword == "INITIAL CONDITIONS").data]
+    assert (plastic - before).max() < 0.01
+
+
+def test_a_cut_that_leaves_nothing_is_refused(core):
+    with pytest.raises(ModelError, match="takes all"):
+        after(disc(), FREE, trim=lambda places: places[:, 0] > -1.0)
+
+
+def test_blocks_of_tetrahedra_go_on_too(core):
+    mesh = mesh_make.simplices(mesh_make.block((4.0, 5.0, 4.0), (3, 3, 3)))
+    scene = deck("C3D4", mesh.points, mesh.blocks[0][1].tolist(), 5.0, -1.0, mu=0.0)
+    scene = lopin.Deck.parse(scene.text().replace("FLOOR, 1, 2", "FLOOR, 2"), name="block")
+    second, carried, history = after(scene, FREE.replace("AXIS, 1", "AXIS, 1\nBACK, 3"))
+    assert carried.volume == pytest.approx(history["volume"][-1], rel=1e-9)
+    free = lopin.run(second)
+    assert np.abs(free["stress"]).max() < 0.01*stress(np.log(5.0/4.0))
