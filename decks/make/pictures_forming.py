@@ -249,6 +249,27 @@ def blank_edge(result) -> tuple[np.ndarray, np.ndarray]:
     return x[around, :2], (x + u)[around, :2]
 
 
+def wrapped_strip() -> None:
+    """The strip on the former and let go; the moment at its end."""
+    result = solved("wrapped_strip")
+    last = len(result.times) - 1
+    end = max(k for k, t in enumerate(result.times) if t <= 1.0 + 1e-9)
+    fig, axes = figure(9.0, 3.4, 3)
+    for ax, k, title in zip(axes, (end, last), ("on the former", "let go")):
+        drawn = deformed(ax, result, result.at(k)["PEEQ"], scale=1.0, index=k, limits=(0.0, 0.03),
+                         grid=0.1)
+        tools(ax, result, scale=1.0, index=k)
+        ax.set(xlim=(-2.0, 24.0), ylim=(-22.0, 3.0), xlabel="x [mm]")
+        ax.set_title(title, fontsize=9)
+    axes[0].set_ylabel("y [mm]")
+    coloured(fig, drawn, list(axes[:2]), "plastic strain", orientation="horizontal")
+    axes[2].plot(np.degrees(-result.history["END.u6"]), -result.history["END.rf6"], color=DOTS)
+    axes[2].axhline(88.0126, color=EXACT, lw=2.5, label="Hill 1950, at 90°")
+    axes[2].set(xlabel="turn of the end [°]", ylabel="moment [N]", ylim=(0.0, None))
+    axes[2].legend(frameon=False)
+    save(fig, "wrapped_strip")
+
+
 def v_bending() -> None:
     """The strip at the end of the stroke and after release; the force of the punch."""
     result = solved("v_bending")

@@ -2,6 +2,7 @@
 from __future__ import annotations
 
 import sys
+from math import pi, sqrt
 
 CUP = """\
 ** A cup drawn from a disc 200 mm wide: punch, die, and a blank holder pressed on by 100 kN.
@@ -39,6 +40,25 @@ BEND_EXPECT = """\
 ** expect: certificate.verdict = PASS
 ** expect: history.PUNCH.rf2 at 1 = -14.78 +- 2 %
 ** expect: history.PUNCH.rf2 at 2 = 0 +- 1e-6
+"""
+WRAP = """\
+** A strip of 1 mm wrapped round a former by a moment at its end, by a right angle, and let go.
+**
+**      strip, held here        The moment turns the rigid end by 90 degrees: the strip, 10 pi mm
+**     =================o       long, comes to a radius of 20 mm and lies on the former of 19.5 mm.
+**     _____                    The metal flows from 300 MPa on and hardens by 300 MPa; mu = {mu:g} on
+**   former \\                   the former. Then the end is free.
+**           |
+**
+** Pure bending in plane strain (Hill 1950, V.2), with bilinear fibres: modulus E/(1 - nu^2), flow
+** at 2/sqrt(3) of 300 MPa, beyond that 4/3 of 300 MPa beside the modulus. M = {moment:.4f} N mm/mm
+** at 1/20 per mm; let go, the end turns back by M L/(E I), to {left:.5f} rad.
+**
+"""
+WRAP_EXPECT = """\
+** expect: certificate.verdict = PASS
+** expect: history.END.rf6 at 1 = {moment:.4f} +- 1 %
+** expect: history.END.u6 at 2 = {left:.5f} +- 1 %
 """
 
 
@@ -150,7 +170,47 @@ def v_bending(elements: int = 46, layers: int = 4, kind: str = "CPE4I", stroke: 
         "*BOUNDARY, OP=NEW", *held, f"PUNCH_REF, 2, 2, {1.5 - stroke:g}", "*END STEP", ""])
 
 
-SCENES = {f.__name__: f for f in (cup, v_bending)}
+def wrapped_moment(radius: float, young: float = 210e3, poisson: float = 0.3, flow: float = 300.0,
+                   hardening: float = 300.0) -> float:
+    """Moment per width that holds a sheet of thickness 1 at a radius: bilinear fibres."""
+    modulus, first = young/(1.0 - poisson**2), 2.0*flow/sqrt(3.0)
+    beyond = 1.0/(1.0/modulus + 0.75/hardening)
+    core = first*radius/modulus
+    if core >= 0.5:
+        return modulus/(12.0*radius)
+    return (2.0*modulus*core**3/(3.0*radius) + first*(1.0 - beyond/modulus)*(0.25 - core**2)
+            + 2.0*beyond*(0.125 - core**3)/(3.0*radius))
+
+
+def wrapped_strip(cells: int = 60, layers: int = 4, kind: str = "CPE4I", mu: float = 0.1,
+                  method: str = "DIRECT") -> str:
+    """Bending round a former by a moment, and springback."""
+    radius, angle = 20.0, pi/2
+    length, inner = radius*angle, radius - 0.5
+    lines = ["*HEADING", "Wrapped strip, N mm"]
+    lines += sheet(kind, [length*i/cells for i in range(cells + 1)], 1.0, layers)
+    lines += ["*NSET, NSET=END", *(str(1 + cells*(layers + 1) + j) for j in range(layers + 1)),
+              "*NODE, NSET=GRIP", f"90001, {length!r}, 0.5", "*RIGID BODY, NSET=END, REF NODE=90001"]
+    lines += material([(300.0, 0.0), (600.0, 1.0)], 210e3)
+    lines += tool("FORMER", 90002, (0.0, -inner), [
+        "START, -5., 0.", "LINE, 0., 0.", f"CIRCL, {inner}, {-inner}, 0., {-inner}",
+        f"LINE, {inner}, {-inner - 10.0}"])
+    lines += ["*SURFACE INTERACTION, NAME=I", f"*SURFACE BEHAVIOR, {method}"]
+    lines += ["*FRICTION", f"{mu:g}"] if mu > 0.0 else []
+    lines += ["*CONTACT PAIR, INTERACTION=I", "BOTTOM, FORMER"]
+    held = ["MIDDLE, 1", f"{1 + layers//2}, 2", "FORMER_REF, 1, 2", "FORMER_REF, 6"]
+    moment = wrapped_moment(radius)
+    told = {"mu": mu, "moment": -moment,
+            "left": -angle + moment*length*12.0*(1.0 - 0.3**2)/210e3}
+    return WRAP.format(**told | {"moment": moment}) + WRAP_EXPECT.format(**told) + "\n".join([
+        *lines, "*BOUNDARY", *held, "*STEP, NAME=WRAP, NLGEOM, INC=300", "*STATIC", "*BOUNDARY",
+        f"GRIP, 6, 6, {-angle!r}", "*NODE PRINT, NSET=GRIP, TOTALS=NO", "U, RF", "*NODE FILE",
+        "U", "*EL FILE", "S, PEEQ", "*CONTACT FILE", "CDIS, CSTR", "*END STEP",
+        "*STEP, NAME=RELEASE, NLGEOM, INC=300", "*STATIC", "*BOUNDARY, OP=NEW", *held,
+        "*END STEP", ""])
+
+
+SCENES = {f.__name__: f for f in (cup, v_bending, wrapped_strip)}
 
 
 def main(names: list[str]) -> None:

@@ -1,0 +1,35 @@
+"""A strip wrapped round a former by a right angle and let go: moment and springback of pure bending."""
+import sys
+from math import pi
+from pathlib import Path
+
+import pytest
+
+import lopin
+from lopin import closed_form as cf
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[2]/"decks"/"make"))
+import sheets  # noqa: E402
+
+METHODS = ("DIRECT", "PENALTY", "PERTURBED LAGRANGE", "AUGMENTED LAGRANGE")
+STIFFNESS = 210e3/(12.0*(1.0 - 0.3**2))
+
+
+def test_bilinear_fibres_without_hardening_are_hill_s():
+    exact = cf.bent_sheet(210e3, 0.3, 300.0, 1.0, 20.0)
+    assert sheets.wrapped_moment(20.0, hardening=1e-9) == pytest.approx(exact.moment, rel=1e-9)
+    assert sheets.wrapped_moment(1000.0) == pytest.approx(cf.bent_sheet(210e3, 0.3, 300.0, 1.0, 1000.0).moment)
+
+
+@pytest.mark.parametrize("mu", [0.0, 0.1])
+@pytest.mark.parametrize("method", METHODS)
+def test_every_method_wraps_it_within_a_hundred_increments(solve, sheet, method, mu):
+    result = solve(lopin.Deck.parse(sheets.wrapped_strip(mu=mu, method=method), "strip"))
+    assert result.verdict == "PASS"
+    assert sum(step["increments"] for step in result.summary["steps"]) < 100
+    time, exact = result.history["time"], sheets.wrapped_moment(20.0)
+    moment = -result.history["END.rf6"][time <= 1.0 + 1e-9][-1]
+    back = 0.5*pi + result.history["END.u6"][-1]
+    name = f"{method.lower()}, mu = {mu:g}"
+    sheet.compare("E7 wrapped strip", f"moment, {name}", moment, exact, 1e-2, "Hill 1950")
+    sheet.compare("E7 wrapped strip", f"springback, {name}", back, exact*10.0*pi/STIFFNESS, 1e-2, "Hill 1950")
