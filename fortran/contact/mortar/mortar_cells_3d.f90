@@ -51,7 +51,6 @@ module lopin_mortar_cells_3d
    real(wp), parameter :: settled = 1.0e-8_wp      !! a Newton step this small is the last
    real(wp), parameter :: sliver = 1.0e-10_wp      !! of the slave's area: left out
    integer, parameter :: order(6) = [1, 2, 1, 2, 2, 3]   !! of the functions of a facet cell
-
 contains
 
    !> `degree` of exactness in a triangle of a cell: 5 (seven points) or more; quad8 needs 6.
@@ -320,10 +319,12 @@ contains
       logical, intent(out) :: found
       real(wp) :: x(3), t1(3), t2(3), r(2), step(2), det
       integer :: i
-      logical :: flat
 
+      if (.not. any(abs(c(:2, 5:)) > 0.0_wp)) then
+         call go_back_straight(c(:2, :4), y, xi, slope, found)
+         return
+      end if
       found = .false.
-      flat = .not. any(abs(c(:2, 4:)) > 0.0_wp)
       do i = 1, most_iterations
          x = facet_point_of(c, xi)
          call facet_tangents(c, xi, t1, t2)
@@ -334,12 +335,38 @@ contains
          det = t1(1)*t2(2) - t1(2)*t2(1)
          if (.not. abs(det) > 0.0_wp) return
          step = [t2(2)*r(1) - t2(1)*r(2), t1(1)*r(2) - t1(2)*r(1)]/det
-         found = maxval(abs(step)) <= settled .or. flat
-         if (.not. flat) step = step/max(1.0_wp, maxval(abs(step)))
-         xi = xi + step
+         found = maxval(abs(step)) <= settled
+         xi = xi + step/max(1.0_wp, maxval(abs(step)))
       end do
       found = .false.
    end subroutine go_back
+
+   !> The same where edges are straight: a whole step leaves c4 times the product of its parts.
+   pure subroutine go_back_straight(c, y, xi, slope, found)
+      real(wp), intent(in) :: c(2, 4), y(2)
+      real(wp), intent(inout) :: xi(2)
+      real(wp), intent(out) :: slope(2, 2)
+      logical, intent(out) :: found
+      real(wp) :: r(2), step(2), det, most, bend
+      integer :: i
+
+      found = .false.
+      bend = maxval(abs(c(:, 4)))
+      most = settled**2*maxval(abs(c(:, 2:3)))
+      do i = 1, most_iterations
+         slope(:, 1) = c(:, 2) + xi(2)*c(:, 4)
+         slope(:, 2) = c(:, 3) + xi(1)*c(:, 4)
+         if (found) return
+         r = y - c(:, 1) - xi(1)*slope(:, 1) - xi(2)*c(:, 3)
+         det = slope(1, 1)*slope(2, 2) - slope(2, 1)*slope(1, 2)
+         if (.not. abs(det) > 0.0_wp) return
+         step = [slope(2, 2)*r(1) - slope(1, 2)*r(2), slope(1, 1)*r(2) - slope(2, 1)*r(1)]/det
+         found = bend*abs(step(1)*step(2)) <= most
+         if (.not. found) step = step/max(1.0_wp, maxval(abs(step)))
+         xi = xi + step
+      end do
+      found = .false.
+   end subroutine go_back_straight
 
    !> Shape functions and their two slopes.
    pure subroutine functions(basis, cell, xi, n)
@@ -347,20 +374,27 @@ contains
       integer, intent(in) :: cell
       real(wp), intent(in) :: xi(2)
       real(wp), intent(out) :: n(8, 0:2)
-      real(wp) :: m(ncoefficient, 0:2)
-      integer :: i, top
+      real(wp) :: m(8, 0:2)
+      integer :: i
 
-      m = 0.0_wp
-      m(:8, 0) = [1.0_wp, xi(1), xi(2), xi(1)*xi(2), xi(1)**2, xi(2)**2, xi(1)**2*xi(2), &
-         & xi(1)*xi(2)**2]
-      m(:8, 1) = [0.0_wp, 1.0_wp, 0.0_wp, xi(2), 2.0_wp*xi(1), 0.0_wp, 2.0_wp*xi(1)*xi(2), &
-         & xi(2)**2]
-      m(:8, 2) = [0.0_wp, 0.0_wp, 1.0_wp, xi(1), 0.0_wp, 2.0_wp*xi(2), xi(1)**2, &
-         & 2.0_wp*xi(1)*xi(2)]
-      top = merge(4, ncoefficient, order(cell) < 2 .or. basis%nnode(cell) == 4)
       n = 0.0_wp
+      if (basis%nnode(cell) <= 4) then
+         do i = 1, basis%nnode(cell)
+            associate (t => basis%transform(:4, i, cell))
+               n(i, 1) = t(2) + xi(2)*t(4)
+               n(i, 2) = t(3) + xi(1)*t(4)
+               n(i, 0) = t(1) + xi(1)*n(i, 1) + xi(2)*t(3)
+            end associate
+         end do
+         return
+      end if
+      associate (a => xi(1), b => xi(2), o => 0.0_wp)
+         m(:, 0) = [1.0_wp, a, b, a*b, a**2, b**2, a**2*b, a*b**2]
+         m(:, 1) = [o, 1.0_wp, o, b, 2.0_wp*a, o, 2.0_wp*a*b, b**2]
+         m(:, 2) = [o, o, 1.0_wp, a, o, 2.0_wp*b, a**2, 2.0_wp*a*b]
+      end associate
       do i = 1, basis%nnode(cell)
-         n(i, :) = matmul(basis%transform(:top, i, cell), m(:top, :))
+         n(i, :) = matmul(basis%transform(:8, i, cell), m)
       end do
    end subroutine functions
 end module lopin_mortar_cells_3d
