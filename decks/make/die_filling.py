@@ -20,13 +20,12 @@ from die_shapes import Cross
 
 import lopin
 from lopin.remesh.body import DeckParts, boundary_facets
-from lopin.remesh.space import closest_on_facets, volume_inside
+from lopin.remesh.space import closest_on_facets, narrowest_slot, volume_inside
 
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt  # noqa: E402
 from matplotlib.colors import LightSource  # noqa: E402
 from mpl_toolkits.mplot3d.art3d import Poly3DCollection  # noqa: E402
-from scipy.spatial import cKDTree  # noqa: E402
 
 
 def parts(folder: Path, name: str) -> list[str]:
@@ -102,19 +101,6 @@ def flash_of(die, x):
     return min(most), max(most)
 
 
-def narrowest(x, facets, reach: float = 2.0) -> float:
-    """Least distance between parts of the skin that face each other across air: a fold closes it."""
-    corner = x[facets]
-    middle = corner.mean(axis=1)
-    normal = np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0])
-    normal /= np.linalg.norm(normal, axis=1)[:, None]
-    pairs = cKDTree(middle).query_pairs(reach, output_type="ndarray")
-    arm = middle[pairs[:, 1]] - middle[pairs[:, 0]]
-    facing = (normal[pairs[:, 0]]*normal[pairs[:, 1]]).sum(axis=1) < -0.7
-    facing &= (arm*normal[pairs[:, 0]]).sum(axis=1) > 0.7*np.linalg.norm(arm, axis=1)
-    return float(np.linalg.norm(arm[facing], axis=1).min(initial=np.inf))
-
-
 def phases(folder: Path, names: list[str]) -> dict[str, float]:
     """Seconds by phase, all parts, remeshes with their transfer, and the most memory [MiB]."""
     total: dict[str, float] = {}
@@ -164,7 +150,7 @@ def main(scene: str, folder: Path, chosen: list[int]) -> None:
     print(f"gap inside the outline: most {gap[worst]:.3f} at {places[worst].round(1)}, mean "
           f"{gap.mean():.3f}, above 0.05: {100*(gap > 0.05).mean():.1f} %")
     print("flash beyond the outline: %.2f to %.2f mm" % flash_of(die, x))
-    print(f"skins that face each other across air: {narrowest(x, facets):.2f} mm apart at least")
+    print(f"skins that face each other across air: {narrowest_slot(x, facets, 2.0)[0]:.2f} mm apart at least")
     print(phases(folder, names))
     report = json.loads((folder/f"{scene}.parts.json").read_text())
     print("remeshes", round(sum(r["seconds"] for r in report["remeshes"]), 1), "s; force at rest",

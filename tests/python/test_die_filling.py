@@ -1,4 +1,4 @@
-"""Measures of a filled die: gaps to its triangles, skins that face each other, the flash."""
+"""Measures of a filled die: gaps to its triangles, the flash."""
 import sys
 from pathlib import Path
 
@@ -9,26 +9,10 @@ pytest.importorskip("scipy")
 pytest.importorskip("matplotlib")
 sys.path.insert(0, str(Path(__file__).parents[2]/"decks"/"make"))
 
-from die_filling import clearance, flash_of, narrowest, skin_of  # noqa: E402
+from die_filling import clearance, flash_of  # noqa: E402
 from die_forging import full_cross, full_rod  # noqa: E402
 from die_shapes import Cross, on_grid  # noqa: E402
 from tools import binary  # noqa: E402
-
-from lopin import mesh_make  # noqa: E402
-
-
-def brick(low, size, cells=(4, 4, 4)):
-    mesh = mesh_make.simplices(mesh_make.block(size, cells)).moved(*low)
-    return mesh.points, mesh.blocks[0][1]
-
-
-def test_the_slot_of_a_fold_is_measured_and_the_thickness_of_metal_is_not():
-    x, cells = brick((1.0, 1.0, 1.0), (2.0, 2.0, 0.4))
-    assert narrowest(x, skin_of(x, cells)) == np.inf
-    y, more = brick((1.0, 1.0, 1.7), (2.0, 2.0, 2.0))
-    both = np.vstack([x, y])
-    facets = np.vstack([skin_of(x, cells), skin_of(y, more) + len(x)])
-    assert narrowest(both, facets) == pytest.approx(0.3, rel=1e-6)
 
 
 def test_a_skin_below_the_die_is_as_far_as_it_was_moved(tmp_path):

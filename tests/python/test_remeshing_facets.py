@@ -7,7 +7,9 @@ from test_remeshing import history, run
 
 import lopin
 from lopin import mesh_make
-from lopin.remesh.body import DeckParts, read_body
+from lopin.remesh.body import DeckParts, boundary_facets, read_body
+from lopin.remesh.report import Remesh, Report
+from lopin.remesh.space import narrowest_slot
 
 pytest.importorskip("mmgpy")
 
@@ -80,3 +82,28 @@ def test_facets_as_small_as_they_may_be_are_no_reason_for_a_new_mesh(core, tmp_p
     report = run(ridge(tmp_path, 90, card), tmp_path)
     assert 1 <= len(report.remeshes) <= 3
     assert all("inside a tool" not in r.reason for r in report.remeshes)
+
+
+def brick(low, size, cells=(4, 4, 4)):
+    mesh = mesh_make.simplices(mesh_make.block(size, cells)).moved(*low)
+    return mesh.points, boundary_facets([mesh.blocks[0][1]], 3)[0]
+
+
+def test_the_slot_of_a_fold_is_measured_and_the_thickness_of_metal_is_not():
+    x, facets = brick((1.0, 1.0, 1.0), (2.0, 2.0, 0.4))
+    assert narrowest_slot(x, facets, 1.0)[0] == np.inf
+    y, more = brick((1.0, 1.0, 1.7), (2.0, 2.0, 2.0))
+    both, skin = np.vstack([x, y]), np.vstack([facets, more + len(x)])
+    slot, place = narrowest_slot(both, skin, 1.0)
+    assert slot == pytest.approx(0.3, rel=1e-6) and place[2] == pytest.approx(1.55, rel=1e-6)
+    assert narrowest_slot(both, skin, 0.2)[0] == np.inf
+
+
+def test_a_fold_is_told_where_it_is(tmp_path):
+    done = Remesh(1, 0.5, "worn", 10, 0.3, {"volume": 1.0, "volume_change": 0.0, "slot": 0.26,
+                                            "slot_at": [103.53, 4.64, 2.87]}, 0.0, 0.0, 0.0, 1.0)
+    assert "folds: 0.26 between its sides at (103.5, 4.64, 2.87)" in done.line()
+    report = Report("rod", tmp_path, [], [done])
+    report.jumps = lambda: [{"part": 1, "change": 0.0}]
+    verdict, said = report.verdict()
+    assert verdict == "WARN" and len(said) == 1 and "at (103.5, 4.64, 2.87)" in said[0]

@@ -27,7 +27,8 @@ class Remesh:
     reason : in words
     elements : of the new mesh
     worst_corner : of it
-    moved : volume before, relative change, largest moves [length], nodes put on tools
+    moved : volume before, relative change, largest moves [length], nodes put on tools; slot: the
+        least width of a fold, and where, if there is one
     plastic_change, energy_change : relative changes of the integrals of plastic strain and of the
         elastic energy of the deviator
     excess : largest share by which a strain was taken back to the yield surface
@@ -58,7 +59,14 @@ class Remesh:
         return (f"remesh at time {self.time:g}: {self.reason}; {self.elements} elements, worst "
                 f"corner {self.worst_corner:.2f}, volume {self.moved['volume_change']:+.1e}, "
                 f"plastic strain {100*self.plastic_change:+.2f} %, elastic energy "
-                f"{100*self.energy_change:+.2f} %")
+                f"{100*self.energy_change:+.2f} %" + (", " + self.fold() if self.fold() else ""))
+
+    def fold(self) -> str:
+        """Where two sides of the skin come together, in words; nothing where they do not."""
+        if "slot" not in self.moved:
+            return ""
+        place = ", ".join(f"{v:.4g}" for v in self.moved["slot_at"])
+        return f"the skin folds: {self.moved['slot']:.2g} between its sides at ({place})"
 
 
 @dataclass
@@ -152,6 +160,11 @@ class Report:
                 if level:
                     said.append(f"{('', 'WARN', 'FAIL')[level]}: remesh at time {r.time:g} "
                                 f"changes the {what} by {100*value:.2g} %")
+        folds = [r for r in self.remeshes if r.fold()]
+        if folds:
+            worst = max(worst, 1)
+            said.append(f"WARN: remesh at time {folds[0].time:g}: {folds[0].fold()}; the sides of "
+                        "a fold do not meet as bodies in contact do")
         return ("PASS", "WARN", "FAIL")[worst], said
 
     def text(self) -> str:

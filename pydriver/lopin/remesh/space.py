@@ -59,6 +59,28 @@ def volume_inside(x: NDArray, facets: NDArray) -> float:
     return float(np.linalg.det(x[facets]).sum()/6.0)
 
 
+def narrowest_slot(x: NDArray, facets: NDArray, reach: float) -> tuple[float, NDArray]:
+    """Least distance below `reach` between facets that face each other across air, and where.
+
+    A fold is such a slot while it closes; its two sides do not see each other as contact does. The
+    distance is infinite where there is none.
+    """
+    tree = optional("scipy.spatial", "new meshes").cKDTree
+    corner = x[facets]
+    middle = corner.mean(axis=1)
+    normal = np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0])
+    normal /= np.maximum(np.linalg.norm(normal, axis=1), np.finfo(float).tiny)[:, None]
+    one, other = tree(middle).query_pairs(reach, output_type="ndarray").T
+    arm = middle[other] - middle[one]
+    far = np.linalg.norm(arm, axis=1)
+    facing = ((normal[one]*normal[other]).sum(axis=1) < -0.7) & \
+        ((arm*normal[one]).sum(axis=1) > 0.7*far)
+    if not facing.any():
+        return np.inf, np.full(3, np.nan)
+    k = np.flatnonzero(facing)[np.argmin(far[facing])]
+    return float(far[k]), 0.5*(middle[one[k]] + middle[other[k]])
+
+
 def closest_on_facets(places: NDArray, x: NDArray, facets: NDArray, among: int = 12
                       ) -> tuple[NDArray, NDArray]:
     """Facet that is closest to each place, and the shares of its corners there."""

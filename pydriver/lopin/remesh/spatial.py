@@ -9,7 +9,7 @@ from .card import RemeshCard
 from .part import NewMesh, SkinOrigin
 from .seat import keep_volume, seat
 from .sizes import Sizes, of_curvature, of_gradient
-from .space import closest_on_facets, remesh_tetrahedra, volume_inside
+from .space import closest_on_facets, narrowest_slot, remesh_tetrahedra, volume_inside
 from .state import Snapshot
 from .tools import Tools
 from .transfer import PLASTIC, CellFields
@@ -35,6 +35,9 @@ def remesh_space(body: Body, state: Snapshot, card: RemeshCard, tools: Tools,
     press = np.zeros(len(x), bool)
     press[facets[[marks[reference[k]][1] for k in facet]].ravel()] = True
     x, moved = _seat(body, state, NewMesh(x, [cells], facets, tags), press, sizes, tools)
+    slot, place = narrowest_slot(x, facets, card.smallest)
+    if np.isfinite(slot):
+        moved |= {"slot": slot, "slot_at": [float(v) for v in place]}
     mesh = NewMesh(x, [cells], facets, tags)
     mesh.named = {name: np.arange(len(x)) if len(rows) == len(state.x) else
                   np.unique([int(np.argmin(np.linalg.norm(x - state.x[r], axis=1))) for r in rows])
