@@ -160,3 +160,9 @@ def test_values_do_not_change_with_units(tmp_path):
     other = reach(stiff, Quantity("PRESSURE"), 0.02)
     assert np.isclose(other.value, 1e3*found.value, rtol=1e-6)
     assert np.isclose(other.error, found.error, rtol=1e-4)
+
+
+def test_a_number_that_is_nothing_has_no_relative_error():
+    """Contact forces of a sphere along the axis direction 1 of a deck that has none across."""
+    with pytest.raises(NotConvergedError, match="E0622.*is 0: it has no relative error"):
+        reach(DECKS/"cylinder_on_plane.inp", Quantity("FORCE", "", 1), 0.01)

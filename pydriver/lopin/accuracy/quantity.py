@@ -11,6 +11,8 @@ from ..errors import ModelError, UsageError
 from ..model_read_mesh import MeshCards, expanded, plain
 from ..result import Result
 
+#: A sum of forces below this share of their sizes is rounding.
+ROUNDING = 1e-9
 KINDS = ("PRESSURE", "PEAK PRESSURE", "FORCE", "PEAK FORCE", "DISPLACEMENT", "SPRINGBACK")
 
 
@@ -91,7 +93,10 @@ class Quantity:
             ends = [result.contact(k).at(at).force for k in range(len(result.pairs))]
             if not ends:
                 raise ModelError("a force without SET is that of contact: the deck has none")
-            return np.sum([f.sum(axis=0) for f in ends], axis=0)
+            total = np.sum([f.sum(axis=0) for f in ends], axis=0)
+            size = sum(np.abs(f).sum() for f in ends)
+            # Two tools that press from both sides: what is left of their forces is rounding.
+            return np.where(np.abs(total) > ROUNDING*size, total, 0.0)
         rows = _rows(result, deck, self.set)
         if len(rows) and "RF" in result.names:
             return np.asarray(result.at(at)["reaction"])[rows].sum(axis=0)

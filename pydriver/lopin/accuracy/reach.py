@@ -14,7 +14,6 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path
 
-import numpy as np
 
 from ..deck import Block, Deck
 from ..errors import NotConvergedError, UsageError
@@ -79,7 +78,7 @@ class Reached:
 
     @property
     def error(self) -> float:
-        """Estimate of the relative error."""
+        """Estimate of the relative error; nan: there is none."""
         return self.mesh + self.increments + self.enforcement
 
     @property
@@ -181,15 +180,17 @@ class _Search:
         self.found = Reached(quantity, target)
         self.most = most
         self.factor = 1.0     #: of the increments
-        self.runs = 0
 
     def run(self) -> Reached:
         """All runs that are needed."""
         found, deck, number = self.found, self.deck, 0
         last = self._solve(deck, number, 0)
-        if depends_on_path(deck):
+        if found.value == 0.0:
+            found.reason = f"the {found.quantity} is 0: it has no relative error; ask for that of " \
+                "one tool by SET, or for another direction"
+        if depends_on_path(deck) and not found.reason:
             last = self._settle_increments(deck, last)
-        while True:
+        while not found.reason:
             finer = refined(deck)
             dims = 3 if found.result["displacement"].shape[1] == 3 else 2
             limit = self.most or MOST[dims]
@@ -249,10 +250,7 @@ class _Search:
         """The error of the mesh from the differences between meshes."""
         found = self.found
         apart = [v.difference for v in found.levels if not math.isnan(v.difference)]
-        scale = abs(found.value)
-        if scale == 0.0 or not np.isfinite(scale):
-            found.reason = f"the {found.quantity} is {found.value:g}: it has no relative error"
-            return
+        scale = max(abs(found.value), 1e-300)
         order = 1.0
         if len(apart) > 1:
             ratio = apart[-2]/max(apart[-1], 1e-300)
