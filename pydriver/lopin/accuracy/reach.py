@@ -186,8 +186,8 @@ class _Search:
         found, deck, number = self.found, self.deck, 0
         last = self._solve(deck, number, 0)
         if found.value == 0.0:
-            found.reason = f"the {found.quantity} is 0: it has no relative error; ask for that of " \
-                "one tool by SET, or for another direction"
+            found.reason = f"the {found.quantity} is 0: it has no relative error; ask for that " \
+                "of one tool by SET, or for another direction"
         if depends_on_path(deck) and not found.reason:
             last = self._settle_increments(deck, last)
         while not found.reason:
