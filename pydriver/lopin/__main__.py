@@ -1,7 +1,7 @@
 """``lopin`` and ``python -m lopin``: one command for the executable and for the Python side.
 
 run, check, info, explain, doc and selftest are the executable's; report, plot, chart, atlas,
-convert, export and example are answered here.
+convert, export, example and die are answered here.
 """
 from __future__ import annotations
 

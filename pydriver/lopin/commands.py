@@ -1,4 +1,4 @@
-"""The commands that Python answers: report, plot, chart, atlas, convert, export, example."""
+"""The commands that Python answers: report, plot, chart, atlas, convert, export, example, die."""
 from __future__ import annotations
 
 import os
