@@ -125,7 +125,8 @@ def draw(scene: str, stages: list, mirrors: list) -> None:
         low, high = shown.reshape(-1, 3).min(axis=0), shown.reshape(-1, 3).max(axis=0)
         axis.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), zlim=(low[2], high[2]))
         axis.set_title(title, fontsize=9)
-        axis.set_box_aspect(high - low, zoom=1.25)
+        long = (high - low)[0] > 2.0*(high - low)[1]
+        axis.set_box_aspect(high - low, zoom=0.95 if long else 1.25)
         axis.view_init(38, -60)
         axis.set_axis_off()
     figure.subplots_adjust(0, 0, 1, 0.94, 0, 0)

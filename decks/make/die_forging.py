@@ -43,14 +43,20 @@ def upset_bar(die: Cross, radius: float, cells: tuple[int, int], whole: bool,
     return skinned(mesh, skin, held), half
 
 
-def rolled_bar(die: Rod, cells: tuple[int, int], tets: bool) -> Mesh:
-    """A bar along x whose sections are those of the cavity, rounded off along it; y, z >= 0."""
+def rolled_bar(die: Rod, cells: tuple[int, int], tets: bool, ends: float = 0.0) -> Mesh:
+    """A bar along x whose sections are those of the cavity, rounded off along it; y, z >= 0.
+
+    Its ends are round over a length `ends`: flat ones hit the land by their rims.
+    """
     x = np.linspace(-0.95*die.big[0], die.centres + 0.95*die.small[0], 121)
     y = (np.arange(400) + 0.5)/400*die.box[3]
     plan = np.meshgrid(x, y, indexing="ij")
     area = np.where(die.outline(*plan) < 0.0, die.height(*plan), 0.0).sum(axis=1)*die.box[3]/400
     radius = np.sqrt(4.0*np.maximum(area, 20.0)/np.pi)
     radius = np.convolve(np.pad(radius, 10, "edge"), np.full(21, 1.0/21.0), "valid")
+    if ends > 0.0:
+        inward = np.minimum(1.0, np.minimum(x - x[0], x[-1] - x)/ends)
+        radius *= np.maximum(0.3, np.sqrt(inward*(2.0 - inward)))
     radius *= np.sqrt(OVER*volume(die)/np.trapezoid(0.25*np.pi*radius**2, x))
     mesh = sector(x[-1] - x[0], cells, False, tets)
 
@@ -181,12 +187,12 @@ down to {fine:g} mm. Shapes: decks/make/die_shapes.py; what it gives: docs/formi
                        f"HAUSDORFF={0.08*fine:g}, STRAIN=0.8\n")
 
 
-def full_rod(folder: Path, fine: float = 1.2, cells: tuple[int, int] = (4, 40), *,
-             deviation: float = 0.1, method: str = "DIRECT", mu: float = 0.15,
+def full_rod(folder: Path, fine: float = 1.8, cells: tuple[int, int] = (4, 40),
+             ends: float = 10.0, *, deviation: float = 0.1, method: str = "DIRECT", mu: float = 0.15,
              seed: int | None = None) -> str:
     """The connecting rod to the full die, its mesh made anew; cells on the dies of `fine` mm."""
     die = Rod()
-    mesh = rolled_bar(die, cells, True)
+    mesh = rolled_bar(die, cells, True, ends)
     x, y, z = mesh.points.T
     up = float((z - die.height(x, y)).max()) + deviation
     dies = write_dies(folder, "rod", triangles(die, 0.0, deviation, seed), up, False)
