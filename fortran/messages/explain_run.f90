@@ -235,9 +235,11 @@ contains
          & 'leave the node out of the support or out of the slave surface.')
       call add_explanation(list, 'E0506', 'supports press a slave node into its master', &
          & 'The node and the master opposite are both prescribed along the contact normal, so '// &
-         & 'that they meet whatever contact does: no force can open the penetration.', &
-         & 'leave the direction of the normal out of the support of the node, or stop the tool '// &
-         & 'before it gets there.')
+         & 'that they meet whatever contact does: no force can open the penetration. Where '// &
+         & 'they touch without one, as at the end of a belt that is led round its drum, '// &
+         & 'nothing determines the pressure.', &
+         & 'leave the direction of the normal out of the support of the node, stop the tool '// &
+         & 'before it gets there, or take the node out of the slave surface.')
       call add_explanation(list, 'E0507', 'supports tear a tie', &
          & 'A slave node of a tie and the master at the same place are both prescribed, with '// &
          & 'different values: no force of the tie can close what supports open.', &

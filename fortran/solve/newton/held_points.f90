@@ -1,7 +1,8 @@
 !> Slave nodes that supports press into a master that cannot give way, on the nonlinear path.
 !>
 !> Nothing can open such a penetration: every iteration raises the pressure, and beside a pressure
-!> without bounds the rest looks like rounding.
+!> without bounds the rest looks like rounding. Nor does anything determine the pressure of a point
+!> that supports move along its master, as a rigid end does that goes round a drum.
 module lopin_held_points
    use lopin_kinds, only : wp
    use lopin_error, only : error_type, error_code, raise
@@ -17,6 +18,8 @@ module lopin_held_points
 
    !> Penetration beyond this share of a facet is no rounding; components of a normal that count.
    real(wp), parameter :: penetrates = 1.0e-6_wp, counts = 1.0e-6_wp
+   !> Pressures of held points this many times all others are none.
+   real(wp), parameter :: stray = 1.0e3_wp
 
 contains
 
@@ -24,17 +27,30 @@ contains
       type(scene_type), intent(in) :: scene
       type(model_type), intent(in) :: model
       type(error_type), allocatable, intent(out) :: error
+      real(wp) :: most
+      logical :: pressed
       integer :: i
 
+      most = determined_pressure(scene, model)
       associate (c => scene%newton%contact)
          do i = 1, c%n
             if (c%facet(i) == 0 .or. c%status(i) == 0) cycle
             if (c%enforcement(i)%tied) cycle
-            if (.not. -c%gap(i) > penetrates*c%size(i)) cycle
+            pressed = -c%gap(i) > penetrates*c%size(i)
+            if (.not. (pressed .or. c%pressure(i) > stray*most)) cycle
             associate (pair => model%pair(c%pair(i)))
                if (.not. model%interaction(pair%interaction)%method%is_exact()) cycle
                if (.not. node_held(scene, model, c%node(i), c%normal(:, i))) cycle
                if (.not. master_held(scene, model, i)) cycle
+               if (.not. pressed) then
+                  call raise(error, error_code%not_converged, held_id, 'node '// &
+                     & to_text(model%mesh%node_label(c%node(i)))//' of pair ('// &
+                     & model%surface(pair%slave)%name//', '//model%surface(pair%master)%name// &
+                     & ') is held along its contact normal by supports, and so is the master '// &
+                     & 'opposite: nothing determines its pressure', pair%at, help='take it out '// &
+                     & 'of the slave surface '//model%surface(pair%slave)%name)
+                  return
+               end if
                call raise(error, error_code%not_converged, held_id, 'node '// &
                   & to_text(model%mesh%node_label(c%node(i)))//' of pair ('// &
                   & model%surface(pair%slave)%name//', '//model%surface(pair%master)%name// &
@@ -48,6 +64,23 @@ contains
          end do
       end associate
    end subroutine refuse_held_points
+
+   !> The largest pressure of points that are not both closed and held; huge: there are none.
+   pure real(wp) function determined_pressure(scene, model) result(most)
+      type(scene_type), intent(in) :: scene
+      type(model_type), intent(in) :: model
+      integer :: i
+
+      most = 0.0_wp
+      associate (c => scene%newton%contact)
+         do i = 1, c%n
+            if (c%pressure(i) <= most) cycle
+            if (node_held(scene, model, c%node(i), c%normal(:, i))) cycle
+            most = c%pressure(i)
+         end do
+      end associate
+      if (.not. most > 0.0_wp) most = huge(1.0_wp)/stray
+   end function determined_pressure
 
    !> Where iterations failed for a node that supports press into its master, that is the message.
    subroutine name_held_point(scene, model, error)
