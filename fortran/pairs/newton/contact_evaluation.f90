@@ -194,7 +194,8 @@ contains
       end do
    end subroutine forget_bounds
 
-   !> A point that is open whatever its slopes are: with nothing opposite, or a mortar row apart.
+   !> A point that is open whatever its slopes are: with nothing opposite, with nothing that is
+   !> solved for to move, or a mortar row apart.
    logical function is_left_open(self, i, law)
       type(nonlinear_contact_type), intent(inout) :: self
       integer, intent(in) :: i
@@ -205,7 +206,7 @@ contains
       is_left_open = .true.
       if (self%facet(i) == 0) then
          call stay_open(self, i, d, law)
-      else if (is_clear(self, i, law)) then
+      else if (self%idle(i) .or. is_clear(self, i, law)) then
          call stay_clear(self, i, d, law)
       else
          is_left_open = .false.
@@ -293,7 +294,7 @@ contains
       end associate
    end function is_clear
 
-   !> Such a row is open, with its gap and its normal.
+   !> Such a row is open, with the gap of its node and its normal.
    subroutine stay_clear(self, i, d, law)
       type(nonlinear_contact_type), intent(inout) :: self
       integer, intent(in) :: i, d

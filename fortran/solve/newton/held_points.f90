@@ -2,16 +2,18 @@
 !>
 !> Nothing can open such a penetration: every iteration raises the pressure, and beside a pressure
 !> without bounds the rest looks like rounding. Nor does anything determine the pressure of a point
-!> that supports move along its master, as a rigid end does that goes round a drum.
+!> that supports move along its master, as a rigid end does that goes round a drum: where supports
+!> hold it altogether it has no row, and the supports bear what there is.
 module lopin_held_points
    use lopin_kinds, only : wp
    use lopin_error, only : error_type, error_code, raise
    use lopin_text, only : to_text
    use lopin_model, only : model_type
    use lopin_scene, only : scene_type
+   use lopin_repeated_messages, only : note_once
    implicit none
    private
-   public :: refuse_held_points, name_held_point, held_id
+   public :: refuse_held_points, name_held_point, held_id, find_idle_points, tell_idle_points
 
    !> A failure that no smaller increment can avoid.
    character(len=*), parameter :: held_id = 'E0506'
@@ -22,6 +24,82 @@ module lopin_held_points
    real(wp), parameter :: stray = 1.0e3_wp
 
 contains
+
+   !> Which points no displacement that is solved for can open or close.
+   subroutine find_idle_points(scene, model)
+      type(scene_type), intent(inout) :: scene
+      type(model_type), intent(in) :: model
+      integer :: i
+
+      do i = 1, scene%newton%contact%n
+         scene%newton%contact%idle(i) = is_idle(scene, model, i)
+      end do
+   end subroutine find_idle_points
+
+   !> Of exact contact with a tool: with penalties the penetration gives a pressure.
+   pure logical function is_idle(scene, model, i)
+      type(scene_type), intent(in) :: scene
+      type(model_type), intent(in) :: model
+      integer, intent(in) :: i                 !! point
+      integer :: k
+
+      is_idle = .false.
+      associate (c => scene%newton%contact)
+         if (c%enforcement(i)%tied .or. c%masters%of(c%pair(i))%tool == 0) return
+         associate (interaction => model%interaction(model%pair(c%pair(i))%interaction))
+            if (.not. interaction%method%is_exact()) return
+         end associate
+         if (.not. wholly_held(scene, model, c%node(i))) return
+         associate (body => c%masters%of(c%pair(i))%body)
+            is_idle = body == 0
+            if (is_idle) return
+            is_idle = wholly_held(scene, model, model%rigid_body(body)%reference)
+            do k = 4, 6
+               is_idle = is_idle .and. dof_held(scene, scene%dofs%id(k, &
+                  & model%rigid_body(body)%reference))
+            end do
+         end associate
+      end associate
+   end function is_idle
+
+   !> No free equation moves the node.
+   pure logical function wholly_held(scene, model, node)
+      type(scene_type), intent(in) :: scene
+      type(model_type), intent(in) :: model
+      integer, intent(in) :: node
+      integer :: k
+
+      wholly_held = .true.
+      do k = 1, model%mesh%ndim
+         wholly_held = wholly_held .and. dof_held(scene, scene%dofs%id(k, node))
+      end do
+   end function wholly_held
+
+   !> Say of which touching points supports bear the contact force.
+   subroutine tell_idle_points(scene, model)
+      type(scene_type), intent(inout) :: scene
+      type(model_type), intent(in) :: model
+      integer :: pair, first, count_of, i
+
+      do pair = 1, size(model%pair)
+         count_of = 0
+         first = 0
+         associate (c => scene%newton%contact)
+            do i = 1, c%n
+               if (c%pair(i) /= pair .or. .not. c%idle(i) .or. c%facet(i) == 0) cycle
+               if (c%gap(i) > penetrates*c%size(i)) cycle
+               count_of = count_of + 1
+               if (first == 0) first = c%node(i)
+            end do
+         end associate
+         if (count_of == 0) cycle
+         call note_once(scene%log, 'N0409', to_text(count_of)//' slave nodes of '// &
+            & model%surface(model%pair(pair)%slave)%name//' touch '// &
+            & model%surface(model%pair(pair)%master)%name//' where supports hold them, the '// &
+            & 'first is '//to_text(model%mesh%node_label(first))//': they have no pressure, '// &
+            & 'the supports bear it', model%pair(pair)%at)
+      end do
+   end subroutine tell_idle_points
 
    subroutine refuse_held_points(scene, model, error)
       type(scene_type), intent(in) :: scene
@@ -34,7 +112,7 @@ contains
       most = determined_pressure(scene, model)
       associate (c => scene%newton%contact)
          do i = 1, c%n
-            if (c%facet(i) == 0 .or. c%status(i) == 0) cycle
+            if (c%facet(i) == 0 .or. (c%status(i) == 0 .and. .not. c%idle(i))) cycle
             if (c%enforcement(i)%tied) cycle
             pressed = -c%gap(i) > penetrates*c%size(i)
             if (.not. (pressed .or. c%pressure(i) > stray*most)) cycle

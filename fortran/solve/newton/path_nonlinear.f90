@@ -6,6 +6,7 @@
 !> that only the way to the answer differs. So is one that begins with letting go of something at
 !> once, by parts of the forces that held it.
 module lopin_path_nonlinear
+   use lopin_held_points, only : find_idle_points
    use lopin_kinds, only : wp
    use lopin_error, only : error_type, error_code, raise
    use lopin_text, only : to_text
@@ -72,6 +73,7 @@ contains
       scene%newton%rests = model%start%step == scene%step .and. .not. &
          & scene%accepted%clock%time > model%start%time
       call start_solids(scene, model)
+      call find_idle_points(scene, model)
       scene%trial%motion%u = scene%accepted%motion%u
       call rotate_followers(scene, model, error)
       if (allocated(error)) return

@@ -25,7 +25,7 @@ module lopin_increment
    use lopin_certificate, only : forces_type, find_forces, certify
    use lopin_state, only : begin, accept, reject_state => reject
    use lopin_newton_workspace, only : iteration_header
-   use lopin_held_points, only : refuse_held_points
+   use lopin_held_points, only : refuse_held_points, tell_idle_points
    use lopin_assemble_nonlinear, only : remember
    use lopin_heat_work, only : add_heat_work
    use lopin_limit_increment, only : limit_increment
@@ -166,6 +166,7 @@ contains
             call refuse_held_points(scene, model, error)
             if (.not. allocated(error)) call refuse_fold(scene, model, frame%certificate, error)
             if (allocated(error)) return
+            call tell_idle_points(scene, model)
             call report_nonlinear(scene, model)
             frame%iterations = scene%newton%iterations
             frame%augmentations = scene%newton%augmentations
