@@ -3,7 +3,7 @@
 !> Notes only, on what can be told from the deck alone: the answer of such a deck is right.
 module lopin_advise
    use lopin_kinds, only : wp
-   use lopin_error, only : severity, location_type
+   use lopin_error, only : severity
    use lopin_text, only : to_text
    use lopin_model, only : model_type, kind_of, surface_of
    use lopin_friction, only : has_friction
@@ -34,6 +34,10 @@ contains
       integer :: e, i, s, k
 
       if (model%kind /= kind_of%solid .or. model%mesh%nelement < worth_saying) return
+      ! Dofs of turned axes are not those of the mesh.
+      if (allocated(model%transform%node)) then
+         if (size(model%transform%node) > 0) return
+      end if
       used = .false.
       do e = 1, model%mesh%nelement
          if (model%mesh%section(e) == 0) cycle
@@ -59,7 +63,7 @@ contains
          if (.not. all(held(k, :) .or. .not. used)) cycle
          call model%log%say(severity%note, 'N0361', 'every node is held in direction '// &
             & to_text(k)//': the scene is one of plane strain, meshed in space', &
-            & nowhere_of(model), help='a plane mesh (CPE4, CPE8) has the same answer with half '// &
+            & model%step(1)%at, help='a plane mesh (CPE4, CPE8) has the same answer with half '// &
             & 'the nodes or fewer, and two equations at each instead of three')
          return
       end do
@@ -89,8 +93,8 @@ contains
       end do
    end subroutine advise_rigid
 
-   !> Modulus of the elements behind a surface, 0 if they are of several sections, flow, or are of
-   !> rubber; and how many elements have their material.
+   !> Modulus of the elements behind a surface, 0 if they are of several sections or of rubber; and
+   !> how many elements have their section.
    subroutine stiffness_of(model, surface, young, elements)
       type(model_type), intent(in) :: model
       integer, intent(in) :: surface
@@ -166,11 +170,4 @@ contains
             & any(step%face_load%amplitude > 0) .or. any(step%body_load%amplitude > 0)
       end associate
    end function varies
-
-   !> Where advice on the whole deck points: its first step.
-   pure type(location_type) function nowhere_of(model) result(at)
-      type(model_type), intent(in) :: model
-
-      at = model%step(1)%at
-   end function nowhere_of
 end module lopin_advise

@@ -42,14 +42,17 @@ def main(arguments: list[str] | None = None) -> int:
 def forward(arguments: list[str]) -> int:
     """Hand over to the executable, but a deck that asks for new meshes; where the system allows,
     this process becomes it."""
-    from .accuracy.command import deck_that_asks, run_asked
-    from .remesh.command import deck_to_remesh, run_remeshed
+    from .accuracy import command as accuracy
+    from .command_deck import deck_of, first_found
+    from .remesh import command as remesh
     from .run import find_executable
 
-    for asks, runs in ((deck_that_asks, run_asked), (deck_to_remesh, run_remeshed)):
-        deck = asks(arguments)
-        if deck is not None:
-            return runs(deck, arguments)
+    deck = deck_of(arguments)
+    if deck is not None:
+        runs = (accuracy.run_asked, remesh.run_remeshed)
+        chosen = first_found(deck, [accuracy.CARD, remesh.CARD])
+        if chosen is not None:
+            return runs[chosen](deck, arguments)
     program = str(find_executable())
     if os.name == "posix" and sys.stdout is sys.__stdout__:
         sys.stdout.flush()

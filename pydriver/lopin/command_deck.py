@@ -13,8 +13,8 @@ _VALUES, _PASSED_OVER = ("-o", "--output", "--solver", "--threads", "--progress"
                          "--most-elements"), ("--no-color", "--verbose", "-v")
 
 
-def deck_with(arguments: list[str], pattern: re.Pattern) -> Path | None:
-    """The deck of a command line to run, if it or what it includes has a pattern."""
+def deck_of(arguments: list[str]) -> Path | None:
+    """The deck of a command line to run."""
     words, skip = [], False
     for word in arguments:
         if skip:
@@ -25,19 +25,20 @@ def deck_with(arguments: list[str], pattern: re.Pattern) -> Path | None:
             words.append(word)
     if words[:1] == ["run"]:
         words = words[1:]
-    if len(words) != 1:
-        return None
-    path = Path(words[0])
-    return path if path.is_file() and _has(path, pattern, 0) else None
+    path = Path(words[0]) if len(words) == 1 else None
+    return path if path is not None and path.is_file() else None
 
 
-def _has(path: Path, pattern: re.Pattern, depth: int) -> bool:
-    """Whether a deck or what it includes has a pattern."""
+def first_found(path: Path, patterns: list[re.Pattern], depth: int = 0) -> int | None:
+    """The number of the first pattern that a deck has, or what it includes; each file is read
+    once."""
     text = path.read_text(encoding="utf-8", errors="replace")
-    if pattern.search(text):
-        return True
+    found = [k for k, pattern in enumerate(patterns) if pattern.search(text)]
     named = (path.parent/str(plain(name.strip())) for name in _INCLUDE.findall(text))
-    return depth < 8 and any(p.is_file() and _has(p, pattern, depth + 1) for p in named)
+    if depth < 8 and 0 not in found:
+        found += [k for p in named if p.is_file()
+                  if (k := first_found(p, patterns, depth + 1)) is not None]
+    return min(found, default=None)
 
 
 def parser_of(description: str) -> argparse.ArgumentParser:

@@ -3,16 +3,14 @@ import csv
 
 import numpy as np
 import pytest
+from crown import crown
 
-from lopin import mesh_make, profile
 from lopin.charts import chart
 from lopin.charts import run as chart_run
 from lopin.charts import theory as chart_theory
 from lopin.__main__ import main
 from lopin.charts.run import Setting
 from lopin.charts.scenes import SCENES
-from lopin.laws import Elastic
-from lopin.model import Model
 
 pytestmark = pytest.mark.usefixtures("core")
 
@@ -59,15 +57,8 @@ def test_scenes_converge_to_hertz(name):
 
 def test_a_chart_of_a_deck(tmp_path, capsys):
     pytest.importorskip("matplotlib")
-    mesh = mesh_make.crowned_block((2.0, 1.0), (8, 4), 20.0)
-    model = Model("crown", mesh, kind="plane strain")
-    model.section("ALL", Elastic(210e3, 0.3))
-    floor = model.rigid_tool("FLOOR", profile.plane(0.0, 5.0, side="above"))
-    model.contact("BOTTOM", floor)
-    model.fix("TOP", "x", "y")
-    model.step().move(floor, y=0.01)
-    deck = model.to_deck().write(tmp_path/"crown.inp")
-    assert main(["chart", str(deck), "-o", str(tmp_path), "--repetitions", "1"]) == 0
+    deck = crown(tmp_path)
+    assert main(["chart", deck, "-o", str(tmp_path), "--repetitions", "1"]) == 0
     assert "0 wrong by more than 5 % and silent" in capsys.readouterr().out
     with (tmp_path/"crown.csv").open(encoding="utf-8") as file:
         rows = list(csv.DictReader(file))

@@ -4,26 +4,17 @@ import shutil
 
 import numpy as np
 import pytest
+from crown import crown
 
-from lopin import Model, mesh_make, profile
 from lopin.__main__ import main
 from lopin.charts.cases import Case, front, read_cases
-from lopin.laws import Elastic
 
 ASKED = ["--quantity", "FORCE", "--set", "FLOOR_REF", "--component", "2"]
 
 
-@pytest.fixture
-def crown(tmp_path):
-    """A crowned block pressed on a rigid floor, clamped far away."""
-    mesh = mesh_make.crowned_block((2.0, 1.0), (8, 4), 20.0)
-    model = Model("crown", mesh, kind="plane strain")
-    model.section("ALL", Elastic(210e3, 0.3))
-    floor = model.rigid_tool("FLOOR", profile.plane(0.0, 5.0, side="above"))
-    model.contact("BOTTOM", floor)
-    model.fix("TOP", "x", "y")
-    model.step().move(floor, y=0.01)
-    return str(model.to_deck().write(tmp_path/"crown.inp"))
+@pytest.fixture(name="crown")
+def deck(tmp_path):
+    return crown(tmp_path)
 
 
 def rows_of(folder):

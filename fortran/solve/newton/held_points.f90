@@ -20,6 +20,8 @@ module lopin_held_points
 
    !> Penetration beyond this share of a facet is no rounding; components of a normal that count.
    real(wp), parameter :: penetrates = 1.0e-6_wp, counts = 1.0e-6_wp
+   !> A direction with all components.
+   real(wp), parameter :: everywhere(3) = 1.0_wp
    !> Pressures of held points this many times all others are none.
    real(wp), parameter :: stray = 1.0e3_wp
 
@@ -41,7 +43,6 @@ contains
       type(scene_type), intent(in) :: scene
       type(model_type), intent(in) :: model
       integer, intent(in) :: i                 !! point
-      integer :: k
 
       is_idle = .false.
       associate (c => scene%newton%contact)
@@ -49,31 +50,10 @@ contains
          associate (interaction => model%interaction(model%pair(c%pair(i))%interaction))
             if (.not. interaction%method%is_exact()) return
          end associate
-         if (.not. wholly_held(scene, model, c%node(i))) return
-         associate (body => c%masters%of(c%pair(i))%body)
-            is_idle = body == 0
-            if (is_idle) return
-            is_idle = wholly_held(scene, model, model%rigid_body(body)%reference)
-            do k = 4, 6
-               is_idle = is_idle .and. dof_held(scene, scene%dofs%id(k, &
-                  & model%rigid_body(body)%reference))
-            end do
-         end associate
+         is_idle = node_held(scene, model, c%node(i), everywhere) .and. &
+            & tool_held(scene, model, c%masters%of(c%pair(i))%body, everywhere)
       end associate
    end function is_idle
-
-   !> No free equation moves the node.
-   pure logical function wholly_held(scene, model, node)
-      type(scene_type), intent(in) :: scene
-      type(model_type), intent(in) :: model
-      integer, intent(in) :: node
-      integer :: k
-
-      wholly_held = .true.
-      do k = 1, model%mesh%ndim
-         wholly_held = wholly_held .and. dof_held(scene, scene%dofs%id(k, node))
-      end do
-   end function wholly_held
 
    !> Say of which touching points supports bear the contact force.
    subroutine tell_idle_points(scene, model)
@@ -192,6 +172,24 @@ contains
       if (.not. held) held = scene%constraints%first(dof + 1) == scene%constraints%first(dof)
    end function dof_held
 
+   !> No free equation moves a tool along a direction, or turns it.
+   pure logical function tool_held(scene, model, body, direction) result(held)
+      type(scene_type), intent(in) :: scene
+      type(model_type), intent(in) :: model
+      integer, intent(in) :: body              !! that moves it; 0: it is fixed
+      real(wp), intent(in) :: direction(3)
+      integer :: k
+
+      held = .true.
+      if (body == 0) return
+      associate (reference => model%rigid_body(body)%reference)
+         held = node_held(scene, model, reference, direction)
+         do k = 4, 6
+            held = held .and. dof_held(scene, scene%dofs%id(k, reference))
+         end do
+      end associate
+   end function tool_held
+
    !> The tool, or the nodes of the facet opposite, have no free way along the normal.
    pure logical function master_held(scene, model, i) result(held)
       type(scene_type), intent(in) :: scene
@@ -203,13 +201,7 @@ contains
          & scene%newton%contact%masters%of(scene%newton%contact%pair(i)))
          held = .true.
          if (master%tool > 0) then
-            if (master%body == 0) return
-            associate (reference => model%rigid_body(master%body)%reference)
-               held = node_held(scene, model, reference, c%normal(:, i))
-               do k = 4, 6
-                  held = held .and. dof_held(scene, scene%dofs%id(k, reference))
-               end do
-            end associate
+            held = tool_held(scene, model, master%body, c%normal(:, i))
             return
          end if
          f = c%facet(i)

@@ -187,7 +187,7 @@ contains
          if (error%code /= error_code%not_converged) return
       end do
       call forget_eased(scene)
-      if (.not. jams) call try_slowly(scene, model, f, prescribed, error)
+      call try_slowly(scene, model, f, prescribed, error)
    end subroutine try_other_ways
 
    !> Again by slow motion from the accepted state; the first error if that fails.

@@ -5,15 +5,10 @@ import re
 import sys
 from pathlib import Path
 
-from ..command_deck import deck_with, given_by, parser_of, tell
+from ..command_deck import given_by, parser_of, tell
 from ..errors import NotConvergedError
 
-_CARD = re.compile(r"^\s*\*\s*LOPIN\s*,[^\n]*\bQUANTITY\s*=", re.I | re.M)
-
-
-def deck_that_asks(arguments: list[str]) -> Path | None:
-    """The deck of a command line, if it asks for a number within an error."""
-    return deck_with(arguments, _CARD)
+CARD = re.compile(r"^\s*\*\s*LOPIN\s*,[^\n]*\bQUANTITY\s*=", re.I | re.M)
 
 
 def run_asked(path: Path, arguments: list[str]) -> int:

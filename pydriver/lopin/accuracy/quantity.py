@@ -1,6 +1,7 @@
 """The number that a run is asked for, and how two runs differ in it."""
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
@@ -68,38 +69,33 @@ class Quantity:
             return float(pressure.max(initial=0.0) if self.kind == "PEAK PRESSURE" else
                          np.sqrt(weight @ pressure**2))
         if self.kind == "FORCE":
-            return self._of_vector(self._force(result, deck, -1))
+            return self.of_vector(self._forces(result, deck, [-1])[0])
         if self.kind == "PEAK FORCE":
-            every = [self._of_vector(self._force(result, deck, k))
-                     for k in range(len(result.times))]
-            return max(every, key=abs)
+            every = self._forces(result, deck, range(len(result.times)))
+            return max(map(self.of_vector, every), key=abs)
         rows = _rows(result, deck, self.set)
         moved = np.asarray(result["displacement"])[rows].mean(axis=0)
         if self.kind == "SPRINGBACK":
             moved = moved - np.asarray(result.at(_before_last_step(result))["displacement"]
                                        )[rows].mean(axis=0)
-        return self._of_vector(moved)
+        return self.of_vector(moved)
 
-    def _of_vector(self, vector: NDArray) -> float:
+    def of_vector(self, vector: NDArray) -> float:
         if self.component:
             if self.component > len(vector):
                 raise UsageError(f"COMPONENT={self.component}: there are {len(vector)}")
             return float(vector[self.component - 1])
         return float(np.linalg.norm(vector))
 
-    def _force(self, result: Result, deck: Deck, at: int) -> NDArray:
-        """At an output of the run."""
+    def _forces(self, result: Result, deck: Deck, at: Iterable[int]) -> list[NDArray]:
+        """At outputs of the run."""
         if not self.set:
-            ends = [result.contact(k).at(at).force for k in range(len(result.pairs))]
-            if not ends:
+            if not result.pairs:
                 raise ModelError("a force without SET is that of contact: the deck has none")
-            total = np.sum([f.sum(axis=0) for f in ends], axis=0)
-            size = sum(np.abs(f).sum() for f in ends)
-            # Two tools that press from both sides: what is left of their forces is rounding.
-            return np.where(np.abs(total) > ROUNDING*size, total, 0.0)
+            return [_of_contact(result, k) for k in at]
         rows = _rows(result, deck, self.set)
         if len(rows) and "RF" in result.names:
-            return np.asarray(result.at(at)["reaction"])[rows].sum(axis=0)
+            return [np.asarray(result.at(k)["reaction"])[rows].sum(axis=0) for k in at]
         raise ModelError(f"no forces are known of {self.set}")
 
     def difference(self, fine: Result, coarse: Result, values: tuple[float, float]) -> float:
@@ -113,6 +109,15 @@ class Quantity:
         if (rows < 0).any():
             return abs(values[0] - values[1])   # surfaces without common nodes
         return float(np.sqrt(weight @ (mine[rows] - other)**2))
+
+
+def _of_contact(result: Result, at: int) -> NDArray:
+    """The sum of all contact forces on slaves at an output."""
+    ends = [result.contact(k).at(at).force for k in range(len(result.pairs))]
+    total = np.sum([f.sum(axis=0) for f in ends], axis=0)
+    size = sum(np.abs(f).sum() for f in ends)
+    # Two tools that press from both sides: what is left of their forces is rounding.
+    return np.where(np.abs(total) > ROUNDING*size, total, 0.0)
 
 
 def pressures(result: Result) -> tuple[NDArray, NDArray, NDArray]:

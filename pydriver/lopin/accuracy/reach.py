@@ -19,7 +19,7 @@ from ..deck import Block, Deck
 from ..errors import NotConvergedError, UsageError
 from ..files import whole_file
 from ..model_read_mesh import expanded, named_from
-from ..refine import refined
+from ..refine import refined, size_of_refined
 from ..result import Result
 from ..run import as_deck, run
 from .increments import depends_on_path, with_smaller
@@ -191,12 +191,13 @@ class _Search:
         if depends_on_path(deck) and not found.reason:
             last = self._settle_increments(deck, last)
         while not found.reason:
-            finer = refined(deck)
+            size = size_of_refined(deck)
             dims = 3 if found.result["displacement"].shape[1] == 3 else 2
             limit = self.most or MOST[dims]
-            if finer.n_element > limit:
-                found.reason = self._out_of_reach(finer.n_element, limit, dims)
+            if size > limit:
+                found.reason = self._out_of_reach(size, limit, dims)
                 break
+            finer = refined(deck)
             deck, number = finer.deck, number + 1
             found.filled_in = max(found.filled_in, finer.filled_in)
             last = self._solve(deck, number, finer.n_element, last)

@@ -6,11 +6,12 @@ or refuses) has its own letter, W: it is no failure of the solver, but no F0 eit
 """
 from __future__ import annotations
 
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ..charts.rows import TableRow
 from ..charts.run import WRONG, pressures, relative
 from ..deck import Deck
 from ..errors import NotConvergedError, SingularError
@@ -36,7 +37,7 @@ _UNEVEN = "W0333"
 
 
 @dataclass
-class Cell:
+class Cell(TableRow):
     """A square of a map: where it is, and what happened there."""
 
     row: int                      #: number of the cell in its map; ``--cell`` takes it
@@ -48,22 +49,6 @@ class Cell:
     iterations: int = 0
     said: str = ""                #: verdict of the certificate, or the diagnostic
     turned: str = ""              #: its class, turned and in other units
-
-    @classmethod
-    def columns(cls) -> list[str]:
-        return [f.name for f in fields(cls)]
-
-    @classmethod
-    def read(cls, texts: dict[str, str]) -> Cell:
-        """The cell of texts that `values` gave."""
-        kinds = {f.name: str(f.type) for f in fields(cls)}
-        read = {"float": lambda t: float(t or "nan"), "int": int, "str": str}
-        return cls(**{name: read[kinds[name]](text) for name, text in texts.items()})
-
-    def values(self) -> list[str]:
-        return [f"{v:.6g}" if isinstance(v, float) and np.isfinite(v) else
-                "" if isinstance(v, float) else str(v)
-                for v in (getattr(self, name) for name in self.columns())]
 
 
 @dataclass

@@ -12,7 +12,7 @@ from __future__ import annotations
 import csv
 import re
 from collections.abc import Callable
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from itertools import product
 from pathlib import Path
 
@@ -20,6 +20,7 @@ import numpy as np
 
 from ..accuracy import Quantity
 from ..accuracy.increments import with_smaller
+from ..charts.rows import TableRow
 from ..charts.run import WRONG, answer
 from ..deck import Deck
 from ..errors import UsageError
@@ -89,7 +90,7 @@ def _values(text: str, whole: str) -> tuple[float, ...]:
 
 
 @dataclass
-class DeckCell:
+class DeckCell(TableRow):
     """A run of the map."""
 
     row: int
@@ -101,19 +102,7 @@ class DeckCell:
     increments: int = 0
     iterations: int = 0
     said: str = ""             #: codes of warnings, or of the failure
-
-    def values(self) -> list[str]:
-        """The row as text."""
-        raw = [getattr(self, f.name) for f in fields(self)]
-        return ["" if isinstance(v, float) and np.isnan(v) else
-                f"{v:.8g}" if isinstance(v, float) else str(v) for v in raw]
-
-    @classmethod
-    def read(cls, texts: dict[str, str]) -> DeckCell:
-        """The row of texts that `values` gave."""
-        kinds = {f.name: str(f.type) for f in fields(cls)}
-        read = {"float": lambda t: float(t or "nan"), "int": int, "str": str}
-        return cls(**{name: read[kinds[name]](text) for name, text in texts.items()})
+    DIGITS = 8
 
 
 @dataclass
@@ -202,7 +191,7 @@ def write_cells(cells: list[DeckCell], path: Path) -> None:
     with whole_file(path, lasting=False) as part, part.open("w", newline="",
                                                             encoding="utf-8") as file:
         writer = csv.writer(file, lineterminator="\n")
-        writer.writerow([f.name for f in fields(DeckCell)])
+        writer.writerow(DeckCell.columns())
         writer.writerows(c.values() for c in cells if c.kind)
 
 

@@ -36,7 +36,7 @@ def beside(chart: Chart) -> list[Case]:
         for mesh in chart.meshes:
             row = Case(chart.deck.name, program="ccx", element=element, mesh=mesh)
             try:
-                _run(row, program, chart._mesh(element, mesh), chart)
+                _run(row, program, chart.mesh_of(element, mesh), chart)
             except (LopinError, OSError) as problem:
                 row.failure = getattr(problem, "id", "") or str(problem).split("\n")[0]
             if np.isfinite(row.value):
@@ -79,7 +79,7 @@ def _run(row: Case, program: str, deck: Deck, chart: Chart) -> None:
     if word == "RF" and any(w.startswith("CAX") for w, _ in cards.elements.values()):
         vector = vector*WEDGES   # it prints those of a wedge of two degrees
     row.equations = 2*len(cards.nodes) if not vector[2] else 3*len(cards.nodes)
-    row.value = chart.quantity._of_vector(vector)
+    row.value = chart.quantity.of_vector(vector)
 
 
 def _last_table(path: Path) -> np.ndarray:

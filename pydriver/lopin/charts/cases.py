@@ -11,7 +11,7 @@ import csv
 import os
 import time
 from collections.abc import Iterable
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from itertools import product
 from pathlib import Path
 
@@ -27,6 +27,7 @@ from ..refine import of_second_order, refined
 from ..refine.subdivide import cell_of
 from ..result import Result
 from .forming import behaved
+from .rows import TableRow
 from .run import LINEAR, answer, forget_peak, with_method, without_contact
 
 #: The least time of a run has settled when so many more runs leave it within `STEADY`.
@@ -36,7 +37,7 @@ WRONG = 0.05
 
 
 @dataclass
-class Case:
+class Case(TableRow):
     """A row of the table."""
 
     case: str
@@ -56,6 +57,7 @@ class Case:
     verdict: str = ""
     warned: str = ""             #: codes of its warnings
     failure: str = ""            #: code of a run without an answer
+    DIGITS = 8
 
     @property
     def answered(self) -> bool:
@@ -71,28 +73,20 @@ class Case:
             words.append(f"increments x {self.increments:g}")
         return ("" if self.program == "lopin" else self.program + " ") + " ".join(words)
 
-    def values(self) -> list[str]:
-        """The row as text; nothing where nothing is known."""
-        raw = [getattr(self, f.name) for f in fields(self)]
-        return ["" if isinstance(v, float) and not np.isfinite(v) else
-                f"{v:.8g}" if isinstance(v, float) else str(v) for v in raw]
-
 
 def read_cases(path: Path) -> list[Case]:
     """The rows of a table, also of another program: case, program, seconds and value or error are
     enough."""
-    kinds = {f.name: str(f.type) for f in fields(Case)}
+    known = Case.columns()
     rows = []
     with path.open(newline="", encoding="utf-8") as file:
         for number, texts in enumerate(csv.DictReader(file), start=2):
-            given = {k: v for k, v in texts.items() if k in kinds and v}
+            given = {k: v for k, v in texts.items() if k in known and v}
             if not {"seconds"} <= set(given) or not {"value", "error", "failure"} & set(given):
                 raise UsageError(f"{path}:{number}: a row needs seconds, and value or error",
-                                 help="columns: " + ", ".join(kinds))
+                                 help="columns: " + ", ".join(known))
             try:
-                rows.append(Case(**{"case": path.stem} | {
-                    k: {"float": float, "int": int, "str": str}[kinds[k]](v)
-                    for k, v in given.items()}))
+                rows.append(Case.read({"case": path.stem} | given))
             except ValueError as problem:
                 raise UsageError(f"{path}:{number}: {problem}") from problem
     return rows
@@ -108,7 +102,7 @@ def write_cases(rows: list[Case], path: Path) -> None:
     """All rows as CSV."""
     with whole_file(path) as part, part.open("w", newline="", encoding="utf-8") as file:
         writer = csv.writer(file, lineterminator="\n")
-        writer.writerow([f.name for f in fields(Case)])
+        writer.writerow(Case.columns())
         writer.writerows(row.values() for row in rows)
 
 
@@ -186,17 +180,17 @@ class Chart:
                 found.append(sum(result.summary["timing"].get(k, 0.0) for k in LINEAR))
         return min(found, default=np.nan)
 
-    def _mesh(self, element: str, mesh: int) -> Deck:
+    def mesh_of(self, element: str, mesh: int) -> Deck:
         if (element, mesh) not in self.meshed:
             if element:
-                made = with_elements(self._mesh("", mesh), element)
+                made = with_elements(self.mesh_of("", mesh), element)
             else:
-                made = refined(self._mesh("", mesh - 1)).deck
+                made = refined(self.mesh_of("", mesh - 1)).deck
             self.meshed[element, mesh] = made
         return self.meshed[element, mesh]
 
     def _varied(self, row: Case) -> Deck:
-        deck = self._mesh(row.element, row.mesh)
+        deck = self.mesh_of(row.element, row.mesh)
         if row.method:
             deck = with_method(deck, row.method, None)
         if row.increments != 1.0:

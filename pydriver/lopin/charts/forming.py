@@ -10,7 +10,7 @@ from __future__ import annotations
 import csv
 import time
 from collections.abc import Iterable
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -21,6 +21,7 @@ from ..errors import UsageError
 from ..files import whole_file
 from ..laws import METHODS
 from ..result import Result
+from .rows import TableRow
 from .run import WRONG, answer, light, with_method
 
 #: Increments of the reference and of the sweep, as shares of a step.
@@ -30,7 +31,7 @@ FACTORS = (1e-2, 1e-1, 1.0, 1e1, 1e2)
 
 
 @dataclass
-class FormingRun:
+class FormingRun(TableRow):
     """A row of the table."""
 
     case: str
@@ -47,24 +48,6 @@ class FormingRun:
     verdict: str = ""
     warned: str = ""              #: codes of its warnings
     failure: str = ""             #: code of a run without an answer
-
-    @classmethod
-    def columns(cls) -> list[str]:
-        """Names of the columns."""
-        return [f.name for f in fields(cls)]
-
-    def values(self) -> list[str]:
-        """The row as text; nothing where nothing is known."""
-        raw = [getattr(self, name) for name in self.columns()]
-        return ["" if isinstance(v, float) and not np.isfinite(v) else
-                f"{v:.6g}" if isinstance(v, float) else str(v) for v in raw]
-
-    @classmethod
-    def read(cls, texts: dict[str, str]) -> FormingRun:
-        """The row of texts that `values` gave."""
-        kinds = {f.name: str(f.type) for f in fields(cls)}
-        read = {"float": lambda t: float(t or "nan"), "int": int, "str": str}
-        return cls(**{name: read[kinds[name]](text) for name, text in texts.items()})
 
     @property
     def silent(self) -> bool:

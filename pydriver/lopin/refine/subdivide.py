@@ -70,6 +70,12 @@ SECOND = {"CPE3": "CPE6", "CPE4": "CPE8", "CPE4R": "CPE8R", "CPE4I": "CPE8", "CP
           "C3D8R": "C3D20R", "C3D8I": "C3D20"}
 
 
+def size_of_refined(deck: Deck) -> int:
+    """Solid elements that `refined` would make; nothing is made."""
+    cells = (cell_of(word) for word, _ in MeshCards(expanded(deck)).elements.values())
+    return sum(2**CELLS[name].ndim for name in cells if name)
+
+
 def refined(deck: Deck, curved: bool = True) -> Refined:
     """The deck with every solid element cut in half along each edge.
 

@@ -4,16 +4,11 @@ from __future__ import annotations
 import re
 from pathlib import Path
 
-from ..command_deck import deck_with, given_by, parser_of, tell
+from ..command_deck import given_by, parser_of, tell
 from ..deck import Deck
 from ..errors import UsageError
 
-_CARD = re.compile(r"^\s*\*\s*REMESH\b", re.I | re.M)
-
-
-def deck_to_remesh(arguments: list[str]) -> Path | None:
-    """The deck of a command line, if it asks for remeshing."""
-    return deck_with(arguments, _CARD)
+CARD = re.compile(r"^\s*\*\s*REMESH\b", re.I | re.M)
 
 
 def run_remeshed(path: Path, arguments: list[str]) -> int:
