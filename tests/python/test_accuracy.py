@@ -166,3 +166,13 @@ def test_a_number_that_is_nothing_has_no_relative_error():
     """Contact forces of a sphere along the axis direction 1 of a deck that has none across."""
     with pytest.raises(NotConvergedError, match="E0622.*is 0: it has no relative error"):
         reach(DECKS/"cylinder_on_plane.inp", Quantity("FORCE", "", 1), 0.01)
+
+
+@pytest.mark.parametrize("words, says", [
+    ("QUANTITY=SPEED", "SPEED"), ("QUANTITY=FORCE, TARGET ERROR=abc", "abc"),
+    ("QUANTITY=FORCE, TARGET ERROR=2.", "not between 0 and 1"),
+    ("QUANTITY=FORCE, COMPONENT=x", "x")])
+def test_what_cannot_be_read_is_named_with_its_place(tmp_path, words, says):
+    done = command(asking(tmp_path, words))
+    assert done.returncode == 1 and says in done.stderr and "ask.inp:" in done.stderr
+    assert "Traceback" not in done.stderr and not (tmp_path/"out").exists()

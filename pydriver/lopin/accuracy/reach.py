@@ -21,7 +21,7 @@ from ..files import whole_file
 from ..model_read_mesh import expanded, named_from
 from ..refine import refined, size_of_refined
 from ..result import Result
-from ..run import as_deck, run
+from ..run import as_deck, check, run
 from .increments import depends_on_path, with_smaller
 from .quantity import Quantity
 
@@ -144,6 +144,7 @@ def reach(scene, quantity: Quantity | None = None, target: float | None = None,
         exception is what was found.
     """
     deck = as_deck(scene)
+    check(deck)   # names the place of what it cannot read
     given = Quantity.of(deck)
     if quantity is None and given is None:
         raise UsageError("nothing is asked for: *LOPIN, QUANTITY=FORCE, TARGET ERROR=0.01")
