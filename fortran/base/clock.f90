@@ -6,16 +6,16 @@ module lopin_clock
    private
    public :: clock_type, counter_type, phase_names, nphase, phase, keep_counter
 
-   integer, parameter :: nphase = 9
+   integer, parameter :: nphase = 10
 
    !> Phases in the order in which a run meets them.
    type :: phases
       integer :: read = 1, model = 2, search = 3, assemble = 4, analyse = 5, factorise = 6
-      integer :: contact = 7, solve = 8, output = 9
+      integer :: contact = 7, solve = 8, check = 9, output = 10
    end type phases
    type(phases), parameter :: phase = phases()
    character(len=*), parameter :: phase_names(nphase) = [character(len=9) :: 'read', 'model', &
-      & 'search', 'assemble', 'analyse', 'factorise', 'contact', 'solve', 'output']
+      & 'search', 'assemble', 'analyse', 'factorise', 'contact', 'solve', 'check', 'output']
 
    !> How often the expensive things were done.
    type :: counter_type

@@ -134,6 +134,7 @@ def _add_chart_of_a_number(chart) -> None:
     more.add_argument("--beside", type=Path, action="append", default=[], metavar="CSV",
                       help="rows of another program, drawn in the same picture")
     more.add_argument("--ccx", action="store_true", help="run CalculiX on the same meshes, too")
+    more.add_argument("--name", default="", help="of table and picture; default: the deck's")
 
 
 def _add_atlas(commands) -> None:

@@ -104,7 +104,7 @@ def chart(options) -> int:
     from .charts import figures as chart_figures
     from .charts import theory as chart_theory
 
-    name, table = Path(options.deck).stem, options.deck.endswith(".csv")
+    name, table = options.name or Path(options.deck).stem, options.deck.endswith(".csv")
     if _asks_for_a_number(options, table):
         from .charts.command import chart_of_a_number
 

@@ -117,11 +117,15 @@ contains
       integer :: i
 
       size_ = largest(x%force)
-      noise = noise_of(self, work, x)*work%nodal
       collective = work%equations%c
       work%equations%c = work%nodal
       call form_equations(work%equations, self, points, x%force, x%gap)
-      fits = all(abs(work%equations%residual) <= limit*size_ + noise)
+      fits = all(abs(work%equations%residual) <= limit*size_ + most_noise(self, work, x) &
+         & *work%nodal)
+      if (fits) then
+         noise = noise_of(self, work, x)*work%nodal
+         fits = all(abs(work%equations%residual) <= limit*size_ + noise)
+      end if
       work%equations%c = collective
       call form_equations(work%equations, self, points, x%force, x%gap)
       do i = 1, self%nq
@@ -130,6 +134,23 @@ contains
             & abs(x%force), abs(self%c(:, i))) + abs(work%moving(i)))
       end do
    end function fits
+
+   !> A bound of `noise_of` for all rows, at a fraction of its cost [length].
+   pure real(wp) function most_noise(self, work, x) result(noise)
+      type(condensed_type), intent(in) :: self
+      type(work_type), intent(in) :: work
+      type(trial_type), intent(in) :: x
+      real(wp) :: softest
+      integer :: i, q
+
+      ! A positive matrix has its largest entry on its diagonal.
+      softest = maxval([0.0_wp, (self%s(i, i), i=1, self%nrow)])
+      noise = largest(work%free_gap) + softest*sum(abs(x%force))
+      do q = 1, self%nq
+         noise = noise + largest(self%c(:, q))*abs(x%q(q))
+      end do
+      noise = 1.1_wp*rounding*noise
+   end function most_noise
 
    !> What rounding makes of each gap, from the terms of its sum [length].
    function noise_of(self, work, x) result(noise)

@@ -31,6 +31,8 @@ module lopin_check_drift
    real(wp), parameter :: opposed = 0.05_wp
    !> Forces beside stiffness times motion that are rounding.
    real(wp), parameter :: no_force = 1.0e-9_wp
+   !> Amplitudes of motions that are rounding.
+   real(wp), parameter :: rounding = 1.0e-9_wp
    !> Ways below this share of the bodies are how they come to rest.
    real(wp), parameter :: at_rest = 1.0e-6_wp
 
@@ -80,11 +82,13 @@ contains
             force = max(force, abs(load(i)), abs(pressed(i)))
             most = max(most, stiffness(i))
          end do
-         call fit_motion(scene, change, b, q, moved, strayed)
-         if (glued(b)) then
+         if (glued(b) .or. .not. floats(scene%bodies, b)) then
             self%way(b) = 0.0_wp
             self%carried(b) = 0.0_wp
-         else if (force > no_force*most*max(moved, self%way(b))) then
+            cycle
+         end if
+         call fit_motion(scene, change, b, q, moved, strayed)
+         if (force > no_force*most*max(moved, self%way(b))) then
             self%way(b) = 0.0_wp
             call carry(self%carried(b), self%path(:, b), q, moved, strayed, largest)
          else if (strayed <= rigid*moved) then
@@ -92,6 +96,15 @@ contains
          end if
       end do
    end subroutine measure_drift
+
+   !> Whether some floating motion moves a body.
+   pure logical function floats(bodies, body)
+      type(bodies_type), intent(in) :: bodies
+      integer, intent(in) :: body
+
+      floats = any(abs(bodies%amplitude(bodies%nmode*(body - 1) + 1:bodies%nmode*body, :)) &
+         & > rounding)
+   end function floats
 
    !> The way of a body on which forces act.
    pure subroutine carry(way, path, q, moved, strayed, largest)
@@ -247,19 +260,16 @@ contains
       integer, intent(in) :: body
       real(wp), allocatable, intent(out) :: q(:)  !! (nq) amplitudes
       real(wp), intent(out) :: moved, strayed     !! largest components [length]
-      real(wp) :: basis(scene%constraints%neq, scene%bodies%nq), left(scene%constraints%neq)
+      real(wp), allocatable :: basis(:, :), left(:)
       real(wp) :: way(scene%bodies%nq, scene%bodies%nq), share, before
+      integer, allocatable :: own(:)           !! equations of the body
       integer :: i, k, m, n
 
-      basis = 0.0_wp
-      left = 0.0_wp
-      do i = 1, scene%constraints%neq
-         associate (raw => scene%constraints%dof_of_equation(i))
-            if (scene%bodies%body(scene%dofs%node(raw)) /= body) cycle
-            left(i) = raw_displacement(scene%constraints, scene%dofs, u, raw)
-            basis(i, :) = scene%bodies%motion(i, :)
-         end associate
-      end do
+      own = pack([(i, i=1, scene%constraints%neq)], &
+         & scene%bodies%body(scene%dofs%node(scene%constraints%dof_of_equation)) == body)
+      basis = scene%bodies%motion(own, :)
+      left = [(raw_displacement(scene%constraints, scene%dofs, u, &
+         & scene%constraints%dof_of_equation(own(i))), i=1, size(own))]
       ! Gram and Schmidt; motions of other bodies vanish here.
       way = 0.0_wp
       allocate (q(scene%bodies%nq), source=0.0_wp)

@@ -9,7 +9,7 @@ module lopin_check_stretch
    use lopin_model, only : model_type
    use lopin_scene, only : scene_type
    use lopin_repeated_messages, only : warn_once
-   use lopin_small_displacements, only : gradient_of
+   use lopin_mean_gradient, only : gradient_of
    implicit none
    private
    public :: stretched_type, measure_stretch, check_stretch

@@ -5,19 +5,18 @@
 module lopin_small_displacements
    use lopin_kinds, only : wp
    use lopin_text, only : to_text
-   use lopin_model, only : model_type, kind_of
-   use lopin_flat_elements, only : is_flat
+   use lopin_model, only : model_type
    use lopin_stream, only : stream_type
    use lopin_scene, only : scene_type
    use lopin_present_gaps, only : relative_motion
    use lopin_tool, only : foot_type, project_moved
    use lopin_rigid_motion, only : rigid_motion_type, new_rigid_motion
    use lopin_repeated_messages, only : warn_once
+   use lopin_mean_gradient, only : own_motion, gradient_of, find_reach, largest_gradient
    implicit none
    private
    public :: excursion_type, measure_small_displacements, check_small_displacements, &
-      & pair_that_slid, gradient_of
-   public :: own_motion, turns
+      & pair_that_slid, turns
 
    !> Limits of small displacement: slip over facet, rotation [rad], strain [-].
    real(wp), parameter :: slip_limit = 0.25_wp, strain_limit = 0.05_wp
@@ -32,8 +31,12 @@ module lopin_small_displacements
       real(wp) :: strain = strain_limit        !! [-]
       integer :: slid = 0                      !! point
       integer :: turned = 0, strained = 0      !! elements
+      !> (nelement) No gradient of an element is larger than this times how far its nodes move
+      !> apart [1/length]; of the mesh, not of the step
+      real(wp), allocatable :: reach(:)
    contains
       procedure :: keep => keep_strayed
+      procedure, private :: clear
    end type excursion_type
 
 contains
@@ -50,6 +53,19 @@ contains
       call stream%pass(self%turned)
       call stream%pass(self%strained)
    end subroutine keep_strayed
+
+   !> As at the start of a step.
+   subroutine clear(self)
+      class(excursion_type), intent(inout) :: self
+      real(wp), allocatable :: reach(:)
+
+      call move_alloc(self%reach, reach)
+      select type (self)
+      type is (excursion_type)
+         self = excursion_type()
+      end select
+      call move_alloc(reach, self%reach)
+   end subroutine clear
 
    !> Look at an accepted increment.
    subroutine measure_small_displacements(self, scene, model)
@@ -79,7 +95,7 @@ contains
 
       if (self%slid > 0) call warn_of_slip(self, scene, model)
       call warn_of_elements(self, scene, model)
-      self = excursion_type()
+      call self%clear()
    end subroutine check_small_displacements
 
    !> Closed points that have slid far on their facet: the normal and the place are those of the
@@ -201,19 +217,6 @@ contains
       end do
    end subroutine worst_slip
 
-   function own_motion(scene, model, node) result(motion)
-      type(scene_type), intent(in) :: scene
-      type(model_type), intent(in) :: model
-      integer, intent(in) :: node
-      real(wp) :: motion(3)
-      integer :: k
-
-      motion = 0.0_wp
-      do k = 1, model%mesh%ndim
-         if (scene%dofs%id(k, node) > 0) motion(k) = scene%trial%motion%u(scene%dofs%id(k, node))
-      end do
-   end function own_motion
-
    !> Rotations and strains of the elements, from the mean gradient of their nodes' displacements.
    subroutine check_elements(self, scene, model)
       type(excursion_type), intent(inout) :: self
@@ -222,8 +225,11 @@ contains
       real(wp) :: rotation, strain
       integer :: e
 
+      if (.not. allocated(self%reach)) call find_reach(model, self%reach)
       do e = 1, model%mesh%nelement
          if (model%mesh%section(e) == 0) cycle
+         if (largest_gradient(scene, model, e, self%reach(e)) < min(self%rotation, &
+            & self%strain)) cycle
          call mean_gradient(scene, model, e, rotation, strain)
          if (rotation > self%rotation) then
             self%rotation = rotation
@@ -268,62 +274,4 @@ contains
       strain = maxval(abs(0.5_wp*(h + transpose(h))))
    end subroutine mean_gradient
 
-   !> Least squares: H = sum (u - u_mean)(x - x_mean)^T [sum (x - x_mean)(x - x_mean)^T]^-1; around
-   !> the axis of revolution u/r.
-   subroutine gradient_of(scene, model, e, h)
-      type(scene_type), intent(in) :: scene
-      type(model_type), intent(in) :: model
-      integer, intent(in) :: e
-      real(wp), intent(out) :: h(3, 3)             !! du/dx [-]
-      real(wp) :: x(3, 20), u(3, 20), moment(3, 3), middle(3), mean(3)
-      integer :: n, k, d
-
-      d = model%mesh%ndim
-      n = 0
-      x = 0.0_wp
-      do k = 1, size(model%mesh%conn, 1)
-         if (model%mesh%conn(k, e) == 0) exit
-         n = n + 1
-         x(:d, n) = model%mesh%x(:, model%mesh%conn(k, e))
-         u(:, n) = own_motion(scene, model, model%mesh%conn(k, e))
-      end do
-      middle = sum(x(:, :n), dim=2)/n
-      mean = sum(u(:, :n), dim=2)/n
-      moment = 0.0_wp
-      h = 0.0_wp
-      do k = 1, n
-         moment = moment + outer(x(:, k) - middle, x(:, k) - middle)
-         h = h + outer(u(:, k) - mean, x(:, k) - middle)
-      end do
-      if (d == 2) moment(3, 3) = moment(1, 1) + moment(2, 2)
-      h = matmul(h, inverse(moment))
-      if (.not. is_flat(model, e) .and. model%kind == kind_of%axisymmetric .and. middle(1) &
-         & > 0.0_wp) h(3, 3) = mean(1)/middle(1)
-   end subroutine gradient_of
-
-   pure function outer(a, b) result(c)
-      real(wp), intent(in) :: a(3), b(3)
-      real(wp) :: c(3, 3)
-      integer :: j
-      do j = 1, 3
-         c(:, j) = a*b(j)
-      end do
-   end function outer
-
-   pure function inverse(a) result(b)
-      real(wp), intent(in) :: a(3, 3)
-      real(wp) :: b(3, 3)
-      integer :: i, j, p, q, r, s
-
-      do j = 1, 3
-         do i = 1, 3
-            p = mod(j, 3) + 1
-            q = mod(j + 1, 3) + 1
-            r = mod(i, 3) + 1
-            s = mod(i + 1, 3) + 1
-            b(i, j) = a(p, r)*a(q, s) - a(p, s)*a(q, r)
-         end do
-      end do
-      b = b/dot_product(a(1, :), b(:, 1))
-   end function inverse
 end module lopin_small_displacements

@@ -9,7 +9,7 @@ module lopin_contact_friction
    use lopin_pair_friction, only : friction_in_step
    use lopin_surface_material, only : slave_yields
    use lopin_friction_rows, only : friction_points_type
-   use lopin_friction_set, only : solve_friction, friction_result_type
+   use lopin_friction_set, only : solve_friction, friction_result_type, friction_controls_type
    use lopin_friction_history, only : remember
    use lopin_friction_report, only : report_elastic_slip, warn_of_wedging, warn_of_tension, explain
    use lopin_scene, only : scene_type
@@ -36,16 +36,20 @@ contains
       type(error_type), allocatable, intent(out) :: error
       type(friction_points_type) :: points
       type(friction_result_type) :: friction
+      type(friction_controls_type) :: controls
 
       call new_points(scene, model, points)
-      if (allocated(scene%accepted%friction%force)) then
+      if (scene%again) then
+         controls%predict = .false.
+      else if (allocated(scene%accepted%friction%force)) then
          scene%answer%force = scene%accepted%friction%force
          scene%answer%gap = scene%accepted%friction%gap
          scene%answer%q = scene%accepted%friction%q
       else
          if (allocated(scene%answer%force)) deallocate (scene%answer%force)
       end if
-      call solve_friction(scene%problem, points, gap, load, moving, scene%answer, friction)
+      call solve_friction(scene%problem, points, gap, load, moving, scene%answer, friction, &
+         & controls)
       scene%counter%iterations = scene%counter%iterations + scene%answer%iterations
       scene%counter%augmentations = scene%counter%augmentations + scene%answer%augmentations
       call explain(scene, model, points, friction, error)

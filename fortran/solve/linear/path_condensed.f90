@@ -122,8 +122,12 @@ contains
          & v(scene%constraints%neq))
       v = 0.0_wp
       call expand(scene%constraints, v, prescribed, u_known)
-      call scene%k%multiply(u_known, internal)
-      call reduce(scene%constraints, f - internal, right)
+      if (any(abs(u_known) > 0.0_wp)) then
+         call scene%k%multiply(u_known, internal)
+         call reduce(scene%constraints, f - internal, right)
+      else
+         call reduce(scene%constraints, f, right)
+      end if
       moving = matmul(right, scene%bodies%motion)
       call scene%clock%start()
       call condense_load(scene%system, right, y, load)

@@ -8,7 +8,8 @@ module lopin_frames
    use lopin_assemble_nonlinear, only : recover_nonlinear
    use lopin_recorder, only : wants_type
    use lopin_vectors, only : cross
-   use lopin_small_displacements, only : own_motion, turns
+   use lopin_small_displacements, only : turns
+   use lopin_mean_gradient, only : own_motion
    use lopin_scene, only : scene_type
    use lopin_present_gaps, only : relative_motion, gap_of
    use lopin_row_samples, only : has_samples

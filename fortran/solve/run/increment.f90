@@ -82,12 +82,14 @@ contains
          call leave_trial(scene, model, frame)
          call record_increment(watch%seen, scene, model, frame%certificate%rubs%ramp)
          if (scene%newton%nlgeom) call check_mesh(scene, model, frame%increment)
+         call scene%clock%stop_in(phase%check)
          call record(scene, model, forces%reaction, recorders, frame, error)
          if (allocated(error)) return
          call accept(scene%accepted, scene%trial)
          call tell_of_increment(scene, model, frame)
          call watch%checksum%add(frame%u(:3, :))
          run%summary%checksum = watch%checksum%text()
+         call scene%clock%stop_in(phase%check)
          if (frame%certificate%verdict == 2) call refuse_verdict(scene, model, frame, error)
       end associate
    end subroutine solve_increment
@@ -131,6 +133,7 @@ contains
          if (scene%newton%in_use) return
          call close_condensed(scene, model, prescribed, forces, frame)
          call find_across_gaps(across, scene, model)
+         call scene%clock%stop_in(phase%check)
          if (.not. (slides_away(scene, model, run%plan) &
             & .or. leaves_gap(across, scene, model, run%plan))) then
             call report_across_gaps(across, scene, model)

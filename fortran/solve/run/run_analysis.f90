@@ -4,7 +4,7 @@ module lopin_run_analysis
    use lopin_kinds, only : wp
    use lopin_error, only : error_type, error_code, raise, log_type
    use lopin_text, only : to_text
-   use lopin_clock, only : clock_type, counter_type
+   use lopin_clock, only : clock_type, phase, counter_type
    use lopin_blas_threads, only : ready_blas
    use lopin_memory, only : peak_memory
    use lopin_model, only : model_type, step_type
@@ -93,7 +93,9 @@ contains
       call ready_blas(error)
       if (.not. allocated(error)) call refuse_remeshing(model, error)
       if (.not. allocated(error)) call begin_files(recorders, model, error, store)
+      call self%scene%clock%stop_in(phase%output)
       if (.not. allocated(error)) call new_plan(self%plan, model, error)
+      call self%scene%clock%stop_in(phase%model)
       if (.not. allocated(error)) call make_workspace(self%scene, model, self%plan, error)
       if (allocated(error)) return
       if (present(state)) then
@@ -323,8 +325,7 @@ contains
          call check_yield(scene, model, frame%u)
          call check_flow_curves(scene, model)
          self%summary%step(scene%step)%increments = number
-         if (.not. clock%at_end) call grow(clock%increment, step, self%plan, frame, &
-            & scene)
+         if (.not. clock%at_end) call grow(clock%increment, step, self%plan, frame, scene)
          if (number == 1 .and. scene%step == model%start%step) call leave_rest(scene%accepted, &
             & model%start%increment)
          self%summary%step(scene%step)%counter = scene%counter

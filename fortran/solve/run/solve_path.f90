@@ -105,17 +105,21 @@ contains
       type(plan_type), intent(in) :: plan
       real(wp), intent(in) :: f(:), prescribed(:)
       type(error_type), allocatable, intent(out) :: error
-      integer :: pass
+      integer :: pass, iterations
       real(wp) :: way, last
 
+      iterations = 0
       scene%guess = scene%accepted%motion%u
       last = huge(1.0_wp)
       do pass = 1, most_places
+         scene%again = pass > 1
          if (plan%path == path_of%refactorised) then
             call solve_refactorised(scene, model, f, prescribed, error)
          else
             call solve_condensed(scene, model, f, prescribed, error)
          end if
+         scene%answer%iterations = scene%answer%iterations + iterations
+         iterations = scene%answer%iterations
          if (allocated(error)) return
          call follow_tools(scene, model, prescribed, way)
          if (way <= settled) return

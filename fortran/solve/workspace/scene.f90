@@ -72,6 +72,7 @@ module lopin_scene
       real(wp), allocatable :: place(:, :)         !! (6, nbody) where tools were projected
       real(wp) :: interference = 1.0_wp            !! share of initial overclosures that is applied
       real(wp), allocatable :: guess(:)   !! (ndof) those that place the tools that forces move
+      logical :: again = .false.          !! the answer is that of this increment, tools placed anew
       real(wp) :: margin = 0.0_wp   !! displacements below a quarter of it fold no corner [length]
       logical :: may_cut = .false.    !! the increment that is tried may be cut if it fails
       real(wp) :: turned = 0.0_wp     !! tool against sliding points in the increment [rad]
