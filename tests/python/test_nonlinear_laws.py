@@ -1,17 +1,21 @@
 """The methods by the laws of friction on the finite path: the block of test_friction_laws, pressed
 and dragged."""
+import re
+from pathlib import Path
+
 import numpy as np
 import pytest
-
 from test_friction_laws import (AREA, CURVES, ELEMENTS, LAWS, METHODS, Q, SPEED, block,
                                 shear_of)
+
+from lopin import Deck
+
+DECKS = Path(__file__).resolve().parents[2]/"decks"
 
 
 @pytest.fixture
 def drag(solve):
     """Forces of the floor along and across, and what the law says of the nodes."""
-    from lopin import Deck
-
     def run(law, words="", method="DIRECT", change=None, **options):
         text = block(law, words, method, **options)
         if change:
@@ -63,8 +67,21 @@ DECAY = ("*FRICTION, EXPONENTIAL DECAY\n0.3,", "*FRICTION, EXPONENTIAL DECAY\n0.
 
 @pytest.mark.parametrize("method", METHODS)
 @pytest.mark.parametrize("increments", [3, 12])
-def test_decay_reads_the_speed_of_the_last_iteration(drag, method, increments):
+def test_decay_reads_the_speed_of_the_slip(drag, method, increments):
     along, across, _, _ = drag("COULOMB", ", EXPONENTIAL DECAY", method, change=DECAY,
                                increments=increments)
     mu = 0.2 + (0.4 - 0.2)*np.exp(-0.7*SPEED)
     assert along == pytest.approx(mu*across, rel=1e-7)
+
+
+@pytest.mark.parametrize("static, kinetic, decay, most",
+                         [(0.3, 0.1, 0.2, 250), (0.3, 0.1, 2.0, 280), (0.1, 0.3, 0.2, 200)])
+def test_a_billet_whose_friction_changes_with_speed(solve, static, kinetic, decay, most):
+    """Newton knows the slope of the coefficient: 179, 189 and 138 iterations; by the speed of the
+    iteration before there were 323, 7394 and 286."""
+    text = (DECKS/"upsetting.inp").read_text(encoding="utf-8")
+    law = f"*FRICTION, EXPONENTIAL DECAY\n{static}, {kinetic}, {decay}"
+    text = re.sub(r"\*FRICTION[^\n]*\n[^\n*]*", law, text)
+    result = solve(Deck.parse(text, "billet", DECKS))
+    assert result.verdict == "PASS"
+    assert sum(result.history["iterations"]) < most

@@ -105,6 +105,7 @@ module lopin_friction
       real(wp) :: mises = 0.0_wp   !! von Mises stress at the slave surface [stress]
       real(wp) :: dt = 1.0_wp                  !! time increment [time]
       real(wp) :: speed = 0.0_wp   !! slip speed of the last iteration, >= 0 [length/time]
+      logical :: of_trial = .false.   !! the speed is that of the trial, `speed` is not read
       logical :: held = .false.    !! bilateral: a rough surface sticks under tension too
       real(wp) :: growth = 1.0_wp  !! area now over the area that tractions count on; bounds of
                                    !! shear are stresses on the area now [-]
@@ -242,7 +243,7 @@ contains
          & .or. (law%law == law_of%norton_hoff .and. law%q > 0.0_wp))
    end function depends_on_time
 
-   !> mu(v) = mu_k + (mu_s - mu_k) exp(-d v), with the speed of the last iteration.
+   !> mu(v) = mu_k + (mu_s - mu_k) exp(-d v), with the speed that is given.
    pure real(wp) function coefficient(law, at) result(mu)
       type(friction_type), intent(in) :: law
       type(condition_type), intent(in) :: at

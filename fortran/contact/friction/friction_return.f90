@@ -3,15 +3,16 @@
 !>
 !> With pressure p >= 0, trial traction q = |lambda_t - c_t s| and direction m, all laws press with
 !> t = F m. Exact: F is q inside the disc and its radius outside. Norton-Hoff, whose traction grows
-!> with the speed of slip, bounds F by the root of q - c_t dgamma = F(dgamma). Regularised: F is the
+!> with the speed of slip, bounds F by the root of q - c_t dgamma = F(dgamma); so does a coefficient
+!> that falls with the speed, where that is the speed of the trial. Regularised: F is the
 !> radius times a function of the slip that saturates at 1. Tractions are stresses.
 module lopin_friction_return
    use lopin_kinds, only : wp
    use lopin_friction, only : friction_type, condition_type, law_of, regularization_of, by_rate, &
-      & friction_radius
+      & reads_speed, coefficient, friction_radius
    implicit none
    private
-   public :: return_to_disc, regularised_traction, drag_limit
+   public :: return_to_disc, regularised_traction, drag_limit, at_rest, steepest_fall
 
    !> Regularised laws with a length: the anchor follows where this share of the bound acts.
    real(wp), parameter :: saturated = 0.999_wp
@@ -31,8 +32,14 @@ contains
       real(wp), intent(out) :: traction        !! F <= q [stress]
       real(wp), intent(out) :: slope_q, slope_p  !! of F [-]
       real(wp) :: radius, slope
+      logical :: falls
 
-      call friction_radius(law, p, at, radius, slope)
+      falls = at%of_trial .and. reads_speed(law)
+      if (falls) then
+         call friction_radius(law, p, at_rest(at), radius, slope)
+      else
+         call friction_radius(law, p, at, radius, slope)
+      end if
       traction = q
       slope_q = 1.0_wp
       slope_p = 0.0_wp
@@ -43,8 +50,70 @@ contains
          traction = radius
          slope_q = 0.0_wp
          slope_p = slope
+         if (falls) call falling_bound(law, q, ct*at%dt, p, at, traction, slope_q, slope_p)
       end if
    end subroutine return_to_disc
+
+   !> What a point that sticks reads: no speed.
+   elemental type(condition_type) function at_rest(at) result(rest)
+      type(condition_type), intent(in) :: at
+      rest = at
+      rest%speed = 0.0_wp
+   end function at_rest
+
+   !> d mu/d v at a speed [time/length].
+   elemental real(wp) function fall_of_coefficient(law, speed) result(slope)
+      type(friction_type), intent(in) :: law
+      real(wp), intent(in) :: speed            !! [length/time]
+      slope = -law%decay*(law%mu_static - law%mu)*exp(-law%decay*speed)
+   end function fall_of_coefficient
+
+   !> The largest fall of the bound with the slip of the increment, in size [stress/length].
+   elemental real(wp) function steepest_fall(law, p, at) result(slope)
+      type(friction_type), intent(in) :: law
+      real(wp), intent(in) :: p                !! [stress]
+      type(condition_type), intent(in) :: at
+      slope = 0.0_wp
+      if (at%of_trial .and. p > 0.0_wp .and. reads_speed(law)) &
+         & slope = p*abs(fall_of_coefficient(law, 0.0_wp))/at%dt
+   end function steepest_fall
+
+   !> The root v > 0 of q = c v + mu(v) p of a trial above the bound at rest, and F = mu(v) p, if
+   !> that is below what caps it.
+   !>
+   !> What is left, q - c v - mu(v) p, is concave where mu falls: Newton from a speed beyond the
+   !> root, that of mu_k p, comes down to it, and there is one root alone. Where mu rises it is
+   !> convex, and Newton comes up from rest.
+   pure subroutine falling_bound(law, q, c, p, at, traction, slope_q, slope_p)
+      type(friction_type), intent(in) :: law
+      real(wp), intent(in) :: q                !! trial [stress]
+      real(wp), intent(in) :: c                !! tangential stiffness * time [stress*time/length]
+      real(wp), intent(in) :: p                !! > 0 [stress]
+      type(condition_type), intent(in) :: at
+      real(wp), intent(out) :: traction        !! F [stress]
+      real(wp), intent(out) :: slope_q, slope_p
+      type(condition_type) :: moving
+      real(wp) :: step, fall
+      integer :: i
+
+      slope_q = 0.0_wp
+      moving = at_rest(at)
+      if (law%mu < law%mu_static) moving%speed = (q - law%mu*p)/c
+      do i = 1, most_iterations
+         fall = p*fall_of_coefficient(law, moving%speed)
+         step = (q - c*moving%speed - p*coefficient(law, moving))/(c + fall)
+         ! No root: what caps the bound is below it.
+         if (.not. c + fall > 0.0_wp) step = -moving%speed
+         moving%speed = max(moving%speed + step, 0.0_wp)
+         if (.not. abs(step) > 4.0_wp*epsilon(1.0_wp)*moving%speed) exit
+         if (.not. moving%speed > 0.0_wp) exit
+      end do
+      call friction_radius(law, p, moving, traction, slope_p)
+      if (.not. slope_p > 0.0_wp) return
+      fall = p*fall_of_coefficient(law, moving%speed)/c
+      slope_q = fall/(1.0_wp + fall)
+      slope_p = slope_p/(1.0_wp + fall)
+   end subroutine falling_bound
 
    !> The root F of q = F + c (F/alpha)^n, n = 1/exponent >= 1: what is left of the trial is the
    !> slip that its speed needs.
@@ -87,8 +156,9 @@ contains
 
    !> Magnitude of a regularised law for a slip magnitude from the anchor, or made in the increment.
    !>
-   !> Near slip 0 the direction is lost but traction/slip -> slope_slip.
-   pure subroutine regularised_traction(law, slip, p, at, traction, slope_slip, slope_p)
+   !> Near slip 0 the direction is lost but traction/slip -> slope_slip. Where a law of slip draws
+   !> its anchor along, `drawn` is how far, and the slope is that of the whole way.
+   pure subroutine regularised_traction(law, slip, p, at, traction, slope_slip, slope_p, drawn)
       type(friction_type), intent(in) :: law
       real(wp), intent(in) :: slip   !! >= 0; of the increment if `by_rate(law)` [length]
       real(wp), intent(in) :: p                !! [stress]
@@ -96,19 +166,34 @@ contains
       real(wp), intent(out) :: traction        !! [stress]
       real(wp), intent(out) :: slope_slip      !! [stress/length]
       real(wp), intent(out) :: slope_p         !! [-]
-      real(wp) :: radius, cap, u0, share, slope, growth
+      real(wp), intent(in), optional :: drawn  !! >= 0 [length]
+      type(condition_type) :: moving
+      real(wp) :: radius, cap, u0, share, slope, growth, faster
 
-      call friction_radius(law, p, at, radius, slope_p)
+      moving = at
+      faster = 0.0_wp
+      if (at%of_trial .and. reads_speed(law) .and. (by_rate(law) .or. present(drawn))) then
+         moving%speed = slip/at%dt
+         if (present(drawn) .and. .not. by_rate(law)) moving%speed = drawn/at%dt
+         if (by_rate(law) .or. moving%speed > 0.0_wp) &
+            & faster = fall_of_coefficient(law, moving%speed)/at%dt
+      end if
+      call friction_radius(law, p, moving, radius, slope_p)
+      ! Where nothing caps it the bound is the coefficient times the pressure.
+      faster = merge(p*faster, 0.0_wp, slope_p > 0.0_wp)
       cap = radius
       u0 = law%elastic_slip
       if (law%v0 > 0.0_wp) u0 = law%v0*at%dt
       call saturation(law%regularization, slip/u0, share, slope)
-      growth = 0.0_wp
+      growth = faster
       if (law%law == law_of%norton_hoff .and. law%q > 0.0_wp .and. p > 0.0_wp) &
          & call smoothed_rate(law, slip, u0, at, radius, growth)
       if (radius < cap) slope_p = 0.0_wp
       traction = radius*share
       slope_slip = radius*slope/u0 + growth*share
+      if (present(drawn)) then
+         if (drawn > 0.0_wp) slope_slip = growth*share
+      end if
       slope_p = slope_p*share
    end subroutine regularised_traction
 

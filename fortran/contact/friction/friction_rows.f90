@@ -13,7 +13,8 @@ module lopin_friction_rows
    use lopin_kinds, only : wp
    use lopin_condensed, only : condensed_type
    use lopin_friction, only : friction_type, condition_type, friction_radius, is_regularised
-   use lopin_friction_return, only : return_to_disc, regularised_traction, drag_limit
+   use lopin_friction_return, only : return_to_disc, regularised_traction, drag_limit, &
+      & at_rest, steepest_fall
    use lopin_tool, only : outer => outer_product
    implicit none
    private
@@ -211,7 +212,8 @@ contains
       if (points%stiffness(k) > 0.0_wp) then
          compliance = 1.0_wp/points%stiffness(k)
       else if (points%elastic_slip(k) > 0.0_wp) then
-         call friction_radius(points%law(k), press/points%weight(k), points%at(k), radius, slope)
+         call friction_radius(points%law(k), press/points%weight(k), at_rest(points%at(k)), &
+            & radius, slope)
          if (radius > 0.0_wp .and. radius < huge(1.0_wp)) compliance = points%elastic_slip(k)/&
             & (radius*points%weight(k))
       end if
@@ -249,7 +251,7 @@ contains
       w = points%weight(k)
       call pressing(self, points, k, force, gap, press, by_force, by_gap)
       associate (from => points%tangent(k), to => points%tangent(k) + nt - 1)
-         c = self%c(from)
+         c = max(self%c(from), 2.0_wp*w*steepest_fall(points%law(k), press/w, points%at(k)))
          q = force(from:to) - c*slip_of(self, points, k, force, gap, press)
          size_ = norm2(q)
          call return_to_disc(points%law(k), size_/w, c/w, press/w, points%at(k), bound, slope_q, &
@@ -304,10 +306,9 @@ contains
          size_ = norm2(s)
          reach = min(size_, drag_limit(points%law(k)))
          call regularised_traction(points%law(k), reach, press/w, points%at(k), bound, slope, &
-            & slope_p)
+            & slope_p, size_ - reach)
          bound = bound*w
          slope = slope*w
-         if (reach < size_) slope = 0.0_wp
          m = 0.0_wp
          if (size_ > 0.0_wp) m = s/size_
          self%status(k) = 2

@@ -31,6 +31,7 @@ module lopin_friction_state
    type :: friction_tests_type
       real(wp), allocatable :: slid(:, :)       !! (3, npoint) slip of the increment [length]
       real(wp), allocatable :: mises(:), speed(:)   !! (npoint) of the last iteration, read by laws
+      logical :: speed_of_trial = .true.        !! laws read that of the trial, not `speed`
       real(wp), allocatable :: touch(:)         !! (npoint) share of the increment before the touch
       real(wp) :: cone_excess = 0.0_wp          !! largest, beside the largest bound [-]
       real(wp) :: misfit = 0.0_wp               !! of tractions and slips, beside the largest force

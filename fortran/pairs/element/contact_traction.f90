@@ -22,7 +22,8 @@ module lopin_contact_traction
       & operator(*), operator(/), assignment(=)
    use lopin_friction, only : friction_type, condition_type, has_friction, is_regularised, &
       & by_rate, friction_radius
-   use lopin_friction_return, only : return_to_disc, regularised_traction, drag_limit
+   use lopin_friction_return, only : return_to_disc, regularised_traction, drag_limit, &
+      & at_rest, steepest_fall
    use lopin_contact_row, only : enforcement_parameters_type, point_law_type, row_type, &
       & contact_status
    implicit none
@@ -41,7 +42,7 @@ contains
       type(point_law_type), intent(in) :: law
       type(dual_type), intent(in), optional :: growth   !! at%growth with its slopes; else it stands
       type(dual_type) :: held(row%ndim), p, t(row%ndim), s(row%ndim), normal_part, magnitude, f
-      real(wp) :: slope, slope_p
+      real(wp) :: slope, slope_p, ct
       logical :: closed, solves, slips
       integer :: d
 
@@ -68,11 +69,12 @@ contains
                if (.not. by_rate(friction)) s = tangential(s + constant(e%creep(:d)), n)
                call regularised_shear(friction, law%at, p, s, t, shear, growth)
             else
-               t = held - n*normal_part - e%ct*s
+               ct = tangential_scale(e, friction, p%v, law%at)
+               t = held - n*normal_part - ct*s
                if (solves) call give_way(e, friction, law%at, p, held, n, t, growth)
                magnitude = constant(0.0_wp)
                if (norm2(t%v) > 0.0_wp) magnitude = dual_norm(t)
-               call return_to_disc(friction, magnitude%v, e%ct, p%v, law%at, f%v, slope, slope_p)
+               call return_to_disc(friction, magnitude%v, ct, p%v, law%at, f%v, slope, slope_p)
                slips = f%v < magnitude%v
                if (e%clings .and. magnitude%v <= (1.0_wp + at_limit)*f%v) then
                   slips = .false.
@@ -83,10 +85,10 @@ contains
                   f%d = slope*magnitude%d + slope_p*p%d
                   if (present(growth)) f%d = f%d + growth_slope(f%v*(1.0_wp - slope) &
                      & - slope_p*p%v, growth)
-                  call set_shear(shear, t%v, slope*e%ct, f%v/magnitude%v*e%ct)
+                  call set_shear(shear, t%v, max(slope, 0.0_wp)*ct, f%v/magnitude%v*ct)
                   t = (f/magnitude)*t
                else
-                  call set_shear(shear, t%v, e%ct, e%ct)
+                  call set_shear(shear, t%v, ct, ct)
                end if
             end if
          end if
@@ -113,6 +115,18 @@ contains
          phat = normal_part - enforcement%c*(g + penetrates(enforcement, normal_part))
       end if
    end function trial_pressure
+
+   !> The tangential stiffness of the trial. Beside unknown tractions it only scales their rows: at
+   !> least twice as steep as the bound falls with the slip, where that has one root then.
+   pure real(wp) function tangential_scale(enforcement, friction, p, at) result(ct)
+      type(enforcement_parameters_type), intent(in) :: enforcement
+      type(friction_type), intent(in) :: friction
+      real(wp), intent(in) :: p                !! [stress]
+      type(condition_type), intent(in) :: at
+      ct = enforcement%ct
+      if (enforcement%method%solves_for_multiplier()) ct = max(ct, 2.0_wp*steepest_fall(friction, &
+         & p, at))
+   end function tangential_scale
 
    !> The slip that a traction along the face holds elastically, and gives back.
    pure function elastic_slip_of(enforcement, friction, at, p, t) result(slip)
@@ -141,7 +155,7 @@ contains
       end if
       if (enforcement%shear_slope > 0.0_wp) compliance = 1.0_wp/enforcement%shear_slope
       if (.not. enforcement%elastic_slip > 0.0_wp) return
-      call friction_radius(friction, p, at, radius, slope)
+      call friction_radius(friction, p, at_rest(at), radius, slope)
       if (radius > 0.0_wp .and. radius < huge(1.0_wp)) compliance = compliance &
          & + enforcement%elastic_slip/radius
    end function shear_compliance
@@ -195,7 +209,7 @@ contains
    end function normal_stiffness
 
    !> What an unknown traction gives way by before it slides: springs along the face, and the
-   !> elastic slip of the deck in the measure of the disc's present radius.
+   !> elastic slip of the deck in the measure of the disc's present radius at rest.
    pure subroutine give_way(enforcement, friction, at, p, held, n, trial, growth)
       type(enforcement_parameters_type), intent(in) :: enforcement
       type(friction_type), intent(in) :: friction
@@ -204,23 +218,24 @@ contains
       type(dual_type), intent(inout) :: trial(:)   !! (ndim) [stress]
       type(dual_type), intent(in), optional :: growth
       type(dual_type) :: compliance
-      real(wp) :: radius, slope
+      real(wp) :: radius, slope, ct
       integer :: d
 
       d = size(n)
+      ct = tangential_scale(enforcement, friction, p%v, at)
       if (enforcement%shear_slope > 0.0_wp) trial = trial &
-         & - (enforcement%ct/enforcement%shear_slope)*tangential(held - constant(merge( &
+         & - (ct/enforcement%shear_slope)*tangential(held - constant(merge( &
          & enforcement%frozen(:d), enforcement%committed(:d), enforcement%method%updates())), n)
       if (.not. enforcement%elastic_slip > 0.0_wp) return
-      call friction_radius(friction, p%v, at, radius, slope)
+      call friction_radius(friction, p%v, at_rest(at), radius, slope)
       if (.not. radius > 0.0_wp .or. .not. radius < huge(1.0_wp)) return
       compliance = p
       compliance%v = radius
       compliance%d = slope*p%d
       if (present(growth)) compliance%d = compliance%d + (radius - slope*p%v)/growth%v*growth%d
-      compliance = (enforcement%ct*enforcement%elastic_slip)/compliance
+      compliance = (ct*enforcement%elastic_slip)/compliance
       trial = trial - compliance*tangential(held, n) &
-         & - enforcement%ct*tangential(constant(enforcement%elastic(:size(n))), n)
+         & - ct*tangential(constant(enforcement%elastic(:size(n))), n)
    end subroutine give_way
 
    !> The trial pressure of springs; a multiplier that is frozen turns with the normal.
@@ -305,14 +320,13 @@ contains
       if (length > 0.0_wp) magnitude = dual_norm(way)
       ! Beyond the drag limit the anchor follows with the whole of its traction.
       reach = min(magnitude%v, drag_limit(friction))
-      call regularised_traction(friction, reach, p%v, at, f%v, slope, slope_p)
-      if (reach < magnitude%v) slope = 0.0_wp
+      call regularised_traction(friction, reach, p%v, at, f%v, slope, slope_p, magnitude%v - reach)
       f%d = slope*magnitude%d + slope_p*p%d
       if (present(growth)) f%d = f%d + growth_slope(f%v - slope_p*p%v, growth)
       t = 0.0_wp
       if (length > 0.0_wp) then
          t = (-1.0_wp)*(f/magnitude)*way
-         call set_shear(shear, way%v, slope, f%v/magnitude%v)
+         call set_shear(shear, way%v, max(slope, 0.0_wp), f%v/magnitude%v)
       else
          do i = 1, size(way)
             t(i) = (-slope)*way(i)

@@ -17,7 +17,7 @@ module lopin_contact_evaluation
    use lopin_mortar_element, only : evaluate_mortar_point
    use lopin_nonlinear_contact, only : nonlinear_contact_type
    use lopin_contact_detection, only : find_closest_features, detect_contact, is_excluded
-   use lopin_slip_increment, only : condition_at
+   use lopin_slip_increment, only : condition_at, speed_of
    use lopin_slave_areas, only : find_growth, find_growth_slopes
    use lopin_touch_onset, only : may_touch, note_approach
    implicit none
@@ -82,7 +82,7 @@ contains
                if (.not. again) exit
             end do
          end associate
-         call collect(self, i, d)
+         call collect(self, i, d, law)
       end do
       if (with_tangent) call record_facets(self)
       call estimate_softness(self)
@@ -194,8 +194,7 @@ contains
       end do
    end subroutine forget_bounds
 
-   !> A point that is open whatever its slopes are: with nothing opposite, with nothing that is
-   !> solved for to move, or a mortar row apart.
+   !> A point that is open whatever its slopes are: with nothing opposite, or a mortar row apart.
    logical function is_left_open(self, i, law)
       type(nonlinear_contact_type), intent(inout) :: self
       integer, intent(in) :: i
@@ -206,8 +205,8 @@ contains
       is_left_open = .true.
       if (self%facet(i) == 0) then
          call stay_open(self, i, d, law)
-      else if (self%idle(i) .or. is_clear(self, i, law)) then
-         call stay_clear(self, i, d, law)
+      else if (is_clear(self, i, law)) then
+         call stay_clear(self, i, d, law, self%opposite(i)%normal, self%opposite(i)%foot%gap)
       else
          is_left_open = .false.
       end if
@@ -285,26 +284,26 @@ contains
       associate (g => self%enforcement(i), o => self%opposite(i))
          if (.not. self%mortar(self%pair(i))%is_on .or. g%bilateral) return
          along = dot_product(law%lambda, o%normal)
-         gap = o%foot%gap + law%shift
          if (g%tied .or. .not. g%method%solves_for_multiplier()) return
-         gap = gap + g%method%penetration(along, g%slope)
+         gap = o%foot%gap + law%shift + g%method%penetration(along, g%slope)
          if (g%method%updates()) gap = gap &
             & - g%method%penetration(dot_product(g%frozen, o%normal), g%slope)
          is_clear = along - g%c*gap < -g%grazing .and. gap > 0.0_wp
       end associate
    end function is_clear
 
-   !> Such a row is open, with the gap of its node and its normal.
-   subroutine stay_clear(self, i, d, law)
+   !> A row without force, with its gap and its normal.
+   subroutine stay_clear(self, i, d, law, normal, gap)
       type(nonlinear_contact_type), intent(inout) :: self
       integer, intent(in) :: i, d
       type(point_law_type), intent(in) :: law
+      real(wp), intent(in) :: normal(3), gap   !! gap without what is added to it [length]
 
       call stay_open(self, i, d, law)
-      self%trial(i)%normal = self%opposite(i)%normal
-      self%trial(i)%gap = self%opposite(i)%foot%gap
-      self%normal(:, i) = self%trial(i)%normal
-      self%gap(i) = self%trial(i)%gap + shift_of(self, i)
+      self%trial(i)%normal = normal
+      self%trial(i)%gap = gap
+      self%normal(:, i) = normal
+      self%gap(i) = gap + shift_of(self, i)
       self%opening(i) = self%gap(i)
    end subroutine stay_clear
 
@@ -332,23 +331,26 @@ contains
       associate (l => self%local(self%nlocal))
          l%nu = 0
          l%dof = [(self%dofs%n + self%first_row(i) + k, k=0, d - 1)]
-         if (allocated(l%k)) deallocate (l%k)
-         if (allocated(l%spring)) deallocate (l%spring)
          if (allocated(l%flat_row)) deallocate (l%flat_row)
          if (allocated(l%reach)) deallocate (l%reach)
-         allocate (l%k(d, d), l%spring(0, 0), source=0.0_wp)
-         do k = 1, d
-            l%k(k, k) = 1.0_wp/self%enforcement(i)%c
-         end do
+         l%spring = reshape([real(wp) ::], [0, 0])
+         l%k = reshape([(merge(1.0_wp, 0.0_wp, mod(k, d + 1) == 0), k=0, d*d - 1)], [d, d])/ &
+            & self%enforcement(i)%c
       end associate
    end subroutine stay_open
 
-   !> Forces, row and results of one evaluated point.
-   subroutine collect(self, i, d)
+   !> Forces, row and results of one evaluated point; none of one without a row.
+   subroutine collect(self, i, d, law)
       type(nonlinear_contact_type), intent(inout) :: self
       integer, intent(in) :: i, d
+      type(point_law_type), intent(in) :: law
       integer :: k
 
+      if (self%idle(i)) then
+         self%nlocal = self%nlocal - 1
+         call stay_clear(self, i, d, law, (self%trial(i)%normal), (self%trial(i)%gap))
+         return
+      end if
       associate (l => self%local(self%nlocal), t => self%trial(i))
          l%point = i
          do k = 1, l%nu
@@ -369,6 +371,7 @@ contains
             if (any(abs(before) > 0.0_wp)) t%slip = t%slip - (before &
                & - dot_product(before, t%normal)*t%normal)
          end associate
+         if (self%speed_of_trial) self%speed(i) = speed_of(self, i)
          self%xi(:, i) = self%opposite(i)%found%xi
       end associate
       ! What is open and has no multiplier couples nothing.

@@ -101,6 +101,8 @@ module lopin_nonlinear_contact
       logical, allocatable :: loose(:)         !! of a tied pair, but too far to be tied
       logical, allocatable :: idle(:)          !! (n) nothing that is solved for moves its node or
                                                !! the master: no row finds a force for it
+      logical :: speed_of_trial = .true.       !! a coefficient that falls with the speed reads that
+                                               !! of the trial; else `speed`
       ! of self-contact, where the increment begins
       logical, allocatable :: yields(:)        !! only pressed upon
       integer, allocatable :: pressing(:)      !! (nnode) pair whose node presses

@@ -25,7 +25,8 @@ contains
       type(condition_type) :: at
       at = condition_type(yield=self%yield(i), mises=self%mises(i), &
          & dt=time_of_slip(self, i), &
-         & speed=self%speed(i), held=self%enforcement(i)%bilateral, growth=self%growth(i)%ratio)
+         & speed=self%speed(i), of_trial=self%speed_of_trial, &
+         & held=self%enforcement(i)%bilateral, growth=self%growth(i)%ratio)
    end function condition_at
 
    !> Time that the slip of the increment took: since the point touched.

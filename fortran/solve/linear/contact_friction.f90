@@ -6,6 +6,7 @@ module lopin_contact_friction
    use lopin_error, only : error_type
    use lopin_model, only : model_type
    use lopin_friction, only : friction_type, is_regularised, reads_speed
+   use lopin_active_set, only : outcome
    use lopin_pair_friction, only : friction_in_step
    use lopin_surface_material, only : slave_yields
    use lopin_friction_rows, only : friction_points_type
@@ -38,6 +39,29 @@ contains
       type(friction_result_type) :: friction
       type(friction_controls_type) :: controls
 
+      call solve_points(scene, model, gap, load, moving, points, friction)
+      if (scene%answer%outcome /= outcome%solved .and. scene%friction%speed_of_trial &
+         & .and. any(reads_speed(points%law))) then
+         ! A bound that falls more steeply than the bodies are stiff has several answers.
+         scene%friction%speed_of_trial = .false.
+         call solve_points(scene, model, gap, load, moving, points, friction)
+      end if
+      call explain(scene, model, points, friction, error)
+      if (allocated(error)) return
+      call remember(scene, points, friction)
+      call report_elastic_slip(scene, model, points)
+      call warn_of_wedging(scene, model, points, friction)
+      call warn_of_tension(scene, model, points)
+   end subroutine contact_with_friction
+
+   !> Forces of all rows from those accepted last, and the points they are of.
+   subroutine solve_points(scene, model, gap, load, moving, points, friction)
+      type(scene_type), intent(inout) :: scene
+      type(model_type), intent(in) :: model
+      real(wp), intent(in) :: gap(:), load(:), moving(:)
+      type(friction_points_type), intent(out) :: points
+      type(friction_result_type), intent(out) :: friction
+
       call new_points(scene, model, points)
       if (scene%again) then
          controls%predict = .false.
@@ -52,22 +76,17 @@ contains
          & controls)
       scene%counter%iterations = scene%counter%iterations + scene%answer%iterations
       scene%counter%augmentations = scene%counter%augmentations + scene%answer%augmentations
-      call explain(scene, model, points, friction, error)
-      if (allocated(error)) return
-      call remember(scene, points, friction)
-      call report_elastic_slip(scene, model, points)
-      call warn_of_wedging(scene, model, points, friction)
-      call warn_of_tension(scene, model, points)
-   end subroutine contact_with_friction
+   end subroutine solve_points
 
    !> The speed that decaying friction reads begins with that of the accepted increment.
    subroutine start_speed(scene)
       type(scene_type), intent(inout) :: scene
       scene%friction%speed = scene%accepted%friction%speed
+      scene%friction%speed_of_trial = .true.
    end subroutine start_speed
 
-   !> Speeds of slip for the next iteration; `change` is how far they moved, beside the largest: 0
-   !> where no law reads them.
+   !> Speeds of slip for the next iteration, if laws read those; `change` is how far they moved,
+   !> beside the largest: 0 where no law reads them.
    subroutine renew_speed(scene, model, change)
       type(scene_type), intent(inout) :: scene
       type(model_type), intent(in) :: model
@@ -78,6 +97,7 @@ contains
 
       change = 0.0_wp
       decays = .false.
+      if (scene%friction%speed_of_trial) return
       do pair = 1, size(model%pair)
          law = friction_in_step(model, model%pair(pair)%interaction, scene%step)
          decays = decays .or. reads_speed(law)
@@ -124,6 +144,7 @@ contains
             points%at(k)%held = scene%rows%bilateral(row)
             points%at(k)%mises = scene%friction%mises(i)
             points%at(k)%speed = scene%friction%speed(i)
+            points%at(k)%of_trial = scene%friction%speed_of_trial
             do d = 1, nt
                associate (t => scene%rows%direction(:, points%tangent(k) + d - 1))
                   points%traction(d, k) = dot_product(t, scene%accepted%friction%traction(:, i))

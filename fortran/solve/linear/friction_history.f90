@@ -3,7 +3,7 @@ module lopin_friction_history
    use lopin_kinds, only : wp
    use lopin_friction, only : condition_type, is_regularised, by_rate, friction_radius, &
       & lost_at_touch
-   use lopin_friction_return, only : drag_limit, return_to_disc
+   use lopin_friction_return, only : drag_limit, return_to_disc, steepest_fall
    use lopin_contact_traction, only : regularised_energy
    use lopin_friction_rows, only : friction_points_type, elastic_compliance
    use lopin_friction_set, only : friction_result_type
@@ -64,6 +64,7 @@ contains
       integer, intent(in) :: k
       type(sums_type), intent(inout) :: sums
       real(wp) :: slip(3), lost(points%nt), done, radius, slope, press, force(3)
+      type(condition_type) :: at
       integer :: i
 
       i = scene%rows%point(points%normal(k))
@@ -83,7 +84,9 @@ contains
          s%slid(:, i) = slip
          new%slip(:, i) = old%slip(:, i) + slip
          new%path(i) = old%path(i) + norm2(slip)
-         new%speed(i) = norm2(slip)/points%at(k)%dt
+         new%speed(i) = norm2(lost)/points%at(k)%dt
+         at = points%at(k)
+         if (at%of_trial) at%speed = new%speed(i)
          done = -dot_product(force, global(scene, points, k, lost))
          new%work(i) = old%work(i) + done
          new%mean_work(i) = old%mean_work(i) - 0.5_wp*dot_product(old%traction(:, i) + force, &
@@ -93,7 +96,7 @@ contains
          sums%slack = sums%slack + norm2(force)*maxval(friction%noise( &
             & points%tangent(k):points%tangent(k) + points%nt - 1))
          s%slid_work = s%slid_work + norm2(force)*norm2(lost)
-         call friction_radius(points%law(k), press/points%weight(k), points%at(k), radius, slope)
+         call friction_radius(points%law(k), press/points%weight(k), at, radius, slope)
          if (radius < huge(1.0_wp)/max(points%weight(k), 1.0_wp)) then
             sums%most_bound = max(sums%most_bound, radius*points%weight(k))
             sums%excess = max(sums%excess, norm2(force) - radius*points%weight(k))
@@ -202,7 +205,8 @@ contains
             press = max(scene%answer%force(points%normal(k)), 0.0_wp)
             if (.not. press > 0.0_wp) cycle
             if (.not. scene%problem%s(from, from) > rounded*softest) cycle
-            stiffness = 1.0_wp/scene%problem%s(from, from)
+            stiffness = max(1.0_wp/scene%problem%s(from, from), 2.0_wp*w*steepest_fall( &
+               & points%law(k), press/w, points%at(k)))
             slip = scene%answer%gap(from:to) - points%start(:, k) + points%elastic(:, k) &
                & + elastic_compliance(points, k, press)*scene%answer%force(from:to)
             q = scene%answer%force(from:to) - stiffness*slip

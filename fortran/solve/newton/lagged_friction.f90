@@ -1,9 +1,10 @@
 !> What friction takes from the last Newton iteration on the nonlinear path: the speed of slip,
-!> which EXPONENTIAL DECAY reads.
+!> which EXPONENTIAL DECAY reads, where Newton with the speed of the trial itself has failed.
 !>
-!> It is put in place between iterations and stays in a line search: tangents do not know it, and
-!> the residual that Newton ends with is that of the speed which it ends with. Stresses that laws
-!> read are those of the trial itself (lopin_followed_stress).
+!> A bound that falls with the slip more steeply than the body is stiff has several answers, and
+!> Newton jumps among them. There the speed is put in place between iterations and stays in a line
+!> search: tangents do not know it, and the residual that Newton ends with is that of the speed
+!> which it ends with. Stresses that laws read are those of the trial (lopin_followed_stress).
 module lopin_lagged_friction
    use lopin_kinds, only : wp
    use lopin_friction, only : reads_speed
@@ -11,7 +12,7 @@ module lopin_lagged_friction
    use lopin_scene, only : scene_type
    implicit none
    private
-   public :: reads_lagged, start_lagged, renew_lagged, share_of_new, may_relax
+   public :: reads_lagged, reads_trial, start_lagged, renew_lagged, share_of_new, may_relax
 
    !> Residuals that fall by less beside the best before them: what is read runs in a cycle.
    real(wp), parameter :: falls = 0.5_wp
@@ -28,8 +29,18 @@ contains
       type(scene_type), intent(in) :: scene
       reads_lagged = .false.
       if (.not. allocated(scene%newton%contact%friction)) return
-      reads_lagged = any(reads_speed(scene%newton%contact%friction))
+      reads_lagged = any(reads_speed(scene%newton%contact%friction)) &
+         & .and. .not. scene%newton%contact%speed_of_trial
    end function reads_lagged
+
+   !> Some law in force reads the speed of the trial.
+   pure logical function reads_trial(scene)
+      type(scene_type), intent(in) :: scene
+      reads_trial = .false.
+      if (.not. allocated(scene%newton%contact%friction)) return
+      reads_trial = any(reads_speed(scene%newton%contact%friction)) &
+         & .and. scene%newton%contact%speed_of_trial
+   end function reads_trial
 
    !> From what is accepted: an increment tried again has the same bits.
    subroutine start_lagged(scene)

@@ -25,7 +25,7 @@ module lopin_path_nonlinear
    use lopin_heat, only : start_solids
    use lopin_newton_convergence, only : set_rounding_floors
    use lopin_rotating_bodies, only : rotate_followers
-   use lopin_lagged_friction, only : start_lagged
+   use lopin_lagged_friction, only : reads_trial, start_lagged
    use lopin_followed_stress, only : choose_followers
    use lopin_eased_friction, only : ease_jammed, forget_eased, apply_eased
    use lopin_pseudo_transient, only : pseudo_transient
@@ -40,6 +40,8 @@ module lopin_path_nonlinear
    !> Attempts at an increment, each smaller, after which a turn of the path is likelier than a step
    !> that is too large.
    integer, parameter :: slow_after = 3
+   !> Attempts after which friction that falls with the speed is likelier the cause.
+   integer, parameter :: lagged_after = 3
    !> And so it is where Newton runs in a cycle in increments that have become so small, beside
    !> those before.
    real(wp), parameter :: small = 0.25_wp
@@ -70,6 +72,7 @@ contains
       scene%newton%grounded = 0
       scene%newton%augmentations = 0
       scene%newton%nline = 0
+      scene%newton%contact%speed_of_trial = .true.
       scene%newton%rests = model%start%step == scene%step .and. .not. &
          & scene%accepted%clock%time > model%start%time
       call start_solids(scene, model)
@@ -92,6 +95,7 @@ contains
             scene%newton%separated = .true.
          end if
       end if
+      if (allocated(error)) call try_lagged(scene, model, f, prescribed, error)
       if (allocated(error)) call try_by_parts(scene, model, f, prescribed, error)
       if (allocated(error)) then
          if (turns_back(scene)) call try_other_ways(scene, model, f, prescribed, error)
@@ -137,6 +141,28 @@ contains
             & .or. state%cycled .and. state%dt < small*scene%accepted%clock%usual
       end associate
    end function turns_back
+
+   !> Again with the speed of slip of the last iteration, where friction falls with it.
+   subroutine try_lagged(scene, model, f, prescribed, error)
+      type(scene_type), intent(inout) :: scene
+      type(model_type), intent(in) :: model
+      real(wp), intent(in) :: f(:), prescribed(:)
+      type(error_type), allocatable, intent(inout) :: error
+      type(error_type), allocatable :: failed
+      type(iterate_type) :: iterate
+
+      if (error%code /= error_code%not_converged .or. .not. reads_trial(scene)) return
+      if (scene%newton%attempt < lagged_after .and. .not. model%step(scene%step)%direct) return
+      scene%newton%contact%speed_of_trial = .false.
+      call add_line(scene%newton, '  with the speed of slip of the last iteration')
+      call start_from_accepted(scene, iterate)
+      call solve_from(scene, model, f, iterate, prescribed, way_of%direct, failed)
+      if (.not. allocated(failed)) then
+         deallocate (error)
+      else
+         call move_alloc(failed, error)
+      end if
+   end subroutine try_lagged
 
    !> Again by parts of the motion, if the increment may not be cut; the first error if that fails.
    subroutine try_by_parts(scene, model, f, prescribed, error)
