@@ -229,9 +229,9 @@ contains
          & 'unique, the split of the forces among them is not; the one of least norm is given.', &
          & 'do not fix slave nodes along the contact normal, and list a pair of surfaces once.')
       call add_explanation(list, 'N0409', 'supports bear what contact would', &
-         & 'Supports or a rigid body hold all displacements of slave nodes that touch a tool '// &
-         & 'which is held, too: no displacement tells a contact force there. The nodes have '// &
-         & 'none, the reactions of the supports hold it.', &
+         & 'Supports or a rigid body hold slave nodes along the normal of a tool or a mesh '// &
+         & 'that is held there, too: no displacement that is solved for changes their gaps '// &
+         & 'or tells a contact force. The nodes have none, nor friction; the supports bear it.', &
          & 'leave them out of the slave surface, or out of the support.')
       call add_explanation(list, 'W0409', 'a slave node is held twice', &
          & 'Supports hold a slave node along its contact normal, and the master opposite too, '// &

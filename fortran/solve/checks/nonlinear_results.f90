@@ -159,7 +159,8 @@ contains
             self%penetration = max(self%penetration, -c%gap(i)/c%size(i))
             if (.not. c%enforcement(i)%method%is_exact()) &
                & self%depth = max(self%depth, -c%gap(i)/thin(c%pair(i)))
-            if (.not. p_ref > 0.0_wp) cycle
+            ! What supports hold has no row: they bear it; how deep it may be is asked elsewhere.
+            if (.not. p_ref > 0.0_wp .or. c%idle(i)) cycle
             if (c%bilateral(i)) then
                self%complementarity = max(self%complementarity, &
                   & merge((abs(c%gap(i)) - gap_rounding(scene, i))*c%c(i)/p_ref, 0.0_wp, exact))

@@ -2,18 +2,21 @@
 !>
 !> Nothing can open such a penetration: every iteration raises the pressure, and beside a pressure
 !> without bounds the rest looks like rounding. Nor does anything determine the pressure of a point
-!> that supports move along its master, as a rigid end does that goes round a drum: where supports
-!> hold it altogether it has no row, and the supports bear what there is.
+!> whose gap has no slope in any displacement that is solved for, as that of a rigid end that goes
+!> round a drum, or of a node on a plane of symmetry that is a tool, too: it has no row, and the
+!> supports bear what there is.
 module lopin_held_points
    use lopin_kinds, only : wp
    use lopin_error, only : error_type, error_code, raise
    use lopin_text, only : to_text
    use lopin_model, only : model_type
    use lopin_scene, only : scene_type
+   use lopin_local_matrix, only : local_matrix_type
    use lopin_repeated_messages, only : note_once
    implicit none
    private
-   public :: refuse_held_points, name_held_point, held_id, find_idle_points, tell_idle_points
+   public :: refuse_held_points, name_held_point, held_id, find_idle_points, tell_idle_points, &
+      & find_idle_rows, wake_idle_rows
 
    !> A failure that no smaller increment can avoid.
    character(len=*), parameter :: held_id = 'E0506'
@@ -37,6 +40,88 @@ contains
          scene%newton%contact%idle(i) = is_idle(scene, model, i)
       end do
    end subroutine find_idle_points
+
+   !> Touching points whose gap no displacement that is solved for changes: they get no row.
+   subroutine find_idle_rows(scene, model, found)
+      type(scene_type), intent(inout) :: scene
+      type(model_type), intent(in) :: model
+      logical, intent(out) :: found
+      integer :: k, i
+
+      found = .false.
+      associate (c => scene%newton%contact)
+         do k = 1, c%nlocal
+            i = c%local(k)%point
+            if (i == 0) cycle
+            if (c%idle(i) .or. c%status(i) == 0 .or. c%first_row(i) == 0) cycle
+            if (c%enforcement(i)%tied) cycle
+            associate (interaction => model%interaction(model%pair(c%pair(i))%interaction))
+               if (.not. interaction%method%is_exact()) cycle
+            end associate
+            if (.not. has_no_slope(scene, c%local(k), c%normal(:, i))) cycle
+            c%idle(i) = .true.
+            found = .true.
+         end do
+      end associate
+   end subroutine find_idle_rows
+
+   !> Such points that have gone into their masters since are looked at again.
+   subroutine wake_idle_rows(scene, model)
+      type(scene_type), intent(inout) :: scene
+      type(model_type), intent(in) :: model
+      integer :: i
+
+      associate (c => scene%newton%contact)
+         do i = 1, c%n
+            if (.not. c%idle(i) .or. c%facet(i) == 0) cycle
+            if (c%gap(i) < -penetrates*c%size(i)) c%idle(i) = is_idle(scene, model, i)
+         end do
+      end associate
+   end subroutine wake_idle_rows
+
+   !> The gap of a closed row has no slope in any free equation.
+   pure logical function has_no_slope(scene, local, normal)
+      type(scene_type), intent(in) :: scene
+      type(local_matrix_type), intent(in) :: local
+      real(wp), intent(in) :: normal(3)
+      real(wp) :: slope(local%nu)
+      integer :: k, a, d
+
+      d = count(local%dof > scene%dofs%n)
+      if (allocated(local%flat_row)) then
+         slope = matmul(normal(:d), local%flat_row)
+      else
+         slope = matmul(normal(:d), local%k(local%nu + 1:local%nu + d, :local%nu))
+      end if
+      has_no_slope = local%nu > 0 .and. d > 0
+      if (has_no_slope) has_no_slope = any(abs(slope) > 0.0_wp)
+      do k = 1, local%nu
+         if (.not. has_no_slope) return
+         if (.not. abs(slope(k)) > counts*maxval(abs(slope))) cycle
+         do a = scene%constraints%first(local%dof(k)), scene%constraints%first(local%dof(k) + 1) - 1
+            has_no_slope = has_no_slope .and. .not. abs(slope_in(scene, local, slope, &
+               & scene%constraints%equation(a))) > counts*maxval(abs(slope))
+         end do
+      end do
+   end function has_no_slope
+
+   !> Slope of the gap in one free equation.
+   pure real(wp) function slope_in(scene, local, slope, equation) result(along)
+      type(scene_type), intent(in) :: scene
+      type(local_matrix_type), intent(in) :: local
+      real(wp), intent(in) :: slope(:)         !! (nu) in the dofs [-]
+      integer, intent(in) :: equation
+      integer :: k, a
+
+      along = 0.0_wp
+      associate (c => scene%constraints)
+         do k = 1, local%nu
+            do a = c%first(local%dof(k)), c%first(local%dof(k) + 1) - 1
+               if (c%equation(a) == equation) along = along + slope(k)*c%coefficient(a)
+            end do
+         end do
+      end associate
+   end function slope_in
 
    !> Of exact contact with a tool: with penalties the penetration gives a pressure.
    pure logical function is_idle(scene, model, i)
@@ -98,8 +183,10 @@ contains
             if (.not. (pressed .or. c%pressure(i) > stray*most)) cycle
             associate (pair => model%pair(c%pair(i)))
                if (.not. model%interaction(pair%interaction)%method%is_exact()) cycle
-               if (.not. node_held(scene, model, c%node(i), c%normal(:, i))) cycle
-               if (.not. master_held(scene, model, i)) cycle
+               if (.not. c%idle(i)) then
+                  if (.not. node_held(scene, model, c%node(i), c%normal(:, i))) cycle
+                  if (.not. master_held(scene, model, i)) cycle
+               end if
                if (.not. pressed) then
                   call raise(error, error_code%not_converged, held_id, 'node '// &
                      & to_text(model%mesh%node_label(c%node(i)))//' of pair ('// &

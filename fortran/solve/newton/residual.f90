@@ -13,6 +13,7 @@ module lopin_residual
    use lopin_assemble_nonlinear, only : assemble_nonlinear, bad_element_type
    use lopin_rotating_bodies, only : rotate_followers, has_rotating_bodies, rotation_tangents
    use lopin_followed_stress, only : follow_stress, follow_slopes
+   use lopin_held_points, only : find_idle_rows, wake_idle_rows
    use lopin_scene, only : scene_type
    implicit none
    private
@@ -47,6 +48,8 @@ contains
       type(evaluation_type), intent(inout) :: evaluation
       type(error_type), allocatable, intent(out) :: error
       real(wp), allocatable :: residual(:), reaction(:)
+      real(wp) :: grazing(scene%newton%contact%n)
+      logical :: found, clings(scene%newton%contact%n)
 
       call scene%clock%stop_in(phase%solve)
       call rotate_followers(scene, model, error)
@@ -58,10 +61,23 @@ contains
       if (evaluation%inverted > 0) return
       call scene%clock%stop_in(phase%assemble)
       call follow_stress(scene, model)
+      grazing = scene%newton%contact%enforcement%grazing
+      clings = scene%newton%contact%enforcement%clings
+      if (with_tangent) call wake_idle_rows(scene, model)
       call evaluate_contact(scene%newton%contact, model, scene%trial%motion%u, &
          & scene%trial%contact%multiplier, with_tangent, &
          & error)
       if (allocated(error)) return
+      if (with_tangent) then
+         call find_idle_rows(scene, model, found)
+         if (found) then
+            scene%newton%contact%enforcement%grazing = grazing
+            scene%newton%contact%enforcement%clings = clings
+            call evaluate_contact(scene%newton%contact, model, scene%trial%motion%u, &
+               & scene%trial%contact%multiplier, with_tangent, error)
+         end if
+         if (allocated(error)) return
+      end if
       if (with_tangent) call follow_slopes(scene, model)
       call scene%clock%stop_in(phase%contact)
       residual = evaluation%internal - f - scene%newton%contact%force
