@@ -37,14 +37,13 @@ contains
       type(error_type), allocatable, intent(out) :: error
       type(friction_points_type) :: points
       type(friction_result_type) :: friction
-      type(friction_controls_type) :: controls
 
-      call solve_points(scene, model, gap, load, moving, points, friction)
+      call solve_points(scene, model, gap, load, moving, scene%again, points, friction)
       if (scene%answer%outcome /= outcome%solved .and. scene%friction%speed_of_trial &
          & .and. any(reads_speed(points%law))) then
          ! A bound that falls more steeply than the bodies are stiff has several answers.
          scene%friction%speed_of_trial = .false.
-         call solve_points(scene, model, gap, load, moving, points, friction)
+         call solve_points(scene, model, gap, load, moving, .false., points, friction)
       end if
       call explain(scene, model, points, friction, error)
       if (allocated(error)) return
@@ -54,16 +53,18 @@ contains
       call warn_of_tension(scene, model, points)
    end subroutine contact_with_friction
 
-   !> Forces of all rows from those accepted last, and the points they are of.
-   subroutine solve_points(scene, model, gap, load, moving, points, friction)
+   !> Forces of all rows from those accepted last, or of the last answer; the points they are of.
+   subroutine solve_points(scene, model, gap, load, moving, again, points, friction)
       type(scene_type), intent(inout) :: scene
       type(model_type), intent(in) :: model
       real(wp), intent(in) :: gap(:), load(:), moving(:)
+      logical, intent(in) :: again             !! from the last answer
       type(friction_points_type), intent(out) :: points
       type(friction_result_type), intent(out) :: friction
+      type(friction_controls_type) :: controls
 
       call new_points(scene, model, points)
-      if (scene%again) then
+      if (again) then
          controls%predict = .false.
       else if (allocated(scene%accepted%friction%force)) then
          scene%answer%force = scene%accepted%friction%force
