@@ -212,6 +212,9 @@ contains
          & 'the next [time].')
       call number(table, 'INCREMENT', '', 'Length of the next increment; missing: the first of '// &
          & '*STATIC [time].')
+      call number(table, 'RELEASE', '0.', 'Time over which forces fade that the mesh leaves '// &
+         & 'out of balance, as where elements were taken out; 0: they are let go of in the '// &
+         & 'increment at rest [time].')
       call data_line(table, 'node or set, dof, displacement, displacement where the step began '// &
          & '= 0, load there = 0', 'What has moved already: tools, and bodies that keep their '// &
          & 'mesh. Their coordinates in the deck are those of the start.')

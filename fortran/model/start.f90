@@ -8,7 +8,7 @@ module lopin_start
    use lopin_error, only : location_type
    implicit none
    private
-   public :: start_type, displaced_type
+   public :: start_type, displaced_type, unreleased
 
    !> A degree of freedom that has moved already.
    type :: displaced_type
@@ -26,6 +26,22 @@ module lopin_start
       real(wp) :: time = 0.0_wp                !! of the step, reached [time]
       real(wp) :: rest = 0.0_wp                !! length of the first increment [time]
       real(wp) :: increment = 0.0_wp           !! of the second [time]
+      real(wp) :: release = 0.0_wp             !! over which forces out of balance fade [time]
       type(displaced_type), allocatable :: displaced(:)
    end type start_type
+contains
+
+   !> Share of the forces out of balance at the start that still acts at a time of the step: it
+   !> fades evenly from the end of the increment at rest on.
+   elemental real(wp) function unreleased(self, time, period)
+      type(start_type), intent(in) :: self
+      real(wp), intent(in) :: time             !! of the step [time]
+      real(wp), intent(in) :: period           !! of the step [time]
+      real(wp) :: from, lasts
+
+      from = self%time + self%rest
+      lasts = min(self%release, period - from)
+      unreleased = 0.0_wp
+      if (lasts > 0.0_wp) unreleased = max(0.0_wp, min(1.0_wp, 1.0_wp - (time - from)/lasts))
+   end function unreleased
 end module lopin_start

@@ -112,7 +112,7 @@ module lopin_state
       real(wp), allocatable :: steady(:)       !! (ndof) loads without amplitude [force]
       real(wp), allocatable :: force(:)        !! (ndof) all loads [force]
       real(wp), allocatable :: reaction(:)     !! (ndof) of the supports [force]
-      real(wp), allocatable :: released(:)     !! (ndof) of the pairs that the next step takes away
+      real(wp), allocatable :: released(:)     !! (ndof) of pairs the next step takes away; fading
       real(wp) :: work = 0.0_wp                !! of loads and prescribed displacements [energy]
       real(wp) :: most = 0.0_wp                !! largest energy that was about [energy]
       real(wp) :: pressed = 0.0_wp             !! largest force of a pair so far [force]

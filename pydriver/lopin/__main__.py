@@ -1,7 +1,7 @@
 """``lopin`` and ``python -m lopin``: one command for the executable and for the Python side.
 
 run, check, info, explain, doc and selftest are the executable's; report, plot, chart, atlas,
-convert, export, example and die are answered here.
+convert, export, example, die and identify are answered here.
 """
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from pathlib import Path
 from .errors import Interrupted, LopinError, ResourceError
 
 PYTHON_COMMANDS = ("report", "plot", "chart", "atlas", "convert", "export", "example",
-                   "die")
+                   "die", "identify")
 
 
 def main(arguments: list[str] | None = None) -> int:
@@ -61,7 +61,7 @@ def forward(arguments: list[str]) -> int:
 
 
 def python_command(arguments: list[str]) -> int:
-    """report, plot, chart, atlas, convert, export, example, die."""
+    """The commands that need Python."""
     parser = argparse.ArgumentParser(prog="lopin", description=__doc__)
     commands = parser.add_subparsers(dest="command", required=True)
     report = commands.add_parser("report", help="one HTML file that shows what a run did")
@@ -109,6 +109,14 @@ def python_command(arguments: list[str]) -> int:
     die.add_argument("--time", default="end", metavar="TIME", help="the output nearest to this "
                      "time; peak: that of the largest pressure; default: end")
     die.add_argument("-o", "--output", type=Path, help="default: <deck>_loaded.inp here")
+    identify = commands.add_parser("identify", help="friction from the bores of ring tests")
+    identify.add_argument("deck", help="of the ring between plates, pressed as far as the tests")
+    identify.add_argument("table", type=Path, help="CSV: columns height and inner (diameter)")
+    identify.add_argument("--law", choices=("TRESCA", "COULOMB", "BOTH"), default="",
+                          type=str.upper, help="m or mu; default: that of the deck")
+    identify.add_argument("--bore", default="BORE", help="node set of the bore")
+    identify.add_argument("--at", choices=("middle", "plate", "mean"), default="middle",
+                          help="of the height, where diameters were measured")
     example = commands.add_parser("example", help="copy a deck of the collection")
     example.add_argument("name", nargs="?", help="without it: list the names")
     example.add_argument("folder", nargs="?", type=Path, default=Path("."))

@@ -1,4 +1,4 @@
-"""The commands that Python answers: report, plot, chart, atlas, convert, export, example, die."""
+"""The commands that Python answers."""
 from __future__ import annotations
 
 import os
@@ -285,6 +285,18 @@ def die(options) -> int:
         raise UsageError(f"{path} is the deck itself: give another name with -o")
     print(deck.write(path))
     print(f"{loads.tool}: {balance.line()}")
+    return 0
+
+
+def identify(options) -> int:
+    """Coefficients of friction with which a ring's deck gives the measured bores."""
+    from .identify import Table, identify
+
+    deck, table = Deck.read(options.deck), Table.read(options.table)
+    laws = ("TRESCA", "COULOMB") if options.law == "BOTH" else (options.law,)
+    found = [identify(deck, table, law, options.bore, options.at) for law in laws]
+    for fit in found:
+        print(f"{fit.law}: {fit.line()}")
     return 0
 
 

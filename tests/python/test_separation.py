@@ -8,7 +8,7 @@ from test_remeshing import history, run
 
 import lopin
 from lopin.remesh.driver import Runner
-from lopin.remesh.separate import bodies, joined, split
+from lopin.remesh.scrap import bodies, joined, split
 
 DECKS = Path(__file__).resolve().parents[2]/"decks"
 

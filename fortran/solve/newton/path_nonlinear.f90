@@ -12,6 +12,7 @@ module lopin_path_nonlinear
    use lopin_text, only : to_text
    use lopin_clock, only : phase
    use lopin_model, only : model_type
+   use lopin_start, only : unreleased
    use lopin_constraints, only : expand
    use lopin_contact_history, only : start_increment, augment
    use lopin_nonlinear_tie_release, only : release_nonlinear_ties
@@ -58,7 +59,7 @@ contains
    subroutine solve_nonlinear(scene, model, f, prescribed, error)
       type(scene_type), intent(inout) :: scene
       type(model_type), intent(in) :: model
-      real(wp), intent(in) :: f(:)             !! (ndof) dead loads [force]
+      real(wp), intent(inout) :: f(:)          !! (ndof) dead loads; on return with forces that fade
       real(wp), intent(in) :: prescribed(:)    !! (nprescribed)
       type(error_type), allocatable, intent(out) :: error
       type(iterate_type) :: iterate
@@ -79,6 +80,8 @@ contains
       call find_idle_points(scene, model)
       scene%trial%motion%u = scene%accepted%motion%u
       call rotate_followers(scene, model, error)
+      if (allocated(error)) return
+      call add_fading(scene, model, f, prescribed, error)
       if (allocated(error)) return
       call predict(scene, prescribed, iterate)
       way = way_of%direct
@@ -117,6 +120,38 @@ contains
          & .and. .not. scene%accepted%clock%time > 0.0_wp)
    end function releases_at_once
 
+   !> Forces that a part finds out of balance where it begins, and that fade from there (*START,
+   !> RELEASE): elements that separate let go of their neighbours over increments.
+   subroutine add_fading(scene, model, f, prescribed, error)
+      type(scene_type), intent(inout) :: scene
+      type(model_type), intent(in) :: model
+      real(wp), intent(inout) :: f(:)          !! (ndof) dead loads [force]
+      real(wp), intent(in) :: prescribed(:)    !! (nprescribed)
+      type(error_type), allocatable, intent(out) :: error
+      type(iterate_type) :: iterate
+      real(wp) :: now, next
+
+      if (.not. (model%start%release > 0.0_wp .and. model%start%step == scene%step)) return
+      associate (clock => scene%accepted%clock, period => model%step(scene%step)%period)
+         if (scene%newton%rests) then
+            call start_from_accepted(scene, iterate)
+            call start_attempt(scene, model, prescribed, error)
+            if (.not. allocated(error)) call measure_imbalance(scene, model, f, error)
+            if (allocated(error)) return
+            call move_alloc(scene%newton%released, scene%trial%loads%released)
+         else
+            if (.not. allocated(scene%accepted%loads%released)) return
+            now = unreleased(model%start, clock%time, period)
+            next = unreleased(model%start, clock%time + scene%newton%dt, period)
+            scene%trial%loads%released = scene%accepted%loads%released
+            if (.not. next > 0.0_wp) deallocate (scene%trial%loads%released)
+            if (.not. next > 0.0_wp) return
+            scene%trial%loads%released = scene%trial%loads%released*(next/now)
+         end if
+         f = f + scene%trial%loads%released
+      end associate
+   end subroutine add_fading
+
    !> What the forces of a part that begins leave where it begins: elements that were taken out held
    !> it, or the old mesh did.
    subroutine measure_imbalance(scene, model, f, error)
@@ -130,6 +165,8 @@ contains
       if (allocated(error)) return
       scene%newton%released = evaluation%internal - f - scene%newton%contact%force &
          & - scene%newton%follower%force
+      ! What supports bear they go on to bear.
+      scene%newton%released(scene%constraints%dof_of_prescribed) = 0.0_wp
    end subroutine measure_imbalance
 
    !> Newton has failed so that smaller increments promise little: the path may turn back.
@@ -238,17 +275,12 @@ contains
       deallocate (error)
    end subroutine try_slowly
 
-   !> Newton and augmentations.
-   subroutine solve_from(scene, model, f, iterate, prescribed, way, error)
+   !> Contact and rounding floors as an attempt at an increment starts with them.
+   subroutine start_attempt(scene, model, prescribed, error)
       type(scene_type), intent(inout) :: scene
       type(model_type), intent(in) :: model
-      real(wp), intent(in) :: f(:)             !! (ndof) dead loads [force]
-      type(iterate_type), intent(inout) :: iterate
       real(wp), intent(in) :: prescribed(:)    !! (nprescribed)
-      integer, intent(in) :: way               !! way_of%...
       type(error_type), allocatable, intent(out) :: error
-      integer :: loop, i
-      real(wp) :: change, beyond, last
 
       scene%trial%contact%multiplier = scene%accepted%contact%multiplier
       call start_lagged(scene)
@@ -262,6 +294,22 @@ contains
          & scene%accepted%motion%u, prescribed)
       ! By the areas that the increment starts with.
       call set_rounding_floors(scene, model)
+   end subroutine start_attempt
+
+   !> Newton and augmentations.
+   subroutine solve_from(scene, model, f, iterate, prescribed, way, error)
+      type(scene_type), intent(inout) :: scene
+      type(model_type), intent(in) :: model
+      real(wp), intent(in) :: f(:)             !! (ndof) dead loads [force]
+      type(iterate_type), intent(inout) :: iterate
+      real(wp), intent(in) :: prescribed(:)    !! (nprescribed)
+      integer, intent(in) :: way               !! way_of%...
+      type(error_type), allocatable, intent(out) :: error
+      integer :: loop, i
+      real(wp) :: change, beyond, last
+
+      call start_attempt(scene, model, prescribed, error)
+      if (allocated(error)) return
       call scene%clock%stop_in(phase%search)
       if (way == way_of%parts) call solve_by_parts(scene, model, f, iterate, prescribed, error)
       if (way == way_of%pseudo_transient) then

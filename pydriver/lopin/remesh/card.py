@@ -21,6 +21,8 @@ class RemeshCard:
     growth : ratio of the sizes of neighbours
     quality, penetration, strain, period : triggers
     most : remeshes of a run
+    cuts : of each criterion with a critical value: its column of damage, the value, the length of
+        cells that metal near it has
     """
 
     elset: str
@@ -33,6 +35,7 @@ class RemeshCard:
     strain: float = 0.5
     period: float | None = None
     most: int = 50
+    cuts: tuple[tuple[int, float, float], ...] = ()
 
     @classmethod
     def of(cls, block: Block) -> RemeshCard:

@@ -7,6 +7,7 @@ run that was killed goes on to the same bits.
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -23,7 +24,8 @@ from .plane import worst_corner
 from .refusals import refuse_what_stays_behind
 from .remake import remake
 from .report import Remesh, Report
-from .separate import counted, criticals, separate, torn
+from .scrap import pieces
+from .separate import counted, criticals, cuts_of, separate, torn
 from .state import Snapshot
 from .tools import Tools
 from .triggers import reason_to_remesh
@@ -64,7 +66,7 @@ class Runner:
         body = read_body(parts, card.elset)
         refuse_what_stays_behind(parts, body)
         self.critical = criticals(parts.blocks)
-        self.card = card.filled(body)
+        self.card = replace(card.filled(body), cuts=cuts_of(parts.blocks))
         self.report = Report(deck.name, self.output)
 
     def run(self) -> Report:
@@ -124,6 +126,8 @@ class Runner:
         parts = DeckParts.of(deck)
         body = read_body(parts, self.card.elset)
         first = worst_corner(body.x, body.cells)
+        apart = bool(self.critical) and \
+            sum(1 for _ in pieces(body, np.zeros(len(body.elements), bool))) > 1
         state, last = b"", None
         options = {**self.options, "resume": self.resume} if self.resume else self.options
         try:
@@ -138,10 +142,12 @@ class Runner:
                             return following
                         continue
                     gone, why = torn(body, last, self.critical)
-                    if gone.any() and number <= self.card.most and not last.clock.at_end:
+                    if (gone.any() or apart) and number <= self.card.most \
+                            and not last.clock.at_end:
                         found = separate(deck, last, gone, self.card.elset, why, number,
                                          part_name(self.deck.name, number + 1), self.output)
-                        break
+                        if found is not None:
+                            break
                     why = self._reason(deck, body, last, tools, first)
                     if why and number <= self.card.most:
                         found = self._remake(deck, number, last, tools, why)

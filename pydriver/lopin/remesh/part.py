@@ -117,6 +117,8 @@ def next_deck(parts: DeckParts, body: Body, mesh: NewMesh, name: str, folder: Pa
     deck = Deck(name=name, folder=folder)
     node_label, element_label = new_labels(parts, body, mesh)
     written = False
+    empty = {name for name, labels in _node_sets(parts.cards, body, mesh, node_label).items()
+             if not labels}
     for block in parts.blocks:
         if block.keyword in _MESH_CARDS:
             if not written:
@@ -129,8 +131,19 @@ def next_deck(parts: DeckParts, body: Body, mesh: NewMesh, name: str, folder: Pa
             deck.blocks += list(start)
         if block.keyword == "SURFACE":
             block = _surface(parts, body, mesh, block, element_label)
+        if block.keyword == "BOUNDARY":
+            block = _kept_supports(block, empty)
         deck.blocks.append(block)
     return deck
+
+
+def _kept_supports(block: Block, empty: set[str]) -> Block:
+    """A card without the lines of sets whose nodes went with a piece that came loose."""
+    if not any(str(row[0]).upper() in empty for row in block.data):
+        return block
+    new = Block(block.keyword, block.parameters)
+    new.lines = [row for row in block.data if str(row[0]).upper() not in empty]
+    return new
 
 
 def new_labels(parts: DeckParts, body: Body, mesh: NewMesh) -> tuple[NDArray, list[NDArray]]:

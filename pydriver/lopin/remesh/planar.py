@@ -4,13 +4,13 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from .body import Body, boundary_facets
+from .body import Body, boundary_facets, refused
 from .card import RemeshCard
 from .outline import Outline, loops_of, new_outline, volume_of
 from .part import NewMesh, SkinOrigin
-from .plane import fill, worst_corner
+from .plane import crossings, fill, worst_corner
 from .seat import keep_volume, seat
-from .sizes import Sizes, of_curvature, of_gradient, of_thickness
+from .sizes import Sizes, of_curvature, of_fracture, of_gradient, of_thickness
 from .state import Snapshot
 from .tools import Tools
 from .transfer import CellFields, PLASTIC
@@ -18,6 +18,8 @@ from .transfer import CellFields, PLASTIC
 
 #: A mesh whose worst corner is better is taken; else others are tried, of sizes times these.
 WELL, FACTORS = 0.3, (1.0, 0.93, 1.06, 0.87, 0.8)
+#: An outline that crosses itself is drawn again nearer to the old one by this.
+CLOSER = 0.3
 
 
 def remesh_plane(body: Body, state: Snapshot, card: RemeshCard, tools: Tools,
@@ -26,19 +28,26 @@ def remesh_plane(body: Body, state: Snapshot, card: RemeshCard, tools: Tools,
     sizes = sizes_of(body, state, card, tools, fields)
     required = set(np.concatenate([rows for rows in body.named.values()
                                    if len(rows) < len(body.x)] or [[]]).astype(int).tolist())
-    quads, best = body.cells[0].shape[1] == 4, None
+    quads, best, near = body.cells[0].shape[1] == 4, None, card.hausdorff
     for factor in FACTORS:
         finer = sizes.scaled(factor)
         outline = new_outline(state.x, body.facets, body.tags,
-                              required & set(body.facets.ravel()), finer, card.hausdorff, quads)
+                              required & set(body.facets.ravel()), finer, near, quads)
         moved = seat_outline(body, state, outline, finer, tools)
         ends = np.concatenate([np.stack([r, np.roll(r, -1)], axis=1) for r in outline.loops])
+        cross = outline.x[ends[crossings(outline.x, ends)[:1, 0]]].mean(axis=1)
+        if len(cross):   # closer to the old outline, whose narrow slots it has to follow
+            near *= CLOSER
+            continue
         x, cells = fill(outline, finer.with_edges(outline.x, ends), quads)
         worst = worst_corner(x, cells) - (len(cells) > 1)
         if best is None or worst > best[0]:
             best = worst, outline, moved, x, cells
         if worst > WELL:
             break
+    if best is None:
+        raise refused("the outline of the body crosses itself near ({:.4g}, {:.4g})".format(
+            *cross[0]), "two sides of a fold or of a cut have met there: cells of a smaller size")
     _, outline, moved, x, cells = best
     facets, _ = boundary_facets(cells, 2)
     tags = [outline.tags[a] for a in facets[:, 0]]
@@ -59,6 +68,7 @@ def sizes_of(body: Body, state: Snapshot, card: RemeshCard, tools: Tools,
              of_gradient(fields.centre, np.linalg.norm(fields.slope[:, :, PLASTIC], axis=1))]
     asked += [of_curvature(*arcs) for arcs in tools.arcs(x, facets, body.tags,
                                                          2.0*card.size)]
+    asked += of_fracture(state.points.place[:, :2], state.points.damage_mean, card.cuts)
     return Sizes.of(card.size, card.smallest, card.growth, asked, 2)
 
 

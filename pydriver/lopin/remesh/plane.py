@@ -5,6 +5,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import ResourceError, optional
+from .body import refused
 from .outline import Outline
 
 #: gmsh's numbers: frontal Delaunay for both; blossom joins triangles to quads.
@@ -39,6 +40,8 @@ def fill(outline: Outline, size, quads: bool) -> tuple[NDArray, list[NDArray]]:
     finally:
         if started:
             gmsh.finalize()
+    if not cells:
+        raise refused("gmsh made no mesh inside the outline of the body")
     x[:len(outline.x)] = outline.x
     return improved(x, cells, len(outline.x)), cells
 
@@ -61,19 +64,66 @@ def _draw(gmsh, outline: Outline, quads: bool) -> None:
     for loop in outline.loops:
         lines = [geo.addLine(points[a], points[b]) for a, b in zip(loop, np.roll(loop, -1))]
         curves.append((lines, geo.addCurveLoop(lines)))
-    # The outer loop is the one that encloses the most.
-    def area(loop):
-        p, q = outline.x[loop], outline.x[np.roll(loop, -1)]
-        return -abs((p[:, 0]*q[:, 1] - q[:, 0]*p[:, 1]).sum())
-
-    order = np.argsort([area(loop) for loop in outline.loops])
-    surface = geo.addPlaneSurface([curves[k][1] for k in order])
+    surfaces = [geo.addPlaneSurface([curves[k][1] for k in own]) for own in pieces_of(outline)]
     geo.synchronize()
     for lines, _ in curves:
         for line in lines:
             gmsh.model.mesh.setTransfiniteCurve(line, 2)
     if quads:
-        gmsh.model.mesh.setRecombine(2, surface)
+        for surface in surfaces:
+            gmsh.model.mesh.setRecombine(2, surface)
+
+
+def pieces_of(outline: Outline) -> list[list[int]]:
+    """Loops of each piece: the one around it, then those of its holes."""
+    def twice_area(loop):
+        p, q = outline.x[loop], outline.x[np.roll(loop, -1)]
+        return float((p[:, 0]*q[:, 1] - q[:, 0]*p[:, 1]).sum())
+
+    area = [twice_area(loop) for loop in outline.loops]
+    outer = sorted((k for k in range(len(area)) if area[k] > 0.0), key=lambda k: area[k])
+    found = {k: [k] for k in outer}
+    for k in range(len(area)):
+        if area[k] > 0.0:
+            continue
+        at = outline.x[outline.loops[k][0]]
+        # The smallest loop around it.
+        around = next((m for m in outer if encloses(outline.x[outline.loops[m]], at)), outer[-1])
+        found[around].append(k)
+    return [found[k] for k in reversed(outer)]
+
+
+def encloses(polygon: NDArray, at: NDArray) -> bool:
+    """Whether a point is inside a closed polygon (n, 2).
+
+    >>> encloses(np.array([[0., 0.], [1., 0.], [1., 1.], [0., 1.]]), np.array([.5, .5]))
+    True
+    """
+    a, b = polygon - at, np.roll(polygon, -1, axis=0) - at
+    across = (a[:, 1] > 0.0) != (b[:, 1] > 0.0)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        x = a[:, 0] - a[:, 1]*(b[:, 0] - a[:, 0])/(b[:, 1] - a[:, 1])
+    return bool((across & (x > 0.0)).sum() % 2)
+
+
+def crossings(x: NDArray, ends: NDArray) -> NDArray:
+    """Pairs of edges that cross (pair, 2). `ends`: rows of the nodes of each edge (edge, 2)."""
+    a, b = x[ends[:, 0]], x[ends[:, 1]]
+    found = []
+    low, high = np.minimum(a, b), np.maximum(a, b)
+
+    def side(p, q, r):
+        return (q[..., 0] - p[..., 0])*(r[..., 1] - p[..., 1]) \
+            - (q[..., 1] - p[..., 1])*(r[..., 0] - p[..., 0])
+
+    for k in range(len(ends) - 1):
+        near = np.flatnonzero((low[k + 1:] <= high[k]).all(axis=1)
+                              & (high[k + 1:] >= low[k]).all(axis=1)) + k + 1
+        near = near[~np.isin(ends[near], ends[k]).any(axis=1)]
+        cross = (side(a[k], b[k], a[near])*side(a[k], b[k], b[near]) < 0.0) \
+            & (side(a[near], b[near], a[k])*side(a[near], b[near], b[k]) < 0.0)
+        found += [(k, int(m)) for m in near[cross]]
+    return np.array(found, int).reshape(-1, 2)
 
 
 def _read(gmsh, n_outline: int) -> tuple[NDArray, list[NDArray]]:

@@ -145,13 +145,14 @@ def traction_block(parts: DeckParts, body: Body, mesh: NewMesh, last: Snapshot,
     return [Block("INITIAL CONDITIONS", {"TYPE": "TRACTION"}, rows)] if rows else []
 
 
-def start_block(body: Body, last: Snapshot, parts: DeckParts) -> Block:
-    """*START: the clock, and what has moved already."""
+def start_block(body: Body, last: Snapshot, parts: DeckParts, release: float = 0.0) -> Block:
+    """*START: the clock, and what has moved; what is out of balance fades over `release`."""
     clock = last.clock
     rest = REST*(_period(parts, clock.step) or max(clock.time, clock.increment))
     rows = [[int(r[0]), int(r[1]), *map(float, r[2:])] for r in last.moved(body)]
+    fades = {"RELEASE": release} if release > 0.0 else {}
     return Block("START", {"STEP": clock.step, "BEGUN": clock.begun, "TIME": clock.time,
-                           "REST": rest, "INCREMENT": clock.increment}, rows)
+                           "REST": rest, "INCREMENT": clock.increment, **fades}, rows)
 
 
 def _period(parts: DeckParts, step: int) -> float:

@@ -33,7 +33,8 @@ class Remesh:
         elastic energy of the deviator
     excess : largest share by which a strain was taken back to the yield surface
     seconds : of the remesh
-    separated : share of the body's volume that was taken out
+    separated : share of the body's volume that elements beyond a critical damage had
+    scrap : of each piece that came loose: elements, volume, corners of the box around it
     pieces : bodies that are left
     """
 
@@ -48,18 +49,30 @@ class Remesh:
     excess: float
     seconds: float
     separated: float = 0.0
+    scrap: list[dict] = field(default_factory=list)
     pieces: int = 1
+
+    @property
+    def cut(self) -> bool:
+        """Metal was taken out; the rest of the mesh is as it was."""
+        return self.separated > 0.0 or bool(self.scrap)
 
     def line(self) -> str:
         """For a terminal."""
-        if self.separated > 0.0:
+        if self.cut:
             return (f"separation at time {self.time:g}: {self.reason}; "
-                    f"{100*self.separated:.2g} % of the volume; {self.elements} elements left in "
-                    f"{self.pieces} {'piece' if self.pieces == 1 else 'pieces'}")
+                    f"{100*self.separated:.2g} % of the volume{self._scrap()}; {self.elements} "
+                    f"elements left in {self.pieces} {'piece' if self.pieces == 1 else 'pieces'}")
         return (f"remesh at time {self.time:g}: {self.reason}; {self.elements} elements, worst "
                 f"corner {self.worst_corner:.2f}, volume {self.moved['volume_change']:+.1e}, "
                 f"plastic strain {100*self.plastic_change:+.2f} %, elastic energy "
                 f"{100*self.energy_change:+.2f} %" + (", " + self.fold() if self.fold() else ""))
+
+    def _scrap(self) -> str:
+        """The pieces that came loose, in words."""
+        return "".join("; scrap of {:.4g} in {} elements from ({}) to ({})".format(
+            p["volume"], p["elements"], ", ".join(f"{v:.4g}" for v in p["from"]),
+            ", ".join(f"{v:.4g}" for v in p["to"])) for p in self.scrap)
 
     def fold(self) -> str:
         """Where two sides of the skin come together, in words; nothing where they do not."""
@@ -153,7 +166,7 @@ class Report:
                     ("integral of plastic strain", abs(r.plastic_change), 2e-3, np.inf),
                     ("elastic energy", abs(r.energy_change), 2e-2, np.inf),
                     ("force of the tools at rest", jump, 1e-2, 5e-2)):
-                if r.separated > 0.0:
+                if r.cut:
                     break   # what is taken out takes its force along
                 level = 2 if value > fail else 1 if value > warn else 0
                 worst = max(worst, level)
@@ -170,10 +183,10 @@ class Report:
     def text(self) -> str:
         """For a terminal."""
         verdict, said = self.verdict()
-        cut = {r.part for r in self.remeshes if r.separated > 0.0}
+        cut = {r.part for r in self.remeshes if r.cut}
         jumps = [j["change"] for j in self.jumps() if j["part"] not in cut]
         lines = [*said, f"{len(self.parts)} parts, {len(self.remeshes)} remeshes: {verdict}"]
-        gone = [r.separated for r in self.remeshes if r.separated > 0.0]
+        gone = [r.separated for r in self.remeshes if r.cut]
         if gone:
             left = 100.0*(1.0 - np.prod(1.0 - np.array(gone)))
             lines[-1] = (f"{len(self.parts)} parts, {len(self.remeshes) - len(gone)} remeshes, "

@@ -10,24 +10,21 @@ from numpy.typing import NDArray
 from ..deck import Block, Deck
 from ..model_read_mesh import plain
 from ..points import Points
-from .body import (
-    Body,
-    DeckParts,
-    boundary_facets,
-    direct_labels,
-    faces_of_cell,
-    read_body,
-    refused,
-)
+from .body import Body, DeckParts, boundary_facets, direct_labels, read_body, refused
 from .part import NewMesh, SkinOrigin, next_deck
-from .plane import worst_corner
+from .plane import crossings, worst_corner
 from .remake import start_block, state_block, traction_block
 from .report import Remesh
+from .scrap import bodies, by_group, loose, named_rows, pieces, split
 from .state import Snapshot
 from .transfer import fields_of
 
 #: Criteria in the order of the columns of damage.
 CRITERIA = ("COCKCROFT-LATHAM", "OYANE", "RICE-TRACEY", "LEMAITRE")
+#: Name of the faces that cuts have laid bare: a set of their nodes in the decks of parts.
+CUT = ("N", "LOPIN_CUT")
+#: Increments, of the length of the next, over which what separated elements held fades.
+FADING = 5.0
 
 
 def criticals(blocks: list[Block]) -> dict[str, float]:
@@ -39,6 +36,16 @@ def criticals(blocks: list[Block]) -> dict[str, float]:
     return {str(plain(b.parameters["CRITERION"])).upper():
             float(str(plain(b.parameters["CRITICAL"])).upper().replace("D", "E"))
             for b in blocks if b.keyword == "DAMAGE" and "CRITICAL" in b.parameters}
+
+
+def cuts_of(blocks: list[Block]) -> tuple[tuple[int, float, float], ...]:
+    """Column of damage, critical value and length of the cells of a cut: half the width over which
+    the damage is a mean, 0 without one (as small as cells may be)."""
+    widths = {str(plain(b.parameters["CRITERION"])).upper():
+              float(str(plain(b.parameters.get("WIDTH", 0.0))).upper().replace("D", "E"))
+              for b in blocks if b.keyword == "DAMAGE"}
+    return tuple((CRITERIA.index(name), value, 0.5*widths[name])
+                 for name, value in criticals(blocks).items())
 
 
 def counted(block: Block) -> Block:
@@ -68,92 +75,21 @@ def torn(body: Body, last: Snapshot, critical: dict[str, float]) -> tuple[NDArra
         if (mean >= value).any():
             why.append(f"{name} {mean.max():.3g} at least {value:g}")
         gone |= mean >= value
-    return gone, ", ".join(why)
+    met = crushed(body, last.x, gone)
+    if met.any():
+        why.append(f"{int(met.sum())} where the sides of a cut meet")
+    return gone | met, ", ".join(why)
 
 
-def joined(count: int, pairs: NDArray) -> NDArray:
-    """The group of each of `count` things that pairs join, named by its first.
-
-    >>> joined(4, np.array([[0, 2], [2, 3]])).tolist()
-    [0, 1, 0, 0]
-    """
-    root = np.arange(count)
-    while len(pairs):
-        low = np.minimum(root[pairs[:, 0]], root[pairs[:, 1]])
-        before = root.copy()
-        np.minimum.at(root, pairs[:, 0], low)
-        np.minimum.at(root, pairs[:, 1], low)
-        root = root[root]
-        if (root == before).all():
-            break
-    return root
-
-
-def bodies(cells: list[NDArray], n_node: int) -> NDArray:
-    """The body of each node: named by its first node."""
-    return joined(n_node, np.vstack([np.stack([g[:, 0], g[:, k]], axis=1) for g in cells
-                                     for k in range(1, g.shape[1])]))
-
-
-def split(cells: list[NDArray], ndim: int) -> tuple[list[NDArray], NDArray]:
-    """Nodes at which parts of a mesh only touch become one for each part.
-
-    Corners of elements belong together where these share a facet. Returns the cells and the old
-    row of each node.
-    """
-    first = np.cumsum([0, *(g.size for g in cells)])
-    node = np.concatenate([g.ravel() for g in cells])
-    corner = [np.arange(g.size).reshape(g.shape) + at for g, at in zip(cells, first)]
-    facets = []
-    for group, own in zip(cells, corner):
-        for face in faces_of_cell(ndim, group.shape[1]):
-            face = list(face)
-            order = np.argsort(group[:, face], axis=1)
-            facets.append(np.hstack([np.take_along_axis(group[:, face], order, 1),
-                                     np.take_along_axis(own[:, face], order, 1)]))
-    facets = np.vstack(facets)
-    facets = facets[np.lexsort(facets[:, :ndim].T)]
-    same = (facets[1:, :ndim] == facets[:-1, :ndim]).all(axis=1)
-    pairs = np.stack([facets[:-1][same, ndim:].ravel(), facets[1:][same, ndim:].ravel()], axis=1)
-    groups, number = np.unique(joined(len(node), pairs), return_inverse=True)
-    order = np.argsort(node[groups], kind="stable")
-    rank = np.empty(len(groups), int)
-    rank[order] = np.arange(len(groups))
-    number = rank[number.ravel()]
-    return [number[own] for own in corner], node[groups][order]
-
-
-def by_group(body: Body, values: NDArray) -> list[NDArray]:
-    """Values of the elements of the body (element, ...), cut as `body.cells` is."""
-    return np.split(values, np.cumsum([len(group) for group in body.cells])[:-1])
-
-
-def named_rows(body: Body) -> dict[str, NDArray]:
-    """Rows of the nodes of each set of the body."""
-    rows = {name: [np.asarray(own, int)] for name, own in body.named.items()}
-    for facet, tag in zip(body.facets, body.tags):
-        for kind, name in tag:
-            if kind == "N":
-                rows.setdefault(name, []).append(facet)
-    return {name: np.unique(np.concatenate(own)) for name, own in rows.items()}
-
-
-def loose(body: Body, last: Snapshot, gone: NDArray) -> NDArray:
-    """Elements of bodies that neither supports nor pressed faces hold, once others are gone."""
-    apart, old = split([g[~out] for g, out in zip(body.cells, by_group(body, gone))], body.ndim)
-    body_of = bodies(apart, len(old))
-    names = named_rows(body)
-    held = np.zeros(len(body.labels), bool)
-    for kind, name in body.held:
-        held[names.get(name, [])] = True
-    if last.tractions is not None:
-        bears = np.abs(last.tractions.traction).max(axis=1, initial=0.0) > 0.0
-        held |= np.isin(body.labels, last.tractions.node[bears])
-    holding = np.unique(body_of[held[old]])
+def crushed(body: Body, x: NDArray, gone: NDArray) -> NDArray:
+    """Elements of a plane body at sides of cuts that cross each other (element,)."""
     found = np.zeros(len(gone), bool)
-    if len(holding):
-        found[~gone] = ~np.isin(np.concatenate([body_of[g[:, 0]] for g in apart]), holding)
-    return found
+    cut = np.array([CUT in tag for tag in body.tags])
+    if body.ndim == 2 and cut.any():
+        pairs = crossings(x, body.facets[cut])
+        _, owner = boundary_facets(body.cells, 2)
+        found[owner[cut][pairs.ravel(), 0]] = True
+    return found & ~gone
 
 
 def without(body: Body, x: NDArray, gone: NDArray) -> tuple[NewMesh, NDArray]:
@@ -166,7 +102,7 @@ def without(body: Body, x: NDArray, gone: NDArray) -> tuple[NewMesh, NDArray]:
     cells, old = split([g for g in kept if len(g)], body.ndim)
     facets, _ = boundary_facets(cells, body.ndim)
     known = {tuple(sorted(f)): tag for f, tag in zip(body.facets.tolist(), body.tags)}
-    bare = frozenset(entry for tag in body.tags for entry in tag if entry[0] == "S")
+    bare = frozenset(entry for tag in body.tags for entry in tag if entry[0] == "S") | {CUT}
     tags = [known.get(tuple(sorted(old[f].tolist())), bare) for f in facets]
     mesh = NewMesh(x[old], cells, facets, tags)
     for name, rows in named_rows(body).items():
@@ -174,23 +110,38 @@ def without(body: Body, x: NDArray, gone: NDArray) -> tuple[NewMesh, NDArray]:
     return mesh, old
 
 
-def states_of_rest(body: Body, points: Points, gone: NDArray) -> tuple[NDArray, list[NDArray]]:
-    """Row of the element of each point, -1 outside the body; the fields of the points of elements
-    that stay (element, point, field), for each group that has any."""
+def rows_of(body: Body, points: Points) -> NDArray:
+    """Row of the element of each point; outside the body the one behind the last."""
     number = {int(e): k for k, e in enumerate(body.elements)}
-    row = np.array([number.get(int(label), -1) for label in points.element])
+    return np.array([number.get(int(label), len(number)) for label in points.element])
+
+
+def states_of_rest(body: Body, points: Points, gone: NDArray) -> list[NDArray]:
+    """The fields of the points of elements that stay (element, point, field), for each group that
+    has any."""
+    row = rows_of(body, points)
     fields, states = fields_of(points), []
     for own in by_group(body, np.arange(len(gone))):
         at = np.flatnonzero(np.isin(row, own))
         at = at[np.lexsort((points.number[at], row[at]))]
         if not gone[own].all():
             states.append(fields[at].reshape(len(own), -1, fields.shape[1])[~gone[own]])
-    return row, states
+    return states
+
+
+def _told(body: Body, x: NDArray, piece: NDArray, volume: NDArray) -> dict:
+    """What a report says of a piece that comes loose."""
+    nodes = np.unique(np.concatenate([g[own].ravel() for g, own in
+                                      zip(body.cells, by_group(body, piece))]))
+    low, high = x[nodes].min(axis=0), x[nodes].max(axis=0)
+    return {"elements": int(piece.sum()), "volume": float(volume[:-1][piece].sum()),
+            "from": [float(v) for v in low], "to": [float(v) for v in high]}
 
 
 def separate(deck: Deck, last: Snapshot, gone: NDArray, elset: str, why: str, part: int,
-             name: str, folder: Path) -> tuple[Deck, Remesh]:
-    """The deck of the part that follows without these elements: the rest of the mesh as it is.
+             name: str, folder: Path) -> tuple[Deck, Remesh] | None:
+    """The deck of the part that follows without these elements and what they leave loose: the rest
+    of the mesh as it is. None where nothing separates.
 
     Parameters
     ----------
@@ -205,29 +156,32 @@ def separate(deck: Deck, last: Snapshot, gone: NDArray, elset: str, why: str, pa
     parts = DeckParts.of(deck)
     direct_labels(parts, read_body(parts, elset))
     body = read_body(parts, elset)
+    points = last.points
     if last.loaded(body):
         raise refused("loads act on nodes of the body that separates",
                       "load a surface by *DSLOAD, or a tool")
-    scrap = loose(body, last, gone)
-    gone = gone | scrap
-    if scrap.any():
-        why += f", {int(scrap.sum())} of them in pieces that nothing holds"
+    found = loose(parts, body, last, gone)
+    volume = np.bincount(rows_of(body, points), points.volume, len(gone) + 1)
+    if not (gone.any() or found):
+        return None
+    scrap = [_told(body, last.x, piece, volume) for piece in found]
+    torn_off = gone.sum()
+    share = float(volume[:-1][gone].sum()/volume[:-1].sum())
+    gone = np.any([gone, *found], axis=0)
     if gone.all():
-        raise refused("all elements of the body have separated")
+        raise refused("nothing holds what is left of the body")
     mesh, old = without(body, last.x, gone)
-    points = last.points
-    row, states = states_of_rest(body, points, gone)
-    inside = np.isin(row, np.flatnonzero(gone))
-    volume = float(points.volume[row >= 0].sum())
-    share = float(points.volume[inside].sum())/volume
-    count = len(np.unique(bodies(mesh.cells, len(mesh.x))))
+    parts.cards.nsets.setdefault(CUT[1], [])
+    states = states_of_rest(body, points, gone)
     skin = np.unique(mesh.facets)
     origin = SkinOrigin(skin, old[skin][:, None], np.ones((len(skin), 1)))
-    done = Remesh(part, last.clock.total, f"{int(gone.sum())} elements separate, {why}",
-                  sum(len(c) for c in mesh.cells), worst_corner(mesh.x, mesh.cells),
-                  {"volume": volume, "volume_change": 0.0}, 0.0, 0.0, excess=0.0,
-                  seconds=time.perf_counter() - began, separated=share, pieces=count)
+    why = f"{int(torn_off)} elements separate, {why}" if torn_off else "pieces come loose"
+    done = Remesh(part, last.clock.total, why, sum(len(c) for c in mesh.cells),
+                  worst_corner(mesh.x, mesh.cells),
+                  {"volume": float(volume[:-1].sum()), "volume_change": 0.0}, 0.0, 0.0, excess=0.0,
+                  seconds=time.perf_counter() - began, separated=share, scrap=scrap,
+                  pieces=sum(1 for _ in pieces(body, gone)))
     start: list[Block] = [state_block(parts, body, mesh, states),
                           *traction_block(parts, body, mesh, last, origin),
-                          start_block(body, last, parts)]
+                          start_block(body, last, parts, FADING*last.clock.increment)]
     return next_deck(parts, body, mesh, name, folder, start), done

@@ -10,6 +10,9 @@ from ..errors import optional
 
 #: Cells to a quarter turn of an arc, and across a gap.
 CELLS_OF_ARC, CELLS_ACROSS = 8, 2
+#: Share of the critical damage from which on metal has the cells of a cut; its longest cells there
+#: by these, before it is meshed anew.
+NEAR_FRACTURE, COARSER = 0.5, 1.6
 #: Change of plastic strain across one cell.
 STRAIN_STEP = 0.2
 
@@ -112,3 +115,12 @@ def of_gradient(x: NDArray, slope: NDArray) -> tuple[NDArray, NDArray]:
     """Cells across which a plastic strain of these gradients changes by `STRAIN_STEP`."""
     with np.errstate(divide="ignore"):
         return x, STRAIN_STEP/slope
+
+
+def of_fracture(x: NDArray, damage: NDArray, cuts) -> list[tuple[NDArray, NDArray]]:
+    """Cells of a cut where damage (point, criterion) comes near a critical value."""
+    found = []
+    for column, critical, cell in cuts:
+        near = damage[:, column] >= NEAR_FRACTURE*critical
+        found.append((x[near], np.full(int(near.sum()), cell)))
+    return found

@@ -8,7 +8,7 @@ from .body import Body, boundary_facets
 from .card import RemeshCard
 from .part import NewMesh, SkinOrigin
 from .seat import keep_volume, seat
-from .sizes import Sizes, of_curvature, of_gradient
+from .sizes import Sizes, of_curvature, of_fracture, of_gradient
 from .space import closest_on_facets, narrowest_slot, remesh_tetrahedra, volume_inside
 from .state import Snapshot
 from .tools import Tools
@@ -52,6 +52,7 @@ def _sizes(body: Body, state: Snapshot, card: RemeshCard, tools: Tools, fields: 
              thickness(state.x, body.facets)]
     asked += [of_curvature(*arcs) for arcs in tools.arcs(state.x, body.facets, body.tags,
                                                          2.0*card.size)]
+    asked += of_fracture(state.points.place[:, :3], state.points.damage_mean, card.cuts)
     return Sizes.of(card.size, card.smallest, card.growth, asked, 3)
 
 

@@ -7,6 +7,7 @@ from .body import Body
 from .card import RemeshCard
 from .part import Clock
 from .plane import worst_corner
+from .sizes import COARSER, NEAR_FRACTURE
 from .state import Snapshot
 from .tools import Tools
 
@@ -42,9 +43,28 @@ def reason_to_remesh(body: Body, card: RemeshCard, plastic: dict[int, float], be
     strain = float((now.points.plastic[own] - before).max())
     if strain > card.strain:
         return f"plastic strain {strain:.2f} since the last mesh"
+    coarse = coarse_near_fracture(body, now, card)
+    if coarse:
+        return coarse
     passed = now.clock.total - began.total
     if card.period and passed >= card.period*(1.0 - 1e-9):
         return f"time {passed:g} since the last mesh"
+    return ""
+
+
+def coarse_near_fracture(body: Body, now: Snapshot, card: RemeshCard) -> str:
+    """Whether elements near a critical damage are longer than those of a cut are to be."""
+    if not card.cuts:
+        return ""
+    length = np.concatenate([np.linalg.norm(now.x[g] - now.x[np.roll(g, 1, axis=1)], axis=2)
+                             .mean(axis=1) for g in body.cells])
+    at = {int(label): k for k, label in enumerate(body.elements)}
+    row = np.array([at.get(int(label), -1) for label in now.points.element])
+    for column, critical, cell in card.cuts:
+        near = row[(row >= 0) & (now.points.damage_mean[:, column] >= NEAR_FRACTURE*critical)]
+        bound = COARSER*max(cell, card.smallest)
+        if len(near) and length[near].max() > bound:
+            return f"edges of {length[near].max():.2g} where a cut comes near, beyond {bound:.2g}"
     return ""
 
 
