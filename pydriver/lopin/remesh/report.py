@@ -13,6 +13,8 @@ from numpy.typing import NDArray
 from ..files import reading, whole_file
 from .join import join_collections, join_histories, join_summaries
 
+#: Share of the volume that may be taken out as elements separate.
+MOST_TAKEN_OUT = 0.02
 TINY = np.finfo(float).tiny
 
 
@@ -139,7 +141,32 @@ class Report:
         return json.dumps({"schema": "lopin-parts/1", "deck": self.name, "parts": self.parts,
                            "remeshes": [asdict(r) | {"force_change": jumps.get(r.part, {})
                                                      .get("change")} for r in self.remeshes],
+                           "balance": self.balance(),
                            "verdict": self.verdict()[0]}, indent=1)
+
+    def balance(self) -> dict[str, float]:
+        """Volume and energy of a run that separates: where they went; nothing without a cut.
+
+        `lost`: share of the volume at the start that is in none of the others; `let_go`: work of
+        the tools that neither flow, friction nor elastic strain hold at the end, which metal that
+        separated took along or gave back as it was let go of.
+        """
+        found = _columns(self.folder/f"{self.name}_history.csv")
+        if not found or not any(r.cut for r in self.remeshes):
+            return {}
+        left, scrap = found["volume"][-1], sum(p["volume"] for r in self.remeshes for p in r.scrap)
+        out = sum(r.separated*r.moved["volume"] for r in self.remeshes)
+        start = found["volume"][0]
+        done = {"plastic": found["energy.plastic"][-1], "elastic": found["energy.strain"][-1],
+                "friction": found.get("energy.friction", np.zeros(1))[-1]}
+        work = work_of_tools(found)
+        return {"volume": start, "left": left, "scrap": scrap, "taken_out": out,
+                "lost": 1.0 - (left + scrap + out)/start, "work": work, **done,
+                "let_go": work - sum(done.values())}
+
+    def taken_out(self) -> float:
+        """Share of the volume that elements beyond a critical damage had."""
+        return float(1.0 - np.prod([1.0 - r.separated for r in self.remeshes]))
 
     def jumps(self) -> list[dict]:
         """Relative change of the forces of the tools in the increments at rest: part that ended,
@@ -173,6 +200,11 @@ class Report:
                 if level:
                     said.append(f"{('', 'WARN', 'FAIL')[level]}: remesh at time {r.time:g} "
                                 f"changes the {what} by {100*value:.2g} %")
+        gone = self.taken_out()
+        if gone > MOST_TAKEN_OUT:
+            worst = 2
+            said.append(f"FAIL: {100*gone:.2g} % of the volume was taken out as elements "
+                        "separated: finer cells, and a smaller WIDTH, where it is cut")
         folds = [r for r in self.remeshes if r.fold()]
         if folds:
             worst = max(worst, 1)
@@ -186,13 +218,18 @@ class Report:
         cut = {r.part for r in self.remeshes if r.cut}
         jumps = [j["change"] for j in self.jumps() if j["part"] not in cut]
         lines = [*said, f"{len(self.parts)} parts, {len(self.remeshes)} remeshes: {verdict}"]
-        gone = [r.separated for r in self.remeshes if r.cut]
-        if gone:
-            left = 100.0*(1.0 - np.prod(1.0 - np.array(gone)))
-            lines[-1] = (f"{len(self.parts)} parts, {len(self.remeshes) - len(gone)} remeshes, "
-                         f"{len(gone)} separations of {left:.2g} % of the volume: {verdict}")
+        if cut:
+            lines[-1] = (f"{len(self.parts)} parts, {len(self.remeshes) - len(cut)} remeshes, "
+                         f"{len(cut)} separations of {100*self.taken_out():.2g} % of the volume: "
+                         f"{verdict}")
         if jumps:
             lines[-1] += f"; force of the tools at rest changes by {100*max(jumps):.2g} % at most"
+        told = self.balance()
+        if told:
+            lines.append("volume {volume:.5g}: {left:.5g} left, {scrap:.5g} scrap, {taken_out:.3g} "
+                         "taken out".format(**told) + f" ({100*told['lost']:+.2g} % lost)")
+            lines.append("work of the tools {work:.5g}: {plastic:.5g} plastic, {friction:.4g} "
+                         "friction, {elastic:.4g} elastic, {let_go:.4g} let go of".format(**told))
         lines.append(f"results in {self.folder}/; {self.name}.pvd and {self.name}_history.csv "
                      "hold all parts")
         return "\n".join(lines)
@@ -206,3 +243,25 @@ def _forces(path: Path) -> NDArray | None:
         head, *rows = list(csv.reader(file))
         columns = [k for k, name in enumerate(head) if re.match(r".*\.rf[123]\b", name)]
         return np.array([[float(row[k]) for k in columns] for row in rows])
+
+
+def _columns(path: Path) -> dict[str, NDArray]:
+    """Columns of a history by their first word; none without a history."""
+    if not path.is_file():
+        return {}
+    with reading(path), path.open(newline="") as file:
+        head, *rows = list(csv.reader(file))
+    table = np.array([[float(v) for v in row] for row in rows]).reshape(len(rows), len(head))
+    return {word.partition(" ")[0]: column for word, column in zip(head, table.T)}
+
+
+def work_of_tools(columns: dict[str, NDArray]) -> float:
+    """What the prescribed motions of all tools have done: forces by displacements, moments by
+    rotations, by the trapezoidal rule from the unloaded start on [energy]."""
+    work = 0.0
+    for name, force in columns.items():
+        moved = columns.get(re.sub(r"\.rf(\d)$", r".u\1", name))
+        if re.search(r"\.rf\d$", name) and moved is not None:
+            f, u = np.r_[0.0, force], np.r_[0.0, moved]
+            work += float((0.5*(f[1:] + f[:-1])*np.diff(u)).sum())
+    return work

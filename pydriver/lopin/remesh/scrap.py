@@ -132,7 +132,7 @@ def forces(body: Body, last: Snapshot) -> NDArray:
     t = last.tractions
     if t is not None:
         at = {int(label): k for k, label in enumerate(body.labels)}
-        row = np.array([at.get(int(label), -1) for label in t.node])
+        row = np.array([at.get(int(label), -1) for label in t.node], int)
         own = row >= 0
         np.add.at(force, row[own], t.traction[own, :body.ndim])
     return force*of_node[:, None]
