@@ -24,10 +24,10 @@ contains
    subroutine convergence(list)
       type(explanation_type), allocatable, intent(inout) :: list(:)
 
-      call add_explanation(list, 'E0501', 'the contact states cycle', &
-         & 'The set of closed points changes for ever between the same states. The default '// &
-         & 'method cannot cycle in small displacement.', 'use *SURFACE BEHAVIOR, DIRECT, or '// &
-         & 'smaller increments.')
+      call add_explanation(list, 'E0501', 'the contact states do not settle', &
+         & 'Each change of the set of closed points lowers the energy, so that none comes '// &
+         & 'back: what changes still is rounding of gaps and forces.', 'check the units, and '// &
+         & 'stiffnesses of materials and contacts that differ by many orders.')
       call add_explanation(list, 'E0502', 'the multipliers have not settled', &
          & 'AUGMENTED LAGRANGE takes the load over pass by pass; with a slope far below the '// &
          & 'stiffness of the body each pass takes over little.', &

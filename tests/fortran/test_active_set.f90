@@ -1,6 +1,7 @@
 program test_active_set
    use lopin_kinds, only : wp
    use lopin_condensed, only : condensed_type, form_compliance
+   use lopin_dense, only : cholesky
    use lopin_active_set, only : contact_result_type, solve_contact, outcome
    use lopin_enforcement_factory, only : new_enforcement, method_names
    use check, only : test, close_to, is_true, finish
@@ -9,6 +10,8 @@ program test_active_set
    call bar_with_a_gap()
    call two_springs_and_masses()
    call cycling_matrix()
+   call beams_on_a_floor()
+   call ill_conditioned_problems()
    call floating_mass_is_held_by_contact()
    call floating_mass_that_flies_is_named()
    call random_problems()
@@ -121,6 +124,105 @@ contains
       call close_to('force', result%force, [4.2941176470588234_wp, 0.0_wp, 1.8529411764705883_wp], &
          & 1.0e-10_wp)
    end subroutine cycling_matrix
+
+   !> A beam (EI = 1, length 100) clamped at one end, guided at the other, pressed down on a floor
+   !> under it: free over l = 60 if the floor is q l^4/72 below; it bears q (100 - l) + q l/3. The
+   !> compliance is so ill-conditioned that changing all wrong rows at once makes no progress, and
+   !> changing the last wrong row alone (Murty) takes 140 701 pivots for 80 rows.
+   subroutine beams_on_a_floor()
+      integer, parameter :: rows(3) = [20, 40, 80]
+      real(wp), parameter :: long = 100.0_wp, free = 60.0_wp, q = 1.0_wp
+      real(wp), allocatable :: s(:, :), gap(:), x(:)
+      type(contact_result_type) :: result
+      integer :: i, j, k, n, method
+
+      do k = 1, size(rows)
+         n = rows(k)
+         x = [(long*i/n, i=1, n)]
+         gap = q*free**4/72.0_wp - q*x**2*(2.0_wp*long - x)**2/24.0_wp
+         allocate (s(n, n))
+         do j = 1, n
+            do i = 1, n
+               associate (a => min(x(i), x(j)), b => max(x(i), x(j)))
+                  s(i, j) = a**2*(3.0_wp*b - a)/6.0_wp - (x(i)*x(j))**2/(4.0_wp*long)
+               end associate
+            end do
+         end do
+         do method = 1, 4, 3
+            if (method == 4 .and. n > 40) cycle
+            call test('a beam of '//char(48 + n/10)//'0 rows by '//trim(method_names(method)))
+            call solve_rows(s, gap, method, .false., result)
+            call is_true('solved', result%outcome == outcome%solved)
+            call close_to('force', sum(result%force), q*(long - free + free/3.0_wp), &
+               & 1.0e-4_wp)
+            call close_to('no other force', minval(result%force), 0.0_wp, 1.0e-10_wp)
+            if (method == 1) call is_true('as many pivots as rows', result%iterations <= 2*n)
+         end do
+         deallocate (s)
+      end do
+   end subroutine beams_on_a_floor
+
+   !> The rows of a compliance of its own: K_c = I, B B^T = S.
+   subroutine solve_rows(s, gap, method, held, result)
+      real(wp), intent(in) :: s(:, :), gap(:)
+      integer, intent(in) :: method
+      logical, intent(in) :: held              !! every fifth row is held both ways
+      type(contact_result_type), intent(out) :: result
+      type(condensed_type) :: problem
+      real(wp) :: unit(size(gap), size(gap)), b(size(gap), size(gap)), mean
+      integer :: i, j, n, status
+
+      n = size(gap)
+      unit = 0.0_wp
+      mean = 0.0_wp
+      do i = 1, n
+         unit(i, i) = 1.0_wp
+         mean = mean + s(i, i)/n
+      end do
+      b = s
+      call cholesky(b, status)
+      call is_true('definite', status == 0)
+      do j = 2, n
+         b(:j - 1, j) = 0.0_wp
+      end do
+      call new_problem(problem, unit, b, method, 1.0e6_wp/mean)
+      if (held) problem%bilateral(::5) = .true.
+      call solve_contact(problem, gap, 0.0_wp*gap, [real(wp) ::], result)
+   end subroutine solve_rows
+
+   !> Gram matrices of smooth functions: most sets are wrong in most rows. Complementarity, with rows
+   !> held both ways among them, and penalty = perturbed Lagrange.
+   subroutine ill_conditioned_problems()
+      integer, parameter :: n = 60
+      integer :: trial, i, j
+      real(wp) :: s(n, n), gap(n), wide, off
+      type(contact_result_type) :: result, softer
+      logical :: held(n)
+
+      held = .false.
+      held(::5) = .true.
+      do trial = 1, 40
+         call test('ill-conditioned problems')
+         call random_number(gap)
+         gap = gap - 0.7_wp
+         wide = 0.1_wp*trial
+         do j = 1, n
+            do i = 1, n
+               s(i, j) = exp(-abs(i - j)/wide) + exp(-(real(i - j, wp)/wide)**2)
+            end do
+         end do
+         call solve_rows(s, gap, 1, mod(trial, 2) == 0, result)
+         call is_true('solved', result%outcome == outcome%solved)
+         call is_true('as many pivots as rows', result%iterations <= 3*n)
+         off = maxval(abs(min(result%force, result%gap)), mask=.not. held)
+         if (mod(trial, 2) == 0) off = max(off, maxval(abs(result%gap), mask=held))
+         if (mod(trial, 2) == 1) off = maxval(abs(min(result%force, result%gap)))
+         call close_to('complementarity', off, 0.0_wp, 1.0e-9_wp)
+         call solve_rows(s, gap, 2, mod(trial, 2) == 0, result)
+         call solve_rows(s, gap, 3, mod(trial, 2) == 0, softer)
+         call close_to('penalty = perturbed', softer%force, result%force, 1.0e-7_wp)
+      end do
+   end subroutine ill_conditioned_problems
 
    !> A rigid mass between two walls, pushed against one: K_c has no part in it.
    subroutine floating_mass_is_held_by_contact()

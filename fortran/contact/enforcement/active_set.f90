@@ -1,10 +1,9 @@
 !> Which points touch: the primal-dual active set on the condensed contact problem.
 !>
 !> Each pass solves on a set and changes every row that is in the wrong state. Where that stops
-!> making progress, one row at a time (the last) is changed, which ends for every positive definite
-!> compliance (Judice and Pires, Computers Ops Res 21, 1994). Bodies that only contact holds are
-!> treated exactly; where no set on the way holds them, proximal steps on their motions find the set
-!> or the motion that escapes.
+!> making progress, one row at a time is changed so that the energy falls (lopin_least_energy).
+!> Bodies that only contact holds are treated exactly; where no set on the way holds them, proximal
+!> steps on their motions find the set or the motion that escapes.
 module lopin_active_set
    use lopin_kinds, only : wp
    use lopin_vectors, only : largest
@@ -12,12 +11,12 @@ module lopin_active_set
       & hold_at_rest
    use lopin_contact_result, only : contact_result_type, work_type, outcome
    use lopin_soft_error, only : estimate_soft_error
+   use lopin_set_state, only : set_tolerance, find_wrong, linearise, laws_met
+   use lopin_least_energy, only : lower_energy
    implicit none
    private
    public :: contact_result_type, solve_contact, outcome
 
-   !> A gap or a force this small beside what it is made of is zero.
-   real(wp), parameter :: set_tolerance = 1.0e-12_wp
    !> Multipliers that move by less of the largest force have settled.
    real(wp), parameter :: settled = 1.0e-10_wp
    !> Newton on laws of pressure, from the gaps on soft ground.
@@ -142,7 +141,7 @@ contains
       type(contact_result_type), intent(inout) :: result
       logical, intent(out) :: stuck
       logical :: wrong(self%nrow)
-      integer :: pass, best, patience, nwrong, last_wrong, status
+      integer :: pass, best, patience, nwrong, status
 
       best = self%nrow + 1
       patience = 5
@@ -164,97 +163,14 @@ contains
          best = min(best, nwrong)
          if (patience <= 0) then
             if (self%has_rigid_motions()) exit
-            last_wrong = findloc(wrong, .true., 1, back=.true.)
-            wrong = .false.
-            wrong(last_wrong) = .true.
-            result%single_pivots = result%single_pivots + 1
+            call lower_energy(self, work, result, stuck)
+            return
          end if
          result%active = result%active .neqv. wrong
          call linearise(self, work, result, by_set=.true.)
       end do
       stuck = .true.
    end subroutine iterate_sets
-
-   !> Rows in the wrong state: pressing rows that pull, open rows that penetrate.
-   subroutine find_wrong(self, work, result, wrong)
-      class(condensed_type), intent(in) :: self
-      type(work_type), intent(in) :: work
-      type(contact_result_type), intent(in) :: result
-      logical, intent(out) :: wrong(:)
-      real(wp) :: small_force, small_gap, force
-      integer :: row, group
-      logical :: linear
-
-      small_force = set_tolerance*largest(work%answer%force)
-      small_gap = set_tolerance*max(work%gap_scale, largest(work%answer%gap))
-      do group = 1, self%ngroup
-         linear = self%group(group)%method%piecewise_linear()
-         do row = self%group_first(group), self%group_first(group + 1) - 1
-            wrong(row) = .false.
-            if (self%bilateral(row)) cycle
-            if (.not. work%spring(row)) then
-               wrong(row) = merge(work%answer%force(row) < -small_force, &
-                  & work%answer%gap(row) < -small_gap, &
-                  & result%active(row))
-            else if (linear) then
-               force = result%multiplier(row) - self%alpha(row)*work%answer%gap(row)
-               wrong(row) = merge(force < -small_force, &
-                  & force > max(small_force, self%alpha(row)*small_gap), result%active(row))
-            end if
-         end do
-      end do
-   end subroutine find_wrong
-
-   !> Springs about the current gaps; those that are linear while closed follow the set.
-   subroutine linearise(self, work, result, by_set)
-      class(condensed_type), intent(in) :: self
-      type(work_type), intent(inout) :: work
-      type(contact_result_type), intent(in) :: result
-      logical, intent(in) :: by_set
-      real(wp) :: force(self%nrow)
-      integer :: group, from, to
-
-      if (.not. any(work%spring)) return
-      do group = 1, self%ngroup
-         from = self%group_first(group)
-         to = self%group_first(group + 1) - 1
-         if (to < from) cycle
-         if (.not. work%spring(from)) cycle
-         if (self%group(group)%method%piecewise_linear()) then
-            work%springs%stiffness(from:to) = merge(self%alpha(from:to), 0.0_wp, &
-               & result%active(from:to))
-            work%springs%offset(from:to) = merge(result%multiplier(from:to), 0.0_wp, &
-               & result%active(from:to))
-         else if (.not. by_set .or. result%iterations == 0) then
-            call self%group(group)%method%forces(work%answer%gap(from:to), self%alpha(from:to), &
-               & result%multiplier(from:to), self%bilateral(from:to), force(from:to), &
-               & work%springs%stiffness(from:to))
-            work%springs%offset(from:to) = force(from:to) &
-               & + work%springs%stiffness(from:to)*work%answer%gap(from:to)
-         end if
-      end do
-   end subroutine linearise
-
-   !> The forces found are those of the laws at the gaps found.
-   logical function laws_met(self, work, result)
-      class(condensed_type), intent(in) :: self
-      type(work_type), intent(in) :: work
-      type(contact_result_type), intent(in) :: result
-      real(wp) :: force(self%nrow), stiffness(self%nrow), off
-      integer :: group, from, to
-
-      laws_met = .true.
-      do group = 1, self%ngroup
-         from = self%group_first(group)
-         to = self%group_first(group + 1) - 1
-         if (self%group(group)%method%piecewise_linear() .or. to < from) cycle
-         call self%group(group)%method%forces(work%answer%gap(from:to), self%alpha(from:to), &
-            & result%multiplier(from:to), self%bilateral(from:to), force(from:to), &
-            & stiffness(from:to))
-         off = largest(force(from:to) - work%answer%force(from:to))
-         laws_met = laws_met .and. off <= 1.0e-11_wp*largest(force(from:to))
-      end do
-   end function laws_met
 
    subroutine update_multipliers(self, result, moved)
       class(condensed_type), intent(in) :: self

@@ -78,9 +78,12 @@ contains
             & note='no set of contacts that only press balances the loads', &
             & help='add a support, or turn the load so that it presses the bodies together')
       case (outcome%cycling)
-         call raise(error, error_code%not_converged, 'E0501', 'the contact states cycle after '// &
-            & to_text(scene%answer%iterations)//' iterations', model%step(scene%step)%at, &
-            & help='use the default method (DIRECT), which cannot cycle')
+         call raise(error, error_code%not_converged, 'E0501', 'the contact states do not '// &
+            & 'settle in '//to_text(scene%answer%iterations)//' iterations', &
+            & model%step(scene%step)%at, &
+            & note='the energy falls with every change: what is left is rounding', &
+            & help='check the units and the stiffnesses of materials and contacts: some differ '// &
+            & 'by so much that no digits are left of the gaps')
       case (outcome%not_augmented)
          call raise(error, error_code%not_converged, 'E0502', &
             & 'the multipliers still move after '//to_text(scene%answer%augmentations)// &
