@@ -1,7 +1,7 @@
 """``lopin`` and ``python -m lopin``: one command for the executable and for the Python side.
 
 run, check, info, explain, doc and selftest are the executable's; report, plot, chart, atlas,
-convert, export, example, die and identify are answered here.
+convert, export, example, die, identify and wear are answered here.
 """
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from pathlib import Path
 from .errors import Interrupted, LopinError, ResourceError
 
 PYTHON_COMMANDS = ("report", "plot", "chart", "atlas", "convert", "export", "example",
-                   "die", "identify")
+                   "die", "identify", "wear")
 
 
 def main(arguments: list[str] | None = None) -> int:
@@ -117,6 +117,10 @@ def python_command(arguments: list[str]) -> int:
     identify.add_argument("--bore", default="BORE", help="node set of the bore")
     identify.add_argument("--at", choices=("middle", "plate", "mean"), default="middle",
                           help="of the height, where diameters were measured")
+    wear = commands.add_parser("wear", help="pressure by slip, on the metal and on the tool")
+    wear.add_argument("folder", type=Path, help="what a run left, with field output on the way")
+    wear.add_argument("--pair", default=None, help="slave surface; default: the first pair")
+    wear.add_argument("-o", "--output", type=Path, help="default: <folder>/wear.csv")
     example = commands.add_parser("example", help="copy a deck of the collection")
     example.add_argument("name", nargs="?", help="without it: list the names")
     example.add_argument("folder", nargs="?", type=Path, default=Path("."))

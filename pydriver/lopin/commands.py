@@ -300,6 +300,21 @@ def identify(options) -> int:
     return 0
 
 
+def wear(options) -> int:
+    """Pressure by slip of a pair, as a table."""
+    from . import open_result
+    from .wear import wear
+
+    folder = result_folder(options.folder)
+    found = wear(open_result(folder), options.pair or 0)
+    path = options.output or folder/"wear.csv"
+    with whole_file(path) as part:
+        part.write_text(found.lines())
+    print(path)
+    print(found.line())
+    return 0
+
+
 def example(options) -> int:
     """Copy a deck of the collection, or list the names."""
     collection = decks_folder()

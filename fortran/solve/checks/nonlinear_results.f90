@@ -271,6 +271,8 @@ contains
                where (f%weight > 0.0_wp) f%pressure = f%pressure*c%weight(at)/f%weight
                f%normal = c%normal(:ndim, at)
                f%xi = c%xi(:, at)
+               f%slip_path = scene%trial%contact%slip_path(at)
+               f%friction_work = scene%trial%contact%friction_work(at)
                allocate (f%force(ndim, size(at)), f%u_n(size(at)), f%u_t(ndim, size(at)))
                do i = 1, size(at)
                   f%force(:, i) = c%weight(at(i))*c%traction(:ndim, at(i))

@@ -1,0 +1,93 @@
+"""Wear: pressure by slip, beside closed forms and beside the friction work of a run."""
+from pathlib import Path
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+import lopin
+from lopin.__main__ import python_command
+from lopin.wear import wear
+
+DECKS = Path(__file__).resolve().parents[2]/"decks"
+
+
+class Passing:
+    """The block at one output."""
+
+    pair, pressure = "BLOCK-FLOOR", np.full(40, 5.0)
+
+    def __init__(self, place, path):
+        self.place, self.path = place, path
+
+    def __getitem__(self, name):
+        assert name == "SLIP_PATH"
+        return np.full(40, self.path)
+
+
+class Sliding:
+    """A block of length 4 under pressure 5 that slides by 6 over a floor at rest."""
+
+    def __init__(self, outputs=61):
+        self.times = np.linspace(0.0, 1.0, outputs)
+        self.history = {"time": self.times, "FLOOR.u1": np.zeros(outputs)}
+        self.x = np.stack([np.arange(0.05, 4.0, 0.1), np.zeros(40)], axis=1)
+
+    def contact(self, pair):
+        frames = [Passing(self.x + [6.0*time, 0.0], 6.0*time) for time in self.times]
+        return SimpleNamespace(at=lambda k: frames[k])
+
+
+def test_a_block_that_slides_over_a_floor():
+    found = wear(Sliding())
+    # Each point of the block slides by 6 under 5; the floor is passed by a block of length 4 where
+    # the whole of it passes, by the part of it that has passed elsewhere.
+    assert found.on_metal == pytest.approx(5.0*6.0)
+    x = found.tool[:, 0]
+    exact = 5.0*np.clip(np.minimum(x, 10.0 - x), 0.0, 4.0)
+    assert found.on_tool == pytest.approx(exact, abs=5.0*0.3)
+    assert found.on_tool.max() == pytest.approx(5.0*4.0, rel=0.06)
+    assert found.lines().splitlines()[0] == "side,x,y,pressure_by_slip"
+    assert "61 outputs" in found.line()
+
+
+def test_coulomb_friction_dissipates_the_wear_by_mu(core):
+    text = (DECKS/"upsetting.inp").read_text()
+    text = text[:text.index("*STEP, NAME=TO_30")].replace(
+        "*CONTACT FILE\n", "*CONTACT FILE, FREQUENCY=1\n")
+    deck = lopin.Deck.parse(text, name="wear", folder=DECKS)
+    with lopin.open(deck) as job:
+        for _ in job:
+            pass
+    result = job.result
+    found = wear(result)
+    last = result.contact(0).last
+    mu = float(deck["FRICTION"].data[0][0])
+    work = last["FRICTION_WORK"].ravel()
+    assert work.sum() == pytest.approx(result.history["energy.friction"][-1], rel=1e-9)
+    slides = work > 0.05*work.max()
+    assert slides.sum() >= 5
+    # The area of a point grows on the way; the work is by the one of each increment.
+    assert mu*(found.on_metal*last["WEIGHT"].ravel())[slides].sum() == pytest.approx(
+        work[slides].sum(), rel=0.15)
+    assert found.on_tool.max() <= 1.2*found.on_metal.max()
+
+
+def test_the_command_writes_a_table(core, tmp_path, capsys):
+    text = (DECKS/"upsetting.inp").read_text()
+    deck = lopin.Deck.parse(text[:text.index("*STEP, NAME=TO_30")].replace(
+        "*CONTACT FILE", "*CONTACT FILE, FREQUENCY=1"), name="wear", folder=DECKS)
+    memory = wear(lopin.run(deck, output=tmp_path, executable=True))
+    assert python_command(["wear", str(tmp_path)]) == 0
+    rows = (tmp_path/"wear.csv").read_text().splitlines()
+    assert len(rows) == 1 + len(memory.on_metal) + len(memory.on_tool)
+    assert memory.line() in capsys.readouterr().out
+
+
+def test_wear_needs_outputs_and_a_tool_that_does_not_turn():
+    with pytest.raises(lopin.UsageError, match="outputs"):
+        wear(Sliding(1))
+    turning = Sliding()
+    turning.history["FLOOR.u6"] = np.linspace(0.0, 1.0, 61)
+    with pytest.raises(lopin.UsageError, match="turns"):
+        wear(turning)
