@@ -6,12 +6,12 @@
 module lopin_batch_law
    use lopin_kinds, only : wp
    use lopin_element_batch, only : lanes
-   use lopin_log_strain, only : log_one_plus, first_axis, second_axis, series_below
+   use lopin_log_strain, only : log_one_plus, exp_minus_one, first_axis, second_axis, series_below
    use lopin_hyperelastic, only : solid_law_type, past_type, answer_of
    use lopin_radial_return, only : return_type
    implicit none
    private
-   public :: law_lanes_type, respond_in_lanes
+   public :: law_lanes_type, respond_in_lanes, strain_in_lanes, flow_lanes_type, flow_in_lanes
 
    !> Kirchhoff stress, energy per reference volume, spatial tangent.
    type :: law_lanes_type
@@ -19,6 +19,13 @@ module lopin_batch_law
       real(wp) :: energy(lanes)            !! [stress]
       real(wp) :: tangent(lanes, 6, 6)     !! [stress]
    end type law_lanes_type
+
+   !> Plastic flow of a trial: what modules hyperelastic and material_point keep of it.
+   type :: flow_lanes_type
+      real(wp) :: step(lanes)              !! of plastic strain
+      real(wp) :: stress(lanes)            !! von Mises, at the end [stress]
+      real(wp) :: metric(lanes, 6)         !! what is added to the plastic metric
+   end type flow_lanes_type
 
    !> Principal directions and logarithmic strains.
    type :: frame_type
@@ -29,7 +36,7 @@ module lopin_batch_law
 
    !> What the return leaves of the trial deviator.
    type :: return_lanes_type
-      real(wp), dimension(lanes) :: secant, along, kept, square
+      real(wp), dimension(lanes) :: secant, along, kept, square, step, stress
       real(wp) :: deviator(lanes, 3)
    end type return_lanes_type
 
@@ -63,6 +70,59 @@ contains
       if (with_tangent) call find_tangent(law%bulk, frame, back, principal, answer%tangent)
    end subroutine respond_in_lanes
 
+   !> Logarithmic strain of the deformation scaled to a change of volume; engineering shears.
+   pure subroutine strain_in_lanes(change, volume, strain)
+      real(wp), intent(in) :: change(lanes, 3, 3)   !! b - 1
+      real(wp), intent(in) :: volume(lanes)         !! J - 1
+      real(wp), intent(out) :: strain(lanes, 6)
+      type(frame_type) :: frame
+      real(wp) :: shift(lanes)
+      integer :: k, l
+
+      call find_axes(change, frame)
+      do l = 1, lanes
+         shift(l) = log_one_plus(volume(l))
+      end do
+      shift = (shift - (frame%e(:, 1) + frame%e(:, 2) + frame%e(:, 3)))/3.0_wp
+      do k = 1, 3
+         frame%e(:, k) = frame%e(:, k) + shift
+      end do
+      call turn_stress(frame%axis, frame%e, strain)
+      strain(:, 4:) = 2.0_wp*strain(:, 4:)
+   end subroutine strain_in_lanes
+
+   !> Plastic flow of a trial deformation.
+   pure subroutine flow_in_lanes(law, change, inverse, strain, dt, flow)
+      type(solid_law_type), intent(in) :: law
+      real(wp), intent(in) :: change(lanes, 3, 3)   !! b - 1, of the elastic part of a trial
+      real(wp), intent(in) :: inverse(lanes, 3, 3)  !! of F
+      real(wp), intent(in) :: strain(lanes)         !! plastic strain of the accepted state
+      real(wp), intent(in) :: dt                    !! [time]
+      type(flow_lanes_type), intent(out) :: flow
+      type(frame_type) :: frame
+      type(return_lanes_type) :: back
+      real(wp) :: n(lanes, 3, 3), taken(lanes, 3)
+      integer :: i, k, l
+
+      call find_axes(change, frame)
+      call return_in_lanes(law, frame, strain, dt, back)
+      flow%step = back%step
+      flow%stress = back%stress
+      flow%metric = 0.0_wp
+      if (.not. any(back%step > 0.0_wp)) return
+      do k = 1, 3
+         do l = 1, lanes
+            taken(l, k) = (1.0_wp + frame%change(l, k)) &
+               & *exp_minus_one(-2.0_wp*(1.0_wp - back%kept(l))*back%deviator(l, k))
+         end do
+         do i = 1, 3
+            n(:, i, k) = inverse(:, i, 1)*frame%axis(:, 1, k) &
+               & + inverse(:, i, 2)*frame%axis(:, 2, k) + inverse(:, i, 3)*frame%axis(:, 3, k)
+         end do
+      end do
+      call turn_stress(n, taken, flow%metric)
+   end subroutine flow_in_lanes
+
    !> The trial deviators and their returns.
    pure subroutine return_in_lanes(law, frame, strain, dt, back)
       type(solid_law_type), intent(in) :: law
@@ -86,6 +146,8 @@ contains
          back%secant(l) = one%secant
          back%along(l) = one%along
          back%kept(l) = one%kept
+         back%step(l) = one%step
+         back%stress(l) = one%stress
       end do
    end subroutine return_in_lanes
 

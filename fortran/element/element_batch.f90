@@ -8,7 +8,7 @@ module lopin_element_batch
    use lopin_material_memory, only : strain_at, offset_at
    implicit none
    private
-   public :: batch_type, is_batchable, lanes, most, put_memory
+   public :: batch_type, kept_type, is_batchable, lanes, most, put_memory
 
    integer, parameter :: lanes = 8     !! elements of a batch
    integer, parameter :: most = 8      !! nodes, Gauss points
@@ -25,6 +25,15 @@ module lopin_element_batch
       real(wp) :: energy(lanes)                  !! [force length]
       real(wp) :: ke(lanes, 3, most, 3, most)    !! tangent: blocks of node a >= b [force/length]
    end type batch_type
+
+   !> What the points of a batch keep of an increment.
+   type :: kept_type
+      real(wp) :: metric(lanes, 6, most)         !! added to the plastic metric
+      real(wp) :: step(lanes, most)              !! of plastic strain
+      real(wp) :: stress(lanes, most)            !! von Mises [stress]
+      real(wp) :: weight(lanes, most)            !! reference volume
+      real(wp) :: held(lanes)                    !! deformed volume of the element
+   end type kept_type
 
 contains
 

@@ -21,7 +21,7 @@ module lopin_material_memory
    public :: memory_size, past_of, metric_of, put_metric, trial_change, strain_at, stress_at, &
       & work_at, offset_at
    public :: amplitudes_of, put_amplitudes
-   public :: rows_of, temperature_at, plastic_past_of, put_plastic, map_of, put_map
+   public :: rows_of, temperature_at, plastic_past_of, put_plastic, put_return, map_of, put_map
 
 contains
 
@@ -77,6 +77,20 @@ contains
       memory(r + 1) = answer%radius
       memory(r + 11:r + 10 + 6*parts) = reshape(answer%back(:, :parts), [6*parts])
    end subroutine put_plastic
+
+   !> Write what a radial return leaves, but for the plastic deformation, and find its plastic work.
+   pure subroutine put_return(memory, nstress, step, stress, work)
+      real(wp), intent(inout) :: memory(:)
+      integer, intent(in) :: nstress
+      real(wp), intent(in) :: step             !! of plastic strain
+      real(wp), intent(in) :: stress           !! von Mises, at the end [stress]
+      real(wp), intent(out) :: work            !! per reference volume [stress]
+
+      work = 0.5_wp*(memory(stress_at(nstress)) + stress)*step
+      memory(strain_at(nstress)) = memory(strain_at(nstress)) + step
+      memory(stress_at(nstress)) = stress
+      memory(work_at(nstress)) = memory(work_at(nstress)) + work
+   end subroutine put_return
 
    !> Inverse of the plastic deformation, - 1.
    pure function map_of(memory, nstress) result(map)

@@ -8,7 +8,7 @@ module lopin_material_point
    use lopin_kinds, only : wp
    use lopin_vectors, only : inverse_of
    use lopin_kelvin, only : root_two, unit_kelvin, kelvin_rotation
-   use lopin_log_strain, only : log_one_plus, exp_minus_one
+   use lopin_log_strain, only : log_frame_type, mapped_tensor, log_one_plus, exp_minus_one
    use lopin_hyperelastic, only : solid_law_type, finite_response, past_type, flow_of_trial, &
       & answer_of, thickness_change, condense_thickness
    use lopin_flow_curve, only : flow_at
@@ -16,9 +16,8 @@ module lopin_material_point
    use lopin_plastic_return, only : plastic_answer_type, return_to_surface
    use lopin_material_frame, only : material_frame_type, new_material_frame, &
       & frame_elastic_strain, spatial_stress, spatial_tangent, plastic_map
-   use lopin_material_memory, only : past_of, metric_of, put_metric, strain_at, stress_at, &
-      & work_at, &
-      & plastic_past_of, put_plastic, map_of, put_map
+   use lopin_material_memory, only : past_of, &
+      & plastic_past_of, put_plastic, put_return, map_of, put_map
    implicit none
    private
    public :: point_type, respond_at, keep_at, stretch_thickness
@@ -120,8 +119,8 @@ contains
 
    !> The memory of a point for the state that is accepted, and the plastic work since the last.
    !>
-   !> The metric changes by F**-1 (b after flow - b of the trial) F**-T. The work is that of the
-   !> mean of the stresses before and after.
+   !> The metric changes by F**-1 (b after flow - b of the trial) F**-T, written in the principal
+   !> directions of the trial. The work is that of the mean of the stresses before and after.
    pure subroutine keep_at(law, point, nstress, dt, memory, work)
       type(solid_law_type), intent(in) :: law
       type(point_type), intent(in) :: point
@@ -132,7 +131,8 @@ contains
       type(return_type) :: back
       type(material_frame_type) :: frame
       type(plastic_answer_type) :: answer
-      real(wp) :: taken(3, 3), inverse(3, 3)
+      type(log_frame_type) :: trial
+      real(wp) :: taken(3)
 
       work = 0.0_wp
       if (allocated(law%plastic)) then
@@ -144,25 +144,11 @@ contains
          call put_plastic(memory, nstress, law%plastic%kinematic%n, answer)
          return
       end if
-      call flow_of_trial(law, past_of(memory, nstress, dt), point%change, back, taken)
+      call flow_of_trial(law, past_of(memory, nstress, dt), point%change, back, trial, taken)
       if (.not. back%step > 0.0_wp) return
-      inverse = inverse_of(point%h)
-      call put_metric(memory, nstress, metric_of(memory, nstress) &
-         & + matmul(inverse, matmul(taken, transpose(inverse))))
-      call put_return(memory, nstress, back, work)
+      memory(:nstress) = memory(:nstress) + mapped_tensor(trial, taken, inverse_of(point%h), nstress)
+      call put_return(memory, nstress, back%step, back%stress, work)
    end subroutine keep_at
-
-   pure subroutine put_return(memory, nstress, back, work)
-      real(wp), intent(inout) :: memory(:)
-      integer, intent(in) :: nstress
-      type(return_type), intent(in) :: back
-      real(wp), intent(out) :: work
-
-      work = 0.5_wp*(memory(stress_at(nstress)) + back%stress)*back%step
-      memory(strain_at(nstress)) = memory(strain_at(nstress)) + back%step
-      memory(stress_at(nstress)) = back%stress
-      memory(work_at(nstress)) = memory(work_at(nstress)) + work
-   end subroutine put_return
 
    !> Plane stress: the stretch through the thickness at which there is no stress across it.
    pure subroutine stretch_thickness(law, memory, nstress, dt, point, found)
@@ -394,6 +380,6 @@ contains
       back = answer_of(law, past_of(memory, m, dt), magnitude(deviator))
       if (.not. back%step > 0.0_wp) return
       memory(:m) = memory(:m) - 2.0_wp*(1.0_wp - back%kept)*deviator
-      call put_return(memory, m, back, work)
+      call put_return(memory, m, back%step, back%stress, work)
    end subroutine keep_small
 end module lopin_material_point

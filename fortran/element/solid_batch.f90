@@ -15,12 +15,13 @@ module lopin_solid_batch
       & average_in_lanes, velocity_form_in_lanes
    implicit none
    private
-   public :: evaluate_batch
+   public :: evaluate_batch, motion_type, deform, inverse_in_lanes
 
    !> The Gauss points of a batch; gradients are taken in the deformed place.
    type :: motion_type
       real(wp) :: g(lanes, 3, most, most)        !! component, node, point [1/length]
       real(wp) :: change(lanes, 3, 3, most)      !! b - 1, of the elastic part if no point flowed
+      real(wp) :: h(lanes, 3, 3, most)           !! F - 1
       real(wp) :: own(lanes, most)               !! J - 1
       real(wp) :: volume(lanes, most)            !! J - 1 that counts
       real(wp) :: weight(lanes, most)            !! reference volume
@@ -42,7 +43,6 @@ contains
       real(wp) :: stress(lanes, 6, most), tangent(lanes, 6, 6, most), shared(lanes, most)
       integer :: k
 
-      motion%averaged = dilatation_count(element) == 1
       call deform(element, batch, motion, done)
       if (.not. done) return
       batch%energy = 0.0_wp
@@ -71,9 +71,10 @@ contains
       type(batch_type), intent(in) :: batch
       type(motion_type), intent(inout) :: motion
       logical, intent(out) :: done
-      real(wp) :: h(lanes, 3, 3), total(lanes)
+      real(wp) :: total(lanes)
       integer :: k
 
+      motion%averaged = dilatation_count(element) == 1
       do k = 1, element%ngauss
          call gradients(element%nnode, batch%x, element%dn(:, :, k), motion%g(:, :, :, k), total)
          done = all(total > 0.0_wp)
@@ -81,12 +82,13 @@ contains
          motion%weight(:, k) = element%weight(k)*total
       end do
       do k = 1, element%ngauss
-         call displacement_gradient(element%nnode, batch%u, motion%g(:, :, :, k), h)
-         call trial_change(h, batch%metric(:, :, k), motion%change(:, :, :, k))
-         call volume_change(h, motion%own(:, k))
+         call displacement_gradient(element%nnode, batch%u, motion%g(:, :, :, k), &
+            & motion%h(:, :, :, k))
+         call trial_change(motion%h(:, :, :, k), batch%metric(:, :, k), motion%change(:, :, :, k))
+         call volume_change(motion%h(:, :, :, k), motion%own(:, k))
          done = all(1.0_wp + motion%own(:, k) > 0.0_wp)
          if (.not. done) return
-         call push(element%nnode, h, motion%g(:, :, :, k))
+         call push(element%nnode, motion%h(:, :, :, k), motion%g(:, :, :, k))
          motion%volume(:, k) = motion%own(:, k)
       end do
       if (.not. motion%averaged) return
@@ -208,9 +210,28 @@ contains
       integer, intent(in) :: nnode
       real(wp), intent(in) :: h(lanes, 3, 3)
       real(wp), intent(inout) :: g(lanes, 3, nnode)
-      real(wp), dimension(lanes, 3, 3) :: f, v
-      real(wp) :: scale(lanes), one, two, three
-      integer :: a, i, l
+      real(wp) :: v(lanes, 3, 3), one, two, three
+      integer :: a, l
+
+      call inverse_in_lanes(h, v)
+      do a = 1, nnode
+         do l = 1, lanes
+            one = g(l, 1, a)
+            two = g(l, 2, a)
+            three = g(l, 3, a)
+            g(l, 1, a) = v(l, 1, 1)*one + v(l, 2, 1)*two + v(l, 3, 1)*three
+            g(l, 2, a) = v(l, 1, 2)*one + v(l, 2, 2)*two + v(l, 3, 2)*three
+            g(l, 3, a) = v(l, 1, 3)*one + v(l, 2, 3)*two + v(l, 3, 3)*three
+         end do
+      end do
+   end subroutine push
+
+   !> The inverse of F = 1 + h, regular; see inverse_of of module vectors.
+   pure subroutine inverse_in_lanes(h, v)
+      real(wp), intent(in) :: h(lanes, 3, 3)
+      real(wp), intent(out) :: v(lanes, 3, 3)
+      real(wp) :: f(lanes, 3, 3), scale(lanes)
+      integer :: a, i
 
       f = h
       do i = 1, 3
@@ -231,17 +252,7 @@ contains
             v(:, i, a) = v(:, i, a)*scale
          end do
       end do
-      do a = 1, nnode
-         do l = 1, lanes
-            one = g(l, 1, a)
-            two = g(l, 2, a)
-            three = g(l, 3, a)
-            g(l, 1, a) = v(l, 1, 1)*one + v(l, 2, 1)*two + v(l, 3, 1)*three
-            g(l, 2, a) = v(l, 1, 2)*one + v(l, 2, 2)*two + v(l, 3, 2)*three
-            g(l, 3, a) = v(l, 1, 3)*one + v(l, 2, 3)*two + v(l, 3, 3)*three
-         end do
-      end do
-   end subroutine push
+   end subroutine inverse_in_lanes
 
    !> Projection of the Kirchhoff pressure (tension positive) per volume ratio that counts.
    pure subroutine share_pressure(ngauss, motion, stress, shared)

@@ -20,7 +20,7 @@ module lopin_solid_finite_strain
    use lopin_material_point, only : point_type, respond_at, keep_at
    use lopin_velocity_form, only : velocity_form, add_force, add_stiffness
    use lopin_solid_enhanced, only : enhanced_element, enhanced_deformation
-   use lopin_hyperelastic, only : log_strain, condense_thickness, elastic_constants
+   use lopin_hyperelastic, only : log_strain, total_change, condense_thickness, elastic_constants
    use lopin_hourglass, only : add_hourglass, moduli_type
    use lopin_material_memory, only : put_amplitudes
    implicit none
@@ -106,9 +106,7 @@ contains
          call respond_at(input%law, point(k), input%memory(:, k), input%dt, &
             & stress(:element%nstress, k), energy, found)
          stress(:, k) = stress(:, k)/(1.0_wp + point(k)%volume)
-         associate (h => point(k)%h)
-            strain(:, k) = log_strain(h + transpose(h) + matmul(h, transpose(h)), point(k)%volume)
-         end associate
+         strain(:, k) = log_strain(total_change(point(k)%h), point(k)%volume)
       end do
    end subroutine finite_strain_stresses
 

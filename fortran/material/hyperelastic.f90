@@ -29,7 +29,7 @@ module lopin_hyperelastic
    implicit none
    private
    public :: solid_law_type, finite_law, hencky_law, green_law, neo_hooke_law, finite_response
-   public :: log_strain
+   public :: log_strain, total_change
    public :: thickness_change, condense_thickness, volume_change, elastic_constants
    public :: past_type, give_flow, flow_of_trial, answer_of
 
@@ -204,27 +204,21 @@ contains
    end function answer_at_temperature
 
    !> Plastic flow of a trial deformation: its answer, and what it takes from b.
-   pure subroutine flow_of_trial(law, past, change, back, taken)
+   pure subroutine flow_of_trial(law, past, change, back, frame, taken)
       type(solid_law_type), intent(in) :: law
       type(past_type), intent(in) :: past
       real(wp), intent(in) :: change(3, 3)   !! b - 1 of the trial
       type(return_type), intent(out) :: back
-      real(wp), intent(out) :: taken(3, 3)   !! b after flow minus b of the trial
-      type(log_frame_type) :: frame
-      real(wp) :: deviator(3), part(3)
-      integer :: j, k
+      type(log_frame_type), intent(out) :: frame   !! of the trial
+      real(wp), intent(out) :: taken(3)      !! b after flow minus b of the trial, along its axes
+      real(wp) :: deviator(3)
 
       call new_log_frame(frame, change)
       deviator = frame%e - (frame%e(1) + frame%e(2) + frame%e(3))/3.0_wp
-      back = answer_of(law, past, norm2(deviator))
+      back = answer_of(law, past, sqrt(deviator(1)**2 + deviator(2)**2 + deviator(3)**2))
       taken = 0.0_wp
-      if (.not. back%step > 0.0_wp) return
-      part = (1.0_wp + frame%change)*exp_minus_one(-2.0_wp*(1.0_wp - back%kept)*deviator)
-      do k = 1, 3
-         do j = 1, 3
-            taken(:, j) = taken(:, j) + (part(k)*frame%axis(j, k))*frame%axis(:, k)
-         end do
-      end do
+      if (back%step > 0.0_wp) taken = (1.0_wp + frame%change) &
+         & *exp_minus_one(-2.0_wp*(1.0_wp - back%kept)*deviator)
    end subroutine flow_of_trial
 
    pure subroutine neo_hooke_response(law, change, own, volume, stress, energy, tangent)
@@ -297,6 +291,17 @@ contains
          end do
       end do
    end subroutine green_response
+
+   !> b - 1 of a displacement gradient.
+   pure function total_change(h) result(change)
+      real(wp), intent(in) :: h(3, 3)        !! F - 1
+      real(wp) :: change(3, 3)
+      integer :: j
+
+      do j = 1, 3
+         change(:, j) = h(:, j) + h(j, :) + (h(:, 1)*h(j, 1) + h(:, 2)*h(j, 2) + h(:, 3)*h(j, 3))
+      end do
+   end function total_change
 
    !> Logarithmic strain of the deformation scaled to a change of volume; engineering shears.
    pure function log_strain(change, volume) result(strain)

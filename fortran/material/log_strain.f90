@@ -14,7 +14,7 @@ module lopin_log_strain
    implicit none
    private
    public :: log_frame_type, new_log_frame, frame_stress, frame_tangent, frame_strain
-   public :: log_one_plus, exp_minus_one
+   public :: mapped_tensor, log_one_plus, exp_minus_one
 
    !> Components of the stress order.
    integer, parameter, public :: first_axis(6) = [1, 2, 3, 1, 1, 2], &
@@ -133,6 +133,21 @@ contains
          stress(6) = half(2, 1)*n(3, 1) + half(2, 2)*n(3, 2) + half(2, 3)*n(3, 3)
       end associate
    end function frame_stress
+
+   !> A t A^T of a tensor t of given principal values, in the order of stress.
+   pure function mapped_tensor(self, principal, a, m) result(tensor)
+      type(log_frame_type), intent(in) :: self
+      real(wp), intent(in) :: principal(3), a(3, 3)
+      integer, intent(in) :: m               !! 4 or 6
+      real(wp) :: tensor(m), n(3)
+      integer :: k
+
+      tensor = 0.0_wp
+      do k = 1, 3
+         n = a(:, 1)*self%axis(1, k) + a(:, 2)*self%axis(2, k) + a(:, 3)*self%axis(3, k)
+         tensor = tensor + principal(k)*n(first_axis(:m))*n(second_axis(:m))
+      end do
+   end function mapped_tensor
 
    !> Tensor of given principal strains, with engineering shears.
    pure function frame_strain(self, principal) result(strain)

@@ -13,7 +13,7 @@ module lopin_assemble_nonlinear
    use lopin_element_type, only : element_type
    use lopin_element_input, only : element_input_type
    use lopin_solid_configuration, only : configuration_type, share_type, fill_input, add_nodes
-   use lopin_assemble_batch, only : add_batch
+   use lopin_assemble_batch, only : add_batch, recover_in_batch, remember_in_batch
    use lopin_simplex_patches, only : patch_element
    use lopin_solids, only : solids_type, add_slots, unit_nodes, unit_points
    use lopin_assemble_springs, only : add_springs
@@ -214,13 +214,20 @@ contains
       type(solids_state_type), intent(in) :: memory        !! of the accepted state
       real(wp), allocatable, intent(out) :: stress(:, :)   !! (6, npoint) [stress]
       real(wp), allocatable, intent(out) :: strain(:, :)   !! (6, npoint) engineering shears [-]
-      integer :: e, npoint
+      integer :: k, b, npoint
+      logical :: done
 
       npoint = self%first_point(mesh%nelement + 1) - 1
       allocate (stress(6, npoint), strain(6, npoint))
-      !$omp parallel do schedule(static)
-      do e = 1, mesh%nelement
-         call recover_unit(self, mesh, u, memory, e, stress, strain)
+      !$omp parallel do schedule(static) private(done, k)
+      do b = 1, size(self%batch_start) - 1
+         associate (element => self%order(self%batch_start(b):self%batch_start(b + 1) - 1))
+            call recover_in_batch(self, mesh, u, memory, element, stress, strain, done)
+            if (done) cycle
+            do k = 1, size(element)
+               call recover_unit(self, mesh, u, memory, element(k), stress, strain)
+            end do
+         end associate
       end do
       !$omp end parallel do
    end subroutine recover_nonlinear
@@ -284,16 +291,23 @@ contains
       type(solids_state_type), intent(inout) :: next     !! of the trial
       type(configuration_type) :: shape
       real(wp), allocatable :: work(:), volume(:), strain(:)
-      integer :: e, p, q, row
+      integer :: b, e, k, p, q, row
+      logical :: done
 
       if (.not. memory%in_use) return
       allocate (work(mesh%nelement), volume(mesh%nelement), strain(mesh%nelement), source=0.0_wp)
       next%value = memory%value
       shape = configuration_type(self, mesh, u, memory)
-      !$omp parallel do schedule(static)
-      do e = 1, mesh%nelement
-         if (memory%first(e + 1) > memory%first(e)) call remember_unit(shape, e, next%value, &
-            & work(e), volume(e))
+      !$omp parallel do schedule(static) private(done, k)
+      do b = 1, size(self%batch_start) - 1
+         associate (element => self%order(self%batch_start(b):self%batch_start(b + 1) - 1))
+            call remember_in_batch(shape, element, next%value, work, volume, done)
+            if (done) cycle
+            do k = 1, size(element)
+               if (memory%first(element(k) + 1) > memory%first(element(k))) call remember_unit( &
+                  & shape, element(k), next%value, work(element(k)), volume(element(k)))
+            end do
+         end associate
       end do
       !$omp end parallel do
       do e = 1, mesh%nelement

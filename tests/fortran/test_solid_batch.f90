@@ -6,9 +6,12 @@ program test_solid_batch
    use lopin_flow_curve, only : table_flow, voce_flow, flow_type
    use lopin_hyperelastic, only : solid_law_type, hencky_law, neo_hooke_law, green_law, give_flow
    use lopin_material_memory, only : memory_size, strain_at
-   use lopin_element_batch, only : batch_type, lanes, is_batchable, put_memory
+   use lopin_element_batch, only : batch_type, kept_type, lanes, most, is_batchable, put_memory
    use lopin_solid_batch, only : evaluate_batch
-   use lopin_batch_kernel, only : compute_batch
+   use lopin_batch_end, only : recover_batch, keep_batch
+   use lopin_batch_kernel, only : compute_batch, compute_stresses, compute_kept
+   use lopin_element_input, only : element_input_type
+   use lopin_solid_finite_strain, only : finite_strain_stresses, finite_strain_memory
    use element_calls, only : element_at
    use blocks, only : random
    use check, only : test, close_to, is_true, finish
@@ -17,9 +20,10 @@ program test_solid_batch
    character(len=*), parameter :: words(4) = ['C3D8 ', 'C3D8R', 'C3D4 ', 'C3D6 ']
    character(len=*), parameter :: wishes(2) = ['    ', 'FULL']
    type(element_type) :: element
-   type(solid_law_type) :: law
+   type(solid_law_type), target :: law
    type(flow_type) :: flow
    type(batch_type) :: batch
+   type(kept_type) :: kept
    real(wp) :: x(3, 8, lanes), u(3, 8, lanes)
    real(wp), allocatable :: memory(:, :, :)
    integer :: i, j, k, seed
@@ -39,6 +43,7 @@ program test_solid_batch
             call is_true('can be computed in batches', is_batchable(element, law))
             call choose_motions()
             call same_bits()
+            call same_ends()
          end do
       end do
    end do
@@ -130,6 +135,47 @@ contains
       end do
    end subroutine same_bits
 
+   !> Stresses, strains and memory where an increment ends.
+   subroutine same_ends()
+      real(wp), dimension(lanes, 6, most) :: found, elongation
+      real(wp), dimension(6, element%ngauss) :: stress, strain
+      real(wp), dimension(3, element%nnode), target :: place, moved
+      real(wp), allocatable, target :: past(:, :)
+      real(wp), allocatable :: next(:, :)
+      real(wp) :: work, held
+      type(element_input_type) :: input
+      integer :: bad, lane, way
+      logical :: done
+
+      do way = 1, 2
+         call test('a batch keeps the bits of its elements: '//element%word//wishes(j))
+         call fill()
+         if (way == 1) call recover_batch(element, law, batch, found, elongation, done)
+         if (way == 2) call compute_stresses(element, law, batch, found, elongation, done)
+         if (way == 1) call keep_batch(element, law, batch, kept, done)
+         if (way == 2) call compute_kept(element, law, batch, kept, done)
+         call is_true('none is turned', done)
+         do lane = 1, lanes
+            place = x(:, :element%nnode, lane)
+            moved = u(:, :element%nnode, lane)
+            past = memory(:, :, lane)
+            input = element_input_type(law, place, moved, past, 1.0_wp, dt, .false.)
+            call finite_strain_stresses(element, input, stress, strain, bad)
+            call is_true('stress', all(abs(found(lane, :, :element%ngauss) - stress) <= 0.0_wp))
+            call is_true('strain', all(abs(elongation(lane, :, :element%ngauss) - strain) &
+               & <= 0.0_wp))
+            if (.not. law%remembers) cycle
+            next = past
+            call finite_strain_memory(element, input, next, work, held, bad)
+            call is_true('volume', abs(kept%held(lane) - held) <= 0.0_wp)
+            call is_true('metric', all(abs(past(:6, :) + kept%metric(lane, :, :element%ngauss) &
+               & - next(:6, :)) <= 0.0_wp))
+            call is_true('strain', all(abs(past(strain_at(6), :) + kept%step(lane, &
+               & :element%ngauss) - next(strain_at(6), :)) <= 0.0_wp))
+         end do
+      end do
+   end subroutine same_ends
+
    subroutine leaves_what_turns()
       logical :: done
       integer :: lane
@@ -145,6 +191,8 @@ contains
          call fill()
          call evaluate_batch(element, law, .true., batch, done)
          call is_true('not done', .not. done)
+         call keep_batch(element, law, batch, kept, done)
+         call is_true('nothing kept', .not. done)
       end do
    end subroutine leaves_what_turns
 
