@@ -146,7 +146,8 @@ contains
       end if
       call flow_of_trial(law, past_of(memory, nstress, dt), point%change, back, trial, taken)
       if (.not. back%step > 0.0_wp) return
-      memory(:nstress) = memory(:nstress) + mapped_tensor(trial, taken, inverse_of(point%h), nstress)
+      memory(:nstress) = memory(:nstress) &
+         & + mapped_tensor(trial, taken, inverse_of(point%h), nstress)
       call put_return(memory, nstress, back%step, back%stress, work)
    end subroutine keep_at
 

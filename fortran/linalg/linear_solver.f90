@@ -41,6 +41,9 @@ module lopin_linear_solver
       integer :: negative = -1   !! negative pivots of the last factorisation; -1 if unknown
       integer :: most_iterations = 60     !! of GMRES by what `solve` gives, before something else
                                           !! is tried
+      logical :: keeps_signs = .false.    !! set before `factorise`: a matrix announced as positive
+                                          !! definite that is not gets a factor with negative pivots
+                                          !! from solvers that can, for iterations
       type(vertices_type) :: vertices     !! set before `analyse` where known
       real(wp) :: pivot_ratio = 0.0_wp    !! smallest pivot over the terms that formed it; 0 unknown
    contains

@@ -45,12 +45,15 @@ module lopin_solver_mixed
          import :: c_ptr
          type(c_ptr), intent(inout) :: factor
       end subroutine lopin_single_free
-      integer(c_int) function lopin_single_factorise(factor, p, i, x, ratio) bind(c)
+      integer(c_int) function lopin_single_factorise(factor, p, i, x, signed, ratio, negative) &
+         & bind(c)
          import :: c_int, c_ptr, c_double
          type(c_ptr), value :: factor
          integer(c_int), intent(in) :: p(*), i(*)
          real(c_double), intent(in) :: x(*)
+         integer(c_int), value :: signed
          real(c_double), intent(out) :: ratio
+         integer(c_int), intent(out) :: negative
       end function lopin_single_factorise
       subroutine lopin_single_solve(factor, x) bind(c)
          import :: c_ptr, c_double
@@ -79,9 +82,16 @@ contains
       integer, intent(out) :: bad
       type(error_type), allocatable, intent(out) :: error
 
-      call factorise_single(self, a)
       bad = 0
-      if (.not. self%single) call self%solver_cholmod_type%factorise(a, bad, error)
+      self%single = .false.
+      if (self%factor_entries >= self%least_entries) call factorise_single(self, a)
+      if (self%single) return
+      call self%solver_cholmod_type%factorise(a, bad, error)
+      if (bad == 0 .or. .not. self%keeps_signs) return
+      if (self%factor_entries < self%least_entries) call factorise_single(self, a)
+      if (.not. self%single) return
+      bad = 0
+      if (allocated(error)) deallocate (error)
    end subroutine factorise
 
    !> Try single precision.
@@ -89,16 +99,17 @@ contains
       type(solver_mixed_type), intent(inout) :: self
       type(csc_type), intent(in) :: a
       real(wp) :: ratio
+      integer(c_int) :: negative
 
-      self%single = .false.
-      if (self%nlast > 0 .or. self%factor_entries < self%least_entries) return
+      if (self%nlast > 0) return
       if (.not. c_associated(self%factor)) then
          if (lopin_single_create(self%factor, self%symbolic(), a%colptr, a%row) /= 0) return
       end if
-      if (lopin_single_factorise(self%factor, a%colptr, a%row, a%value, ratio) /= 0) return
+      if (lopin_single_factorise(self%factor, a%colptr, a%row, a%value, merge(1_c_int, 0_c_int, &
+         & self%keeps_signs), ratio, negative) /= 0) return
       if (.not. ratio > safe*sqrt(real(self%n, wp))) return
       self%pivot_ratio = ratio
-      self%negative = 0
+      self%negative = negative
       self%single = .true.
    end subroutine factorise_single
 

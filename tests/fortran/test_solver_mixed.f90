@@ -80,11 +80,40 @@ program test_solver_mixed
    call is_true('a body that hardly anything holds', system%solver%is_exact() .and. bad == 0)
    call factor(-1.0_wp, 0)
    call is_true('no factor of what is not positive definite', bad > 0)
+   call factor_signed(0)
+   call factor_signed(huge(1))
    call factor(held, huge(1))
    call is_true('a small one', system%solver%is_exact() .and. bad == 0)
    call finish()
 
 contains
+
+   !> Springs that are negative at some points, so that a few pivots are.
+   subroutine factor_signed(least)
+      integer, intent(in) :: least             !! entries of single factors
+      integer :: k
+
+      call test('an indefinite matrix keeps the signs of its pivots where that is wanted')
+      call factor(held, least)
+      do k = 1, n
+         if (mod(k, 50) /= 1) cycle
+         associate (j => system%a%colptr(k))
+            system%a%value(j + 1) = -0.5_wp*system%a%value(j + 1)
+         end associate
+      end do
+      call system%solver%factorise(system%a, bad, error)
+      call is_true('none unless it is', bad > 0)
+      system%solver%keeps_signs = .true.
+      call system%solver%factorise(system%a, bad, error)
+      call is_true('single', .not. system%solver%is_exact() .and. bad == 0)
+      call is_true('of negative pivots', system%solver%negative > 5)
+      x(:, 1) = b
+      call system%solver%solve(x)
+      call is_true('to single precision', off(x(:, 1)) < 1.0e-3_wp)
+      call gmres(system, b, 1.0e-12_wp, 20, y, iterations, ratio)
+      call is_true('and iterations mend it', ratio <= 1.0e-12_wp .and. iterations <= 6)
+      system%solver%keeps_signs = .false.
+   end subroutine factor_signed
 
    !> Stiffnesses of parts in other units than their neighbours.
    pure real(wp) function unit_of(i)

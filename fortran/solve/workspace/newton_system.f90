@@ -10,8 +10,9 @@
 !> unknowns are firm (lopin_firm_springs), so that what is left for the multipliers is known point
 !> by point; that is the second block of the preconditioner. Near the solution the factor of
 !> an earlier tangent of the same iteration does as well (`lag`): the operator stays exact, and
-!> where GMRES needs many more iterations than before, the factor is made. Where it does not exist
-!> (indefinite tangent) or the iterations stall, the whole matrix is factorised by UMFPACK.
+!> where GMRES needs many more iterations than before, the factor is made. Of an indefinite tangent
+!> (a bad trial, metal that softens) it keeps the signs of its pivots. Where it does not exist or
+!> the iterations stall, the whole matrix is factorised by UMFPACK.
 module lopin_newton_system
    use lopin_kinds, only : wp, ik
    use lopin_error, only : error_type
@@ -206,6 +207,7 @@ contains
             if (name == 'auto') call choose_preconditioner(self%matrix, name, self%reason)
             call new_solver(self%solver, name, error)
             if (allocated(error)) return
+            self%solver%keeps_signs = .true.
          end if
          self%solver%vertices = self%vertices
          call self%solver%analyse(self%matrix, matrix_class%positive_definite, [integer ::], error)
