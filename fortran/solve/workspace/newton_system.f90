@@ -207,13 +207,13 @@ contains
             if (name == 'auto') call choose_preconditioner(self%matrix, name, self%reason)
             call new_solver(self%solver, name, error)
             if (allocated(error)) return
-            self%solver%keeps_signs = .true.
          end if
          self%solver%vertices = self%vertices
          call self%solver%analyse(self%matrix, matrix_class%positive_definite, [integer ::], error)
          if (allocated(error)) return
          call clock%stop_in(phase%analyse)
       end if
+      self%solver%keeps_signs = .true.
       call self%solver%factorise(self%matrix, bad, error)
       if (allocated(error) .and. bad > 0) deallocate (error)
       self%factorised = bad == 0 .and. .not. allocated(error)
