@@ -140,7 +140,7 @@ contains
       real(wp), intent(inout) :: right(:)
       real(wp), allocatable :: lu(:, :), moved(:)
       integer :: pivot(size(right)), i, m, n, status
-      real(wp) :: most, ground
+      real(wp) :: ground
 
       m = size(rows)
       n = size(right)
@@ -150,24 +150,28 @@ contains
       call dgetrf(n, n, lu, n, pivot, status)
       moved = [(maxval([0.0_wp, abs(self%c(rows, i))*work%equations%c(rows)]), i=1, self%nq)]
       if (status /= 0 .or. lost(lu, a, moved)) then
-         lu = a
-         most = 0.0_wp
-         do i = 1, m
-            most = max(most, abs(a(i, i)))
-         end do
-         do i = 1, m
-            lu(i, i) = lu(i, i) + 1.0e-11_wp*most
-         end do
-         work%singular = self%nq > 0
-         do i = 1, self%nq
-            ground = sum((self%c(rows, i)*work%q_scale(i))**2*work%equations%c(rows))
-            if (.not. ground > 0.0_wp) ground = 1.0_wp
-            ground = 1.0e-2_wp*ground/work%q_scale(i)
-            lu(m + i, m + i) = lu(m + i, m + i) - ground
-            right(m + i) = right(m + i) - ground*x%q(i)
-         end do
-         if (.not. work%singular) work%dependent = max(work%dependent, 1)
+         ! First those along the faces alone: where normals of two pairs meet at a node, they bear.
+         call yield_rows(a, work%equations%group(rows) == 0, lu)
          call dgetrf(n, n, lu, n, pivot, status)
+         if (status /= 0 .or. lost(lu, a, moved)) then
+            call yield_rows(a, spread(.true., 1, m), lu)
+            call dgetrf(n, n, lu, n, pivot, status)
+         end if
+         work%singular = self%nq > 0 .and. (status /= 0 .or. lost(lu, a, moved))
+         if (work%singular) then
+            call yield_rows(a, spread(.true., 1, m), lu)
+            do i = 1, self%nq
+               ground = sum((self%c(rows, i)*work%q_scale(i))**2*work%equations%c(rows))
+               if (.not. ground > 0.0_wp) ground = 1.0_wp
+               ground = 1.0e-2_wp*ground/work%q_scale(i)
+               lu(m + i, m + i) = lu(m + i, m + i) - ground
+               right(m + i) = right(m + i) - ground*x%q(i)
+            end do
+            call dgetrf(n, n, lu, n, pivot, status)
+         else
+            ! The motions are held: rows of one node, or of several, say the same.
+            work%dependent = max(work%dependent, 1)
+         end if
       end if
       work%sign_of_determinant = 1
       do i = 1, n
@@ -181,6 +185,24 @@ contains
       end if
       call dgetrs('N', n, 1, lu, n, pivot, right, n, status)
    end subroutine solve_matrix
+
+   !> Equations of rows give way by a trace of what the stiffest of them does.
+   pure subroutine yield_rows(a, which, yielding)
+      real(wp), intent(in) :: a(:, :)
+      logical, intent(in) :: which(:)          !! (closed rows)
+      real(wp), intent(inout) :: yielding(:, :)
+      real(wp) :: most
+      integer :: i
+
+      yielding = a
+      most = 0.0_wp
+      do i = 1, size(which)
+         most = max(most, abs(a(i, i)))
+      end do
+      do i = 1, size(which)
+         if (which(i)) yielding(i, i) = yielding(i, i) + 1.0e-11_wp*most
+      end do
+   end subroutine yield_rows
 
    !> A pivot lost all the digits of its column; those of the motions also beside what they would do
    !> to rows that stick.

@@ -6,6 +6,7 @@ module lopin_overconstrained
    use lopin_text, only : to_text
    use lopin_model, only : model_type
    use lopin_contact_points, only : pair_is_tied
+   use lopin_friction, only : has_friction
    use lopin_scene, only : scene_type
    use lopin_repeated_messages, only : warn_once
    implicit none
@@ -53,11 +54,64 @@ contains
          return
       end do
       if (scene%answer%dependent <= supported_ties(scene)) return
+      call find_between_faces(scene, model, first, other, number)
+      if (number > 0) then
+         call warn_between_faces(scene, model, first, other, number)
+         return
+      end if
       call warn_once(scene%log, 'W0403', to_text(scene%answer%dependent)// &
          & ' contact rows depend on supports or on other rows: their forces are '// &
          & 'shared in the way of least norm', model%step(scene%step)%at, &
          & help='do not fix slave nodes along the contact normal, and list a pair of surfaces once')
    end subroutine report_dependent
+
+   !> Nodes that press the faces of two pairs with friction at once, as in the root of a groove:
+   !> what one face bears along itself the other bears along its normal.
+   subroutine find_between_faces(scene, model, first, second, number)
+      type(scene_type), intent(in) :: scene
+      type(model_type), intent(in) :: model
+      integer, intent(out) :: first, second    !! rows of the first such node; 0: none
+      integer, intent(out) :: number           !! of such nodes
+      integer :: row_of(model%mesh%nnode), row
+
+      row_of = 0
+      first = 0
+      second = 0
+      number = 0
+      do row = 1, scene%rows%nnormal
+         if (scene%rows%tied(row) .or. .not. scene%answer%active(row)) cycle
+         if (pair_of(scene, row) == 0) cycle
+         if (.not. has_friction(model%interaction(model%pair(pair_of(scene, &
+            & row))%interaction)%friction)) cycle
+         associate (node => scene%points%node(scene%rows%point(row)))
+            if (row_of(node) == 0) then
+               row_of(node) = row
+            else
+               number = number + 1
+               if (first == 0) second = row
+               if (first == 0) first = row_of(node)
+            end if
+         end associate
+      end do
+   end subroutine find_between_faces
+
+   subroutine warn_between_faces(scene, model, first, second, number)
+      type(scene_type), intent(inout) :: scene
+      type(model_type), intent(in) :: model
+      integer, intent(in) :: first, second, number
+      character(len=:), allocatable :: others
+
+      others = ''
+      if (number > 1) others = ' (and '//to_text(number - 1)//' more)'
+      associate (one => pair_of(scene, first), two => pair_of(scene, second))
+         call warn_once(scene%log, 'W0403', 'node '//label_of(scene, model, first)//others// &
+            & ' sticks to the masters of pairs '//name_of(model, one)//' and '// &
+            & name_of(model, two)//' at once: what one bears along its face the other bears '// &
+            & 'along its normal: the shares are not unique, and the normals bear what they '// &
+            & 'can', model%pair(two)%at, help='the sum over both pairs is unique; for shares, '// &
+            & 'leave the faces at that edge out of one of the slave surfaces')
+      end associate
+   end subroutine warn_between_faces
 
    subroutine warn_of_held(scene, model, row, number)
       type(scene_type), intent(inout) :: scene
