@@ -8,7 +8,8 @@ supports and loads taken off; the first and the last also all at once, in one in
 unless it has to be cut. Beside the
 way "removed, in a ramp" stands the largest difference of what springs back, over its largest value,
 the mean motion along the press taken off where nothing holds it. A release that neither flows nor
-rubs must be the same to 0.1 %; where it does, N0518 or W0518 must be said. A folder to keep runs in lets
+rubs must be the same to 0.1 %; where it does, N0518 or W0518 must be said. A body that a tool still
+presses at the end is "held", by so much of the largest force: it is not compared. A folder to keep runs in lets
 the script go on where it was broken off.
 """
 from __future__ import annotations
@@ -33,6 +34,8 @@ from lopin.deck import Deck  # noqa: E402
 PAGE, BEGIN, END = ROOT/"docs"/"release.md", "<!-- ways -->", "<!-- end of ways -->"
 #: Work of a release beside the energy that comes free, below which it counts as elastic.
 ELASTIC, ALIKE = 1e-3, 1e-3
+#: Forces beside the largest of the run from which on a tool still holds the body.
+PRESSED = 1e-6
 
 
 @dataclass
@@ -52,6 +55,7 @@ SCENES = {
     "hot_upsetting": Scene(2, ["PLATE_REF, 2, 2, -1.5"], ["PLATE_REF, 2"], [], 1),
     "upset_tetra": Scene(1, ["DIE_REF, 3, 3, -5.5"], ["DIE_REF, 3"], [], 2),
     "closed_die": Scene(1, ["DIE_REF, 2, 2, 3."], ["DIE_REF, 2"], [], 1),
+    "cross": Scene(1, ["UPPER_REF, 3, 3, 3."], ["UPPER_REF, 3"], [], 2),
     "wire_drawing": Scene(3, ["DIE_REF, 2, 2, 3."], ["TOP, 2"], [], 1),
     "v_bending": Scene(1, ["PUNCH_REF, 2, 2, 3."], ["PUNCH_REF, 2"], [], 1),
     "cup": Scene(2, ["PUNCH_REF, 2, 2, 30.", "HOLDER_REF, 2, 2, 30.", "DIE_REF, 2, 2, -70."],
@@ -161,6 +165,7 @@ class Released:
     flowed: float = np.nan            #: plastic work of the release
     rubbed: float = np.nan            #: work of friction of the release
     said: str = ""
+    pressed: float = 0.0              #: force that a pair still has, over the largest of the run
 
     @property
     def elastic(self) -> bool:
@@ -190,6 +195,8 @@ def released(name: str, way: str, friction: bool) -> Released:
     history, times = result.history, np.asarray(result.times)
     steps = np.asarray(history["step"])
     before = int(np.flatnonzero(steps == SCENES[name].steps)[-1])
+    if times[-1] < history["time"][before] + 1.0 - 1e-9:
+        return Released(said="E0504")
     at = int(np.argmin(abs(times - history["time"][before])))
     moved = [result.to_meshio(k).point_data["U"] for k in (at, len(times) - 1)]
     tools = {t for line in (ROOT/"decks"/f"{name}.inp").read_text().splitlines()
@@ -199,8 +206,11 @@ def released(name: str, way: str, friction: bool) -> Released:
     codes = [d["code"] for d in result.diagnostics if d["code"][1:] in ("0518",)]
     work = {k: history[f"energy.{k}"][-1] - history[f"energy.{k}"][before]
             for k in ("plastic", "friction")}
+    forces = np.array([abs(np.asarray(values)) for key, values in history.items()
+                       if re.search(r"-.*\.force\d$", key)])
+    pressed = float(forces[:, -1].max()/forces.max()) if forces.size else 0.0
     return Released(back, float(history["energy.strain"][before]), float(work["plastic"]),
-                    float(work["friction"]), " ".join(dict.fromkeys(codes)))
+                    float(work["friction"]), " ".join(dict.fromkeys(codes)), pressed)
 
 
 def apart(one: Released, other: Released, axis: int, floats: bool) -> float:
@@ -230,13 +240,15 @@ def measure(name: str, friction: bool, folder: Path | None) -> tuple[list[str], 
             fine = False
             continue
         gap = apart(one, first, scene.axis, floats)
-        alike = not (one.elastic and first.elastic) or gap < ALIKE
+        pressed = one.pressed > PRESSED
+        alike = pressed or not (one.elastic and first.elastic) or gap < ALIKE
         told = one.elastic or "0518" in one.said
         fine &= alike and told
         rows.append("| " + " | ".join([
             *cells, f"{one.energy:.4g}", _figure(one.flowed, one.energy),
             _figure(one.rubbed, one.energy), "" if one is first else f"{100*gap:.2g} %",
-            one.said + ("" if alike and told else " **not told**")]) + " |")
+            one.said + f" held, {one.pressed:.2g}"*pressed
+            + ("" if alike and told else " **not told**")]) + " |")
     return rows, fine
 
 

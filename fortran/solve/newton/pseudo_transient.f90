@@ -30,9 +30,10 @@ module lopin_pseudo_transient
    !> they bring its residual down.
    integer, parameter :: most_systems = 600, most_of_step = 12, few = 4
    real(wp), parameter :: enough = 1.0e-2_wp
-   !> Pseudo-time of the first step; what it grows and shrinks by; where it is given up.
+   !> Pseudo-time of the first step; what it grows and shrinks by; where it is given up: steps
+   !> without end, or so long that the drag is rounding beside the elastic stiffness.
    real(wp), parameter :: first_time = 1.0_wp, fast = 3.0_wp, slow = 1.5_wp, back = 0.25_wp, &
-      & least_time = 1.0e-8_wp
+      & least_time = 1.0e-8_wp, most_time = 1.0e12_wp
    !> Newton is tried again when the residual at rest has fallen by so much.
    real(wp), parameter :: fallen = 0.1_wp
 
@@ -98,7 +99,8 @@ contains
       motion%at = iterate
       tried = huge(1.0_wp)
       systems = 0
-      do while (systems < most_systems .and. motion%time > least_time)
+      do while (systems < most_systems .and. motion%time > least_time &
+         & .and. motion%time < most_time)
          call keep_place(motion, scene)
          call implicit_step(motion, scene, model, f, prescribed, error)
          if (allocated(error)) return
