@@ -121,21 +121,31 @@ def full_flash() -> None:
 
 def blanking() -> None:
     """The metal between the edges, how near it is to fracture, and the force of the punch."""
-    result = solved("blanking")
+    cut_sheet("blanking", "r", "force [kN]", 1e3, 16.0)
+
+
+def shearing() -> None:
+    """The same of the strip."""
+    cut_sheet("shearing", "x", "force of one edge [N/mm]", 1.0, 510.0)
+
+
+def cut_sheet(name: str, across: str, force: str, unit: float, slab: float) -> None:
+    """Strain, damage and force of a sheet that is cut; `slab`: estimate of the force."""
+    result = solved(name)
     fig, (left, middle, ax) = figure(9.6, 3.2, 3)
     for at, values, label in ((left, result["PEEQ"], "plastic strain [-]"),
                               (middle, result["DAMAGE_OYANE_MEAN"], "damage, Oyane, mean [-]")):
         drawn = deformed(at, result, values, scale=1.0, grid=0.15)
         tools(at, result, scale=1.0)
-        at.set(xlim=(4.4, 5.6), ylim=(-0.3, 1.2), xlabel="r [mm]")
+        at.set(xlim=(4.4, 5.6), ylim=(-0.3, 1.2), xlabel=f"{across} [mm]")
         coloured(fig, drawn, at, label)
     left.set_ylabel("z [mm]")
-    ax.plot(-result.history["PUNCH.u2"], -result.history["PUNCH.rf2"]/1e3, color=DOTS,
+    ax.plot(-result.history["PUNCH.u2"], -result.history["PUNCH.rf2"]/unit, color=DOTS,
             label="Lopin")
-    ax.axhline(16.0, color=EXACT, label="slab")
-    ax.set(xlabel="stroke [mm]", ylabel="force [kN]", ylim=(0.0, None))
+    ax.axhline(slab, color=EXACT, label="slab")
+    ax.set(xlabel="stroke [mm]", ylabel=force, ylim=(0.0, None))
     ax.legend(frameon=False)
-    save(fig, "blanking")
+    save(fig, name)
 
 
 def upset_tetra() -> None:

@@ -37,7 +37,7 @@ def draw(folder: Path, name: str, parts: list[int]) -> None:
                        if row[0] == PUNCH and row[1] == 2), 0.0) if "START" in deck else 0.0
         axis.set(xlim=WINDOW[0], ylim=WINDOW[1], aspect="equal", title=f"{stroke:.3f} mm")
     figure.tight_layout()
-    figure.savefig(Path(__file__).resolve().parents[2]/"docs"/"pictures"/"separation.png", dpi=80)
+    figure.savefig(Path(__file__).resolve().parents[2]/"docs"/"pictures"/"separation.png", dpi=60)
 
 
 def load_curve(axis, path: Path) -> None:
