@@ -28,7 +28,9 @@ contains
       call choice(table, 'HARDENING', 'ISOTROPIC,SWIFT,VOCE,HOLLOMON,LINEAR,KINEMATIC,COMBINED', &
          & 'ISOTROPIC', &
          & 'ISOTROPIC: a table; SWIFT: K (e0 + e)^n; VOCE: S - (S - Y) exp(-d e) + H e; '// &
-         & 'HOLLOMON: K e^n in the total strain, from yield on; LINEAR: Y + H e. e is the '// &
+         & 'HOLLOMON: K (e0 + e)^n with e0 = (Y/K)^(1/n), the strain that K e^n gives the '// &
+         & 'yield stress: e0 stays, so that the sum is the total strain at yield and falls '// &
+         & 'short of it by the elastic strain that hardening adds; LINEAR: Y + H e. e is the '// &
          & 'accumulated plastic strain. KINEMATIC: the '// &
          & 'surface moves along a straight line; COMBINED: it moves as Armstrong, Frederick '// &
          & 'and Chaboche say, and may grow by *CYCLIC HARDENING.')

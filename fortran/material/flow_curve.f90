@@ -7,7 +7,8 @@
 !> Hardening by name, eps the accumulated plastic strain:
 !>   TABLE      linear between points, constant beyond the last one
 !>   SWIFT      K (eps0 + eps)^n
-!>   HOLLOMON   K (eps0 + eps)^n with eps0 = (Y/K)^(1/n): K eps^n in the total strain, from yield on
+!>   HOLLOMON   K (eps0 + eps)^n with eps0 = (Y/K)^(1/n), constant: K eps^n in the total strain at
+!>              yield; beyond, without the elastic strain that hardening adds
 !>   VOCE       S - (S - Y) exp(-d eps) + H eps
 !>   LINEAR     Y + H eps (Voce without its exponential)
 !> Rates: factor 1 + (rate/D)^(1/p) (power law of Cowper and Symonds), and a viscous part
