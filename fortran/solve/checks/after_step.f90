@@ -14,6 +14,7 @@ module lopin_after_step
    use lopin_eased_friction, only : tell_eased
    use lopin_narrow_tools, only : check_narrow_tools
    use lopin_narrow_masters, only : check_narrow_masters
+   use lopin_passed_tools, only : check_passed_tools
    use lopin_small_displacements, only : excursion_type, measure_small_displacements, &
       & check_small_displacements, rotation_limit
    use lopin_contact_rows, only : joins_pair
@@ -60,13 +61,14 @@ contains
    !> Look at an accepted increment.
    subroutine record_increment(self, scene, model, ramp)
       type(step_record_type), intent(inout) :: self
-      type(scene_type), intent(in) :: scene
+      type(scene_type), intent(inout) :: scene
       type(model_type), intent(in) :: model
       real(wp), intent(in) :: ramp             !! share of bounds of shear that is lacking [-]
       integer :: body
 
       if (allocated(scene%trial%contact%eased)) self%ramp = max(self%ramp, ramp)
       call record_pairs(self, scene, model)
+      call check_passed_tools(scene, model)
       call measure_small_displacements(self%strayed, scene, model)
       if (scene%newton%nlgeom) call measure_stretch(self%stretched, scene, model)
       if (scene%newton%nlgeom) return
