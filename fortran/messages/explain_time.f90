@@ -59,6 +59,13 @@ contains
          & 'As E0555, in increments that may not be cut, and more than a quarter of the force: '// &
          & 'polygons pressed into metal were then up to 16 % off in their forces.', &
          & 'smaller increments on *STATIC, or increments without DIRECT.')
+      call add_explanation(list, 'W0556', 'increments long for metal that looks at the rate', &
+         & 'An increment knows the mean rate of its strain, and its stress is that of '// &
+         & 'the mean. Where tools move steadily, the rate at the end of an increment that '// &
+         & 'strains by e is higher by the share e/2 than the mean, and a stress that goes as '// &
+         & 'rate^m is m e/2 too low. It is the mean over what flows, weighted by its work, and '// &
+         & 'told from 5 % on. Where the rate itself is kept there is no such error.', &
+         & 'smaller increments on *STATIC, until m e/2 is below what is asked for.')
       call add_explanation(list, 'E0553', 'a tool turns far below what slides on it', &
          & 'On the present shape the slip of an increment is the straight way on the tool from '// &
          & 'where a point was to where it is. Below a point that stands still a tool that '// &

@@ -10,6 +10,7 @@ import pytest
 
 import lopin
 from lopin.accuracy import Quantity, reach
+from lopin.accuracy.reach import Level, Reached, _Search
 from lopin.accuracy.increments import depends_on_path, with_smaller
 from lopin.deck import Deck
 from lopin.errors import ModelError, NotConvergedError, UsageError
@@ -176,3 +177,56 @@ def test_what_cannot_be_read_is_named_with_its_place(tmp_path, words, says):
     done = command(asking(tmp_path, words))
     assert done.returncode == 1 and says in done.stderr and "ask.inp:" in done.stderr
     assert "Traceback" not in done.stderr and not (tmp_path/"out").exists()
+
+
+def test_changes_to_and_fro_have_no_order():
+    """+27, +14, -3.9 of 872, as under a punch whose corner slips: an order of 1.8 would promise
+    0.2 %, where 2.1 % are wrong."""
+    found = Reached(Quantity("FORCE"), 0.01, value=-872.0)
+    search = _Search(Deck([]), found.quantity, 0.01, None, None, None, {})
+    search.found = found
+    values = [-834.6, -861.9, -876.0, -872.0]
+    for mesh, value in enumerate(values):
+        apart = abs(value - values[mesh - 1]) if mesh else float("nan")
+        sign = found.quantity.change(apart, value, values[mesh - 1])
+        found.levels.append(Level(mesh, 1.0, 4**mesh, 0, value, apart, sign, 0.0, "PASS"))
+    search._estimate(False)
+    assert found.mesh == pytest.approx(14.1/872.0, rel=1e-3) and np.isnan(found.order)
+    found.levels.pop()
+    found.value = -876.0
+    search._estimate(False)
+    assert found.order == pytest.approx(np.log2(27.3/14.1))
+
+
+def test_facets_that_do_not_match_are_in_the_estimate_of_a_pressure():
+    """W0333 is no matter of the mesh; a force does not mind."""
+    from lopin.atlas.scenes import flat
+
+    deck = Deck.parse(flat(9, 15, 1.0).text(), name="flat")
+    with pytest.raises(NotConvergedError, match="SURFACE TO SURFACE") as problem:
+        reach(deck, Quantity("PEAK PRESSURE"), 0.01)
+    found = problem.value.reached
+    assert len(found.levels) == 1 and found.uneven > 0.02
+    assert any(line.startswith("W0333") for line in found.warnings) and "warning: W0333" in \
+        found.text()
+    assert reach(deck, Quantity("FORCE"), 0.01).met
+    mortar = Deck.parse(flat(9, 15, 1.0, mortar=True).text(), name="flat")
+    assert reach(mortar, Quantity("PEAK PRESSURE"), 0.01).met
+
+
+@pytest.mark.parametrize("law, met", [("PENALTY\n50.,", False),
+                                      ("PRESSURE-OVERCLOSURE=TABULAR\n0., 0.\n50., 1.", True)])
+def test_what_the_stiffness_of_contact_leaves_no_mesh_mends(law, met):
+    """A soft penalty is refused after one mesh; a law of the surface is no error."""
+    from lopin.atlas.scenes import flat
+
+    text = flat(10, 10, 1.0).text()
+    begin = text.index("*SURFACE BEHAVIOR")
+    text = text[:begin] + f"*SURFACE BEHAVIOR, {law}\n" + text[text.index("*CONTACT PAIR"):]
+    deck = Deck.parse(text, name="soft")
+    if met:
+        assert reach(deck, Quantity("FORCE"), 0.01).met
+        return
+    with pytest.raises(NotConvergedError, match="whatever the mesh") as problem:
+        reach(deck, Quantity("FORCE"), 0.01)
+    assert len(problem.value.reached.levels) == 1

@@ -10,6 +10,7 @@ module lopin_after_step
    use lopin_scene, only : scene_type
    use lopin_present_gaps, only : gap_of
    use lopin_repeated_messages, only : warn_once
+   use lopin_coarse_rates, only : coarse_rates_type, measure_coarse_rates, tell_coarse_rates
    use lopin_check_stretch, only : stretched_type, measure_stretch, check_stretch
    use lopin_eased_friction, only : tell_eased
    use lopin_narrow_tools, only : check_narrow_tools
@@ -39,6 +40,7 @@ module lopin_after_step
       type(stretched_type) :: stretched      !! under NLGEOM
       real(wp), allocatable :: turned(:)     !! (nbody) largest rotation in the step [rad]
       real(wp) :: ramp = 0.0_wp              !! largest where bounds of friction are eased [-]
+      type(coarse_rates_type) :: rates       !! of metal in long increments
    contains
       procedure :: keep => keep_seen
    end type step_record_type
@@ -56,13 +58,15 @@ contains
       call self%stretched%keep(stream)
       call stream%pass(self%turned)
       call stream%pass(self%ramp)
+      call self%rates%keep(stream)
    end subroutine keep_seen
 
    !> Look at an accepted increment.
-   subroutine record_increment(self, scene, model, ramp)
+   subroutine record_increment(self, scene, model, increment, ramp)
       type(step_record_type), intent(inout) :: self
       type(scene_type), intent(inout) :: scene
       type(model_type), intent(in) :: model
+      integer, intent(in) :: increment         !! its number in the step
       real(wp), intent(in) :: ramp             !! share of bounds of shear that is lacking [-]
       integer :: body
 
@@ -70,8 +74,11 @@ contains
       call record_pairs(self, scene, model)
       call check_passed_tools(scene, model)
       call measure_small_displacements(self%strayed, scene, model)
-      if (scene%newton%nlgeom) call measure_stretch(self%stretched, scene, model)
-      if (scene%newton%nlgeom) return
+      if (scene%newton%nlgeom) then
+         call measure_stretch(self%stretched, scene, model)
+         call measure_coarse_rates(self%rates, scene, increment)
+         return
+      end if
       if (.not. allocated(self%turned)) allocate (self%turned(size(model%rigid_body)), &
          & source=0.0_wp)
       do body = 1, size(model%rigid_body)
@@ -164,6 +171,7 @@ contains
       if (ramp > most_ramp) call tell_ramp(scene, model, ramp)
       call tell_eased(scene, model, seen%ramp)
       seen%ramp = 0.0_wp
+      call tell_coarse_rates(seen%rates, scene, model)
    end subroutine check_step
 
    !> Points that slip under so little pressure that their law has not its bound there.

@@ -80,7 +80,8 @@ contains
          if (scene%newton%flows) frame%certificate%energy = abs(lost_share(frame%energy))
          call measure_drift(watch%drift, scene, model, forces%load, forces%pressed)
          call leave_trial(scene, model, frame)
-         call record_increment(watch%seen, scene, model, frame%certificate%rubs%ramp)
+         call record_increment(watch%seen, scene, model, frame%increment, &
+            & frame%certificate%rubs%ramp)
          if (scene%newton%nlgeom) call check_mesh(scene, model, frame%increment)
          call scene%clock%stop_in(phase%check)
          call record(scene, model, forces%reaction, recorders, frame, error)

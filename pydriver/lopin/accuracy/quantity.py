@@ -1,6 +1,8 @@
 """The number that a run is asked for, and how two runs differ in it."""
 from __future__ import annotations
 
+import math
+import re
 from collections.abc import Iterable
 from dataclasses import dataclass
 
@@ -14,6 +16,8 @@ from ..result import Result
 
 #: A sum of forces below this share of their sizes is rounding.
 ROUNDING = 1e-9
+#: The share that W0333 names.
+UNEVEN = re.compile(r"uneven by about ([0-9.eE+-]+) %")
 KINDS = ("PRESSURE", "PEAK PRESSURE", "FORCE", "PEAK FORCE", "DISPLACEMENT", "SPRINGBACK")
 
 
@@ -83,7 +87,8 @@ class Quantity:
     def of_vector(self, vector: NDArray) -> float:
         if self.component:
             if self.component > len(vector):
-                raise UsageError(f"COMPONENT={self.component}: there are {len(vector)}")
+                raise UsageError(f"COMPONENT={self.component}: the vector has {len(vector)}",
+                                 help="0 for its length; moments and rotations cannot be asked for")
             return float(vector[self.component - 1])
         return float(np.linalg.norm(vector))
 
@@ -97,6 +102,17 @@ class Quantity:
         if len(rows) and "RF" in result.names:
             return [np.asarray(result.at(k)["reaction"])[rows].sum(axis=0) for k in at]
         raise ModelError(f"no forces are known of {self.set}")
+
+    def change(self, apart: float, value: float, before: float) -> float:
+        """How far a run is apart from the one before, with its sign where the number has one."""
+        return apart if self.kind == "PRESSURE" else math.copysign(apart, value - before)
+
+    def uneven(self, result: Result) -> float:
+        """What W0333 says of the pressures that are asked for [-]."""
+        if "PRESSURE" not in self.kind:
+            return 0.0
+        shares = [UNEVEN.search(line) for line in result.warnings if line.startswith("W0333")]
+        return max((0.01*float(s.group(1)) for s in shares if s), default=0.0)
 
     def difference(self, fine: Result, coarse: Result, values: tuple[float, float]) -> float:
         """How far two runs are apart; `values` of the fine one and of the coarse one."""

@@ -43,6 +43,7 @@ class Level:
     equations: int
     value: float
     difference: float         #: from the run before, on the coarser mesh; nan: none
+    change: float             #: the same with its sign; of a norm, without
     seconds: float
     verdict: str
 
@@ -59,6 +60,8 @@ class Reached:
     order : of the fall of the error with the size of cells; nan where two meshes were enough
     levels : the runs, in their order
     result : of the last mesh
+    uneven : part of `enforcement` that facets which do not match make of the pressure (W0333)
+    warnings : of the last run
     filled_in : displacements given node by node, straight between the nodes of the deck
     reason : why the error asked for was not met; empty: it was
     """
@@ -69,6 +72,8 @@ class Reached:
     mesh: float = math.nan
     increments: float = 0.0
     enforcement: float = 0.0
+    uneven: float = 0.0
+    warnings: list[str] = field(default_factory=list)
     order: float = math.nan
     levels: list[Level] = field(default_factory=list)
     result: Result | None = field(default=None, repr=False)
@@ -102,11 +107,14 @@ class Reached:
                          f"{'x ' + format(v.increments, 'g'):>11} {v.value:>14.7g} {change:>9} "
                          f"{v.seconds:>8.2f}")
         order = "" if math.isnan(self.order) else f" (falls as size^{self.order:.2g})"
-        lines.append(f"{self.quantity}: {self.value:.7g} +- {abs(self.value)*self.error:.2g} "
-                     f"({100.0*self.error:.2g} %; {100.0*self.target:g} % asked): mesh "
-                     f"{100.0*self.mesh:.2g} %{order}, increments {100.0*self.increments:.2g} %, "
-                     f"contact {100.0*self.enforcement:.2g} %")
+        known = "error unknown" if math.isnan(self.error) else \
+            f"+- {abs(self.value)*self.error:.2g} ({100.0*self.error:.2g} %)"
+        mesh = "not known" if math.isnan(self.mesh) else f"{100.0*self.mesh:.2g} %{order}"
+        lines.append(f"{self.quantity}: {self.value:.7g} {known}, {100.0*self.target:g} % asked: "
+                     f"mesh {mesh}, increments {100.0*self.increments:.2g} %, contact "
+                     f"{100.0*self.enforcement:.2g} %")
         lines.append(f"cost: {self.cost:.2g} times the last run")
+        lines += [f"warning: {line}" for line in self.warnings]
         if self.filled_in:
             lines.append("displacements are given node by node: between the nodes of the deck they "
                          "are taken as straight, whose error is not in the estimate")
@@ -118,7 +126,7 @@ class Reached:
         """All of it but the result."""
         kept = {k: getattr(self, k) for k in ("target", "value", "error", "mesh", "increments",
                                               "enforcement", "order", "met", "filled_in",
-                                              "reason", "cost")}
+                                              "reason", "cost", "uneven", "warnings")}
         kept["quantity"] = str(self.quantity)
         kept["runs"] = [vars(v) for v in self.levels]
         return json.dumps(kept, default=str).replace("NaN", "null")
@@ -189,6 +197,8 @@ class _Search:
         if found.value == 0.0:
             found.reason = f"the {found.quantity} is 0: it has no relative error; ask for that " \
                 "of one tool by SET, or for another direction"
+        if found.enforcement > found.target and not found.reason:
+            found.reason = self._contact_alone()
         if depends_on_path(deck) and not found.reason:
             last = self._settle_increments(deck, last)
         while not found.reason:
@@ -222,10 +232,14 @@ class _Search:
         apart = math.nan if before is None else found.quantity.difference(
             result, before[0], (value, before[1]))
         found.levels.append(Level(number, self.factor, elements or result.summary["model"][
-            "elements"], result.summary["equations"], value, apart, seconds, result.verdict))
+            "elements"], result.summary["equations"], value, apart,
+            math.nan if before is None else found.quantity.change(apart, value, before[1]),
+            seconds, result.verdict))
         found.value, found.result, found.deck = value, result, deck
-        found.enforcement = max(0.0, float((result.summary.get("certificate") or {}).get(
-            "pressure_error") or 0.0))
+        found.warnings = list(result.warnings)
+        found.uneven = found.quantity.uneven(result)
+        found.enforcement = found.uneven + max(0.0, float(
+            (result.summary.get("certificate") or {}).get("pressure_error") or 0.0))
         if self.factor == 1.0 and number == 0:
             self.first = result
         self.say(f"mesh {number}: {result.summary['equations']} equations, {found.quantity} "
@@ -251,10 +265,14 @@ class _Search:
     def _estimate(self, quadratic: bool) -> None:
         """The error of the mesh from the differences between meshes."""
         found = self.found
-        apart = [v.difference for v in found.levels if not math.isnan(v.difference)]
+        known = [v for v in found.levels if not math.isnan(v.difference)]
+        apart, changes = [v.difference for v in known], [v.change for v in known]
         scale = max(abs(found.value), 1e-300)
         order = 1.0
-        if len(apart) > 1:
+        if len(apart) > 1 and changes[-1]*changes[-2] < 0.0:
+            # Changes to and fro have no order: the answer may be off by as much as they are.
+            found.order, apart = math.nan, [*apart[:-1], max(apart[-2:])]
+        elif len(apart) > 1:
             ratio = apart[-2]/max(apart[-1], 1e-300)
             order = min(max(math.log2(max(ratio, 1e-3)), LEAST_ORDER), MOST_ORDER[quadratic])
             found.order = math.log2(max(ratio, 1e-3))
@@ -264,6 +282,16 @@ class _Search:
             found.reason = f"the {found.quantity} changes more with each finer mesh " \
                 f"({', '.join(f'{100.0*v/scale:.2g} %' for v in apart)}): it has no limit, as at " \
                 "a sharp edge; ask for a force, a displacement or PRESSURE"
+
+    def _contact_alone(self) -> str:
+        """What no finer mesh makes better."""
+        found = self.found
+        if found.uneven > 0.5*found.enforcement:
+            return f"facets that do not match make the pressure uneven by about " \
+                f"{100.0*found.uneven:.2g} % (W0333), whatever the mesh: TYPE=SURFACE TO SURFACE"
+        return f"the stiffness of contact alone leaves {100.0*found.enforcement:.2g} %, whatever " \
+            "the mesh: *SURFACE BEHAVIOR, DIRECT; a slope that is a law of the surface itself is " \
+            "PRESSURE-OVERCLOSURE=TABULAR, whose points are no error"
 
     def _out_of_reach(self, elements: int, limit: int, dims: int) -> str:
         """What would meet it."""

@@ -24,13 +24,18 @@ from .formed import FormingCell, FormingMap
 from .friction import FrictionMap
 from .laws import LawMap
 from .mesh import MeshMap
+from .numbers import FlowMap, IncrementMap, RegularisedMap, VolumeMap
 from .penalty import AugmentedMap, PenaltyMap
 from .scenes import Frame
 from .sheets import SheetMap
+from .tresca import TrescaMap
 from .uzawa import UzawaMap
+from .wedge import WedgeMap
 
-MAPS = {m.number: m for m in (PenaltyMap(), UzawaMap(), AugmentedMap(), FrictionMap(), MeshMap(),
-                              FacetMap(), FaceMap(), SheetMap(), LawMap(), FirstMap())}
+MAPS = {m.number: m for m in (
+    PenaltyMap(), UzawaMap(), AugmentedMap(), FrictionMap(), TrescaMap(), WedgeMap(),
+    IncrementMap(), RegularisedMap(), MeshMap(), FacetMap(), VolumeMap(), FlowMap(), FaceMap(),
+    SheetMap(), LawMap(), FirstMap())}
 #: Classes of cells without an answer, or with a wrong one.
 FAILED = ("F1", "F2", "F3", "F4", "F5", "F6")
 #: Seconds between two writings of a table that grows.

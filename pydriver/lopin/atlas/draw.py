@@ -79,8 +79,9 @@ def _panel(ax, chart, panel: str, cells: list[Cell]):
     x, y = np.unique([c.x for c in cells]), np.unique([c.y for c in cells])
     shade = np.full((len(y), len(x)), np.nan)
     linear, named = getattr(chart, "linear", False), hasattr(chart, "ticks")
-    ax.set(xscale="linear" if named else "log", yscale="linear" if linear else "log", title=panel)
-    borders = edges(x, named), edges(y, linear)
+    even = named or getattr(chart, "even", False)
+    ax.set(xscale="linear" if even else "log", yscale="linear" if linear else "log", title=panel)
+    borders = edges(x, even), edges(y, linear)
     kinds = np.full(shade.shape, "", dtype=object)
     for cell in cells:
         i, j = np.searchsorted(y, cell.y), np.searchsorted(x, cell.x)

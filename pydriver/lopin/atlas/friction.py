@@ -28,14 +28,14 @@ STIFF = 100.0
 
 
 @cache
-def compliance() -> tuple[NDArray, NDArray]:
-    """S of the points below the parabola, pressing rows first, and their places."""
+def compliance(nu: float = POISSON) -> tuple[NDArray, NDArray]:
+    """S of the points of a block below the parabola, pressing rows first, and their places."""
     mesh = mesh_make.block((2.0, 1.0), (CELLS, CELLS//2), origin=(-1.0, -1.0))
     n = mesh.n_point
     stiffness = np.zeros((2*n, 2*n))
     for nodes in mesh.blocks[0][1]:
         dofs = (2*nodes[:, None] + np.arange(2)).ravel()
-        stiffness[np.ix_(dofs, dofs)] += probe_stiffness("CPE4", mesh.points[nodes], 1.0, POISSON)
+        stiffness[np.ix_(dofs, dofs)] += probe_stiffness("CPE4", mesh.points[nodes], 1.0, nu)
     held = mesh.point_sets["BOTTOM"]
     free = np.setdiff1d(np.arange(2*n), np.concatenate([2*held, 2*held + 1]))
     top = mesh.point_sets["TOP"]

@@ -3,10 +3,10 @@ from __future__ import annotations
 
 import os
 import re
-import resource
 import shutil
 import subprocess
 import tempfile
+import threading
 from pathlib import Path
 
 import numpy as np
@@ -59,20 +59,23 @@ def _run(row: Case, program: str, deck: Deck, chart: Chart) -> None:
     new.blocks.insert(last, Block("NODE PRINT", {"NSET": name}, [[word]]))
     with tempfile.TemporaryDirectory(prefix="lopin-") as folder:
         new.write(Path(folder)/"job.inp")
-        before = resource.getrusage(resource.RUSAGE_CHILDREN)
-        try:
-            done = subprocess.run([program, "job"], cwd=folder, env=os.environ | _ONE_THREAD,
-                                  capture_output=True, timeout=LIMIT, check=False)
-        except subprocess.TimeoutExpired:
+        with subprocess.Popen([program, "job"], cwd=folder, env=os.environ | _ONE_THREAD,
+                              stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL) as process:
+            clock = threading.Timer(LIMIT, process.kill)
+            clock.start()
+            _, status, used = os.wait4(process.pid, 0)
+            late = not clock.is_alive()
+            clock.cancel()
+            process.returncode = os.waitstatus_to_exitcode(status)
+        if late:
             row.seconds, row.failure = LIMIT, "time"
             return
-        after = resource.getrusage(resource.RUSAGE_CHILDREN)
-        row.seconds = after.ru_utime - before.ru_utime + after.ru_stime - before.ru_stime
+        row.seconds = used.ru_utime + used.ru_stime
         row.linear, row.repetitions = row.seconds/chart.linear, 1
-        row.peak_mb = after.ru_maxrss/1024.0
+        row.peak_mb = used.ru_maxrss/1024.0
         table = _last_table(Path(folder)/"job.dat")
-        if done.returncode or not len(table):
-            row.failure = f"exit {done.returncode}"
+        if process.returncode or not len(table):
+            row.failure = f"exit {process.returncode}"
             return
     vector = table.sum(axis=0) if word == "RF" else table.mean(axis=0)
     cards = MeshCards(new.blocks)
