@@ -48,3 +48,28 @@ def test_a_tool_that_goes_through_a_face_is_named(solve, path, kind, x):
 @pytest.mark.parametrize("x, way", [(3.75, 0.9), (3.75, -4.0), (13.0, 4.0), (-3.0, 4.0)])
 def test_one_that_stays_outside_is_not(solve, path, x, way):
     assert not told(solve(lifted(x, way, path=path)))
+
+
+def ball(path, x):
+    """Bricks of 2, moved up against a ball of radius 0.5 above the point (x, x)."""
+    lines = [f"*LOPIN, PATH={path}", "*NODE"]
+    lines += [f"{1 + i + 4*j + 16*k}, {2.0*i}, {2.0*j}, {2.0*k}" for k in range(2) for j in range(4) for i in range(4)]
+    lines += ["*ELEMENT, TYPE=C3D8, ELSET=BLOCK"]
+    for n, (i, j) in enumerate((i, j) for j in range(3) for i in range(3)):
+        corners = [1 + i + a + 4*(j + b) + 16*c for c in (0, 1) for a, b in ((0, 0), (1, 0), (1, 1), (0, 1))]
+        lines.append(", ".join(map(str, [n + 1, *corners])))
+    lines += ["*NSET, NSET=ALL, GENERATE", "1, 32", "*SURFACE, NAME=TOP", "BLOCK, S2", "*MATERIAL, NAME=STEEL",
+              "*ELASTIC", "1e5, 0.3", "*SOLID SECTION, ELSET=BLOCK, MATERIAL=STEEL", "*NODE, NSET=BALL_REF",
+              f"900, {x}, {x}, 9", "*SURFACE, NAME=BALL, TYPE=REVOLUTION", f"{x}, {x}, 3.5, {x}, {x}, 9.",
+              "START, 0., 0.5", "CIRCL, 0.5, 0., 0., 0.", "CIRCL, 0., -0.5, 0., 0.",
+              "*RIGID BODY, ANALYTICAL SURFACE=BALL, REF NODE=BALL_REF", "*SURFACE INTERACTION, NAME=TOUCH",
+              "*SURFACE BEHAVIOR, PENALTY", "*CONTACT PAIR, INTERACTION=TOUCH", "TOP, BALL", "*BOUNDARY",
+              "BALL_REF, 1, 6", "ALL, 1, 2", "*STEP", "*STATIC", "0.25, 1.", "*BOUNDARY", "ALL, 3, 3, 4.", "*END STEP"]
+    return Deck.parse("\n".join(lines) + "\n", name="ball")
+
+
+@pytest.mark.parametrize("path", ["AUTO", "FINITE"])
+def test_a_ball_goes_through_a_face_in_space(solve, path):
+    text = told(solve(ball(path, 3.0), refused=True))
+    assert any("BALL" in line and "goes through face S2 of element 5" in line for line in text), text
+    assert not told(solve(ball(path, 9.0)))
