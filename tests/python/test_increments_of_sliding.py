@@ -1,4 +1,4 @@
-"""An arc pressed on an elastic slab and drawn along it: where all slides, its forces are of the place, not of the way."""
+"""An arc pressed on an elastic slab and drawn along it: all slides, so that its forces depend on the place alone."""
 import pytest
 
 from lopin.atlas.numbers import PLAIN, IncrementMap
