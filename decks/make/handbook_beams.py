@@ -33,7 +33,7 @@ def foundation():
     deck += elastic("STEEL", "BEAM", young, 0.0)
     deck += tool("GROUND", (0.0, -5.0), "START, -10., 0.\nLINE, 200., 0.")
     deck += pairs("BEAM.BOTTOM, GROUND",
-                  behavior=f"*SURFACE BEHAVIOR, PRESSURE-OVERCLOSURE=LINEAR\n{stiff:.10g}")
+                  behavior=f"*SURFACE BEHAVIOR, PRESSURE-OVERCLOSURE=TABULAR\n0., 0.\n{stiff:.10g}, 1.")
     deck += "*BOUNDARY\nBEAM.LEFT, 1\nGROUND_REF, 1, 2\nGROUND_REF, 6\n"
     deck += step(f"*DSLOAD\nBEAM.LEFT, TRVEC, {load/2.0/high:.10g}, 0., -1.")
     return (f"""A long beam on a foundation that cannot pull, loaded in its middle: it lifts

@@ -62,14 +62,14 @@ def brake_shoe():
     deck += tool("DRUM", (0.0, 0.0), f"START, {radius:g}, 0.\n"
                  f"CIRCL, {side:.10g}, {top:.10g}, 0., 0.")
     deck += pairs("SHOE.RIGHT, DRUM", mu,
-                  f"*SURFACE BEHAVIOR, PRESSURE-OVERCLOSURE=LINEAR\n{slope:g}")
+                  f"*SURFACE BEHAVIOR, PRESSURE-OVERCLOSURE=TABULAR\n0., 0.\n{slope:g}., 1.")
     deck += "*BOUNDARY\nHINGE, 1, 2\nDRUM_REF, 1, 2\n"
     deck += step(f"*BOUNDARY\nHINGE, 6, 6, {-turn:.10g}\nDRUM_REF, 6, 6, -0.02", "0.1, 1.")
     return ("""A brake shoe that turns about its hinge against a drum: the pressure grows as
 sin(t).
 
 Drum of 300 mm, shoe 32 mm wide from 15 to 125 degrees, hinge 120 mm from the middle, lining of 10
-MPa/mm on a stiff shoe (*SURFACE BEHAVIOR, PRESSURE-OVERCLOSURE=LINEAR), mu = 0.32. The shoe turns
+MPa/mm on a stiff shoe (*SURFACE BEHAVIOR, PRESSURE-OVERCLOSURE=TABULAR), mu = 0.32. The shoe turns
 until p = 1 MPa at 90 degrees, the drum by 0.02 rad. Asked: the force on the drum's bearing.""",
             "Shigley's Mechanical Engineering Design, 9th ed. (2011), section 16-2", "FORCE",
             "DRUM_REF", 0, force, deck)
