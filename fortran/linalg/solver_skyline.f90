@@ -112,7 +112,6 @@ contains
       end if
       self%negative = count(self%profile%pivot < 0.0_wp)
       if (self%negative == 0 .or. self%class_of /= matrix_class%positive_definite) return
-      if (self%keeps_signs .and. self%pivot_ratio > indefinite_tolerance) return
       row = findloc(self%profile%pivot < 0.0_wp, .true., 1)
       bad = self%order(row)
       call raise_singular(error, self%name(), bad, -self%pivot_ratio, 'not positive definite')

@@ -69,7 +69,7 @@ def next_operation(job: Job, elset: str, cards: str, *, name: str,
     from .remesh.body import DeckParts, read_body
     from .remesh.part import _mesh_blocks, _surface, new_labels
     from .remesh.remake import state_block
-    from .remesh.separate import counted, states_of_rest, without
+    from .remesh.separate import counted, rows_of, states_of_rest, without
     from .remesh.state import Snapshot
 
     parts = DeckParts.of(job.deck)
@@ -79,7 +79,7 @@ def next_operation(job: Job, elset: str, cards: str, *, name: str,
     gone = np.zeros(len(body.elements), bool) if trim is None else np.asarray(trim(centre), bool)
     if gone.all():
         raise ModelError("the cut takes all elements out", help="the other side of it stays")
-    row, states = states_of_rest(body, last.points, gone)
+    row, states = rows_of(body, last.points), states_of_rest(body, last.points, gone)
     mesh, _ = without(body, last.x, gone)
     own, members = set(body.labels.tolist()), set(body.elements.tolist())
     named = parts.cards

@@ -11,9 +11,10 @@ import pytest
 from lopin.model_read_mesh import expanded  # noqa: E402
 
 ROOT = Path(__file__).resolve().parents[2]
-#: A model has no method for *REMESH.
-DECKS = sorted((p for p in (ROOT/"decks").glob("*.inp") if "*REMESH" not in p.read_text()),
-               key=lambda p: p.stem)
+#: A model has no method for these.
+NO_METHOD = ("*REMESH", "*DAMAGE")
+DECKS = sorted((p for p in (ROOT/"decks").glob("*.inp")
+                if not any(word in p.read_text() for word in NO_METHOD)), key=lambda p: p.stem)
 #: Longer than a second: all their steps are run, but moved by little and in few increments.
 LONG = {"rough_punch", "lifted_beam", "sliding_ball", "ring_compression", "folded_strip",
         "crushed_ring", "closed_die", "ironing", "upset_tetra", "wire_drawing", "rotating_rings",

@@ -84,7 +84,7 @@ contains
       type(scene_type), intent(in) :: scene
       type(local_matrix_type), intent(in) :: local
       real(wp), intent(in) :: normal(3)
-      real(wp) :: slope(local%nu)
+      real(wp) :: slope(local%nu), most
       integer :: k, a, d
 
       d = count(local%dof > scene%dofs%n)
@@ -94,16 +94,30 @@ contains
          slope = matmul(normal(:d), local%k(local%nu + 1:local%nu + d, :local%nu))
       end if
       has_no_slope = local%nu > 0 .and. d > 0
-      if (has_no_slope) has_no_slope = any(abs(slope) > 0.0_wp)
+      if (.not. has_no_slope) return
+      most = maxval([(abs(slope(k))/unit_of(scene, local%dof(k)), k=1, local%nu)])
+      has_no_slope = most > 0.0_wp
       do k = 1, local%nu
          if (.not. has_no_slope) return
-         if (.not. abs(slope(k)) > counts*maxval(abs(slope))) cycle
+         if (.not. abs(slope(k)) > counts*most*unit_of(scene, local%dof(k))) cycle
          do a = scene%constraints%first(local%dof(k)), scene%constraints%first(local%dof(k) + 1) - 1
-            has_no_slope = has_no_slope .and. .not. abs(slope_in(scene, local, slope, &
-               & scene%constraints%equation(a))) > counts*maxval(abs(slope))
+            associate (equation => scene%constraints%equation(a))
+               has_no_slope = has_no_slope .and. .not. abs(slope_in(scene, local, slope, &
+                  & equation)) > counts*most*unit_of(scene, &
+                  & scene%constraints%dof_of_equation(equation))
+            end associate
          end do
       end do
    end function has_no_slope
+
+   !> What a slope in a dof is beside that in a displacement: 1, or the size of the bodies.
+   pure real(wp) function unit_of(scene, dof) result(unit)
+      type(scene_type), intent(in) :: scene
+      integer, intent(in) :: dof
+
+      unit = 1.0_wp
+      if (scene%dofs%dof(dof) > 3) unit = scene%bodies%length
+   end function unit_of
 
    !> Slope of the gap in one free equation.
    pure real(wp) function slope_in(scene, local, slope, equation) result(along)
