@@ -123,6 +123,8 @@ def test_the_published_maps_have_nothing_wrong_and_silent(root):
     """docs/atlas/*.csv: every map, its cells all there; classes that turn are rounding."""
     for chart in atlas.MAPS.values():
         table = root/"docs"/"atlas"/f"map_{chart.number}_{chart.name}.csv"
+        if not getattr(chart, "published", True) and not table.is_file():
+            continue             # in work, as docs/atlas.md says
         if isinstance(chart, FormingMap) and not table.is_file():
             continue             # too few batches of it are done
         cells = atlas.read_table(table)
