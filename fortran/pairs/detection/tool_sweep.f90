@@ -9,7 +9,7 @@ module lopin_tool_sweep
    use lopin_contact_points, only : contact_points_type, pair_is_tied, facing
    implicit none
    private
-   public :: find_tool_passage
+   public :: find_tool_passage, place_of
 
 contains
 
@@ -156,6 +156,7 @@ contains
       end do
    end function rotation_of
 
+   !> Where a node is under displacements.
    pure function place_of(model, dofs, node, u) result(x)
       type(model_type), intent(in) :: model
       type(dofs_type), intent(in) :: dofs

@@ -9,11 +9,10 @@ module lopin_narrow_tools
    use lopin_element_type, only : cells_of_words
    use lopin_facets, only : facets_type, facet_rule_type, new_facets, new_facet_rules
    use lopin_tool, only : foot_type
-   use lopin_model, only : model_type, surface_of
+   use lopin_model, only : model_type
    use lopin_flat_elements, only : is_ring
-   use lopin_contact_points, only : pair_is_tied
    use lopin_scene, only : scene_type
-   use lopin_placed_tool, only : placed_tool_type, find_places, place_tool, gap_at, &
+   use lopin_placed_tool, only : placed_tool_type, find_places, place_tool, gap_at, faces_a_tool, &
       & distance_at
    use lopin_present_gaps, only : gap_of
    use lopin_touched_width, only : touch_type, find_closed, number_closed, find_narrowest, &
@@ -50,13 +49,8 @@ contains
       call cells_of_words(model%element_word, cells)
       call new_facet_rules(rules)
       do pair = 1, size(model%pair)
-         associate (slave => model%surface(model%pair(pair)%slave), &
-            & master => model%surface(model%pair(pair)%master))
-            if (master%kind /= surface_of%tool .or. slave%kind /= surface_of%faces) cycle
-            if (pair_is_tied(model, model%pair(pair))) cycle
-            if (scene%newton%in_use) then
-               if (.not. scene%newton%contact%pair_active(pair)) cycle
-            end if
+         if (.not. faces_a_tool(scene, model, pair)) cycle
+         associate (slave => model%surface(model%pair(pair)%slave))
             call new_facets(facets, model%mesh, cells, slave%element, slave%face)
             call find_places(scene, model, x)
             call find_closed(scene, pair, closed)

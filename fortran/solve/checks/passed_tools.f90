@@ -11,11 +11,11 @@ module lopin_passed_tools
    use lopin_element_type, only : cells_of_words
    use lopin_cells, only : cell_type
    use lopin_facets, only : facets_type, new_facets
-   use lopin_tool, only : foot_type
-   use lopin_model, only : model_type, surface_of
-   use lopin_contact_points, only : pair_is_tied
+   use lopin_tool, only : tool_type, foot_type
+   use lopin_model, only : model_type
    use lopin_scene, only : scene_type
-   use lopin_placed_tool, only : placed_tool_type, place_tool
+   use lopin_placed_tool, only : placed_tool_type, place_tool, faces_a_tool
+   use lopin_tool_sweep, only : place_of
    use lopin_repeated_messages, only : warn_once
    implicit none
    private
@@ -33,16 +33,12 @@ contains
       integer :: pair, i
 
       do pair = 1, size(model%pair)
-         associate (slave => model%surface(model%pair(pair)%slave), &
-            & master => model%surface(model%pair(pair)%master))
-            if (master%kind /= surface_of%tool .or. slave%kind /= surface_of%faces) cycle
-            if (pair_is_tied(model, model%pair(pair))) cycle
-            if (scene%newton%in_use) then
-               if (.not. scene%newton%contact%pair_active(pair)) cycle
-            end if
-            call place_tool(before, scene, model, pair, scene%accepted%motion%u)
-            call measure_tool(before, model, scene%bodies%length, middle, wide)
+         if (.not. faces_a_tool(scene, model, pair)) cycle
+         associate (slave => model%surface(model%pair(pair)%slave))
+            call measure_tool(model%tool(model%surface(model%pair(pair)%master)%tool)%shape, &
+               & model, scene%bodies%length, middle, wide)
             if (.not. wide < huge(1.0_wp)) cycle
+            call place_tool(before, scene, model, pair, scene%accepted%motion%u)
             call place_tool(after, scene, model, pair, scene%trial%motion%u)
             if (.not. allocated(cells)) call cells_of_words(model%element_word, cells)
             call new_facets(facets, model%mesh, cells, slave%element, slave%face)
@@ -68,9 +64,10 @@ contains
 
       n = size(node)
       do k = 1, n
-         from(:, k) = before%motion%to_tool(place_of(scene, model, node(k), &
+         from(:, k) = before%motion%to_tool(place_of(model, scene%dofs, node(k), &
             & scene%accepted%motion%u))
-         to(:, k) = after%motion%to_tool(place_of(scene, model, node(k), scene%trial%motion%u))
+         to(:, k) = after%motion%to_tool(place_of(model, scene%dofs, node(k), &
+            & scene%trial%motion%u))
       end do
       passes = .false.
       if (size(middle) == 3) then
@@ -85,25 +82,10 @@ contains
       end if
    end function passes
 
-   !> Where a node is under displacements.
-   pure function place_of(scene, model, node, u) result(x)
-      type(scene_type), intent(in) :: scene
-      type(model_type), intent(in) :: model
-      integer, intent(in) :: node
-      real(wp), intent(in) :: u(:)
-      real(wp) :: x(model%mesh%ndim)
-      integer :: k
-
-      x = model%mesh%x(:, node)
-      do k = 1, size(x)
-         if (scene%dofs%id(k, node) > 0) x(k) = x(k) + u(scene%dofs%id(k, node))
-      end do
-   end function place_of
-
    !> The middle of a tool and its size, huge where its middle is not inside it or where it is
    !> larger than the bodies.
-   subroutine measure_tool(stand, model, long, middle, wide)
-      type(placed_tool_type), intent(in) :: stand
+   subroutine measure_tool(shape, model, long, middle, wide)
+      class(tool_type), intent(in) :: shape
       type(model_type), intent(in) :: model
       real(wp), intent(in) :: long             !! of the bodies [length]
       real(wp), intent(out) :: middle(:), wide
@@ -116,11 +98,11 @@ contains
       middle = 0.0_wp
       box(:, 1) = minval(model%mesh%x, 2) - 10.0_wp*long
       box(:, 2) = maxval(model%mesh%x, 2) + 10.0_wp*long
-      call stand%shape%tessellate(box, points, cells)
+      call shape%tessellate(box, points, cells)
       if (size(points, 2) == 0) return
       if (norm2(maxval(points, 2) - minval(points, 2)) > long) return
       middle = 0.5_wp*(minval(points, 2) + maxval(points, 2))
-      call stand%shape%project(middle, foot)
+      call shape%project(middle, foot)
       if (.not. foot%found .or. foot%gap >= 0.0_wp) return
       wide = maxval(maxval(points, 2) - minval(points, 2))
    end subroutine measure_tool

@@ -4,12 +4,12 @@ module lopin_placed_tool
    use lopin_cells, only : cell_type, shape_functions
    use lopin_rigid_motion, only : rigid_motion_type, new_rigid_motion
    use lopin_tool, only : tool_type, foot_type
-   use lopin_model, only : model_type
-   use lopin_contact_points, only : facing
+   use lopin_model, only : model_type, surface_of
+   use lopin_contact_points, only : facing, pair_is_tied
    use lopin_scene, only : scene_type
    implicit none
    private
-   public :: placed_tool_type, find_places, place_tool, gap_at, distance_at
+   public :: placed_tool_type, find_places, place_tool, gap_at, distance_at, faces_a_tool
 
    !> A tool where it stands, as its slave meets it.
    type :: placed_tool_type
@@ -19,6 +19,19 @@ module lopin_placed_tool
    end type placed_tool_type
 
 contains
+
+   !> Whether faces of solids meet a rigid tool in a pair that is in force and not tied.
+   pure logical function faces_a_tool(scene, model, pair)
+      type(scene_type), intent(in) :: scene
+      type(model_type), intent(in) :: model
+      integer, intent(in) :: pair
+
+      faces_a_tool = model%surface(model%pair(pair)%master)%kind == surface_of%tool &
+         & .and. model%surface(model%pair(pair)%slave)%kind == surface_of%faces &
+         & .and. .not. pair_is_tied(model, model%pair(pair))
+      if (faces_a_tool .and. scene%newton%in_use) &
+         & faces_a_tool = scene%newton%contact%pair_active(pair)
+   end function faces_a_tool
 
    !> Where the nodes are now.
    subroutine find_places(scene, model, x)
