@@ -42,8 +42,18 @@ def in_a_pipe(executable, *words):
     return subprocess.run([executable, *words], capture_output=True, text=True, check=False)
 
 
+def many_increments(root, place):
+    """A deck of 500 increments: under way for seconds, however fast or busy the machine."""
+    text = (root/"decks"/"beam_over_corner.inp").read_text()
+    assert "0.05, 1., 1.E-5, 0.05" in text
+    deck = place/"beam_over_corner.inp"
+    deck.write_text(text.replace("0.05, 1., 1.E-5, 0.05", "0.002, 1., 1.E-5, 0.002")
+                    .replace("INC=200", "INC=2000"))
+    return deck
+
+
 def test_a_terminal_has_one_line_that_is_rewritten(executable, root, tmp_path):
-    deck = root/"decks"/"beam_over_corner.inp"
+    deck = many_increments(root, tmp_path)
     code, out = on_terminal([str(executable), "run", deck, "-o", tmp_path])
     assert code == 0
     lines = [text for text in out.split(CLEAR) if text.startswith("step ")]
@@ -126,12 +136,7 @@ def test_a_log_gets_plain_lines_and_quiet_nothing(executable, root, tmp_path):
 
 
 def test_ctrl_c_is_answered_and_the_run_goes_on(executable, root, tmp_path):
-    text = (root/"decks"/"beam_over_corner.inp").read_text()
-    # So many increments that the run is under way when the answer comes on a busy machine.
-    assert "0.05, 1., 1.E-5, 0.05" in text
-    deck = tmp_path/"beam_over_corner.inp"
-    deck.write_text(text.replace("0.05, 1., 1.E-5, 0.05", "0.002, 1., 1.E-5, 0.002")
-                    .replace("INC=200", "INC=2000"))
+    deck = many_increments(root, tmp_path)
     code, out = on_terminal([str(executable), "run", deck, "-o", tmp_path], until=b"iteration")
     assert code == 130 and "error[E0605]" in out and "--resume" in out
     assert re.search(r"results up to step 1, increment \d+ in ", out)
