@@ -104,6 +104,30 @@ def test_a_fold_is_told_where_it_is(tmp_path):
                                             "slot_at": [103.53, 4.64, 2.87]}, 0.0, 0.0, 0.0, 1.0)
     assert "folds: 0.26 between its sides at (103.5, 4.64, 2.87)" in done.line()
     report = Report("rod", tmp_path, [], [done])
-    report.jumps = lambda: [{"part": 1, "change": 0.0}]
+    report.jumps = lambda: [{"part": 1, "change": 0.0, "of_largest": 0.0}]
     verdict, said = report.verdict()
     assert verdict == "WARN" and len(said) == 1 and "at (103.5, 4.64, 2.87)" in said[0]
+
+
+@pytest.mark.parametrize(("forces", "expected"), [
+    (((0.0, -100.0), (-99.5, -10.0), (-6.0, -2.0)), "WARN"),   # a load that has fallen
+    (((0.0, -10.0), (-6.0, -100.0), (-100.0, -100.0)), "FAIL"),   # one that rises
+])
+def test_a_change_of_force_is_judged_beside_the_largest_so_far(tmp_path, forces, expected):
+    names = [f"cut.p{k + 1:03d}" for k in range(len(forces))]
+    for name, pair in zip(names, forces):
+        (tmp_path/f"{name}_history.csv").write_text(
+            "time [t],PUNCH.rf2 [force]\n" + "".join(f"{0.1*k},{f}\n" for k, f in enumerate(pair)))
+    done = [Remesh(k + 1, 0.1*k, "worn", 10, 0.3, {"volume": 1.0, "volume_change": 0.0}, 0.0, 0.0,
+                   0.0, 1.0) for k in range(len(forces) - 1)]
+    report = Report("cut", tmp_path, names, done)
+    jumps = report.jumps()
+    assert [j["change"] for j in jumps][expected == "FAIL"] == pytest.approx(
+        {"WARN": 0.005, "FAIL": 0.0}[expected])
+    worst = jumps[1 - (expected == "FAIL")]
+    assert worst["change"] == pytest.approx(0.4)
+    assert worst["of_largest"] == pytest.approx(0.04 if expected == "WARN" else 0.4)
+    verdict, said = report.verdict()
+    assert verdict == expected and len(said) == 1
+    assert ("40 % of what it was then" in said[0]) == (expected == "WARN")
+    assert "40 %" in report.text()

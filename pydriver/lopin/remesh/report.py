@@ -138,9 +138,11 @@ class Report:
     def json(self) -> str:
         """All of it."""
         jumps = {j["part"]: j for j in self.jumps()}
+        told = [asdict(r) | {"force_change": jumps.get(r.part, {}).get("change"),
+                             "force_change_of_largest": jumps.get(r.part, {}).get("of_largest")}
+                for r in self.remeshes]
         return json.dumps({"schema": "lopin-parts/1", "deck": self.name, "parts": self.parts,
-                           "remeshes": [asdict(r) | {"force_change": jumps.get(r.part, {})
-                                                     .get("change")} for r in self.remeshes],
+                           "remeshes": told,
                            "balance": self.balance(),
                            "verdict": self.verdict()[0]}, indent=1)
 
@@ -169,37 +171,42 @@ class Report:
         return float(1.0 - np.prod([1.0 - r.separated for r in self.remeshes]))
 
     def jumps(self) -> list[dict]:
-        """Relative change of the forces of the tools in the increments at rest: part that ended,
-        change, the largest force of the run for scale."""
-        last, found = None, []
+        """Change of the forces of the tools in the increments at rest: part that ended, change by
+        the force then, and by the largest force up to then. Once the load has fallen the second
+        says what the run's load curve has lost; where the load rises the two are the same."""
+        last, largest, found = None, TINY, []
         for number, name in enumerate(self.parts, 1):
             forces = _forces(self.folder/f"{name}_history.csv")
             if forces is None or len(forces) == 0:
                 last = None
                 continue
             if last is not None:
-                change = np.linalg.norm(forces[0] - last)/max(np.linalg.norm(last), TINY)
-                found.append({"part": number - 1, "change": float(change)})
+                change = float(np.linalg.norm(forces[0] - last))
+                found.append({"part": number - 1,
+                              "change": change/max(float(np.linalg.norm(last)), TINY),
+                              "of_largest": change/largest})
             last = forces[-1]
+            largest = max(largest, float(np.linalg.norm(forces, axis=1).max()))
         return found
 
     def verdict(self) -> tuple[str, list[str]]:
         """PASS, WARN or FAIL, and why: what remeshes have changed."""
         said, worst = [], 0
-        for r, jump in ((r, j["change"]) for r in self.remeshes for j in self.jumps()
+        for r, jump in ((r, j) for r in self.remeshes for j in self.jumps()
                         if j["part"] == r.part):
             for what, value, warn, fail in (
                     ("volume", abs(r.moved["volume_change"]), np.inf, 1e-6),
                     ("integral of plastic strain", abs(r.plastic_change), 2e-3, np.inf),
                     ("elastic energy", abs(r.energy_change), 2e-2, np.inf),
-                    ("force of the tools at rest", jump, 1e-2, 5e-2)):
+                    ("force of the tools at rest", jump["of_largest"], 1e-2, 5e-2)):
                 if r.cut:
                     break   # what is taken out takes its force along
                 level = 2 if value > fail else 1 if value > warn else 0
                 worst = max(worst, level)
                 if level:
                     said.append(f"{('', 'WARN', 'FAIL')[level]}: remesh at time {r.time:g} "
-                                f"changes the {what} by {100*value:.2g} %")
+                                f"changes the {what} by {100*value:.2g} %"
+                                + (in_words(jump) if what.startswith("force") else ""))
         gone = self.taken_out()
         if gone > MOST_TAKEN_OUT:
             worst = 2
@@ -216,14 +223,20 @@ class Report:
         """For a terminal."""
         verdict, said = self.verdict()
         cut = {r.part for r in self.remeshes if r.cut}
-        jumps = [j["change"] for j in self.jumps() if j["part"] not in cut]
+        jumps = [j for j in self.jumps() if j["part"] not in cut]
         lines = [*said, f"{len(self.parts)} parts, {len(self.remeshes)} remeshes: {verdict}"]
         if cut:
             lines[-1] = (f"{len(self.parts)} parts, {len(self.remeshes) - len(cut)} remeshes, "
                          f"{len(cut)} separations of {100*self.taken_out():.2g} % of the volume: "
                          f"{verdict}")
         if jumps:
-            lines[-1] += f"; force of the tools at rest changes by {100*max(jumps):.2g} % at most"
+            worst = max(jumps, key=lambda j: j["of_largest"])
+            lines[-1] += (f"; force of the tools at rest changes by {100*worst['of_largest']:.2g} "
+                          f"% at most{in_words(worst)}")
+            small = max(jumps, key=lambda j: j["change"])
+            if small is not worst and small["change"] > 1.5*worst["change"]:
+                lines[-1] += (f"; where the force is small by {100*small['of_largest']:.2g} %"
+                              + in_words(small))
         told = self.balance()
         if told:
             lines.append("volume {volume:.5g}: {left:.5g} left, {scrap:.5g} scrap, {taken_out:.3g} "
@@ -233,6 +246,17 @@ class Report:
         lines.append(f"results in {self.folder}/; {self.name}.pvd and {self.name}_history.csv "
                      "hold all parts")
         return "\n".join(lines)
+
+
+def in_words(jump: dict) -> str:
+    """A change of force beside the largest one, and beside the one there was where they differ.
+
+    >>> in_words({"change": 0.2, "of_largest": 0.01})
+    ' of the largest so far (20 % of what it was then)'
+    """
+    if jump["change"] <= 1.05*jump["of_largest"]:
+        return ""
+    return f" of the largest so far ({100*jump['change']:.2g} % of what it was then)"
 
 
 def _forces(path: Path) -> NDArray | None:
