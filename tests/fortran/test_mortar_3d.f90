@@ -8,7 +8,7 @@ program test_mortar_3d
    use lopin_polygon, only : polygon_type, common_type, common_part
    use lopin_mortar, only : dual_matrix, take_blend
    use lopin_mortar_cells_3d, only : mortar_kernel_type, mortar_sums_type, new_mortar_kernel, &
-      & integrate_overlap
+      & integrate_overlap, area_in_pieces
    use lopin_mortar_slopes_3d, only : slope_sums_type
    use lopin_rigid_motion, only : rotation_matrix
    use check, only : test, close_to, is_true, finish
@@ -186,6 +186,12 @@ contains
             y(:, :4) = corner(:, 4:1:-1)
             call integrate(faces(i), cell_id%quad, x, y, whole)
             call close_to(trim(cell_names(faces(i))), d, whole%d, 1.0e-11_wp)
+            ! Warped and turned: the pieces lie in planes of their own.
+            x = flat_facet(faces(i), .true., 0.2_wp, 0.0_wp)
+            y(3, :4) = -1.0_wp
+            call integrate(faces(i), cell_id%quad, x, y, whole)
+            call close_to('area', [area_in_pieces(kernel, faces(i), &
+               & x(:, :kernel%basis%nnode(faces(i))))], [whole%area], 1.0e-12_wp)
          end do
       end do
    end subroutine parts_of_a_slave_add_up

@@ -10,18 +10,19 @@ module lopin_mortar_cells_3d
    use lopin_cells, only : cell_family
    use lopin_facets, only : facet_rule_type, new_facet_rules
    use lopin_quadrature, only : rule_type, new_rule
-   use lopin_facet_basis, only : facet_basis_type, new_facet_basis, coefficients_of, &
-      & facet_point_of, facet_tangents, ncoefficient
-   use lopin_facet_pieces, only : npiece, piece, ncorner_of_piece, vertex_weights, most_vertex, &
-      & piece_polygons
+   use lopin_facet_basis, only : facet_basis_type, new_facet_basis
+   use lopin_facet_pieces, only : npiece, piece, ncorner_of_piece, vertex_weights, piece_polygons
    use lopin_polygon, only : polygon_type, common_type, common_part, polygon_area
    use lopin_mortar_overlap, only : overlap_type, least_type, meet_point
+   use lopin_mortar_seen_3d, only : seen_facet_type, see_in_plane, go_back, functions, normal_gap, &
+      & master_gap
    use lopin_mortar_slopes_3d, only : plane_type, planar_slopes_type, slope_sums_type, &
       & start_slopes, cell_slopes_type, follow_cell, triangle_type, cell_point_type, &
       & add_point_slopes, lift_slopes
    implicit none
    private
-   public :: mortar_kernel_type, mortar_sums_type, new_mortar_kernel, integrate_overlap
+   public :: mortar_kernel_type, mortar_sums_type, new_mortar_kernel, integrate_overlap, &
+      & area_in_pieces
 
    !> Tables that all pairs share.
    type :: mortar_kernel_type
@@ -30,16 +31,6 @@ module lopin_mortar_cells_3d
       type(facet_rule_type) :: facet_rule(6)   !! by cell id
    end type mortar_kernel_type
 
-   !> A facet as it is seen along the normal of a plane.
-   type :: projected_facet_type
-      integer :: cell = 0                  !! cell id: triangle ... quad8
-      integer :: n = 0                     !! nodes
-      real(wp) :: z(3, most_vertex)        !! place in the plane, height: nodes, and the centre of a
-                                           !! quad8 [length]
-      real(wp) :: c(3, ncoefficient)       !! coefficients of z by monomials
-      real(wp) :: normal(3, 8)             !! (n) of the slave: outward unit normals at its nodes
-   end type projected_facet_type
-
    !> Integrals over what both share, and how they came about.
    type, extends(overlap_type) :: mortar_sums_type
       integer :: ncell = 0                 !! polygons
@@ -47,8 +38,6 @@ module lopin_mortar_cells_3d
       integer :: nlost = 0                 !! points whose way back to a facet was not found
    end type mortar_sums_type
 
-   integer, parameter :: most_iterations = 20
-   real(wp), parameter :: settled = 1.0e-8_wp      !! a Newton step this small is the last
    real(wp), parameter :: sliver = 1.0e-10_wp      !! of the slave's area: left out
    integer, parameter :: order(6) = [1, 2, 1, 2, 2, 3]   !! of the functions of a facet cell
 contains
@@ -64,7 +53,8 @@ contains
       call new_facet_rules(self%facet_rule)
    end subroutine new_mortar_kernel
 
-   !> Integrals over the overlap of one slave and one master facet; with slopes if wanted.
+   !> Integrals over the overlap of one slave and one master facet; with slopes if wanted, and then
+   !> without gaps.
    !>
    !> The functions are those of the whole facets. The gap is n.(x_s - x_m), n against the slave's
    !> outward nodal normals. Facets that do not face each other share nothing.
@@ -78,7 +68,7 @@ contains
       type(slope_sums_type), intent(inout), optional :: slopes
       type(planar_slopes_type) :: planar
       type(plane_type) :: plane
-      type(projected_facet_type) :: own, opposite
+      type(seen_facet_type) :: own, opposite
       integer :: k, m
 
       own%cell = slave
@@ -99,6 +89,37 @@ contains
          if (present(slopes)) call lift_slopes(planar, plane, own%z, opposite%z, slopes)
       end do
    end subroutine integrate_overlap
+
+   !> Area of a facet in the planes of its pieces: what a master that covers it shares with it.
+   pure real(wp) function area_in_pieces(self, cell, x) result(area)
+      type(mortar_kernel_type), intent(in) :: self
+      integer, intent(in) :: cell              !! cell id: triangle ... quad8
+      real(wp), intent(in) :: x(:, :)          !! (3, nodes) outward [length]
+      type(plane_type) :: plane
+      type(seen_facet_type) :: own
+      type(polygon_type) :: part(2)
+      integer :: i, k, n
+
+      own%cell = cell
+      own%n = self%basis%nnode(cell)
+      area = 0.0_wp
+      do k = 1, npiece(cell)
+         call lay_plane(plane, cell, piece(:ncorner_of_piece(cell), k, cell), x)
+         if (.not. plane%area > 0.0_wp) cycle
+         call see_in_plane(plane, self%basis, x, own)
+         call piece_polygons(piece(:ncorner_of_piece(cell), k, cell), own%z(:2, :), 1, &
+            & tolerance_in(plane), part, n)
+         do i = 1, n
+            area = area + polygon_area(part(i)%y(:, :part(i)%n))
+         end do
+      end do
+   end function area_in_pieces
+
+   !> A length that is none, in a plane.
+   pure real(wp) function tolerance_in(plane)
+      type(plane_type), intent(in) :: plane
+      tolerance_in = 1.0e-12_wp*sqrt(plane%area) + 8.0_wp*epsilon(1.0_wp)*maxval(abs(plane%origin))
+   end function tolerance_in
 
    !> The plane of a piece: through the mean of its corners, across its diagonals.
    pure subroutine lay_plane(plane, cell, vertex, x)
@@ -136,26 +157,10 @@ contains
       c = [a(2)*b(3) - a(3)*b(2), a(3)*b(1) - a(1)*b(3), a(1)*b(2) - a(2)*b(1)]
    end function cross
 
-   !> Places in the plane and heights above it: of the nodes, and of the centre of a quad8.
-   pure subroutine see_in_plane(plane, basis, x, facet)
-      type(plane_type), intent(in) :: plane
-      type(facet_basis_type), intent(in) :: basis
-      real(wp), intent(in) :: x(:, :)          !! (3, nodes) [length]
-      type(projected_facet_type), intent(inout) :: facet
-      integer :: i
-
-      facet%z = 0.0_wp
-      do i = 1, size(x, 2)
-         facet%z(:, i) = matmul(x(:, i) - plane%origin, plane%axis)
-      end do
-      facet%z(:, most_vertex) = matmul(facet%z(:, :8), vertex_weights(facet%cell, most_vertex))
-      facet%c = coefficients_of(basis, facet%cell, facet%z(:, :facet%n))
-   end subroutine see_in_plane
-
    !> What one piece of the slave and one of the master share; slopes where `planar` is started.
    pure subroutine integrate_pieces(self, slave, master, number, plane, sums, planar)
       type(mortar_kernel_type), intent(in) :: self
-      type(projected_facet_type), intent(in) :: slave, master
+      type(seen_facet_type), intent(in) :: slave, master
       integer, intent(in) :: number(2)         !! of the piece in the slave, in the master
       type(plane_type), intent(in) :: plane
       type(mortar_sums_type), intent(inout) :: sums
@@ -166,8 +171,7 @@ contains
       real(wp) :: tolerance, own
       integer :: i, j, v, na, nb
 
-      own = sqrt(plane%area)
-      tolerance = 1.0e-12_wp*own + 8.0_wp*epsilon(1.0_wp)*maxval(abs(plane%origin))
+      tolerance = tolerance_in(plane)
       call piece_polygons(piece(:ncorner_of_piece(slave%cell), number(1), slave%cell), &
          & slave%z(:2, :), 1, tolerance, a, na)
       call piece_polygons(piece(:ncorner_of_piece(master%cell), number(2), master%cell), &
@@ -194,7 +198,7 @@ contains
    !> A polygon by triangles about its centre.
    pure subroutine integrate_cell(self, slave, master, plane, c, sums, planar, motion)
       type(mortar_kernel_type), intent(in) :: self
-      type(projected_facet_type), intent(in) :: slave, master
+      type(seen_facet_type), intent(in) :: slave, master
       type(plane_type), intent(in) :: plane
       type(common_type), intent(in) :: c
       type(mortar_sums_type), intent(inout) :: sums
@@ -221,23 +225,25 @@ contains
             point%bary(1) = 1.0_wp - point%bary(2) - point%bary(3)
             y = matmul(triangle%corner, point%bary)
             point%weight = self%rule(which)%weight(g)
-            call go_back(slave%c, y, xi, point%js, found(1))
-            call go_back(master%c, y, eta, point%jm, found(2))
+            call go_back(slave, y, xi, point%js, found(1))
+            call go_back(master, y, eta, point%jm, found(2))
             if (.not. all(found)) then
                sums%nlost = sums%nlost + 1
                cycle
             end if
             call functions(self%basis, slave%cell, xi, point%n)
             call functions(self%basis, master%cell, eta, point%l)
-            gap = normal_gap(slave, master, xi, eta, plane, point%n(:, 0))
-            call add_values(point%weight*triangle%area, gap, slave%n, master%n, point%n(:, 0), &
+            call add_values(point%weight*triangle%area, slave%n, master%n, point%n(:, 0), &
                & point%l(:, 0), sums)
             if (planar%n > 0) then
                call add_point_slopes(planar, motion, triangle, point)
-            else
-               call meet_point(sums%least, master_gap(slave%c, master%c, xi, eta), point%n(:, 0), &
-                  & point%l(:, 0))
+               cycle
             end if
+            gap = normal_gap(slave, master, xi, eta, plane%axis(:, 3), point%n(:, 0))
+            sums%gap(:slave%n) = sums%gap(:slave%n) + point%weight*triangle%area*gap &
+               & *point%n(:slave%n, 0)
+            call meet_point(sums%least, master_gap(slave, master, xi, eta), point%n(:, 0), &
+               & point%l(:, 0))
          end do
       end do
    end subroutine integrate_cell
@@ -245,27 +251,29 @@ contains
    !> The gaps at the corners of a polygon: between flat facets the least is one of them.
    pure subroutine meet_corners(self, slave, master, c, least)
       type(mortar_kernel_type), intent(in) :: self
-      type(projected_facet_type), intent(in) :: slave, master
+      type(seen_facet_type), intent(in) :: slave, master
       type(common_type), intent(in) :: c
       type(least_type), intent(inout) :: least
       real(wp) :: n(8, 0:2), l(8, 0:2), slope(2, 2), xi(2), eta(2)
       logical :: found(2)
       integer :: k
 
+      n = 0.0_wp
+      l = 0.0_wp
       xi = self%basis%centre(:, slave%cell)
       eta = self%basis%centre(:, master%cell)
       do k = 1, c%n
-         call go_back(slave%c, c%y(:, k), xi, slope, found(1))
-         call go_back(master%c, c%y(:, k), eta, slope, found(2))
+         call go_back(slave, c%y(:, k), xi, slope, found(1))
+         call go_back(master, c%y(:, k), eta, slope, found(2))
          if (.not. all(found)) cycle
          call functions(self%basis, slave%cell, xi, n)
          call functions(self%basis, master%cell, eta, l)
-         call meet_point(least, master_gap(slave%c, master%c, xi, eta), n(:, 0), l(:, 0))
+         call meet_point(least, master_gap(slave, master, xi, eta), n(:, 0), l(:, 0))
       end do
    end subroutine meet_corners
 
-   pure subroutine add_values(weight, gap, ns, nm, n, l, sums)
-      real(wp), intent(in) :: weight, gap
+   pure subroutine add_values(weight, ns, nm, n, l, sums)
+      real(wp), intent(in) :: weight
       integer, intent(in) :: ns, nm
       real(wp), intent(in) :: n(8), l(8)
       type(mortar_sums_type), intent(inout) :: sums
@@ -278,123 +286,5 @@ contains
          sums%b(:ns, k) = sums%b(:ns, k) + weight*l(k)*n(:ns)
       end do
       sums%d(:ns) = sums%d(:ns) + weight*n(:ns)
-      sums%gap(:ns) = sums%gap(:ns) + weight*gap*n(:ns)
    end subroutine add_values
-
-   !> n.(x_s - x_m); both points are on one line along the normal of the plane.
-   pure real(wp) function normal_gap(slave, master, xi, eta, plane, n) result(gap)
-      type(projected_facet_type), intent(in) :: slave, master
-      real(wp), intent(in) :: xi(2), eta(2)
-      type(plane_type), intent(in) :: plane
-      real(wp), intent(in) :: n(8)             !! functions of the slave at xi
-      real(wp) :: xs(3), xm(3), own(3), length
-
-      xs = facet_point_of(slave%c, xi)
-      xm = facet_point_of(master%c, eta)
-      own = matmul(slave%normal(:, :slave%n), n(:slave%n))
-      length = norm2(own)
-      gap = xm(3) - xs(3)
-      if (length > 0.0_wp) gap = gap*dot_product(own, plane%axis(:, 3))/length
-   end function normal_gap
-
-   !> The same along the normal of the master: the slave's lean where it turns away.
-   pure real(wp) function master_gap(cs, cm, xi, eta) result(gap)
-      real(wp), intent(in) :: cs(3, ncoefficient), cm(3, ncoefficient), xi(2), eta(2)
-      real(wp) :: xs(3), xm(3), t1(3), t2(3), area(3)
-
-      xs = facet_point_of(cs, xi)
-      xm = facet_point_of(cm, eta)
-      call facet_tangents(cm, eta, t1, t2)
-      area = [t1(2)*t2(3) - t1(3)*t2(2), t1(3)*t2(1) - t1(1)*t2(3), t1(1)*t2(2) - t1(2)*t2(1)]
-      gap = (xm(3) - xs(3))*abs(area(3))/norm2(area)
-   end function master_gap
-
-   !> The reference coordinates of a facet over a place in the plane, by Newton's method.
-   !>
-   !> `slope` is d y/d xi there. The start may lie anywhere in the cell.
-   pure subroutine go_back(c, y, xi, slope, found)
-      real(wp), intent(in) :: c(3, ncoefficient), y(2)
-      real(wp), intent(inout) :: xi(2)
-      real(wp), intent(out) :: slope(2, 2)
-      logical, intent(out) :: found
-      real(wp) :: x(3), t1(3), t2(3), r(2), step(2), det
-      integer :: i
-
-      if (.not. any(abs(c(:2, 5:)) > 0.0_wp)) then
-         call go_back_straight(c(:2, :4), y, xi, slope, found)
-         return
-      end if
-      found = .false.
-      do i = 1, most_iterations
-         x = facet_point_of(c, xi)
-         call facet_tangents(c, xi, t1, t2)
-         slope(:, 1) = t1(:2)
-         slope(:, 2) = t2(:2)
-         if (found) return
-         r = y - x(:2)
-         det = t1(1)*t2(2) - t1(2)*t2(1)
-         if (.not. abs(det) > 0.0_wp) return
-         step = [t2(2)*r(1) - t2(1)*r(2), t1(1)*r(2) - t1(2)*r(1)]/det
-         found = maxval(abs(step)) <= settled
-         xi = xi + step/max(1.0_wp, maxval(abs(step)))
-      end do
-      found = .false.
-   end subroutine go_back
-
-   !> The same where edges are straight: a whole step leaves c4 times the product of its parts.
-   pure subroutine go_back_straight(c, y, xi, slope, found)
-      real(wp), intent(in) :: c(2, 4), y(2)
-      real(wp), intent(inout) :: xi(2)
-      real(wp), intent(out) :: slope(2, 2)
-      logical, intent(out) :: found
-      real(wp) :: r(2), step(2), det, most, bend
-      integer :: i
-
-      found = .false.
-      bend = maxval(abs(c(:, 4)))
-      most = settled**2*maxval(abs(c(:, 2:3)))
-      do i = 1, most_iterations
-         slope(:, 1) = c(:, 2) + xi(2)*c(:, 4)
-         slope(:, 2) = c(:, 3) + xi(1)*c(:, 4)
-         if (found) return
-         r = y - c(:, 1) - xi(1)*slope(:, 1) - xi(2)*c(:, 3)
-         det = slope(1, 1)*slope(2, 2) - slope(2, 1)*slope(1, 2)
-         if (.not. abs(det) > 0.0_wp) return
-         step = [slope(2, 2)*r(1) - slope(1, 2)*r(2), slope(1, 1)*r(2) - slope(2, 1)*r(1)]/det
-         found = bend*abs(step(1)*step(2)) <= most
-         if (.not. found) step = step/max(1.0_wp, maxval(abs(step)))
-         xi = xi + step
-      end do
-      found = .false.
-   end subroutine go_back_straight
-
-   !> Shape functions and their two slopes.
-   pure subroutine functions(basis, cell, xi, n)
-      type(facet_basis_type), intent(in) :: basis
-      integer, intent(in) :: cell
-      real(wp), intent(in) :: xi(2)
-      real(wp), intent(out) :: n(8, 0:2)
-      real(wp) :: m(8, 0:2)
-      integer :: i
-
-      n = 0.0_wp
-      if (basis%nnode(cell) <= 4) then
-         do i = 1, basis%nnode(cell)
-            associate (t => basis%transform(:4, i, cell))
-               n(i, 1) = t(2) + xi(2)*t(4)
-               n(i, 2) = t(3) + xi(1)*t(4)
-               n(i, 0) = t(1) + xi(1)*n(i, 1) + xi(2)*t(3)
-            end associate
-         end do
-         return
-      end if
-      associate (a => xi(1), b => xi(2), o => 0.0_wp)
-         m(:, 0) = [1.0_wp, a, b, a*b, a**2, b**2, a**2*b, a*b**2]
-         m(:, 1) = [o, 1.0_wp, o, b, 2.0_wp*a, o, 2.0_wp*a*b, b**2]
-         m(:, 2) = [o, o, 1.0_wp, a, o, 2.0_wp*b, a**2, 2.0_wp*a*b]
-      end associate
-      do i = 1, basis%nnode(cell)
-         n(i, :) = matmul(basis%transform(:8, i, cell), m)
-      end do
-   end subroutine functions
 end module lopin_mortar_cells_3d

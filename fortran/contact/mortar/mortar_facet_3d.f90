@@ -160,8 +160,8 @@ contains
       type(facet_coupling_type), intent(inout) :: self
       type(integrals_type), intent(in) :: sums
       real(wp) :: l(self%ns, self%ns), inverse(self%ns, self%ns), way(self%ns, self%nm), &
-         & rest(self%ns, self%nm)
-      integer :: j, k, q, status
+         & rest(size(self%d_slope, 1), self%ns)
+      integer :: i, j, k, status
 
       l = sums%me
       call cholesky(l, status)
@@ -172,10 +172,18 @@ contains
          call cholesky_solve(l, inverse(:, k))
       end do
       way = matmul(inverse, self%m)
-      do q = 1, size(self%d_slope, 1)
-         rest = matmul(inverse, self%m_slope(q, :, :) - matmul(sums%me_slope(q, :, :), way))
+      do k = 1, self%nm
+         do i = 1, self%ns
+            rest(:, i) = self%m_slope(:, i, k)
+            do j = 1, self%ns
+               rest(:, i) = rest(:, i) - way(j, k)*sums%me_slope(:, i, j)
+            end do
+         end do
          do j = 1, self%ns
-            self%m_slope(q, j, :) = self%d_slope(q, j)*way(j, :) + self%d(j)*rest(j, :)
+            self%m_slope(:, j, k) = way(j, k)*self%d_slope(:, j)
+            do i = 1, self%ns
+               self%m_slope(:, j, k) = self%m_slope(:, j, k) + (self%d(j)*inverse(j, i))*rest(:, i)
+            end do
          end do
       end do
       do j = 1, self%ns

@@ -1,13 +1,13 @@
 !> All overlaps of two surfaces in space.
 module lopin_mortar_overlaps_3d
    use lopin_kinds, only : wp
-   use lopin_cells, only : cell_id
    use lopin_surface, only : surface_type
    use lopin_search, only : tree_type
    use lopin_box_query, only : facets_in_box
    use lopin_mortar_overlap, only : overlap_list_type, add_overlap, cosine_between, &
       & overlap_limits_type
-   use lopin_mortar_cells_3d, only : mortar_kernel_type, mortar_sums_type, integrate_overlap
+   use lopin_mortar_cells_3d, only : mortar_kernel_type, mortar_sums_type, integrate_overlap, &
+      & area_in_pieces
    implicit none
    private
    public :: find_overlaps_3d
@@ -49,7 +49,7 @@ contains
       list%lost = 0
       do i = 1, slave%facets%n
          call view_facet(facet, slave, normal, x, i)
-         area = seen_area(kernel, slave, facet)
+         area = area_in_pieces(kernel, slave%facets%cell(i), facet%x(:, :facet%n))
          do pass = 1, 2
             far = merge(min(2.0_wp*slave%size(i), limits%reach), limits%reach, pass == 1)
             call overlaps_of_facet(kernel, slave, facet, master, tree, x, &
@@ -88,30 +88,6 @@ contains
       end do
       found%n = kept
    end subroutine drop_deep
-
-   !> Area of a slave facet in the planes of its pieces: its overlap with its own other side.
-   function seen_area(kernel, slave, facet) result(area)
-      type(mortar_kernel_type), intent(in) :: kernel
-      type(surface_type), intent(in) :: slave
-      type(facet_view_type), intent(in) :: facet
-      real(wp) :: area, square(3, 4), centre(3), axis(3), e(3), f(3)
-      type(mortar_sums_type) :: sums
-
-      axis = slave%disc(4:6, facet%number)
-      centre = slave%disc(:3, facet%number)
-      e = 0.0_wp
-      e(minloc(abs(axis), dim=1)) = 1.0_wp
-      e = e - dot_product(e, axis)*axis
-      e = 4.0_wp*slave%disc(7, facet%number)*e/norm2(e)
-      f = [axis(2)*e(3) - axis(3)*e(2), axis(3)*e(1) - axis(1)*e(3), axis(1)*e(2) - axis(2)*e(1)]
-      square(:, 1) = centre + e
-      square(:, 2) = centre - f
-      square(:, 3) = centre - e
-      square(:, 4) = centre + f
-      call integrate_overlap(kernel, slave%facets%cell(facet%number), facet%x(:, :facet%n), &
-         & facet%normal(:, :facet%n), cell_id%quad, square, sums)
-      area = sums%area
-   end function seen_area
 
    !> The masters that share something with one slave facet.
    subroutine overlaps_of_facet(kernel, slave, facet, master, tree, x, limits, found)
