@@ -22,12 +22,13 @@ extern void sgemm_(const char *, const char *, const int *, const int *, const i
 extern void strsm_(const char *, const char *, const char *, const char *, const int *,
                    const int *, const float *, const float *, const int *, float *, const int *);
 extern void spotrf_(const char *, const int *, float *, const int *, int *);
-extern void strsv_(const char *, const char *, const char *, const int *, const float *,
-                   const int *, float *, const int *);
 extern void ssyr_(const char *, const int *, const float *, const float *, const int *, float *,
                   const int *);
 extern void sgemv_(const char *, const int *, const int *, const float *, const float *,
                    const int *, const float *, const int *, const float *, float *, const int *);
+
+extern void lopin_solve_forward(const float *, int, int, const float *, float *);
+extern void lopin_solve_backward(const float *, int, int, const float *, float *);
 
 extern const cholmod_factor *lopin_cholmod_symbolic(void *handle);
 
@@ -41,6 +42,7 @@ typedef struct {
     int *work;                                /* 5 n + nsuper: of a factorisation */
     float *update, *part, *y;                 /* of a factorisation, of a solve */
     float *diagonal;                          /* of the block of a supernode, of a factorisation */
+    float *inverse;                           /* of the pivots, by column of the factor */
     signed char *sign;                        /* of the pivots, by column of the factor */
     int negative;                             /* pivots below zero */
 } single_type;
@@ -50,7 +52,7 @@ void lopin_single_free(void **out)
     single_type *h = *out;
     if (!h) return;
     free(h->x); free(h->place); free(h->scale); free(h->work); free(h->update); free(h->part);
-    free(h->y); free(h->diagonal); free(h->sign); free(h);
+    free(h->y); free(h->diagonal); free(h->inverse); free(h->sign); free(h);
     *out = NULL;
 }
 
@@ -88,9 +90,10 @@ int lopin_single_create(void **out, void *handle, const int *p, const int *i)
     h->part = malloc((L->maxesize + 1) * sizeof(float));
     h->y = malloc((size_t)h->n * sizeof(float));
     h->diagonal = malloc((size_t)h->n * sizeof(float));
+    h->inverse = malloc((size_t)h->n * sizeof(float));
     h->sign = malloc((size_t)h->n);
     if (!h->x || !h->place || !h->scale || !h->work || !h->update || !h->part || !h->y
-        || !h->diagonal || !h->sign) {
+        || !h->diagonal || !h->inverse || !h->sign) {
         lopin_single_free(out);
         return LOPIN_NO_USE;
     }
@@ -287,6 +290,7 @@ int lopin_single_factorise(void *v, const int *p, const int *i, const double *a,
         for (k = 0; k < columns; k++) {
             double l = x[(size_t)k * ((size_t)rows + 1)];
             if (!(l * l >= *ratio)) *ratio = l * l;
+            h->inverse[h->super[s] + k] = (float)(1.0 / l);
         }
         if (below <= 0) continue;
         strsm_("R", "L", "C", "N", &below, &columns, &one, x, &rows, x + columns, &rows);
@@ -320,7 +324,7 @@ void lopin_single_solve(void *v, double *x)
         int below = rows - columns;
         const float *l = h->x + h->px[s];
         float *y = h->y + h->super[s];
-        strsv_("L", "N", "N", &columns, l, &rows, y, &step);
+        lopin_solve_forward(l, columns, rows, h->inverse + h->super[s], y);
         if (below <= 0) continue;
         sgemv_("N", &below, &columns, &one, l + columns, &rows, y, &step, &zero, h->part, &step);
         for (k = 0; k < below; k++) h->y[row[columns + k]] -= h->part[k];
@@ -337,7 +341,7 @@ void lopin_single_solve(void *v, double *x)
             sgemv_("C", &below, &columns, &minus, l + columns, &rows, h->part, &step, &one, y,
                    &step);
         }
-        strsv_("L", "C", "N", &columns, l, &rows, y, &step);
+        lopin_solve_backward(l, columns, rows, h->inverse + h->super[s], y);
     }
     for (k = 0; k < h->n; k++) x[h->perm[k]] = most * h->y[k] * h->scale[h->perm[k]];
 }

@@ -8,7 +8,7 @@ program test_solid_batch
    use lopin_material_memory, only : memory_size, strain_at
    use lopin_element_batch, only : batch_type, kept_type, lanes, most, is_batchable, put_memory
    use lopin_solid_batch, only : evaluate_batch
-   use lopin_batch_end, only : recover_batch, keep_batch
+   use lopin_batch_end, only : keep_batch
    use lopin_batch_kernel, only : compute_batch, compute_stresses, compute_kept
    use lopin_element_input, only : element_input_type
    use lopin_solid_finite_strain, only : finite_strain_stresses, finite_strain_memory
@@ -19,6 +19,7 @@ program test_solid_batch
    real(wp), parameter :: young = 210.0_wp, dt = 0.1_wp
    character(len=*), parameter :: words(4) = ['C3D8 ', 'C3D8R', 'C3D4 ', 'C3D6 ']
    character(len=*), parameter :: wishes(2) = ['    ', 'FULL']
+   integer, parameter :: widths(3) = [2, 4, 8]   ! of vectors; of those the processor has
    type(element_type) :: element
    type(solid_law_type), target :: law
    type(flow_type) :: flow
@@ -111,13 +112,11 @@ contains
       logical :: done
 
       n = element%nnode
-      do way = 1, 4
+      do way = 1, 6
          call test('a batch has the bits of its elements: '//element%word//wishes(j) &
-            & //merge(' tangent', ' force  ', way <= 2))
+            & //merge(' tangent', ' force  ', way <= 3))
          call fill()
-         ! Vectors of two numbers, then those that the processor has.
-         if (mod(way, 2) == 1) call evaluate_batch(element, law, way <= 2, batch, done)
-         if (mod(way, 2) == 0) call compute_batch(element, law, way <= 2, batch, done)
+         call compute_batch(element, law, way <= 3, batch, done, widths(1 + mod(way, 3)))
          call is_true('none is turned', done)
          do lane = 1, lanes
             call element_at(.true., element, law, x(:, :n, lane), u(:, :n, lane), 1.0_wp, &
@@ -125,7 +124,7 @@ contains
             own = batch%force(lane, :, :)
             call is_true('force', all(abs(reshape(own(:, :n), [3*n]) - force) <= 0.0_wp))
             call is_true('energy', abs(batch%energy(lane) - energy) <= 0.0_wp)
-            if (way > 2) cycle
+            if (way > 3) cycle
             block = batch%ke(lane, :, :, :, :)
             full = reshape(block(:, :n, :, :n), [3*n, 3*n])
             do a = 1, 3*n
@@ -147,13 +146,11 @@ contains
       integer :: bad, lane, way
       logical :: done
 
-      do way = 1, 2
+      do way = 1, size(widths)
          call test('a batch keeps the bits of its elements: '//element%word//wishes(j))
          call fill()
-         if (way == 1) call recover_batch(element, law, batch, found, elongation, done)
-         if (way == 2) call compute_stresses(element, law, batch, found, elongation, done)
-         if (way == 1) call keep_batch(element, law, batch, kept, done)
-         if (way == 2) call compute_kept(element, law, batch, kept, done)
+         call compute_stresses(element, law, batch, found, elongation, done, widths(way))
+         call compute_kept(element, law, batch, kept, done, widths(way))
          call is_true('none is turned', done)
          do lane = 1, lanes
             place = x(:, :element%nnode, lane)
