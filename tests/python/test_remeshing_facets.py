@@ -8,8 +8,12 @@ from test_remeshing import history, run
 import lopin
 from lopin import mesh_make
 from lopin.remesh.body import DeckParts, boundary_facets, read_body
+from lopin.remesh.join import join_histories
+from lopin.remesh.part import NewMesh
+from lopin.remesh.plane import corner_quality
 from lopin.remesh.report import Remesh, Report
-from lopin.remesh.space import narrowest_slot
+from lopin.remesh.space import narrowest_slot, volume_inside
+from lopin.remesh.spatial import ENOUGH, KEPT, upright_moves
 
 pytest.importorskip("mmgpy")
 
@@ -131,3 +135,35 @@ def test_a_change_of_force_is_judged_beside_the_largest_so_far(tmp_path, forces,
     assert verdict == expected and len(said) == 1
     assert ("40 % of what it was then" in said[0]) == (expected == "WARN")
     assert "40 %" in report.text()
+
+
+def test_nodes_that_a_tool_would_take_through_thin_metal_go_back_by_halves():
+    """A plate of one cell; a tool that three of its top nodes are to lie on is below its bottom."""
+    plate = mesh_make.simplices(mesh_make.block((4.0, 4.0, 0.5), (4, 4, 1)))
+    x, cells = plate.points, plate.blocks[0][1]
+    facets = boundary_facets([cells], 3)[0]
+    mesh = NewMesh(x, [cells], facets, [frozenset()]*len(facets))
+    wanted, top = x.copy(), np.flatnonzero(x[:, 2] > 0.4)[:3]
+    wanted[top, 2] = -0.1
+    assert corner_quality(wanted, cells).min() < 0.0
+    free = np.ones(len(x), bool)
+    free[top] = False
+    moved, _, back = upright_moves(x, wanted, mesh, free, 8.0)
+    assert back >= 3
+    least = KEPT*np.minimum(corner_quality(x, cells), ENOUGH)
+    assert (corner_quality(moved, cells) >= least).all()
+    assert volume_inside(moved, facets) == pytest.approx(8.0, rel=1e-12)
+    # What turns no cell over stays where it was put, to the bit.
+    wanted[top, 2] = 0.45
+    moved, _, back = upright_moves(x, wanted, mesh, free, 8.0)
+    assert back == 0 and np.array_equal(moved[top], wanted[top])
+
+
+def test_parts_with_other_columns_are_joined_by_their_names(tmp_path):
+    (tmp_path/"a.p001_history.csv").write_text("time [t],energy.plastic [e]\n1.0,2.0\n")
+    (tmp_path/"a.p002_history.csv").write_text("time [t],PAIR.gap [l],energy.plastic [e]\n"
+                                               "2.0,0.5,3.0\n")
+    join_histories(tmp_path, "a", ["a.p001", "a.p002"])
+    head, *rows = (tmp_path/"a_history.csv").read_text().splitlines()
+    assert head == "part [-],time [t],energy.plastic [e],PAIR.gap [l]"
+    assert rows == ["1,1.0,2.0,nan", "2,2.0,5.0,0.5"]

@@ -32,23 +32,25 @@ def join_collections(folder: Path, name: str, parts: list[str]) -> None:
 
 def join_histories(folder: Path, name: str, parts: list[str]) -> None:
     """One history of all parts, with a column for the part; works go on from part to part."""
-    head, rows = [], []
+    head, rows, before = ["part [-]"], [], {}
     for number, part in enumerate(parts, 1):
         path = folder/f"{part}_history.csv"
         if not path.is_file():
             continue
         with reading(path), path.open(newline="") as file:
             first, *body = list(csv.reader(file))
-        before = rows[-1][1:] if rows else None
-        grows = [k for k, word in enumerate(first) if word.partition(" ")[0] in _GROWING]
-        for row in body:
-            for k in grows:
-                row[k] = repr(float(row[k]) + (float(before[k]) if before else 0.0))
-        head = ["part [-]", *first]
-        rows += [[number, *row] for row in body]
+        head += [word for word in first if word not in head]
+        grows = [word for word in first if word.partition(" ")[0] in _GROWING]
+        own = [dict(zip(first, row)) for row in body]
+        for row in own:
+            row[head[0]] = str(number)
+            row |= {word: repr(float(row[word]) + float(before.get(word, 0.0))) for word in grows}
+        rows += own
+        before = rows[-1] if rows else {}
     if rows:
         with whole_file(folder/f"{name}_history.csv") as part, part.open("w", newline="") as file:
-            csv.writer(file, lineterminator="\n").writerows([head, *rows])
+            csv.writer(file, lineterminator="\n").writerows(
+                [head, *([row.get(word, "nan") for word in head] for row in rows)])
 
 
 def join_summaries(folder: Path, name: str, parts: list[str], verdict: str) -> None:

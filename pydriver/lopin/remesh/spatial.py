@@ -4,15 +4,23 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from .body import Body, boundary_facets
+from .body import Body, boundary_facets, refused
 from .card import RemeshCard
 from .part import NewMesh, SkinOrigin
+from .plane import corner_quality
 from .seat import keep_volume, seat
 from .sizes import Sizes, of_curvature, of_fracture, of_gradient
 from .space import closest_on_facets, narrowest_slot, remesh_tetrahedra, volume_inside
 from .state import Snapshot
 from .tools import Tools
 from .transfer import PLASTIC, CellFields
+
+
+#: Share of the quality of its corners that a cell keeps as its nodes are put on the tools, and the
+#: quality from which on it may lose more.
+KEPT, ENOUGH = 0.3, 0.2
+#: How often nodes of a cell that would lose more go back by half of their way; then all of it.
+HALVINGS = 4
 
 
 def remesh_space(body: Body, state: Snapshot, card: RemeshCard, tools: Tools,
@@ -106,12 +114,39 @@ def _seat(body: Body, state: Snapshot, mesh: NewMesh, press: NDArray, sizes: Siz
     free[mesh.facets] = True
     free &= ~done.seated & np.array([len(n) == 0 for n in normals])
     before = volume_inside(state.x, body.facets)
-    moved, way = keep_volume(done.x, free, node_normals(done.x, mesh.facets), before,
-                             lambda p: volume_inside(p, mesh.facets))
+    moved, way, back = upright_moves(x, done.x, mesh, free, before)
     return moved, {"volume": before,
                    "volume_change": volume_inside(moved, mesh.facets)/before - 1.0,
                    "seated": done.farthest, "offset": abs(way),
-                   "nodes_seated": int(done.seated.sum())}
+                   "nodes_seated": int(done.seated.sum()), "nodes_put_back": back}
+
+
+def upright_moves(x: NDArray, seated: NDArray, mesh: NewMesh, free: NDArray, volume: float
+                  ) -> tuple[NDArray, float, int]:
+    """Nodes on the tools and the volume restored, where no cell turns over or is spoilt.
+
+    A cell that would lose more than it may has its nodes go back by halves, to where the mesher
+    had them at last; what they are inside a tool then, contact gives way in the increment at rest.
+    Returns the places, how far the free skin went [length], and how many nodes went back.
+    """
+    cells = mesh.cells[0]
+    least = KEPT*np.minimum(corner_quality(x, cells), ENOUGH)
+    share, free = np.ones(len(x)), free.copy()
+    for k in range(2*HALVINGS + 1):
+        start = x + share[:, None]*(seated - x)
+        moved, way = keep_volume(start, free, node_normals(start, mesh.facets), volume,
+                                 lambda p: volume_inside(p, mesh.facets))
+        spoilt = corner_quality(moved, cells) < least
+        if not spoilt.any():
+            break
+        nodes = np.unique(cells[spoilt])
+        share[nodes] *= 0.5 if k < HALVINGS else 0.0
+        free[nodes] &= k < HALVINGS
+    if (corner_quality(moved, cells) <= 0.0).any():
+        place = moved[cells[np.argmin(corner_quality(moved, cells))]].mean(axis=0)
+        raise refused("a new tetrahedron is turned over at ({})".format(
+            ", ".join(f"{v:.4g}" for v in place)), "a smaller SMALLEST, where metal is thin")
+    return moved, way, int((share < 1.0).sum())
 
 
 def held_planes(body: Body, old: NDArray, mesh: NewMesh, x: NDArray) -> list[NDArray]:
