@@ -176,7 +176,7 @@ def atlas(options) -> int:
         return _atlas_of_deck(options)
     from . import atlas as maps
 
-    charts = [maps.map_of(number) for number in options.map or maps.MAPS]
+    charts = [maps.map_of(number) for number in options.map or maps.possible()]
     if options.cell is not None:
         print(*(maps.again(c, options.cell, options.output, options.small) for c in charts))
         return 0

@@ -10,6 +10,7 @@ import sys
 import time
 from collections import Counter
 from dataclasses import fields
+from importlib.util import find_spec
 from pathlib import Path
 
 import numpy as np
@@ -26,6 +27,7 @@ from .laws import LawMap
 from .mesh import MeshMap
 from .numbers import FlowMap, IncrementMap, RegularisedMap, VolumeMap
 from .penalty import AugmentedMap, PenaltyMap
+from .remeshed import RemeshedCell, RemeshMap
 from .scenes import Frame
 from .sheets import SheetMap
 from .tresca import TrescaMap
@@ -34,8 +36,8 @@ from .wedge import WedgeMap
 
 MAPS = {m.number: m for m in (
     PenaltyMap(), UzawaMap(), AugmentedMap(), FrictionMap(), TrescaMap(), WedgeMap(),
-    IncrementMap(), RegularisedMap(), MeshMap(), FacetMap(), VolumeMap(), FlowMap(), FaceMap(),
-    SheetMap(), LawMap(), FirstMap())}
+    IncrementMap(), RegularisedMap(), MeshMap(), FacetMap(), VolumeMap(), FlowMap(), RemeshMap(),
+    FaceMap(), SheetMap(), LawMap(), FirstMap())}
 #: Classes of cells without an answer, or with a wrong one.
 FAILED = ("F1", "F2", "F3", "F4", "F5", "F6")
 #: Seconds between two writings of a table that grows.
@@ -47,6 +49,18 @@ def map_of(number: int):
     if number not in MAPS:
         raise UsageError(f"no map {number}; maps: {', '.join(map(str, MAPS))}")
     return MAPS[number]
+
+
+def possible() -> list[int]:
+    """Numbers of the maps for which everything is installed; the others are told."""
+    found = []
+    for number, chart in MAPS.items():
+        lacks = [name for name in getattr(chart, "needs", ()) if not find_spec(name)]
+        if lacks:
+            say(f"map {number} is left out: it needs {', '.join(lacks)}")
+        else:
+            found.append(number)
+    return found
 
 
 def places(chart, small: bool = False) -> list[Cell]:
@@ -112,7 +126,8 @@ def read_table(path: Path) -> list[Cell]:
     with path.open(newline="", encoding="utf-8") as file:
         rows = csv.DictReader(file)
         names = rows.fieldnames or ()
-        kind = FaceCell if "drag" in names else FormingCell if "reached" in names else Cell
+        kind = RemeshedCell if "meshes" in names else FaceCell if "drag" in names else \
+            FormingCell if "reached" in names else Cell
         return [kind.read(row) for row in rows]
 
 

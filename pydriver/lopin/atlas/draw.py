@@ -21,6 +21,8 @@ SHADE = {
     "faces": (r"F0: $\log_{10}$ of the larger error, pressure or drag",
               lambda c: np.log10(max(np.nan_to_num(c.drag), c.error, 1e-16)), (-16, -1)),
     "iterations": ("F0: most iterations of an increment", lambda c: c.iterations, (0, 20)),
+    "few": (r"F0: $\log_{10}$ of the error of the force", lambda c: np.log10(max(c.error, 1e-4)),
+            (-3.0, -1.3)),
     "increments": (r"F0: $\log_{10}$ of the increments", lambda c: np.log10(max(c.increments, 1)),
                    (0.0, 2.5)),
     "passes": (r"F0: $\log_{10}$ of the passes", lambda c: np.log10(max(c.iterations, 1)),
