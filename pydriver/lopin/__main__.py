@@ -1,7 +1,7 @@
 """``lopin`` and ``python -m lopin``: one command for the executable and for the Python side.
 
 run, check, info, explain, doc and selftest are the executable's; report, plot, chart, atlas,
-convert, export, example, die, identify and wear are answered here.
+convert, export, example, die, identify, wear and flc are answered here.
 """
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from pathlib import Path
 from .errors import Interrupted, LopinError, ResourceError
 
 PYTHON_COMMANDS = ("report", "plot", "chart", "atlas", "convert", "export", "example",
-                   "die", "identify", "wear")
+                   "die", "identify", "wear", "flc")
 
 
 def main(arguments: list[str] | None = None) -> int:
@@ -121,6 +121,13 @@ def python_command(arguments: list[str]) -> int:
     wear.add_argument("folder", type=Path, help="what a run left, with field output on the way")
     wear.add_argument("--pair", default=None, help="slave surface; default: the first pair")
     wear.add_argument("-o", "--output", type=Path, help="default: <folder>/wear.csv")
+    flc = commands.add_parser("flc", help="strains of a sheet beside a forming limit curve")
+    flc.add_argument("folder", type=Path, help="what the run left")
+    flc.add_argument("--curve", type=Path, help="a line for each point: minor, major strain (true)")
+    flc.add_argument("--normal", type=float, nargs="+", help="of the flat blank; default: the axis "
+                     "along which it is thinnest")
+    flc.add_argument("--axisymmetric", action="store_true", help="the third strain is of the hoop")
+    flc.add_argument("-o", "--output", type=Path, help="default: <folder>/flc.csv")
     example = commands.add_parser("example", help="copy a deck of the collection")
     example.add_argument("name", nargs="?", help="without it: list the names")
     example.add_argument("folder", nargs="?", type=Path, default=Path("."))

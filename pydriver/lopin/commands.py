@@ -315,6 +315,25 @@ def wear(options) -> int:
     return 0
 
 
+def flc(options) -> int:
+    """Strains of a sheet at the end of a run beside a forming limit curve, as a table."""
+    from . import open_result
+    from .forming_limit import read_curve, sheet_strains
+
+    folder = result_folder(options.folder)
+    result = open_result(folder)
+    curve = read_curve(options.curve.read_text()) if options.curve else None
+    shape = result.to_meshio()
+    found = sheet_strains(shape, shape.point_data["U"], curve, normal=options.normal,
+                          axisymmetric=options.axisymmetric)
+    path = options.output or folder/"flc.csv"
+    with whole_file(path) as part:
+        part.write_text(found.lines())
+    print(path)
+    print(found.line())
+    return 0
+
+
 def example(options) -> int:
     """Copy a deck of the collection, or list the names."""
     collection = decks_folder()

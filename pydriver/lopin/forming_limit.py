@@ -1,0 +1,144 @@
+"""Strains of a sheet, and how near they are to a forming limit curve that the user gives.
+
+The strains are those of circles printed on the blank: principal logarithmic strains within the
+plane of the sheet, from the total deformation. The curve says how large the major one may be at
+each minor one; it is measured, for a metal and a thickness, on paths that keep their direction:
+where the path of an element turns, the reading is no proof.
+"""
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from .errors import UsageError
+
+#: Corners of the cells that a sheet may be made of, by the first letters of meshio's names.
+_CORNERS = {"triangle": 3, "quad": 4, "tetra": 4, "wedge": 6, "hexahedron": 8}
+
+
+@dataclass(frozen=True)
+class SheetStrains:
+    """Strains of a sheet, an entry a cell.
+
+    Attributes
+    ----------
+    place : of the middle at the end (cell, ndim)
+    major, minor : principal logarithmic strains in the plane of the sheet
+    limit : major strain that the curve allows there; nan outside its minor strains, or without one
+    """
+
+    place: NDArray
+    major: NDArray
+    minor: NDArray
+    limit: NDArray
+
+    @property
+    def share(self) -> NDArray:
+        """Major strain by its limit: 1 on the curve."""
+        return self.major/self.limit
+
+    def lines(self) -> str:
+        """A table: place, strains, limit."""
+        axes = ",".join("xyz"[:self.place.shape[1]])
+        table = np.column_stack([self.place, self.major, self.minor, self.limit])
+        return "\n".join([f"{axes},major,minor,limit",
+                          *(",".join(repr(float(v)) for v in row) for row in table)]) + "\n"
+
+    def line(self) -> str:
+        """For a terminal."""
+        judged = np.isfinite(self.limit)
+        where = np.nanargmax(self.share) if judged.any() else int(np.argmax(self.major))
+        at = ", ".join(f"{v:.4g}" for v in self.place[where])
+        strains = f"major {self.major[where]:.4g}, minor {self.minor[where]:.4g} at ({at})"
+        if not judged.any():
+            return f"largest strains: {strains}; no element is judged by a curve"
+        beyond = int((self.share[judged] >= 1.0).sum())
+        told = (f"nearest to the limit: {strains}, {100*self.share[where]:.3g} % of "
+                f"{self.limit[where]:.4g}; {beyond} of {judged.sum()} elements are beyond the "
+                "curve")
+        outside = int((~judged).sum())
+        return told + (f"; {outside} have minor strains that it does not reach" if outside else "")
+
+
+def read_curve(text: str) -> NDArray:
+    """Points (minor, major) of a curve: a line each, `#` before remarks; rising minor strains.
+
+    >>> read_curve("# true strains\\n-0.3, 0.6\\n0, 0.3\\n0.3, 0.4\\n").tolist()
+    [[-0.3, 0.6], [0.0, 0.3], [0.3, 0.4]]
+    """
+    rows = [line.split("#")[0].replace(";", ",").split(",") for line in text.splitlines()]
+    rows = [row for row in rows if any(word.strip() for word in row)]
+    try:
+        points = np.array([[float(word) for word in row] for row in rows])
+    except ValueError as problem:
+        raise UsageError(f"the forming limit curve cannot be read: {problem}",
+                         help="a line for each point: minor strain, major strain") from problem
+    if points.ndim != 2 or points.shape[1:] != (2,) or len(points) < 2 or \
+            not (np.diff(points[:, 0]) > 0.0).all() or not (points[:, 1] > 0.0).all():
+        raise UsageError("a forming limit curve has at least two points (minor, major), minor "
+                         "strains that rise and positive major ones")
+    return points
+
+
+def sheet_strains(mesh, displacement: ArrayLike, curve: ArrayLike | None = None, *,
+                  axisymmetric: bool = False, normal: ArrayLike | None = None) -> SheetStrains:
+    """Strains in the plane of a sheet, of all its cells.
+
+    Parameters
+    ----------
+    mesh : as it was, with `points` and `cells` (blocks with `type` and `data`)
+    displacement : of its points (point, ndim)
+    curve : points (minor, major)
+    axisymmetric : the plane is (r, z): the third strain is that of the hoop
+    normal : of the blank before it was formed; default: the direction in which it is thinnest
+    """
+    blocks = [(c.type, np.asarray(c.data)) for c in mesh.cells if _corners(c.type)]
+    flat = all(name.startswith(("triangle", "quad")) for name, _ in blocks)
+    d = 2 if flat else 3
+    x = np.asarray(mesh.points, float)[:, :d]
+    u = np.asarray(displacement, float)[:, :d]
+    if normal is None:
+        used = np.unique(np.concatenate([c.ravel() for _, c in blocks]))
+        normal = np.eye(d)[int(np.argmin(np.ptp(x[used], axis=0)))]
+    unit = np.asarray(normal, float)[:d]/np.linalg.norm(np.asarray(normal, float)[:d])
+    places, strains = [], []
+    for name, cells in blocks:
+        corner = cells[:, :_corners(name)]
+        before, after = x[corner], x[corner] + u[corner]
+        metric = np.zeros((len(cells), 3, 3))
+        f = mean_gradient(before, after)
+        metric[:, :d, :d] = np.swapaxes(f, 1, 2) @ f
+        if flat:
+            hoop = after[:, :, 0].mean(axis=1)/before[:, :, 0].mean(axis=1) if axisymmetric else 1.0
+            metric[:, 2, 2] = hoop**2
+        places.append(after.mean(axis=1))
+        strains.append(0.5*np.log(in_plane(metric, np.r_[unit, np.zeros(3 - d)])))
+    place, strain = np.vstack(places), np.vstack(strains)
+    limit = np.full(len(strain), np.nan)
+    if curve is not None:
+        points = np.asarray(curve, float)
+        limit = np.interp(strain[:, 0], *points.T, left=np.nan, right=np.nan)
+    return SheetStrains(place, strain[:, 1], strain[:, 0], limit)
+
+
+def _corners(name: str) -> int:
+    """Number of corners of a cell; 0 for lines and points."""
+    return next((n for kind, n in _CORNERS.items() if name.startswith(kind)), 0)
+
+
+def mean_gradient(before: NDArray, after: NDArray) -> NDArray:
+    """The deformation of cells (cell, corner, d) by least squares: exact where it is uniform."""
+    a = before - before.mean(axis=1, keepdims=True)
+    b = after - after.mean(axis=1, keepdims=True)
+    return np.swapaxes(np.linalg.solve(np.swapaxes(a, 1, 2) @ a, np.swapaxes(a, 1, 2) @ b), 1, 2)
+
+
+def in_plane(metric: NDArray, normal: NDArray) -> NDArray:
+    """Squares of the stretches of lines across `normal`, the smaller one first (cell, 2).
+
+    `metric`: F^T F (cell, 3, 3).
+    """
+    basis = np.linalg.svd(normal[None])[2][1:]
+    return np.linalg.eigvalsh(basis @ metric @ basis.T)

@@ -1,0 +1,97 @@
+"""Strains of a sheet beside closed forms, and read against a limit curve."""
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+import lopin
+from lopin import mesh_make
+from lopin.__main__ import main
+from lopin.forming_limit import read_curve, sheet_strains
+
+CURVE = "-0.3, 0.6\n0.0, 0.3\n0.3, 0.4\n"
+
+
+def sheet(cells=(4, 4, 1), size=(10.0, 10.0, 0.5)):
+    mesh = mesh_make.block(size, cells)
+    blocks = [SimpleNamespace(type=name, data=nodes) for name, nodes in mesh.blocks]
+    return mesh.points, SimpleNamespace(points=mesh.points, cells=blocks)
+
+
+@pytest.mark.parametrize("turned", [0.0, 0.7])
+def test_stretches_in_the_plane_of_a_sheet(turned):
+    """Stretched by 1.3 and 0.9 along axes that lie askew, sheared through, and turned in space."""
+    x, mesh = sheet()
+    c, s = np.cos(0.4), np.sin(0.4)
+    askew = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
+    f = askew @ np.diag([1.3, 0.9, 1.0/(1.3*0.9)]) @ askew.T
+    f[:2, 2] += [0.2, -0.1]          # what bends over a radius: no strain of the circles
+    c, s = np.cos(turned), np.sin(turned)
+    f = np.array([[1.0, 0.0, 0.0], [0.0, c, -s], [0.0, s, c]]) @ f
+    found = sheet_strains(mesh, x @ f.T - x, read_curve(CURVE))
+    assert found.major == pytest.approx(np.log(1.3), rel=1e-12)
+    assert found.minor == pytest.approx(np.log(0.9), rel=1e-12)
+    limit = 0.3 - np.log(0.9)*(0.6 - 0.3)/0.3
+    assert found.limit == pytest.approx(limit, rel=1e-12)
+    assert found.share == pytest.approx(np.log(1.3)/limit, rel=1e-12)
+    assert "0 of 16 elements are beyond the curve" in found.line()
+
+
+def test_an_axisymmetric_sheet_has_the_hoop_for_a_third():
+    x, mesh = sheet((8, 1), (10.0, 0.5))
+    wide = x*[1.2, 1.0/1.44] - x
+    found = sheet_strains(mesh, wide, axisymmetric=True)
+    assert found.major == pytest.approx(np.log(1.2)) and found.minor == pytest.approx(np.log(1.2))
+    assert sheet_strains(mesh, wide).minor == pytest.approx(0.0, abs=1e-14)
+    assert "no element is judged" in found.line()
+
+
+def test_strains_outside_a_curve_are_not_judged_and_it_says_so():
+    x, mesh = sheet()
+    grown = x*np.r_[np.exp(0.5), np.exp(0.45), 0.4] - x
+    found = sheet_strains(mesh, grown, read_curve(CURVE))
+    assert np.isnan(found.limit).all() and "no element is judged" in found.line()
+    with pytest.raises(lopin.UsageError, match="minor strains that rise"):
+        read_curve("0, 0.3\n-0.3, 0.6\n")
+    with pytest.raises(lopin.UsageError, match="cannot be read"):
+        read_curve("minor, major\n0, 0.3\n")
+
+
+def test_the_command_reads_a_run(core, tmp_path, capsys):
+    """A strip drawn out by a tenth between grips, plane strain: major ln 1.1, minor 0."""
+    (tmp_path/"strip.inp").write_text("""*NODE
+1, 0., 0.
+2, 4., 0.
+3, 4., 1.
+4, 0., 1.
+*ELEMENT, TYPE=CPE4, ELSET=SHEET
+1, 1, 2, 3, 4
+*MATERIAL, NAME=STEEL
+*ELASTIC
+210000., 0.3
+*PLASTIC
+300., 0.
+600., 1.
+*SOLID SECTION, ELSET=SHEET, MATERIAL=STEEL
+*BOUNDARY
+1, 1, 2
+4, 1
+2, 2
+*STEP, NLGEOM
+*STATIC
+0.1, 1.
+*BOUNDARY
+2, 1, 1, 0.4
+3, 1, 1, 0.4
+*END STEP
+""")
+    (tmp_path/"curve.csv").write_text("-0.1, 0.12\n0.1, 0.08\n")
+    assert main(["run", str(tmp_path/"strip.inp"), "-o", str(tmp_path/"out")]) == 0
+    capsys.readouterr()
+    words = ["flc", str(tmp_path/"out"), "--curve", str(tmp_path/"curve.csv")]
+    assert main(words) == 0
+    said = capsys.readouterr().out
+    assert "95.3 % of 0.1" in said and "0 of 1 elements" in said
+    row = (tmp_path/"out"/"flc.csv").read_text().splitlines()[1].split(",")
+    assert float(row[2]) == pytest.approx(np.log(1.1), rel=1e-6)
+    assert float(row[3]) == pytest.approx(0.0, abs=1e-9)
