@@ -1,7 +1,7 @@
 """``lopin`` and ``python -m lopin``: one command for the executable and for the Python side.
 
 run, check, info, explain, doc and selftest are the executable's; report, plot, chart, atlas,
-convert, export, example, die, identify, wear and flc are answered here.
+convert, export, example, die, identify, wear, flc and tracers are answered here.
 """
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from pathlib import Path
 from .errors import Interrupted, LopinError, ResourceError
 
 PYTHON_COMMANDS = ("report", "plot", "chart", "atlas", "convert", "export", "example",
-                   "die", "identify", "wear", "flc")
+                   "die", "identify", "wear", "flc", "tracers")
 
 
 def main(arguments: list[str] | None = None) -> int:
@@ -128,6 +128,11 @@ def python_command(arguments: list[str]) -> int:
                      "along which it is thinnest")
     flc.add_argument("--axisymmetric", action="store_true", help="the third strain is of the hoop")
     flc.add_argument("-o", "--output", type=Path, help="default: <folder>/flc.csv")
+    tracers = commands.add_parser("tracers", help="where points of the metal go, flow lines")
+    tracers.add_argument("folder", type=Path, help="what the run left, with field output")
+    tracers.add_argument("--starts", type=Path, required=True, help="a line for each tracer: its "
+                         "place before the run")
+    tracers.add_argument("-o", "--output", type=Path, help="default: <folder>/tracers.csv")
     example = commands.add_parser("example", help="copy a deck of the collection")
     example.add_argument("name", nargs="?", help="without it: list the names")
     example.add_argument("folder", nargs="?", type=Path, default=Path("."))

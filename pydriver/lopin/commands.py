@@ -334,6 +334,29 @@ def flc(options) -> int:
     return 0
 
 
+def tracers(options) -> int:
+    """Places of material points over the outputs of a run, as a table."""
+    from .tracers import read_starts, tracks
+
+    folder = result_folder(options.folder)
+    found = tracks(folder, joined_name(folder), read_starts(options.starts.read_text()))
+    path = options.output or folder/"tracers.csv"
+    with whole_file(path) as part:
+        part.write_text(found.lines())
+    print(path)
+    print(found.line())
+    return 0
+
+
+def joined_name(folder: Path) -> str:
+    """Of the .pvd of a folder: that of all parts where a run has parts."""
+    names = [p.stem for p in sorted(folder.glob("*.pvd")) if not re.search(r"\.p\d{3}$", p.stem)]
+    if len(names) != 1:
+        raise UsageError(f"'{folder}' has {len(names)} runs with output for ParaView",
+                         help="name the folder of one run, with field output")
+    return names[0]
+
+
 def example(options) -> int:
     """Copy a deck of the collection, or list the names."""
     collection = decks_folder()
