@@ -1,13 +1,13 @@
 !> What is asked of a batch of elements in space where an increment ends: stresses and strains for
 !> output, and what the points keep of a flow. Module solid_finite_strain computes it one by one, in
-!> the same operations: the same bits. Compiled twice, see module batch_kernel.
+!> the same operations: the same bits. Compiled three times, see module batch_kernel.
 module lopin_batch_end
    use lopin_kinds, only : wp
    use lopin_element_type, only : element_type
    use lopin_element_batch, only : batch_type, kept_type, lanes, most
    use lopin_hyperelastic, only : solid_law_type
    use lopin_batch_law, only : law_lanes_type, respond_in_lanes, strain_in_lanes, &
-      & flow_lanes_type, flow_in_lanes
+      & flow_lanes_type, flow_in_lanes, frame_lanes_type, find_frames
    use lopin_solid_batch, only : motion_type, deform, inverse_in_lanes
    implicit none
    private
@@ -25,19 +25,24 @@ contains
       logical, intent(out) :: done             !! no element is turned inside out
       type(motion_type) :: motion
       type(law_lanes_type) :: answer
-      real(wp) :: change(lanes, 3, 3)
+      type(frame_lanes_type) :: frame(most), whole(most)   ! of the elastic part, of all
+      real(wp) :: change(lanes, 3, 3, most)
       integer :: i, k
 
       call deform(element, batch, motion, done)
       if (.not. done) return
       do k = 1, element%ngauss
-         call respond_in_lanes(law, motion%change(:, :, :, k), motion%volume(:, k), &
+         call total_change(motion%h(:, :, :, k), change(:, :, :, k))
+      end do
+      call find_frames(element%ngauss, motion%change, frame)
+      call find_frames(element%ngauss, change, whole)
+      do k = 1, element%ngauss
+         call respond_in_lanes(law, frame(k), motion%volume(:, k), &
             & batch%strain(:, k), batch%offset(:, k), batch%dt, .false., answer)
          do i = 1, 6
             stress(:, i, k) = answer%stress(:, i)/(1.0_wp + motion%volume(:, k))
          end do
-         call total_change(motion%h(:, :, :, k), change)
-         call strain_in_lanes(change, motion%volume(:, k), strain(:, :, k))
+         call strain_in_lanes(whole(k), motion%volume(:, k), strain(:, :, k))
       end do
    end subroutine recover_batch
 
@@ -51,17 +56,19 @@ contains
       logical, intent(out) :: done             !! no element is turned inside out
       type(motion_type) :: motion
       type(flow_lanes_type) :: flow
+      type(frame_lanes_type) :: frame(most)
       real(wp) :: inverse(lanes, 3, 3)
       integer :: k
 
       call deform(element, batch, motion, done)
       if (.not. done) return
+      call find_frames(element%ngauss, motion%change, frame)
       kept%held = 0.0_wp
       do k = 1, element%ngauss
          kept%weight(:, k) = motion%weight(:, k)
          kept%held = kept%held + motion%weight(:, k)*(1.0_wp + motion%own(:, k))
          call inverse_in_lanes(motion%h(:, :, :, k), inverse)
-         call flow_in_lanes(law, motion%change(:, :, :, k), inverse, batch%strain(:, k), &
+         call flow_in_lanes(law, frame(k), inverse, batch%strain(:, k), &
             & batch%dt, flow)
          kept%step(:, k) = flow%step
          kept%stress(:, k) = flow%stress

@@ -2,16 +2,17 @@
 !>
 !> What modules hyperelastic and log_strain compute, in the same operations, with the element as the
 !> fastest index. Principal axes are found by rotations of Jacobi that leave an element alone once
-!> it has them.
+!> it has them: at several points at once, for each rotation waits for the roots of the one before.
 module lopin_batch_law
    use lopin_kinds, only : wp
-   use lopin_element_batch, only : lanes
+   use lopin_element_batch, only : lanes, most
    use lopin_log_strain, only : log_one_plus, exp_minus_one, first_axis, second_axis, series_below
    use lopin_hyperelastic, only : solid_law_type, past_type, answer_of
    use lopin_radial_return, only : return_type
    implicit none
    private
    public :: law_lanes_type, respond_in_lanes, strain_in_lanes, flow_lanes_type, flow_in_lanes
+   public :: frame_lanes_type, find_frames
 
    !> Kirchhoff stress, energy per reference volume, spatial tangent.
    type :: law_lanes_type
@@ -28,11 +29,11 @@ module lopin_batch_law
    end type flow_lanes_type
 
    !> Principal directions and logarithmic strains.
-   type :: frame_type
+   type :: frame_lanes_type
       real(wp) :: axis(lanes, 3, 3)        !! third index: direction
       real(wp) :: change(lanes, 3)         !! b - 1 along each
       real(wp) :: e(lanes, 3)              !! logarithmic strain along each
-   end type frame_type
+   end type frame_lanes_type
 
    !> What the return leaves of the trial deviator.
    type :: return_lanes_type
@@ -40,24 +41,24 @@ module lopin_batch_law
       real(wp) :: deviator(lanes, 3)
    end type return_lanes_type
 
+   integer, parameter :: at_a_time = most/2, together = at_a_time*lanes   !! points; their elements
+
 contains
 
    !> Stress and energy and, if asked for, tangent of a deformation.
-   pure subroutine respond_in_lanes(law, change, volume, strain, offset, dt, with_tangent, answer)
+   pure subroutine respond_in_lanes(law, frame, volume, strain, offset, dt, with_tangent, answer)
       type(solid_law_type), intent(in) :: law
-      real(wp), intent(in) :: change(lanes, 3, 3)   !! b - 1, of the elastic part of a trial
+      type(frame_lanes_type), intent(in) :: frame   !! of the elastic part of a trial
       real(wp), intent(in) :: volume(lanes)         !! J - 1 that counts
       real(wp), intent(in) :: strain(lanes)         !! plastic strain of the accepted state
       real(wp), intent(in) :: offset(lanes)         !! elastic ln J beyond that of the deformation
       real(wp), intent(in) :: dt                    !! [time]
       logical, intent(in) :: with_tangent
       type(law_lanes_type), intent(inout) :: answer
-      type(frame_type) :: frame
       type(return_lanes_type) :: back
       real(wp) :: dilatation(lanes), principal(lanes, 3)
       integer :: k, l
 
-      call find_axes(change, frame)
       do l = 1, lanes
          dilatation(l) = log_one_plus(volume(l)) + offset(l)
       end do
@@ -71,40 +72,36 @@ contains
    end subroutine respond_in_lanes
 
    !> Logarithmic strain of the deformation scaled to a change of volume; engineering shears.
-   pure subroutine strain_in_lanes(change, volume, strain)
-      real(wp), intent(in) :: change(lanes, 3, 3)   !! b - 1
+   pure subroutine strain_in_lanes(frame, volume, strain)
+      type(frame_lanes_type), intent(in) :: frame
       real(wp), intent(in) :: volume(lanes)         !! J - 1
       real(wp), intent(out) :: strain(lanes, 6)
-      type(frame_type) :: frame
-      real(wp) :: shift(lanes)
+      real(wp) :: shift(lanes), e(lanes, 3)
       integer :: k, l
 
-      call find_axes(change, frame)
       do l = 1, lanes
          shift(l) = log_one_plus(volume(l))
       end do
       shift = (shift - (frame%e(:, 1) + frame%e(:, 2) + frame%e(:, 3)))/3.0_wp
       do k = 1, 3
-         frame%e(:, k) = frame%e(:, k) + shift
+         e(:, k) = frame%e(:, k) + shift
       end do
-      call turn_stress(frame%axis, frame%e, strain)
+      call turn_stress(frame%axis, e, strain)
       strain(:, 4:) = 2.0_wp*strain(:, 4:)
    end subroutine strain_in_lanes
 
    !> Plastic flow of a trial deformation.
-   pure subroutine flow_in_lanes(law, change, inverse, strain, dt, flow)
+   pure subroutine flow_in_lanes(law, frame, inverse, strain, dt, flow)
       type(solid_law_type), intent(in) :: law
-      real(wp), intent(in) :: change(lanes, 3, 3)   !! b - 1, of the elastic part of a trial
+      type(frame_lanes_type), intent(in) :: frame   !! of the elastic part of a trial
       real(wp), intent(in) :: inverse(lanes, 3, 3)  !! of F
       real(wp), intent(in) :: strain(lanes)         !! plastic strain of the accepted state
       real(wp), intent(in) :: dt                    !! [time]
       type(flow_lanes_type), intent(out) :: flow
-      type(frame_type) :: frame
       type(return_lanes_type) :: back
       real(wp) :: n(lanes, 3, 3), taken(lanes, 3)
       integer :: i, k, l
 
-      call find_axes(change, frame)
       call return_in_lanes(law, frame, strain, dt, back)
       flow%step = back%step
       flow%stress = back%stress
@@ -126,7 +123,7 @@ contains
    !> The trial deviators and their returns.
    pure subroutine return_in_lanes(law, frame, strain, dt, back)
       type(solid_law_type), intent(in) :: law
-      type(frame_type), intent(in) :: frame
+      type(frame_lanes_type), intent(in) :: frame
       real(wp), intent(in) :: strain(lanes), dt
       type(return_lanes_type), intent(out) :: back
       type(return_type) :: one
@@ -151,81 +148,106 @@ contains
       end do
    end subroutine return_in_lanes
 
-   !> Principal directions of b; directions decoupled from the others stay in place.
-   pure subroutine find_axes(change, frame)
-      real(wp), intent(in) :: change(lanes, 3, 3)
-      type(frame_type), intent(out) :: frame
-      real(wp) :: off(lanes, 3)   ! b off the diagonal, by the direction across its plane
-      logical :: active(lanes), plane(lanes)
-      integer, parameter :: most_sweeps = 20
-      integer :: sweep, k, l
+   !> Principal directions of b at all points of a batch, a few of them at a time.
+   pure subroutine find_frames(npoint, change, frame)
+      integer, intent(in) :: npoint
+      real(wp), intent(in) :: change(lanes, 3, 3, npoint)   !! b - 1
+      type(frame_lanes_type), intent(inout) :: frame(npoint)
+      real(wp), dimension(together, 3) :: b, off   ! off the diagonal by the direction across
+      real(wp) :: n(together, 3, 3)
+      integer :: first, last, at, i, k, l
 
-      frame%axis = 0.0_wp
-      do k = 1, 3
-         frame%axis(:, k, k) = 1.0_wp
-         frame%change(:, k) = change(:, k, k)
+      do first = 1, npoint, at_a_time
+         last = min(first + at_a_time - 1, npoint)
+         do i = first, last
+            at = lanes*(i - first)
+            do k = 1, 3
+               b(at + 1:at + lanes, k) = change(:, k, k, i)
+            end do
+            off(at + 1:at + lanes, 1) = change(:, 2, 3, i)
+            off(at + 1:at + lanes, 2) = change(:, 1, 3, i)
+            off(at + 1:at + lanes, 3) = change(:, 1, 2, i)
+         end do
+         call find_axes(lanes*(last - first + 1), b, off, n)
+         do i = first, last
+            at = lanes*(i - first)
+            do k = 1, 3
+               frame(i)%axis(:, :, k) = n(at + 1:at + lanes, :, k)
+               frame(i)%change(:, k) = b(at + 1:at + lanes, k)
+               do l = 1, lanes
+                  frame(i)%e(l, k) = 0.5_wp*log_one_plus(frame(i)%change(l, k))
+               end do
+            end do
+         end do
       end do
-      off(:, 1) = change(:, 2, 3)
-      off(:, 2) = change(:, 1, 3)
-      off(:, 3) = change(:, 1, 2)
-      plane = .not. abs(off(:, 2)) + abs(off(:, 1)) > 0.0_wp
-      active = .true.
+   end subroutine find_frames
+
+   !> Principal directions and values of b; directions decoupled from the others stay in place.
+   pure subroutine find_axes(m, b, off, n)
+      integer, intent(in) :: m                 !! how many count
+      real(wp), dimension(together, 3), intent(inout) :: b, off
+      real(wp), intent(out) :: n(together, 3, 3)
+      logical :: active(together), plane(together)
+      integer, parameter :: most_sweeps = 20
+      integer :: sweep, k
+
+      n = 0.0_wp
+      do k = 1, 3
+         n(:, k, k) = 1.0_wp
+      end do
+      plane = .false.
+      active = .false.
+      plane(:m) = .not. abs(off(:m, 2)) + abs(off(:m, 1)) > 0.0_wp
+      active(:m) = .true.
       do sweep = 1, most_sweeps
-         active = active .and. abs(off(:, 3)) + abs(off(:, 2)) + abs(off(:, 1)) &
-            & > 0.01_wp*epsilon(1.0_wp)*(abs(frame%change(:, 1)) + abs(frame%change(:, 2)) &
-            & + abs(frame%change(:, 3)))
+         active(:m) = active(:m) .and. abs(off(:m, 3)) + abs(off(:m, 2)) + abs(off(:m, 1)) &
+            & > 0.01_wp*epsilon(1.0_wp)*(abs(b(:m, 1)) + abs(b(:m, 2)) + abs(b(:m, 3)))
          if (sweep == 1) active = active .or. plane
          if (sweep == 2) active = active .and. .not. plane
-         if (.not. any(active)) exit
-         associate (b => frame%change, n => frame%axis)
-            call rotate(active, b(:, 1), b(:, 2), off(:, 3), off(:, 2), off(:, 1), n(:, :, 1), &
-               & n(:, :, 2))
-            call rotate(active, b(:, 1), b(:, 3), off(:, 2), off(:, 3), off(:, 1), n(:, :, 1), &
-               & n(:, :, 3))
-            call rotate(active, b(:, 2), b(:, 3), off(:, 1), off(:, 3), off(:, 2), n(:, :, 2), &
-               & n(:, :, 3))
-         end associate
-      end do
-      do k = 1, 3
-         do l = 1, lanes
-            frame%e(l, k) = 0.5_wp*log_one_plus(frame%change(l, k))
-         end do
+         if (.not. any(active(:m))) exit
+         call rotate(m, active, 1, 2, b, off, n)
+         call rotate(m, active, 1, 3, b, off, n)
+         call rotate(m, active, 2, 3, b, off, n)
       end do
    end subroutine find_axes
 
-   !> One rotation of Jacobi in the plane of two directions p and q, of the elements that want it;
-   !> r is across. Loops without branches, columns apart: these are vector instructions.
-   pure subroutine rotate(active, change_p, change_q, off_r, off_q, off_p, axis_p, axis_q)
-      logical, intent(in) :: active(lanes)
-      real(wp), dimension(lanes), intent(inout) :: change_p, change_q, off_r, off_q, off_p
-      real(wp), dimension(lanes, 3), intent(inout) :: axis_p, axis_q
-      real(wp), dimension(lanes) :: c, s, shear, half, radius, turned
-      real(wp) :: t
-      integer :: i, l
+   !> One rotation of Jacobi in the plane of two directions, of the elements that want it. Loops
+   !> without branches: these are vector instructions.
+   pure subroutine rotate(m, active, p, q, b, off, n)
+      integer, intent(in) :: m, p, q
+      logical, intent(in) :: active(together)
+      real(wp), dimension(together, 3), intent(inout) :: b, off
+      real(wp), intent(inout) :: n(together, 3, 3)
+      real(wp), dimension(together) :: c, s, shear, half, radius
+      real(wp) :: t, turned
+      integer :: i, l, r
 
-      shear = merge(off_r, 0.0_wp, active)
-      off_r = 0.0_wp
-      do l = 1, lanes
-         half(l) = 0.5_wp*(change_q(l) - change_p(l))
+      r = 6 - p - q
+      shear(:m) = merge(off(:m, r), 0.0_wp, active(:m))
+      off(:m, r) = 0.0_wp
+      do l = 1, m
+         half(l) = 0.5_wp*(b(l, q) - b(l, p))
          radius(l) = sqrt(half(l)**2 + shear(l)**2)
       end do
       ! What is too small to have a square is no shear.
-      shear = merge(shear, 0.0_wp, radius > 0.0_wp)
-      radius = merge(radius, 1.0_wp, radius > 0.0_wp)
-      do l = 1, lanes
+      shear(:m) = merge(shear(:m), 0.0_wp, radius(:m) > 0.0_wp)
+      radius(:m) = merge(radius(:m), 1.0_wp, radius(:m) > 0.0_wp)
+      do l = 1, m
          t = shear(l)/(half(l) + sign(radius(l), half(l)))
          c(l) = 1.0_wp/sqrt(1.0_wp + t*t)
          s(l) = t*c(l)
-         change_p(l) = change_p(l) - t*shear(l)
-         change_q(l) = change_q(l) + t*shear(l)
+         b(l, p) = b(l, p) - t*shear(l)
+         b(l, q) = b(l, q) + t*shear(l)
+         turned = off(l, q)
+         off(l, q) = c(l)*turned - s(l)*off(l, p)
+         off(l, p) = s(l)*turned + c(l)*off(l, p)
       end do
-      turned = off_q
-      off_q = c*turned - s*off_p
-      off_p = s*turned + c*off_p
       do i = 1, 3
-         turned = axis_p(:, i)
-         axis_p(:, i) = c*turned - s*axis_q(:, i)
-         axis_q(:, i) = s*turned + c*axis_q(:, i)
+         do l = 1, m
+            turned = n(l, i, p)
+            n(l, i, p) = c(l)*turned - s(l)*n(l, i, q)
+            n(l, i, q) = s(l)*turned + c(l)*n(l, i, q)
+         end do
       end do
    end subroutine rotate
 
@@ -245,7 +267,7 @@ contains
    !> Spatial tangent from the slopes of the principal stresses and the secants of shear.
    pure subroutine find_tangent(bulk, frame, back, principal, tangent)
       real(wp), intent(in) :: bulk                   !! [stress]
-      type(frame_type), intent(in) :: frame
+      type(frame_lanes_type), intent(in) :: frame
       type(return_lanes_type), intent(in) :: back
       real(wp), intent(in) :: principal(lanes, 3)    !! [stress]
       real(wp), intent(out) :: tangent(lanes, 6, 6)

@@ -3,14 +3,14 @@
 !> The element is the fastest index of every array, so that loops over the elements of a batch are
 !> vector instructions. What is computed is that of module solid_finite_strain, operation by
 !> operation: the same bits. A batch in which an element turns inside out is left to that module.
-!> Compiled twice, see module batch_kernel.
+!> Compiled three times, see module batch_kernel.
 module lopin_solid_batch
    use lopin_kinds, only : wp
    use lopin_element_type, only : element_type
    use lopin_element_batch, only : batch_type, lanes, most
    use lopin_dilatation, only : dilatation_count
    use lopin_hyperelastic, only : solid_law_type
-   use lopin_batch_law, only : law_lanes_type, respond_in_lanes
+   use lopin_batch_law, only : law_lanes_type, respond_in_lanes, frame_lanes_type, find_frames
    use lopin_batch_stiffness, only : add_stiffness_in_lanes, add_coupling_in_lanes, &
       & average_in_lanes, velocity_form_in_lanes
    implicit none
@@ -40,14 +40,16 @@ contains
       logical, intent(out) :: done             !! no element is turned inside out
       type(motion_type) :: motion
       type(law_lanes_type) :: answer
+      type(frame_lanes_type) :: frame(most)
       real(wp) :: stress(lanes, 6, most), tangent(lanes, 6, 6, most), shared(lanes, most)
       integer :: k
 
       call deform(element, batch, motion, done)
       if (.not. done) return
+      call find_frames(element%ngauss, motion%change, frame)
       batch%energy = 0.0_wp
       do k = 1, element%ngauss
-         call respond_in_lanes(law, motion%change(:, :, :, k), motion%volume(:, k), &
+         call respond_in_lanes(law, frame(k), motion%volume(:, k), &
             & batch%strain(:, k), batch%offset(:, k), batch%dt, with_tangent, answer)
          stress(:, :, k) = answer%stress
          if (with_tangent) tangent(:, :, :, k) = answer%tangent
