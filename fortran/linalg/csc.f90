@@ -4,6 +4,7 @@
 !> arrays go to CHOLMOD as they are. Indices (`colptr`, `row`) are 0-based, as SuiteSparse wants.
 module lopin_csc
    use lopin_kinds, only : wp, ik
+   use lopin_csc_product, only : multiply_general, multiply_symmetric
    use lopin_sorting, only : sort
    implicit none
    private
@@ -227,19 +228,14 @@ contains
       class(csc_type), intent(in) :: self
       real(wp), intent(in) :: x(:)    !! (n)
       real(wp), intent(out) :: y(:)   !! (n)
-      real(wp) :: above
-      integer :: j, k, i
 
-      y = 0.0_wp
-      do j = 1, self%n
-         above = 0.0_wp
-         do k = self%colptr(j) + 1, self%colptr(j + 1)
-            i = self%row(k) + 1
-            y(i) = y(i) + self%value(k)*x(j)
-            if (i /= j) above = above + self%value(k)*x(i)
-         end do
-         if (self%kind == storage%symmetric_lower) y(j) = y(j) + above
-      end do
+      associate (n => self%n, p => self%colptr, nnz => size(self%row))
+         if (self%kind == storage%symmetric_lower) then
+            call multiply_symmetric(n, p, nnz, self%row, self%value, x, y)
+         else
+            call multiply_general(n, p, nnz, self%row, self%value, x, y)
+         end if
+      end associate
    end subroutine multiply
 
    !> r = b - A x.

@@ -4,7 +4,7 @@ the difference of their forces by mesh and formulation, as a table of Markdown.
     python tests/benchmarks/billet_beside_ccx.py [--cells 3 4 7] [--repeat 3] [--limit 3600]
 
 The deck of billet_in_space.py, once TYPE=NODE TO SURFACE and once TYPE=SURFACE TO SURFACE. The
-programs run in turns, one thread each; of each the least CPU time of its runs counts (CalculiX once
+programs run in turns, one thread each, in an empty folder; of each the least CPU time of its runs counts (CalculiX once
 where it takes more than a minute). The difference is that of the forces over the time, root mean
 square beside that of CalculiX, from where both have ended an increment: on the way to there metal
 begins to flow, and a program that has cut its first increment has points on the elastic line that
@@ -14,6 +14,7 @@ from __future__ import annotations
 
 import argparse
 import resource
+import shutil
 import subprocess
 import tempfile
 from pathlib import Path
@@ -46,6 +47,9 @@ def compare(text: str, repeat: int, limit: float) -> tuple[dict, float, dict]:
             for name, command in commands.items():
                 if name == "ccx" and least.get(name, 0.0) > 60.0:
                     continue
+                for old in folders[name].iterdir():
+                    if old.name != "billet.inp":
+                        shutil.rmtree(old) if old.is_dir() else old.unlink()
                 seconds = run(command, folders[name], limit)
                 least[name] = min(seconds, least.get(name, seconds))
         for name, folder in folders.items():
