@@ -91,6 +91,22 @@ def clearance(die, stl: Path, down: float, x, facets, samples: int = 400):
     return np.linalg.norm(places - foot, axis=1), places
 
 
+def gap_of_nodes(die, above: float, x, facets):
+    """Distance from the nodes of the skin inside the land to the curved wall of the die, and their
+    places. The parting plane of the die lies `above` that of the metal.
+
+    A die is full where these are small; between nodes the chord of a cell of h is off an arc of
+    radius R by h^2/8R besides.
+    """
+    own = x[np.unique(facets)]
+    own = own[die.outline(*own[:, :2].T) < 0.0]
+    step = 1e-4
+    at = die.height(*own[:, :2].T)
+    slope = np.hypot(*((die.height(*(own[:, :2] + d).T) - at)/step
+                       for d in np.eye(2)*step))
+    return np.abs(at + above - own[:, 2])/np.hypot(1.0, slope), own
+
+
 def flash_of(die, x):
     """How far beyond the outline of the cavity the metal of the parting plane reaches: least, most."""
     rim = x[np.abs(x[:, 2]) < 1e-9]

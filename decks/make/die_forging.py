@@ -17,6 +17,7 @@ from lopin import mesh_make
 from lopin.mesh import Mesh, together
 
 OVER = 1.12     #: volume of a piece beside that of the cavity
+FILLED = 1.15   #: the same, of pieces that are to fill their dies
 SPEED = 50.0    #: of a die [mm/s]
 
 
@@ -33,9 +34,9 @@ def sector(length: float, cells: tuple[int, int], whole: bool, tets: bool) -> Me
 
 
 def upset_bar(die: Cross, radius: float, cells: tuple[int, int], whole: bool,
-              tets: bool) -> tuple[Mesh, float]:
+              tets: bool, over: float = OVER) -> tuple[Mesh, float]:
     """A round bar on end, and half its height."""
-    half = OVER*volume(die)/(0.25*np.pi*radius**2)
+    half = over*volume(die)/(0.25*np.pi*radius**2)
     mesh = sector((1.0 + whole)*half, (cells[0], (1 + whole)*cells[1]), whole, tets)
     mesh = mesh.mapped(lambda x: x*[radius, radius, 1.0])
     skin = ("END", "ROUND", "LOW") if whole else ("END", "ROUND")
@@ -43,10 +44,21 @@ def upset_bar(die: Cross, radius: float, cells: tuple[int, int], whole: bool,
     return skinned(mesh, skin, held), half
 
 
-def rolled_bar(die: Rod, cells: tuple[int, int], tets: bool, ends: float = 0.0) -> Mesh:
+def of_volume(mesh: Mesh, wanted: float, across: tuple[int, int]) -> Mesh:
+    """The tetrahedra made wider in two directions: what chords of a coarse mesh lack is there."""
+    corner = mesh.points[mesh.blocks[0][1]]
+    now = np.linalg.det(corner[:, 1:] - corner[:, :1]).sum()/6.0
+    wider = np.ones(3)
+    wider[list(across)] = np.sqrt(wanted/now)
+    return mesh.mapped(lambda x: x*wider)
+
+
+def rolled_bar(die: Rod, cells: tuple[int, int], tets: bool, ends: float = 0.0,
+               more: tuple[float, float] = (1.0, 1.0), over: float = OVER) -> Mesh:
     """A bar along x whose sections are those of the cavity, rounded off along it; y, z >= 0.
 
-    Its ends are round over a length `ends`: flat ones hit the land by their rims.
+    Its ends are round over a length `ends`: flat ones hit the land by their rims. `more`: how much
+    larger than elsewhere the sections at the big and at the small end are meant.
     """
     x = np.linspace(-0.95*die.big[0], die.centres + 0.95*die.small[0], 121)
     y = (np.arange(400) + 0.5)/400*die.box[3]
@@ -54,10 +66,12 @@ def rolled_bar(die: Rod, cells: tuple[int, int], tets: bool, ends: float = 0.0) 
     area = np.where(die.outline(*plan) < 0.0, die.height(*plan), 0.0).sum(axis=1)*die.box[3]/400
     radius = np.sqrt(4.0*np.maximum(area, 20.0)/np.pi)
     radius = np.convolve(np.pad(radius, 10, "edge"), np.full(21, 1.0/21.0), "valid")
+    radius *= np.sqrt(np.interp(x, [0.0, 0.3*die.centres, 0.7*die.centres, die.centres],
+                                [more[0], 1.0, 1.0, more[1]]))
     if ends > 0.0:
         inward = np.minimum(1.0, np.minimum(x - x[0], x[-1] - x)/ends)
         radius *= np.maximum(0.3, np.sqrt(inward*(2.0 - inward)))
-    radius *= np.sqrt(OVER*volume(die)/np.trapezoid(0.25*np.pi*radius**2, x))
+    radius *= np.sqrt(over*volume(die)/np.trapezoid(0.25*np.pi*radius**2, x))
     mesh = sector(x[-1] - x[0], cells, False, tets)
 
     def along(p):
@@ -65,6 +79,7 @@ def rolled_bar(die: Rod, cells: tuple[int, int], tets: bool, ends: float = 0.0) 
         r = np.interp(at, x, radius)
         return np.column_stack([at, r*p[:, 0], r*p[:, 1]])
     mesh = mesh.mapped(along)
+    mesh = of_volume(mesh, over*volume(die), (1, 2)) if over > OVER else mesh
     return skinned(mesh, ("END", "ROUND", "LOW"), ("X", "Y"))
 
 
@@ -89,8 +104,13 @@ def write_dies(folder: Path, name: str, facets: np.ndarray, up: float, whole: bo
 
 
 def forged(mesh: Mesh, comment: str, name: str, dies: list[str], held: list[str], way: float, *,
-           method: str = "DIRECT", mu: float = 0.15, far: float = 60.0, card: str = "") -> str:
-    """A piece of hot steel between dies that come together at SPEED; `card`: how it is meshed anew."""
+           method: str = "DIRECT", friction: str = "0.15", far: float = 60.0,
+           card: str = "") -> str:
+    """A piece of hot steel between dies that come together at SPEED; `card`: how it is meshed anew.
+
+    `friction`: a coefficient, or a law and its number as "TRESCA 0.3".
+    """
+    *law, number = friction.split()
     tools = ""
     for k, die in enumerate(dies):
         tools += f"""*NODE, NSET={die}_REF
@@ -109,8 +129,8 @@ def forged(mesh: Mesh, comment: str, name: str, dies: list[str], held: list[str]
 *SOLID SECTION, ELSET=BILLET, MATERIAL=HOT
 {tools}*SURFACE INTERACTION, NAME=GRAPHITE
 *SURFACE BEHAVIOR, {method}
-*FRICTION
-{mu:g},
+*FRICTION{"".join(f", LAW={word}" for word in law)}
+{number},
 {pairs}*BOUNDARY
 {"".join(line + chr(10) for line in held)}{fixed}{card}*STEP, NAME=FORGE, NLGEOM, INC=1000
 *STATIC
@@ -152,7 +172,7 @@ other meshes, dies of other triangles: docs/forming.md, section 8.
 expect: certificate.verdict = PASS
 expect: history.UPPER.rf3 = -29.3e3 +- 2 %
 expect: history.BILLET.SKIN-UPPER.max_penetration < 1e-9
-""", "cross", dies, held, way, method=method, mu=mu)
+""", "cross", dies, held, way, method=method, friction=f"{mu:g}")
 
 
 def rod(folder: Path = FOLDER, cells: tuple[int, int] = (4, 40), way: float = 3.5, *,
@@ -165,15 +185,16 @@ def rod(folder: Path = FOLDER, cells: tuple[int, int] = (4, 40), way: float = 3.
     up = float((z - die.height(x, y)).max())
     dies = write_dies(folder, "rod", triangles(die, size, deviation, seed), up + deviation, False)
     return forged(mesh, "A rolled bar between dies of a connecting rod.", "rod", dies,
-                  ["BILLET.X, 2", "BILLET.Y, 3"], way, method=method, mu=mu)
+                  ["BILLET.X, 2", "BILLET.Y, 3"], way, method=method, friction=f"{mu:g}")
 
 
 def full_cross(folder: Path, fine: float = 1.0, cells: tuple[int, int] = (4, 10),
-               way: float = 20.8, *, deviation: float = 0.1, method: str = "DIRECT", mu: float = 0.15,
-               seed: int | None = None) -> str:
+               way: float | None = None, *, deviation: float = 0.1, method: str = "DIRECT",
+               friction: str = "0.15", over: float = FILLED, seed: int | None = None) -> str:
     """The cross to the full die, its mesh made anew; cells on the dies of `fine` mm."""
     die, radius = Cross(), 13.0
-    mesh, half = upset_bar(die, radius, cells, False, True)
+    mesh, half = upset_bar(die, radius, cells, False, True, over)
+    mesh = of_volume(mesh, over*volume(die), (0, 1))
     angle, r = np.meshgrid(np.linspace(0.0, 0.5*np.pi, 41), np.linspace(0.0, radius, 41))
     up = half - float(die.height(r*np.cos(angle), r*np.sin(angle)).min()) + deviation
     dies = write_dies(folder, "cross", triangles(die, 0.0, deviation, seed), up, False)
@@ -182,17 +203,19 @@ A bar on end is forged into a cardan cross, to the full die: an eighth, its mesh
 
 Bar of {2.0*radius:g} mm across; the flash is {2.0*die.gap:g} mm thick at a stroke of {up:.2f} mm. Cells on the dies
 down to {fine:g} mm. Shapes: decks/make/die_shapes.py; what it gives: docs/forming.md, section 9.
-""", "cross", dies, ["BILLET.X, 1", "BILLET.Y, 2", "BILLET.LOW, 3"], way, method=method, mu=mu,
+""", "cross", dies, ["BILLET.X, 1", "BILLET.Y, 2", "BILLET.LOW, 3"],
+                  way or up, method=method, friction=friction,
                   card=f"*REMESH, ELSET=BILLET, SIZE={3.5*fine:g}, SMALLEST={fine:g}, "
                        f"HAUSDORFF={0.08*fine:g}, STRAIN=0.8\n")
 
 
 def full_rod(folder: Path, fine: float = 1.8, cells: tuple[int, int] = (4, 40),
-             ends: float = 10.0, *, deviation: float = 0.1, method: str = "DIRECT", mu: float = 0.15,
-             seed: int | None = None) -> str:
+             ends: float = 10.0, way: float | None = None, *, deviation: float = 0.1,
+             method: str = "DIRECT", friction: str = "0.15", over: float = OVER,
+             more: tuple[float, float] = (1.0, 1.0), seed: int | None = None) -> str:
     """The connecting rod to the full die, its mesh made anew; cells on the dies of `fine` mm."""
     die = Rod()
-    mesh = rolled_bar(die, cells, True, ends)
+    mesh = rolled_bar(die, cells, True, ends, more, over)
     x, y, z = mesh.points.T
     up = float((z - die.height(x, y)).max()) + deviation
     dies = write_dies(folder, "rod", triangles(die, 0.0, deviation, seed), up, False)
@@ -201,14 +224,15 @@ A rolled bar is forged into a connecting rod, to the full die: a quarter, its me
 
 Stroke of a die {up:.2f} mm, to a flash of {2.0*die.gap:g} mm. Cells on the dies down to {fine:g} mm.
 Shapes: decks/make/die_shapes.py; what it gives: docs/forming.md, section 9.
-""", "rod", dies, ["BILLET.X, 2", "BILLET.Y, 3"], up, method=method, mu=mu,
+""", "rod", dies, ["BILLET.X, 2", "BILLET.Y, 3"], way or up, method=method, friction=friction,
                   card=f"*REMESH, ELSET=BILLET, SIZE={3.5*fine:g}, SMALLEST={fine:g}, "
                        f"HAUSDORFF={0.08*fine:g}, STRAIN=0.8\n")
 
 
 SCENES = {f.__name__: f for f in (cross, rod)}
-#: Runs of minutes, by `python decks/make/die_forging.py full_cross FOLDER`, then `lopin run`; what
-#: die_filling.py wants to know: die, name of its file, speed, signs of the copies by symmetry.
+#: Runs of minutes, by `python decks/make/die_forging.py full_cross FOLDER` (and fine=1.4,
+#: friction="TRESCA 0.3", method=PENALTY, deviation=0.05), then `lopin run`; what die_filling.py
+#: wants to know: die, name of its file, speed, signs of the copies by symmetry.
 FULL = {"full_cross": (Cross(), "cross", SPEED,
                        [(a, b, c) for a in (1, -1) for b in (1, -1) for c in (1, -1)]),
         "full_rod": (Rod(), "rod", SPEED, [(1, b, c) for b in (1, -1) for c in (1, -1)])}
@@ -218,7 +242,9 @@ if __name__ == "__main__":
     if sys.argv[1] in FULL:
         where = Path(sys.argv[2])
         where.mkdir(parents=True, exist_ok=True)
-        (where/f"{sys.argv[1]}.inp").write_text(globals()[sys.argv[1]](where))
+        given = dict(word.split("=") for word in sys.argv[3:])
+        given |= {k: float(given[k]) for k in ("fine", "deviation") if k in given}
+        (where/f"{sys.argv[1]}.inp").write_text(globals()[sys.argv[1]](where, **given))
     else:
         for scene in sys.argv[1:]:
             print(SCENES[scene](), end="")
