@@ -151,6 +151,12 @@ contains
          & 'path does not lead to. Increments that may be cut are; E0504 ends the run where '// &
          & 'the path itself folds the mesh.', &
          & 'smaller increments on *STATIC.')
+      call add_explanation(list, 'E0516', 'a balance with more energy than it was given', &
+         & 'Forces are in equilibrium, but the bodies store and dissipate well more than '// &
+         & 'the work that loads, supports and tools can have done in the increment: Newton has '// &
+         & 'leapt to an equilibrium that the path does not lead to, as a crease in a free '// &
+         & 'surface. Increments that may be cut are; where they may not, W0530 tells it.', &
+         & 'smaller increments on *STATIC; a finer mesh where the surface creases.')
       call add_explanation(list, 'E0515', 'a first increment that flows too far', &
          & 'Without a first datum on *STATIC the whole step is tried as one increment. Where '// &
          & 'the first steps of Newton make the metal flow by more than five times the strain '// &

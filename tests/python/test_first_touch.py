@@ -1,6 +1,16 @@
 """A gap that closes and a shear in one increment: what is moved before the touch is no slip."""
+from math import cos, sin
+
+import numpy as np
 import pytest
+
+import lopin
+from lopin.charts.cases import with_elements
+from lopin.laws import Elastic
+from lopin.mesh import make as mesh_make
+from lopin.profile import arc, start
 from pressed_block import block, step
+
 
 ROUND = ("START, 11., {top}\nCIRCL, 5., {y}, 5., {top}\nCIRCL, -1., {top}, 5., {top}")
 
@@ -47,3 +57,54 @@ def test_other_elements_and_the_other_side(solve):
     assert force(solve, 1, word="CPS4")[0] == pytest.approx(force(solve, 9, word="CPS4")[0],
                                                             rel=1e-6)
     assert force(solve, 1, along=-1.0)[0] == pytest.approx(-28.9732, rel=2e-5)
+
+
+def chords(radius):
+    """A profile of chords of 11 degrees."""
+    corners = [(radius*sin(a) - 1.0, radius*(1.0 - cos(a))) for a in np.linspace(0.7, -0.7, 8)]
+    profile = start(*corners[0])
+    for corner in corners[1:]:
+        profile = profile.line_to(*corner)
+    return profile
+
+
+def drawn(word, mu, facets, radius=2.0, depth=0.03, rise=0.0, tool="arc", fixed=False):
+    """A round tool pressed on an elastic slab of facets 0.25 and drawn along it by 2."""
+    model = lopin.Model("draw", mesh_make.block((6.0, 1.5), (24, 6), origin=(-3.0, -1.5)))
+    model.section("ALL", Elastic(1000.0, 0.3))
+    profile = arc((-1.0, radius), radius, 220.0, 320.0) if tool == "arc" else chords(radius)
+    die = model.rigid_tool("DIE", profile, ref=(-1.0, 0.0))
+    model.contact("TOP", die, friction=mu)
+    model.fix("BOTTOM", "x", "y")
+    model.step(4, nlgeom=True).move(die, y=-depth)
+    model.step(max(1, round(8/facets)), nlgeom=True, fixed=fixed).move(die, x=2.0, y=rise - depth)
+    return lopin.run(with_elements(model.to_deck(), word))
+
+
+def drag(result):
+    return np.array([result.history[f"DIE.rf{k}"][-1] for k in (1, 2)])
+
+
+@pytest.mark.parametrize("word", ["CPE4", "CPE8R"])
+@pytest.mark.parametrize("mu, radius, depth, rise, tool", [
+    (0.1, 2.0, 0.03, 0.0, "arc"), (0.1, 2.0, 0.03, 0.02, "arc"), (0.4, 1.0, 0.05, 0.0, "arc"),
+    (0.1, 2.0, 0.03, 0.0, "polygon"), (0.4, 6.0, 0.025, 0.015, "arc")])
+def test_what_a_round_tool_passes_over_in_an_increment_slips(word, mu, radius, depth, rise, tool):
+    """Its gap closes and opens again on the way: slip counts from where the point was met."""
+    scene = radius, depth, rise, tool
+    right = drag(drawn(word, mu, 0.125, *scene))
+    limit = 0.02*max(abs(right))
+    for facets in (1.5, 3.0, 8.0):
+        assert drag(drawn(word, mu, facets, *scene)) == pytest.approx(right, abs=limit)
+
+
+def test_a_balance_with_more_energy_than_it_was_given_is_refused():
+    """A crease of the free surface in which an element collapses: found by Newton in increments of
+    two facets and more, on no path. It is cut; where that is forbidden, it is told."""
+    right = drag(drawn("CPE8R", 0.1, 0.125))
+    free, kept = drawn("CPE8R", 0.1, 8.0), drawn("CPE8R", 0.1, 2.0, fixed=True)
+    assert drag(free) == pytest.approx(right, rel=1e-3) and not free.warnings
+    energy = free.summary["energy"]
+    assert abs(energy["lost"]) < 0.01*energy["external"]
+    if abs(drag(kept) - right).max() > 0.02*abs(right).max():
+        assert any(said.startswith("W0530") for said in kept.warnings)

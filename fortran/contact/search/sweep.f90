@@ -8,7 +8,7 @@ module lopin_sweep
    use lopin_kinds, only : wp
    implicit none
    private
-   public :: sweep_type, new_sweep, next_share, take_gap, least_way
+   public :: sweep_type, new_sweep, next_share, take_gap, least_way, most_turn
 
    !> Facets that a point moves in any case, that it may go unasked, and of depth that are too much.
    real(wp), parameter :: least_way = 0.5_wp, unasked = 0.25_wp, deep = 0.5_wp, shallow = 0.01_wp

@@ -6,7 +6,7 @@ module lopin_contact_row
    use lopin_enforcement, only : enforcement_type
    implicit none
    private
-   public :: slip_space_type
+   public :: slip_space_type, take_corner
    public :: enforcement_parameters_type, point_law_type, row_type, point_state_type, contact_status
 
    type :: statuses
@@ -98,4 +98,28 @@ module lopin_contact_row
       real(wp) :: weight = 0.0_wp              !! of a mortar row [area]
       real(wp), allocatable :: force(:)        !! on the first nu dofs of the local matrix [force]
    end type point_state_type
+
+   !> Normals that lean so far out of what is taken from a point can be followed there.
+   real(wp), parameter :: leans = 1.0e-3_wp
+
+contains
+
+   !> The directions that supports and the other wall take from a point.
+   pure subroutine take_corner(self, normal, other)
+      type(slip_space_type), intent(inout) :: self
+      real(wp), intent(in) :: normal(3), other(3)
+      real(wp) :: taken(3, 3), more(3), left(3)
+
+      taken = 0.0_wp
+      if (self%supported) taken = self%support
+      more = other - matmul(taken, other)
+      if (norm2(more) > leans) then
+         more = more/norm2(more)
+         taken = taken + spread(more, 2, 3)*spread(more, 1, 3)
+      end if
+      left = normal - matmul(taken, normal)
+      if (.not. norm2(left) > leans) return
+      self%limited = .true.
+      self%taken = taken
+   end subroutine take_corner
 end module lopin_contact_row

@@ -11,7 +11,7 @@ module lopin_contact_evaluation
    use lopin_nonlinear_faces, only : find_inner_feet
    use lopin_nonlinear_samples, only : find_sample_feet, row_value
    use lopin_friction, only : has_friction
-   use lopin_contact_row, only : slip_space_type, point_state_type, point_law_type
+   use lopin_contact_row, only : take_corner, point_state_type, point_law_type
    use lopin_contact_inputs, only : point_view_type
    use lopin_contact_element, only : evaluate_point
    use lopin_mortar_element, only : evaluate_mortar_point
@@ -20,12 +20,10 @@ module lopin_contact_evaluation
    use lopin_slip_increment, only : condition_at, speed_of
    use lopin_slave_areas, only : find_growth, find_growth_slopes
    use lopin_touch_onset, only : may_touch, note_approach
+   use lopin_touch_path, only : find_gap_path
    implicit none
    private
    public :: evaluate_contact
-
-   !> Normals that lean so far out of what is taken from a point can be followed there.
-   real(wp), parameter :: leans = 1.0e-3_wp
 
 contains
 
@@ -143,25 +141,6 @@ contains
       end associate
    end subroutine find_pressing
 
-   !> The directions that supports and the other wall take from a point.
-   pure subroutine take_corner(self, normal, other)
-      type(slip_space_type), intent(inout) :: self
-      real(wp), intent(in) :: normal(3), other(3)
-      real(wp) :: taken(3, 3), more(3), left(3)
-
-      taken = 0.0_wp
-      if (self%supported) taken = self%support
-      more = other - matmul(taken, other)
-      if (norm2(more) > leans) then
-         more = more/norm2(more)
-         taken = taken + spread(more, 2, 3)*spread(more, 1, 3)
-      end if
-      left = normal - matmul(taken, normal)
-      if (.not. norm2(left) > leans) return
-      self%limited = .true.
-      self%taken = taken
-   end subroutine take_corner
-
    !> The multiplier of a point, and what is added to its gap.
    subroutine begin_point(self, model, i, multiplier, law)
       type(nonlinear_contact_type), intent(inout) :: self
@@ -234,6 +213,8 @@ contains
       integer :: i
 
       call forget_bounds(self)
+      if (self%noted > 0.0_wp) call find_gap_path(self, model, u, error)
+      if (allocated(error)) return
       call move_masters(self%masters, model, self%dofs, self%nonlinear_points_type, u, .false., &
          & self%cost, error)
       if (allocated(error)) return

@@ -69,6 +69,7 @@ contains
          call find_inner_feet(self%opposite, self%masters, self%nonlinear_points_type, model, &
             & self%start_x)
       end if
+      self%start_u = u
       call start_approach(self)
       call assign_roles(self, model, accepted)
    end subroutine start_increment

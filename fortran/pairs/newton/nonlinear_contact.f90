@@ -20,6 +20,7 @@ module lopin_nonlinear_contact
    use lopin_facet_hysteresis, only : new_facet_hysteresis
    use lopin_skins, only : new_skins
    use lopin_local_matrix, only : local_matrix_type
+   use lopin_gap_path, only : gap_path_type
    use lopin_mortar_node_2d, only : patch_type
    use lopin_initial_gaps, only : is_moved
    use lopin_mortar_element, only : present_mortar_type, mortar_anchor_type, new_present_mortar
@@ -78,6 +79,8 @@ module lopin_nonlinear_contact
       real(wp), allocatable :: start_gap(:)    !! (n) there; huge: nothing opposite [length]
       real(wp), allocatable :: start_row(:)    !! (n) there, rows with points in facets [length]
       real(wp), allocatable :: start_x(:, :)   !! (ndim, nnode) places then, if needed [length]
+      real(wp), allocatable :: start_u(:)      !! (ndof) displacements then [length]
+      type(gap_path_type) :: path              !! of the increment, where points go far
       real(wp), allocatable :: touch(:)        !! (n) share of the increment before it touched [-]
       real(wp) :: noted = 0.0_wp   !! > 0: the next evaluation stands this share of the way from the
                                    !! start to where the increment leads before contacts close

@@ -8,6 +8,7 @@ module lopin_touch_onset
    use lopin_kinds, only : wp
    use lopin_friction, only : has_friction
    use lopin_nonlinear_samples, only : row_value
+   use lopin_gap_path, only : meet
    use lopin_nonlinear_faces, only : start_gap_of
    use lopin_nonlinear_contact, only : nonlinear_contact_type
    implicit none
@@ -54,18 +55,19 @@ contains
       integer, intent(in) :: i
       real(wp), intent(in) :: shift            !! added to the gap [length]
       logical, intent(out) :: changes
-      real(wp) :: open, approach, phi, arm(3)
+      real(wp) :: open, approach, phi, left, arm(3)
 
       associate (t => self%trial(i))
          open = row_start(self, i) + shift
          approach = (open - (t%gap + shift))/self%noted
          phi = 0.0_wp
-         if (open > 0.0_wp .and. approach > 0.0_wp) phi = min(open/approach, 1.0_wp)
+         left = open
+         if (open > 0.0_wp) call meet(self%path, i, open, approach, phi, left)
          self%touch(i) = phi
          ! What the kernels call slip is counted from the foot: it holds the arm to it.
          arm = self%start_gap(i)*self%start_normal(:, i)
          self%enforcement(i)%approach = arm + phi/self%noted*(t%slip - (arm - dot_product(arm, &
-            & t%normal)*t%normal)) - phi*approach*t%normal
+            & t%normal)*t%normal)) - (open - left)*t%normal
       end associate
       changes = any(abs(self%enforcement(i)%approach) > 0.0_wp)
    end subroutine note_approach

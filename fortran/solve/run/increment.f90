@@ -41,6 +41,7 @@ module lopin_increment
    use lopin_refuse_passage, only : refuse_passage
    use lopin_refuse_free_motion, only : refuse_free_motion
    use lopin_refuse_turn, only : refuse_turn
+   use lopin_refuse_leap, only : refuse_leap
    use lopin_touch_order, only : check_touch_order
    use lopin_small_displacements, only : pair_that_slid
    use lopin_tell_watcher, only : tell_of_plan, tell_of_increment
@@ -71,6 +72,8 @@ contains
       call start_solver(run%scene)
       call find_trial(run, model, recorders, forces, error)
       if (.not. allocated(error)) call measure_trial(run, model, forces, error)
+      if (.not. allocated(error)) call refuse_leap(run%scene, model, forces, run%watch%balance, &
+         & run%frame%energy, error)
       if (allocated(error)) return
       associate (scene => run%scene, watch => run%watch, frame => run%frame)
          call add_work(scene, forces, watch%balance, frame)

@@ -88,7 +88,6 @@ class IncrementMap(NumberMap):
     title = "Map 7: increments of an arc that is drawn along a slab; beside increments of h/10"
     labels = ("increment / facet", r"$\mu$")
     panels = ("CPE4", "CPE4I", "CPE8R", "CPE4, facets")
-    published = False
     SIZE, WAY, DEPTH, RADIUS = 0.25, 2.0, 0.03, 2.0
 
     def grid(self, panel: str, small: bool) -> tuple[NDArray, NDArray]:
