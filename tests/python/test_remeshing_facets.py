@@ -13,7 +13,7 @@ from lopin.remesh.part import NewMesh
 from lopin.remesh.plane import corner_quality
 from lopin.remesh.report import Remesh, Report
 from lopin.remesh.space import narrowest_slot, volume_inside
-from lopin.remesh.spatial import ENOUGH, KEPT, upright_moves
+from lopin.remesh.spatial import ENOUGH, KEPT, references_of_facets, upright_moves
 
 pytest.importorskip("mmgpy")
 
@@ -167,3 +167,9 @@ def test_parts_with_other_columns_are_joined_by_their_names(tmp_path):
     head, *rows = (tmp_path/"a_history.csv").read_text().splitlines()
     assert head == "part [-],time [t],energy.plastic [e],PAIR.gap [l]"
     assert rows == ["1,1.0,2.0,nan", "2,2.0,5.0,0.5"]
+
+
+def test_facets_keep_the_references_that_the_mesher_tells():
+    facets = np.array([[3, 1, 2], [0, 1, 2], [4, 5, 6]])
+    told, of = np.array([[2, 1, 0], [1, 2, 3]]), np.array([7, 9])
+    assert references_of_facets(facets, told, of).tolist() == [9, 7, -1]

@@ -29,19 +29,23 @@ def remesh_space(body: Body, state: Snapshot, card: RemeshCard, tools: Tools,
     sizes = _sizes(body, state, card, tools, fields)
     pressed = tools.pressed(body, state)
     marks, reference = references(body, state.x, pressed)
-    x, cells, _, _ = remesh_tetrahedra(state.x, body.cells[0], body.facets, reference,
+    x, cells, told, of = remesh_tetrahedra(state.x, body.cells[0], body.facets, reference,
                                        sizes(state.x), (card.smallest, card.size, card.hausdorff),
                                        card.growth)
     used = np.unique(cells)
     x, cells = x[used], np.searchsorted(used, cells)
     facets, _ = boundary_facets([cells], 3)
-    facet, _ = closest_on_facets(x[facets].mean(axis=1), state.x, body.facets)
-    tags = [marks[reference[k]][0] for k in facet]
+    number = references_of_facets(facets, np.searchsorted(used, told), of)
+    lost = np.flatnonzero(number < 0)
+    if len(lost):
+        facet, _ = closest_on_facets(x[facets[lost]].mean(axis=1), state.x, body.facets)
+        number[lost] = reference[facet]
+    tags = [marks[k][0] for k in number]
     skin = np.unique(facets)
     near, share = closest_on_facets(x[skin], state.x, body.facets)
     origin = SkinOrigin(skin, body.facets[near], share)
     press = np.zeros(len(x), bool)
-    press[facets[[marks[reference[k]][1] for k in facet]].ravel()] = True
+    press[facets[[marks[k][1] for k in number]].ravel()] = True
     x, moved = _seat(body, state, NewMesh(x, [cells], facets, tags), press, sizes, tools)
     slot, place = narrowest_slot(x, facets, card.smallest)
     if np.isfinite(slot):
@@ -51,6 +55,16 @@ def remesh_space(body: Body, state: Snapshot, card: RemeshCard, tools: Tools,
                   np.unique([int(np.argmin(np.linalg.norm(x - state.x[r], axis=1))) for r in rows])
                   for name, rows in body.named.items()}
     return mesh, moved, origin
+
+
+def references_of_facets(facets: NDArray, told: NDArray, of: NDArray) -> NDArray:
+    """The references of facets that the mesher tells with its triangles; -1 for others.
+
+    The closest old facet would do but where two meet at a sharp edge: a node that is taken for one
+    of a plane of symmetry is drawn onto it, and its cells turn over.
+    """
+    known = {tuple(row): int(k) for row, k in zip(np.sort(told, axis=1).tolist(), of.tolist())}
+    return np.array([known.get(tuple(row), -1) for row in np.sort(facets, axis=1).tolist()])
 
 
 def _sizes(body: Body, state: Snapshot, card: RemeshCard, tools: Tools, fields: CellFields
