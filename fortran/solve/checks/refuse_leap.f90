@@ -8,7 +8,7 @@ module lopin_refuse_leap
    use lopin_kinds, only : wp
    use lopin_error, only : error_type, error_code, raise
    use lopin_text, only : to_text
-   use lopin_model, only : model_type
+   use lopin_model, only : model_type, is_heated
    use lopin_report, only : energy_type, lost_work
    use lopin_work_balance, only : balance_type
    use lopin_scene, only : scene_type
@@ -34,6 +34,8 @@ contains
       real(wp) :: least, most, beyond
 
       if (.not. (scene%newton%in_use .and. scene%may_cut)) return
+      ! Heat gives more than the boundary does, and what it gave is known by its rule alone.
+      if (is_heated(model)) return
       ! What a state that was handed over stores was not given here.
       if (.not. allocated(balance%closed)) return
       if (scene%step == 1 .and. any(abs(scene%newton%contact%overclosure) > 0.0_wp)) return
