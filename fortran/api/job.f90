@@ -135,7 +135,6 @@ contains
       call open_run(running%run, model, outcome%recorder, outcome%clock, outcome%log, error, &
          & running%checkpoint, state)
       running%opened = .true.
-      running%run%scene%stops_at_once = self%interruptible
       if (allocated(running%run%scene)) call move_alloc(outcome%watcher, &
          & running%run%scene%watcher)
       call leave(self, running, error)

@@ -130,7 +130,7 @@ contains
       if (self%shown >= 0.0_wp .and. self%pace%elapsed < self%shown + pause) return
       self%shown = self%pace%elapsed
       text = live_line(news, self%pace, int(columns_of(error_stream)))
-      if (is_interrupted()) text = 'ends with this increment, which is kept (Ctrl-C: at once)'
+      if (is_interrupted()) text = 'ends with this iteration; increments are kept (Ctrl-C: at once)'
       call put(self, error_stream, clear_line//text, '')
    end subroutine rewrite
 

@@ -2,9 +2,10 @@
 !> the process.
 module lopin_interrupt
    use, intrinsic :: iso_c_binding, only : c_int
+   use lopin_error, only : error_type, error_code, raise
    implicit none
    private
-   public :: catch_interrupts, is_interrupted, guard_process
+   public :: catch_interrupts, is_interrupted, answer_interrupt, guard_process
    public :: borrow_interrupt, return_interrupt
 
    interface
@@ -37,4 +38,12 @@ contains
    logical function is_interrupted()
       is_interrupted = lopin_signal_noted() /= 0
    end function is_interrupted
+
+   !> An error where the process was asked to stop: between two iterations, so that a run that finds
+   !> no answer ends as soon as one that does.
+   subroutine answer_interrupt(error)
+      type(error_type), allocatable, intent(out) :: error
+      if (is_interrupted()) call raise(error, error_code%interrupted, 'E0605', &
+         & 'interrupted within an increment; what was accepted before it stands')
+   end subroutine answer_interrupt
 end module lopin_interrupt

@@ -304,8 +304,9 @@ contains
          & 'STL files and the same --solver, goes on to the same bits.', &
          & 'restore what has changed, or run the deck from its beginning, without --resume.')
       call add_explanation(list, 'E0605', 'the run was interrupted', &
-         & 'Ctrl-C (SIGINT), SIGTERM, SIGHUP or SIGXCPU: the increment in hand was ended, its '// &
-         & 'results and its checkpoint are written. A second signal ends the run at '// &
+         & 'Ctrl-C (SIGINT), SIGTERM, SIGHUP or SIGXCPU: answered after the iteration in hand, '// &
+         & 'also where attempts fail. The state of the last increment that was accepted is '// &
+         & 'kept. A second signal ends the run at '// &
          & 'once; then the last checkpoint counts.', &
          & 'the same command with --resume goes on to the bits of a run without interruption.')
       call add_explanation(list, 'E0606', 'a result file is shorter than when the checkpoint '// &

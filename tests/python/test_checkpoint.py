@@ -287,6 +287,45 @@ def test_a_signal_ends_the_increment_and_says_how_to_go_on(bench):
     assert not (b.place/"broken"/"job.rst").exists(), "a finished run has nothing to go on from"
 
 
+def overloaded(frequency: int, cells: int = 5) -> str:
+    """A sheet that does not harden, pulled by more than it bears: attempts that fail, for long."""
+    n = cells + 1
+    corner = [1 + i + n*j for j in range(cells) for i in range(cells)]
+    return "\n".join([
+        "*NODE", *(f"{1 + i + n*j}, {i}., {j}." for j in range(n) for i in range(n)),
+        "*ELEMENT, TYPE=CPS4, ELSET=BAR",
+        *(f"{k + 1}, {c}, {c + 1}, {c + n + 1}, {c + n}" for k, c in enumerate(corner)),
+        "*NSET, NSET=LEFT, GENERATE", f"1, {1 + n*cells}, {n}",
+        "*NSET, NSET=RIGHT, GENERATE", f"{2*n}, {n*cells}, {n}",
+        "*MATERIAL, NAME=M", "*ELASTIC", "1000., 0.3", "*PLASTIC", "1., 0.",
+        "*SOLID SECTION, ELSET=BAR, MATERIAL=M", "1.", "*BOUNDARY", "1, 1, 2", "LEFT, 1",
+        "*STEP, NLGEOM, INC=1000", "*STATIC", "0.1, 1.",
+        f"*RESTART, WRITE, FREQUENCY={frequency}", "*CLOAD",
+        f"{n}, 1, 0.6", f"{n*n}, 1, 0.6", "RIGHT, 1, 1.2", "*END STEP", ""])
+
+
+@pytest.mark.parametrize("frequency", [1, 0])
+def test_a_signal_is_answered_while_attempts_fail(bench, frequency):
+    """At the end of an iteration, not of the increment, which this run never finds; the state of
+    the last increment that was accepted is kept, also where the deck keeps none on the way."""
+    b = bench(overloaded(frequency))
+    process = b.start("broken", "--progress", "json")
+    for line in process.stdout:
+        if '"cut"' in line:
+            break
+    process.send_signal(signal.SIGTERM)
+    said = process.communicate()[1]
+    assert process.returncode == 130 and "error[E0605]: interrupted within an increment" in said
+    last = b.increments("broken")
+    kept = re.search(r"goes on from increment (\d+) of step 1", said)
+    assert kept and int(kept[1]) == last > 0, said
+    process = b.start("broken", "--resume", "--progress", "json")
+    first = next(line for line in process.stdout if '"attempt"' in line or '"increment"' in line)
+    process.kill()
+    process.communicate()
+    assert json.loads(first)["increment"] == last + 1
+
+
 @pytest.mark.parametrize("frequency, kept", [(3, 6), (0, 0)])
 def test_the_deck_says_how_often(bench, frequency, kept):
     b = bench(billet(steps=(0.01, 0.01),

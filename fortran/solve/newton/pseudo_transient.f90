@@ -11,6 +11,7 @@ module lopin_pseudo_transient
    use lopin_kinds, only : wp
    use lopin_error, only : error_type, error_code, raise
    use lopin_text, only : to_text
+   use lopin_interrupt, only : answer_interrupt
    use lopin_mesh, only : mesh_type
    use lopin_model, only : model_type
    use lopin_constraints, only : expand
@@ -186,6 +187,8 @@ contains
       merits = 0.0_wp
       self%used = 0
       do while (self%used < most_of_step)
+         call answer_interrupt(error)
+         if (allocated(error)) return
          if (.not. self%evaluation%tangent) call evaluate(scene, model, f, .true., &
             & self%evaluation, error)
          if (allocated(error)) return

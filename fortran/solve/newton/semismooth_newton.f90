@@ -4,7 +4,7 @@
 module lopin_semismooth_newton
    use lopin_kinds, only : wp
    use lopin_error, only : error_type, error_code, raise
-   use lopin_interrupt, only : is_interrupted
+   use lopin_interrupt, only : answer_interrupt
    use lopin_vectors, only : largest
    use lopin_text, only : to_text
    use lopin_model, only : model_type
@@ -90,11 +90,8 @@ contains
       if (.not. allocated(error)) call look_at_start(it, scene, model, iterate, error)
       if (allocated(error)) return
       do iteration = 1, most_sets
-         if (scene%stops_at_once) then
-            if (is_interrupted()) call raise(error, error_code%interrupted, 'E0605', &
-               & 'interrupted within an increment; what was accepted before it stands')
-            if (allocated(error)) return
-         end if
+         call answer_interrupt(error)
+         if (allocated(error)) return
          it%number = iteration
          call look_for_end(it, scene, model, settled, error)
          if (allocated(error)) return

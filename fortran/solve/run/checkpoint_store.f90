@@ -4,7 +4,7 @@
 !> The analysis knows what belongs to the state, a store knows where it is kept; a run without a
 !> store keeps nothing.
 module lopin_checkpoint_store
-   use, intrinsic :: iso_fortran_env, only : int8
+   use, intrinsic :: iso_fortran_env, only : int8, int64
    use lopin_error, only : error_type
    use lopin_stream, only : stream_type
    implicit none
@@ -15,6 +15,8 @@ module lopin_checkpoint_store
       type(stream_type), allocatable :: found   !! of an earlier run, to go on from; else a new run
       integer(int8), allocatable :: room(:)     !! bytes of the last state, room for the next
       character(len=:), allocatable :: kept     !! increment whose state is kept, for messages
+      integer(int64) :: bytes_in_room = 0       !! of a state that is not kept yet; 0: none
+      character(len=:), allocatable :: in_room  !! its increment
    contains
       procedure(save_if), deferred :: save
       procedure(forget_if), deferred :: forget

@@ -37,7 +37,7 @@ module lopin_run_analysis
    use lopin_turning_points, only : turns_within
    use lopin_time_increment, only : attempt_type, first_attempt, set_attempt, cut_increment, &
       & end_attempts, grow
-   use lopin_checkpointing, only : save_checkpoint
+   use lopin_checkpointing, only : save_checkpoint, keep_for_resume
    use lopin_run_files, only : begin_files, finish_files
    use lopin_run_state, only : run_state, resume_run, make_workspace
    implicit none
@@ -129,13 +129,11 @@ contains
       more = .not. allocated(error)
       self%may_step = more
       if (more) return
-      if (error%code /= error_code%interrupted .or. .not. self%scene%stops_at_once) return
+      if (error%code /= error_code%interrupted) return
       ! The increment in hand is given up; what was accepted may go on.
       call reject(self%scene)
       self%may_step = .true.
-      if (.not. present(store)) return
-      if (allocated(store%kept)) error%item(1)%help = 'with --resume (resume=True) the run '// &
-         & 'goes on from '//store%kept
+      if (present(store)) call keep_for_resume(store, error)
    end subroutine advance_run
 
    !> Warnings to the log, files to their end, also after an error. A run that was left before its

@@ -81,7 +81,6 @@ contains
       call move_alloc(self%scene, old)
       allocate (self%scene)
       self%scene%clock = old%clock
-      self%scene%stops_at_once = old%stops_at_once
       call move_alloc(old%watcher, self%scene%watcher)
       deallocate (old)
       call make_workspace(self%scene, model, self%plan, error)

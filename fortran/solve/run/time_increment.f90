@@ -4,6 +4,7 @@ module lopin_time_increment
    use lopin_kinds, only : wp
    use lopin_error, only : error_type, error_code
    use lopin_text, only : to_text
+   use lopin_interrupt, only : is_interrupted, answer_interrupt
    use lopin_model, only : model_type, step_type
    use lopin_report, only : frame_type
    use lopin_recorder, only : recorder_holder_type
@@ -118,6 +119,7 @@ contains
       real(wp) :: part
 
       associate (scene => run%scene, frame => run%frame, clock => run%scene%accepted%clock)
+         if (is_interrupted()) call answer_interrupt(error)
          if (frame%certificate%verdict == 2) return
          if (.not. may_cut(run%plan, scene, error)) return
          call reject(scene)

@@ -78,7 +78,6 @@ module lopin_scene
       real(wp) :: turned = 0.0_wp     !! tool against sliding points in the increment [rad]
       logical :: may_part = .false.   !! an increment in which contact begins may be cut
       real(wp) :: first_touch = 0.0_wp   !! share of the increment before it
-      logical :: stops_at_once = .false. !! a request to stop is answered within an increment
       class(watcher_type), allocatable :: watcher  !! told of what happens; it changes nothing
       type(clock_type) :: clock
       type(counter_type) :: counter
