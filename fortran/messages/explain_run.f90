@@ -14,6 +14,7 @@ contains
       call singular_states(list)
       call theory_limits(list)
       call energies(list)
+      call springback(list)
       call supports(list)
       call files(list)
       call parts(list)
@@ -224,6 +225,19 @@ contains
          & 'nothing slips much farther than that, so that zones of stick and slip mix.', &
          & 'use DIRECT, which sticks exactly, or give ELASTIC SLIP= on *FRICTION.')
    end subroutine energies
+
+   !> What springs back after forming.
+   subroutine springback(list)
+      type(explanation_type), allocatable, intent(inout) :: list(:)
+
+      call add_explanation(list, 'W0519', 'springback beside work that is not accounted for', &
+         & 'Springback is driven by the elastic energy that comes free, a small part of the '// &
+         & 'work of forming. Before the release more than a twentieth of it was lost or found, '// &
+         & 'beyond what increments miss of a smooth path: they were too long for what happened '// &
+         & 'in them, as facets that leave a radius one by one while the force rises and falls. '// &
+         & 'Forces and shapes under the tools may be right to a percent all the same.', &
+         & 'smaller increments before the release, or more facets on the radii.')
+   end subroutine springback
 
    !> Supports and constraints.
    subroutine supports(list)

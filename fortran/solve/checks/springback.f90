@@ -6,11 +6,16 @@
 !> release tell how far other ways may end elsewhere. A release is a step after which nothing
 !> presses any more, or one that takes pairs or supports away, or one that ends the contact of a
 !> pair and gets work out of the scene: others may press on, as the die on which a flange was wiped.
+!>
+!> What comes free is a small part of the work of forming. Energy that was lost or found on the
+!> way in, beyond what the rule that integrates the work misses of a smooth path
+!> (lopin_work_balance), as where few increments follow facets that leave a radius one by one, may
+!> be little beside the work and much beside the springback.
 module lopin_springback
    use lopin_kinds, only : wp
    use lopin_text, only : to_text
    use lopin_stream, only : stream_type
-   use lopin_model, only : model_type
+   use lopin_model, only : model_type, is_heated
    use lopin_report, only : energy_type
    use lopin_repeated_messages, only : warn_once, note_once
    use lopin_scene, only : scene_type
@@ -28,6 +33,7 @@ module lopin_springback
       real(wp) :: strain = 0.0_wp              !! elastic energy [energy]
       real(wp) :: plastic = 0.0_wp, friction = 0.0_wp   !! work so far [energy]
       real(wp) :: external = 0.0_wp            !! work so far [energy]
+      real(wp) :: unknown = 0.0_wp             !! lost or found beyond what is excused [energy]
       real(wp), allocatable :: pressed(:)      !! (npair) sum of the forces of the points [force]
    contains
       procedure :: keep
@@ -44,15 +50,17 @@ contains
       call stream%pass(self%plastic)
       call stream%pass(self%friction)
       call stream%pass(self%external)
+      call stream%pass(self%unknown)
       call stream%pass(self%pressed)
    end subroutine keep
 
    !> A step of the nonlinear path ends: say what it did if it was a release.
-   subroutine report_springback(self, scene, model, energy, releases)
+   subroutine report_springback(self, scene, model, energy, excess, releases)
       type(springback_type), intent(inout) :: self
       type(scene_type), intent(inout) :: scene
       type(model_type), intent(in) :: model
       type(energy_type), intent(in) :: energy
+      real(wp), intent(in) :: excess            !! work lost so far that is not excused [energy]
       logical, intent(in) :: releases           !! the step took away pairs or supports
       real(wp) :: pressed(size(model%pair)), released
 
@@ -61,11 +69,13 @@ contains
       if (.not. allocated(self%pressed)) self%pressed = 0.0_wp*pressed
       released = self%strain - energy%strain
       if (released > 0.0_wp .and. is_release(self, pressed, energy%external - self%external) &
-         & .or. releases .and. released > 0.5_wp*self%strain) &
-         & call report_way(scene, model, self%strain, released, energy%plastic - self%plastic, &
-         & energy%friction - self%friction)
+         & .or. releases .and. released > 0.5_wp*self%strain) then
+         call report_way(scene, model, self%strain, released, energy%plastic - self%plastic, &
+            & energy%friction - self%friction)
+         if (.not. is_heated(model)) call report_unknown(scene, model, self%unknown, released)
+      end if
       self = springback_type(energy%strain, energy%plastic, energy%friction, energy%external, &
-         & pressed)
+         & abs(excess), pressed)
    end subroutine report_springback
 
    !> Nothing presses any more, or one pair does not and work came out.
@@ -95,6 +105,21 @@ contains
          end do
       end associate
    end function forces_of_pairs
+
+   !> What comes free is no better known than the energy that is there to come free.
+   subroutine report_unknown(scene, model, unknown, released)
+      type(scene_type), intent(inout) :: scene
+      type(model_type), intent(in) :: model
+      real(wp), intent(in) :: unknown, released !! [energy]
+
+      if (.not. unknown > much*released) return
+      call warn_once(scene%log, 'W0519', 'step '//to_text(scene%step)//' is a release: '// &
+         & to_text(released, 3)//' of elastic energy comes free, and '//to_text(unknown, 3)// &
+         & ' of work is not accounted for before it ('// &
+         & to_text(100.0_wp*unknown/released, 2)//' %): the springback is known no better', &
+         & model%step(scene%step)%at, help='smaller increments on *STATIC before the release, '// &
+         & 'or more facets on the radii that the metal leaves')
+   end subroutine report_unknown
 
    !> The work of a release, if there is any.
    subroutine report_way(scene, model, stored, released, flowed, rubbed)

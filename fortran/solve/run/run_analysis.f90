@@ -386,7 +386,7 @@ contains
          if (scene%newton%in_use) call end_balance(watch%balance, scene, model, energy)
          call report_snap_through(watch%jumps, scene, model, energy)
          if (scene%newton%in_use) call report_springback(watch%springback, scene, model, energy, &
-            & watch%balance%springs_back)
+            & watch%balance%excess, watch%balance%springs_back)
          if (scene%step == size(model%step)) then
             call check_drift(watch%drift, scene, model, self%frame%contact)
             call check_artificial_work(watch%artificial, scene, model, energy)
