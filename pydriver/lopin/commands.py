@@ -300,6 +300,15 @@ def identify(options) -> int:
     return 0
 
 
+def _tell_table(found, path: Path) -> int:
+    """Write a table, and say where it is and what it tells."""
+    with whole_file(path) as part:
+        part.write_text(found.lines())
+    print(path)
+    print(found.line())
+    return 0
+
+
 def wear(options) -> int:
     """Pressure by slip of a pair, as a table."""
     from . import open_result
@@ -307,12 +316,7 @@ def wear(options) -> int:
 
     folder = result_folder(options.folder)
     found = wear(open_result(folder), options.pair or 0)
-    path = options.output or folder/"wear.csv"
-    with whole_file(path) as part:
-        part.write_text(found.lines())
-    print(path)
-    print(found.line())
-    return 0
+    return _tell_table(found, options.output or folder/"wear.csv")
 
 
 def flc(options) -> int:
@@ -326,12 +330,7 @@ def flc(options) -> int:
     shape = result.to_meshio()
     found = sheet_strains(shape, shape.point_data["U"], curve, normal=options.normal,
                           axisymmetric=options.axisymmetric)
-    path = options.output or folder/"flc.csv"
-    with whole_file(path) as part:
-        part.write_text(found.lines())
-    print(path)
-    print(found.line())
-    return 0
+    return _tell_table(found, options.output or folder/"flc.csv")
 
 
 def tracers(options) -> int:
@@ -340,12 +339,7 @@ def tracers(options) -> int:
 
     folder = result_folder(options.folder)
     found = tracks(folder, joined_name(folder), read_starts(options.starts.read_text()))
-    path = options.output or folder/"tracers.csv"
-    with whole_file(path) as part:
-        part.write_text(found.lines())
-    print(path)
-    print(found.line())
-    return 0
+    return _tell_table(found, options.output or folder/"tracers.csv")
 
 
 def joined_name(folder: Path) -> str:

@@ -30,6 +30,7 @@ contains
       real(wp), intent(out) :: left            !! gap there [length]
       real(wp) :: before, now, share, latest
       integer :: column, k
+      logical :: seen
 
       column = 0
       if (self%n > 0) column = self%column(i)
@@ -40,11 +41,13 @@ contains
          left = open - phi*approach
          return
       end if
+      seen = all(self%gap(:, column) < unseen)
       before = open
       latest = real(self%n, wp) - 0.5_wp
       do k = 1, self%n
          share = real(k, wp)/real(self%n, wp)
-         now = open - share*approach + bend(self, column, k)
+         now = open - share*approach
+         if (seen) now = now + bend(self, column, k)
          if (now <= 0.0_wp) then
             phi = (real(k, wp) - now/(now - before))/real(self%n, wp)
             left = 0.0_wp
@@ -64,10 +67,7 @@ contains
       integer, intent(in) :: column, k
       real(wp) :: share
 
-      bend = 0.0_wp
-      associate (gap => self%gap(:, column), first => self%gap(0, column), &
-         & last => self%gap(self%n, column))
-         if (any(gap >= unseen)) return
+      associate (first => self%gap(0, column), last => self%gap(self%n, column))
          share = real(k, wp)/real(self%n, wp)
          bend = self%gap(k, column) - first - share*(last - first)
       end associate

@@ -10,7 +10,7 @@ module lopin_nonlinear_sweep
    use lopin_nonlinear_contact, only : nonlinear_contact_type
    implicit none
    private
-   public :: find_passage, measure_ways
+   public :: find_passage, measure_ways, gap_of
 
    !> Of a facet: nodes of a surface that meets itself are behind it by less, where they do not
    !> press but are pressed upon, and facets cut off what lies between.

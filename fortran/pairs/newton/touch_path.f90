@@ -10,7 +10,7 @@ module lopin_touch_path
    use lopin_gap_path, only : gap_path_type, unseen
    use lopin_touch_onset, only : may_touch
    use lopin_nonlinear_contact, only : nonlinear_contact_type
-   use lopin_nonlinear_sweep, only : measure_ways
+   use lopin_nonlinear_sweep, only : measure_ways, gap_of
    implicit none
    private
    public :: find_gap_path
@@ -34,11 +34,13 @@ contains
       integer :: i, k, m
 
       self%path = gap_path_type()
+      do i = 1, self%n
+         far(i) = may_touch(self, i)
+      end do
+      if (.not. any(far)) return
       call measure_ways(self, model, self%start_u, u, way, turn)
       way = way/self%noted
-      do i = 1, self%n
-         far(i) = may_touch(self, i) .and. way(i) > max(self%start_gap(i), least_way*self%size(i))
-      end do
+      far = far .and. way > max(self%start_gap, least_way*self%size)
       if (.not. any(far)) return
       point = pack([(i, i=1, self%n)], far)
       associate (path => self%path)
@@ -56,10 +58,7 @@ contains
                call find_opposite(opposite, self%masters, model, self%nonlinear_points_type, &
                   & point(k), self%cost)
                path%gap(m, k) = unseen
-               if (opposite%facet == 0) cycle
-               path%gap(m, k) = opposite%found%gap
-               if (self%masters%of(self%pair(point(k)))%tool > 0) path%gap(m, k) = &
-                  & opposite%foot%gap
+               if (opposite%facet > 0) path%gap(m, k) = gap_of(self, model, point(k), opposite)
             end do
          end do
       end associate
