@@ -10,6 +10,7 @@ module lopin_explain
    use lopin_explain_model, only : model_explanations
    use lopin_explain_others, only : other_explanations
    use lopin_explain_run, only : run_explanations
+   use lopin_explain_springback, only : springback_explanations
    use lopin_explain_time, only : time_explanations
    use lopin_text, only : upper
    implicit none
@@ -83,6 +84,7 @@ contains
       call flow_explanations(list)
       call other_explanations(list)
       call run_explanations(list)
+      call springback_explanations(list)
       call time_explanations(list)
    end subroutine all_explanations
 

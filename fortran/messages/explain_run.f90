@@ -14,7 +14,6 @@ contains
       call singular_states(list)
       call theory_limits(list)
       call energies(list)
-      call springback(list)
       call supports(list)
       call files(list)
       call parts(list)
@@ -201,17 +200,6 @@ contains
          & 'equilibria, and inertia or another mesh may choose another one.', &
          & 'a finer mesh where the sheet bends; what holds it there in the shop, as a pad; '// &
          & 'smaller increments.')
-      call add_explanation(list, 'N0518', 'work done while a body is let go of', &
-         & 'A release that is elastic and without friction ends in one shape, whichever way '// &
-         & 'the tools go: pairs removed, motion, loads taken off. Here the metal flows again '// &
-         & 'or '// &
-         & 'rubs on its way out. That work, beside the elastic energy that comes free, tells '// &
-         & 'how far another way may end elsewhere.', &
-         & 'nothing; let go as the press does where the springback matters.')
-      call add_explanation(list, 'W0518', 'the springback depends on the way of the release', &
-         & 'As N0518, but more than a twentieth of the elastic energy that comes free is used '// &
-         & 'up by plastic flow and friction.', &
-         & 'withdraw the tools by their motion, in the order of the press.')
       call add_explanation(list, 'W0532', 'artificial work is not small', &
          & 'A body that nothing holds for a while has no equilibrium that tells where it goes: '// &
          & 'artificial supports and soft springs lead it until contact holds it. What loads do '// &
@@ -225,19 +213,6 @@ contains
          & 'nothing slips much farther than that, so that zones of stick and slip mix.', &
          & 'use DIRECT, which sticks exactly, or give ELASTIC SLIP= on *FRICTION.')
    end subroutine energies
-
-   !> What springs back after forming.
-   subroutine springback(list)
-      type(explanation_type), allocatable, intent(inout) :: list(:)
-
-      call add_explanation(list, 'W0519', 'springback beside work that is not accounted for', &
-         & 'Springback is driven by the elastic energy that comes free, a small part of the '// &
-         & 'work of forming. Before the release more than a twentieth of it was lost or found, '// &
-         & 'beyond what increments miss of a smooth path: they were too long for what happened '// &
-         & 'in them, as facets that leave a radius one by one while the force rises and falls. '// &
-         & 'Forces and shapes under the tools may be right to a percent all the same.', &
-         & 'smaller increments before the release, or more facets on the radii.')
-   end subroutine springback
 
    !> Supports and constraints.
    subroutine supports(list)

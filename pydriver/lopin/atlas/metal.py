@@ -21,7 +21,8 @@ YOUNG, POISSON = 2e5, 0.3
 #: *SURFACE BEHAVIOR by method.
 METHODS = {"lagrange": "DIRECT", "penalty": "PENALTY", "perturbed": "PERTURBED LAGRANGE",
            "augmented": "AUGMENTED LAGRANGE"}
-#: No increment is smaller than this, and none of a step is beyond this number.
+#: No increment is smaller than this, and none of a step is beyond this number, or three times what
+#: its largest increments make.
 LEAST, MOST = 1e-9, 200
 
 
@@ -149,7 +150,8 @@ class Metal:
         """Tools go to a displacement; `increments`: first and largest, or left to the code."""
         static = [f"{increments[0]!r}, 1., {min(LEAST, increments[0])!r}, {increments[-1]!r}"] \
             if increments else []
-        self.lines += [f"*STEP, NLGEOM, INC={MOST}", "*STATIC", *static, *extra, "*BOUNDARY"]
+        most = max(MOST, round(3.0/increments[-1])) if increments else MOST
+        self.lines += [f"*STEP, NLGEOM, INC={most}", "*STATIC", *static, *extra, "*BOUNDARY"]
         for name, way in moves.items():
             self.lines += [f"{name}P, {k + 1}, {k + 1}, {self.frame.length*float(v)!r}"
                            for k, v in enumerate(way)]

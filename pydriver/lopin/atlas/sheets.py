@@ -24,8 +24,8 @@ class SheetMap(FormingMap):
               "flange, CPE8R, 0.1", "air bend, CPE4I, 0.1", "flange, CPE4I, 0.1")
     released, across = ("air bend", "flange"), 3
     ticks = ([f"{x:g}" for x in THICKNESS], [f"{y[0]:g}" if y else "default" for y in INCREMENTS])
-    reference_ways = (("lagrange", (0.01, 0.01)), ("penalty", (0.01, 0.01)),
-                      ("lagrange", (0.005, 0.005)))
+    reference_ways = (("lagrange", (0.0025, 0.0025)), ("penalty", (0.0025, 0.0025)),
+                      ("lagrange", (0.005, 0.005)), ("lagrange", (0.01, 0.01)))
 
     def grid(self, panel: str, small: bool) -> tuple[NDArray, NDArray]:
         """The values of x and y: places in THICKNESS and INCREMENTS."""

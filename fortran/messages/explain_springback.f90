@@ -1,0 +1,46 @@
+!> Explanations of what is said of the springback after forming.
+module lopin_explain_springback
+   use lopin_explanation, only : explanation_type, add_explanation
+   implicit none
+   private
+   public :: springback_explanations
+
+contains
+
+   subroutine springback_explanations(list)
+      type(explanation_type), allocatable, intent(inout) :: list(:)
+
+      call add_explanation(list, 'N0518', 'work done while a body is let go of', &
+         & 'A release that is elastic and without friction ends in one shape, whichever way '// &
+         & 'the tools go: pairs removed, motion, loads taken off. Here the metal flows again '// &
+         & 'or '// &
+         & 'rubs on its way out. That work, beside the elastic energy that comes free, tells '// &
+         & 'how far another way may end elsewhere.', &
+         & 'nothing; let go as the press does where the springback matters.')
+      call add_explanation(list, 'W0518', 'the springback depends on the way of the release', &
+         & 'As N0518, but more than a twentieth of the elastic energy that comes free is used '// &
+         & 'up by plastic flow and friction.', &
+         & 'withdraw the tools by their motion, in the order of the press.')
+      call add_explanation(list, 'W0519', 'springback beside work that is not accounted for', &
+         & 'Springback is driven by the elastic energy that comes free, a small part of the '// &
+         & 'work of forming. Before the release more than a twentieth of it was lost or found, '// &
+         & 'beyond what increments miss of a smooth path: they were too long for what happened '// &
+         & 'in them, as facets that leave a radius one by one while the force rises and falls. '// &
+         & 'Forces and shapes under the tools may be right to a percent all the same.', &
+         & 'smaller increments before the release, or more facets on the radii.')
+      call add_explanation(list, 'N0522', 'springback of a strip that bends point by point', &
+         & 'Where a strip is wrapped over a radius, its bending moment is largest where it '// &
+         & 'leaves the tool, and the metal flows over a length of about half the thickness. '// &
+         & 'Longer facets bend it too far at the last point that presses, and back as the '// &
+         & 'next one comes to press: force and elastic energy rise and fall with every point, '// &
+         & 'and part of the springback has come free before the tools let go. Smaller '// &
+         & 'increments do not change that. The root of what fell and rose again, beside what '// &
+         & 'comes free at last, is about the largest error; often it is much smaller.', &
+         & 'facets of half the thickness on the radii; compare with half as long ones.')
+      call add_explanation(list, 'W0522', 'springback of a strip that bends point by point', &
+         & 'As N0522, but more than a twentieth of the elastic energy rose and fell: strips '// &
+         & 'with facets of two to four thicknesses sprang back by 0.4 to 0.85 of what they do '// &
+         & 'on a mesh four times finer, their mean forces right to a percent.', &
+         & 'facets of half the thickness on the radii; compare with half as long ones.')
+   end subroutine springback_explanations
+end module lopin_explain_springback
