@@ -10,13 +10,14 @@ module lopin_solid_flow
    use lopin_solid_small, only : strain_matrices, strains, internal_force, add_product, &
       & mode_strains, follow_nodes
    use lopin_enhanced_modes, only : solve_small
-   use lopin_hyperelastic, only : elastic_constants
+   use lopin_hyperelastic, only : solid_law_type, elastic_constants
+   use lopin_von_mises, only : von_mises_slope
    use lopin_hourglass, only : add_hourglass, moduli_type
-   use lopin_material_memory, only : amplitudes_of, put_amplitudes, offset_at
+   use lopin_material_memory, only : amplitudes_of, put_amplitudes, offset_at, stress_at
    use lopin_material_point, only : small_answer_type, respond_small, keep_small
    implicit none
    private
-   public :: flow_element, flow_stresses, flow_memory
+   public :: flow_element, flow_stresses, flow_memory, has_flow_slopes, flow_slopes
 
 contains
 
@@ -126,6 +127,72 @@ contains
          work = work + volume(k)*density
       end do
    end subroutine flow_memory
+
+   !> The strain through the thickness that a surface of its own finds is not followed.
+   pure logical function has_flow_slopes(element, law)
+      type(element_type), intent(in) :: element
+      type(solid_law_type), intent(in) :: law
+      has_flow_slopes = element%kind /= element_kind%plane_stress .or. .not. allocated(law%plastic)
+   end function has_flow_slopes
+
+   !> Slopes of rows: see finite_strain_slopes of module point_slopes.
+   pure subroutine flow_slopes(element, input, flowing, row, slope, bad)
+      type(element_type), intent(in) :: element    !! one of has_flow_slopes
+      type(element_input_type), intent(in) :: input
+      logical, intent(in) :: flowing(element%ngauss)
+      real(wp), contiguous, intent(in) :: row(:, :, :)   !! (7, ngauss, nrow)
+      real(wp), contiguous, intent(out) :: slope(:, :, :)   !! (ndim, nnode, nrow) [stress/length]
+      integer, intent(out) :: bad                  !! as for flow_element
+      real(wp) :: b(element%ndof, element%nstress, element%ngauss), volume(element%ngauss)
+      real(wp) :: strain(element%nstress, element%ngauss), alpha(element%nmode)
+      real(wp) :: flow(element%nstress), mises(6), w(element%nstress)
+      type(small_answer_type) :: answer
+      integer :: k, m, r
+
+      slope = 0.0_wp
+      call trial(element, input, b, volume, strain, alpha, bad)
+      if (bad > 0) return
+      m = element%nstress
+      do k = 1, element%ngauss
+         if (all(.not. abs(row(:, k, :)) > 0.0_wp)) cycle
+         call respond_small(input%law, element%kind == element_kind%plane_stress, &
+            & input%memory(:, k), input%dt, strain(:, k), answer)
+         flow = 0.0_wp
+         if (flowing(k) .and. allocated(input%law%plastic)) then
+            call flow_by_differences(input, k, strain(:, k), flow)
+         else if (flowing(k)) then
+            mises = von_mises_slope(answer%stress)
+            flow = matmul(answer%tangent(:m, :m), mises(:m))
+         end if
+         do r = 1, size(row, 3)
+            w = matmul(answer%tangent(:m, :m), row(:m, k, r)) + row(7, k, r)*flow
+            slope(:, :, r) = slope(:, :, r) &
+               & + reshape(matmul(b(:, :, k), w), [element%ndim, element%nnode])
+         end do
+      end do
+   end subroutine flow_slopes
+
+   !> Slopes of the stress of flow in the strain of a point.
+   pure subroutine flow_by_differences(input, k, strain, slope)
+      type(element_input_type), intent(in) :: input
+      integer, intent(in) :: k
+      real(wp), intent(in) :: strain(:)
+      real(wp), intent(out) :: slope(:)
+      real(wp), parameter :: step = 1.0e-7_wp
+      real(wp) :: next(size(input%memory, 1)), moved(size(strain)), flow(2), work
+      integer :: r, side
+
+      do r = 1, size(strain)
+         do side = 1, 2
+            moved = strain
+            moved(r) = moved(r) + real(2*side - 3, wp)*step
+            next = input%memory(:, k)
+            call keep_small(input%law, input%dt, moved, next, work)
+            flow(side) = next(stress_at(size(strain)))
+         end do
+         slope(r) = (flow(2) - flow(1))/(2.0_wp*step)
+      end do
+   end subroutine flow_by_differences
 
    !> Elastic strain (engineering shears) of every point if nothing flowed.
    pure subroutine trial(element, input, b, volume, strain, alpha, bad)

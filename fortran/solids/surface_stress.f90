@@ -1,9 +1,8 @@
-!> What laws of friction read of the solids behind a few nodes, von Mises' stress and that of flow,
-!> with slopes in the displacements around.
+!> What laws of friction read of the solids behind a few nodes, von Mises' stress and that of flow.
 !>
 !> Both are means of what the elements at a node extrapolate to it, as in lopin_nodal_mises. Only
-!> elements, or patches of them, that have such a node are computed. Slopes are differences of one
-!> element at a time: any element and any material has them, internal modes included.
+!> elements, or patches of them, that have such a node are computed. Module surface_slopes has their
+!> slopes.
 module lopin_surface_stress
    use lopin_kinds, only : wp
    use lopin_mesh, only : mesh_type
@@ -13,20 +12,11 @@ module lopin_surface_stress
    use lopin_material_memory, only : stress_at
    use lopin_recover_stress, only : recover_linear => recover_unit
    use lopin_assemble_nonlinear, only : recover_unit, remember_unit
-   use lopin_von_mises, only : von_mises, von_mises_slope
+   use lopin_von_mises, only : von_mises
    implicit none
    private
-   public :: surface_stress_type, slopes_type, new_surface_stress, find_stress, find_slopes
-
-   !> A displacement of one dof, beside the size of its element.
-   real(wp), parameter :: step = 1.0e-7_wp
-
-   !> Slopes of both stresses of a node by dofs, of which one may stand more than once.
-   type :: slopes_type
-      integer :: n = 0
-      integer, allocatable :: dof(:)
-      real(wp), allocatable :: mises(:), flow(:)   !! [stress/length]
-   end type slopes_type
+   public :: surface_stress_type, new_surface_stress, find_stress
+   public :: share_type, compute, read_unit, remembers, members_of
 
    !> The nodes that are read, the elements there, and what was read last.
    type :: surface_stress_type
@@ -233,80 +223,4 @@ contains
          end do
       end associate
    end subroutine extrapolate
-
-   !> Slopes at some of the nodes of the stresses that `find_stress` has found at the same
-   !> displacements.
-   subroutine find_slopes(self, shape, u, wanted, slopes)
-      type(surface_stress_type), intent(inout) :: self
-      type(configuration_type), intent(in) :: shape      !! displaced by u
-      real(wp), intent(inout) :: u(:)          !! (n) by equation; comes back as it was [length]
-      logical, intent(in) :: wanted(:)         !! (nread)
-      type(slopes_type), allocatable, intent(out) :: slopes(:)   !! (nread)
-      integer, allocatable :: node(:)
-      real(wp) :: way
-      type(share_type) :: before
-      integer :: i, j, k
-
-      allocate (slopes(size(self%node)))
-      do i = 1, size(self%unit)
-         call read_unit(self, shape, self%unit(i), before)
-         if (.not. any(wanted(before%place))) cycle
-         node = unit_nodes(shape%solids, shape%mesh, self%unit(i))
-         way = step*maxval(maxval(shape%mesh%x(:, node), 2) - minval(shape%mesh%x(:, node), 2))
-         do j = 1, size(node)
-            do k = 1, shape%mesh%ndim
-               if (shape%solids%dof(k, node(j)) > 0) call move(k, node(j), &
-                  & shape%solids%dof(k, node(j)))
-            end do
-         end do
-      end do
-
-   contains
-
-      !> The difference that one displacement makes.
-      subroutine move(component, at, dof)
-         integer, intent(in) :: component, at, dof
-         type(share_type) :: after
-         real(wp) :: was(2), change(2)
-         integer :: m
-
-         was = [u(dof), self%u(component, at)]
-         u(dof) = was(1) + way
-         self%u(component, at) = was(1) + way
-         call compute(self, shape, self%unit(i))
-         call read_unit(self, shape, self%unit(i), after)
-         do m = 1, size(before%place)
-            associate (place => before%place(m))
-               if (.not. wanted(place)) cycle
-               change(1) = dot_product(von_mises_slope(self%at_node(:, place)), &
-                  & after%stress(:, m) - before%stress(:, m))/real(self%share(place), wp)
-               change(2) = 0.0_wp
-               if (self%weight(place) > 0.0_wp) change(2) = (after%flow(m) - before%flow(m)) &
-                  & /self%weight(place)
-               call add(slopes(place), dof, change/(u(dof) - was(1)))
-            end associate
-         end do
-         u(dof) = was(1)
-         self%u(component, at) = was(2)
-      end subroutine move
-   end subroutine find_slopes
-
-   !> One slope more.
-   pure subroutine add(self, dof, value)
-      type(slopes_type), intent(inout) :: self
-      integer, intent(in) :: dof
-      real(wp), intent(in) :: value(2)
-
-      if (.not. allocated(self%dof)) allocate (self%dof(64), self%mises(64), &
-         & self%flow(64))
-      if (self%n == size(self%dof)) then
-         self%dof = [self%dof, self%dof]
-         self%mises = [self%mises, self%mises]
-         self%flow = [self%flow, self%flow]
-      end if
-      self%n = self%n + 1
-      self%dof(self%n) = dof
-      self%mises(self%n) = value(1)
-      self%flow(self%n) = value(2)
-   end subroutine add
 end module lopin_surface_stress

@@ -13,7 +13,8 @@ module lopin_followed_stress
    use lopin_slip_increment, only : condition_at
    use lopin_nonlinear_contact, only : nonlinear_contact_type
    use lopin_local_matrix, only : local_matrix_type
-   use lopin_surface_stress, only : slopes_type, new_surface_stress, find_stress, find_slopes
+   use lopin_surface_stress, only : new_surface_stress, find_stress
+   use lopin_surface_slopes, only : slopes_type, find_slopes
    use lopin_scene, only : scene_type
    implicit none
    private
