@@ -1,13 +1,13 @@
 """The next operation: the metal of an open run as the deck of another one, trimmed if asked.
 
 The mesh stands in its present shape, the state of its points goes along to the last bit, tools,
-supports and steps are new. Trimming takes out the elements beyond a plane or curve; what they held
-is let go of in the first increment.
+supports and steps are new. Trimming takes out the elements beyond a plane or curve, whole or
+divided along it; what they held is let go of in the first increment.
 """
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -54,8 +54,19 @@ def beyond_plane(point, normal) -> Callable[[NDArray], NDArray]:
     return lambda places: (places - point) @ normal > 0.0
 
 
+def signed_plane(point, normal) -> Callable[[NDArray], NDArray]:
+    """A cut by a plane that divides elements: the distance, positive where the normal points to.
+
+    >>> signed_plane((1.0, 0.0), (2.0, 0.0))(np.array([[0.5, 3.0], [1.5, 3.0]])).tolist()
+    [-0.5, 0.5]
+    """
+    point, normal = np.asarray(point, float), np.asarray(normal, float)
+    return lambda places: (places - point) @ (normal/np.linalg.norm(normal))
+
+
 def next_operation(job: Job, elset: str, cards: str, *, name: str,
-                   trim: Callable[[NDArray], NDArray] | None = None) -> tuple[Deck, Carried]:
+                   trim: Callable[[NDArray], NDArray] | None = None,
+                   cut: Callable[[NDArray], NDArray] | None = None) -> tuple[Deck, Carried]:
     """The deck of the next operation, from where an open run stands.
 
     Parameters
@@ -65,22 +76,24 @@ def next_operation(job: Job, elset: str, cards: str, *, name: str,
     cards : tools, interactions, contact pairs, supports and steps of the next operation
     name : of the new deck
     trim : told the present centres of the elements (element, ndim), says which are taken out
+    cut : told places (n, ndim), a number for each, positive in what is taken out and continuous;
+        elements are divided where it is 0, and both parts have the state of the whole
     """
     from .remesh.body import DeckParts, read_body
     from .remesh.part import _mesh_blocks, _surface, new_labels
     from .remesh.remake import state_block
-    from .remesh.separate import counted, rows_of, states_of_rest, without
+    from .remesh.separate import counted
     from .remesh.state import Snapshot
 
     parts = DeckParts.of(job.deck)
     body = read_body(parts, elset.upper())
     last = Snapshot.of(job, body)
-    centre = np.concatenate([last.x[group].mean(axis=1) for group in body.cells])
-    gone = np.zeros(len(body.elements), bool) if trim is None else np.asarray(trim(centre), bool)
-    if gone.all():
-        raise ModelError("the cut takes all elements out", help="the other side of it stays")
-    row, states = rows_of(body, last.points), states_of_rest(body, last.points, gone)
-    mesh, _ = without(body, last.x, gone)
+    if trim is not None and cut is not None:
+        raise ModelError("both trim and cut are given", help="one of them: cut divides elements")
+    if cut is None:
+        mesh, states, gone, volume = _trimmed(body, last, trim)
+    else:
+        mesh, states, gone, volume = _divided(body, last, cut)
     own, members = set(body.labels.tolist()), set(body.elements.tolist())
     named = parts.cards
     named.nodes = {n: x for n, x in named.nodes.items() if n in own}
@@ -99,11 +112,63 @@ def next_operation(job: Job, elset: str, cards: str, *, name: str,
             deck.blocks.append(_surface(parts, body, mesh, block, element_label))
     deck.blocks.append(state_block(parts, body, mesh, states))
     deck.blocks += Deck.parse(cards, name=name).blocks
-    inside = row >= 0
-    inside[inside] = gone[row[inside]]
-    volume = last.points.volume
-    return deck, Carried(int((~gone).sum()), float(volume[(row >= 0) & ~inside].sum()),
-                         int(gone.sum()), float(volume[inside].sum()))
+    return deck, Carried(int((~gone).sum()), float(volume[~gone].sum()), int(gone.sum()),
+                         float(volume[gone].sum()))
+
+
+def _trimmed(body, last, trim):
+    """Mesh and states without whole elements; which are gone, and the volume of each."""
+    from .remesh.separate import rows_of, states_of_rest, without
+
+    centre = np.concatenate([last.x[group].mean(axis=1) for group in body.cells])
+    gone = np.zeros(len(body.elements), bool) if trim is None else np.asarray(trim(centre), bool)
+    _refuse_nothing_left(gone)
+    row = rows_of(body, last.points)
+    volume = np.bincount(row, last.points.volume, len(gone) + 1)[:-1]
+    mesh, _ = without(body, last.x, gone)
+    return mesh, states_of_rest(body, last.points, gone), gone, volume
+
+
+def _divided(body, last, cut):
+    """The same, elements divided."""
+    from .remesh.clip import clip, facets_of
+    from .remesh.separate import rows_of, states_of_rest, without
+
+    parts = clip(last.x, body.cells, cut)
+    facets, tags = facets_of(parts, body.facets, body.tags, body.ndim)
+    gone = np.concatenate(parts.beyond)
+    _refuse_nothing_left(gone)
+    mesh, _ = without(replace(body, cells=parts.cells, facets=facets, tags=tags), parts.x, gone)
+    states = states_of_rest(body, last.points, np.zeros(len(body.elements), bool))
+    points = [point for group in states for point in group]
+    kept = []
+    for cells, parent, beyond in zip(parts.cells, parts.parent, parts.beyond):
+        own = [points[n] for n in parent[~beyond]]
+        if own:
+            simple = cells.shape[1] == body.ndim + 1
+            kept.append(np.stack([p.mean(axis=0, keepdims=True) if simple else p for p in own]))
+    size = np.concatenate([measures(parts.x, cells, body.axisymmetric) for cells in parts.cells])
+    parent = np.concatenate(parts.parent)
+    n = len(body.elements)
+    whole = np.bincount(rows_of(body, last.points), last.points.volume, n + 1)[:n]
+    return mesh, kept, gone, size*(whole/np.bincount(parent, size, n))[parent]
+
+
+def measures(x: NDArray, cells: NDArray, axisymmetric: bool) -> NDArray:
+    """Volumes, or areas in a plane, of cells; around the axis with their mean radius."""
+    corners = x[cells]
+    if x.shape[1] == 3:
+        return np.abs(np.linalg.det(corners[:, 1:] - corners[:, :1]))/6.0
+    total = np.zeros(len(cells))
+    for k in range(1, cells.shape[1] - 1):
+        area = 0.5*np.abs(np.linalg.det(corners[:, [k, k + 1]] - corners[:, :1]))
+        total += area*(corners[:, [0, k, k + 1], 0].sum(axis=1) if axisymmetric else 1.0)
+    return total
+
+
+def _refuse_nothing_left(gone: NDArray) -> None:
+    if gone.all():
+        raise ModelError("the cut takes all elements out", help="the other side of it stays")
 
 
 def _is_of(block: Block, named) -> bool:

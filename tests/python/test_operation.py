@@ -6,7 +6,9 @@ from test_point_states import deck
 import lopin
 from lopin import mesh_make
 from lopin.errors import ModelError
-from lopin.operation import beyond_plane, next_operation
+from lopin.operation import beyond_plane, measures, next_operation, signed_plane
+from lopin.remesh.body import boundary_facets
+from lopin.remesh.clip import clip, facets_of
 
 pytest.importorskip("scipy")
 
@@ -120,3 +122,74 @@ def test_blocks_of_tetrahedra_go_on_too(core):
     assert carried.volume == pytest.approx(history["volume"][-1], rel=1e-9)
     free = lopin.run(second)
     assert np.abs(free["stress"]).max() < 0.01*stress(np.log(5.0/4.0))
+
+
+@pytest.mark.parametrize("radius", [0.83, 0.5])
+@pytest.mark.parametrize("simple", [False, True])
+def test_a_disc_divided_along_its_cut_bears_by_the_area_that_is_left(core, radius, simple):
+    """Between nodes too: volume by the square of the radius to rounding, force as well."""
+    mesh = mesh_make.block((5.0, 5.0), (10, 10))
+    if simple:
+        mesh = mesh_make.simplices(mesh)
+    scene = deck("CAX3" if simple else "CAX4", mesh.points, mesh.blocks[0][1].tolist(), 5.0, -1.0,
+                 mu=0.0, increments=10)
+    scene = lopin.Deck.parse(scene.text().replace("FLOOR, 1, 2", "FLOOR, 2"), name="disc")
+    cards = SECOND.format(level=4.0, travel=-0.8)
+    whole, _, history = after(scene, cards)
+    rim = 5.0*np.sqrt(history["volume"][-1]/(np.pi*125.0)*5.0/4.0)
+    cut, carried, _ = after(scene, cards, cut=signed_plane((radius*rim, 0.0), (1.0, 0.0)))
+    assert carried.volume + carried.gone_volume == pytest.approx(history["volume"][-1], rel=1e-9)
+    assert carried.volume/history["volume"][-1] == pytest.approx(radius**2, rel=1e-6)
+    full, left = (lopin.run(scene).history for scene in (whole, cut))
+    assert left["PUNCH.rf2"] == pytest.approx(radius**2*full["PUNCH.rf2"], rel=1e-5)
+
+
+def test_tetrahedra_are_divided_along_a_plane_askew(core):
+    """A block of tetrahedra: volumes by Cavalieri, and what is left takes its load."""
+    mesh = mesh_make.simplices(mesh_make.block((4.0, 5.0, 4.0), (3, 3, 3)))
+    scene = deck("C3D4", mesh.points, mesh.blocks[0][1].tolist(), 5.0, -1.0, mu=0.0)
+    scene = lopin.Deck.parse(scene.text().replace("FLOOR, 1, 2", "FLOOR, 2"), name="block")
+    cards = FREE.replace("AXIS, 1", "AXIS, 1\nBACK, 3")
+    plane = signed_plane((3.1, 0.0, 0.0), (1.0, 0.0, 0.3))
+    second, carried, history = after(scene, cards, cut=plane)
+    with lopin.open(scene) as job:
+        wide = max(np.asarray(frame["displacement"])[:, 0].max() for frame in job)
+    width = 4.0 + wide
+    share = (3.1 - 0.15*width)/width        # at the middle of its depth, as wide as the block
+    assert carried.volume/history["volume"][-1] == pytest.approx(share, rel=1e-6)
+    with lopin.open(second) as job:
+        job.advance()
+
+
+def test_divided_cells_keep_volume_skin_and_names():
+    mesh = mesh_make.simplices(mesh_make.block((1.0, 1.0, 1.0), (4, 4, 4)))
+    x, cells = mesh.points, np.asarray(mesh.blocks[0][1])
+
+    def ball(places):
+        return np.linalg.norm(places - 0.1, axis=1) - 0.731
+
+    facets, _ = boundary_facets([cells], 3)
+    tags = [frozenset({("N", f"{d}{side}") for d in range(3) for side in (0.0, 1.0)
+                       if (x[f][:, d] == side).all()}) for f in facets]
+    parts = clip(x, [cells], ball)
+    size = measures(parts.x, parts.cells[0], False)
+    assert size.sum() == pytest.approx(1.0, abs=1e-14) and size.min() > 0.0
+    corners = parts.x[parts.cells[0]]
+    assert (np.linalg.det(corners[:, 1:] - corners[:, :1]) > 0.0).all()
+    on = parts.ends[:, 0] != parts.ends[:, 1]
+    assert np.abs(ball(parts.x[on])).max() < 1e-12
+    skin, names = facets_of(parts, facets, tags, 3)
+    assert len(skin) > len(facets)
+    for facet, name in zip(skin, names):
+        (_, label), = name
+        assert parts.x[facet][:, int(label[0])] == pytest.approx(float(label[1:]), abs=1e-15)
+    own, neighbour = np.unique(np.sort(np.vstack([parts.cells[0][:, list(f)] for f in
+                               ((0, 1, 2), (0, 1, 3), (0, 2, 3), (1, 2, 3))]), axis=1), axis=0,
+                               return_counts=True)
+    assert neighbour.max() == 2 and (neighbour == 1).sum() == len(skin)
+
+
+def test_a_cut_and_a_trim_are_refused_together(core):
+    plane = signed_plane((4.5, 0.0), (1.0, 0.0))
+    with pytest.raises(ModelError, match="both"):
+        after(disc(), FREE, trim=beyond_plane((4.5, 0.0), (1.0, 0.0)), cut=plane)
