@@ -11,7 +11,8 @@ from collections.abc import Callable
 
 from .deck import Block, Deck, Row
 from .errors import UsageError
-from .export_profile import number_of, profile_points, strip_behind
+from .export_profile import (beside_axis, number_of, profile_points, smallest_radius,
+                             strip_behind)
 from .model_read_mesh import MeshCards, expanded
 
 #: Cards that only Lopin has, and words that only it has on others.
@@ -67,6 +68,8 @@ class _Writer:
         self.solid = any(str(w).startswith("C3D") for w, _ in self.mesh.elements.values())
         self.slope = _STIFF*self.modulus/self._facet()
         self.steps = 0
+        self.period = 1.0                      #: of the step [time]
+        self.went: dict[tuple[str, int], float] = {}   # displacement of tools by axis so far
 
     def deck(self) -> Deck:
         """The deck, with what was changed at its top."""
@@ -129,8 +132,11 @@ class _Writer:
                 raise self._refuse(f"the rigid tool {name} in space",
                                    "mesh it, and press with the mesh")
             points = profile_points(surfaces[name], self._smallest_edge())
+            if self.axisymmetric:
+                points = beside_axis(points)
             reference = _word(block, "REF NODE")
-            strip = strip_behind(points, 0.5*self._extent(points))
+            strip = strip_behind(points, 0.5*min(self._extent(points),
+                                                 smallest_radius(surfaces[name])))
             self.tools[name] = f"NT_{name}"
             for key in self._names_of(reference):
                 self.moved[key] = f"NT_{name}"
@@ -178,8 +184,18 @@ class _Writer:
     def _rigid_body_ccx(self, block: Block) -> None:
         """Its nodes are driven by *BOUNDARY."""
 
+    def _static_ccx(self, block: Block) -> None:
+        row = block.data[0] if block.data else ()
+        self.period = number_of(row[1]) if len(row) > 1 and row[1] is not None else 1.0
+        self.out.append(block)
+
     def _boundary_ccx(self, block: Block) -> None:
         rows = []
+        speed = _word(block, "TYPE") == "VELOCITY"
+        if speed:
+            if any(str(row[0]).upper() not in self.moved for row in block.data):
+                raise self._refuse("a node that goes at a velocity", "prescribe its displacement")
+            block.parameters.pop("TYPE")
         for row in block.data:
             tool = self.moved.get(str(row[0]).upper())
             if tool is None:
@@ -192,8 +208,11 @@ class _Writer:
                 if value:
                     raise self._refuse("a rigid tool that turns", "let it move only")
                 last = 2
+            for axis in range(first, last + 1):
+                where = self.went.get((tool, axis), 0.0) + value*self.period if speed else value
+                self.went[tool, axis] = where
             if first <= last:
-                rows.append(Row([tool, first, last, value]))
+                rows.append(Row([tool, first, last, where]))
             if self.axisymmetric and self.steps == 0 and first > 2:
                 rows.append(Row([tool, 1, 1, 0.0]))
         if rows:

@@ -34,6 +34,23 @@ def profile_points(block: Block, most: float) -> list[tuple[float, float]]:
     return points
 
 
+def beside_axis(points: list) -> list[tuple[float, float]]:
+    """What of a profile is not beyond the axis of revolution, where no element may be."""
+    found: list[tuple[float, float]] = []
+    for a, b in zip(points, points[1:]):
+        if a[0] >= 0.0:
+            found.append(a)
+        if a[0]*b[0] < 0.0:
+            found.append((0.0, a[1] + (b[1] - a[1])*a[0]/(a[0] - b[0])))
+    return found + [p for p in points[-1:] if p[0] >= 0.0]
+
+
+def smallest_radius(block: Block) -> float:
+    """Of the arcs of a profile: a strip thicker than that folds behind them [length]."""
+    return min((math.dist([number_of(v) for v in row[1:3]], [number_of(v) for v in row[3:5]])
+                for row in block.data if str(row[0]).upper() == "CIRCL"), default=math.inf)
+
+
 def strip_behind(points: list, depth: float) -> tuple[list, list]:
     """Nodes and quads behind a profile, whose outward side is on the left of the way.
 

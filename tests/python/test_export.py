@@ -122,6 +122,11 @@ U
 """
 SPRING = STRIP.replace("*BOUNDARY\nFOOT", "*ELEMENT, TYPE=SPRINGA, ELSET=W\n9, 1, 5\n*SPRING, ELSET=W\n\n"
                        "400.\n*BOUNDARY\nFOOT")
+#: Its profile goes on beyond the axis, round a small edge, and is pushed at a speed.
+DISC = (STRIP.replace("CPS4", "CAX4").replace("START, 5., 1.\n", "START, 4.7, 3.\nLINE, 4.7, 1.2\n"
+                                              "CIRCL, 4.5, 1., 4.5, 1.2\n")
+        .replace("1., 1.\n*BOUNDARY\nREF, 2, 2, -0.01", "2., 2.\n*BOUNDARY, TYPE=VELOCITY\n"
+                 "REF, 2, 2, -0.005"))
 
 
 def frames(path):
@@ -143,7 +148,8 @@ needs_ccx = pytest.mark.skipif(shutil.which("ccx") is None, reason="ccx is not i
 
 
 @needs_ccx
-@pytest.mark.parametrize("text", [BLOCKS, STRIP, SPRING], ids=["blocks", "rigid profile", "spring"])
+@pytest.mark.parametrize("text", [BLOCKS, STRIP, DISC, SPRING],
+                         ids=["blocks", "rigid profile", "profile about an axis", "spring"])
 def test_calculix_reads_them_and_finds_the_same(tmp_path, text):
     (tmp_path/"job.inp").write_text(text)
     lopin.run(tmp_path/"job.inp", output=tmp_path/"out")
@@ -173,7 +179,8 @@ ABAQUS = {"NODE", "ELEMENT", "NSET", "ELSET", "MATERIAL", "ELASTIC", "SOLID SECT
           "SPRING", "EL FILE", "CLEARANCE", "DSLOAD", "DLOAD", "CLOAD", "PLASTIC", "AMPLITUDE"}
 
 
-@pytest.mark.parametrize("text", [BLOCKS, STRIP, SPRING], ids=["blocks", "rigid profile", "spring"])
+@pytest.mark.parametrize("text", [BLOCKS, STRIP, DISC, SPRING],
+                         ids=["blocks", "rigid profile", "profile about an axis", "spring"])
 def test_decks_for_abaqus_have_its_cards_and_the_same_answer(tmp_path, text):
     (tmp_path/"job.inp").write_text(text)
     ours = lopin.run(tmp_path/"job.inp", output=tmp_path/"out")

@@ -5,7 +5,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .forming_scenes import Built, air_bend, flanged
-from .formed import FormingMap
+from .formed import Formed, FormingMap
 from .scenes import PLAIN, Frame
 
 #: Thickness over the radius of the tools (5), and the largest increment; none: as the code has it.
@@ -24,8 +24,11 @@ class SheetMap(FormingMap):
               "flange, CPE8R, 0.1", "air bend, CPE4I, 0.1", "flange, CPE4I, 0.1")
     released, across = ("air bend", "flange"), 3
     ticks = ([f"{x:g}" for x in THICKNESS], [f"{y[0]:g}" if y else "default" for y in INCREMENTS])
-    reference_ways = (("lagrange", (0.0025, 0.0025)), ("penalty", (0.0025, 0.0025)),
-                      ("lagrange", (0.005, 0.005)), ("lagrange", (0.01, 0.01)))
+    #: Facets that leave a radius one by one need short increments; bends in air do not.
+    ways = {"air bend": (("lagrange", (0.01, 0.01)), ("penalty", (0.01, 0.01)),
+                         ("lagrange", (0.005, 0.005))),
+            "flange": (("lagrange", (0.0025, 0.0025)), ("lagrange", (0.005, 0.005)),
+                       ("penalty", (0.005, 0.005)))}
 
     def grid(self, panel: str, small: bool) -> tuple[NDArray, NDArray]:
         """The values of x and y: places in THICKNESS and INCREMENTS."""
@@ -40,6 +43,10 @@ class SheetMap(FormingMap):
     def reference_key(self, panel: str, x: float, y: float) -> tuple:
         """All increments have one reference."""
         return panel, round(x)
+
+    def _reference(self, key: tuple) -> Formed | None:
+        self.reference_ways = self.ways[key[0].partition(",")[0]]
+        return super()._reference(key)
 
     def reference(self, key: tuple, way: tuple) -> Built:
         """The scene of a reference."""
