@@ -152,6 +152,12 @@ def capstan() -> Deck:
     return mesh_deck(Model("mesh", lean(mesh, "INNER END", "START"), kind="plane stress"))
 
 
+def drawbead() -> Deck:
+    """A strip of 40 by 1."""
+    mesh = mesh_make.block((40.0, 1.0), (50, 2))
+    return mesh_deck(Model("mesh", lean(mesh, "BOTTOM TOP", "RIGHT"), kind="plane strain"))
+
+
 def cylinder_on_plane() -> Deck:
     """Half of a cylinder of radius 100, cut at 20."""
     mesh = crowned(100.0, (20.0, 40.0), 1.0, 1/16, 1.2)
@@ -266,7 +272,7 @@ MESHES = {f.__name__: f for f in (cattaneo, hertz_sphere, hertz_sphere_3d, nafem
                                   cylinder_on_plane, flat_punch, lifted_beam,
                                   patch_test, signorini, strip_bending,
                                   glued_beam, two_blocks_mortar, shrink_fit, ball_on_ball,
-                                  beam_on_roller, capstan)}
+                                  beam_on_roller, capstan, drawbead)}
 
 
 def main(names: list[str]) -> None:

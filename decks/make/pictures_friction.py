@@ -76,6 +76,22 @@ def capstan() -> None:
     save(fig, "capstan")
 
 
+def drawbead() -> None:
+    """The force of the pull, with what friction and the bead give."""
+    h = solved("drawbead").history
+    pull = h["step"] == 2
+    fig, ax = figure()
+    part = h["time"][pull] - 1.0
+    for label, held, exact in (("die and bead: mu N + f", h["DIE.rf1"] + h["BEAD.rf1"],
+                                100.0 + 50.0*part), ("bead: f", h["BEAD.rf1"], 100.0 + 0.0*part)):
+        ax.plot(6.0*part, exact, lw=1.0, color=EXACT)
+        ax.plot(6.0*part, -held[pull], "o", ms=3, color=DOTS)
+        ax.annotate(label, (3.0, exact[-1]), xytext=(0, 4 if exact[-1] > 100.0 else -14), textcoords="offset points")
+    ax.set(xlabel="way [mm], while N grows to 500 N/mm", ylabel="held back [N/mm]",
+           xlim=(0.0, 6.2), ylim=(0.0, 170.0))
+    save(fig, "drawbead")
+
+
 def _drag(name: str, levels: dict[str, float]) -> None:
     """The drag of the plate through time, beside what the law says."""
     h = solved(name).history

@@ -27,7 +27,7 @@ GROUPS = {
                                      "elastica", "rubber_cube", "rubber_tube"),
     "Bulk forming": ("upsetting", "ring_compression", "wire_drawing", "closed_die", "full_flash",
                      "upset_tetra", "cross"),
-    "Sheets": ("cup", "square_cup", "v_bending", "wrapped_strip", "blanking",
+    "Sheets": ("cup", "square_cup", "v_bending", "wrapped_strip", "drawbead", "blanking",
                "shearing"),
     "Meshes that do not match": ("patch_test", "two_blocks_mortar"),
 }
