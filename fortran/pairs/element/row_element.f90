@@ -146,6 +146,7 @@ contains
       if (allocated(local%spring)) deallocate (local%spring)
       if (allocated(local%flat_row)) deallocate (local%flat_row)
       if (allocated(local%reach)) deallocate (local%reach)
+      if (allocated(local%glue)) deallocate (local%glue)
       allocate (local%spring(nu, nu), source=0.0_wp)
       if (row%has_rows) allocate (local%flat_row(row%ndim, nu), source=0.0_wp)
       if (row%status == contact_status%open) return

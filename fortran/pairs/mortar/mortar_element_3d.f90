@@ -192,6 +192,7 @@ contains
       if (allocated(local%k)) deallocate (local%k)
       if (allocated(local%spring)) deallocate (local%spring)
       if (allocated(local%reach)) deallocate (local%reach)
+      if (allocated(local%glue)) deallocate (local%glue)
       if (allocated(local%flat_row)) deallocate (local%flat_row)
       allocate (local%k(n, n), local%spring(local%nu, local%nu), source=0.0_wp)
    end subroutine clear

@@ -314,6 +314,7 @@ contains
          l%dof = [(self%dofs%n + self%first_row(i) + k, k=0, d - 1)]
          if (allocated(l%flat_row)) deallocate (l%flat_row)
          if (allocated(l%reach)) deallocate (l%reach)
+         if (allocated(l%glue)) deallocate (l%glue)
          l%spring = reshape([real(wp) ::], [0, 0])
          l%k = reshape([(merge(1.0_wp, 0.0_wp, mod(k, d + 1) == 0), k=0, d*d - 1)], [d, d])/ &
             & self%enforcement(i)%c

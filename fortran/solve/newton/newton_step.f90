@@ -9,7 +9,7 @@ module lopin_newton_step
    use lopin_local_matrix, only : local_matrix_type
    use lopin_friction, only : has_friction
    use lopin_newton_system, only : set_tangent, add_ground_springs, solve_step
-   use lopin_contact_block, only : apply_locals
+   use lopin_apply_locals, only : apply_locals
    use lopin_newton_workspace, only : is_nonlinear
    use lopin_residual, only : evaluation_type, at_rows
    use lopin_scene, only : scene_type
@@ -33,6 +33,14 @@ module lopin_newton_step
    real(wp), parameter :: beyond = 1.0e3_wp
 
 contains
+
+   !> There are tangents of pressures or of turning bodies.
+   pure logical function has_more_locals(scene) result(has)
+      type(scene_type), intent(in) :: scene
+
+      has = allocated(scene%newton%turning)
+      if (scene%newton%nlgeom) has = has .or. size(scene%newton%follower%local) > 0
+   end function has_more_locals
 
    !> Tangents of the contact points and, under NLGEOM, of the pressures.
    subroutine collect_locals(scene, local)
@@ -70,9 +78,12 @@ contains
          right(:neq) = -evaluation%free
          right(neq + 1:) = -contact%row
          if (.not. by_old) then
-            call collect_locals(scene, local)
-            if (any(abs(remaining) > 0.0_wp)) call push_along(scene, local, remaining, right)
-            call take_tangent(scene, local, flat)
+            if (has_more_locals(scene)) then
+               call collect_locals(scene, local)
+               call use_tangent(scene, local, remaining, flat, right)
+            else
+               call use_tangent(scene, contact%local(:contact%nlocal), remaining, flat, right)
+            end if
          end if
          tolerance = forcing(scene, evaluation)
          do pass = 1, 2
@@ -129,6 +140,18 @@ contains
       end do
       falls = any(is_free .and. .not. touched)
    end function some_body_falls
+
+   !> The tangent for the linear system, and what it brings to the right-hand side.
+   subroutine use_tangent(scene, local, remaining, flat, right)
+      type(scene_type), intent(inout) :: scene
+      type(local_matrix_type), intent(in) :: local(:)
+      real(wp), intent(in) :: remaining(:)     !! (ndof)
+      logical, intent(in) :: flat
+      real(wp), intent(inout) :: right(:)      !! (neq + nmultiplier)
+
+      if (any(abs(remaining) > 0.0_wp)) call push_along(scene, local, remaining, right)
+      call take_tangent(scene, local, flat)
+   end subroutine use_tangent
 
    !> What the prescribed displacements that are still to come ask of the right-hand side.
    subroutine push_along(scene, local, remaining, right)

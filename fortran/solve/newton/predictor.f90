@@ -11,6 +11,7 @@ module lopin_predictor
    use lopin_dense, only : symmetric_eigen
    use lopin_newton_workspace, only : newton_workspace_type
    use lopin_state, only : motion_type
+   use lopin_contact_block, only : spring_of
    use lopin_scene, only : scene_type
    implicit none
    private
@@ -124,7 +125,7 @@ contains
       do b = 1, size(scene%newton%system%block)
          associate (block => scene%newton%system%block(b), r => scene%bodies%motion)
             associate (at => block%at(:block%nu))
-               held = held + matmul(transpose(r(at, :)), matmul(block%spring, r(at, :)))
+               held = held + matmul(transpose(r(at, :)), matmul(spring_of(block), r(at, :)))
             end associate
          end associate
       end do

@@ -21,6 +21,7 @@ module lopin_increment
       & all_are_candidates
    use lopin_solve_path, only : prepare_path, widen_path, solve_linear
    use lopin_path_nonlinear, only : solve_nonlinear
+   use lopin_tell_ties, only : tell_of_ties
    use lopin_torn_ties, only : refuse_torn_ties
    use lopin_certificate, only : forces_type, find_forces, certify
    use lopin_state, only : begin, accept, reject_state => reject
@@ -91,6 +92,7 @@ contains
          if (allocated(error)) return
          call accept(scene%accepted, scene%trial)
          call tell_of_increment(scene, model, frame)
+         if (run%plan%path == path_of%nonlinear) call tell_of_ties(run, model, recorders)
          call watch%checksum%add(frame%u(:3, :))
          run%summary%checksum = watch%checksum%text()
          call scene%clock%stop_in(phase%check)

@@ -18,7 +18,7 @@ module lopin_newton_system
    use lopin_error, only : error_type
    use lopin_text, only : lower
    use lopin_clock, only : clock_type, counter_type, phase
-   use lopin_csc, only : csc_type, storage
+   use lopin_csc, only : csc_type
    use lopin_csc_sum, only : sum_of, widen
    use lopin_gmres, only : operator_type, gmres
    use lopin_linear_solver, only : linear_solver_type, vertices_type, matrix_class
@@ -27,18 +27,15 @@ module lopin_newton_system
    use lopin_reduce_matrix, only : reduce_matrix
    use lopin_local_matrix, only : local_matrix_type
    use lopin_lagged_factor, only : lagged_factor_type, limit_of, note_solution
-   use lopin_contact_block, only : block_type, reduce_block, add_up_springs, entries_of, &
-      & put_entries
+   use lopin_contact_block, only : block_type, reduce_block, set_spring, add_product, &
+      & add_up_springs
    use lopin_firm_springs, only : set_firm, push_back, give_back
+   use lopin_contact_sum, only : add_up_contacts
+   use lopin_tied_equations, only : tied_equations_type, find_tied, take_out, give_own, &
+      & gather_kept, find_tied_forces, vertices_of_kept
    implicit none
    private
    public :: newton_system_type, set_tangent, add_ground_springs, solve_step, solve_whole
-
-   !> Corrections of tractions give way so much, beside c, where the whole matrix is factorised: a
-   !> traction that works on supports alone (shear on the axis) is then none, and not undetermined.
-   real(wp), parameter :: give = 1.0e-11_wp
-   !> Entries of a row below which nothing can meet it.
-   real(wp), parameter :: counts = 1.0e-6_wp
 
    type, extends(operator_type) :: newton_system_type
       integer :: neq = 0, n = 0                !! equations; with multipliers
@@ -46,7 +43,8 @@ module lopin_newton_system
       type(block_type), allocatable :: block(:)
       real(wp), allocatable :: scale(:)        !! (n - neq) turns row residuals into forces
       real(wp), allocatable :: area(:)         !! (n - neq) turns multipliers into forces
-      type(csc_type) :: matrix                 !! what is factorised: K + springs
+      type(csc_type) :: matrix                 !! what is factorised: K + springs, without ties
+      type(tied_equations_type) :: tied        !! equations that the factor does without
       type(vertices_type) :: vertices          !! of the equations, for solvers with coarse levels
       character(len=:), allocatable :: wish    !! AUTO or a solver's word
       class(linear_solver_type), allocatable :: solver
@@ -91,6 +89,13 @@ contains
       allocate (self%block(nlocal))
       do i = 1, nlocal
          call reduce_block(self%block(i), local(i), constraints, flat)
+      end do
+      call take_ties(self)
+      do i = 1, nlocal
+         if (allocated(self%block(i)%glue)) then
+            call set_spring(self%block(i))
+            if (.not. allocated(self%block(i)%spring)) cycle
+         end if
          if (self%firm .and. allocated(self%block(i)%reach)) call set_firm(self%block(i), &
             & local(i), self%neq, self%scale, self%area, diagonal)
       end do
@@ -100,6 +105,22 @@ contains
       self%factorised = .false.
       self%direct = .false.
    end subroutine set_tangent
+
+   !> Which equations the factor does without; the factor at hand is of no use to others.
+   subroutine take_ties(self)
+      type(newton_system_type), intent(inout) :: self
+      integer, allocatable :: before(:)
+
+      before = [integer ::]
+      if (self%tied%n > 0) before = self%tied%own
+      call find_tied(self%tied, self%block, self%neq)
+      if (size(before) == self%tied%n) then
+         if (self%tied%n == 0) return
+         if (all(before == self%tied%own)) return
+      end if
+      self%lag%at_hand = .false.
+      self%factorised = .false.
+   end subroutine take_ties
 
    !> Soft springs to the ground at some equations, for bodies that nothing holds yet. As blocks: a
    !> tool that only contact holds has no place in K.
@@ -183,7 +204,7 @@ contains
       type(counter_type), intent(inout) :: counter
       integer, intent(out) :: bad
       type(error_type), allocatable, intent(out) :: error
-      type(csc_type) :: springs
+      type(csc_type) :: springs, whole
       integer(ik), allocatable :: row(:), colptr(:)
       character(len=:), allocatable :: name
       logical :: same
@@ -193,7 +214,13 @@ contains
          call move_alloc(self%matrix%row, row)
          call move_alloc(self%matrix%colptr, colptr)
       end if
-      call sum_of(self%k, springs, self%matrix)
+      if (self%tied%n > 0) then
+         call sum_of(self%k, springs, whole)
+         call take_out(self%tied, whole, self%matrix)
+         deallocate (whole%row, whole%value)
+      else
+         call sum_of(self%k, springs, self%matrix)
+      end if
       same = allocated(self%solver) .and. allocated(row)
       if (same) same = size(row) == size(self%matrix%row) &
          & .and. size(colptr) == size(self%matrix%colptr)
@@ -208,7 +235,7 @@ contains
             call new_solver(self%solver, name, error)
             if (allocated(error)) return
          end if
-         self%solver%vertices = self%vertices
+         self%solver%vertices = vertices_of_kept(self%tied, self%vertices)
          call self%solver%analyse(self%matrix, matrix_class%positive_definite, [integer ::], error)
          if (allocated(error)) return
          call clock%stop_in(phase%analyse)
@@ -216,6 +243,7 @@ contains
       self%solver%keeps_signs = .true.
       call self%solver%factorise(self%matrix, bad, error)
       if (allocated(error) .and. bad > 0) deallocate (error)
+      if (bad > 0 .and. self%tied%n > 0) bad = self%tied%kept(bad)
       self%factorised = bad == 0 .and. .not. allocated(error)
       self%lag%at_hand = .false.
       counter%factorisations = counter%factorisations + 1
@@ -227,20 +255,12 @@ contains
       class(newton_system_type), intent(inout) :: self
       real(wp), intent(in) :: x(:)
       real(wp), intent(out) :: y(:)
-      integer :: b, i, j
+      integer :: b
 
       call self%k%multiply(x(:self%neq), y(:self%neq))
       y(self%neq + 1:) = 0.0_wp
       do b = 1, size(self%block)
-         associate (at => self%block(b)%at, k => self%block(b)%k)
-            do j = 1, size(at)
-               do i = 1, size(at)
-                  y(at(i)) = y(at(i)) + k(i, j)*x(at(j))
-               end do
-            end do
-            if (allocated(self%block(b)%by_bound)) y(at) = y(at) + self%block(b)%by_bound &
-               & *dot_product(self%block(b)%read_slope, x(self%block(b)%read_at))
-         end associate
+         call add_product(self%block(b), x, y)
       end do
       y(self%neq + 1:) = self%scale*y(self%neq + 1:)
    end subroutine multiply
@@ -254,19 +274,62 @@ contains
       real(wp), allocatable :: du(:, :)
       integer :: b
 
-      allocate (du(self%neq, 1))
-      du(:, 1) = x(:self%neq)
       y(self%neq + 1:) = x(self%neq + 1:)/self%area
+      if (self%tied%n > 0) y(self%tied%row) = 0.0_wp
+      y(:self%neq) = x(:self%neq)
       do b = 1, size(self%block)
-         call push_back(self%block(b), du(:, 1), y)
+         call push_back(self%block(b), y(:self%neq), y)
       end do
-      call self%solver%solve(du)
-      y(:self%neq) = du(:, 1)
+      if (self%tied%n > 0) then
+         call solve_tied(self, x, y)
+      else
+         du = reshape(y(:self%neq), [self%neq, 1])
+         call self%solver%solve(du)
+         y(:self%neq) = du(:, 1)
+      end if
       if (self%n == self%neq) return
       do b = 1, size(self%block)
          call give_back(self%block(b), self%neq, self%scale, self%area, y)
       end do
+      if (self%tied%n > 0) call find_tie_forces(self, x, y)
    end subroutine precondition
+
+   !> Displacements with ties: the forces in y become displacements.
+   subroutine solve_tied(self, x, y)
+      type(newton_system_type), intent(inout) :: self
+      real(wp), intent(in) :: x(:)
+      real(wp), intent(inout) :: y(:)
+      real(wp) :: right(self%tied%n), own(self%n), force(self%n)
+      real(wp), allocatable :: kept(:, :)
+
+      right = x(self%tied%row)/self%scale(self%tied%row - self%neq)
+      if (any(abs(right) > 0.0_wp)) then
+         own = 0.0_wp
+         call give_own(self%tied, right, own(:self%neq))
+         call self%multiply(own, force)
+         y(:self%neq) = y(:self%neq) - force(:self%neq)
+      end if
+      allocate (kept(size(self%tied%kept), 1))
+      call gather_kept(self%tied, y(:self%neq), kept(:, 1))
+      call self%solver%solve(kept)
+      y(self%tied%kept) = kept(:, 1)
+      call give_own(self%tied, right, y(:self%neq))
+   end subroutine solve_tied
+
+   !> Multipliers of ties: what all others leave at their own equations.
+   subroutine find_tie_forces(self, x, y)
+      type(newton_system_type), intent(inout) :: self
+      real(wp), intent(in) :: x(:)
+      real(wp), intent(inout) :: y(:)
+      real(wp) :: left(self%n), force(self%tied%n)
+
+      y(self%tied%row) = 0.0_wp
+      call self%multiply(y, left)
+      left(:self%neq) = x(:self%neq) - left(:self%neq)
+      call find_tied_forces(self%tied, left(:self%neq), self%area(self%tied%row - self%neq), &
+         & force)
+      y(self%tied%row) = force
+   end subroutine find_tie_forces
 
    !> The whole unsymmetric matrix, factorised.
    subroutine solve_whole(self, right, step, clock, counter, bad, error)
@@ -302,7 +365,7 @@ contains
       integer, allocatable :: source(:)
 
       bad = 0
-      call add_up_contacts(self, contacts)
+      call add_up_contacts(self%block, self%neq, self%scale, self%area, contacts)
       call self%k%to_general(general, source)
       call widen(general, self%n, solids)
       call sum_of(solids, contacts, matrix)
@@ -320,63 +383,4 @@ contains
       if (bad > 0 .and. allocated(error)) deallocate (error)
       self%direct = .not. (bad > 0 .or. allocated(error))
    end subroutine factorise_whole
-
-   !> All contacts, and the little by which tractions give way.
-   subroutine add_up_contacts(self, contacts)
-      type(newton_system_type), intent(in) :: self
-      type(csc_type), intent(out) :: contacts
-      integer, allocatable :: row(:), column(:)
-      real(wp), allocatable :: value(:)
-      logical, allocatable :: acts(:)
-      integer :: total, b, i
-
-      total = 0
-      do b = 1, size(self%block)
-         total = total + entries_of(self%block(b))
-      end do
-      total = total + self%n - self%neq
-      allocate (row(total), column(total), value(total))
-      acts = acting_rows(self)
-      total = 0
-      do i = self%neq + 1, self%n
-         total = total + 1
-         row(total) = i
-         column(total) = i
-         value(total) = self%area(i - self%neq)
-         if (acts(i - self%neq)) value(total) = give*value(total)
-      end do
-      do b = 1, size(self%block)
-         i = total + entries_of(self%block(b))
-         call put_entries(self%block(b), row(total + 1:i), column(total + 1:i), value(total + 1:i))
-         total = i
-      end do
-      do i = self%n - self%neq + 1, total
-         if (row(i) > self%neq) value(i) = value(i)*self%scale(row(i) - self%neq)
-      end do
-      call contacts%new_from_triplets(self%n, storage%general, row, column, value)
-   end subroutine add_up_contacts
-
-   !> Rows that a free motion or a traction of their own can meet. That of a node which supports
-   !> hold on a tool that stands still is none: its pressure goes by its penetration, c of it.
-   pure function acting_rows(self) result(acts)
-      type(newton_system_type), intent(in) :: self
-      logical, allocatable :: acts(:)
-      real(wp) :: most(self%n - self%neq), part
-      integer :: b, i, j, row
-
-      most = 0.0_wp
-      do b = 1, size(self%block)
-         associate (at => self%block(b)%at, k => self%block(b)%k, nu => self%block(b)%nu)
-            do i = nu + 1, nu + self%block(b)%nrow
-               row = at(i) - self%neq
-               do j = 1, size(at)
-                  part = abs(k(i, j))
-                  if (at(j) > self%neq) part = part*self%scale(row)/self%area(row)
-                  most(row) = max(most(row), part)
-               end do
-            end do
-         end associate
-      end do
-      acts = most > counts
-   end function acting_rows
 end module lopin_newton_system
