@@ -6,7 +6,7 @@ module lopin_contact_block
    use lopin_local_matrix, only : local_matrix_type, glue_type, turned_force
    implicit none
    private
-   public :: block_type, reduce_block, set_spring, spring_of, rest_of, matrix_of, add_product, &
+   public :: block_type, reduce_block, set_spring, spring_of, rest_of, find_matrix, add_product, &
       & add_up_springs, entries_of, put_entries
 
    !> A local matrix on free equations and multipliers.
@@ -187,9 +187,9 @@ contains
    end function rest_of
 
    !> The dense matrix of a block.
-   pure function matrix_of(block) result(k)
+   pure subroutine find_matrix(block, k)
       type(block_type), intent(in) :: block
-      real(wp), allocatable :: k(:, :)
+      real(wp), allocatable, intent(out) :: k(:, :)
 
       if (.not. allocated(block%glue)) then
          k = block%k
@@ -204,7 +204,7 @@ contains
          k(nu + 1:, :nu) = r
          k(nu + 1:, nu + 1:) = g%give(:d, :d)
       end associate
-   end function matrix_of
+   end subroutine find_matrix
 
    !> Add the product of a block, rows not yet as forces.
    pure subroutine add_product(block, x, y)
@@ -311,7 +311,7 @@ contains
       real(wp), allocatable :: k(:, :)
       integer :: n, i, j
 
-      k = matrix_of(block)
+      call find_matrix(block, k)
       n = 0
       do j = 1, size(block%at)
          do i = 1, size(block%at)

@@ -2,7 +2,7 @@
 module lopin_contact_sum
    use lopin_kinds, only : wp
    use lopin_csc, only : csc_type, storage
-   use lopin_contact_block, only : block_type, entries_of, put_entries, matrix_of
+   use lopin_contact_block, only : block_type, entries_of, put_entries, find_matrix
    implicit none
    private
    public :: add_up_contacts
@@ -65,7 +65,7 @@ contains
 
       most = 0.0_wp
       do b = 1, size(block)
-         k = matrix_of(block(b))
+         call find_matrix(block(b), k)
          associate (at => block(b)%at, nu => block(b)%nu)
             do i = nu + 1, nu + block(b)%nrow
                row = at(i) - neq

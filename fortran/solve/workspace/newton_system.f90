@@ -111,8 +111,8 @@ contains
       type(newton_system_type), intent(inout) :: self
       integer, allocatable :: before(:)
 
-      before = [integer ::]
-      if (self%tied%n > 0) before = self%tied%own
+      allocate (before(self%tied%n))
+      if (self%tied%n > 0) before(:) = self%tied%own
       call find_tied(self%tied, self%block, self%neq)
       if (size(before) == self%tied%n) then
          if (self%tied%n == 0) return
