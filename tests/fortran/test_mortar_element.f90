@@ -14,7 +14,7 @@ program test_mortar_element
    use lopin_rigid_motion, only : rotation_matrix
    use lopin_mortar_node_2d, only : patch_type
    use lopin_mortar_cells_3d, only : new_mortar_kernel
-   use lopin_local_matrix, only : local_matrix_type
+   use lopin_local_matrix, only : local_matrix_type, turned_force
    use lopin_mortar_element, only : present_mortar_type, mortar_anchor_type, update_mortar, &
       & find_mortar_row, evaluate_mortar_point, lay_pieces
    use point_scenes, only : set_method, tied_grip, grip_names
@@ -245,8 +245,7 @@ contains
          status = state%status
          topology = topology_now()
          way = random(dofs%n + d, 1.0_wp)
-         slope = 0.0_wp*way
-         slope(local%dof) = matmul(local%k, way(local%dof))
+         slope = tangent_times(local, way)
          difference = 0.0_wp*way
          kink = status == 0
          do j = 1, 4
@@ -282,6 +281,25 @@ contains
          & - matmul(turn(:d, :d), reshape(state%force, [d, local%nu/d])))) &
          & /maxval(abs(state%force)), 0.0_wp, 1.0e-11_wp)
    end subroutine one_point
+
+   !> The tangent of a point, or of a tie by its parts, times a direction of dofs and row.
+   function tangent_times(local, way) result(slope)
+      type(local_matrix_type), intent(in) :: local
+      real(wp), intent(in) :: way(:)
+      real(wp) :: slope(size(way))
+
+      slope = 0.0_wp
+      if (.not. allocated(local%glue)) then
+         slope(local%dof) = matmul(local%k, way(local%dof))
+         return
+      end if
+      associate (u => local%dof(:local%nu), row => local%dof(local%nu + 1:), g => local%glue)
+         slope(row) = matmul(local%reach, way(u))
+         slope(u) = g%weight*matmul(g%c*slope(row) - way(row), local%reach)
+         slope(row) = slope(row) + matmul(g%give(:d, :d), way(row))
+         if (g%turns) slope(u) = slope(u) + turned_force(g, local%tangent, way(u))
+      end associate
+   end function tangent_times
 
    integer function topology_now()
       topology_now = mortar%list%n
