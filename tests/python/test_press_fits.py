@@ -4,7 +4,7 @@ import pytest
 from tool_patches import Lines, is_quadratic
 
 from lopin.deck import Deck
-from lopin.mesh_make import ring
+from lopin.mesh_make import extruded, ring
 
 YOUNG, NU = 1000.0, 0.3
 
@@ -56,3 +56,46 @@ def test_an_interference_of_a_linear_scene_grows_over_the_first_step(solve, word
     contact = solve(Deck.parse(text, name="growing")).contact(0)
     mean = np.array([contact.at(k).pressure.mean() for k in range(4)])
     assert np.allclose(mean/mean[-1], [0.25, 0.5, 0.75, 1.0], atol=0.02)
+
+
+def in_space(word, facets, mu):
+    """The fit of a slice between two planes of symmetry, with friction."""
+    lines = Lines()
+    lines.add("*MATERIAL, NAME=M", "*ELASTIC", f"{YOUNG!r}, {NU!r}")
+    for name, radii, n in (("I", (1.0, 2.008), facets[0]), ("O", (1.992, 3.0), facets[1])):
+        mesh = extruded(ring(*radii, (2, n)), 0.4, 2)
+        lines.mesh(mesh, word, name)
+        lines.add(f"*SOLID SECTION, ELSET={name}E, MATERIAL=M")
+    lines.add("*SURFACE INTERACTION, NAME=C", "*SURFACE BEHAVIOR, DIRECT", "*FRICTION", f"{mu!r}",
+              "*CONTACT PAIR, INTERACTION=C, TYPE=SURFACE TO SURFACE", "ISOUTER, OSINNER",
+              "*CONTACT CONTROLS, INITIAL=INTERFERENCE", "*BOUNDARY",
+              *(f"{b}START, 2" for b in "IO"), *(f"{b}END, 1" for b in "IO"),
+              *(f"{b}{side}, 3" for b in "IO" for side in ("BOTTOM", "TOP")),
+              "*STEP, NLGEOM", "*STATIC", "*CONTACT FILE", "CDIS, CSTR", "*END STEP")
+    return Deck.parse("\n".join(lines.text) + "\n", name="fit")
+
+
+def few_iterations(result):
+    return sum(step["iterations"] for step in result.summary["steps"]) <= 10
+
+
+@pytest.mark.parametrize("mu", [0.05, 0.2, 0.6])
+@pytest.mark.parametrize("word, facets", [("CPE4", (12, 12)), ("CPE8", (15, 10)), ("CPE8R", (15, 10)),
+                                          ("CPE8", (12, 12)), ("CPE8", (10, 15))])
+def test_friction_on_planes_of_symmetry_leaves_a_fit_as_it_is(solve, word, facets, mu):
+    text = fit(word, facets, 0.016, "SURFACE TO SURFACE").text().replace("*STEP", "*STEP, NLGEOM")
+    assert "*SURFACE BEHAVIOR, DIRECT" in text
+    rubs = text.replace("*SURFACE BEHAVIOR, DIRECT", f"*SURFACE BEHAVIOR, DIRECT\n*FRICTION\n{mu!r}")
+    smooth, result = solve(Deck.parse(text, name="smooth")), solve(Deck.parse(rubs, name="rubs"))
+    assert few_iterations(result)
+    pressure = result.contact(0).last.pressure
+    assert pressure == pytest.approx(smooth.contact(0).last.pressure, rel=0.03)
+    if is_quadratic(word):
+        assert pressure == pytest.approx(exact(0.016), rel=0.05)
+
+
+@pytest.mark.parametrize("word, facets", [("C3D8", (8, 8)), ("C3D8", (9, 6))])
+def test_friction_on_planes_of_symmetry_leaves_a_fit_in_space_as_it_is(solve, word, facets):
+    smooth, result = solve(in_space(word, facets, 0.0)), solve(in_space(word, facets, 0.2))
+    assert few_iterations(result)
+    assert result.contact(0).last.pressure == pytest.approx(smooth.contact(0).last.pressure, rel=0.03)

@@ -3,13 +3,15 @@
 !> On a plane of symmetry the normal of a master of facets may lean out of the plane. Such a node
 !> follows its master in what directions the supports leave, and there is no slip in the others:
 !> rows that measured one would ask more of the node than it can do, and the traction along them
-!> would work on supports alone.
+!> would work on supports alone. A mortar row at such a node measures what few free nodes of the
+!> master do beside held ones: as for ties, the traction has no component there (lopin_tie_release).
 module lopin_supported_points
    use lopin_kinds, only : wp
    use lopin_model, only : model_type
    use lopin_dofs, only : dofs_type
    use lopin_constraints, only : constraints_type, expand, raw_displacement, axes_at
    use lopin_friction, only : has_friction
+   use lopin_tie_release, only : released_directions
    use lopin_nonlinear_contact, only : nonlinear_contact_type
    implicit none
    private
@@ -42,7 +44,10 @@ contains
             g%limited = .false.
             if (self%enforcement(i)%tied .or. .not. has_friction(self%friction(self%pair(i)))) cycle
             if (self%opposite(i)%facet == 0) cycle
+            if (self%mortar(self%pair(i))%is_on) call support_of_row(self, constraints, i, &
+               & model%mesh%ndim, moved, g%support)
             do k = 1, model%mesh%ndim
+               if (self%mortar(self%pair(i))%is_on) exit
                h = local_axis(constraints, self%node(i), k)
                if (.not. rests(constraints, self%dofs, self%node(i), 0, h, moved, &
                   & self%size(i))) cycle
@@ -57,6 +62,68 @@ contains
          end associate
       end do
    end subroutine find_supported_points
+
+   !> Directions in which supports hold the node of a mortar row and most of the row's master.
+   subroutine support_of_row(self, constraints, i, ndim, moved, support)
+      type(nonlinear_contact_type), intent(in) :: self
+      type(constraints_type), intent(in) :: constraints
+      integer, intent(in) :: i                 !! the point
+      integer, intent(in) :: ndim
+      real(wp), intent(in) :: moved(:)         !! (ndof) by prescribed values
+      real(wp), intent(inout) :: support(3, 3) !! projector on these directions
+      integer, allocatable :: node(:)
+      real(wp), allocatable :: share(:)
+      real(wp) :: basis(ndim, ndim), h(3)
+      integer :: n, k, m
+      logical :: rest
+
+      call row_when_begun(self, i, node, share)
+      if (size(node) < 2) return
+      ! However well it is met by linear fields: a traction that it leaves free has no bounds.
+      call released_directions(constraints, self%dofs, node, share, huge(1.0_wp), basis, n)
+      do k = 1, n
+         h = 0.0_wp
+         h(:ndim) = basis(:, k)
+         rest = rests(constraints, self%dofs, node(1), 0, h, moved, self%size(i))
+         do m = 2, size(node)
+            rest = rest .and. .not. abs(dot_product(h, way_of(self%dofs, node(m), 0, moved))) &
+               & > rounding*self%size(i)
+         end do
+         if (rest) support = support + spread(h, 2, 3)*spread(h, 1, 3)
+      end do
+   end subroutine support_of_row
+
+   !> Nodes of a mortar row where the increment begins, its own first, and their shares.
+   subroutine row_when_begun(self, i, node, share)
+      type(nonlinear_contact_type), intent(in) :: self
+      integer, intent(in) :: i                 !! the point
+      integer, allocatable, intent(out) :: node(:)
+      real(wp), allocatable, intent(out) :: share(:)   !! [area]
+      integer :: own
+
+      node = [integer ::]
+      share = [real(wp) ::]
+      associate (mortar => self%mortar(self%pair(i)), anchor => self%mortar_anchor(i))
+         if (mortar%in_space) then
+            associate (row => mortar%space%before(i - mortar%first + 1))
+               if (row%node == 0) return
+               node = row%of
+               share = row%c
+            end associate
+         else
+            if (.not. anchor%set) return
+            node = anchor%node
+            share = anchor%coefficient
+         end if
+      end associate
+      own = findloc(node, self%node(i), dim=1)
+      if (own == 0) then
+         node = [integer ::]
+         return
+      end if
+      node([1, own]) = node([own, 1])
+      share([1, own]) = share([own, 1])
+   end subroutine row_when_begun
 
    !> Direction of a node's axis.
    pure function local_axis(constraints, node, k) result(h)
@@ -80,17 +147,15 @@ contains
       real(wp), intent(in) :: h(3)             !! unit vector
       real(wp), intent(in) :: moved(:)         !! (ndof) by prescribed values
       real(wp), intent(in) :: unit             !! a length of the point, or 1 rad
-      real(wp) :: along, way(3)
+      real(wp) :: along
       integer :: k, j, a, b, id(3)
 
       id = 0
-      way = 0.0_wp
       do k = 1, 3
          if (before + k > size(dofs%id, 1)) exit
          id(k) = dofs%id(before + k, node)
-         if (id(k) > 0) way(k) = moved(id(k))
       end do
-      rests = abs(dot_product(way, h)) <= rounding*unit
+      rests = abs(dot_product(way_of(dofs, node, before, moved), h)) <= rounding*unit
       do k = 1, 3
          if (id(k) == 0) cycle
          do a = constraints%first(id(k)), constraints%first(id(k) + 1) - 1
@@ -107,6 +172,22 @@ contains
       end do
    end function rests
 
+   !> What prescribed values do to a node.
+   pure function way_of(dofs, node, before, moved) result(way)
+      type(dofs_type), intent(in) :: dofs
+      integer, intent(in) :: node
+      integer, intent(in) :: before            !! 0: displacements; 3: rotations
+      real(wp), intent(in) :: moved(:)         !! (ndof) by prescribed values
+      real(wp) :: way(3)
+      integer :: k
+
+      way = 0.0_wp
+      do k = 1, 3
+         if (before + k > size(dofs%id, 1)) exit
+         if (dofs%id(before + k, node) > 0) way(k) = moved(dofs%id(before + k, node))
+      end do
+   end function way_of
+
    !> The tool, or the nodes that carry the point opposite, have no way along a direction.
    pure logical function master_rests(self, model, constraints, i, h, moved) result(rest)
       type(nonlinear_contact_type), intent(in) :: self
@@ -119,7 +200,7 @@ contains
       rest = .true.
       associate (master => self%masters%of(self%pair(i)), a => self%anchor(i))
          if (master%tool == 0) then
-            rest = .not. self%mortar(self%pair(i))%is_on .and. a%set
+            rest = a%set
             do k = 1, a%nnode
                if (abs(a%share(k)) <= rounding) cycle
                rest = rest .and. rests(constraints, self%dofs, a%node(k), 0, h, moved, &
