@@ -120,6 +120,72 @@ expect: history.BILLET.SKIN-DIE.max_penetration < 1e-9
 """, cells, 5.0, stop, "*REMESH, ELSET=BILLET, SIZE=0.8, SMALLEST=0.15, STRAIN=1.\n")
 
 
+def elastic_anvil(cells: int = 16, reduction: float = 0.6,
+                  card: str = "*REMESH, ELSET=BILLET, SIZE=0.8, SMALLEST=0.2, STRAIN=0.4\n") -> str:
+    """A cold disc upset on an anvil that deforms: one body is meshed anew, the other one stays."""
+    billet = mesh_make.block((10.0, 12.0), (cells, round(1.2*cells)))
+    skin = np.concatenate([billet.surfaces[side] for side in ("TOP", "RIGHT", "BOTTOM")])
+    billet = billet.replaced(surfaces={"SKIN": skin})
+    anvil = mesh_make.block((30.0, 20.0), (40, 20))
+    anvil = anvil.replaced(points=anvil.points - [0.0, 20.0])
+    mesh = together(BILLET=lean(billet, "SKIN", "LEFT"), ANVIL=lean(anvil, "TOP", "LEFT BOTTOM"))
+    return text(mesh, f"""
+A cold disc upset by {100*reduction:g} % on an elastic anvil: the mesh of the disc is made anew, that of the anvil stays.
+
+Radius 10 mm, height 12 mm, E = 210000 MPa, yield stress 400 + 500 eps^0.3 MPa (a table), mu = 0.1; the ram is
+rigid, the anvil steel of 60 mm across that is held at its foot and gives way under the disc. Each part of the run
+has the anvil where it was, with its displacements (*START); what the disc presses, friction included, goes on.
+On one mesh of cells of 0.5 mm, of which a corner turns over at the end, the ram needs 832 kN. At a remesh metal
+without rate loses 1 to 2 % of its force, from which on the verdict is WARN, and is back on its curve after a per
+cent of strain. Run by the command of the Python package (docs/remeshing.md).
+
+expect: certificate.verdict = PASS|WARN
+expect: certificate.energy < 0.01
+expect: history.RAM.rf2 = -830.e3 +- 1 %
+""", f"""*MATERIAL, NAME=COLD
+*ELASTIC
+210000., 0.3
+*PLASTIC
+{chr(10).join(f"{400.0 + 500.0*e**0.3:.6g}, {e:g}" for e in (0.0, 0.01, 0.03, 0.1, 0.2, 0.4, 0.7, 1.0, 1.5, 2.5, 4.0))}
+*MATERIAL, NAME=STEEL
+*ELASTIC
+210000., 0.3
+*SOLID SECTION, ELSET=BILLET, MATERIAL=COLD
+*SOLID SECTION, ELSET=ANVIL, MATERIAL=STEEL
+*NODE, NSET=RAM_REF
+900001, 0., 30.
+*SURFACE, NAME=RAM, TYPE=SEGMENTS
+START, 40., 12.
+LINE, -1., 12.
+*RIGID BODY, ANALYTICAL SURFACE=RAM, REF NODE=RAM_REF
+*SURFACE INTERACTION, NAME=OILED
+*SURFACE BEHAVIOR, DIRECT
+*FRICTION
+0.1,
+*CONTACT PAIR, INTERACTION=OILED
+BILLET.SKIN, RAM
+*CONTACT PAIR, INTERACTION=OILED
+BILLET.SKIN, ANVIL.TOP
+*BOUNDARY
+BILLET.LEFT, 1
+ANVIL.LEFT, 1
+ANVIL.BOTTOM, 2
+RAM_REF, 1
+RAM_REF, 6
+{card}*STEP, NAME=UPSET, NLGEOM, INC=1000
+*STATIC
+0.01, 1., 1.E-6, 0.025
+*BOUNDARY
+RAM_REF, 2, 2, {-12.0*reduction:g}
+*OUTPUT, FIELD, FREQUENCY=10
+*NODE OUTPUT
+U
+*ELEMENT OUTPUT
+S, PEEQ
+*END STEP
+""", "axisymmetric")
+
+
 def upset_tetra(cells: tuple[int, int] = (4, 6), share: float = 0.4) -> str:
     """A quarter of a billet of linear tetrahedra, upset by a plate from an STL file."""
     billet = mesh_make.simplices(mesh_make.cylinder(10.0, 15.0, cells, part="quarter"))
@@ -173,7 +239,7 @@ S, PEEQ
 """, "3d")
 
 
-SCENES = {f.__name__: f for f in (closed_die, full_flash, upset_tetra)}
+SCENES = {f.__name__: f for f in (closed_die, full_flash, elastic_anvil, upset_tetra)}
 
 
 if __name__ == "__main__":

@@ -119,6 +119,23 @@ def full_flash() -> None:
     save(fig, "full_flash")
 
 
+def elastic_anvil() -> None:
+    """The disc and the anvil at the end: strain, stress; and the force of the ram."""
+    result = solved("elastic_anvil")
+    fig, (left, middle, ax) = figure(9.6, 3.4, 3)
+    for at, values, label, limits in (
+            (left, result["PEEQ"], "plastic strain [-]", None),
+            (middle, result["Mises"], "von Mises stress [MPa]", (0.0, 1300.0))):
+        drawn = deformed(at, result, values, scale=1.0, grid=0.15, limits=limits)
+        tools(at, result, scale=1.0)
+        at.set(xlim=(0.0, 22.0), ylim=(-12.0, 8.0), xlabel="r [mm]")
+        coloured(fig, drawn, at, label)
+    left.set_ylabel("z [mm]")
+    ax.plot(-result.history["RAM.u2"], -result.history["RAM.rf2"]/1e3, color=DOTS)
+    ax.set(xlabel="stroke [mm]", ylabel="force [kN]", ylim=(0.0, None))
+    save(fig, "elastic_anvil")
+
+
 def blanking() -> None:
     """The metal between the edges, how near it is to fracture, and the force of the punch."""
     cut_sheet("blanking", "r", "force [kN]", 1e3, 16.0)

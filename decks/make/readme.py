@@ -26,6 +26,7 @@ GROUPS = {
                                      "folded_strip", "beam_over_corner", "sliding_ball",
                                      "elastica", "rubber_cube", "rubber_tube"),
     "Bulk forming": ("upsetting", "ring_compression", "wire_drawing", "closed_die", "full_flash",
+                     "elastic_anvil",
                      "upset_tetra", "cross"),
     "Sheets": ("cup", "square_cup", "v_bending", "wrapped_strip", "drawbead", "blanking",
                "shearing"),

@@ -6,6 +6,7 @@ module lopin_job_values
    use lopin_recorder_memory, only : memory_recorder_type
    use lopin_model, only : model_type
    use lopin_point_states, only : states_of_points
+   use lopin_kept_memory, only : memory_of_points
    use lopin_damage_criteria, only : damage_names
    use lopin_damage, only : damage_kinds, mean_damage
    use lopin_tool, only : foot_type, project_moved
@@ -33,6 +34,9 @@ contains
       select case (name)
       case ('STATE OF POINTS')
          call job_points(running, model, table)
+      case ('STATE OF MEMORY')
+         if (running%run%scene%accepted%solids%in_use) call memory_of_points( &
+            & running%run%scene%accepted%solids, model, table)
       case ('STATE OF DAMAGE')
          call job_damage(running, model, table)
       case ('STATE OF CONTACT')

@@ -10,10 +10,13 @@ module lopin_build_heat
    use lopin_build_scene, only : scene_type, need_real, get_word, nodes_of, elements_of
    use lopin_build_amplitudes, only : read_amplitude_word, hold_value
    use lopin_build_boundary, only : asks_new
-   use lopin_build_states, only : read_states
+   use lopin_build_states, only : read_states, read_memories
    implicit none
    private
    public :: read_expansion, build_initial_conditions, build_temperatures
+
+   !> Fields of the longest line of *INITIAL CONDITIONS but for TYPE=MEMORY: that of a state.
+   integer, parameter :: most_fields = 17
 
 contains
 
@@ -51,18 +54,37 @@ contains
       logical :: found
 
       allocate (model%temperature(model%mesh%nnode), source=0.0_wp)
-      allocate (model%initial_stress(0), model%initial_state(0))
+      allocate (model%initial_stress(0), model%initial_state(0), model%start%kept(0))
       do k = 1, scene%ncard
          associate (block => deck%block(scene%card(k)%block), scope => scene%card(k)%scope)
             if (block%keyword /= 'INITIAL CONDITIONS') cycle
             call get_word(block, 'TYPE', word, at, found)
+            if (word /= 'MEMORY') call refuse_long_lines(model, block)
             if (word == 'TEMPERATURE') call read_start(model, scene, block, scope)
             if (word == 'STRESS') call read_stress(model, scene, block, scope)
             if (word == 'STATE' .or. word == 'HARDENING') call read_states(model, scene, block, &
                & scope, word == 'STATE')
+            if (word == 'MEMORY') call read_memories(model, scene, block, scope)
          end associate
       end do
    end subroutine build_initial_conditions
+
+   !> Lines longer than those of any other type: a memory has as many numbers as its law asks for.
+   subroutine refuse_long_lines(model, block)
+      type(model_type), intent(inout) :: model
+      type(block_type), intent(in) :: block
+      type(field_type), allocatable :: field(:)
+      integer :: j, n
+
+      do j = 1, block%nline
+         call split_fields(block%line(j), field, n)
+         if (n > most_fields) call complain(model%log, 'E0103', '*INITIAL CONDITIONS has at '// &
+            & 'most '//to_text(most_fields)//' fields a line, here are '//to_text(n), &
+            & field(most_fields + 1)%at, &
+            & help='if a keyword line is lost above it, write that; or lopin doc '// &
+            & "'*INITIAL CONDITIONS'")
+      end do
+   end subroutine refuse_long_lines
 
    subroutine read_start(model, scene, block, scope)
       type(model_type), intent(inout) :: model

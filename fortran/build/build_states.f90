@@ -1,17 +1,20 @@
-!> *INITIAL CONDITIONS, TYPE=STATE and HARDENING: what integration points remember at the start.
+!> *INITIAL CONDITIONS, TYPE=STATE, HARDENING and MEMORY: what integration points remember at the
+!> start; TRACTION: what slave nodes bear.
 module lopin_build_states
    use lopin_kinds, only : wp
    use lopin_text, only : to_text
    use lopin_error, only : location_type
    use lopin_model, only : model_type, initial_state_type, initial_traction_type
+   use lopin_start, only : kept_memory_type
    use lopin_element_type, only : element_kind
+   use lopin_damage_criteria, only : damage_names
    use lopin_block, only : deck_type, block_type, field_type, split_fields, field_real, &
       & field_integer, complain
    use lopin_build_scene, only : scene_type, elements_of, nodes_of, get_word
    use lopin_build_changes, only : pair_named
    implicit none
    private
-   public :: read_states, build_tractions
+   public :: read_states, read_memories, build_tractions
 
 contains
 
@@ -108,6 +111,49 @@ contains
       new%work = value(11)
       new%damage = value(12:)
    end subroutine read_point
+
+   !> The lines of TYPE=MEMORY: a point of an element each.
+   subroutine read_memories(model, scene, block, scope)
+      type(model_type), intent(inout) :: model
+      type(scene_type), intent(in) :: scene
+      type(block_type), intent(in) :: block
+      integer, intent(in) :: scope
+      type(kept_memory_type), allocatable :: list(:)
+      type(field_type), allocatable :: field(:)
+      integer, allocatable :: element(:)
+      real(wp), allocatable :: value(:)
+      integer :: j, k, n, known, before
+      logical :: found
+
+      known = size(model%start%kept)
+      allocate (list(known + block%nline))
+      list(:known) = model%start%kept
+      before = 4 + size(damage_names)
+      do j = 1, block%nline
+         call split_fields(block%line(j), field, n)
+         if (n == 0) cycle
+         call elements_of(scene, model%mesh, field(1), scope, element, model%log)
+         if (size(element) == 0) cycle
+         if (n <= before .or. size(element) > 1) then
+            call complain(model%log, 'E0103', 'a line of TYPE=MEMORY has one element, a point '// &
+               & 'and what it remembers, as a run writes it', field(1)%at)
+            cycle
+         end if
+         allocate (value(n), source=0.0_wp)
+         do k = 3, n
+            call field_real(field(k), value(k), model%log, found)
+         end do
+         known = known + 1
+         associate (new => list(known))
+            new = kept_memory_type(at=field(1)%at, element=element(1), pressed=value(3), &
+               & scale=value(4), damage=value(5:before))
+            call field_integer(field(2), new%point, model%log, found)
+            new%value = value(before + 1:)
+         end associate
+         deallocate (value)
+      end do
+      model%start%kept = list(:known)
+   end subroutine read_memories
 
    !> Cards of TYPE=TRACTION, once the contact pairs are known.
    subroutine build_tractions(model, deck, scene)

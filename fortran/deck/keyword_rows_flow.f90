@@ -160,12 +160,12 @@ contains
       call example(table, '*MATERIAL, NAME=STEEL|*ELASTIC|210000., 0.3|*EXPANSION|1.2e-5')
 
       call key(table, 'INITIAL CONDITIONS', 'M', 'both', 'State before the first step.')
-      call choice(table, 'TYPE', 'TEMPERATURE,STRESS,HARDENING,STATE,TRACTION', '', &
+      call choice(table, 'TYPE', 'TEMPERATURE,STRESS,HARDENING,STATE,MEMORY,TRACTION', '', &
          & 'TEMPERATURE of nodes, where nothing is strained; STRESS in elements, which need '// &
          & 'not be in balance; HARDENING: plastic strain of an operation before; STATE: all '// &
          & 'that a point remembers, as an earlier run gives it on the present shape (NLGEOM); '// &
-         & 'TRACTION: what slave nodes '// &
-         & 'bear, from which friction goes on.')
+         & 'MEMORY: the same of a mesh that stays, by *START displaced; '// &
+         & 'TRACTION: what slave nodes bear, from which friction goes on.')
       call required(table)
       call refuses(table, 'PLASTIC STRAIN,DISPLACEMENT,VELOCITY,FIELD,PRESSURE,SOLUTION')
       call data_line(table, 'node or set, temperature [temperature]', 'TEMPERATURE: as many '// &
@@ -181,6 +181,9 @@ contains
          & 'STATE: point 0 is every one; E the deviator of the elastic logarithmic strain '// &
          & '(tensor components), J its volume ratio, V0 the volume that energies count by; '// &
          & 'flow stress 0: by the curve; damage in the order of the criteria of *DAMAGE.')
+      call data_line(table, 'element, point, ln J of stresses of the start [-], V0/V [-], '// &
+         & 'damage 1, damage 2, damage 3, damage 4, memory, ...', 'MEMORY: as a run '// &
+         & 'with *REMESH writes it for the bodies whose mesh stays.')
       call data_line(table, 'slave surface, master surface, node or set, T1 [stress], T2, '// &
          & 'T3 = 0, slip 1 = 0 [length], slip 2 = 0, slip 3 = 0', 'TRACTION: on the slave; '// &
          & 'the slip is that of laws which are regularised by it, from where it holds no shear.')

@@ -262,7 +262,7 @@ contains
          & 'part of a run that was remeshed is a deck of its own, which the executable runs.')
       call add_explanation(list, 'E0621', 'something that a new mesh cannot carry', &
          & 'Loads or displacements on nodes that a remesh takes away, materials whose memory '// &
-         & 'belongs to the first mesh, heat, ties, and other bodies that deform.', &
+         & 'belongs to the first mesh, heat, ties, and surfaces in contact with themselves.', &
          & 'load a tool or a surface, or leave *REMESH out.')
       call add_explanation(list, 'E0622', 'the accuracy asked for is not met', &
          & 'QUANTITY of *LOPIN is not known within TARGET ERROR: the mesh that it would take '// &

@@ -6,9 +6,10 @@
 module lopin_start
    use lopin_kinds, only : wp
    use lopin_error, only : location_type
+   use lopin_damage_criteria, only : damage_names
    implicit none
    private
-   public :: start_type, displaced_type, unreleased
+   public :: start_type, displaced_type, kept_memory_type, unreleased
 
    !> A degree of freedom that has moved already.
    type :: displaced_type
@@ -17,6 +18,17 @@ module lopin_start
       real(wp) :: begun = 0.0_wp               !! the same where the step began
       real(wp) :: force = 0.0_wp               !! load without amplitude there [force]
    end type displaced_type
+
+   !> *INITIAL CONDITIONS, TYPE=MEMORY: what one point of a mesh that stays remembers.
+   type :: kept_memory_type
+      type(location_type) :: at
+      integer :: element = 0
+      integer :: point = 0                     !! from 1
+      real(wp) :: pressed = 0.0_wp             !! ln J of stresses of the start [-]
+      real(wp) :: scale = 1.0_wp   !! volume that the law counts by over that of the mesh [-]
+      real(wp) :: damage(size(damage_names)) = 0.0_wp   !! by criterion [-]
+      real(wp), allocatable :: value(:)        !! as lopin_material_memory has it
+   end type kept_memory_type
 
    !> *START.
    type :: start_type
@@ -28,7 +40,9 @@ module lopin_start
       real(wp) :: increment = 0.0_wp           !! of the second [time]
       real(wp) :: release = 0.0_wp             !! over which forces out of balance fade [time]
       type(displaced_type), allocatable :: displaced(:)
+      type(kept_memory_type), allocatable :: kept(:)   !! of meshes that stay
    end type start_type
+
 contains
 
    !> Share of the forces out of balance at the start that still acts at a time of the step: it

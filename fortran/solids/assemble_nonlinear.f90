@@ -21,7 +21,7 @@ module lopin_assemble_nonlinear
    use lopin_material_memory, only : strain_at
    implicit none
    private
-   public :: assemble_nonlinear, recover_nonlinear, remember, bad_element_type
+   public :: assemble_nonlinear, recover_nonlinear, remember, bad_element_type, elastic_energy
    public :: columns, recover_unit, remember_unit
 
    !> An element that the displacements turn inside out; and the largest force of an element on one
@@ -87,6 +87,29 @@ contains
          bad%point = 1 + mod(bad%point - 1, n)
       end associate
    end subroutine assemble_nonlinear
+
+   !> Energy of the elements that remember nothing [force length].
+   real(wp) function elastic_energy(self, mesh, u, memory) result(energy)
+      type(solids_type), intent(in), target :: self
+      type(mesh_type), intent(in), target :: mesh
+      real(wp), contiguous, intent(in), target :: u(:)   !! (n) displacements by equation [length]
+      type(solids_state_type), intent(in), target :: memory
+      type(configuration_type) :: shape
+      type(share_type) :: share
+      real(wp) :: force(size(u))
+      integer :: e
+
+      shape = configuration_type(self, mesh, u, memory)
+      energy = 0.0_wp
+      force = 0.0_wp
+      do e = 1, mesh%nelement
+         if (self%which(e) == 0 .or. memory%first(e + 1) > memory%first(e)) cycle
+         if (size(unit_nodes(self, mesh, e)) == 0) cycle   ! another member stands for its patch
+         share = share_type()
+         call add_unit(shape, e, force, share)
+         energy = energy + share%energy
+      end do
+   end function elastic_energy
 
    !> Elements that follow each other in the order: at a time, or one by one.
    subroutine add_run(shape, from, to, force, share, matrix)

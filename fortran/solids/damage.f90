@@ -99,6 +99,13 @@ contains
             end do
          end associate
       end do
+      do i = 1, size(model%start%kept)
+         associate (kept => model%start%kept(i))
+            p = memory%first(kept%element) + kept%point - 1
+            if (kept%point > 0 .and. p < memory%first(kept%element + 1)) &
+               & memory%damage(1::2, p) = kept%damage(kinds)
+         end associate
+      end do
    end subroutine new_damage
 
    !> Add what an increment did.

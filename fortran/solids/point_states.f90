@@ -20,7 +20,7 @@ module lopin_point_states
       & temperature_at
    implicit none
    private
-   public :: states_of_points, put_state, settle_states, energy_at_rest, state_rows
+   public :: states_of_points, put_state, settle_states, energy_of_memory, state_rows
 
    !> Rows of a table of states.
    integer, parameter :: state_rows = 17
@@ -144,17 +144,15 @@ contains
       memory%pressed = memory%pressed - table(13, :)
    end subroutine settle_states
 
-   !> Elastic energy that a memory holds where nothing has moved yet [force length].
-   real(wp) function energy_at_rest(self, mesh, n, memory) result(energy)
+   !> Elastic energy of the points that remember [force length].
+   real(wp) function energy_of_memory(self, mesh, u, memory) result(energy)
       type(solids_type), intent(in), target :: self
       type(mesh_type), intent(in), target :: mesh
-      integer, intent(in) :: n                 !! equations
+      real(wp), contiguous, intent(in), target :: u(:)   !! (n) displacements by equation [length]
       type(solids_state_type), intent(in), target :: memory
-      real(wp), allocatable, target :: u(:)
       real(wp), allocatable :: table(:, :)
       integer :: e, k
 
-      allocate (u(n), source=0.0_wp)
       call states_of_points(self, mesh, u, memory, table)
       energy = 0.0_wp
       do e = 1, mesh%nelement
@@ -165,7 +163,7 @@ contains
             end associate
          end do
       end do
-   end function energy_at_rest
+   end function energy_of_memory
 
    !> Into the memory of one element at rest; `found` is false if it has no such point, or if its
    !> law remembers what such a state does not have.

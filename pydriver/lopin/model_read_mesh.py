@@ -15,8 +15,9 @@ from .mesh.mesh import Mesh
 #: Words that stand for another.
 _SAME = {"CSS8": "C3D8I/3"}
 _KINDS = {"CPE": "plane strain", "CPS": "plane stress", "CAX": "axisymmetric", "C3D": "3d"}
-_PLANE = {3: "triangle", 6: "triangle6", 4: "quad", 8: "quad8"}
-_SOLID = {4: "tetra", 10: "tetra10", 6: "wedge", 15: "wedge15", 8: "hexahedron",
+#: Cells by the number of their nodes, in the plane and in space.
+PLANE = {3: "triangle", 6: "triangle6", 4: "quad", 8: "quad8"}
+SOLID = {4: "tetra", 10: "tetra10", 6: "wedge", 15: "wedge15", 8: "hexahedron",
           20: "hexahedron20"}
 
 
@@ -160,7 +161,7 @@ class MeshCards:
             match = re.fullmatch(r"(CPE|CPS|CAX|C3D)(\d+)([\w/]*)", _SAME.get(word, word))
             if not match:
                 raise UsageError(f"Model has no element '{word}'")
-            cell = (_SOLID if match[1] == "C3D" else _PLANE)[int(match[2])]
+            cell = (SOLID if match[1] == "C3D" else PLANE)[int(match[2])]
             kinds.add(_KINDS[match[1]])
             letters.add((cell, match[3]))
             if not blocks or blocks[-1][0] != cell:

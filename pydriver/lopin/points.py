@@ -64,6 +64,11 @@ class Points:
         return cls(table[:, 0].astype(int), table[:, 1].astype(int), table[:, 2:5], table[:, 5],
                    table[:, 6:12], *table[:, 12:17].T, damage[:, :4], damage[:, 4:])
 
+    def within(self, elements: NDArray) -> Points:
+        """Of these elements alone, by their labels."""
+        own = np.isin(self.element, elements)
+        return Points(**{name: values[own] for name, values in vars(self).items()})
+
     def lines(self) -> str:
         """Data lines of ``*INITIAL CONDITIONS, TYPE=STATE``, to the last bit."""
         numbers = np.column_stack([self.strain, self.dilatation, self.ratio, self.plastic,

@@ -202,6 +202,6 @@ def test_every_deck_of_the_collection_on_a_finer_mesh(path):
     try:
         finer = refined(Deck.read(path)).deck
     except ModelError as refusal:
-        assert path.stem in ("bar_gap", "full_flash"), refusal
+        assert path.stem in ("bar_gap", "full_flash", "elastic_anvil"), refusal
         return
     lopin.check(finer)

@@ -57,7 +57,8 @@ contains
       logical :: scaled
 
       scaled = .false.
-      if (allocated(model%initial_state)) scaled = any(model%initial_state%whole)
+      if (allocated(model%initial_state)) scaled = any(model%initial_state%whole) &
+         & .or. any(abs(model%start%kept%scale - 1.0_wp) > 0.0_wp)
       associate (accepted => scene%accepted, contact => scene%newton%contact)
          call new_solid_memory(accepted%solids, scene%solids, model%mesh, scaled)
          call new_damage(accepted%solids, model)

@@ -10,7 +10,7 @@ module lopin_run_analysis
    use lopin_model, only : model_type, step_type
    use lopin_report, only : frame_type, summary_type
    use lopin_recorder, only : recorder_holder_type
-   use lopin_follower_loading, only : new_followers, leave_followers
+   use lopin_follower_loading, only : follow_steps, new_followers, leave_followers
    use lopin_loading, only : loading_type, new_loading, carry_loads
    use lopin_plan, only : new_plan
    use lopin_run_type, only : run_type
@@ -241,6 +241,7 @@ contains
          end do
          call prepare(self, model, recorders, error)
          if (allocated(error)) return
+         call follow_steps(scene%newton%follower, model, start%step - 1, scene%dofs%n)
          call start_loading(self%loading, scene, model)
          accepted%loads%before = self%loading%before
          accepted%loads%from = self%loading%from

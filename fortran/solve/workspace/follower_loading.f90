@@ -12,6 +12,7 @@ module lopin_follower_loading
    implicit none
    private
    public :: follower_type, new_followers, set_followers, leave_followers, resume_followers
+   public :: follow_steps
 
    !> One entry for each face and load.
    type :: follower_type
@@ -85,6 +86,19 @@ contains
          call go_on(self, old, k)
       end do
    end subroutine new_followers
+
+   !> Pressures at the end of the first steps of a model: where a part of a run begins behind them.
+   subroutine follow_steps(self, model, nstep, ndof)
+      type(follower_type), intent(inout) :: self
+      type(model_type), intent(in) :: model
+      integer, intent(in) :: nstep, ndof
+      integer :: s
+
+      do s = 1, nstep
+         call new_followers(self, model%step(s), sum(model%step(:s - 1)%period), ndof)
+         call set_followers(self, model, model%step(s)%period)
+      end do
+   end subroutine follow_steps
 
    subroutine clear(self, ndof)
       type(follower_type), intent(inout) :: self

@@ -4,7 +4,9 @@ module lopin_heat
    use lopin_model, only : model_type, amplitude_value, is_heated
    use lopin_error, only : error_type, error_code, raise, severity
    use lopin_text, only : to_text
-   use lopin_point_states, only : put_state, settle_states, energy_at_rest
+   use lopin_point_states, only : put_state, settle_states, energy_of_memory
+   use lopin_kept_memory, only : put_kept_memory
+   use lopin_assemble_nonlinear, only : elastic_energy
    use lopin_stress_free_state, only : heat_points, stress_points, temper_points
    use lopin_scene, only : scene_type
    implicit none
@@ -59,13 +61,56 @@ contains
             & 'the state of the start does not have the internal modes of its elements: they '// &
             & 'begin anew', model%initial_state(1)%at)
          call settle_states(scene%solids, model%mesh, scene%dofs%n, memory)
+         call keep_memories(scene, model, error)
+         if (allocated(error)) return
          call heat_points(memory, scene%solids, model%mesh, &
             & spread(0.0_wp, 1, model%mesh%nnode), memory%pressed)
          call temper_points(memory, scene%solids, model%mesh, model%temperature)
          ! Nothing has worked for what is stored at the start.
-         memory%heat = energy_at_rest(scene%solids, model%mesh, scene%dofs%n, memory)
+         memory%heat = energy_at_start(scene, model)
       end associate
    end subroutine start_stresses
+
+   !> What bodies whose mesh stays remember.
+   subroutine keep_memories(scene, model, error)
+      type(scene_type), intent(inout) :: scene
+      type(model_type), intent(in) :: model
+      type(error_type), allocatable, intent(out) :: error
+      logical :: found
+      integer :: i
+
+      do i = 1, size(model%start%kept)
+         associate (kept => model%start%kept(i))
+            call put_kept_memory(scene%accepted%solids, kept, found)
+            if (found) cycle
+            call raise(error, error_code%deck, 'E0210', 'element '// &
+               & to_text(model%mesh%element_label(kept%element))//' has no point '// &
+               & to_text(kept%point)//' that remembers '//to_text(size(kept%value))//' numbers', &
+               & kept%at, help='a memory belongs to the elements and materials that it was '// &
+               & 'written for')
+            return
+         end associate
+      end do
+   end subroutine keep_memories
+
+   !> Elastic energy of all solids where *START puts them [force length].
+   real(wp) function energy_at_start(scene, model) result(energy)
+      type(scene_type), intent(in) :: scene
+      type(model_type), intent(in) :: model
+      real(wp), allocatable :: u(:)
+      integer :: i, id
+
+      allocate (u(scene%dofs%n), source=0.0_wp)
+      do i = 1, size(model%start%displaced)
+         associate (place => model%start%displaced(i))
+            id = scene%dofs%id(place%dof, place%node)
+            if (id > 0) u(id) = place%now
+         end associate
+      end do
+      energy = energy_of_memory(scene%solids, model%mesh, u, scene%accepted%solids)
+      if (any(abs(u) > 0.0_wp)) energy = energy &
+         & + elastic_energy(scene%solids, model%mesh, u, scene%accepted%solids)
+   end function energy_at_start
 
    !> A state for some points of an element and none for others was meant for other elements.
    subroutine refuse_partial(model, first, error)

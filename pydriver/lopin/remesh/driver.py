@@ -7,7 +7,7 @@ run that was killed goes on to the same bits.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -17,11 +17,11 @@ from ..errors import NotConvergedError, ResourceError
 from ..job import Job
 from ..model_read_mesh import named_from
 from ..run import check
-from .body import DeckParts, read_body, refused
+from .body import Body, DeckParts, read_body
 from .card import RemeshCard
 from .part import Clock
 from .plane import worst_corner
-from .refusals import refuse_what_stays_behind
+from .refusals import refuse_shared_elements, refuse_what_stays_behind
 from .remake import remake
 from .report import Remesh, Report
 from .scrap import pieces
@@ -38,6 +38,22 @@ def part_name(name: str, number: int) -> str:
     'disc.p002'
     """
     return f"{name}.p{number:03d}"
+
+
+@dataclass
+class Made:
+    """Where the mesh of a body began.
+
+    Attributes
+    ----------
+    plastic : accumulated plastic strain of each element
+    began : the moment
+    quality : worst corner
+    """
+
+    plastic: dict[int, float]
+    began: Clock
+    quality: float
 
 
 class Runner:
@@ -59,14 +75,16 @@ class Runner:
         self.resume, self.replay = resume, replay
         check(deck)
         parts = DeckParts.of(deck)
-        cards = [b for b in parts.blocks if b.keyword == "REMESH"]
-        if len(cards) != 1:
-            raise refused("a deck has one *REMESH", "leave all but one out")
-        card = RemeshCard.of(cards[0])
-        body = read_body(parts, card.elset)
-        refuse_what_stays_behind(parts, body)
+        cards = [RemeshCard.of(b) for b in parts.blocks if b.keyword == "REMESH"]
+        bodies = [read_body(parts, card.elset) for card in cards]
+        refuse_shared_elements(bodies)
         self.critical = criticals(parts.blocks)
-        self.card = replace(card.filled(body), cuts=cuts_of(parts.blocks))
+        self.cards = {}
+        for card, body in zip(cards, bodies):
+            refuse_what_stays_behind(parts, body)
+            self.cards[card.elset] = replace(card.filled(body), cuts=cuts_of(parts.blocks))
+        self.most = max(card.most for card in cards)
+        self.made: dict[str, Made] = {}
         self.report = Report(deck.name, self.output)
 
     def run(self) -> Report:
@@ -124,56 +142,76 @@ class Runner:
         if not self._path(number).is_file():
             deck.write(self._path(number))
         parts = DeckParts.of(deck)
-        body = read_body(parts, self.card.elset)
-        first = worst_corner(body.x, body.cells)
-        apart = bool(self.critical) and \
-            sum(1 for _ in pieces(body, np.zeros(len(body.elements), bool))) > 1
+        bodies = self._bodies(deck, parts)
         state, last = b"", None
         options = {**self.options, "resume": self.resume} if self.resume else self.options
         try:
             with Job(deck, self.output, **options) as job:
-                tools = Tools.of(job._session, parts)
+                tools = Tools.of(job._session, parts, bodies[0].ndim)
                 resumed = Clock.of(job._session).number > 0
                 while resumed or job.advance() is not None:
                     resumed = False
-                    last, state = Snapshot.of(job, body), job.state
+                    last, state = Snapshot.of(job, bodies[0]), job.state
                     if following is not None:
                         if _reached(last.clock, Clock.of_start(following)):
                             return following
                         continue
-                    gone, why = torn(body, last, self.critical)
-                    if (gone.any() or apart) and number <= self.card.most \
-                            and not last.clock.at_end:
-                        found = separate(deck, last, gone, self.card.elset, why, number,
-                                         part_name(self.deck.name, number + 1), self.output)
+                    if number <= self.most and not last.clock.at_end:
+                        found = self._next(deck, parts, bodies, number, last, tools)
                         if found is not None:
                             break
-                    why = self._reason(deck, body, last, tools, first)
-                    if why and number <= self.card.most:
-                        found = self._remake(deck, number, last, tools, why)
-                        break
                 else:
                     return None
         except NotConvergedError:
-            if last is None or last.clock.number <= 1 or number > self.card.most \
+            if last is None or last.clock.number <= 1 or number > self.most \
                     or last.clock.at_end or self.replay:
                 raise
+            worn = min(bodies, key=lambda body: worst_corner(last.beside(body).x, body.cells))
             # The run has ended with its failure; its last state is opened again for the tools.
             with Job(deck, state=state, **self.options) as job:
-                found = self._remake(deck, number, last, Tools.of(job._session, parts),
+                found = self._remake(deck, number, last.beside(worn),
+                                     Tools.of(job._session, parts, worn.ndim), worn.elset,
                                      "the next increment did not converge")
         return self._keep(number + 1, *found)
 
-    def _reason(self, deck: Deck, body, last: Snapshot, tools: Tools, first: float) -> str:
-        """Why a mesh should be made anew; nothing at the end of a step."""
-        if last.clock.at_end:
-            return ""
-        return reason_to_remesh(body, self.card, plastic_at_start(deck),
-                                Clock.of_start(deck), last, tools, first)
+    def _bodies(self, deck: Deck, parts: DeckParts) -> list[Body]:
+        """The bodies that are meshed anew, as the deck of a part has them; what their meshes began
+        with is kept in mind until they are made anew."""
+        bodies = [read_body(parts, elset) for elset in self.cards]
+        plastic, began = plastic_at_start(deck), Clock.of_start(deck)
+        for body in bodies:
+            if body.elset not in self.made or int(body.elements[0]) in plastic:
+                self.made[body.elset] = Made(plastic, began, worst_corner(body.x, body.cells))
+        return bodies
 
-    def _remake(self, deck: Deck, number: int, last: Snapshot, tools: Tools, why: str):
+    def _next(self, deck: Deck, parts: DeckParts, bodies: list[Body], number: int, last: Snapshot,
+              tools: Tools):
+        """The deck of the next part and what was done, where metal separates or a mesh is worn."""
+        name = part_name(self.deck.name, number + 1)
+        for body in bodies:
+            now = last.beside(body)
+            gone, why = torn(body, now, self.critical)
+            apart = bool(self.critical) and \
+                sum(1 for _ in pieces(body, np.zeros(len(body.elements), bool))) > 1
+            if gone.any() or apart:
+                found = separate(deck, now, tools.session, gone, body.elset, why, number, name,
+                                 self.output)
+                if found is not None:
+                    return found
+        for body in bodies:
+            now, made = last.beside(body), self.made[body.elset]
+            why = reason_to_remesh(body, self.cards[body.elset], made.plastic, made.began, now,
+                                   tools, made.quality)
+            if why:
+                return self._remake(deck, number, now, tools, body.elset, why)
+        return None
+
+    def _remake(self, deck: Deck, number: int, last: Snapshot, tools: Tools, elset: str,
+                why: str):
         """The deck of the next part, and what the remesh did."""
-        return remake(deck, last, tools, self.card, why, number,
+        if len(self.cards) > 1:
+            why = f"{elset}: {why}"
+        return remake(deck, last, tools, self.cards[elset], why, number,
                       part_name(self.deck.name, number + 1), self.output)
 
     def _keep(self, number: int, deck: Deck, done: Remesh) -> Deck:

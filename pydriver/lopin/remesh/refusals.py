@@ -21,13 +21,10 @@ def refuse_what_stays_behind(parts: DeckParts, body: Body) -> None:
             raise refused(f"*{block.keyword}: {_CARDS[block.keyword]}")
         if block.keyword == "STEP" and "NLGEOM" not in block.parameters:
             raise refused("remeshing belongs to finite strain", "write *STEP, NLGEOM")
-        if block.keyword == "DSLOAD":
-            raise refused("pressures on the surface of a body that is meshed anew come with a "
-                          "later version", "load a tool")
     _refuse_loads(parts, body)
     _refuse_motion(parts, body)
     _refuse_ties(parts, body)
-    _refuse_others(parts, body)
+    _refuse_itself(parts)
     _refuse_material(parts, body)
 
 
@@ -68,19 +65,22 @@ def _refuse_ties(parts: DeckParts, body: Body) -> None:
             raise refused(f"the tie of {', '.join(sorted(names & own))} belongs to the first mesh")
 
 
-def _refuse_others(parts: DeckParts, body: Body) -> None:
-    """Other bodies that deform."""
-    cards, rigid = parts.cards, set()
-    for block in parts.blocks:
-        if block.keyword == "RIGID BODY" and "ELSET" in block.parameters:
-            rigid |= set(cards.elsets.get(plain(block.parameters["ELSET"]).upper(), []))
-    others = set(cards.elements) - set(body.elements.tolist()) - rigid
-    if others:
-        raise refused(f"element {min(others)} is of another body that deforms: one body and rigid "
-                      "tools can be remeshed", "make the other body rigid")
+def _refuse_itself(parts: DeckParts) -> None:
+    """Surfaces in contact with themselves."""
     for block in parts.blocks:
         if block.keyword == "CONTACT PAIR" and _meets_itself(block):
             raise refused("a surface in contact with itself cannot be remeshed in this version")
+
+
+def refuse_shared_elements(bodies: list[Body]) -> None:
+    """Each card has a body of its own."""
+    seen: dict[int, str] = {}
+    for body in bodies:
+        for element in body.elements.tolist():
+            if element in seen:
+                raise refused(f"element {element} is of two *REMESH: {seen[element]} and "
+                              f"{body.elset}", "one card for each body")
+            seen[element] = body.elset
 
 
 def _meets_itself(block: Block) -> bool:

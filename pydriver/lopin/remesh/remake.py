@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from ..deck import Block, Deck
+from ..errors import UsageError
 from ..model_read_mesh import plain
 from ..points import Points
 from .body import Body, DeckParts, direct_labels, read_body, refused
@@ -69,7 +70,7 @@ def remake(deck: Deck, last: Snapshot, tools: Tools, card: RemeshCard, why: str,
                   worst_corner(mesh.x, mesh.cells), moved,
                   *integrals(last.points, states, weights, body.axisymmetric),
                   excess=max(float(o.max()) for o in over), seconds=time.perf_counter() - began)
-    start = [state_block(parts, body, mesh, states),
+    start = [state_block(parts, body, mesh, states), *kept_block(tools.session, body),
              *traction_block(parts, body, mesh, last, origin),
              start_block(body, last, parts)]
     return next_deck(parts, body, mesh, name, folder, start), done
@@ -122,9 +123,22 @@ def state_block(parts: DeckParts, body: Body, mesh: NewMesh, states) -> Block:
     return Block("INITIAL CONDITIONS", {"TYPE": "STATE"}, rows)
 
 
+def kept_block(session, body: Body) -> list[Block]:
+    """*INITIAL CONDITIONS, TYPE=MEMORY: what bodies remember whose mesh stays. `session`: of the
+    open run."""
+    try:
+        table = session.field("STATE OF MEMORY")
+    except UsageError:
+        return []
+    stays = ~np.isin(table[:, 0], body.elements)
+    rows = [[int(row[0]), int(row[1]), *row[2:]] for row in table[stays].tolist()]
+    return [Block("INITIAL CONDITIONS", {"TYPE": "MEMORY"}, rows)] if rows else []
+
+
 def traction_block(parts: DeckParts, body: Body, mesh: NewMesh, last: Snapshot,
                    origin: SkinOrigin) -> list[Block]:
-    """*INITIAL CONDITIONS, TYPE=TRACTION: what the new slave nodes bear, along the old skin."""
+    """*INITIAL CONDITIONS, TYPE=TRACTION: what the new slave nodes bear, along the old skin, and
+    those of bodies whose mesh stays."""
     if last.tractions is None:
         return []
     names = [[str(plain(v)).upper() for v in row[:2]] for b in parts.blocks
@@ -142,6 +156,10 @@ def traction_block(parts: DeckParts, body: Body, mesh: NewMesh, last: Snapshot,
         new = origin.value(old)
         rows += [[*name[:2], int(node_label[origin.node[k]]), *map(float, new[k])]
                  for k in np.flatnonzero(origin.within(np.abs(old[:, :3]).max(axis=1) > 0.0))]
+        held = np.column_stack([t.traction, t.slip])
+        rows += [[*name[:2], int(t.node[k]), *map(float, held[k])]
+                 for k in np.flatnonzero((t.pair == pair) & ~np.isin(t.node, body.labels))
+                 if held[k].any()]
     return [Block("INITIAL CONDITIONS", {"TYPE": "TRACTION"}, rows)] if rows else []
 
 

@@ -13,7 +13,7 @@ from ..points import Points
 from .body import Body, DeckParts, boundary_facets, direct_labels, read_body, refused
 from .part import NewMesh, SkinOrigin, next_deck
 from .plane import crossings, worst_corner
-from .remake import start_block, state_block, traction_block
+from .remake import kept_block, start_block, state_block, traction_block
 from .report import Remesh
 from .scrap import bodies, by_group, loose, named_rows, pieces, split
 from .state import Snapshot
@@ -92,22 +92,30 @@ def crushed(body: Body, x: NDArray, gone: NDArray) -> NDArray:
     return found & ~gone
 
 
-def without(body: Body, x: NDArray, gone: NDArray) -> tuple[NewMesh, NDArray]:
+def without(body: Body, x: NDArray, gone: NDArray, meeting: set[str] | None = None
+            ) -> tuple[NewMesh, NDArray]:
     """The mesh without these elements, and the old row of each of its nodes.
 
     Faces that the cut lays bare belong to every surface of the body that the deck names by faces,
-    so that they meet the tools that their neighbours meet.
+    so that they meet the tools that their neighbours meet; `meeting`: these surfaces alone.
     """
     kept = [g[~out] for g, out in zip(body.cells, by_group(body, gone))]
     cells, old = split([g for g in kept if len(g)], body.ndim)
     facets, _ = boundary_facets(cells, body.ndim)
     known = {tuple(sorted(f)): tag for f, tag in zip(body.facets.tolist(), body.tags)}
-    bare = frozenset(entry for tag in body.tags for entry in tag if entry[0] == "S") | {CUT}
+    bare = frozenset(entry for tag in body.tags for entry in tag if entry[0] == "S"
+                     and (meeting is None or entry[1] in meeting)) | {CUT}
     tags = [known.get(tuple(sorted(old[f].tolist())), bare) for f in facets]
     mesh = NewMesh(x[old], cells, facets, tags)
     for name, rows in named_rows(body).items():
         mesh.named[name] = np.flatnonzero(np.isin(old, rows))
     return mesh, old
+
+
+def in_contact(blocks: list[Block]) -> set[str]:
+    """Names of the surfaces of contact pairs: one that loads alone are put on does not grow."""
+    return {str(plain(name)).upper() for block in blocks if block.keyword == "CONTACT PAIR"
+            for row in block.data for name in row[:2]}
 
 
 def rows_of(body: Body, points: Points) -> NDArray:
@@ -138,7 +146,7 @@ def _told(body: Body, x: NDArray, piece: NDArray, volume: NDArray) -> dict:
             "from": [float(v) for v in low], "to": [float(v) for v in high]}
 
 
-def separate(deck: Deck, last: Snapshot, gone: NDArray, elset: str, why: str, part: int,
+def separate(deck: Deck, last: Snapshot, session, gone: NDArray, elset: str, why: str, part: int,
              name: str, folder: Path) -> tuple[Deck, Remesh] | None:
     """The deck of the part that follows without these elements and what they leave loose: the rest
     of the mesh as it is. None where nothing separates.
@@ -147,6 +155,7 @@ def separate(deck: Deck, last: Snapshot, gone: NDArray, elset: str, why: str, pa
     ----------
     deck : of the part that ends, `part` from 1
     last : where it stands
+    session : the open run
     gone : elements of the body that separate (element,)
     elset : of the body
     why : the reason, in words
@@ -170,7 +179,7 @@ def separate(deck: Deck, last: Snapshot, gone: NDArray, elset: str, why: str, pa
     gone = np.any([gone, *found], axis=0)
     if gone.all():
         raise refused("nothing holds what is left of the body")
-    mesh, old = without(body, last.x, gone)
+    mesh, old = without(body, last.x, gone, in_contact(parts.blocks))
     parts.cards.nsets.setdefault(CUT[1], [])
     states = states_of_rest(body, points, gone)
     skin = np.unique(mesh.facets)
@@ -181,7 +190,7 @@ def separate(deck: Deck, last: Snapshot, gone: NDArray, elset: str, why: str, pa
                   {"volume": float(volume[:-1].sum()), "volume_change": 0.0}, 0.0, 0.0, excess=0.0,
                   seconds=time.perf_counter() - began, separated=share, scrap=scrap,
                   pieces=sum(1 for _ in pieces(body, gone)))
-    start: list[Block] = [state_block(parts, body, mesh, states),
+    start: list[Block] = [state_block(parts, body, mesh, states), *kept_block(session, body),
                           *traction_block(parts, body, mesh, last, origin),
                           start_block(body, last, parts, FADING*last.clock.increment)]
     return next_deck(parts, body, mesh, name, folder, start), done

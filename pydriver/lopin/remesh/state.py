@@ -1,7 +1,7 @@
 """What a run holds where its mesh is made anew: shape, points, tractions, tools, clock."""
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,7 +22,6 @@ class Snapshot:
     tractions : what slave nodes bear; None without contact
     clock : where the run stands
     motion : a row a degree of freedom: label, dof, displacement, where the step began, load
-    volume : of the body, as the run measures it [length^3]
     """
 
     x: NDArray
@@ -39,12 +38,13 @@ class Snapshot:
         if points is None:
             raise refused("the material remembers nothing that a new mesh could go on with",
                           "remeshing is for metals that flow")
-        x = body.x.copy()
-        at = {int(label): k for k, label in enumerate(body.labels)}
-        rows = np.array([at.get(int(label), -1) for label in motion[:, 0]])
-        own = (rows >= 0) & (motion[:, 1] <= body.ndim)
-        x[rows[own], motion[own, 1].astype(int) - 1] += motion[own, 2]
-        return cls(x, points, job.tractions, Clock.of(job._session), motion)
+        return cls(present_places(body, motion), points, job.tractions, Clock.of(job._session),
+                   motion)
+
+    def beside(self, body: Body) -> Snapshot:
+        """The same moment, of one body alone: its shape and its points."""
+        return replace(self, x=present_places(body, self.motion),
+                       points=self.points.within(body.elements))
 
     def moved(self, body: Body) -> NDArray:
         """Rows of `motion` of nodes that are not meshed anew and have moved or bear a load."""
@@ -55,3 +55,13 @@ class Snapshot:
         """Whether loads act on nodes of the body."""
         own = np.isin(self.motion[:, 0], body.labels)
         return bool((np.abs(self.motion[own, 4]) > 0.0).any())
+
+
+def present_places(body: Body, motion: NDArray) -> NDArray:
+    """Of the nodes of a body (node, ndim) [length]."""
+    x = body.x.copy()
+    at = {int(label): k for k, label in enumerate(body.labels)}
+    rows = np.array([at.get(int(label), -1) for label in motion[:, 0]])
+    own = (rows >= 0) & (motion[:, 1] <= body.ndim)
+    x[rows[own], motion[own, 1].astype(int) - 1] += motion[own, 2]
+    return x

@@ -8,26 +8,29 @@ from numpy.typing import NDArray
 
 from ..model_read_mesh import plain
 from .body import Body, DeckParts
+from .masters import FacetMaster
 from .state import Snapshot
 
 
 @dataclass
 class Tools:
-    """Contact pairs whose slave lies on the body and whose master is an analytic tool.
+    """Contact pairs whose slave lies on the body and whose master is a tool, or of another body.
 
     Attributes
     ----------
     session : the open run
     pairs : number of each pair from 0, and the tags that mark its slave
+    masters : surfaces of element faces, by the number of their pair
     """
 
     session: object
     pairs: list[tuple[int, frozenset]] = field(default_factory=list)
+    masters: dict[int, FacetMaster] = field(default_factory=dict)
 
     @classmethod
-    def of(cls, session, parts: DeckParts) -> Tools:
+    def of(cls, session, parts: DeckParts, ndim: int) -> Tools:
         """Of the deck of an open run."""
-        pairs, number, points = [], 0, {}
+        pairs, number, points, masters = [], 0, {}, {}
         for block in parts.blocks:
             if block.keyword == "SURFACE" and \
                     str(plain(block.parameters.get("TYPE", ""))).upper() == "NODE":
@@ -38,8 +41,18 @@ class Tools:
             for row in block.data:
                 slave = str(plain(row[0])).upper()
                 pairs.append((number, frozenset({("S", slave)} | points.get(slave, set()))))
+                master = str(plain(row[1])).upper() if len(row) > 1 and row[1] else slave
+                found = FacetMaster.of(parts, master, ndim) if master != slave else None
+                if found is not None:
+                    masters[number] = found
                 number += 1
-        return cls(session, pairs)
+        return cls(session, pairs, masters)
+
+    def closest(self, number: int, points: NDArray) -> NDArray | None:
+        """Closest points of the master of a pair: a row each of gap, overhang, point, normal."""
+        if number in self.masters:
+            return self.masters[number].feet(points, self.session.field("STATE OF MOTION"))
+        return self.session.tool_feet(number, points)
 
     def feet(self, x: NDArray, tags: list[frozenset], loops: list[NDArray]):
         """For each tool the nodes of an outline that may meet it, and their closest points."""
@@ -48,7 +61,7 @@ class Tools:
             nodes = {n for loop in loops for a, b in zip(loop, np.roll(loop, -1))
                      if tags[a] & slave for n in (int(a), int(b))}
             nodes = np.array(sorted(nodes), int)
-            feet = self.session.tool_feet(number, x[nodes]) if len(nodes) else None
+            feet = self.closest(number, x[nodes]) if len(nodes) else None
             if feet is not None:
                 found.append((nodes, feet))
         return found
@@ -60,7 +73,7 @@ class Tools:
             if not rows:
                 continue
             nodes = np.unique(np.array(rows))
-            feet = self.session.tool_feet(number, x[nodes])
+            feet = self.closest(number, x[nodes])
             if feet is not None:
                 yield nodes, feet
 
@@ -68,7 +81,7 @@ class Tools:
         """For each tool the facets that may meet it, and the closest points of their middles."""
         for number, slave in self.pairs:
             rows = np.array([k for k, tag in enumerate(tags) if tag & slave], int)
-            feet = self.session.tool_feet(number, x[facets[rows]].mean(axis=1)) \
+            feet = self.closest(number, x[facets[rows]].mean(axis=1)) \
                 if len(rows) else None
             if feet is not None:
                 yield rows, feet
@@ -86,7 +99,7 @@ class Tools:
         normals between the ends of each facet."""
         for number, slave in self.pairs:
             rows = np.array([k for k, tag in enumerate(tags) if tag & slave], int)
-            if len(rows) == 0:
+            if len(rows) == 0 or number in self.masters:
                 continue
             n, d = facets.shape[1], x.shape[1]
             feet = self.session.tool_feet(number, x[facets[rows]].reshape(-1, d))

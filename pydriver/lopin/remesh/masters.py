@@ -1,0 +1,119 @@
+"""Surfaces of elements that a body meets: closest points, as those of the tools are told."""
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..mesh.cells import CELLS
+from ..model_read_mesh import PLANE, SOLID
+from .body import DeckParts
+from .space import closest_on_facets
+
+
+@dataclass
+class FacetMaster:
+    """A surface of element faces of another body.
+
+    Attributes
+    ----------
+    labels : of its nodes (node,)
+    start : their coordinates in the deck (node, ndim) [length]
+    facets : rows of the nodes of each facet, edges or triangles, outward (facet, ndim)
+    rim : nodes of the ends of an open surface: of edges that one facet alone has (node,)
+    """
+
+    labels: NDArray
+    start: NDArray
+    facets: NDArray
+    rim: NDArray
+
+    @classmethod
+    def of(cls, parts: DeckParts, name: str, ndim: int) -> FacetMaster | None:
+        """The surface of a deck; None if it is not one of faces."""
+        rows = list(_faces(parts, name, ndim))
+        if not rows:
+            return None
+        corners = np.array(rows)
+        labels, facets = np.unique(corners, return_inverse=True)
+        facets = facets.reshape(corners.shape)
+        sides = np.sort(np.vstack([facets[:, [k]] if ndim == 2 else
+                                   facets[:, [k, (k + 1) % 3]] for k in range(ndim)]), axis=1)
+        sides, count = np.unique(sides, axis=0, return_counts=True)
+        rim = np.zeros(len(labels), bool)
+        rim[sides[count == 1].ravel()] = True
+        start = np.array([parts.cards.nodes[int(n)][:ndim] for n in labels])
+        return cls(labels, start, facets, rim)
+
+    def places(self, motion: NDArray) -> NDArray:
+        """Present places of its nodes (node, ndim). `motion`: of `Snapshot`."""
+        x = self.start.copy()
+        row = np.searchsorted(self.labels, motion[:, 0])
+        row = np.minimum(row, len(self.labels) - 1)
+        own = (self.labels[row] == motion[:, 0]) & (motion[:, 1] <= x.shape[1])
+        x[row[own], motion[own, 1].astype(int) - 1] += motion[own, 2]
+        return x
+
+    def feet(self, points: NDArray, motion: NDArray) -> NDArray:
+        """Closest points: a row each of gap, overhang beyond an open end, point, normal."""
+        x = self.places(motion)
+        closest = closest_on_facets if points.shape[1] == 3 else closest_on_edges
+        facet, share = closest(points, x, self.facets)
+        corners = x[self.facets[facet]]
+        foot = np.einsum("nk,nkd->nd", share, corners)
+        if points.shape[1] == 3:
+            normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+        else:
+            edge = corners[:, 1] - corners[:, 0]
+            normal = np.stack([edge[:, 1], -edge[:, 0]], axis=1)
+        normal /= np.linalg.norm(normal, axis=1)[:, None]
+        arm = points - foot
+        gap = (arm*normal).sum(axis=1)
+        beside = np.linalg.norm(arm - gap[:, None]*normal, axis=1)
+        # On the rim where all corners that count lie on it.
+        ends = (self.rim[self.facets[facet]] | (share < 1e-9)).all(axis=1)
+        ends &= (share < 1e-9).any(axis=1)
+        # Off a ridge the distance counts, not that from the plane of one of its facets.
+        ridge = ~ends & (beside > 0.0)
+        gap[ridge] = np.copysign(np.linalg.norm(arm[ridge], axis=1), gap[ridge])
+        return np.column_stack([gap, np.where(ends, beside, 0.0), foot, normal])
+
+
+def _faces(parts: DeckParts, name: str, ndim: int):
+    """Labels of the corners of each facet: faces of hexahedra in two triangles."""
+    cards = parts.cards
+    for row in cards.surfaces.get(name, []):
+        members = [row[0]] if isinstance(row[0], int) else cards.elsets.get(str(row[0]).upper(), [])
+        face = str(row[1]).upper() if len(row) > 1 and row[1] is not None else ""
+        found = []
+        for member in members:
+            nodes = cards.elements[member][1]
+            cell = CELLS[(PLANE if ndim == 2 else SOLID)[len(nodes)]]
+            own = cell.faces if not face else [cell.faces[int(face[1:]) - 1]]
+            for f in own:
+                corners = [nodes[k] for k in f[:2 if ndim == 2 else min(len(f), 4)]]
+                if ndim == 3 and cell.is_quadratic:
+                    corners = [nodes[k] for k in f[:len(f)//2]]
+                found.append(corners)
+        if not face:
+            seen: dict[frozenset, int] = {}
+            for f in found:
+                seen[frozenset(f)] = seen.get(frozenset(f), 0) + 1
+            found = [f for f in found if seen[frozenset(f)] == 1]
+        for f in found:
+            yield f[:3] if ndim == 3 else f
+            if len(f) == 4:
+                yield [f[0], f[2], f[3]]
+
+
+def closest_on_edges(places: NDArray, x: NDArray, facets: NDArray) -> tuple[NDArray, NDArray]:
+    """Edge that is closest to each place, and the shares of its ends there."""
+    a, b = x[facets[:, 0]], x[facets[:, 1]]
+    along = b - a
+    square = np.maximum((along**2).sum(axis=1), np.finfo(float).tiny)
+    s = np.clip(((places[:, None] - a)*along).sum(axis=2)/square, 0.0, 1.0)
+    far = np.linalg.norm(a + s[..., None]*along - places[:, None], axis=2)
+    best = np.argmin(far, axis=1)
+    s = s[np.arange(len(places)), best]
+    return best, np.stack([1.0 - s, s], axis=1)
