@@ -34,7 +34,7 @@ module lopin_job
       character(len=:), allocatable :: stem     !! of their names
       character(len=:), allocatable :: solver   !! '': as the deck says
       integer :: threads = 0                    !! 0: as the environment says
-      logical :: deterministic = .false.        !! the same bits for any number of threads
+      logical :: deterministic = .false.        !! of earlier versions: it is always so
       logical :: strict = .false.               !! warnings are errors
       logical :: in_memory = .false.            !! the last recorder keeps everything
       logical :: resume = .false.               !! go on from the checkpoint, if there is one
@@ -58,7 +58,7 @@ module lopin_job
       logical :: opened = .false.               !! and not ended
       logical, private :: borrowed = .false.    !! the answer to Ctrl-C
       integer, private :: blas = 0, team = 0          !! threads of the process without the run
-      integer, private :: own_blas = 1, own_team = 0  !! threads of the run; 0: not yet chosen
+      integer, private :: own_team = 0                !! threads of the run; 0: not yet chosen
    end type running_type
 
    !> Fewer are assembled (3 us each) before a second thread has woken up and gone to sleep again.
@@ -89,9 +89,6 @@ contains
       if (.not. allocated(error)) call new_model(model, deck, error)
       if (allocated(error)) return
       if (len(self%solver) > 0) model%solver = upper(self%solver)
-      model%blas_threads = max(1, blas_threads())
-      if (self%threads > 0) model%blas_threads = self%threads
-      if (self%deterministic) model%blas_threads = 1
    end subroutine open_job
 
    !> Run all steps; what was accepted before an error stays recorded.
@@ -278,7 +275,7 @@ contains
       running%team = omp_get_max_threads()
       if (running%own_team == 0) call choose_threads(self, model, running%own_team, log)
       call omp_set_num_threads(running%own_team)
-      done = set_blas_threads(running%own_blas)
+      done = set_blas_threads(1)
       associate (unused => done)
       end associate
       if (self%interruptible .and. .not. running%borrowed) call borrow_interrupt()
@@ -293,7 +290,6 @@ contains
       logical :: done
 
       if (self%stepwise) call give_back(running, error)
-      running%own_blas = max(1, blas_threads())
       call omp_set_num_threads(running%team)
       done = running%blas == 0
       if (.not. done) done = set_blas_threads(running%blas)
@@ -323,8 +319,7 @@ contains
          & plural(log%count_of(severity%warning), 'warning')//' with --strict')
    end subroutine refuse_warnings
 
-   !> Threads of the assembly, where there is enough to share out; the BLAS starts on one, and a
-   !> large system may raise it (lopin_blas_threads says when).
+   !> Threads of the assembly and of factorisations, where there is enough to share out.
    subroutine choose_threads(self, model, started, log)
       type(job_type), intent(in) :: self
       type(model_type), intent(in) :: model

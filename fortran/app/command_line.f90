@@ -18,7 +18,7 @@ module lopin_command_line
       integer :: progress = form_of%auto           !! how a run tells where it is
       logical :: resume = .false.                  !! go on from a checkpoint
       logical :: overwrite = .false.
-      logical :: deterministic = .false.           !! the same bits for any number of threads
+      logical :: deterministic = .false.           !! of earlier versions: it is always so
       logical :: json = .false.                    !! one object on stdout at the end
       logical :: colour = .true.                   !! if stderr is a terminal
       logical :: strict = .false.                  !! warnings are errors
@@ -232,7 +232,7 @@ contains
          & '--solver WORD         auto, '//join(solver_words)//nl// &
          & '--resume              go on from the checkpoint of a run that was broken off'//nl// &
          & '--overwrite           replace the unfinished run of another deck'//nl// &
-         & '--deterministic       the same bits for any number of threads'//nl// &
+         & '--deterministic       of earlier versions; the bits never depend on threads'//nl// &
          & '--strict              warnings are errors'//nl// &
          & '--json                a JSON object on standard output at the end'//nl// &
          & '--progress WORD       auto, line, plain (one an increment), json (the same), none'// &

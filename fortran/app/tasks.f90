@@ -2,7 +2,7 @@
 module lopin_tasks
    use, intrinsic :: iso_fortran_env, only : compiler_version
    use omp_lib, only : omp_get_max_threads
-   use lopin_blas_threads, only : blas_threads
+   use lopin_blas_threads, only : blas_kernel
    use lopin_closing, only : tell_end
    use lopin_command_line, only : options_type
    use lopin_enforcement_factory, only : method_names
@@ -135,8 +135,8 @@ contains
       if (len(options%subject) == 0) then
          call terminal%tell('lopin '//version//nl//'compiler: '//compiler_version()//nl// &
             & 'solvers: '//join(solver_words)//nl//'methods: '//join(method_names)//nl// &
-            & 'threads: '//to_text(omp_get_max_threads())//' of the assembly, '// &
-            & to_text(blas_threads())//' of the BLAS'//nl)
+            & 'threads: '//to_text(omp_get_max_threads())//nl// &
+            & 'kernel of the BLAS: '//blas_kernel()//nl)
          return
       end if
       call open_deck(options, terminal)

@@ -1,19 +1,15 @@
-!> Threads of the BLAS, where it has such a switch (OpenBLAS; others obey the environment only).
+!> Threads and kernel of the BLAS, where it has such switches (OpenBLAS).
 !>
-!> Handing small blocks from thread to thread costs more than it saves, and threads that were woken
-!> once spin for a while: measured on two cores, a solid of 6000 equations takes twice as long on
-!> two threads as on one, of 24000 as long, of 66000 a tenth less.
+!> A run calls it on one thread: factorisations share out their own work (supernodal_tiles.h), and
+!> handing small blocks from thread to thread costs more than it saves.
 module lopin_blas_threads
-   use, intrinsic :: iso_c_binding, only : c_int, c_long_long
+   use, intrinsic :: iso_c_binding, only : c_int, c_long_long, c_char, c_null_char
    use lopin_blas, only : dsyev
    use lopin_error, only : error_type, error_code, raise
    use lopin_kinds, only : wp
    implicit none
    private
-   public :: set_blas_threads, blas_threads, worth_threads, ready_blas
-
-   !> Equations of a solid from which more than one thread pays; plane systems never do.
-   integer, parameter :: worth_threads = 40000
+   public :: set_blas_threads, blas_threads, ready_blas, blas_kernel
 
    !> Addresses that OpenBLAS takes for each thread, and a little more [byte].
    integer(c_long_long), parameter :: room = 140000000_c_long_long
@@ -34,6 +30,13 @@ module lopin_blas_threads
          import :: c_int, c_long_long
          integer(c_long_long), value :: n
       end function lopin_has_room
+      subroutine lopin_choose_blas_kernel() bind(c)
+      end subroutine lopin_choose_blas_kernel
+      integer(c_int) function lopin_blas_kernel(name, room) bind(c)
+         import :: c_int, c_char
+         character(kind=c_char), intent(out) :: name(*)
+         integer(c_int), value :: room
+      end function lopin_blas_kernel
    end interface
 
 contains
@@ -50,13 +53,15 @@ contains
       done = lopin_blas_threads_set(int(most, c_int)) /= 0
    end function set_blas_threads
 
-   !> Let the BLAS take its room: where it finds none it waits for ever, so it is not called at all.
+   !> Let the BLAS take its kernel, and its room: where it finds none it waits for ever, so it is
+   !> not called at all.
    subroutine ready_blas(error)
       type(error_type), allocatable, intent(out) :: error
       real(wp) :: matrix(3, 3), value(3), work(16)
       integer :: info
 
       if (blas_threads() == 0) return
+      call lopin_choose_blas_kernel()
       if (lopin_blas_took_room(0_c_int) /= 0) return
       if (lopin_has_room(room) == 0) then
          call raise(error, error_code%resource, 'E0702', 'not enough memory: the BLAS takes '// &
@@ -70,6 +75,23 @@ contains
       if (info /= 0) call raise(error, error_code%resource, 'E0703', 'the BLAS fails on three '// &
          & 'equations')
    end subroutine ready_blas
+
+   !> The kernel that the BLAS uses for this processor, '' if it does not say.
+   function blas_kernel() result(name)
+      character(len=:), allocatable :: name
+      character(kind=c_char) :: text(32)
+      logical :: chosen
+      integer :: i
+
+      call lopin_choose_blas_kernel()
+      chosen = lopin_blas_kernel(text, int(size(text), c_int)) /= 0
+      name = ''
+      do i = 1, size(text)
+         if (text(i) == c_null_char) exit
+         name = name//text(i)
+      end do
+      if (chosen) name = name//' (chosen here: this BLAS does not know the processor)'
+   end function blas_kernel
 
    !> How many threads the BLAS uses; 0 if it does not say.
    integer function blas_threads()

@@ -7,6 +7,7 @@
 #include <string.h>
 #include <cholmod.h>
 #include <metis.h>
+#include "supernodal.h"
 
 enum { LOPIN_OK = 0, LOPIN_NO_MEMORY = 1, LOPIN_NOT_POSITIVE = 2, LOPIN_TOO_LARGE = 3,
        LOPIN_OTHER = 4 };
@@ -16,6 +17,7 @@ typedef struct {
     cholmod_factor *L;
     cholmod_dense *X, *Y, *E;   /* workspaces of cholmod_solve2, kept between calls */
     size_t n;
+    supernodal_plan *plan;      /* of the factorisations, made with the first one */
 } handle_type;
 
 static int status_of(const handle_type *h)
@@ -72,6 +74,7 @@ void lopin_cholmod_free(void **out)
 {
     handle_type *h = *out;
     if (!h) return;
+    lopin_supernodal_free(&h->plan);
     cholmod_free_factor(&h->L, &h->c);
     cholmod_free_dense(&h->X, &h->c);
     cholmod_free_dense(&h->Y, &h->c);
@@ -110,6 +113,7 @@ int lopin_cholmod_analyse(void *v, int n, int *p, int *i, int *perm, long long *
 {
     handle_type *h = v;
     cholmod_sparse a = sparse_view((size_t)n, p, i, NULL, 1);
+    lopin_supernodal_free(&h->plan);
     cholmod_free_factor(&h->L, &h->c);
     cholmod_free_dense(&h->X, &h->c);
     cholmod_free_dense(&h->Y, &h->c);
@@ -122,10 +126,17 @@ int lopin_cholmod_analyse(void *v, int n, int *p, int *i, int *perm, long long *
     return status_of(h);
 }
 
-/* The order and the supernodes, for factors of another precision (single_shim.c). */
-const cholmod_factor *lopin_cholmod_symbolic(void *v)
+/* The plan of factorisations of a matrix of this pattern; *plan NULL where there are no supernodes. */
+int lopin_cholmod_plan(void *v, const int *p, const int *i, const supernodal_plan **plan)
 {
-    return v ? ((handle_type *)v)->L : NULL;
+    handle_type *h = v;
+    int status = SUPERNODAL_OK;
+    *plan = NULL;
+    if (!h || !h->L || !h->L->is_super || !h->n) return LOPIN_OK;
+    if (!h->plan) status = lopin_supernodal_plan(&h->plan, h->L, p, i);
+    if (status) lopin_supernodal_free(&h->plan);
+    *plan = h->plan;
+    return status ? LOPIN_NO_MEMORY : LOPIN_OK;
 }
 
 /* Smallest pivot over its own diagonal entry: *ratio, and its column of L: *where. */
@@ -148,45 +159,51 @@ static void weakest_pivot(const cholmod_factor *L, const int *p, const int *i, c
     }
 }
 
-/* CHOLMOD starts four threads of its own in every larger supernode, whatever anybody asked for: they
- * spin between two loops of microseconds (a tenth of the CPU time of a factorisation). With no level
- * of parallel regions they are none; the threads of the BLAS are not those of OpenMP unless it says
- * so, and then it is left as it is. */
-extern void omp_set_max_active_levels(int) __attribute__((weak));
-extern int omp_get_max_active_levels(void) __attribute__((weak));
-extern int openblas_get_parallel(void) __attribute__((weak));
+/* Threads of the run, as OpenMP has them. */
+extern int omp_get_max_threads(void) __attribute__((weak));
 
-static int without_levels(void)
+int lopin_threads_of_run(void)
 {
-    int levels;
-    if (!omp_set_max_active_levels || !omp_get_max_active_levels) return -1;
-    if (openblas_get_parallel && openblas_get_parallel() == 2) return -1;
-    levels = omp_get_max_active_levels();
-    omp_set_max_active_levels(0);
-    return levels;
+    int n = omp_get_max_threads ? omp_get_max_threads() : 1;
+    return n > 1 ? n : 1;
 }
 
-static void with_levels(int levels)
+/* Values into the factor that CHOLMOD has laid out, which its solutions then read. */
+static int factorise_supernodes(handle_type *h, const double *a, int *column)
 {
-    if (levels >= 0) omp_set_max_active_levels(levels);
+    cholmod_factor *L = h->L;
+    int zero = !L->x, status, failed;
+    if (zero) {
+        L->x = cholmod_calloc(L->xsize, sizeof(double), &h->c);
+        if (!L->x) return LOPIN_NO_MEMORY;
+        L->xtype = CHOLMOD_REAL;
+        L->dtype = CHOLMOD_DOUBLE;
+    }
+    L->minor = L->n;
+    status = lopin_factorise_double(h->plan, a, L->x, zero, lopin_threads_of_run(), &failed);
+    if (status == SUPERNODAL_NO_MEMORY) return LOPIN_NO_MEMORY;
+    if (status == SUPERNODAL_OK) return LOPIN_OK;
+    *column = failed;
+    L->minor = (size_t)failed;
+    return LOPIN_NOT_POSITIVE;
 }
 
 /* *where: 0-based equation of the failed (status LOPIN_NOT_POSITIVE) or weakest pivot. */
 int lopin_cholmod_factorise(void *v, int *p, int *i, double *x, double *ratio, int *where)
 {
     handle_type *h = v;
-    cholmod_sparse a = sparse_view(h->n, p, i, x, 1);
-    int status, levels, column = 0;
+    const supernodal_plan *plan;
+    int status, column = 0;
     *ratio = 0.0;
     *where = 0;
     if (!h->L) return LOPIN_OTHER;
-    levels = without_levels();
-    cholmod_factorize(&a, h->L, &h->c);
-    with_levels(levels);
-    status = status_of(h);
-    if (status == LOPIN_NOT_POSITIVE) column = (int)h->L->minor;
-    else if (status == LOPIN_OK) weakest_pivot(h->L, p, i, x, ratio, &column);
-    if (h->n) *where = ((int *)h->L->Perm)[column];
+    if (!h->n) { *ratio = 1.0; return LOPIN_OK; }
+    status = lopin_cholmod_plan(v, p, i, &plan);
+    if (status) return status;
+    if (!plan) return LOPIN_OTHER;
+    status = factorise_supernodes(h, x, &column);
+    if (status == LOPIN_OK) weakest_pivot(h->L, p, i, x, ratio, &column);
+    if (status == LOPIN_OK || status == LOPIN_NOT_POSITIVE) *where = ((int *)h->L->Perm)[column];
     return status;
 }
 

@@ -338,7 +338,6 @@ module lopin_model
       character(len=:), allocatable :: path             !! AUTO, CONDENSED, NEWTON
       type(location_type) :: path_at
       character(len=:), allocatable :: solver           !! AUTO or a solver's word
-      integer :: blas_threads = 1                       !! for systems large enough to gain by them
       real(wp) :: target_error = 0.01_wp   !! of pressure, that automatic penalties aim at [-]
       integer :: continuation = 1   !! number of penalties of the sequence of problems (lecture J.1)
       integer :: mortar_degree = 5  !! exactness of the cells of surface-to-surface pairs in space

@@ -1,7 +1,9 @@
 """lopin info of a folder, lopin plot --terminal, words that a command does not take, loads that are
 known and not there."""
 import json
+import os
 import subprocess
+from pathlib import Path
 
 import lopin
 import pytest
@@ -140,3 +142,19 @@ def test_centrifugal_loads_are_refused_by_name(executable, tmp_path, root):
     (tmp_path/"job.inp").write_text(text.replace("*CLOAD", "*DLOAD\nBAR, CENTRIF, 100., 0., 0., 0., 0., 0., 1.\n*CLOAD", 1))
     done = subprocess.run([executable, "check", tmp_path/"job.inp"], capture_output=True, text=True)
     assert done.returncode == 1 and done.stderr.count("error[") == 1 and "E0108" in done.stderr
+
+
+@pytest.mark.skipif(not Path("/proc/cpuinfo").is_file(), reason="asks Linux for the processor")
+def test_the_blas_uses_what_the_processor_has(executable):
+    """An OpenBLAS that does not know the processor falls back to instructions of 2004."""
+    def kernel(**said):
+        free = {k: v for k, v in os.environ.items() if k != "OPENBLAS_CORETYPE"}
+        out = subprocess.run([executable, "info"], check=True, capture_output=True, text=True,
+                             env=free | said).stdout
+        return out.split("kernel of the BLAS: ")[1].splitlines()[0]
+
+    flags = Path("/proc/cpuinfo").read_text().split("flags", 1)[-1].split("\n")[0].split()
+    if "avx2" in flags and "fma" in flags:
+        assert not kernel().startswith("Prescott")
+    if "ssse3" in flags and kernel():
+        assert kernel(OPENBLAS_CORETYPE="Prescott") == "Prescott"

@@ -7,7 +7,6 @@ module lopin_path_condensed
    use lopin_kinds, only : wp
    use lopin_error, only : error_type, error_code, log_type, raise
    use lopin_text, only : to_text
-   use lopin_blas_threads, only : set_blas_threads, worth_threads
    use lopin_clock, only : phase
    use lopin_model, only : model_type
    use lopin_constraints, only : expand, reduce, raw_displacement
@@ -44,12 +43,9 @@ contains
       type(error_type), allocatable, intent(out) :: error
       integer, allocatable :: retained(:)
       integer :: bad
-      logical :: threaded
 
       call retained_equations(scene, model, retained)
       if (allocated(scene%kept_last)) call move_alloc(scene%kept_last, retained)
-      if (model%mesh%ndim == 3 .and. scene%constraints%neq >= worth_threads) &
-         & threaded = set_blas_threads(model%blas_threads)
       call new_linear_system(scene%system, scene%constraints%neq, scene%bodies%support, retained)
       call factorise_system(scene%system, scene%k, scene%constraints, model%solver, scene%clock, &
          & scene%counter, bad, error)

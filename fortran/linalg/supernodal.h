@@ -1,0 +1,55 @@
+/* The plan of a supernodal factorisation, made once from the symbolic analysis of CHOLMOD, and the
+ * factorisations that follow it (supernodal_double.c, supernodal_single.c).
+ *
+ * The tree of supernodes is cut into subtrees, each of which one thread factorises by itself, and
+ * what is above them, where all threads share the tiles of one supernode. The cut and the tiles
+ * depend on the analysis alone, never on the number of threads: whatever that is, the factor has
+ * the same bits. Threads take what is to be done next from one counter, so that one that another
+ * program holds up takes less. Functions return 0 or a code of `enum supernodal_status`. */
+#ifndef LOPIN_SUPERNODAL_H
+#define LOPIN_SUPERNODAL_H
+#include <stddef.h>
+#include <cholmod.h>
+
+enum supernodal_status { SUPERNODAL_OK = 0, SUPERNODAL_NO_MEMORY = 1, SUPERNODAL_NOT_POSITIVE = 2 };
+
+typedef struct {
+    int n, nsuper;
+    const int *super, *pi, *px, *row, *perm;  /* of the analysis, which outlives this */
+    int *owner;                               /* (n) supernode of a column */
+    int nsubtree, *first, *last;              /* ranges of supernodes, most work first */
+    int ntop, *top;                           /* supernodes above them, ascending */
+    int most_rows;                            /* of a supernode */
+    double flops;                             /* additions and multiplications of a factorisation */
+    size_t *begin;                            /* (nsuper + 1) entries of the matrix by supernode */
+    int *entry;                               /* their positions in the matrix */
+    int *target;                              /* and in the factor */
+} supernodal_plan;
+
+/* Lower triangle by columns, 0-based, sorted rows; `L` is analysed for this pattern. */
+int lopin_supernodal_plan(supernodal_plan **out, const cholmod_factor *L, const int *p,
+                          const int *i);
+void lopin_supernodal_free(supernodal_plan **out);
+
+/* L L^T of the matrix with these values, by up to `threads` threads. `zero`: x holds zeros.
+ * *failed: column without a positive pivot. */
+int lopin_factorise_double(const supernodal_plan *plan, const double *a, double *x, int zero,
+                           int threads, int *failed);
+
+/* Of D A D, where scale (n) holds D in the order of the factor; `sign` (n): of the pivots. Negative
+ * ones are taken where `signed_too`. */
+int lopin_factorise_single(const supernodal_plan *plan, const double *a, const double *scale,
+                           float *x, int signed_too, signed char *sign, int threads, int *failed);
+
+/* ---- threads ----------------------------------------------------------------------------- */
+
+typedef struct team team_type;
+
+/* Run job(team, rank, argument) on `threads` threads, or on as many as start. */
+void lopin_run_team(int threads, void (*job)(team_type *, int, void *), void *argument);
+int lopin_team_size(const team_type *team);
+/* The next number from 0 that no thread has taken since all have met. */
+int lopin_take_next(team_type *team);
+/* All threads meet. */
+void lopin_meet(team_type *team);
+#endif

@@ -1,0 +1,102 @@
+/* Threads that share the work of one factorisation: they start with it and end with it.
+ *
+ * A thread that waits for the others looks for them a few microseconds and then sleeps, so that it
+ * takes no time from what else the machine does. While they run, each calls the BLAS for itself. */
+#include <pthread.h>
+#include <stdatomic.h>
+#include <stdlib.h>
+#include "supernodal.h"
+
+enum { LOOKS = 4000 };                        /* of a thread that waits, before it sleeps */
+
+struct team {
+    int size;
+    atomic_int next, arrived, round;
+    pthread_mutex_t lock;
+    pthread_cond_t all_here;
+    void (*job)(team_type *, int, void *);
+    void *argument;
+};
+
+typedef struct { team_type *team; int rank; pthread_t thread; } member_type;
+
+extern void openblas_set_num_threads(int) __attribute__((weak));
+extern int openblas_get_num_threads(void) __attribute__((weak));
+
+int lopin_team_size(const team_type *team) { return team->size; }
+
+int lopin_take_next(team_type *team)
+{
+    if (team->size == 1) {
+        int now = atomic_load_explicit(&team->next, memory_order_relaxed);
+        atomic_store_explicit(&team->next, now + 1, memory_order_relaxed);
+        return now;
+    }
+    return atomic_fetch_add(&team->next, 1);
+}
+
+static void rest(void)
+{
+#if defined(__x86_64__)
+    __builtin_ia32_pause();
+#endif
+}
+
+void lopin_meet(team_type *team)
+{
+    int round = atomic_load(&team->round), k;
+    if (team->size == 1) { atomic_store(&team->next, 0); return; }
+    if (atomic_fetch_add(&team->arrived, 1) == team->size - 1) {
+        atomic_store(&team->arrived, 0);
+        atomic_store(&team->next, 0);
+        pthread_mutex_lock(&team->lock);
+        atomic_fetch_add(&team->round, 1);
+        pthread_cond_broadcast(&team->all_here);
+        pthread_mutex_unlock(&team->lock);
+        return;
+    }
+    for (k = 0; k < LOOKS; k++) {
+        if (atomic_load(&team->round) != round) return;
+        rest();
+    }
+    pthread_mutex_lock(&team->lock);
+    while (atomic_load(&team->round) == round) pthread_cond_wait(&team->all_here, &team->lock);
+    pthread_mutex_unlock(&team->lock);
+}
+
+static void *work(void *v)
+{
+    member_type *m = v;
+    /* Members wait here until it is known how many there are. */
+    pthread_mutex_lock(&m->team->lock);
+    pthread_mutex_unlock(&m->team->lock);
+    m->team->job(m->team, m->rank, m->team->argument);
+    return NULL;
+}
+
+void lopin_run_team(int threads, void (*job)(team_type *, int, void *), void *argument)
+{
+    team_type team = {.size = 1, .job = job, .argument = argument};
+    member_type *member = threads > 1 ? calloc((size_t)threads, sizeof *member) : NULL;
+    int blas = 1, k;
+    pthread_mutex_init(&team.lock, NULL);
+    pthread_cond_init(&team.all_here, NULL);
+    if (openblas_get_num_threads && openblas_set_num_threads) {
+        blas = openblas_get_num_threads();
+        if (blas != 1) openblas_set_num_threads(1);
+    }
+    pthread_mutex_lock(&team.lock);
+    for (k = 1; member && k < threads; k++) {
+        member[k].team = &team;
+        member[k].rank = k;
+        if (pthread_create(&member[k].thread, NULL, work, &member[k])) break;
+        team.size = k + 1;
+    }
+    pthread_mutex_unlock(&team.lock);
+    job(&team, 0, argument);
+    for (k = 1; k < team.size; k++) pthread_join(member[k].thread, NULL);
+    if (blas != 1 && openblas_set_num_threads) openblas_set_num_threads(blas);
+    pthread_cond_destroy(&team.all_here);
+    pthread_mutex_destroy(&team.lock);
+    free(member);
+}
