@@ -11,6 +11,9 @@ module lopin_check_traction
    private
    public :: check_traction
 
+   !> Forces of a pair below this share of those in the bodies are what equilibrium leaves open.
+   real(wp), parameter :: left_open = 1.0e-6_wp
+
 contains
 
    !> Of the fields of a frame, by pair; the verdict of the frame follows.
@@ -49,6 +52,10 @@ contains
          real(wp) :: area(size(frame%contact(pair)%node), 2)
 
          associate (f => frame%contact(pair))
+            f%lost = 0.0_wp
+            within = 0.0_wp
+            if (scene%newton%in_use .and. sum(norm2(f%force, 1)) <= &
+               & left_open*scene%newton%reference) return
             call field_areas(scene%skin(pair), x, f%node, f%normal, f%pressure, &
                & merge(f%weight, 0.0_wp, f%facet > 0), area)
             f%lost = lost_force(f%pressure, area(:, 1), f%force, f%normal, x(:, f%node))

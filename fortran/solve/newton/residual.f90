@@ -114,18 +114,21 @@ contains
    !> contact. A body that is all but released has large forces of its own.
    pure real(wp) function contact_residual(scene)
       type(scene_type), intent(in) :: scene
-      real(wp) :: scale
+      real(wp) :: scale, left(scene%newton%contact%n)
       integer :: i
 
       contact_residual = 0.0_wp
       scale = largest_pressure(scene)
       if (.not. scale > 0.0_wp) return
       associate (c => scene%newton%contact)
+         ! Of all directions of a point together: their parts along axes depend on the axes.
+         left = 0.0_wp
          do i = 1, c%nmultiplier
-            associate (point => c%point_of_row(i))
-               contact_residual = max(contact_residual, c%c(point)*(abs(c%row(i)) &
-                  & - gap_rounding(scene, point))/scale)
-            end associate
+            left(c%point_of_row(i)) = left(c%point_of_row(i)) + c%row(i)**2
+         end do
+         do i = 1, c%n
+            contact_residual = max(contact_residual, c%c(i)*(sqrt(left(i)) &
+               & - gap_rounding(scene, i))/scale)
          end do
       end associate
    end function contact_residual
