@@ -265,6 +265,34 @@ def square_cup() -> None:
     save(fig, "square_cup")
 
 
+def trimmed_cup() -> None:
+    """How far the trimmed cup springs back, the stress that stays, and its rim before and after."""
+    result = solved("trimmed_cup")
+    before, after = (result.at(k)["displacement"] for k in (0, len(result.times) - 1))
+    fig = plt.figure(figsize=(9.6, 3.6), layout="constrained")
+    for k, (values, label) in enumerate((
+            (np.linalg.norm(after - before, axis=1), "springback [mm]"),
+            (result["Mises"], "von Mises stress that stays [MPa]"))):
+        ax = fig.add_subplot(1, 3, k + 1, projection="3d", proj_type="ortho")
+        drawn = skin(ax, result, values, index=len(result.times) - 1)
+        ax.set(xlim=(0.0, 62.0), ylim=(0.0, 62.0), zlim=(-16.0, 1.0), xlabel="x [mm]",
+               zticks=(-15, 0))
+        ax.set_box_aspect((62.0, 62.0, 17.0))
+        ax.view_init(elev=35.0, azim=-120.0)
+        coloured(fig, drawn, ax, label, orientation="horizontal")
+    ax = fig.add_subplot(1, 3, 3)
+    x = result.to_meshio(0).points
+    low = np.abs(x[:, 2]) < 1e-9
+    rim = low & (x[:, :2].max(axis=1) > x[low, :2].max() - 1e-9)
+    rim = np.flatnonzero(rim)[np.argsort(np.arctan2(x[rim, 1], x[rim, 0]))]
+    turn = np.degrees(np.arctan2(*(x[rim] + after[rim])[:, 1::-1].T))
+    for u, style, colour, label in ((before, ":", EXACT, "drawn"), (after, "-", DOTS, "trimmed, let go")):
+        ax.plot(turn, (x[rim] + u[rim])[:, 2], style, color=colour, label=label)
+    ax.set(xlabel="along the rim, from x [degrees]", ylabel="height of the rim [mm]", xlim=(0.0, 90.0))
+    ax.legend(frameon=False)
+    save(fig, "trimmed_cup")
+
+
 def blank_edge(result) -> tuple[np.ndarray, np.ndarray]:
     """The lower edge of the blank at first and at last."""
     piece = result.to_meshio(-1)

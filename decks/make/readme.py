@@ -28,7 +28,8 @@ GROUPS = {
     "Bulk forming": ("upsetting", "ring_compression", "wire_drawing", "closed_die", "full_flash",
                      "elastic_anvil",
                      "upset_tetra", "cross"),
-    "Sheets": ("cup", "square_cup", "v_bending", "wrapped_strip", "drawbead", "blanking",
+    "Sheets": ("cup", "square_cup", "trimmed_cup",
+               "v_bending", "wrapped_strip", "drawbead", "blanking",
                "shearing"),
     "Meshes that do not match": ("patch_test", "two_blocks_mortar"),
 }

@@ -18,7 +18,7 @@ from .job import Job
 from .model_read_mesh import plain
 
 #: Cards of a material that go along; *DAMAGE goes on to count.
-_OF_MATERIAL = ("MATERIAL", "ELASTIC", "PLASTIC", "VISCOPLASTIC", "DENSITY", "DAMAGE", "EXPANSION",
+OF_MATERIAL = ("MATERIAL", "ELASTIC", "PLASTIC", "VISCOPLASTIC", "DENSITY", "DAMAGE", "EXPANSION",
                 "CONDUCTIVITY", "SPECIFIC HEAT", "POTENTIAL", "SOLID SECTION")
 
 
@@ -106,7 +106,7 @@ def next_operation(job: Job, elset: str, cards: str, *, name: str,
     for block in parts.blocks:
         if block.keyword == "STEP":
             break
-        if block.keyword in _OF_MATERIAL and _is_of(block, named):
+        if block.keyword in OF_MATERIAL and is_of(block, named):
             deck.blocks.append(counted(block))
         elif block.keyword == "SURFACE" and _of_faces(block, named):
             deck.blocks.append(_surface(parts, body, mesh, block, element_label))
@@ -166,12 +166,19 @@ def measures(x: NDArray, cells: NDArray, axisymmetric: bool) -> NDArray:
     return total
 
 
+def measures_of(points, members: list[int]) -> NDArray:
+    """Present volumes of elements, of their points."""
+    at = {label: k for k, label in enumerate(members)}
+    row = np.array([at.get(int(label), len(members)) for label in points.element])
+    return np.bincount(row, points.volume, len(members) + 1)[:len(members)]
+
+
 def _refuse_nothing_left(gone: NDArray) -> None:
     if gone.all():
         raise ModelError("the cut takes all elements out", help="the other side of it stays")
 
 
-def _is_of(block: Block, named) -> bool:
+def is_of(block: Block, named) -> bool:
     """Whether a card of materials or sections is for what goes on."""
     return block.keyword != "SOLID SECTION" or \
         str(plain(block.parameters["ELSET"])).upper() in named.elsets

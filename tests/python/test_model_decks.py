@@ -12,7 +12,7 @@ from lopin.model_read_mesh import expanded  # noqa: E402
 
 ROOT = Path(__file__).resolve().parents[2]
 #: A model has no method for these.
-NO_METHOD = ("*REMESH", "*DAMAGE", "TYPE=R2D2")
+NO_METHOD = ("*REMESH", "*START", "*DAMAGE", "TYPE=R2D2")
 DECKS = sorted((p for p in (ROOT/"decks").glob("*.inp")
                 if not any(word in p.read_text() for word in NO_METHOD)), key=lambda p: p.stem)
 #: Longer than a second: all their steps are run, but moved by little and in few increments.

@@ -202,6 +202,7 @@ def test_every_deck_of_the_collection_on_a_finer_mesh(path):
     try:
         finer = refined(Deck.read(path)).deck
     except ModelError as refusal:
-        assert path.stem in ("bar_gap", "full_flash", "elastic_anvil"), refusal
+        assert path.stem in ("bar_gap", "full_flash", "elastic_anvil",
+                             "trimmed_cup"), refusal
         return
     lopin.check(finer)
