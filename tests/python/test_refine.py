@@ -15,6 +15,7 @@ from lopin.model_read_mesh import MeshCards
 from lopin.refine import of_second_order, refined
 from lopin.refine.children import children
 from lopin.refine.curved import lifts_in_plane, lifts_in_space
+from lopin.refine.local import LocalMesh
 from lopin.refine.subdivide import SECOND
 
 DECKS = pathlib.Path(__file__).resolve().parents[2]/"decks"
@@ -206,3 +207,77 @@ def test_every_deck_of_the_collection_on_a_finer_mesh(path):
                              "trimmed_cup"), refusal
         return
     lopin.check(finer)
+
+
+@pytest.mark.parametrize("word", [w for w in WORDS if not w.startswith("C3D")])
+def test_a_uniform_state_stays_uniform_where_nodes_hang(solve, word):
+    """Cells picked by chance, halved up to five times: neighbours differ by one halving."""
+    deck = pressed(word, ["*DSLOAD", "BSTOP, P, 10."])
+    local, chance = LocalMesh(deck), np.random.default_rng(0)
+    for _ in range(5):
+        local = local.refined(chance.choice(list(MeshCards(local.open.blocks).elements), 2))
+    cards = MeshCards(local.deck.blocks)
+    assert len(local.hanging) > 10 and local.n_element == len(cards.elements)
+    coarse, fine = solve(deck), solve(local.deck)
+    used = {n for _, nodes in cards.elements.values() for n in nodes}
+    own = np.isin(fine["LABEL"].ravel(), list(used))
+    assert np.allclose(fine["S"][own], coarse["S"][0], rtol=1e-9, atol=1e-9)
+    # A node hangs on the edge of a cell as large as two cells beyond it, never as four.
+    for h in local.hanging:
+        assert h.node not in cards.elements[h.element][1]
+        assert sum(h.weights) == pytest.approx(1.0)
+        own = [np.array(cards.nodes[n]) for n in h.masters]
+        assert np.allclose(sum(w*x for w, x in zip(h.weights, own)), cards.nodes[h.node])
+    everywhere = local.everywhere()
+    assert everywhere.n_element == 4*local.n_element
+    assert np.allclose(solve(everywhere.deck)["S"].max(axis=0), coarse["S"][0], atol=1e-8)
+
+
+def test_all_cells_in_part_are_all_cells():
+    """The same nodes, sets and surfaces as of the deck that is refined everywhere."""
+    deck = Deck.read(DECKS/"nafems_cylinder.inp")
+    one, other = MeshCards(refined(deck).deck.blocks), MeshCards(LocalMesh(deck).everywhere(
+        ).deck.blocks)
+    assert np.allclose(sorted(one.nodes.values()), sorted(other.nodes.values()))
+    assert {k: len(v) for k, v in one.nsets.items()} == {k: len(v) for k, v in other.nsets.items()}
+    assert {k: len(v) for k, v in one.elsets.items()} == {
+        k: len(v) for k, v in other.elsets.items()}
+
+
+def test_a_round_side_stays_round_where_cells_are_halved_in_part():
+    deck = Deck.read(DECKS/"nafems_cylinder.inp")
+    local = LocalMesh(deck)
+    for _ in range(3):
+        cards = MeshCards(lopin.model_read_mesh.expanded(local.open))
+        arc = set(cards.nsets["CYLINDER.ARC"]) if "CYLINDER.ARC" in cards.nsets else \
+            {n for n, x in cards.nodes.items() if abs(np.hypot(x[0], x[1] - 50.0) - 50.0) < 1e-6}
+        local = local.refined(label for label, (_, nodes) in cards.elements.items()
+                              if arc & set(nodes) and cards.nodes[nodes[0]][0] < 5.0)
+    before = MeshCards(lopin.model_read_mesh.expanded(deck))
+    cards = MeshCards(lopin.model_read_mesh.expanded(local.deck))
+    place = np.array(list(before.nodes.values()))
+    cylinder = {n for m in before.elsets["CYLINDER"] for n in before.elements[m][1]}
+    centre = before_centre(np.array([before.nodes[n] for n in cylinder]))
+
+    def radius(n):
+        return float(np.hypot(*(np.array(cards.nodes[n][:2]) - centre)))
+
+    outer = max(radius(n) for n in cylinder)
+    new = [n for m in cards.elsets["CYLINDER"] for n in cards.elements[m][1] if n not in cylinder]
+    assert len(place) < len(cards.nodes)
+    assert max(radius(n) for n in new) < outer*(1.0 + 1e-6)
+    on = [n for n in new if radius(n) > outer*(1.0 - 1e-4)]
+    assert len(on) > 20
+    assert max(abs(radius(n) - outer) for n in on) < 1e-6*outer
+
+
+def before_centre(x):
+    """Centre of the cylinder: its radius is 50."""
+    low = x[np.argmin(x[:, 1])]
+    return np.array([0.0, low[1] + 50.0])
+
+
+def test_meshes_in_space_are_not_refined_in_part():
+    deck = pressed("C3D8", ["*DSLOAD", "BSTOP, P, 10."])
+    with pytest.raises(ModelError, match="only plane"):
+        LocalMesh(deck).refined([1])

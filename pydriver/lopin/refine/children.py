@@ -1,6 +1,7 @@
 """Halves of reference cells: the cells that each cell becomes when its edges are cut in half."""
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass
 from functools import cache
 
@@ -16,6 +17,23 @@ from ..mesh.shapes import shape_functions
 _TETRA = ("0 01 02 03", "01 1 12 13", "02 12 2 23", "03 13 23 3",
           "01 02 03 13", "01 02 13 12", "02 03 13 23", "02 12 23 13")
 _TRIANGLE = ("0 01 02", "01 1 12", "02 12 2", "01 12 02")
+
+_CELL = {"2": {3: "triangle", 6: "triangle6", 4: "quad", 8: "quad8"},
+         "3": {4: "tetra", 10: "tetra10", 6: "wedge", 15: "wedge15", 8: "hexahedron",
+               20: "hexahedron20"}}
+_SOLID = re.compile(r"(CPE|CPS|CAX|C3D|CSS)(\d+)", re.I)
+
+
+def cell_of(word: str) -> str | None:
+    """Name of the cell of a solid element; None for what is no solid.
+
+    >>> cell_of("CAX8R"), cell_of("CSS8"), cell_of("SPRINGA")
+    ('quad8', 'hexahedron', None)
+    """
+    match = _SOLID.match(word)
+    if not match:
+        return None
+    return _CELL["3" if match[1].upper() in ("C3D", "CSS") else "2"].get(int(match[2]))
 
 
 @dataclass(frozen=True)

@@ -96,13 +96,13 @@ class Supports:
         self.support = [tuple(int(n) for n in row if n) for row in cut.ends]
         outside: dict[tuple, int] = {}
         self.cells = []
-        for _, name, _, nodes, _ in cut.groups:
+        for _, name, _, nodes, *_ in [*cut.groups, *cut.kept]:
             corners = nodes[:, :CELLS[name].n_corner]
             self.cells.append(corners)
             for face in CELLS[CELLS[name].family].faces:
                 for row in np.sort(corners[:, list(face)], axis=1).tolist():
                     outside[tuple(row)] = outside.get(tuple(row), 0) + 1
-        facets = [f for f, count in outside.items() if count == 1]
+        facets = [f for f, count in outside.items() if count == 1 and f not in cut.inner]
         self.skin_nodes = {n for f in facets for n in f}
         self.on_skin = _parts(facets)
 

@@ -6,7 +6,6 @@ stand for smooth surfaces (`curved`); quadratic cells are cut along their own cu
 """
 from __future__ import annotations
 
-import re
 from dataclasses import dataclass
 
 import numpy as np
@@ -17,14 +16,10 @@ from ..errors import ModelError, UsageError
 from ..mesh.cells import CELLS
 from ..model_read_mesh import MeshCards, expanded
 from .cards import refuse_what_is_lost, spread_rows
-from .children import children, upgraded
+from .children import cell_of, children, upgraded
 from .curved import lifts_in_plane, lifts_in_space
 from .names import OWN, Members, Supports, face_blocks, node_sets, set_block
 
-_CELL = {"2": {3: "triangle", 6: "triangle6", 4: "quad", 8: "quad8"},
-         "3": {4: "tetra", 10: "tetra10", 6: "wedge", 15: "wedge15", 8: "hexahedron",
-               20: "hexahedron20"}}
-_SOLID = re.compile(r"(CPE|CPS|CAX|C3D|CSS)(\d+)", re.I)
 _MESH_CARDS = ("NODE", "ELEMENT", "NSET", "ELSET")
 
 
@@ -49,18 +44,6 @@ class Refined:
     weight: NDArray
     n_element: int
     filled_in: int = 0
-
-
-def cell_of(word: str) -> str | None:
-    """Name of the cell of a solid element; None for what is no solid.
-
-    >>> cell_of("CAX8R"), cell_of("CSS8"), cell_of("SPRINGA")
-    ('quad8', 'hexahedron', None)
-    """
-    match = _SOLID.match(word)
-    if not match:
-        return None
-    return _CELL["3" if match[1].upper() in ("C3D", "CSS") else "2"].get(int(match[2]))
 
 
 #: The words of second order that stand for linear ones.
@@ -89,7 +72,7 @@ def refined(deck: Deck, curved: bool = True) -> Refined:
     ModelError : the deck has cards that belong to its first mesh, or cells would be turned inside
         out.
     """
-    return _made(deck, curved, children, {})
+    return made(deck, curved, Cut(children, {}))
 
 
 def of_second_order(deck: Deck, curved: bool = True) -> Refined:
@@ -104,11 +87,11 @@ def of_second_order(deck: Deck, curved: bool = True) -> Refined:
     wrong = sorted(w for w in words if cell_of(w) and w not in SECOND)
     if wrong:
         raise ModelError(f"{', '.join(wrong)}: there is no element of second order for it")
-    return _made(deck, curved, upgraded, SECOND)
+    return made(deck, curved, Cut(upgraded, SECOND))
 
 
-def _made(deck: Deck, curved: bool, rule, words: dict[str, str]) -> Refined:
-    """The deck with every solid element cut by a rule, and called by another word."""
+def made(deck: Deck, curved: bool, cut: Cut) -> Refined:
+    """The deck with solid elements cut."""
     blocks = expanded(deck)
     if any(b.keyword in ("PART", "INSTANCE", "ASSEMBLY") for b in blocks):
         raise ModelError("a deck with parts and instances cannot be refined",
@@ -118,7 +101,7 @@ def _made(deck: Deck, curved: bool, rule, words: dict[str, str]) -> Refined:
     except UsageError as problem:
         raise ModelError(f"the mesh cannot be refined: {problem.message}") from problem
     refuse_what_is_lost(blocks, cards)
-    cut = _Cut(cards, rule, words)
+    cut.read(cards)
     places = cut.places(cards, curved)
     members = Members(cards, cut)
     new = Deck(preamble=deck.preamble, name=deck.name, folder=deck.folder)
@@ -140,25 +123,44 @@ def _made(deck: Deck, curved: bool, rule, words: dict[str, str]) -> Refined:
     return Refined(new, cut.labels, cut.ends, cut.weight, cut.n_element, filled)
 
 
-class _Cut:
+class Cut:
     """The finer mesh by labels.
 
     Attributes
     ----------
-    groups : (word, labels of the old elements, their nodes, their children's nodes (old, child,
-        node)) for each word
+    rule, words : how a cell is cut, and the words of what comes of it
+    marked : labels of the elements that are cut; None: all
+    known : labels of nodes that earlier cuts made, by what tells them; those of this one are added
+    inner : sorted corners of facets through the inside that have one element only, since the mesh
+        beyond is finer or coarser
+    groups : (word, cell, labels of the old elements, their nodes, their children's nodes (old,
+        child, node)) for each word
+    kept : (word, cell, labels, nodes) of the solid elements that stay
     first : label of the first child by old element; its children follow
     """
 
-    def __init__(self, cards: MeshCards, rule, words: dict[str, str]):
-        self.rule, self.words = rule, words
+    def __init__(self, rule, words: dict[str, str], marked: set[int] | None = None,
+                 known: dict[tuple, int] | None = None, inner: set[tuple] | None = None):
+        self.rule, self.words, self.marked = rule, words, marked
+        self.known = {} if known is None else known
+        self.inner = inner or set()
         self.groups: list[tuple[str, str, NDArray, NDArray, NDArray]] = []
+        self.kept: list[tuple[str, str, NDArray, NDArray]] = []
+
+    def read(self, cards: MeshCards) -> None:
+        """Cut the mesh of some cards."""
+        rule = self.rule
         by_word: dict[str, list[int]] = {}
+        kept: dict[str, list[int]] = {}
         for label, (word, nodes) in cards.elements.items():
             if cell_of(word):
-                by_word.setdefault(word, []).append(label)
+                cut = self.marked is None or label in self.marked
+                (by_word if cut else kept).setdefault(word, []).append(label)
         if not by_word:
             raise ModelError("the deck has no solid elements to refine")
+        self.kept = [(word, cell_of(word), np.array(labels),
+                      np.array([cards.elements[m][1] for m in labels]))
+                     for word, labels in kept.items()]
         keys, rows = [], []
         for word, labels in by_word.items():
             name = cell_of(word)
@@ -179,7 +181,11 @@ class _Cut:
         kept = np.array([m > 0 for m in middles])     # middles of old quadratic edges
         label[kept] = np.array(middles)[kept]
         new = ~single & ~kept
+        if self.marked is not None:
+            new &= ~self._recalled(every, label, np.flatnonzero(new))
         label[new] = max(cards.nodes) + 1 + np.arange(int(new.sum()))
+        if self.marked is not None:
+            self.known.update(zip(map(tuple, every[~single].tolist()), label[~single].tolist()))
         self.labels, self.ends, self.weight = label[new], ends[new], parts[new]
         at, first, words = 0, max(cards.elements) + 1, self.words
         self.first: dict[int, tuple[int, int]] = {}
@@ -191,15 +197,25 @@ class _Cut:
             at += n
             x = np.array([[cards.nodes[v] for v in row] for row in nodes])
             moved = np.einsum("pn,end->epd", cut.shape, x)
-            for own, place in zip(points.ravel(), moved.reshape(-1, 3)):
-                self.place[int(own)] = place
+            for own, place in zip(points.ravel().tolist(), moved.reshape(-1, 3)):
+                self.place[own] = place
             for k, m in enumerate(labels):
                 self.first[int(m)] = first + k*len(cut.cells), len(cut.cells)
             first += len(labels)*len(cut.cells)
             self.groups.append((words.get(word.upper(), word), name, labels, nodes,
                                 points[:, cut.cells]))
         self.supports = Supports(self)
-        self.n_element = sum(g[4].shape[0]*g[4].shape[1] for g in self.groups)
+        self.n_element = sum(g[4].shape[0]*g[4].shape[1] for g in self.groups) \
+            + sum(len(g[2]) for g in self.kept)
+
+    def _recalled(self, every: NDArray, label: NDArray, rows: NDArray) -> NDArray:
+        """Nodes that an earlier cut of a neighbour made."""
+        found = np.zeros(len(every), bool)
+        for k in rows.tolist():
+            old = self.known.get(tuple(every[k].tolist()))
+            if old is not None:
+                label[k], found[k] = old, True
+        return found
 
     def _middles(self, rows, keys, inverse) -> list[int]:
         """Labels of old mid-side nodes that become corners, 0 for others."""
@@ -220,7 +236,8 @@ class _Cut:
         place = {int(k): v.copy() for k, v in self.place.items()}
         linear = [g for g in self.groups if not CELLS[g[1]].is_quadratic]
         if curved and linear:
-            _lift(cards, linear, place, self.rule)
+            stay = [g for g in self.kept if not CELLS[g[1]].is_quadratic]
+            _lift(cards, linear, place, self.rule, _boundary([*linear, *stay], self.inner))
         for word, name, labels, nodes, cells in self.groups:
             _refuse_folded(cell_of(word), labels, cells, place)
         return place
@@ -237,11 +254,10 @@ def _keys(cut, corners: NDArray) -> NDArray:
     return keys.reshape(-1, 16)
 
 
-def _lift(cards: MeshCards, groups, place: dict[int, NDArray], rule) -> None:
+def _lift(cards: MeshCards, groups, place: dict[int, NDArray], rule, faces) -> None:
     """Move points of linear cells onto the smooth boundary, and those within cells along."""
     x = {n: np.array(v) for n, v in cards.nodes.items()}
     space = CELLS[groups[0][1]].ndim == 3
-    faces = _boundary(groups)
     rows = np.unique(np.concatenate([f.ravel() for f in faces]))
     at = {int(n): k for k, n in enumerate(rows)}
     own = [np.vectorize(at.get)(f) for f in faces]
@@ -260,10 +276,11 @@ def _lift(cards: MeshCards, groups, place: dict[int, NDArray], rule) -> None:
             _move_along(rule(name), CELLS[name], nodes, cells, lifted, place)
 
 
-def _boundary(groups) -> list[NDArray]:
-    """Corners of the faces with one cell only, outward, by the number of their corners."""
+def _boundary(groups, inner: set[tuple]) -> list[NDArray]:
+    """Corners of the faces with one cell only, outward, by the number of their corners; without
+    those of `inner`."""
     found: dict[int, list[NDArray]] = {}
-    for _, name, _, nodes, _ in groups:
+    for _, name, _, nodes, *_ in groups:
         for face in CELLS[name].faces:
             found.setdefault(len(face), []).append(nodes[:, list(face)])
     alone = []
@@ -272,6 +289,9 @@ def _boundary(groups) -> list[NDArray]:
         _, first, count = np.unique(np.sort(rows, axis=1), axis=0, return_index=True,
                                     return_counts=True)
         alone.append(rows[np.sort(first[count == 1])])
+        if inner:
+            keep = [tuple(sorted(row)) not in inner for row in alone[-1].tolist()]
+            alone[-1] = alone[-1][np.array(keep, bool)]
     return [rows for rows in alone if len(rows)]
 
 
@@ -328,7 +348,7 @@ def _refuse_folded(name: str, labels: NDArray, cells: NDArray, place: dict) -> N
                              "the smooth boundary", help="take finer cells along the curve")
 
 
-def _mesh_blocks(cards: MeshCards, cut: _Cut, places: dict[int, NDArray],
+def _mesh_blocks(cards: MeshCards, cut: Cut, places: dict[int, NDArray],
                  members: Members) -> list[Block]:
     """Nodes, elements and sets."""
     every = dict(cards.nodes) | {n: places[n] for n in map(int, cut.labels)}
@@ -341,6 +361,10 @@ def _mesh_blocks(cards: MeshCards, cut: _Cut, places: dict[int, NDArray],
             first, _ = cut.first[int(m)]
             rows += [[first + k, *map(int, nodes)] for k, nodes in enumerate(own)]
         blocks.append(Block("ELEMENT", {"TYPE": word}, rows))
+        _continue_long(blocks[-1])
+    for word, _, labels, nodes in cut.kept:
+        blocks.append(Block("ELEMENT", {"TYPE": word},
+                            np.column_stack([labels, nodes]).tolist()))
         _continue_long(blocks[-1])
     for label, (word, nodes) in cards.elements.items():
         if cell_of(word) is None:
