@@ -18,12 +18,15 @@ def run_asked(path: Path, arguments: list[str]) -> int:
     parser = parser_of("runs until a number is known as well as asked")
     parser.add_argument("--most-elements", type=int, metavar="N",
                         help="no finer mesh than of so many solid elements")
+    parser.add_argument("--most-seconds", type=float, metavar="S", default=float("inf"),
+                        help="begin no run that would take longer, in CPU time")
     given, options, quiet = given_by(parser, arguments)
     output = given.output or Path("out")/path.stem
     problem = None
     try:
         found = reach(path, output=output, say=(lambda line: None) if quiet else tell,
-                      most_elements=given.most_elements, **options)
+                      most_elements=given.most_elements,
+                      most_seconds=given.most_seconds, **options)
     except NotConvergedError as stopped:
         problem, found = stopped, getattr(stopped, "reached", None)
         if found is None:

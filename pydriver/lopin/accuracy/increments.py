@@ -25,6 +25,24 @@ def _rubs(block: Block) -> bool:
         set(block.parameters) - {"LAW"} and not numbers)
 
 
+def left_by_increments(changes: list[float]) -> list[float]:
+    """What is left of the error in each of some runs in increments of half the length each time,
+    by the changes from one to the next: the sum of those that follow, and of those to come. Theirs
+    fall as the last two did, by half at least and to a quarter at most; changes to and fro, or one
+    alone, are taken for as large as the last.
+
+    >>> left_by_increments([4.0]), left_by_increments([9.0, 3.0])
+    ([8.0, 4.0], [13.5, 4.5, 1.5])
+    """
+    last = abs(changes[-1])
+    if len(changes) > 1 and changes[-1]*changes[-2] > 0.0:
+        last /= min(max(changes[-2]/changes[-1], 2.0), 4.0) - 1.0
+    left = [last]
+    for change in reversed(changes):
+        left.insert(0, left[0] + abs(change))
+    return left
+
+
 def with_smaller(deck: Deck, result: Result, factor: float) -> Deck:
     """The deck whose increments are `factor` times those that a run of it took on the mean.
 

@@ -72,17 +72,21 @@ class Quantity:
             pressure, weight, _ = pressures(result)
             return float(pressure.max(initial=0.0) if self.kind == "PEAK PRESSURE" else
                          np.sqrt(weight @ pressure**2))
-        if self.kind == "FORCE":
-            return self.of_vector(self._forces(result, deck, [-1])[0])
         if self.kind == "PEAK FORCE":
             every = self._forces(result, deck, range(len(result.times)))
             return max(map(self.of_vector, every), key=abs)
+        return self.of_vector(self.vector(result, deck))
+
+    def vector(self, result: Result, deck: Deck) -> NDArray:
+        """The force or displacement of which the number is a component or the length."""
+        if self.kind == "FORCE":
+            return self._forces(result, deck, [-1])[0]
         rows = _rows(result, deck, self.set)
         moved = np.asarray(result["displacement"])[rows].mean(axis=0)
         if self.kind == "SPRINGBACK":
             moved = moved - np.asarray(result.at(_before_last_step(result))["displacement"]
                                        )[rows].mean(axis=0)
-        return self.of_vector(moved)
+        return moved
 
     def of_vector(self, vector: NDArray) -> float:
         if self.component:
@@ -147,16 +151,18 @@ def pressures(result: Result) -> tuple[NDArray, NDArray, NDArray]:
 
 def _rows(result: Result, deck: Deck, name: str) -> NDArray:
     """Rows of the nodes of a set, or of a label, in the fields of a result."""
-    cards = MeshCards(expanded(deck))
-    if name.isdigit():
-        labels = [int(name)]
-    elif name in cards.nsets:
-        labels = cards.nsets[name]
-    else:
-        raise ModelError(f"SET={name}: there is no such node set", id="E0201",
-                         help=f"node sets: {', '.join(cards.nsets)}")
     own = np.asarray(result["LABEL"]).ravel().astype(int)
-    return np.flatnonzero(np.isin(own, labels))
+    return np.flatnonzero(np.isin(own, labels_of(MeshCards(expanded(deck)), name)))
+
+
+def labels_of(cards: MeshCards, name: str) -> list[int]:
+    """Nodes of a set, or of a label."""
+    if name.isdigit():
+        return [int(name)]
+    if name in cards.nsets:
+        return list(dict.fromkeys(cards.nsets[name]))
+    raise ModelError(f"SET={name}: there is no such node set", id="E0201",
+                     help=f"node sets: {', '.join(cards.nsets)}")
 
 
 def _before_last_step(result: Result) -> int:

@@ -14,23 +14,30 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path
 
+import numpy as np
 
 from ..deck import Block, Deck
-from ..errors import NotConvergedError, UsageError
+from ..errors import LopinError, NotConvergedError, UsageError
 from ..files import whole_file
 from ..model_read_mesh import expanded, named_from
-from ..refine import refined, size_of_refined
 from ..result import Result
 from ..run import as_deck, check, run
-from .increments import depends_on_path, with_smaller
+from .dual import Estimate, Question
+from .increments import depends_on_path, left_by_increments, with_smaller
+from .mesh_error import error_of_mesh, halved
+from .meshes import Meshes
 from .quantity import Quantity
+from .refusals import contact_alone, out_of_reach, out_of_time
 
 #: Solid elements of a mesh that is not made any more, in the plane and in space.
 MOST = {2: 400_000, 3: 60_000}
-#: Orders of the error's fall that are believed: of linear elements, of quadratic ones.
-LEAST_ORDER, MOST_ORDER = 0.5, {False: 2.0, True: 3.0}
 #: Shares of the error asked for that increments may take.
 OF_INCREMENTS = 0.4
+#: Halvings of the increments that are tried.
+HALVINGS = 7
+#: Share of the room that the parts of the error may take on the next mesh, and by how much their
+#: sum falls at least: so much that it is seen whether the dual problem foretells it.
+OF_ROOM, AT_LEAST = 0.4, 2.5
 
 
 @dataclass
@@ -46,6 +53,8 @@ class Level:
     change: float             #: the same with its sign; of a norm, without
     seconds: float
     verdict: str
+    foretold: float = math.nan   #: exact value less this one, by the dual problem; nan: none
+    uniform: bool = True         #: every cell of the mesh before was halved
 
 
 @dataclass
@@ -58,6 +67,9 @@ class Reached:
     value : on the last mesh
     mesh, increments, enforcement : estimates of the parts of the relative error
     order : of the fall of the error with the size of cells; nan where two meshes were enough
+    by_dual : `mesh` is what the dual problem says
+    no_dual : why there is no dual problem; empty: there is
+    written : CPU time of the run that wrote the files, where that was one more [s]
     levels : the runs, in their order
     result : of the last mesh
     uneven : part of `enforcement` that facets which do not match make of the pressure (W0333)
@@ -75,6 +87,9 @@ class Reached:
     uneven: float = 0.0
     warnings: list[str] = field(default_factory=list)
     order: float = math.nan
+    by_dual: bool = False
+    no_dual: str = ""
+    written: float = 0.0
     levels: list[Level] = field(default_factory=list)
     result: Result | None = field(default=None, repr=False)
     deck: Deck | None = field(default=None, repr=False)
@@ -94,7 +109,8 @@ class Reached:
     @property
     def cost(self) -> float:
         """CPU time of all runs beside that of the last."""
-        return sum(v.seconds for v in self.levels)/max(self.levels[-1].seconds, 1e-9)
+        every = sum(v.seconds for v in self.levels) + self.written
+        return every/max(self.levels[-1].seconds, 1e-9)
 
     def text(self) -> str:
         """A table of the runs, and the answer."""
@@ -106,7 +122,8 @@ class Reached:
             lines.append(f"{v.mesh:>5} {v.elements:>9} {v.equations:>10} "
                          f"{'x ' + format(v.increments, 'g'):>11} {v.value:>14.7g} {change:>9} "
                          f"{v.seconds:>8.2f}")
-        order = "" if math.isnan(self.order) else f" (falls as size^{self.order:.2g})"
+        order = " (dual problem)" if self.by_dual else "" if math.isnan(self.order) else \
+            f" (falls as size^{self.order:.2g})"
         known = "error unknown" if math.isnan(self.error) else \
             f"+- {abs(self.value)*self.error:.2g} ({100.0*self.error:.2g} %)"
         mesh = "not known" if math.isnan(self.mesh) else f"{100.0*self.mesh:.2g} %{order}"
@@ -126,7 +143,8 @@ class Reached:
         """All of it but the result."""
         kept = {k: getattr(self, k) for k in ("target", "value", "error", "mesh", "increments",
                                               "enforcement", "order", "met", "filled_in",
-                                              "reason", "cost", "uneven", "warnings")}
+                                              "reason", "cost", "uneven", "warnings",
+                                              "by_dual", "no_dual")}
         kept["quantity"] = str(self.quantity)
         kept["runs"] = [vars(v) for v in self.levels]
         return json.dumps(kept, default=str).replace("NaN", "null")
@@ -134,7 +152,8 @@ class Reached:
 
 def reach(scene, quantity: Quantity | None = None, target: float | None = None,
           output: str | Path | None = None, *, say: Callable[[str], None] = lambda line: None,
-          most_elements: int | None = None, **options) -> Reached:
+          most_elements: int | None = None, most_seconds: float = math.inf,
+          **options) -> Reached:
     """Know a number as well as asked.
 
     Parameters
@@ -144,6 +163,7 @@ def reach(scene, quantity: Quantity | None = None, target: float | None = None,
     output : folder of all runs: mesh0, mesh1...
     say : told a line for each run
     most_elements : solid elements of the finest mesh; a number for each kind of scene unless given
+    most_seconds : CPU time of a run that is not begun, by that of the last two meshes
     options : as of `lopin.run`
 
     Raises
@@ -158,7 +178,7 @@ def reach(scene, quantity: Quantity | None = None, target: float | None = None,
         raise UsageError("nothing is asked for: *LOPIN, QUANTITY=FORCE, TARGET ERROR=0.01")
     quantity = quantity or given[0]
     search = _Search(without_question(deck), quantity, target or (given[1] if given else 0.01),
-                     output, say, most_elements, options)
+                     output, say, (most_elements, most_seconds), options)
     found = search.run()
     if output is not None:
         with whole_file(Path(output)/f"{deck.name}.accuracy.json") as part:
@@ -184,11 +204,15 @@ def without_question(deck: Deck) -> Deck:
 class _Search:
     """The runs of one question."""
 
-    def __init__(self, deck, quantity, target, output, say, most, options):
-        self.deck, self.output, self.say, self.options = deck, output, say, options
-        self.found = Reached(quantity, target)
-        self.most = most
+    def __init__(self, deck, quantity, target, output, say, most=(None, math.inf), options=None):
+        self.deck, self.output, self.say, self.options = deck, output, say, options or {}
+        self.found = Reached(quantity, target, no_dual="the answer depends on the way to it"
+                             if depends_on_path(deck) else "")
+        self.most, self.most_seconds = most
         self.factor = 1.0     #: of the increments
+        self.meshes = Meshes(deck)
+        self.estimate: Estimate | None = None   #: of the last run, by the dual problem
+        self.files = -1       #: mesh of the last run that wrote its files
 
     def run(self) -> Reached:
         """All runs that are needed."""
@@ -198,35 +222,53 @@ class _Search:
             found.reason = f"the {found.quantity} is 0: it has no relative error; ask for that " \
                 "of one tool by SET, or for another direction"
         if found.enforcement > found.target and not found.reason:
-            found.reason = self._contact_alone()
+            found.reason = contact_alone(found)
         if depends_on_path(deck) and not found.reason:
             last = self._settle_increments(deck, last)
         while not found.reason:
-            size = size_of_refined(deck)
-            dims = 3 if found.result["displacement"].shape[1] == 3 else 2
-            limit = self.most or MOST[dims]
-            if size > limit:
-                found.reason = self._out_of_reach(size, limit, dims)
+            if not self._refine():
                 break
-            finer = refined(deck)
-            deck, number = finer.deck, number + 1
-            found.filled_in = max(found.filled_in, finer.filled_in)
-            last = self._solve(deck, number, finer.n_element, last)
+            deck, number = self.meshes.deck, number + 1
+            found.filled_in = max(found.filled_in, self.meshes.filled_in)
+            last = self._solve(deck, number, self.meshes.n_element, last)
             self._estimate(_quadratic(deck))
             if found.reason or found.error <= found.target:
                 break
+        self._write()
         return found
+
+    def _refine(self) -> bool:
+        """A finer mesh: where the dual problem has the parts of the error, if it can be believed;
+        else everywhere. Whether there is one."""
+        found, meshes = self.found, self.meshes
+        dims = 3 if found.result["displacement"].shape[1] == 3 else 2
+        limit = self.most or MOST[dims]
+        if self.estimate is not None and (len(found.levels) == 1 or found.by_dual):
+            room = found.target - found.increments - found.enforcement
+            most = np.abs(self.estimate.parts).sum()
+            goal = min(OF_ROOM*room*abs(found.value), most/AT_LEAST)
+            if room > 0.0 and meshes.spend(self.estimate.labels, self.estimate.parts, goal) \
+                    and meshes.n_element <= limit:
+                return True
+        size = meshes.size()
+        if size > limit:
+            found.reason = out_of_reach(found, size, limit, dims)
+            return False
+        meshes_run = [v for v in found.levels if v.increments == self.factor][-2:]
+        ahead = meshes_run[-1].seconds*max(2.0**dims, meshes_run[-1].seconds/max(
+            meshes_run[0].seconds, 1e-9))
+        if ahead > self.most_seconds:
+            found.reason = out_of_time(found, size, ahead, self.most_seconds)
+            return False
+        meshes.halve()
+        return True
 
     def _solve(self, deck: Deck, number: int, elements: int, before=None):
         """One run; with the one on the coarser mesh, how far they are apart."""
         found = self.found
         smaller = deck if self.factor == 1.0 else with_smaller(deck, self.first, self.factor)
         begin = time.process_time()
-        folder = None if self.output is None else Path(self.output)/f"mesh{number}"
-        if folder is not None:
-            smaller = named_from(Deck(smaller.blocks, preamble=smaller.preamble,
-                                      name=smaller.name, folder=folder), deck.folder)
-        result = run(smaller, folder, **self.options)
+        result, foretold = self._run(smaller, number)
         seconds = time.process_time() - begin
         value = found.quantity.value(result, deck)
         apart = math.nan if before is None else found.quantity.difference(
@@ -234,7 +276,7 @@ class _Search:
         found.levels.append(Level(number, self.factor, elements or result.summary["model"][
             "elements"], result.summary["equations"], value, apart,
             math.nan if before is None else found.quantity.change(apart, value, before[1]),
-            seconds, result.verdict))
+            seconds, result.verdict, foretold, number == 0 or self.meshes.uniform))
         found.value, found.result, found.deck = value, result, deck
         found.warnings = list(result.warnings)
         found.uneven = found.quantity.uneven(result)
@@ -246,73 +288,86 @@ class _Search:
                  f"{value:.7g}" + ("" if math.isnan(apart) else f", {apart:.2g} from the last"))
         return result, value
 
+    def _run(self, deck: Deck, number: int) -> tuple[Result, float]:
+        """A run, with that of the dual problem where there is one: what that foretells."""
+        found, self.estimate = self.found, None
+        if not found.no_dual:
+            question = Question.of(deck, found.quantity)
+            try:
+                if isinstance(question, Question):
+                    result = run(question.added(deck), **self.options)
+                    estimate = question.estimate(result, deck)
+                    if isinstance(estimate, str):
+                        found.no_dual = estimate
+                        return question.split(result), math.nan
+                    self.estimate = estimate
+                    return question.split(result), estimate.change
+                found.no_dual = question
+            except LopinError as problem:   # of the further steps, or the run without them says it
+                found.no_dual = problem.message
+        self.files = number
+        return run(self._placed(deck, number), self._folder(number), **self.options), math.nan
+
+    def _folder(self, number: int) -> Path | None:
+        return None if self.output is None else Path(self.output)/f"mesh{number}"
+
+    def _placed(self, deck: Deck, number: int) -> Deck:
+        """The deck as it is written into its folder."""
+        folder = self._folder(number)
+        if folder is None:
+            return deck
+        return named_from(Deck(deck.blocks, preamble=deck.preamble, name=deck.name,
+                               folder=folder), deck.folder)
+
+    def _write(self) -> None:
+        """Files of the last run, if it was made in memory for the dual problem."""
+        found, number = self.found, self.found.levels[-1].mesh
+        if self.output is None or self.files == number:
+            return
+        begin = time.process_time()
+        found.result = run(self._placed(found.deck, number), self._folder(number), **self.options)
+        found.written = time.process_time() - begin
+
     def _settle_increments(self, deck: Deck, last):
-        """Increments whose error leaves room for that of the mesh."""
-        found = self.found
-        for _ in range(6):
+        """Increments whose error leaves room for that of the mesh: the longest of those tried."""
+        found, runs, changes = self.found, [(1.0, last)], []
+        room = OF_INCREMENTS*found.target*max(abs(last[1]), 1e-300)
+        for _ in range(HALVINGS):
             before, self.factor = last, 0.5*self.factor
             last = self._solve(deck, 0, 0)
             apart = found.quantity.difference(last[0], before[0], (last[1], before[1]))
-            # Of first order in their length: what is left is as much as was gained.
-            found.increments = apart/max(abs(last[1]), 1e-300)
-            if found.increments <= OF_INCREMENTS*found.target:
+            changes.append(math.copysign(apart, found.levels[-1].value - found.levels[-2].value))
+            runs.append((self.factor, last))
+            left = left_by_increments(changes)
+            enough = next((k for k, v in enumerate(left) if v <= room), None)
+            if enough is not None and len(changes) > 1:
                 break
         else:
+            found.increments = left[-1]/max(abs(last[1]), 1e-300)
             found.reason = f"increments of 1/{1.0/self.factor:g} still change it by " \
                 f"{100.0*found.increments:.2g} %"
+            return last
+        self.factor, last = runs[enough]
+        found.increments = left[enough]/max(abs(last[1]), 1e-300)
         return last
 
     def _estimate(self, quadratic: bool) -> None:
         """The error of the mesh from the differences between meshes."""
         found = self.found
-        known = [v for v in found.levels if not math.isnan(v.difference)]
-        apart, changes = [v.difference for v in known], [v.change for v in known]
         scale = max(abs(found.value), 1e-300)
-        order = 1.0
-        if len(apart) > 1 and changes[-1]*changes[-2] < 0.0:
-            # Changes to and fro have no order: the answer may be off by as much as they are.
-            found.order, apart = math.nan, [*apart[:-1], max(apart[-2:])]
-        elif len(apart) > 1:
-            ratio = apart[-2]/max(apart[-1], 1e-300)
-            order = min(max(math.log2(max(ratio, 1e-3)), LEAST_ORDER), MOST_ORDER[quadratic])
-            found.order = math.log2(max(ratio, 1e-3))
-        found.mesh = apart[-1]/(2.0**order - 1.0)/scale
+        error, found.order, found.by_dual = error_of_mesh(found.levels, quadratic)
+        found.mesh = error/scale
+        apart = [v.difference for v in halved(found.levels)]
         grows = [b >= a for a, b in zip(apart, apart[1:])]
         if len(grows) >= 2 and all(grows[-2:]) and found.mesh > found.target:
             found.reason = f"the {found.quantity} changes more with each finer mesh " \
                 f"({', '.join(f'{100.0*v/scale:.2g} %' for v in apart)}): it has no limit, as at " \
                 "a sharp edge; ask for a force, a displacement or PRESSURE"
 
-    def _contact_alone(self) -> str:
-        """What no finer mesh makes better."""
-        found = self.found
-        if found.uneven > 0.5*found.enforcement:
-            return f"facets that do not match make the pressure uneven by about " \
-                f"{100.0*found.uneven:.2g} % (W0333), whatever the mesh: TYPE=SURFACE TO SURFACE"
-        return f"the stiffness of contact alone leaves {100.0*found.enforcement:.2g} %, whatever " \
-            "the mesh: *SURFACE BEHAVIOR, DIRECT; a slope that is a law of the surface itself is " \
-            "PRESSURE-OVERCLOSURE=TABULAR, whose points are no error"
-
-    def _out_of_reach(self, elements: int, limit: int, dims: int) -> str:
-        """What would meet it."""
-        found = self.found
-        if math.isnan(found.mesh):
-            return f"a finer mesh has {elements} elements, above {limit}"
-        order = 1.0 if math.isnan(found.order) else \
-            min(max(found.order, LEAST_ORDER), MOST_ORDER[False])
-        room = found.target - found.increments - found.enforcement
-        if room <= 0.0:
-            return f"increments and contact alone leave {100.0*(found.error - found.mesh):.2g} %"
-        halvings = math.ceil(math.log2(found.mesh/room)/order)
-        needed = found.levels[-1].elements*2**(dims*halvings)
-        return f"{100.0*found.error:.2g} % of {100.0*found.target:g} % is met with " \
-            f"{found.levels[-1].elements} elements; about {needed} would meet it, above {limit}: " \
-            "refine the deck's mesh where the pressure changes, or take quadratic elements"
-
 
 def _quadratic(deck: Deck) -> bool:
     """Whether all solid elements are of second order."""
-    from ..refine.subdivide import cell_of
+    from ..refine.children import cell_of
 
     cells = {cell_of(str(b.parameters["TYPE"])) for b in deck.all("ELEMENT")} - {None}
     return all(name[-1].isdigit() for name in cells)

@@ -1,0 +1,52 @@
+"""The error that a mesh leaves, from the runs on it and on coarser ones."""
+from __future__ import annotations
+
+import math
+
+#: Orders of the error's fall that are believed: of linear elements, of quadratic ones.
+LEAST_ORDER, MOST_ORDER = 0.5, {False: 2.0, True: 3.0}
+#: A dual problem is believed where it foretold the change from mesh to mesh by these factors.
+FORETOLD = 0.5, 2.0
+
+
+def error_of_mesh(levels, quadratic: bool) -> tuple[float, float, bool]:
+    """Of the last of some levels: absolute error, measured order (nan: none), by the dual problem.
+
+    Two meshes, every cell halved: their difference, which holds if the error falls at least as the
+    size of cells. Three: with the order of its fall. What the dual problem says is taken where it
+    foretold the last change by half and twice; what it did not foretell of that is added. Nothing
+    is known (inf) of a mesh that was refined in part where the dual problem fails.
+    """
+    error, order = _by_differences(halved(levels), quadratic)
+    last, before = levels[-1], levels[-2]
+    foretold = before.foretold - last.foretold
+    if math.isnan(foretold) or not last.change:
+        return error, order, False
+    share = foretold/last.change
+    if not FORETOLD[0] <= share <= FORETOLD[1]:
+        return error, order, False
+    return abs(last.foretold) + abs(last.change - foretold), order, True
+
+
+def halved(levels) -> list:
+    """The last levels for which every cell of the one before was halved, on the same increments."""
+    found = []
+    for level in reversed(levels):
+        if math.isnan(level.difference) or not level.uniform:
+            break
+        found.insert(0, level)
+    return found
+
+
+def _by_differences(known, quadratic: bool) -> tuple[float, float]:
+    if not known:
+        return math.inf, math.nan
+    apart, changes = [v.difference for v in known], [v.change for v in known]
+    if len(apart) == 1:
+        return apart[0], math.nan
+    if changes[-1]*changes[-2] < 0.0:
+        # Changes to and fro have no order: the answer may be off by as much as they are.
+        return max(apart[-2:]), math.nan
+    order = math.log2(max(apart[-2]/max(apart[-1], 1e-300), 1e-3))
+    believed = min(max(order, LEAST_ORDER), MOST_ORDER[quadratic])
+    return apart[-1]/(2.0**believed - 1.0), order

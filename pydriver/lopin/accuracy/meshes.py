@@ -1,0 +1,92 @@
+"""The mesh of the next run: finer everywhere, or where the parts of the error say."""
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..deck import Deck
+from ..errors import ModelError
+from ..refine import refined, size_of_refined
+from ..refine.local import LocalMesh
+
+#: What is left of a part of the error when its cell is halved.
+LEFT = 0.25
+#: Passes over the mesh at once, and the most that the sum of the parts falls by at once: what the
+#: coarse mesh tells does not reach further.
+PASSES, AT_ONCE = 2, 5.0
+
+
+class Meshes:
+    """A deck and its finer meshes.
+
+    Attributes
+    ----------
+    deck : the last one, to run
+    n_element : its solid elements; 0: as the deck came
+    filled_in : as of `lopin.refine.Refined`
+    uniform : every cell of the mesh before was halved
+    """
+
+    def __init__(self, deck: Deck):
+        self.deck, self.n_element, self.filled_in, self.uniform = deck, 0, 0, True
+        self._local: LocalMesh | None = None
+
+    def size(self) -> int:
+        """Solid elements if every cell is halved."""
+        return size_of_refined(self.deck)
+
+    def halve(self) -> None:
+        """Every cell."""
+        self.uniform = True
+        if self._local is not None and self._local.hanging:
+            self._take(self._local.everywhere())
+            return
+        self._local = None
+        finer = refined(self.deck)
+        self.deck, self.n_element = finer.deck, finer.n_element
+        self.filled_in = max(self.filled_in, finer.filled_in)
+
+    def spend(self, labels: NDArray, parts: NDArray, goal: float) -> bool:
+        """Halve cells until the sum of the sizes of their parts should be `goal`; whether it could
+        be: meshes in space are refined everywhere or not at all."""
+        local = self._local or LocalMesh(self.deck)
+        own = dict(zip(labels.tolist(), np.abs(parts).tolist()))
+        least = equal_parts(np.abs(parts), max(goal, np.abs(parts).sum()/AT_ONCE))
+        try:
+            for _ in range(PASSES):
+                marked = [label for label, part in own.items() if part > least]
+                if not marked:
+                    break
+                local = local.refined(marked)
+                own = local.inherited(own, LEFT)
+        except ModelError:
+            return False
+        self.uniform = False
+        self._take(local)
+        return True
+
+    def _take(self, local: LocalMesh) -> None:
+        self._local, self.deck, self.n_element = local, local.deck, local.n_element
+        self.filled_in = max(self.filled_in, local.filled_in)
+
+
+def equal_parts(parts: NDArray, goal: float) -> float:
+    """The largest part that a cell may keep so that the sum comes to the goal: a cell with more is
+    halved, and its four children again, `PASSES` times at most.
+
+    >>> equal_parts(np.array([4.0, 1.0, 8.0]), 7.5)
+    4.0
+    """
+    # A cell is halved k times where its part in a child of k - 1 halvings is above the limit.
+    steps = (0.25*LEFT)**np.arange(PASSES)
+    limits = (parts[:, None]*steps).ravel()
+    gains = (parts[:, None]*LEFT**np.arange(PASSES)*(1.0 - LEFT)).ravel()
+    order = np.argsort(-limits, kind="stable")
+    left = parts.sum() - np.cumsum(gains[order])
+    enough = np.flatnonzero(left <= goal)
+    if parts.sum() <= goal:
+        return float(parts.max(initial=0.0))
+    if not len(enough):
+        return 0.0
+    at = enough[0] + 1
+    return float(limits[order[at]]) if at < len(order) else 0.0
