@@ -18,7 +18,7 @@ WORDS = {"CPE4": "quad", "CAX4": "quad", "CPE4R": "quad", "CAX4R": "quad", "CPE3
 #: The word of the simplices that are left over between quads.
 SIMPLEX = {"CPE4": "CPE3", "CAX4": "CAX3", "CPE4R": "CPE3", "CAX4R": "CAX3"}
 #: Cards that put displacements, loads or couplings on nodes.
-_ON_NODES = ("BOUNDARY", "CLOAD", "EQUATION", "TRANSFORM", "TIE", "RIGID BODY", "TEMPERATURE")
+_ON_NODES = ("BOUNDARY", "CLOAD", "TEMPERATURE")
 
 
 def refused(what: str, help: str = "") -> ModelError:

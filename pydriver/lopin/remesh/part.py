@@ -125,7 +125,7 @@ def next_deck(parts: DeckParts, body: Body, mesh: NewMesh, name: str, folder: Pa
                 deck.blocks += _mesh_blocks(parts, body, mesh, node_label, element_label)
                 written = True
             continue
-        if block.keyword in _START_CARDS:
+        if block.keyword in _START_CARDS and not _is_temperature(block):
             continue
         if block.keyword == "STEP" and "STEP" not in deck:
             deck.blocks += list(start)
@@ -135,6 +135,11 @@ def next_deck(parts: DeckParts, body: Body, mesh: NewMesh, name: str, folder: Pa
             block = _kept_supports(block, empty)
         deck.blocks.append(block)
     return deck
+
+
+def _is_temperature(block: Block) -> bool:
+    """Temperatures of the start: a part begins with those too."""
+    return str(plain(block.parameters.get("TYPE", ""))).upper() == "TEMPERATURE"
 
 
 def _kept_supports(block: Block, empty: set[str]) -> Block:

@@ -8,7 +8,7 @@ from .body import Body, boundary_facets, refused
 from .card import RemeshCard
 from .outline import Outline, loops_of, new_outline, volume_of
 from .part import NewMesh, SkinOrigin
-from .plane import crossings, fill, worst_corner
+from .plane import crossings, fill, place_of_worst, worst_corner
 from .seat import keep_volume, seat
 from .sizes import Sizes, of_curvature, of_fracture, of_gradient, of_thickness
 from .state import Snapshot
@@ -49,6 +49,9 @@ def remesh_plane(body: Body, state: Snapshot, card: RemeshCard, tools: Tools,
         raise refused("the outline of the body crosses itself near ({:.4g}, {:.4g})".format(
             *cross[0]), "two sides of a fold or of a cut have met there: cells of a smaller size")
     _, outline, moved, x, cells = best
+    if worst_corner(x, cells) <= 0.0:
+        raise refused("a new cell is turned over at ({})".format(", ".join(
+            f"{v:.4g}" for v in place_of_worst(x, cells))), "another SIZE, or a smaller SMALLEST")
     facets, _ = boundary_facets(cells, 2)
     tags = [outline.tags[a] for a in facets[:, 0]]
     mesh = NewMesh(x, cells, facets, tags)

@@ -4,7 +4,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from ..errors import ResourceError, optional
+from ..errors import LopinError, ResourceError, optional
 from .body import refused
 from .outline import Outline
 
@@ -37,6 +37,11 @@ def fill(outline: Outline, size, quads: bool) -> tuple[NDArray, list[NDArray]]:
         x, cells = _read(gmsh, len(outline.x))
         gmsh.model.mesh.removeSizeCallback()
         gmsh.model.remove()
+    except LopinError:
+        raise
+    except Exception as problem:   # gmsh knows no other
+        raise refused(f"gmsh cannot mesh the body: {problem}",
+                      "see that its outline does not meet itself; another SIZE") from problem
     finally:
         if started:
             gmsh.finalize()
@@ -192,6 +197,12 @@ def worst_corner(x: NDArray, cells: list[NDArray]) -> float:
     for group in cells:
         worst = min(worst, float(corner_quality(x, group).min()))
     return worst
+
+
+def place_of_worst(x: NDArray, cells: list[NDArray]) -> NDArray:
+    """Centre of the cell with the worst corner (ndim,)."""
+    group = min(cells, key=lambda g: float(corner_quality(x, g).min()))
+    return x[group[np.argmin(corner_quality(x, group))]].mean(axis=0)
 
 
 def corner_quality(x: NDArray, cells: NDArray) -> NDArray:

@@ -10,6 +10,8 @@ _CARDS = {"TEMPERATURE": "heat is not carried to a new mesh",
           "PRE-TENSION SECTION": "sections that are cut belong to the first mesh",
           "DLOAD": "faces and elements of the first mesh are gone: load a surface by *DSLOAD, "
           "or a tool"}
+#: NLGEOM=NO, and no such word; alone it stands for YES.
+_NO = ("NO", "no", "No")
 _MATERIAL = ("ELASTIC", "PLASTIC", "VISCOPLASTIC", "RATE DEPENDENT", "CYCLIC HARDENING",
              "POTENTIAL", "HYPERELASTIC", "EXPANSION", "DENSITY")
 
@@ -19,10 +21,13 @@ def refuse_what_stays_behind(parts: DeckParts, body: Body) -> None:
     for block in parts.blocks:
         if block.keyword in _CARDS:
             raise refused(f"*{block.keyword}: {_CARDS[block.keyword]}")
-        if block.keyword == "STEP" and "NLGEOM" not in block.parameters:
+        if block.keyword == "STEP" and str(plain(block.parameters.get("NLGEOM", "NO"))) in _NO:
             raise refused("remeshing belongs to finite strain", "write *STEP, NLGEOM")
     _refuse_loads(parts, body)
     _refuse_motion(parts, body)
+    _refuse_equations(parts, body)
+    _refuse_temperatures(parts, body)
+    _refuse_some_elements(parts, body)
     _refuse_ties(parts, body)
     _refuse_itself(parts)
     _refuse_material(parts, body)
@@ -54,10 +59,70 @@ def _refuse_motion(parts: DeckParts, body: Body) -> None:
                               f"{row[3]:g}", "move a tool against it")
 
 
+def _refuse_equations(parts: DeckParts, body: Body) -> None:
+    """Equations between nodes that a new mesh does not have, and nodes that follow a tool."""
+    own = set(body.labels.tolist())
+    for block in parts.blocks:
+        names = [str(plain(block.parameters[word])).upper() for word in ("PIN NSET", "TIE NSET",
+                 "NSET") if block.keyword == "RIGID BODY" and word in block.parameters]
+        for name in names:
+            if own & set(parts.cards.nsets.get(name, [])):
+                raise refused(f"*RIGID BODY leads nodes of {name}, of {body.elset}, which is "
+                              "meshed anew", "press it by a tool in contact")
+        values = [v for row in block.data for v in row if v is not None] \
+            if block.keyword == "EQUATION" else []
+        at = 0
+        while at < len(values) and isinstance(values[at], int):
+            for node in values[at + 1:at + 1 + 3*values[at]:3]:
+                labels = [node] if isinstance(node, int) else \
+                    parts.cards.nsets.get(str(node).upper(), [])
+                if own & set(labels):
+                    raise refused(f"*EQUATION acts on {node} of {body.elset}, which is meshed anew",
+                                  "hold a plane by *BOUNDARY")
+            at += 1 + 3*values[at]
+
+
+def _refuse_temperatures(parts: DeckParts, body: Body) -> None:
+    """Temperatures of the start go on where they are those of the whole body."""
+    own = set(body.labels.tolist())
+    for block in parts.blocks:
+        if block.keyword != "INITIAL CONDITIONS" or \
+                str(plain(block.parameters.get("TYPE", ""))).upper() != "TEMPERATURE":
+            continue
+        for row in block.data:
+            labels = {row[0]} if isinstance(row[0], int) else \
+                set(parts.cards.nsets.get(str(row[0]).upper(), []))
+            if own & labels and (isinstance(row[0], int) or not own <= labels):
+                raise refused(f"the temperature of {row[0]} belongs to nodes of the first mesh of "
+                              f"{body.elset}", "give one temperature to a set of all its nodes")
+
+
+def _refuse_some_elements(parts: DeckParts, body: Body) -> None:
+    """Cards that name some elements of the body: a new mesh has no such set."""
+    members = set(body.elements.tolist())
+    some = {name for name, labels in parts.cards.elsets.items()
+            if members & set(labels) and not members <= set(labels)}
+    for block in parts.blocks:
+        name = str(plain(block.parameters.get("ELSET", ""))).upper()
+        if name in some and block.keyword not in ("ELSET", "ELEMENT"):
+            raise refused(f"*{block.keyword} is for element set {name}, some elements of "
+                          f"{body.elset}, which is meshed anew", "name all of them")
+
+
 def _refuse_ties(parts: DeckParts, body: Body) -> None:
-    """Ties keep places of the start."""
+    """Ties, clearances that a card gives, and pairs of small sliding keep places of the start."""
     own = {name for tag in body.tags for kind, name in tag if kind == "S"}
     for block in parts.blocks:
+        if block.keyword == "CLEARANCE":
+            names = {str(plain(block.parameters.get(k, ""))).upper() for k in ("SLAVE", "MASTER")}
+            if names & own:
+                raise refused("*CLEARANCE of {} counts from the first mesh".format(
+                    ", ".join(sorted(names & own))), "put the tool where it stands")
+        if block.keyword == "CONTACT PAIR" and "SMALL SLIDING" in block.parameters:
+            names = {str(plain(v)).upper() for row in block.data for v in row[:2]}
+            if names & own:
+                raise refused("SMALL SLIDING of {} keeps the facets of the start".format(
+                    ", ".join(sorted(names & own))), "leave it out")
         tied = block.keyword == "TIE" or \
             (block.keyword == "CONTACT PAIR" and "TIED" in block.parameters)
         names = {str(plain(v)).upper() for row in block.data for v in row[:2]} if tied else set()

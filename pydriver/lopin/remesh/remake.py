@@ -5,6 +5,7 @@ import time
 from pathlib import Path
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ..deck import Block, Deck
 from ..errors import UsageError
@@ -39,6 +40,8 @@ from .transfer import (
 
 #: Length of the increment at rest, by the period of the step.
 REST = 1e-8
+#: Share of the faces that a support holds by which a new mesh may have other ones.
+LOST = 0.02
 
 
 def remake(deck: Deck, last: Snapshot, tools: Tools, card: RemeshCard, why: str, part: int,
@@ -63,6 +66,7 @@ def remake(deck: Deck, last: Snapshot, tools: Tools, card: RemeshCard, why: str,
     fields = cell_fields(x, cells, *owner)
     make = remesh_plane if body.ndim == 2 else remesh_space
     mesh, moved, origin = make(body, last, card, tools, fields)
+    refuse_lost_names(body, last.x, mesh)
     states, weights = transfer(fields, Locator(x, cells), mesh.x, mesh.cells, body.axisymmetric)
     highest = highest_strain(last.points)
     states, over = zip(*(admissible(s, highest) for s in states))
@@ -74,6 +78,32 @@ def remake(deck: Deck, last: Snapshot, tools: Tools, card: RemeshCard, why: str,
              *traction_block(parts, body, mesh, last, origin),
              start_block(body, last, parts)]
     return next_deck(parts, body, mesh, name, folder, start), done
+
+
+def refuse_lost_names(body: Body, x: NDArray, mesh: NewMesh) -> None:
+    """Every set and surface that had faces of the body has some of the new mesh, and planes that
+    supports hold are as large as they were: a mesher that loses one would set the body free."""
+    for name in frozenset().union(*body.tags) - frozenset().union(*mesh.tags):
+        kind = {"N": "node set", "S": "surface"}[name[0]]
+        raise refused(f"the mesher has lost {kind} {name[1]}", "a smaller SMALLEST there")
+    for name, rows in body.named.items():
+        if len(rows) and not len(mesh.named.get(name, [])):
+            raise refused(f"the mesher has lost node set {name}", "a smaller SMALLEST there")
+    for name in body.held:
+        old = size_of_facets(x, body.facets[[name in tag for tag in body.tags]])
+        new = size_of_facets(mesh.x, mesh.facets[[name in tag for tag in mesh.tags]])
+        if not abs(new - old) <= LOST*old:
+            raise refused(f"the mesher has changed the faces that {name[1]} holds from {old:.4g} "
+                          f"to {new:.4g}", "a smaller SMALLEST there")
+
+
+def size_of_facets(x: NDArray, facets: NDArray) -> float:
+    """Length of edges, or area of triangles."""
+    corner = x[facets]
+    if x.shape[1] == 2:
+        return float(np.linalg.norm(corner[:, 1] - corner[:, 0], axis=1).sum())
+    normal = np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0])
+    return float(0.5*np.linalg.norm(normal, axis=1).sum())
 
 
 def point_cells(last: Snapshot, body: Body):

@@ -35,7 +35,7 @@ def remesh_tetrahedra(x: NDArray, cells: NDArray, facets: NDArray, reference: ND
     least, most, hausdorff = limits
     try:
         mesh.remesh(hausd=hausdorff, hmin=least, hmax=most, hgrad=growth, ar=RIDGE, verbose=-1)
-    except RuntimeError as problem:
+    except Exception as problem:   # of whatever kind mmgpy has
         raise refused(f"MMG cannot mesh the body: {problem}",
                       "see that its tetrahedra share whole faces, and that its skin does not meet "
                       "itself") from problem

@@ -1,0 +1,210 @@
+"""What harms a run with new meshes is told by name, before the run where the deck says it; a
+mesher that fails loses nothing."""
+import builtins
+
+import numpy as np
+import pytest
+from test_remeshing import block, history, run
+
+import lopin
+from lopin.remesh import planar, plane, remake
+
+CARD = "*REMESH, ELSET=B, PERIOD=.2, STRAIN=10."
+HOT = "*PLASTIC\n200., 0., 0.\n600., 2., 0.\n50., 0., 100.\n100., 2., 100."
+STEP = "*STEP, NLGEOM"
+
+
+def with_card(more):
+    return (CARD, CARD + ", " + more)
+
+
+def before_step(lines):
+    return (STEP, f"{lines}\n{STEP}")
+
+
+@pytest.mark.parametrize("change, code, name", [
+    (with_card("SIZE=-1."), "E0106", "SIZE"), (with_card("HAUSDORFF=-1."), "E0106", "HAUSDORFF"),
+    (with_card("SIZE=1., SMALLEST=2."), "E0106", "SMALLEST"),
+    (with_card("SMALLEST=20."), "E0106", "SMALLEST"),
+    (with_card("GROWTH=.5"), "E0106", "GROWTH"), (with_card("GROWTH=1."), "E0106", "GROWTH"),
+    (with_card("QUALITY=2."), "E0106", "QUALITY"), (with_card("MOST=-3"), "E0106", "MOST"),
+    ((CARD, "*REMESH, ELSET=B, PERIOD=-.2"), "E0106", "PERIOD"),
+    ((CARD, "*REMESH, ELSET=B, STRAIN=0."), "E0106", "STRAIN"),
+    ((STEP, "*STEP, NLGEOM=NO"), "E0621", "finite strain"),
+    (("INTERACTION=I\nSKIN", "INTERACTION=I, SMALL SLIDING\nSKIN"), "E0621", "SMALL SLIDING"),
+    (before_step("*CLEARANCE, MASTER=DIE, SLAVE=SKIN, VALUE=.3"), "E0621", "CLEARANCE"),
+    (before_step("*EQUATION\n2\n25, 1, 1., 24, 1, -1."), "E0621", "EQUATION acts on 25"),
+    (before_step("*NSET, NSET=E1\n25\n*NSET, NSET=E2\n24\n*EQUATION\n2\nE1, 1, 1., E2, 1, -1."),
+     "E0621", "EQUATION acts on E1"),
+    (("*END STEP", "*EL PRINT, ELSET=PART\nS\n*END STEP"), "E0621", "element set PART"),
+    (before_step("*INITIAL CONDITIONS, TYPE=TEMPERATURE\nFLOOR, 20."), "E0621", "temperature"),
+    (("TYPE=CAX4", "TYPE=CPS4"), "E0621", "CPS4"), (("*REMESH, ELSET=B,", "*REMESH,"), "E01", ""),
+])
+def test_decks_that_a_new_mesh_would_spoil_are_refused_by_name(change, code, name, core, tmp_path):
+    text = block("CAX4").text()
+    if "PART" in change[1]:
+        text = text.replace("*SOLID SECTION", "*ELSET, ELSET=PART\n1, 2\n*SOLID SECTION")
+    assert change[0] in text
+    with pytest.raises(lopin.LopinError) as caught:
+        run(lopin.Deck.parse(text.replace(*change), name="block"), tmp_path)
+    assert code in str(caught.value) and name in str(caught.value)
+    assert not list(tmp_path.glob("*.p002.inp"))
+
+
+def test_the_temperature_of_the_start_goes_along(core, tmp_path):
+    """Flow curves of two temperatures: every part has the one that the deck gives."""
+    text = block("CAX4").text().replace("*PLASTIC\n200., 0.\n300., .5\n600., 2.", HOT)
+    text = text.replace(*before_step("*INITIAL CONDITIONS, TYPE=TEMPERATURE\nALL, 50."))
+    force = []
+    for most in (0, 50):
+        folder = tmp_path/str(most)
+        report = run(lopin.Deck.parse(text.replace(*with_card(f"MOST={most}")), name="block"),
+                     folder)
+        assert len(report.remeshes) == (4 if most else 0)
+        force.append(history(folder, "block")["DIE.rf2"][-1])
+    assert force[1] == pytest.approx(force[0], rel=1e-7)
+
+
+@pytest.mark.parametrize("words", ["1., 0., 0., 0., 1., 0.", "1, 0, 0, 0, 1, 0"])
+def test_axes_of_a_set_are_no_labels_of_nodes(words, core, tmp_path):
+    text = block("CAX4").text().replace(*before_step(f"*TRANSFORM, NSET=FLOOR\n{words}"))
+    assert len(run(lopin.Deck.parse(text, name="block"), tmp_path).remeshes) == 4
+
+
+def without_tag(made, name):
+    """A mesh whose facets do not have a name any more."""
+    mesh, *rest = made
+    mesh.tags = [tag - {name} for tag in mesh.tags]
+    return mesh, *rest
+
+
+def half_of_it(made, name):
+    """A mesh that has lost half of the facets of a name."""
+    mesh, *rest = made
+    own = [k for k, tag in enumerate(mesh.tags) if name in tag]
+    for k in own[::2]:
+        mesh.tags[k] = mesh.tags[k] - {name}
+    return mesh, *rest
+
+
+def broken(fault, patch):
+    """Make the mesher fail in one way, from its second call on."""
+    calls = []
+
+    def later(real, change):
+        def act(*given, **named):
+            calls.append(1)
+            made = real(*given, **named)
+            return change(made) if len(calls) > 1 else made
+        return act
+
+    def fail(made):
+        raise Exception("could not recover boundary mesh")
+
+    def turned(made):
+        x, cells = made
+        x = x.copy()
+        x[-1] = [40.0, 40.0]
+        return x, cells
+
+    if fault == "fails":
+        patch.setattr(plane, "_read", later(plane._read, fail))
+    elif fault == "inverts":
+        patch.setattr(planar, "fill", later(planar.fill, turned))
+    elif fault == "missing":
+        real = builtins.__import__
+
+        def without_gmsh(name, *rest):
+            if name == "gmsh":
+                raise ModuleNotFoundError("No module named 'gmsh'")
+            return real(name, *rest)
+
+        patch.setattr(plane, "optional", later(plane.optional, lambda made: made))
+        patch.setattr(builtins, "__import__", without_gmsh)
+        import importlib
+        load = importlib.import_module
+        patch.setattr(importlib, "import_module", lambda name, *rest: without_gmsh(name)
+                      if name == "gmsh" else load(name, *rest))
+    elif fault == "loses":
+        patch.setattr(remake, "remesh_plane", later(remake.remesh_plane, lambda made: without_tag(
+            made, ("N", "FLOOR"))))
+    else:
+        patch.setattr(remake, "remesh_plane", later(remake.remesh_plane, lambda made: half_of_it(
+            made, ("N", "FLOOR"))))
+
+
+@pytest.mark.parametrize("fault, code, word", [
+    ("fails", "E0621", "could not recover"), ("inverts", "E0621", "turned over"),
+    ("missing", "", "gmsh"), ("loses", "E0621", "node set FLOOR"),
+    ("loses half", "E0621", "FLOOR holds")])
+def test_a_mesher_that_fails_is_named_and_nothing_is_lost(fault, code, word, core, tmp_path,
+                                                          monkeypatch):
+    """The run goes on to the same bits once the mesher is well again."""
+    whole = run(block("CAX4"), tmp_path/"whole")
+    with monkeypatch.context() as patch:
+        broken(fault, patch)
+        with pytest.raises(lopin.LopinError) as caught:
+            run(block("CAX4"), tmp_path/"harmed")
+        assert code in str(caught.value) and word in str(caught.value)
+    report = run(block("CAX4"), tmp_path/"harmed", resume=True)
+    assert len(report.remeshes) == len(whole.remeshes)
+    found, expected = (history(tmp_path/name, "block")["DIE.rf2"] for name in ("harmed", "whole"))
+    assert np.array_equal(found, expected)
+
+
+def test_parts_of_another_deck_are_not_gone_on_with(core, tmp_path):
+    run(block("CAX4", travel=-1.0), tmp_path)
+    with pytest.raises(lopin.LopinError, match="E0604"):
+        run(block("CAX4", travel=-1.1), tmp_path, resume=True)
+
+
+@pytest.mark.parametrize("line, code", [("900, 1", "E02"), ("1, 9", "E0210"), ("1, 1", "E0210")])
+def test_a_state_of_another_deck_is_refused(line, code, core):
+    """An element that is not there, a point that is not, one point of four alone."""
+    text = block("CAX4").text().replace(CARD, "*INITIAL CONDITIONS, TYPE=STATE\n" + line
+                                        + ", 0., 0., 0., 0., 0., 0., 0., 0., .1")
+    with pytest.raises(lopin.LopinError, match=code):
+        lopin.run(lopin.Deck.parse(text, name="state"))
+
+
+@pytest.mark.parametrize("word", ["CAX4", "C3D4"])
+def test_metres_give_what_millimetres_do(word, core, tmp_path):
+    """Lengths by a thousandth, forces in newtons: the same parts at the same times."""
+    if word == "C3D4":
+        pytest.importorskip("mmgpy")
+    card = "SIZE=.9, SMALLEST=.3, PERIOD=.2, STRAIN=10."
+    scene = block(word, card=card, travel=-1.5, mu=0.1)
+    run(scene, tmp_path/"mm")
+    small = in_metres(scene)
+    report = run(small, tmp_path/"m")
+    mm, m = (history(tmp_path/name, "block") for name in ("mm", "m"))
+    axis = "DIE.rf2"
+    assert len(report.remeshes) >= 2
+    assert m[axis][-1] == pytest.approx(mm[axis][-1], rel=2e-3)
+    assert m["volume"][-1] == pytest.approx(1e-9*mm["volume"][-1], rel=1e-5)
+
+
+def in_metres(scene):
+    """The block in metres and pascals."""
+    deck = lopin.Deck.parse(scene.text(), name="block")
+    for b in deck.blocks:
+        rows = b.data
+        if b.keyword == "NODE":
+            for row in rows:
+                row[1:] = [1e-3*float(v) for v in row[1:]]
+        elif b.keyword == "SURFACE" and b.parameters.get("TYPE") == "SEGMENTS":
+            for row in rows:
+                row[1:] = [1e-3*float(v) for v in row[1:]]
+        elif b.keyword == "SURFACE" and b.parameters.get("TYPE") == "CYLINDER":
+            for row in rows[2:]:
+                row[1:] = [1e-3*float(v) for v in row[1:]]
+        elif b.keyword in ("ELASTIC", "PLASTIC"):
+            for row in rows:
+                row[0] = 1e6*float(row[0])
+        elif b.keyword == "REMESH":
+            for name in ("SIZE", "SMALLEST"):
+                b.parameters[name] = repr(1e-3*float(b.parameters[name]))
+        elif b.keyword == "BOUNDARY":
+            for row in rows:
+                row[3:] = [1e-3*float(v) for v in row[3:]]
+    return deck
