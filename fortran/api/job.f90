@@ -66,6 +66,11 @@ module lopin_job
    integer, parameter :: most_threads = 1024
 
    interface
+      subroutine lopin_watch_processors() bind(c)
+      end subroutine lopin_watch_processors
+      integer(c_int) function lopin_idle_processors() bind(c)
+         import :: c_int
+      end function lopin_idle_processors
       integer(c_int) function lopin_threads_that_start(n) bind(c)
          import :: c_int
          integer(c_int), value :: n
@@ -84,6 +89,7 @@ contains
       type(model_type), intent(out) :: model
       type(error_type), allocatable, intent(out) :: error
 
+      call lopin_watch_processors()
       if (self%threads > most_threads) call raise(error, error_code%usage, 'E0801', &
          & to_text(self%threads)//' threads: at most '//to_text(most_threads)//' can be had')
       if (.not. allocated(error)) call new_model(model, deck, error)
@@ -319,16 +325,20 @@ contains
          & plural(log%count_of(severity%warning), 'warning')//' with --strict')
    end subroutine refuse_warnings
 
-   !> Threads of the assembly and of factorisations, where there is enough to share out.
+   !> Threads of the assembly and of factorisations, where there is enough to share out. What other
+   !> processes compute on is left to them: a second thread beside them would make the run wait. The
+   !> number changes no bit.
    subroutine choose_threads(self, model, started, log)
       type(job_type), intent(in) :: self
       type(model_type), intent(in) :: model
       integer, intent(out) :: started
       type(log_type), intent(inout) :: log
-      integer :: wanted
+      integer :: wanted, unsaid
 
       wanted = min(omp_get_max_threads(), most_threads)
       if (model%mesh%nelement < enough_elements) wanted = 1
+      call get_environment_variable('OMP_NUM_THREADS', status=unsaid)
+      if (wanted > 1 .and. unsaid /= 0) wanted = min(wanted, max(1, int(lopin_idle_processors())))
       if (self%threads > 0) wanted = self%threads
       started = 1
       if (wanted > 1) then

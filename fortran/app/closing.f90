@@ -98,7 +98,9 @@ contains
       write (seconds, '(f8.1, a)') summary%clock%total(), ' s'
       text = trim(adjustl(seconds))
       if (summary%clock%total() >= 100.0_wp) text = clock_text(summary%clock%total())
-      text = text//', '//to_text(nint(summary%peak_memory))//' MiB; '// &
+      text = text//', '//to_text(nint(summary%peak_memory))//' MiB'
+      if (summary%threads > 1) text = text//', '//plural(summary%threads, 'thread')
+      text = text//'; '// &
          & plural(increments, 'increment')//', '// &
          & plural(sum(summary%step%counter%iterations), 'iteration')
    end function cost_of

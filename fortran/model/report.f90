@@ -1,5 +1,6 @@
 !> Reports: what one accepted increment, and a whole run, show to the recorders.
 module lopin_report
+   use omp_lib, only : omp_get_max_threads
    use lopin_kinds, only : wp
    use lopin_error, only : log_type
    use lopin_clock, only : counter_type, clock_type
@@ -8,7 +9,7 @@ module lopin_report
    private
    public :: lost_work, lost_share, note_most
    public :: contact_field_type, damage_field_type, certificate_type, &
-      & frame_type, energy_type, summary_type, &
+      & frame_type, energy_type, summary_type, new_summary, &
       & verdict_words, keep_certificate, keep_energy
 
    character(len=*), parameter :: verdict_words(0:2) = [character(len=4) :: 'PASS', 'WARN', 'FAIL']
@@ -135,12 +136,27 @@ module lopin_report
       type(clock_type) :: clock
       type(log_type) :: log                       !! what the run itself had to say
       real(wp) :: peak_memory = 0.0_wp            !! [MiB]
+      integer :: threads = 1
       !> Of the translations of all nodes in all increments, in order; equal results have equal
       !> ones.
       character(len=:), allocatable :: checksum
    end type summary_type
 
 contains
+
+   !> Of a run of so many steps that begins now, on the threads of now.
+   subroutine new_summary(summary, nstep)
+      type(summary_type), intent(out) :: summary
+      integer, intent(in) :: nstep
+
+      summary%status = 'finished'
+      summary%plan = ''
+      summary%path = ''
+      summary%solver = ''
+      summary%checksum = ''
+      summary%threads = omp_get_max_threads()
+      allocate (summary%step(nstep))
+   end subroutine new_summary
 
    !> The last certificate, to a stream or back.
    subroutine keep_certificate(self, stream)

@@ -327,6 +327,7 @@ contains
       call json%add('total', summary%clock%total())
       call json%close('}')
       call json%add('peak_memory_mib', summary%peak_memory)
+      call json%add('threads', summary%threads)
       call json%add('checksum', summary%checksum)
    end subroutine add_timing
 

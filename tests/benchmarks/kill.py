@@ -29,7 +29,7 @@ def content(folder: Path) -> dict[str, object]:
     found: dict[str, object] = {p.name: p.read_bytes() for p in folder.iterdir()}
     for name in [n for n in found if n.endswith(".json")]:
         job = json.loads(found[name])
-        for word in ("timing", "peak_memory_mib"):
+        for word in ("timing", "peak_memory_mib", "threads"):
             job.pop(word, None)
         found[name] = job
     return found

@@ -198,7 +198,7 @@ class Bench:
         for job in (left, right):
             for step in job["steps"] if job["path"] == "newton" else ():
                 step["factorisations"] = step["back_solves"] = 0
-        return found + [k for k in left if k not in ("timing", "peak_memory_mib")
+        return found + [k for k in left if k not in ("timing", "peak_memory_mib", "threads")
                         and left[k] != right[k]]
 
 

@@ -101,7 +101,7 @@ def files_of(folder):
         data = path.read_bytes()
         if path.name == "job.json":
             job = json.loads(data)
-            for key in ("timing", "peak_memory_mib", "deck"):
+            for key in ("timing", "peak_memory_mib", "threads", "deck"):
                 job.pop(key)
             for item in job["diagnostics"]:
                 item.pop("file", None)

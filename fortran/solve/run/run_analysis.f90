@@ -8,7 +8,7 @@ module lopin_run_analysis
    use lopin_blas_threads, only : ready_blas
    use lopin_memory, only : peak_memory
    use lopin_model, only : model_type, step_type
-   use lopin_report, only : frame_type, summary_type
+   use lopin_report, only : frame_type, summary_type, new_summary
    use lopin_recorder, only : recorder_holder_type
    use lopin_follower_loading, only : follow_steps, new_followers, leave_followers
    use lopin_loading, only : loading_type, new_loading, carry_loads
@@ -84,12 +84,7 @@ contains
       allocate (self%scene)
       self%scene%clock = clock
       call self%scene%clock%start()
-      self%summary%status = 'finished'
-      self%summary%plan = ''
-      self%summary%path = ''
-      self%summary%solver = ''
-      self%summary%checksum = ''
-      allocate (self%summary%step(size(model%step)))
+      call new_summary(self%summary, size(model%step))
       call ready_blas(error)
       if (.not. allocated(error)) call refuse_remeshing(model, error)
       if (.not. allocated(error)) call begin_files(recorders, model, error, store)
