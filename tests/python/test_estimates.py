@@ -168,6 +168,7 @@ def test_the_dual_problem_foretells_the_error(name, quantity, limit):
     ("upsetting", Quantity("FORCE"), "PLASTIC"), ("cattaneo", Quantity("PRESSURE"), "no dual"),
     ("flat_punch", Quantity("FORCE", "PUNCH_REF", 2), "driven by forces"),
     ("hertz_sphere", Quantity("DISPLACEMENT", "BALL_REF", 2), "given"),
+    ("hertz_sphere", Quantity("FORCE", "", 1), "no rigid ones"),
     ("nafems_cylinder", Quantity("FORCE"), "driven by forces"),
     ("rubber_cube", Quantity("DISPLACEMENT", "1", 2), "")])
 def test_where_there_is_no_dual_problem(name, quantity, says):

@@ -24,6 +24,7 @@ from .solids import Solids
 SMALL = 1e-8
 #: Least change of displacements beside the largest that is not taken for rounding.
 ROUNDING = 1e-11
+LOST = "the dual solution is lost in rounding"
 #: What the column `certificate` of a history means.
 VERDICTS = ("PASS", "WARN", "FAIL")
 
@@ -70,8 +71,11 @@ class Question:
     steps: list[Block]
 
     @classmethod
-    def of(cls, deck: Deck, quantity: Quantity) -> Question | str:
-        """Of a flat deck; a reason where there is no dual problem."""
+    def of(cls, deck: Deck, quantity: Quantity, moved: float = 0.0) -> Question | str:
+        """Of a flat deck; a reason where there is no dual problem.
+
+        `moved`: the largest displacement, if it is known [length].
+        """
         blocks = expanded(deck)
         if quantity.kind not in ("FORCE", "DISPLACEMENT"):
             return f"{quantity.kind.lower()} has no dual problem"
@@ -82,10 +86,11 @@ class Question:
         wanted = [quantity.component] if quantity.component else \
             list(range(1, solids.x.shape[1] + 1))
         try:
-            nodes = labels_of(cards, quantity.set) if quantity.set else _tools(blocks, cards)
+            nodes = list(quantity.nodes) or (labels_of(cards, quantity.set) if quantity.set
+                                             else _tools(blocks, cards))
         except Exception as problem:   # the run says it better
             return str(problem)
-        held = _Given(blocks, cards)
+        held = _Given(blocks, cards, moved)
         if held.reason:
             return held.reason
         if quantity.kind == "FORCE":
@@ -95,11 +100,13 @@ class Question:
     @classmethod
     def _of_force(cls, quantity, nodes, wanted, held, solids) -> Question | str:
         if solids.groups[0].kind == "axisymmetric":
-            wanted = [2]   # a tool has no other way
+            wanted = [d for d in wanted if d == 2]   # a tool has no other way
         known = [d for d in wanted if all((n, d) in held.value for n in nodes)]
         if not nodes or not known:
-            return "its tools are driven by forces"
+            return "its tools are no rigid ones, or driven by forces"
         size = SMALL*held.scale(solids)
+        if size == 0.0:
+            return "nothing moves"
         steps, now = [], dict(held.value)
         for d in known:
             rows = []
@@ -115,6 +122,8 @@ class Question:
         if not free:
             return "it is given"
         size = SMALL*held.force(solids)
+        if size == 0.0:
+            return "nothing moves"
         steps = []
         for d in free:
             rows = [[n, d, float(held.load.get((n, d), 0.0) + size/len(nodes))] for n in nodes]
@@ -155,7 +164,7 @@ class Question:
         dual = [(b - a)/self.size for a, b in zip(u, u[1:])]
         most = np.abs(u[0]).max()
         if any(np.abs(b - a).max() < ROUNDING*most for a, b in zip(u, u[1:])):
-            return "the dual solution is lost in rounding"
+            return LOST
         found = missed(solids, [u[0], *dual])
         share = self._shares(own, deck)
         sign = -1.0 if self.given else 1.0
@@ -247,7 +256,8 @@ def _tools(blocks, cards: MeshCards) -> list[int]:
 class _Given:
     """Displacements and loads at the end of the deck."""
 
-    def __init__(self, blocks, cards: MeshCards):
+    def __init__(self, blocks, cards: MeshCards, moved: float = 0.0):
+        self.moved = moved
         self.value: dict[tuple[int, int], float] = {}
         self.load: dict[tuple[int, int], float] = {}
         self.pressures, self.reason = 0.0, ""
@@ -275,7 +285,7 @@ class _Given:
 
     def scale(self, solids: Solids) -> float:
         """Size of displacements [length]."""
-        most = max(map(abs, self.value.values()), default=0.0)
+        most = self.moved or max(map(abs, self.value.values()), default=0.0)
         return most or self._pressed(solids)*self._size(solids)
 
     def force(self, solids: Solids) -> float:

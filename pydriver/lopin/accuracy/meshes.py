@@ -49,7 +49,7 @@ class Meshes:
     def spend(self, labels: NDArray, parts: NDArray, goal: float) -> bool:
         """Halve cells until the sum of the sizes of their parts should be `goal`; whether it could
         be: meshes in space are refined everywhere or not at all."""
-        local = self._local or LocalMesh(self.deck)
+        first = local = self._local or LocalMesh(self.deck)
         own = dict(zip(labels.tolist(), np.abs(parts).tolist()))
         least = equal_parts(np.abs(parts), max(goal, np.abs(parts).sum()/AT_ONCE))
         try:
@@ -61,6 +61,8 @@ class Meshes:
                 own = local.inherited(own, LEFT)
         except ModelError:
             return False
+        if local is first:
+            return False   # no part stands out
         self.uniform = False
         self._take(local)
         return True

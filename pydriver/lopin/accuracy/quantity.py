@@ -4,7 +4,7 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -34,11 +34,14 @@ class Quantity:
         the last step adds to it)
     set : node set or label; empty: none
     component : 1, 2, 3; 0: the length of the vector
+    nodes : labels that a displacement is the mean of, whatever the mesh; empty: those of the set.
+        On finer meshes a set holds more nodes, and more of them where cells are smaller.
     """
 
     kind: str
     set: str = ""
     component: int = 0
+    nodes: tuple[int, ...] = ()
 
     def __post_init__(self):
         if self.kind not in KINDS:
@@ -57,6 +60,12 @@ class Quantity:
                 return cls(kind, str(given.get("SET", "")).upper(), int(given.get("COMPONENT", 0))
                            ), float(given.get("TARGET ERROR", 0.01))
         return None
+
+    def of_nodes(self, deck: Deck) -> Quantity:
+        """The same for any finer mesh of a deck: a displacement is that of the deck's own nodes."""
+        if self.kind not in ("DISPLACEMENT", "SPRINGBACK"):
+            return self
+        return replace(self, nodes=tuple(labels_of(MeshCards(expanded(deck)), self.set)))
 
     def __str__(self) -> str:
         words = [self.kind.lower()]
@@ -81,7 +90,7 @@ class Quantity:
         """The force or displacement of which the number is a component or the length."""
         if self.kind == "FORCE":
             return self._forces(result, deck, [-1])[0]
-        rows = _rows(result, deck, self.set)
+        rows = _rows(result, deck, self.set, self.nodes)
         moved = np.asarray(result["displacement"])[rows].mean(axis=0)
         if self.kind == "SPRINGBACK":
             moved = moved - np.asarray(result.at(_before_last_step(result))["displacement"]
@@ -149,10 +158,10 @@ def pressures(result: Result) -> tuple[NDArray, NDArray, NDArray]:
                  for name in ("CPRESS", "WEIGHT", "LABEL"))
 
 
-def _rows(result: Result, deck: Deck, name: str) -> NDArray:
-    """Rows of the nodes of a set, or of a label, in the fields of a result."""
+def _rows(result: Result, deck: Deck, name: str, nodes: tuple[int, ...] = ()) -> NDArray:
+    """Rows of the nodes of a set, of a label, or of labels, in the fields of a result."""
     own = np.asarray(result["LABEL"]).ravel().astype(int)
-    return np.flatnonzero(np.isin(own, labels_of(MeshCards(expanded(deck)), name)))
+    return np.flatnonzero(np.isin(own, nodes or labels_of(MeshCards(expanded(deck)), name)))
 
 
 def labels_of(cards: MeshCards, name: str) -> list[int]:

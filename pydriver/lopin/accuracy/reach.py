@@ -22,7 +22,7 @@ from ..files import whole_file
 from ..model_read_mesh import expanded, named_from
 from ..result import Result
 from ..run import as_deck, check, run
-from .dual import Estimate, Question
+from .dual import LOST, Estimate, Question
 from .increments import depends_on_path, left_by_increments, with_smaller
 from .mesh_error import error_of_mesh, halved
 from .meshes import Meshes
@@ -33,6 +33,9 @@ from .refusals import contact_alone, out_of_reach, out_of_time
 MOST = {2: 400_000, 3: 60_000}
 #: Shares of the error asked for that increments may take.
 OF_INCREMENTS = 0.4
+#: Where facets do not match (W0333) contact between nodes and facets has an error that the dual
+#: problem does not see.
+UNMATCHED = 1.5
 #: Halvings of the increments that are tried.
 HALVINGS = 7
 #: Share of the room that the parts of the error may take on the next mesh, and by how much their
@@ -176,7 +179,7 @@ def reach(scene, quantity: Quantity | None = None, target: float | None = None,
     given = Quantity.of(deck)
     if quantity is None and given is None:
         raise UsageError("nothing is asked for: *LOPIN, QUANTITY=FORCE, TARGET ERROR=0.01")
-    quantity = quantity or given[0]
+    quantity = (quantity or given[0]).of_nodes(deck)
     search = _Search(without_question(deck), quantity, target or (given[1] if given else 0.01),
                      output, say, (most_elements, most_seconds), options)
     found = search.run()
@@ -212,6 +215,7 @@ class _Search:
         self.factor = 1.0     #: of the increments
         self.meshes = Meshes(deck)
         self.estimate: Estimate | None = None   #: of the last run, by the dual problem
+        self.moved = 0.0      #: largest displacement of the last run; 0: not known
         self.files = -1       #: mesh of the last run that wrote its files
 
     def run(self) -> Reached:
@@ -291,20 +295,26 @@ class _Search:
     def _run(self, deck: Deck, number: int) -> tuple[Result, float]:
         """A run, with that of the dual problem where there is one: what that foretells."""
         found, self.estimate = self.found, None
-        if not found.no_dual:
-            question = Question.of(deck, found.quantity)
+        for again in (False, True) if not found.no_dual else ():
             try:
-                if isinstance(question, Question):
-                    result = run(question.added(deck), **self.options)
-                    estimate = question.estimate(result, deck)
-                    if isinstance(estimate, str):
-                        found.no_dual = estimate
-                        return question.split(result), math.nan
-                    self.estimate = estimate
-                    return question.split(result), estimate.change
-                found.no_dual = question
+                question = Question.of(deck, found.quantity, self.moved)
+                if isinstance(question, str):
+                    found.no_dual = question
+                    break
+                result = run(question.added(deck), **self.options)
+                estimate = question.estimate(result, deck)
             except LopinError as problem:   # of the further steps, or the run without them says it
                 found.no_dual = problem.message
+                break
+            guessed = self.moved == 0.0 and not again
+            self.moved = float(np.abs(result["displacement"]).max())
+            if estimate == LOST and guessed:
+                continue   # the size of displacements is known now
+            if isinstance(estimate, str):
+                found.no_dual = estimate
+                return question.split(result), math.nan
+            self.estimate = estimate
+            return question.split(result), estimate.change
         self.files = number
         return run(self._placed(deck, number), self._folder(number), **self.options), math.nan
 
@@ -356,7 +366,9 @@ class _Search:
         found = self.found
         scale = max(abs(found.value), 1e-300)
         error, found.order, found.by_dual = error_of_mesh(found.levels, quadratic)
-        found.mesh = error/scale
+        if found.by_dual and any(line.startswith("W0333") for line in found.warnings):
+            error *= UNMATCHED
+        found.mesh = error/scale if math.isfinite(error) else math.nan
         apart = [v.difference for v in halved(found.levels)]
         grows = [b >= a for a, b in zip(apart, apart[1:])]
         if len(grows) >= 2 and all(grows[-2:]) and found.mesh > found.target:
