@@ -62,22 +62,31 @@ class FacetMaster:
         facet, share = closest(points, x, self.facets)
         corners = x[self.facets[facet]]
         foot = np.einsum("nk,nkd->nd", share, corners)
-        if points.shape[1] == 3:
-            normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-        else:
-            edge = corners[:, 1] - corners[:, 0]
-            normal = np.stack([edge[:, 1], -edge[:, 0]], axis=1)
-        normal /= np.linalg.norm(normal, axis=1)[:, None]
+        wide = normals_of(x[self.facets])
+        normal = wide[facet]/np.linalg.norm(wide[facet], axis=1)[:, None]
         arm = points - foot
         gap = (arm*normal).sum(axis=1)
         beside = np.linalg.norm(arm - gap[:, None]*normal, axis=1)
         # On the rim where all corners that count lie on it.
         ends = (self.rim[self.facets[facet]] | (share < 1e-9)).all(axis=1)
         ends &= (share < 1e-9).any(axis=1)
-        # Off a ridge the distance counts, not that from the plane of one of its facets.
-        ridge = ~ends & (beside > 0.0)
-        gap[ridge] = np.copysign(np.linalg.norm(arm[ridge], axis=1), gap[ridge])
+        # Off a ridge the distance counts, and its side is that of all facets that meet there.
+        ridge = ~ends & (share < 1e-9).any(axis=1)
+        at_nodes = np.zeros_like(x)
+        for k in range(self.facets.shape[1]):
+            np.add.at(at_nodes, self.facets[:, k], wide)
+        mean = np.einsum("nk,nkd->nd", share, at_nodes[self.facets[facet]])
+        side = np.where((arm*mean).sum(axis=1) < 0.0, -1.0, 1.0)
+        gap[ridge] = (side*np.linalg.norm(arm, axis=1))[ridge]
         return np.column_stack([gap, np.where(ends, beside, 0.0), foot, normal])
+
+
+def normals_of(corners: NDArray) -> NDArray:
+    """Outward normals of edges or triangles (facet, ndim, ndim), as long as these are large."""
+    if corners.shape[2] == 3:
+        return np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    edge = corners[:, 1] - corners[:, 0]
+    return np.stack([edge[:, 1], -edge[:, 0]], axis=1)
 
 
 def _faces(parts: DeckParts, name: str, ndim: int):

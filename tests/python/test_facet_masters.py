@@ -1,0 +1,65 @@
+"""Closest points on surfaces of element faces: those of a box, inside, outside and off its edges."""
+import numpy as np
+import pytest
+
+import lopin
+from lopin.remesh.body import DeckParts
+from lopin.remesh.masters import FacetMaster
+
+CUBE = """*NODE
+1, 0., 0., 0.
+2, 2., 0., 0.
+3, 2., 3., 0.
+4, 0., 3., 0.
+5, 0., 0., 4.
+6, 2., 0., 4.
+7, 2., 3., 4.
+8, 0., 3., 4.
+*ELEMENT, TYPE=C3D8, ELSET=B
+1, 1, 2, 3, 4, 5, 6, 7, 8
+*SURFACE, NAME=ALL
+B,
+*SURFACE, NAME=TOP
+B, S2
+"""
+SQUARE = CUBE.replace(", 0.\n", "\n").replace("TYPE=C3D8", "TYPE=CPE4").replace(
+    "1, 1, 2, 3, 4, 5, 6, 7, 8", "1, 1, 2, 3, 4").replace("B, S2", "B, S3")
+
+
+def master(text, name, ndim):
+    lines = [line for line in text.splitlines() if ndim == 3 or line[:2] not in
+             ("5,", "6,", "7,", "8,")]
+    return FacetMaster.of(DeckParts.of(lopin.Deck.parse("\n".join(lines), name="box")), name, ndim)
+
+
+@pytest.mark.parametrize("text, ndim", [(CUBE, 3), (SQUARE, 2)])
+def test_distances_from_a_box_have_the_right_side(text, ndim):
+    """Places on the planes of its sides too, where the normal of one facet tells nothing."""
+    high = np.array([2.0, 3.0, 4.0][:ndim])
+    still = np.empty((0, 5))
+    places = np.random.default_rng(3).uniform(-1.0, 5.0, (400, ndim))
+    places[::4, 0], places[1::4, 1] = 0.0, 3.0
+    found = master(text, "ALL", ndim).feet(places, still)
+    outside = np.maximum(np.maximum(-places, places - high), 0.0)
+    far = np.linalg.norm(outside, axis=1)
+    depth = np.minimum(places, high - places).min(axis=1)
+    expected = np.where(far > 0.0, far, -depth)
+    assert found[:, 0] == pytest.approx(expected, abs=1e-12)
+    assert not found[:, 1].any()
+    foot = found[:, 2:2 + ndim]
+    assert np.linalg.norm(places - foot, axis=1) == pytest.approx(np.abs(expected), abs=1e-12)
+
+
+def test_beyond_the_rim_of_an_open_surface_is_told():
+    top = master(CUBE, "TOP", 3)
+    found = top.feet(np.array([[1.0, 1.0, 4.5], [3.0, 1.0, 4.5], [1.0, 1.0, 3.9]]),
+                     np.empty((0, 5)))
+    assert found[:, 0] == pytest.approx([0.5, 0.5, -0.1])
+    assert found[:, 1] == pytest.approx([0.0, 1.0, 0.0])
+
+
+def test_facets_go_with_their_nodes():
+    """`motion`: a row a degree of freedom, label, dof, displacement."""
+    top = master(CUBE, "TOP", 3)
+    motion = np.array([[n, 3, 0.25, 0.0, 0.0] for n in (5, 6, 7, 8)])
+    assert top.feet(np.array([[1.0, 1.0, 4.5]]), motion)[0, 0] == pytest.approx(0.25)
