@@ -6,6 +6,10 @@ reads what a run with *REMESH of a scene of `die_forging.py` (FULL) has left in 
 that parts begin with, and the end of the last one. Prints the gap between die and metal inside the
 land, where the flash ends, the volume, meshes, increments and seconds by phase, and draws
 docs/pictures/SCENE.png from the stages named by PART (0: the start, -1: the end).
+
+    python decks/make/die_filling.py SCENE walls
+
+prints how far the triangles themselves are off the curved wall, by their deviation.
 """
 import csv
 import json
@@ -15,7 +19,7 @@ from pathlib import Path
 import matplotlib
 import meshio
 import numpy as np
-from die_forging import FULL
+from die_forging import FULL, triangles
 from die_shapes import Cross
 
 import lopin
@@ -100,11 +104,30 @@ def gap_of_nodes(die, above: float, x, facets):
     """
     own = x[np.unique(facets)]
     own = own[die.outline(*own[:, :2].T) < 0.0]
+    return off_the_wall(die, above, own), own
+
+
+def off_the_wall(die, above: float, places):
+    """Distance from places inside the land to the curved wall of a die."""
     step = 1e-4
-    at = die.height(*own[:, :2].T)
-    slope = np.hypot(*((die.height(*(own[:, :2] + d).T) - at)/step
+    at = die.height(*places[:, :2].T)
+    slope = np.hypot(*((die.height(*(places[:, :2] + d).T) - at)/step
                        for d in np.eye(2)*step))
-    return np.abs(at + above - own[:, 2])/np.hypot(1.0, slope), own
+    return np.abs(at + above - places[:, 2])/np.hypot(1.0, slope)
+
+
+def tell_walls(scene: str) -> None:
+    """How far triangles are off the wall that they stand for, inside the land of a quarter."""
+    die = FULL[scene][0]
+    for deviation in (0.1, 0.05, 0.02):
+        corner = triangles(die, 0.0, deviation).reshape(-1, 3, 3)
+        share = np.random.default_rng(1).dirichlet(np.ones(3), (len(corner), 10))
+        places = np.einsum("tsk,tkd->tsd", share, corner).reshape(-1, 3)
+        quarter = (places[:, 1] > 0.0) & ((places[:, 0] > 0.0) | (not isinstance(die, Cross)))
+        places = places[quarter & (die.outline(*places[:, :2].T) < 0.0)]
+        off = off_the_wall(die, 0.0, places)
+        print(f"deviation {deviation:g}, {len(corner)} triangles: most {off.max():.3f} mm, "
+              f"99 % below {np.quantile(off, 0.99):.3f}, above 0.05: {100*(off > 0.05).mean():.2f} %")
 
 
 def flash_of(die, x):
@@ -182,4 +205,7 @@ def main(scene: str, folder: Path, chosen: list[int]) -> None:
 
 
 if __name__ == "__main__":
-    main(sys.argv[1], Path(sys.argv[2]), [int(word) for word in sys.argv[3:]])
+    if sys.argv[2:] == ["walls"]:
+        tell_walls(sys.argv[1])
+    else:
+        main(sys.argv[1], Path(sys.argv[2]), [int(word) for word in sys.argv[3:]])
