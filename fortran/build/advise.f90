@@ -7,6 +7,9 @@ module lopin_advise
    use lopin_text, only : to_text
    use lopin_model, only : model_type, kind_of, surface_of
    use lopin_friction, only : has_friction
+   use lopin_advise_tools, only : advise_tools
+   use lopin_advise_symmetry, only : advise_symmetry
+   use lopin_advise_revolution, only : advise_revolution
    implicit none
    private
    public :: advise
@@ -20,19 +23,27 @@ contains
 
    subroutine advise(model)
       type(model_type), intent(inout) :: model
+      integer :: plane
+      logical :: told
 
       if (model%remeshes .or. size(model%step) == 0) return
-      call advise_plane(model)
+      call advise_plane(model, plane)
       call advise_rigid(model)
       call advise_increments(model)
+      call advise_tools(model)
+      if (model%mesh%nelement < worth_saying) return
+      call advise_revolution(model, told)
+      if (.not. told) call advise_symmetry(model, plane)
    end subroutine advise
 
    !> A mesh in space all of whose nodes are held in one direction is in plane strain.
-   subroutine advise_plane(model)
+   subroutine advise_plane(model, direction)
       type(model_type), intent(inout) :: model
+      integer, intent(out) :: direction        !! that one; 0: none
       logical :: used(model%mesh%nnode), held(3, model%mesh%nnode)
       integer :: e, i, s, k
 
+      direction = 0
       if (model%kind /= kind_of%solid .or. model%mesh%nelement < worth_saying) return
       ! Dofs of turned axes are not those of the mesh.
       if (allocated(model%transform%node)) then
@@ -61,6 +72,7 @@ contains
       end do
       do k = 1, 3
          if (.not. all(held(k, :) .or. .not. used)) cycle
+         direction = k
          call model%log%say(severity%note, 'N0361', 'every node is held in direction '// &
             & to_text(k)//': the scene is one of plane strain, meshed in space', &
             & model%step(1)%at, help='a plane mesh (CPE4, CPE8) has the same answer with half '// &

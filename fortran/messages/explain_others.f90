@@ -51,5 +51,22 @@ contains
          & 'Elastic bodies of small strain without friction remember nothing: the end of a '// &
          & 'step whose loads grow in proportion is the same in one increment as in many.', &
          & 'leave the data line of *STATIC out, or keep the increments for results on the way.')
+      call add_explanation(list, 'N0364', 'a plane of symmetry that is not used', &
+         & 'Mesh, sections, supports, loads, contact pairs and tools are their own mirror '// &
+         & 'images about a plane across an axis, one by one: the answer is symmetric, too, '// &
+         & 'unless a slender body buckles to one side.', &
+         & 'mesh one side, hold the nodes of the plane in its normal direction, and double the '// &
+         & 'forces that you read.')
+      call add_explanation(list, 'N0365', 'a scene of revolution is meshed in space', &
+         & 'The skin of the bodies, what holds, loads and touches them, and the tools are of '// &
+         & 'revolution about one axis, whole or between planes of symmetry: nothing varies '// &
+         & 'around it, unless metal wrinkles or ears.', &
+         & 'an axisymmetric deck (*ELEMENT, TYPE=CAX4 or CAX8R) has the same answer for a '// &
+         & 'fraction of the time; forces are then those of the whole circumference.')
+      call add_explanation(list, 'N0366', 'a tool of facets is a plane, a sphere or a cylinder', &
+         & 'All corners of a rigid master of facets (elements or an STL file) lie on one such '// &
+         & 'surface. Facets are searched, their chords stand off it, and their edges may '// &
+         & 'ripple the force of a slide.', &
+         & 'make it a *SURFACE, TYPE=SEGMENTS, CYLINDER or REVOLUTION of lines and arcs.')
    end subroutine advice
 end module lopin_explain_others
