@@ -12,6 +12,7 @@ module lopin_condensed
    use lopin_kinds, only : wp
    use lopin_blas, only : dsyrk
    use lopin_enforcement_factory, only : enforcement_holder_type
+   use lopin_eliminated_normals, only : eliminated_type
    use lopin_dense, only : cholesky, cholesky_solve, lower_solve, bordered_solve, symmetric_eigen
    implicit none
    private
@@ -38,6 +39,7 @@ module lopin_condensed
       real(wp), allocatable :: held(:, :)   !! (nq, nq) springs to `place` of motions that no row of
                                             !! a set resists and no load drives; unallocated: none
       real(wp), allocatable :: place(:)        !! (nq)
+      type(eliminated_type) :: eliminated      !! closed rows of the last solve with friction
    contains
       ! What the active set asks of a system; another way to solve it overrides these three.
       procedure :: free_gaps
@@ -72,6 +74,7 @@ contains
       integer :: row, k, j
 
       if (allocated(self%s)) return
+      self%eliminated = eliminated_type()
       allocate (w(self%n, self%nrow), source=0.0_wp)
       do row = 1, self%nrow
          do k = self%first(row), self%first(row + 1) - 1

@@ -8,7 +8,8 @@ module lopin_friction_newton
    use lopin_kinds, only : wp
    use lopin_condensed, only : condensed_type
    use lopin_friction_rows, only : friction_points_type, equations_type, form_equations
-   use lopin_friction_step, only : trial_type, work_type, step_to, check, search_line
+   use lopin_friction_step, only : trial_type, work_type, check, search_line
+   use lopin_friction_tangents, only : step_to
    use lopin_friction_scaling, only : scale_tangents, fits
    implicit none
    private
@@ -25,7 +26,7 @@ contains
 
    !> Newton from x; .false. in `solved` if states repeat without progress or time is up.
    subroutine newton(self, points, work, x, solved)
-      type(condensed_type), intent(in) :: self
+      type(condensed_type), intent(inout) :: self
       type(friction_points_type), intent(in) :: points
       type(work_type), intent(inout) :: work
       type(trial_type), intent(inout) :: x

@@ -9,6 +9,7 @@ module lopin_friction_scaling
    use lopin_vectors, only : largest
    use lopin_blas, only : dgetrf, dgetrs
    use lopin_condensed, only : condensed_type
+   use lopin_eliminated_normals, only : eliminate_normals
    use lopin_friction_rows, only : friction_points_type, form_equations, no_deformation
    use lopin_friction_step, only : trial_type, work_type
    implicit none
@@ -27,7 +28,7 @@ contains
    !> scales the points one by one. Without the normal rows a strip would bend freely. If told, a
    !> multiple of one over the mean nodal compliance.
    subroutine scale_tangents(self, work)
-      type(condensed_type), intent(in) :: self
+      type(condensed_type), intent(inout) :: self
       type(work_type), intent(inout) :: work
       integer, parameter :: powers = 8
       logical :: wanted(self%nrow)
@@ -74,6 +75,41 @@ contains
    !> What is left of the compliance of rows t where normal rows n stay closed; motions that float
    !> are held by springs of the rows.
    subroutine take_normals(self, work, n, t, held)
+      type(condensed_type), intent(inout) :: self
+      type(work_type), intent(in) :: work
+      integer, intent(in) :: n(:), t(:)
+      real(wp), intent(inout) :: held(:, :)
+      real(wp), allocatable :: a(:, :), across(:, :)
+      integer :: pivot(self%nq), i, m, status
+
+      m = size(t)
+      if (size(n) + self%nq == 0) return
+      call eliminate_normals(self%eliminated, self%s, self%c, n, t, work%equations%compliance(n) &
+         & + work%equations%extra(n))
+      if (.not. self%eliminated%regular) then
+         call take_together(self, work, n, t, held)
+         return
+      end if
+      associate (h => self%eliminated%h)
+         if (self%nq > 0) then
+            a = h(m + 1:, m + 1:)
+            do i = 1, self%nq
+               a(i, i) = a(i, i) - max(sum(self%c(:, i)**2*work%nodal), tiny(1.0_wp))
+            end do
+            across = h(m + 1:, :m)
+            call dgetrf(self%nq, self%nq, a, self%nq, pivot, status)
+            if (status /= 0) return
+            call dgetrs('N', self%nq, m, a, self%nq, pivot, across, self%nq, status)
+            held = h(:m, :m) - matmul(h(:m, m + 1:), across)
+         else
+            held = h(:m, :m)
+         end if
+      end associate
+   end subroutine take_normals
+
+   !> The same by one system of normal rows and motions: where some of those rows depend on each
+   !> other, or are not deformed.
+   subroutine take_together(self, work, n, t, held)
       type(condensed_type), intent(in) :: self
       type(work_type), intent(in) :: work
       integer, intent(in) :: n(:), t(:)
@@ -103,7 +139,7 @@ contains
       if (status /= 0) return
       call dgetrs('N', order, size(t), a, order, pivot, solved, order, status)
       held = held - matmul(transpose(b), solved)
-   end subroutine take_normals
+   end subroutine take_together
 
    !> Every row fits: below `limit` of the largest force, or below what rounding of its gap makes.
    !> The bounds of friction are those in force.

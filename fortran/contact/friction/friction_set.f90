@@ -14,7 +14,8 @@ module lopin_friction_set
    use lopin_dense, only : cholesky_solve
    use lopin_active_set, only : contact_result_type, outcome
    use lopin_friction_rows, only : friction_points_type, new_equations, form_equations
-   use lopin_friction_step, only : trial_type, work_type, friction_controls_type, step_to
+   use lopin_friction_step, only : trial_type, work_type, friction_controls_type
+   use lopin_friction_tangents, only : step_to
    use lopin_friction_newton, only : newton
    use lopin_friction_touch, only : slip_from_touch
    use lopin_friction_scaling, only : noise_of
@@ -150,7 +151,7 @@ contains
 
    !> The fallbacks in turn: each starts from the state that the last accepted increment left.
    subroutine try_in_turn(self, points, work, x, reached)
-      type(condensed_type), intent(in) :: self
+      type(condensed_type), intent(inout) :: self
       type(friction_points_type), intent(in) :: points
       type(work_type), intent(inout) :: work
       type(trial_type), intent(inout) :: x
@@ -190,7 +191,7 @@ contains
    !> The load of the increment bit by bit, all bits from the same accepted state: each answer
    !> starts the next one, and the last is that of the whole increment.
    subroutine follow_load(self, points, work, x, solved)
-      type(condensed_type), intent(in) :: self
+      type(condensed_type), intent(inout) :: self
       type(friction_points_type), intent(in) :: points
       type(work_type), intent(inout) :: work
       type(trial_type), intent(inout) :: x
@@ -235,7 +236,7 @@ contains
 
    !> Tresca's fixed point: bounds from the pressures found last, until they stay.
    subroutine fix_bounds(self, points, work, x, solved)
-      type(condensed_type), intent(in) :: self
+      type(condensed_type), intent(inout) :: self
       type(friction_points_type), intent(in) :: points
       type(work_type), intent(inout) :: work
       type(trial_type), intent(inout) :: x
@@ -296,7 +297,7 @@ contains
    !> One augmentation of what allows penetration or elastic slip, linearised: what it changes is
    !> the error of these forces.
    subroutine estimate_soft_error(self, points, work, x, result)
-      type(condensed_type), intent(in) :: self
+      type(condensed_type), intent(inout) :: self
       type(friction_points_type), intent(in) :: points
       type(work_type), intent(inout) :: work
       type(trial_type), intent(in) :: x

@@ -7,7 +7,8 @@ module lopin_friction_step
    use lopin_friction_rows, only : friction_points_type, equations_type, form_equations
    implicit none
    private
-   public :: trial_type, work_type, friction_controls_type, step_to, check, search_line
+   public :: trial_type, work_type, friction_controls_type, step_of_all_rows, check, search_line
+   public :: no_pivot
 
    integer, parameter :: halvings = 5
    !> Pivots below this share of their column are dependent rows.
@@ -47,8 +48,8 @@ module lopin_friction_step
 
 contains
 
-   !> The state that the equations linearised at x ask for.
-   subroutine step_to(self, points, work, x, next)
+   !> The state that the equations linearised at x ask for, by one system of all closed rows.
+   subroutine step_of_all_rows(self, points, work, x, next)
       type(condensed_type), intent(in) :: self
       type(friction_points_type), intent(in) :: points
       type(work_type), intent(inout) :: work
@@ -73,7 +74,7 @@ contains
          next%gap = next%gap + self%s(:, rows(i))*right(i)
       end do
       if (self%nq > 0) next%gap = next%gap + matmul(self%c, next%q)
-   end subroutine step_to
+   end subroutine step_of_all_rows
 
    !> Rows P force + Q gap = P force_x + Q gap_x - residual with gap = free_gap + S force + C q, and
    !> the balance of the floating motions.

@@ -7,7 +7,8 @@ module lopin_friction_touch
    use lopin_kinds, only : wp
    use lopin_condensed, only : condensed_type
    use lopin_friction_rows, only : friction_points_type, form_equations
-   use lopin_friction_step, only : trial_type, work_type, step_to
+   use lopin_friction_step, only : trial_type, work_type
+   use lopin_friction_tangents, only : step_to
    implicit none
    private
    public :: slip_from_touch
@@ -16,7 +17,7 @@ contains
 
    !> Move the starts of slip of the points that are open at the accepted state `x`.
    subroutine slip_from_touch(self, points, work, x)
-      type(condensed_type), intent(in) :: self
+      type(condensed_type), intent(inout) :: self
       type(friction_points_type), intent(inout) :: points
       type(work_type), intent(inout) :: work
       type(trial_type), intent(in) :: x
@@ -48,7 +49,7 @@ contains
 
    !> Where the increment leads if no further point closes.
    subroutine lead(self, points, work, x, next)
-      type(condensed_type), intent(in) :: self
+      type(condensed_type), intent(inout) :: self
       type(friction_points_type), intent(in) :: points
       type(work_type), intent(inout) :: work
       type(trial_type), intent(in) :: x

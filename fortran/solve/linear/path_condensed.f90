@@ -44,6 +44,7 @@ contains
       integer, allocatable :: retained(:)
       integer :: bad
 
+      scene%straight%ready = .false.
       call retained_equations(scene, model, retained)
       if (allocated(scene%kept_last)) call move_alloc(scene%kept_last, retained)
       call new_linear_system(scene%system, scene%constraints%neq, scene%bodies%support, retained)
@@ -76,6 +77,7 @@ contains
       integer, allocatable :: retained(:), added(:)
 
       old = scene%rows
+      scene%straight%ready = .false.
       call retained_equations(scene, model, retained)
       call transfer_rows(scene, model, old)
       added = pack(retained, scene%system%place(retained) == 0)
@@ -110,23 +112,23 @@ contains
       real(wp), intent(in) :: f(:)             !! (ndof) loads [force]
       real(wp), intent(in) :: prescribed(:)    !! (nprescribed)
       type(error_type), allocatable, intent(out) :: error
-      real(wp), allocatable :: u_known(:), internal(:), right(:), y(:), load(:), moving(:), &
-         & gap(:)
-      real(wp), allocatable :: v(:)
+      real(wp), allocatable :: u_known(:), y(:), load(:), moving(:), gap(:)
+      real(wp) :: v(scene%constraints%neq)
 
-      allocate (u_known(scene%dofs%n), internal(scene%dofs%n), right(scene%constraints%neq), &
-         & v(scene%constraints%neq))
+      allocate (u_known(scene%dofs%n))
       v = 0.0_wp
       call expand(scene%constraints, v, prescribed, u_known)
-      if (any(abs(u_known) > 0.0_wp)) then
-         call scene%k%multiply(u_known, internal)
-         call reduce(scene%constraints, f - internal, right)
-      else
-         call reduce(scene%constraints, f, right)
-      end if
-      moving = matmul(right, scene%bodies%motion)
       call scene%clock%start()
-      call condense_load(scene%system, right, y, load)
+      if (scene%straight%fits) then
+         call pass_ends(scene)
+         associate (line => scene%straight)
+            y = line%at(line%y)
+            load = line%at(line%load)
+            moving = line%at(line%moving)
+         end associate
+      else
+         call pass_load(scene, f, u_known, y, load, moving)
+      end if
       call scene%clock%stop_in(phase%solve)
       call rebuild_rows(scene, model, prescribed)
       call drop_tie_forces(scene)
@@ -145,6 +147,49 @@ contains
       call add_tie_forces(scene, f)
       call scene%clock%stop_in(phase%contact)
    end subroutine solve_condensed
+
+   !> Forward pass of loads while some displacements are prescribed.
+   subroutine pass_load(scene, f, u_known, y, load, moving)
+      type(scene_type), intent(inout) :: scene
+      real(wp), intent(in) :: f(:)             !! (ndof) loads [force]
+      real(wp), intent(in) :: u_known(:)       !! (ndof) displacements at zero equations [length]
+      real(wp), allocatable, intent(out) :: y(:), load(:), moving(:)
+      real(wp), allocatable :: internal(:), right(:)
+
+      allocate (internal(scene%dofs%n), right(scene%constraints%neq))
+      if (any(abs(u_known) > 0.0_wp)) then
+         call scene%k%multiply(u_known, internal)
+         call reduce(scene%constraints, f - internal, right)
+      else
+         call reduce(scene%constraints, f, right)
+      end if
+      moving = matmul(right, scene%bodies%motion)
+      call condense_load(scene%system, right, y, load)
+   end subroutine pass_load
+
+   !> Forward passes of the ends of a step, once for each factor.
+   subroutine pass_ends(scene)
+      type(scene_type), intent(inout) :: scene
+      real(wp), allocatable :: u(:), y(:), load(:), moving(:)
+      real(wp) :: v(scene%constraints%neq)
+      integer :: e
+
+      associate (line => scene%straight)
+         if (line%ready) return
+         v = 0.0_wp
+         if (allocated(line%y)) deallocate (line%y, line%load, line%moving)
+         allocate (line%y(scene%system%n, 2), line%load(scene%system%nlast, 2), &
+            & line%moving(scene%bodies%nq, 2), u(scene%dofs%n))
+         do e = 1, 2
+            call expand(scene%constraints, v, line%prescribed(:, e), u)
+            call pass_load(scene, line%f(:, e), u, y, load, moving)
+            line%y(:, e) = y
+            line%load(:, e) = load
+            line%moving(:, e) = moving
+         end do
+         line%ready = .true.
+      end associate
+   end subroutine pass_ends
 
    !> The same with friction, repeated where a law reads what the last solve gave.
    subroutine solve_friction_history(scene, model, gap, y, load, moving, prescribed, error)

@@ -10,6 +10,7 @@ module lopin_increment
    use lopin_report, only : frame_type, lost_share
    use lopin_recorder, only : recorder_holder_type, wants_type
    use lopin_follower_loading, only : set_followers
+   use lopin_straight_loads, only : follow_line
    use lopin_loading, only : loads_at, prescribed_at
    use lopin_friction, only : has_friction
    use lopin_plan, only : plan_type, path_of
@@ -290,6 +291,8 @@ contains
 
       round = 0
       associate (scene => run%scene, plan => run%plan)
+         call follow_line(scene%straight, run%loading, model, scene%step, run%frame%step_time, f, &
+            & prescribed)
          do
             log = scene%log
             call solve_linear(scene, model, plan, f, prescribed, error)

@@ -28,6 +28,7 @@ module lopin_scene
    use lopin_friction_state, only : friction_tests_type, new_friction_history, new_friction_tests
    use lopin_state, only : state_type, begin
    use lopin_skins, only : new_skins
+   use lopin_straight_loads, only : straight_loads_type
    use lopin_linear_system, only : linear_system_type
    use lopin_full_system, only : full_system_type
    use lopin_newton_workspace, only : newton_workspace_type
@@ -58,6 +59,7 @@ module lopin_scene
       type(linear_system_type) :: system
       type(full_system_type) :: full               !! in the place of `system` on the path newton
       logical :: fresh_factor = .true.
+      type(straight_loads_type) :: straight        !! passes that serve all increments of the step
       integer, allocatable :: kept_last(:)         !! equations, of a factor that is made again
       type(newton_workspace_type) :: newton        !! of the nonlinear path; else unused
       ! of an increment
