@@ -1,8 +1,8 @@
 """Twelve decks that model more than their scenes need, beside what the advice makes of each.
 
-`twins()` gives name, what is advised, the heavy deck, the light one, the force of the heavy one over
-that of the light one, and by how much the force on the tool may differ, with the reason (1e-6: files
-are in single precision).
+`twins()` gives name, what is advised, the heavy deck, the light one, the force of the heavy one
+over that of the light one, and by how much the force on the tool may differ, with the reason (1e-6:
+files are in single precision).
 """
 import re
 from pathlib import Path
@@ -41,8 +41,8 @@ def upset(mesh, word, hold, tools, down, levels=()):
         lines.node += 1
         lines.add(f"*NODE, NSET={name}", f"{lines.node}, 0., {'0., ' if solid else ''}{height}")
         if solid:
-            lines.add(f"*SURFACE, NAME=T{name}, TYPE=CYLINDER", f"0., 0., {height}, 1., 0., {height}",
-                      f"0., 1., {height}")
+            lines.add(f"*SURFACE, NAME=T{name}, TYPE=CYLINDER",
+                      f"0., 0., {height}, 1., 0., {height}", f"0., 1., {height}")
         else:
             lines.add(f"*SURFACE, NAME=T{name}, TYPE=SEGMENTS")
         left, right = (-60.0, 60.0) if side > 0 else (60.0, -60.0)
@@ -64,7 +64,8 @@ def upset(mesh, word, hold, tools, down, levels=()):
 
 def ring_in_space():
     mesh = extruded(ring(6.0, 12.0, (6, 10)), 8.0, 6)
-    return upset(mesh, "C3D8", ("BSTART, 2", "BEND, 1", "BBOTTOM, 3"), [("DIE", 8.0, -1, -0.8)], 0.1)
+    hold = ("BSTART, 2", "BEND, 1", "BBOTTOM, 3")
+    return upset(mesh, "C3D8", hold, [("DIE", 8.0, -1, -0.8)], 0.1)
 
 
 def ring_meridian():
@@ -99,7 +100,8 @@ def square_billet(quarter):
     mesh = block((20.0, 20.0, 10.0), (10, 10, 6), origin=(-10.0, -10.0, 0.0))
     for name, axis in (("MIDX", 0), ("MIDY", 1)):
         mesh.point_sets[name] = np.flatnonzero(np.abs(mesh.points[:, axis]) < 1e-9)
-    return upset(mesh, "C3D8", ("BBOTTOM, 3", "BMIDX, 1", "BMIDY, 2"), [("DIE", 10.0, -1, -0.5)], 0.2)
+    hold = ("BBOTTOM, 3", "BMIDX, 1", "BMIDY, 2")
+    return upset(mesh, "C3D8", hold, [("DIE", 10.0, -1, -0.5)], 0.2)
 
 
 def bar_on_cylinder(facets):
@@ -111,8 +113,9 @@ def bar_on_cylinder(facets):
     radius, first = 20.0, lines.node + 1
     if facets:
         angle = np.radians(np.linspace(140.0, 40.0, facets + 1))
-        lines.add("*NODE", *(f"{first + i}, {float(radius*np.cos(a))!r}, {float(radius*np.sin(a) - radius)!r}"
-                             for i, a in enumerate(angle)))
+        places = zip(radius*np.cos(angle), radius*np.sin(angle) - radius)
+        lines.add("*NODE", *(f"{first + i}, {float(x)!r}, {float(y)!r}"
+                             for i, (x, y) in enumerate(places)))
         lines.add("*ELEMENT, TYPE=R2D2, ELSET=ROUND", *(
             f"{9001 + i}, {first + i}, {first + i + 1}" for i in range(facets)))
         lines.node += facets + 1
@@ -149,8 +152,8 @@ def rigid_lower():
 def twins():
     """Name, code, heavy, light, share of the light one, tolerance of the force."""
     yield "slab in space", "N0361", slab(True), slab(False), 1, 1e-6
-    yield "slab in space, friction", "N0361", slab(True, friction=True), slab(False, friction=True), \
-        1, 1e-6
+    yield "slab in space, friction", "N0361", slab(True, friction=True), \
+        slab(False, friction=True), 1, 1e-6
     yield "elastic billet in space", "N0365", billet(), meridian(), 0.25, 0.01     # chords
     yield "ring in space", "N0365", ring_in_space(), ring_meridian(), 0.25, 0.01  # chords
     yield "whole block", "N0364", pressed(), pressed("half"), 2, 1e-6

@@ -62,8 +62,8 @@ def test_what_is_not_symmetric_is_not_told(changes):
 
 @pytest.mark.parametrize("changes", [
     {"extra": ("*DLOAD", "BE, BY, -0.1")}, {"extra": ("*CLOAD", "BTOP, 2, -1.")},
-    {"tool": ("*SURFACE, NAME=T, TYPE=SEGMENTS", "START, -30., -9.", "LINE, -5., 0.", "LINE, 5., 0.",
-              "LINE, 30., -9.")}])
+    {"tool": ("*SURFACE, NAME=T, TYPE=SEGMENTS", "START, -30., -9.", "LINE, -5., 0.",
+              "LINE, 5., 0.", "LINE, 30., -9.")}])
 def test_what_is_symmetric_is_told(changes):
     assert said(pressed(**changes), "N0364")
 
