@@ -10,6 +10,7 @@
 #define LOPIN_SUPERNODAL_H
 #include <stddef.h>
 #include <cholmod.h>
+#include "../base/team.h"
 
 enum supernodal_status { SUPERNODAL_OK = 0, SUPERNODAL_NO_MEMORY = 1, SUPERNODAL_NOT_POSITIVE = 2 };
 
@@ -40,16 +41,4 @@ int lopin_factorise_double(const supernodal_plan *plan, const double *a, double 
  * ones are taken where `signed_too`. */
 int lopin_factorise_single(const supernodal_plan *plan, const double *a, const double *scale,
                            float *x, int signed_too, signed char *sign, int threads, int *failed);
-
-/* ---- threads ----------------------------------------------------------------------------- */
-
-typedef struct team team_type;
-
-/* Run job(team, rank, argument) on `threads` threads, or on as many as start. */
-void lopin_run_team(int threads, void (*job)(team_type *, int, void *), void *argument);
-int lopin_team_size(const team_type *team);
-/* The next number from 0 that no thread has taken since all have met. */
-int lopin_take_next(team_type *team);
-/* All threads meet. */
-void lopin_meet(team_type *team);
 #endif

@@ -3,6 +3,7 @@ module lopin_assemble_linear
    use lopin_kinds, only : wp, ik
    use lopin_error, only : error_type, error_code, raise
    use lopin_mesh, only : mesh_type, place_of_element
+   use lopin_shared_work, only : shared_work_type, share_out
    use lopin_csc, only : csc_type
    use lopin_element_type, only : element_type
    use lopin_simplex_patches, only : patch_element
@@ -13,31 +14,36 @@ module lopin_assemble_linear
    private
    public :: assemble_stiffness
 
+   !> Elements of one colour touch different nodes.
+   type, extends(shared_work_type) :: stiffness_work_type
+      type(solids_type), pointer :: solids => null()
+      type(mesh_type), pointer :: mesh => null()
+      real(wp), pointer :: value(:) => null()
+      integer, allocatable :: folded(:)    !! (nelement) as of add_unit
+   contains
+      procedure :: do_part => add_one_unit
+   end type stiffness_work_type
+
 contains
 
    !> Stiffness of all solid elements into a matrix made by `new_solids`; its values are replaced.
    subroutine assemble_stiffness(self, mesh, matrix, error)
-      type(solids_type), intent(in) :: self
-      type(mesh_type), intent(in) :: mesh
-      type(csc_type), intent(inout) :: matrix
+      type(solids_type), intent(in), target :: self
+      type(mesh_type), intent(in), target :: mesh
+      type(csc_type), intent(inout), target :: matrix
       type(error_type), allocatable, intent(out) :: error
-      integer :: c, k, e, folded, ncolour
-      logical :: shared_out
+      type(stiffness_work_type) :: work
+      integer :: folded
       real(wp), allocatable :: nothing(:)
       real(wp) :: unused
 
-      ncolour = size(self%colour_start) - 1
-      folded = huge(1)
       matrix%value = 0.0_wp
-      do c = 1, ncolour
-         shared_out = .not. (self%last_is_serial .and. c == ncolour)
-         !$omp parallel do schedule(static) private(e) reduction(min:folded) if(shared_out)
-         do k = self%colour_start(c), self%colour_start(c + 1) - 1
-            e = self%order(k)
-            call add_unit(self, mesh, e, matrix%value, folded)
-         end do
-         !$omp end parallel do
-      end do
+      work%solids => self
+      work%mesh => mesh
+      work%value => matrix%value
+      allocate (work%folded(size(self%order)), source=huge(1))
+      call share_out(work, self%colour_start, self%last_is_serial)
+      folded = minval(work%folded)
       if (folded < huge(1)) call report_folded(self, mesh, folded, error)
       if (.not. allocated(self%spring)) return
       allocate (nothing(self%n), source=0.0_wp)
@@ -45,6 +51,13 @@ contains
       call add_springs(self, mesh, spread(0.0_wp, 1, self%n), .false., nothing, unused, &
          & matrix%value)
    end subroutine assemble_stiffness
+
+   subroutine add_one_unit(self, k)
+      class(stiffness_work_type), intent(inout) :: self
+      integer, intent(in) :: k             !! place in the order of elements
+
+      call add_unit(self%solids, self%mesh, self%solids%order(k), self%value, self%folded(k))
+   end subroutine add_one_unit
 
    subroutine add_unit(self, mesh, e, value, folded)
       type(solids_type), intent(in) :: self

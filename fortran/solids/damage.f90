@@ -15,7 +15,7 @@ module lopin_damage
    use lopin_state, only : solids_state_type
    use lopin_damage_criteria, only : damage_type, damage_names, damage_rate
    use lopin_material_memory, only : strain_at
-   use lopin_assemble_nonlinear, only : recover_nonlinear
+   use lopin_recover_nonlinear, only : recover_nonlinear
    use lopin_point_states, only : states_of_points
    use lopin_point_bins, only : point_bins_type
    implicit none

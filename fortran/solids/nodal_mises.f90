@@ -6,7 +6,7 @@ module lopin_nodal_mises
    use lopin_solid_memory, only : at_all_points
    use lopin_state, only : solids_state_type
    use lopin_material_memory, only : stress_at
-   use lopin_assemble_nonlinear, only : recover_nonlinear, remember
+   use lopin_recover_nonlinear, only : recover_nonlinear, remember
    use lopin_recover_stress, only : recover_stress, average_to_nodes
    use lopin_von_mises, only : von_mises
    implicit none

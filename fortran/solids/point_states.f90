@@ -8,8 +8,7 @@ module lopin_point_states
    use lopin_elastic_state, only : elastic_state
    use lopin_simplex_patches, only : patch_element
    use lopin_solids, only : solids_type, unit_nodes, unit_points
-   use lopin_assemble_nonlinear, only : columns
-   use lopin_solid_configuration, only : configuration_type, fill_input
+   use lopin_solid_configuration, only : configuration_type, fill_input, columns
    use lopin_stress_free_state, only : set_elastic
    use lopin_log_strain, only : first_axis, second_axis
    use lopin_hyperelastic, only : finite_law

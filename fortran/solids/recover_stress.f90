@@ -2,6 +2,7 @@
 module lopin_recover_stress
    use lopin_kinds, only : wp
    use lopin_mesh, only : mesh_type
+   use lopin_shared_work, only : shared_work_type, share_out
    use lopin_element_type, only : element_type, element_kind
    use lopin_elastic, only : thickness_strain
    use lopin_solid_small, only : strain_matrices, strains
@@ -11,26 +12,43 @@ module lopin_recover_stress
    private
    public :: recover_stress, average_to_nodes, recover_unit
 
+   type, extends(shared_work_type) :: recovery_work_type
+      type(solids_type), pointer :: solids => null()
+      type(mesh_type), pointer :: mesh => null()
+      real(wp), pointer :: u(:, :) => null(), stress(:, :) => null(), strain(:, :) => null()
+   contains
+      procedure :: do_part => recover_one_unit
+   end type recovery_work_type
+
 contains
 
    !> Stresses and strains at all Gauss points, xx yy zz xy xz yz; element e has the points
    !> first_point(e) .. first_point(e+1)-1. In 2D the last two are zero.
    subroutine recover_stress(self, mesh, u, stress, strain)
-      type(solids_type), intent(in) :: self
-      type(mesh_type), intent(in) :: mesh
-      real(wp), intent(in) :: u(:, :)  !! (>= ndim, nnode) displacements [length]
-      real(wp), allocatable, intent(out) :: stress(:, :)   !! (6, npoint) [stress]
-      real(wp), allocatable, intent(out) :: strain(:, :)   !! (6, npoint) engineering shears
-      integer :: e, npoint
+      type(solids_type), intent(in), target :: self
+      type(mesh_type), intent(in), target :: mesh
+      real(wp), intent(in), target :: u(:, :)  !! (>= ndim, nnode) displacements [length]
+      real(wp), allocatable, intent(out), target :: stress(:, :)   !! (6, npoint) [stress]
+      real(wp), allocatable, intent(out), target :: strain(:, :)   !! (6, npoint) engineering shears
+      type(recovery_work_type) :: work
+      integer :: npoint
 
       npoint = self%first_point(mesh%nelement + 1) - 1
       allocate (stress(6, npoint), strain(6, npoint))
-      !$omp parallel do schedule(static)
-      do e = 1, mesh%nelement
-         call recover_unit(self, mesh, u, e, stress, strain)
-      end do
-      !$omp end parallel do
+      work%solids => self
+      work%mesh => mesh
+      work%u => u
+      work%stress => stress
+      work%strain => strain
+      call share_out(work, [1, mesh%nelement + 1])
    end subroutine recover_stress
+
+   subroutine recover_one_unit(self, k)
+      class(recovery_work_type), intent(inout) :: self
+      integer, intent(in) :: k             !! the element
+
+      call recover_unit(self%solids, self%mesh, self%u, k, self%stress, self%strain)
+   end subroutine recover_one_unit
 
    pure subroutine recover_unit(self, mesh, u, e, stress, strain)
       type(solids_type), intent(in) :: self

@@ -4,11 +4,11 @@ module lopin_solid_configuration
    use lopin_kinds, only : wp
    use lopin_mesh, only : mesh_type
    use lopin_element_input, only : element_input_type
-   use lopin_solids, only : solids_type
+   use lopin_solids, only : solids_type, unit_points
    use lopin_state, only : solids_state_type
    implicit none
    private
-   public :: configuration_type, share_type, take_nodes, fill_input, add_nodes
+   public :: configuration_type, share_type, take_nodes, fill_input, add_nodes, columns
 
    !> Displacements, and what the points remember of the accepted configuration.
    type :: configuration_type
@@ -80,4 +80,20 @@ contains
          end do
       end do
    end subroutine add_nodes
+
+   !> What the points of an element or of its patch remember.
+   pure function columns(self, memory, e) result(past)
+      type(solids_type), intent(in) :: self
+      type(solids_state_type), intent(in) :: memory
+      integer, intent(in) :: e
+      real(wp), allocatable :: past(:, :)   !! (nmemory, ngauss); (0, enough) of what does not flow
+
+      if (.not. self%group(self%which(e))%law%remembers) then
+         allocate (past, source=memory%none)
+      else if (self%patches%of(e) == 0) then
+         allocate (past, source=memory%value(:, memory%first(e):memory%first(e + 1) - 1))
+      else
+         allocate (past, source=memory%value(:, unit_points(self, memory%first, e)))
+      end if
+   end function columns
 end module lopin_solid_configuration

@@ -8,6 +8,7 @@ module lopin_solids
    use lopin_kinds, only : wp, ik, lk
    use lopin_error, only : error_type, error_code, raise
    use lopin_mesh, only : mesh_type
+   use lopin_shared_work, only : shared_work_type, share_out
    use lopin_csc, only : csc_type, storage
    use lopin_element_type, only : element_type, element_kind, element_formulation, &
       & new_element_type
@@ -76,6 +77,14 @@ module lopin_solids
       integer(ik), allocatable :: slot(:)  !! lower triangle by columns; 0: none; < 0: twice
       type(facet_rule_type) :: rules(6)
    end type solids_type
+
+   type, extends(shared_work_type) :: slots_work_type
+      type(solids_type), pointer :: solids => null()
+      type(csc_type), pointer :: matrix => null()
+      integer, pointer :: start(:) => null(), equation(:) => null()   !! of list_equations
+   contains
+      procedure :: do_part => find_slots
+   end type slots_work_type
 
 contains
 
@@ -323,11 +332,11 @@ contains
    end subroutine list_equations
 
    subroutine set_slots(self, matrix, start, equation)
-      type(solids_type), intent(inout) :: self
-      type(csc_type), intent(in) :: matrix
-      integer, intent(in) :: start(:), equation(:)
-      integer :: e, i, j, m, nelement
-      integer(lk) :: k
+      type(solids_type), intent(inout), target :: self
+      type(csc_type), intent(in), target :: matrix
+      integer, intent(in), target :: start(:), equation(:)
+      type(slots_work_type) :: work
+      integer :: e, m, nelement
 
       nelement = size(start) - 1
       allocate (self%first_slot(nelement + 1))
@@ -337,22 +346,33 @@ contains
          self%first_slot(e + 1) = self%first_slot(e) + (int(m, lk)*(m + 1))/2
       end do
       allocate (self%slot(self%first_slot(nelement + 1) - 1))
-      !$omp parallel do schedule(static) private(i, j, k)
-      do e = 1, nelement
-         k = self%first_slot(e)
-         do j = start(e), start(e + 1) - 1
-            do i = j, start(e + 1) - 1
-               self%slot(k) = 0
-               if (min(equation(i), equation(j)) > 0) self%slot(k) = &
-                  & matrix%slot(equation(i), equation(j))
+      work%solids => self
+      work%matrix => matrix
+      work%start => start
+      work%equation => equation
+      call share_out(work, [1, nelement + 1])
+   end subroutine set_slots
+
+   subroutine find_slots(self, k)
+      class(slots_work_type), intent(inout) :: self
+      integer, intent(in) :: k             !! the element
+      integer :: i, j
+      integer(lk) :: m
+
+      m = self%solids%first_slot(k)
+      associate (equation => self%equation, slot => self%solids%slot, last => self%start(k + 1) - 1)
+         do j = self%start(k), last
+            do i = j, last
+               slot(m) = 0
+               if (min(equation(i), equation(j)) > 0) slot(m) = self%matrix%slot(equation(i), &
+                  & equation(j))
                ! A node named twice by a collapsed element: both entries fall on the diagonal.
-               if (i /= j .and. equation(i) == equation(j)) self%slot(k) = -self%slot(k)
-               k = k + 1
+               if (i /= j .and. equation(i) == equation(j)) slot(m) = -slot(m)
+               m = m + 1
             end do
          end do
-      end do
-      !$omp end parallel do
-   end subroutine set_slots
+      end associate
+   end subroutine find_slots
 
    !> Add the lower triangle of an element matrix to its slots in the values of a matrix.
    pure subroutine add_slots(slot, ke, value)

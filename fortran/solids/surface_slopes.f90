@@ -8,9 +8,8 @@ module lopin_surface_slopes
    use lopin_element_input, only : element_input_type
    use lopin_solids, only : unit_nodes
    use lopin_simplex_patches, only : patch_element
-   use lopin_solid_configuration, only : configuration_type
+   use lopin_solid_configuration, only : configuration_type, columns
    use lopin_material_memory, only : stress_at, strain_at
-   use lopin_assemble_nonlinear, only : columns
    use lopin_point_slopes, only : has_point_slopes, finite_strain_slopes
    use lopin_solid_flow, only : has_flow_slopes, flow_slopes
    use lopin_surface_stress, only : surface_stress_type, share_type, compute, read_unit, &

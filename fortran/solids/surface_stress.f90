@@ -11,7 +11,7 @@ module lopin_surface_stress
    use lopin_state, only : solids_state_type
    use lopin_material_memory, only : stress_at
    use lopin_recover_stress, only : recover_linear => recover_unit
-   use lopin_assemble_nonlinear, only : recover_unit, remember_unit
+   use lopin_recover_nonlinear, only : recover_unit, remember_unit
    use lopin_von_mises, only : von_mises
    implicit none
    private

@@ -8,7 +8,8 @@ program test_assemble_nonlinear
    use lopin_facets, only : facets_type, boundary_facets
    use lopin_solids, only : solids_type, solid_section_type, new_solids
    use lopin_assemble_linear, only : assemble_stiffness
-   use lopin_assemble_nonlinear, only : assemble_nonlinear, recover_nonlinear, bad_element_type
+   use lopin_assemble_nonlinear, only : assemble_nonlinear, bad_element_type
+   use lopin_recover_nonlinear, only : recover_nonlinear
    use lopin_recover_stress, only : recover_stress
    use lopin_state, only : solids_state_type
    use lopin_solid_memory, only : new_solid_memory

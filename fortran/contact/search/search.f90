@@ -5,6 +5,7 @@
 !> lowest facet.
 module lopin_search
    use lopin_kinds, only : wp, lk
+   use lopin_shared_work, only : shared_work_type, share_out
    use lopin_projection, only : closest_type, place, project_on_facet, facet_unit_normal
    use lopin_surface, only : surface_type
    use lopin_feature, only : projection_type, limits_type, settle
@@ -46,6 +47,16 @@ module lopin_search
       real(wp) :: distance2(deepest)
       type(cost_type) :: cost
    end type query_type
+
+   type, extends(shared_work_type) :: projections_work_type
+      type(surface_type), pointer :: surface => null()
+      type(tree_type), pointer :: tree => null()
+      real(wp), pointer :: x(:, :) => null(), n_slave(:, :) => null()
+      type(limits_type) :: limits
+      type(projection_type), pointer :: result(:) => null()
+   contains
+      procedure :: do_part => project_one
+   end type projections_work_type
 
 contains
 
@@ -353,18 +364,29 @@ contains
    !> The projections of many points, in parallel; the answers do not depend on the number of
    !> threads.
    subroutine find_projections(surface, tree, x, n_slave, limits, result)
-      type(surface_type), intent(in) :: surface
-      type(tree_type), intent(in) :: tree
-      real(wp), intent(in) :: x(:, :)             !! (ndim, n) [length]
-      real(wp), intent(in) :: n_slave(:, :)       !! (ndim, n) outward unit normals; 0: any side
+      type(surface_type), intent(in), target :: surface
+      type(tree_type), intent(in), target :: tree
+      real(wp), intent(in), target :: x(:, :)      !! (ndim, n) [length]
+      real(wp), intent(in), target :: n_slave(:, :)   !! (ndim, n) outward unit normals; 0: any
+                                                      !! side
       type(limits_type), intent(in) :: limits
-      type(projection_type), intent(out) :: result(:)   !! (n)
-      integer :: i
+      type(projection_type), intent(out), target :: result(:)   !! (n)
+      type(projections_work_type) :: work
 
-      !$omp parallel do schedule(dynamic, 256) default(shared) private(i)
-      do i = 1, size(x, 2)
-         call find_projection(surface, tree, x(:, i), n_slave(:, i), limits, result(i))
-      end do
-      !$omp end parallel do
+      work%surface => surface
+      work%tree => tree
+      work%x => x
+      work%n_slave => n_slave
+      work%limits = limits
+      work%result => result
+      call share_out(work, [1, size(x, 2) + 1])
    end subroutine find_projections
+
+   subroutine project_one(self, k)
+      class(projections_work_type), intent(inout) :: self
+      integer, intent(in) :: k             !! the point
+
+      call find_projection(self%surface, self%tree, self%x(:, k), self%n_slave(:, k), &
+         & self%limits, self%result(k))
+   end subroutine project_one
 end module lopin_search

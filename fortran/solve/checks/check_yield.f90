@@ -2,7 +2,7 @@
 module lopin_check_yield
    use lopin_kinds, only : wp
    use lopin_text, only : to_text
-   use lopin_assemble_nonlinear, only : recover_nonlinear
+   use lopin_recover_nonlinear, only : recover_nonlinear
    use lopin_model, only : model_type
    use lopin_recover_stress, only : recover_stress
    use lopin_scene, only : scene_type

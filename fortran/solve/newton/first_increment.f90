@@ -11,7 +11,7 @@ module lopin_first_increment
    use lopin_text, only : to_text
    use lopin_model, only : model_type
    use lopin_state, only : solids_state_type
-   use lopin_assemble_nonlinear, only : remember
+   use lopin_recover_nonlinear, only : remember
    use lopin_scene, only : scene_type
    implicit none
    private

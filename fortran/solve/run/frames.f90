@@ -5,7 +5,7 @@ module lopin_frames
    use lopin_model, only : model_type
    use lopin_report, only : frame_type, damage_field_type
    use lopin_recover_stress, only : recover_stress, average_to_nodes
-   use lopin_assemble_nonlinear, only : recover_nonlinear
+   use lopin_recover_nonlinear, only : recover_nonlinear
    use lopin_recorder, only : wants_type
    use lopin_vectors, only : cross
    use lopin_small_displacements, only : turns

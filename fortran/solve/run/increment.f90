@@ -28,7 +28,7 @@ module lopin_increment
    use lopin_state, only : begin, accept, reject_state => reject
    use lopin_newton_workspace, only : iteration_header
    use lopin_held_points, only : refuse_held_points, tell_idle_points
-   use lopin_assemble_nonlinear, only : remember
+   use lopin_recover_nonlinear, only : remember
    use lopin_heat_work, only : add_heat_work
    use lopin_limit_increment, only : limit_increment
    use lopin_vectors, only : largest

@@ -6,7 +6,7 @@ module lopin_heat_work
    use lopin_solids, only : solids_type
    use lopin_solid_small, only : strain_matrices
    use lopin_material_memory, only : offset_at, strain_at
-   use lopin_assemble_nonlinear, only : recover_nonlinear
+   use lopin_recover_nonlinear, only : recover_nonlinear
    use lopin_scene, only : scene_type
    implicit none
    private

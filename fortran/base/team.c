@@ -1,11 +1,14 @@
-/* Threads that share the work of one factorisation: they start with it and end with it.
+/* Threads that share work out among themselves.
  *
- * A thread that waits for the others looks for them a few microseconds and then sleeps, so that it
+ * Those of OpenMP look for each other for some 15 ms before they sleep, at each loop: where two of
+ * them stand on one processor, because another program has the other one or none has moved them
+ * yet, a loop of a millisecond takes that long. A thread that waits for the others looks for them a few microseconds and then sleeps, so that it
  * takes no time from what else the machine does. While they run, each calls the BLAS for itself. */
 #include <pthread.h>
+#include <signal.h>
 #include <stdatomic.h>
 #include <stdlib.h>
-#include "supernodal.h"
+#include "team.h"
 
 enum { LOOKS = 4000 };                        /* of a thread that waits, before it sleeps */
 
@@ -78,6 +81,7 @@ void lopin_run_team(int threads, void (*job)(team_type *, int, void *), void *ar
 {
     team_type team = {.size = 1, .job = job, .argument = argument};
     member_type *member = threads > 1 ? calloc((size_t)threads, sizeof *member) : NULL;
+    sigset_t all, before;
     int blas = 1, k;
     pthread_mutex_init(&team.lock, NULL);
     pthread_cond_init(&team.all_here, NULL);
@@ -85,6 +89,8 @@ void lopin_run_team(int threads, void (*job)(team_type *, int, void *), void *ar
         blas = openblas_get_num_threads();
         if (blas != 1) openblas_set_num_threads(1);
     }
+    sigfillset(&all);
+    pthread_sigmask(SIG_SETMASK, &all, &before);      /* signals are answered by the calling thread */
     pthread_mutex_lock(&team.lock);
     for (k = 1; member && k < threads; k++) {
         member[k].team = &team;
@@ -93,10 +99,48 @@ void lopin_run_team(int threads, void (*job)(team_type *, int, void *), void *ar
         team.size = k + 1;
     }
     pthread_mutex_unlock(&team.lock);
+    pthread_sigmask(SIG_SETMASK, &before, NULL);
     job(&team, 0, argument);
     for (k = 1; k < team.size; k++) pthread_join(member[k].thread, NULL);
     if (blas != 1 && openblas_set_num_threads) openblas_set_num_threads(blas);
     pthread_cond_destroy(&team.all_here);
     pthread_mutex_destroy(&team.lock);
     free(member);
+}
+
+/* ---- parts of one loop ---------------------------------------------------------------------- */
+
+typedef struct {
+    int stages, last_is_serial;
+    const int *begin;
+    void (*part)(void *, int);
+    void *context;
+} loop_type;
+
+static void do_parts(team_type *team, int rank, void *argument)
+{
+    const loop_type *loop = argument;
+    int stage, k, chunk, first;
+    for (stage = 0; stage < loop->stages; stage++) {
+        int low = loop->begin[stage], n = loop->begin[stage + 1] - low, end;
+        if (loop->last_is_serial && stage == loop->stages - 1) {
+            for (k = 0; rank == 0 && k < n; k++) loop->part(loop->context, low + k);
+            continue;
+        }
+        chunk = 1 + n / (8 * team->size);
+        for (first = chunk * lopin_take_next(team); first < n;
+             first = chunk * lopin_take_next(team)) {
+            end = first + chunk < n ? first + chunk : n;
+            for (k = first; k < end; k++) loop->part(loop->context, low + k);
+        }
+        if (stage < loop->stages - 1) lopin_meet(team);
+    }
+}
+
+/* Parts begin[s] to begin[s + 1] - 1 in each of so many stages; all threads meet between two. */
+void lopin_team_loop(int threads, int stages, const int *begin, int last_is_serial,
+                     void (*part)(void *, int), void *context)
+{
+    loop_type loop = {stages, last_is_serial, begin, part, context};
+    lopin_run_team(threads, do_parts, &loop);
 }
