@@ -31,7 +31,7 @@ SCENES = {
                            {}),
     "A4 Hertz, sphere, pressure": ("hertz_sphere", Quantity("PRESSURE"), None, 3, {}),
     "A3 NAFEMS cylinder, pressure": ("nafems_cylinder", Quantity("PRESSURE"), None, 3, {}),
-    "Hertz in 3D": ("hertz_sphere_3d", Quantity("FORCE", "", 3), None, 0, {}),
+    "Hertz in 3D": ("hertz_sphere_3d", Quantity("FORCE", "", 3), -147.076, 0, {}),
     "E1 upsetting": ("upsetting", Quantity("FORCE", "", 2), -788850.0, 0, {}),
     "E5 ring": ("ring_compression", Quantity("FORCE", "", 2), -240620.0, 0, {}),
     "A7 Cattaneo": ("cattaneo", Quantity("PRESSURE"), None, 3, {}),

@@ -36,6 +36,8 @@ OF_INCREMENTS = 0.4
 #: Where facets do not match (W0333) contact between nodes and facets has an error that the dual
 #: problem does not see.
 UNMATCHED = 1.5
+#: Share of their room below which the order of increments need not be known.
+PLAIN = 0.25
 #: Halvings of the increments that are tried.
 HALVINGS = 7
 #: Share of the room that the parts of the error may take on the next mesh, and by how much their
@@ -350,7 +352,7 @@ class _Search:
             runs.append((self.factor, last))
             left = left_by_increments(changes)
             enough = next((k for k, v in enumerate(left) if v <= room), None)
-            if enough is not None and len(changes) > 1:
+            if enough is not None and (len(changes) > 1 or left[0] <= PLAIN*room):
                 break
         else:
             found.increments = left[-1]/max(abs(last[1]), 1e-300)
