@@ -13,8 +13,8 @@
 
 enum { TILE = 512 };
 
-/* Products from which a second thread is started: some ten milliseconds. */
-static const double WORTH_A_THREAD = 1e8;
+/* Products from which a second thread is started: some tenth of a second. */
+static const double WORTH_A_THREAD = 1e9;
 
 static const real one = 1, minus = -1, zero = 0;
 
