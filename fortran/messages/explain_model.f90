@@ -295,7 +295,7 @@ contains
          & 'meshed master between them is not seen: it goes into the facet without force, or '// &
          & 'deeper than the nodes that touch. Looked at where steps end: where the master is '// &
          & 'inside a facet whose nodes do not touch it, or deeper by 0.15 of it than at its '// &
-         & 'nodes. A rib that meets one node and no other presses as if over a whole facet.', &
+         & 'nodes (0.05 past its edge in metal). A rib at one node presses as a whole facet.', &
          & 'make the facets of the slave at most as long as the master is wide there; or '// &
          & 'TYPE=SURFACE TO SURFACE; or exchange slave and master.')
       call add_explanation(list, 'N0331', 'facets of a tool were mended', &

@@ -31,6 +31,7 @@ module lopin_narrow_masters
 
    real(wp), parameter :: rounding = 1.0e-6_wp   !! of a facet: nothing goes in by less
    real(wp), parameter :: ahead = 1.0e-3_wp      !! of a facet
+   real(wp), parameter :: well_beyond_half = 0.6_wp   !! of a facet
    !> Places of a master facet in each direction, at most.
    integer, parameter :: most_parts = 8
 
@@ -96,12 +97,14 @@ contains
       type(surface_type), intent(in) :: slave, master
       real(wp), intent(in) :: x(:, :)
       type(entry_type) :: entry(slave%facets%n)
-      real(wp) :: least(size(x, 2)), shift(size(x, 2)), depth, deepest, top, width
+      real(wp) :: least(size(x, 2)), shift(size(x, 2)), depth, deepest, top, allowed
       integer :: i, worst
+      logical :: yields
 
       call find_in_bay(slave, master, x, entry)
       if (.not. any(entry%depth > rounding*slave%size)) return
       call node_gaps(scene, model, pair, least, shift)
+      yields = scene%accepted%solids%in_use .and. .not. is_mortar(model, model%pair(pair))
       worst = 0
       deepest = 0.0_wp
       do i = 1, slave%facets%n
@@ -109,27 +112,47 @@ contains
             top = minval(least(node))
             depth = entry(i)%depth - max(0.0_wp, maxval(shift(node)))
             if (depth <= rounding*long .or. depth <= deepest*long) cycle
-            if (top <= open_by*long .and. depth + top <= too_deep*long) cycle
+            ! Past an edge of the master the node that touches bears for half of the facet: what is
+            ! inside beyond that has no force, and metal that flows bears no more elsewhere.
+            allowed = merge(open_by, too_deep, yields .and. maxval(least(node)) > open_by*long &
+               & .and. width_of(entry(i), size(x, 1)) > well_beyond_half*long)
+            if (top <= open_by*long .and. depth + top <= allowed*long) cycle
             if (.not. is_filled(model, cells, x, entry(i)%ahead(:size(x, 1)))) cycle
             deepest = depth/long
             worst = i
          end associate
       end do
       if (worst == 0) return
-      width = minval(max(0.0_wp, entry(worst)%high(:size(x, 1) - 1) &
-         & - entry(worst)%low(:size(x, 1) - 1)))
-      associate (p => model%pair(pair), f => slave%facets)
+      call tell(scene, model, pair, slave%facets, worst, deepest*slave%size(worst), &
+         & width_of(entry(worst), size(x, 1)), slave%size(worst))
+   end subroutine check_pair
+
+   subroutine tell(scene, model, pair, f, worst, deepest, width, long)
+      type(scene_type), intent(inout) :: scene
+      type(model_type), intent(in) :: model
+      integer, intent(in) :: pair, worst         !! worst: facet of the slave
+      type(facets_type), intent(in) :: f
+      real(wp), intent(in) :: deepest, width, long   !! [length]
+
+      associate (p => model%pair(pair))
          call warn_once(scene%log, 'W0339', model%surface(p%master)%name//' goes into face S'// &
             & to_text(f%face(worst))//' of element '// &
             & to_text(model%mesh%element_label(f%element(worst)))//' of '// &
-            & model%surface(p%slave)%name//' between its nodes, by '//to_text(deepest &
-            & *slave%size(worst), 3)//'; it is about '//to_text(width, 3)//' wide there, the '// &
-            & 'facet '//to_text(slave%size(worst), 3)//' long', p%at, &
+            & model%surface(p%slave)%name//' between its nodes, by '//to_text(deepest, 3)// &
+            & '; it is about '//to_text(width, 3)//' wide there, the facet '// &
+            & to_text(long, 3)//' long', p%at, &
             & help='facets of '//model%surface(p%slave)%name//' at most as long as '// &
             & model%surface(p%master)%name//' is wide there, TYPE=SURFACE TO SURFACE, or '// &
             & 'exchange slave and master')
       end associate
-   end subroutine check_pair
+   end subroutine tell
+
+   !> How wide what goes into a facet is, its shorter way [length].
+   pure real(wp) function width_of(self, ndim)
+      type(entry_type), intent(in) :: self
+      integer, intent(in) :: ndim
+      width_of = minval(max(0.0_wp, self%high(:ndim - 1) - self%low(:ndim - 1)))
+   end function width_of
 
    !> The deepest place of the master inside each facet of the slave, and how far the part that is
    !> inside extends.
