@@ -15,14 +15,11 @@ extern void gotoblas_dynamic_quit(void) __attribute__((weak));
 static int chosen = 0;
 
 #if defined(__GNUC__) && defined(__x86_64__)
-/* The newest kernel whose instructions the processor and the system have; NULL: none of these. */
+/* A kernel whose instructions the processor and the system have; NULL: none. Those of 512 bits are
+ * faster by 1.4, but three tests of the suite do not pass with them (docs/solvers.md). */
 static const char *kernel_of_processor(void)
 {
     __builtin_cpu_init();
-    if (__builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq")
-        && __builtin_cpu_supports("avx512bw") && __builtin_cpu_supports("avx512vl")
-        && __builtin_cpu_supports("avx512cd"))
-        return "SkylakeX";
     if (__builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma")) return "Haswell";
     return NULL;
 }
