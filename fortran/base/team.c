@@ -2,8 +2,9 @@
  *
  * Those of OpenMP look for each other for some 15 ms before they sleep, at each loop: where two of
  * them stand on one processor, because another program has the other one or none has moved them
- * yet, a loop of a millisecond takes that long. A thread that waits for the others looks for them a few microseconds and then sleeps, so that it
- * takes no time from what else the machine does. While they run, each calls the BLAS for itself. */
+ * yet, a loop of a millisecond takes that long. A thread that waits for the others looks for them
+ * a few microseconds and then sleeps, so that it takes no time from what else the machine does.
+ * While they run, each calls the BLAS for itself. */
 #include <pthread.h>
 #include <signal.h>
 #include <stdatomic.h>
@@ -23,6 +24,12 @@ struct team {
 
 typedef struct { team_type *team; int rank; pthread_t thread; } member_type;
 
+/* Addresses that OpenBLAS takes for each thread, and a little more: it waits for ever where there
+ * are none. */
+static const long long room_of_blas = 140000000;
+extern int lopin_has_room(long long bytes);
+
+extern int openblas_get_parallel(void) __attribute__((weak));
 extern void openblas_set_num_threads(int) __attribute__((weak));
 extern int openblas_get_num_threads(void) __attribute__((weak));
 
@@ -77,12 +84,22 @@ static void *work(void *v)
     return NULL;
 }
 
+/* Threads of a team: a BLAS that has its own by OpenMP would start some in each. */
+static int that_may_start(int threads)
+{
+    if (openblas_get_parallel && openblas_get_parallel() == 2) return 1;
+    while (threads > 1 && !lopin_has_room((threads - 1) * room_of_blas)) threads--;
+    return threads;
+}
+
 void lopin_run_team(int threads, void (*job)(team_type *, int, void *), void *argument)
 {
     team_type team = {.size = 1, .job = job, .argument = argument};
-    member_type *member = threads > 1 ? calloc((size_t)threads, sizeof *member) : NULL;
+    member_type *member = NULL;
     sigset_t all, before;
     int blas = 1, k;
+    threads = that_may_start(threads);
+    if (threads > 1) member = calloc((size_t)threads, sizeof *member);
     pthread_mutex_init(&team.lock, NULL);
     pthread_cond_init(&team.all_here, NULL);
     if (openblas_get_num_threads && openblas_set_num_threads) {
@@ -90,7 +107,8 @@ void lopin_run_team(int threads, void (*job)(team_type *, int, void *), void *ar
         if (blas != 1) openblas_set_num_threads(1);
     }
     sigfillset(&all);
-    pthread_sigmask(SIG_SETMASK, &all, &before);      /* signals are answered by the calling thread */
+    /* Signals are answered by the calling thread. */
+    pthread_sigmask(SIG_SETMASK, &all, &before);
     pthread_mutex_lock(&team.lock);
     for (k = 1; member && k < threads; k++) {
         member[k].team = &team;

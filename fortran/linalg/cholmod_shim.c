@@ -155,6 +155,7 @@ static void weakest_pivot(const cholmod_factor *L, const int *p, const int *i, c
             double diagonal = k < p[column + 1] && i[k] == column ? a[k] : 0.0;
             double r = diagonal > 0.0 ? l * l / diagonal : 0.0;
             if (!(r >= *ratio)) { *ratio = r; *where = j; }
+            if (r != r) return;               /* what is no number stays one */
         }
     }
 }

@@ -97,7 +97,8 @@ int lopin_single_factorise(void *v, const int *p, const int *i, const double *a,
         size_t rows = (size_t)(plan->pi[s + 1] - plan->pi[s]);
         for (k = plan->super[s]; k < plan->super[s + 1]; k++) {
             double l = h->x[(size_t)plan->px[s] + (size_t)(k - plan->super[s]) * (rows + 1)];
-            if (!(l * l >= *ratio)) *ratio = l * l;
+            if (!(l * l < HUGE_VAL)) return LOPIN_NO_USE;    /* no number */
+            if (l * l < *ratio) *ratio = l * l;
             h->inverse[k] = (float)(1.0 / l);
             *negative += h->sign[k] < 0;
         }

@@ -47,7 +47,6 @@ static void free_own(own_type *w)
 static int make_own(own_type *w, const supernodal_plan *h)
 {
     size_t most = (size_t)h->nsuper + 1;
-    w->failed = -1;
     w->update = malloc(((size_t)TILE + 1) * TILE * sizeof(real));
     w->map = malloc(((size_t)h->n + TILE) * sizeof(int));
     w->from = malloc(3 * most * sizeof(int));
@@ -369,14 +368,12 @@ static void factorise_by_team(team_type *team, int rank, void *argument)
     }
 }
 
-/* As declared in supernodal.h. */
-static int factorise(factor_type *f, int threads, int *failed)
+static int factorise_on(factor_type *f, int threads, int *failed)
 {
     const supernodal_plan *h = f->plan;
     size_t n = (size_t)h->nsuper;
     int status = SUPERNODAL_OK, k;
     *failed = -1;
-    if (h->flops < WORTH_A_THREAD) threads = 1;
     f->next = malloc(4 * n * sizeof(int) + 1);
     f->own = calloc((size_t)threads, sizeof *f->own);
     if (f->next && f->own) {
@@ -385,6 +382,7 @@ static int factorise(factor_type *f, int threads, int *failed)
         f->negative = f->head + n;
         memset(f->negative, 0, n * sizeof(int));
         for (k = 0; k < h->nsuper; k++) { f->head[k] = -1; f->at[k] = rows_of(h, k); }
+        for (k = 0; k < threads; k++) f->own[k].failed = -1;   /* those that do not start, too */
         lopin_run_team(threads, factorise_by_team, f);
         *failed = first_failure(f, threads);
         if (*failed >= 0) status = SUPERNODAL_NOT_POSITIVE;
@@ -396,4 +394,16 @@ static int factorise(factor_type *f, int threads, int *failed)
     free(f->next);
     free(f->own);
     return status;
+}
+
+/* As declared in supernodal.h. One thread needs less memory than several. */
+static int factorise(factor_type *f, int threads, int *failed)
+{
+    int status;
+    if (f->plan->flops < WORTH_A_THREAD) threads = 1;
+    status = factorise_on(f, threads, failed);
+    if (status != SUPERNODAL_NO_MEMORY || threads == 1) return status;
+    f->zero = 0;
+    if (f->sign) memset(f->sign, 1, (size_t)f->plan->n);
+    return factorise_on(f, 1, failed);
 }

@@ -364,6 +364,21 @@ def test_a_second_signal_ends_the_process_at_once(executable, tmp_path, first, s
     assert time.monotonic() - begun < 1.0 and "Backtrace" not in process.stdout.read()
 
 
+@pytest.mark.parametrize("few", [0, 1, 3])
+def test_a_factor_does_with_the_threads_that_start(executable, tmp_path, few):
+    """All that the test of factors asks, solutions to the bit, where threads do not start."""
+    program = executable.parent/"tests"/"test_threads_of_factors"
+    compiler = shutil.which(os.environ.get("CC", "cc"))
+    if not program.is_file() or not compiler:
+        pytest.skip("needs the test programs and a C compiler")
+    library = tmp_path/"few_threads.so"
+    subprocess.run([compiler, "-shared", "-fPIC", "-o", library,
+                    Path(__file__).with_name("few_threads.c"), "-ldl"], check=True)
+    done = subprocess.run([program], capture_output=True, text=True, timeout=120, env=os.environ | {
+        "LD_PRELOAD": str(library), "FEW_THREADS": str(few), "OPENBLAS_NUM_THREADS": "1"})
+    assert done.returncode == 0 and ", 0 failed" in done.stdout, done.stdout + done.stderr
+
+
 def test_threads_have_a_limit(bench):
     done = bench.run("many", "--threads", "100000")
     assert done.returncode == 2 and "at most 1024" in done.stderr
