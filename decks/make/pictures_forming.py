@@ -52,7 +52,7 @@ def ring_compression() -> None:
     coloured(fig, drawn, left, "plastic strain [-]")
     bore = [result.at(k)["displacement"][0, 0]/0.075 for k in range(len(result.times))]
     percent = np.arange(0.0, 51.0, 5.0)
-    ax.plot(percent, [100.0*ring_bore(0.1, p/100.0, steps=400) if p else 0.0 for p in percent],
+    ax.plot(percent, [100.0*ring_bore(0.1, p/100.0) if p else 0.0 for p in percent],
             color=EXACT, lw=2.5, label="upper bound, straight walls")
     reduced = np.interp(result.times, result.history["time"], -result.history["PLATE.u2"]/0.05)
     ax.plot(reduced, bore, "o", ms=3, color=DOTS, label="Lopin, mid-height, m = 0.1")

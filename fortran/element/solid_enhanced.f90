@@ -13,7 +13,8 @@ module lopin_solid_enhanced
    use lopin_vectors, only : cross
    use lopin_element_type, only : element_type, element_kind
    use lopin_element_input, only : element_input_type, counted_volume
-   use lopin_enhanced_modes, only : modes_type, internal_modes, solve_small, most_nodes, most_points
+   use lopin_enhanced_modes, only : modes_type, internal_modes, solve_small, most_modes, &
+      & most_nodes, most_points
    use lopin_gradients, only : gradients
    use lopin_velocity_form, only : velocity_form, listed, tensor_of
    use lopin_hyperelastic, only : condense_thickness, volume_change
@@ -33,6 +34,7 @@ module lopin_solid_enhanced
       real(wp) :: weight(most_points)             !! reference volume
       real(wp) :: h(3, 3, most_points)            !! F - 1
       real(wp) :: centre(3, 3)                    !! F0
+      real(wp) :: e(3, 3, most_modes, most_points)   !! F0 times the modes
    end type motion_type
 
    !> Answer of the material at a point.
@@ -111,8 +113,7 @@ contains
       call relax(element, input, motion, alpha, bad)
       if (bad > 0) return
       do k = 1, element%ngauss
-         h(:, :, k) = motion%h(:, :, k) &
-            & + matmul(motion%centre, summed(element, motion, k, alpha))
+         h(:, :, k) = motion%h(:, :, k) + summed(element, motion%e, k, alpha)
       end do
    end subroutine enhanced_deformation
 
@@ -153,6 +154,11 @@ contains
       if (d == 2) motion%centre(3, 3) = dot_product(input%u(1, :m), motion%modes%hoop(:m))
       do k = 1, 3
          motion%centre(k, k) = motion%centre(k, k) + 1.0_wp
+      end do
+      do k = 1, element%ngauss
+         do m = 1, element%nmode
+            motion%e(:, :, m, k) = matmul(motion%centre, motion%modes%e(:, :, m, k))
+         end do
       end do
    end subroutine move
 
@@ -269,13 +275,12 @@ contains
       real(wp), intent(in) :: alpha(:)
       type(answer_type), intent(out) :: answer
       real(wp) :: stress(element%nstress), tangent(element%nstress, element%nstress)
-      real(wp) :: own, f(3, 3), e(3, 3)
+      real(wp) :: own, f(3, 3)
       type(point_type) :: point
       logical :: found
       integer :: i
 
-      e = summed(element, motion, k, alpha)
-      answer%h = motion%h(:, :, k) + matmul(motion%centre, e)
+      answer%h = motion%h(:, :, k) + summed(element, motion%e, k, alpha)
       own = volume_change(answer%h)
       answer%bad = .not. 1.0_wp + own > 0.0_wp
       if (element%ndim == 2) answer%bad = answer%bad .or. .not. 1.0_wp + answer%h(3, 3) > 0.0_wp
@@ -308,10 +313,10 @@ contains
       call velocity_form(element%ndim, stress, tangent, 0.0_wp, motion%weight(k), answer%a)
    end subroutine respond
 
-   !> Gradient of the amplitudes.
-   pure function summed(element, motion, k, alpha) result(e)
+   !> Gradient of the amplitudes, or F0 times it.
+   pure function summed(element, modes, k, alpha) result(e)
       type(element_type), intent(in) :: element
-      type(motion_type), intent(in) :: motion
+      real(wp), intent(in) :: modes(:, :, :, :)   !! of motion_type or of modes_type
       integer, intent(in) :: k
       real(wp), intent(in) :: alpha(:)
       real(wp) :: e(3, 3)
@@ -319,7 +324,7 @@ contains
 
       e = 0.0_wp
       do m = 1, element%nmode
-         e = e + alpha(m)*motion%modes%e(:, :, m, k)
+         e = e + alpha(m)*modes(:, :, m, k)
       end do
    end function summed
 
@@ -335,7 +340,7 @@ contains
       integer :: a, d, i, j
 
       d = element%ndim
-      e = summed(element, motion, k, alpha)
+      e = summed(element, motion%modes%e, k, alpha)
       l = 0.0_wp
       do a = 1, element%nnode
          slope(:d) = motion%g(:d, a, k) + matmul(motion%modes%g(:d, a), e(:d, :d))
@@ -360,8 +365,7 @@ contains
       integer :: m
 
       do m = 1, element%nmode
-         l(m, :) = listed(element%ndim, matmul(motion%centre, &
-            & matmul(motion%modes%e(:, :, m, k), answer%inverse)))
+         l(m, :) = listed(element%ndim, matmul(motion%e(:, :, m, k), answer%inverse))
       end do
    end subroutine mode_rows
 

@@ -163,9 +163,12 @@ contains
       real(wp), intent(in) :: s(3, 3)
       real(wp) :: list(9)
 
-      list = 0.0_wp
-      list(:d*d) = reshape(s(:d, :d), [d*d])
-      if (d == 2) list(5) = s(3, 3)
+      if (d == 2) then
+         list = 0.0_wp
+         list(:5) = [s(1, 1), s(2, 1), s(1, 2), s(2, 2), s(3, 3)]
+      else
+         list = [s(:, 1), s(:, 2), s(:, 3)]
+      end if
    end function listed
 
    !> The tensor of stresses in the order xx yy zz xy xz yz.

@@ -56,18 +56,18 @@ contains
       integer :: k, n
 
       if (allocated(x)) deallocate (x)
-      allocate (x(3, 25 + 49))
-      call lattice(x(:, :25), 2, 0.8_wp, 0.02_wp)
-      call lattice(x(:, 26:), 3, 1.1_wp, 0.0_wp)
+      allocate (x(3, 9 + 25))
+      call lattice(x(:, :9), 1, 0.4_wp, 0.02_wp)
+      call lattice(x(:, 10:), 2, 0.73_wp, 0.0_wp)
       do k = 1, size(x, 2)
          call random_number(shake)
          x(:, k) = x(:, k) + 0.03_wp*(shake - 0.5_wp)
       end do
       turn = rotation_matrix([0.4_wp, -0.7_wp, 0.3_wp])
       x = matmul(turn, x)
-      call tile(facets, slave_cell, 2, 0, .true.)
+      call tile(facets, slave_cell, 1, 0, .true.)
       call new_surface(slave, 3, facets)
-      call tile(facets, master_cell, 3, 25, .false.)
+      call tile(facets, master_cell, 2, 9, .false.)
       call new_surface(master, 3, facets)
       call update_surface(slave, x, error)
       call update_surface(master, x, error)
@@ -291,7 +291,7 @@ contains
       do a = 1, 3
          call close_to('equilibrium', sum(force(a::3)), 0.0_wp, 1.0e-12_wp)
       end do
-      do a = 1, 3*size(row(m)%of), 17
+      do a = 1, 3*size(row(m)%of), 10
          difference = 0.0_wp
          kink = .false.
          at = row(m)%of((a + 2)/3)

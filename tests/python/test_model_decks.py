@@ -18,7 +18,8 @@ DECKS = sorted((p for p in (ROOT/"decks").glob("*.inp")
 #: Longer than a second: all their steps are run, but moved by little and in few increments.
 LONG = {"rough_punch", "lifted_beam", "sliding_ball", "ring_compression", "folded_strip",
         "crushed_ring", "closed_die", "ironing", "upset_tetra", "wire_drawing", "rotating_rings",
-        "capstan", "v_bending", "cup", "square_cup", "upsetting", "cattaneo"}
+        "capstan", "v_bending", "cup", "square_cup", "upsetting", "cattaneo", "wrapped_strip", "cross",
+        "bending_unbending", "drawbead"}
 
 
 def flat(deck):

@@ -21,8 +21,7 @@ def test_bilinear_fibres_without_hardening_are_hill_s():
     assert sheets.wrapped_moment(1000.0) == pytest.approx(cf.bent_sheet(210e3, 0.3, 300.0, 1.0, 1000.0).moment)
 
 
-@pytest.mark.parametrize("mu", [0.0, 0.1])
-@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("method, mu", [(METHODS[0], 0.0), *((m, 0.1) for m in METHODS)])
 def test_every_method_wraps_it_within_a_hundred_increments(solve, sheet, method, mu):
     result = solve(lopin.Deck.parse(sheets.wrapped_strip(mu=mu, method=method), "strip"))
     assert result.verdict == "PASS"
