@@ -281,3 +281,38 @@ def test_meshes_in_space_are_not_refined_in_part():
     deck = pressed("C3D8", ["*DSLOAD", "BSTOP, P, 10."])
     with pytest.raises(ModelError, match="only plane"):
         LocalMesh(deck).refined([1])
+
+
+@pytest.mark.parametrize("word", ["CPE6", "CPE8", "C3D20"])
+def test_a_set_that_ends_in_the_middle_of_an_edge_goes_on_to_there(word):
+    """A clamp that leaves out the slave node at its end: half of the last edge stays held, however
+    often it is cut (new nodes had gaps between them that grew with every cut)."""
+    deck = pressed(word, ["*DSLOAD", "BSTOP, P, 10."])
+    cards = MeshCards(deck.blocks)
+    lowest = min(v[-1 if word.startswith("C3D") else 1] for v in cards.nodes.values())
+    axis = 2 if word.startswith("C3D") else 1
+    held = [n for n in cards.nsets["BLEFT"] if cards.nodes[n][axis] > lowest + 1e-9]
+    deck.blocks.insert(1 + deck.blocks.index(deck.all("NSET")[-1]),
+                       Deck.parse("*NSET, NSET=HELD\n" + ",\n".join(map(str, held)) + "\n").blocks[0])
+    least = min(cards.nodes[n][axis] for n in held)
+    for _ in range(1 if word.startswith("C3D") else 2):
+        deck = refined(deck).deck
+    cards = MeshCards(deck.blocks)
+    left = [n for n in cards.nsets["BLEFT"] if cards.nodes[n][axis] > least - 1e-9]
+    if word.startswith("C3D"):   # new edges through faces that are held in part stay free
+        left = [n for n in left if abs(cards.nodes[n][1] - cards.nodes[left[0]][1]) < 1e-9
+                and cards.nodes[n][1] in (0.0, 1.0)]
+    assert set(left) <= set(cards.nsets["HELD"])
+
+
+def test_displacements_up_to_the_middle_of_an_edge_are_filled_in():
+    deck = pressed("CPE8", ["*BOUNDARY", "BTOP, 2, 2, -0.1"])
+    cards = MeshCards(deck.blocks)
+    rows = {n: -0.1*cards.nodes[n][0] for n in cards.nsets["BTOP"] if cards.nodes[n][0] > 1e-9}
+    text = "\n".join(f"{n}, 2, 2, {v!r}" for n, v in rows.items())
+    deck = Deck.parse(deck.text().replace("BTOP, 2, 2, -0.1", text), name="rows")
+    finer = refined(deck).deck
+    given = {row[0]: row[3] for row in finer.all("BOUNDARY")[-1].data}
+    nodes = MeshCards(finer.blocks).nodes
+    assert len(given) == 7 and min(nodes[n][0] for n in given) == pytest.approx(0.5)
+    assert all(np.isclose(v, -0.1*nodes[n][0]) for n, v in given.items())

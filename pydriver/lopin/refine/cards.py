@@ -56,6 +56,8 @@ def spread_rows(block: Block, cards: MeshCards, cut) -> Block:
             continue
         for k in cut.supports.within(values):
             ends, weight = cut.ends[k], cut.weight[k]
+            if any(n and int(n) not in values for n in ends):
+                ends, weight = cut.supports.half[int(k)], (0.5, 0.5)
             value = float(np.sum([w*values[int(n)] for n, w in zip(ends, weight) if n]))
             new.lines.append(Row([int(cut.labels[k]), *key, value]))
     return new

@@ -94,6 +94,7 @@ class Supports:
     def __init__(self, cut):
         self.cut = cut
         self.support = [tuple(int(n) for n in row if n) for row in cut.ends]
+        self.half = self._halves(cut)
         outside: dict[tuple, int] = {}
         self.cells = []
         for _, name, _, nodes, *_ in [*cut.groups, *cut.kept]:
@@ -109,13 +110,15 @@ class Supports:
     def within(self, labels) -> NDArray:
         """Rows of the new nodes that lie between nodes of the set.
 
+        In an edge with a node in its middle these may be that node and one end.
+
         An edge or a face through the inside whose ends lie on the skin belongs to the set only
         with a whole element: a set of two opposite sides does not hold what is between them.
         """
         own = set(labels)
         found, whole = [], None
         for k, support in enumerate(self.support):
-            if not own.issuperset(support):
+            if not own.issuperset(support) and not own.issuperset(self.half.get(k, (0,))):
                 continue
             if support in self.on_skin or not self.skin_nodes.issuperset(support):
                 found.append(k)
@@ -124,6 +127,18 @@ class Supports:
             if any(set(support) <= c for n in support[:1] for c in whole.get(n, ())):
                 found.append(k)
         return np.array(found, int)
+
+    def _halves(self, cut) -> dict[int, tuple[int, int]]:
+        """Old nodes beside the new ones in the quarters of edges that have a node in the middle."""
+        middle = {}
+        for _, name, _, nodes, *_ in cut.groups:
+            cell = CELLS[name]
+            for k, ends in enumerate(cell.edges if cell.is_quadratic else ()):
+                pairs = np.sort(nodes[:, list(ends)], axis=1).tolist()
+                middle.update(zip(map(tuple, pairs), nodes[:, cell.n_corner + k].tolist()))
+        return {k: (support[int(weight[1] > weight[0])], middle[support])
+                for k, (support, weight) in enumerate(zip(self.support, cut.weight))
+                if len(support) == 2 and support in middle and weight[0] != weight[1]}
 
     def _whole(self, own: set) -> dict[int, list[set]]:
         """Elements with all corners in a set, by corner."""
