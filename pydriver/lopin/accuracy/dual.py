@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from ..deck import Block, Deck
 from ..model_read_mesh import MeshCards, expanded, plain
 from ..result import Result
+from .between import Between, tractions
 from .missed import Missed, missed
 from .quantity import Quantity, labels_of
 from .solids import Solids
@@ -24,6 +25,9 @@ from .solids import Solids
 SMALL = 1e-8
 #: Least change of displacements beside the largest that is not taken for rounding.
 ROUNDING = 1e-11
+#: Pressures and gaps beside the largest that are nothing: of points at the edge of contact.
+EDGE = 1e-5
+HOPS = "contact changes with the smallest change"
 LOST = "the dual solution is lost in rounding"
 #: What the column `certificate` of a history means.
 VERDICTS = ("PASS", "WARN", "FAIL")
@@ -71,10 +75,12 @@ class Question:
     steps: list[Block]
 
     @classmethod
-    def of(cls, deck: Deck, quantity: Quantity, moved: float = 0.0) -> Question | str:
+    def of(cls, deck: Deck, quantity: Quantity, moved: float = 0.0,
+           small: float = SMALL) -> Question | str:
         """Of a flat deck; a reason where there is no dual problem.
 
-        `moved`: the largest displacement, if it is known [length].
+        `moved`: the largest displacement, if it is known [length]; `small`: the change of the
+        parameter beside its own size.
         """
         blocks = expanded(deck)
         if quantity.kind not in ("FORCE", "DISPLACEMENT"):
@@ -90,7 +96,7 @@ class Question:
                                              else _tools(blocks, cards))
         except Exception as problem:   # the run says it better
             return str(problem)
-        held = _Given(blocks, cards, moved)
+        held = _Given(blocks, cards, moved, small)
         if held.reason:
             return held.reason
         if quantity.kind == "FORCE":
@@ -104,7 +110,7 @@ class Question:
         known = [d for d in wanted if all((n, d) in held.value for n in nodes)]
         if not nodes or not known:
             return "its tools are no rigid ones, or driven by forces"
-        size = SMALL*held.scale(solids)
+        size = held.small*held.scale(solids)
         if size == 0.0:
             return "nothing moves"
         steps, now = [], dict(held.value)
@@ -121,7 +127,7 @@ class Question:
         free = [d for d in wanted if not any((n, d) in held.value for n in nodes)]
         if not free:
             return "it is given"
-        size = SMALL*held.force(solids)
+        size = held.small*held.force(solids)
         if size == 0.0:
             return "nothing moves"
         steps = []
@@ -153,9 +159,8 @@ class Question:
         own = self.split(result)
         outputs = range(len(own.times) - 1, len(result.times))
         for pair in result.pairs:
-            status = [result.contact(pair).at(k).status for k in outputs]
-            if any((s != status[0]).any() for s in status[1:]):
-                return "contact changes with the smallest change"
+            if _hops([result.contact(pair).at(k) for k in outputs]):
+                return HOPS
         solids = Solids.of(deck)
         label = np.asarray(result["LABEL"]).ravel().astype(int)
         order = np.argsort(label)
@@ -168,10 +173,36 @@ class Question:
         found = missed(solids, [u[0], *dual])
         share = self._shares(own, deck)
         sign = -1.0 if self.given else 1.0
-        parts = sign*np.einsum("d,de->e", share, found.products[1:])
+        parts = sign*(np.einsum("d,de->e", share, found.products[1:])
+                      + self._between(result, outputs, deck, solids, (u[0], dual, share)))
         if self.quantity.kind == "FORCE" and not self.quantity.set:
             parts = parts + self._of_supports(own, deck, solids, share)
-        return Estimate(found.labels, parts, found)
+        crossed, doubled = (np.einsum("d,de->e", np.abs(share), v[1:]) for v in found.unsure)
+        return Estimate(found.labels, parts, found,
+                        float(np.linalg.norm(crossed) + doubled.sum()))
+
+    def _between(self, result: Result, outputs, deck: Deck, solids: Solids, known) -> NDArray:
+        """What pairs that hold their gap at nodes leave between these, by element."""
+        blocks = expanded(deck)
+        cards = MeshCards(blocks)
+        u, dual, share = known
+        z = np.einsum("d,dnk->nk", share, np.array(dual))
+        labels = np.concatenate([g.labels for g in solids.groups])
+        row = {int(n): k for k, n in enumerate(labels)}
+        parts = np.zeros(len(labels))
+        pairs = Between.of(blocks, cards, solids)
+        for name, pair in zip(result.pairs, pairs):
+            if pair is None:
+                continue
+            ends = [result.contact(name).at(k) for k in outputs]
+            pushed = [tractions(end) for end in ends]
+            slope = np.einsum("d,dpk->pk", share, np.array(
+                [(b - a)/self.size for a, b in zip(pushed, pushed[1:])]))
+            for part in (pair.work(ends[0], pushed[0], z, solids, False),
+                         pair.work(ends[0], slope, u, solids, True)):
+                for label, value in part.items():
+                    parts[row[label]] += value
+        return parts
 
     def _of_supports(self, own: Result, deck: Deck, solids: Solids, share: NDArray) -> NDArray:
         """What supports carry of the contact of slave nodes that they hold across it (W0409), by
@@ -218,16 +249,34 @@ class Estimate:
     labels : of the elements
     parts : exact value less that of the mesh, by element
     missed : of the primal problem
+    unsure : what the sum of the parts may be off by
     """
 
     labels: NDArray
     parts: NDArray
     missed: Missed
+    unsure: float
 
     @property
     def change(self) -> float:
         """Exact value less that of the mesh."""
         return float(self.parts.sum())
+
+
+def _hops(ends) -> bool:
+    """Whether points of contact close or open by more than one that is at the edge of doing so:
+    its pressure and its gap are nothing beside what all have."""
+    first = ends[0]
+    closed = np.ravel(first.status) > 0
+    most = np.abs(np.ravel(first["CPRESS"])).max(initial=0.0), np.abs(np.ravel(first["u_n"])).max(
+        initial=0.0)
+    for end in ends[1:]:
+        odd = (np.ravel(end.status) > 0) != closed
+        for one in (first, end):
+            if (np.abs(np.ravel(one["CPRESS"]))[odd] > EDGE*most[0]).any() or \
+                    (np.abs(np.ravel(one["COPEN"]))[odd] > EDGE*most[1]).any():
+                return True
+    return False
 
 
 def _step(block: Block) -> list[Block]:
@@ -256,8 +305,8 @@ def _tools(blocks, cards: MeshCards) -> list[int]:
 class _Given:
     """Displacements and loads at the end of the deck."""
 
-    def __init__(self, blocks, cards: MeshCards, moved: float = 0.0):
-        self.moved = moved
+    def __init__(self, blocks, cards: MeshCards, moved: float = 0.0, small: float = SMALL):
+        self.moved, self.small = moved, small
         self.value: dict[tuple[int, int], float] = {}
         self.load: dict[tuple[int, int], float] = {}
         self.pressures, self.reason = 0.0, ""

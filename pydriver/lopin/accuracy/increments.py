@@ -1,4 +1,4 @@
-"""Decks with other increments, and whether their answer depends on them."""
+"""Decks with other increments or another path, and whether their answer depends on them."""
 from __future__ import annotations
 
 from ..deck import Block, Deck
@@ -23,6 +23,20 @@ def _rubs(block: Block) -> bool:
     numbers = [v for row in block.data for v in row if isinstance(v, int | float)]
     return any(numbers[:1]) or "ROUGH" in block.parameters or bool(
         set(block.parameters) - {"LAW"} and not numbers)
+
+
+def on_path(deck: Deck, path: str) -> Deck | None:
+    """The deck on a path; None if it names one itself."""
+    blocks = expanded(deck)
+    own = next((b for b in blocks if b.keyword == "LOPIN"), None)
+    if own is None:
+        at = next(k for k, b in enumerate(blocks) if b.keyword == "STEP")
+        blocks.insert(at, Block("LOPIN", {"PATH": path}))
+    elif "PATH" in own.parameters:
+        return None
+    else:
+        blocks[blocks.index(own)] = Block("LOPIN", {**own.parameters, "PATH": path})
+    return Deck(blocks, preamble=deck.preamble, name=deck.name, folder=deck.folder)
 
 
 def left_by_increments(changes: list[float]) -> list[float]:

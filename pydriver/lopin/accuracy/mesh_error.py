@@ -5,27 +5,41 @@ import math
 
 #: Orders of the error's fall that are believed: of linear elements, of quadratic ones.
 LEAST_ORDER, MOST_ORDER = 0.5, {False: 2.0, True: 3.0}
+#: What factors and sums leave of any number, beside it.
+ROUNDING = 1e-10
+#: An order so far above the most is that of no fall.
+CHANCE = 0.3
 #: A dual problem is believed where it foretold the change from mesh to mesh by these factors.
 FORETOLD = 0.5, 2.0
 
 
-def error_of_mesh(levels, quadratic: bool) -> tuple[float, float, bool]:
+def error_of_mesh(levels, quadratic: bool, in_space: bool = False) -> tuple[float, float, bool]:
     """Of the last of some levels: absolute error, measured order (nan: none), by the dual problem.
 
     Two meshes, every cell halved: their difference, which holds if the error falls at least as the
-    size of cells. Three: with the order of its fall. What the dual problem says is taken where it
-    foretold the last change by half and twice; what it did not foretell of that is added. Nothing
-    is known (inf) of a mesh that was refined in part where the dual problem fails.
+    size of cells. Three: with the order of its fall; one that the elements cannot have is a chance
+    of coarse meshes, and the size of cells is believed. What the dual problem says is taken where
+    it foretold the last change by half and twice; what it did not foretell of that is added, or
+    what it is not sure of. Elsewhere the larger of both, in the plane: a difference of two meshes
+    may vanish by chance (in space the dual problem says many times too much). Nothing is known
+    (inf) of a mesh that was refined in part where the dual problem fails.
     """
+    if len(levels) < 2:
+        return math.inf, math.nan, False
     error, order = _by_differences(halved(levels), quadratic)
     last, before = levels[-1], levels[-2]
+    floor = ROUNDING*abs(last.value)
     foretold = before.foretold - last.foretold
-    if math.isnan(foretold) or not last.change:
-        return error, order, False
-    share = foretold/last.change
+    if math.isnan(foretold):
+        return error + floor, order, False
+    if not last.uniform and abs(last.foretold) > abs(before.foretold):
+        return math.inf, math.nan, False   # hanging nodes did harm, as in a layer that bends
+    share = foretold/last.change if last.change else math.inf
     if not FORETOLD[0] <= share <= FORETOLD[1]:
-        return error, order, False
-    return abs(last.foretold) + abs(last.change - foretold), order, True
+        doubt = 0.0 if in_space else abs(last.foretold) + last.unsure
+        return max(error, doubt) + floor, order, False
+    unsure = max(last.unsure, abs(last.change - foretold))
+    return abs(last.foretold) + unsure + floor, order, True
 
 
 def halved(levels) -> list:
@@ -48,5 +62,6 @@ def _by_differences(known, quadratic: bool) -> tuple[float, float]:
         # Changes to and fro have no order: the answer may be off by as much as they are.
         return max(apart[-2:]), math.nan
     order = math.log2(max(apart[-2]/max(apart[-1], 1e-300), 1e-3))
-    believed = min(max(order, LEAST_ORDER), MOST_ORDER[quadratic])
+    most = MOST_ORDER[quadratic]
+    believed = 1.0 if order > most + CHANCE else min(max(order, LEAST_ORDER), most)
     return apart[-1]/(2.0**believed - 1.0), order

@@ -30,6 +30,12 @@ class Meshes:
     def __init__(self, deck: Deck):
         self.deck, self.n_element, self.filled_in, self.uniform = deck, 0, 0, True
         self._local: LocalMesh | None = None
+        self._whole = deck, 0
+
+    def begin_again(self) -> None:
+        """From the last mesh that was not refined in part."""
+        self.deck, self.n_element = self._whole
+        self._local = None
 
     def size(self) -> int:
         """Solid elements if every cell is halved."""
@@ -38,12 +44,9 @@ class Meshes:
     def halve(self) -> None:
         """Every cell."""
         self.uniform = True
-        if self._local is not None and self._local.hanging:
-            self._take(self._local.everywhere())
-            return
         self._local = None
         finer = refined(self.deck)
-        self.deck, self.n_element = finer.deck, finer.n_element
+        self.deck, self.n_element = self._whole = finer.deck, finer.n_element
         self.filled_in = max(self.filled_in, finer.filled_in)
 
     def spend(self, labels: NDArray, parts: NDArray, goal: float) -> bool:

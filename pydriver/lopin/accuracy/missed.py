@@ -13,6 +13,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from ..mesh.cells import CELLS
+from ..mesh.shapes import shape_functions
 from .patches import Patches, Samples
 from .solids import Group, Solids
 
@@ -27,12 +29,15 @@ class Missed:
     energy : of the error of stress of the first field, twice
     products : of the error of the first field by that of each field (field, element)
     total : twice the energy of the first field
+    unsure : what `products` may be off by (field, element): of what the recovered stresses do not
+        fit where stresses are best known, as beside a corner, by the errors, and by itself
     """
 
     labels: NDArray
     energy: NDArray
     products: NDArray
     total: float
+    unsure: tuple[NDArray, NDArray]
 
     @property
     def relative(self) -> float:
@@ -42,7 +47,7 @@ class Missed:
 
 def missed(solids: Solids, fields: list[NDArray]) -> Missed:
     """What displacement fields (node, ndim), in the order of `solids.labels`, miss."""
-    labels, energy, products, total = [], [], [], 0.0
+    labels, energy, products, total, sizes, misfits = [], [], [], 0.0, [], []
     patches = _recovered(solids, fields)
     for k, group in enumerate(solids.groups):
         one = _Element(group, solids.x, fields)
@@ -53,17 +58,31 @@ def missed(solids: Solids, fields: list[NDArray]) -> Missed:
         energy.append((one.volume*group.product(error[0], error[0])).sum(axis=1))
         products.append(np.array([(one.volume*one.product(error, 0, f)).sum(axis=1)
                                   for f in range(len(fields))]))
+        sizes.append(np.array([(one.volume*group.product(v, v)).sum(axis=1) for v in error]))
+        misfits.append(_misfit(group, solids.x, fields, patches[k], one.volume.sum(axis=1)))
         total += float((one.volume*group.product(one.stress[0], one.stress[0])).sum())
-    return Missed(np.concatenate(labels), np.concatenate(energy), np.hstack(products), total)
+    e, r = np.sqrt(np.abs(np.hstack(sizes))), np.sqrt(np.hstack(misfits))
+    return Missed(np.concatenate(labels), np.concatenate(energy), np.hstack(products), total,
+                  (np.hypot(e[0]*r, r[0]*e), r[0]*r))
+
+
+def _misfit(group: Group, x: NDArray, fields: list[NDArray], patches: Patches,
+            volume: NDArray) -> NDArray:
+    """Twice the energy of what the recovered stresses of each field do not fit of the samples
+    (field, element)."""
+    own = _samples(group, x, fields)
+    family = CELLS[group.cell].family
+    share = np.array([shape_functions(family, p)[0] for p in group.best()])
+    apart = patches.at(own.x, group.corners, share) - own.values
+    apart = apart.reshape(*apart.shape[:2], len(fields), -1)
+    return np.array([volume*group.product(apart[:, :, f], apart[:, :, f]).mean(axis=1)
+                     for f in range(len(fields))])
 
 
 class _Element:
     """Fields at the points of the integrals of a group."""
 
     def __init__(self, group: Group, x: NDArray, fields: list[NDArray]):
-        from ..mesh.cells import CELLS
-        from ..mesh.shapes import shape_functions
-
         self.group = group
         xi, weight = group.whole()
         shape, dn, self.place, unit = group.geometry(x, xi)
@@ -77,6 +96,8 @@ class _Element:
                 axis=1, keepdims=True)
             if group.mean:
                 stress, own = group.stress(shape, dn, self.place, u, mean)
+            if group.inner:
+                stress = group.relaxed(x, xi, self.volume, stress)
             self.stress.append(stress)
             self.uneven.append(own - mean if group.mean else np.zeros_like(own))
 

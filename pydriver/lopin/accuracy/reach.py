@@ -7,11 +7,9 @@ of half the size, on the first mesh. Nothing is refined where the answer does no
 """
 from __future__ import annotations
 
-import json
 import math
 import time
 from collections.abc import Callable
-from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
@@ -22,137 +20,29 @@ from ..files import whole_file
 from ..model_read_mesh import expanded, named_from
 from ..result import Result
 from ..run import as_deck, check, run
-from .dual import LOST, Estimate, Question
-from .increments import depends_on_path, left_by_increments, with_smaller
+from .dual import HOPS, LOST, SMALL, Estimate, Question
+from .increments import depends_on_path, left_by_increments, on_path, with_smaller
 from .mesh_error import error_of_mesh, halved
 from .meshes import Meshes
 from .quantity import Quantity
+from .reached import Level, Reached
 from .refusals import contact_alone, out_of_reach, out_of_time
 
 #: Solid elements of a mesh that is not made any more, in the plane and in space.
 MOST = {2: 400_000, 3: 60_000}
 #: Shares of the error asked for that increments may take.
 OF_INCREMENTS = 0.4
-#: Where facets do not match (W0333) contact between nodes and facets has an error that the dual
-#: problem does not see.
-UNMATCHED = 1.5
 #: Share of their room below which the order of increments need not be known.
 PLAIN = 0.25
 #: Halvings of the increments that are tried.
 HALVINGS = 7
+#: Runs for a dual problem: of a size that is guessed, of one that is known, of a smaller one.
+TRIES, SMALLER = 3, 0.01
+#: What the dual problem foretells where there is none.
+UNKNOWN = math.nan, math.nan
 #: Share of the room that the parts of the error may take on the next mesh, and by how much their
 #: sum falls at least: so much that it is seen whether the dual problem foretells it.
 OF_ROOM, AT_LEAST = 0.4, 2.5
-
-
-@dataclass
-class Level:
-    """One run."""
-
-    mesh: int                 #: halvings of the cells
-    increments: float         #: length beside those of the deck itself
-    elements: int
-    equations: int
-    value: float
-    difference: float         #: from the run before, on the coarser mesh; nan: none
-    change: float             #: the same with its sign; of a norm, without
-    seconds: float
-    verdict: str
-    foretold: float = math.nan   #: exact value less this one, by the dual problem; nan: none
-    uniform: bool = True         #: every cell of the mesh before was halved
-
-
-@dataclass
-class Reached:
-    """What was found.
-
-    Attributes
-    ----------
-    quantity, target : what was asked, and how well
-    value : on the last mesh
-    mesh, increments, enforcement : estimates of the parts of the relative error
-    order : of the fall of the error with the size of cells; nan where two meshes were enough
-    by_dual : `mesh` is what the dual problem says
-    no_dual : why there is no dual problem; empty: there is
-    written : CPU time of the run that wrote the files, where that was one more [s]
-    levels : the runs, in their order
-    result : of the last mesh
-    uneven : part of `enforcement` that facets which do not match make of the pressure (W0333)
-    warnings : of the last run
-    filled_in : displacements given node by node, straight between the nodes of the deck
-    reason : why the error asked for was not met; empty: it was
-    """
-
-    quantity: Quantity
-    target: float
-    value: float = math.nan
-    mesh: float = math.nan
-    increments: float = 0.0
-    enforcement: float = 0.0
-    uneven: float = 0.0
-    warnings: list[str] = field(default_factory=list)
-    order: float = math.nan
-    by_dual: bool = False
-    no_dual: str = ""
-    written: float = 0.0
-    levels: list[Level] = field(default_factory=list)
-    result: Result | None = field(default=None, repr=False)
-    deck: Deck | None = field(default=None, repr=False)
-    filled_in: int = 0
-    reason: str = ""
-
-    @property
-    def error(self) -> float:
-        """Estimate of the relative error; nan: there is none."""
-        return self.mesh + self.increments + self.enforcement
-
-    @property
-    def met(self) -> bool:
-        """Whether the error asked for was met."""
-        return not self.reason and self.error <= self.target
-
-    @property
-    def cost(self) -> float:
-        """CPU time of all runs beside that of the last."""
-        every = sum(v.seconds for v in self.levels) + self.written
-        return every/max(self.levels[-1].seconds, 1e-9)
-
-    def text(self) -> str:
-        """A table of the runs, and the answer."""
-        lines = [f"{'mesh':>5} {'elements':>9} {'equations':>10} {'increments':>11} {'value':>14} "
-                 f"{'change %':>9} {'s':>8}"]
-        for v in self.levels:
-            change = "" if math.isnan(v.difference) else f"{100.0*v.difference/abs(v.value):.3g}" \
-                if v.value else "nan"
-            lines.append(f"{v.mesh:>5} {v.elements:>9} {v.equations:>10} "
-                         f"{'x ' + format(v.increments, 'g'):>11} {v.value:>14.7g} {change:>9} "
-                         f"{v.seconds:>8.2f}")
-        order = " (dual problem)" if self.by_dual else "" if math.isnan(self.order) else \
-            f" (falls as size^{self.order:.2g})"
-        known = "error unknown" if math.isnan(self.error) else \
-            f"+- {abs(self.value)*self.error:.2g} ({100.0*self.error:.2g} %)"
-        mesh = "not known" if math.isnan(self.mesh) else f"{100.0*self.mesh:.2g} %{order}"
-        lines.append(f"{self.quantity}: {self.value:.7g} {known}, {100.0*self.target:g} % asked: "
-                     f"mesh {mesh}, increments {100.0*self.increments:.2g} %, contact "
-                     f"{100.0*self.enforcement:.2g} %")
-        lines.append(f"cost: {self.cost:.2g} times the last run")
-        lines += [f"warning: {line}" for line in self.warnings]
-        if self.filled_in:
-            lines.append("displacements are given node by node: between the nodes of the deck they "
-                         "are taken as straight, whose error is not in the estimate")
-        if self.reason:
-            lines.append(f"not met: {self.reason}")
-        return "\n".join(lines)
-
-    def json(self) -> str:
-        """All of it but the result."""
-        kept = {k: getattr(self, k) for k in ("target", "value", "error", "mesh", "increments",
-                                              "enforcement", "order", "met", "filled_in",
-                                              "reason", "cost", "uneven", "warnings",
-                                              "by_dual", "no_dual")}
-        kept["quantity"] = str(self.quantity)
-        kept["runs"] = [vars(v) for v in self.levels]
-        return json.dumps(kept, default=str).replace("NaN", "null")
 
 
 def reach(scene, quantity: Quantity | None = None, target: float | None = None,
@@ -217,45 +107,86 @@ class _Search:
         self.factor = 1.0     #: of the increments
         self.meshes = Meshes(deck)
         self.estimate: Estimate | None = None   #: of the last run, by the dual problem
+        self.small = SMALL    #: change of the parameter of the dual problem beside its size
         self.moved = 0.0      #: largest displacement of the last run; 0: not known
+        self.whole = None     #: result and value of the last mesh that was not refined in part
         self.files = -1       #: mesh of the last run that wrote its files
 
     def run(self) -> Reached:
         """All runs that are needed."""
         found, deck, number = self.found, self.deck, 0
-        last = self._solve(deck, number, 0)
+        last = self.whole = self._solve(deck, number, 0)
         if found.value == 0.0:
             found.reason = f"the {found.quantity} is 0: it has no relative error; ask for that " \
                 "of one tool by SET, or for another direction"
+        last = self.whole = self._slide(deck, *last)
+        deck = self.meshes.deck
         if found.enforcement > found.target and not found.reason:
             found.reason = contact_alone(found)
         if depends_on_path(deck) and not found.reason:
-            last = self._settle_increments(deck, last)
+            last = self.whole = self._settle_increments(deck, last)
         while not found.reason:
             if not self._refine():
                 break
+            if found.levels[-1].given_up:
+                last = self.whole
             deck, number = self.meshes.deck, number + 1
             found.filled_in = max(found.filled_in, self.meshes.filled_in)
             last = self._solve(deck, number, self.meshes.n_element, last)
+            if found.levels[-1].uniform:
+                self.whole = last
             self._estimate(_quadratic(deck))
             if found.reason or found.error <= found.target:
                 break
         self._write()
         return found
 
+    def _slide(self, deck: Deck, result: Result, value: float) -> tuple[Result, float]:
+        """One path for all meshes, where the plan would choose by the way that nodes slide beside
+        their facets: that of the shape at the start, if what the present one changes on the first
+        mesh leaves room; else contact follows it. The result and value of the first mesh."""
+        found = self.found
+        paths = [on_path(deck, name) for name in ("CONDENSED", "FINITE")]
+        if depends_on_path(deck) or result.summary.get("path") != "condensed" or None in paths \
+                or not result.pairs or found.reason:
+            return result, value
+        begin = time.process_time()
+        try:
+            other = run(paths[1], **self.options)
+        except LopinError:
+            return result, value   # the deck's own path is what was asked for
+        other_value = found.quantity.value(other, deck)
+        apart = found.quantity.difference(other, result, (other_value, value))
+        found.written += time.process_time() - begin
+        share = apart/max(abs(value), 1e-300)
+        if share <= OF_INCREMENTS*found.target:
+            found.sliding = share
+            self.meshes = Meshes(paths[0])
+            return result, value
+        self.meshes = Meshes(paths[1])
+        found.levels.pop()
+        return self._solve(paths[1], 0, 0)
+
     def _refine(self) -> bool:
         """A finer mesh: where the dual problem has the parts of the error, if it can be believed;
         else everywhere. Whether there is one."""
         found, meshes = self.found, self.meshes
-        dims = 3 if found.result["displacement"].shape[1] == 3 else 2
+        dims = 3 if found.in_space else 2
         limit = self.most or MOST[dims]
         if self.estimate is not None and (len(found.levels) == 1 or found.by_dual):
-            room = found.target - found.increments - found.enforcement
+            room = found.target - found.besides
             most = np.abs(self.estimate.parts).sum()
             goal = min(OF_ROOM*room*abs(found.value), most/AT_LEAST)
             if room > 0.0 and meshes.spend(self.estimate.labels, self.estimate.parts, goal) \
                     and meshes.n_element <= limit:
                 return True
+        if not found.levels[-1].uniform:
+            # What was refined in part did not do what was foretold: whole meshes from the last.
+            meshes.begin_again()
+            for level in reversed(found.levels):
+                if level.uniform:
+                    break
+                level.given_up = True
         size = meshes.size()
         if size > limit:
             found.reason = out_of_reach(found, size, limit, dims)
@@ -274,7 +205,7 @@ class _Search:
         found = self.found
         smaller = deck if self.factor == 1.0 else with_smaller(deck, self.first, self.factor)
         begin = time.process_time()
-        result, foretold = self._run(smaller, number)
+        result, (foretold, unsure) = self._run(smaller, number)
         seconds = time.process_time() - begin
         value = found.quantity.value(result, deck)
         apart = math.nan if before is None else found.quantity.difference(
@@ -282,7 +213,7 @@ class _Search:
         found.levels.append(Level(number, self.factor, elements or result.summary["model"][
             "elements"], result.summary["equations"], value, apart,
             math.nan if before is None else found.quantity.change(apart, value, before[1]),
-            seconds, result.verdict, foretold, number == 0 or self.meshes.uniform))
+            seconds, result.verdict, foretold, number == 0 or self.meshes.uniform, unsure))
         found.value, found.result, found.deck = value, result, deck
         found.warnings = list(result.warnings)
         found.uneven = found.quantity.uneven(result)
@@ -294,12 +225,13 @@ class _Search:
                  f"{value:.7g}" + ("" if math.isnan(apart) else f", {apart:.2g} from the last"))
         return result, value
 
-    def _run(self, deck: Deck, number: int) -> tuple[Result, float]:
-        """A run, with that of the dual problem where there is one: what that foretells."""
+    def _run(self, deck: Deck, number: int) -> tuple[Result, tuple[float, float]]:
+        """A run, with that of the dual problem where there is one: what that foretells, and what
+        it may be off by."""
         found, self.estimate = self.found, None
-        for again in (False, True) if not found.no_dual else ():
+        for _ in range(TRIES) if not found.no_dual else ():
             try:
-                question = Question.of(deck, found.quantity, self.moved)
+                question = Question.of(deck, found.quantity, self.moved, self.small)
                 if isinstance(question, str):
                     found.no_dual = question
                     break
@@ -308,17 +240,20 @@ class _Search:
             except LopinError as problem:   # of the further steps, or the run without them says it
                 found.no_dual = problem.message
                 break
-            guessed = self.moved == 0.0 and not again
+            guessed = self.moved == 0.0
             self.moved = float(np.abs(result["displacement"]).max())
             if estimate == LOST and guessed:
                 continue   # the size of displacements is known now
+            if estimate == HOPS and self.small == SMALL:
+                self.small *= SMALLER   # slender bodies press by far smaller ways
+                continue
             if isinstance(estimate, str):
                 found.no_dual = estimate
-                return question.split(result), math.nan
+                return question.split(result), UNKNOWN
             self.estimate = estimate
-            return question.split(result), estimate.change
+            return question.split(result), (estimate.change, estimate.unsure)
         self.files = number
-        return run(self._placed(deck, number), self._folder(number), **self.options), math.nan
+        return run(self._placed(deck, number), self._folder(number), **self.options), UNKNOWN
 
     def _folder(self, number: int) -> Path | None:
         return None if self.output is None else Path(self.output)/f"mesh{number}"
@@ -338,7 +273,7 @@ class _Search:
             return
         begin = time.process_time()
         found.result = run(self._placed(found.deck, number), self._folder(number), **self.options)
-        found.written = time.process_time() - begin
+        found.written += time.process_time() - begin
 
     def _settle_increments(self, deck: Deck, last):
         """Increments whose error leaves room for that of the mesh: the longest of those tried."""
@@ -367,11 +302,11 @@ class _Search:
         """The error of the mesh from the differences between meshes."""
         found = self.found
         scale = max(abs(found.value), 1e-300)
-        error, found.order, found.by_dual = error_of_mesh(found.levels, quadratic)
-        if found.by_dual and any(line.startswith("W0333") for line in found.warnings):
-            error *= UNMATCHED
+        levels = [v for v in found.levels if not v.given_up]
+        error, found.order, found.by_dual = error_of_mesh(levels, quadratic,
+                                                              found.in_space)
         found.mesh = error/scale if math.isfinite(error) else math.nan
-        apart = [v.difference for v in halved(found.levels)]
+        apart = [v.difference for v in halved(levels)]
         grows = [b >= a for a, b in zip(apart, apart[1:])]
         if len(grows) >= 2 and all(grows[-2:]) and found.mesh > found.target:
             found.reason = f"the {found.quantity} changes more with each finer mesh " \

@@ -30,9 +30,9 @@ def out_of_reach(found, elements: int, limit: int, dims: int) -> str:
         return f"a finer mesh has {elements} elements, above {limit}"
     order = 1.0 if math.isnan(found.order) else \
         min(max(found.order, LEAST_ORDER), MOST_ORDER[False])
-    room = found.target - found.increments - found.enforcement
+    room = found.target - found.besides
     if room <= 0.0:
-        return f"increments and contact alone leave {100.0*(found.error - found.mesh):.2g} %"
+        return f"increments, contact and small sliding alone leave {100.0*found.besides:.2g} %"
     halvings = math.ceil(math.log2(found.mesh/room)/order)
     needed = found.levels[-1].elements*2**(dims*halvings)
     return f"{100.0*found.error:.2g} % of {100.0*found.target:g} % is met with " \

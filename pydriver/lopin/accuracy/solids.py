@@ -66,6 +66,7 @@ class Group:
     nodes : rows of `Solids.labels` (element, node)
     young, poisson, thickness : of the material and section
     mean : its change of volume is the mean over the element (B-bar)
+    inner : it has internal modes (words with I)
     """
 
     word: str
@@ -77,6 +78,7 @@ class Group:
     poisson: float
     thickness: float
     mean: bool
+    inner: bool = False
 
     @property
     def order(self) -> int:
@@ -122,6 +124,10 @@ class Group:
             e[..., k] = 0.5*(grad[..., i, j] + grad[..., j, i])
         if self.kind == "axisymmetric":
             e[..., 2] = np.einsum("pn,en->ep", shape, u[self.nodes][..., 0])/place[..., 0]
+        return self._law(e, dilatation)
+
+    def _law(self, e: NDArray, dilatation: NDArray | None = None) -> tuple[NDArray, NDArray]:
+        """Stresses of strains, and the change of volume (element, point)."""
         if self.kind == "plane stress":
             e[..., 2] = -self.poisson/(1.0 - self.poisson)*(e[..., 0] + e[..., 1])
         own = e[..., :3].sum(axis=-1)
@@ -131,6 +137,46 @@ class Group:
         stress[..., :3] += (bulk*(own if dilatation is None else dilatation)
                             - 2.0/3.0*shear*own)[..., None]
         return stress, own
+
+    def relaxed(self, x: NDArray, xi: NDArray, volume: NDArray, stress: NDArray) -> NDArray:
+        """Stresses at points (element, point, component) with the internal modes that they
+        work on, of weights `volume` (element, point)."""
+        modes = self._modes(x, xi)
+        count = modes.shape[2]
+        answer = np.stack([self._law(modes[:, :, m].copy())[0] for m in range(count)], axis=2)
+        twice = np.ones(modes.shape[-1])
+        twice[3:] = 2.0
+        stiff = np.einsum("ep,epmc,epnc->emn", volume, modes*twice, answer)
+        pushed = np.einsum("ep,epmc,epc->em", volume, modes*twice, stress)
+        share = np.linalg.solve(stiff, -pushed[..., None])[..., 0]
+        return stress + np.einsum("em,epmc->epc", share, answer)
+
+    def _modes(self, x: NDArray, xi: NDArray) -> NDArray:
+        """Strains of the internal modes (element, point, mode, component): of a parameter in each
+        direction of the cell, carried to space by the centre (fortran/element/enhanced_modes.f90).
+        """
+        ndim = x.shape[1]
+        _, _, place, volume = self.geometry(x, xi)
+        centre = CELLS[self.cell].xi.mean(axis=0)[None]
+        _, _, _, middle = self.geometry(x, centre)
+        slope = shape_functions(self.cell, centre[0])[1]
+        jacobian = np.einsum("end,nc->edc", x[self.nodes], slope)
+        inverse = np.linalg.inv(jacobian)
+        inverse *= (np.linalg.det(jacobian)**(1.0/ndim))[:, None, None]
+        scale = middle/volume
+        names = [(0, 1), (0, 2), (1, 2)][:3 if ndim == 3 else 1]
+        found = []
+        for i, j in product(range(ndim), repeat=2):
+            matrix = np.einsum("ed,ec->edc", inverse[:, i], inverse[:, j])
+            part = np.stack([*(matrix[:, d, d] for d in range(ndim)),
+                             *([] if ndim == 3 else [np.zeros(len(matrix))]),
+                             *(0.5*(matrix[:, a, b] + matrix[:, b, a]) for a, b in names)], axis=1)
+            found.append((scale*xi[:, i])[..., None]*part[:, None])
+        if self.kind in ("axisymmetric", "3d"):
+            round_ = np.zeros(found[0].shape[-1])
+            round_[:3] = 1.0
+            found += [(scale*xi[:, i]*xi[:, j])[..., None]*round_ for i, j in names]
+        return np.stack(found, axis=2)
 
     def product(self, one: NDArray, other: NDArray) -> NDArray:
         """Stress by strain of two fields of stress (element, point)."""
@@ -176,9 +222,11 @@ class Solids:
                            "linear elastic one")
             nodes = np.array([cards.elements[m][1] for m in labels])
             kind, cell = _KIND[word[:3]], cell_of(word)
-            mean = not full and cell in ("quad", "hexahedron") and kind != "plane stress"
+            inner = word.endswith("I")
+            mean = not full and not inner and cell in ("quad", "hexahedron") \
+                and kind != "plane stress"
             groups.append(Group(word, cell, kind, np.array(labels), np.searchsorted(used, nodes),
-                                *material[name], thickness, mean))
+                                *material[name], thickness, mean, inner))
         ndim = 3 if groups[0].kind == "3d" else 2
         return cls(used, np.array([cards.nodes[int(n)][:ndim] for n in used]), groups, reason)
 
