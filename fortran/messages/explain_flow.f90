@@ -1,4 +1,4 @@
-!> Explanations: flow, rates and heat.
+!> Explanations: flow, rates and heat, metal past edges.
 module lopin_explain_flow
    use lopin_explanation, only : explanation_type, add_explanation
    implicit none
@@ -30,5 +30,25 @@ contains
          & 'The accumulated plastic strain is larger than the last one of *PLASTIC. The stress '// &
          & 'stays that of the last line: perfect plasticity from there on, as in Abaqus.', &
          & 'add lines, or write a law that has no end.')
+      call edge_explanations(list)
    end subroutine flow_explanations
+
+   !> Metal that spreads past the edge of what presses it.
+   subroutine edge_explanations(list)
+      type(explanation_type), allocatable, intent(inout) :: list(:)
+
+      call add_explanation(list, 'E0517', 'a node goes past the edge of its master', &
+         & 'Which nodes press surface to surface is decided between increments. This one left '// &
+         & 'its master for the most part within one, and held its facet straight past the '// &
+         & 'edge to the end: forces were up to 15 % too large. The increment is cut to where '// &
+         & 'the node leaves.', &
+         & 'smaller increments on *STATIC; nothing where they may be cut.')
+      call add_explanation(list, 'W0345', 'facets of metal hang past an edge', &
+         & 'Metal that flows has spread past the edge of what presses it, surface to surface, '// &
+         & 'and its facet cannot bend there. While both ends press it is held straight and '// &
+         & 'presses as if covered whole; once its end lets go, what is covered presses too '// &
+         & 'little. Forces of blocks between dies were off by three quarters of the share of '// &
+         & 'the area that hangs, in both ways; the pressure at the edge is one of the mesh.', &
+         & 'facets half as long halve it.')
+   end subroutine edge_explanations
 end module lopin_explain_flow

@@ -13,7 +13,7 @@ module lopin_mortar_cover
    use lopin_mortar_overlap, only : overlap_list_type
    implicit none
    private
-   public :: cover_type, new_cover, plan_cover, has_row, taken_over
+   public :: cover_type, new_cover, plan_cover, has_row, taken_over, find_late
 
    !> A node covered less than this share of its best neighbour is weak. Not one half: that is what
    !> a node has where an edge of the master lies along the slave's nodes.
@@ -22,6 +22,8 @@ module lopin_mortar_cover
    real(wp), parameter :: becomes_weak = 0.50_wp, is_strong_again = 0.60_wp
    !> The same within an increment, where a change would disturb Newton's method.
    real(wp), parameter :: must_be_weak = 0.05_wp, must_be_strong = 0.95_wp
+   !> An increment that ends below this was solved as if it had not lost the node on its way.
+   real(wp), parameter :: lost = 0.35_wp
    !> Ties hold on at the rim.
    real(wp), parameter :: weak_tie = 0.05_wp
    !> Masters whose normals differ by more, 30 degrees, have a row each.
@@ -53,6 +55,8 @@ module lopin_mortar_cover
       integer, allocatable :: owner(:)         !! of those that give or join: the better piece's
       ! Present shape
       real(wp), allocatable :: ratio(:)        !! covered share
+      real(wp), allocatable :: beside(:)       !! that beside the best of the facets of the node
+      real(wp), allocatable :: began(:)        !! the same where the increment began
       logical, allocatable :: facet(:)         !! (slave facets) covered
       type(gift_type), allocatable :: gift(:)
       integer, allocatable :: giver(:)         !! those that have one
@@ -98,6 +102,7 @@ contains
       self%owner = spread(0, 1, size(weight))
       call compare_pieces(self, slave, list, direction, before, start)
       call find_weak(self, slave, before, start)
+      if (start) self%began = self%beside
       call find_heirs(self, slave)
    end subroutine plan_cover
 
@@ -210,6 +215,7 @@ contains
             best(own) = max(best(own), most)
          end associate
       end do
+      self%beside = merge(self%ratio/max(tiny(1.0_wp), best), 1.0_wp, best > 0.0_wp)
       do i = 1, slave%nnode
          if (self%state(i) /= is%kept) cycle
          limit = weak
@@ -318,6 +324,26 @@ contains
       integer, intent(in) :: j
       has_row = self%state(j) == is%kept
    end function has_row
+
+   !> The node that has a row still though the increment has taken the most of it off the master,
+   !> and the part of the increment after which its row should have ended.
+   pure subroutine find_late(self, node, part)
+      type(cover_type), intent(in) :: self
+      integer, intent(out) :: node             !! of the slave; 0: none
+      real(wp), intent(out) :: part
+      logical :: late(size(self%state))
+
+      node = 0
+      part = 1.0_wp
+      if (self%tied .or. .not. allocated(self%began)) return
+      if (count(self%state == is%kept) <= self%least) return
+      late = self%state == is%kept .and. self%beside < lost .and. self%began >= becomes_weak
+      if (.not. any(late)) return
+      node = minloc(self%beside, dim=1, mask=late)
+      associate (from => self%began(node), to => self%beside(node))
+         part = (from - 0.5_wp*(becomes_weak + lost))/(from - to)
+      end associate
+   end subroutine find_late
 
    !> Nodes whose functions a node takes over, and which share of each.
    pure subroutine taken_over(self, j, from, share)

@@ -11,6 +11,7 @@ module lopin_after_step
    use lopin_present_gaps, only : gap_of
    use lopin_repeated_messages, only : warn_once
    use lopin_coarse_rates, only : coarse_rates_type, measure_coarse_rates, tell_coarse_rates
+   use lopin_hanging_facets, only : hanging_type, measure_hanging, tell_hanging
    use lopin_check_stretch, only : stretched_type, measure_stretch, check_stretch
    use lopin_eased_friction, only : tell_eased
    use lopin_narrow_tools, only : check_narrow_tools
@@ -41,6 +42,7 @@ module lopin_after_step
       real(wp), allocatable :: turned(:)     !! (nbody) largest rotation in the step [rad]
       real(wp) :: ramp = 0.0_wp              !! largest where bounds of friction are eased [-]
       type(coarse_rates_type) :: rates       !! of metal in long increments
+      type(hanging_type) :: hanging          !! past edges
    contains
       procedure :: keep => keep_seen
    end type step_record_type
@@ -59,6 +61,7 @@ contains
       call stream%pass(self%turned)
       call stream%pass(self%ramp)
       call self%rates%keep(stream)
+      call self%hanging%keep(stream)
    end subroutine keep_seen
 
    !> Look at an accepted increment.
@@ -77,6 +80,7 @@ contains
       if (scene%newton%nlgeom) then
          call measure_stretch(self%stretched, scene, model)
          call measure_coarse_rates(self%rates, scene, increment)
+         call measure_hanging(self%hanging, scene, model, increment)
          return
       end if
       if (.not. allocated(self%turned)) allocate (self%turned(size(model%rigid_body)), &
@@ -172,6 +176,7 @@ contains
       call tell_eased(scene, model, seen%ramp)
       seen%ramp = 0.0_wp
       call tell_coarse_rates(seen%rates, scene, model)
+      call tell_hanging(seen%hanging, scene, model)
    end subroutine check_step
 
    !> Points that slip under so little pressure that their law has not its bound there.

@@ -44,6 +44,7 @@ module lopin_increment
    use lopin_refuse_free_motion, only : refuse_free_motion
    use lopin_refuse_turn, only : refuse_turn
    use lopin_refuse_leap, only : refuse_leap
+   use lopin_refuse_lost_rows, only : refuse_lost_rows
    use lopin_touch_order, only : check_touch_order
    use lopin_small_displacements, only : pair_that_slid
    use lopin_tell_watcher, only : tell_of_plan, tell_of_increment
@@ -186,6 +187,7 @@ contains
          if (.not. scene%newton%in_use) return
          call remember(scene%solids, model%mesh, scene%trial%motion%u, scene%newton%past, memory)
          call limit_increment(scene, model, error)
+         if (.not. allocated(error)) call refuse_lost_rows(scene, model, error)
          if (allocated(error)) return
          call add_heat_work(scene, model)
          frame%energy%plastic = memory%work
