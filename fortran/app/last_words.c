@@ -8,7 +8,9 @@
 #include <alloca.h>
 #include <errno.h>
 #include <fcntl.h>
+#include <signal.h>
 #include <stddef.h>
+#include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -101,9 +103,46 @@ static void at_exit(void)
                 "report the deck and this message");
 }
 
+static uintptr_t base_of_stack;
+
+/* A fault of memory is heard on a stack of its own: the other one may be what is full. */
+static void at_fault(int number, siginfo_t *what, void *context)
+{
+    char text[160];
+    struct rlimit limit;
+    uintptr_t place = (uintptr_t)what->si_addr, below = base_of_stack - place;
+    (void)context;
+    if (number == SIGSEGV && place < base_of_stack && !getrlimit(RLIMIT_STACK, &limit)
+        && limit.rlim_cur != RLIM_INFINITY && below > limit.rlim_cur - limit.rlim_cur / 4
+        && below - limit.rlim_cur < (uintptr_t)1 << 32) {
+        snprintf(text, sizeof text, "the stack of %.3g MB is full; this is a defect of Lopin",
+                 (double)limit.rlim_cur / 1048576.0);
+        say_and_end(internal, "E0900", text,
+                    "ulimit -s unlimited lets the run go on; report the deck and this message");
+    }
+    snprintf(text, sizeof text, "memory was read or written where there is none (signal %d); this "
+             "is a defect of Lopin", number);
+    say_and_end(internal, "E0900", text, "report the deck and this message; --resume goes on");
+}
+
+static void hear_faults(void)
+{
+    static char room[65536];
+    stack_t other = {.ss_sp = room, .ss_size = sizeof room};
+    struct sigaction action;
+    base_of_stack = (uintptr_t)__builtin_frame_address(0);
+    memset(&action, 0, sizeof action);
+    action.sa_sigaction = at_fault;
+    action.sa_flags = SA_SIGINFO | SA_ONSTACK | SA_RESETHAND;
+    if (sigaltstack(&other, NULL)) return;
+    sigaction(SIGSEGV, &action, NULL);
+    sigaction(SIGBUS, &action, NULL);
+}
+
 void lopin_hear_the_end(void)
 {
     atexit(at_exit);
+    hear_faults();
 }
 
 void lopin_end_as_json(void)

@@ -14,10 +14,10 @@ enum { LOPIN_OK = 0, LOPIN_NO_MEMORY = 1, LOPIN_NOT_POSITIVE = 2, LOPIN_TOO_LARG
 
 typedef struct {
     cholmod_common c;
-    cholmod_factor *L;
-    cholmod_dense *X, *Y, *E;   /* workspaces of cholmod_solve2, kept between calls */
+    cholmod_factor *L;          /* the analysis alone */
     size_t n;
     supernodal_plan *plan;      /* of the factorisations, made with the first one */
+    double *x;                  /* the factor */
 } handle_type;
 
 static int status_of(const handle_type *h)
@@ -70,15 +70,19 @@ int lopin_cholmod_create(void **out)
     return LOPIN_OK;
 }
 
+static void forget(handle_type *h)
+{
+    lopin_supernodal_free(&h->plan);
+    cholmod_free_factor(&h->L, &h->c);
+    free(h->x);
+    h->x = NULL;
+}
+
 void lopin_cholmod_free(void **out)
 {
     handle_type *h = *out;
     if (!h) return;
-    lopin_supernodal_free(&h->plan);
-    cholmod_free_factor(&h->L, &h->c);
-    cholmod_free_dense(&h->X, &h->c);
-    cholmod_free_dense(&h->Y, &h->c);
-    cholmod_free_dense(&h->E, &h->c);
+    forget(h);
     cholmod_finish(&h->c);
     free(h);
     *out = NULL;
@@ -113,15 +117,13 @@ int lopin_cholmod_analyse(void *v, int n, int *p, int *i, int *perm, long long *
 {
     handle_type *h = v;
     cholmod_sparse a = sparse_view((size_t)n, p, i, NULL, 1);
-    lopin_supernodal_free(&h->plan);
-    cholmod_free_factor(&h->L, &h->c);
-    cholmod_free_dense(&h->X, &h->c);
-    cholmod_free_dense(&h->Y, &h->c);
-    cholmod_free_dense(&h->E, &h->c);
+    forget(h);
     h->n = (size_t)n;
-    h->L = cholmod_analyze_p(&a, perm, NULL, 0, &h->c);
+    /* As for SPQR: CHOLMOD lays out no factor then, which with short integers it refuses to do for
+     * more than 2**31 entries. */
+    h->L = cholmod_analyze_p2(CHOLMOD_ANALYZE_FOR_SPQR, &a, perm, NULL, 0, &h->c);
     if (!h->L) return status_of(h) ? status_of(h) : LOPIN_OTHER;
-    *stored = (long long)h->L->xsize;
+    *stored = h->L->is_super ? (long long)lopin_supernodal_entries(h->L) : 0;
     *flops = h->c.fl;
     return status_of(h);
 }
@@ -136,22 +138,22 @@ int lopin_cholmod_plan(void *v, const int *p, const int *i, const supernodal_pla
     if (!h->plan) status = lopin_supernodal_plan(&h->plan, h->L, p, i);
     if (status) lopin_supernodal_free(&h->plan);
     *plan = h->plan;
+    if (status == SUPERNODAL_TOO_LARGE) return LOPIN_TOO_LARGE;
     return status ? LOPIN_NO_MEMORY : LOPIN_OK;
 }
 
 /* Smallest pivot over its own diagonal entry: *ratio, and its column of L: *where. */
-static void weakest_pivot(const cholmod_factor *L, const int *p, const int *i, const double *a,
-                          double *ratio, int *where)
+static void weakest_pivot(const supernodal_plan *plan, const double *x, const int *p,
+                          const int *i, const double *a, double *ratio, int *where)
 {
-    const int *super = L->super, *pi = L->pi, *px = L->px, *perm = L->Perm;
-    const double *x = L->x;
     *ratio = 1.0;
     *where = 0;
-    for (size_t s = 0; s < L->nsuper; s++) {
-        size_t rows = (size_t)(pi[s + 1] - pi[s]);
-        for (int j = super[s]; j < super[s + 1]; j++) {
-            double l = x[(size_t)px[s] + (size_t)(j - super[s]) * (rows + 1)];
-            int column = perm[j], k = p[column];
+    for (int s = 0; s < plan->nsuper; s++) {
+        size_t rows = (size_t)(plan->pi[s + 1] - plan->pi[s]);
+        int first = plan->super[s];
+        for (int j = first; j < plan->super[s + 1]; j++) {
+            double l = x[plan->px[s] + (size_t)(j - first) * (rows + 1)];
+            int column = plan->perm[j], k = p[column];
             double diagonal = k < p[column + 1] && i[k] == column ? a[k] : 0.0;
             double r = diagonal > 0.0 ? l * l / diagonal : 0.0;
             if (!(r >= *ratio)) { *ratio = r; *where = j; }
@@ -169,23 +171,15 @@ int lopin_threads_of_run(void)
     return n > 1 ? n : 1;
 }
 
-/* Values into the factor that CHOLMOD has laid out, which its solutions then read. */
 static int factorise_supernodes(handle_type *h, const double *a, int *column)
 {
-    cholmod_factor *L = h->L;
-    int zero = !L->x, status, failed;
-    if (zero) {
-        L->x = cholmod_calloc(L->xsize, sizeof(double), &h->c);
-        if (!L->x) return LOPIN_NO_MEMORY;
-        L->xtype = CHOLMOD_REAL;
-        L->dtype = CHOLMOD_DOUBLE;
-    }
-    L->minor = L->n;
-    status = lopin_factorise_double(h->plan, a, L->x, zero, lopin_threads_of_run(), &failed);
+    int zero = !h->x, status, failed;
+    if (zero) h->x = calloc(h->plan->px[h->plan->nsuper], sizeof(double));
+    if (!h->x) return LOPIN_NO_MEMORY;
+    status = lopin_factorise_double(h->plan, a, h->x, zero, lopin_threads_of_run(), &failed);
     if (status == SUPERNODAL_NO_MEMORY) return LOPIN_NO_MEMORY;
     if (status == SUPERNODAL_OK) return LOPIN_OK;
     *column = failed;
-    L->minor = (size_t)failed;
     return LOPIN_NOT_POSITIVE;
 }
 
@@ -203,47 +197,35 @@ int lopin_cholmod_factorise(void *v, int *p, int *i, double *x, double *ratio, i
     if (status) return status;
     if (!plan) return LOPIN_OTHER;
     status = factorise_supernodes(h, x, &column);
-    if (status == LOPIN_OK) weakest_pivot(h->L, p, i, x, ratio, &column);
-    if (status == LOPIN_OK || status == LOPIN_NOT_POSITIVE) *where = ((int *)h->L->Perm)[column];
+    if (status == LOPIN_OK) weakest_pivot(plan, h->x, p, i, x, ratio, &column);
+    if (status == LOPIN_OK || status == LOPIN_NOT_POSITIVE) *where = plan->perm[column];
     return status;
 }
 
-/* system: 0 A x = b; 4 L x = b and 5 L' x = b, both in the order of the factor. */
+/* `system` as lopin_supernodal_solve takes it; b and x may be one. */
 int lopin_cholmod_solve(void *v, int system, int columns, double *b, double *x)
 {
     handle_type *h = v;
-    cholmod_dense d;
-    memset(&d, 0, sizeof d);
-    d.nrow = d.d = h->n;
-    d.ncol = (size_t)columns;
-    d.nzmax = h->n * (size_t)columns;
-    d.x = b;
-    d.xtype = CHOLMOD_REAL;
-    d.dtype = CHOLMOD_DOUBLE;
-    if (!h->L) return LOPIN_OTHER;
-    if (!cholmod_solve2(system, h->L, &d, NULL, &h->X, NULL, &h->Y, &h->E, &h->c))
-        return status_of(h) ? status_of(h) : LOPIN_OTHER;
-    memcpy(x, h->X->x, h->n * (size_t)columns * sizeof(double));
-    return status_of(h);
+    if (!h->plan || !h->x) return LOPIN_OTHER;
+    return lopin_supernodal_solve(h->plan, h->x, system, columns, b, x) ? LOPIN_NO_MEMORY
+                                                                        : LOPIN_OK;
 }
 
 /* Lower trailing block of the factor, t (last, last) by columns; zero above the diagonal. */
 int lopin_cholmod_trailing(void *v, int last, double *t)
 {
     handle_type *h = v;
-    cholmod_factor *L = h->L;
+    const supernodal_plan *plan = h->plan;
     int first = (int)h->n - last;
-    if (!L || !L->is_super) return LOPIN_OTHER;
-    const int *super = L->super, *pi = L->pi, *px = L->px, *rows = L->s;
-    const double *x = L->x;
+    if (!plan || !h->x) return LOPIN_OTHER;
     memset(t, 0, sizeof(double) * (size_t)last * (size_t)last);
-    for (size_t k = 0; k < L->nsuper; k++) {
-        size_t n = (size_t)(pi[k + 1] - pi[k]);
-        const int *row = rows + pi[k];
-        for (int j = super[k]; j < super[k + 1]; j++) {
-            const double *column = x + px[k] + (size_t)(j - super[k]) * n;
+    for (int k = 0; k < plan->nsuper; k++) {
+        size_t n = (size_t)(plan->pi[k + 1] - plan->pi[k]);
+        const int *row = plan->row + plan->pi[k];
+        for (int j = plan->super[k]; j < plan->super[k + 1]; j++) {
+            const double *column = h->x + plan->px[k] + (size_t)(j - plan->super[k]) * n;
             if (j < first) continue;
-            for (size_t i = (size_t)(j - super[k]); i < n; i++)
+            for (size_t i = (size_t)(j - plan->super[k]); i < n; i++)
                 t[(size_t)(row[i] - first) + (size_t)(j - first) * (size_t)last] = column[i];
         }
     }

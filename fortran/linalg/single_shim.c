@@ -54,7 +54,7 @@ int lopin_single_create(void **out, void *handle, const int *p, const int *i)
     *out = h;
     n = (size_t)plan->n;
     h->plan = plan;
-    h->x = malloc((size_t)plan->px[plan->nsuper] * sizeof(float));
+    h->x = malloc(plan->px[plan->nsuper] * sizeof(float));
     h->scale = malloc(n * sizeof(double));
     h->part = malloc(((size_t)plan->most_rows + 1) * sizeof(float));
     h->y = malloc(n * sizeof(float));
@@ -96,7 +96,7 @@ int lopin_single_factorise(void *v, const int *p, const int *i, const double *a,
     for (s = 0; s < plan->nsuper; s++) {
         size_t rows = (size_t)(plan->pi[s + 1] - plan->pi[s]);
         for (k = plan->super[s]; k < plan->super[s + 1]; k++) {
-            double l = h->x[(size_t)plan->px[s] + (size_t)(k - plan->super[s]) * (rows + 1)];
+            double l = h->x[plan->px[s] + (size_t)(k - plan->super[s]) * (rows + 1)];
             if (!(l * l < HUGE_VAL)) return LOPIN_NO_USE;    /* no number */
             if (l * l < *ratio) *ratio = l * l;
             h->inverse[k] = (float)(1.0 / l);

@@ -12,11 +12,13 @@
 #include <cholmod.h>
 #include "../base/team.h"
 
-enum supernodal_status { SUPERNODAL_OK = 0, SUPERNODAL_NO_MEMORY = 1, SUPERNODAL_NOT_POSITIVE = 2 };
+enum supernodal_status { SUPERNODAL_OK = 0, SUPERNODAL_NO_MEMORY = 1, SUPERNODAL_NOT_POSITIVE = 2,
+                         SUPERNODAL_TOO_LARGE = 3 };
 
 typedef struct {
     int n, nsuper;
-    const int *super, *pi, *px, *row, *perm;  /* of the analysis, which outlives this */
+    const int *super, *pi, *row, *perm;       /* of the analysis, which outlives this */
+    size_t *px;                               /* (nsuper + 1) where they begin in the factor */
     int *owner;                               /* (n) supernode of a column */
     int nsubtree, *first, *last;              /* ranges of supernodes, most work first */
     int ntop, *top;                           /* supernodes above them, ascending */
@@ -24,10 +26,14 @@ typedef struct {
     double flops;                             /* additions and multiplications of a factorisation */
     size_t *begin;                            /* (nsuper + 1) entries of the matrix by supernode */
     int *entry;                               /* their positions in the matrix */
-    int *target;                              /* and in the factor */
+    int *target;                              /* and in their supernode */
 } supernodal_plan;
 
-/* Lower triangle by columns, 0-based, sorted rows; `L` is analysed for this pattern. */
+/* Entries of a factor, those of supernodes that stay zero too. */
+size_t lopin_supernodal_entries(const cholmod_factor *L);
+
+/* Lower triangle by columns, 0-based, sorted rows; `L` is analysed for this pattern. A factor may
+ * have any number of entries, one of its supernodes fewer than 2**31. */
 int lopin_supernodal_plan(supernodal_plan **out, const cholmod_factor *L, const int *p,
                           const int *i);
 void lopin_supernodal_free(supernodal_plan **out);
@@ -36,6 +42,12 @@ void lopin_supernodal_free(supernodal_plan **out);
  * *failed: column without a positive pivot. */
 int lopin_factorise_double(const supernodal_plan *plan, const double *a, double *x, int zero,
                            int threads, int *failed);
+
+/* out <- what `system` says: CHOLMOD_A, of the equations; CHOLMOD_L or CHOLMOD_Lt, of the lower
+ * factor or its transpose, both sides in the order of the factor. b and out: (n, columns), they may
+ * be one. */
+int lopin_supernodal_solve(const supernodal_plan *plan, const double *x, int system, int columns,
+                           const double *b, double *out);
 
 /* Of D A D, where scale (n) holds D in the order of the factor; `sign` (n): of the pivots. Negative
  * ones are taken where `signed_too`. */

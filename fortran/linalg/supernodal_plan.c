@@ -1,4 +1,5 @@
 /* The plan of a supernodal factorisation: which supernodes form subtrees, where entries go. */
+#include <limits.h>
 #include <stdlib.h>
 #include <string.h>
 #include "supernodal.h"
@@ -12,7 +13,7 @@ void lopin_supernodal_free(supernodal_plan **out)
     supernodal_plan *h = *out;
     if (!h) return;
     free(h->owner); free(h->first); free(h->last); free(h->top); free(h->begin); free(h->entry);
-    free(h->target); free(h);
+    free(h->target); free(h->px); free(h);
     *out = NULL;
 }
 
@@ -112,11 +113,22 @@ static int place_entries(supernodal_plan *h, const int *p, const int *i)
             rows = h->pi[s + 1] - h->pi[s];
             column = (inverse[i[k]] < inverse[j] ? inverse[i[k]] : inverse[j]) - h->super[s];
             h->entry[next[s]] = k;
-            h->target[next[s]++] = h->px[s] + column * rows
-                + position_in(h->row + h->pi[s], rows, low);
+            h->target[next[s]++] = column * rows + position_in(h->row + h->pi[s], rows, low);
         }
     free(inverse); free(next);
     return SUPERNODAL_OK;
+}
+
+static size_t entries_of(const int *super, const int *pi, int s)
+{
+    return (size_t)(super[s + 1] - super[s]) * (size_t)(pi[s + 1] - pi[s]);
+}
+
+size_t lopin_supernodal_entries(const cholmod_factor *L)
+{
+    size_t sum = 0;
+    for (int s = 0; s < (int)L->nsuper; s++) sum += entries_of(L->super, L->pi, s);
+    return sum;
 }
 
 int lopin_supernodal_plan(supernodal_plan **out, const cholmod_factor *L, const int *p,
@@ -128,18 +140,24 @@ int lopin_supernodal_plan(supernodal_plan **out, const cholmod_factor *L, const 
     if (!h) return SUPERNODAL_NO_MEMORY;
     h->n = (int)L->n;
     h->nsuper = (int)L->nsuper;
-    h->super = L->super; h->pi = L->pi; h->px = L->px; h->row = L->s; h->perm = L->Perm;
+    h->super = L->super; h->pi = L->pi; h->row = L->s; h->perm = L->Perm;
     h->owner = malloc((size_t)h->n * sizeof(int) + 1);
+    h->px = malloc(((size_t)h->nsuper + 1) * sizeof(size_t));
     h->first = malloc((size_t)h->nsuper * sizeof(int) + 1);
     h->last = malloc((size_t)h->nsuper * sizeof(int) + 1);
     h->top = malloc((size_t)h->nsuper * sizeof(int) + 1);
     h->begin = calloc((size_t)h->nsuper + 1, sizeof(size_t));
     h->entry = malloc((size_t)p[h->n] * sizeof(int) + 1);
     h->target = malloc((size_t)p[h->n] * sizeof(int) + 1);
-    if (!h->owner || !h->first || !h->last || !h->top || !h->begin || !h->entry || !h->target)
+    if (!h->owner || !h->px || !h->first || !h->last || !h->top || !h->begin || !h->entry
+        || !h->target)
         return SUPERNODAL_NO_MEMORY;
+    h->px[0] = 0;
     for (s = 0; s < h->nsuper; s++) {
+        size_t entries = entries_of(h->super, h->pi, s);
         int rows = h->pi[s + 1] - h->pi[s];
+        if (entries > INT_MAX) return SUPERNODAL_TOO_LARGE;
+        h->px[s + 1] = h->px[s] + entries;
         if (rows > h->most_rows) h->most_rows = rows;
         for (k = h->super[s]; k < h->super[s + 1]; k++) h->owner[k] = s;
     }

@@ -67,19 +67,19 @@ static int most(int a, int b) { return a > b ? a : b; }
 static void fill(factor_type *f, int s)
 {
     const supernodal_plan *h = f->plan;
-    int rows = rows_of(h, s), start = h->px[s];
+    real *x = f->x + h->px[s];
+    int rows = rows_of(h, s);
     const int *row = h->row + h->pi[s];
     size_t k;
     if (!f->zero)
-        memset(f->x + start, 0, (size_t)rows * (size_t)columns_of(h, s) * sizeof(real));
+        memset(x, 0, (size_t)rows * (size_t)columns_of(h, s) * sizeof(real));
     for (k = h->begin[s]; k < h->begin[s + 1]; k++) {
         int place = h->target[k];
         double value = f->a[h->entry[k]];
         if (f->scale) {
-            int column = (place - start) / rows, at = (place - start) % rows;
-            value *= f->scale[row[at]] * f->scale[h->super[s] + column];
+            value *= f->scale[row[place % rows]] * f->scale[h->super[s] + place / rows];
         }
-        f->x[place] = (real)value;
+        x[place] = (real)value;
     }
 }
 

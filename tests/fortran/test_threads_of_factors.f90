@@ -1,5 +1,6 @@
 !> Factors by several threads: the same bits whatever their number, on both precisions.
 program test_threads_of_factors
+   use, intrinsic :: iso_c_binding, only : c_int, c_double, c_ptr
    use omp_lib, only : omp_set_num_threads, omp_get_max_threads
    use lopin_kinds, only : wp
    use lopin_error, only : error_type
@@ -16,12 +17,25 @@ program test_threads_of_factors
    type(csc_type) :: a
    integer :: before, i
 
+   interface
+      !> Defined in far_factor.c.
+      integer(c_int) function far_factor_solve(handle, p, i, a, threads, columns, x) bind(c)
+         import :: c_int, c_double, c_ptr
+         type(c_ptr), value :: handle
+         integer(c_int), intent(in) :: p(*), i(*)
+         real(c_double), intent(in) :: a(*)
+         integer(c_int), value :: threads, columns
+         real(c_double), intent(inout) :: x(*)
+      end function far_factor_solve
+   end interface
+
    before = omp_get_max_threads()
    a = block_of_springs(1.0e-2_wp)
    call try_double([integer ::])
    call try_double([(n - 700 + i, i=1, 700)])
    call try_single(a, .false.)
    call try_single(with_negative_springs(), .true.)
+   call try_far()
    call try_singular()
    call omp_set_num_threads(before)
    call finish()
@@ -51,6 +65,27 @@ contains
       end do
       call close_to('solves', off(a, x(:, 1), r), 0.0_wp, 1.0e-12_wp)
    end subroutine try_double
+
+   !> Places in the factor beyond what short integers count.
+   subroutine try_far()
+      type(solver_cholmod_type) :: solver
+      type(error_type), allocatable :: error
+      real(wp) :: x(n, 3), near(n, 3)
+      integer :: k, bad, status
+
+      call test('a factor of more than 2**32 entries')
+      call solver%analyse(a, matrix_class%positive_definite, [integer ::], error)
+      call solver%factorise(a, bad, error)
+      near = reshape([(cos(0.7_wp*i), i=1, 3*n)], [n, 3])
+      call solver%solve(near)
+      do k = 1, 2
+         x = reshape([(cos(0.7_wp*i), i=1, 3*n)], [n, 3])
+         status = far_factor_solve(solver%symbolic(), a%colptr, a%row, a%value, k, 3, x)
+         if (status < 0) return   ! the system does not promise so much memory
+         call is_true('solved', status == 0)
+         call is_true('the same bits', all(abs(x - near) <= 0.0_wp))
+      end do
+   end subroutine try_far
 
    subroutine try_single(matrix, negative)
       type(csc_type), intent(in) :: matrix
