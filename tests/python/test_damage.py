@@ -116,6 +116,7 @@ def test_units_do_not_matter_and_a_resumed_run_gives_the_same_bits(executable, t
         deck = lopin.Deck.parse(notched(4, [damage("OYANE", 0.7*scale)], scale), "notch")
         found.append(lopin.run(deck).history["damage.OYANE"])
     assert found[1] == pytest.approx(found[0], rel=1e-9)
+    assert len(found[0]) == 10   # of the length asked for: no increment was cut
     deck = lopin.Deck.parse(notched(4, [damage("OYANE", 0.7)]), "notch")
     with lopin.open(deck) as job:
         for frame in zip(range(4), job):

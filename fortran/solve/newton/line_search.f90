@@ -4,6 +4,11 @@
 !> that was right turns inside out: beyond that the forces of a solid are those of no solid, and
 !> Newton may find a balance among them. Where every share folds a corner, the merit alone decides;
 !> a converged state that is folded is refused (lopin_check_mesh).
+!>
+!> Where nothing touches, the work along the step decides instead. Forces of an increment of flow
+!> are the slopes of a potential (Ortiz and Stainier 1999), which the step descends until its work
+!> turns; residuals rise on the way down, and a step that lowers them may lead nowhere. Metal that
+!> is stiff beside its yield stress would wander, and end where the last bits of its forces lead.
 module lopin_line_search
    use lopin_kinds, only : wp
    use lopin_error, only : error_type, error_code, raise
@@ -29,6 +34,9 @@ module lopin_line_search
    !> start, or after so many tries.
    real(wp), parameter :: landed = 0.5_wp
    integer, parameter :: most_landings = 20
+   !> The work along a step is spent where it is this share of that at its start; a step is not cut
+   !> to less than a tenth at once.
+   real(wp), parameter :: spent = 0.5_wp, least_cut = 0.1_wp
 
    !> A step, what is asked of it, and what was taken of it.
    type :: search_type
@@ -37,6 +45,7 @@ module lopin_line_search
       real(wp), allocatable :: step(:)         !! (neq + nmultiplier)
       logical :: first = .false.               !! it applies the prescribed values
       logical :: falls = .false.               !! a body on soft springs falls along it
+      logical :: by_work = .false.             !! there is a potential, which it descends
       logical :: with_tangent = .true.         !! of the whole step; a shorter one always has it
       real(wp) :: merit = 0.0_wp               !! largest of the last few [force]
       real(wp) :: pull = 0.0_wp                !! residual along it where it starts [force*length]
@@ -67,6 +76,8 @@ contains
          search%pull = dot_product(step, evaluation%free)
          if (scene%newton%flows .and. .not. (search%first .or. search%falls)) search%share = &
             & longest_facet(scene)/max(largest(step), longest_facet(scene), tiny(1.0_wp))
+         search%by_work = scene%newton%flows .and. scene%newton%contact%n == 0 &
+            & .and. search%pull < 0.0_wp
          call backtrack(scene, model, search, v, evaluation, error)
          if (allocated(error)) return
          if (search%falls .and. .not. search%first) call find_landing(scene, model, search, v, &
@@ -78,7 +89,7 @@ contains
          & motionless*scene%bodies%length)
    end subroutine take_step
 
-   !> Half the step until it is acceptable; the best of those that fold nothing, if there is one.
+   !> Shorten the step until it is acceptable; the best of those that fold nothing, if there is one.
    subroutine backtrack(scene, model, search, v, evaluation, error)
       type(scene_type), intent(inout) :: scene
       type(model_type), intent(in) :: model
@@ -87,6 +98,7 @@ contains
       type(evaluation_type), intent(inout) :: evaluation
       type(error_type), allocatable, intent(out) :: error
       real(wp) :: best(2), best_share(2)       !! of shares that fold nothing, that fold a corner
+      real(wp) :: measure, shorter             !! of a share, smaller is better; the next share
       logical :: free, good
       integer :: try, kind
 
@@ -98,19 +110,18 @@ contains
             & error)
          if (allocated(error)) return
          if (free) exit
+         shorter = 0.5_wp*search%share
          if (evaluation%inverted == 0) then
-            good = evaluation%merit <= (1.0_wp - sufficient*search%share)*search%merit
-            if (.not. good) good = contracts(scene, evaluation, search%step, search%share)
+            call judge(scene, search, evaluation, measure, good, shorter)
             kind = 1
-            if (good .or. evaluation%merit < best(1)) kind = merge(2, 1, folds_another(scene, &
-               & model, search))
+            if (good .or. measure < best(1)) kind = merge(2, 1, folds_another(scene, model, search))
             if (good .and. kind == 1) exit
-            if (evaluation%merit < best(kind)) then
-               best(kind) = merge(0.0_wp, evaluation%merit, good)
+            if (measure < best(kind)) then
+               best(kind) = merge(0.0_wp, measure, good)
                best_share(kind) = search%share
             end if
          end if
-         search%share = 0.5_wp*search%share
+         search%share = shorter
       end do
       ! A body that falls too far is brought back to where it first touches.
       if (search%falls .and. .not. search%first) return
@@ -122,6 +133,28 @@ contains
       if (try > most_halvings) search%share = best_share(kind)
       if (try > 0) call try_share(scene, model, search, v, .true., evaluation, error)
    end subroutine backtrack
+
+   !> Whether a share of the step is acceptable: by its merit and contraction, or by its work.
+   subroutine judge(scene, search, evaluation, measure, good, shorter)
+      type(scene_type), intent(inout) :: scene
+      type(search_type), intent(in) :: search
+      type(evaluation_type), intent(in) :: evaluation
+      real(wp), intent(out) :: measure         !! smaller is better
+      logical, intent(out) :: good
+      real(wp), intent(inout) :: shorter       !! the next share, if it is not
+
+      if (search%by_work) then
+         measure = dot_product(search%step(:size(search%from)), evaluation%free)
+         good = measure <= spent*abs(search%pull)
+         ! Where a straight line has it vanish.
+         if (.not. good) shorter = search%share*max(least_cut, search%pull/(search%pull - measure))
+         measure = abs(measure)
+      else
+         measure = evaluation%merit
+         good = evaluation%merit <= (1.0_wp - sufficient*search%share)*search%merit
+         if (.not. good) good = contracts(scene, evaluation, search%step, search%share)
+      end if
+   end subroutine judge
 
    !> A body on soft springs goes until it has landed: they do not know how far that is, and what
    !> it meets would be crushed by as much as they bring it too far.
