@@ -106,6 +106,23 @@ def test_a_turned_scene_has_the_same_answer(tmp_path, case, nlgeom):
 
 
 @pytest.mark.parametrize("nlgeom", [False, True])
+def test_gaps_that_are_rounding_leave_a_pressed_block_symmetric(tmp_path, nlgeom):
+    """A block that rests on a plane is pressed on it, in axes by which its gaps are rounding: it spreads
+    to all sides alike. A node that rounding holds apart has not moved before it touched."""
+    chance = np.random.default_rng(1)
+    for k in range(6):
+        q = np.linalg.qr(chance.normal(size=(3, 3)))[0]
+        q *= np.linalg.det(q)
+        folder = tmp_path/str(k)
+        folder.mkdir()
+        done, _, rows = run(folder, scene(q, "plane", nlgeom, [PRESSED]))
+        assert done.returncode == 0, done.stderr
+        for row in rows:
+            force = q.T@[row[f"P.rf{k}"] for k in (1, 2, 3)]
+            assert force[2] > 20.0 and abs(force[:2]).max() < 1e-9*force[2]
+
+
+@pytest.mark.parametrize("nlgeom", [False, True])
 def test_a_rotation_node_has_the_axes_of_rotations(tmp_path, nlgeom):
     steps = [["*BOUNDARY", "TREF, 1, 3", "TROT, 1, 1, 0.01", "TROT, 3, 3, -0.02"]]
     one = answer(tmp_path/"one", scene(np.eye(3), None, nlgeom, steps, True), np.eye(3))

@@ -2,7 +2,8 @@
 !>
 !> A point whose gap g0 closes at a rate a in the increment touches after the share phi = g0/a of
 !> it. Rate and motion are those that the increment leads to with the contacts of its start; of the
-!> motion along the master, phi parts come before the touch.
+!> motion along the master, phi parts come before the touch. A gap that is rounding is none:
+!> beside the rounding of its motion it would give any share.
 module lopin_friction_touch
    use lopin_kinds, only : wp
    use lopin_condensed, only : condensed_type
@@ -11,7 +12,10 @@ module lopin_friction_touch
    use lopin_friction_tangents, only : step_to
    implicit none
    private
-   public :: slip_from_touch
+   public :: slip_from_touch, touching
+
+   !> A gap below this share of the facet touches.
+   real(wp), parameter :: touching = 1.0e-10_wp
 
 contains
 

@@ -33,6 +33,13 @@ module lopin_contact_traction
    !> Shears this near to the limit, beside it, are at it.
    real(wp), parameter :: at_limit = 1.0e-6_wp
 
+   !> What a law leaves of a trial shear.
+   type :: return_type
+      real(wp) :: shear = 0.0_wp               !! magnitude [stress]
+      real(wp) :: slope_q = 1.0_wp, slope_p = 0.0_wp   !! of it in the trial, in the pressure [-]
+      logical :: slips = .false.
+   end type return_type
+
 contains
 
    !> The traction on the slave and the residual of the multiplier's rows: z, residual, status and
@@ -42,8 +49,9 @@ contains
       type(point_law_type), intent(in) :: law
       type(dual_type), intent(in), optional :: growth   !! at%growth with its slopes; else it stands
       type(dual_type) :: held(row%ndim), p, t(row%ndim), s(row%ndim), normal_part, magnitude, f
-      real(wp) :: slope, slope_p, ct
-      logical :: closed, solves, slips
+      type(return_type) :: back
+      real(wp) :: ct
+      logical :: closed, solves
       integer :: d
 
       d = row%ndim
@@ -74,18 +82,18 @@ contains
                if (solves) call give_way(e, friction, law%at, p, held, n, t, growth)
                magnitude = constant(0.0_wp)
                if (norm2(t%v) > 0.0_wp) magnitude = dual_norm(t)
-               call return_to_disc(friction, magnitude%v, ct, p%v, law%at, f%v, slope, slope_p)
-               slips = f%v < magnitude%v
-               if (e%clings .and. magnitude%v <= (1.0_wp + at_limit)*f%v) then
-                  slips = .false.
-                  f%v = magnitude%v
-               end if
-               row%status = merge(contact_status%slip, contact_status%stick, slips)
-               if (f%v < magnitude%v) then
-                  f%d = slope*magnitude%d + slope_p*p%d
-                  if (present(growth)) f%d = f%d + growth_slope(f%v*(1.0_wp - slope) &
-                     & - slope_p*p%v, growth)
-                  call set_shear(shear, t%v, max(slope, 0.0_wp)*ct, f%v/magnitude%v*ct)
+               call return_to_disc(friction, magnitude%v, ct, p%v, law%at, back%shear, &
+                  & back%slope_q, back%slope_p)
+               back%slips = back%shear < magnitude%v
+               if (e%grazing > 0.0_wp) call start_shear(back, e, friction, law%at, magnitude%v, &
+                  & ct, p%v)
+               row%status = merge(contact_status%slip, contact_status%stick, back%slips)
+               if (back%slips) then
+                  f%v = back%shear
+                  f%d = back%slope_q*magnitude%d + back%slope_p*p%d
+                  if (present(growth)) f%d = f%d + growth_slope(f%v*(1.0_wp - back%slope_q) &
+                     & - back%slope_p*p%v, growth)
+                  call set_shear(shear, t%v, max(back%slope_q, 0.0_wp)*ct, f%v/magnitude%v*ct)
                   t = (f/magnitude)*t
                else
                   call set_shear(shear, t%v, ct, ct)
@@ -96,6 +104,28 @@ contains
          if (solves) row%residual(:d) = (row%multiplier(:d) - row%z(:d))/e%c
       end associate
    end subroutine traction_of
+
+   !> Where Newton starts. Points that slid into the state from which it starts are at the limit
+   !> there, and rounding would choose: they slide on, or stick where only friction holds a body. A
+   !> shear that is rounding itself sticks.
+   pure subroutine start_shear(back, e, law, at, q, ct, p)
+      type(return_type), intent(inout) :: back
+      type(enforcement_parameters_type), intent(in) :: e
+      type(friction_type), intent(in) :: law
+      type(condition_type), intent(in) :: at
+      real(wp), intent(in) :: q                !! magnitude of the trial [stress]
+      real(wp), intent(in) :: ct, p            !! [stress/length], [stress]
+      real(wp) :: beyond
+
+      if (q <= e%grazing .or. e%clings .and. q <= (1.0_wp + at_limit)*back%shear) then
+         back%slips = .false.
+         back%shear = q
+      else if (.not. (back%slips .or. e%clings)) then
+         beyond = (1.0_wp + at_limit)*q
+         call return_to_disc(law, beyond, ct, p, at, back%shear, back%slope_q, back%slope_p)
+         back%slips = back%shear < beyond
+      end if
+   end subroutine start_shear
 
    !> The normal trial traction: of springs, or of a multiplier with what conditions its row.
    pure function trial_pressure(enforcement, g, n, normal_part) result(phat)

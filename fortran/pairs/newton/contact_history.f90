@@ -4,6 +4,7 @@ module lopin_contact_history
    use lopin_kinds, only : wp
    use lopin_error, only : error_type
    use lopin_model, only : model_type
+   use lopin_friction_touch, only : touching
    use lopin_enforcement_parameters, only : remember_elastic
    use lopin_nonlinear_points, only : nonlinear_points_type
    use lopin_nonlinear_samples, only : offset_of
@@ -21,9 +22,6 @@ module lopin_contact_history
    implicit none
    private
    public :: start_increment, augment, leave_history
-
-   !> A gap below this share of the facet touches.
-   real(wp), parameter :: touching = 1.0e-10_wp
 
 contains
 

@@ -3,10 +3,12 @@
 !> A point whose gap g0 closes at a rate a in the increment touches after the share phi = g0/a of
 !> it. Rate and motion are those that the increment leads to before further contacts close, which
 !> the first step of Newton gives, or the guess that it starts from; so bodies and tools may move as
-!> they like. Of that motion, phi parts come before the touch.
+!> they like. Of that motion, phi parts come before the touch. A gap that is rounding is none:
+!> beside the rounding of its motion it would give any share.
 module lopin_touch_onset
    use lopin_kinds, only : wp
    use lopin_friction, only : has_friction
+   use lopin_friction_touch, only : touching
    use lopin_nonlinear_samples, only : row_value
    use lopin_gap_path, only : meet
    use lopin_nonlinear_faces, only : start_gap_of
@@ -62,7 +64,7 @@ contains
          approach = (open - (t%gap + shift))/self%noted
          phi = 0.0_wp
          left = open
-         if (open > 0.0_wp) call meet(self%path, i, open, approach, phi, left)
+         if (open > touching*self%size(i)) call meet(self%path, i, open, approach, phi, left)
          self%touch(i) = phi
          ! What the kernels call slip is counted from the foot: it holds the arm to it.
          arm = self%start_gap(i)*self%start_normal(:, i)

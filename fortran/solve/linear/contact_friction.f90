@@ -11,6 +11,7 @@ module lopin_contact_friction
    use lopin_surface_material, only : slave_yields
    use lopin_friction_rows, only : friction_points_type
    use lopin_friction_set, only : solve_friction, friction_result_type, friction_controls_type
+   use lopin_friction_touch, only : touching
    use lopin_friction_history, only : remember
    use lopin_friction_report, only : report_elastic_slip, warn_of_wedging, warn_of_tension, explain
    use lopin_scene, only : scene_type
@@ -141,6 +142,7 @@ contains
             points%weight(k) = scene%points%weight(i)
             call elastic_stick(scene, model, pair, row, points, k)
             points%open(k) = scene%rows%gap0(row) + displaced(scene, row)
+            if (points%open(k) <= touching*scene%points%size(i)) points%open(k) = 0.0_wp
             points%at(k)%dt = scene%newton%dt
             points%at(k)%held = scene%rows%bilateral(row)
             points%at(k)%mises = scene%friction%mises(i)
