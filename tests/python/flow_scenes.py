@@ -65,18 +65,20 @@ def norton(k=100.0, m=0.2, rigid=True, young=1e11):
     return elastic + NORTON.format(rigid=", RIGID" if rigid else "", k=k, m=m)
 
 
-def orders(result):
-    """Orders of convergence of the increments: of their last three residuals above the floor of
-    rounding."""
+def orders(result, corrections=False):
+    """Orders of convergence of the increments: of their last three residuals above ten times what
+    rounding leaves, or corrections (that by the tangent of the step before differs from Newton's by
+    a share of the square of the last)."""
     found, run = [], []
+    column, widths, floor = (3, (9, 10), 1e-11) if corrections else (1, (9,), 1e-12)
     lines = next(result.source.folder.glob("*.cvg")).read_text(encoding="utf-8").splitlines()
     for line in [*lines, "step"]:
         fields = line.split()
         if fields and fields[0] == "step":
-            kept = [residual for residual in run if residual > 1e-13]
+            kept = [size for size in run if size > floor]
             if len(kept) >= 3 and kept[-1] < kept[-2] < kept[-3] < 0.1:
                 found.append(math.log(kept[-1]/kept[-2])/math.log(kept[-2]/kept[-3]))
             run = []
-        elif len(fields) == 9 and fields[0].isdigit():
-            run.append(float(fields[1]))
+        elif len(fields) in widths and fields[0].isdigit():
+            run.append(float(fields[column]))
     return found

@@ -102,12 +102,16 @@ def test_newton_converges_in_second_order(solve, sheet, material):
     """A rough plate: the order of the last three residuals, the middle of all increments.
 
     Without an elastic deviator the volume is kept to the square of the increment only at the first
-    step: it is shorter.
+    step: it is shorter, and a later one starts so near to its end that its third residual is
+    rounding. So first increments of several lengths are looked at, and corrections, in which the
+    volume weighs no more than the flow.
     """
-    time = 0.2 if "rigid" in material else 1.5
-    deck = upset(MATERIALS[material], nx=6, nz=4, speed=0.5, time=time, increments=6, nlgeom=True,
-                 friction="*FRICTION, ROUGH")
-    found = orders(solve(deck))
+    way = {"nx": 6, "nz": 4, "speed": 0.5, "nlgeom": True, "friction": "*FRICTION, ROUGH"}
+    if "rigid" in material:
+        found = [order for time in np.geomspace(0.02, 0.05, 5) for order in orders(
+            solve(upset(MATERIALS[material], time=float(time), **way)), corrections=True)]
+    else:
+        found = orders(solve(upset(MATERIALS[material], time=1.5, increments=6, **way)))
     assert len(found) >= 3
     sheet.compare("Quadratic convergence", f"{material}: order of Newton", float(np.median(found)),
                   1.8, 0.0, source="at least 1.8", at_least=True)
