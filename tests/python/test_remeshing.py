@@ -20,8 +20,8 @@ except (ImportError, OSError):
 
 from lopin.remesh.body import DeckParts, read_body
 from lopin.remesh.driver import Runner
-from lopin.remesh.outline import loops_of, resample, volume_of
-from lopin.remesh.plane import corner_quality
+from lopin.remesh.outline import Outline, loops_of, resample, volume_of
+from lopin.remesh.plane import corner_quality, fill
 from lopin.remesh.sizes import Sizes
 from lopin.remesh.transfer import (
     Locator,
@@ -364,6 +364,24 @@ def test_outlines_keep_arcs_within_the_distance_asked_for():
         length = np.diff(places)
         assert (length**2/8.0 < 1.6*hausdorff).all() and len(places) > 5
         assert (length[1:]/length[:-1] < 1.5).all()
+
+
+@pytest.mark.parametrize("quads", [False, True])
+def test_what_rounding_leaves_of_places_lays_the_same_cells(quads):
+    """A square of equal edges, in other units and with noise: gmsh compares what is equal."""
+    line = np.arange(6.0)
+    side = np.stack([line, 0.0*line], axis=1)[:-1]
+    x = np.vstack([side, side[:, ::-1] + [5.0, 0.0], [5.0, 5.0] - side, [0.0, 5.0] - side[:, ::-1]])
+    chance, found = np.random.default_rng(2), []
+    for scale in (1.0, 1e-3, 0.0254):
+        n, at = len(x), scale*(x + 1e-11*chance.normal(size=x.shape))
+        ends = np.stack([np.arange(n), np.roll(np.arange(n), -1)], axis=1)
+        outline = Outline(at, ends, np.zeros(n), [frozenset()]*n, [np.arange(n)], np.arange(n))
+        sizes = Sizes(scale, 0.3*scale, 1.3, np.empty((0, 2)), np.empty(0)).with_edges(at, ends)
+        nodes, cells = fill(outline, sizes, quads)
+        found.append((nodes/scale, [c.tolist() for c in cells]))
+    for nodes, cells in found[1:]:
+        assert cells == found[0][1] and nodes == pytest.approx(found[0][0], abs=1e-9)
 
 
 def test_volumes_of_revolution():

@@ -2,14 +2,16 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from math import ceil
 
 import numpy as np
 from numpy.typing import NDArray
 
 from .body import refused
+from .sizes import on_grid
 
 #: An old node where the outline turns by more stays a node [rad].
-CORNER = np.deg2rad(20.0)
+CORNER = np.deg2rad(20.0)*(1.0 + 1e-9)
 
 
 @dataclass
@@ -118,7 +120,7 @@ def resample(points: NDArray, size, hausdorff: float, more: int = 0) -> NDArray:
 def _spread(fine: NDArray, wanted: NDArray, more: int) -> NDArray:
     """Places whose distances follow the sizes wanted at fine steps."""
     count = np.r_[0.0, np.cumsum(np.diff(fine)*0.5*(1.0/wanted[1:] + 1.0/wanted[:-1]))]
-    n = max(1, round(count[-1])) + more
+    n = max(1, ceil(count[-1] - 0.5 - 1e-6)) + more   # of a half the less, whatever rounding says
     places = np.interp(np.linspace(0.0, count[-1], n + 1), count, fine)
     places[0], places[-1] = 0.0, fine[-1]
     return places
@@ -175,7 +177,8 @@ def new_outline(x: NDArray, facets: NDArray, tags: list[frozenset], required: se
 
 def _split_longest(line: NDArray) -> NDArray:
     """One place more, in the middle of the longest piece."""
-    k = int(np.argmax(np.diff(line)))
+    piece = np.diff(line)
+    k = int(np.argmax(on_grid(piece/piece.max())))
     return np.insert(line, k + 1, 0.5*(line[k] + line[k + 1]))
 
 

@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 from ..errors import LopinError, ResourceError, optional
 from .body import refused
 from .outline import Outline
+from .sizes import Sizes, on_grid
 
 #: gmsh's numbers: frontal Delaunay for both; blossom joins triangles to quads.
 _FRONTAL, _BLOSSOM, _QUAD, _TRIANGLE = 6, 1, 3, 2
@@ -14,11 +15,13 @@ _FRONTAL, _BLOSSOM, _QUAD, _TRIANGLE = 6, 1, 3, 2
 GOOD = 0.5
 
 
-def fill(outline: Outline, size, quads: bool) -> tuple[NDArray, list[NDArray]]:
+def fill(outline: Outline, size: Sizes, quads: bool) -> tuple[NDArray, list[NDArray]]:
     """Nodes, those of the outline first, and cells counter-clockwise: quads, triangles.
 
-    `size`: lengths asked for at places (n, 2).
+    gmsh reads places and sizes in smallest cells, without their last bits.
     """
+    cell = size.least
+    at = on_grid(outline.x/cell)
     gmsh = load_gmsh()
     started = not gmsh.isInitialized()
     if started:
@@ -30,9 +33,9 @@ def fill(outline: Outline, size, quads: bool) -> tuple[NDArray, list[NDArray]]:
         gmsh.option.setNumber("Mesh.RecombinationAlgorithm", _BLOSSOM)
         gmsh.option.setNumber("Mesh.MeshSizeExtendFromBoundary", 0)
         gmsh.model.add("body")
-        _draw(gmsh, outline, quads)
+        _draw(gmsh, outline, at, quads)
         gmsh.model.mesh.setSizeCallback(
-            lambda dim, tag, x, y, z, lc: float(size(np.array([[x, y]]))[0]))
+            lambda dim, tag, x, y, z, lc: float(on_grid(size(cell*np.array([[x, y]]))[0]/cell)))
         gmsh.model.mesh.generate(2)
         x, cells = _read(gmsh, len(outline.x))
         gmsh.model.mesh.removeSizeCallback()
@@ -47,8 +50,10 @@ def fill(outline: Outline, size, quads: bool) -> tuple[NDArray, list[NDArray]]:
             gmsh.finalize()
     if not cells:
         raise refused("gmsh made no mesh inside the outline of the body")
-    x[:len(outline.x)] = outline.x
-    return improved(x, cells, len(outline.x)), cells
+    x[:len(at)] = at
+    x = cell*improved(x, cells, len(at))
+    x[:len(at)] = outline.x
+    return x, cells
 
 
 def load_gmsh():
@@ -61,10 +66,10 @@ def load_gmsh():
                             "libxinerama1") from problem
 
 
-def _draw(gmsh, outline: Outline, quads: bool) -> None:
-    """The outline as lines of one edge each."""
+def _draw(gmsh, outline: Outline, at: NDArray, quads: bool) -> None:
+    """The outline, its nodes at places (n, 2), as lines of one edge each."""
     geo = gmsh.model.geo
-    points = [geo.addPoint(*p, 0.0) for p in outline.x.tolist()]
+    points = [geo.addPoint(*p, 0.0) for p in at.tolist()]
     curves = []
     for loop in outline.loops:
         lines = [geo.addLine(points[a], points[b]) for a, b in zip(loop, np.roll(loop, -1))]

@@ -8,6 +8,8 @@ from numpy.typing import NDArray
 
 #: New nodes where the old ones pressed lie on the tool if they are this near, by the size.
 NEAR = 0.05
+#: Farther from the tool than this, by the size, they are not on it: what just touches is.
+TOUCHES = 1e-6
 
 
 @dataclass
@@ -44,7 +46,7 @@ def seat(x: NDArray, pressed: NDArray, size: NDArray, on_tool: list[tuple[NDArra
         d = x.shape[1]
         gap, beyond, foot = feet[:, 0], feet[:, 1] > 0.0, feet[:, 2:2 + d]
         wanted = ((pressed[nodes] & (np.abs(gap) < NEAR*size[nodes])) |
-                  ((gap < 0.0) & (gap > -size[nodes]))) & ~beyond
+                  ((gap < TOUCHES*size[nodes]) & (gap > -size[nodes]))) & ~beyond
         for node, place in zip(nodes[wanted], foot[wanted]):
             step = place - x[node]
             for normal in planes[node]:

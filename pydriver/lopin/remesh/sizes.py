@@ -15,6 +15,14 @@ CELLS_OF_ARC, CELLS_ACROSS = 8, 2
 NEAR_FRACTURE, COARSER = 0.5, 1.6
 #: Change of plastic strain across one cell.
 STRAIN_STEP = 0.2
+#: What a mesher reads is rounded to this share of a smallest cell: it decides by comparing, often
+#: what is equal, and what rounding leaves of places would lay the cells in another way.
+GRID = 2.0**-12
+
+
+def on_grid(value: NDArray | float) -> NDArray:
+    """Numbers, in smallest cells, without what rounding leaves of them."""
+    return np.round(np.asarray(value)/GRID)*GRID
 
 
 @dataclass
@@ -73,7 +81,7 @@ class Sizes:
 
 def _needed(x: NDArray, h: NDArray, slope: float) -> tuple[NDArray, NDArray]:
     """Without the places whose neighbours ask for as little: from the smallest on."""
-    order = np.argsort(h, kind="stable")
+    order = np.argsort(on_grid(h/h.min(initial=np.inf)), kind="stable")   # equal ones as they come
     x, h = x[order], h[order]
     keep = np.ones(len(h), bool)
     for k in range(len(h)):
@@ -103,7 +111,8 @@ def of_thickness(x: NDArray, ends: NDArray, normals: NDArray) -> tuple[NDArray, 
         with np.errstate(divide="ignore", invalid="ignore"):
             t = (arm[:, 0]*edge[:, 1] - arm[:, 1]*edge[:, 0])/turned
             s = (arm[:, 0]*n[1] - arm[:, 1]*n[0])/turned
-        meets = (t > 1e-9*np.linalg.norm(edge[k])) & (s >= 0.0) & (s <= 1.0)
+        # Through a node it meets both edges there.
+        meets = (t > 1e-9*np.linalg.norm(edge[k])) & (s >= -1e-9) & (s <= 1.0 + 1e-9)
         meets[k] = False
         if meets.any():
             across[k] = t[meets].min()

@@ -6,6 +6,7 @@ from numpy.typing import NDArray
 
 from ..errors import optional
 from .body import refused
+from .sizes import on_grid
 
 #: Edges of the skin where it turns by more stay edges [degrees].
 RIDGE = 40.0
@@ -15,6 +16,8 @@ def remesh_tetrahedra(x: NDArray, cells: NDArray, facets: NDArray, reference: ND
                       size: NDArray, limits: tuple[float, float, float], growth: float
                       ) -> tuple[NDArray, NDArray, NDArray, NDArray]:
     """Nodes, tetrahedra, triangles of the skin, and their references, of a new mesh.
+
+    MMG reads places and sizes in smallest cells, without their last bits (`on_grid`).
 
     Parameters
     ----------
@@ -27,14 +30,16 @@ def remesh_tetrahedra(x: NDArray, cells: NDArray, facets: NDArray, reference: ND
     mmg = optional("mmgpy", "new meshes")
     mesh = mmg.MmgMesh3D()
     mesh.set_mesh_size(vertices=len(x), tetrahedra=len(cells), triangles=len(facets))
-    mesh.set_vertices(np.ascontiguousarray(x, float))
+    least, most, hausdorff = limits
+    given = on_grid(x/least)
+    mesh.set_vertices(np.ascontiguousarray(given))
     mesh.set_tetrahedra(np.ascontiguousarray(cells, np.int32))
     mesh.set_triangles(np.ascontiguousarray(facets, np.int32),
                        np.ascontiguousarray(reference, np.int64))
-    mesh.set_field("metric", np.ascontiguousarray(size, float).reshape(-1, 1))
-    least, most, hausdorff = limits
+    mesh.set_field("metric", np.ascontiguousarray(on_grid(size/least)).reshape(-1, 1))
     try:
-        mesh.remesh(hausd=hausdorff, hmin=least, hmax=most, hgrad=growth, ar=RIDGE, verbose=-1)
+        mesh.remesh(hausd=float(on_grid(hausdorff/least)), hmin=1.0,
+                    hmax=float(on_grid(most/least)), hgrad=growth, ar=RIDGE, verbose=-1)
     except Exception as problem:   # of whatever kind mmgpy has
         raise refused(f"MMG cannot mesh the body: {problem}",
                       "see that its tetrahedra share whole faces, and that its skin does not meet "
@@ -42,7 +47,11 @@ def remesh_tetrahedra(x: NDArray, cells: NDArray, facets: NDArray, reference: ND
     new, found = np.array(mesh.get_vertices()), np.array(mesh.get_tetrahedra())
     skin, of = mesh.get_triangles_with_refs()
     first = int(found.min())
-    return new, upright(new, found - first), np.array(skin) - first, np.array(of)
+    # What was taken from places of the skin it gets back.
+    on_skin = np.unique(np.array(skin) - first)
+    near, share = closest_on_facets(new[on_skin], given, facets)
+    new[on_skin] += np.einsum("nk,nkd->nd", share, (x/least - given)[facets[near]])
+    return least*new, upright(new, found - first), np.array(skin) - first, np.array(of)
 
 
 def upright(x: NDArray, cells: NDArray) -> NDArray:
@@ -87,13 +96,14 @@ def closest_on_facets(places: NDArray, x: NDArray, facets: NDArray, among: int =
     tree = optional("scipy.spatial", "new meshes").cKDTree
     _, near = tree(x[facets].mean(axis=1)).query(places, min(among, len(facets)))
     near = near.reshape(len(places), -1)
+    near_enough = 1e-12*np.ptp(x, axis=0).max()
     best = np.full(len(places), np.inf)
     facet = np.zeros(len(places), int)
     share = np.zeros((len(places), 3))
     for column in near.T:
         own = closest_share(places, x[facets[column]])
         far = np.linalg.norm(np.einsum("nk,nkd->nd", own, x[facets[column]]) - places, axis=1)
-        closer = far < best - 1e-12
+        closer = far < best - near_enough
         best[closer], facet[closer], share[closer] = far[closer], column[closer], own[closer]
     return facet, share
 

@@ -21,6 +21,8 @@ from ..points import Points
 TRIANGLE, QUARTER, TETRA = 6, 4, 3
 #: Elements whose slopes are found at once.
 RUN = 2048
+#: Barycentric coordinates of places on an edge.
+ON_EDGE = 1e-9
 #: Columns of a table of fields: strain (6), ln J, ln V/V0, plastic strain, flow stress, work,
 #: damage (4).
 STRAIN, DILATATION, RATIO, PLASTIC, FLOW, WORK, DAMAGE = slice(0, 6), 6, 7, 8, 9, 10, slice(11, 15)
@@ -177,8 +179,10 @@ class Locator:
             _, near = self.tree.query(places[left], count)
             near = near.reshape(len(left), -1)
             inside = self._inside(places[left], near)
-            k = inside.argmax(axis=1)
-            most_inside = inside[np.arange(len(left)), k]
+            most_inside = inside.max(axis=1)
+            # Of those that share an edge with the place on it the first, whatever rounding says.
+            alike = inside >= most_inside[:, None] - ON_EDGE
+            k = np.where(alike, near, len(self.centre)).argmin(axis=1)
             better = most_inside > best[left]
             found[left[better]] = near[better, k[better]]
             best[left] = np.maximum(best[left], most_inside)
