@@ -42,5 +42,13 @@ contains
          & 'with facets of two to four thicknesses sprang back by 0.4 to 0.85 of what they do '// &
          & 'on a mesh four times finer, their mean forces right to a percent.', &
          & 'facets of half the thickness on the radii; compare with half as long ones.')
+      call add_explanation(list, 'W0523', 'equilibrium says little of a shape', &
+         & 'Metal without hardening bears nearly one moment, or one force, however far it '// &
+         & 'flows: a strip that is bent by a moment alone takes its curvature wherever the '// &
+         & 'smallest force of contact wants it. At the end of the step there is a motion that '// &
+         & 'is a thousand times softer, and more, than any of the elastic body, and a '// &
+         & 'hundredth of the forces in the metal moves it by a fiftieth of the body. Forces '// &
+         & 'are right; shapes, and springback along that motion, differ by method and mesh.', &
+         & 'the hardening that the metal has; tools that hold the shape on both sides.')
    end subroutine springback_explanations
 end module lopin_explain_springback

@@ -20,6 +20,7 @@ module lopin_after_step
    use lopin_small_displacements, only : excursion_type, measure_small_displacements, &
       & check_small_displacements, rotation_limit
    use lopin_contact_rows, only : joins_pair
+   use lopin_neutral_motion, only : neutral_type, find_neutral_motion, tell_neutral_motion
    implicit none
    private
    public :: step_record_type, record_increment, check_step
@@ -43,6 +44,7 @@ module lopin_after_step
       real(wp) :: ramp = 0.0_wp              !! largest where bounds of friction are eased [-]
       type(coarse_rates_type) :: rates       !! of metal in long increments
       type(hanging_type) :: hanging          !! past edges
+      type(neutral_type) :: neutral          !! motion that flow leaves open
    contains
       procedure :: keep => keep_seen
    end type step_record_type
@@ -62,6 +64,7 @@ contains
       call stream%pass(self%ramp)
       call self%rates%keep(stream)
       call self%hanging%keep(stream)
+      call self%neutral%keep(stream)
    end subroutine keep_seen
 
    !> Look at an accepted increment.
@@ -77,6 +80,7 @@ contains
       call record_pairs(self, scene, model)
       call check_passed_tools(scene, model)
       call measure_small_displacements(self%strayed, scene, model)
+      call find_neutral_motion(self%neutral, scene, model)
       if (scene%newton%nlgeom) then
          call measure_stretch(self%stretched, scene, model)
          call measure_coarse_rates(self%rates, scene, increment)
@@ -177,6 +181,7 @@ contains
       seen%ramp = 0.0_wp
       call tell_coarse_rates(seen%rates, scene, model)
       call tell_hanging(seen%hanging, scene, model)
+      call tell_neutral_motion(seen%neutral, scene, model)
    end subroutine check_step
 
    !> Points that slip under so little pressure that their law has not its bound there.

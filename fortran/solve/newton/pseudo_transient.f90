@@ -25,7 +25,7 @@ module lopin_pseudo_transient
    use lopin_scene, only : scene_type
    implicit none
    private
-   public :: pseudo_transient
+   public :: pseudo_transient, set_metric
 
    !> Linear systems that a whole motion may take; steps of Newton of one implicit step, and how far
    !> they bring its residual down.
