@@ -9,24 +9,28 @@ LEAST_ORDER, MOST_ORDER = 0.5, {False: 2.0, True: 3.0}
 ROUNDING = 1e-10
 #: An order so far above the most is that of no fall.
 CHANCE = 0.3
+#: On what three meshes say: the order still changes (Roache 1994).
+SAFETY = 1.25
 #: A dual problem is believed where it foretold the change from mesh to mesh by these factors.
 FORETOLD = 0.5, 2.0
 
 
-def error_of_mesh(levels, quadratic: bool, in_space: bool = False) -> tuple[float, float, bool]:
+def error_of_mesh(levels, quadratic: bool, in_space: bool = False,
+                  rough: bool = False) -> tuple[float, float, bool]:
     """Of the last of some levels: absolute error, measured order (nan: none), by the dual problem.
 
     Two meshes, every cell halved: their difference, which holds if the error falls at least as the
-    size of cells. Three: with the order of its fall; one that the elements cannot have is a chance
-    of coarse meshes, and the size of cells is believed. What the dual problem says is taken where
+    size of cells. Three: with the order of its fall and the safety of Roache's index; an order that
+    the elements cannot have is a chance of coarse meshes, and the size of cells is believed. What the dual problem says is taken where
     it foretold the last change by half and twice; what it did not foretell of that is added, or
     what it is not sure of. Elsewhere the larger of both, in the plane: a difference of two meshes
     may vanish by chance (in space the dual problem says many times too much). Nothing is known
-    (inf) of a mesh that was refined in part where the dual problem fails.
+    (inf) of a mesh that was refined in part where the dual problem fails. `rough`: of the order no
+    more is believed than the least, as of a pressure that grows beside a support.
     """
     if len(levels) < 2:
         return math.inf, math.nan, False
-    error, order = _by_differences(halved(levels), quadratic)
+    error, order = _by_differences(halved(levels), quadratic, rough)
     last, before = levels[-1], levels[-2]
     floor = ROUNDING*abs(last.value)
     foretold = before.foretold - last.foretold
@@ -52,16 +56,18 @@ def halved(levels) -> list:
     return found
 
 
-def _by_differences(known, quadratic: bool) -> tuple[float, float]:
+def _by_differences(known, quadratic: bool, rough: bool) -> tuple[float, float]:
     if not known:
         return math.inf, math.nan
     apart, changes = [v.difference for v in known], [v.change for v in known]
     if len(apart) == 1:
-        return apart[0], math.nan
+        return apart[0]/(2.0**LEAST_ORDER - 1.0 if rough else 1.0), math.nan
     if changes[-1]*changes[-2] < 0.0:
         # Changes to and fro have no order: the answer may be off by as much as they are.
         return max(apart[-2:]), math.nan
     order = math.log2(max(apart[-2]/max(apart[-1], 1e-300), 1e-3))
-    most = MOST_ORDER[quadratic]
-    believed = 1.0 if order > most + CHANCE else min(max(order, LEAST_ORDER), most)
-    return apart[-1]/(2.0**believed - 1.0), order
+    most = LEAST_ORDER if rough else MOST_ORDER[quadratic]
+    if order > MOST_ORDER[quadratic] + CHANCE:
+        # A change that all but vanishes by chance: as if the one before had fallen by half.
+        return max(apart[-1], 0.5*apart[-2]), order
+    return SAFETY*apart[-1]/(2.0**min(max(order, LEAST_ORDER), most) - 1.0), order

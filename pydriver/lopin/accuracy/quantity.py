@@ -137,7 +137,8 @@ class Quantity:
         rows = np.array([at.get(int(n), -1) for n in old])
         if (rows < 0).any():
             return abs(values[0] - values[1])   # surfaces without common nodes
-        return float(np.sqrt(weight @ (mine[rows] - other)**2))
+        # What lies between common nodes, as beside a support, is in the values alone.
+        return max(float(np.sqrt(weight @ (mine[rows] - other)**2)), abs(values[0] - values[1]))
 
 
 def _of_contact(result: Result, at: int) -> NDArray:

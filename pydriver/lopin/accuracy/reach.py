@@ -26,12 +26,14 @@ from .mesh_error import error_of_mesh, halved
 from .meshes import Meshes
 from .quantity import Quantity
 from .reached import Level, Reached
-from .refusals import contact_alone, out_of_reach, out_of_time
+from .refusals import contact_alone, out_of_reach, out_of_time, slides
 
 #: Solid elements of a mesh that is not made any more, in the plane and in space.
 MOST = {2: 400_000, 3: 60_000}
 #: Shares of the error asked for that increments may take.
 OF_INCREMENTS = 0.4
+#: Shares of the error asked for that the shape of the start may take.
+OF_SLIDING = 0.8
 #: Share of their room below which the order of increments need not be known.
 PLAIN = 0.25
 #: Halvings of the increments that are tried.
@@ -119,7 +121,7 @@ class _Search:
         if found.value == 0.0:
             found.reason = f"the {found.quantity} is 0: it has no relative error; ask for that " \
                 "of one tool by SET, or for another direction"
-        last = self.whole = self._slide(deck, *last)
+        self._slide(deck, *last)
         deck = self.meshes.deck
         if found.enforcement > found.target and not found.reason:
             found.reason = contact_alone(found)
@@ -141,31 +143,26 @@ class _Search:
         self._write()
         return found
 
-    def _slide(self, deck: Deck, result: Result, value: float) -> tuple[Result, float]:
+    def _slide(self, deck: Deck, result: Result, value: float) -> None:
         """One path for all meshes, where the plan would choose by the way that nodes slide beside
-        their facets: that of the shape at the start, if what the present one changes on the first
-        mesh leaves room; else contact follows it. The result and value of the first mesh."""
+        their facets: contact on the shape at the start. What the present shape changes on the
+        first mesh is a part of the error."""
         found = self.found
         paths = [on_path(deck, name) for name in ("CONDENSED", "FINITE")]
         if depends_on_path(deck) or result.summary.get("path") != "condensed" or None in paths \
                 or not result.pairs or found.reason:
-            return result, value
+            return
         begin = time.process_time()
         try:
             other = run(paths[1], **self.options)
         except LopinError:
-            return result, value   # the deck's own path is what was asked for
-        other_value = found.quantity.value(other, deck)
-        apart = found.quantity.difference(other, result, (other_value, value))
+            return   # the deck's own path is what was asked for
+        apart = found.quantity.difference(other, result, (found.quantity.value(other, deck), value))
         found.written += time.process_time() - begin
-        share = apart/max(abs(value), 1e-300)
-        if share <= OF_INCREMENTS*found.target:
-            found.sliding = share
-            self.meshes = Meshes(paths[0])
-            return result, value
-        self.meshes = Meshes(paths[1])
-        found.levels.pop()
-        return self._solve(paths[1], 0, 0)
+        found.sliding = apart/max(abs(value), 1e-300)
+        self.meshes = Meshes(paths[0])
+        if found.sliding > OF_SLIDING*found.target:
+            found.reason = slides(found)
 
     def _refine(self) -> bool:
         """A finer mesh: where the dual problem has the parts of the error, if it can be believed;
@@ -303,8 +300,9 @@ class _Search:
         found = self.found
         scale = max(abs(found.value), 1e-300)
         levels = [v for v in found.levels if not v.given_up]
-        error, found.order, found.by_dual = error_of_mesh(levels, quadratic,
-                                                              found.in_space)
+        rough = "PRESSURE" in found.quantity.kind and any(
+            line.startswith("W0409") for line in found.warnings)
+        error, found.order, found.by_dual = error_of_mesh(levels, quadratic, found.in_space, rough)
         found.mesh = error/scale if math.isfinite(error) else math.nan
         apart = [v.difference for v in halved(levels)]
         grows = [b >= a for a, b in zip(apart, apart[1:])]

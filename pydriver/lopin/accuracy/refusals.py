@@ -16,6 +16,13 @@ def contact_alone(found) -> str:
         "PRESSURE-OVERCLOSURE=TABULAR, whose points are no error"
 
 
+def slides(found) -> str:
+    """What the path leaves out."""
+    return f"contact on the shape at the start, as path condensed has it, differs by " \
+        f"{100.0*found.sliding:.2g} % from that on the present one: *LOPIN, PATH=FINITE follows " \
+        "that on all meshes, PATH=CONDENSED asks for the shape at the start alone"
+
+
 def out_of_time(found, size: int, ahead: float, limit: float) -> str:
     """What would meet it."""
     known = "its error is not known yet" if math.isnan(found.mesh) else \
