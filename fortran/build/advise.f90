@@ -7,6 +7,7 @@ module lopin_advise
    use lopin_text, only : to_text
    use lopin_model, only : model_type, kind_of, surface_of
    use lopin_friction, only : has_friction
+   use lopin_advise_slaves, only : advise_slaves
    use lopin_advise_tools, only : advise_tools
    use lopin_advise_symmetry, only : advise_symmetry
    use lopin_advise_revolution, only : advise_revolution
@@ -32,6 +33,7 @@ contains
       call advise_increments(model)
       call advise_tools(model)
       if (model%mesh%nelement < worth_saying) return
+      call advise_slaves(model)
       call advise_revolution(model, told)
       if (.not. told) call advise_symmetry(model, plane)
    end subroutine advise

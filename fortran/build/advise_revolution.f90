@@ -11,7 +11,8 @@ module lopin_advise_revolution
    use lopin_element_type, only : cells_of_words
    use lopin_tool, only : tool_type, foot_type
    use lopin_model, only : model_type, step_type, kind_of, surface_of
-   use lopin_advise_symmetry, only : compares, add_nodes
+   use lopin_advise_symmetry, only : compares
+   use lopin_mirror_scene, only : points_near
    use lopin_revolution, only : revolution_type, find_revolution, edges_are_circles
    implicit none
    private
@@ -106,21 +107,13 @@ contains
       class(tool_type), intent(in) :: shape
       real(wp), parameter :: angle(3) = [0.37_wp, 1.6_wp, 3.5_wp]
       real(wp), allocatable :: points(:, :)
-      integer, allocatable :: cells(:, :)
-      real(wp) :: box(3, 2), extent, x(3), turned(3), y(2)
+      real(wp) :: extent, x(3), turned(3), y(2)
       type(foot_type) :: own, image
       integer :: i, k, side
 
       revolves = .false.
-      box(:, 1) = minval(model%mesh%x, dim=2)
-      box(:, 2) = maxval(model%mesh%x, dim=2)
-      extent = maxval(box(:, 2) - box(:, 1))
-      box(:, 1) = box(:, 1) - extent
-      box(:, 2) = box(:, 2) + extent
-      call shape%tessellate(box, points, cells)
-      call add_nodes(points, model%mesh%x)
+      call points_near(model%mesh%x, shape, points, extent)
       do i = 1, size(points, 2)
-         if (any(points(:, i) < box(:, 1) .or. points(:, i) > box(:, 2))) cycle
          call shape%project(points(:, i), own)
          do side = -1, 1
             x = points(:, i) + 0.1_wp*side*extent*own%normal

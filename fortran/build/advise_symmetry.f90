@@ -9,15 +9,13 @@ module lopin_advise_symmetry
    use lopin_text, only : to_text
    use lopin_cells, only : cell_type
    use lopin_element_type, only : cells_of_words
-   use lopin_tool, only : tool_type, foot_type
-   use lopin_model, only : model_type, step_type, kind_of, surface_of
-   use lopin_mirror, only : mirror_type, new_mirror, image_of_face, image_of_point
+   use lopin_model, only : model_type, step_type, kind_of
+   use lopin_mirror, only : mirror_type, new_mirror, image_of_face
+   use lopin_mirror_scene, only : scene_mirror_type, mirror_scene, differs
    implicit none
    private
-   public :: advise_symmetry, compares, add_nodes
+   public :: advise_symmetry, compares
 
-   !> Loads and places that differ by less than this share are equal.
-   real(wp), parameter :: equal = 1.0e-9_wp
    character(len=1), parameter :: axis_name(3) = ['x', 'y', 'z']
 
 contains
@@ -38,7 +36,7 @@ contains
       found = 0
       do axis = first, model%mesh%ndim
          if (axis == plane) cycle
-         call new_mirror(mirror, model%mesh, axis)
+         call new_mirror(mirror, model%mesh, axis, made_of(model))
          if (.not. mirror%found) cycle
          if (.not. is_image(model, cell, mirror)) cycle
          name = axis_name(axis)
@@ -61,6 +59,26 @@ contains
          & ' elements go, forces are those of the part; a body that buckles to a side needs '// &
          & 'the whole')
    end subroutine advise_symmetry
+
+   !> The first section that is like that of each element; 0: it has none.
+   pure function made_of(model) result(first)
+      type(model_type), intent(in) :: model
+      integer :: first(model%mesh%nelement), of(0:size(model%section)), i, j
+
+      of(0) = 0
+      do i = 1, size(model%section)
+         associate (own => model%section(i))
+            do j = 1, i
+               associate (other => model%section(j))
+                  if (other%material == own%material .and. other%formulation == own%formulation &
+                     & .and. .not. differs(other%thickness, own%thickness)) exit
+               end associate
+            end do
+            of(i) = min(j, i)
+         end associate
+      end do
+      first = of(model%mesh%section)
+   end function made_of
 
    !> Everything in the deck is of a kind that advice on symmetry compares.
    logical function compares(model)
@@ -93,155 +111,40 @@ contains
       type(model_type), intent(in) :: model
       type(cell_type), intent(in) :: cell(:)
       type(mirror_type), intent(in) :: mirror
+      type(scene_mirror_type) :: scene
       integer :: i
 
       is_image = .false.
-      do i = 1, size(model%rigid_body)
-         if (.not. body_is_image(model, mirror, i)) return
-      end do
-      do i = 1, size(model%pair)
-         if (.not. surface_is_image(model, cell, mirror, model%pair(i)%slave)) return
-         if (.not. surface_is_image(model, cell, mirror, model%pair(i)%master)) return
-      end do
+      call mirror_scene(scene, model, cell, mirror)
+      if (.not. scene%found) return
       if (allocated(model%temperature)) then
          do i = 1, size(model%temperature)
             if (mirror%node(i) == 0) cycle
-            if (differ(model%temperature(i), model%temperature(mirror%node(i)))) return
+            if (differs(model%temperature(i), model%temperature(mirror%node(i)))) return
          end do
       end if
       do i = 1, size(model%step)
-         if (.not. supports_are_images(model, mirror, model%step(i))) return
-         if (.not. loads_are_images(model, mirror, model%step(i))) return
+         if (.not. supports_are_images(model, mirror, scene, model%step(i))) return
+         if (.not. loads_are_images(model, mirror, scene, model%step(i))) return
          if (.not. faces_are_images(model, cell, mirror, model%step(i))) return
       end do
       is_image = .true.
    end function is_image
 
-   pure logical function differ(a, b)
-      real(wp), intent(in) :: a, b
-      differ = abs(a - b) > equal*max(abs(a), abs(b))
-   end function differ
-
-   !> Nodes of a rigid body are images of each other.
-   logical function body_is_image(model, mirror, body) result(is)
-      type(model_type), intent(in) :: model
-      type(mirror_type), intent(in) :: mirror
-      integer, intent(in) :: body
-      logical :: member(0:model%mesh%nnode)
-
-      member = .false.
-      associate (node => model%rigid_body(body)%node)
-         member(node) = .true.
-         is = all(member(mirror%node(node)))
-      end associate
-   end function body_is_image
-
-   logical function surface_is_image(model, cell, mirror, surface) result(is)
-      type(model_type), intent(in) :: model
-      type(cell_type), intent(in) :: cell(:)
-      type(mirror_type), intent(in) :: mirror
-      integer, intent(in) :: surface
-      logical, allocatable :: has(:, :)
-      real(wp) :: area(0:model%mesh%nnode)
-      integer :: i, face
-
-      is = .false.
-      if (surface == 0) return
-      associate (s => model%surface(surface))
-         if (s%kind == surface_of%tool) then
-            is = tool_is_image(model, mirror, model%tool(s%tool)%shape)
-         else if (s%kind == surface_of%nodes) then
-            area = -1.0_wp
-            area(s%node) = s%area
-            is = .not. any(differs(area(s%node), area(mirror%node(s%node))))
-         else
-            allocate (has(0:6, model%mesh%nelement), source=.false.)
-            do i = 1, size(s%element)
-               has(s%face(i), s%element(i)) = .true.
-            end do
-            do i = 1, size(s%element)
-               associate (c => cell(model%mesh%etype(s%element(i))))
-                  ! Which side of a rigid element is meant goes with the order of its nodes.
-                  if (c%sided) return
-                  face = image_of_face(mirror, model%mesh, c, s%element(i), s%face(i))
-               end associate
-               if (.not. has(face, mirror%element(s%element(i)))) return
-            end do
-            is = .true.
-         end if
-      end associate
-   end function surface_is_image
-
-   elemental logical function differs(a, b)
-      real(wp), intent(in) :: a, b
-      differs = abs(a - b) > equal*max(abs(a), abs(b))
-   end function differs
-
-   !> Some of the nodes among points that are tried.
-   subroutine add_nodes(points, x)
-      real(wp), allocatable, intent(inout) :: points(:, :)
-      real(wp), intent(in) :: x(:, :)          !! (ndim, nnode) [length]
-      integer, parameter :: most = 400
-      real(wp), allocatable :: all(:, :)
-      integer :: i, n, every
-
-      every = 1 + size(x, 2)/most
-      n = (size(x, 2) + every - 1)/every
-      allocate (all(size(x, 1), size(points, 2) + n))
-      all(:, :size(points, 2)) = points
-      all(:, size(points, 2) + 1:) = x(:, [(i, i=1, size(x, 2), every)])
-      call move_alloc(all, points)
-   end subroutine add_nodes
-
-   !> Every point of a tool near the bodies, and beside it, and every node, has the distance that
-   !> its image has.
-   logical function tool_is_image(model, mirror, shape) result(is)
-      type(model_type), intent(in) :: model
-      type(mirror_type), intent(in) :: mirror
-      class(tool_type), intent(in) :: shape
-      real(wp), allocatable :: points(:, :)
-      integer, allocatable :: cells(:, :)
-      real(wp) :: box(shape%ndim, 2), extent, x(shape%ndim)
-      type(foot_type) :: own, image
-      integer :: i, side
-
-      is = .false.
-      box(:, 1) = minval(model%mesh%x, dim=2)
-      box(:, 2) = maxval(model%mesh%x, dim=2)
-      extent = maxval(box(:, 2) - box(:, 1))
-      box(:, 1) = box(:, 1) - extent
-      box(:, 2) = box(:, 2) + extent
-      call shape%tessellate(box, points, cells)
-      call add_nodes(points, model%mesh%x)
-      do i = 1, size(points, 2)
-         if (any(points(:, i) < box(:, 1) .or. points(:, i) > box(:, 2))) cycle
-         call shape%project(points(:, i), own)
-         do side = -1, 1
-            x = points(:, i) + 0.1_wp*side*extent*own%normal(:shape%ndim)
-            call shape%project(x, own)
-            call shape%project(image_of_point(mirror, x), image)
-            if (own%found .neqv. image%found) return
-            if (abs(own%gap - image%gap) > 1.0e-6_wp*extent) return
-         end do
-      end do
-      is = .true.
-   end function tool_is_image
-
    !> Prescribed values: across the plane they change their sign, along it they do not. What holds a
-   !> rigid body must keep it in its own image.
-   logical function supports_are_images(model, mirror, step) result(are)
+   !> rigid body must keep it in its own image, or do the same to the body that is its image.
+   logical function supports_are_images(model, mirror, scene, step) result(are)
       type(model_type), intent(in) :: model
       type(mirror_type), intent(in) :: mirror
+      type(scene_mirror_type), intent(in) :: scene
       type(step_type), intent(in) :: step
       real(wp) :: value(6, model%mesh%nnode)
       integer :: amplitude(6, model%mesh%nnode), i, image
-      logical :: has(6, model%mesh%nnode), moves(6, model%mesh%nnode), reference(model%mesh%nnode)
+      logical :: has(6, model%mesh%nnode), moves(6, model%mesh%nnode)
       real(wp) :: sign_
 
       has = .false.
       value = 0.0_wp
-      reference = .false.
-      reference(model%rigid_body%reference) = .true.
       do i = 1, size(step%prescribed)
          associate (p => step%prescribed(i))
             has(p%dof, p%node) = .true.
@@ -253,24 +156,26 @@ contains
       are = .false.
       do i = 1, size(step%prescribed)
          associate (p => step%prescribed(i))
-            if (reference(p%node)) cycle
-            image = mirror%node(p%node)
+            image = scene%node(p%node)
+            if (image == p%node .and. mirror%node(p%node) == 0) cycle   ! a tool that stays
             if (image == 0) return
             if (.not. has(p%dof, image)) return
+            if (p%dof > 3 .and. abs(p%value) > 0.0_wp) return
             sign_ = merge(-1.0_wp, 1.0_wp, p%dof == mirror%axis)
-            if (differ(sign_*p%value, value(p%dof, image))) return
+            if (differs(sign_*p%value, value(p%dof, image))) return
             if (p%velocity .neqv. moves(p%dof, image)) return
             if (p%amplitude /= amplitude(p%dof, image)) return
          end associate
       end do
-      are = bodies_keep_place(model, mirror, has .and. .not. abs(value) > 0.0_wp)
+      are = bodies_keep_place(model, mirror, scene, has .and. .not. abs(value) > 0.0_wp)
    end function supports_are_images
 
-   !> Rigid bodies are held so that they remain their own images: they do not move across the plane,
-   !> and turn about its normal alone.
-   pure logical function bodies_keep_place(model, mirror, held) result(keep)
+   !> Rigid bodies are held so that they remain images: they turn about the plane's normal alone,
+   !> and those that are their own do not move across it.
+   pure logical function bodies_keep_place(model, mirror, scene, held) result(keep)
       type(model_type), intent(in) :: model
       type(mirror_type), intent(in) :: mirror
+      type(scene_mirror_type), intent(in) :: scene
       logical, intent(in) :: held(:, :)        !! (6, nnode) at zero
       integer :: i, k
 
@@ -278,9 +183,10 @@ contains
       do i = 1, size(model%rigid_body)
          associate (node => model%rigid_body(i)%reference)
             if (mirror%node(node) > 0) return
-            if (.not. held(mirror%axis, node)) return
+            if (scene%node(node) == node .and. .not. held(mirror%axis, node)) return
             do k = 4, 6
-               if (k - 3 == mirror%axis .and. model%mesh%ndim == 3) cycle
+               if (k - 3 == mirror%axis .and. model%mesh%ndim == 3 &
+                  & .and. scene%node(node) == node) cycle
                if (model%mesh%ndim == 2 .and. k < 6) cycle
                if (model%kind == kind_of%axisymmetric) cycle
                if (.not. held(k, node)) return
@@ -291,20 +197,18 @@ contains
    end function bodies_keep_place
 
    !> Forces at nodes, of volumes, and temperatures.
-   logical function loads_are_images(model, mirror, step) result(are)
+   logical function loads_are_images(model, mirror, scene, step) result(are)
       type(model_type), intent(in) :: model
       type(mirror_type), intent(in) :: mirror
+      type(scene_mirror_type), intent(in) :: scene
       type(step_type), intent(in) :: step
       real(wp) :: force(6, 0:model%mesh%nnode), heat(0:model%mesh%nnode), sign_(3)
       real(wp) :: body(3, model%mesh%nelement)
       integer :: amplitude(6, 0:model%mesh%nnode), i
-      logical :: reference(model%mesh%nnode)
 
       are = .false.
       sign_ = 1.0_wp
       sign_(mirror%axis) = -1.0_wp
-      reference = .false.
-      reference(model%rigid_body%reference) = .true.
       force = 0.0_wp
       amplitude = 0
       heat = 0.0_wp
@@ -316,13 +220,9 @@ contains
          end associate
       end do
       do i = 1, size(step%point_load)
-         associate (p => step%point_load(i), image => mirror%node(step%point_load(i)%node))
+         associate (p => step%point_load(i), image => scene%node(step%point_load(i)%node))
             if (p%dof > 3) return
-            if (reference(p%node)) then
-               if (p%dof == mirror%axis .and. abs(p%value) > 0.0_wp) return
-               cycle
-            end if
-            if (differ(sign_(p%dof)*force(p%dof, p%node), force(p%dof, image))) return
+            if (differs(sign_(p%dof)*force(p%dof, p%node), force(p%dof, image))) return
             if (amplitude(p%dof, p%node) /= amplitude(p%dof, image)) return
          end associate
       end do

@@ -27,10 +27,11 @@ contains
 
    !> The image of the mesh across an axis, about the middle of its elements; `found` is false if
    !> some node or element has none.
-   subroutine new_mirror(self, mesh, axis)
+   subroutine new_mirror(self, mesh, axis, made_of)
       type(mirror_type), intent(out) :: self
       type(mesh_type), intent(in) :: mesh
       integer, intent(in) :: axis
+      integer, intent(in) :: made_of(:)        !! (nelement) equal where sections are alike
       logical :: used(mesh%nnode)
       integer :: e, i
 
@@ -44,7 +45,7 @@ contains
       self%axis = axis
       self%place = 0.5_wp*(minval(mesh%x(axis, :), mask=used) + maxval(mesh%x(axis, :), mask=used))
       call match_nodes(self, mesh, used)
-      if (self%found) call match_elements(self, mesh)
+      if (self%found) call match_elements(self, mesh, made_of)
    end subroutine new_mirror
 
    !> The image of a point.
@@ -116,9 +117,10 @@ contains
       end do
    end subroutine find_bodies
 
-   subroutine match_elements(self, mesh)
+   subroutine match_elements(self, mesh, made_of)
       type(mirror_type), intent(inout) :: self
       type(mesh_type), intent(in) :: mesh
+      integer, intent(in) :: made_of(:)
       integer, allocatable :: start(:), list(:), own(:, :)
       integer :: e, k, wanted(max_nodes_per_element)
 
@@ -155,7 +157,7 @@ contains
             do k = start(top), start(top + 1) - 1
                if (any(own(:, list(k)) /= wanted)) cycle
                if (mesh%etype(list(k)) /= mesh%etype(e)) cycle
-               if (mesh%section(list(k)) == mesh%section(e)) self%element(e) = list(k)
+               if (made_of(list(k)) == made_of(e)) self%element(e) = list(k)
             end do
          end associate
          if (self%element(e) == 0) return

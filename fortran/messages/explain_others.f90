@@ -68,5 +68,12 @@ contains
          & 'surface. Facets are searched, their chords stand off it, and their edges may '// &
          & 'ripple the force of a slide.', &
          & 'make it a *SURFACE, TYPE=SEGMENTS, CYLINDER or REVOLUTION of lines and arcs.')
+      call add_explanation(list, 'N0367', 'a slave much finer or coarser than its master', &
+         & 'Both bodies deform alike, and the facets of the slave are less than a third of '// &
+         & 'those of the master, or more than 1.5 times (surface to surface: 3 times) as '// &
+         & 'large. The force is as good as the coarser side; pressures of a finer slave show '// &
+         & 'the facets '// &
+         & 'of its master, and a coarser one lets the master through between its nodes.', &
+         & 'mesh both sides of the contact alike, or take the finer one as slave.')
    end subroutine advice
 end module lopin_explain_others

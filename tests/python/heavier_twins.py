@@ -1,4 +1,4 @@
-"""Twelve decks that model more than their scenes need, beside what the advice makes of each.
+"""Fourteen decks that model more than their scenes need, beside what the advice makes of each.
 
 `twins()` gives name, what is advised, the heavy deck, the light one, the force of the heavy one
 over that of the light one, and by how much the force on the tool may differ, with the reason (1e-6:
@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 from test_advice import pressed as slab
-from test_advice import two_blocks
+from test_advice import rounded_block, two_blocks
 from test_advice_symmetry import billet, meridian, pressed
 from tool_patches import Lines
 
@@ -149,6 +149,15 @@ def rigid_lower():
     return Deck.parse("\n".join(lines.text) + "\n", name="one")
 
 
+def between_dies(half):
+    """A billet that two dies press from both sides, whole or above the plane between them."""
+    mesh = block((10.0, 5.0), (16, 8)) if half else block((10.0, 10.0), (16, 16)).moved(0.0, -5.0)
+    upper = ("DIE", 5.0, -1, -0.5)
+    if half:
+        return upset(mesh, "CPE4", ("BLEFT, 1", "BBOTTOM, 2"), [upper], 0.2)
+    return upset(mesh, "CPE4", ("BLEFT, 1",), [upper, ("BASE", -5.0, 1, 0.5)], 0.2)
+
+
 def twins():
     """Name, code, heavy, light, share of the light one, tolerance of the force."""
     yield "slab in space", "N0361", slab(True), slab(False), 1, 1e-6
@@ -159,6 +168,8 @@ def twins():
     yield "whole block", "N0364", pressed(), pressed("half"), 2, 1e-6
     yield "whole ring on a mandrel", "N0364", ring_on_mandrel(False), ring_on_mandrel(True), 2, 1e-6
     yield "whole square bar", "N0364", square_billet(False), square_billet(True), 4, 1e-5
+    yield "billet between two dies", "N0364", between_dies(False), between_dies(True), 1, 1e-5
+    yield "slave of small facets", "N0367", rounded_block(64, 16), rounded_block(16, 16), 1, 0.01
     yield "stiff block below", "N0362", two_blocks(500.0), rigid_lower(), 1, 0.004  # 2/500
     yield "round tool of 40 lines", "N0366", bar_on_cylinder(40), bar_on_cylinder(0), 1, 0.05
     yield "ball of an STL file", "N0366", of_collection("ball_of_facets"), \

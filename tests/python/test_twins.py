@@ -1,4 +1,4 @@
-"""Twelve heavier twins: each gets the advice that is due, the light one none, and the answer is the
+"""Fourteen heavier twins: each gets the advice that is due, the light one none, and the answer is the
 same for fewer counts."""
 import numpy as np
 import pytest
@@ -7,7 +7,7 @@ from heavier_twins import twins
 import lopin
 
 TWINS = list(twins())
-ADVICE = {f"N036{k}" for k in range(1, 7)}
+ADVICE = {f"N036{k}" for k in range(1, 8)}
 
 
 def advised(deck):
@@ -40,7 +40,7 @@ def test_the_light_one_has_the_answer(twin, solve):
     assert np.isclose(force(much), share*force(little), rtol=tolerance)
     before, after = counts(much), counts(little)
     assert all(after[k] <= before[k] for k in ("equations", "increments", "factorisations"))
-    if code in ("N0361", "N0362", "N0364", "N0365"):
+    if code in ("N0361", "N0362", "N0364", "N0365", "N0367"):
         assert after["equations"] < 0.6*before["equations"]
     if code == "N0363":
         assert after["increments"] == 1 and before["back_solves"] > 3*after["back_solves"]

@@ -21,12 +21,13 @@ def error_of_mesh(levels, quadratic: bool, in_space: bool = False,
 
     Two meshes, every cell halved: their difference, which holds if the error falls at least as the
     size of cells. Three: with the order of its fall and the safety of Roache's index; an order that
-    the elements cannot have is a chance of coarse meshes, and the size of cells is believed. What the dual problem says is taken where
-    it foretold the last change by half and twice; what it did not foretell of that is added, or
-    what it is not sure of. Elsewhere the larger of both, in the plane: a difference of two meshes
-    may vanish by chance (in space the dual problem says many times too much). Nothing is known
-    (inf) of a mesh that was refined in part where the dual problem fails. `rough`: of the order no
-    more is believed than the least, as of a pressure that grows beside a support.
+    the elements cannot have is a chance of coarse meshes, and the size of cells is believed. What
+    the dual problem says is taken where it foretold the last change by half and twice; what it did
+    not foretell of that is added, or what it is not sure of. Elsewhere the larger of both, in the
+    plane: a difference of two meshes may vanish by chance (in space the dual problem says many
+    times too much). Nothing is known (inf) of a mesh that was refined in part where the dual
+    problem fails. `rough`: of the order no more is believed than the least, as of a pressure that
+    grows beside a support.
     """
     if len(levels) < 2:
         return math.inf, math.nan, False
