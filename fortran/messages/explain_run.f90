@@ -165,7 +165,8 @@ contains
       call add_explanation(list, 'W0531', 'an element is about to fold', &
          & 'The scaled Jacobian of an element at one corner (1 where it is square, 0 where two '// &
          & 'edges lie on one line) has fallen below 0.1. The strains there lose their meaning, '// &
-         & 'and the element will soon turn inside out.', &
+         & 'and the element will soon turn inside out. Where one side has shrunk to a seventh, '// &
+         & 'and the one beside it has not, metal has necked or torn, and says so.', &
          & 'a mesh made for the deformed shape, finer where the body turns round an edge.')
    end subroutine theory_limits
 

@@ -146,3 +146,19 @@ def test_a_path_that_folds_is_followed_to_its_fold(tmp_path):
     lines = (tmp_path/"out/job.sta").read_text().splitlines()[2:]
     times = [float(line.split()[5]) for line in lines]
     assert 0.77 < times[-2] < times[-1] < 0.83 and len(times) < 15
+
+
+def test_metal_that_necks_until_it_folds_is_called_so(tmp_path):
+    """A bar, a little thinner in the middle, that hardly hardens: one column of nodes goes to nothing."""
+    place = [(x, y*(0.98 + 0.0025*x)) for y in (0.0, 0.5, 1.0) for x in range(9)]
+    text = ["*NODE, NSET=ALL", *(f"{i + 1}, {x}, {y!r}" for i, (x, y) in enumerate(place)),
+            "*ELEMENT, TYPE=CPE4I, ELSET=E",
+            *(f"{1 + i + 8*j}, {1 + i + 9*j}, {2 + i + 9*j}, {11 + i + 9*j}, {10 + i + 9*j}"
+              for j in range(2) for i in range(8)),
+            "*SOLID SECTION, ELSET=E, MATERIAL=M", "1.,", "*MATERIAL, NAME=M", "*ELASTIC", "2e5, .3",
+            "*PLASTIC", "300., 0.", "330., 1.", "*BOUNDARY", "1, 1", "10, 1", "19, 1",
+            *(f"{1 + i}, 2" for i in range(9)), "*STEP, NLGEOM, INC=500", "*STATIC", "*BOUNDARY",
+            "9, 1, 1, 4.", "18, 1, 1, 4.", "27, 1, 1, 4.", "*END STEP"]
+    done, job = run(tmp_path, "\n".join(text) + "\n")
+    assert done.returncode == 3
+    assert [d for d in job["diagnostics"] if d["code"] == "W0531" and "necked" in d["help"]]

@@ -24,6 +24,9 @@ module lopin_check_mesh
    !> Iterations of Newton may fold corners a little on their way, as where they roll onto a tool.
    real(wp), parameter :: turned_over = 0.2_wp
 
+   !> What is left of a side where metal has necked, how much more of the one beside it; cosine.
+   real(wp), parameter :: necked = 0.15_wp, wider = 3.0_wp, parallel = 0.99_wp
+
    !> The worst corner of a mesh.
    type :: fold_type
       integer :: element = 0, node = 0         !! 0: none
@@ -218,15 +221,50 @@ contains
       type(model_type), intent(in) :: model
       integer, intent(in) :: increment
       type(fold_type) :: fold
+      character(len=:), allocatable :: help
 
       call find_fold(fold, scene, model, scene%trial%motion%u, about_to_fold, .true.)
       if (fold%element == 0) return
+      help = 'a mesh made for the deformed shape, or finer where the body turns round an edge'
+      if (has_necked(scene, model, fold%element)) help = 'the metal has necked there, one side '// &
+         & 'of the element to less than a seventh: it tears, and beyond that no mesh bears it; '// &
+         & 'less stroke, more hardening, or less friction'
       associate (worst => fold%element, node => fold%node, least => fold%value)
          call warn_once(scene%log, 'W0531', 'element '//to_text(model%mesh%element_label(worst))// &
             & ' is about to fold at node '//to_text(model%mesh%node_label(node))//' in step '// &
             & to_text(scene%step)//', increment '//to_text(increment)//': its scaled Jacobian '// &
-            & 'is '//to_text(least, 3), model%step(scene%step)%at, help='a mesh made for the '// &
-            & 'deformed shape, or finer where the body turns round an edge')
+            & 'is '//to_text(least, 3), model%step(scene%step)%at, help=help)
       end associate
    end subroutine check_mesh
+
+   !> A side has shrunk to little of its length, and one that was beside it has not: metal that
+   !> flows thins in one row of nodes.
+   pure logical function has_necked(scene, model, e)
+      type(scene_type), intent(in) :: scene
+      type(model_type), intent(in) :: model
+      integer, intent(in) :: e
+      real(wp) :: x(model%mesh%ndim, 20), now(12), way(3, 12)
+      integer :: n, k, edges
+
+      has_necked = .false.
+      if (.not. scene%newton%flows) return
+      call place_corners(scene, model, scene%trial%motion%u, 1.0_wp, e, x, n)
+      associate (cell => scene%solids%group(scene%solids%which(e))%element%cell, &
+         & node => model%mesh%conn(:, e), start => model%mesh%x)
+         edges = count(cell%edge(1, :) > 0)
+         do k = 1, edges
+            associate (a => cell%edge(1, k), b => cell%edge(2, k))
+               now(k) = norm2(x(:, b) - x(:, a))/norm2(start(:, node(b)) - start(:, node(a)))
+               way(:, k) = 0.0_wp
+               way(:cell%ndim, k) = cell%xi(:cell%ndim, b) - cell%xi(:cell%ndim, a)
+               way(:, k) = way(:, k)/norm2(way(:, k))
+            end associate
+         end do
+         do k = 1, edges
+            if (now(k) > necked) cycle
+            has_necked = has_necked .or. any(now(:edges) > wider*now(k) &
+               & .and. abs(matmul(way(:, k), way(:, :edges))) > parallel)
+         end do
+      end associate
+   end function has_necked
 end module lopin_check_mesh
