@@ -11,7 +11,7 @@ module lopin_slip_increment
    implicit none
    private
    public :: condition_at, anchor_slip, path_of, dissipated, mean_work_of, held_energy, &
-      & shear_bound, speed_of, lost_bound, turn
+      & shear_bound, shear_excess, speed_of, lost_bound, turn
 
    !> Share of the increment that rates of slip are at least taken over.
    real(wp), parameter :: least_left = 0.1_wp
@@ -145,6 +145,28 @@ contains
             & radius, slope)
       end associate
    end function shear_bound
+
+   !> The most that a shear lies beyond its bound, beside the largest bound, or beside what rounding
+   !> of places makes of the forces of the largest penalty.
+   pure real(wp) function shear_excess(self, noise) result(excess)
+      type(nonlinear_contact_type), intent(in) :: self
+      real(wp), intent(in) :: noise            !! of places [length]
+      real(wp) :: bound, most, shear(3)
+      integer :: i
+
+      excess = 0.0_wp
+      if (self%n == 0) return
+      most = noise*maxval(abs(self%c(:self%n)))
+      do i = 1, self%n
+         if (self%facet(i) == 0 .or. self%enforcement(i)%tied) cycle
+         bound = shear_bound(self, i)
+         if (.not. bound < huge(1.0_wp)) cycle
+         shear = self%traction(:, i) - self%pressure(i)*self%normal(:, i)
+         most = max(most, bound)
+         excess = max(excess, norm2(shear) - bound - noise*self%c(i))
+      end do
+      if (excess > 0.0_wp) excess = excess/most
+   end function shear_excess
 
    !> What a closed point lacks of its bound because it is pressed lightly, and the bound.
    pure subroutine lost_bound(self, i, lost, whole)

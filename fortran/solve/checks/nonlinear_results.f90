@@ -17,8 +17,8 @@ module lopin_nonlinear_results
    use lopin_rounding_floor, only : beyond
    use lopin_slave_areas, only : areas_now, pieces_now
    use lopin_nonlinear_contact, only : nonlinear_contact_type
-   use lopin_slip_increment, only : dissipated, mean_work_of, held_energy, shear_bound, path_of, &
-      & lost_bound
+   use lopin_slip_increment, only : dissipated, mean_work_of, held_energy, shear_bound, &
+      & shear_excess, path_of, lost_bound
    use lopin_scene, only : scene_type
    implicit none
    private
@@ -78,17 +78,15 @@ contains
       type(certificate_type), intent(inout) :: self
       type(energy_type), intent(inout) :: energy
       type(scene_type), intent(in) :: scene
-      real(wp) :: bound, most, excess, shear(3), lost, whole, all_lost, all_whole
+      real(wp) :: lost, whole, all_lost, all_whole
       integer :: i
 
       energy%contact = 0.0_wp
       energy%friction = 0.0_wp
       energy%friction_mean = 0.0_wp
-      excess = 0.0_wp
       all_lost = 0.0_wp
       all_whole = 0.0_wp
       associate (c => scene%newton%contact, before => scene%accepted%contact)
-         most = scene%newton%noise*largest(c%c(:c%n))
          do i = 1, c%n
             energy%friction = energy%friction + before%friction_work(i)
             energy%friction_mean = energy%friction_mean + before%mean_work(i)
@@ -99,14 +97,9 @@ contains
             call lost_bound(c, i, lost, whole)
             all_lost = all_lost + lost*c%weight(i)
             all_whole = all_whole + whole*c%weight(i)
-            bound = shear_bound(c, i)
-            if (.not. bound < huge(1.0_wp)) cycle
-            shear = c%traction(:, i) - c%pressure(i)*c%normal(:, i)
-            most = max(most, bound)
-            excess = max(excess, norm2(shear) - bound - scene%newton%noise*c%c(i))
          end do
       end associate
-      if (excess > 0.0_wp) self%rubs%cone = excess/most
+      self%rubs%cone = shear_excess(scene%newton%contact, scene%newton%noise)
       if (all_lost > 0.0_wp) self%rubs%ramp = all_lost/all_whole
    end subroutine check_friction
 

@@ -14,6 +14,7 @@ module lopin_residual
    use lopin_rotating_bodies, only : rotate_followers, has_rotating_bodies, rotation_tangents
    use lopin_followed_stress, only : follow_stress, follow_slopes
    use lopin_held_points, only : find_idle_rows, wake_idle_rows
+   use lopin_slip_increment, only : shear_excess
    use lopin_scene, only : scene_type
    implicit none
    private
@@ -97,7 +98,7 @@ contains
       evaluation%unbalanced = beyond(evaluation%free, scene%newton%floor)
       evaluation%unmet = beyond(evaluation%row, scene%newton%row_floor)
       evaluation%force = largest_force(scene, f, reaction)
-      if (scene%newton%flows) evaluation%contact_residual = contact_residual(scene)
+      evaluation%contact_residual = contact_residual(scene)
    end subroutine evaluate
 
    !> Largest force of a state: of an element on a node, before its neighbours cancel it; of loads;
@@ -110,14 +111,16 @@ contains
       if (scene%newton%nlgeom) force = max(force, largest(scene%newton%follower%force))
    end function largest_force
 
-   !> What is left of the contact conditions as the certificate sees it: beside the pressures of
-   !> contact. A body that is all but released has large forces of its own.
+   !> What is left of the contact conditions as the certificate sees it: shear beyond its bounds,
+   !> which may be far below the forces beside which rows are judged, and where metal flows rows
+   !> beside the pressures of contact. A body that is all but released has large forces of its own.
    pure real(wp) function contact_residual(scene)
       type(scene_type), intent(in) :: scene
       real(wp) :: scale, left(scene%newton%contact%n)
       integer :: i
 
-      contact_residual = 0.0_wp
+      contact_residual = shear_excess(scene%newton%contact, scene%newton%noise)
+      if (.not. scene%newton%flows) return
       scale = largest_pressure(scene)
       if (.not. scale > 0.0_wp) return
       associate (c => scene%newton%contact)
