@@ -15,7 +15,7 @@ module lopin_first_increment
    use lopin_scene, only : scene_type
    implicit none
    private
-   public :: opens_step, size_first, first_flow, first_id
+   public :: opens_step, size_first, first_flow, first_id, flows_far
 
    character(len=*), parameter :: first_id = 'E0515'
    !> Plastic strain of a first increment: so many strains of first yield; where nothing yields.
@@ -47,20 +47,38 @@ contains
       type(model_type), intent(in) :: model
       integer, intent(in) :: taken             !! steps of Newton
       type(error_type), allocatable, intent(out) :: error
-      type(solids_state_type) :: trial
-      real(wp) :: most
+      real(wp) :: flow, most
 
       if (taken > first_looks .or. .not. scene%may_cut) return
       if (.not. opens_step(scene, model) .or. scene%newton%sized >= most_sizes) return
-      trial = scene%trial%solids
-      call remember(scene%solids, model%mesh, scene%trial%motion%u, scene%accepted%solids, trial)
+      flow = flow_of_trial(scene, model)
       most = first_flow(model)
-      if (trial%most_strain <= most) return
-      scene%newton%fit = max(least_fit, most/trial%most_strain)
+      if (flow <= most) return
+      scene%newton%fit = max(least_fit, most/flow)
       call raise(error, error_code%not_converged, first_id, 'the first increment would flow by '// &
-         & to_text(trial%most_strain, 3)//', more than '//to_text(most, 3), &
+         & to_text(flow, 3)//', more than '//to_text(most, 3), &
          & model%step(scene%step)%at, help='the first datum of *STATIC is an increment of your own')
    end subroutine size_first
+
+   !> The trial flows by more than a strain of first yield: a smaller increment is another problem,
+   !> what is lost to contact node by node is not.
+   logical function flows_far(scene, model)
+      type(scene_type), intent(in) :: scene
+      type(model_type), intent(in) :: model
+
+      flows_far = flow_of_trial(scene, model) > first_flow(model)/yields
+   end function flows_far
+
+   !> Largest plastic strain of the increment in the trial.
+   real(wp) function flow_of_trial(scene, model) result(flow)
+      type(scene_type), intent(in) :: scene
+      type(model_type), intent(in) :: model
+      type(solids_state_type) :: trial
+
+      trial = scene%trial%solids
+      call remember(scene%solids, model%mesh, scene%trial%motion%u, scene%accepted%solids, trial)
+      flow = trial%most_strain
+   end function flow_of_trial
 
    !> Plastic strain that a first increment may have.
    pure real(wp) function first_flow(model)

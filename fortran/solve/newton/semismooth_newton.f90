@@ -21,7 +21,7 @@ module lopin_semismooth_newton
    use lopin_contraction, only : by_old_tangent, evaluate_without_tangent, note_step, gets_nowhere
    use lopin_check_mesh, only : folding_at
    use lopin_lagged_friction, only : reads_lagged, renew_lagged, share_of_new, may_relax
-   use lopin_first_increment, only : size_first
+   use lopin_first_increment, only : size_first, flows_far
    use lopin_scene, only : scene_type
    use lopin_tell_watcher, only : tell_of_iteration
    use lopin_worst_residual, only : describe_worst
@@ -199,15 +199,20 @@ contains
       if (is_vain .or. .not. scene%newton%flows) return
       if (it%lagged .and. may_relax(scene%newton%history)) return
       ! What has nothing to go on from, as a sheet between flat tools or a body that springs
-      ! back, loses contact node by node in any increment: slow, but it gets on.
+      ! back, loses contact node by node in any increment: slow, but it gets on. Metal that flows
+      ! does not.
       associate (step => model%step(scene%step), history => scene%newton%history)
          if (scene%accepted%motion%last_dt > 0.0_wp) then
             is_vain = it%number > most_of_flow
             if (is_vain .or. step%direct) return
             if (scene%newton%dt > least_cuts*step%smallest) is_vain = gets_nowhere(history(2:)) &
                & .or. it%creeping >= most_creeping
-         else if (it%number > most_of_flow) then
+         else
             is_vain = gets_nowhere(history(2:))
+            if (.not. is_vain .or. it%number > most_of_flow) return
+            is_vain = flows_far(scene, model)
+            is_vain = is_vain .and. .not. step%direct .and. scene%newton%dt &
+               & > least_cuts*step%smallest
          end if
       end associate
    end function is_vain
