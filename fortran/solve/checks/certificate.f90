@@ -3,6 +3,7 @@ module lopin_certificate
    use lopin_kinds, only : wp
    use lopin_text, only : to_text
    use lopin_vectors, only : largest
+   use lopin_one_unit, only : as_forces
    use lopin_model, only : model_type
    use lopin_report, only : certificate_type, energy_type
    use lopin_body_size, only : thinnest
@@ -67,13 +68,19 @@ contains
       real(wp), intent(in) :: prescribed(:)    !! (nprescribed) [length]
       real(wp) :: free(scene%constraints%neq), floor(scene%constraints%neq)
       real(wp) :: reference, work, passed, noise
+      integer :: i
 
       call reduce(scene%constraints, forces%residual, free)
       noise = noise_of_places(scene, model)
       call floor_of_forces(scene, model, floor)
       ! Linear solids without stresses of the start have no forces that cancel at every node.
-      reference = max(largest(forces%load), largest(forces%reaction), largest(forces%internal), &
-         & largest(floor))
+      associate (c => scene%constraints, all => [(i, i=1, scene%dofs%n)])
+         free = as_forces(scene, free, c%dof_of_equation)
+         floor = as_forces(scene, floor, c%dof_of_equation)
+         reference = max(largest(as_forces(scene, forces%load, all)), largest(as_forces(scene, &
+            & forces%reaction, c%dof_of_prescribed)), largest(as_forces(scene, forces%internal, &
+            & all)), largest(floor))
+      end associate
       if (reference > 0.0_wp) then
          self%equilibrium = beyond(free, floor)/reference
          self%support = beyond(free(scene%bodies%support), floor(scene%bodies%support))/reference

@@ -12,6 +12,7 @@ module lopin_nonlinear_results
    use lopin_check_mesh, only : check_corners
    use lopin_methods, only : obeys_deck
    use lopin_certificate, only : forces_type, give_verdict, check_hourglass
+   use lopin_one_unit, only : as_forces
    use lopin_residual, only : largest_force, largest_pressure, gap_rounding
    use lopin_nonlinear_start, only : complementarity
    use lopin_rounding_floor, only : beyond
@@ -55,14 +56,16 @@ contains
       type(scene_type), intent(in) :: scene
       type(model_type), intent(in) :: model
       type(forces_type), intent(in) :: forces
-      real(wp), allocatable :: free(:)
+      real(wp), allocatable :: free(:), floor(:)
       real(wp) :: reference
 
       allocate (free(scene%constraints%neq))
       call reduce(scene%constraints, forces%residual, free)
+      floor = as_forces(scene, scene%newton%floor, scene%constraints%dof_of_equation)
       reference = max(scene%newton%reference, largest_force(scene, forces%load, forces%reaction), &
-         & largest(scene%newton%floor))
-      if (reference > 0.0_wp) self%equilibrium = beyond(free, scene%newton%floor)/reference
+         & largest(floor))
+      if (reference > 0.0_wp) self%equilibrium = beyond(as_forces(scene, free, &
+         & scene%constraints%dof_of_equation), floor)/reference
       energy%strain = scene%newton%energy
       call check_points(self, scene, model)
       call check_friction(self, energy, scene)

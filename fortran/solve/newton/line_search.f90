@@ -5,10 +5,11 @@
 !> Newton may find a balance among them. Where every share folds a corner, the merit alone decides;
 !> a converged state that is folded is refused (lopin_check_mesh).
 !>
-!> Where nothing touches, the work along the step decides instead. Forces of an increment of flow
-!> are the slopes of a potential (Ortiz and Stainier 1999), which the step descends until its work
-!> turns; residuals rise on the way down, and a step that lowers them may lead nowhere. Metal that
-!> is stiff beside its yield stress would wander, and end where the last bits of its forces lead.
+!> Where metal flows, and nothing touches or the rows of contact are met, the work along the step
+!> decides instead. Forces of an increment of flow are the slopes of a potential (Ortiz and Stainier
+!> 1999), which the step descends until its work turns; residuals rise on the way down, and a step
+!> that lowers them may lead nowhere. Metal that is stiff beside its yield stress would wander, and
+!> end where the last bits of its forces lead.
 module lopin_line_search
    use lopin_kinds, only : wp
    use lopin_error, only : error_type, error_code, raise
@@ -20,6 +21,7 @@ module lopin_line_search
    use lopin_residual, only : evaluation_type, evaluate
    use lopin_newton_step, only : coarse
    use lopin_check_mesh, only : folds
+   use lopin_one_unit, only : as_lengths
    use lopin_scene, only : scene_type
    implicit none
    private
@@ -37,6 +39,9 @@ module lopin_line_search
    !> The work along a step is spent where it is this share of that at its start; a step is not cut
    !> to less than a tenth at once.
    real(wp), parameter :: spent = 0.5_wp, least_cut = 0.1_wp
+   !> Rows of contact are met, so that pressures do no work along a step, where they leave no more
+   !> than this share of the residual.
+   real(wp), parameter :: met = 0.1_wp
 
    !> A step, what is asked of it, and what was taken of it.
    type :: search_type
@@ -66,18 +71,20 @@ contains
       real(wp), intent(inout) :: v(:)
       type(evaluation_type), intent(inout) :: evaluation
       type(error_type), allocatable, intent(out) :: error
+      integer :: i
 
       search%from = v
       search%multiplier = scene%trial%contact%multiplier
       search%displaced = scene%trial%motion%u
       search%size = 0.0_wp
       search%share = 1.0_wp
-      associate (step => search%step(:scene%constraints%neq))
-         search%pull = dot_product(step, evaluation%free)
+      associate (step => as_lengths(scene, search%step(:size(v)), &
+         & scene%constraints%dof_of_equation))
+         search%pull = dot_product(search%step(:size(v)), evaluation%free)
          if (scene%newton%flows .and. .not. (search%first .or. search%falls)) search%share = &
             & longest_facet(scene)/max(largest(step), longest_facet(scene), tiny(1.0_wp))
-         search%by_work = scene%newton%flows .and. scene%newton%contact%n == 0 &
-            & .and. search%pull < 0.0_wp
+         search%by_work = scene%newton%flows .and. search%pull < 0.0_wp &
+            & .and. norm2(evaluation%row) <= met*norm2(evaluation%unlevel)
          call backtrack(scene, model, search, v, evaluation, error)
          if (allocated(error)) return
          if (search%falls .and. .not. search%first) call find_landing(scene, model, search, v, &
@@ -85,7 +92,8 @@ contains
          if (allocated(error)) return
          scene%newton%correction = search%share*largest(step)
       end associate
-      search%size = scene%newton%correction/max(largest(scene%trial%motion%u), &
+      search%size = scene%newton%correction/max(largest(as_lengths(scene, &
+         & scene%trial%motion%u, [(i, i=1, scene%dofs%n)])), &
          & motionless*scene%bodies%length)
    end subroutine take_step
 
@@ -228,13 +236,14 @@ contains
       type(error_type), allocatable :: error
       integer :: bad
 
-      associate (neq => scene%constraints%neq)
+      associate (neq => scene%constraints%neq, dof => scene%constraints%dof_of_equation)
          right(:neq) = -evaluation%free
          right(neq + 1:) = -scene%newton%contact%row
          call solve_step(scene%newton%system, right, coarse, next, scene%clock, &
             & scene%counter, bad, error)
          contracts = .not. allocated(error) .and. bad == 0
-         if (contracts) contracts = norm2(next(:neq)) <= (1.0_wp - 0.25_wp*share)*norm2(step(:neq))
+         if (contracts) contracts = norm2(as_lengths(scene, next(:neq), dof)) &
+            & <= (1.0_wp - 0.25_wp*share)*norm2(as_lengths(scene, step(:neq), dof))
       end associate
    end function contracts
 

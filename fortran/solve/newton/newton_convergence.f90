@@ -73,7 +73,7 @@ contains
          & .and. evaluation%unmet <= complementarity*reference .and. evaluation%contact_residual &
          & <= certified
       if (converged) converged = last <= correction .or. iteration == 1 .and. loop == 0 &
-         & .or. max(largest(evaluation%free), largest(evaluation%row)) <= &
+         & .or. max(largest(evaluation%unlevel), largest(evaluation%row)) <= &
          & floor_of_rounding*reference
    end function converged
 end module lopin_newton_convergence

@@ -6,6 +6,7 @@ module lopin_newton_step
    use lopin_vectors, only : largest
    use lopin_model, only : model_type
    use lopin_constraints, only : reduce
+   use lopin_one_unit, only : as_lengths
    use lopin_local_matrix, only : local_matrix_type
    use lopin_friction, only : has_friction
    use lopin_newton_system, only : set_tangent, add_ground_springs, solve_step
@@ -92,7 +93,7 @@ contains
             if (allocated(error)) return
             if (bad == 0) then
                if (scene%bodies%nq == 0 .or. pass > 1) exit
-               if (.not. largest(step(:neq)) > beyond*scene%bodies%length) exit
+               if (.not. way_of(scene, step(:neq)) > beyond*scene%bodies%length) exit
                bad = 1
             end if
             if (pass == 2 .or. scene%bodies%nq == 0) then
@@ -220,7 +221,14 @@ contains
       real(wp), intent(inout) :: step(:)
       real(wp) :: way
 
-      way = largest(step)
+      way = way_of(scene, step)
       if (way > most_motion*scene%bodies%length) step = step*(most_motion*scene%bodies%length/way)
    end subroutine limit_motion
+
+   !> How far a step goes, rotations by the length of the scene.
+   pure real(wp) function way_of(scene, step) result(way)
+      type(scene_type), intent(in) :: scene
+      real(wp), intent(in) :: step(:)          !! (neq)
+      way = largest(as_lengths(scene, step, scene%constraints%dof_of_equation))
+   end function way_of
 end module lopin_newton_step

@@ -9,6 +9,7 @@ module lopin_residual
    use lopin_contact_evaluation, only : evaluate_contact
    use lopin_newton_workspace, only : is_nonlinear
    use lopin_rounding_floor, only : beyond
+   use lopin_one_unit, only : as_forces
    use lopin_follower_loads, only : add_follower_loads
    use lopin_assemble_nonlinear, only : assemble_nonlinear, bad_element_type
    use lopin_rotating_bodies, only : rotate_followers, has_rotating_bodies, rotation_tangents
@@ -27,7 +28,8 @@ module lopin_residual
    !> What one evaluation at (u, multiplier) gives.
    type :: evaluation_type
       real(wp), allocatable :: internal(:)     !! (ndof) [force]
-      real(wp), allocatable :: free(:)         !! (neq) residual [force]
+      real(wp), allocatable :: free(:)         !! (neq) residual [force], [force*length]
+      real(wp), allocatable :: unlevel(:)      !! (neq) the same, moments as forces [force]
       real(wp), allocatable :: row(:)          !! (nmultiplier) as forces [force]
       real(wp) :: merit = 0.0_wp               !! [force]
       real(wp) :: force = 0.0_wp               !! largest of elements, loads and reactions [force]
@@ -48,7 +50,7 @@ contains
       logical, intent(in) :: with_tangent
       type(evaluation_type), intent(inout) :: evaluation
       type(error_type), allocatable, intent(out) :: error
-      real(wp), allocatable :: residual(:), reaction(:)
+      real(wp), allocatable :: residual(:)
       real(wp) :: grazing(scene%newton%contact%n)
       logical :: found, clings(scene%newton%contact%n)
 
@@ -89,25 +91,40 @@ contains
       if (with_tangent .and. has_rotating_bodies(scene, model)) call rotation_tangents(scene, &
          & model, residual, scene%newton%turning)
       if (scene%newton%damping%on) call add_damping(scene, residual)
+      call weigh(evaluation, scene, f, residual)
+   end subroutine evaluate
+
+   !> What is out of balance at the trial state, in numbers.
+   subroutine weigh(evaluation, scene, f, residual)
+      type(evaluation_type), intent(inout) :: evaluation
+      type(scene_type), intent(inout) :: scene
+      real(wp), intent(in) :: f(:), residual(:)      !! (ndof) loads, what is out of balance [force]
+      real(wp) :: reaction(scene%constraints%nprescribed)
+
       call reduce(scene%constraints, residual, evaluation%free)
-      allocate (reaction(scene%constraints%nprescribed))
       call prescribed_part(scene%constraints, residual, reaction)
       scene%newton%internal = evaluation%internal
       evaluation%row = scene%newton%contact%row*row_scale(scene)
-      evaluation%merit = sqrt(sum(evaluation%free**2) + sum(evaluation%row**2))
-      evaluation%unbalanced = beyond(evaluation%free, scene%newton%floor)
+      associate (dof => scene%constraints%dof_of_equation)
+         evaluation%unlevel = as_forces(scene, evaluation%free, dof)
+         evaluation%unbalanced = beyond(evaluation%unlevel, as_forces(scene, scene%newton%floor, &
+            & dof))
+      end associate
+      evaluation%merit = sqrt(sum(evaluation%unlevel**2) + sum(evaluation%row**2))
       evaluation%unmet = beyond(evaluation%row, scene%newton%row_floor)
       evaluation%force = largest_force(scene, f, reaction)
       evaluation%contact_residual = contact_residual(scene)
-   end subroutine evaluate
+   end subroutine weigh
 
    !> Largest force of a state: of an element on a node, before its neighbours cancel it; of loads;
    !> of reactions. What assembled forces leave at a node that is free is the residual itself.
    pure real(wp) function largest_force(scene, f, reaction) result(force)
       type(scene_type), intent(in) :: scene
-      real(wp), intent(in) :: f(:), reaction(:)      !! loads, reactions [force]
+      real(wp), intent(in) :: f(:), reaction(:)      !! loads, reactions [force], [force*length]
+      integer :: i
 
-      force = max(largest(f), largest(reaction), scene%newton%element_force)
+      force = max(largest(as_forces(scene, f, [(i, i=1, size(f))])), largest(as_forces(scene, &
+         & reaction, scene%constraints%dof_of_prescribed)), scene%newton%element_force)
       if (scene%newton%nlgeom) force = max(force, largest(scene%newton%follower%force))
    end function largest_force
 

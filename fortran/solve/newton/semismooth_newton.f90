@@ -384,7 +384,7 @@ contains
       real(wp) :: reference, size(3)
 
       reference = max(reference_of(scene, evaluation), tiny(1.0_wp))
-      size = [largest(evaluation%free)/reference, largest(evaluation%row)/reference, last]
+      size = [largest(evaluation%unlevel)/reference, largest(evaluation%row)/reference, last]
       size = merge(min(size, shown(2)), 0.0_wp, size >= shown(1))
       associate (c => scene%newton%contact)
          write (text, '(i4,3(1x,es12.4),1x,f8.5,3(1x,i6),1x,i6,1x,a)') iteration, size, share, &

@@ -23,8 +23,8 @@ contains
       integer :: dof, point, changed
 
       text = ''
-      if (size(evaluation%free) == 0) return
-      dof = dof_of(scene, maxloc(abs(evaluation%free), dim=1))
+      if (size(evaluation%unlevel) == 0) return
+      dof = dof_of(scene, maxloc(abs(evaluation%unlevel), dim=1))
       if (dof == 0) return
       associate (node => scene%dofs%node(dof), c => scene%newton%contact)
          text = ', most at node '//to_text(model%mesh%node_label(node))//', dof '// &
