@@ -17,7 +17,7 @@
 #include <sys/resource.h>
 #include <unistd.h>
 
-extern void lopin_summary_failed(void);
+extern void lopin_summary_failed(int code);
 void *__real_malloc(size_t n);
 void *__real_calloc(size_t count, size_t n);
 void *__real_realloc(void *old, size_t n);
@@ -47,7 +47,7 @@ static void say_and_end(int code, const char *id, const char *message, const cha
         snprintf(text, sizeof text, "error[%s]: %s\n  = help: %s\n", id, message, help);
         put(2, text);
     }
-    lopin_summary_failed();
+    lopin_summary_failed(code);
     _exit(code);
 }
 
@@ -113,8 +113,8 @@ static void at_fault(int number, siginfo_t *what, void *context)
     uintptr_t place = (uintptr_t)what->si_addr, below = base_of_stack - place;
     (void)context;
     if (number == SIGSEGV && place < base_of_stack && !getrlimit(RLIMIT_STACK, &limit)
-        && limit.rlim_cur != RLIM_INFINITY && below > limit.rlim_cur - limit.rlim_cur / 4
-        && below - limit.rlim_cur < (uintptr_t)1 << 32) {
+        && limit.rlim_cur != RLIM_INFINITY && below > limit.rlim_cur / 2
+        && below < limit.rlim_cur + ((uintptr_t)1 << 32)) {
         snprintf(text, sizeof text, "the stack of %.3g MB is full; this is a defect of Lopin",
                  (double)limit.rlim_cur / 1048576.0);
         say_and_end(internal, "E0900", text,

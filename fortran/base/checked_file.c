@@ -203,16 +203,26 @@ void lopin_summary_is(const char *path, const char *text)
     summary_text = path[0] ? strdup(text) : NULL;
 }
 
-/* Only a file that is there and long enough is changed: in its place, with blanks to its end. */
-void lopin_summary_failed(void)
+/* Only a file that is there and long enough is changed: in its place, with blanks to its end. The
+ * exit code of the text, its only digit after the word, gives way to this one. */
+void lopin_summary_failed(int code)
 {
-    int file;
-    long long length, n;
+    char digits[12];
+    int file, fits;
+    long long length, n = 0, before, more;
+    const char *at;
     if (!summary_path || !summary_text || lopin_file_kind(summary_path, &length)) return;
-    n = (long long)strlen(summary_text);
+    at = strstr(summary_text, "exit_code");
+    at = at ? strpbrk(at, "0123456789") : NULL;
+    before = at ? at - summary_text : (long long)strlen(summary_text);
+    more = at ? snprintf(digits, sizeof digits, "%d", code) : 0;
     file = open(summary_path, O_WRONLY | O_NOFOLLOW | O_CLOEXEC | O_NONBLOCK);
     if (file < 0) return;
-    if (n <= length && write_at(file, 0, summary_text, n) == 0)
-        while (n < length && write_at(file, n, " ", 1) == 0) ++n;
+    n = (long long)strlen(summary_text) + more - (at ? 1 : 0);
+    fits = n <= length && write_at(file, 0, summary_text, before) == 0;
+    if (fits && at)
+        fits = write_at(file, before, digits, more) == 0
+            && write_at(file, before + more, at + 1, n - before - more) == 0;
+    if (fits) while (n < length && write_at(file, n, " ", 1) == 0) ++n;
     close(file);
 }

@@ -89,7 +89,9 @@ module lopin_checked_file
       end subroutine summary_is
 
       !> The run has failed, and nothing longer can be written.
-      subroutine summary_failed() bind(c, name='lopin_summary_failed')
+      subroutine summary_failed(code) bind(c, name='lopin_summary_failed')
+         import :: c_int
+         integer(c_int), value :: code         !! of the exit
       end subroutine summary_failed
 
       integer(c_int) function c_reason(status, text, n) bind(c, name='lopin_reason')

@@ -359,7 +359,7 @@ contains
       case (code%no_memory)
          call raise_no_memory(error, 'cholmod', n)
       case (code%too_large)
-         call raise(error, error_code%resource, 'E0702', 'one supernode of the factor of '// &
+         call raise(error, error_code%resource, 'E0702', 'the analysis or one supernode of '// &
             & to_text(n)//' equations would have more than 2**31 entries')
       case default
          call raise_failed(error, 'cholmod', n, status)

@@ -1,7 +1,7 @@
 !> `job.json`: what a run did, for programs. Written at the start with status `running`, and at the
 !> end; without a path the text is only kept.
 module lopin_recorder_json
-   use, intrinsic :: iso_c_binding, only : c_null_char
+   use, intrinsic :: iso_c_binding, only : c_null_char, c_int
    use lopin_kinds, only : wp, lk
    use lopin_clock, only : phase_names, nphase, counter_type
    use lopin_error, only : error_type, error_code, diagnostic_type
@@ -191,7 +191,7 @@ contains
       self%content = json%text%content()
       if (len(self%path) == 0) return
       call write_atomically(self%path, self%content, error, lasting=.true.)
-      if (allocated(error)) call summary_failed()
+      if (allocated(error)) call summary_failed(int(error_code%resource, c_int))
       call summary_is(c_null_char, c_null_char)
    end subroutine finish
 

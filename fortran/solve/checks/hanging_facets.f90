@@ -22,6 +22,8 @@ module lopin_hanging_facets
 
    !> Of a facet: less of it hangs by rounding. Of the area that presses: told above.
    real(wp), parameter :: rounding = 1.0e-3_wp, told = 0.05_wp
+   !> Of an element.
+   integer, parameter :: most_faces = 6
 
    !> The most that has hung in the step so far.
    type :: hanging_type
@@ -53,17 +55,26 @@ contains
       type(model_type), intent(in) :: model
       integer, intent(in) :: increment         !! its number in the step
       real(wp) :: share
+      real(wp), allocatable :: covered(:, :)   !! (faces, elements) by any pair [area]
       integer :: pair, element
 
       if (.not. (scene%newton%in_use .and. scene%newton%flows)) return
+      allocate (covered(most_faces, model%mesh%nelement), source=0.0_wp)
       associate (c => scene%newton%contact)
          do pair = 1, size(c%mortar)
-            if (.not. c%mortar(pair)%is_on .or. c%mortar(pair)%tied) cycle
-            if (.not. c%pair_active(pair) .or. model%pair(pair)%slave == model%pair(pair)%master) &
-               & cycle
+            if (.not. is_looked_at(scene, model, pair)) cycle
             associate (m => c%mortar(pair))
                associate (status => c%status(m%first:m%first + m%slave%nnode - 1))
-                  call look(scene, model, m, c%masters%of(pair)%surface, status > 0, share, element)
+                  call add_cover(scene, m, c%masters%of(pair)%surface, status > 0, covered)
+               end associate
+            end associate
+         end do
+         do pair = 1, size(c%mortar)
+            if (.not. is_looked_at(scene, model, pair)) cycle
+            associate (m => c%mortar(pair))
+               associate (status => c%status(m%first:m%first + m%slave%nnode - 1))
+                  call look(scene, model, m, c%masters%of(pair)%surface, status > 0, covered, &
+                     & share, element)
                end associate
             end associate
             if (.not. share > self%share) cycle
@@ -72,13 +83,61 @@ contains
       end associate
    end subroutine measure_hanging
 
+   !> A pair of two bodies that is on.
+   pure logical function is_looked_at(scene, model, pair) result(is)
+      type(scene_type), intent(in) :: scene
+      type(model_type), intent(in) :: model
+      integer, intent(in) :: pair
+
+      associate (c => scene%newton%contact)
+         is = c%mortar(pair)%is_on .and. .not. c%mortar(pair)%tied .and. c%pair_active(pair) &
+            & .and. model%pair(pair)%slave /= model%pair(pair)%master
+      end associate
+   end function is_looked_at
+
+   !> What a pair covers of its facets, added to what others do: metal may lie under two dies side
+   !> by side.
+   subroutine add_cover(scene, mortar, master, closed, covered)
+      type(scene_type), intent(in) :: scene
+      type(present_mortar_type), intent(in) :: mortar
+      type(surface_type), intent(in) :: master
+      logical, intent(in) :: closed(:)         !! (slave%nnode)
+      real(wp), intent(inout) :: covered(:, :)
+      real(wp) :: part
+      integer :: i
+
+      associate (slave => mortar%slave, x => scene%newton%contact%masters%x)
+         do i = 1, mortar%list%n
+            associate (o => mortar%list%item(i))
+               if (.not. any(closed(slave%local(:slave%facets%nnode(o%slave), o%slave)))) cycle
+               part = o%part*area_of(slave, o%slave, x, mortar%axisymmetric)
+               call add(slave, o%slave)
+               call add(master, o%master)
+            end associate
+         end do
+      end associate
+
+   contains
+
+      subroutine add(surface, facet)
+         type(surface_type), intent(in) :: surface
+         integer, intent(in) :: facet
+
+         associate (f => surface%facets)
+            if (f%element(facet) > 0 .and. f%face(facet) > 0) covered(f%face(facet), &
+               & f%element(facet)) = covered(f%face(facet), f%element(facet)) + part
+         end associate
+      end subroutine add
+   end subroutine add_cover
+
    !> The share of one pair: what hangs of facets that press or are pressed, on both sides.
-   subroutine look(scene, model, mortar, master, closed, share, element)
+   subroutine look(scene, model, mortar, master, closed, by_any, share, element)
       type(scene_type), intent(in) :: scene
       type(model_type), intent(in) :: model
       type(present_mortar_type), intent(in) :: mortar
       type(surface_type), intent(in) :: master
       logical, intent(in) :: closed(:)         !! (slave%nnode)
+      real(wp), intent(in) :: by_any(:, :)     !! (faces, elements) covered by any pair [area]
       real(wp), intent(out) :: share           !! [-]
       integer, intent(out) :: element          !! 0: none hangs
       real(wp) :: of_slave(mortar%slave%facets%n), of_master(master%facets%n)   !! covered [area]
@@ -112,17 +171,20 @@ contains
       subroutine add(surface, part)
          type(surface_type), intent(in) :: surface
          real(wp), intent(in) :: part(:)       !! (facets) covered [area]
-         real(wp) :: whole
+         real(wp) :: whole, under
          integer :: k
 
          do k = 1, size(part)
             if (.not. part(k) > 0.0_wp) cycle
             whole = area_of(surface, k, scene%newton%contact%masters%x, mortar%axisymmetric)
-            if (part(k) > (1.0_wp - rounding)*whole .or. part(k) < rounding*whole) cycle
+            associate (f => surface%facets)
+               under = max(part(k), by_any(f%face(k), f%element(k)))
+            end associate
+            if (under > (1.0_wp - rounding)*whole .or. part(k) < rounding*whole) cycle
             if (.not. has_flowed(scene, model, surface%facets%element(k))) cycle
-            hangs = hangs + whole - part(k)
-            if (whole - part(k) <= most) cycle
-            most = whole - part(k)
+            hangs = hangs + whole - under
+            if (whole - under <= most) cycle
+            most = whole - under
             element = surface%facets%element(k)
          end do
       end subroutine add

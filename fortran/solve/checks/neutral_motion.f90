@@ -17,6 +17,7 @@ module lopin_neutral_motion
    use lopin_constraints, only : expand, reduce
    use lopin_newton_system, only : solve_step
    use lopin_newton_step, only : coarse
+   use lopin_one_unit, only : as_lengths
    use lopin_pseudo_transient, only : set_metric
    use lopin_repeated_messages, only : warn_once
    use lopin_scene, only : scene_type
@@ -95,27 +96,32 @@ contains
       integer, intent(out) :: node             !! where the motion is largest
       type(error_type), allocatable, intent(out) :: error
       real(wp) :: v(scene%constraints%neq), pushed(scene%constraints%neq)
-      real(wp) :: u(scene%dofs%n), before, after
+      real(wp) :: u(scene%dofs%n), before, after, most
       real(wp) :: right(scene%constraints%neq + scene%newton%contact%nmultiplier)
       real(wp) :: step(size(right))
       integer :: i, k, bad
 
       times = 0.0_wp
       way = 0.0_wp
-      node = 1
-      v = [(sin(1.0_wp*i*i), i=1, size(v))]
+      node = 0
+      ! Rotations times the length of the scene are as large as displacements.
+      v = [(1.0_wp, i=1, size(v))]
+      v = 1.0_wp/as_lengths(scene, v, scene%constraints%dof_of_equation)
+      v = v*[(sin(1.0_wp*i*i), i=1, size(v))]
       call push(v, pushed, before)
       do k = 1, iterations
          right = 0.0_wp
          right(:size(v)) = pushed
          call solve_step(scene%newton%system, right, coarse, step, scene%clock, scene%counter, &
             & bad, error)
+         if (bad > 0) times = 0.0_wp
          if (allocated(error) .or. bad > 0) return
          v = step(:size(v))
-         if (.not. largest(v) > 0.0_wp) return
-         v = v/largest(v)
+         most = largest(as_lengths(scene, v, scene%constraints%dof_of_equation))
+         if (.not. most > 0.0_wp) return
+         v = v/most
          call push(v, pushed, after)
-         times = sqrt(after/before)*largest(step(:size(v)))
+         times = sqrt(after/before)*most
          before = after
          way = small*scene%newton%element_force*times/after
       end do

@@ -25,7 +25,7 @@ module lopin_check_mesh
    real(wp), parameter :: turned_over = 0.2_wp
 
    !> What is left of a side where metal has necked, how much more of the one beside it; cosine.
-   real(wp), parameter :: necked = 0.15_wp, wider = 3.0_wp, parallel = 0.99_wp
+   real(wp), parameter :: necked = 1.0_wp/7.0_wp, wider = 3.0_wp, parallel = 0.99_wp
 
    !> The worst corner of a mesh.
    type :: fold_type

@@ -85,6 +85,9 @@ contains
             & longest_facet(scene)/max(largest(step), longest_facet(scene), tiny(1.0_wp))
          search%by_work = scene%newton%flows .and. search%pull < 0.0_wp &
             & .and. norm2(evaluation%row) <= met*norm2(evaluation%unlevel)
+         ! Springs of contact have no rows that could be met.
+         if (size(evaluation%row) == 0) search%by_work = search%by_work .and. .not. &
+            & any(scene%newton%contact%status > 0)
          call backtrack(scene, model, search, v, evaluation, error)
          if (allocated(error)) return
          if (search%falls .and. .not. search%first) call find_landing(scene, model, search, v, &

@@ -121,10 +121,10 @@ class _Search:
         if found.value == 0.0:
             found.reason = f"the {found.quantity} is 0: it has no relative error; ask for that " \
                 "of one tool by SET, or for another direction"
-        self._slide(deck, *last)
-        deck = self.meshes.deck
         if found.enforcement > found.target and not found.reason:
             found.reason = contact_alone(found)
+        self._slide(deck, *last)
+        deck = self.meshes.deck
         if depends_on_path(deck) and not found.reason:
             last = self.whole = self._settle_increments(deck, last)
         while not found.reason:
@@ -174,9 +174,10 @@ class _Search:
             room = found.target - found.besides
             most = np.abs(self.estimate.parts).sum()
             goal = min(OF_ROOM*room*abs(found.value), most/AT_LEAST)
-            if room > 0.0 and meshes.spend(self.estimate.labels, self.estimate.parts, goal) \
-                    and meshes.n_element <= limit:
-                return True
+            if room > 0.0 and meshes.spend(self.estimate.labels, self.estimate.parts, goal):
+                if meshes.n_element > limit:
+                    found.reason = out_of_reach(found, meshes.n_element, limit, dims)
+                return not found.reason
         if not found.levels[-1].uniform:
             # What was refined in part did not do what was foretold: whole meshes from the last.
             meshes.begin_again()
