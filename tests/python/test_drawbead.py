@@ -45,7 +45,7 @@ def forces(scene):
     """On the bead along x, once the strip slides."""
     history = lopin.run(scene).history
     along = np.asarray(history["BEAD.rf1"])[np.asarray(history["step"]) == 2]
-    assert len(along) == 50
+    assert len(along) >= 50   # more where a node goes past the edge of the bead
     return along[10:]
 
 

@@ -83,11 +83,8 @@ contains
          search%pull = dot_product(search%step(:size(v)), evaluation%free)
          if (scene%newton%flows .and. .not. (search%first .or. search%falls)) search%share = &
             & longest_facet(scene)/max(largest(step), longest_facet(scene), tiny(1.0_wp))
-         search%by_work = scene%newton%flows .and. search%pull < 0.0_wp &
-            & .and. norm2(evaluation%row) <= met*norm2(evaluation%unlevel)
-         ! Springs of contact have no rows that could be met.
-         if (size(evaluation%row) == 0) search%by_work = search%by_work .and. .not. &
-            & any(scene%newton%contact%status > 0)
+         search%by_work = search%pull < 0.0_wp
+         if (search%by_work) search%by_work = has_potential(scene, evaluation)
          call backtrack(scene, model, search, v, evaluation, error)
          if (allocated(error)) return
          if (search%falls .and. .not. search%first) call find_landing(scene, model, search, v, &
@@ -99,6 +96,29 @@ contains
          & scene%trial%motion%u, [(i, i=1, scene%dofs%n)])), &
          & motionless*scene%bodies%length)
    end subroutine take_step
+
+   !> Metal flows, and nothing but its forces works along a step: amplitudes of internal modes may
+   !> leap to another balance, and springs of contact have no rows that could be met.
+   logical function has_potential(scene, evaluation) result(has)
+      type(scene_type), intent(in) :: scene
+      type(evaluation_type), intent(in) :: evaluation
+      integer :: i
+
+      has = scene%newton%flows
+      do i = 1, size(scene%solids%group)
+         has = has .and. scene%solids%group(i)%element%nmode == 0
+      end do
+      if (.not. has) return
+      associate (contact => scene%newton%contact)
+         do i = 1, contact%n
+            associate (method => contact%enforcement(i)%method)
+               has = method%solves_for_multiplier() .and. method%is_exact()
+            end associate
+            if (.not. has) return
+         end do
+      end associate
+      has = norm2(evaluation%row) <= met*norm2(evaluation%unlevel)
+   end function has_potential
 
    !> Shorten the step until it is acceptable; the best of those that fold nothing, if there is one.
    subroutine backtrack(scene, model, search, v, evaluation, error)
