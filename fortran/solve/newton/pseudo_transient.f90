@@ -75,7 +75,9 @@ contains
          mass = scene%newton%reference/(size_*max(1, scene%dofs%n))
          do i = 1, damping%metric%n
             associate (at => damping%metric%slot(i, i))
-               damping%metric%value(at) = damping%metric%value(at) + mass
+               ! A rotation moves what lies a length of the scene away.
+               damping%metric%value(at) = damping%metric%value(at) + merge(mass, &
+                  & mass*scene%bodies%length**2, scene%dofs%dof(i) <= 3)
             end associate
          end do
       end associate
