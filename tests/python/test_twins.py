@@ -39,7 +39,9 @@ def test_the_light_one_has_the_answer(twin, solve):
     much, little = solve(heavy), solve(light)
     assert np.isclose(force(much), share*force(little), rtol=tolerance)
     before, after = counts(much), counts(little)
-    assert all(after[k] <= before[k] for k in ("equations", "increments", "factorisations"))
+    assert all(after[k] <= before[k] for k in ("equations", "increments"))
+    # Small scenes keep no factor for a second tangent: what factors cost goes by their size.
+    assert after["factorisations"]*after["equations"] <= before["factorisations"]*before["equations"]
     if code in ("N0361", "N0362", "N0364", "N0365", "N0367"):
         assert after["equations"] < 0.6*before["equations"]
     if code == "N0363":
