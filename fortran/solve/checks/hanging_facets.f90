@@ -59,6 +59,8 @@ contains
       integer :: pair, element
 
       if (.not. (scene%newton%in_use .and. scene%newton%flows)) return
+      if (.not. any([(is_looked_at(scene, model, pair), pair=1, size(scene%newton%contact% &
+         & mortar))])) return
       allocate (covered(most_faces, model%mesh%nelement), source=0.0_wp)
       associate (c => scene%newton%contact)
          do pair = 1, size(c%mortar)
@@ -95,37 +97,55 @@ contains
       end associate
    end function is_looked_at
 
-   !> What a pair covers of its facets, added to what others do: metal may lie under two dies side
-   !> by side.
+   !> What a pair covers of its facets, where its slave presses.
+   subroutine find_cover(scene, mortar, closed, of_slave, of_master)
+      type(scene_type), intent(in) :: scene
+      type(present_mortar_type), intent(in) :: mortar
+      logical, intent(in) :: closed(:)         !! (slave%nnode)
+      real(wp), intent(out) :: of_slave(:)     !! (facets) [area]
+      real(wp), intent(out) :: of_master(:)
+      real(wp) :: part
+      integer :: i
+
+      of_slave = 0.0_wp
+      of_master = 0.0_wp
+      associate (slave => mortar%slave, x => scene%newton%contact%masters%x)
+         do i = 1, mortar%list%n
+            associate (o => mortar%list%item(i))
+               if (.not. any(closed(slave%local(:slave%facets%nnode(o%slave), o%slave)))) cycle
+               part = o%part*area_of(slave, o%slave, x, mortar%axisymmetric)
+               of_slave(o%slave) = of_slave(o%slave) + part
+               of_master(o%master) = of_master(o%master) + part
+            end associate
+         end do
+      end associate
+   end subroutine find_cover
+
+   !> What a pair covers, added to what others do: metal may lie under two dies side by side.
    subroutine add_cover(scene, mortar, master, closed, covered)
       type(scene_type), intent(in) :: scene
       type(present_mortar_type), intent(in) :: mortar
       type(surface_type), intent(in) :: master
       logical, intent(in) :: closed(:)         !! (slave%nnode)
       real(wp), intent(inout) :: covered(:, :)
-      real(wp) :: part
-      integer :: i
+      real(wp) :: of_slave(mortar%slave%facets%n), of_master(master%facets%n)
 
-      associate (slave => mortar%slave, x => scene%newton%contact%masters%x)
-         do i = 1, mortar%list%n
-            associate (o => mortar%list%item(i))
-               if (.not. any(closed(slave%local(:slave%facets%nnode(o%slave), o%slave)))) cycle
-               part = o%part*area_of(slave, o%slave, x, mortar%axisymmetric)
-               call add(slave, o%slave)
-               call add(master, o%master)
-            end associate
-         end do
-      end associate
+      call find_cover(scene, mortar, closed, of_slave, of_master)
+      call add(mortar%slave, of_slave)
+      call add(master, of_master)
 
    contains
 
-      subroutine add(surface, facet)
+      subroutine add(surface, part)
          type(surface_type), intent(in) :: surface
-         integer, intent(in) :: facet
+         real(wp), intent(in) :: part(:)       !! (facets) [area]
+         integer :: k
 
          associate (f => surface%facets)
-            if (f%element(facet) > 0 .and. f%face(facet) > 0) covered(f%face(facet), &
-               & f%element(facet)) = covered(f%face(facet), f%element(facet)) + part
+            do k = 1, size(part)
+               if (part(k) > 0.0_wp) covered(f%face(k), f%element(k)) = &
+                  & covered(f%face(k), f%element(k)) + part(k)
+            end do
          end associate
       end subroutine add
    end subroutine add_cover
@@ -141,20 +161,10 @@ contains
       real(wp), intent(out) :: share           !! [-]
       integer, intent(out) :: element          !! 0: none hangs
       real(wp) :: of_slave(mortar%slave%facets%n), of_master(master%facets%n)   !! covered [area]
-      real(wp) :: covered, hangs, most
-      integer :: i
+      real(wp) :: hangs, most
 
-      of_slave = 0.0_wp
-      of_master = 0.0_wp
-      associate (slave => mortar%slave, x => scene%newton%contact%masters%x)
-         do i = 1, mortar%list%n
-            associate (o => mortar%list%item(i))
-               if (.not. any(closed(slave%local(:slave%facets%nnode(o%slave), o%slave)))) cycle
-               covered = o%part*area_of(slave, o%slave, x, mortar%axisymmetric)
-               of_slave(o%slave) = of_slave(o%slave) + covered
-               of_master(o%master) = of_master(o%master) + covered
-            end associate
-         end do
+      call find_cover(scene, mortar, closed, of_slave, of_master)
+      associate (slave => mortar%slave)
          share = 0.0_wp
          element = 0
          if (.not. any(of_slave > 0.0_wp)) return
