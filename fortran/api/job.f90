@@ -19,10 +19,11 @@ module lopin_job
    use lopin_stream, only : stream_type
    use lopin_blas_threads, only : set_blas_threads, blas_threads
    use lopin_report, only : summary_type
+   use lopin_shared_work, only : set_threads_of_run
    use lopin_text, only : plural, to_text, upper
    use lopin_version, only : version
    use lopin_watcher, only : watcher_type
-   use omp_lib, only : omp_set_num_threads, omp_get_max_threads
+   use omp_lib, only : omp_get_max_threads
    implicit none
    private
    public :: job_type, outcome_type, running_type, open_job, run_job, refuse_warnings, stem_of
@@ -57,7 +58,7 @@ module lopin_job
       type(checkpoint_file_type), allocatable :: checkpoint
       logical :: opened = .false.               !! and not ended
       logical, private :: borrowed = .false.    !! the answer to Ctrl-C
-      integer, private :: blas = 0, team = 0          !! threads of the process without the run
+      integer, private :: blas = 0                    !! threads of the BLAS without the run
       integer, private :: own_team = 0                !! threads of the run; 0: not yet chosen
    end type running_type
 
@@ -75,9 +76,6 @@ module lopin_job
          import :: c_int
          integer(c_int), value :: n
       end function lopin_threads_that_start
-
-      subroutine lopin_survive_forks() bind(c)
-      end subroutine lopin_survive_forks
    end interface
 
 contains
@@ -278,9 +276,8 @@ contains
       logical :: done
 
       running%blas = blas_threads()
-      running%team = omp_get_max_threads()
       if (running%own_team == 0) call choose_threads(self, model, running%own_team, log)
-      call omp_set_num_threads(running%own_team)
+      call set_threads_of_run(running%own_team)
       done = set_blas_threads(1)
       associate (unused => done)
       end associate
@@ -296,7 +293,7 @@ contains
       logical :: done
 
       if (self%stepwise) call give_back(running, error)
-      call omp_set_num_threads(running%team)
+      call set_threads_of_run(1)
       done = running%blas == 0
       if (.not. done) done = set_blas_threads(running%blas)
    end subroutine leave
@@ -341,10 +338,7 @@ contains
       if (wanted > 1 .and. unsaid /= 0) wanted = min(wanted, max(1, int(lopin_idle_processors())))
       if (self%threads > 0) wanted = self%threads
       started = 1
-      if (wanted > 1) then
-         started = lopin_threads_that_start(int(wanted, c_int))
-         call lopin_survive_forks()
-      end if
+      if (wanted > 1) started = lopin_threads_that_start(int(wanted, c_int))
       if (started < wanted) call log%say(severity%note, 'N0706', 'the run has '// &
          & plural(started, 'thread')//' instead of '//to_text(wanted)// &
          & ': the system starts no more')

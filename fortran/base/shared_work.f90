@@ -5,10 +5,9 @@
 !> of threads as long as that holds.
 module lopin_shared_work
    use, intrinsic :: iso_c_binding, only : c_int, c_ptr, c_funptr, c_loc, c_funloc, c_f_pointer
-   use omp_lib, only : omp_get_max_threads
    implicit none
    private
-   public :: shared_work_type, share_out
+   public :: shared_work_type, share_out, threads_of_run, set_threads_of_run
 
    type, abstract :: shared_work_type
    contains
@@ -29,6 +28,13 @@ module lopin_shared_work
    end type handle_type
 
    interface
+      integer(c_int) function lopin_threads_of_run() bind(c)
+         import :: c_int
+      end function lopin_threads_of_run
+      subroutine lopin_set_threads_of_run(threads) bind(c)
+         import :: c_int
+         integer(c_int), value :: threads
+      end subroutine lopin_set_threads_of_run
       subroutine lopin_team_loop(threads, stages, begin, last_is_serial, part, context) &
          & bind(c)
          import :: c_int, c_ptr, c_funptr
@@ -41,6 +47,18 @@ module lopin_shared_work
 
 contains
 
+   !> Threads that the run in progress computes on; 1 where none is.
+   integer function threads_of_run()
+      threads_of_run = int(lopin_threads_of_run())
+   end function threads_of_run
+
+   !> From now on loops and factorisations are shared out among so many threads.
+   subroutine set_threads_of_run(threads)
+      integer, intent(in) :: threads
+
+      call lopin_set_threads_of_run(int(threads, c_int))
+   end subroutine set_threads_of_run
+
    !> Do parts begin(s) to begin(s + 1) - 1 of stage s, stage after stage.
    subroutine share_out(work, begin, last_is_serial)
       class(shared_work_type), intent(inout), target :: work
@@ -50,7 +68,7 @@ contains
       integer(c_int) :: serial
       integer :: k
 
-      if (omp_get_max_threads() == 1) then
+      if (threads_of_run() == 1) then
          do k = begin(1), begin(size(begin)) - 1
             call work%do_part(k)
          end do
@@ -59,7 +77,7 @@ contains
       serial = 0
       if (present(last_is_serial)) serial = merge(1_c_int, 0_c_int, last_is_serial)
       handle%work => work
-      call lopin_team_loop(int(omp_get_max_threads(), c_int), size(begin) - 1, &
+      call lopin_team_loop(lopin_threads_of_run(), size(begin) - 1, &
          & int(begin, c_int), serial, c_funloc(do_part_of), c_loc(handle))
    end subroutine share_out
 

@@ -24,14 +24,16 @@ struct team {
 
 typedef struct { team_type *team; int rank; pthread_t thread; } member_type;
 
-/* Addresses that OpenBLAS takes for each thread, and a little more: it waits for ever where there
- * are none. */
-static const long long room_of_blas = 140000000;
-extern int lopin_has_room(long long bytes);
+extern int lopin_has_room_for_blas(int threads);
 
 extern int openblas_get_parallel(void) __attribute__((weak));
 extern void openblas_set_num_threads(int) __attribute__((weak));
 extern int openblas_get_num_threads(void) __attribute__((weak));
+
+static int of_run = 1;
+
+int lopin_threads_of_run(void) { return of_run; }
+void lopin_set_threads_of_run(int threads) { of_run = threads > 1 ? threads : 1; }
 
 int lopin_team_size(const team_type *team) { return team->size; }
 
@@ -88,7 +90,7 @@ static void *work(void *v)
 static int that_may_start(int threads)
 {
     if (openblas_get_parallel && openblas_get_parallel() == 2) return 1;
-    while (threads > 1 && !lopin_has_room((threads - 1) * room_of_blas)) threads--;
+    while (threads > 1 && !lopin_has_room_for_blas(threads - 1)) threads--;
     return threads;
 }
 

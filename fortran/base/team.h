@@ -4,6 +4,10 @@
 
 typedef struct team team_type;
 
+/* Threads that the run in progress computes on; 1 where none is. */
+int lopin_threads_of_run(void);
+void lopin_set_threads_of_run(int threads);
+
 /* Run job(team, rank, argument) on `threads` threads, or on as many as start. */
 void lopin_run_team(int threads, void (*job)(team_type *, int, void *), void *argument);
 int lopin_team_size(const team_type *team);

@@ -1,4 +1,4 @@
-/* Threads: how many can be started, and forks of a process that has some. */
+/* Threads: how many can be started, and how many processors other processes leave. */
 #include <limits.h>
 #include <pthread.h>
 #include <stddef.h>
@@ -32,25 +32,6 @@ int lopin_threads_that_start(int n)
     return started + 1;
 }
 
-/* Since OpenMP 5.0. Without it a child that computes on threads waits for those of its parent. */
-extern int omp_pause_resource_all(int kind) __attribute__((weak));
-
-static void send_threads_home(void)
-{
-    if (omp_pause_resource_all) omp_pause_resource_all(2);
-}
-
-/* From now on a fork begins without the threads of OpenMP that wait for work: both sides start new
- * ones when they need them. */
-void lopin_survive_forks(void)
-{
-    static int ready = 0;
-    pthread_mutex_lock(&gate);
-    if (!ready) pthread_atfork(send_threads_home, NULL, NULL);
-    ready = 1;
-    pthread_mutex_unlock(&gate);
-}
-
 /* Has a BLAS its room already? Asked once it has; it keeps what it took. */
 int lopin_blas_took_room(int now)
 {
@@ -59,13 +40,14 @@ int lopin_blas_took_room(int now)
     return took;
 }
 
-/* Are n bytes of addresses left? A BLAS that finds none waits for ever. */
-int lopin_has_room(long long n)
+/* Are addresses left for so many threads of a BLAS? One that finds none waits for ever. */
+int lopin_has_room_for_blas(int threads)
 {
-    void *place = mmap(NULL, (size_t)n, PROT_READ | PROT_WRITE,
+    const size_t each = 140000000;            /* what OpenBLAS takes, and a little more */
+    void *place = mmap(NULL, (size_t)threads * each, PROT_READ | PROT_WRITE,
                        MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
     if (place == MAP_FAILED) return 0;
-    munmap(place, (size_t)n);
+    munmap(place, (size_t)threads * each);
     return 1;
 }
 

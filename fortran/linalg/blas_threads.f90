@@ -3,16 +3,13 @@
 !> A run calls it on one thread: factorisations share out their own work (supernodal_tiles.h), and
 !> handing small blocks from thread to thread costs more than it saves.
 module lopin_blas_threads
-   use, intrinsic :: iso_c_binding, only : c_int, c_long_long, c_char, c_null_char
+   use, intrinsic :: iso_c_binding, only : c_int, c_char, c_null_char
    use lopin_blas, only : dsyev
    use lopin_error, only : error_type, error_code, raise
    use lopin_kinds, only : wp
    implicit none
    private
    public :: set_blas_threads, blas_threads, ready_blas, blas_kernel
-
-   !> Addresses that OpenBLAS takes for each thread, and a little more [byte].
-   integer(c_long_long), parameter :: room = 140000000_c_long_long
 
    interface
       integer(c_int) function lopin_blas_threads_set(n) bind(c)
@@ -26,10 +23,10 @@ module lopin_blas_threads
          import :: c_int
          integer(c_int), value :: now
       end function lopin_blas_took_room
-      integer(c_int) function lopin_has_room(n) bind(c)
-         import :: c_int, c_long_long
-         integer(c_long_long), value :: n
-      end function lopin_has_room
+      integer(c_int) function lopin_has_room_for_blas(threads) bind(c)
+         import :: c_int
+         integer(c_int), value :: threads
+      end function lopin_has_room_for_blas
       subroutine lopin_choose_blas_kernel() bind(c)
       end subroutine lopin_choose_blas_kernel
       integer(c_int) function lopin_blas_kernel(name, room) bind(c)
@@ -48,7 +45,7 @@ contains
 
       most = n
       if (n > 1) then
-         if (lopin_has_room(n*room) == 0) most = 1
+         if (lopin_has_room_for_blas(int(n, c_int)) == 0) most = 1
       end if
       done = lopin_blas_threads_set(int(most, c_int)) /= 0
    end function set_blas_threads
@@ -63,7 +60,7 @@ contains
       if (blas_threads() == 0) return
       call lopin_choose_blas_kernel()
       if (lopin_blas_took_room(0_c_int) /= 0) return
-      if (lopin_has_room(room) == 0) then
+      if (lopin_has_room_for_blas(1_c_int) == 0) then
          call raise(error, error_code%resource, 'E0702', 'not enough memory: the BLAS takes '// &
             & '128 MB, which the system refuses', help='raise the limit of the address space '// &
             & '(ulimit -v)')

@@ -162,15 +162,6 @@ static void weakest_pivot(const supernodal_plan *plan, const double *x, const in
     }
 }
 
-/* Threads of the run, as OpenMP has them. */
-extern int omp_get_max_threads(void) __attribute__((weak));
-
-int lopin_threads_of_run(void)
-{
-    int n = omp_get_max_threads ? omp_get_max_threads() : 1;
-    return n > 1 ? n : 1;
-}
-
 static int factorise_supernodes(handle_type *h, const double *a, int *column)
 {
     int zero = !h->x, status, failed;

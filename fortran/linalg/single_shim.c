@@ -21,7 +21,6 @@ extern void lopin_solve_backward(const float *, int, int, const float *, float *
 
 extern int lopin_cholmod_plan(void *handle, const int *p, const int *i,
                               const supernodal_plan **plan);
-extern int lopin_threads_of_run(void);
 
 typedef struct {
     const supernodal_plan *plan;

@@ -1,9 +1,9 @@
 !> Reports: what one accepted increment, and a whole run, show to the recorders.
 module lopin_report
-   use omp_lib, only : omp_get_max_threads
    use lopin_kinds, only : wp
    use lopin_error, only : log_type
    use lopin_clock, only : counter_type, clock_type
+   use lopin_shared_work, only : threads_of_run
    use lopin_stream, only : stream_type
    implicit none
    private
@@ -154,7 +154,7 @@ contains
       summary%path = ''
       summary%solver = ''
       summary%checksum = ''
-      summary%threads = omp_get_max_threads()
+      summary%threads = threads_of_run()
       allocate (summary%step(nstep))
    end subroutine new_summary
 

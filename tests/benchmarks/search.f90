@@ -1,6 +1,6 @@
 !> Times of the contact search, one thread, as a Markdown table (docs/search.md).
 program bench_search
-   use, intrinsic :: omp_lib, only : omp_set_num_threads
+   use lopin_shared_work, only : set_threads_of_run
    use lopin_kinds, only : wp, lk
    use lopin_error, only : error_type
    use lopin_cells, only : cell_id
@@ -14,7 +14,7 @@ program bench_search
 
    integer :: k
 
-   call omp_set_num_threads(1)
+   call set_threads_of_run(1)
    print '(a)', '| facets | points | follow nodes [ns/facet] | build [ns/facet] '// &
       & '| refit [ns/facet] | global [ns/query] | analytic sphere [ns] |'
    print '(a)', '| --- | --- | --- | --- | --- | --- | --- |'

@@ -1,5 +1,5 @@
 program test_assemble_linear
-   use omp_lib, only : omp_set_num_threads
+   use lopin_shared_work, only : set_threads_of_run
    use lopin_kinds, only : wp
    use lopin_error, only : error_type
    use lopin_mesh, only : mesh_type
@@ -229,11 +229,11 @@ contains
 
       do w = 1, size(words)
          call test('one and two threads give the same bits: '//words(w))
-         call omp_set_num_threads(1)
+         call set_threads_of_run(1)
          call make(trim(words(w)), [5, 4, 3], 0.2_wp, '')
          if (allocated(one)) deallocate (one)
          allocate (one, source=matrix%value)
-         call omp_set_num_threads(2)
+         call set_threads_of_run(2)
          call make(trim(words(w)), [5, 4, 3], 0.2_wp, '')
          call is_true('bits', all(transfer(one, [1]) == transfer(matrix%value, [1])))
       end do
@@ -318,10 +318,10 @@ contains
       mesh%element_label = [(k, k=1, n)]
       call number('CPE3', '')
       call is_true('serial', solids%last_is_serial .and. size(solids%order) == n)
-      call omp_set_num_threads(1)
+      call set_threads_of_run(1)
       call assemble_stiffness(solids, mesh, matrix, error)
       allocate (one, source=matrix%value)
-      call omp_set_num_threads(2)
+      call set_threads_of_run(2)
       call assemble_stiffness(solids, mesh, matrix, error)
       call is_true('bits', all(transfer(one, [1]) == transfer(matrix%value, [1])))
       associate (full => dense())

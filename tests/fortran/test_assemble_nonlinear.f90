@@ -1,5 +1,5 @@
 program test_assemble_nonlinear
-   use omp_lib, only : omp_set_num_threads
+   use lopin_shared_work, only : set_threads_of_run
    use lopin_kinds, only : wp
    use lopin_error, only : error_type
    use lopin_mesh, only : mesh_type
@@ -41,7 +41,7 @@ program test_assemble_nonlinear
       end subroutine dposv
    end interface
 
-   call omp_set_num_threads(1)   ! meshes too small to share out
+   call set_threads_of_run(1)   ! meshes too small to share out
    do i = 1, size(element_words)
       do j = 1, size(wishes)
          call new_element_type(element, trim(element_words(i)), wishes(j), found)
@@ -254,10 +254,10 @@ contains
          call make(trim(words(w)), [5, 4, 3], 0.2_wp, '')
          if (allocated(force)) deallocate (force, other)
          allocate (force(matrix%n), other(matrix%n))
-         call omp_set_num_threads(1)
+         call set_threads_of_run(1)
          call assemble_nonlinear(solids, mesh, wild(0.05_wp), memory, force, first, bad, matrix)
          one = matrix%value
-         call omp_set_num_threads(2)
+         call set_threads_of_run(2)
          call assemble_nonlinear(solids, mesh, wild(0.05_wp), memory, other, energy, bad, matrix)
          call is_true('not inside out', bad%element == 0)
          call is_true('matrix', all(transfer(one, [1]) == transfer(matrix%value, [1])))

@@ -1,6 +1,6 @@
 !> The search over meshed surfaces: against brute force, closed forms and invariances.
 program test_search
-   use, intrinsic :: omp_lib, only : omp_set_num_threads, omp_get_max_threads
+   use lopin_shared_work, only : set_threads_of_run, threads_of_run
    use lopin_kinds, only : wp
    use lopin_error, only : error_type
    use lopin_cells, only : cell_id, cell_names
@@ -414,12 +414,12 @@ contains
       x(3, :) = 0.4_wp*x(3, :) - 0.2_wp
       normal = 0.0_wp
       normal(3, :) = -1.0_wp
-      before = omp_get_max_threads()
-      call omp_set_num_threads(1)
+      before = threads_of_run()
+      call set_threads_of_run(1)
       call find_projections(scene%surface, scene%tree, x, normal, limits, one)
-      call omp_set_num_threads(3)
+      call set_threads_of_run(3)
       call find_projections(scene%surface, scene%tree, x, normal, limits, many)
-      call omp_set_num_threads(before)
+      call set_threads_of_run(before)
       same = .true.
       do i = 1, n
          same = same .and. one(i)%facet == many(i)%facet .and. abs(one(i)%gap - &

@@ -1,7 +1,7 @@
 !> Factors by several threads: the same bits whatever their number, on both precisions.
 program test_threads_of_factors
    use, intrinsic :: iso_c_binding, only : c_int, c_double, c_ptr
-   use omp_lib, only : omp_set_num_threads, omp_get_max_threads
+   use lopin_shared_work, only : set_threads_of_run, threads_of_run
    use lopin_kinds, only : wp
    use lopin_error, only : error_type
    use lopin_csc, only : csc_type, storage
@@ -29,7 +29,7 @@ program test_threads_of_factors
       end function far_factor_solve
    end interface
 
-   before = omp_get_max_threads()
+   before = threads_of_run()
    a = block_of_springs(1.0e-2_wp)
    call try_double([integer ::])
    call try_double([(n - 700 + i, i=1, 700)])
@@ -37,7 +37,7 @@ program test_threads_of_factors
    call try_single(with_negative_springs(), .true.)
    call try_far()
    call try_singular()
-   call omp_set_num_threads(before)
+   call set_threads_of_run(before)
    call finish()
 
 contains
@@ -54,7 +54,7 @@ contains
       call solver%analyse(a, matrix_class%positive_definite, last, error)
       call is_true('analysed', .not. allocated(error))
       do k = 1, size(teams)
-         call omp_set_num_threads(teams(k))
+         call set_threads_of_run(teams(k))
          call solver%factorise(a, bad, error)
          call is_true('factorised', bad == 0 .and. .not. allocated(error))
          x = reshape([(sin(1.3_wp*i), i=1, n)], [n, 1])
@@ -101,7 +101,7 @@ contains
       solver%keeps_signs = negative
       call solver%analyse(matrix, matrix_class%positive_definite, [integer ::], error)
       do k = 1, size(teams)
-         call omp_set_num_threads(teams(k))
+         call set_threads_of_run(teams(k))
          call solver%factorise(matrix, bad, error)
          call is_true('single', bad == 0 .and. .not. solver%is_exact())
          call is_true('signs', (solver%negative > 0) .eqv. negative)
@@ -124,7 +124,7 @@ contains
       a = with_negative_springs()
       call solver%analyse(a, matrix_class%positive_definite, [integer ::], error)
       do k = 1, size(teams)
-         call omp_set_num_threads(teams(k))
+         call set_threads_of_run(teams(k))
          if (allocated(error)) deallocate (error)
          call solver%factorise(a, bad, error)
          if (k == 1) first = bad
