@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from lopin.deck import Deck
-from lopin.mesh_make import block
+from lopin.mesh_make import block, simplices
 
 TURN, _ = np.linalg.qr(np.array([[0.4, 0.8, -0.3], [0.7, -0.2, 0.9], [0.1, 0.5, 0.6]]))
 TURN *= np.linalg.det(TURN)
@@ -108,3 +108,50 @@ def test_nodes_in_a_crease_stick_and_slide_along_it(solve, tmp_path):
             force = [result.history[f"TOOL.rf{axis}"][i] for result, i in zip((soft, exact), last, strict=True)]
             assert force[1] == pytest.approx(force[0], rel=0.03, abs=0.01*abs(soft.history["TOOL.rf3"][last[0]]))
     assert sum(exact.history["iterations"]) < 60
+
+
+SLOPE = np.array([-0.05, 0.0, -0.015])
+
+
+def stack(gap, word, q=None, unit=1.0):
+    """A quarter of a block above a quarter of a larger one, whose top leans at both planes of symmetry; turned by q."""
+    axes = unit*(np.eye(3) if q is None else q)
+    nodes, rows, surfaces, sets = [], [], [], {}
+    for name, first, wide, lift, side in (("LOW", 1, 3.0, -2.0, "TOP"), ("UP", 1001, 2.0, gap, "BOTTOM")):
+        mesh = block((wide, 2.0, wide), (round(wide), 2, round(wide)), origin=(0.0, lift, 0.0))
+        level = mesh.points[:, 1].copy()
+        mesh = simplices(mesh) if word == "C3D4" else mesh
+        leaning = mesh.mapped(lambda x: x + np.outer(x @ SLOPE, [0.0, 1.0, 0.0]))
+        nodes += [f"{first + i}, " + line(axes@x) for i, x in enumerate(leaning.points)]
+        rows += [f"*ELEMENT, TYPE={word}, ELSET={name}", *(f"{first + i}, " + ", ".join(str(n + first) for n in row)
+                                                           for i, row in enumerate(mesh.blocks[0][1].tolist()))]
+        met = lift + 2.0*(name == "LOW")
+        surfaces += [f"*SURFACE, NAME={name}_FACE", *(f"{first + e}, S{f}" for e, f in mesh.boundary().tolist() if np.all(
+            np.abs(mesh.points[mesh.face_nodes(e, f), 1] - met) < 1e-12))]
+        sets |= {f"{name}_X": first + np.flatnonzero(mesh.points[:, 0] == 0.0),
+                 f"{name}_Z": first + np.flatnonzero(mesh.points[:, 2] == 0.0),
+                 f"{name}_END": first + np.flatnonzero(np.abs(level - (-2.0 if side == "TOP" else 2.0 + gap)) < 1e-12)}
+    turned = [] if q is None else ["*TRANSFORM, NSET=N", line([*q[:, 0], *q[:, 1]])]
+    return Deck.parse("\n".join([
+        "*HEADING", "Leaning stack", "*NODE, NSET=N", *nodes, *rows,
+        *(text for name, of in sets.items() for text in (f"*NSET, NSET={name}", *(f"{n}," for n in of))), *surfaces,
+        "*MATERIAL, NAME=M", "*ELASTIC", "1000., 0.3", "*SOLID SECTION, ELSET=LOW, MATERIAL=M",
+        "*SOLID SECTION, ELSET=UP, MATERIAL=M", "*SURFACE INTERACTION, NAME=I", "*SURFACE BEHAVIOR, DIRECT",
+        "*FRICTION", "0.3,", "*CONTACT PAIR, INTERACTION=I", "UP_FACE, LOW_FACE", *turned, "*STEP, NLGEOM", "*STATIC",
+        "0.25, 1., , 0.25", "*BOUNDARY", "LOW_X, 1", "LOW_Z, 3", "UP_X, 1", "UP_Z, 3", "LOW_END, 1, 3", "UP_END, 1",
+        f"UP_END, 2, 2, {unit*(-0.1 - gap)!r}", "UP_END, 3", "*END STEP"]) + "\n", name="stack")
+
+
+@pytest.mark.parametrize("word, gap, more", [("C3D8", 1e-6, {}), ("C3D8", 1e-3, {}), ("C3D4", 1e-6, {}), ("C3D4", 1e-2, {}),
+                                             ("C3D8", 1e-6, dict(q=TURN, unit=1e-3))])
+def test_small_gaps_under_leaning_facets_leave_nodes_on_their_planes(solve, word, gap, more):
+    """The foot of a gap lies beside the plane by its tilt: rows that took that for a motion had shears without bounds
+    (144 iterations and no end, or 1778)."""
+    found = solve(stack(gap, word, **more))
+    closed = solve(stack(0.0, word))
+    assert found.summary["certificate"]["verdict"] == "PASS"
+    assert sum(found.history["iterations"]) < 35
+    axes, unit = more.get("q", np.eye(3)), more.get("unit", 1.0)
+    ends = [axis.T @ [result.history[f"UP_FACE-LOW_FACE.force{i}"][-1] for i in (1, 2, 3)]/size**2
+            for result, axis, size in ((found, axes, unit), (closed, np.eye(3), 1.0))]
+    assert ends[0] == pytest.approx(ends[1], abs=1e-3*abs(ends[1][1]))

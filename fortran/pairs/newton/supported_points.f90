@@ -17,8 +17,11 @@ module lopin_supported_points
    private
    public :: find_supported_points
 
-   !> Direction cosines, ways beside a facet, and shares of a facet's nodes, that are rounding.
+   !> Direction cosines, and ways beside a facet, that are rounding.
    real(wp), parameter :: rounding = 1.0e-9_wp
+   !> Share of the nodes beside a plane up to which a point lies on it: the foot of a gap along a
+   !> normal that leans out of the plane.
+   real(wp), parameter :: beside = 1.0e-3_wp
    !> A normal that leans so far into the plane that is left can be followed there.
    real(wp), parameter :: leans = 0.1_wp
 
@@ -202,7 +205,7 @@ contains
          if (master%tool == 0) then
             rest = a%set
             do k = 1, a%nnode
-               if (abs(a%share(k)) <= rounding) cycle
+               if (abs(a%share(k)) <= beside) cycle
                rest = rest .and. rests(constraints, self%dofs, a%node(k), 0, h, moved, &
                   & self%size(i))
             end do
