@@ -12,7 +12,8 @@ import pytest
 import lopin
 from lopin.accuracy import Quantity, reach
 from lopin.accuracy.reach import Level, Reached, _Search
-from lopin.accuracy.increments import depends_on_path, left_by_increments, with_smaller
+from lopin.accuracy.increments import (Settled, depends_on_path, left_by_increments,
+                                       with_smaller)
 from lopin.deck import Deck
 from lopin.errors import ModelError, NotConvergedError, UsageError
 from lopin.refine import refined
@@ -228,6 +229,51 @@ def test_changes_to_and_fro_have_no_order():
     found.value = -876.0
     search._estimate(False)
     assert found.order == pytest.approx(np.log2(27.3/14.1))
+
+
+def asked_by(values, settled, target=0.01, kind="FORCE"):
+    """A search that has these values on meshes whose cells were halved."""
+    found = Reached(Quantity(kind), target, value=values[-1])
+    search = _Search(Deck([]), found.quantity, target, None, None)
+    search.found, search.settled = found, settled
+    for mesh, value in enumerate(values):
+        change = value - values[mesh - 1] if mesh else float("nan")
+        found.levels.append(Level(mesh, 1.0, 4**mesh, 0, value, abs(change), change, 0.0, "PASS"))
+    search._estimate(False)
+    return search
+
+
+def test_increments_leave_more_on_a_finer_mesh():
+    """A ring, by halves of increments on four meshes: 330, 450 and 620 N of 240 600 are left on
+    meshes 0, 1 and 2 in increments of the deck, and 330 was said of all."""
+    settled = Settled.of([1.0, 0.5, 0.25], [-196.0, -68.0], 0, True)
+    assert settled.most == pytest.approx(301.0, abs=2.0) and settled.sign == -1.0
+    search = asked_by([-240677.0, -240332.0, -240067.0], settled)
+    assert 240600.0*search.found.increments == pytest.approx(2.0*settled.most, rel=3e-3)
+    # What increments of an eighth leave, which were not tried, is half of those of a quarter.
+    assert settled.at(0.125) == 0.5*settled.at(0.25)
+    # Too much for the next mesh: smaller ones are taken there.
+    search.found.target = 0.002
+    assert search._must_be_shorter() and search.factor == 0.25
+    assert not search._must_be_shorter()
+
+
+@pytest.mark.parametrize("changes, less", [([-196.0, -68.0], True), ([-196.0], True),
+                                           ([-196.0, 68.0], False), ([196.0, 68.0], False)])
+def test_mesh_and_increments_that_err_in_opposite_directions(changes, less):
+    """Of two errors of opposite sign the larger counts, less the least that the other may be;
+    nothing is taken off where either has no sign."""
+    settled = Settled.of([1.0, 0.5, 0.25][:len(changes) + 1], changes, 0, True)
+    found = asked_by([-240677.0, -240332.0], settled).found
+    apart = found.mesh + found.increments
+    assert found.error == pytest.approx(apart - found.against)
+    assert (found.against > 0.0) == less and ("opposite directions" in found.text()) == less
+    # Never below what either leaves alone, less the least of the other.
+    assert found.error >= max(found.mesh - 0.5*found.increments, found.increments) - 1e-12
+    assert asked_by([-240677.0, -240332.0], Settled.of([1.0, 0.5], [196.0], 0, False)
+                    ).found.against == 0.0
+    # A mesh that goes to and fro may be off either way.
+    assert asked_by([-240600.0, -240677.0, -240332.0], settled).found.against == 0.0
 
 
 def test_facets_that_do_not_match_are_in_the_estimate_of_a_pressure():

@@ -1,6 +1,9 @@
 """Decks with other increments or another path, and whether their answer depends on them."""
 from __future__ import annotations
 
+import math
+from dataclasses import dataclass
+
 from ..deck import Block, Deck
 from ..model_read_mesh import expanded
 from ..result import Result
@@ -55,6 +58,39 @@ def left_by_increments(changes: list[float]) -> list[float]:
     for change in reversed(changes):
         left.insert(0, left[0] + abs(change))
     return left
+
+
+@dataclass
+class Settled:
+    """What increments of some length leave on the first mesh.
+
+    Attributes
+    ----------
+    most, least : of the number; `least` is 0 where the changes have no order
+    sign : of what is left: that of the changes; 0: the number has none, or they go to and fro
+    by_factor : `most` by the length beside that of the deck
+    """
+
+    most: float
+    least: float
+    sign: float
+    by_factor: dict[float, float]
+
+    @classmethod
+    def of(cls, factors: list[float], changes: list[float], enough: int,
+           signed: bool) -> Settled:
+        """Of the run `enough` of those in increments of `factors`."""
+        left = left_by_increments(changes)
+        ordered = len(changes) > 1 and changes[-1]*changes[-2] > 0.0
+        return cls(left[enough], 0.5*left[enough] if ordered else 0.0,
+                   math.copysign(1.0, changes[-1]) if signed and (ordered or len(changes) == 1)
+                   else 0.0, dict(zip(factors, left)))
+
+    def at(self, factor: float) -> float:
+        """`most` of another length."""
+        least = min(self.by_factor)
+        return self.by_factor[factor] if factor in self.by_factor else \
+            self.by_factor[least]*factor/least
 
 
 def with_smaller(deck: Deck, result: Result, factor: float) -> Deck:

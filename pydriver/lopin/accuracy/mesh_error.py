@@ -15,23 +15,24 @@ SAFETY = 1.25
 FORETOLD = 0.5, 2.0
 
 
-def error_of_mesh(levels, quadratic: bool, in_space: bool = False,
+def error_of_mesh(levels, quadratic: bool, in_space: bool = False, pressure: bool = False,
                   rough: bool = False) -> tuple[float, float, bool]:
     """Of the last of some levels: absolute error, measured order (nan: none), by the dual problem.
 
     Two meshes, every cell halved: their difference, which holds if the error falls at least as the
-    size of cells. Three: with the order of its fall and the safety of Roache's index; an order that
-    the elements cannot have is a chance of coarse meshes, and the size of cells is believed. What
-    the dual problem says is taken where it foretold the last change by half and twice; what it did
-    not foretell of that is added, or what it is not sure of. Elsewhere the larger of both, in the
-    plane: a difference of two meshes may vanish by chance (in space the dual problem says many
-    times too much). Nothing is known (inf) of a mesh that was refined in part where the dual
-    problem fails. `rough`: of the order no more is believed than the least, as of a pressure that
-    grows beside a support.
+    size of cells; of a `pressure`, whose error at the edge of contact falls as that and hangs on
+    where the edge lies in its facet, by Roache's safety more. Three: with the order of its fall and
+    the safety of Roache's index; an order that the elements cannot have is a chance of coarse
+    meshes, and the size of cells is believed. What the dual problem says is taken where it foretold
+    the last change by half and twice; what it did not foretell of that is added, or what it is not
+    sure of. Elsewhere the larger of both, in the plane: a difference of two meshes may vanish by
+    chance (in space the dual problem says many times too much). Nothing is known (inf) of a mesh
+    that was refined in part where the dual problem fails. `rough`: of the order no more is believed
+    than the least, as of a pressure that grows beside a support.
     """
     if len(levels) < 2:
         return math.inf, math.nan, False
-    error, order = _by_differences(halved(levels), quadratic, rough)
+    error, order = _by_differences(halved(levels), quadratic, pressure, rough)
     last, before = levels[-1], levels[-2]
     floor = ROUNDING*abs(last.value)
     foretold = before.foretold - last.foretold
@@ -57,12 +58,13 @@ def halved(levels) -> list:
     return found
 
 
-def _by_differences(known, quadratic: bool, rough: bool) -> tuple[float, float]:
+def _by_differences(known, quadratic: bool, pressure: bool, rough: bool) -> tuple[float, float]:
     if not known:
         return math.inf, math.nan
     apart, changes = [v.difference for v in known], [v.change for v in known]
     if len(apart) == 1:
-        return apart[0]/(2.0**LEAST_ORDER - 1.0 if rough else 1.0), math.nan
+        share = 2.0**LEAST_ORDER - 1.0 if rough else 1.0/SAFETY if pressure else 1.0
+        return apart[0]/share, math.nan
     if changes[-1]*changes[-2] < 0.0:
         # Changes to and fro have no order: the answer may be off by as much as they are.
         return max(apart[-2:]), math.nan

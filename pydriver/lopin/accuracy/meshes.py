@@ -14,6 +14,9 @@ LEFT = 0.25
 #: Passes over the mesh at once, and the most that the sum of the parts falls by at once: what the
 #: coarse mesh tells does not reach further.
 PASSES, AT_ONCE = 2, 5.0
+#: Where the first cut was not enough, cells of the next mesh beside the last before neighbours are
+#: cut too, at least: a few cells more cost another run of all others.
+GROWTH = 1.4
 
 
 class Meshes:
@@ -54,7 +57,10 @@ class Meshes:
         be: meshes in space are refined everywhere or not at all."""
         first = local = self._local or LocalMesh(self.deck)
         own = dict(zip(labels.tolist(), np.abs(parts).tolist()))
-        least = equal_parts(np.abs(parts), max(goal, np.abs(parts).sum()/AT_ONCE))
+        every = np.sort(np.abs(parts))[::-1]
+        least = equal_parts(every, max(goal, every.sum()/AT_ONCE))
+        if self._local is not None:   # a cell that is halved is four
+            least = min(least, every[min(int((GROWTH - 1.0)/3.0*len(every)), len(every) - 1)])
         try:
             for _ in range(PASSES):
                 marked = [label for label, part in own.items() if part > least]

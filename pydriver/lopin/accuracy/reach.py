@@ -1,9 +1,10 @@
 """Runs on finer meshes and in smaller increments until a number is known as well as it was asked.
 
-The error of a mesh is taken from the differences between runs on meshes of cells of half the size:
-two meshes give a bound that holds where the error falls at least in proportion to the size, three
-give the order of its fall. The error of the increments is that between a run and one in increments
-of half the size, on the first mesh. Nothing is refined where the answer does not depend on it.
+The error of a mesh is taken from the differences between runs on meshes of cells of half the
+size: two meshes give a bound that holds where the error falls at least in proportion to the size,
+three give the order of its fall. The error of the increments is that between a run and one in
+increments of half the size, on the first mesh; it grows on finer ones. Nothing is refined where
+the answer does not depend on it.
 """
 from __future__ import annotations
 
@@ -21,7 +22,7 @@ from ..model_read_mesh import expanded, named_from
 from ..result import Result
 from ..run import as_deck, check, run
 from .dual import HOPS, LOST, SMALL, Estimate, Question
-from .increments import depends_on_path, left_by_increments, on_path, with_smaller
+from .increments import Settled, depends_on_path, left_by_increments, on_path, with_smaller
 from .mesh_error import error_of_mesh, halved
 from .meshes import Meshes
 from .quantity import Quantity
@@ -32,6 +33,11 @@ from .refusals import contact_alone, out_of_reach, out_of_time, slides
 MOST = {2: 400_000, 3: 60_000}
 #: Shares of the error asked for that increments may take.
 OF_INCREMENTS = 0.4
+#: On a finer mesh increments leave more: what they do, with each halving of the cells, as a power
+#: of two (the ring of docs/accuracy.md: 1.4 times), and the share from which they are made smaller.
+GROWS, MOST_OF_INCREMENTS = 0.5, 0.6
+#: Part of the change from mesh to mesh that a mesh may have gone beyond the limit.
+TOO_FAR = 0.5
 #: Shares of the error asked for that the shape of the start may take.
 OF_SLIDING = 0.8
 #: Share of their room below which the order of increments need not be known.
@@ -109,6 +115,7 @@ class _Search:
         self.factor = 1.0     #: of the increments
         self.meshes = Meshes(deck)
         self.estimate: Estimate | None = None   #: of the last run, by the dual problem
+        self.settled: Settled | None = None   #: what increments leave on the first mesh
         self.small = SMALL    #: change of the parameter of the dual problem beside its size
         self.moved = 0.0      #: largest displacement of the last run; 0: not known
         self.whole = None     #: result and value of the last mesh that was not refined in part
@@ -128,6 +135,8 @@ class _Search:
         if depends_on_path(deck) and not found.reason:
             last = self.whole = self._settle_increments(deck, last)
         while not found.reason:
+            if self._must_be_shorter():
+                last = self.whole = self._solve(deck, number, self.meshes.n_element)
             if not self._refine():
                 break
             if found.levels[-1].given_up:
@@ -293,24 +302,56 @@ class _Search:
                 f"{100.0*found.increments:.2g} %"
             return last
         self.factor, last = runs[enough]
+        self.settled = Settled.of([f for f, _ in runs], changes, enough,
+                                  found.quantity.kind != "PRESSURE")
         found.increments = left[enough]/max(abs(last[1]), 1e-300)
         return last
+
+    def _left(self, number: int) -> float:
+        """What increments leave on a mesh, beside the number: more than on the first one."""
+        grown = 2.0**(GROWS*number)
+        return grown*self.settled.at(self.factor)/max(abs(self.found.value), 1e-300)
+
+    def _must_be_shorter(self) -> bool:
+        """Smaller increments for the next mesh, if there those settled leave too much."""
+        before, number = self.factor, self.found.levels[-1].mesh + 1
+        while self.settled and self._left(number) > MOST_OF_INCREMENTS*self.found.target:
+            self.factor *= 0.5
+        return self.factor < before
 
     def _estimate(self, quadratic: bool) -> None:
         """The error of the mesh from the differences between meshes."""
         found = self.found
         scale = max(abs(found.value), 1e-300)
         levels = [v for v in found.levels if not v.given_up]
-        rough = "PRESSURE" in found.quantity.kind and any(
-            line.startswith("W0409") for line in found.warnings)
-        error, found.order, found.by_dual = error_of_mesh(levels, quadratic, found.in_space, rough)
+        pressure = "PRESSURE" in found.quantity.kind
+        rough = pressure and any(line.startswith("W0409") for line in found.warnings)
+        error, found.order, found.by_dual = error_of_mesh(levels, quadratic, found.in_space,
+                                                          pressure, rough)
         found.mesh = error/scale if math.isfinite(error) else math.nan
+        if self.settled is not None:
+            found.increments = self._left(levels[-1].mesh)
+            found.against = self._against(levels)
         apart = [v.difference for v in halved(levels)]
         grows = [b >= a for a, b in zip(apart, apart[1:])]
         if len(grows) >= 2 and all(grows[-2:]) and found.mesh > found.target:
             found.reason = f"the {found.quantity} changes more with each finer mesh " \
                 f"({', '.join(f'{100.0*v/scale:.2g} %' for v in apart)}): it has no limit, as at " \
                 "a sharp edge; ask for a force, a displacement or PRESSURE"
+
+
+    def _against(self, levels) -> float:
+        """What mesh and increments take from each other where one leaves too much and the other too
+        little, each by the least that it may be: the mesh as far back as it may have gone too far.
+        """
+        found, own = self.found, self.settled
+        changes = [v.change for v in halved(levels)]
+        if not changes or own.sign*changes[-1] >= 0.0 or not math.isfinite(found.mesh) or \
+                len(changes) > 1 and changes[-1]*changes[-2] < 0.0:
+            return 0.0
+        share = own.least/max(own.most, 1e-300)*found.increments*2.0**(-GROWS*levels[-1].mesh)
+        return found.mesh + found.increments - max(found.mesh - share,
+                                                   TOO_FAR*found.mesh + found.increments)
 
 
 def _quadratic(deck: Deck) -> bool:
