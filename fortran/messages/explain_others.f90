@@ -75,5 +75,12 @@ contains
          & 'the facets '// &
          & 'of its master, and a coarser one lets the master through between its nodes.', &
          & 'mesh both sides of the contact alike, or take the finer one as slave.')
+      call add_explanation(list, 'N0368', 'elements of second order for nothing', &
+         & 'At the end of every step the displacements of nodes in the middle of edges are all '// &
+         & 'but the mean of the two ends. The error of linear elements in energy is not larger '// &
+         & 'than what these nodes add, so that they would have the same answer within the '// &
+         & 'shares that are named, on fewer equations. Said of linear scenes with straight '// &
+         & 'cells.', &
+         & 'take the linear word of the same cells, or larger cells of second order.')
    end subroutine advice
 end module lopin_explain_others

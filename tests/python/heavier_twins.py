@@ -1,4 +1,4 @@
-"""Fourteen decks that model more than their scenes need, beside what the advice makes of each.
+"""Fifteen decks that model more than their scenes need, beside what the advice makes of each.
 
 `twins()` gives name, what is advised, the heavy deck, the light one, the force of the heavy one
 over that of the light one, and by how much the force on the tool may differ, with the reason (1e-6:
@@ -15,6 +15,7 @@ from tool_patches import Lines
 
 from lopin.deck import Deck
 from lopin.mesh_make import block, extruded, ring
+from lopin.refine import of_second_order
 
 DECKS = Path(__file__).resolve().parents[2]/"decks"
 
@@ -174,6 +175,7 @@ def twins():
     yield "round tool of 40 lines", "N0366", bar_on_cylinder(40), bar_on_cylinder(0), 1, 0.05
     yield "ball of an STL file", "N0366", of_collection("ball_of_facets"), \
         of_collection("hertz_sphere_3d"), 1, 0.05
+    yield "second order", "N0368", of_second_order(slab(False)).deck, slab(False), 1, 1e-6
     yield "Signorini in increments", "N0363", of_collection("signorini", "0.05, 1."), \
         of_collection("signorini"), 1, 1e-6
     yield "NAFEMS cylinder in increments", "N0363", of_collection("nafems_cylinder", "0.05, 1."), \

@@ -26,6 +26,7 @@ module lopin_run_analysis
    use lopin_work_balance, only : end_balance
    use lopin_snap_through, only : report_snap_through
    use lopin_springback, only : report_springback
+   use lopin_needless_order, only : measure_middles, tell_needless_order
    use lopin_check_drift, only : check_drift
    use lopin_check_flow_curves, only : check_flow_curves
    use lopin_check_yield, only : check_yield
@@ -383,7 +384,9 @@ contains
          call report_snap_through(watch%jumps, scene, model, energy)
          if (scene%newton%in_use) call report_springback(watch%springback, scene, model, energy, &
             & watch%balance%excess, watch%balance%springs_back)
+         call measure_middles(watch%needless, scene, model, self%frame%u)
          if (scene%step == size(model%step)) then
+            call tell_needless_order(watch%needless, scene, model)
             call check_drift(watch%drift, scene, model, self%frame%contact)
             call check_artificial_work(watch%artificial, scene, model, energy)
          end if

@@ -10,6 +10,7 @@ module lopin_run_type
    use lopin_artificial_work, only : artificial_type
    use lopin_work_balance, only : balance_type
    use lopin_snap_through, only : snap_through_type
+   use lopin_needless_order, only : needless_type
    use lopin_springback, only : springback_type
    implicit none
    private
@@ -23,6 +24,7 @@ module lopin_run_type
       type(balance_type) :: balance            !! work that is lost
       type(snap_through_type) :: jumps         !! to other equilibria
       type(springback_type) :: springback      !! work done in a release
+      type(needless_type) :: needless          !! second order that no step called for
       type(checksum_type) :: checksum          !! of the displacements of all nodes so far
    end type watch_type
 
