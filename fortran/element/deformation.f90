@@ -21,7 +21,7 @@ module lopin_deformation
 contains
 
    !> Gradients of the shape functions in the deformed place and the deformation of every point.
-   pure subroutine deform(element, input, point, g, hoop, phi, bad)
+   pure subroutine deform(element, input, point, g, hoop, phi, bad, amplitudes)
       type(element_type), intent(in) :: element
       type(element_input_type), intent(in) :: input
       type(point_type), intent(out) :: point(element%ngauss)
@@ -30,6 +30,7 @@ contains
                                              !! radius; 0 unless axisymmetric [1/length]
       real(wp), intent(out) :: phi(element%ngauss, dilatation_count(element))
       integer, intent(out) :: bad
+      real(wp), intent(out), optional :: amplitudes(element%nmode)   !! of the internal modes [-]
       real(wp) :: enhanced(3, 3, element%ngauss), alpha(element%nmode)
       integer :: k
       logical :: found
@@ -37,6 +38,7 @@ contains
       if (element%nmode > 0) then
          call enhanced_deformation(element, input, enhanced, alpha, bad)
          if (bad > 0) return
+         if (present(amplitudes)) amplitudes = alpha
       end if
       call all_gradients(element, input%x, g, point%weight, bad)
       if (bad > 0) return
@@ -74,11 +76,7 @@ contains
       if (size(phi, 2) == 0) return
       call dilatation_functions(element, input%x, point%weight, phi)
       point%volume = projection(phi, point%weight*point%own)
-      do k = 1, element%ngauss
-         if (1.0_wp + point(k)%volume > 0.0_wp) cycle
-         bad = k
-         return
-      end do
+      bad = findloc(1.0_wp + point%volume > 0.0_wp, .false., dim=1)
    end subroutine deform
 
    !> Displacement gradient and reference volume of a point, and its hoop row.

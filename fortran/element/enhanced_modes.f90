@@ -122,31 +122,38 @@ contains
 
    !> b <- a^-1 b by elimination with the largest pivot; `regular` is false where there is none.
    pure subroutine solve_small(a, b, regular)
-      real(wp), intent(inout) :: a(:, :)   !! overwritten
-      real(wp), intent(inout) :: b(:, :)
+      real(wp), contiguous, intent(inout) :: a(:, :)   !! overwritten
+      real(wp), contiguous, intent(inout) :: b(:, :)
       logical, intent(out) :: regular
-      real(wp) :: row(size(a, 1)), right(size(b, 2))
-      integer :: i, k, p, n
+      real(wp) :: held(max(size(a, 2), size(b, 2)))
+      integer :: j, k, p, n
 
       n = size(a, 1)
       regular = .false.
       do k = 1, n
          p = k - 1 + maxloc(abs(a(k:, k)), dim=1)
          if (.not. abs(a(p, k)) > 0.0_wp) return
-         row = a(k, :)
-         a(k, :) = a(p, :)
-         a(p, :) = row
-         right = b(k, :)
-         b(k, :) = b(p, :)
-         b(p, :) = right
-         do i = k + 1, n
-            row(k) = a(i, k)/a(k, k)
-            a(i, k + 1:) = a(i, k + 1:) - row(k)*a(k, k + 1:)
-            b(i, :) = b(i, :) - row(k)*b(k, :)
+         if (p /= k) then
+            held(:n) = a(k, :)
+            a(k, :) = a(p, :)
+            a(p, :) = held(:n)
+            held(:size(b, 2)) = b(k, :)
+            b(k, :) = b(p, :)
+            b(p, :) = held(:size(b, 2))
+         end if
+         a(k + 1:, k) = a(k + 1:, k)/a(k, k)
+         do j = k + 1, n
+            a(k + 1:, j) = a(k + 1:, j) - a(k, j)*a(k + 1:, k)
+         end do
+         do j = 1, size(b, 2)
+            b(k + 1:, j) = b(k + 1:, j) - b(k, j)*a(k + 1:, k)
          end do
       end do
-      do k = n, 1, -1
-         b(k, :) = (b(k, :) - matmul(a(k, k + 1:), b(k + 1:, :)))/a(k, k)
+      do j = 1, size(b, 2)
+         do k = n, 1, -1
+            b(k, j) = b(k, j)/a(k, k)
+            b(:k - 1, j) = b(:k - 1, j) - b(k, j)*a(:k - 1, k)
+         end do
       end do
       regular = .true.
    end subroutine solve_small

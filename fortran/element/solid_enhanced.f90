@@ -1,22 +1,18 @@
 !> Enhanced linear quads and bricks at finite strain: they bend without shear or thickness locking.
 !>
-!> The deformation gradient of a point is F + F0 E(alpha), see module enhanced_modes. The amplitudes
-!> alpha make the energy stationary at given displacements: a local Newton iteration finds them at
-!> every call, from zero in an elastic solid, from those of the accepted state where it flows. So
-!> the force is the slope of an energy of the displacements alone, and the tangent is the exact one,
-!> symmetric.
-!>
-!> A generalised displacement (node or amplitude) has at each point a velocity gradient l, listed as
-!> in module velocity_form.
+!> The amplitudes alpha of the internal modes (module enhanced_motion) make the energy stationary at
+!> given displacements: a local Newton iteration finds them at every call, from zero in an elastic
+!> solid, from those of the accepted state where it flows. So the force is the slope of an energy of
+!> the displacements alone, and the tangent is the exact one, symmetric.
 module lopin_solid_enhanced
    use lopin_kinds, only : wp
    use lopin_vectors, only : cross
    use lopin_element_type, only : element_type, element_kind
    use lopin_element_input, only : element_input_type, counted_volume
-   use lopin_enhanced_modes, only : modes_type, internal_modes, solve_small, most_modes, &
-      & most_nodes, most_points
-   use lopin_gradients, only : gradients
-   use lopin_velocity_form, only : velocity_form, listed, tensor_of
+   use lopin_enhanced_modes, only : solve_small
+   use lopin_enhanced_motion, only : motion_type, move, mode_lanes, list_length, &
+      & enhanced_change, node_slopes, mode_rows
+   use lopin_velocity_form, only : velocity_form, add_force, add_stiffness, listed, tensor_of
    use lopin_hyperelastic, only : condense_thickness, volume_change
    use lopin_material_memory, only : trial_change, amplitudes_of, offset_at
    use lopin_material_point, only : point_type, respond_at, stretch_thickness
@@ -24,29 +20,15 @@ module lopin_solid_enhanced
    private
    public :: enhanced_element, enhanced_deformation
 
-   real(wp), parameter :: pi = acos(-1.0_wp)
-
-   !> What the nodes do, and the modes.
-   type :: motion_type
-      type(modes_type) :: modes
-      real(wp) :: g(3, most_nodes, most_points)   !! reference slopes [1/length]
-      real(wp) :: hoop(most_nodes, most_points)   !! shape function per radius [1/length]
-      real(wp) :: weight(most_points)             !! reference volume
-      real(wp) :: h(3, 3, most_points)            !! F - 1
-      real(wp) :: centre(3, 3)                    !! F0
-      real(wp) :: e(3, 3, most_modes, most_points)   !! F0 times the modes
-   end type motion_type
-
    !> Answer of the material at a point.
    type :: answer_type
       real(wp) :: h(3, 3) = 0.0_wp          !! enhanced F - 1
       real(wp) :: inverse(3, 3) = 0.0_wp    !! of the enhanced F
-      real(wp) :: s(3, 3) = 0.0_wp          !! Kirchhoff stress times volume
+      real(wp) :: stress(6) = 0.0_wp        !! Kirchhoff
       real(wp) :: a(9, 9) = 0.0_wp          !! quadratic form on velocity gradients, times volume
       real(wp) :: energy = 0.0_wp
       logical :: bad = .false.              !! turned inside out
    end type answer_type
-
 
 contains
 
@@ -60,41 +42,162 @@ contains
       real(wp), intent(out), optional :: ke(element%ndof, element%ndof)
       type(motion_type) :: motion
       type(answer_type) :: answer
-      real(wp), dimension(element%ndof + element%nmode, element%ndof + element%nmode) :: whole
-      real(wp) :: alpha(element%nmode), residual(element%ndof + element%nmode)
-      real(wp) :: own(element%nmode, element%nmode), follow(element%nmode, element%ndof)
-      real(wp) :: l(element%ndof + element%nmode, 9)
-      integer :: k, n
-      logical :: regular
+      real(wp) :: alpha(element%nmode), own(mode_lanes(element), element%nmode)
+      real(wp) :: with_nodes(mode_lanes(element), element%ndof), l(mode_lanes(element), 9)
+      real(wp) :: swap(3, 3, element%nmode)
+      real(wp) :: g(element%ndim, element%nnode), hoop(element%nnode)
+      integer :: k
 
       call move(element, input, motion, bad)
       if (bad > 0) return
       call relax(element, input, motion, alpha, bad)
       if (bad > 0) return
-      n = element%ndof
       energy = 0.0_wp
-      residual = 0.0_wp
-      whole = 0.0_wp
+      force = 0.0_wp
+      if (present(ke)) ke = 0.0_wp
+      own = 0.0_wp
+      with_nodes = 0.0_wp
+      swap = 0.0_wp
       do k = 1, element%ngauss
          call respond(element, input, motion, k, alpha, answer)
          energy = energy + answer%energy
-         call node_rows(element, motion, k, alpha, answer, l(:n, :))
-         call mode_rows(element, motion, k, answer, l(n + 1:, :))
-         residual = residual + matmul(l, listed(element%ndim, answer%s))
+         call node_slopes(element, motion, k, alpha, answer%inverse, g, hoop)
+         call add_force(element%ndim, element%nnode, g, hoop, answer%stress(:element%nstress), &
+            & motion%weight(k), force)
          if (.not. present(ke)) cycle
-         whole = whole + matmul(l, matmul(answer%a, transpose(l)))
-         call add_swap(element, motion, k, answer, whole(:n, n + 1:))
+         call mode_rows(element, motion, k, answer%inverse, l)
+         call add_stiffness(element%ndim, element%nnode, g, hoop, answer%a, ke)
+         call add_modes(element, answer%a, l, own, g, hoop, with_nodes)
+         call add_swap(element, motion, k, answer, swap)
       end do
-      force = residual(:n)
       if (.not. present(ke)) return
-      own = whole(n + 1:, n + 1:)
-      follow = transpose(whole(:n, n + 1:))
-      call solve_small(own, follow, regular)
-      ke = whole(:n, :n) - matmul(whole(:n, n + 1:), follow)
-      do k = 2, n
-         ke(:k - 1, k) = ke(k, :k - 1)
-      end do
+      call couple_centre(element, motion, swap, with_nodes)
+      call condense(whole(element, own), with_nodes(:element%nmode, :), ke)
    end subroutine enhanced_element
+
+   !> Stiffness of the amplitudes, its part below the diagonal, and between them and the nodes.
+   !>
+   !> Four amplitudes at a time, so that their sums stay in registers.
+   pure subroutine add_modes(element, a, l, own, g, hoop, with_nodes)
+      type(element_type), intent(in) :: element
+      real(wp), intent(in) :: a(9, 9)                       !! quadratic form
+      real(wp), intent(in) :: l(mode_lanes(element), 9)     !! velocity gradients of the modes
+      real(wp), intent(inout) :: own(mode_lanes(element), element%nmode)
+      real(wp), intent(in), optional :: g(element%ndim, element%nnode), hoop(element%nnode)
+      real(wp), intent(inout), optional :: with_nodes(mode_lanes(element), element%ndof)
+      real(wp) :: al(mode_lanes(element), 9), c(4)
+      integer :: d, i, j, m, n, node, p
+
+      d = element%ndim
+      n = list_length(element)
+      do p = 0, mode_lanes(element) - 4, 4
+         do j = 1, n
+            c = 0.0_wp
+            do i = 1, n
+               c = c + l(p + 1:p + 4, i)*a(i, j)
+            end do
+            al(p + 1:p + 4, j) = c
+         end do
+         do m = 1, min(p + 4, element%nmode)
+            c = own(p + 1:p + 4, m)
+            do j = 1, n
+               c = c + al(p + 1:p + 4, j)*l(m, j)
+            end do
+            own(p + 1:p + 4, m) = c
+         end do
+         if (.not. present(with_nodes)) cycle
+         do node = 1, element%nnode
+            do i = 1, d
+               m = d*(node - 1) + i
+               c = with_nodes(p + 1:p + 4, m)
+               do j = 1, d
+                  c = c + al(p + 1:p + 4, i + d*(j - 1))*g(j, node)
+               end do
+               if (d == 2 .and. i == 1) c = c + al(p + 1:p + 4, 5)*hoop(node)
+               with_nodes(p + 1:p + 4, m) = c
+            end do
+         end do
+      end do
+   end subroutine add_modes
+
+   !> Stress times the gradient that an amplitude makes of a displacement of the centre.
+   pure subroutine add_swap(element, motion, k, answer, swap)
+      type(element_type), intent(in) :: element
+      type(motion_type), intent(in) :: motion
+      integer, intent(in) :: k
+      type(answer_type), intent(in) :: answer
+      real(wp), intent(inout) :: swap(3, 3, element%nmode)
+      real(wp) :: p(3, 3), stress(3, 3)
+      integer :: j, m
+
+      stress = tensor_of(motion%weight(k)*answer%stress(:element%nstress))
+      do j = 1, 3
+         p(:, j) = stress(:, 1)*answer%inverse(j, 1) + stress(:, 2)*answer%inverse(j, 2) &
+            & + stress(:, 3)*answer%inverse(j, 3)
+      end do
+      do m = 1, element%nmode
+         do j = 1, 3
+            swap(:, j, m) = swap(:, j, m) + (p(:, 1)*motion%modes%e(j, 1, m, k) &
+               & + p(:, 2)*motion%modes%e(j, 2, m, k) + p(:, 3)*motion%modes%e(j, 3, m, k))
+         end do
+      end do
+   end subroutine add_swap
+
+   !> What `add_swap` has summed, between modes and nodes.
+   pure subroutine couple_centre(element, motion, swap, with_nodes)
+      type(element_type), intent(in) :: element
+      type(motion_type), intent(in) :: motion
+      real(wp), intent(in) :: swap(3, 3, element%nmode)
+      real(wp), intent(inout) :: with_nodes(mode_lanes(element), element%ndof)
+      integer :: a, d, i, j, m
+
+      d = element%ndim
+      m = element%nmode
+      do a = 1, element%nnode
+         do j = 1, d
+            do i = 1, d
+               with_nodes(:m, d*(a - 1) + i) = with_nodes(:m, d*(a - 1) + i) &
+                  & + swap(i, j, :)*motion%modes%g(j, a)
+            end do
+         end do
+         if (d == 2) with_nodes(:m, 2*a - 1) = with_nodes(:m, 2*a - 1) &
+            & + swap(3, 3, :)*motion%modes%hoop(a)
+      end do
+   end subroutine couple_centre
+
+   !> The stiffness of the amplitudes from its part below the diagonal.
+   pure function whole(element, lower) result(own)
+      type(element_type), intent(in) :: element
+      real(wp), intent(in) :: lower(mode_lanes(element), element%nmode)
+      real(wp) :: own(element%nmode, element%nmode)
+      integer :: m
+
+      do m = 1, element%nmode
+         own(m:, m) = lower(m:element%nmode, m)
+         own(m, m:) = lower(m:element%nmode, m)
+      end do
+   end function whole
+
+   !> The amplitudes follow the nodes.
+   pure subroutine condense(own, with_nodes, ke)
+      real(wp), contiguous, intent(in) :: own(:, :), with_nodes(:, :)
+      real(wp), contiguous, intent(inout) :: ke(:, :)        !! blocks below the diagonal are set
+      real(wp) :: pivot(size(own, 1), size(own, 2))
+      real(wp) :: follow(size(with_nodes, 1), size(with_nodes, 2))
+      logical :: regular
+      integer :: i, j, n
+
+      n = size(ke, 1)
+      pivot = own
+      follow = with_nodes
+      call solve_small(pivot, follow, regular)
+      do j = 1, n
+         do i = j, n
+            ke(i, j) = ke(i, j) - dot_product(with_nodes(:, i), follow(:, j))
+            ke(j, i) = ke(i, j)
+         end do
+      end do
+   end subroutine condense
 
    !> Enhanced F - 1 at the Gauss points.
    pure subroutine enhanced_deformation(element, input, h, alpha, bad)
@@ -113,54 +216,9 @@ contains
       call relax(element, input, motion, alpha, bad)
       if (bad > 0) return
       do k = 1, element%ngauss
-         h(:, :, k) = motion%h(:, :, k) + summed(element, motion%e, k, alpha)
+         h(:, :, k) = enhanced_change(element, motion, k, alpha)
       end do
    end subroutine enhanced_deformation
-
-   !> Displacement gradients of the nodes.
-   pure subroutine move(element, input, motion, bad)
-      type(element_type), intent(in) :: element
-      type(element_input_type), intent(in) :: input
-      type(motion_type), intent(out) :: motion
-      integer, intent(out) :: bad
-      real(wp) :: determinant, radius
-      integer :: d, k, m
-
-      d = element%ndim
-      m = element%nnode
-      bad = 1
-      call internal_modes(element, input%x, motion%modes, determinant)
-      if (.not. determinant > 0.0_wp) return
-      bad = 0
-      motion%h(:, :, :element%ngauss) = 0.0_wp
-      motion%hoop(:, :element%ngauss) = 0.0_wp
-      do k = 1, element%ngauss
-         call gradients(d, m, input%x, element%dn(:, :, k), motion%g(:d, :m, k), determinant)
-         motion%weight(k) = element%weight(k)*determinant
-         motion%h(:d, :d, k) = matmul(input%u(:, :m), transpose(motion%g(:d, :m, k)))
-         if (element%axisymmetric) then
-            radius = dot_product(input%x(1, :m), element%n(:, k))
-            motion%hoop(:m, k) = element%n(:, k)/radius
-            motion%h(3, 3, k) = dot_product(input%u(1, :m), motion%hoop(:m, k))
-            motion%weight(k) = motion%weight(k)*2.0_wp*pi*radius
-         else if (d == 2) then
-            motion%weight(k) = motion%weight(k)*input%thickness
-         end if
-         if (input%scaled) motion%weight(k) = motion%weight(k) &
-            & *input%memory(size(input%memory, 1), k)
-      end do
-      motion%centre = 0.0_wp
-      motion%centre(:d, :d) = matmul(input%u(:, :m), transpose(motion%modes%g(:d, :m)))
-      if (d == 2) motion%centre(3, 3) = dot_product(input%u(1, :m), motion%modes%hoop(:m))
-      do k = 1, 3
-         motion%centre(k, k) = motion%centre(k, k) + 1.0_wp
-      end do
-      do k = 1, element%ngauss
-         do m = 1, element%nmode
-            motion%e(:, :, m, k) = matmul(motion%centre, motion%modes%e(:, :, m, k))
-         end do
-      end do
-   end subroutine move
 
    !> Amplitudes that make the energy stationary.
    pure subroutine relax(element, input, motion, alpha, bad)
@@ -246,24 +304,29 @@ contains
       type(motion_type), intent(in) :: motion
       real(wp), intent(in) :: alpha(:)
       real(wp), intent(inout) :: force(:, :)
-      real(wp), intent(out) :: pivot(:, :)
+      real(wp), contiguous, intent(out) :: pivot(:, :)
       integer, intent(out) :: turned
       type(answer_type) :: answer
-      real(wp) :: l(element%nmode, 9), sum_of(element%nmode)
-      integer :: k
+      real(wp) :: own(mode_lanes(element), element%nmode)
+      real(wp) :: l(mode_lanes(element), 9), sum_of(mode_lanes(element)), s(9)
+      integer :: j, k
 
-      pivot = 0.0_wp
+      own = 0.0_wp
       sum_of = 0.0_wp
       do k = 1, element%ngauss
          turned = k
          call respond(element, input, motion, k, alpha, answer)
          if (answer%bad) return
-         call mode_rows(element, motion, k, answer, l)
-         sum_of = sum_of + matmul(l, listed(element%ndim, answer%s))
-         pivot = pivot + matmul(l, matmul(answer%a, transpose(l)))
+         call mode_rows(element, motion, k, answer%inverse, l)
+         s = listed(element%ndim, tensor_of(motion%weight(k)*answer%stress(:element%nstress)))
+         do j = 1, list_length(element)
+            sum_of = sum_of + l(:, j)*s(j)
+         end do
+         call add_modes(element, answer%a, l, own)
       end do
       turned = 0
-      force(:, 1) = sum_of
+      pivot = whole(element, own)
+      force(:, 1) = sum_of(:element%nmode)
    end subroutine balance
 
    !> Deformation, stress and stiffness of a point.
@@ -280,7 +343,7 @@ contains
       logical :: found
       integer :: i
 
-      answer%h = motion%h(:, :, k) + summed(element, motion%e, k, alpha)
+      answer%h = enhanced_change(element, motion, k, alpha)
       own = volume_change(answer%h)
       answer%bad = .not. 1.0_wp + own > 0.0_wp
       if (element%ndim == 2) answer%bad = answer%bad .or. .not. 1.0_wp + answer%h(3, 3) > 0.0_wp
@@ -309,86 +372,7 @@ contains
       if (answer%bad) return
       if (element%kind == element_kind%plane_stress) call condense_thickness(tangent)
       answer%energy = motion%weight(k)*answer%energy
-      answer%s = tensor_of(motion%weight(k)*stress)
+      answer%stress(:element%nstress) = stress
       call velocity_form(element%ndim, stress, tangent, 0.0_wp, motion%weight(k), answer%a)
    end subroutine respond
-
-   !> Gradient of the amplitudes, or F0 times it.
-   pure function summed(element, modes, k, alpha) result(e)
-      type(element_type), intent(in) :: element
-      real(wp), intent(in) :: modes(:, :, :, :)   !! of motion_type or of modes_type
-      integer, intent(in) :: k
-      real(wp), intent(in) :: alpha(:)
-      real(wp) :: e(3, 3)
-      integer :: m
-
-      e = 0.0_wp
-      do m = 1, element%nmode
-         e = e + alpha(m)*modes(:, :, m, k)
-      end do
-   end function summed
-
-   !> Velocity gradients of the displacements of the nodes.
-   pure subroutine node_rows(element, motion, k, alpha, answer, l)
-      type(element_type), intent(in) :: element
-      type(motion_type), intent(in) :: motion
-      integer, intent(in) :: k
-      real(wp), intent(in) :: alpha(:)
-      type(answer_type), intent(in) :: answer
-      real(wp), intent(out) :: l(:, :)   !! (ndof, 9)
-      real(wp) :: e(3, 3), slope(3)
-      integer :: a, d, i, j
-
-      d = element%ndim
-      e = summed(element, motion%modes%e, k, alpha)
-      l = 0.0_wp
-      do a = 1, element%nnode
-         slope(:d) = motion%g(:d, a, k) + matmul(motion%modes%g(:d, a), e(:d, :d))
-         slope(:d) = matmul(slope(:d), answer%inverse(:d, :d))
-         do j = 1, d
-            do i = 1, d
-               l(d*(a - 1) + i, i + d*(j - 1)) = slope(j)
-            end do
-         end do
-         if (d == 2) l(2*a - 1, 5) = (motion%hoop(a, k) + e(3, 3)*motion%modes%hoop(a)) &
-            & *answer%inverse(3, 3)
-      end do
-   end subroutine node_rows
-
-   !> Velocity gradients of the amplitudes.
-   pure subroutine mode_rows(element, motion, k, answer, l)
-      type(element_type), intent(in) :: element
-      type(motion_type), intent(in) :: motion
-      integer, intent(in) :: k
-      type(answer_type), intent(in) :: answer
-      real(wp), intent(out) :: l(:, :)   !! (nmode, 9)
-      integer :: m
-
-      do m = 1, element%nmode
-         l(m, :) = listed(element%ndim, matmul(motion%e(:, :, m, k), answer%inverse))
-      end do
-   end subroutine mode_rows
-
-   !> Stress times the gradient that an amplitude makes of a displacement of the centre.
-   pure subroutine add_swap(element, motion, k, answer, block)
-      type(element_type), intent(in) :: element
-      type(motion_type), intent(in) :: motion
-      integer, intent(in) :: k
-      type(answer_type), intent(in) :: answer
-      real(wp), intent(inout) :: block(:, :)   !! (ndof, nmode)
-      real(wp) :: p(3, 3), half(3, 3)
-      integer :: a, d, m
-
-      d = element%ndim
-      p = matmul(answer%s, transpose(answer%inverse))
-      do m = 1, element%nmode
-         half = matmul(p, transpose(motion%modes%e(:, :, m, k)))
-         do a = 1, element%nnode
-            block(d*(a - 1) + 1:d*a, m) = block(d*(a - 1) + 1:d*a, m) &
-               & + matmul(half(:d, :d), motion%modes%g(:d, a))
-            if (d == 2) block(2*a - 1, m) = block(2*a - 1, m) &
-               & + half(3, 3)*motion%modes%hoop(a)
-         end do
-      end do
-   end subroutine add_swap
 end module lopin_solid_enhanced

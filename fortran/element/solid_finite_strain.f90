@@ -19,7 +19,7 @@ module lopin_solid_finite_strain
    use lopin_deformation, only : deform
    use lopin_material_point, only : point_type, respond_at, keep_at
    use lopin_velocity_form, only : velocity_form, add_force, add_stiffness
-   use lopin_solid_enhanced, only : enhanced_element, enhanced_deformation
+   use lopin_solid_enhanced, only : enhanced_element
    use lopin_hyperelastic, only : log_strain, total_change, condense_thickness, elastic_constants
    use lopin_hourglass, only : add_hourglass, moduli_type
    use lopin_material_memory, only : put_amplitudes
@@ -123,17 +123,13 @@ contains
       real(wp) :: g(element%ndim, element%nnode, element%ngauss)
       real(wp) :: hoop(element%nnode, element%ngauss)
       real(wp) :: density
-      real(wp) :: enhanced(3, 3, element%ngauss), alpha(element%nmode)
+      real(wp) :: alpha(element%nmode)
       real(wp) :: phi(element%ngauss, dilatation_count(element))
       integer :: k
 
       work = 0.0_wp
       held = 0.0_wp
-      if (element%nmode > 0) then
-         call enhanced_deformation(element, input, enhanced, alpha, bad)
-         if (bad > 0) return
-      end if
-      call deform(element, input, point, g, hoop, phi, bad)
+      call deform(element, input, point, g, hoop, phi, bad, alpha)
       if (bad > 0) return
       if (element%nmode > 0) call put_amplitudes(next, element%nstress, alpha)
       held = sum(point%weight*(1.0_wp + point%own))
