@@ -103,7 +103,8 @@ contains
          & = norm > 0.5_wp*norm_at(place)
    end function repeats
 
-   !> The first step: from states that all stick, or from the gaps of the last increment.
+   !> The first step: from states that all stick, or from the gaps of the last increment with its
+   !> slips once more, so that what slid is taken to slide on.
    subroutine begin_prediction(self, points, work, x, norm)
       type(condensed_type), intent(in) :: self
       type(friction_points_type), intent(in) :: points

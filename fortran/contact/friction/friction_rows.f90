@@ -34,6 +34,8 @@ module lopin_friction_rows
       real(wp), allocatable :: elastic_slip(:)     !! (n) at the bound; 0: exact stick [length]
       real(wp), allocatable :: traction(:, :)      !! (nt, n) accepted [force]
       real(wp), allocatable :: start(:, :)         !! (nt, n) tangential gaps accepted [length]
+      real(wp), allocatable :: way(:, :)   !! (nt, n) slip of the accepted increment, which the next
+                                           !! one begins with; unallocated: none [length]
       real(wp), allocatable :: open(:)   !! (n) gaps accepted; unallocated: all touch [length]
       real(wp), allocatable :: touch(:)  !! (n) share of the increment before they touched [-]
       real(wp), allocatable :: anchor(:, :)        !! (nt, n) slip from the anchor accepted [length]

@@ -14,6 +14,7 @@ module lopin_friction_state
       real(wp), allocatable :: elastic(:, :)    !! (3, npoint) elastic slip [length]
       real(wp), allocatable :: anchor(:, :)     !! (3, npoint) slip from the anchor [length]
       real(wp), allocatable :: slip(:, :)       !! (3, npoint) sum of the slips in contact [length]
+      real(wp), allocatable :: slid(:, :)       !! (3, npoint) slip of the increment where it slides
       real(wp), allocatable :: path(:)          !! (npoint) length of the way slid [length]
       real(wp), allocatable :: work(:)          !! (npoint) dissipated >= 0 [force*length]
       real(wp), allocatable :: mean_work(:)     !! (npoint) the same by mean tractions, any sign
@@ -51,8 +52,8 @@ contains
 
       npoint = size(closed)
       allocate (self%traction(3, npoint), self%elastic(3, npoint), self%anchor(3, npoint), &
-         & self%slip(3, npoint), self%path(npoint), self%work(npoint), self%mean_work(npoint), &
-         & self%speed(npoint), source=0.0_wp)
+         & self%slip(3, npoint), self%slid(3, npoint), self%path(npoint), self%work(npoint), &
+         & self%mean_work(npoint), self%speed(npoint), source=0.0_wp)
       allocate (self%status(npoint), source=0)
       self%closed = closed
    end subroutine new_friction_history
@@ -75,6 +76,7 @@ contains
       call stream%pass(self%elastic)
       call stream%pass(self%anchor)
       call stream%pass(self%slip)
+      call stream%pass(self%slid)
       call stream%pass(self%path)
       call stream%pass(self%work)
       call stream%pass(self%mean_work)

@@ -61,7 +61,7 @@ contains
    end subroutine measure_middles
 
    !> Solids of second order throughout, in straight cells.
-   logical function may_be_needless(solids, model) result(yes)
+   pure logical function may_be_needless(solids, model) result(yes)
       type(solids_type), intent(in) :: solids
       type(model_type), intent(in) :: model
       integer :: e

@@ -127,7 +127,7 @@ contains
       allocate (points%weight(n), points%stiffness(n), points%elastic_slip(n), points%open(n), &
          & source=0.0_wp)
       allocate (points%traction(nt, n), points%start(nt, n), points%anchor(nt, n), &
-         & points%elastic(nt, n), source=0.0_wp)
+         & points%elastic(nt, n), points%way(nt, n), source=0.0_wp)
       allocate (points%augmented(n), source=.false.)
       k = 0
       do pair = 1, size(model%pair)
@@ -153,6 +153,7 @@ contains
                   points%traction(d, k) = dot_product(t, scene%accepted%friction%traction(:, i))
                   points%anchor(d, k) = dot_product(t, scene%accepted%friction%anchor(:, i))
                   points%elastic(d, k) = dot_product(t, scene%accepted%friction%elastic(:, i))
+                  points%way(d, k) = dot_product(t, scene%accepted%friction%slid(:, i))
                end associate
                points%start(d, k) = displaced(scene, points%tangent(k) + d - 1)
             end do

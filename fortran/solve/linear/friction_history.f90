@@ -74,6 +74,7 @@ contains
          new%elastic(:, i) = 0.0_wp
          new%anchor(:, i) = 0.0_wp
          new%speed(i) = 0.0_wp
+         new%slid(:, i) = 0.0_wp
          if (friction%status(k) == 0) return
          s%touch(i) = points%touch(k)
          press = max(scene%answer%force(points%normal(k)), 0.0_wp)
@@ -82,6 +83,7 @@ contains
             & points%tangent(k):points%tangent(k) + points%nt - 1))
          new%traction(:, i) = force
          s%slid(:, i) = slip
+         if (friction%status(k) == 2) new%slid(:, i) = slip
          new%slip(:, i) = old%slip(:, i) + slip
          new%path(i) = old%path(i) + norm2(slip)
          new%speed(i) = norm2(lost)/points%at(k)%dt
