@@ -16,6 +16,8 @@ from ..result import Result
 
 #: A sum of forces below this share of their sizes is rounding.
 ROUNDING = 1e-9
+#: Values of a force that are looked at for a ripple, and how often they turn at least.
+RIPPLES, TURNS = 12, 4
 #: The share that W0333 names.
 UNEVEN = re.compile(r"uneven by about ([0-9.eE+-]+) %")
 KINDS = ("PRESSURE", "PEAK PRESSURE", "FORCE", "PEAK FORCE", "DISPLACEMENT", "SPRINGBACK")
@@ -127,6 +129,15 @@ class Quantity:
         shares = [UNEVEN.search(line) for line in result.warnings if line.startswith("W0333")]
         return max((0.01*float(s.group(1)) for s in shares if s), default=0.0)
 
+    def ripple(self, result: Result, deck: Deck) -> float:
+        """Half the swing of a force that goes to and fro in the last increments of the last step,
+        as it does while nodes leave a tool one by one: where in it the end falls is chance."""
+        if self.kind != "FORCE":
+            return 0.0
+        first = _before_last_step(result) + 1 if len(set(result.history["step"])) > 1 else 0
+        rows = range(max(first, len(result.times) - RIPPLES), len(result.times))
+        return swing([self.of_vector(v) for v in self._forces(result, deck, rows)])
+
     def difference(self, fine: Result, coarse: Result, values: tuple[float, float]) -> float:
         """How far two runs are apart; `values` of the fine one and of the coarse one."""
         if self.kind != "PRESSURE":
@@ -139,6 +150,20 @@ class Quantity:
             return abs(values[0] - values[1])   # surfaces without common nodes
         # What lies between common nodes, as beside a support, is in the values alone.
         return max(float(np.sqrt(weight @ (mine[rows] - other)**2)), abs(values[0] - values[1]))
+
+
+def swing(values: list[float]) -> float:
+    """Half the mean way between the turning points of values that turn `TURNS` times, or more; of
+    others 0.
+
+    >>> swing([0.0, 2.0, 1.0, 3.0, 2.0, 4.0, 3.0]), swing([1.0, 2.0, 3.0, 2.9, 3.5, 4.0])
+    (0.75, 0.0)
+    """
+    way = np.diff(values)
+    turns = np.flatnonzero(way[1:]*way[:-1] < 0.0) + 1
+    if len(turns) < TURNS:
+        return 0.0
+    return float(0.5*np.abs(np.diff(np.asarray(values)[turns])).mean())
 
 
 def _of_contact(result: Result, at: int) -> NDArray:

@@ -329,6 +329,8 @@ class _Search:
         error, found.order, found.by_dual = error_of_mesh(levels, quadratic, found.in_space,
                                                           pressure, rough)
         found.mesh = error/scale if math.isfinite(error) else math.nan
+        if found.result is not None and depends_on_path(found.deck):
+            found.ripple = found.quantity.ripple(found.result, found.deck)/scale
         if self.settled is not None:
             found.increments = self._left(levels[-1].mesh)
             found.against = self._against(levels)

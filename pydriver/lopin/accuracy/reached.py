@@ -39,6 +39,7 @@ class Reached:
     value : on the last mesh
     mesh, increments, enforcement, sliding : estimates of the parts of the relative error; the last
         is what contact on the present shape would change, where that at the start is solved
+    ripple : of a force that goes to and fro where it ends, half the swing; falls with the mesh
     against : what mesh and increments take from each other, since their errors differ in sign
     order : of the fall of the error with the size of cells; nan where two meshes were enough
     by_dual : `mesh` is what the dual problem says
@@ -59,6 +60,7 @@ class Reached:
     increments: float = 0.0
     enforcement: float = 0.0
     sliding: float = 0.0
+    ripple: float = 0.0
     against: float = 0.0
     uneven: float = 0.0
     warnings: list[str] = field(default_factory=list)
@@ -75,7 +77,7 @@ class Reached:
     @property
     def error(self) -> float:
         """Estimate of the relative error; nan: there is none."""
-        return self.mesh + self.besides - self.against
+        return self.mesh + self.besides + self.ripple - self.against
 
     @property
     def besides(self) -> float:
@@ -116,6 +118,8 @@ class Reached:
         lines.append(f"{self.quantity}: {self.value:.7g} {known}, {100.0*self.target:g} % asked: "
                      f"mesh {mesh}, increments {100.0*self.increments:.2g} %, contact "
                      f"{100.0*self.enforcement:.2g} %, small sliding {100.0*self.sliding:.2g} %"
+                     + (f", a force that goes to and fro {100.0*self.ripple:.2g} %"
+                        if self.ripple else "")
                      + (f", less {100.0*self.against:.2g} % since mesh and increments err in "
                         "opposite directions" if self.against else ""))
         lines.append(f"cost: {self.cost:.2g} times the last run")
@@ -130,9 +134,9 @@ class Reached:
     def json(self) -> str:
         """All of it but the result."""
         kept = {k: getattr(self, k) for k in (
-            "target", "value", "error", "mesh", "increments", "enforcement", "sliding", "against",
-            "order", "met", "filled_in", "reason", "cost", "uneven", "warnings", "by_dual",
-            "no_dual")}
+            "target", "value", "error", "mesh", "increments", "enforcement", "sliding", "ripple",
+            "against", "order", "met", "filled_in", "reason", "cost", "uneven", "warnings",
+            "by_dual", "no_dual")}
         kept["quantity"] = str(self.quantity)
         kept["runs"] = [vars(v) for v in self.levels]
         return json.dumps(kept, default=str).replace("NaN", "null")
