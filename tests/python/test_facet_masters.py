@@ -63,3 +63,19 @@ def test_facets_go_with_their_nodes():
     top = master(CUBE, "TOP", 3)
     motion = np.array([[n, 3, 0.25, 0.0, 0.0] for n in (5, 6, 7, 8)])
     assert top.feet(np.array([[1.0, 1.0, 4.5]]), motion)[0, 0] == pytest.approx(0.25)
+
+
+@pytest.mark.parametrize("text, ndim, name", [(CUBE, 3, "TOP"), (SQUARE, 2, "TOP")])
+def test_points_bear_where_all_corners_below_them_do(text, ndim, name):
+    """Near the facet, and not where a corner that counts is free."""
+    face, still = master(text, name, ndim), np.empty((0, 5))
+    level = 4.0 if ndim == 3 else 3.0
+    places = np.array([[0.5, 1.0], [1.5, 2.0], [0.0, 0.0]]) if ndim == 3 else np.array([[0.5], [2.0], [0.0]])
+    on = np.column_stack([places, np.full(3, level)])
+    every = face.labels
+    assert face.bears(on, still, every).all()
+    assert face.bears(on + [*[0.0]*(ndim - 1), 0.01], still, every).all()
+    assert not face.bears(on + [*[0.0]*(ndim - 1), 1.0], still, every).any()
+    far = every[np.argmin(np.linalg.norm(face.start - on[2], axis=1))]   # the corner at the last place
+    assert face.bears(on, still, every[every != far]).tolist()[2] is False
+    assert face.bears(on, still, np.array([far])).tolist() == [False, False, True]

@@ -6,6 +6,7 @@ import pytest
 from test_point_states import PLASTIC, deck, grid
 
 import lopin
+from lopin import mesh_make
 from lopin.deck import Block
 
 HILL = PLASTIC + "\n*POTENTIAL\n1.2, 1., .9, 1.1, 1., 1."
@@ -188,3 +189,73 @@ def test_two_blocks_pressed_evenly_are_one(lower, upper, cards, meshes, core, tm
         plastic = strain - np.interp(plastic, [0.0, 0.5, 2.0], [200.0, 300.0, 600.0])/70000.0
     expected = 70000.0*(strain - plastic)*np.pi*25.0*np.exp(strain)
     assert np.abs(-found["DIE.rf2"]/expected - 1.0).max() < 1e-6
+
+
+def on_anvil(card=""):
+    """A quarter of a billet of C3D4 on a wider anvil of C3D8, pressed by a rigid ram; exact friction on both sides."""
+    billet = mesh_make.simplices(mesh_make.block((5.0, 5.0, 5.0), (3, 3, 3)))
+    anvil = mesh_make.block((8.0, 4.0, 8.0), (4, 2, 4), origin=(0.0, -4.0, 0.0))
+    nodes, cards = [], []
+    for name, first, word, mesh, side in (("B", 1, "C3D4", billet, "SKIN"), ("A", 1001, "C3D8", anvil, "SEAT")):
+        x, cells = mesh.points, mesh.blocks[0][1]
+        nodes += [f"{first + i}, {', '.join(map(repr, p))}" for i, p in enumerate(x.tolist())]
+        cards += [f"*ELEMENT, TYPE={word}, ELSET={name}",
+                  *(f"{first + i}, {', '.join(map(str, c))}" for i, c in enumerate((cells + first).tolist()))]
+        for axis, held in ((0, 0.0), (2, 0.0), (1, -4.0)):
+            cards += [f"*NSET, NSET={name}{axis + 1}", *(f"{first + n}," for n in np.flatnonzero(x[:, axis] == held))]
+        cards += [f"*SURFACE, NAME={side}"]
+        for e, f in mesh.boundary().tolist():
+            corner = x[mesh.face_nodes(e, f)]
+            if name == "B" and not (corner[:, [0, 2]] == 0.0).all(axis=0).any() or (corner[:, 1] == 0.0).all() and name == "A":
+                cards += [f"{first + e}, S{f}"]
+    text = "\n".join(["*NODE", *nodes, "9999, 0., 20., 0.", *(c for c in cards if c != "*NSET, NSET=B2")])
+    return lopin.Deck.parse(text + f"""
+*SURFACE, NAME=RAM, TYPE=CYLINDER
+0., 0., 0., 1., 0., 0.
+0., 0., 1.
+START, 50., 5.
+LINE, -50., 5.
+*RIGID BODY, ANALYTICAL SURFACE=RAM, REF NODE=9999
+*SOLID SECTION, ELSET=A, MATERIAL=STEEL
+*SOLID SECTION, ELSET=B, MATERIAL=M
+*MATERIAL, NAME=STEEL
+*ELASTIC
+210000., .3
+*MATERIAL, NAME=M
+*ELASTIC
+70000., .3
+{PLASTIC}
+*SURFACE INTERACTION, NAME=I
+*SURFACE BEHAVIOR, DIRECT
+*FRICTION
+.1,
+*CONTACT PAIR, INTERACTION=I
+SKIN, SEAT
+SKIN, RAM
+{card}*STEP, NLGEOM
+*STATIC
+.2, 1., , .2
+*BOUNDARY
+A1, 1
+A2, 1, 3
+A3, 3
+B1, 1
+B3, 3
+9999, 1
+9999, 3, 6
+9999, 2, 2, -1.
+*END STEP
+""", name="anvil")
+
+
+def test_a_billet_on_an_elastic_anvil_in_space_keeps_its_friction_over_new_meshes(core, tmp_path):
+    """The force of one mesh of the same cells; the increment at rest settles in a few iterations."""
+    pytest.importorskip("mmgpy")
+    from lopin.remesh.driver import Runner
+
+    card = "*REMESH, ELSET=B, SIZE=1.7, SMALLEST=1.2, PERIOD=.5, STRAIN=10.\n"
+    report = Runner(on_anvil(card), tmp_path, say=lambda line: None).run()
+    assert len(report.remeshes) == 1 and report.verdict()[0] != "FAIL"
+    found, alone = history(tmp_path, "anvil"), lopin.run(on_anvil()).history
+    assert found["iterations"][np.argmax(found["part"] == 2)] < 15
+    assert found["RAM.rf2"][-1] == pytest.approx(alone["RAM.rf2"][-1], rel=0.03)

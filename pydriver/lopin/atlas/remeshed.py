@@ -71,30 +71,22 @@ class Pressed:
     plastic: NDArray | None = None
 
 
-def disc(size: float, trigger: float | None, frame: Frame = PLAIN) -> Deck:
-    """A hot disc between closed dies; without a trigger on one mesh."""
+def disc(size: float, trigger: float | None, frame: Frame = PLAIN, end: float = STROKES[-1]
+         ) -> Deck:
+    """A hot disc between closed dies, to a stroke; without a trigger on one mesh."""
     unit, stress = frame.length, frame.stress
     cells = round(15.0/size)
     billet = mesh_make.block((15.0, 12.0), (cells, round(0.8*cells)))
     skin = np.concatenate([billet.surfaces["TOP"], billet.surfaces["RIGHT"]])
     billet = billet.replaced(surfaces={"SKIN": skin}, point_sets={
         k: billet.point_sets[k] for k in ("LEFT", "BOTTOM")}).mapped(lambda x: x*unit)
-    words = ["START" if k == 0 else "CIRCL" if len(p) == 4 else "LINE" for k, p in enumerate(_DIE)]
-    lines = "".join(", ".join([word, *(f"{v*unit:.12g}" for v in p)]) + "\n"
-                    for word, p in zip(words, _DIE))
     card = "" if trigger is None else (f"*REMESH, ELSET=BILLET, SIZE={size*unit:.12g}, "
                                        f"SMALLEST={0.2*size*unit:.12g}, STRAIN={trigger:g}\n")
     mesh = mesh_deck(Model("disc", together(BILLET=billet), kind="axisymmetric")).text()
-    return Deck.parse(f"""{mesh}*MATERIAL, NAME=HOT
-*ELASTIC
-{150000.0*stress:.12g}, 0.3
-*VISCOPLASTIC, LAW=NORTON-HOFF
-{50.0*stress:.12g}, 0.15
-*SOLID SECTION, ELSET=BILLET, MATERIAL=HOT
-*NODE, NSET=DIE_REF
+    return Deck.parse(f"""{mesh}{hot(stress)}*NODE, NSET=DIE_REF
 900001, 0., {20.0*unit:.12g}
 *SURFACE, NAME=DIE, TYPE=SEGMENTS
-{lines}*RIGID BODY, ANALYTICAL SURFACE=DIE, REF NODE=DIE_REF
+{profile(unit)}*RIGID BODY, ANALYTICAL SURFACE=DIE, REF NODE=DIE_REF
 *SURFACE INTERACTION, NAME=GRAPHITE
 *SURFACE BEHAVIOR, DIRECT
 *FRICTION
@@ -106,27 +98,50 @@ BILLET.LEFT, 1
 BILLET.BOTTOM, 2
 DIE_REF, 1
 DIE_REF, 6
-{card}*STEP, NLGEOM, INC=1000
+{card}{press(2, unit, end)}""", name="disc")
+
+
+def profile(unit: float) -> str:
+    """The lines of the die, (r, z) from outside to the axis and beyond."""
+    words = ["START" if k == 0 else "CIRCL" if len(p) == 4 else "LINE" for k, p in enumerate(_DIE)]
+    return "".join(", ".join([word, *(f"{v*unit:.12g}" for v in p)]) + "\n"
+                   for word, p in zip(words, _DIE))
+
+
+def hot(stress: float) -> str:
+    """The metal of the disc, and its section."""
+    return f"""*MATERIAL, NAME=HOT
+*ELASTIC
+{150000.0*stress:.12g}, 0.3
+*VISCOPLASTIC, LAW=NORTON-HOFF
+{50.0*stress:.12g}, 0.15
+*SOLID SECTION, ELSET=BILLET, MATERIAL=HOT
+"""
+
+
+def press(axis: int, unit: float, end: float) -> str:
+    """The step that moves the die along an axis."""
+    return f"""*STEP, NLGEOM, INC=1000
 *STATIC
-0.001, {STROKES[-1]/50.0:g}, 1.E-6, 0.002
+0.001, {end/50.0:g}, 1.E-6, 0.002
 *BOUNDARY, TYPE=VELOCITY
-DIE_REF, 2, 2, {-50.0*unit:.12g}
+DIE_REF, {axis}, {axis}, {-50.0*unit:.12g}
 *OUTPUT, FIELD, FREQUENCY=1000
 *NODE OUTPUT
 U
 *ELEMENT OUTPUT
 PEEQ
 *END STEP
-""", name="disc")
+"""
 
 
-def pressed(deck: Deck, frame: Frame = PLAIN) -> Pressed:
+def pressed(deck: Deck, frame: Frame = PLAIN, strokes: tuple[float, ...] = STROKES) -> Pressed:
     """Run a disc to its end, or as far as it goes."""
     from ..job import Job
 
     with tempfile.TemporaryDirectory() as folder:
         begin, code, where = time.process_time(), "", Path(folder)
-        verdict, meshes, names = "", 1, ["disc"]
+        verdict, meshes, names = "", 1, [deck.name]
         try:
             if "REMESH" in deck:
                 report = Runner(deck, where, say=lambda _: None).run()
@@ -139,22 +154,26 @@ def pressed(deck: Deck, frame: Frame = PLAIN) -> Pressed:
                     verdict = job.result.verdict
         except LopinError as problem:
             code = problem.id or type(problem).__name__
-            names = sorted(p.stem for p in where.glob("disc*.json") if ".parts" not in p.name)
+            names = sorted(p.stem for p in where.glob(f"{deck.name}*.json")
+                           if ".parts" not in p.name)
         found = Pressed(code, verdict, time.process_time() - begin, meshes=meshes)
-        _measure(found, where, names, frame)
+        _measure(found, where, names, frame, strokes)
         return found
 
 
-def _measure(found: Pressed, folder: Path, names: list[str], frame: Frame) -> None:
-    """Forces over the stroke and the plastic strain at the end."""
+def _measure(found: Pressed, folder: Path, names: list[str], frame: Frame,
+             strokes: tuple[float, ...]) -> None:
+    """Forces over the stroke and the plastic strain at the end; a quarter in space counts for the
+    whole."""
     rows, last = [], None
     for name in names:
         path = folder/f"{name}_history.csv"
         if not path.is_file():
             continue
         head, *lines = [line.split(",") for line in path.read_text().splitlines()]
-        at = [head.index(next(w for w in head if w.startswith(word + " ") or w == word))
-              for word in ("DIE.u2", "DIE.rf2", "iterations")]
+        column = {word.partition(" ")[0]: k for k, word in enumerate(head)}
+        axis = 3 if "DIE.rf3" in column else 2
+        at = [column[word] for word in (f"DIE.u{axis}", f"DIE.rf{axis}", "iterations")]
         rows += [[float(line[k]) for k in at] for line in lines]
         shapes = sorted(folder.glob(f"{name}_[0-9]*.vtu"))
         last = shapes[-1] if shapes else last
@@ -163,12 +182,16 @@ def _measure(found: Pressed, folder: Path, names: list[str], frame: Frame) -> No
     table = np.array(rows)
     way, force = -table[:, 0]/frame.length, -table[:, 1]/(frame.stress*frame.length**2)
     found.increments, found.iterations = len(table), int(table[:, 2].sum())
-    found.reached = float(way[-1]/STROKES[-1])
+    found.reached = float(way[-1]/strokes[-1])
     ends = found.reached > 1.0 - 1e-9
-    found.force = np.interp(STROKES, way, force, right=None if ends else np.nan)
+    found.force = np.interp(strokes, way, force, right=None if ends else np.nan)
+    if axis == 3:
+        found.force *= 4.0
     if last is not None:
         shape = read_vtu(last)
-        found.x = (shape.points + shape.point_data["U"])[:, :2]/frame.length
+        found.x = (shape.points + shape.point_data["U"])[:, :axis]/frame.length
+        if axis == 3:
+            found.x = np.column_stack([np.hypot(found.x[:, 0], found.x[:, 1]), found.x[:, 2]])
         found.plastic = np.asarray(shape.point_data["PEEQ"]).ravel()
 
 

@@ -11,6 +11,9 @@ from ..model_read_mesh import PLANE, SOLID
 from .body import DeckParts
 from .space import closest_on_facets
 
+#: Points this near to a facet, by its length, lie on it.
+LIES = 0.05
+
 
 @dataclass
 class FacetMaster:
@@ -79,6 +82,17 @@ class FacetMaster:
         side = np.where((arm*mean).sum(axis=1) < 0.0, -1.0, 1.0)
         gap[ridge] = (side*np.linalg.norm(arm, axis=1))[ridge]
         return np.column_stack([gap, np.where(ends, beside, 0.0), foot, normal])
+
+    def bears(self, points: NDArray, motion: NDArray, loaded: NDArray) -> NDArray:
+        """Whether points lie on facets all of whose corners are among `loaded`, or nearly."""
+        x = self.places(motion)
+        closest = closest_on_facets if points.shape[1] == 3 else closest_on_edges
+        facet, share = closest(points, x, self.facets)
+        corners = x[self.facets[facet]]
+        far = np.linalg.norm(points - np.einsum("nk,nkd->nd", share, corners), axis=1)
+        size = np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2).max(axis=1)
+        held = np.isin(self.labels, loaded)[self.facets[facet]] | (share < 1e-9)
+        return held.all(axis=1) & (far < LIES*size)
 
 
 def normals_of(corners: NDArray) -> NDArray:

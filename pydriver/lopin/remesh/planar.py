@@ -34,7 +34,7 @@ def remesh_plane(body: Body, state: Snapshot, card: RemeshCard, tools: Tools,
         outline = new_outline(state.x, body.facets, body.tags,
                               required & set(body.facets.ravel()), finer, near, quads)
         moved = seat_outline(body, state, outline, finer, tools)
-        ends = np.concatenate([np.stack([r, np.roll(r, -1)], axis=1) for r in outline.loops])
+        ends, _ = edges_of(outline)
         cross = outline.x[ends[crossings(outline.x, ends)[:1, 0]]].mean(axis=1)
         if len(cross):   # closer to the old outline, whose narrow slots it has to follow
             near *= CLOSER
@@ -84,7 +84,8 @@ def seat_outline(body: Body, state: Snapshot, outline: Outline, sizes: Sizes,
     load = tools.pressed(body, state)
     pressed = load[outline.ends].all(axis=1)
     planes = _planes(outline, body.held)
-    met = tools.feet(outline.x, outline.tags, outline.loops)
+    edges, tags = edges_of(outline)
+    met = list(tools.feet_of_nodes(body, outline.x, edges, tags))
     done = seat(outline.x, pressed, sizes(outline.x), met, planes)
     free = ~done.seated & np.array([len(p) == 0 for p in planes])
     x, way = keep_volume(done.x, free, _normals(done.x, outline), before,
@@ -93,6 +94,12 @@ def seat_outline(body: Body, state: Snapshot, outline: Outline, sizes: Sizes,
     outline.x = x
     return {"volume": before, "volume_change": after/before - 1.0, "seated": done.farthest,
             "offset": abs(way), "nodes_seated": int(done.seated.sum())}
+
+
+def edges_of(outline: Outline) -> tuple[NDArray, list[frozenset]]:
+    """Ends and names of all edges of an outline."""
+    edges = np.concatenate([np.stack([r, np.roll(r, -1)], axis=1) for r in outline.loops])
+    return edges, [outline.tags[a] for a in edges[:, 0]]
 
 
 def _in_order(body: Body) -> list[NDArray]:

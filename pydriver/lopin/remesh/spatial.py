@@ -122,7 +122,7 @@ def _seat(body: Body, state: Snapshot, mesh: NewMesh, press: NDArray, sizes: Siz
     """Planes exact, pressed nodes on the tools, the volume that it was."""
     x = mesh.x.copy()
     normals = held_planes(body, state.x, mesh, x)
-    met = list(tools.feet_of_nodes(x, mesh.facets, mesh.tags))
+    met = list(tools.feet_of_nodes(body, x, mesh.facets, mesh.tags))
     done = seat(x, press, sizes(x), met, normals)
     free = np.zeros(len(x), bool)
     free[mesh.facets] = True

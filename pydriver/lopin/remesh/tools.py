@@ -14,23 +14,26 @@ from .state import Snapshot
 
 @dataclass
 class Tools:
-    """Contact pairs whose slave lies on the body and whose master is a tool, or of another body.
+    """Contact pairs whose slave lies on the body and whose master is a tool, or of another body,
+    and pairs whose master lies on the body.
 
     Attributes
     ----------
     session : the open run
     pairs : number of each pair from 0, and the tags that mark its slave
     masters : surfaces of element faces, by the number of their pair
+    backs : tag of a master, and the surface of element faces that is its slave
     """
 
     session: object
     pairs: list[tuple[int, frozenset]] = field(default_factory=list)
     masters: dict[int, FacetMaster] = field(default_factory=dict)
+    backs: list[tuple[tuple, FacetMaster]] = field(default_factory=list)
 
     @classmethod
     def of(cls, session, parts: DeckParts, ndim: int) -> Tools:
         """Of the deck of an open run."""
-        pairs, number, points, masters = [], 0, {}, {}
+        pairs, number, points, masters, backs = [], 0, {}, {}, []
         for block in parts.blocks:
             if block.keyword == "SURFACE" and \
                     str(plain(block.parameters.get("TYPE", ""))).upper() == "NODE":
@@ -45,8 +48,11 @@ class Tools:
                 found = FacetMaster.of(parts, master, ndim) if master != slave else None
                 if found is not None:
                     masters[number] = found
+                    face = FacetMaster.of(parts, slave, ndim)
+                    if face is not None:
+                        backs.append((("S", master), face))
                 number += 1
-        return cls(session, pairs, masters)
+        return cls(session, pairs, masters, backs)
 
     def closest(self, number: int, points: NDArray) -> NDArray | None:
         """Closest points of the master of a pair: a row each of gap, overhang, point, normal."""
@@ -54,28 +60,23 @@ class Tools:
             return self.masters[number].feet(points, self.session.field("STATE OF MOTION"))
         return self.session.tool_feet(number, points)
 
-    def feet(self, x: NDArray, tags: list[frozenset], loops: list[NDArray]):
-        """For each tool the nodes of an outline that may meet it, and their closest points."""
-        found = []
+    def feet_of_nodes(self, body: Body, x: NDArray, facets: NDArray, tags: list[frozenset]):
+        """For each tool, and each other body, the nodes of a skin that may meet it, and their
+        closest points."""
         for number, slave in self.pairs:
-            nodes = {n for loop in loops for a, b in zip(loop, np.roll(loop, -1))
-                     if tags[a] & slave for n in (int(a), int(b))}
-            nodes = np.array(sorted(nodes), int)
+            nodes = nodes_within(facets, tags, slave)
             feet = self.closest(number, x[nodes]) if len(nodes) else None
             if feet is not None:
-                found.append((nodes, feet))
-        return found
-
-    def feet_of_nodes(self, x: NDArray, facets: NDArray, tags: list[frozenset]):
-        """For each tool the nodes of a skin that may meet it, and their closest points."""
-        for number, slave in self.pairs:
-            rows = [f for f, tag in zip(facets, tags) if tag & slave]
-            if not rows:
-                continue
-            nodes = np.unique(np.array(rows))
-            feet = self.closest(number, x[nodes])
-            if feet is not None:
                 yield nodes, feet
+        for master, face in self._slaves_of_others(body):
+            nodes = nodes_within(facets, tags, frozenset({master}))
+            if len(nodes):
+                yield nodes, face.feet(x[nodes], self.session.field("STATE OF MOTION"))
+
+    def _slaves_of_others(self, body: Body):
+        """Masters on the body whose slaves are on other bodies."""
+        return [(master, face) for master, face in self.backs
+                if not np.isin(face.labels, body.labels).any()]
 
     def feet_of_facets(self, x: NDArray, facets: NDArray, tags: list[frozenset]):
         """For each tool the facets that may meet it, and the closest points of their middles."""
@@ -87,11 +88,16 @@ class Tools:
                 yield rows, feet
 
     def pressed(self, body: Body, state: Snapshot) -> NDArray:
-        """Whether each node of the body bears a traction (node,)."""
+        """Whether each node of the body bears a traction, or lies where slaves do (node,)."""
         bears = np.zeros(len(body.labels), bool)
-        if state.tractions is not None:
-            loaded = np.abs(state.tractions.traction).max(axis=1) > 0.0
-            bears = np.isin(body.labels, state.tractions.node[loaded])
+        if state.tractions is None:
+            return bears
+        loaded = state.tractions.node[np.abs(state.tractions.traction).max(axis=1) > 0.0]
+        bears = np.isin(body.labels, loaded)
+        for master, face in self._slaves_of_others(body):
+            nodes = nodes_within(body.facets, body.tags, frozenset({master}))
+            if len(nodes):
+                bears[nodes] |= face.bears(state.x[nodes], state.motion, loaded)
         return bears
 
     def arcs(self, x: NDArray, facets: NDArray, tags: list[frozenset], reach: float):
@@ -112,3 +118,9 @@ class Tools:
             turn = np.linalg.norm(normal - np.roll(normal, 1, axis=1), axis=2).max(axis=1)
             bent = near & (turn > 1e-6)
             yield x[facets[rows[bent]]].mean(axis=1), way[bent]/turn[bent]
+
+
+def nodes_within(facets: NDArray, tags: list[frozenset], wanted: frozenset) -> NDArray:
+    """Nodes of the facets that have a tag of those wanted."""
+    own = np.array([bool(tag & wanted) for tag in tags], bool)
+    return np.unique(facets[own])
