@@ -130,8 +130,14 @@ class Quantity:
         return max((0.01*float(s.group(1)) for s in shares if s), default=0.0)
 
     def ripple(self, result: Result, deck: Deck) -> float:
-        """Half the swing of a force that goes to and fro in the last increments of the last step,
-        as it does while nodes leave a tool one by one: where in it the end falls is chance."""
+        """Half the swing of a force that goes to and fro about its peak, or in the last increments
+        of the last step, as it does while nodes leave a tool one by one: where in it the increments
+        find the peak, or the end falls, is chance."""
+        if self.kind == "PEAK FORCE":
+            every = [self.of_vector(v) for v in
+                     self._forces(result, deck, range(len(result.times)))]
+            peak = int(np.argmax(np.abs(every)))
+            return swing(every[max(0, peak - RIPPLES//2):peak + RIPPLES//2 + 1])
         if self.kind != "FORCE":
             return 0.0
         first = _before_last_step(result) + 1 if len(set(result.history["step"])) > 1 else 0
