@@ -5,6 +5,7 @@ program test_contact_point
    use lopin_friction, only : friction_type, law_of, law_names, regularization_names, &
       & regularization_of
    use lopin_enforcement_factory, only : new_enforcement
+   use lopin_contact_row, only : contact_status
    use lopin_projection, only : place
    use lopin_rigid_motion, only : rotation_matrix
    use point_scenes, only : point_scene_type, master_names, grip_names, new_point_scene, look, &
@@ -20,6 +21,7 @@ program test_contact_point
    call tangents_of_mid_side_nodes()
    call perturbed_is_penalty()
    call no_coefficient()
+   call sticks_between_two_ways()
    call turned_scenes()
    call finish()
 
@@ -260,6 +262,40 @@ contains
          end do
       end do
    end subroutine no_coefficient
+
+   !> A point that slid where a step starts slides on as it did, and sticks where it would slide
+   !> back: between the two there is a state, which a step may leap over.
+   subroutine sticks_between_two_ways()
+      type(point_scene_type) :: scene
+      real(wp), allocatable :: u(:), force(:)
+      real(wp) :: lambda(3), shear(3)
+      integer :: master, kind
+
+      do master = 1, size(master_names)
+         do kind = 1, tied_grip - 1
+            call test('sticks before it slides back: '//trim(grip_names(kind))//' on '// &
+               & trim(master_names(master)))
+            call new_point_scene(scene, trim(master_names(master)), kind)
+            scene%friction = law_with(law_of%coulomb, regularization_of%linear)
+            scene%friction%mu = 1.0e-3_wp
+            u = random(scene%dofs%n, 0.02_wp)
+            call look(scene, u, [0.0_wp, 0.0_wp, 0.0_wp])
+            lambda = 5.0_wp*scene%state%normal
+            call look(scene, u, lambda)
+            call is_true('slides', scene%state%status == contact_status%slip)
+            shear = scene%state%traction - dot_product(scene%state%traction, &
+               & scene%state%normal)*scene%state%normal
+            force = scene%state%force
+            scene%enforcement%slid = 2.0_wp*shear
+            call look(scene, u, lambda)
+            call is_true('slides on', scene%state%status == contact_status%slip .and. &
+               & all(abs(force - scene%state%force) <= 0.0_wp))
+            scene%enforcement%slid = -shear
+            call look(scene, u, lambda)
+            call is_true('sticks', scene%state%status == contact_status%stick)
+         end do
+      end do
+   end subroutine sticks_between_two_ways
 
    subroutine turned_scenes()
       type(point_scene_type) :: scene

@@ -16,6 +16,10 @@
 !> P = I - n n^T; s is the slip since the increment began, P (x_slave - x_anchor), or since the
 !> point touched in it: less P approach. Where the deck gives an elastic slip u0, that = P l - ct (s
 !> + u0 P l/radius + P e0): a traction on the disc holds u0, e0 what the committed one held.
+!>
+!> Between sliding one way and the other lies sticking, a small part of the way of a step of Newton
+!> that leaps over it and, from there, back: a point that slid where a step starts sticks where it
+!> would slide the other way. The next step starts from there, and slides if its shear asks for it.
 module lopin_contact_traction
    use lopin_kinds, only : wp
    use lopin_dual, only : dual_type, constant, dual_dot, dual_norm, operator(+), operator(-), &
@@ -84,7 +88,7 @@ contains
                if (norm2(t%v) > 0.0_wp) magnitude = dual_norm(t)
                call return_to_disc(friction, magnitude%v, ct, p%v, law%at, back%shear, &
                   & back%slope_q, back%slope_p)
-               back%slips = back%shear < magnitude%v
+               back%slips = back%shear < magnitude%v .and. dot_product(e%slid(:d), t%v) >= 0.0_wp
                if (e%grazing > 0.0_wp) call start_shear(back, e, friction, law%at, magnitude%v, &
                   & ct, p%v)
                row%status = merge(contact_status%slip, contact_status%stick, back%slips)

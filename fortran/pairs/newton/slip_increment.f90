@@ -12,6 +12,7 @@ module lopin_slip_increment
    private
    public :: condition_at, anchor_slip, path_of, dissipated, mean_work_of, held_energy, &
       & shear_bound, shear_excess, speed_of, lost_bound, turn
+   public :: note_sliding, forget_sliding
 
    !> Share of the increment that rates of slip are at least taken over.
    real(wp), parameter :: least_left = 0.1_wp
@@ -167,6 +168,31 @@ contains
       end do
       if (excess > 0.0_wp) excess = excess/most
    end function shear_excess
+
+   !> Where a step of Newton starts: how points slide there. They stick before they slide the other
+   !> way. What gives way before it slides has a way to leap into.
+   pure subroutine note_sliding(self)
+      type(nonlinear_contact_type), intent(inout) :: self
+      integer :: i
+
+      call forget_sliding(self)
+      do i = 1, self%n
+         associate (e => self%enforcement(i))
+            if (self%status(i) /= contact_status%slip) cycle
+            if (.not. e%method%is_exact() .or. e%method%updates()) cycle
+            e%slid = self%traction(:, i) - self%pressure(i)*self%normal(:, i)
+         end associate
+      end do
+   end subroutine note_sliding
+
+   pure subroutine forget_sliding(self)
+      type(nonlinear_contact_type), intent(inout) :: self
+      integer :: i
+
+      do i = 1, self%n
+         self%enforcement(i)%slid = 0.0_wp
+      end do
+   end subroutine forget_sliding
 
    !> What a closed point lacks of its bound because it is pressed lightly, and the bound.
    pure subroutine lost_bound(self, i, lost, whole)

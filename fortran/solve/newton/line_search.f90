@@ -22,6 +22,7 @@ module lopin_line_search
    use lopin_newton_step, only : coarse
    use lopin_check_mesh, only : folds
    use lopin_one_unit, only : as_lengths
+   use lopin_slip_increment, only : note_sliding
    use lopin_scene, only : scene_type
    implicit none
    private
@@ -78,6 +79,7 @@ contains
       search%displaced = scene%trial%motion%u
       search%size = 0.0_wp
       search%share = 1.0_wp
+      if (.not. scene%newton%damping%on) call note_sliding(scene%newton%contact)
       associate (step => as_lengths(scene, search%step(:size(v)), &
          & scene%constraints%dof_of_equation))
          search%pull = dot_product(search%step(:size(v)), evaluation%free)

@@ -22,6 +22,7 @@ module lopin_semismooth_newton
    use lopin_check_mesh, only : folding_at
    use lopin_lagged_friction, only : reads_lagged, renew_lagged, share_of_new, may_relax
    use lopin_first_increment, only : size_first, flows_far
+   use lopin_slip_increment, only : forget_sliding
    use lopin_scene, only : scene_type
    use lopin_tell_watcher, only : tell_of_iteration
    use lopin_worst_residual, only : describe_worst
@@ -85,6 +86,7 @@ contains
       it%guessed = iterate%guessed .and. loop == 0
       scene%newton%contact%noted = merge(scene%newton%contact%ahead, 0.0_wp, it%guessed)
       if (scene%bodies%nq > 0 .and. loop == 0) scene%newton%contact%enforcement%clings = .true.
+      call forget_sliding(scene%newton%contact)
       call evaluate(scene, model, f, .true., it%evaluation, error)
       scene%newton%contact%noted = 0.0_wp
       if (.not. allocated(error)) call look_at_start(it, scene, model, iterate, error)
