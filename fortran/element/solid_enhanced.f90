@@ -3,7 +3,8 @@
 !> The amplitudes alpha of the internal modes (module enhanced_motion) make the energy stationary at
 !> given displacements: a local Newton iteration finds them at every call, from zero in an elastic
 !> solid, from those of the accepted state where it flows. So the force is the slope of an energy of
-!> the displacements alone, and the tangent is the exact one, symmetric.
+!> the displacements alone, and the tangent is the exact one, symmetric. Points are not evaluated
+!> after the last step, which is small: force and energy follow it by the stiffness at hand.
 module lopin_solid_enhanced
    use lopin_kinds, only : wp
    use lopin_vectors, only : cross
@@ -22,12 +23,12 @@ module lopin_solid_enhanced
 
    !> Answer of the material at a point.
    type :: answer_type
-      real(wp) :: h(3, 3) = 0.0_wp          !! enhanced F - 1
-      real(wp) :: inverse(3, 3) = 0.0_wp    !! of the enhanced F
-      real(wp) :: stress(6) = 0.0_wp        !! Kirchhoff
-      real(wp) :: a(9, 9) = 0.0_wp          !! quadratic form on velocity gradients, times volume
-      real(wp) :: energy = 0.0_wp
-      logical :: bad = .false.              !! turned inside out
+      real(wp) :: h(3, 3)                   !! enhanced F - 1
+      real(wp) :: inverse(3, 3)             !! of the enhanced F
+      real(wp) :: stress(6)                 !! Kirchhoff
+      real(wp) :: a(9, 9)                   !! quadratic form on velocity gradients, times volume
+      real(wp) :: energy
+      logical :: bad                        !! turned inside out
    end type answer_type
 
 contains
@@ -41,8 +42,9 @@ contains
       integer, intent(out) :: bad                  !! Gauss point turned inside out, else 0
       real(wp), intent(out), optional :: ke(element%ndof, element%ndof)
       type(motion_type) :: motion
-      type(answer_type) :: answer
-      real(wp) :: alpha(element%nmode), own(mode_lanes(element), element%nmode)
+      type(answer_type) :: answer(element%ngauss)
+      real(wp), dimension(element%nmode) :: alpha, unbalanced, rest
+      real(wp) :: own(mode_lanes(element), element%nmode)
       real(wp) :: with_nodes(mode_lanes(element), element%ndof), l(mode_lanes(element), 9)
       real(wp) :: swap(3, 3, element%nmode)
       real(wp) :: g(element%ndim, element%nnode), hoop(element%nnode)
@@ -50,29 +52,28 @@ contains
 
       call move(element, input, motion, bad)
       if (bad > 0) return
-      call relax(element, input, motion, alpha, bad)
+      call relax(element, input, motion, alpha, answer, unbalanced, rest, bad)
       if (bad > 0) return
-      energy = 0.0_wp
+      energy = sum(answer%energy) - 0.5_wp*dot_product(unbalanced, rest)
       force = 0.0_wp
       if (present(ke)) ke = 0.0_wp
       own = 0.0_wp
       with_nodes = 0.0_wp
       swap = 0.0_wp
       do k = 1, element%ngauss
-         call respond(element, input, motion, k, alpha, answer)
-         energy = energy + answer%energy
-         call node_slopes(element, motion, k, alpha, answer%inverse, g, hoop)
-         call add_force(element%ndim, element%nnode, g, hoop, answer%stress(:element%nstress), &
-            & motion%weight(k), force)
-         if (.not. present(ke)) cycle
-         call mode_rows(element, motion, k, answer%inverse, l)
-         call add_stiffness(element%ndim, element%nnode, g, hoop, answer%a, ke)
-         call add_modes(element, answer%a, l, own, g, hoop, with_nodes)
-         call add_swap(element, motion, k, answer, swap)
+         call node_slopes(element, motion, k, alpha, answer(k)%inverse, g, hoop)
+         call add_force(element%ndim, element%nnode, g, hoop, &
+            & answer(k)%stress(:element%nstress), motion%weight(k), force)
+         call mode_rows(element, motion, k, answer(k)%inverse, l)
+         call add_modes(element, answer(k)%a, l, own, g, hoop, with_nodes)
+         call add_swap(element, motion, k, answer(k), swap)
+         if (present(ke)) call add_stiffness(element%ndim, element%nnode, g, hoop, answer(k)%a, ke)
       end do
-      if (.not. present(ke)) return
       call couple_centre(element, motion, swap, with_nodes)
-      call condense(whole(element, own), with_nodes(:element%nmode, :), ke)
+      do k = 1, element%ndof
+         force(k) = force(k) - dot_product(with_nodes(:element%nmode, k), rest)
+      end do
+      if (present(ke)) call condense(whole(element, own), with_nodes(:element%nmode, :), ke)
    end subroutine enhanced_element
 
    !> Stiffness of the amplitudes, its part below the diagonal, and between them and the nodes.
@@ -207,39 +208,46 @@ contains
       real(wp), intent(out) :: alpha(element%nmode)   !! amplitudes [-]
       integer, intent(out) :: bad                  !! Gauss point turned inside out, else 0
       type(motion_type) :: motion
+      type(answer_type) :: answer(element%ngauss)
+      real(wp), dimension(element%nmode) :: unbalanced, rest
       integer :: k
 
       h = 0.0_wp
       alpha = 0.0_wp
       call move(element, input, motion, bad)
       if (bad > 0) return
-      call relax(element, input, motion, alpha, bad)
+      call relax(element, input, motion, alpha, answer, unbalanced, rest, bad)
       if (bad > 0) return
+      alpha = alpha - rest
       do k = 1, element%ngauss
          h(:, :, k) = enhanced_change(element, motion, k, alpha)
       end do
    end subroutine enhanced_deformation
 
-   !> Amplitudes that make the energy stationary.
-   pure subroutine relax(element, input, motion, alpha, bad)
+   !> Amplitudes that make the energy stationary, but for a last step.
+   pure subroutine relax(element, input, motion, alpha, answer, unbalanced, rest, bad)
       type(element_type), intent(in) :: element
       type(element_input_type), intent(in) :: input
       type(motion_type), intent(in) :: motion
       real(wp), intent(out) :: alpha(element%nmode)
+      type(answer_type), intent(out) :: answer(element%ngauss)   !! at these amplitudes
+      real(wp), intent(out) :: unbalanced(element%nmode)         !! forces on them
+      real(wp), intent(out) :: rest(element%nmode)               !! the step: alpha - rest balances
       integer, intent(out) :: bad
       real(wp), dimension(element%nmode, 1) :: force, step
       real(wp) :: pivot(element%nmode, element%nmode), size_of
       integer, parameter :: most = 60
+      real(wp), parameter :: small = 1.0e-6_wp   ! its square is left out
       integer :: sweep
       logical :: regular
 
       alpha = amplitudes_of(input%memory, element%nstress, element%nmode)
       size_of = max(maxval(abs(motion%h(:, :, :element%ngauss))), &
          & strained(input%memory, element%nstress))
-      call balance(element, input, motion, alpha, force, pivot, bad)
+      call balance(element, input, motion, alpha, answer, force, pivot, bad)
       if (bad > 0 .and. any(abs(alpha) > 0.0_wp)) then
          alpha = 0.0_wp
-         call balance(element, input, motion, alpha, force, pivot, bad)
+         call balance(element, input, motion, alpha, answer, force, pivot, bad)
       end if
       do sweep = 1, most
          if (bad > 0) return
@@ -248,24 +256,27 @@ contains
          bad = 1
          if (.not. regular) return
          bad = 0
-         if (maxval(abs(step)) <= 1.0e-8_wp*maxval(abs(alpha - step(:, 1))) &
+         if (maxval(abs(step)) <= small*maxval(abs(alpha - step(:, 1))) &
             & + 1.0e-14_wp*size_of) then
-            alpha = alpha - step(:, 1)
+            unbalanced = force(:, 1)
+            rest = step(:, 1)
             return
          end if
-         call advance(element, input, motion, step(:, 1), alpha, force, pivot, bad)
+         call advance(element, input, motion, step(:, 1), alpha, answer, force, pivot, bad)
       end do
       bad = 1
    end subroutine relax
 
    !> Go the Newton step, or as far of it as no point turns and the force along it does not reverse:
    !> points that unload are stiffer than the tangent says.
-   pure subroutine advance(element, input, motion, step, alpha, force, pivot, turned)
+   pure subroutine advance(element, input, motion, step, alpha, answer, force, pivot, turned)
       type(element_type), intent(in) :: element
       type(element_input_type), intent(in) :: input
       type(motion_type), intent(in) :: motion
       real(wp), intent(in) :: step(:)
-      real(wp), intent(inout) :: alpha(:), force(:, :)
+      real(wp), intent(inout) :: alpha(:)
+      type(answer_type), intent(out) :: answer(element%ngauss)
+      real(wp), intent(inout) :: force(:, :)
       real(wp), intent(out) :: pivot(:, :)
       integer, intent(out) :: turned
       real(wp) :: share, along, ahead
@@ -275,7 +286,7 @@ contains
       along = dot_product(force(:, 1), step)
       share = 1.0_wp
       do try = 1, most
-         call balance(element, input, motion, alpha - share*step, force, pivot, turned)
+         call balance(element, input, motion, alpha - share*step, answer, force, pivot, turned)
          if (turned > 0) then
             share = 0.5_wp*share
             cycle
@@ -298,15 +309,15 @@ contains
    end function strained
 
    !> Forces on the amplitudes and their slopes; `force` is kept where a point is `turned`.
-   pure subroutine balance(element, input, motion, alpha, force, pivot, turned)
+   pure subroutine balance(element, input, motion, alpha, answer, force, pivot, turned)
       type(element_type), intent(in) :: element
       type(element_input_type), intent(in) :: input
       type(motion_type), intent(in) :: motion
       real(wp), intent(in) :: alpha(:)
+      type(answer_type), intent(out) :: answer(element%ngauss)
       real(wp), intent(inout) :: force(:, :)
       real(wp), contiguous, intent(out) :: pivot(:, :)
       integer, intent(out) :: turned
-      type(answer_type) :: answer
       real(wp) :: own(mode_lanes(element), element%nmode)
       real(wp) :: l(mode_lanes(element), 9), sum_of(mode_lanes(element)), s(9)
       integer :: j, k
@@ -315,14 +326,14 @@ contains
       sum_of = 0.0_wp
       do k = 1, element%ngauss
          turned = k
-         call respond(element, input, motion, k, alpha, answer)
-         if (answer%bad) return
-         call mode_rows(element, motion, k, answer%inverse, l)
-         s = listed(element%ndim, tensor_of(motion%weight(k)*answer%stress(:element%nstress)))
+         call respond(element, input, motion, k, alpha, answer(k))
+         if (answer(k)%bad) return
+         call mode_rows(element, motion, k, answer(k)%inverse, l)
+         s = listed(element%ndim, tensor_of(motion%weight(k)*answer(k)%stress(:element%nstress)))
          do j = 1, list_length(element)
             sum_of = sum_of + l(:, j)*s(j)
          end do
-         call add_modes(element, answer%a, l, own)
+         call add_modes(element, answer(k)%a, l, own)
       end do
       turned = 0
       pivot = whole(element, own)
