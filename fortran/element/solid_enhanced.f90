@@ -10,7 +10,7 @@ module lopin_solid_enhanced
    use lopin_vectors, only : cross
    use lopin_element_type, only : element_type, element_kind
    use lopin_element_input, only : element_input_type, counted_volume
-   use lopin_enhanced_modes, only : solve_small
+   use lopin_enhanced_modes, only : solve_small, most_modes, most_points
    use lopin_enhanced_motion, only : motion_type, move, mode_lanes, list_length, &
       & enhanced_change, node_slopes, mode_rows
    use lopin_velocity_form, only : velocity_form, add_force, add_stiffness, listed, tensor_of
@@ -31,6 +31,15 @@ module lopin_solid_enhanced
       logical :: bad                        !! turned inside out
    end type answer_type
 
+   !> Amplitudes on their way to where the energy is stationary.
+   type :: relaxed_type
+      real(wp) :: alpha(most_modes)
+      type(answer_type) :: answer(most_points)   !! at alpha
+      real(wp) :: force(most_modes)              !! on the amplitudes there
+      real(wp) :: pivot(most_modes, most_modes)  !! its slopes
+      real(wp) :: rest(most_modes)               !! the last, small step: alpha - rest balances
+   end type relaxed_type
+
 contains
 
    !> Force, energy and, if asked for, tangent of an element.
@@ -42,38 +51,41 @@ contains
       integer, intent(out) :: bad                  !! Gauss point turned inside out, else 0
       real(wp), intent(out), optional :: ke(element%ndof, element%ndof)
       type(motion_type) :: motion
-      type(answer_type) :: answer(element%ngauss)
-      real(wp), dimension(element%nmode) :: alpha, unbalanced, rest
+      type(relaxed_type) :: relaxed
       real(wp) :: own(mode_lanes(element), element%nmode)
       real(wp) :: with_nodes(mode_lanes(element), element%ndof), l(mode_lanes(element), 9)
       real(wp) :: swap(3, 3, element%nmode)
       real(wp) :: g(element%ndim, element%nnode), hoop(element%nnode)
-      integer :: k
+      integer :: k, m
 
       call move(element, input, motion, bad)
       if (bad > 0) return
-      call relax(element, input, motion, alpha, answer, unbalanced, rest, bad)
+      call relax(element, input, motion, relaxed, bad)
       if (bad > 0) return
-      energy = sum(answer%energy) - 0.5_wp*dot_product(unbalanced, rest)
+      m = element%nmode
+      energy = sum(relaxed%answer(:element%ngauss)%energy) &
+         & - 0.5_wp*dot_product(relaxed%force(:m), relaxed%rest(:m))
       force = 0.0_wp
       if (present(ke)) ke = 0.0_wp
       own = 0.0_wp
       with_nodes = 0.0_wp
       swap = 0.0_wp
       do k = 1, element%ngauss
-         call node_slopes(element, motion, k, alpha, answer(k)%inverse, g, hoop)
-         call add_force(element%ndim, element%nnode, g, hoop, &
-            & answer(k)%stress(:element%nstress), motion%weight(k), force)
-         call mode_rows(element, motion, k, answer(k)%inverse, l)
-         call add_modes(element, answer(k)%a, l, own, g, hoop, with_nodes)
-         call add_swap(element, motion, k, answer(k), swap)
-         if (present(ke)) call add_stiffness(element%ndim, element%nnode, g, hoop, answer(k)%a, ke)
+         associate (answer => relaxed%answer(k))
+            call node_slopes(element, motion, k, relaxed%alpha(:m), answer%inverse, g, hoop)
+            call add_force(element%ndim, element%nnode, g, hoop, &
+               & answer%stress(:element%nstress), motion%weight(k), force)
+            call mode_rows(element, motion, k, answer%inverse, l)
+            call add_modes(element, answer%a, l, own, g, hoop, with_nodes)
+            call add_swap(element, motion, k, answer, swap)
+            if (present(ke)) call add_stiffness(element%ndim, element%nnode, g, hoop, answer%a, ke)
+         end associate
       end do
       call couple_centre(element, motion, swap, with_nodes)
       do k = 1, element%ndof
-         force(k) = force(k) - dot_product(with_nodes(:element%nmode, k), rest)
+         force(k) = force(k) - dot_product(with_nodes(:m, k), relaxed%rest(:m))
       end do
-      if (present(ke)) call condense(whole(element, own), with_nodes(:element%nmode, :), ke)
+      if (present(ke)) call condense(whole(element, own), with_nodes(:m, :), ke)
    end subroutine enhanced_element
 
    !> Stiffness of the amplitudes, its part below the diagonal, and between them and the nodes.
@@ -208,94 +220,89 @@ contains
       real(wp), intent(out) :: alpha(element%nmode)   !! amplitudes [-]
       integer, intent(out) :: bad                  !! Gauss point turned inside out, else 0
       type(motion_type) :: motion
-      type(answer_type) :: answer(element%ngauss)
-      real(wp), dimension(element%nmode) :: unbalanced, rest
+      type(relaxed_type) :: relaxed
       integer :: k
 
       h = 0.0_wp
       alpha = 0.0_wp
       call move(element, input, motion, bad)
       if (bad > 0) return
-      call relax(element, input, motion, alpha, answer, unbalanced, rest, bad)
+      call relax(element, input, motion, relaxed, bad)
       if (bad > 0) return
-      alpha = alpha - rest
+      alpha = relaxed%alpha(:element%nmode) - relaxed%rest(:element%nmode)
       do k = 1, element%ngauss
          h(:, :, k) = enhanced_change(element, motion, k, alpha)
       end do
    end subroutine enhanced_deformation
 
    !> Amplitudes that make the energy stationary, but for a last step.
-   pure subroutine relax(element, input, motion, alpha, answer, unbalanced, rest, bad)
+   pure subroutine relax(element, input, motion, relaxed, bad)
       type(element_type), intent(in) :: element
       type(element_input_type), intent(in) :: input
       type(motion_type), intent(in) :: motion
-      real(wp), intent(out) :: alpha(element%nmode)
-      type(answer_type), intent(out) :: answer(element%ngauss)   !! at these amplitudes
-      real(wp), intent(out) :: unbalanced(element%nmode)         !! forces on them
-      real(wp), intent(out) :: rest(element%nmode)               !! the step: alpha - rest balances
+      type(relaxed_type), intent(out) :: relaxed
       integer, intent(out) :: bad
-      real(wp), dimension(element%nmode, 1) :: force, step
-      real(wp) :: pivot(element%nmode, element%nmode), size_of
+      real(wp) :: step(element%nmode, 1), pivot(element%nmode, element%nmode), size_of
       integer, parameter :: most = 60
       real(wp), parameter :: small = 1.0e-6_wp   ! its square is left out
-      integer :: sweep
+      integer :: m, sweep
       logical :: regular
 
-      alpha = amplitudes_of(input%memory, element%nstress, element%nmode)
+      m = element%nmode
+      relaxed%alpha(:m) = amplitudes_of(input%memory, element%nstress, m)
       size_of = max(maxval(abs(motion%h(:, :, :element%ngauss))), &
          & strained(input%memory, element%nstress))
-      call balance(element, input, motion, alpha, answer, force, pivot, bad)
-      if (bad > 0 .and. any(abs(alpha) > 0.0_wp)) then
-         alpha = 0.0_wp
-         call balance(element, input, motion, alpha, answer, force, pivot, bad)
+      call balance(element, input, motion, relaxed, bad)
+      if (bad > 0 .and. any(abs(relaxed%alpha(:m)) > 0.0_wp)) then
+         relaxed%alpha(:m) = 0.0_wp
+         call balance(element, input, motion, relaxed, bad)
       end if
       do sweep = 1, most
          if (bad > 0) return
-         step = force
+         pivot = relaxed%pivot(:m, :m)
+         step(:, 1) = relaxed%force(:m)
          call solve_small(pivot, step, regular)
          bad = 1
          if (.not. regular) return
          bad = 0
-         if (maxval(abs(step)) <= small*maxval(abs(alpha - step(:, 1))) &
+         if (maxval(abs(step)) <= small*maxval(abs(relaxed%alpha(:m) - step(:, 1))) &
             & + 1.0e-14_wp*size_of) then
-            unbalanced = force(:, 1)
-            rest = step(:, 1)
+            relaxed%rest(:m) = step(:, 1)
             return
          end if
-         call advance(element, input, motion, step(:, 1), alpha, answer, force, pivot, bad)
+         call advance(element, input, motion, step(:, 1), relaxed, bad)
       end do
       bad = 1
    end subroutine relax
 
    !> Go the Newton step, or as far of it as no point turns and the force along it does not reverse:
    !> points that unload are stiffer than the tangent says.
-   pure subroutine advance(element, input, motion, step, alpha, answer, force, pivot, turned)
+   pure subroutine advance(element, input, motion, step, relaxed, turned)
       type(element_type), intent(in) :: element
       type(element_input_type), intent(in) :: input
       type(motion_type), intent(in) :: motion
-      real(wp), intent(in) :: step(:)
-      real(wp), intent(inout) :: alpha(:)
-      type(answer_type), intent(out) :: answer(element%ngauss)
-      real(wp), intent(inout) :: force(:, :)
-      real(wp), intent(out) :: pivot(:, :)
+      real(wp), intent(in) :: step(element%nmode)
+      type(relaxed_type), intent(inout) :: relaxed
       integer, intent(out) :: turned
-      real(wp) :: share, along, ahead
+      real(wp) :: begun(element%nmode), share, along, ahead
       integer, parameter :: most = 12
-      integer :: try
+      integer :: m, try
 
-      along = dot_product(force(:, 1), step)
+      m = element%nmode
+      begun = relaxed%alpha(:m)
+      along = dot_product(relaxed%force(:m), step)
       share = 1.0_wp
       do try = 1, most
-         call balance(element, input, motion, alpha - share*step, answer, force, pivot, turned)
+         relaxed%alpha(:m) = begun - share*step
+         call balance(element, input, motion, relaxed, turned)
          if (turned > 0) then
             share = 0.5_wp*share
             cycle
          end if
-         ahead = dot_product(force(:, 1), step)
+         ahead = dot_product(relaxed%force(:m), step)
          if (along <= 0.0_wp .or. ahead >= -0.2_wp*along) exit
-         if (try < most) share = share*max(0.1_wp, along/(along - ahead))
+         share = share*max(0.1_wp, along/(along - ahead))
       end do
-      alpha = alpha - share*step
    end subroutine advance
 
    !> Size of the strains that a point remembers.
@@ -308,36 +315,37 @@ contains
          & maxval(abs(memory(offset_at(nstress), :))))
    end function strained
 
-   !> Forces on the amplitudes and their slopes; `force` is kept where a point is `turned`.
-   pure subroutine balance(element, input, motion, alpha, answer, force, pivot, turned)
+   !> Answers of the points, forces on the amplitudes and their slopes; the forces are kept where a
+   !> point is `turned`.
+   pure subroutine balance(element, input, motion, relaxed, turned)
       type(element_type), intent(in) :: element
       type(element_input_type), intent(in) :: input
       type(motion_type), intent(in) :: motion
-      real(wp), intent(in) :: alpha(:)
-      type(answer_type), intent(out) :: answer(element%ngauss)
-      real(wp), intent(inout) :: force(:, :)
-      real(wp), contiguous, intent(out) :: pivot(:, :)
+      type(relaxed_type), intent(inout) :: relaxed
       integer, intent(out) :: turned
       real(wp) :: own(mode_lanes(element), element%nmode)
       real(wp) :: l(mode_lanes(element), 9), sum_of(mode_lanes(element)), s(9)
-      integer :: j, k
+      integer :: j, k, m
 
+      m = element%nmode
       own = 0.0_wp
       sum_of = 0.0_wp
       do k = 1, element%ngauss
          turned = k
-         call respond(element, input, motion, k, alpha, answer(k))
-         if (answer(k)%bad) return
-         call mode_rows(element, motion, k, answer(k)%inverse, l)
-         s = listed(element%ndim, tensor_of(motion%weight(k)*answer(k)%stress(:element%nstress)))
+         associate (answer => relaxed%answer(k))
+            call respond(element, input, motion, k, relaxed%alpha(:m), answer)
+            if (answer%bad) return
+            call mode_rows(element, motion, k, answer%inverse, l)
+            s = listed(element%ndim, tensor_of(motion%weight(k)*answer%stress(:element%nstress)))
+            call add_modes(element, answer%a, l, own)
+         end associate
          do j = 1, list_length(element)
             sum_of = sum_of + l(:, j)*s(j)
          end do
-         call add_modes(element, answer(k)%a, l, own)
       end do
       turned = 0
-      pivot = whole(element, own)
-      force(:, 1) = sum_of(:element%nmode)
+      relaxed%pivot(:m, :m) = whole(element, own)
+      relaxed%force(:m) = sum_of(:m)
    end subroutine balance
 
    !> Deformation, stress and stiffness of a point.
