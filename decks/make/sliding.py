@@ -168,7 +168,7 @@ def _table(name: str, number: int, y: float, upward: bool, width: float = 99.0) 
             f"*RIGID BODY, ANALYTICAL SURFACE={name}, REF NODE={number}\n")
 
 
-def crushed_ring(cells: tuple[int, int] = (4, 64), stroke: float = 35.0) -> str:
+def crushed_ring(cells: tuple[int, int] = (3, 96), stroke: float = 35.0) -> str:
     """Half a rubber ring crushed between plates until its inside meets itself."""
     half = mesh_make.ring(17.0, 20.0, cells, angles=(-90.0, 90.0))
     half = half.with_points("CUT", lambda x: x[:, 0] < 1e-9)
@@ -177,13 +177,15 @@ A rubber ring of radius 20 mm and thickness 3 mm crushed by {stroke:g} mm: its i
 
 Neo-Hooke, C10 = 0.5 MPa, D1 = 0.02 /MPa, plane strain, half of it, no friction. No closed form: no node
 of the inside passes through the other half, both plates feel the same force, and one layer on the
-other they leave 5 mm of the 6. At the end a corner of the outside is flat, and the certificate warns of it.
+other they leave 5 mm of the 6. At the end a corner of the outside is nearly flat (W0531). The force is the
+same to .01 % with increments of .01 to .04; by some of these, meshes of 4 x 64, 4 x 80 and 6 x 96 cells do
+not reach the end: a corner folds, or the ring gives way to one side.
 
-expect: certificate.verdict = WARN
+expect: certificate.verdict = PASS
 expect: history.INNER-INNER.closed > 20
 expect: history.INNER-INNER.max_penetration < 1e-9
-expect: history.PRESS.rf2 = -25.1 +- 2 %
-expect: history.FLOOR.rf2 = 25.1 +- 2 %
+expect: history.PRESS.rf2 = -24.94 +- 0.5 %
+expect: history.FLOOR.rf2 = 24.94 +- 0.5 %
 """, f"""*MATERIAL, NAME=RUBBER
 *HYPERELASTIC, NEO HOOKE
 0.5, 0.02

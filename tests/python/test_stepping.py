@@ -210,16 +210,20 @@ def test_ctrl_c_gives_the_increment_up_and_the_run_may_go_on(root, core):
         long = time.process_time() - started
         asked = []
 
-        def press_ctrl_c():
+        def press_ctrl_c():               # by the clock of this process: others may slow it down
+            while time.process_time() - begun < 0.2*long:
+                time.sleep(0.001)
             asked.append(time.process_time())
             os.kill(os.getpid(), signal.SIGINT)
-        timer = threading.Timer(0.2*long, press_ctrl_c)
-        before = job.result["displacement"]
+        presser = threading.Thread(target=press_ctrl_c)
         with pytest.raises(KeyboardInterrupt):
-            timer.start()
+            begun = time.process_time()
+            presser.start()
             while True:
                 before = job.result["displacement"]
-                assert job.advance() is not None
+                if job.advance() is None:
+                    break
+            presser.join()
         # Some eight iterations make an increment, four fifths of which were still to come.
         assert time.process_time() - asked[0] < 0.5*long
         assert job.is_open and np.array_equal(job.result["displacement"], before)
