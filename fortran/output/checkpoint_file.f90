@@ -139,7 +139,9 @@ contains
       end do
       if (line(1)(:16) /= mark(:16)) then
          call refuse(self%path, 'it is not a checkpoint of Lopin', error)
-      else if (line(2) /= version .or. line(1) /= mark) then
+      else if (line(2) == version .and. line(1) /= mark) then
+         call refuse(self%path, 'it was written by another state of Lopin '//version, error)
+      else if (line(2) /= version) then
          call refuse(self%path, 'it was written by Lopin '//trim(line(2))//', and this is '// &
             & version, error)
       else if (line(3) /= self%deck) then
