@@ -78,9 +78,10 @@ contains
       call add_explanation(list, 'N0368', 'elements of second order for nothing', &
          & 'At the end of every step the displacements of nodes in the middle of edges are all '// &
          & 'but the mean of the two ends. The error of linear elements in energy is not larger '// &
-         & 'than what these nodes add, so that they would have the same answer within the '// &
-         & 'shares that are named, on fewer equations. Said of linear scenes with straight '// &
-         & 'cells.', &
+         & 'than what these nodes add, so that the work of all forces on a body would be the '// &
+         & 'same within the share that is named, on fewer equations; of bodies in contact the '// &
+         & 'worst counts. A slender part of a stiff body may hide: look at it. Said of linear '// &
+         & 'scenes with straight cells.', &
          & 'take the linear word of the same cells, or larger cells of second order.')
    end subroutine advice
 end module lopin_explain_others

@@ -110,10 +110,10 @@ def test_nodes_in_a_crease_stick_and_slide_along_it(solve, tmp_path):
     assert sum(exact.history["iterations"]) < 60
 
 
-SLOPE = np.array([-0.05, 0.0, -0.015])
+SLOPE = np.array([-1.0, 0.0, -0.3])
 
 
-def stack(gap, word, q=None, unit=1.0):
+def stack(gap, word, q=None, unit=1.0, tilt=0.05):
     """A quarter of a block above a quarter of a larger one, whose top leans at both planes of symmetry; turned by q."""
     axes = unit*(np.eye(3) if q is None else q)
     nodes, rows, surfaces, sets = [], [], [], {}
@@ -121,7 +121,7 @@ def stack(gap, word, q=None, unit=1.0):
         mesh = block((wide, 2.0, wide), (round(wide), 2, round(wide)), origin=(0.0, lift, 0.0))
         level = mesh.points[:, 1].copy()
         mesh = simplices(mesh) if word == "C3D4" else mesh
-        leaning = mesh.mapped(lambda x: x + np.outer(x @ SLOPE, [0.0, 1.0, 0.0]))
+        leaning = mesh.mapped(lambda x: x + tilt*np.outer(x @ SLOPE, [0.0, 1.0, 0.0]))
         nodes += [f"{first + i}, " + line(axes@x) for i, x in enumerate(leaning.points)]
         rows += [f"*ELEMENT, TYPE={word}, ELSET={name}", *(f"{first + i}, " + ", ".join(str(n + first) for n in row)
                                                            for i, row in enumerate(mesh.blocks[0][1].tolist()))]
@@ -155,3 +155,13 @@ def test_small_gaps_under_leaning_facets_leave_nodes_on_their_planes(solve, word
     ends = [axis.T @ [result.history[f"UP_FACE-LOW_FACE.force{i}"][-1] for i in (1, 2, 3)]/size**2
             for result, axis, size in ((found, axes, unit), (closed, np.eye(3), 1.0))]
     assert ends[0] == pytest.approx(ends[1], abs=1e-3*abs(ends[1][1]))
+
+
+@pytest.mark.parametrize("word, tilt, gap", [("C3D8", 0.4, 8e-3), ("C3D4", 0.8, 3e-3)])
+def test_wider_gaps_under_steeper_facets_change_nothing(solve, word, tilt, gap):
+    """The foot lies beside the plane by gap times tilt, whatever these are: 13 and 8 % of the shear were lost without
+    a word where a share of a thousandth counted as a motion of the master."""
+    near, far = (solve(stack(g, word, tilt=tilt)) for g in (1e-6, gap))
+    ends = [r.contact(0).at(-1).force.sum(axis=0) for r in (near, far)]
+    assert abs(ends[1] - ends[0]).max() < 0.01*abs(ends[0]).max()
+    assert sum(far.history["iterations"]) < 40

@@ -116,9 +116,24 @@ contains
          call stick_all(points, work%touching, x, work%equations)
       else
          x%gap = work%old_gap
+         call slide_on(points, x%gap)
          call check(self, points, work, x, norm)
       end if
    end subroutine begin_prediction
+
+   !> What slid in the last increment is looked for where it would slide on by as much.
+   pure subroutine slide_on(points, gap)
+      type(friction_points_type), intent(in) :: points
+      real(wp), intent(inout) :: gap(:)        !! (nrow) [length]
+      integer :: i
+
+      if (.not. allocated(points%way)) return
+      do i = 1, points%n
+         associate (from => points%tangent(i), to => points%tangent(i) + points%nt - 1)
+            gap(from:to) = gap(from:to) + points%way(:, i)
+         end associate
+      end do
+   end subroutine slide_on
 
    !> For the first step: points that touch, or all if bodies float, press and stick.
    subroutine stick_all(points, touching, x, equations)

@@ -137,7 +137,6 @@ contains
       do i = 1, points%n
          associate (from => points%tangent(i), to => points%tangent(i) + points%nt - 1)
             work%old_gap(from:to) = points%start(:, i)
-            if (allocated(points%way)) work%old_gap(from:to) = points%start(:, i) + points%way(:, i)
          end associate
       end do
       do group = 1, self%ngroup

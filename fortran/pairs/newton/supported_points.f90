@@ -19,9 +19,6 @@ module lopin_supported_points
 
    !> Direction cosines, and ways beside a facet, that are rounding.
    real(wp), parameter :: rounding = 1.0e-9_wp
-   !> Share of the nodes beside a plane up to which a point lies on it: the foot of a gap along a
-   !> normal that leans out of the plane.
-   real(wp), parameter :: beside = 1.0e-3_wp
    !> A normal that leans so far into the plane that is left can be followed there.
    real(wp), parameter :: leans = 0.1_wp
 
@@ -54,7 +51,8 @@ contains
                h = local_axis(constraints, self%node(i), k)
                if (.not. rests(constraints, self%dofs, self%node(i), 0, h, moved, &
                   & self%size(i))) cycle
-               if (.not. master_rests(self, model, constraints, i, h, moved)) cycle
+               if (.not. master_rests(self, model, constraints, i, h, u, &
+                  & moved)) cycle
                g%support = g%support + spread(h, 2, 3)*spread(h, 1, 3)
             end do
             if (.not. any(abs(g%support) > 0.0_wp)) cycle
@@ -192,18 +190,20 @@ contains
    end function way_of
 
    !> The tool, or the nodes that carry the point opposite, have no way along a direction.
-   pure logical function master_rests(self, model, constraints, i, h, moved) result(rest)
+   pure logical function master_rests(self, model, constraints, i, h, u, moved) result(rest)
       type(nonlinear_contact_type), intent(in) :: self
       type(model_type), intent(in) :: model
       type(constraints_type), intent(in) :: constraints
       integer, intent(in) :: i                 !! the point
-      real(wp), intent(in) :: h(3), moved(:)
+      real(wp), intent(in) :: h(3), u(:), moved(:)
+      real(wp) :: beside
       integer :: k
 
       rest = .true.
       associate (master => self%masters%of(self%pair(i)), a => self%anchor(i))
          if (master%tool == 0) then
             rest = a%set
+            if (rest) beside = share_beside(self, model, i, h, u)
             do k = 1, a%nnode
                if (abs(a%share(k)) <= beside) cycle
                rest = rest .and. rests(constraints, self%dofs, a%node(k), 0, h, moved, &
@@ -219,6 +219,31 @@ contains
          end associate
       end associate
    end function master_rests
+
+   !> What a gap gives nodes beside a plane of the foot: along a normal that leans out of the plane
+   !> it lies beside it. Four times that: the normal turns along a facet, and nodes are not all as
+   !> far.
+   pure real(wp) function share_beside(self, model, i, h, u) result(share)
+      type(nonlinear_contact_type), intent(in) :: self
+      type(model_type), intent(in) :: model
+      integer, intent(in) :: i                 !! the point
+      real(wp), intent(in) :: h(3)             !! normal of the plane
+      real(wp), intent(in) :: u(:)             !! (ndof) where the increment begins
+      real(wp) :: place(self%anchor(i)%nnode), wide
+      integer :: k
+
+      share = rounding
+      associate (a => self%anchor(i), d => model%mesh%ndim)
+         if (a%nnode < 2) return
+         do k = 1, a%nnode
+            place(k) = dot_product(h(:d), model%mesh%x(:d, a%node(k))) &
+               & + dot_product(h, way_of(self%dofs, a%node(k), 0, u))
+         end do
+         wide = maxval(place) - minval(place)
+         if (wide > rounding*self%size(i)) share = share &
+            & + 4.0_wp*abs(a%gap*dot_product(h, self%start_normal(:, i)))/wide
+      end associate
+   end function share_beside
 
    !> A tool turns about a direction, or not at all: no point of it moves along the direction.
    pure logical function turns_about(constraints, dofs, node, ndim, h, rotation, moved)

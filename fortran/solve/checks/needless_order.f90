@@ -3,8 +3,8 @@
 !> Of all fields of linear elements none is nearer to the solution in energy than the one that their
 !> own problem has (Cea's lemma), so that also the straight part of the displacements, through the
 !> corners, is no nearer. What the middles of edges have beside it bounds the error of linear
-!> elements: its root beside the whole that of stresses, itself that of forces and stiffnesses.
-!> Said of straight cells in linear scenes only.
+!> elements: its root beside the whole that of stresses, itself that of the work of all forces. Of
+!> bodies that store unlike energies the worst counts. Said of straight cells in linear scenes only.
 module lopin_needless_order
    use lopin_kinds, only : wp
    use lopin_text, only : to_text
@@ -50,14 +50,17 @@ contains
       type(scene_type), intent(in) :: scene
       type(model_type), intent(in) :: model
       real(wp), intent(in) :: u(:, :)          !! (>= ndim, nnode) displacements [length]
-      real(wp) :: energy(2)
+      real(wp) :: energy(2, scene%bodies%nbody)
+      integer :: k
 
       if (self%called_for) return
       self%called_for = scene%newton%in_use .or. any(model%material%has_expansion) &
          & .or. .not. may_be_needless(scene%solids, model)
       if (self%called_for) return
-      energy = energies(scene%solids, model, u)
-      if (energy(2) > 0.0_wp) self%most = max(self%most, sqrt(energy(1)/energy(2)))
+      energy = energies(scene, model, u)
+      do k = 1, size(energy, 2)
+         if (energy(2, k) > 0.0_wp) self%most = max(self%most, sqrt(energy(1, k)/energy(2, k)))
+      end do
    end subroutine measure_middles
 
    !> Solids of second order throughout, in straight cells.
@@ -78,21 +81,24 @@ contains
       end do
    end function may_be_needless
 
-   !> Twice the energy of what the middles of edges have beside the straight part, and of all.
-   function energies(solids, model, u) result(energy)
-      type(solids_type), intent(in) :: solids
+   !> Twice the energy of what the middles of edges have beside the straight part, and of all, by
+   !> body.
+   function energies(scene, model, u) result(energy)
+      type(scene_type), intent(in) :: scene
       type(model_type), intent(in) :: model
       real(wp), intent(in) :: u(:, :)
-      real(wp) :: energy(2)
+      real(wp) :: energy(2, scene%bodies%nbody)
       integer :: e
 
       energy = 0.0_wp
       do e = 1, model%mesh%nelement
-         if (solids%which(e) == 0) cycle
-         associate (group => solids%group(solids%which(e)))
+         if (scene%solids%which(e) == 0) cycle
+         associate (group => scene%solids%group(scene%solids%which(e)))
             associate (node => model%mesh%conn(:group%element%nnode, e))
-               energy = energy + of_element(group, group%element, model%mesh%x(:, node), &
-                  & u(:group%element%ndim, node))
+               associate (body => scene%bodies%body(node(1)))
+                  energy(:, body) = energy(:, body) + of_element(group, group%element, &
+                     & model%mesh%x(:, node), u(:group%element%ndim, node))
+               end associate
             end associate
          end associate
       end do
@@ -143,7 +149,7 @@ contains
       call note_once(scene%log, 'N0368', 'elements of second order: linear ones in the same '// &
          & 'cells would leave at most '//to_text(100.0_wp*max(self%most, nothing), 2)//' % of '// &
          & 'the stresses in the mean and '//to_text(100.0_wp*max(self%most, nothing)**2, 2)// &
-         & ' % of forces, without '//to_text(count(middle))//' of '// &
+         & ' % of the work of all forces on a body, without '//to_text(count(middle))//' of '// &
          & to_text(model%mesh%nnode)//' nodes', &
          & model%step(scene%step)%at, help='CPE4 for CPE8, C3D8 for C3D20; keep them where '// &
          & 'pressures of single points count, or surface to surface')

@@ -22,7 +22,7 @@ module lopin_line_search
    use lopin_newton_step, only : coarse
    use lopin_check_mesh, only : folds
    use lopin_one_unit, only : as_lengths
-   use lopin_slip_increment, only : note_sliding
+   use lopin_slip_increment, only : note_sliding, forget_sliding
    use lopin_scene, only : scene_type
    implicit none
    private
@@ -57,6 +57,7 @@ module lopin_line_search
       real(wp) :: pull = 0.0_wp                !! residual along it where it starts [force*length]
       real(wp) :: share = 1.0_wp               !! of the step that was taken
       real(wp) :: size = 0.0_wp                !! of the correction beside the displacements
+      logical :: cycles = .false.              !! sets of contact came back: what slides sticks first
       real(wp), allocatable :: from(:)         !! (neq) where it starts
       real(wp), allocatable :: multiplier(:)   !! (nmultiplier) there
       real(wp), allocatable :: displaced(:)    !! (ndof) there
@@ -79,7 +80,8 @@ contains
       search%displaced = scene%trial%motion%u
       search%size = 0.0_wp
       search%share = 1.0_wp
-      if (.not. scene%newton%damping%on) call note_sliding(scene%newton%contact)
+      call forget_sliding(scene%newton%contact)
+      if (search%cycles .and. .not. scene%newton%damping%on) call note_sliding(scene%newton%contact)
       associate (step => as_lengths(scene, search%step(:size(v)), &
          & scene%constraints%dof_of_equation))
          search%pull = dot_product(search%step(:size(v)), evaluation%free)

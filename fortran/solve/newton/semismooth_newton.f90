@@ -254,6 +254,7 @@ contains
             & .and. .not. (it%guessed .and. .not. first)) finite%contact%noted = &
             & finite%contact%ahead
          search%first = first
+         search%cycles = it%stale > 0
          search%merit = maxval(it%merits)
          search%with_tangent = .not. it%lagged
          if (search%with_tangent .and. finite%flows .and. .not. first) search%with_tangent = &

@@ -16,8 +16,9 @@ from ..result import Result
 
 #: A sum of forces below this share of their sizes is rounding.
 ROUNDING = 1e-9
-#: Values of a force that are looked at for a ripple, and how often they turn at least.
-RIPPLES, TURNS = 12, 4
+#: Values of a force that are looked at for a ripple at least, how often they turn at least, and the
+#: share of the largest way between two turns that is a way at all.
+RIPPLES, TURNS, WAY = 12, 3, 0.1
 #: The share that W0333 names.
 UNEVEN = re.compile(r"uneven by about ([0-9.eE+-]+) %")
 KINDS = ("PRESSURE", "PEAK PRESSURE", "FORCE", "PEAK FORCE", "DISPLACEMENT", "SPRINGBACK")
@@ -130,18 +131,21 @@ class Quantity:
         return max((0.01*float(s.group(1)) for s in shares if s), default=0.0)
 
     def ripple(self, result: Result, deck: Deck) -> float:
-        """Half the swing of a force that goes to and fro about its peak, or in the last increments
-        of the last step, as it does while nodes leave a tool one by one: where in it the increments
-        find the peak, or the end falls, is chance."""
+        """Half the swing of a force that goes to and fro about its peak, or in the last half of the
+        last step, as it does while nodes leave a tool one by one: where in it the increments find
+        the peak, or the end falls, is chance."""
         if self.kind == "PEAK FORCE":
             every = [self.of_vector(v) for v in
                      self._forces(result, deck, range(len(result.times)))]
             peak = int(np.argmax(np.abs(every)))
-            return swing(every[max(0, peak - RIPPLES//2):peak + RIPPLES//2 + 1])
+            near = np.abs(np.asarray(result.times) - result.times[peak]) <= 0.25*_last_step(result)
+            near[max(0, peak - RIPPLES//2):peak + RIPPLES//2 + 1] = True
+            return swing([v for v, is_near in zip(every, near, strict=True) if is_near])
         if self.kind != "FORCE":
             return 0.0
         first = _before_last_step(result) + 1 if len(set(result.history["step"])) > 1 else 0
-        rows = range(max(first, len(result.times) - RIPPLES), len(result.times))
+        half = int(np.searchsorted(result.times, result.times[-1] - 0.5*_last_step(result)))
+        rows = range(max(first, min(half, len(result.times) - RIPPLES)), len(result.times))
         return swing([self.of_vector(v) for v in self._forces(result, deck, rows)])
 
     def difference(self, fine: Result, coarse: Result, values: tuple[float, float]) -> float:
@@ -162,14 +166,32 @@ def swing(values: list[float]) -> float:
     """Half the mean way between the turning points of values that turn `TURNS` times, or more; of
     others 0.
 
+    Ways that are small beside the largest are of no turn, so that the spacing of the values does
+    not count.
+
     >>> swing([0.0, 2.0, 1.0, 3.0, 2.0, 4.0, 3.0]), swing([1.0, 2.0, 3.0, 2.9, 3.5, 4.0])
     (0.75, 0.0)
     """
-    way = np.diff(values)
-    turns = np.flatnonzero(way[1:]*way[:-1] < 0.0) + 1
-    if len(turns) < TURNS:
-        return 0.0
-    return float(0.5*np.abs(np.diff(np.asarray(values)[turns])).mean())
+    ends = np.asarray(values, float)
+    while len(ends) > 2:
+        way = np.diff(ends)
+        straight = way[1:]*way[:-1] >= 0.0
+        if straight.any():
+            ends = np.delete(ends, int(np.argmax(straight)) + 1)
+            continue
+        inner = np.abs(way[1:-1])
+        if len(inner) == 0 or inner.min() >= WAY*inner.max():
+            break
+        least = int(np.argmin(inner)) + 1
+        ends = np.delete(ends, [least, least + 1])
+    turns = ends[1:-1]
+    return float(0.5*np.abs(np.diff(turns)).mean()) if len(turns) >= TURNS else 0.0
+
+
+def _last_step(result: Result) -> float:
+    """Duration of the last step."""
+    before = _before_last_step(result) if len(set(result.history["step"])) > 1 else None
+    return float(result.times[-1] - (0.0 if before is None else result.times[before]))
 
 
 def _of_contact(result: Result, at: int) -> NDArray:
