@@ -57,7 +57,7 @@ module lopin_line_search
       real(wp) :: pull = 0.0_wp                !! residual along it where it starts [force*length]
       real(wp) :: share = 1.0_wp               !! of the step that was taken
       real(wp) :: size = 0.0_wp                !! of the correction beside the displacements
-      logical :: cycles = .false.              !! sets of contact came back: what slides sticks first
+      logical :: cycles = .false.              !! sets came back: what slides sticks first
       real(wp), allocatable :: from(:)         !! (neq) where it starts
       real(wp), allocatable :: multiplier(:)   !! (nmultiplier) there
       real(wp), allocatable :: displaced(:)    !! (ndof) there
