@@ -135,9 +135,7 @@ contains
       work%old_gap = max(gap0, 0.0_wp)
       if (.not. work%cold) work%old_gap = result%gap
       do i = 1, points%n
-         associate (from => points%tangent(i), to => points%tangent(i) + points%nt - 1)
-            work%old_gap(from:to) = points%start(:, i)
-         end associate
+         work%old_gap(points%tangent(i):points%tangent(i) + points%nt - 1) = points%start(:, i)
       end do
       do group = 1, self%ngroup
          if (self%max_augmentations(group) == 0) cycle

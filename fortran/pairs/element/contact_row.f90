@@ -38,8 +38,9 @@ module lopin_contact_row
                                      !! that just touches holds a body that nothing else holds
       logical :: clings = .false.   !! at the limit of sticking counts as sticking: so a body that
                                     !! only friction holds starts an increment
-      real(wp) :: slid(3) = 0.0_wp   !! shear with which it slid where a step of Newton starts; it
-                                     !! sticks before it slides the other way [stress]
+      real(wp) :: slid(3) = 0.0_wp   !! shear with which it slid where a step of Newton starts, once
+                                     !! sets have come back, else 0; it sticks before it slides the
+                                     !! other way [stress]
       real(wp) :: committed(3) = 0.0_wp           !! traction at the start of the increment [stress]
       real(wp) :: frozen(3) = 0.0_wp   !! multiplier of a method that updates it [stress]
       real(wp) :: approach(3) = 0.0_wp   !! motion along the master before it touched, no slip

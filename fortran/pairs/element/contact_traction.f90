@@ -18,8 +18,9 @@
 !> + u0 P l/radius + P e0): a traction on the disc holds u0, e0 what the committed one held.
 !>
 !> Between sliding one way and the other lies sticking, a small part of the way of a step of Newton
-!> that leaps over it and, from there, back: a point that slid where a step starts sticks where it
-!> would slide the other way. The next step starts from there, and slides if its shear asks for it.
+!> that leaps over it and, from there, back: once sets have come back, a point that slid where a
+!> step starts sticks where it would slide the other way. The next step starts from there, and
+!> slides if its shear asks for it.
 module lopin_contact_traction
    use lopin_kinds, only : wp
    use lopin_dual, only : dual_type, constant, dual_dot, dual_norm, operator(+), operator(-), &

@@ -51,8 +51,7 @@ contains
                h = local_axis(constraints, self%node(i), k)
                if (.not. rests(constraints, self%dofs, self%node(i), 0, h, moved, &
                   & self%size(i))) cycle
-               if (.not. master_rests(self, model, constraints, i, h, u, &
-                  & moved)) cycle
+               if (.not. master_rests(self, model, constraints, i, h, u, moved)) cycle
                g%support = g%support + spread(h, 2, 3)*spread(h, 1, 3)
             end do
             if (.not. any(abs(g%support) > 0.0_wp)) cycle

@@ -80,8 +80,11 @@ contains
       search%displaced = scene%trial%motion%u
       search%size = 0.0_wp
       search%share = 1.0_wp
-      call forget_sliding(scene%newton%contact)
-      if (search%cycles .and. .not. scene%newton%damping%on) call note_sliding(scene%newton%contact)
+      if (search%cycles .and. .not. scene%newton%damping%on) then
+         call note_sliding(scene%newton%contact)
+      else
+         call forget_sliding(scene%newton%contact)
+      end if
       associate (step => as_lengths(scene, search%step(:size(v)), &
          & scene%constraints%dof_of_equation))
          search%pull = dot_product(search%step(:size(v)), evaluation%free)

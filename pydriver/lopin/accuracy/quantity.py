@@ -143,7 +143,7 @@ class Quantity:
             return swing([v for v, is_near in zip(every, near, strict=True) if is_near])
         if self.kind != "FORCE":
             return 0.0
-        first = _before_last_step(result) + 1 if len(set(result.history["step"])) > 1 else 0
+        first = _begin_of_last_step(result) + 1
         half = int(np.searchsorted(result.times, result.times[-1] - 0.5*_last_step(result)))
         rows = range(max(first, min(half, len(result.times) - RIPPLES)), len(result.times))
         return swing([self.of_vector(v) for v in self._forces(result, deck, rows)])
@@ -188,10 +188,15 @@ def swing(values: list[float]) -> float:
     return float(0.5*np.abs(np.diff(turns)).mean()) if len(turns) >= TURNS else 0.0
 
 
+def _begin_of_last_step(result: Result) -> int:
+    """The output that the last step begins with; -1: there is no other step."""
+    return _before_last_step(result) if len(set(result.history["step"])) > 1 else -1
+
+
 def _last_step(result: Result) -> float:
     """Duration of the last step."""
-    before = _before_last_step(result) if len(set(result.history["step"])) > 1 else None
-    return float(result.times[-1] - (0.0 if before is None else result.times[before]))
+    before = _begin_of_last_step(result)
+    return float(result.times[-1] - (result.times[before] if before >= 0 else 0.0))
 
 
 def _of_contact(result: Result, at: int) -> NDArray:
