@@ -1,5 +1,5 @@
 """A run in parts that is killed in every phase of a remesh goes on to the same bits."""
-import signal
+import json
 import subprocess
 import sys
 
@@ -13,26 +13,40 @@ except (ImportError, OSError):
 
 from test_remeshing import block, run, same
 
-#: Runs the command, and ends itself by SIGKILL in a call of a procedure, by its number.
+#: Runs the command once for each phase, in a copy of a process that has loaded all there is to
+#: load, which ends itself by SIGKILL in a call of a procedure, by its number.
 KILLED = """
-import importlib, os, signal, sys
-
-module, name, number = sys.argv[1], sys.argv[2].split("."), int(sys.argv[3])
-del sys.argv[1:4]
-holder = importlib.import_module(module)
-for part in name[:-1]:
-    holder = getattr(holder, part)
-inner, calls = getattr(holder, name[-1]), []
-
-def dies(*given, **named):
-    calls.append(1)
-    if len(calls) == number:
-        os.kill(os.getpid(), signal.SIGKILL)
-    return inner(*given, **named)
-
-setattr(holder, name[-1], dies)
+import importlib, json, os, signal, sys
+import gmsh, scipy.sparse, scipy.spatial
 from lopin.__main__ import main
-sys.exit(main())
+
+def end_in(module, path, number):
+    *outer, name = path.split(".")
+    holder = importlib.import_module(module)
+    for part in outer:
+        holder = getattr(holder, part)
+    inner, calls = getattr(holder, name), []
+
+    def dies(*given, **named):
+        calls.append(1)
+        if len(calls) == number:
+            os.kill(os.getpid(), signal.SIGKILL)
+        return inner(*given, **named)
+
+    setattr(holder, name, dies)
+
+phases = json.loads(sys.argv[1])
+del sys.argv[1]
+for phase in phases:
+    importlib.import_module(phase[0])
+for phase in phases:
+    child = os.fork()
+    if child == 0:
+        end_in(*phase)
+        os._exit(main())
+    status = os.waitpid(child, 0)[1]
+    if os.waitstatus_to_exitcode(status) != -signal.SIGKILL:
+        sys.exit(f"{phase} has not been reached: status {status}")
 """
 BOTH = [("lopin.remesh.driver", "Snapshot.of", 3),             # running, part 1
         ("lopin.remesh.remake", "cell_fields", 1),             # the remesh begins
@@ -52,15 +66,6 @@ SPACE = [("lopin.remesh.spatial", "_sizes", 1), ("lopin.remesh.spatial", "_seat"
          ("lopin.remesh.spatial", "narrowest_slot", 1)]
 
 
-def killed_and_resumed(folder, path, module, name, number):
-    """The command with --resume, first killed, then left alone."""
-    rest = ["run", str(path), "--resume", "-o", str(folder)]
-    done = subprocess.run([sys.executable, "-c", KILLED, module, name, str(number), *rest],
-                          capture_output=True)
-    assert done.returncode == -signal.SIGKILL, (name, done.stderr.decode()[-500:])
-    return rest
-
-
 @pytest.mark.parametrize("word", ["CAX4", "C3D4"])
 def test_a_run_killed_in_every_phase_goes_on_to_the_same_bits(word, core, tmp_path):
     """One run, killed once in each phase in turn and resumed by the next."""
@@ -71,7 +76,9 @@ def test_a_run_killed_in_every_phase_goes_on_to_the_same_bits(word, core, tmp_pa
     scene.write(tmp_path/"block.inp")
     run(scene, tmp_path/"whole")
     phases = [BOTH[0], BOTH[1], *(PLANE if word == "CAX4" else SPACE), *BOTH[2:]]
-    for module, name, number in phases:
-        rest = killed_and_resumed(tmp_path/"killed", tmp_path/"block.inp", module, name, number)
+    rest = ["run", str(tmp_path/"block.inp"), "--resume", "-o", str(tmp_path/"killed")]
+    done = subprocess.run([sys.executable, "-c", KILLED, json.dumps(phases), *rest],
+                          capture_output=True)
+    assert done.returncode == 0, done.stderr.decode()[-500:]
     subprocess.run([sys.executable, "-m", "lopin", *rest], check=True, capture_output=True)
     same(tmp_path/"whole", tmp_path/"killed")
