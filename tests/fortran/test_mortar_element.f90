@@ -188,7 +188,7 @@ contains
       associate (master => masters%of(1)%surface)
          call update_surface(master, x, error)
          call build_tree(tree, master%low, master%high)
-         call update_mortar(mortar, masters%rules, master, tree, x, from_start, error)
+         call update_mortar(mortar, masters%rules, master, tree, x, from_start, .true., error)
       end associate
       call is_true('overlaps', .not. allocated(error))
       call find_mortar_row(mortar, masters, middle(), from_start, patch, anchor, opposite)

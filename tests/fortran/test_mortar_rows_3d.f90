@@ -9,7 +9,7 @@ program test_mortar_rows_3d
    use lopin_mortar_overlap, only : overlap_list_type, overlap_limits_type, area_measure_type
    use lopin_mortar_cells_3d, only : mortar_kernel_type, new_mortar_kernel
    use lopin_mortar_overlaps_3d, only : find_overlaps_3d
-   use lopin_mortar_rows_3d, only : mortar_row_type, new_mortar_rows
+   use lopin_mortar_rows_3d, only : mortar_row_type, new_mortar_rows, close_rows
    use lopin_mortar_traction_3d, only : slip_of_row, forces_of_row
    use lopin_mortar, only : mortar_coupling_type, couple
    use lopin_slave_pieces, only : whole_weights
@@ -48,12 +48,9 @@ contains
    !> Two bent surfaces that do not match: the slave above looks down, the master up.
    subroutine set_scene(slave_cell, master_cell)
       integer, intent(in) :: slave_cell, master_cell
-      type(error_type), allocatable :: error
       type(facets_type) :: facets
-      type(tree_type) :: tree
-      real(wp), allocatable :: normal(:, :)
       real(wp) :: turn(3, 3), shake(3)
-      integer :: k, n
+      integer :: k
 
       if (allocated(x)) deallocate (x)
       allocate (x(3, 9 + 25))
@@ -69,17 +66,29 @@ contains
       call new_surface(slave, 3, facets)
       call tile(facets, master_cell, 2, 9, .false.)
       call new_surface(master, 3, facets)
+   end subroutine set_scene
+
+   !> The overlaps at the places x, and the rows.
+   subroutine find_rows(row, with_slopes, before)
+      type(mortar_row_type), allocatable, intent(out) :: row(:)
+      logical, intent(in) :: with_slopes
+      type(mortar_row_type), intent(in), optional :: before(:)
+      type(error_type), allocatable :: error
+      type(tree_type) :: tree
+      real(wp), allocatable :: normal(:, :)
+
       call update_surface(slave, x, error)
       call update_surface(master, x, error)
       call build_tree(tree, master%low, master%high)
       allocate (normal(3, slave%nnode))
-      normal = spread(matmul(turn, [0.0_wp, 0.0_wp, -1.0_wp]), 2, slave%nnode)
+      normal = spread(slave%disc(4:6, 1), 2, slave%nnode)
       list%n = 0
       call find_overlaps_3d(kernel, slave, normal, master, tree, x, &
          & overlap_limits_type(1.0_wp, -0.2_wp), list)
-      n = list%lost
-      call is_true('no point is lost', n == 0)
-   end subroutine set_scene
+      call is_true('no point is lost', list%lost == 0)
+      call new_mortar_rows(row, kernel, slave, master, x, list, with_slopes, before)
+      call close_rows(row, x)
+   end subroutine find_rows
 
    !> Places of (2 n + 1)^2 nodes on a bent sheet.
    subroutine lattice(place, n, size, height)
@@ -160,15 +169,19 @@ contains
    !> Sums, positive weights, the same as the coupling of small sliding, rigid motion.
    subroutine rows_close(name)
       character(len=*), intent(in) :: name
-      type(mortar_row_type), allocatable :: row(:)
+      type(mortar_row_type), allocatable :: row(:), value(:)
       type(mortar_coupling_type) :: small
       real(wp) :: full(slave%nnode), share(slave%facets%n), still(3), axis(3)
       type(cover_type) :: cover
       integer :: k, m
 
       call test(name//': rows close')
-      call new_mortar_rows(row, kernel, slave, master, x, list)
+      call find_rows(value, .false.)
+      call find_rows(row, .true.)
       do k = 1, size(row)
+         call is_true('values are the same without slopes', .not. allocated(value(k)%c_slope) &
+            & .and. all(same([value(k)%c, value(k)%weight, value(k)%gap, value(k)%normal], &
+            & [row(k)%c, row(k)%weight, row(k)%gap, row(k)%normal])))
          call close_to('forces in equilibrium', sum(row(k)%c), 0.0_wp, 1.0e-14_wp)
          call is_true('positive weight', row(k)%weight > 0.0_wp)
       end do
@@ -194,6 +207,11 @@ contains
       end do
    end subroutine rows_close
 
+   elemental logical function same(a, b)
+      real(wp), intent(in) :: a, b
+      same = .not. abs(a - b) > 0.0_wp
+   end function same
+
    !> Where the rows of the small-sliding coupling stand among the slave nodes.
    function small_index(small) result(index)
       type(mortar_coupling_type), intent(in) :: small
@@ -215,7 +233,7 @@ contains
       integer :: node, a, q, k, direction, trial
 
       call test(name//': slopes equal differences')
-      call new_mortar_rows(row, kernel, slave, master, x, list)
+      call find_rows(row, .true.)
       do trial = 1, 6
          call random_number(free)
          node = 1 + int(free*size(slave%node))
@@ -230,7 +248,7 @@ contains
          allocate (g(size(row)), d(size(row)), n(3, size(row)), source=0.0_wp)
          do q = 1, 4
             x(a, node) = x(a, node) + h*real(merge(q - 3, q - 2, q < 3), wp)
-            call new_mortar_rows(at, kernel, slave, master, x, list)
+            call find_rows(at, .false.)
             x(a, node) = x(a, node) - h*real(merge(q - 3, q - 2, q < 3), wp)
             do k = 1, size(row)
                c(at(k)%of, k) = c(at(k)%of, k) + w(q)/h*at(k)%c
@@ -269,11 +287,11 @@ contains
       logical :: kink
 
       call test(name//': slip and forces')
-      call new_mortar_rows(before, kernel, slave, master, x, list)
+      call find_rows(before, .true.)
       start = x
       turn = rotation_matrix([0.2_wp, 0.9_wp, -0.4_wp])
       x = matmul(turn, x) + 0.3_wp
-      call new_mortar_rows(row, kernel, slave, master, x, list, before)
+      call find_rows(row, .true., before)
       m = (size(row) + 1)/2
       allocate (slope(3, 3*size(row(m)%of)))
       call slip_of_row(row(m), before(m), x, slip, slope)
@@ -281,7 +299,7 @@ contains
       x = start
       way = 0.01_wp*cross(before(m)%normal, [0.3_wp, 0.5_wp, 0.9_wp])
       x(:, slave%node) = x(:, slave%node) + spread(way, 2, slave%nnode)
-      call new_mortar_rows(row, kernel, slave, master, x, list, before)
+      call find_rows(row, .true., before)
       call slip_of_row(row(m), before(m), x, slip, slope)
       call close_to('the slip of the slave', slip/norm2(way), way/norm2(way), 0.2_wp)
       n = 3*size(x, 2)
@@ -298,7 +316,7 @@ contains
          i = 1 + mod(a - 1, 3)
          do q = 1, 4
             x(i, at) = x(i, at) + h*real(merge(q - 3, q - 2, q < 3), wp)
-            call new_mortar_rows(moved, kernel, slave, master, x, list, before)
+            call find_rows(moved, .true., before)
             call press(moved, before, force, other)
             x(i, at) = x(i, at) - h*real(merge(q - 3, q - 2, q < 3), wp)
             difference = difference - w(q)/h*force

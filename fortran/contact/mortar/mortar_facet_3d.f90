@@ -1,4 +1,5 @@
-!> The dual coupling of one slave facet with the masters that it meets, and its exact slopes.
+!> The dual coupling of one slave facet with the masters that it meets, and, if wanted, its exact
+!> slopes.
 !>
 !> D_j = integral of the basis, M = diag(D) (integral of N N^T)^-1 (integral of N M^T), all over the
 !> part that is covered: as lopin_mortar, but with derivatives by all coordinates. The topology of
@@ -26,11 +27,11 @@ module lopin_mortar_facet_3d
       integer, allocatable :: node(:)                !! (ns + nm) mesh nodes, the slave's first
       real(wp), allocatable :: d(:)                  !! (ns) [length^2]
       real(wp), allocatable :: m(:, :)               !! (ns, nm) [length^2]
-      real(wp), allocatable :: d_slope(:, :)         !! (3(ns + nm), ns) [length]
-      real(wp), allocatable :: m_slope(:, :, :)      !! (3(ns + nm), ns, nm) [length]
+      real(wp), allocatable :: d_slope(:, :)         !! (3(ns + nm), ns), if wanted [length]
+      real(wp), allocatable :: m_slope(:, :, :)      !! (3(ns + nm), ns, nm), likewise [length]
       real(wp), allocatable :: side(:, :)            !! (3, ns) normal of the master by the basis
                                                      !! [length^2]
-      real(wp), allocatable :: side_slope(:, :, :)   !! (3, 3(ns + nm), ns) [length]
+      real(wp), allocatable :: side_slope(:, :, :)   !! (3, 3(ns + nm), ns), likewise [length]
    end type facet_coupling_type
 
    !> Integrals of the (transformed) basis over all masters.
@@ -40,13 +41,15 @@ module lopin_mortar_facet_3d
 
 contains
 
-   !> `item`: the overlaps of this facet, as found by lopin_mortar_overlaps_3d at the places x.
-   subroutine couple_facet(self, kernel, slave, master, x, item)
+   !> `item`: the overlaps of this facet, as lopin_mortar_overlaps_3d finds them at the places x.
+   !> Their integrals are the values; slopes take the cells once more.
+   subroutine couple_facet(self, kernel, slave, master, x, item, with_slopes)
       type(facet_coupling_type), intent(out) :: self
       type(mortar_kernel_type), intent(in) :: kernel
       type(surface_type), intent(in) :: slave, master
       real(wp), intent(in) :: x(:, :)                 !! (3, all mesh nodes) [length]
       type(overlap_type), intent(in) :: item(:)       !! at least one
+      logical, intent(in) :: with_slopes
       type(integrals_type) :: sums
       integer :: i, k, n
 
@@ -62,14 +65,17 @@ contains
       end do
       n = size(self%node)
       self%nm = n - self%ns
-      allocate (self%d(self%ns), self%m(self%ns, self%nm), self%d_slope(3*n, self%ns), &
-         & self%m_slope(3*n, self%ns, self%nm), source=0.0_wp)
-      allocate (self%side(3, self%ns), self%side_slope(3, 3*n, self%ns), source=0.0_wp)
-      allocate (sums%me(self%ns, self%ns), sums%me_slope(3*n, self%ns, self%ns), source=0.0_wp)
+      allocate (self%d(self%ns), self%m(self%ns, self%nm), self%side(3, self%ns), &
+         & sums%me(self%ns, self%ns), source=0.0_wp)
+      if (with_slopes) allocate (self%d_slope(3*n, self%ns), self%m_slope(3*n, self%ns, self%nm), &
+         & self%side_slope(3, 3*n, self%ns), sums%me_slope(3*n, self%ns, self%ns), source=0.0_wp)
       do i = 1, size(item)
-         call add_master(self, sums, kernel, slave%facets%cell(item(i)%slave), &
-            & kernel%facet_rule(master%facets%cell(item(i)%master))%cell, x, &
-            & master%facets%node(:master%facets%nnode(item(i)%master), item(i)%master))
+         associate (cell => kernel%facet_rule(master%facets%cell(item(i)%master))%cell, &
+            & node => master%facets%node(:master%facets%nnode(item(i)%master), item(i)%master))
+            call add_values(self, sums, item(i), cell, x, node)
+            if (with_slopes) call add_slopes(self, sums, kernel, item(i), slave%facets%cell( &
+               & item(i)%slave), cell, x, node)
+         end associate
       end do
       associate (rule => kernel%facet_rule(slave%facets%cell(item(1)%slave)))
          call transform(self, sums, rule)
@@ -78,13 +84,38 @@ contains
    end subroutine couple_facet
 
    !> Integrals with one master; `node` are its mesh nodes.
-   subroutine add_master(self, sums, kernel, slave, master, x, node)
+   subroutine add_values(self, sums, item, master, x, node)
+      type(facet_coupling_type), intent(inout) :: self
+      type(integrals_type), intent(inout) :: sums
+      type(overlap_type), intent(in) :: item
+      type(cell_type), intent(in) :: master
+      real(wp), intent(in) :: x(:, :)
+      integer, intent(in) :: node(:)
+      real(wp) :: side(3, size(node))
+      integer :: j, k, at
+
+      call facet_sides(master, x(:, node), side)
+      sums%me = sums%me + item%me(:self%ns, :self%ns)
+      self%d = self%d + item%d(:self%ns)
+      do k = 1, size(node)
+         at = findloc(self%node(self%ns + 1:), node(k), dim=1)
+         do j = 1, self%ns
+            self%m(j, at) = self%m(j, at) + item%b(j, k)
+            self%side(:, j) = self%side(:, j) + item%b(j, k)*side(:, k)
+         end do
+      end do
+   end subroutine add_values
+
+   !> Their slopes.
+   subroutine add_slopes(self, sums, kernel, item, slave, master, x, node)
       type(facet_coupling_type), intent(inout) :: self
       type(integrals_type), intent(inout) :: sums
       type(mortar_kernel_type), intent(in) :: kernel
-      integer, intent(in) :: slave, node(:)
+      type(overlap_type), intent(in) :: item
+      integer, intent(in) :: slave             !! cell id
       type(cell_type), intent(in) :: master
       real(wp), intent(in) :: x(:, :)
+      integer, intent(in) :: node(:)
       type(mortar_sums_type) :: own
       type(slope_sums_type) :: slopes
       real(wp) :: normal(3, 8), side(3, size(node)), side_slope(3, 3*size(node), size(node))
@@ -105,26 +136,22 @@ contains
          & x(:, node), own, slopes)
       call facet_sides(master, x(:, node), side, side_slope)
       self%topology = mod(31*self%topology + own%topology, 1000003)
-      sums%me = sums%me + own%me(:ns, :ns)
-      self%d = self%d + own%d(:ns)
       do j = 1, ns
          self%d_slope(way, j) = self%d_slope(way, j) + slopes%d(:n, j)
          do k = 1, ns
             sums%me_slope(way, j, k) = sums%me_slope(way, j, k) + slopes%me(:n, j, k)
          end do
          do k = 1, size(node)
-            self%m(j, at(k)) = self%m(j, at(k)) + own%b(j, k)
             self%m_slope(way, j, at(k)) = self%m_slope(way, j, at(k)) + slopes%b(:n, j, k)
-            self%side(:, j) = self%side(:, j) + own%b(j, k)*side(:, k)
             do q = 1, 3
                self%side_slope(q, way, j) = self%side_slope(q, way, j) &
                   & + side(q, k)*slopes%b(:n, j, k)
             end do
             self%side_slope(:, way(3*ns + 1:), j) = self%side_slope(:, way(3*ns + 1:), j) &
-               & + own%b(j, k)*side_slope(:, :, k)
+               & + item%b(j, k)*side_slope(:, :, k)
          end do
       end do
-   end subroutine add_master
+   end subroutine add_slopes
 
    !> To the basis with positive integrals.
    subroutine transform(self, sums, rule)
@@ -139,8 +166,9 @@ contains
       self%d = matmul(blend, self%d)
       self%m = matmul(blend, self%m)
       sums%me = matmul(blend, matmul(sums%me, transpose(blend)))
-      self%d_slope = matmul(self%d_slope, transpose(blend))
       self%side = matmul(self%side, transpose(blend))
+      if (.not. allocated(self%d_slope)) return
+      self%d_slope = matmul(self%d_slope, transpose(blend))
       do k = 1, 3
          self%side_slope(k, :, :) = matmul(self%side_slope(k, :, :), transpose(blend))
       end do
@@ -160,7 +188,7 @@ contains
       type(facet_coupling_type), intent(inout) :: self
       type(integrals_type), intent(in) :: sums
       real(wp) :: l(self%ns, self%ns), inverse(self%ns, self%ns), way(self%ns, self%nm), &
-         & rest(size(self%d_slope, 1), self%ns)
+         & rest(3*size(self%node), self%ns)
       integer :: i, j, k, status
 
       l = sums%me
@@ -172,7 +200,7 @@ contains
          call cholesky_solve(l, inverse(:, k))
       end do
       way = matmul(inverse, self%m)
-      do k = 1, self%nm
+      do k = 1, merge(self%nm, 0, allocated(self%m_slope))
          do i = 1, self%ns
             rest(:, i) = self%m_slope(:, i, k)
             do j = 1, self%ns

@@ -6,9 +6,9 @@ module lopin_mortar_row_3d
    use lopin_kinds, only : wp
    implicit none
    private
-   public :: mortar_row_type, join, hand_row_over
+   public :: mortar_row_type, join, make_room, hand_row_over
 
-   !> Directions: x, y, z of of(1), of of(2), ...
+   !> Directions: x, y, z of of(1), of of(2), ... Slopes are there only where they were asked for.
    type :: mortar_row_type
       integer :: node = 0                          !! mesh node of the slave; 0: it meets nothing
       integer :: topology = 0                      !! of its cells: the slopes jump where it changes
@@ -38,6 +38,18 @@ contains
       end do
    end subroutine join
 
+   !> Zeros for all nodes of a row.
+   pure subroutine make_room(row, with_slopes)
+      type(mortar_row_type), intent(inout) :: row
+      logical, intent(in) :: with_slopes
+      integer :: n
+
+      n = size(row%of)
+      allocate (row%c(n), source=0.0_wp)
+      if (with_slopes) allocate (row%c_slope(3*n, n), row%weight_slope(3*n), &
+         & row%normal_slope(3, 3*n), row%gap_slope(3*n), source=0.0_wp)
+   end subroutine make_room
+
    !> Row j to others in equal parts, before normals and gaps are formed.
    pure subroutine hand_row_over(row, j, heir)
       type(mortar_row_type), intent(inout) :: row(:)
@@ -63,11 +75,12 @@ contains
       end do
       to%topology = mod(31*to%topology + from%topology, 1000003)
       to%weight = to%weight + share*from%weight
-      to%weight_slope(way) = to%weight_slope(way) + share*from%weight_slope
       to%normal = to%normal + share*from%normal
+      to%c(at) = to%c(at) + share*from%c
+      if (.not. allocated(to%c_slope)) return
+      to%weight_slope(way) = to%weight_slope(way) + share*from%weight_slope
       to%normal_slope(:, way) = to%normal_slope(:, way) + share*from%normal_slope
       do k = 1, size(at)
-         to%c(at(k)) = to%c(at(k)) + share*from%c(k)
          to%c_slope(way, at(k)) = to%c_slope(way, at(k)) + share*from%c_slope(:, k)
       end do
    end subroutine add_row
@@ -77,17 +90,18 @@ contains
       type(mortar_row_type), intent(inout) :: row
       integer, intent(in) :: node(:)
       type(mortar_row_type) :: old
-      integer :: m, n
+      integer :: m
 
       old = row
       m = size(old%of)
       call join(row%of, node)
-      n = size(row%of)
-      if (n == m) return
-      deallocate (row%c, row%c_slope, row%weight_slope, row%normal_slope, row%gap_slope)
-      allocate (row%c(n), row%c_slope(3*n, n), row%weight_slope(3*n), row%normal_slope(3, 3*n), &
-         & row%gap_slope(3*n), source=0.0_wp)
+      if (size(row%of) == m) return
+      deallocate (row%c)
+      if (allocated(row%c_slope)) deallocate (row%c_slope, row%weight_slope, row%normal_slope, &
+         & row%gap_slope)
+      call make_room(row, allocated(old%c_slope))
       row%c(:m) = old%c
+      if (.not. allocated(old%c_slope)) return
       row%c_slope(:3*m, :m) = old%c_slope
       row%weight_slope(:3*m) = old%weight_slope
       row%normal_slope(:, :3*m) = old%normal_slope

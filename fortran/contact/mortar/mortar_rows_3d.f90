@@ -1,4 +1,5 @@
-!> Mortar rows of slave nodes at any shape in space, with their exact slopes: for finite sliding.
+!> Mortar rows of slave nodes at any shape in space, with their exact slopes where a tangent needs
+!> them: for finite sliding.
 !>
 !> Row j: weighted gap vector G = sum_i c_i x_i (c: the slave's side positive, -M_jl on masters,
 !> sum 0), D_j, normal n out of the master (its mean over the node's share, as lopin_mortar), gap
@@ -13,30 +14,29 @@ module lopin_mortar_rows_3d
    use lopin_mortar_least, only : least_of_nodes, least_gap, is_above
    use lopin_mortar_cells_3d, only : mortar_kernel_type
    use lopin_mortar_cover, only : cover_type
-   use lopin_mortar_row_3d, only : mortar_row_type, join, hand_row_over
+   use lopin_mortar_row_3d, only : mortar_row_type, join, make_room, hand_row_over
    use lopin_mortar_facet_3d, only : facet_coupling_type, couple_facet
    implicit none
    private
-   public :: mortar_row_type, new_mortar_rows, take_nearest
+   public :: mortar_row_type, new_mortar_rows, close_rows, take_nearest
 
 contains
 
-   !> Rows of all slave nodes; the overlaps are those found at x. With the rows of the last
-   !> increment, those nodes count as well (for lopin_mortar_traction_3d). With a planned `cover`,
-   !> nodes without a row of their own hand it over.
-   subroutine new_mortar_rows(row, kernel, slave, master, x, list, before, cover)
+   !> Sums of all slave nodes; the overlaps are those found at x. With the rows of the last
+   !> increment, those nodes count as well (for lopin_mortar_traction_3d). `close_rows` ends them.
+   subroutine new_mortar_rows(row, kernel, slave, master, x, list, with_slopes, before)
       type(mortar_row_type), allocatable, intent(out) :: row(:)   !! (slave%nnode)
       type(mortar_kernel_type), intent(in) :: kernel
       type(surface_type), intent(in) :: slave, master
       real(wp), intent(in) :: x(:, :)                   !! (3, all mesh nodes) [length]
       type(overlap_list_type), intent(in) :: list
+      logical, intent(in) :: with_slopes
       type(mortar_row_type), intent(in), optional :: before(:)    !! (slave%nnode)
-      type(cover_type), intent(in), optional :: cover             !! by plan_rows
       type(facet_coupling_type) :: facet
       integer :: from, to, i
 
       allocate (row(slave%nnode))
-      call reserve_rows(row, slave, master, list, before)
+      call reserve_rows(row, slave, master, list, with_slopes, before)
       from = 1
       do while (from <= list%n)
          to = from
@@ -45,10 +45,19 @@ contains
             to = to + 1
          end do
          i = list%item(from)%slave
-         call couple_facet(facet, kernel, slave, master, x, list%item(from:to))
+         call couple_facet(facet, kernel, slave, master, x, list%item(from:to), with_slopes)
          call add_facet(row, kernel%facet_rule(slave%facets%cell(i)), slave, i, facet)
          from = to + 1
       end do
+   end subroutine new_mortar_rows
+
+   !> Normals and gaps. With a planned `cover`, nodes without a row of their own hand it over.
+   subroutine close_rows(row, x, cover)
+      type(mortar_row_type), intent(inout) :: row(:)      !! (slave nodes)
+      real(wp), intent(in) :: x(:, :)                     !! (3, all mesh nodes) [length]
+      type(cover_type), intent(in), optional :: cover     !! by plan_rows
+      integer :: i
+
       if (present(cover)) then
          do i = 1, size(cover%giver)
             if (row(cover%giver(i))%node > 0) call hand_row_over(row, cover%giver(i), &
@@ -58,7 +67,7 @@ contains
       do i = 1, size(row)
          if (row(i)%node > 0) call close_row(row(i), x)
       end do
-   end subroutine new_mortar_rows
+   end subroutine close_rows
 
    !> The gap of a row is no less than the least over its facets; the place moves with the facets.
    subroutine take_nearest(row, lifts, slave, master, x, list)
@@ -78,7 +87,7 @@ contains
             gap = least_gap(o, slave, master, x, row(j)%normal)
             if (.not. is_above(gap, row(j)%gap, slave%size(o%slave))) cycle
             row(j)%gap = gap
-            call slope_of_nearest(row(j), o, slave, master, x)
+            if (allocated(row(j)%gap_slope)) call slope_of_nearest(row(j), o, slave, master, x)
          end associate
       end do
    end subroutine take_nearest
@@ -114,12 +123,13 @@ contains
    end subroutine slope_of_nearest
 
    !> The nodes of each row: all of its facets, and of the masters that those meet.
-   subroutine reserve_rows(row, slave, master, list, before)
+   subroutine reserve_rows(row, slave, master, list, with_slopes, before)
       type(mortar_row_type), intent(inout) :: row(:)
       type(surface_type), intent(in) :: slave, master
       type(overlap_list_type), intent(in) :: list
+      logical, intent(in) :: with_slopes
       type(mortar_row_type), intent(in), optional :: before(:)
-      integer :: i, j, k, n
+      integer :: i, j, k
 
       do i = 1, list%n
          associate (s => list%item(i)%slave, m => list%item(i)%master)
@@ -142,9 +152,7 @@ contains
          if (present(before)) then
             if (before(j)%node > 0) call join(row(j)%of, before(j)%of)
          end if
-         n = size(row(j)%of)
-         allocate (row(j)%c(n), row(j)%c_slope(3*n, n), row(j)%weight_slope(3*n), &
-            & row(j)%normal_slope(3, 3*n), row(j)%gap_slope(3*n), source=0.0_wp)
+         call make_room(row(j), with_slopes)
       end do
    end subroutine reserve_rows
 
@@ -155,7 +163,7 @@ contains
       type(surface_type), intent(in) :: slave
       integer, intent(in) :: number
       type(facet_coupling_type), intent(in) :: facet
-      integer :: at(size(facet%node)), way(3*size(facet%node)), end(3)
+      integer :: at(size(facet%node)), end(3)
       real(wp) :: factor(3)
       integer :: j, k
 
@@ -163,29 +171,50 @@ contains
          associate (r => row(slave%local(j, number)))
             do k = 1, size(at)
                at(k) = findloc(r%of, facet%node(k), dim=1)
-               way(3*k - 2:3*k) = 3*at(k) + [-2, -1, 0]
             end do
             r%topology = mod(31*r%topology + facet%topology, 1000003)
             r%weight = r%weight + facet%d(j)
-            r%weight_slope(way) = r%weight_slope(way) + facet%d_slope(:, j)
             r%normal = r%normal + facet%side(:, j)
-            r%normal_slope(:, way) = r%normal_slope(:, way) + facet%side_slope(:, :, j)
             call own_terms(rule, j, end, factor)
             do k = 1, 3
                if (end(k) == 0) cycle
                r%c(at(end(k))) = r%c(at(end(k))) + factor(k)*facet%d(j)
-               r%c_slope(way, at(end(k))) = r%c_slope(way, at(end(k))) &
-                  & + factor(k)*facet%d_slope(:, j)
             end do
             do k = 1, facet%nm
-               associate (l => at(facet%ns + k))
-                  r%c(l) = r%c(l) - facet%m(j, k)
-                  r%c_slope(way, l) = r%c_slope(way, l) - facet%m_slope(:, j, k)
-               end associate
+               r%c(at(facet%ns + k)) = r%c(at(facet%ns + k)) - facet%m(j, k)
             end do
+            if (allocated(facet%d_slope)) call add_slopes_of_facet(r, facet, j, at, end, factor)
          end associate
       end do
    end subroutine add_facet
+
+   !> What it adds to the slopes of the row of its node j.
+   pure subroutine add_slopes_of_facet(row, facet, j, at, end, factor)
+      type(mortar_row_type), intent(inout) :: row
+      type(facet_coupling_type), intent(in) :: facet
+      integer, intent(in) :: j
+      integer, intent(in) :: at(:)             !! places of the facet's nodes in the row
+      integer, intent(in) :: end(3)            !! nodes of the basis function, by own_terms
+      real(wp), intent(in) :: factor(3)
+      integer :: way(3*size(at)), k
+
+      do k = 1, size(at)
+         way(3*k - 2:3*k) = 3*at(k) + [-2, -1, 0]
+      end do
+      row%weight_slope(way) = row%weight_slope(way) + facet%d_slope(:, j)
+      row%normal_slope(:, way) = row%normal_slope(:, way) + facet%side_slope(:, :, j)
+      do k = 1, 3
+         if (end(k) == 0) cycle
+         associate (l => at(end(k)))
+            row%c_slope(way, l) = row%c_slope(way, l) + factor(k)*facet%d_slope(:, j)
+         end associate
+      end do
+      do k = 1, facet%nm
+         associate (l => at(facet%ns + k))
+            row%c_slope(way, l) = row%c_slope(way, l) - facet%m_slope(:, j, k)
+         end associate
+      end do
+   end subroutine add_slopes_of_facet
 
    !> The coefficient of Phi_j by the slave's nodes: itself, or in a transformed basis
    !> (u_mid - share (u_1 + u_2))/(1 - 2 share).
@@ -213,14 +242,15 @@ contains
       length = norm2(row%normal)
       if (length > 0.0_wp) then
          row%normal = row%normal/length
-         row%normal_slope = matmul(unity() - spread(row%normal, 2, 3)*spread(row%normal, 1, 3), &
-            & row%normal_slope)/length
+         if (allocated(row%normal_slope)) row%normal_slope = matmul(unity() &
+            & - spread(row%normal, 2, 3)*spread(row%normal, 1, 3), row%normal_slope)/length
       end if
       if (.not. row%weight > 0.0_wp) return
       ! About the node: far coordinates lose no digits.
       place = x(:, row%of) - spread(x(:, row%node), 2, size(row%of))
       mean = matmul(place, row%c)/row%weight
       row%gap = dot_product(row%normal, mean)
+      if (.not. allocated(row%gap_slope)) return
       row%gap_slope = matmul(mean, row%normal_slope) &
          & + (matmul(row%c_slope, matmul(row%normal, place)) &
          & - row%gap*row%weight_slope)/row%weight

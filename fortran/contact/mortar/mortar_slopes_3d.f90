@@ -136,7 +136,8 @@ contains
       type(triangle_type), intent(in) :: triangle
       type(cell_point_type), intent(in) :: point
       real(wp) :: e(2), f(2), stretch(most_planar), y(most_planar, 2)
-      real(wp) :: xi(most_planar, 2), eta(most_planar, 2), along(most_planar)
+      real(wp) :: xi(most_planar, 2), eta(most_planar, 2), whole(most_planar)
+      real(wp) :: own(most_planar, 8), opposite(most_planar, 8)   !! of N_j, of M_k alone
       integer :: j, k, next, m
 
       m = self%n
@@ -151,18 +152,18 @@ contains
       end associate
       call follow_way_back(0, point%n(:self%ns, 0), point%js, y(:m, :), xi(:m, :))
       call follow_way_back(self%ns, point%l(:self%nm, 0), point%jm, y(:m, :), eta(:m, :))
-      associate (n => point%n, l => point%l, weight => point%weight, area => triangle%area)
+      associate (n => point%n, l => point%l, area => point%weight*triangle%area)
+         do k = 1, self%nm
+            opposite(:m, k) = area*(eta(:m, 1)*l(k, 1) + eta(:m, 2)*l(k, 2))
+         end do
          do j = 1, self%ns
-            along(:m) = 0.5_wp*stretch(:m)*n(j, 0) &
-               & + weight*area*(xi(:m, 1)*n(j, 1) + xi(:m, 2)*n(j, 2))
-            do k = 1, self%ns
-               self%me(:m, max(j, k), min(j, k)) = self%me(:m, max(j, k), min(j, k)) &
-                  & + along(:m)*n(k, 0)*merge(2.0_wp, 1.0_wp, j == k)
+            own(:m, j) = 0.5_wp*stretch(:m)*n(j, 0) + area*(xi(:m, 1)*n(j, 1) + xi(:m, 2)*n(j, 2))
+            do k = 1, j
+               self%me(:m, j, k) = self%me(:m, j, k) + own(:m, j)*n(k, 0) + own(:m, k)*n(j, 0)
             end do
-            along(:m) = along(:m) + 0.5_wp*stretch(:m)*n(j, 0)
+            whole(:m) = own(:m, j) + 0.5_wp*stretch(:m)*n(j, 0)
             do k = 1, self%nm
-               self%b(:m, j, k) = self%b(:m, j, k) + along(:m)*l(k, 0) &
-                  & + weight*area*n(j, 0)*(eta(:m, 1)*l(k, 1) + eta(:m, 2)*l(k, 2))
+               self%b(:m, j, k) = self%b(:m, j, k) + whole(:m)*l(k, 0) + opposite(:m, k)*n(j, 0)
             end do
          end do
       end associate

@@ -12,7 +12,8 @@ module lopin_mortar_traction_3d
 
 contains
 
-   !> `row` was made with the rows before, so that it holds their nodes.
+   !> `row` was made with the rows before, so that it holds their nodes; without slopes the slip has
+   !> none.
    subroutine slip_of_row(row, before, x, slip, slope)
       type(mortar_row_type), intent(in) :: row
       type(mortar_row_type), intent(in) :: before      !! of the same slave node
@@ -34,6 +35,7 @@ contains
       across = reshape([1.0_wp, 0.0_wp, 0.0_wp, 0.0_wp, 1.0_wp, 0.0_wp, 0.0_wp, 0.0_wp, 1.0_wp], &
          & [3, 3]) - spread(row%normal, 2, 3)*spread(row%normal, 1, 3)
       slip = -matmul(across, w)/row%weight
+      if (.not. allocated(row%c_slope)) return
       do i = 1, 3*size(row%of)
          at = (i + 2)/3
          along = matmul(x(:, row%of), row%c_slope(i, :))

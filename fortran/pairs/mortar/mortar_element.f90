@@ -131,13 +131,14 @@ contains
    end subroutine lay_pieces
 
    !> The overlaps at present places.
-   subroutine update_mortar(self, rules, master, tree, x, start, error)
+   subroutine update_mortar(self, rules, master, tree, x, start, with_slopes, error)
       type(present_mortar_type), intent(inout) :: self
       type(facet_rule_type), intent(in) :: rules(:)
       type(surface_type), intent(in) :: master
       type(tree_type), intent(in) :: tree
       real(wp), intent(in) :: x(:, :)             !! (ndim, nnode) [length]
       logical, intent(in) :: start                !! of an increment
+      logical, intent(in) :: with_slopes          !! of the rows in space: a tangent is wanted
       type(error_type), allocatable, intent(out) :: error
       real(wp) :: normal(size(x, 1), self%slave%nnode), direction(3, self%slave%nnode)
       type(overlap_limits_type) :: limits
@@ -166,7 +167,8 @@ contains
       end if
       call plan_rows(self%cover, rules, self%slave, master, x, self%list, start, direction)
       if (self%in_space) then
-         call update_space_mortar(self%space, self%cover, self%slave, master, x, self%list, start)
+         call update_space_mortar(self%space, self%cover, self%slave, master, x, self%list, start, &
+            & with_slopes)
          return
       end if
       if (.not. allocated(self%nearest)) allocate (self%nearest(self%slave%nnode), source=0)

@@ -10,7 +10,8 @@ module lopin_mortar_element_3d
    use lopin_mortar_overlap, only : overlap_list_type
    use lopin_mortar_cells_3d, only : mortar_kernel_type
    use lopin_mortar_cover, only : cover_type
-   use lopin_mortar_rows_3d, only : mortar_row_type, new_mortar_rows, take_nearest
+   use lopin_mortar_rows_3d, only : mortar_row_type, new_mortar_rows, close_rows, &
+      & take_nearest
    use lopin_mortar_traction_3d, only : slip_of_row, forces_of_row
    use lopin_contact_row, only : row_type, point_state_type, point_law_type, contact_status
    use lopin_row_element, only : press_row, set_spring
@@ -34,20 +35,24 @@ module lopin_mortar_element_3d
 contains
 
    !> Rows at present places; at the start of an increment they are kept for the slip.
-   subroutine update_space_mortar(self, cover, slave, master, x, list, start)
+   subroutine update_space_mortar(self, cover, slave, master, x, list, start, with_slopes)
       type(space_mortar_type), intent(inout) :: self
       type(cover_type), intent(in) :: cover       !! by plan_rows
       type(surface_type), intent(in) :: slave, master
       real(wp), intent(in) :: x(:, :)             !! (3, nnode) [length]
       type(overlap_list_type), intent(in) :: list   !! found at x
       logical, intent(in) :: start                !! of an increment
+      logical, intent(in) :: with_slopes          !! a tangent is wanted
       integer :: j
 
       if (start .or. .not. allocated(self%before)) then
-         call new_mortar_rows(self%row, self%kernel, slave, master, x, list, cover=cover)
+         call new_mortar_rows(self%row, self%kernel, slave, master, x, list, with_slopes)
+         call close_rows(self%row, x, cover)
          self%before = self%row
       else
-         call new_mortar_rows(self%row, self%kernel, slave, master, x, list, self%before, cover)
+         call new_mortar_rows(self%row, self%kernel, slave, master, x, list, with_slopes, &
+            & self%before)
+         call close_rows(self%row, x, cover)
          do j = 1, size(self%row)
             ! What is met only within the increment slips from where it was met first.
             if (self%before(j)%node == 0 .and. self%row(j)%node > 0) self%before(j) = self%row(j)

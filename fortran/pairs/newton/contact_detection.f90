@@ -22,9 +22,10 @@ module lopin_contact_detection
 contains
 
    !> The overlaps of the pairs by mortar.
-   subroutine find_closest_features(self, start, error)
+   subroutine find_closest_features(self, start, with_slopes, error)
       type(nonlinear_contact_type), intent(inout) :: self
       logical, intent(in) :: start             !! of an increment
+      logical, intent(in) :: with_slopes       !! a tangent is wanted
       type(error_type), allocatable, intent(out) :: error
       integer :: pair
 
@@ -34,7 +35,7 @@ contains
             if (start .or. .not. allocated(master%outlook)) master%outlook = master%disc(4:6, :)
          end associate
          call update_mortar(self%mortar(pair), self%masters%rules, self%masters%of(pair)%surface, &
-            & self%masters%of(pair)%tree, self%masters%x, start, error)
+            & self%masters%of(pair)%tree, self%masters%x, start, with_slopes, error)
          if (allocated(error)) return
       end do
    end subroutine find_closest_features

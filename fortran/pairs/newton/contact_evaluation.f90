@@ -45,7 +45,7 @@ contains
       self%row = 0.0_wp
       self%nlocal = 0
       self%soft_error = 0.0_wp
-      call detect_all(self, model, u, error)
+      call detect_all(self, model, u, with_tangent, error)
       if (allocated(error)) return
       point%model => model
       point%dofs => self%dofs
@@ -205,10 +205,11 @@ contains
    end subroutine record_facets
 
    !> What lies opposite all points at these displacements, and areas of slaves there.
-   subroutine detect_all(self, model, u, error)
+   subroutine detect_all(self, model, u, with_tangent, error)
       type(nonlinear_contact_type), intent(inout) :: self
       type(model_type), intent(in) :: model
       real(wp), intent(in) :: u(:)             !! (ndof) [length]
+      logical, intent(in) :: with_tangent
       type(error_type), allocatable, intent(out) :: error
       integer :: i
 
@@ -218,7 +219,7 @@ contains
       call move_masters(self%masters, model, self%dofs, self%nonlinear_points_type, u, .false., &
          & self%cost, error)
       if (allocated(error)) return
-      call find_closest_features(self, .false., error)
+      call find_closest_features(self, .false., with_tangent, error)
       if (allocated(error)) return
       do i = 1, self%n
          if (self%pair_active(self%pair(i))) then

@@ -49,7 +49,7 @@ contains
          & self%cost, error)
       if (allocated(error)) return
       call start_search(self, accepted)
-      call find_closest_features(self, .true., error)
+      call find_closest_features(self, .true., .false., error)
       if (allocated(error)) return
       do i = 1, self%n
          call detect_contact(self, model, i, .true.)

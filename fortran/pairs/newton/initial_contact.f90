@@ -36,7 +36,7 @@ contains
          associate (master => self%masters%of(pair))
             master%surface%outlook = master%surface%disc(4:6, :)
             call update_mortar(self%mortar(pair), self%masters%rules, master%surface, master%tree, &
-               & self%tied_at, .true., error)
+               & self%tied_at, .true., .false., error)
             if (allocated(error)) return
          end associate
       end do
