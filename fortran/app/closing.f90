@@ -103,6 +103,9 @@ contains
       text = text//'; '// &
          & plural(increments, 'increment')//', '// &
          & plural(sum(summary%step%counter%iterations), 'iteration')
+      if (len(summary%reason) > 0) text = text//', '// &
+         & plural(sum(summary%step%counter%factorisations), 'factorisation')//' by '// &
+         & summary%solver//' ('//summary%reason//')'
    end function cost_of
 
    !> What of a failed run is kept.

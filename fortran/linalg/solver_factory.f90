@@ -1,6 +1,6 @@
 !> From a word to a linear solver, and which word to take when the user gives none.
 module lopin_solver_factory
-   use lopin_kinds, only : wp
+   use lopin_kinds, only : wp, ik
    use lopin_error, only : error_type, error_code, raise
    use lopin_csc, only : csc_type
    use lopin_ordering, only : profile_cost, profile_order, row_starts
@@ -14,7 +14,7 @@ module lopin_solver_factory
    implicit none
    private
    public :: choose_solver, choose_preconditioner, general_solver, new_solver, solver_names, &
-      & solver_words, may_coarsen
+      & solver_words, may_coarsen, may_need_levels, prefers_levels
 
    !> All direct solvers; where several can do it, the first one that accepts the matrix is a fair
    !> choice. 'mixed' is 'cholmod' for iterations that mend what single precision leaves.
@@ -22,8 +22,15 @@ module lopin_solver_factory
    !> What a user may ask for: these, and iterations by multigrid where the build has them.
    character(len=9), parameter :: solver_words(5) = [character(len=9) :: solver_names, 'multigrid']
 
-   !> Equations of a solid from which multigrid takes the place of a factor (docs/solvers.md).
+   !> Equations of a solid from which multigrid takes the place of the one factor of a linear scene
+   !> (docs/solvers.md).
    integer, parameter :: too_many = 500000
+   !> Operations of a factor for each stored entry of the matrix from which multigrid takes its
+   !> place in Newton's iterations: a cube of 350 000 equations. Sheets and plane meshes have far
+   !> fewer.
+   real(wp), parameter :: dear = 1.5e5_wp
+   !> Solids of fewer equations have no factor that dear.
+   integer, parameter :: few = 100000
 
 contains
 
@@ -90,7 +97,6 @@ contains
       call choose_by_profile(a, [integer ::], [85.0_wp, 2.5_wp], name, reason)
       if (name == 'skyline') return
       name = 'mixed'
-      if (may_coarsen('AUTO', a%n)) name = 'multigrid'
    end subroutine choose_preconditioner
 
    !> Multigrid takes the place of a factor: asked for, or present and the solid is large.
@@ -100,6 +106,22 @@ contains
 
       may_coarsen = wish == 'MULTIGRID' .or. (wish == 'AUTO' .and. n >= too_many .and. is_present())
    end function may_coarsen
+
+   !> Iterations of Newton may come to want levels.
+   pure logical function may_need_levels(wish, n)
+      character(len=*), intent(in) :: wish     !! AUTO or a solver's word, upper case
+      integer, intent(in) :: n                 !! equations
+
+      may_need_levels = wish == 'MULTIGRID' .or. (wish == 'AUTO' .and. n >= few .and. is_present())
+   end function may_need_levels
+
+   !> Levels cost less than the factor that has been analysed.
+   pure logical function prefers_levels(solver, entries)
+      class(linear_solver_type), intent(in) :: solver
+      integer(ik), intent(in) :: entries       !! stored, of the matrix
+
+      prefers_levels = is_present() .and. solver%flops > dear*real(entries, wp)
+   end function prefers_levels
 
    !> Skyline where the mean row of the profile is shorter than line(1) + line(2) e.
    subroutine choose_by_profile(a, last, line, name, reason)

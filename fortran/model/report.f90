@@ -131,6 +131,7 @@ module lopin_report
       integer :: exit_code = 0
       character(len=:), allocatable :: plan       !! the line that says what was chosen and why
       character(len=:), allocatable :: path, solver
+      character(len=:), allocatable :: reason     !! why this solver, where it was chosen on the way
       integer :: equations = 0, retained = 0, candidates = 0
       type(step_summary_type), allocatable :: step(:)
       type(clock_type) :: clock
@@ -153,6 +154,7 @@ contains
       summary%plan = ''
       summary%path = ''
       summary%solver = ''
+      summary%reason = ''
       summary%checksum = ''
       summary%threads = threads_of_run()
       allocate (summary%step(nstep))

@@ -14,7 +14,7 @@ module lopin_nonlinear_start
    use lopin_state, only : begin, begin_step_of, new_contact_state
    use lopin_scene, only : scene_type
    use lopin_rigid_motions, only : find_vertices
-   use lopin_solver_factory, only : may_coarsen
+   use lopin_solver_factory, only : may_need_levels
    implicit none
    private
    public :: begin_nonlinear, start_step, complementarity
@@ -105,7 +105,7 @@ contains
       scene%newton%nlgeom = model%step(scene%step)%nlgeom
       scene%newton%contact%stretches = scene%newton%nlgeom
       if (.not. scene%newton%in_use) return
-      if (may_coarsen(model%solver, scene%constraints%neq)) call find_vertices( &
+      if (may_need_levels(model%solver, scene%constraints%neq)) call find_vertices( &
          & scene%newton%system%vertices, model, scene%dofs, scene%constraints)
       associate (contact => scene%newton%contact)
          contact%pair_active = active_pairs(model, scene%step)

@@ -31,6 +31,7 @@ module lopin_run_analysis
    use lopin_check_flow_curves, only : check_flow_curves
    use lopin_check_yield, only : check_yield
    use lopin_failure_advice, only : advise
+   use lopin_solve_path, only : note_solver
    use lopin_increment, only : solve_increment, prepare, reject
    use lopin_repeated_messages, only : report_repeats
    use lopin_stream, only : stream_type
@@ -152,6 +153,7 @@ contains
             call log%say(d%severity, d%id, d%message, d%at, d%label, d%note, d%help)
          end associate
       end do
+      call note_solver(self%scene, self%summary)
       self%summary%clock = self%scene%clock
       self%summary%log = self%scene%log
       self%summary%peak_memory = peak_memory()

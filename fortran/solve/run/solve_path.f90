@@ -12,7 +12,7 @@ module lopin_solve_path
    use lopin_nonlinear_start, only : begin_nonlinear
    implicit none
    private
-   public :: prepare_path, widen_path, solve_linear
+   public :: prepare_path, widen_path, solve_linear, note_solver
 
    !> Projections of a tool that forces move within one increment; a few are the rule.
    integer, parameter :: most_places = 40
@@ -58,6 +58,16 @@ contains
       scene%fresh_factor = .true.
       call describe(scene, plan, reason, summary)
    end subroutine prepare_path
+
+   !> Which solver Newton's iterations took is known once they have factorised.
+   subroutine note_solver(scene, summary)
+      type(scene_type), intent(in) :: scene
+      type(summary_type), intent(inout) :: summary
+
+      if (.not. allocated(scene%newton%system%solver)) return
+      summary%solver = scene%newton%system%solver%name()
+      summary%reason = scene%newton%system%reason
+   end subroutine note_solver
 
    !> Rows for the points within reach by now: on the condensed path the factor stands.
    subroutine widen_path(scene, model, plan, summary, error)

@@ -16,13 +16,13 @@
 module lopin_newton_system
    use lopin_kinds, only : wp, ik
    use lopin_error, only : error_type
-   use lopin_text, only : lower
    use lopin_clock, only : clock_type, counter_type, phase
    use lopin_csc, only : csc_type
    use lopin_csc_sum, only : sum_of, widen
    use lopin_gmres, only : operator_type, gmres
    use lopin_linear_solver, only : linear_solver_type, vertices_type, matrix_class
-   use lopin_solver_factory, only : new_solver, choose_preconditioner, general_solver
+   use lopin_solver_factory, only : new_solver, general_solver
+   use lopin_iteration_solver, only : analyse_for_iterations
    use lopin_constraints, only : constraints_type
    use lopin_reduce_matrix, only : reduce_matrix
    use lopin_local_matrix, only : local_matrix_type
@@ -206,7 +206,6 @@ contains
       type(error_type), allocatable, intent(out) :: error
       type(csc_type) :: springs, whole
       integer(ik), allocatable :: row(:), colptr(:)
-      character(len=:), allocatable :: name
       logical :: same
 
       call add_up_springs(self%block, self%neq, springs)
@@ -228,15 +227,8 @@ contains
          & .and. .not. self%solver%orders_by_values()
       call clock%stop_in(phase%assemble)
       if (.not. same) then
-         if (.not. allocated(self%solver)) then
-            name = lower(self%wish)
-            self%reason = 'as asked'
-            if (name == 'auto') call choose_preconditioner(self%matrix, name, self%reason)
-            call new_solver(self%solver, name, error)
-            if (allocated(error)) return
-         end if
-         self%solver%vertices = vertices_of_kept(self%tied, self%vertices)
-         call self%solver%analyse(self%matrix, matrix_class%positive_definite, [integer ::], error)
+         call analyse_for_iterations(self%solver, self%reason, self%wish, self%matrix, &
+            & vertices_of_kept(self%tied, self%vertices), error)
          if (allocated(error)) return
          call clock%stop_in(phase%analyse)
       end if
