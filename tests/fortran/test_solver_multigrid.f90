@@ -41,11 +41,11 @@ end module coarse_system
 !> Iterations by multigrid: as good as a factor for GMRES on any mesh; refused where the build has
 !> none.
 program test_solver_multigrid
-   use lopin_kinds, only : wp
+   use lopin_kinds, only : wp, ik
    use lopin_error, only : error_type
    use lopin_gmres, only : gmres
    use lopin_linear_solver, only : linear_solver_type, matrix_class
-   use lopin_solver_factory, only : new_solver
+   use lopin_solver_factory, only : new_solver, prefers_levels
    use lopin_solver_multigrid, only : is_present
    use coarse_system, only : system_type
    use check, only : test, is_true, finish
@@ -64,9 +64,22 @@ program test_solver_multigrid
       call test('a build without PETSc says so')
       call refuse()
    end if
+   call dear_factors()
    call finish()
 
 contains
+
+   !> Levels take the place of a factor of many operations for each entry, where there are any.
+   subroutine dear_factors()
+      class(linear_solver_type), allocatable :: solver
+      type(error_type), allocatable :: error
+
+      call test('factors that cost too much')
+      call new_solver(solver, 'cholmod', error)
+      solver%flops = 3.0e8_wp
+      call is_true('a cube', prefers_levels(solver, 1000_ik) .eqv. is_present())
+      call is_true('a sheet', .not. prefers_levels(solver, 10000_ik))
+   end subroutine dear_factors
 
    !> A clamped block by GMRES, its nodes as vertices with rigid motions.
    subroutine solve_block(cells, iterations)
