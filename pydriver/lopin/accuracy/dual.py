@@ -25,6 +25,8 @@ from .solids import Solids
 SMALL = 1e-8
 #: Least change of displacements beside the largest that is not taken for rounding.
 ROUNDING = 1e-11
+#: Share of a direction in a number that is none.
+SHARE = 1e-9
 #: Pressures and gaps beside the largest that are nothing: of points at the edge of contact.
 EDGE = 1e-5
 HOPS = "contact changes with the smallest change"
@@ -167,11 +169,12 @@ class Question:
         rows = order[np.searchsorted(label, solids.labels, sorter=order)]
         u = [np.asarray(result.at(k)["displacement"])[rows] for k in outputs]
         dual = [(b - a)/self.size for a, b in zip(u, u[1:])]
-        most = np.abs(u[0]).max()
-        if any(np.abs(b - a).max() < ROUNDING*most for a, b in zip(u, u[1:])):
+        most, share = np.abs(u[0]).max(), self._shares(own, deck)
+        # A smooth tool that moves along itself moves nothing, and has no share in the number.
+        if any(np.abs(b - a).max() < ROUNDING*most for a, b, part in zip(u, u[1:], share)
+               if abs(part) > SHARE):
             return LOST
         found = missed(solids, [u[0], *dual])
-        share = self._shares(own, deck)
         sign = -1.0 if self.given else 1.0
         parts = sign*(np.einsum("d,de->e", share, found.products[1:])
                       + self._between(result, outputs, deck, solids, (u[0], dual, share)))
