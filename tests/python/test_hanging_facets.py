@@ -1,6 +1,7 @@
 """Metal that spreads past the corner of a meshed die, surface to surface."""
 import pytest
 
+import lopin
 from lopin.deck import Deck
 from lopin.mesh_make import block
 
@@ -90,3 +91,10 @@ def test_a_seam_between_two_dies_hangs_past_neither(solve):
         force.append(sum(abs(result.history[f"UP-FACE{name}.force2"][-1]) for name, *_ in dies))
         told += [w for w in result.diagnostics if w["code"] == "W0345"]
     assert not told and force[1] == pytest.approx(force[0], rel=0.02)
+
+
+def test_a_die_whose_edge_cuts_into_its_master_is_told_to_be_exchanged():
+    """With the metal as slave the same way ends, as it does with the die as slave surface to surface."""
+    text = spread("CPE4", [3.2]).text().replace("TYPE=SURFACE TO SURFACE\nUP, FACEB", "TYPE=NODE TO SURFACE\nFACEB, UP")
+    with pytest.raises(lopin.NotConvergedError, match=r"exchange slave and master of \(FACEB, UP\): node 10"):
+        lopin.run(Deck.parse(text.replace("*STATIC", "*STATIC\n0.05, 1., 0.02"), name="cut"), executable=True)

@@ -7,6 +7,7 @@ module lopin_failure_advice
    use lopin_model, only : model_type, step_type
    use lopin_friction, only : has_friction
    use lopin_slip_increment, only : lost_bound
+   use lopin_edge_advice, only : exchange_at_edges
    use lopin_scene, only : scene_type
    use lopin_run_type, only : run_type
    implicit none
@@ -51,6 +52,7 @@ contains
             if (frame%time_increment > 1.0e-4_wp*step%period .and. step%smallest > 0.0_wp) &
                & help = 'let increments be cut further: the third number of *STATIC, '// &
                & to_text(step%smallest, 3)//', forbids it'
+            if (run%scene%newton%in_use) call add(help, exchange_at_edges(run%scene, model))
             call add(help, alternative_in(item%help))
             call add(help, remedies(run, model))
             if (len(help) == 0) help = 'look at that place in the last increment that was '// &
