@@ -3,9 +3,9 @@
 !>
 !> A word is prefix (CPE, CPS, CAX, C3D), number of nodes and letters (R, H, I, M; S: one point and
 !> hourglass control). Variants that Lopin does not have are read as the nearest formulation, and
-!> `note` says so. A word with /1, /2, /3, /12 ... behind it, which no deck has, is that of a sheet
-!> in one layer: more points along these parametric directions. CSS8, the solid shell of Abaqus, is
-!> C3D8I/3.
+!> `note` says so. A word with a digit for each parametric direction behind it, as C3D8I/001 and
+!> CPE4I/02, which no deck has, is that of a sheet of so many layers along the direction: more
+!> points there. CSS8, the solid shell of Abaqus, is C3D8I/001.
 module lopin_element_type
    use lopin_kinds, only : wp
    use lopin_cells, only : cell_type, new_cell, new_sided_cell, new_cell_of, shape_functions
@@ -51,7 +51,8 @@ module lopin_element_type
                                               !! where the material keeps its volume
       logical :: projectable = .false.        !! is `projected` where the material keeps its volume
       logical :: axisymmetric = .false.       !! also of the rigid RAX2
-      logical :: layered(3) = .false.         !! parametric directions with more points
+      integer :: layers(3) = 0                !! of a sheet along each parametric direction, which
+                                              !! has more points then; 0: no sheet
       logical :: hourglass = .false.          !! its points do not see all motions: the others have
                                               !! the energy of module hourglass
       integer :: ndim = 0                     !! displacement components of a node, 2 or 3
@@ -76,7 +77,7 @@ contains
    !> The element of a deck word.
    subroutine new_element_type(self, word, formulation, found)
       type(element_type), intent(out) :: self
-      character(len=*), intent(in) :: word          !! upper case, e.g. 'CAX4R', 'C3D8I/3'
+      character(len=*), intent(in) :: word          !! upper case, e.g. 'CAX4R', 'CPE4I/01'
       character(len=*), intent(in) :: formulation   !! '' or 'FULL': neither mean nor reduced
       logical, intent(out) :: found
       character(len=:), allocatable :: own
@@ -87,7 +88,9 @@ contains
       last = index(word, '/')
       if (last > 0) then
          own = word(:last - 1)
-         self%layered = [(index(word(last + 1:), achar(iachar('0') + d)) > 0, d=1, 3)]
+         do d = last + 1, len(word)
+            self%layers(d - last) = iachar(word(d:d)) - iachar('0')
+         end do
       end if
       found = any(element_words == own)
       if (.not. found) return
@@ -98,7 +101,7 @@ contains
       end if
       if (own == 'CSS8') then
          own = 'C3D8I'
-         self%layered(3) = .true.
+         self%layers(3) = 1
          self%note = 'CSS8 is C3D8I with six points through the thickness, from face S1 to S2'
       end if
       last = scan(own, '0123456789', back=.true.)
@@ -200,8 +203,10 @@ contains
       if (averaged) self%formulation = element_formulation%bbar
       self%patched = .not. (product .or. self%cell%quadratic) &
          & .and. self%kind /= element_kind%plane_stress
-      self%projectable = self%kind /= element_kind%plane_stress .and. .not. reduced &
-         & .and. (self%cell%name == 'quad8' .or. self%cell%name == 'hexahedron20')
+      self%projectable = self%kind /= element_kind%plane_stress .and. (self%cell%name == 'quad8' &
+         & .or. self%cell%name == 'hexahedron20')
+      ! More points through a sheet would lock it.
+      if (reduced) self%projectable = self%projectable .and. any(self%layers > 0)
       if (reduced) self%formulation = element_formulation%reduced
       if (index(letters, 'R') > 0 .and. .not. reduced) then
          self%note = name//' is integrated fully'
@@ -286,7 +291,7 @@ contains
       self%nmode = self%ndim**2
       if (self%axisymmetric) self%nmode = self%nmode + 1
       if (self%ndim == 3) self%nmode = self%nmode + 3
-      self%nmode = self%nmode + 2*count(self%layered)
+      self%nmode = self%nmode + 2*count(self%layers == 1)
       centre = 0.0_wp
       allocate (self%n0(self%nnode), self%dn0(self%ndim, self%nnode))
       call shape_functions(self%cell, centre, self%n0, self%dn0)
@@ -299,10 +304,10 @@ contains
       type(rule_type), intent(out) :: rule
       integer :: degree
 
-      if (any(self%layered)) then
+      if (any(self%layers > 0)) then
          degree = 3
          if (self%cell%quadratic .and. self%formulation /= element_formulation%reduced) degree = 5
-         call new_layered_rule(rule, self%cell%family, degree, self%layered)
+         call new_layered_rule(rule, self%cell%family, degree, self%layers)
          return
       end if
       select case (self%cell%name)

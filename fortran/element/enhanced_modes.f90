@@ -5,9 +5,9 @@
 !> xi_i, carried to the reference shape by the Jacobian of the centre (Simo and Rifai 1990; the
 !> transposed Wilson modes of Glaser and Armero 1997, which stay free of hourglassing in large
 !> compression). Bricks and axisymmetric quads also have the products of two parameters in the
-!> dilatation, so that they do not lock in volume. Layered elements have the square and the cube in
-!> the stretch of their thickness, so that the stress across all but vanishes at each of its points,
-!> as in a thick sheet that bends. Every mode has a vanishing integral over the
+!> dilatation, so that they do not lock in volume. Sheets of one layer have the square and the cube
+!> in the stretch of their thickness, so that the stress across all but vanishes at each of its
+!> points, as in a thick sheet that bends. Every mode has a vanishing integral over the
 !> reference volume, so the patch test passes; no amplitude depends on the frame or on units.
 module lopin_enhanced_modes
    use lopin_kinds, only : wp
@@ -80,7 +80,7 @@ contains
          end do
       end do
       do i = 1, d
-         if (.not. element%layered(i)) cycle
+         if (element%layers(i) /= 1) cycle
          m = m + 2
          do q = 1, d
             do p = 1, d

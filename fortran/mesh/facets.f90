@@ -9,6 +9,7 @@ module lopin_facets
    use lopin_mesh, only : mesh_type
    use lopin_cells, only : cell_type, cell_id, new_cell_of, shape_functions
    use lopin_quadrature, only : rule_type, new_rule
+   use lopin_face_numbers, only : number_faces
    implicit none
    private
    public :: facets_type, facet_rule_type, new_facets, boundary_facets, new_facet_rules
@@ -116,63 +117,6 @@ contains
       r = mesh%x(1, mesh%conn(cell%face_node(:2, f), e))
       on_axis = all(abs(r) <= 1.0e-10_wp*maxval(abs(mesh%x(1, mesh%conn(:cell%nnode, e)))))
    end function on_axis
-
-   !> Number the different faces of all solid elements: equal numbers, equal corners.
-   pure subroutine number_faces(mesh, cells, number, n)
-      type(mesh_type), intent(in) :: mesh
-      type(cell_type), intent(in) :: cells(:)
-      integer, allocatable, intent(out) :: number(:, :)   !! (6, nelement); 0: no such face
-      integer, intent(out) :: n                           !! how many
-      integer, allocatable :: first(:), next(:), key(:, :)
-      integer :: e, f, t, k, corner(4)
-
-      allocate (number(6, mesh%nelement), first(mesh%nnode))
-      allocate (next(6*mesh%nelement), key(4, 6*mesh%nelement))
-      number = 0
-      first = 0
-      n = 0
-      do e = 1, mesh%nelement
-         t = mesh%etype(e)
-         if (cells(t)%sided) cycle
-         do f = 1, cells(t)%nface
-            corner = sorted_corners(mesh, cells(t), e, f)
-            k = first(corner(4))
-            do while (k > 0)
-               if (all(key(:, k) == corner)) exit
-               k = next(k)
-            end do
-            if (k == 0) then
-               n = n + 1
-               k = n
-               key(:, k) = corner
-               next(k) = first(corner(4))
-               first(corner(4)) = k
-            end if
-            number(f, e) = k
-         end do
-      end do
-   end subroutine number_faces
-
-   !> Increasing, zeros first.
-   pure function sorted_corners(mesh, cell, e, f) result(corner)
-      type(mesh_type), intent(in) :: mesh
-      type(cell_type), intent(in) :: cell
-      integer, intent(in) :: e, f
-      integer :: corner(4), i, j, held
-
-      corner = 0
-      i = merge(2, merge(3, 4, cell%face_cell(f) <= cell_id%triangle6), &
-         & cell%face_cell(f) <= cell_id%line3)
-      corner(:i) = mesh%conn(cell%face_node(:i, f), e)
-      do i = 2, 4
-         held = corner(i)
-         do j = i - 1, 1, -1
-            if (corner(j) <= held) exit
-            corner(j + 1) = corner(j)
-         end do
-         corner(j + 1) = held
-      end do
-   end function sorted_corners
 
    !> How many elements of the set, and how many others, have each face.
    pure subroutine count_facets(mesh, cells, number, n, element, inside, outside)

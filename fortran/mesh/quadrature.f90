@@ -9,7 +9,7 @@ module lopin_quadrature
    use lopin_cells, only : cell_family
    implicit none
    private
-   public :: rule_type, new_rule, new_layered_rule, calculix_order
+   public :: rule_type, new_rule, new_layered_rule, points_in_half, calculix_order
 
    type :: rule_type
       integer :: npoint = 0
@@ -48,27 +48,25 @@ contains
       end select
    end subroutine new_rule
 
-   !> As `new_rule` for quads and hexahedra, but in some directions Gauss points in each half, five
-   !> in the plane and three in space: a stress that jumps near the middle, as that of a sheet bent
-   !> plastically, is integrated to a per cent.
-   pure subroutine new_layered_rule(self, family, degree, layered)
+   !> As `new_rule` for quads and hexahedra, but with Gauss points in each half of some directions:
+   !> a stress that jumps near the middle of a sheet, as where it is bent plastically, is integrated
+   !> to a per cent in the plane, to three in space. A sheet of several layers needs fewer in each.
+   pure subroutine new_layered_rule(self, family, degree, layers)
       type(rule_type), intent(out) :: self
       integer, intent(in) :: family      !! quad or hexahedron
       integer, intent(in) :: degree      !! of the other directions
-      logical, intent(in) :: layered(:)  !! (3) the directions
+      integer, intent(in) :: layers(:)   !! (3) of the sheet along each direction; 0: no sheet
       type(rule_type) :: along, halves, part
       integer :: d, ndim
 
       ndim = merge(2, 3, family == cell_family%quad)
       call new_product(along, 1, degree)
-      call new_product(part, 1, merge(8, 4, ndim == 2))
-      halves%npoint = 2*part%npoint
-      halves%xi = reshape([0.5_wp*(part%xi(1, :) - 1.0_wp), 0.5_wp*(part%xi(1, :) + 1.0_wp)], &
-         & [1, halves%npoint])
-      halves%weight = 0.5_wp*[part%weight, part%weight]
       do d = 1, ndim
          part = along
-         if (layered(d)) part = halves
+         if (layers(d) > 0) then
+            call new_halves(halves, points_in_half(ndim, layers(d)))
+            part = halves
+         end if
          if (d == 1) then
             self = part
          else
@@ -76,6 +74,29 @@ contains
          end if
       end do
    end subroutine new_layered_rule
+
+   !> Of each element of a sheet of so many layers, in half its thickness; 0: of so many layers the
+   !> usual points do.
+   pure integer function points_in_half(ndim, layers) result(n)
+      integer, intent(in) :: ndim, layers
+      integer, parameter :: plane(3) = [5, 4, 3], space(2) = [3, 2]
+
+      n = 0
+      if (ndim == 2 .and. layers <= size(plane)) n = plane(layers)
+      if (ndim == 3 .and. layers <= size(space)) n = space(layers)
+   end function points_in_half
+
+   !> Gauss points in each half of [-1, 1].
+   pure subroutine new_halves(self, n)
+      type(rule_type), intent(out) :: self
+      integer, intent(in) :: n                 !! in each half
+      real(wp) :: x(n), w(n)
+
+      call gauss_line(n, x, w)
+      self%npoint = 2*n
+      self%xi = reshape(0.5_wp*[x - 1.0_wp, x + 1.0_wp], [1, 2*n])
+      self%weight = 0.5_wp*[w, w]
+   end subroutine new_halves
 
    !> Gauss-Legendre points on [-1, 1]: Newton on the Legendre polynomial.
    pure subroutine gauss_line(n, x, w)

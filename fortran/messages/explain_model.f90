@@ -91,12 +91,12 @@ contains
          & 'flows, its change of volume is projected onto the linear functions of the '// &
          & 'coordinates.', &
          & 'nothing; *SECTION CONTROLS, FORMULATION=FULL leaves every point alone, and locks.')
-      call add_explanation(list, 'N0213', 'sheets in one layer of elements that flow', &
-         & 'A sheet one element thick bends plastically: its stress jumps near the middle, and '// &
-         & 'the two or three Gauss points through the thickness give a moment that is 14 to '// &
-         & '19 % off. Elements with free faces on both sides have five points in each half of '// &
-         & 'their '// &
-         & 'thickness instead (three in space), if their material flows: 1 % off (3 %).', &
+      call add_explanation(list, 'N0213', 'sheets of few layers of elements that flow', &
+         & 'Bent plastically, the stress jumps near the middle: the usual points of one layer '// &
+         & 'give a moment 14 to 19 % off, of two layers 1.5 to 5 % too small. Sheets whose '// &
+         & 'metal flows have five, four, three points in each half of each of one, two, three '// &
+         & 'layers (in space three, two): 1 % off (3 %). Several layers are a sheet if it is '// &
+         & 'five times as long as thick.', &
          & 'nothing; *SECTION CONTROLS, FORMULATION=FULL keeps the usual points.')
       call add_explanation(list, 'N0206', 'an element word stands for another formulation', &
          & 'The letters of the word (R, I, H, M) ask for a formulation that Lopin does not '// &

@@ -314,7 +314,7 @@ module lopin_model
       type(settings_type) :: settings                   !! of the cards that are reported
       integer :: kind = 0   !! kind_of%... of the scene (plane strain if mixed with stress)
       type(mesh_type) :: mesh
-      character(len=10), allocatable :: element_word(:)  !! what mesh%etype points to, e.g. CPE4
+      character(len=12), allocatable :: element_word(:)  !! what mesh%etype points to, e.g. CPE4
       type(material_type), allocatable :: material(:)
       type(section_type), allocatable :: section(:)
       type(surface_data_type), allocatable :: surface(:)

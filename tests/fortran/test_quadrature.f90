@@ -85,25 +85,27 @@ contains
 
    !> Moments of a stress that jumps where the direction does: |x| and sign(x) x^2 y^2.
    subroutine layers_integrate_a_jump_in_the_middle()
-      logical :: layered(3)
-      integer :: d, other
+      integer :: layers(3), d, other
 
       call test('layered rules integrate a jump in the middle')
       do d = 1, 3
-         layered = .false.
-         layered(d) = .true.
+         layers = 0
+         layers(d) = 1
          other = 1 + mod(d, 3)
-         call new_layered_rule(rule, cell_family%hexahedron, 3, layered)
+         call new_layered_rule(rule, cell_family%hexahedron, 3, layers)
          call is_true('24 points of positive weight', rule%npoint == 24 .and. &
             & all(rule%weight > 0.0_wp))
          call close_to('moment', sum(rule%weight*abs(rule%xi(d, :))), 4.0_wp, 1.0e-14_wp)
          call close_to('product', sum(rule%weight*abs(rule%xi(d, :)**3)*rule%xi(other, :)**2), &
             & 2.0_wp/3.0_wp, 1.0e-14_wp)
       end do
-      layered = [.false., .true., .false.]
-      call new_layered_rule(rule, cell_family%quad, 5, layered)
+      layers = [0, 1, 0]
+      call new_layered_rule(rule, cell_family%quad, 5, layers)
       call is_true('30 points in the plane', rule%npoint == 30)
       call close_to('area', sum(rule%weight), 4.0_wp, 1.0e-14_wp)
       call close_to('moment in the plane', sum(rule%weight*abs(rule%xi(2, :))), 2.0_wp, 1.0e-14_wp)
+      call new_layered_rule(rule, cell_family%quad, 1, [2, 0, 0])
+      call is_true('one of two layers has 8 points', rule%npoint == 8)
+      call close_to('moment of it', sum(rule%weight*abs(rule%xi(1, :))), 2.0_wp, 1.0e-14_wp)
    end subroutine layers_integrate_a_jump_in_the_middle
 end program test_quadrature
