@@ -26,9 +26,9 @@ module lopin_solver_factory
    !> (docs/solvers.md).
    integer, parameter :: too_many = 500000
    !> Operations of a factor for each stored entry of the matrix from which multigrid takes its
-   !> place in Newton's iterations: a cube of 350 000 equations. Sheets and plane meshes have far
+   !> place in Newton's iterations: a cube of 470 000 equations. Sheets and plane meshes have far
    !> fewer.
-   real(wp), parameter :: dear = 1.5e5_wp
+   real(wp), parameter :: dear = 2.0e5_wp
    !> Solids of fewer equations have no factor that dear.
    integer, parameter :: few = 100000
 
