@@ -19,6 +19,7 @@ module lopin_feature
       real(wp) :: depth = huge(1.0_wp)      !! deeper penetrations do not count [length]
       real(wp) :: cosine = -0.2_wp          !! n_slave.n_master must not be above [-]
       logical :: behind = .false.           !! only facets that the point is behind count
+      real(wp) :: shallow = 0.0_wp          !! by more than this [length]
       real(wp) :: extension = 0.1_wp        !! beyond the perimeter, fraction of the facet [-]
    end type limits_type
 

@@ -294,11 +294,11 @@ contains
       if (query%sided .and. dot_product(query%normal, n) > limits%cosine) return
       if (dot_product(query%x - trial%point, n) < -limits%depth) return
       if (limits%behind) then
-         if (dot_product(query%x - trial%point, n) >= 0.0_wp) return
+         if (dot_product(query%x - trial%point, n) >= -limits%shallow) return
          if (trial%place /= place%inside) then
             ! Which side of an edge or a corner is told by all the facets around it.
             call settle(surface, f, trial, query%x, query%sided, limits, settled)
-            if (settled%facet == 0 .or. settled%gap >= 0.0_wp) return
+            if (settled%facet == 0 .or. settled%gap >= -limits%shallow) return
          end if
       end if
       query%best = trial

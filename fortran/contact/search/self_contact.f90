@@ -3,7 +3,9 @@
 !> The facets around a node are its neighbours, never its contact. The other face of the wall that
 !> it belongs to looks away from it, but from behind it seems to be entered by the whole thickness:
 !> half the thickness at the start bounds what counts as penetration, so that contact never goes
-!> through material. Facets that do not look at the node are left out by the side of the search.
+!> through material. A surface may begin with its fold closed: the face opposite is no wall, it is
+!> nearer than the own elements are deep. Facets that do not look at the node are left out by the
+!> side of the search.
 module lopin_self_contact
    use lopin_kinds, only : wp
    use lopin_surface, only : surface_type
@@ -11,7 +13,10 @@ module lopin_self_contact
    use lopin_search, only : tree_type, find_projection
    implicit none
    private
-   public :: self_contact_type, new_self_contact, measure_thickness
+   public :: self_contact_type, new_self_contact, measure_thickness, depths_of_elements
+
+   !> What is behind a point by less than this share of its elements' depth is no wall of theirs.
+   real(wp), parameter :: own_depth = 0.5_wp
 
    type :: self_contact_type
       integer, allocatable :: first(:)        !! (n + 1) first neighbour of each point
@@ -57,13 +62,14 @@ contains
       end do
    end subroutine new_self_contact
 
-   !> Half the way to the other face of the wall of each point, in a state without contact.
-   subroutine measure_thickness(self, surface, tree, x, n_slave, cosine)
+   !> Half the way to the other face of the wall of each point; a fold may be closed.
+   subroutine measure_thickness(self, surface, tree, x, n_slave, deep, cosine)
       type(self_contact_type), intent(inout) :: self
       type(surface_type), intent(in) :: surface
       type(tree_type), intent(in) :: tree
       real(wp), intent(in) :: x(:, :)         !! (ndim, n) [length]
       real(wp), intent(in) :: n_slave(:, :)   !! (ndim, n)
+      real(wp), intent(in) :: deep(:)         !! (facets) how far elements reach inward [length]
       real(wp), intent(in) :: cosine          !! of the search
       type(limits_type) :: limits
       type(projection_type) :: found
@@ -72,9 +78,31 @@ contains
       limits%cosine = cosine
       limits%behind = .true.
       do i = 1, size(x, 2)
-         call find_projection(surface, tree, x(:, i), n_slave(:, i), limits, found, &
-            & self%neighbour(self%first(i):self%first(i + 1) - 1))
+         associate (around => self%neighbour(self%first(i):self%first(i + 1) - 1))
+            limits%shallow = own_depth*minval([huge(1.0_wp), deep(around)])
+            if (size(around) == 0) limits%shallow = 0.0_wp
+            call find_projection(surface, tree, x(:, i), n_slave(:, i), limits, found, around)
+         end associate
          if (found%facet > 0) self%depth(i) = 0.5_wp*abs(found%gap)
       end do
    end subroutine measure_thickness
+
+   !> How far the element behind each facet reaches inward from its middle.
+   function depths_of_elements(surface, x, conn) result(deep)
+      type(surface_type), intent(in) :: surface
+      real(wp), intent(in) :: x(:, :)         !! (ndim, mesh nodes) [length]
+      integer, intent(in) :: conn(:, :)       !! (corners, elements), zeros behind the last
+      real(wp) :: deep(surface%facets%n)
+      integer :: i, k, d
+
+      d = surface%ndim
+      deep = 0.0_wp
+      do i = 1, surface%facets%n
+         associate (own => conn(:, surface%facets%element(i)), disc => surface%disc(:, i))
+            do k = 1, count(own > 0)
+               deep(i) = max(deep(i), dot_product(disc(:d) - x(:, own(k)), disc(4:3 + d)))
+            end do
+         end associate
+      end do
+   end function depths_of_elements
 end module lopin_self_contact

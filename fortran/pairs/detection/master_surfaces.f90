@@ -11,7 +11,8 @@ module lopin_master_surfaces
    use lopin_surface, only : surface_type, new_surface, update_surface
    use lopin_feature, only : limits_type
    use lopin_search, only : tree_type, cost_type, build_tree, refit_tree
-   use lopin_self_contact, only : self_contact_type, new_self_contact, measure_thickness
+   use lopin_self_contact, only : self_contact_type, new_self_contact, measure_thickness, &
+      & depths_of_elements
    use lopin_rigid_motion, only : rigid_motion_type, new_rigid_motion
    use lopin_model, only : model_type, surface_of
    use lopin_flat_elements, only : is_ring
@@ -178,7 +179,7 @@ contains
       if (start) call find_sides(self, model, points)
       do pair = 1, size(model%pair)
          if (is_self_contact(model%pair(pair)) .and. .not. self%of(pair)%against_itself) &
-            & call know_itself(self, points, pair)
+            & call know_itself(self, model, points, pair)
       end do
    end subroutine move_masters
 
@@ -210,8 +211,9 @@ contains
    end subroutine move_tool
 
    !> What a surface must know to meet itself: the neighbours and the wall of each of its points.
-   subroutine know_itself(self, points, pair)
+   subroutine know_itself(self, model, points, pair)
       type(masters_type), intent(inout) :: self
+      type(model_type), intent(in) :: model
       type(nonlinear_points_type), intent(in) :: points
       integer, intent(in) :: pair
       integer, allocatable :: node(:)
@@ -225,7 +227,8 @@ contains
          m%against_itself = .true.
          call new_self_contact(m%itself, m%surface, node)
          call measure_thickness(m%itself, m%surface, m%tree, self%x(:, node), &
-            & self%side(:size(self%x, 1), first:last), m%limits%cosine)
+            & self%side(:size(self%x, 1), first:last), &
+            & depths_of_elements(m%surface, self%x, model%mesh%conn), m%limits%cosine)
       end associate
    end subroutine know_itself
 

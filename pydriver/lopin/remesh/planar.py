@@ -6,6 +6,7 @@ from numpy.typing import NDArray
 
 from .body import Body, boundary_facets, refused
 from .card import RemeshCard
+from .fold import close_fold, deepest_inside, drawn_apart
 from .outline import Outline, loops_of, new_outline, volume_of
 from .part import NewMesh, SkinOrigin
 from .plane import crossings, fill, place_of_worst, worst_corner
@@ -35,11 +36,12 @@ def remesh_plane(body: Body, state: Snapshot, card: RemeshCard, tools: Tools,
                               required & set(body.facets.ravel()), finer, near, quads)
         moved = seat_outline(body, state, outline, finer, tools)
         ends, _ = edges_of(outline)
-        cross = outline.x[ends[crossings(outline.x, ends)[:1, 0]]].mean(axis=1)
+        apart = outline_apart(body, outline, finer, tools)
+        cross = outline.x[ends[crossings(apart, ends)[:1, 0]]].mean(axis=1)
         if len(cross):   # closer to the old outline, whose narrow slots it has to follow
             near *= CLOSER
             continue
-        x, cells = fill(outline, finer.with_edges(outline.x, ends), quads)
+        x, cells = fill(outline, finer.with_edges(outline.x, ends), quads, apart)
         worst = worst_corner(x, cells) - (len(cells) > 1)
         if best is None or worst > best[0]:
             best = worst, outline, moved, x, cells
@@ -47,7 +49,8 @@ def remesh_plane(body: Body, state: Snapshot, card: RemeshCard, tools: Tools,
             break
     if best is None:
         raise refused("the outline of the body crosses itself near ({:.4g}, {:.4g})".format(
-            *cross[0]), "two sides of a fold or of a cut have met there: cells of a smaller size")
+            *cross[0]), "two sides of a fold or of a cut have met there: a *CONTACT PAIR of the "
+            "surface with itself for a fold, or cells of a smaller size")
     _, outline, moved, x, cells = best
     if worst_corner(x, cells) <= 0.0:
         raise refused("a new cell is turned over at ({})".format(", ".join(
@@ -88,12 +91,37 @@ def seat_outline(body: Body, state: Snapshot, outline: Outline, sizes: Sizes,
     met = list(tools.feet_of_nodes(body, outline.x, edges, tags))
     done = seat(outline.x, pressed, sizes(outline.x), met, planes)
     free = ~done.seated & np.array([len(p) == 0 for p in planes])
+    met = 0
+    for number, tag in tools.folds:
+        bore = tools.pressed_on_itself(number, body, state)[outline.ends].all(axis=1)
+        fold = close_fold(done.x, folding(outline, tag), bore, sizes(done.x), planes)
+        done.x, met = fold.x, met + int(fold.met.sum())
+        free &= ~fold.met
     x, way = keep_volume(done.x, free, _normals(done.x, outline), before,
                          lambda p: volume_of(p, outline.loops, axisymmetric))
     after = volume_of(x, outline.loops, axisymmetric)
     outline.x = x
-    return {"volume": before, "volume_change": after/before - 1.0, "seated": done.farthest,
+    told = {"volume": before, "volume_change": after/before - 1.0, "seated": done.farthest,
             "offset": abs(way), "nodes_seated": int(done.seated.sum())}
+    if met:
+        told |= {"folded": met, "fold_depth": max(
+            deepest_inside(x, folding(outline, tag), sizes(x)) for _, tag in tools.folds)}
+    return told
+
+
+def folding(outline: Outline, tag: frozenset) -> NDArray:
+    """Ends of the edges of a surface that meets itself."""
+    edges, tags = edges_of(outline)
+    return edges[[bool(t & tag) for t in tags]]
+
+
+def outline_apart(body: Body, outline: Outline, sizes: Sizes, tools: Tools) -> NDArray:
+    """Places of an outline for a mesher: the sides of a closed fold drawn apart."""
+    x = outline.x
+    for _, tag in tools.folds:
+        x = drawn_apart(x, folding(outline, tag), _normals(x, outline), sizes(x),
+                        _planes(outline, body.held))
+    return x
 
 
 def edges_of(outline: Outline) -> tuple[NDArray, list[frozenset]]:

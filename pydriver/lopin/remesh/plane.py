@@ -15,13 +15,15 @@ _FRONTAL, _BLOSSOM, _QUAD, _TRIANGLE = 6, 1, 3, 2
 GOOD = 0.5
 
 
-def fill(outline: Outline, size: Sizes, quads: bool) -> tuple[NDArray, list[NDArray]]:
+def fill(outline: Outline, size: Sizes, quads: bool, apart: NDArray | None = None
+         ) -> tuple[NDArray, list[NDArray]]:
     """Nodes, those of the outline first, and cells counter-clockwise: quads, triangles.
 
-    gmsh reads places and sizes in smallest cells, without their last bits.
+    gmsh reads places and sizes in smallest cells, without their last bits. `apart`: where it is to
+    see the outline, if not where it is.
     """
     cell = size.least
-    at = on_grid(outline.x/cell)
+    at = on_grid((outline.x if apart is None else apart)/cell)
     gmsh = load_gmsh()
     started = not gmsh.isInitialized()
     if started:

@@ -29,7 +29,7 @@ def refuse_what_stays_behind(parts: DeckParts, body: Body) -> None:
     _refuse_temperatures(parts, body)
     _refuse_some_elements(parts, body)
     _refuse_ties(parts, body)
-    _refuse_itself(parts)
+    _refuse_itself(parts, body)
     _refuse_material(parts, body)
 
 
@@ -130,11 +130,18 @@ def _refuse_ties(parts: DeckParts, body: Body) -> None:
             raise refused(f"the tie of {', '.join(sorted(names & own))} belongs to the first mesh")
 
 
-def _refuse_itself(parts: DeckParts) -> None:
-    """Surfaces in contact with themselves."""
+def _refuse_itself(parts: DeckParts, body: Body) -> None:
+    """Surfaces in contact with themselves in space, or of metal that separates."""
+    own = {name for tag in body.tags for kind, name in tag if kind == "S"}
     for block in parts.blocks:
-        if block.keyword == "CONTACT PAIR" and _meets_itself(block):
-            raise refused("a surface in contact with itself cannot be remeshed in this version")
+        if block.keyword != "CONTACT PAIR" or not _meets_itself(block, own):
+            continue
+        if body.ndim == 3:
+            raise refused("in space a surface in contact with itself cannot be remeshed in this "
+                          "version", "leave the pair out: folds are told at each new mesh")
+        if any(b.keyword == "DAMAGE" and "CRITICAL" in b.parameters for b in parts.blocks):
+            raise refused("metal that separates cannot be in contact with itself in this version",
+                          "leave the pair or CRITICAL out")
 
 
 def refuse_shared_elements(bodies: list[Body]) -> None:
@@ -148,9 +155,10 @@ def refuse_shared_elements(bodies: list[Body]) -> None:
             seen[element] = body.elset
 
 
-def _meets_itself(block: Block) -> bool:
-    return any(len([v for v in row if v is not None]) == 1 or
-               str(row[0]).upper() == str(row[1]).upper() for row in block.data)
+def _meets_itself(block: Block, own: set[str]) -> bool:
+    """A line names one surface of a body, or the same twice."""
+    found = [[str(plain(v)).upper() for v in row[:2] if v is not None] for row in block.data]
+    return any(names[0] == names[-1] and names[0] in own for names in found)
 
 
 def _refuse_material(parts: DeckParts, body: Body) -> None:

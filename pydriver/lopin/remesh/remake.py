@@ -171,8 +171,7 @@ def traction_block(parts: DeckParts, body: Body, mesh: NewMesh, last: Snapshot,
     those of bodies whose mesh stays."""
     if last.tractions is None:
         return []
-    names = [[str(plain(v)).upper() for v in row[:2]] for b in parts.blocks
-             if b.keyword == "CONTACT PAIR" for row in b.data]
+    names = [pair_names(row) for b in parts.blocks if b.keyword == "CONTACT PAIR" for row in b.data]
     at = {int(label): k for k, label in enumerate(body.labels)}
     node_label, _ = new_labels(parts, body, mesh)
     t = last.tractions
@@ -184,13 +183,23 @@ def traction_block(parts: DeckParts, body: Body, mesh: NewMesh, last: Snapshot,
             if np.abs(t.traction[k]).max() > 0.0 or not old[at[int(t.node[k])]].any():
                 old[at[int(t.node[k])]] = np.r_[t.traction[k], t.slip[k]]
         new = origin.value(old)
-        rows += [[*name[:2], int(node_label[origin.node[k]]), *map(float, new[k])]
+        rows += [[*name, int(node_label[origin.node[k]]), *map(float, new[k])]
                  for k in np.flatnonzero(origin.within(np.abs(old[:, :3]).max(axis=1) > 0.0))]
         held = np.column_stack([t.traction, t.slip])
-        rows += [[*name[:2], int(t.node[k]), *map(float, held[k])]
+        rows += [[*name, int(t.node[k]), *map(float, held[k])]
                  for k in np.flatnonzero((t.pair == pair) & ~np.isin(t.node, body.labels))
                  if held[k].any()]
     return [Block("INITIAL CONDITIONS", {"TYPE": "TRACTION"}, rows)] if rows else []
+
+
+def pair_names(row) -> list[str]:
+    """Slave and master of a line of *CONTACT PAIR; one name is both.
+
+    >>> pair_names(["Inner", None])
+    ['INNER', 'INNER']
+    """
+    names = [str(plain(v)).upper() for v in row[:2] if v is not None]
+    return [names[0], names[-1]]
 
 
 def start_block(body: Body, last: Snapshot, parts: DeckParts, release: float = 0.0) -> Block:

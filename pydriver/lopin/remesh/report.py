@@ -15,6 +15,8 @@ from .join import join_collections, join_histories, join_summaries
 
 #: Share of the volume that may be taken out as elements separate.
 MOST_TAKEN_OUT = 0.02
+#: Share of a cell that sides of a closed fold may be inside each other: chords of a round one.
+INSIDE = 0.1
 TINY = np.finfo(float).tiny
 
 
@@ -30,7 +32,8 @@ class Remesh:
     elements : of the new mesh
     worst_corner : of it
     moved : volume before, relative change, largest moves [length], nodes put on tools; slot: the
-        least width of a fold, and where, if there is one
+        least width of a fold, and where, if there is one; folded, fold_depth: nodes that lie on
+        the other side of a closed fold, and how far one is inside it, by the size there
     plastic_change, energy_change : relative changes of the integrals of plastic strain and of the
         elastic energy of the deviator
     excess : largest share by which a strain was taken back to the yield surface
@@ -68,13 +71,21 @@ class Remesh:
         return (f"remesh at time {self.time:g}: {self.reason}; {self.elements} elements, worst "
                 f"corner {self.worst_corner:.2f}, volume {self.moved['volume_change']:+.1e}, "
                 f"plastic strain {100*self.plastic_change:+.2f} %, elastic energy "
-                f"{100*self.energy_change:+.2f} %" + (", " + self.fold() if self.fold() else ""))
+                f"{100*self.energy_change:+.2f} %" + (", " + self.fold() if self.fold() else "")
+                + self._closed())
 
     def _scrap(self) -> str:
         """The pieces that came loose, in words."""
         return "".join("; scrap of {:.4g} in {} elements from ({}) to ({})".format(
             p["volume"], p["elements"], ", ".join(f"{v:.4g}" for v in p["from"]),
             ", ".join(f"{v:.4g}" for v in p["to"])) for p in self.scrap)
+
+    def _closed(self) -> str:
+        """Where a fold bears, in words: how many nodes of it met, and how far one is inside."""
+        if "folded" not in self.moved:
+            return ""
+        return (f", {self.moved['folded']} nodes of a fold meet, "
+                f"{100*self.moved['fold_depth']:.2g} % of a cell inside at most")
 
     def fold(self) -> str:
         """Where two sides of the skin come together, in words; nothing where they do not."""
@@ -198,6 +209,8 @@ class Report:
                     ("volume", abs(r.moved["volume_change"]), np.inf, 1e-6),
                     ("integral of plastic strain", abs(r.plastic_change), 2e-3, np.inf),
                     ("elastic energy", abs(r.energy_change), 2e-2, np.inf),
+                    ("sides of a fold, by a cell inside", r.moved.get("fold_depth", 0.0), INSIDE,
+                     np.inf),
                     ("force of the tools at rest", jump["of_largest"], 1e-2, 5e-2)):
                 if r.cut:
                     break   # what is taken out takes its force along

@@ -23,17 +23,19 @@ class Tools:
     pairs : number of each pair from 0, and the tags that mark its slave
     masters : surfaces of element faces, by the number of their pair
     backs : tag of a master, and the surface of element faces that is its slave
+    folds : pairs of a surface with itself: number, tags
     """
 
     session: object
     pairs: list[tuple[int, frozenset]] = field(default_factory=list)
     masters: dict[int, FacetMaster] = field(default_factory=dict)
     backs: list[tuple[tuple, FacetMaster]] = field(default_factory=list)
+    folds: list[tuple[int, frozenset]] = field(default_factory=list)
 
     @classmethod
     def of(cls, session, parts: DeckParts, ndim: int) -> Tools:
         """Of the deck of an open run."""
-        pairs, number, points, masters, backs = [], 0, {}, {}, []
+        pairs, number, points, masters, backs, folds = [], 0, {}, {}, [], []
         for block in parts.blocks:
             if block.keyword == "SURFACE" and \
                     str(plain(block.parameters.get("TYPE", ""))).upper() == "NODE":
@@ -45,6 +47,8 @@ class Tools:
                 slave = str(plain(row[0])).upper()
                 pairs.append((number, frozenset({("S", slave)} | points.get(slave, set()))))
                 master = str(plain(row[1])).upper() if len(row) > 1 and row[1] else slave
+                if master == slave:
+                    folds.append(pairs[-1])
                 found = FacetMaster.of(parts, master, ndim) if master != slave else None
                 if found is not None:
                     masters[number] = found
@@ -52,7 +56,7 @@ class Tools:
                     if face is not None:
                         backs.append((("S", master), face))
                 number += 1
-        return cls(session, pairs, masters, backs)
+        return cls(session, pairs, masters, backs, folds)
 
     def closest(self, number: int, points: NDArray) -> NDArray | None:
         """Closest points of the master of a pair: a row each of gap, overhang, point, normal."""
@@ -99,6 +103,13 @@ class Tools:
             if len(nodes):
                 bears[nodes] |= face.bears(state.x[nodes], state.motion, loaded)
         return bears
+
+    def pressed_on_itself(self, number: int, body: Body, state: Snapshot) -> NDArray:
+        """Whether each node of the body bears a traction of one pair (node,)."""
+        if state.tractions is None:
+            return np.zeros(len(body.labels), bool)
+        bears = np.abs(state.tractions.traction).max(axis=1) > 0.0
+        return np.isin(body.labels, state.tractions.node[bears & (state.tractions.pair == number)])
 
     def arcs(self, x: NDArray, facets: NDArray, tags: list[frozenset], reach: float):
         """Places of facets near the tools, and the radius of the tool there, from the turn of its
