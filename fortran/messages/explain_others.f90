@@ -83,5 +83,11 @@ contains
          & 'worst counts. A slender part of a stiff body may hide: look at it. Said of linear '// &
          & 'scenes with straight cells.', &
          & 'take the linear word of the same cells, or larger cells of second order.')
+      call add_explanation(list, 'N0369', 'a finite path (NLGEOM) for nothing', &
+         & 'At the end of every step the linear bodies, asked with the contact that was found, '// &
+         & 'have all but the same displacements and work: two back substitutions by the '// &
+         & 'tangent at hand, whose fall is measured. Of bodies in contact the worst counts. '// &
+         & 'Said of elastic bodies without friction, whose loads keep their directions.', &
+         & 'leave NLGEOM out on *STEP: linear bodies take one factor in all.')
    end subroutine advice
 end module lopin_explain_others

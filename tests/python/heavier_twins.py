@@ -1,4 +1,4 @@
-"""Fifteen decks that model more than their scenes need, beside what the advice makes of each.
+"""Sixteen decks that model more than their scenes need, beside what the advice makes of each.
 
 `twins()` gives name, what is advised, the heavy deck, the light one, the force of the heavy one
 over that of the light one, and by how much the force on the tool may differ, with the reason (1e-6:
@@ -159,6 +159,12 @@ def between_dies(half):
     return upset(mesh, "CPE4", ("BLEFT, 1",), [upper, ("BASE", -5.0, 1, 0.5)], 0.2)
 
 
+def pressed_less(nlgeom):
+    """The slab pressed by half of its way: strains of 0.4 %."""
+    text = slab(False, nlgeom=nlgeom).text()
+    return Deck.parse(text.replace("BTOP, 2, 2, -0.1", "BTOP, 2, 2, -0.05"), name="less")
+
+
 def twins():
     """Name, code, heavy, light, share of the light one, tolerance of the force."""
     yield "slab in space", "N0361", slab(True), slab(False), 1, 1e-6
@@ -176,6 +182,7 @@ def twins():
     yield "ball of an STL file", "N0366", of_collection("ball_of_facets"), \
         of_collection("hertz_sphere_3d"), 1, 0.05
     yield "second order", "N0368", of_second_order(slab(False)).deck, slab(False), 1, 1e-6
+    yield "slab on a finite path", "N0369", pressed_less(", NLGEOM"), pressed_less(""), 1, 0.006
     yield "Signorini in increments", "N0363", of_collection("signorini", "0.05, 1."), \
         of_collection("signorini"), 1, 1e-6
     yield "NAFEMS cylinder in increments", "N0363", of_collection("nafems_cylinder", "0.05, 1."), \

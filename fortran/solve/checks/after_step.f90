@@ -21,6 +21,8 @@ module lopin_after_step
       & check_small_displacements, rotation_limit
    use lopin_contact_rows, only : joins_pair
    use lopin_neutral_motion, only : neutral_type, find_neutral_motion, tell_neutral_motion
+   use lopin_needless_finite_path, only : finite_path_type, measure_finite_path, &
+      & tell_needless_finite_path
    implicit none
    private
    public :: step_record_type, record_increment, check_step
@@ -45,6 +47,7 @@ module lopin_after_step
       type(coarse_rates_type) :: rates       !! of metal in long increments
       type(hanging_type) :: hanging          !! past edges
       type(neutral_type) :: neutral          !! motion that flow leaves open
+      type(finite_path_type) :: finite_path  !! NLGEOM that no step called for
    contains
       procedure :: keep => keep_seen
    end type step_record_type
@@ -65,6 +68,7 @@ contains
       call self%rates%keep(stream)
       call self%hanging%keep(stream)
       call self%neutral%keep(stream)
+      call self%finite_path%keep(stream)
    end subroutine keep_seen
 
    !> Look at an accepted increment.
@@ -85,6 +89,7 @@ contains
          call measure_stretch(self%stretched, scene, model)
          call measure_coarse_rates(self%rates, scene, increment)
          call measure_hanging(self%hanging, scene, model, increment)
+         call measure_finite_path(self%finite_path, scene, model)
          return
       end if
       if (.not. allocated(self%turned)) allocate (self%turned(size(model%rigid_body)), &
@@ -169,6 +174,7 @@ contains
             if (seen%closed(pair) .or. .not. seen%nearest(pair) < huge(1.0_wp)) cycle
             call warn_of_gap(scene, model, pair, seen%nearest(pair))
          end do
+         call tell_needless_finite_path(seen%finite_path, scene, model)
       end if
       call check_small_displacements(seen%strayed, scene, model)
       if (scene%newton%nlgeom) call check_stretch(seen%stretched, scene, model)
