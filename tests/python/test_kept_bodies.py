@@ -191,6 +191,33 @@ def test_two_blocks_pressed_evenly_are_one(lower, upper, cards, meshes, core, tm
     assert np.abs(-found["DIE.rf2"]/expected - 1.0).max() < 1e-6
 
 
+@pytest.mark.parametrize("kind, pair", [(", TYPE=SURFACE TO SURFACE", "FOOT, SEAT"), ("", "SEAT, FOOT")])
+def test_two_blocks_that_rub_are_both_made_anew(kind, pair, core, tmp_path):
+    """On a floor that holds the lower one, with friction between them and on the die: the force is
+    that of one mesh, by mortar and by nodes whose master is made anew too (it lost 6.6 % at a new
+    mesh while its nodes were put on the chords between the slaves)."""
+    pytest.importorskip("scipy")
+    pytest.importorskip("gmsh")
+    from lopin.remesh.driver import Runner
+
+    def scene(cards, kind, pair):
+        text = stacked(cards=cards, travel=-1.6, law="*VISCOPLASTIC, LAW=NORTON-HOFF\n300., .15").text()
+        old = "*CONTACT PAIR, INTERACTION=I, TYPE=SURFACE TO SURFACE\nFOOT, SEAT"
+        assert old in text
+        text = text.replace(old, f"*FRICTION\n.2,\n*CONTACT PAIR, INTERACTION=I{kind}\n{pair}")
+        return lopin.Deck.parse(text.replace("FLOOR, 2", "FLOOR, 1, 2"), name="stack")
+
+    cards = "\n".join(f"{card}, SIZE=1., SMALLEST=.5" for card in BOTH.splitlines())
+    report = Runner(scene(cards, kind, pair), tmp_path, say=lambda line: None).run()
+    assert {r.reason.partition(":")[0] for r in report.remeshes} == {"TOP", "LOW"}
+    assert max(j["of_largest"] for j in report.jumps()) < 0.01
+    assert max(abs(r.moved["volume_change"]) for r in report.remeshes) < 1e-13
+    found, one = history(tmp_path, "stack"), lopin.run(scene("", ", TYPE=SURFACE TO SURFACE", "FOOT, SEAT")).history
+    expected = np.interp(found["time"], one["time"], one["DIE.rf2"])
+    late = found["time"] > 0.1
+    assert found["DIE.rf2"][late] == pytest.approx(expected[late], rel=0.04)
+
+
 def on_anvil(card=""):
     """A quarter of a billet of C3D4 on a wider anvil of C3D8, pressed by a rigid ram; exact friction on both sides."""
     billet = mesh_make.simplices(mesh_make.block((5.0, 5.0, 5.0), (3, 3, 3)))

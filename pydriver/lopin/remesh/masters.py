@@ -13,6 +13,8 @@ from .space import closest_on_facets
 
 #: Points this near to a facet, by its length, lie on it.
 LIES = 0.05
+#: How often facets are moved under the slaves, one after the other.
+SWEEPS = 30
 
 
 @dataclass
@@ -93,6 +95,47 @@ class FacetMaster:
         size = np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2).max(axis=1)
         held = np.isin(self.labels, loaded)[self.facets[facet]] | (share < 1e-9)
         return held.all(axis=1) & (far < LIES*size)
+
+
+def feet_under_slaves(x: NDArray, facets: NDArray, slaves: NDArray, loaded: NDArray
+                      ) -> tuple[NDArray, NDArray]:
+    """Nodes of a master under slave nodes, and where they are for these to lie on its facets.
+
+    The slave nodes are what the master meets, not the chords between them, into which it reaches:
+    its nodes put on these would leave the slaves in the air. Each facet is moved along its normal
+    by the gap of its slave, again and again; a few slaves on many facets all lie on them then.
+
+    Parameters
+    ----------
+    x, facets : of the master, edges or triangles (facet, ndim)
+    slaves : present places of the slave nodes (n, ndim) [length]
+    loaded : whether they press; others count where they are inside (n,)
+
+    Returns
+    -------
+    nodes, feet : rows of gap (0), overhang (0), place, normal, as of a tool
+    """
+    closest = closest_on_facets if x.shape[1] == 3 else closest_on_edges
+    facet, share = closest(slaves, x, facets)
+    corners = x[facets[facet]]
+    size = np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2).max(axis=1)
+    normal = normals_of(corners)
+    normal /= np.linalg.norm(normal, axis=1)[:, None]
+    arm = slaves - np.einsum("nk,nkd->nd", share, corners)
+    gap = (arm*normal).sum(axis=1)
+    # Straight above a facet, or nearly: others hang over its end.
+    met = (np.abs(gap) < LIES*size) & (loaded | (gap < 0.0)) & \
+        (np.linalg.norm(arm - gap[:, None]*normal, axis=1) < LIES*size)
+    moved = x.copy()
+    for _ in range(SWEEPS):
+        for k in np.flatnonzero(met):
+            own, s = facets[facet[k]], share[k]
+            left = (slaves[k] - s @ moved[own]) @ normal[k]
+            moved[own] += (left/(s @ s))*s[:, None]*normal[k]
+    nodes = np.unique(facets[facet[met]])
+    feet = np.zeros((len(nodes), 2 + 2*x.shape[1]))
+    feet[:, 2:2 + x.shape[1]] = moved[nodes]
+    return nodes, feet
 
 
 def normals_of(corners: NDArray) -> NDArray:

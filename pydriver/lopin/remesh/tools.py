@@ -7,8 +7,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..model_read_mesh import plain
+from ..points import Tractions
 from .body import Body, DeckParts
-from .masters import FacetMaster
+from .masters import FacetMaster, feet_under_slaves
 from .state import Snapshot
 
 
@@ -66,16 +67,22 @@ class Tools:
 
     def feet_of_nodes(self, body: Body, x: NDArray, facets: NDArray, tags: list[frozenset]):
         """For each tool, and each other body, the nodes of a skin that may meet it, and their
-        closest points."""
+        closest points; where the skin is the master, the nodes under the slaves, their places."""
         for number, slave in self.pairs:
             nodes = nodes_within(facets, tags, slave)
             feet = self.closest(number, x[nodes]) if len(nodes) else None
             if feet is not None:
                 yield nodes, feet
         for master, face in self._slaves_of_others(body):
-            nodes = nodes_within(facets, tags, frozenset({master}))
-            if len(nodes):
-                yield nodes, face.feet(x[nodes], self.session.field("STATE OF MOTION"))
+            own = facets[[master in tag for tag in tags]]
+            if len(own):
+                yield feet_under_slaves(x, own, *self._places_of_slaves(face))
+
+    def _places_of_slaves(self, face: FacetMaster) -> tuple[NDArray, NDArray]:
+        """Present places of the nodes of a slave, and whether they bear."""
+        t = Tractions.of(self.session)
+        loaded = [] if t is None else t.node[np.abs(t.traction).max(axis=1) > 0.0]
+        return face.places(self.session.field("STATE OF MOTION")), np.isin(face.labels, loaded)
 
     def _slaves_of_others(self, body: Body):
         """Masters on the body whose slaves are on other bodies."""
