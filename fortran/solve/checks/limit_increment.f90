@@ -20,6 +20,7 @@ module lopin_limit_increment
    use lopin_model, only : model_type
    use lopin_friction, only : has_friction
    use lopin_first_increment, only : first_flow
+   use lopin_flow_curve, only : is_viscous
    use lopin_repeated_messages, only : warn_once
    use lopin_passed_force, only : transfer_type, sum_transfers
    use lopin_state, only : refused_type
@@ -34,6 +35,8 @@ module lopin_limit_increment
    real(wp), parameter :: most_flow = 0.25_wp
    !> Force that may pass within an increment, beside all of it; and within one that is not cut.
    real(wp), parameter :: most_passed = 0.1_wp, most_silent = 0.25_wp
+   !> Of the largest force, what a metal that flows on may be let go of.
+   real(wp), parameter :: most_lost = 0.25_wp
    !> Cuts in a row for a pair that lets go, and for force that passes.
    integer, parameter :: most_cuts = 3, most_halts = 5
    !> An increment is cut to no less, and to less than what should fit.
@@ -103,6 +106,8 @@ contains
                   & share > most_passed)
             end associate
          end if
+         if (.not. allocated(error) .and. is_any_viscous(scene)) call limit_loss(scene, model, of, &
+            & most, error)
          if (allocated(error) .or. scene%newton%attempt > most_cuts) return
          do pair = 1, size(of)
             if (of(pair)%now > 0.0_wp .or. .not. of(pair)%before > most_passed*most) cycle
@@ -114,6 +119,39 @@ contains
          end do
       end associate
    end subroutine limit_transfer
+
+   !> A metal whose stress depends on its rate flows on while a tool lets go of it: an increment
+   !> knows the force of its end alone, and a tool that is gone by then has let go at once.
+   subroutine limit_loss(scene, model, of, most, error)
+      type(scene_type), intent(inout) :: scene
+      type(model_type), intent(in) :: model
+      type(transfer_type), intent(in) :: of(:)
+      real(wp), intent(in) :: most             !! largest force of the run [force]
+      type(error_type), allocatable, intent(out) :: error
+      real(wp) :: share
+      integer :: pair
+
+      if (.not. most > 0.0_wp) return
+      pair = maxloc(of%before - of%now, dim=1)
+      share = (of(pair)%before - of(pair)%now)/most
+      if (.not. share > most_lost) return
+      call refuse(scene, model, pair, share, safe*most_lost/share, error)
+      if (allocated(error)) return
+      call warn_once(scene%log, 'W0555', describe(model, pair, share)//': metal whose stress '// &
+         & 'depends on its rate flows on while it is let go of', &
+         & model%step(scene%step)%at, help='smaller increments on *STATIC, or without DIRECT')
+   end subroutine limit_loss
+
+   !> Some metal has a stress that depends on its rate.
+   pure logical function is_any_viscous(scene) result(is)
+      type(scene_type), intent(in) :: scene
+      integer :: k
+
+      is = .false.
+      do k = 1, size(scene%solids%group)
+         is = is .or. is_viscous(scene%solids%group(k)%law%flow)
+      end do
+   end function is_any_viscous
 
    !> What was not cut may be wrong by as much as passed.
    subroutine warn(scene, model, of, whole, known)
