@@ -167,6 +167,8 @@ contains
          & 'Profile: a straight line to a point; the normal is on the left of the way.')
       call data_line(table, 'CIRCL, x [length], y [length], xc [length], yc [length]', &
          & 'Profile: an arc of less than 180 degrees to (x, y) about (xc, yc).')
+      call data_line(table, 'PARAB, xm [length], ym [length], x [length], y [length]', &
+         & 'Profile: a parabola to (x, y) through (xm, ym), half-way in its parameter.')
       call data_line(table, 'ax [length], ay [length], az [length], bx [length], by [length], '// &
          & 'bz [length]', &
          & 'Local axes before START. CYLINDER: a is the origin, b is on local x. REVOLUTION: '// &
@@ -194,10 +196,10 @@ contains
          & 'NLGEOM between Kirchhoff stress and logarithmic strain (Hencky).')
       call under(table, 'MATERIAL')
       call choice(table, 'TYPE', 'ISOTROPIC,ISO', 'ISOTROPIC', 'Kind of elasticity.')
+      call refuses(table, 'ORTHO,ORTHOTROPIC,ENGINEERING CONSTANTS,ANISO,ANISOTROPIC,LAMINA')
       call choice(table, 'STRAIN', 'LOGARITHMIC,GREEN', 'LOGARITHMIC', 'Strain that the law is '// &
          & 'linear in under NLGEOM. GREEN is St Venant-Kirchhoff, as CalculiX has it: softer '// &
          & 'in compression, and without *PLASTIC.')
-      call refuses(table, 'ORTHO,ORTHOTROPIC,ENGINEERING CONSTANTS,ANISO,ANISOTROPIC,LAMINA')
       call data_line(table, 'Young''s modulus [stress], Poisson''s ratio = 0, temperature', &
          & 'One line; a temperature is read past, there is none in the run.')
       call example(table, '*MATERIAL, NAME=STEEL|*ELASTIC|210000., 0.3')
@@ -363,6 +365,7 @@ contains
          & 'dofs 4 to 6 of REF NODE.')
       call choice(table, 'POSITION', 'INPUT', 'INPUT', 'Where the reference node is.')
       call refuses(table, 'CENTER OF MASS')
+      call ignored_flag(table, 'ISOTHERMAL', 'Heat conduction; there is none in a static step.')
       call example(table, '*RIGID BODY, ANALYTICAL SURFACE=PUNCH, REF NODE=9001')
       call about(table, 'D')
    end subroutine add_constraints

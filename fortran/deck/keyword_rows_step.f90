@@ -54,6 +54,10 @@ contains
       call replaces(table, 'SPOOLES,PARDISO,PASTIX,ITERATIVE SCALING,ITERATIVE CHOLESKY')
       call refuses(table, 'KLU,SPQR,MUMPS,PETSC')
       call later_flag(table, 'STABILIZE', 'Viscous stabilisation.')
+      call later_flag(table, 'ALLSDTOL', 'Viscous stabilisation.')
+      call later_flag(table, 'CONTINUE', 'Viscous stabilisation.')
+      call later_flag(table, 'FULLY PLASTIC', 'The step ends where a set flows.')
+      call later_flag(table, 'ADIABATIC', 'Heat of plastic work.')
       call later_flag(table, 'RIKS', 'Arc length.')
       call later_flag(table, 'TIME RESET', 'Times of CalculiX.')
       call later_flag(table, 'TOTAL TIME AT START', 'Times of CalculiX.')
@@ -92,6 +96,9 @@ contains
       call choice(table, 'TYPE', 'DISPLACEMENT,VELOCITY', 'DISPLACEMENT', 'What is prescribed; '// &
          & 'a velocity goes on from where the step finds the dof.')
       call refuses(table, 'ACCELERATION')
+      call later_flag(table, 'USER', 'Subroutine of the user.')
+      call later_flag(table, 'SUBMODEL', 'Motions of another run.')
+      call later_flag(table, 'LOAD CASE', 'Cases of load.')
       call data_line(table, 'node or node set, first dof, last dof, value [length] = 0', &
          & 'last dof: the first unless given.')
       call data_line(table, 'node or node set, word', &

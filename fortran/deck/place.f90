@@ -2,7 +2,7 @@
 module lopin_place
    use lopin_block, only : deck_type, complain
    use lopin_error, only : log_type
-   use lopin_keyword_table, only : keyword_type
+   use lopin_keyword_table, only : keyword_type, status_of
    use lopin_text, only : to_text
    use lopin_word_list, only : in_list, list_item, list_size
    implicit none
@@ -12,7 +12,8 @@ module lopin_place
    integer, parameter :: deepest = 8
 
    type :: place_type
-      integer :: parent = 0                      !! last block that may have others under it
+      integer :: parent = 0                      !! last block that has others under it, which what
+                                                 !! is read past does not
       integer :: depth = 0
       integer :: opened(deepest) = 0             !! blocks that are open: *STEP, *PART ...
       character(len=1) :: level(0:deepest) = 'M' !! M, P, A, S
@@ -61,7 +62,7 @@ contains
       case ('ASSEMBLY', 'INSTANCE')
          call open_place(self, number, 'A')
       end select
-      if (len(known%parents) == 0) self%parent = number
+      if (len(known%parents) == 0 .and. known%status == status_of%supported) self%parent = number
    end subroutine enter
 
    subroutine check_place(self, deck, known, number, log)

@@ -18,6 +18,7 @@ program test_keywords
    call sheets()
    call lists()
    call decks_of_other_programs()
+   call refused_words()
    call finish()
 
 contains
@@ -202,5 +203,35 @@ contains
          & '*************|'// &
          & '*ELEMENT, type=CPS4, ELSET=Surface1|1, 1, 2, 3, 4|*ELSET,ELSET=body|1,|'// &
          & '*NSET,NSET=Ntop |1, |2, '))
+
+      call test('what is read past parts no card from those under it')
+      call accepts(lines_of('*MATERIAL, NAME=M|*CONDUCTIVITY|50.|*ELASTIC|210000., 0.3|'// &
+         & '*SURFACE INTERACTION, NAME=I|*CONTROLS, PARAMETERS=CONTACT|0.1|*FRICTION|0.1|*STEP|'// &
+         & '*STATIC|*OUTPUT, HISTORY|*ENERGY OUTPUT|ALLSE|*CONTACT OUTPUT, SLAVE=S, MASTER=T|'// &
+         & 'CFN|*END STEP'))
    end subroutine decks_of_other_programs
+
+   subroutine refused_words()
+      call test('values that are not there yet are refused by name')
+      call refuses('*MATERIAL, NAME=M|*ELASTIC, TYPE=ORTHO|1., 1., 1.', 'TYPE=ORTHO')
+      call refuses('*MATERIAL, NAME=M|*ELASTIC, TYPE=ENGINEERING CONSTANTS|1., 1., 1.', &
+         & 'TYPE=ENGINEERING CONSTANTS')
+      call refuses('*MATERIAL, NAME=M|*ELASTIC|1., 0.|*PLASTIC, HARDENING=JOHNSON COOK|1.', &
+         & 'HARDENING=JOHNSON COOK')
+      call refuses('*AMPLITUDE, NAME=A, DEFINITION=SMOOTH STEP|0., 0., 1., 1.', &
+         & 'DEFINITION=SMOOTH STEP')
+   end subroutine refused_words
+
+   subroutine refuses(lines, what)
+      character(len=*), intent(in) :: lines, what
+      type(deck_type) :: deck
+      type(log_type) :: log
+      type(error_type), allocatable :: error
+
+      call read_deck_text(deck, lines_of(lines), 'deck.inp', '', log, error)
+      call is_true(what, allocated(error))
+      if (.not. allocated(error)) return
+      call is_true(what//' is named in '//error%text(), &
+         & index(error%text(), what//' is known but not yet') > 0)
+   end subroutine refuses
 end program test_keywords
