@@ -125,6 +125,31 @@ def test_patches_stay_uniform(solve):
     assert np.ptp(pressure) < 1e-9*np.max(pressure)
 
 
+@pytest.mark.parametrize("cells", [(3, 2), (3, 3)])
+def test_ties_between_supports_hide_no_load(solve, cells):
+    """Slave and master held alike on planes of symmetry: what the tie gives the supports there may be
+    any force, and is nothing beside which a body is in balance. The second pull went unnoticed."""
+    lines = Lines()
+    lines.add("*MATERIAL, NAME=M", "*ELASTIC", "1.e5, 0.")
+    for name, word, start, n in (("L", "C3D20", 0.0, (1, 2)), ("U", "C3D8", 0.7, cells)):
+        mesh = extruded(block((2.0, 1.6), n), 0.7, 1)
+        mesh = mesh.quadratic() if is_quadratic(word) else mesh
+        lines.mesh(mesh.mapped(lambda x, start=start: x + [0.0, 0.0, start]), word, name)
+        lines.add(f"*SOLID SECTION, ELSET={name}E, MATERIAL=M", "*BOUNDARY", f"{name}LEFT, 1",
+                  f"{name}FRONT, 2")
+    lines.add("*TIE, NAME=T", "USBOTTOM, LSTOP", "*BOUNDARY", "LBOTTOM, 3")
+    pulls = 30.0, 60.0
+    for pull in pulls:
+        lines.add("*STEP, NLGEOM", "*STATIC", "1., 1.", "*DSLOAD", f"USTOP, P, {-pull}",
+                  "*NODE FILE", "U", "*END STEP")
+    result = solve(Deck.parse("\n".join(lines.text) + "\n", name="between_supports"))
+    for step, pull in enumerate(pulls):
+        stretch = 1.0
+        for _ in range(9):
+            stretch = np.exp(pull/1e5*stretch)   # Kirchhoff's stress E ln l is the pull times l
+        assert np.max(result.at(step)["U"][:, 2]) == pytest.approx(1.4*(stretch - 1.0), rel=1e-6)
+
+
 def test_local_axes_on_symmetry_planes(solve):
     """Quarter rings turned by .6: slave nodes at the ends have local axes, and their rows stay."""
     deck, _ = rings(("CPE4", "CPE4"), "finite", [("8:6", "tie", 0.6)])

@@ -118,14 +118,21 @@ contains
 
    !> Largest force of a state: of an element on a node, before its neighbours cancel it; of loads;
    !> of reactions. What assembled forces leave at a node that is free is the residual itself.
+   !>
+   !> A reaction sums what nodes bear. Ties between supports on both sides may give them any force,
+   !> and beside 1e9 times its load a body was in balance wherever it stood.
    pure real(wp) function largest_force(scene, f, reaction) result(force)
       type(scene_type), intent(in) :: scene
       real(wp), intent(in) :: f(:), reaction(:)      !! loads, reactions [force], [force*length]
-      integer :: i
+      integer :: i, all_dofs(size(f))
 
-      force = max(largest(as_forces(scene, f, [(i, i=1, size(f))])), largest(as_forces(scene, &
-         & reaction, scene%constraints%dof_of_prescribed)), scene%newton%element_force)
+      all_dofs = [(i, i=1, size(f))]
+      force = max(largest(as_forces(scene, f, all_dofs)), scene%newton%element_force)
       if (scene%newton%nlgeom) force = max(force, largest(scene%newton%follower%force))
+      associate (c => scene%constraints)
+         force = max(force, min(largest(as_forces(scene, reaction, c%dof_of_prescribed)), &
+            & size(f)*max(force, largest(as_forces(scene, scene%newton%internal, all_dofs)))))
+      end associate
    end function largest_force
 
    !> What is left of the contact conditions as the certificate sees it: shear beyond its bounds,
