@@ -16,7 +16,7 @@ FINITE = ", NLGEOM"
 def told(result):
     """The share that is named; empty: it is not said."""
     lines = [d["message"] for d in result.diagnostics if d["code"] == "N0369"]
-    return [float(re.search(r"at most ([0-9.eE+-]+) %", line)[1])/100.0 for line in lines]
+    return [float(re.search(r"by about ([0-9.eE+-]+) %", line)[1])/100.0 for line in lines]
 
 
 def pressed_by(share, nlgeom=FINITE, **changes):

@@ -4,11 +4,11 @@
 !> the linear bodies are asked: at the end of a step, with the forces f of the bodies on the finite
 !> path and their linear stiffness K,
 !>
-!>    e_1 = T^-1 (f - K u),   e_2 = e_1's residual by the same T,
+!>    e_1 = T^-1 (f - K u),   e_2 = T^-1 (f - K (u + e_1)),
 !>
 !> T the tangent that Newton has factorised last, the closed points of contact in it: two back
 !> substitutions. They are the first steps of an iteration that ends with the linear problem's
-!> answer, and fall by a ratio that is measured: what they come to is at most e_1/(1 - e_2/e_1).
+!> answer, and fall by a ratio that is measured: what they come to is about e_1/(1 - e_2/e_1).
 !> Beside it counts what the work of all forces on a body would change by, which is of stresses too:
 !> given displacements leave no e. Of bodies that store unlike energies the worst counts. Said of
 !> elastic bodies without friction.
@@ -184,7 +184,7 @@ contains
       if (self%called_for .or. self%most < 0.0_wp) return
       call note_once(scene%log, 'N0369', 'NLGEOM: with linear bodies and the contact found '// &
          & 'here, displacements (in energy) and the work of the forces on a body would '// &
-         & 'differ by at most '//to_text(100.0_wp*max(self%most, nothing), 2)//' %', &
+         & 'differ by about '//to_text(100.0_wp*max(self%most, nothing), 2)//' %', &
          & model%step(scene%step)%at, help='*STEP without NLGEOM: linear bodies take one '// &
          & 'factor in all; keep it where the shape or the loads will change more')
    end subroutine tell_needless_finite_path
