@@ -79,7 +79,7 @@ contains
    !> usual points do.
    pure integer function points_in_half(ndim, layers) result(n)
       integer, intent(in) :: ndim, layers
-      integer, parameter :: plane(3) = [5, 4, 3], space(2) = [3, 2]
+      integer, parameter :: plane(3) = [5, 3, 3], space(2) = [3, 2]
 
       n = 0
       if (ndim == 2 .and. layers <= size(plane)) n = plane(layers)
