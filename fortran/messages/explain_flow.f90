@@ -50,5 +50,11 @@ contains
          & 'little. Forces of blocks between dies were off by three quarters of the share of '// &
          & 'the area that hangs, in both ways; the pressure at the edge is one of the mesh.', &
          & 'facets half as long halve it.')
+      call add_explanation(list, 'W0346', 'tractions of ties that nothing decides', &
+         & 'Supports hold slave nodes of a tie and most of what they are tied to. What the tie '// &
+         & 'asks there is met by the supports already, so that its tractions may be shared out '// &
+         & 'in any way: those of the nodes named are more than a hundred times what elements '// &
+         & 'bear. Displacements, stresses and the sums of reactions are right.', &
+         & 'read no traction of the tie at these nodes, or leave out the supports of its slave side.')
    end subroutine edge_explanations
 end module lopin_explain_flow

@@ -15,8 +15,9 @@ module lopin_self_contact
    private
    public :: self_contact_type, new_self_contact, measure_thickness, depths_of_elements
 
-   !> What is behind a point by less than this share of its elements' depth is no wall of theirs.
-   real(wp), parameter :: own_depth = 0.5_wp
+   !> What is behind a point by less than this share of its elements' depth, where they are
+   !> shallowest, is no wall of theirs: walls narrow to less only within one element.
+   real(wp), parameter :: own_depth = 0.2_wp
 
    type :: self_contact_type
       integer, allocatable :: first(:)        !! (n + 1) first neighbour of each point
@@ -87,7 +88,7 @@ contains
       end do
    end subroutine measure_thickness
 
-   !> How far the element behind each facet reaches inward from its middle.
+   !> How far the element behind each facet reaches inward from its middle, at least.
    function depths_of_elements(surface, x, conn) result(deep)
       type(surface_type), intent(in) :: surface
       real(wp), intent(in) :: x(:, :)         !! (ndim, mesh nodes) [length]
@@ -96,13 +97,17 @@ contains
       integer :: i, k, d
 
       d = surface%ndim
-      deep = 0.0_wp
+      deep = huge(1.0_wp)
       do i = 1, surface%facets%n
-         associate (own => conn(:, surface%facets%element(i)), disc => surface%disc(:, i))
+         associate (own => conn(:, surface%facets%element(i)), disc => surface%disc(:, i), &
+            & node => surface%facets%node(:surface%facets%nnode(i), i))
             do k = 1, count(own > 0)
-               deep(i) = max(deep(i), dot_product(disc(:d) - x(:, own(k)), disc(4:3 + d)))
+               if (any(node == own(k))) cycle
+               deep(i) = min(deep(i), dot_product(disc(:d) - x(:, own(k)), disc(4:3 + d)))
             end do
          end associate
+         if (.not. deep(i) < huge(1.0_wp)) deep(i) = 0.0_wp
       end do
+      deep = max(deep, 0.0_wp)
    end function depths_of_elements
 end module lopin_self_contact

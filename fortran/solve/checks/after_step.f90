@@ -17,6 +17,7 @@ module lopin_after_step
    use lopin_narrow_tools, only : check_narrow_tools
    use lopin_narrow_masters, only : check_narrow_masters
    use lopin_passed_tools, only : check_passed_tools
+   use lopin_undecided_ties, only : check_undecided_ties
    use lopin_small_displacements, only : excursion_type, measure_small_displacements, &
       & check_small_displacements, rotation_limit
    use lopin_contact_rows, only : joins_pair
@@ -83,6 +84,7 @@ contains
       if (allocated(scene%trial%contact%eased)) self%ramp = max(self%ramp, ramp)
       call record_pairs(self, scene, model)
       call check_passed_tools(scene, model)
+      if (scene%newton%in_use) call check_undecided_ties(scene, model)
       call measure_small_displacements(self%strayed, scene, model)
       call find_neutral_motion(self%neutral, scene, model)
       if (scene%newton%nlgeom) then
