@@ -126,7 +126,7 @@ contains
       type(deck_type), intent(in) :: deck
       type(scene_type), intent(in) :: scene
       character(len=:), allocatable :: word
-      character(len=10) :: short
+      character(len=len(model%element_word)) :: short
       type(location_type) :: at
       type(log_type) :: deaf
       integer :: k, m, e

@@ -36,19 +36,24 @@ contains
       type(element_type) :: element(size(model%element_word))
       integer, allocatable :: beyond(:, :)
       integer :: number(size(element), size(model%section), most_layers)
-      integer :: layers(3, model%mesh%nelement)
+      integer :: layers(3, model%mesh%nelement), named(model%mesh%nelement)
       integer :: e, k, word, section
       logical :: found
 
       do k = 1, size(element)
          call new_element_type(element(k), trim(model%element_word(k)), '', found)
       end do
-      if (.not. any_can_bend(model, element)) return
+      named = points_named(model)
+      if (.not. any_can_bend(model, element, named)) return
       call find_neighbours(model%mesh, element%cell, beyond)
       if (model%kind == kind_of%axisymmetric) call close_axis(model, element%cell, beyond)
       layers = 0
       do e = 1, model%mesh%nelement
-         if (can_bend(model, element, e)) layers(:, e) = layers_of(model, element%cell, e, beyond)
+         if (can_bend(model, element, e, named)) layers(:, e) = layers_of(model, element%cell, e, &
+            & beyond)
+      end do
+      do e = 1, model%mesh%nelement
+         if (any(layers(:, e) > 1)) call share_with_stack(model, element, e, named, beyond, layers)
       end do
       number = 0
       do e = 1, model%mesh%nelement
@@ -100,23 +105,43 @@ contains
    end function layer_word
 
    !> Some element is of a word that bends, and flows.
-   logical function any_can_bend(model, element) result(any_)
+   logical function any_can_bend(model, element, named) result(any_)
       type(model_type), intent(in) :: model
       type(element_type), intent(in) :: element(:)
+      integer, intent(in) :: named(:)
       integer :: e
 
       any_ = .false.
       do e = 1, model%mesh%nelement
-         any_ = can_bend(model, element, e)
+         any_ = can_bend(model, element, e, named)
          if (any_) return
       end do
    end function any_can_bend
 
+   !> Largest number of a point of which the deck says a stress or a state, by element; 0: none.
+   pure function points_named(model) result(named)
+      type(model_type), intent(in) :: model
+      integer :: named(model%mesh%nelement), i
+
+      named = 0
+      do i = 1, size(model%initial_stress)
+         associate (start => model%initial_stress(i))
+            named(start%element) = max(named(start%element), start%point)
+         end associate
+      end do
+      do i = 1, size(model%initial_state)
+         associate (start => model%initial_state(i))
+            named(start%element) = max(named(start%element), start%point)
+         end associate
+      end do
+   end function points_named
+
    !> Quads and bricks that bend in one layer: enhanced or quadratic, of a material that flows.
-   logical function can_bend(model, element, e) result(can)
+   !> Where the deck names the usual points, these stay.
+   logical function can_bend(model, element, e, named) result(can)
       type(model_type), intent(in) :: model
       type(element_type), intent(in) :: element(:)
-      integer, intent(in) :: e
+      integer, intent(in) :: e, named(:)
 
       can = .false.
       if (model%mesh%section(e) == 0) return
@@ -125,6 +150,7 @@ contains
          if (own%kind == element_kind%rigid .or. any(own%layers > 0)) return
          if (section%formulation == 'FULL' .or. section%material == 0) return
          if (.not. is_product(own%cell)) return
+         if (named(e) > 0 .and. named(e) <= own%ngauss) return
          if (.not. own%cell%quadratic .and. own%formulation /= element_formulation%enhanced) return
          can = flows(model%material(section%material)%flow)
       end associate
@@ -137,7 +163,7 @@ contains
       type(model_type), intent(in) :: model
       type(cell_type), intent(in) :: cells(:)
       integer, intent(in) :: e, beyond(:, :)
-      integer :: layers(3), d, ndim
+      integer :: layers(3), d, ndim, i
       real(wp) :: thick(3)
 
       ndim = model%mesh%ndim
@@ -155,7 +181,38 @@ contains
             layers(d) = 0
          end if
       end do
+      if (count(layers > 1) < 2) return
+      ! What has few layers in two directions is a sheet if it is wide, else a bar.
+      d = minloc(thick, dim=1, mask=layers > 1)
+      if (any(layers > 1 .and. thick <= long*thick(d) .and. [(i, i=1, 3)] /= d)) then
+         where (layers > 1) layers = 0
+      else
+         where (layers > 1 .and. thick > long*thick(d)) layers = 0
+      end if
    end function layers_of
+
+   !> Elements above and below lie in the same sheet, though their own rows may be shorter.
+   subroutine share_with_stack(model, element, e, named, beyond, layers)
+      type(model_type), intent(in) :: model
+      type(element_type), intent(in) :: element(:)
+      integer, intent(in) :: e, named(:), beyond(:, :)
+      integer, intent(inout) :: layers(:, :)
+      integer :: d, side, at, out, next
+
+      do d = 1, model%mesh%ndim
+         if (layers(d, e) < 2) cycle
+         do side = 1, 2
+            at = e
+            out = face_of(model%mesh%ndim, d, side)
+            do
+               if (beyond(out, at) <= 0) exit
+               call go_on(element%cell, model%mesh%etype, beyond, at, out, next)
+               if (next == 0) exit
+               if (can_bend(model, element, at, named)) layers((next + 1)/2, at) = layers(d, e)
+            end do
+         end do
+      end do
+   end subroutine share_with_stack
 
    !> Elements between the free faces of both ends of a direction; 0: too many to be a sheet.
    pure subroutine count_layers(model, cells, e, d, beyond, layers, thick)
@@ -197,7 +254,7 @@ contains
       do other = 1, model%mesh%ndim
          if (other == d) cycle
          far = length_along(model, cells, e, other)
-         do side = 1, 2
+         sides: do side = 1, 2
             at = e
             out = face_of(model%mesh%ndim, other, side)
             do i = 1, most_steps
@@ -205,9 +262,10 @@ contains
                if (beyond(out, at) <= 0) exit
                call go_on(cells, model%mesh%etype, beyond, at, out, next)
                if (next == 0) exit
+               if (at == e) exit sides          ! once round a ring
                far = far + length_along(model, cells, at, (next + 1)/2)
             end do
-         end do
+         end do sides
          if (far > length) return
       end do
       is_long = .false.
@@ -275,7 +333,7 @@ contains
 
       k = findloc(model%element_word == word, .true., dim=1)
       if (k == 0) then
-         model%element_word = [character(len=10) :: model%element_word, word]
+         model%element_word = [character(len=len(model%element_word)) :: model%element_word, word]
          k = size(model%element_word)
       end if
       model%mesh%etype(e) = k

@@ -55,6 +55,7 @@ contains
          & 'asks there is met by the supports already, so that its tractions may be shared out '// &
          & 'in any way: those of the nodes named are more than a hundred times what elements '// &
          & 'bear. Displacements, stresses and the sums of reactions are right.', &
-         & 'read no traction of the tie at these nodes, or leave out the supports of its slave side.')
+         & 'read no traction of the tie at these nodes, or leave out the supports of its '// &
+         & 'slave side.')
    end subroutine edge_explanations
 end module lopin_explain_flow

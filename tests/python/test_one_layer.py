@@ -172,3 +172,34 @@ def test_which_elements_lie_in_few_layers(solve, word, layers, long, said):
         "*STEP, NLGEOM", "*STATIC", "0.5, 1.", "*BOUNDARY", "RIGHT, 1, 1, 0.02", "*END STEP", ""])
     result = solve(lopin.Deck.parse(deck, "strip"))
     assert bool([d for d in result.diagnostics if d["code"] == "N0213"]) == said
+
+
+@pytest.mark.parametrize("layers", [1, 2])
+def test_the_longest_word_has_its_points(solve, layers):
+    """C3D20RH and its layers are eleven letters; ten were kept."""
+    mesh = extruded(block((6.0, 1.0), (3, layers)), 0.5, 1).quadratic()
+    sides = mesh.point_sets
+
+    def forces(word):
+        text = ["*NODE, NSET=ALL", *(f"{i}, " + ", ".join(map(repr, p))
+                                     for i, p in enumerate(mesh.points.tolist(), 1)),
+                f"*ELEMENT, TYPE={word}, ELSET=STRIP",
+                *(f"{i}, " + ", ".join(str(n + 1) for n in row)
+                  for i, row in enumerate(mesh.blocks[0][1].tolist(), 1)),
+                "*NSET, NSET=LEFT", *(f"{n + 1}," for n in sides["LEFT"].tolist()),
+                "*NSET, NSET=RIGHT", *(f"{n + 1}," for n in sides["RIGHT"].tolist()),
+                "*MATERIAL, NAME=STEEL", "*ELASTIC", f"{YOUNG}, {POISSON}", "*PLASTIC",
+                f"{FLOW}, 0.", f"{2*FLOW}, 1.", "*SOLID SECTION, ELSET=STRIP, MATERIAL=STEEL",
+                "*BOUNDARY", "LEFT, 1, 3", "*STEP, NLGEOM", "*STATIC", "0.5, 1.", "*BOUNDARY",
+                "RIGHT, 2, 2, -0.3", "*NODE FILE", "U, RF", "*END STEP", ""]
+        return solve(lopin.Deck.parse("\n".join(text), "bar")).at(-1)["RF"]
+    assert (forces("C3D20RH") == forces("C3D20R")).all()
+
+
+def test_points_that_the_deck_names_stay(solve):
+    """Stresses of four points of each element: those of the usual rule, not the first of twelve."""
+    text = stacked(100.0, "CPE4I", 2)
+    named = "*INITIAL CONDITIONS, TYPE=STRESS\n" + "".join(
+        f"{e}, {p}, 1., 0., 0., 0., 0., 0.\n" for e in range(1, 13) for p in range(1, 5)) + "*STEP"
+    result = solve(lopin.Deck.parse(text.replace("*STEP", named, 1), "strip"))
+    assert not [d for d in result.diagnostics if d["code"] == "N0213"]

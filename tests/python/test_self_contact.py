@@ -11,6 +11,8 @@ import subprocess
 import numpy as np
 import pytest
 
+import lopin
+
 THICK, OPEN, LONG, H = 0.5, 0.5, 4.0, 0.25
 PENETRATION = 1e-8
 PRINTED = 1e-6    # of displacements in .dat
@@ -193,3 +195,25 @@ def test_newton_that_fails_says_where(executable, tmp_path):
     said = done.stdout + done.stderr
     assert "E0510" not in said or re.search(r"most at node \d+, dof [123]", said)
     assert "E0510" in said or "E0512" in said
+
+
+@pytest.mark.parametrize("heights", [(1.0, 1.0, 0.4, 1.0, 1.0, 1.0), (1.0, 0.45, 0.2, 0.45, 1.0, 1.0),
+                                     (1.0, 1.0, 1.0, 1.0, 1.0, 0.3)])
+def test_a_wall_that_narrows_is_a_wall(solve, heights):
+    """One element through it, half as thick at the next node: its other face was taken for that of a
+    closed fold and pushed out. With its surface in contact with itself it bends as without."""
+    n = len(heights)
+    nodes = [f"{2*i + 1 + k}, {i}., {(k - 0.5)*h!r}" for i, h in enumerate(heights) for k in (0, 1)]
+    cells = [f"{i + 1}, {2*i + 1}, {2*i + 3}, {2*i + 4}, {2*i + 2}" for i in range(n - 1)]
+    skin = [f"{i + 1}, S{face}" for i in range(n - 1) for face in (1, 3)]
+
+    def tip(pair):
+        text = ["*NODE", *nodes, "*ELEMENT, TYPE=CPE4, ELSET=B", *cells, "*SURFACE, NAME=SKIN",
+                *skin, "*NSET, NSET=TIP", f"{2*n - 1}, {2*n}", "*MATERIAL, NAME=M", "*ELASTIC",
+                "1000., .3", "*SOLID SECTION, ELSET=B, MATERIAL=M", "1.,", *pair, "*BOUNDARY",
+                "1, 1, 2", "2, 1, 2", "*STEP, NLGEOM", "*STATIC", "1., 1.", "*CLOAD",
+                "TIP, 2, -.01", "*NODE FILE", "U", "*END STEP"]
+        result = solve(lopin.Deck.parse("\n".join(text) + "\n", name="neck"))
+        return result.at(-1)["U"][2*n - 1, 1]
+    assert tip(["*SURFACE INTERACTION, NAME=I", "*CONTACT PAIR, INTERACTION=I",
+                "SKIN, SKIN"]) == pytest.approx(tip([]), rel=1e-9)

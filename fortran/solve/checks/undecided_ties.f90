@@ -38,8 +38,8 @@ contains
             & to_text(model%mesh%node_label(c%node(first)))//' of pair ('// &
             & model%surface(model%pair(c%pair(first))%slave)%name//'), have tractions that '// &
             & 'nothing decides: supports hold both sides of the tie there', &
-            & model%pair(c%pair(first))%at, help='read no traction of the tie at these nodes; or '// &
-            & 'leave out the supports of its slave side')
+            & model%pair(c%pair(first))%at, help='read no traction of the tie at these nodes; '// &
+            & 'or leave out the supports of its slave side')
       end associate
    end subroutine check_undecided_ties
 end module lopin_undecided_ties
