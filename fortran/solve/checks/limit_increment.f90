@@ -21,6 +21,7 @@ module lopin_limit_increment
    use lopin_friction, only : has_friction
    use lopin_first_increment, only : first_flow
    use lopin_flow_curve, only : is_viscous
+   use lopin_material_memory, only : strain_at
    use lopin_repeated_messages, only : warn_once
    use lopin_passed_force, only : transfer_type, sum_transfers
    use lopin_state, only : refused_type
@@ -37,6 +38,8 @@ module lopin_limit_increment
    real(wp), parameter :: most_passed = 0.1_wp, most_silent = 0.25_wp
    !> Of the largest force, what a metal that flows on may be let go of.
    real(wp), parameter :: most_lost = 0.25_wp
+   !> Plastic strains below this are none.
+   real(wp), parameter :: some_flow = 1.0e-6_wp
    !> Cuts in a row for a pair that lets go, and for force that passes.
    integer, parameter :: most_cuts = 3, most_halts = 5
    !> An increment is cut to no less, and to less than what should fit.
@@ -106,7 +109,7 @@ contains
                   & share > most_passed)
             end associate
          end if
-         if (.not. allocated(error) .and. is_any_viscous(scene)) call limit_loss(scene, model, of, &
+         if (.not. allocated(error) .and. flows_by_rate(scene)) call limit_loss(scene, model, of, &
             & most, error)
          if (allocated(error) .or. scene%newton%attempt > most_cuts) return
          do pair = 1, size(of)
@@ -142,16 +145,25 @@ contains
          & model%step(scene%step)%at, help='smaller increments on *STATIC, or without DIRECT')
    end subroutine limit_loss
 
-   !> Some metal has a stress that depends on its rate.
-   pure logical function is_any_viscous(scene) result(is)
+   !> Some metal whose stress depends on its rate has flowed.
+   pure logical function flows_by_rate(scene) result(flows)
       type(scene_type), intent(in) :: scene
-      integer :: k
+      integer :: e
 
-      is = .false.
-      do k = 1, size(scene%solids%group)
-         is = is .or. is_viscous(scene%solids%group(k)%law%flow)
-      end do
-   end function is_any_viscous
+      flows = .false.
+      associate (old => scene%accepted%solids)
+         if (.not. old%in_use) return
+         do e = 1, size(old%first) - 1
+            if (old%first(e + 1) == old%first(e)) cycle
+            associate (group => scene%solids%group(scene%solids%which(e)))
+               if (.not. is_viscous(group%law%flow)) cycle
+               flows = any(old%value(strain_at(group%element%nstress), old%first(e):old%first(e &
+                  & + 1) - 1) > some_flow)
+            end associate
+            if (flows) return
+         end do
+      end associate
+   end function flows_by_rate
 
    !> What was not cut may be wrong by as much as passed.
    subroutine warn(scene, model, of, whole, known)
