@@ -120,19 +120,20 @@ contains
    !> of reactions. What assembled forces leave at a node that is free is the residual itself.
    !>
    !> A reaction sums what nodes bear. Ties between supports on both sides may give them any force,
-   !> and beside 1e9 times its load a body was in balance wherever it stood.
+   !> and beside 1e9 times its load a body was in balance wherever it stood. Where nothing bears
+   !> anything yet but contact, its springs are what counts.
    pure real(wp) function largest_force(scene, f, reaction) result(force)
       type(scene_type), intent(in) :: scene
       real(wp), intent(in) :: f(:), reaction(:)      !! loads, reactions [force], [force*length]
+      real(wp) :: met, most
       integer :: i, all_dofs(size(f))
 
       all_dofs = [(i, i=1, size(f))]
       force = max(largest(as_forces(scene, f, all_dofs)), scene%newton%element_force)
       if (scene%newton%nlgeom) force = max(force, largest(scene%newton%follower%force))
-      associate (c => scene%constraints)
-         force = max(force, min(largest(as_forces(scene, reaction, c%dof_of_prescribed)), &
-            & size(f)*max(force, largest(as_forces(scene, scene%newton%internal, all_dofs)))))
-      end associate
+      met = largest(as_forces(scene, reaction, scene%constraints%dof_of_prescribed))
+      most = size(f)*max(force, largest(as_forces(scene, scene%newton%internal, all_dofs)))
+      force = max(force, merge(min(met, most), met, most > 0.0_wp))
    end function largest_force
 
    !> What is left of the contact conditions as the certificate sees it: shear beyond its bounds,
