@@ -19,7 +19,7 @@ contains
       type(scene_type), intent(inout) :: scene
       type(element_type) :: etype
       character(len=:), allocatable :: word
-      character(len=12) :: short
+      character(len=len(model%element_word)) :: short
       type(location_type) :: at
       integer :: k, skin
       logical :: found
@@ -40,7 +40,7 @@ contains
                cycle
             end if
             if (len(etype%note) > 0) call model%log%say(severity%note, 'N0206', etype%note, at)
-            model%element_word = [character(len=12) :: model%element_word, short]
+            model%element_word = [character(len=len(short)) :: model%element_word, short]
             scene%etype = [scene%etype, etype]
             scene%etype_at = [scene%etype_at, at]
          end associate

@@ -163,8 +163,9 @@ contains
       type(model_type), intent(in) :: model
       type(cell_type), intent(in) :: cells(:)
       integer, intent(in) :: e, beyond(:, :)
-      integer :: layers(3), d, ndim, i
+      integer :: layers(3), d, ndim
       real(wp) :: thick(3)
+      logical :: bar
 
       ndim = model%mesh%ndim
       layers = 0
@@ -184,11 +185,8 @@ contains
       if (count(layers > 1) < 2) return
       ! What has few layers in two directions is a sheet if it is wide, else a bar.
       d = minloc(thick, dim=1, mask=layers > 1)
-      if (any(layers > 1 .and. thick <= long*thick(d) .and. [(i, i=1, 3)] /= d)) then
-         where (layers > 1) layers = 0
-      else
-         where (layers > 1 .and. thick > long*thick(d)) layers = 0
-      end if
+      bar = count(layers > 1 .and. thick <= long*thick(d)) > 1
+      where (layers > 1 .and. (bar .or. thick > long*thick(d))) layers = 0
    end function layers_of
 
    !> Elements above and below lie in the same sheet, though their own rows may be shorter.

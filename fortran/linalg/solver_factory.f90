@@ -104,7 +104,7 @@ contains
       character(len=*), intent(in) :: wish     !! AUTO or a solver's word, upper case
       integer, intent(in) :: n                 !! equations
 
-      may_coarsen = wish == 'MULTIGRID' .or. (wish == 'AUTO' .and. n >= too_many .and. is_present())
+      may_coarsen = wish == 'MULTIGRID' .or. (may_need_levels(wish, n) .and. n >= too_many)
    end function may_coarsen
 
    !> Iterations of Newton may come to want levels.

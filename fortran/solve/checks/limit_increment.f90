@@ -109,8 +109,7 @@ contains
                   & share > most_passed)
             end associate
          end if
-         if (.not. allocated(error) .and. flows_by_rate(scene)) call limit_loss(scene, model, of, &
-            & most, error)
+         if (.not. allocated(error)) call limit_loss(scene, model, of, most, error)
          if (allocated(error) .or. scene%newton%attempt > most_cuts) return
          do pair = 1, size(of)
             if (of(pair)%now > 0.0_wp .or. .not. of(pair)%before > most_passed*most) cycle
@@ -138,6 +137,7 @@ contains
       pair = maxloc(of%before - of%now, dim=1)
       share = (of(pair)%before - of(pair)%now)/most
       if (.not. share > most_lost) return
+      if (.not. flows_by_rate(scene)) return
       call refuse(scene, model, pair, share, safe*most_lost/share, error)
       if (allocated(error)) return
       call warn_once(scene%log, 'W0555', describe(model, pair, share)//': metal whose stress '// &

@@ -25,11 +25,11 @@ contains
       logical :: free(scene%newton%contact%n)
       integer :: i, first
 
+      if (.not. scene%newton%element_force > 0.0_wp) return
       associate (c => scene%newton%contact)
-         if (.not. any(c%enforcement(:c%n)%tied)) return
          do i = 1, c%n
-            free(i) = c%enforcement(i)%tied .and. scene%newton%element_force > 0.0_wp &
-               & .and. norm2(c%traction(:, i))*abs(c%weight(i)) &
+            free(i) = c%enforcement(i)%tied
+            if (free(i)) free(i) = norm2(c%traction(:, i))*abs(c%weight(i)) &
                & > too_much*scene%newton%element_force
          end do
          first = findloc(free, .true., dim=1)

@@ -132,7 +132,9 @@ contains
       force = max(largest(as_forces(scene, f, all_dofs)), scene%newton%element_force)
       if (scene%newton%nlgeom) force = max(force, largest(scene%newton%follower%force))
       met = largest(as_forces(scene, reaction, scene%constraints%dof_of_prescribed))
-      most = size(f)*max(force, largest(as_forces(scene, scene%newton%internal, all_dofs)))
+      most = size(f)*force
+      if (met > most) most = max(most, size(f)*largest(as_forces(scene, scene%newton%internal, &
+         & all_dofs)))
       force = max(force, merge(min(met, most), met, most > 0.0_wp))
    end function largest_force
 

@@ -26,6 +26,16 @@ def refused(what: str, help: str = "") -> ModelError:
     return ModelError(what, id="E0621", help=help)
 
 
+def pair_names(row) -> list[str]:
+    """Slave and master of a line of *CONTACT PAIR; one name is both.
+
+    >>> pair_names(["Inner", None])
+    ['INNER', 'INNER']
+    """
+    names = [str(plain(v)).upper() for v in row[:2] if v]
+    return [names[0], names[-1]]
+
+
 @dataclass
 class Body:
     """One body of a deck, as its cards have it.

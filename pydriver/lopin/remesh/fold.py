@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .masters import normals_of
-from .seat import NEAR, TOUCHES
+from .seat import NEAR, TOUCHES, kept_in
 
 #: Sides face each other where the cosine of their normals is below this.
 FACING = -0.2
@@ -56,9 +56,7 @@ def close_fold(x: NDArray, edges: NDArray, pressed: NDArray, size: NDArray,
         edge, gap, foot = opposite(fold.x, edges, node, size[node])
         if edge < 0 or gap > (NEAR if pressed[node] else TOUCHES)*size[node]:
             continue
-        step = foot - fold.x[node]
-        for normal in planes[node]:
-            step = step - (step @ normal)*normal
+        step = kept_in(foot - fold.x[node], planes[node])
         fold.farthest = max(fold.farthest, float(np.linalg.norm(step)))
         fold.x[node] += step
         fold.seated[node] = True
@@ -98,10 +96,7 @@ def drawn_apart(x: NDArray, edges: NDArray, normals: NDArray, size: NDArray,
         if edge < 0 or gap > APART*size[node]:
             continue
         for near in (node, *edges[edge]):
-            step = -APART*size[near]*normals[near]
-            for normal in planes[near]:
-                step = step - (step @ normal)*normal
-            apart[near] = x[near] + step
+            apart[near] = x[near] + kept_in(-APART*size[near]*normals[near], planes[near])
     return apart
 
 

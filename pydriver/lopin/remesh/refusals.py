@@ -3,7 +3,7 @@ from __future__ import annotations
 
 from ..deck import Block
 from ..model_read_mesh import plain
-from .body import Body, DeckParts, refused
+from .body import Body, DeckParts, pair_names, refused
 
 #: Cards that belong to the nodes or elements of the first mesh, and what to do instead.
 _CARDS = {"TEMPERATURE": "heat is not carried to a new mesh",
@@ -157,8 +157,7 @@ def refuse_shared_elements(bodies: list[Body]) -> None:
 
 def _meets_itself(block: Block, own: set[str]) -> bool:
     """A line names one surface of a body, or the same twice."""
-    found = [[str(plain(v)).upper() for v in row[:2] if v is not None] for row in block.data]
-    return any(names[0] == names[-1] and names[0] in own for names in found)
+    return any(slave == master and slave in own for slave, master in map(pair_names, block.data))
 
 
 def _refuse_material(parts: DeckParts, body: Body) -> None:

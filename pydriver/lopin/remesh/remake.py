@@ -9,9 +9,8 @@ from numpy.typing import NDArray
 
 from ..deck import Block, Deck
 from ..errors import UsageError
-from ..model_read_mesh import plain
 from ..points import Points
-from .body import Body, DeckParts, direct_labels, read_body, refused
+from .body import Body, DeckParts, direct_labels, pair_names, read_body, refused
 from .card import RemeshCard
 from .part import NewMesh, SkinOrigin, new_labels, next_deck
 from .planar import remesh_plane
@@ -190,16 +189,6 @@ def traction_block(parts: DeckParts, body: Body, mesh: NewMesh, last: Snapshot,
                  for k in np.flatnonzero((t.pair == pair) & ~np.isin(t.node, body.labels))
                  if held[k].any()]
     return [Block("INITIAL CONDITIONS", {"TYPE": "TRACTION"}, rows)] if rows else []
-
-
-def pair_names(row) -> list[str]:
-    """Slave and master of a line of *CONTACT PAIR; one name is both.
-
-    >>> pair_names(["Inner", None])
-    ['INNER', 'INNER']
-    """
-    names = [str(plain(v)).upper() for v in row[:2] if v is not None]
-    return [names[0], names[-1]]
 
 
 def start_block(body: Body, last: Snapshot, parts: DeckParts, release: float = 0.0) -> Block:

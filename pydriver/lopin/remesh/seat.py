@@ -48,13 +48,22 @@ def seat(x: NDArray, pressed: NDArray, size: NDArray, on_tool: list[tuple[NDArra
         wanted = ((pressed[nodes] & (np.abs(gap) < NEAR*size[nodes])) |
                   ((gap < TOUCHES*size[nodes]) & (gap > -size[nodes]))) & ~beyond
         for node, place in zip(nodes[wanted], foot[wanted]):
-            step = place - x[node]
-            for normal in planes[node]:
-                step = step - (step @ normal)*normal
+            step = kept_in(place - x[node], planes[node])
             farthest = max(farthest, float(np.linalg.norm(step)))
             x[node] += step
         seated[nodes[wanted]] = True
     return Seat(x, seated, farthest)
+
+
+def kept_in(step: NDArray, normals: NDArray) -> NDArray:
+    """What a step (ndim,) has along the planes of these unit normals (k, ndim).
+
+    >>> kept_in(np.array([3.0, 4.0]), np.array([[0.0, 1.0]]))
+    array([3., 0.])
+    """
+    for normal in normals:
+        step = step - (step @ normal)*normal
+    return step
 
 
 def keep_volume(x: NDArray, free: NDArray, normals: NDArray, wanted: float, volume_of,

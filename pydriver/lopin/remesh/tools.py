@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from ..model_read_mesh import plain
 from ..points import Tractions
-from .body import Body, DeckParts
+from .body import Body, DeckParts, pair_names
 from .masters import FacetMaster, feet_under_slaves
 from .state import Snapshot
 
@@ -45,9 +45,8 @@ class Tools:
             if block.keyword != "CONTACT PAIR":
                 continue
             for row in block.data:
-                slave = str(plain(row[0])).upper()
+                slave, master = pair_names(row)
                 pairs.append((number, frozenset({("S", slave)} | points.get(slave, set()))))
-                master = str(plain(row[1])).upper() if len(row) > 1 and row[1] else slave
                 if master == slave:
                     folds.append(pairs[-1])
                 found = FacetMaster.of(parts, master, ndim) if master != slave else None
