@@ -30,13 +30,7 @@ contains
          & 'Norton-Hoff, V0 and EXPONENTIAL DECAY need the speed of slip. A step whose *STATIC '// &
          & 'gives no period lasts 1 by default, so that the speed is what the unit of time '// &
          & 'makes of it.', 'write initial increment and period after *STATIC.')
-      call add_explanation(list, 'W0327', 'points that slip are pressed lightly for their law', &
-         & 'TRESCA, CRISTESCU and NORTON-HOFF allow a shear that does not fade with the '// &
-         & 'pressure. It would jump from nothing where a point touches, so it rises as 10 p '// &
-         & 'until it reaches what the law says, at a tenth of that as a pressure. The '// &
-         & 'certificate has the share that is left out so (ramp); here it is above 2 %.', &
-         & 'with a friction stress above ten times the pressure ask whether the law is meant; '// &
-         & 'COULOMB-OROWAN rises by a coefficient of its own.')
+      call bounds(list)
       call add_explanation(list, 'W0326', 'points jammed under a bound that rises steeply', &
          & 'A bound of friction that is a stress (TRESCA, CRISTESCU, NORTON-HOFF) rises as 10 '// &
          & 'p until it is reached, which is a coefficient of 10 under less pressure. A point '// &
@@ -60,4 +54,25 @@ contains
          & 'one by Cristescu, a viscoplastic one by Norton-Hoff: each with what it needs and '// &
          & 'no more.', 'write LAW= to have another one.')
    end subroutine friction_explanations
+
+   !> Bounds of shear that do not follow the pressure.
+   subroutine bounds(list)
+      type(explanation_type), allocatable, intent(inout) :: list(:)
+
+      call add_explanation(list, 'W0560', 'friction by area where facets touch in part', &
+         & 'TRESCA, CRISTESCU, TAUMAX and NORTON-HOFF bound the shear, not the force: friction '// &
+         & 'is that stress times the area of the nodes that press. Where a sheet slides over a '// &
+         & 'radius it touches along a line much narrower than a facet, and one node has the '// &
+         & 'area of a facet. The area is known but for one facet of those that press side by '// &
+         & 'side; the work of friction of that share, beside all other, is stated from 5 % on.', &
+         & 'finer facets of the slave there; or COULOMB or COULOMB-OROWAN, whose friction '// &
+         & 'follows the force.')
+      call add_explanation(list, 'W0327', 'points that slip are pressed lightly for their law', &
+         & 'TRESCA, CRISTESCU and NORTON-HOFF allow a shear that does not fade with the '// &
+         & 'pressure. It would jump from nothing where a point touches, so it rises as 10 p '// &
+         & 'until it reaches what the law says, at a tenth of that as a pressure. The '// &
+         & 'certificate has the share that is left out so (ramp); here it is above 2 %.', &
+         & 'with a friction stress above ten times the pressure ask whether the law is meant; '// &
+         & 'COULOMB-OROWAN rises by a coefficient of its own.')
+   end subroutine bounds
 end module lopin_explain_friction

@@ -5,7 +5,7 @@ module lopin_creases
    use lopin_tool, only : one_plane
    implicit none
    private
-   public :: is_hollow, chord_of, rise_of, turn_at, edge_to, stays, stands_alone
+   public :: is_hollow, chord_of, rise_of, turn_at, edge_to, stays, stands_alone, turns_on
 
    !> 30 degrees: two walls, not one.
    real(wp), parameter, public :: sharp = cos(acos(-1.0_wp)/6.0_wp)

@@ -8,7 +8,7 @@ module lopin_curved_triangle
    use lopin_vectors, only : cross
    implicit none
    private
-   public :: edge_control, closest_on_curved, normal_slopes
+   public :: edge_control, rise_of_patch, closest_on_curved, normal_slopes
 
    integer, parameter :: most_steps = 25
    real(wp), parameter :: still = 1.0e-14_wp   !! of a parameter [-]
@@ -30,6 +30,18 @@ contains
       mean = na + nb
       control = 0.5_wp*(a + b) + 0.5_wp*mean*dot_product(nb - na, b - a)/dot_product(mean, mean)
    end function edge_control
+
+   !> How far the patch is off the triangle of its corners, by the middles of its edges and its own.
+   pure real(wp) function rise_of_patch(control) result(rise)
+      real(wp), intent(in) :: control(3, 6)    !! [length]
+      real(wp) :: bulge(3, 3)
+      integer :: k
+
+      do k = 1, 3
+         bulge(:, k) = control(:, 3 + k) - 0.5_wp*(control(:, k) + control(:, 1 + mod(k, 3)))
+      end do
+      rise = max(0.5_wp*maxval(norm2(bulge, dim=1)), norm2(sum(bulge, dim=2))*2.0_wp/9.0_wp)
+   end function rise_of_patch
 
    !> The closest point: where it is, and on what.
    pure subroutine closest_on_curved(control, x, share, point, feature)

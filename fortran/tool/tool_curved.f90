@@ -1,7 +1,7 @@
 !> A tool of triangles that mean a curved surface: each is curved by the normals of its corners.
 !>
-!> Facets that meet at less than 30 degrees share the normals of their corners, those of the facets
-!> around weighted by angle and area. Sharper edges stay as they are, and so do creases that stand
+!> Facets that meet at less than 30 degrees share the normals of their corners
+!> (`corner_normals.f90`). Sharper edges stay as they are, and so do creases that stand
 !> alone and stand out: a surface that is curved turns on, the same way and about as much, at the
 !> next crease, and what stands out no more than the chords of that surface belongs to it.
 !> Points whose foot is on an edge that stays are met as on flat facets. The normal runs between
@@ -10,11 +10,12 @@ module lopin_tool_curved
    use lopin_kinds, only : wp
    use lopin_facet_mesh, only : facet_mesh_type
    use lopin_tool, only : foot_type, one_plane, coincidence
-   use lopin_vectors, only : cross
+   use lopin_corner_normals, only : corner_normal
    use lopin_tool_facets, only : facets_tool_type, nearest_type, new_facets_tool, settle_flat, &
       & goes_through
    use lopin_creases, only : sharp, chord_of, rise_of, turn_at, edge_to, stays, stands_alone
-   use lopin_curved_triangle, only : edge_control, closest_on_curved, normal_slopes
+   use lopin_curved_triangle, only : edge_control, closest_on_curved, normal_slopes, &
+      & rise_of_patch
    implicit none
    private
    public :: curved_tool_type, new_curved_tool
@@ -52,14 +53,8 @@ contains
       call find_kept(self)
       self%hollow_edges = any(self%hollow)
       do f = 1, mesh%nfacet
-         self%chord(f) = 0.0_wp
          do k = 1, 3
-            if (.not. self%kept(k, f)) self%chord(f) = max(self%chord(f), rise_of(mesh, f, k))
-         end do
-      end do
-      do f = 1, mesh%nfacet
-         do k = 1, 3
-            self%corner(:, k, f) = normal_at(self, f, k)
+            self%corner(:, k, f) = corner_normal(mesh, self%kept, f, k)
          end do
       end do
       do f = 1, mesh%nfacet
@@ -72,6 +67,7 @@ contains
                   & self%corner(:, k, f), self%corner(:, to, f))
             end associate
          end do
+         self%chord(f) = rise_of_patch(self%control(:, :, f))
       end do
    end subroutine new_curved_tool
 
@@ -197,51 +193,6 @@ contains
          end do
       end do
    end subroutine find_regions
-
-   !> The mean normal of the facets around corner k of facet f that no kept edge parts from it.
-   pure function normal_at(self, f, k) result(normal)
-      type(curved_tool_type), intent(in) :: self
-      integer, intent(in) :: f, k
-      real(wp) :: normal(3)
-      integer, allocatable :: list(:)
-      integer :: v, n, i, g, h, c, side
-
-      v = self%mesh%vertex(k, f)
-      allocate (list(self%mesh%ring_first(v + 1) - self%mesh%ring_first(v)))
-      list(1) = f
-      n = 1
-      i = 0
-      normal = 0.0_wp
-      do while (i < n)
-         i = i + 1
-         g = list(i)
-         c = findloc(self%mesh%vertex(:, g), v, dim=1)
-         normal = normal + weight_of(self%mesh, g, c)*self%mesh%normal(:, g)
-         do side = 1, 2
-            ! The edges that begin and end at the corner.
-            h = merge(c, 1 + mod(c + 1, 3), side == 1)
-            if (self%kept(h, g)) cycle
-            h = self%mesh%neighbour(h, g)
-            if (h == 0) cycle
-            if (any(list(:n) == h) .or. n == size(list)) cycle
-            n = n + 1
-            list(n) = h
-         end do
-      end do
-      normal = normal/norm2(normal)
-   end function normal_at
-
-   !> Angle at the corner times area: a plane keeps its direction beside the facets of a fillet.
-   pure real(wp) function weight_of(mesh, f, k)
-      type(facet_mesh_type), intent(in) :: mesh
-      integer, intent(in) :: f, k
-      real(wp) :: a(3), b(3), c(3)
-
-      a = mesh%x(:, mesh%vertex(1 + mod(k, 3), f)) - mesh%x(:, mesh%vertex(k, f))
-      b = mesh%x(:, mesh%vertex(1 + mod(k + 1, 3), f)) - mesh%x(:, mesh%vertex(k, f))
-      c = cross(a, b)
-      weight_of = max(norm2(c)*atan2(norm2(c), dot_product(a, b)), tiny(1.0_wp))
-   end function weight_of
 
    !> Facets beyond kept edges, and those of one curved surface that look elsewhere.
    pure logical function is_other_curved(self, f, foot) result(is_other)

@@ -20,6 +20,7 @@ program test_tool_curved
    call gradient_and_hessian_are_the_derivatives()
    call a_valley_holds_by_both_walls()
    call so_does_a_valley_that_ends()
+   call walls_beside_a_fillet_of_two_chords_stay_flat()
    call finish()
 
 contains
@@ -248,6 +249,53 @@ contains
       call is_true('two feet', most == 2)
       call is_true('gaps', worst < 1.0e-9_wp)
    end subroutine so_does_a_valley_that_ends
+
+   !> A plane, a fillet of radius 1 that turns by 56 degrees in two chords, and a wall beyond it.
+   subroutine walls_beside_a_fillet_of_two_chords_stay_flat()
+      class(tool_type), allocatable :: tool
+      type(foot_type) :: foot
+      real(wp), parameter :: turn = 56.0_wp*acos(-1.0_wp)/180.0_wp
+      real(wp) :: corner(3, 3, 32), p(3, 5, 5), x(3), a, off(3)
+      integer :: i, part
+
+      call test('walls beside a fillet of two chords stay flat, and the fillet is round')
+      do i = 1, 5
+         p(2, i, :) = i - 3.0_wp
+      end do
+      p(1, :, 1) = -10.0_wp
+      p(3, :, 1) = 0.0_wp
+      do i = 0, 2
+         p(1, :, 2 + i) = sin(0.5_wp*i*turn)
+         p(3, :, 2 + i) = cos(0.5_wp*i*turn) - 1.0_wp
+      end do
+      p(1, :, 5) = p(1, :, 4) + 8.0_wp*cos(turn)
+      p(3, :, 5) = p(3, :, 4) - 8.0_wp*sin(turn)
+      call strips(p, corner)
+      call new_open(tool, corner)
+      off = 0.0_wp
+      do i = 1, 300
+         do part = 1, 3
+            call random_number(a)
+            x(2) = 3.0_wp*a - 1.5_wp
+            call random_number(a)
+            select case (part)
+            case (1)
+               x([1, 3]) = [-10.0_wp*a, 0.0_wp]
+            case (2)
+               x([1, 3]) = [sin(a*turn), cos(a*turn) - 1.0_wp]
+            case (3)
+               x([1, 3]) = p([1, 3], 1, 4)*(1.0_wp - a) + p([1, 3], 1, 5)*a
+            end select
+            call tool%project(x, foot)
+            off(part) = max(off(part), abs(foot%gap))
+         end do
+      end do
+      call is_true('plane and wall', maxval(off([1, 3])) < 1.0e-9_wp)
+      call is_true('fillet', off(2) < 0.2_wp*(1.0_wp - cos(0.25_wp*turn)))
+      off(1) = maxval(tool%chord)
+      call close_to('what stands off', off(1), 0.5_wp*sin(0.25_wp*turn)*tan(0.25_wp*turn), &
+         & 1.0e-9_wp)
+   end subroutine walls_beside_a_fillet_of_two_chords_stay_flat
 
    !> A triangle of a wall that rises from the crease.
    pure function wall(side, out, along) result(corner)

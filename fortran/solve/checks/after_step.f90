@@ -14,6 +14,8 @@ module lopin_after_step
    use lopin_hanging_facets, only : hanging_type, measure_hanging, tell_hanging
    use lopin_check_stretch, only : stretched_type, measure_stretch, check_stretch
    use lopin_eased_friction, only : tell_eased
+   use lopin_narrow_friction, only : narrow_friction_type, measure_narrow_friction, &
+      & tell_narrow_friction
    use lopin_narrow_tools, only : check_narrow_tools
    use lopin_narrow_masters, only : check_narrow_masters
    use lopin_passed_tools, only : check_passed_tools
@@ -49,6 +51,7 @@ module lopin_after_step
       type(hanging_type) :: hanging          !! past edges
       type(neutral_type) :: neutral          !! motion that flow leaves open
       type(finite_path_type) :: finite_path  !! NLGEOM that no step called for
+      type(narrow_friction_type) :: narrow   !! work where contact is narrower than facets
    contains
       procedure :: keep => keep_seen
    end type step_record_type
@@ -70,6 +73,7 @@ contains
       call self%hanging%keep(stream)
       call self%neutral%keep(stream)
       call self%finite_path%keep(stream)
+      call self%narrow%keep(stream)
    end subroutine keep_seen
 
    !> Look at an accepted increment.
@@ -85,6 +89,7 @@ contains
       call record_pairs(self, scene, model)
       call check_passed_tools(scene, model)
       if (scene%newton%in_use) call check_undecided_ties(scene, model)
+      call measure_narrow_friction(self%narrow, scene, model)
       call measure_small_displacements(self%strayed, scene, model)
       call find_neutral_motion(self%neutral, scene, model)
       if (scene%newton%nlgeom) then
@@ -164,11 +169,12 @@ contains
 
    !> Say at the end of a step what its answer cannot be trusted in, and after the last what never
    !> met.
-   subroutine check_step(scene, model, seen, ramp)
+   subroutine check_step(scene, model, seen, ramp, whole)
       type(scene_type), intent(inout) :: scene
       type(model_type), intent(in) :: model
       type(step_record_type), intent(inout) :: seen
       real(wp), intent(in) :: ramp             !! share of bounds of shear that is lacking [-]
+      real(wp), intent(in) :: whole            !! work done so far [energy]
       integer :: pair
 
       if (scene%step == size(model%step)) then
@@ -190,6 +196,7 @@ contains
       call tell_coarse_rates(seen%rates, scene, model)
       call tell_hanging(seen%hanging, scene, model)
       call tell_neutral_motion(seen%neutral, scene, model)
+      call tell_narrow_friction(seen%narrow, scene, model, whole)
    end subroutine check_step
 
    !> Points that slip under so little pressure that their law has not its bound there.

@@ -380,7 +380,7 @@ contains
             & scene%constraints, scene%solids, step, model%step(scene%step + 1), &
             & scene%accepted%loads%steady)
          call leave_followers(scene%newton%follower, scene%accepted%loads%followers)
-         call check_step(scene, model, watch%seen, self%frame%certificate%rubs%ramp)
+         call check_step(scene, model, watch%seen, self%frame%certificate%rubs%ramp, energy%most)
          call check_coarse_faces(scene, model, energy%most)
          if (scene%newton%in_use) call end_balance(watch%balance, scene, model, energy)
          call report_snap_through(watch%jumps, scene, model, energy)
