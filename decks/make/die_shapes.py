@@ -149,7 +149,7 @@ def volume(die: Die, cells: int = 600) -> float:
     y = (np.arange(cells) + 0.5)*back/cells
     x, y = np.meshgrid(x, y)
     inside = die.outline(x, y) < 0.0
-    return float(die.height(x, y)[inside].sum()*(right - low)*back/cells**2)
+    return float(die.height(x[inside], y[inside]).sum()*(right - low)*back/cells**2)
 
 
 def on_grid(die: Die, size: float) -> np.ndarray:

@@ -192,6 +192,10 @@ def _value(field: str) -> Value:
     except ValueError:
         pass
     try:
+        return float(field)
+    except ValueError:
+        pass
+    try:
         return float(field.upper().replace("D", "E"))
     except ValueError:
         return field
@@ -202,6 +206,8 @@ def _field(value: Value) -> str:
         return ""
     if isinstance(value, str):
         return value
+    if type(value) is int:
+        return str(value)
     if float(value).is_integer() and not isinstance(value, float):
         return str(int(value))
     text = repr(float(value))
