@@ -17,9 +17,11 @@ Value = float | int | str | None
 class Row(list):
     """One data line as a list of values: int, float, str, or None for an empty field."""
 
+    __slots__ = ("_text", "_read")   # there are a hundred thousand of them
+
     def __init__(self, values: Iterable[Value], text: str | None = None):
         super().__init__(values)
-        self._text, self._read = text, list(self)
+        self._text, self._read = text, None if text is None else list(self)
 
     @classmethod
     def read(cls, text: str) -> Row:
@@ -30,7 +32,7 @@ class Row(list):
     def text(self) -> str:
         if self._text is not None and self == self._read:
             return self._text
-        return ", ".join(_field(v) for v in self)
+        return ", ".join([_field(v) for v in self])
 
 
 class Block:
